@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace glint {
+
+/// A file that appears only when it is whole: write to temporary_path(), then commit(). Without
+/// commit() the temporary file is removed.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::filesystem::path path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  /// In the same folder and with the same extension as the final path.
+  const std::filesystem::path& temporary_path() const { return temporary_; }
+
+  void commit();  ///< @throws IoError when the rename fails
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path temporary_;
+  bool committed_ = false;
+};
+
+/// Writes all bytes, then renames into place. @throws IoError (unwritable, disk full).
+void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+/// The whole file. @throws IoError with the system's reason.
+std::string read_file(const std::filesystem::path& path);
+
+/// Creates the folder and its parents. @throws IoError
+void make_folder(const std::filesystem::path& path);
+
+}  // namespace glint

@@ -1,0 +1,380 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/keys.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/text.h"
+#include "core/units.h"
+
+namespace glint {
+namespace {
+
+std::string joined_path(std::string_view path, std::string_view key) {
+  return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
+}
+
+std::string quoted_list(std::span<const std::string_view> names) {
+  return fmt::format("\"{}\"", fmt::join(names.begin(), names.end(), "\", \""));
+}
+
+/// An internal value as it is written; rounded to 15 digits so that 90 deg comes back as 90.
+double written_value(std::string_view key, double internal) {
+  const double factor = internal_per_written(key);
+  if (factor == 1.0 || !std::isfinite(internal)) {
+    return internal;
+  }
+  return std::stod(fmt::format("{:.15g}", internal / factor));
+}
+
+}  // namespace
+
+std::string Range::text() const {
+  const bool has_min = std::isfinite(min);
+  const bool has_max = std::isfinite(max);
+  if (has_min && has_max) {
+    return fmt::format("in {}{}, {}]", min_excluded ? "(" : "[", shortest(min), shortest(max));
+  }
+  if (has_min) {
+    return fmt::format("{} {}", min_excluded ? ">" : ">=", shortest(min));
+  }
+  return has_max ? fmt::format("<= {}", shortest(max)) : "any";
+}
+
+KeyReader::KeyReader(const ConfigNode* table, std::string path, std::vector<std::string>& errors)
+    : table_(table), path_(std::move(path)), errors_(errors) {
+  if (table_ != nullptr && !table_->is_table()) {
+    errors_.push_back(
+        fmt::format("{}{}: must be a table, like [{}]", table_->place.prefix(), path_, path_));
+    table_ = nullptr;
+  }
+}
+
+const ConfigNode* KeyReader::take(std::string_view key) {
+  known_.emplace_back(key);
+  return table_ == nullptr ? nullptr : table_->find(key);
+}
+
+void KeyReader::error(const ConfigNode* where, std::string_view key, const std::string& message) {
+  const std::string prefix = where != nullptr    ? where->place.prefix()
+                             : table_ != nullptr ? table_->place.prefix()
+                                                 : "";
+  errors_.push_back(fmt::format("{}{}: {}", prefix, joined_path(path_, key), message));
+}
+
+bool KeyReader::number_in_range(const ConfigNode& node,
+                                std::string_view key,
+                                const Range& range,
+                                double* written) {
+  if (!node.is_number()) {
+    error(&node, key, fmt::format("must be a number, {}", range.text()));
+    return false;
+  }
+  if (!std::isfinite(node.number) || !range.contains(node.number)) {
+    error(&node, key, fmt::format("is {}, must be {}", shortest(node.number), range.text()));
+    return false;
+  }
+  *written = node.number;
+  return true;
+}
+
+void KeyReader::number(std::string_view key,
+                       double& value,
+                       const Range& range,
+                       std::string_view /*doc*/) {
+  const ConfigNode* node = take(key);
+  double written = 0.0;
+  if (node != nullptr && number_in_range(*node, key, range, &written)) {
+    value = written * internal_per_written(key);
+  }
+}
+
+void KeyReader::integer(std::string_view key,
+                        int& value,
+                        const Range& range,
+                        std::string_view /*doc*/) {
+  const ConfigNode* node = take(key);
+  double written = 0.0;
+  if (node == nullptr || !number_in_range(*node, key, range, &written)) {
+    return;
+  }
+  if (written != std::floor(written) || std::abs(written) > 2e9) {
+    error(node, key, fmt::format("is {}, must be a whole number", shortest(written)));
+    return;
+  }
+  value = static_cast<int>(written);
+}
+
+void KeyReader::boolean(std::string_view key, bool& value, std::string_view /*doc*/) {
+  const ConfigNode* node = take(key);
+  if (node == nullptr) {
+    return;
+  }
+  if (node->kind != ConfigNode::Kind::kBoolean) {
+    error(node, key, "must be true or false");
+    return;
+  }
+  value = node->boolean;
+}
+
+void KeyReader::text(std::string_view key, std::string& value, std::string_view /*doc*/) {
+  const ConfigNode* node = take(key);
+  if (node == nullptr) {
+    return;
+  }
+  if (node->kind != ConfigNode::Kind::kText) {
+    error(node, key, "must be a text in quotes");
+    return;
+  }
+  value = node->text;
+}
+
+void KeyReader::file(std::string_view key, std::filesystem::path& value, std::string_view /*doc*/) {
+  const ConfigNode* node = take(key);
+  if (node == nullptr) {
+    return;
+  }
+  if (node->kind != ConfigNode::Kind::kText) {
+    error(node, key, "must be a file name in quotes");
+    return;
+  }
+  value = node->text.empty() ? std::filesystem::path() : resolve_path(*node);
+  std::error_code ignored;
+  if (!value.empty() && !std::filesystem::exists(value, ignored)) {
+    error(node, key, fmt::format("the file {} does not exist", value.string()));
+  }
+}
+
+void KeyReader::numbers(std::string_view key,
+                        std::vector<double>& values,
+                        Count count,
+                        const Range& range,
+                        std::string_view /*doc*/) {
+  const ConfigNode* node = take(key);
+  if (node == nullptr) {
+    return;
+  }
+  const auto size = static_cast<int>(node->items.size());
+  if (!node->is_array() || size < count.min || size > count.max) {
+    const std::string wanted = count.min == count.max ? fmt::format("{}", count.min)
+                               : count.max == Count{}.max
+                                   ? fmt::format("at least {}", count.min)
+                                   : fmt::format("{} to {}", count.min, count.max);
+    error(node, key, fmt::format("must be an array of {} numbers", wanted));
+    return;
+  }
+  std::vector<double> read;
+  for (const ConfigNode& item : node->items) {
+    double written = 0.0;
+    if (!number_in_range(item, key, range, &written)) {
+      return;
+    }
+    read.push_back(written * internal_per_written(key));
+  }
+  values = std::move(read);
+}
+
+void KeyReader::choice_index(std::string_view key,
+                             int& index,
+                             std::span<const std::string_view> names,
+                             std::string_view /*doc*/) {
+  const ConfigNode* node = take(key);
+  if (node == nullptr) {
+    return;
+  }
+  const auto position = node->kind == ConfigNode::Kind::kText
+                            ? std::ranges::find(names, std::string_view(node->text))
+                            : names.end();
+  if (position == names.end()) {
+    error(node,
+          key,
+          fmt::format("is {}, must be one of {}", value_to_toml(*node), quoted_list(names)));
+    return;
+  }
+  index = static_cast<int>(position - names.begin());
+}
+
+void KeyReader::table(std::string_view key,
+                      const std::function<void(KeyVisitor&)>& visit,
+                      std::string_view /*doc*/) {
+  KeyReader reader(take(key), joined_path(path_, key), errors_);
+  visit(reader);
+  reader.report_unknown();
+}
+
+void KeyReader::require(bool holds, std::string_view key, const std::string& message) {
+  if (!holds) {
+    error(table_ == nullptr ? nullptr : table_->find(key), key, message);
+  }
+}
+
+bool KeyReader::is_given(std::string_view key) const {
+  return table_ != nullptr && table_->find(key) != nullptr;
+}
+
+void KeyReader::report_unknown() {
+  if (table_ == nullptr) {
+    return;
+  }
+  for (std::size_t i = 0; i < table_->names.size(); ++i) {
+    const std::string& name = table_->names[i];
+    if (std::ranges::find(known_, name) == known_.end()) {
+      const std::string near = nearest(name, known_);
+      error(&table_->items[i],
+            name,
+            near.empty() ? "unknown key"
+                         : fmt::format("unknown key, the nearest known one is \"{}\"", near));
+    }
+  }
+}
+
+KeyLister::KeyLister(std::string path, std::vector<KeyRow>& rows)
+    : path_(std::move(path)), rows_(rows) {}
+
+void KeyLister::add(std::string_view key, KeyRow row) {
+  row.path = joined_path(path_, key);
+  row.unit = written_unit(key);
+  rows_.push_back(std::move(row));
+}
+
+void KeyLister::number(std::string_view key,
+                       double& value,
+                       const Range& range,
+                       std::string_view doc) {
+  add(key,
+      {.kind = "number",
+       .allowed = range.text(),
+       .default_text = shortest(written_value(key, value)),
+       .doc = std::string(doc)});
+}
+
+void KeyLister::integer(std::string_view key,
+                        int& value,
+                        const Range& range,
+                        std::string_view doc) {
+  add(key,
+      {.kind = "integer",
+       .allowed = range.text(),
+       .default_text = fmt::format("{}", value),
+       .doc = std::string(doc)});
+}
+
+void KeyLister::boolean(std::string_view key, bool& value, std::string_view doc) {
+  add(key,
+      {.kind = "boolean",
+       .allowed = "true or false",
+       .default_text = value ? "true" : "false",
+       .doc = std::string(doc)});
+}
+
+void KeyLister::text(std::string_view key, std::string& value, std::string_view doc) {
+  add(key,
+      {.kind = "text",
+       .allowed = "any",
+       .default_text = fmt::format("\"{}\"", value),
+       .doc = std::string(doc)});
+}
+
+void KeyLister::file(std::string_view key, std::filesystem::path& value, std::string_view doc) {
+  add(key,
+      {.kind = "file",
+       .allowed = "an existing file",
+       .default_text = fmt::format("\"{}\"", value.string()),
+       .doc = std::string(doc)});
+}
+
+void KeyLister::numbers(std::string_view key,
+                        std::vector<double>& values,
+                        Count count,
+                        const Range& range,
+                        std::string_view doc) {
+  std::vector<std::string> parts;
+  for (const double value : values) {
+    parts.push_back(shortest(written_value(key, value)));
+  }
+  const std::string size = count.min == count.max ? fmt::format("{} numbers", count.min)
+                                                  : fmt::format("{} or more numbers", count.min);
+  add(key,
+      {.kind = "numbers",
+       .allowed = fmt::format("{}, each {}", size, range.text()),
+       .default_text = "[" + join(parts, ", ") + "]",
+       .doc = std::string(doc)});
+}
+
+void KeyLister::choice_index(std::string_view key,
+                             int& index,
+                             std::span<const std::string_view> names,
+                             std::string_view doc) {
+  add(key,
+      {.kind = "choice",
+       .allowed = quoted_list(names),
+       .default_text = fmt::format("\"{}\"", names[static_cast<std::size_t>(index)]),
+       .doc = std::string(doc)});
+}
+
+void KeyLister::table(std::string_view key,
+                      const std::function<void(KeyVisitor&)>& visit,
+                      std::string_view /*doc*/) {
+  KeyLister lister(joined_path(path_, key), rows_);
+  visit(lister);
+}
+
+void KeyWriter::put(std::string_view key, ConfigNode node) {
+  table_.names.emplace_back(key);
+  table_.items.push_back(std::move(node));
+}
+
+void KeyWriter::number(std::string_view key, double& value, const Range&, std::string_view) {
+  put(key, ConfigNode::from_number(written_value(key, value)));
+}
+
+void KeyWriter::integer(std::string_view key, int& value, const Range&, std::string_view) {
+  put(key, ConfigNode::from_integer(value));
+}
+
+void KeyWriter::boolean(std::string_view key, bool& value, std::string_view) {
+  put(key, ConfigNode::from_boolean(value));
+}
+
+void KeyWriter::text(std::string_view key, std::string& value, std::string_view) {
+  put(key, ConfigNode::from_text(value));
+}
+
+void KeyWriter::file(std::string_view key, std::filesystem::path& value, std::string_view) {
+  put(key, ConfigNode::from_text(value.string()));
+}
+
+void KeyWriter::numbers(
+    std::string_view key, std::vector<double>& values, Count, const Range&, std::string_view) {
+  ConfigNode node = ConfigNode::array();
+  for (const double value : values) {
+    node.items.push_back(ConfigNode::from_number(written_value(key, value)));
+  }
+  put(key, std::move(node));
+}
+
+void KeyWriter::choice_index(std::string_view key,
+                             int& index,
+                             std::span<const std::string_view> names,
+                             std::string_view) {
+  put(key, ConfigNode::from_text(std::string(names[static_cast<std::size_t>(index)])));
+}
+
+void KeyWriter::table(std::string_view key,
+                      const std::function<void(KeyVisitor&)>& visit,
+                      std::string_view) {
+  ConfigNode node = ConfigNode::table();
+  KeyWriter writer(node);
+  visit(writer);
+  put(key, std::move(node));
+}
+
+void throw_if_any(const std::vector<std::string>& errors) {
+  if (!errors.empty()) {
+    throw ConfigError(join(errors, "\n"));
+  }
+}
+
+}  // namespace glint

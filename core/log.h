@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace glint {
+
+enum class LogLevel { kDebug, kInfo, kWarning, kError };
+
+/// Where log lines go; set once by the program before any work starts.
+struct LogSettings {
+  bool to_stderr = true;
+  LogLevel stderr_level = LogLevel::kWarning;
+  std::filesystem::path file;  ///< empty: no file; everything from kInfo upwards goes there
+};
+
+/// @throws IoError when the log file cannot be opened.
+void configure_log(const LogSettings& settings);
+
+/// Adds a line to the log; the text is one sentence without a full stop.
+void log_text(LogLevel level, std::string_view text);
+
+template <class... Args>
+void log(LogLevel level, fmt::format_string<Args...> format, Args&&... args) {
+  log_text(level, fmt::format(format, std::forward<Args>(args)...));
+}
+
+}  // namespace glint

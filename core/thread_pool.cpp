@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/thread_pool.h"
+
+#include <algorithm>
+#include <thread>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "core/error.h"
+
+namespace glint {
+
+struct ThreadPool::Arena {
+  explicit Arena(int num_threads) : arena(num_threads) {}
+
+  tbb::task_arena arena;
+};
+
+ThreadPool::ThreadPool(int num_threads) {
+  GLINT_CHECK(num_threads >= 1, "a pool needs a thread");
+  arena_ = std::make_unique<Arena>(num_threads);
+}
+
+ThreadPool::~ThreadPool() = default;
+
+int ThreadPool::num_threads() const {
+  return arena_->arena.max_concurrency();
+}
+
+void ThreadPool::for_each(std::int64_t count, const std::function<void(std::int64_t)>& body) {
+  if (num_threads() == 1) {
+    for (std::int64_t i = 0; i < count; ++i) {
+      body(i);
+    }
+    return;
+  }
+  arena_->arena.execute([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::int64_t>(0, count, 1),
+        [&](const tbb::blocked_range<std::int64_t>& range) {
+          for (std::int64_t i = range.begin(); i != range.end(); ++i) {
+            body(i);
+          }
+        },
+        tbb::simple_partitioner());
+  });
+}
+
+int hardware_threads() {
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+}  // namespace glint

@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/light/tunnel_kernels.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+
+namespace glint {
+namespace {
+
+/// Hits nearer than this belong to the surface the ray leaves.
+constexpr float kMinT_mm = 1e-3F;
+constexpr int kMaxSegments = 32;
+constexpr int kChunk = 1024;
+
+/// 2-logarithm of x > 0 to 2e-7, by the exponent and a series in (m - 1) / (m + 1).
+__attribute__((always_inline)) inline float log2_fast(float x) {
+  const auto bits = std::bit_cast<std::int32_t>(x);
+  const std::int32_t shifted = bits - 0x3F3504F3;  // mantissa in [sqrt(1/2), sqrt(2))
+  const std::int32_t exponent = shifted >> 23;
+  const auto mantissa = std::bit_cast<float>(bits - (exponent << 23));
+  const float s = (mantissa - 1.0F) / (mantissa + 1.0F);
+  const float s2 = s * s;
+  const float series =
+      s * (2.0F + s2 * (0.66666667F + s2 * (0.4F + s2 * (0.28571429F + s2 * 0.22222222F))));
+  return static_cast<float>(exponent) + series * 1.44269504F;
+}
+
+/// 2^x to 2e-7 for |x| < 126.
+__attribute__((always_inline)) inline float exp2_fast(float x) {
+  const float clamped = x < -125.0F ? -125.0F : (x > 125.0F ? 125.0F : x);
+  const float whole = std::floor(clamped + 0.5F);
+  const float f = (clamped - whole) * 0.69314718F;
+  const float series =
+      1.0F +
+      f * (1.0F + f * (0.5F + f * (0.16666667F +
+                                   f * (0.041666667F + f * (0.0083333333F + f * 0.0013888889F)))));
+  const auto power = std::bit_cast<float>((static_cast<std::int32_t>(whole) + 127) << 23);
+  return series * power;
+}
+
+__attribute__((always_inline)) inline float pow_fast(float x, float exponent) {
+  return exp2_fast(exponent * log2_fast(x > 1e-12F ? x : 1e-12F));
+}
+
+/// cos(2 pi x) to 1e-6 for any x of moderate size.
+__attribute__((always_inline)) inline float cos_turns(float x) {
+  const float turn = x - std::floor(x + 0.5F);  // [-0.5, 0.5)
+  const float a = turn < 0.0F ? -turn : turn;
+  const float folded = a > 0.25F ? 0.5F - a : a;
+  const float sign = a > 0.25F ? -1.0F : 1.0F;
+  const float p = folded * 6.2831853F;
+  const float p2 = p * p;
+  return sign *
+         (1.0F + p2 * (-0.5F + p2 * (0.041666667F + p2 * (-0.0013888889F + p2 * 2.4801587e-5F))));
+}
+
+}  // namespace
+
+GLINT_WIDE void hit_flat(const RayBlock& rays,
+                         const FlatWall* walls,
+                         int num_walls,
+                         float* __restrict t_mm) {
+  const float* __restrict oy = rays.origin_y;
+  const float* __restrict oz = rays.origin_z;
+  const float* __restrict dy = rays.direction_y;
+  const float* __restrict dz = rays.direction_z;
+  const int count = rays.count;
+  for (int i = 0; i < count; ++i) {
+    t_mm[i] = kNoHit_mm;
+  }
+  for (int w = 0; w < num_walls; ++w) {
+    const auto ny = static_cast<float>(walls[w].normal_y);
+    const auto nz = static_cast<float>(walls[w].normal_z);
+    const auto offset = static_cast<float>(walls[w].offset_mm);
+    const auto sy = static_cast<float>(walls[w].start_y_mm);
+    const auto sz = static_cast<float>(walls[w].start_z_mm);
+    const auto ay = static_cast<float>(walls[w].along_y);
+    const auto az = static_cast<float>(walls[w].along_z);
+    const auto length = static_cast<float>(walls[w].length_mm);
+    for (int i = 0; i < count; ++i) {
+      const float slope = ny * dy[i] + nz * dz[i];
+      const float t = (offset - ny * oy[i] - nz * oz[i]) / slope;
+      const float s = (oy[i] + t * dy[i] - sy) * ay + (oz[i] + t * dz[i] - sz) * az;
+      // Bitwise: short-circuit tests would keep the loop from being vectorised.
+      const bool is_hit =
+          (slope > 0.0F) & (t > kMinT_mm) & (t < t_mm[i]) & (s >= 0.0F) & (s <= length);
+      t_mm[i] = is_hit ? t : t_mm[i];
+    }
+  }
+}
+
+GLINT_WIDE void hit_ellipse(const RayBlock& rays,
+                            float base_mm,
+                            float half_width_mm,
+                            float height_mm,
+                            float* __restrict t_mm) {
+  const float* __restrict oy = rays.origin_y;
+  const float* __restrict oz = rays.origin_z;
+  const float* __restrict dy = rays.direction_y;
+  const float* __restrict dz = rays.direction_z;
+  const float per_width = 1.0F / half_width_mm;
+  const float per_height = 1.0F / height_mm;
+  for (int i = 0; i < rays.count; ++i) {
+    const float py = oy[i] * per_width;
+    const float pz = (oz[i] - base_mm) * per_height;
+    const float vy = dy[i] * per_width;
+    const float vz = dz[i] * per_height;
+    const float a = vy * vy + vz * vz;
+    const float b = py * vy + pz * vz;
+    const float c = py * py + pz * pz - 1.0F;
+    const float discriminant = b * b - a * c;
+    const float t = (std::sqrt(discriminant > 0.0F ? discriminant : 0.0F) - b) / a;
+    const bool is_hit = (discriminant > 0.0F) & (a > 0.0F) & (t > kMinT_mm) & (pz + t * vz >= 0.0F);
+    t_mm[i] = is_hit ? t : kNoHit_mm;
+  }
+}
+
+/// One step of Newton's method for every ray. Steps are the outer loop so that rays vectorise.
+GLINT_WIDE static void superellipse_step(const RayBlock& rays,
+                                         float base_mm,
+                                         float per_width,
+                                         float per_height,
+                                         float exponent,
+                                         float* __restrict t_mm) {
+  const float* __restrict oy = rays.origin_y;
+  const float* __restrict oz = rays.origin_z;
+  const float* __restrict dy = rays.direction_y;
+  const float* __restrict dz = rays.direction_z;
+  for (int i = 0; i < rays.count; ++i) {
+    const float vy = dy[i] * per_width;
+    const float vz = dz[i] * per_height;
+    const float y = oy[i] * per_width + t_mm[i] * vy;
+    const float z = (oz[i] - base_mm) * per_height + t_mm[i] * vz;
+    const float ay = y < 0.0F ? -y : y;
+    const float az = z < 0.0F ? -z : z;
+    const float gy = pow_fast(ay, exponent - 1.0F);
+    const float gz = pow_fast(az, exponent - 1.0F);
+    const float value = ay * gy + az * gz - 1.0F;
+    const float slope = exponent * (gy * (y < 0.0F ? -vy : vy) + gz * (z < 0.0F ? -vz : vz));
+    t_mm[i] = slope > 1e-12F ? t_mm[i] - value / slope : t_mm[i];
+  }
+}
+
+/// The curve lies within the square |y|, |z| <= 1 of its half axes. A ray's exit from the square is
+/// outside the curve; from there Newton's method on the convex function falls onto the curve.
+GLINT_WIDE static void superellipse_start(const RayBlock& rays,
+                                          float base_mm,
+                                          float per_width,
+                                          float per_height,
+                                          float* __restrict t_mm) {
+  const float* __restrict oy = rays.origin_y;
+  const float* __restrict oz = rays.origin_z;
+  const float* __restrict dy = rays.direction_y;
+  const float* __restrict dz = rays.direction_z;
+  for (int i = 0; i < rays.count; ++i) {
+    const float py = oy[i] * per_width;
+    const float pz = (oz[i] - base_mm) * per_height;
+    const float vy = dy[i] * per_width;
+    const float vz = dz[i] * per_height;
+    const float speed_y = vy < 0.0F ? -vy : vy;
+    const float speed_z = vz < 0.0F ? -vz : vz;
+    const float to_y = (vy < 0.0F ? 1.0F + py : 1.0F - py) / (speed_y > 1e-12F ? speed_y : 1e-12F);
+    const float to_z = (vz < 0.0F ? 1.0F + pz : 1.0F - pz) / (speed_z > 1e-12F ? speed_z : 1e-12F);
+    t_mm[i] = to_y < to_z ? to_y : to_z;
+  }
+}
+
+GLINT_WIDE static void superellipse_check(const RayBlock& rays,
+                                          float base_mm,
+                                          float* __restrict t_mm) {
+  const float* __restrict oz = rays.origin_z;
+  const float* __restrict dy = rays.direction_y;
+  const float* __restrict dz = rays.direction_z;
+  for (int i = 0; i < rays.count; ++i) {
+    const float t = t_mm[i];
+    const bool is_hit = (dy[i] * dy[i] + dz[i] * dz[i] > 0.0F) & (t > kMinT_mm) & (t < 1e6F) &
+                        (oz[i] + t * dz[i] >= base_mm);
+    t_mm[i] = is_hit ? t : kNoHit_mm;
+  }
+}
+
+void hit_superellipse(const RayBlock& rays,
+                      float base_mm,
+                      float half_width_mm,
+                      float height_mm,
+                      float exponent,
+                      float* t_mm) {
+  constexpr int kSteps = 10;
+  const float per_width = 1.0F / half_width_mm;
+  const float per_height = 1.0F / height_mm;
+  superellipse_start(rays, base_mm, per_width, per_height, t_mm);
+  for (int step = 0; step < kSteps; ++step) {
+    superellipse_step(rays, base_mm, per_width, per_height, exponent, t_mm);
+  }
+  superellipse_check(rays, base_mm, t_mm);
+}
+
+GLINT_WIDE static void hit_spline_chunk(const RayBlock& rays,
+                                        const float* coefficients,
+                                        int num_segments,
+                                        float* __restrict t_mm) {
+  const float* __restrict oy = rays.origin_y;
+  const float* __restrict oz = rays.origin_z;
+  const float* __restrict dy = rays.direction_y;
+  const float* __restrict dz = rays.direction_z;
+  const int count = rays.count;
+  for (int i = 0; i < count; ++i) {
+    t_mm[i] = kNoHit_mm;
+  }
+  for (int s = 0; s < num_segments; ++s) {
+    const float* c = coefficients + 8 * s;
+    const float y0 = c[0], y1 = c[1], y2 = c[2], y3 = c[3];
+    const float z0 = c[4], z1 = c[5], z2 = c[6], z3 = c[7];
+    const float end_y = y0 + y1 + y2 + y3;
+    const float end_z = z0 + z1 + z2 + z3;
+    for (int i = 0; i < count; ++i) {
+      // f(u) = side of the curve point relative to the ray's line; a root is a crossing.
+      const float ny = dz[i];
+      const float nz = -dy[i];
+      const float f0 = ny * (y0 - oy[i]) + nz * (z0 - oz[i]);
+      const float f1 = ny * y1 + nz * z1;
+      const float f2 = ny * y2 + nz * z2;
+      const float f3 = ny * y3 + nz * z3;
+      const float f_end = ny * (end_y - oy[i]) + nz * (end_z - oz[i]);
+      const bool crosses = (f0 <= 0.0F) != (f_end <= 0.0F);
+      float low = 0.0F;
+      float high = 1.0F;
+      float u = crosses ? f0 / (f0 - f_end) : 0.5F;
+      for (int step = 0; step < 5; ++step) {
+        const float f = f0 + u * (f1 + u * (f2 + u * f3));
+        const float slope = f1 + u * (2.0F * f2 + u * 3.0F * f3);
+        const bool is_left = (f <= 0.0F) == (f0 <= 0.0F);
+        low = is_left ? u : low;
+        high = is_left ? high : u;
+        const float newton = u - f / slope;
+        const bool is_inside = (newton >= low) & (newton <= high);
+        u = is_inside ? newton : 0.5F * (low + high);
+      }
+      const float y = y0 + u * (y1 + u * (y2 + u * y3)) - oy[i];
+      const float z = z0 + u * (z1 + u * (z2 + u * z3)) - oz[i];
+      const float t = (y * dy[i] + z * dz[i]) / (dy[i] * dy[i] + dz[i] * dz[i]);
+      const bool is_hit = crosses & (t > kMinT_mm) & (t < t_mm[i]);
+      t_mm[i] = is_hit ? t : t_mm[i];
+    }
+  }
+}
+
+void hit_spline(const RayBlock& rays,
+                const SplineSegment* segments,
+                int num_segments,
+                float* t_mm) {
+  float coefficients[8 * kMaxSegments];
+  const int used = num_segments < kMaxSegments ? num_segments : kMaxSegments;
+  for (int s = 0; s < used; ++s) {
+    for (int k = 0; k < 4; ++k) {
+      coefficients[8 * s + k] = static_cast<float>(segments[s].y[k]);
+      coefficients[8 * s + 4 + k] = static_cast<float>(segments[s].z[k]);
+    }
+  }
+  for (int begin = 0; begin < rays.count; begin += kChunk) {
+    const int count = rays.count - begin < kChunk ? rays.count - begin : kChunk;
+    const RayBlock chunk = {.origin_x = rays.origin_x + begin,
+                            .origin_y = rays.origin_y + begin,
+                            .origin_z = rays.origin_z + begin,
+                            .direction_x = rays.direction_x + begin,
+                            .direction_y = rays.direction_y + begin,
+                            .direction_z = rays.direction_z + begin,
+                            .count = count};
+    hit_spline_chunk(chunk, coefficients, used, t_mm + begin);
+  }
+}
+
+GLINT_WIDE void finish_hits(const RayBlock& rays,
+                            const float* __restrict t_mm,
+                            float half_slot_mm,
+                            float slot_floor_mm,
+                            float* __restrict x_mm,
+                            float* __restrict gain) {
+  const float* __restrict ox = rays.origin_x;
+  const float* __restrict oy = rays.origin_y;
+  const float* __restrict oz = rays.origin_z;
+  const float* __restrict dx = rays.direction_x;
+  const float* __restrict dy = rays.direction_y;
+  const float* __restrict dz = rays.direction_z;
+  for (int i = 0; i < rays.count; ++i) {
+    const bool is_hit = t_mm[i] < kNoHit_mm;
+    const float t = is_hit ? t_mm[i] : 0.0F;
+    const float y = oy[i] + t * dy[i];
+    const float z = oz[i] + t * dz[i];
+    const bool in_slot = (y < half_slot_mm) & (y > -half_slot_mm) & (z > slot_floor_mm);
+    x_mm[i] = ox[i] + t * dx[i];
+    gain[i] = (is_hit & !in_slot) ? 1.0F : 0.0F;
+  }
+}
+
+GLINT_WIDE static void add_plain_stripes(const float* __restrict x_mm,
+                                         const float* __restrict q_mm,
+                                         const float* __restrict gain,
+                                         int count,
+                                         const StripePattern& pattern,
+                                         float scale,
+                                         float* __restrict out) {
+  const StripePattern p = pattern;
+  const float bright = scale;
+  const float dark = scale * p.dark;
+  for (int i = 0; i < count; ++i) {
+    const float u = x_mm[i] - p.shift_x_mm;
+    const float v = (q_mm[i] - p.shift_pattern_mm) * p.periods_per_mm + p.phase;
+    const float f = v - std::floor(v);
+    const float stripe = f < p.duty ? bright : dark;
+    const bool is_lit = (u < p.half_length_mm) & (u > -p.half_length_mm);
+    out[i] += is_lit ? gain[i] * stripe : 0.0F;
+  }
+}
+
+GLINT_WIDE static void add_uneven_stripes(const float* __restrict x_mm,
+                                          const float* __restrict q_mm,
+                                          const float* __restrict gain,
+                                          int count,
+                                          const StripePattern& pattern,
+                                          float scale,
+                                          float* __restrict out) {
+  const StripePattern p = pattern;
+  const float per_half_length = 1.0F / p.half_length_mm;
+  for (int i = 0; i < count; ++i) {
+    const float u = x_mm[i] - p.shift_x_mm;
+    const float v = (q_mm[i] - p.shift_pattern_mm) * p.periods_per_mm + p.phase;
+    const float f = v - std::floor(v);
+    const float stripe = f < p.duty ? scale : scale * p.dark;
+    const float end = u * per_half_length;
+    const float led = (1.0F + p.led_ripple * cos_turns(u * p.led_per_mm)) / (1.0F + p.led_ripple) *
+                      (1.0F - p.end_falloff * end * end);
+    const bool is_lit = (end < 1.0F) & (end > -1.0F);
+    out[i] += is_lit ? gain[i] * stripe * led : 0.0F;
+  }
+}
+
+void add_stripes(const float* x_mm,
+                 const float* q_mm,
+                 const float* gain,
+                 int count,
+                 const StripePattern& pattern,
+                 float scale,
+                 float* out) {
+  if (pattern.led_ripple == 0.0F && pattern.end_falloff == 0.0F) {
+    add_plain_stripes(x_mm, q_mm, gain, count, pattern, scale, out);
+  } else {
+    add_uneven_stripes(x_mm, q_mm, gain, count, pattern, scale, out);
+  }
+}
+
+}  // namespace glint

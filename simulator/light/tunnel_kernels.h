@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Inner loops over many rays, in float and free of Eigen so that they can be compiled for wide
+// instruction sets (docs/decisions/0002-bit-identical-results.md). Without contraction every
+// instruction set gives the same bits.
+#pragma once
+
+namespace glint {
+
+/// A ray that meets nothing has this t.
+inline constexpr float kNoHit_mm = 1e30F;
+
+/// Rays as separate arrays; directions have any length.
+struct RayBlock {
+  const float* origin_x = nullptr;
+  const float* origin_y = nullptr;
+  const float* origin_z = nullptr;
+  const float* direction_x = nullptr;
+  const float* direction_y = nullptr;
+  const float* direction_z = nullptr;
+  int count = 0;
+};
+
+/// A straight wall in the y-z plane: points q with normal . q = offset, between two ends.
+struct FlatWall {
+  double normal_y = 0, normal_z = 0;  ///< unit, away from the inside
+  double offset_mm = 0;
+  double start_y_mm = 0, start_z_mm = 0;
+  double along_y = 0, along_z = 0;  ///< unit
+  double length_mm = 0;
+};
+
+/// A cubic piece of the free cross-section: y(u), z(u) in powers of u in [0, 1].
+struct SplineSegment {
+  double y[4] = {0, 0, 0, 0};
+  double z[4] = {0, 0, 0, 0};
+};
+
+/// Bright and dark stripes along a coordinate q, with the tunnel moved along x.
+struct StripePattern {
+  float shift_x_mm = 0.0F;
+  float shift_pattern_mm = 0.0F;
+  float periods_per_mm = 1.0F;
+  float phase = 0.0F;  ///< in periods, added
+  float duty = 0.5F;
+  float dark = 0.0F;  ///< radiance of dark stripes
+  float half_length_mm = 0.0F;
+  float led_ripple = 0.0F;
+  float led_per_mm = 0.0F;
+  float end_falloff = 0.0F;
+};
+
+void hit_flat(const RayBlock& rays, const FlatWall* walls, int num_walls, float* t_mm);
+
+/// Upper half (z >= base) of an ellipse around (0, base); rays start inside.
+void hit_ellipse(
+    const RayBlock& rays, float base_mm, float half_width_mm, float height_mm, float* t_mm);
+
+/// Upper half of a superellipse, exponent >= 1, by Newton's method from outside.
+void hit_superellipse(const RayBlock& rays,
+                      float base_mm,
+                      float half_width_mm,
+                      float height_mm,
+                      float exponent,
+                      float* t_mm);
+
+/// A chain of cubic segments; the nearest crossing in front of the ray.
+void hit_spline(const RayBlock& rays, const SplineSegment* segments, int num_segments, float* t_mm);
+
+/// From t to position along x and gain: 0 for no hit and in the slot (|y| < half_slot above floor).
+void finish_hits(const RayBlock& rays,
+                 const float* t_mm,
+                 float half_slot_mm,
+                 float slot_floor_mm,
+                 float* x_mm,
+                 float* gain);
+
+/// out[i] += scale * gain[i] * radiance of the stripes at (x[i], q[i]).
+void add_stripes(const float* x_mm,
+                 const float* q_mm,
+                 const float* gain,
+                 int count,
+                 const StripePattern& pattern,
+                 float scale,
+                 float* out);
+
+}  // namespace glint

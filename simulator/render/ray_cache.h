@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The ray cache: where the rays of a camera go after the mirror-like part has sent them on. It does
+// not depend on the lighting, so it is traced once per part, camera and defects; a candidate
+// lighting is then an evaluation along the kept rays (docs/decisions/0003-ray-cache.md).
+//
+// Level 0 of light transport: perfect mirror of one reflectance, geometric optics. A reflected ray
+// that meets the part again is reflected again, up to max_bounces; after that it is dark and
+// counted. Camera rays that miss the part are dark.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/image.h"
+#include "core/thread_pool.h"
+#include "simulator/camera/pinhole_camera.h"
+#include "simulator/geometry/bvh.h"
+#include "simulator/geometry/part.h"
+#include "simulator/geometry/surface_detail.h"
+#include "simulator/light/tunnel_kernels.h"
+
+namespace glint {
+
+/// Keys of [render].
+struct RenderSettings {
+  int rays_per_axis = 2;     ///< rays_per_axis^2 rays a pixel, on a regular grid
+  int max_bounces = 4;       ///< reflections on the part before a ray is given up
+  double reflectance = 1.0;  ///< of the part, per reflection
+};
+
+void visit_keys(KeyVisitor& keys, RenderSettings& settings);
+
+/// What became of the camera rays.
+struct RayCounts {
+  std::int64_t camera = 0;    ///< all
+  std::int64_t part = 0;      ///< met the part
+  std::int64_t followed = 0;  ///< escaped after more than one reflection
+  std::int64_t blocked = 0;   ///< given up after max_bounces: dark
+  std::int64_t grazing = 0;   ///< left almost along the triangles, taken as escaped
+};
+
+/// Rays that have left the part, one array per component: ray of sample s in pixel p stands at
+/// s * num_pixels() + p. 28 bytes a ray.
+struct RayCache {
+  int width_px = 0;
+  int height_px = 0;
+  int samples = 0;                                           ///< rays a pixel
+  std::vector<float> origin_x, origin_y, origin_z;           ///< [mm], scene frame
+  std::vector<float> direction_x, direction_y, direction_z;  ///< unit
+  std::vector<float> weight;    ///< reflectance of the path; 0: dark whatever the light
+  ImageF coverage;              ///< share of a pixel's rays that met the part
+  Image<std::int16_t> feature;  ///< id of the nearest height feature seen, -1: none
+  ImageF feature_distance;      ///< to it, in its radii, the smallest over the pixel's rays
+  RayCounts counts;
+
+  std::int64_t num_pixels() const {
+    return static_cast<std::int64_t>(width_px) * static_cast<std::int64_t>(height_px);
+  }
+
+  /// Rays [begin, begin + count) of the arrays.
+  RayBlock block(std::int64_t begin, int count) const;
+};
+
+/// Traces the rays of a camera. The same bytes for any number of threads.
+/// @throws ConfigError when no ray meets the part ("camera: the part is outside the image").
+RayCache trace_rays(const Part& part,
+                    const Bvh& bvh,
+                    const SurfaceDetail& detail,
+                    const PinholeCamera& camera,
+                    const RigidTransform& camera_from_world,
+                    const RenderSettings& settings,
+                    ThreadPool& pool);
+
+}  // namespace glint

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/light/tunnel_kernels.h"
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/rng.h"
+#include "core/units.h"
+#include "simulator/light/tunnel.h"
+
+namespace glint {
+namespace {
+
+using Shape = TunnelSettings::Shape;
+
+/// Rays from inside a part-sized box, upwards, as arrays.
+struct RandomRays {
+  std::array<std::vector<float>, 6> arrays;
+
+  explicit RandomRays(int count) {
+    for (int i = 0; i < count; ++i) {
+      Rng rng(11, Stream::kTest, static_cast<std::uint64_t>(i));
+      const double azimuth = rng.uniform(0.0, 2.0 * kPi);
+      const double z = rng.uniform(0.01, 1.0);
+      const double r = std::sqrt(1.0 - z * z);
+      const std::array<double, 6> ray = {rng.uniform(-100, 100),
+                                         rng.uniform(-25, 25),
+                                         rng.uniform(0.0, 8.0),
+                                         r * std::cos(azimuth),
+                                         r * std::sin(azimuth),
+                                         z};
+      for (std::size_t k = 0; k < 6; ++k) {
+        arrays[k].push_back(static_cast<float>(ray[k]));
+      }
+    }
+  }
+
+  RayBlock block() const {
+    return {.origin_x = arrays[0].data(),
+            .origin_y = arrays[1].data(),
+            .origin_z = arrays[2].data(),
+            .direction_x = arrays[3].data(),
+            .direction_y = arrays[4].data(),
+            .direction_z = arrays[5].data(),
+            .count = static_cast<int>(arrays[0].size())};
+  }
+
+  Ray ray(std::size_t i) const {
+    return {.origin_mm = Eigen::Vector3d(static_cast<double>(arrays[0][i]),
+                                         static_cast<double>(arrays[1][i]),
+                                         static_cast<double>(arrays[2][i])),
+            .direction = Eigen::Vector3d(static_cast<double>(arrays[3][i]),
+                                         static_cast<double>(arrays[4][i]),
+                                         static_cast<double>(arrays[5][i]))};
+  }
+};
+
+class TunnelKernels : public ::testing::TestWithParam<Shape> {};
+
+TEST_P(TunnelKernels, AgreeWithTheExactHitInDouble) {
+  const TunnelSettings settings = {.shape = GetParam(),
+                                   .half_width_mm = 90.0,
+                                   .height_mm = 120.0,
+                                   .exponent = 3.5,
+                                   .opening_rad = 0.7,
+                                   .control_mm = {80.0, 95.0, 130.0, 110.0, 100.0},
+                                   .length_mm = 1000.0,
+                                   .slot_mm = 20.0};
+  const Tunnel tunnel(settings);
+  const int count = 5003;  // no multiple of any vector width
+  const RandomRays rays(count);
+  std::vector<float> x(count);
+  std::vector<float> q(count);
+  std::vector<float> gain(count);
+  tunnel.hit_block(rays.block(), x.data(), q.data(), gain.data());
+  int disagreements = 0;
+  int hits = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const auto exact = tunnel.hit(rays.ray(i));
+    if (exact.has_value() != (gain[i] > 0.0F)) {
+      ++disagreements;  // rounding to float right at a rim or at the slot's edge
+      continue;
+    }
+    if (exact) {
+      ++hits;
+      // Float carries 1e-7 of the longest path, grazing rays lose one more digit.
+      EXPECT_NEAR(static_cast<double>(x[i]), exact->point_mm.x(), 2e-4 + 2e-6 * exact->t_mm) << i;
+    }
+  }
+  EXPECT_GT(hits, count / 3);
+  EXPECT_LE(disagreements, 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(AllShapes,
+                         TunnelKernels,
+                         ::testing::Values(Shape::kFlat,
+                                           Shape::kSemicylinder,
+                                           Shape::kEllipse,
+                                           Shape::kSuperellipse,
+                                           Shape::kFree));
+
+// Period 10, duty 0.3: x = 0, 2.9 are bright, 3.1 and 9.9 dark (0.1), 10 bright again; beyond the
+// half length of 50 nothing shines. Gain 2 and scale 0.5 cancel.
+TEST(AddStripes, FollowsTheSquareWaveByHand) {
+  const std::vector<float> x = {0.0F, 2.9F, 3.1F, 9.9F, 10.0F, -7.1F, -6.9F, 50.5F};
+  const std::vector<float> gain(x.size(), 2.0F);
+  std::vector<float> out(x.size(), 0.0F);
+  const StripePattern pattern = {
+      .periods_per_mm = 0.1F, .duty = 0.3F, .dark = 0.1F, .half_length_mm = 50.0F};
+  add_stripes(
+      x.data(), x.data(), gain.data(), static_cast<int>(x.size()), pattern, 0.5F, out.data());
+  const std::vector<float> expected = {1.0F, 1.0F, 0.1F, 0.1F, 1.0F, 1.0F, 0.1F, 0.0F};
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    EXPECT_FLOAT_EQ(out[i], expected[i]) << i;
+  }
+}
+
+// The tunnel moved by +4: the stripe that began at 0 begins at 4, and the far end moves along.
+TEST(AddStripes, TheWholeTunnelMovesWithTheShift) {
+  const std::vector<float> x = {3.9F, 4.1F, 53.9F, -46.5F};
+  const std::vector<float> gain(x.size(), 1.0F);
+  std::vector<float> out(x.size(), 0.0F);
+  const StripePattern pattern = {.shift_x_mm = 4.0F,
+                                 .shift_pattern_mm = 4.0F,
+                                 .periods_per_mm = 0.1F,
+                                 .duty = 1.0F,
+                                 .half_length_mm = 50.0F};
+  add_stripes(x.data(), x.data(), gain.data(), 4, pattern, 1.0F, out.data());
+  EXPECT_FLOAT_EQ(out[2], 1.0F);
+  EXPECT_FLOAT_EQ(out[3], 0.0F);  // -46.5 - 4 = -50.5
+}
+
+// Ripple 0.5: 1 at a LED, (1 - 0.5) / 1.5 = 1/3 between two. Falloff 0.2 at half way: 1 - 0.05.
+TEST(AddStripes, LedRippleAndFalloffByHand) {
+  const std::vector<float> x = {0.0F, 10.0F, 20.0F};
+  const std::vector<float> gain(x.size(), 1.0F);
+  std::vector<float> out(x.size(), 0.0F);
+  StripePattern pattern = {.periods_per_mm = 0.001F,
+                           .duty = 1.0F,
+                           .half_length_mm = 40.0F,
+                           .led_ripple = 0.5F,
+                           .led_per_mm = 0.05F};
+  add_stripes(x.data(), x.data(), gain.data(), 3, pattern, 1.0F, out.data());
+  EXPECT_NEAR(out[0], 1.0F, 1e-5F);
+  EXPECT_NEAR(out[1], 1.0F / 3.0F, 1e-5F);
+  pattern.led_ripple = 0.0F;
+  pattern.end_falloff = 0.2F;
+  out.assign(3, 0.0F);
+  add_stripes(x.data(), x.data(), gain.data(), 3, pattern, 1.0F, out.data());
+  EXPECT_NEAR(out[2], 0.95F, 1e-6F);
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/sensor/sensor.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/rng.h"
+#include "simulator/sensor/sensor_kernels.h"
+
+namespace glint {
+namespace {
+
+namespace kernels = sensor_kernels;
+
+constexpr double kGaussianFromElectrons = 30.0;
+constexpr double kTruncationSigmas = 4.0;
+
+int levels_of(const SensorSettings& settings) {
+  return settings.bits == 0 ? 0 : (1 << settings.bits) - 1;
+}
+
+/// Centre and one side of a Gaussian cut at four sigma, both sides summing to 1.
+std::vector<float> blur_weights(double sigma_px) {
+  const int radius = sigma_px > 0.0 ? static_cast<int>(std::ceil(kTruncationSigmas * sigma_px)) : 0;
+  std::vector<double> weights(static_cast<std::size_t>(radius) + 1, 1.0);
+  double total = 1.0;
+  for (std::size_t k = 1; k < weights.size(); ++k) {
+    const double distance = static_cast<double>(k) / sigma_px;
+    weights[k] = std::exp(-0.5 * distance * distance);
+    total += 2.0 * weights[k];
+  }
+  std::vector<float> normalised;
+  for (const double weight : weights) {
+    normalised.push_back(static_cast<float>(weight / total));
+  }
+  return normalised;
+}
+
+/// The smallest k with P(Poisson(mean) <= k) >= u, by adding up probabilities.
+double poisson_quantile(double mean, double u) {
+  constexpr int kBeyondAnyQuantile = 200;  // mean 30 and u < 1 - 2^-33 end below 75
+  double probability = std::exp(-mean);
+  double cumulated = probability;
+  int k = 0;
+  while (u > cumulated && k < kBeyondAnyQuantile) {
+    ++k;
+    probability *= mean / k;
+    cumulated += probability;
+  }
+  return k;
+}
+
+}  // namespace
+
+void visit_keys(KeyVisitor& keys, SensorSettings& settings) {
+  keys.number("exposure",
+              settings.exposure,
+              Range::positive(),
+              "exposure time and aperture: factor on the collected light");
+  keys.number("gain",
+              settings.gain,
+              Range::positive(),
+              "amplification: factor on the grey values; clips at full scale");
+  keys.number("blur_px",
+              settings.blur_px,
+              Range::between(0.0, 100.0),
+              "standard deviation of the Gaussian blur, 0 for none");
+  keys.integer("bits",
+               settings.bits,
+               Range::between(0, 16),
+               "grey values are rounded to 8, 10, 12 or 16 bits, 0 for no rounding");
+  keys.number("full_well_e",
+              settings.full_well_e,
+              Range::between(0.0, 1e7),
+              "electrons of a pixel at full scale and gain 1, 0 for a sensor without noise");
+  keys.number("read_noise_e",
+              settings.read_noise_e,
+              Range::between(0.0, 1e6),
+              "standard deviation of the read noise in electrons");
+  keys.number("dark_e",
+              settings.dark_e,
+              Range::between(0.0, 1e6),
+              "mean dark signal of one frame in electrons");
+  keys.integer("seed", settings.seed, Range::at_least(0), "seed of the sensor's noise");
+  constexpr std::array kBits = {0, 8, 10, 12, 16};
+  keys.require(std::find(kBits.begin(), kBits.end(), settings.bits) != kBits.end(),
+               "bits",
+               "is none of 8, 10, 12, 16 and 0 (no rounding)");
+  keys.require(settings.full_well_e > 0.0 || settings.read_noise_e == 0.0,
+               "read_noise_e",
+               "is given in electrons and needs full_well_e > 0");
+  keys.require(settings.full_well_e > 0.0 || settings.dark_e == 0.0,
+               "dark_e",
+               "is given in electrons and needs full_well_e > 0");
+}
+
+double noise_floor(const SensorSettings& settings) {
+  const int levels = levels_of(settings);
+  const double step = levels > 0 ? 1.0 / levels : 0.0;
+  const double read = settings.full_well_e > 0.0
+                          ? settings.read_noise_e * settings.gain / settings.full_well_e
+                          : 0.0;
+  return std::sqrt(step * step / 12.0 + read * read);
+}
+
+ImageF ScanSums::aspect() const {
+  GLINT_CHECK(frames > 0, "the mean of no frames");
+  ImageF mean = sum;
+  for (float& value : mean.values()) {
+    value /= static_cast<float>(frames);
+  }
+  return mean;
+}
+
+struct Sensor::Scratch {
+  std::vector<float>
+      padded;  ///< a row after the vertical pass, with the blur's radius on each side
+  std::vector<float> row;
+  std::vector<const float*> low;
+  std::vector<const float*> high;
+  std::vector<std::uint32_t> words;
+  std::vector<float> normals;
+};
+
+Sensor::Sensor(const SensorSettings& settings, int width_px, int height_px)
+    : settings_(settings),
+      width_px_(width_px),
+      height_px_(height_px),
+      weights_(blur_weights(settings.blur_px)) {
+  if (width_px <= 0 || height_px <= 0) {
+    throw ConfigError("sensor: the image has no pixel, width and height must be > 0");
+  }
+}
+
+/// Vertical pass into the padded row, then horizontal pass into the row.
+void Sensor::blur_row(const ImageF& radiance, int y, Scratch& scratch) const {
+  const int radius = static_cast<int>(weights_.size()) - 1;
+  kernels::TapRows taps{.centre = radiance.row(y),
+                        .low = scratch.low.data(),
+                        .high = scratch.high.data(),
+                        .weights = weights_.data(),
+                        .radius = radius};
+  if (radius == 0) {
+    std::copy_n(radiance.row(y), width_px_, scratch.row.data());
+    return;
+  }
+  for (int k = 1; k <= radius; ++k) {
+    const auto at = static_cast<std::size_t>(k - 1);
+    scratch.low[at] = radiance.row(std::max(y - k, 0));
+    scratch.high[at] = radiance.row(std::min(y + k, height_px_ - 1));
+  }
+  float* centre = scratch.padded.data() + radius;
+  kernels::weigh_rows(taps, width_px_, centre);
+  std::fill_n(centre - radius, radius, centre[0]);
+  std::fill_n(centre + width_px_, radius, centre[width_px_ - 1]);
+  for (int k = 1; k <= radius; ++k) {
+    const auto at = static_cast<std::size_t>(k - 1);
+    scratch.low[at] = centre - k;
+    scratch.high[at] = centre + k;
+  }
+  taps.centre = centre;
+  kernels::weigh_rows(taps, width_px_, scratch.row.data());
+}
+
+/// Turns the row's blurred radiance into noisy electrons.
+void Sensor::add_noise(int y, int frame_index, Scratch& scratch) const {
+  const auto first_pixel = static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(width_px_);
+  const auto first_block = static_cast<std::uint32_t>(first_pixel / 4);
+  const auto skipped = static_cast<std::size_t>(first_pixel % 4);
+  const int blocks = static_cast<int>(scratch.words.size() / 4);
+  const auto seed = static_cast<std::uint64_t>(settings_.seed);
+  kernels::NoiseAddress address{
+      .key = {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
+      .stream = static_cast<std::uint32_t>(Stream::kShotNoise),
+      .frame = static_cast<std::uint32_t>(frame_index)};
+  const std::uint32_t* words = scratch.words.data() + skipped;
+  float* electrons = scratch.row.data();
+
+  kernels::scale_and_shift(static_cast<float>(settings_.exposure * settings_.full_well_e),
+                           static_cast<float>(settings_.dark_e),
+                           width_px_,
+                           electrons);
+  kernels::philox_words(address, first_block, blocks, scratch.words.data());
+  kernels::normal_quantiles(words, width_px_, scratch.normals.data());
+  for (int x = 0; x < width_px_; ++x) {
+    if (electrons[x] < static_cast<float>(kGaussianFromElectrons)) {
+      // Exact, and out of reach of the Gaussian pass: it leaves a pixel with normal 0 alone.
+      const double u = (words[x] + 0.5) * 0x1p-32;
+      const double mean = std::max(static_cast<double>(electrons[x]), 0.0);
+      electrons[x] = mean > 0.0 ? static_cast<float>(poisson_quantile(mean, u)) : 0.0f;
+      scratch.normals[static_cast<std::size_t>(x)] = 0.0f;
+    }
+  }
+  kernels::add_shot_noise(scratch.normals.data(), width_px_, electrons);
+  if (settings_.read_noise_e > 0.0) {
+    address.stream = static_cast<std::uint32_t>(Stream::kReadNoise);
+    kernels::philox_words(address, first_block, blocks, scratch.words.data());
+    kernels::normal_quantiles(words, width_px_, scratch.normals.data());
+    kernels::add_scaled(
+        static_cast<float>(settings_.read_noise_e), scratch.normals.data(), width_px_, electrons);
+  }
+}
+
+/// Calls consume(y, grey values) for each row, from the top.
+template <class Consume>
+void Sensor::for_each_row(const ImageF& radiance, int frame_index, const Consume& consume) const {
+  GLINT_CHECK(radiance.width() == width_px_ && radiance.height() == height_px_,
+              "radiance and sensor differ in size");
+  const bool noisy = settings_.full_well_e > 0.0;
+  const auto width = static_cast<std::size_t>(width_px_);
+  const std::size_t radius = weights_.size() - 1;
+  const std::size_t blocks = (width + 6) / 4;  // up to 3 words before the row's first pixel
+  Scratch scratch{.padded = std::vector<float>(width + 2 * radius),
+                  .row = std::vector<float>(width),
+                  .low = std::vector<const float*>(radius),
+                  .high = std::vector<const float*>(radius),
+                  .words = std::vector<std::uint32_t>(noisy ? 4 * blocks : 0),
+                  .normals = std::vector<float>(noisy ? width : 0)};
+  const double scale =
+      noisy ? settings_.gain / settings_.full_well_e : settings_.gain * settings_.exposure;
+  for (int y = 0; y < height_px_; ++y) {
+    blur_row(radiance, y, scratch);
+    if (noisy) {
+      add_noise(y, frame_index, scratch);
+    }
+    kernels::scale_and_clip(static_cast<float>(scale), width_px_, scratch.row.data());
+    if (settings_.bits > 0) {
+      kernels::quantise(levels_of(settings_), width_px_, scratch.row.data());
+    }
+    consume(y, static_cast<const float*>(scratch.row.data()));
+  }
+}
+
+void Sensor::expose(const ImageF& radiance, int frame_index, ImageF& frame) const {
+  if (frame.width() != width_px_ || frame.height() != height_px_) {
+    frame = ImageF(width_px_, height_px_);
+  }
+  for_each_row(radiance, frame_index, [&](int y, const float* row) {
+    std::copy_n(row, width_px_, frame.row(y));
+  });
+}
+
+void Sensor::accumulate(const ImageF& radiance,
+                        int frame_index,
+                        ScanSums& sums,
+                        ImageF* frame) const {
+  if (sums.frames == 0) {
+    sums = ScanSums(width_px_, height_px_);
+  }
+  GLINT_CHECK(sums.sum.width() == width_px_ && sums.sum.height() == height_px_,
+              "sums and sensor differ in size");
+  if (frame != nullptr && (frame->width() != width_px_ || frame->height() != height_px_)) {
+    *frame = ImageF(width_px_, height_px_);
+  }
+  for_each_row(radiance, frame_index, [&](int y, const float* row) {
+    kernels::accumulate(row, width_px_, sums.sum.row(y), sums.clipped_frames.row(y));
+    if (frame != nullptr) {
+      std::copy_n(row, width_px_, frame->row(y));
+    }
+  });
+  ++sums.frames;
+}
+
+}  // namespace glint

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "metrics/scores.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+namespace glint {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Scores, CarryExactlyTheNamesThatAreListed) {
+  Scores scores;
+  add_scores(scores, Homogeneity{});
+  add_scores(scores, FringeScores{});
+  const std::vector<DefectScores> defects = {{.label = "dent"}, {.label = "group.scratch_2"}};
+  add_scores(scores, defects);
+  std::vector<std::string> listed =
+      score_names(std::vector<std::string>{"dent", "group.scratch_2"});
+  std::sort(listed.begin(), listed.end());
+  std::vector<std::string> carried;
+  for (const auto& [name, value] : scores) {
+    carried.push_back(name);
+  }
+  EXPECT_EQ(carried, listed);
+  for (const std::string& name : listed) {
+    EXPECT_TRUE(explain_score(name).has_value()) << name;
+  }
+}
+
+TEST(Scores, PutValuesUnderTheirNames) {
+  Scores scores;
+  add_scores(scores, Homogeneity{.h_rms = 0.9, .h_abs = 0.92, .clipped_share = 0.1});
+  const std::vector<DefectScores> defects = {{.label = "dent", .weber = -0.2, .cnr = 4.0}};
+  add_scores(scores, defects);
+  EXPECT_EQ(scores.at("homogeneity.h_rms"), 0.9);
+  EXPECT_EQ(scores.at("homogeneity.h_abs"), 0.92);
+  EXPECT_EQ(scores.at("homogeneity.clipped_share"), 0.1);
+  EXPECT_EQ(scores.at("defects.dent.cnr"), 4.0);
+  EXPECT_EQ(scores.at("defects.min_weber"), 0.2);
+}
+
+TEST(Scores, OfNoDefectsAreAbsent) {
+  Scores scores;
+  add_scores(scores, std::span<const DefectScores>{});
+  EXPECT_TRUE(scores.empty());
+  for (const std::string& name : score_names({})) {
+    EXPECT_FALSE(name.starts_with("defects.")) << name;
+  }
+}
+
+TEST(UnknownScore, NamesTheNearestOne) {
+  const std::vector<std::string> labels = {"dent"};
+  EXPECT_THAT(unknown_score("homogeneity.hrms", labels), HasSubstr("\"homogeneity.h_rms\""));
+  EXPECT_THAT(unknown_score("defects.dent.cnrs", labels), HasSubstr("\"defects.dent.cnr\""));
+  EXPECT_EQ(unknown_score("defects.dent.cnr", labels), "");
+  EXPECT_THAT(unknown_score("defects.min_cnr", {}), HasSubstr("without defects"));
+}
+
+TEST(ExplainScore, KnowsEveryLabelAndNoInvention) {
+  EXPECT_THAT(std::string(explain_score("defects.any_name.weber").value()),
+              HasSubstr("background"));
+  EXPECT_FALSE(explain_score("defects..weber").has_value());
+  EXPECT_FALSE(explain_score("homogeneity.h_max").has_value());
+}
+
+}  // namespace
+}  // namespace glint

@@ -42,7 +42,7 @@ std::string quoted_text(std::string_view text) {
       result += "\\n";
     } else if (c == '\t') {
       result += "\\t";
-    } else if (static_cast<unsigned char>(c) < 0x20) {
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
       result += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
     } else {
       result += c;
@@ -158,12 +158,12 @@ void set_path(ConfigNode& root, std::string_view path, ConfigNode value) {
   ConfigNode* node = &root;
   const std::vector<std::string> parts = split(path, '.');
   const Place place = value.place;
+  if (std::ranges::any_of(parts, &std::string::empty)) {
+    throw ConfigError(fmt::format("{}\"{}\" is no key path", place.prefix(), path));
+  }
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const bool is_last = i + 1 == parts.size();
     ConfigNode* next = nullptr;
-    if (parts[i].empty()) {
-      throw ConfigError(fmt::format("{}{}: is no key path", place.prefix(), path));
-    }
     if (node->is_array()) {
       const auto index = array_index(parts[i]);
       if (!index || *index >= node->items.size()) {
@@ -183,8 +183,10 @@ void set_path(ConfigNode& root, std::string_view path, ConfigNode value) {
         next->place = place;
       }
     } else {
-      throw ConfigError(fmt::format(
-          "{}{}: \"{}\" is a plain value and has no keys", place.prefix(), path, parts[i - 1]));
+      throw ConfigError(fmt::format("{}{}: \"{}\" is a plain value and has no keys",
+                                    place.prefix(),
+                                    path,
+                                    i == 0 ? "" : parts[i - 1]));
     }
     if (is_last) {
       *next = std::move(value);
@@ -222,14 +224,14 @@ std::string value_to_toml(const ConfigNode& value) {
     case ConfigNode::Kind::kArray: {
       std::vector<std::string> parts;
       std::ranges::transform(value.items, std::back_inserter(parts), value_to_toml);
-      return "[" + join(parts, ", ") + "]";
+      return fmt::format("[{}]", join(parts, ", "));
     }
     case ConfigNode::Kind::kTable: {
       std::vector<std::string> parts;
       for (std::size_t i = 0; i < value.items.size(); ++i) {
         parts.push_back(key_text(value.names[i]) + " = " + value_to_toml(value.items[i]));
       }
-      return parts.empty() ? "{}" : "{ " + join(parts, ", ") + " }";
+      return parts.empty() ? "{}" : fmt::format("{{ {} }}", join(parts, ", "));
     }
   }
   return "";

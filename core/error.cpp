@@ -17,6 +17,9 @@ std::string Place::prefix() const {
   if (line <= 0) {
     return fmt::format("{}: ", file);
   }
+  if (column <= 0) {
+    return fmt::format("{}:{}: ", file, line);
+  }
   return fmt::format("{}:{}:{}: ", file, line, column);
 }
 

@@ -22,22 +22,36 @@ struct FileCloser {
 
 using FilePointer = std::unique_ptr<std::FILE, FileCloser>;
 
+/// Devices and pipes (/dev/stdout, /dev/full) are written in place: a rename would replace them.
+bool is_device(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_other(fs::status(path, ignored));
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)) {
+  if (is_device(path_)) {
+    temporary_ = path_;
+    return;
+  }
   temporary_ =
       path_.parent_path() /
       fmt::format(".{}.{}.part{}", path_.stem().string(), ::getpid(), path_.extension().string());
 }
 
 AtomicFile::~AtomicFile() {
-  if (!committed_) {
+  if (!committed_ && temporary_ != path_) {
     std::error_code ignored;
     fs::remove(temporary_, ignored);
   }
 }
 
 void AtomicFile::commit() {
+  if (temporary_ == path_) {
+    committed_ = true;
+    return;
+  }
   std::error_code error;
   fs::rename(temporary_, path_, error);
   if (error) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -26,7 +27,8 @@ std::vector<Code> to_codes(const ImageF& image) {
   constexpr float kMax = static_cast<float>(std::numeric_limits<Code>::max());
   std::vector<Code> codes(image.size());
   std::ranges::transform(image.values(), codes.begin(), [](float value) {
-    return static_cast<Code>(std::lround(std::clamp(value, 0.0F, 1.0F) * kMax));
+    const float clamped = value > 0.0F ? std::min(value, 1.0F) : 0.0F;  // NaN becomes 0
+    return static_cast<Code>(std::lround(clamped * kMax));
   });
   return codes;
 }
@@ -39,34 +41,30 @@ ImageSpec stable_spec(int width, int height, TypeDesc type) {
   return spec;
 }
 
-void write_pixels(const fs::path& path, const ImageSpec& spec, const void* pixels) {
-  AtomicFile file(path);
-  const std::string name = file.temporary_path().string();
-  const auto fail = [&](const std::string& why) {
-    throw IoError(fmt::format("{}: cannot be written: {}", path.string(), why));
-  };
-  const auto output = ImageOutput::create(name);
-  if (!output) {
-    fail(OIIO::geterror());
+/// PNG is packed in memory and written by us: OpenImageIO does not notice a full disk.
+std::string packed_png(const ImageSpec& spec, const void* pixels) {
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput memory(bytes);
+  const auto output = ImageOutput::create("memory.png");
+  GLINT_CHECK(output && output->set_ioproxy(&memory), "PNG can be written to memory");
+  if (!output->open("memory.png", spec) || !output->write_image(spec.format, pixels) ||
+      !output->close()) {
+    throw IoError("a picture cannot be packed as PNG: " + output->geterror());
   }
-  if (!output->open(name, spec) || !output->write_image(spec.format, pixels) || !output->close()) {
-    fail(output->geterror());
-  }
-  file.commit();
+  return {bytes.begin(), bytes.end()};
+}
+
+template <class Code>
+std::string packed_png(const ImageF& image, TypeDesc type) {
+  return packed_png(stable_spec(image.width(), image.height(), type), to_codes<Code>(image).data());
 }
 
 }  // namespace
 
 void write_png(const fs::path& path, const ImageF& image, PixelDepth depth) {
-  if (depth == PixelDepth::k16Bit) {
-    write_pixels(path,
-                 stable_spec(image.width(), image.height(), TypeDesc::UINT16),
-                 to_codes<std::uint16_t>(image).data());
-  } else {
-    write_pixels(path,
-                 stable_spec(image.width(), image.height(), TypeDesc::UINT8),
-                 to_codes<std::uint8_t>(image).data());
-  }
+  write_file(path,
+             depth == PixelDepth::k16Bit ? packed_png<std::uint16_t>(image, TypeDesc::UINT16)
+                                         : packed_png<std::uint8_t>(image, TypeDesc::UINT8));
 }
 
 void write_mask_png(const fs::path& path, const Mask& mask) {
@@ -74,14 +72,23 @@ void write_mask_png(const fs::path& path, const Mask& mask) {
   std::ranges::transform(mask.values(), codes.begin(), [](unsigned char inside) {
     return static_cast<std::uint8_t>(inside != 0 ? 255 : 0);
   });
-  write_pixels(path, stable_spec(mask.width(), mask.height(), TypeDesc::UINT8), codes.data());
+  write_file(path,
+             packed_png(stable_spec(mask.width(), mask.height(), TypeDesc::UINT8), codes.data()));
 }
 
 void write_exr(const fs::path& path, const ImageF& image) {
   ImageSpec spec = stable_spec(image.width(), image.height(), TypeDesc::FLOAT);
   spec.attribute("compression", "zip");
   spec.attribute("capDate", "2000:01:01 00:00:00");
-  write_pixels(path, spec, image.values().data());
+  AtomicFile file(path);
+  const std::string name = file.temporary_path().string();
+  const auto output = ImageOutput::create(name);
+  GLINT_CHECK(output, "OpenImageIO writes OpenEXR");
+  if (!output->open(name, spec) || !output->write_image(spec.format, image.values().data()) ||
+      !output->close()) {
+    throw IoError(fmt::format("{}: cannot be written: {}", path.string(), output->geterror()));
+  }
+  file.commit();
 }
 
 ImageF read_image(const fs::path& path) {
@@ -103,18 +110,9 @@ ImageF read_image(const fs::path& path) {
 }
 
 std::string png_bytes(const ImageF& image) {
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput memory(bytes);
-  const auto output = ImageOutput::create("memory.png");
   ImageSpec spec = stable_spec(image.width(), image.height(), TypeDesc::UINT8);
   spec.attribute("png:compressionLevel", 9);
-  GLINT_CHECK(output && output->set_ioproxy(&memory), "PNG can be written to memory");
-  if (!output->open("memory.png", spec) ||
-      !output->write_image(TypeDesc::UINT8, to_codes<std::uint8_t>(image).data()) ||
-      !output->close()) {
-    throw IoError("a picture cannot be packed as PNG: " + output->geterror());
-  }
-  return {bytes.begin(), bytes.end()};
+  return packed_png(spec, to_codes<std::uint8_t>(image).data());
 }
 
 std::string base64(const std::string& bytes) {

@@ -2,6 +2,7 @@
 #include "core/keys.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -20,13 +21,41 @@ std::string quoted_list(std::span<const std::string_view> names) {
   return fmt::format("\"{}\"", fmt::join(names.begin(), names.end(), "\", \""));
 }
 
-/// An internal value as it is written; rounded to 15 digits so that 90 deg comes back as 90.
+double rounded_to_digits(double value, int digits) {
+  const std::string text = fmt::format("{:.{}g}", value, digits);
+  double rounded = value;
+  std::from_chars(text.data(), text.data() + text.size(), rounded);
+  return rounded;
+}
+
+/// An internal value as it is written: the number with the fewest digits (at least 15, so that
+/// 90 deg comes back as 90) that reads back as the same internal value.
 double written_value(std::string_view key, double internal) {
   const double factor = internal_per_written(key);
   if (factor == 1.0 || !std::isfinite(internal)) {
     return internal;
   }
-  return std::stod(fmt::format("{:.15g}", internal / factor));
+  const double quotient = internal / factor;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double candidate : {rounded_to_digits(quotient, 15),
+                                 rounded_to_digits(quotient, 16),
+                                 quotient,
+                                 std::nextafter(quotient, kInfinity),
+                                 std::nextafter(quotient, -kInfinity)}) {
+    if (candidate * factor == internal) {
+      return candidate;
+    }
+  }
+  return quotient;
+}
+
+/// "3 numbers", "at least 2 numbers", "2 to 5 numbers".
+std::string count_text(Count count) {
+  if (count.min == count.max) {
+    return fmt::format("{} numbers", count.min);
+  }
+  return count.max == Count{}.max ? fmt::format("at least {} numbers", count.min)
+                                  : fmt::format("{} to {} numbers", count.min, count.max);
 }
 
 }  // namespace
@@ -101,7 +130,8 @@ void KeyReader::integer(std::string_view key,
     return;
   }
   if (written != std::floor(written) || std::abs(written) > 2e9) {
-    error(node, key, fmt::format("is {}, must be a whole number", shortest(written)));
+    error(
+        node, key, fmt::format("is {}, must be a whole number of at most 2e9", shortest(written)));
     return;
   }
   value = static_cast<int>(written);
@@ -158,11 +188,7 @@ void KeyReader::numbers(std::string_view key,
   }
   const auto size = static_cast<int>(node->items.size());
   if (!node->is_array() || size < count.min || size > count.max) {
-    const std::string wanted = count.min == count.max ? fmt::format("{}", count.min)
-                               : count.max == Count{}.max
-                                   ? fmt::format("at least {}", count.min)
-                                   : fmt::format("{} to {}", count.min, count.max);
-    error(node, key, fmt::format("must be an array of {} numbers", wanted));
+    error(node, key, fmt::format("must be an array of {}", count_text(count)));
     return;
   }
   std::vector<double> read;
@@ -294,12 +320,10 @@ void KeyLister::numbers(std::string_view key,
   for (const double value : values) {
     parts.push_back(shortest(written_value(key, value)));
   }
-  const std::string size = count.min == count.max ? fmt::format("{} numbers", count.min)
-                                                  : fmt::format("{} or more numbers", count.min);
   add(key,
       {.kind = "numbers",
-       .allowed = fmt::format("{}, each {}", size, range.text()),
-       .default_text = "[" + join(parts, ", ") + "]",
+       .allowed = fmt::format("{}, each {}", count_text(count), range.text()),
+       .default_text = fmt::format("[{}]", join(parts, ", ")),
        .doc = std::string(doc)});
 }
 
@@ -343,7 +367,10 @@ void KeyWriter::text(std::string_view key, std::string& value, std::string_view)
 }
 
 void KeyWriter::file(std::string_view key, std::filesystem::path& value, std::string_view) {
-  put(key, ConfigNode::from_text(value.string()));
+  // Absolute, so that the written file can be read from anywhere.
+  const std::filesystem::path full =
+      value.empty() ? value : std::filesystem::absolute(value).lexically_normal();
+  put(key, ConfigNode::from_text(full.string()));
 }
 
 void KeyWriter::numbers(

@@ -37,6 +37,7 @@ std::shared_ptr<spdlog::logger> make_logger(const LogSettings& settings) {
   }
   if (!settings.file.empty()) {
     auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(settings.file.string());
+    sink->set_level(spdlog::level::info);
     sink->set_pattern("%Y-%m-%d %H:%M:%S.%e %l: %v");
     sinks.push_back(sink);
   }

@@ -96,9 +96,33 @@ ConfigNode load_nested(const fs::path& path, std::set<fs::path>& open_files) {
   return merged;
 }
 
+/// Refuses keys of absurdly many parts (a.a.a...): the parser recurses once a part.
+void refuse_deep_keys(std::string_view text, const std::string& file) {
+  constexpr int kMaxParts = 500;
+  int line = 1;
+  int dots = 0;
+  for (const char c : text) {
+    line += c == '\n' ? 1 : 0;
+    dots = c == '.' ? dots + 1 : (c == '\n' || c == ',' || c == '=') ? 0 : dots;
+    if (dots >= kMaxParts) {
+      throw ConfigError(Place{.file = file, .line = line}.prefix() +
+                        fmt::format("a key has more than {} parts", kMaxParts));
+    }
+  }
+}
+
+/// Replaces the places inside a value by one that stands for the command line.
+void set_place(ConfigNode& node, const Place& place) {
+  node.place = place;
+  for (ConfigNode& item : node.items) {
+    set_place(item, place);
+  }
+}
+
 }  // namespace
 
 ConfigNode parse_toml(std::string_view text, const std::string& file) {
+  refuse_deep_keys(text, file);
   try {
     return convert_table(toml::parse(text), file);
   } catch (const toml::parse_error& error) {
@@ -112,19 +136,16 @@ ConfigNode load_toml(const fs::path& path) {
 }
 
 ConfigNode parse_override(std::string_view text) {
-  const std::string name = "--set";
-  try {
-    ConfigNode root = convert_table(toml::parse("value = " + std::string(text)), "");
-    if (root.items.size() == 1) {
-      ConfigNode value = root.items.front();
-      value.place = {.file = name};
-      return value;
-    }
-  } catch (const toml::parse_error&) {
-    // No TOML value: the shell has taken the quotes of a plain text.
-  }
   ConfigNode value = ConfigNode::from_text(std::string(text));
-  value.place = {.file = name};
+  try {
+    const ConfigNode root = parse_toml("value = " + std::string(text), "");
+    if (root.items.size() == 1) {
+      value = root.items.front();
+    }
+  } catch (const ConfigError&) {
+    // No TOML value (or a date): the shell has taken the quotes of a plain text.
+  }
+  set_place(value, {.file = "--set"});
   return value;
 }
 

@@ -47,6 +47,11 @@ constexpr std::array kDocs = {
              "norm of the defect's deviation image / standard deviation of the background"},
     ScoreDoc{"defects.<label>.signature",
              "area that deviates visibly from the background / true area of the defect"},
+    ScoreDoc{"defects.<label>.best_frame",
+             "largest |mean of the defect - mean of its background| of any single frame"},
+    ScoreDoc{"view.hidden_share", "share of the part's pixels the wall hides from the camera"},
+    ScoreDoc{"rays.followed_share", "share of the rays that met the part again and were followed"},
+    ScoreDoc{"rays.blocked_share", "share of the rays that were given up as dark"},
 };
 
 /// The name with the label in its place; unchanged without a place for one.

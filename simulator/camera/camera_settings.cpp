@@ -18,15 +18,16 @@ Vector3d to_vector(const std::vector<double>& values) {
 void visit_keys(KeyVisitor& keys, CameraSettings& s) {
   keys.integer("width_px", s.width_px, Range::between(1, 32768), "image width");
   keys.integer("height_px", s.height_px, Range::between(1, 32768), "image height");
-  keys.number("pixel_um", s.pixel_mm, Range{.min = 0.1, .max = 100}, "size of a pixel on the sensor");
+  keys.number(
+      "pixel_um", s.pixel_mm, Range{.min = 0.1, .max = 100}, "size of a pixel on the sensor");
   keys.number("focal_mm",
               s.focal_mm,
               Range::between(0, 5000),
               "focal length; 0 = from object_pixel_mm and working_distance_mm");
   keys.number("object_pixel_mm",
               s.object_pixel_mm,
-              Range{.min = 1e-5, .max = 100},
-              "size of a pixel on the part at the working distance; used when focal_mm is 0");
+              Range::between(0, 100),
+              "size of a pixel on the part at the working distance; 0 = from focal_mm");
   keys.number(
       "working_distance_mm",
       s.working_distance_mm,
@@ -53,9 +54,12 @@ void visit_keys(KeyVisitor& keys, CameraSettings& s) {
   keys.number("k3", s.k3, Range{}, "radial distortion, sixth order");
   keys.number("p1", s.p1, Range{}, "tangential distortion (OpenCV's p1)");
   keys.number("p2", s.p2, Range{}, "tangential distortion (OpenCV's p2)");
-  keys.require(!(keys.is_given("focal_mm") && s.focal_mm > 0 && keys.is_given("object_pixel_mm")),
+  if (s.focal_mm > 0.0 && !keys.is_given("object_pixel_mm")) {
+    s.object_pixel_mm = 0.0;
+  }
+  keys.require((s.focal_mm > 0.0) != (s.object_pixel_mm > 0.0),
                "object_pixel_mm",
-               "and focal_mm say the same thing twice, give one of them");
+               "and focal_mm say the same thing: exactly one of them must be > 0");
 }
 
 void visit_keys(KeyVisitor& keys, Viewpoint& v) {

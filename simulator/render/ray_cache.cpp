@@ -24,8 +24,6 @@ struct Interaction {
   Vector3d start_mm;  ///< for the next ray through the triangles
   Vector3d geometric_normal;
   Vector3d direction;  ///< of the reflected ray, unit
-  int feature = -1;
-  double feature_distance = 0.0;
 };
 
 struct TraceContext {
@@ -73,8 +71,6 @@ Interaction interact(const TraceContext& context, const Ray& ray, const Hit& hit
   if (!context.detail.empty()) {
     const SurfaceDetail::Sample sample = context.detail.sample(at.point_mm, normal);
     if (sample.feature >= 0) {
-      at.feature = sample.feature;
-      at.feature_distance = sample.normalised_distance;
       const double slant = ray.direction.dot(normal);
       at.point_mm += ray.direction * (sample.moved_height_mm / slant);
       normal = detailed_normal(normal, sample.gradient, ray.direction);
@@ -233,16 +229,8 @@ class RowTracer {
           cache_,
           static_cast<std::size_t>(sample) * static_cast<std::size_t>(cache_.num_pixels()) + pixel,
           result.escapes[lane]);
-      if (!result.on_part[lane]) {
-        continue;
-      }
-      cache_.coverage(column, y) += share;
-      const Interaction& at = result.first[lane];
-      const auto distance = static_cast<float>(at.feature_distance);
-      if (at.feature >= 0 &&
-          (cache_.feature(column, y) < 0 || distance < cache_.feature_distance(column, y))) {
-        cache_.feature(column, y) = static_cast<std::int16_t>(at.feature);
-        cache_.feature_distance(column, y) = distance;
+      if (result.on_part[lane]) {
+        cache_.coverage(column, y) += share;
       }
     }
   }
@@ -259,8 +247,6 @@ RayCache empty_cache(const PinholeIntrinsics& in, int samples) {
   cache.height_px = in.height_px;
   cache.samples = samples;
   cache.coverage = ImageF(in.width_px, in.height_px);
-  cache.feature = Image<std::int16_t>(in.width_px, in.height_px, -1);
-  cache.feature_distance = ImageF(in.width_px, in.height_px);
   const auto rays =
       static_cast<std::size_t>(cache.num_pixels()) * static_cast<std::size_t>(samples);
   for (auto* component : {&cache.origin_x,

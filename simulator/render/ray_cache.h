@@ -48,10 +48,8 @@ struct RayCache {
   int samples = 0;                                           ///< rays a pixel
   std::vector<float> origin_x, origin_y, origin_z;           ///< [mm], scene frame
   std::vector<float> direction_x, direction_y, direction_z;  ///< unit
-  std::vector<float> weight;    ///< reflectance of the path; 0: dark whatever the light
-  ImageF coverage;              ///< share of a pixel's rays that met the part
-  Image<std::int16_t> feature;  ///< id of the nearest height feature seen, -1: none
-  ImageF feature_distance;      ///< to it, in its radii, the smallest over the pixel's rays
+  std::vector<float> weight;  ///< reflectance of the path; 0: dark whatever the light
+  ImageF coverage;            ///< share of a pixel's rays that met the part
   RayCounts counts;
 
   std::int64_t num_pixels() const {

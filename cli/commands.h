@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// One function per subcommand. Each gets its arguments as plain values, prints its result on stdout
+// and returns the exit code; wrong input is thrown.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/progress.h"
+#include "studies/study.h"
+
+namespace glint {
+
+enum ExitCode {
+  kExitDone = 0,
+  kExitNegative = 1,
+  kExitUsage = 2,
+  kExitIo = 3,
+  kExitInternal = 4,
+  kExitInterrupted = 130
+};
+
+struct CommonArguments {
+  bool is_json = false;
+  bool is_quiet = false;
+  int threads = 1;
+  std::filesystem::path log_file;
+
+  Progress::Style progress() const {
+    return is_quiet ? Progress::Style::kNone : Progress::Style::kAuto;
+  }
+};
+
+struct StudyArguments {
+  std::filesystem::path study;
+  std::filesystem::path out;
+  std::vector<std::string> sets;  ///< "key=value"
+  int jobs = 0;                   ///< 0: as many as threads
+  std::string budget;             ///< wall clock, empty: as the study says
+  std::optional<int> seed;
+};
+
+int run_command(const StudyArguments& arguments, const CommonArguments& common);
+int check_command(const StudyArguments& arguments, const CommonArguments& common);
+int render_command(const StudyArguments& arguments, const CommonArguments& common);
+
+struct ReportArguments {
+  std::vector<std::filesystem::path> runs;
+  std::filesystem::path out;
+};
+
+int report_command(const ReportArguments& arguments, const CommonArguments& common);
+
+struct PartArguments {
+  std::filesystem::path file;  ///< a mesh, or a TOML file with a [part] table
+  std::filesystem::path out;
+  std::string unit = "mm";
+  double crease_deg = 30.0;
+  double slope_mrad = 2.0;
+};
+
+int part_command(const PartArguments& arguments, const CommonArguments& common);
+
+int explain_command(const std::string& key, const CommonArguments& common);
+
+struct NewArguments {
+  std::filesystem::path part;
+  std::string unit = "mm";
+  std::string camera;  ///< a TOML file with [camera] keys, or "width_px=2448,height_px=2048,..."
+  double working_distance_mm = 600.0;
+  std::filesystem::path out;  ///< empty: stdout
+};
+
+int new_command(const NewArguments& arguments, const CommonArguments& common);
+
+/// Reads a study as the arguments say.
+Study load_study(const StudyArguments& arguments);
+
+/// Prints the JSON object, or the text when --json was not given.
+void print_result(const CommonArguments& common,
+                  const nlohmann::ordered_json& json,
+                  const std::string& text);
+
+}  // namespace glint

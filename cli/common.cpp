@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <iostream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+
+namespace glint {
+
+Study load_study(const StudyArguments& arguments) {
+  std::vector<KeyValue> sets;
+  for (const std::string& set : arguments.sets) {
+    const auto equals = set.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw ConfigError(fmt::format("--set {}: must be key=value", set));
+    }
+    sets.push_back({.path = set.substr(0, equals), .value = set.substr(equals + 1)});
+  }
+  if (arguments.seed) {
+    sets.push_back({.path = "search.seed", .value = fmt::format("{}", *arguments.seed)});
+  }
+  Study study = load_study(arguments.study, sets);
+  if (!arguments.budget.empty()) {
+    const auto seconds = parse_duration_s(arguments.budget);
+    if (!seconds || *seconds <= 0.0) {
+      throw ConfigError(
+          fmt::format("--budget {}: must be a duration like 40s, 30m or 8h", arguments.budget));
+    }
+    study.budget.wall_clock_s = *seconds;
+  }
+  return study;
+}
+
+void print_result(const CommonArguments& common,
+                  const nlohmann::ordered_json& json,
+                  const std::string& text) {
+  if (common.is_json) {
+    std::cout << json.dump(2) << "\n";
+  } else if (!common.is_quiet) {
+    std::cout << text;
+  }
+}
+
+}  // namespace glint

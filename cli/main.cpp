@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <exception>
+#include <iostream>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "cli/commands.h"
+#include "core/log.h"
+#include "core/thread_pool.h"
+#include "studies/provenance.h"
+
+namespace glint {
+namespace {
+
+/// What was asked for on the command line.
+struct CommandLine {
+  CommonArguments common;
+  StudyArguments study;
+  ReportArguments report;
+  PartArguments part;
+  NewArguments fresh;
+  std::string key;
+};
+
+void add_common(CLI::App& app, CommonArguments& common) {
+  app.add_flag("--json", common.is_json, "print one JSON object and nothing else on stdout");
+  app.add_flag("--quiet", common.is_quiet, "no progress, no text");
+  app.add_option("--threads", common.threads, "threads to use")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024));
+  app.add_option("--log", common.log_file, "also write the log to this file");
+}
+
+CLI::App* add_verb(CLI::App& app,
+                   const std::string& name,
+                   const std::string& what,
+                   const std::string& example,
+                   CommandLine& line) {
+  CLI::App* verb = app.add_subcommand(name, what);
+  verb->footer("Example:\n  " + example);
+  add_common(*verb, line.common);
+  return verb;
+}
+
+void add_sets(CLI::App& verb, StudyArguments& study) {
+  verb.add_option("STUDY.toml", study.study, "the study or scene")->required();
+  verb.add_option("--set", study.sets, "key=value: overrides a key of the file")
+      ->allow_extra_args(false);
+}
+
+void add_study_verbs(CLI::App& app, CommandLine& line) {
+  CLI::App* run = add_verb(app,
+                           "run",
+                           "run a study, or go on with the one in its folder",
+                           "glint run studies/gallery/tunnel_shape/study.toml --budget 40s",
+                           line);
+  add_sets(*run, line.study);
+  run->add_option("--out", line.study.out, "folder of the run (default out/<study name>)");
+  run->add_option("--jobs", line.study.jobs, "candidates at once; results do not depend on it")
+      ->check(CLI::Range(1, 1024));
+  run->add_option("--budget", line.study.budget, "wall clock, like 40s, 30m, 8h");
+  run->add_option("--seed", line.study.seed, "seed of the search")->check(CLI::NonNegativeNumber);
+  CLI::App* check = add_verb(app,
+                             "check",
+                             "validate a study, evaluate it once, predict its duration",
+                             "glint check studies/gallery/tunnel_shape/study.toml",
+                             line);
+  add_sets(*check, line.study);
+  check->add_option("--jobs", line.study.jobs, "candidates at once, for the prediction")
+      ->check(CLI::Range(1, 1024));
+  CLI::App* render = add_verb(app,
+                              "render",
+                              "render a scene: frames, aspect image, masks, labels, scores",
+                              "glint render scene.toml --out out/scene",
+                              line);
+  add_sets(*render, line.study);
+  render->add_option("--out", line.study.out, "folder for the pictures")->required();
+}
+
+void add_other_verbs(CLI::App& app, CommandLine& line) {
+  CLI::App* report = add_verb(app,
+                              "report",
+                              "write the report of one run, or compare several",
+                              "glint report out/tunnel_shape out/fringe_design --out compare.html",
+                              line);
+  report->add_option("DIR", line.report.runs, "run directories")->required();
+  report->add_option("--out", line.report.out, "HTML file (default DIR/report.html)");
+  CLI::App* part = add_verb(app,
+                            "part",
+                            "inspect a part, convert its file",
+                            "glint part gear.stl --unit mm --out gear.ply",
+                            line);
+  part->add_option("FILE", line.part.file, "STL, PLY, OBJ, OFF, or a TOML file with [part]")
+      ->required();
+  part->add_option("--out", line.part.out, "write the mesh: .stl .ply .obj .off");
+  part->add_option("--unit", line.part.unit, "of the file: mm, cm, m, inch")->capture_default_str();
+  part->add_option("--crease_deg", line.part.crease_deg, "edges sharper than this stay sharp")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 180.0));
+  part->add_option("--slope_mrad", line.part.slope_mrad, "smallest slope of interest")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  CLI::App* explain = add_verb(app,
+                               "explain",
+                               "what a configuration key or a score means",
+                               "glint explain lighting.tunnel.radius_mm",
+                               line);
+  explain->add_option("KEY", line.key, "a key, a score, or a part of a name")->required();
+  CLI::App* fresh =
+      add_verb(app,
+               "new",
+               "write a commented study to start from",
+               "glint new gear.stl --camera width_px=2448,height_px=2048,pixel_um=3.45,focal_mm=16 "
+               "--working_distance_mm 300 --out gear.toml",
+               line);
+  fresh->add_option("PART", line.fresh.part, "mesh file")->required();
+  fresh->add_option("--unit", line.fresh.unit, "of the mesh: mm, cm, m, inch")
+      ->capture_default_str();
+  fresh->add_option("--camera",
+                    line.fresh.camera,
+                    "data sheet: a TOML file with [camera] keys, or key=value,key=value");
+  fresh->add_option("--working_distance_mm", line.fresh.working_distance_mm, "pinhole to part")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  fresh->add_option("--out", line.fresh.out, "study file to write (default: stdout)");
+}
+
+int dispatch(const CLI::App& app, const CommandLine& line) {
+  configure_log({.to_stderr = !line.common.is_quiet, .file = line.common.log_file});
+  if (app.got_subcommand("run")) {
+    return run_command(line.study, line.common);
+  }
+  if (app.got_subcommand("check")) {
+    return check_command(line.study, line.common);
+  }
+  if (app.got_subcommand("render")) {
+    return render_command(line.study, line.common);
+  }
+  if (app.got_subcommand("report")) {
+    return report_command(line.report, line.common);
+  }
+  if (app.got_subcommand("part")) {
+    return part_command(line.part, line.common);
+  }
+  if (app.got_subcommand("explain")) {
+    return explain_command(line.key, line.common);
+  }
+  return new_command(line.fresh, line.common);
+}
+
+int run_program(int argc, char** argv) {
+  CLI::App app("Glint finds the lighting under which surface defects show.", "glint");
+  app.set_version_flag("--version", program_version());
+  app.require_subcommand(1);
+  app.footer("glint VERB --help shows the options of a verb and an example.");
+  CommandLine line;
+  line.common.threads = hardware_threads();
+  add_study_verbs(app, line);
+  add_other_verbs(app, line);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitDone : kExitUsage;
+  }
+  try {
+    return dispatch(app, line);
+  } catch (const ConfigError& error) {
+    std::cerr << error.what() << "\n";
+    return kExitUsage;
+  } catch (const IoError& error) {
+    std::cerr << error.what() << "\n";
+    return kExitIo;
+  } catch (const std::exception& error) {
+    std::cerr << "internal error: " << error.what() << "\n";
+    return kExitInternal;
+  }
+}
+
+}  // namespace
+}  // namespace glint
+
+int main(int argc, char** argv) {
+  return glint::run_program(argc, argv);
+}

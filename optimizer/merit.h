@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// From named scores to the one finite number an algorithm minimises.
+//
+// merit = objective (negated when maximised) + scale * sum of weight * log(1 + violation), where a
+// violation is how far a score is outside its limit, as a part of the limit. The logarithm has
+// slope 1 at the limit, so the border is as steep as without it, while designs far outside do not
+// drown the model of a local method.
+//
+// The scale is kPenaltyFactor times the spread (largest minus smallest objective) of the first
+// evaluations told, as many as the initial design has; then it stays. It depends on nothing but
+// told outcomes in their order, so a replay finds the same one. See docs/theory/search.md.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "optimizer/algorithm.h"
+#include "optimizer/space.h"
+#include "optimizer/trial.h"
+
+namespace glint {
+
+/// The score to optimise.
+struct Objective {
+  std::string name;
+  bool is_maximised = true;
+};
+
+/// Limits of a score, both inclusive.
+struct Constraint {
+  std::string name;
+  std::optional<double> min;
+  std::optional<double> max;
+  double weight = 1.0;  ///< > 0, of the penalty
+};
+
+struct Goal {
+  Objective objective;
+  std::vector<Constraint> constraints;
+};
+
+/// @throws ConfigError: no objective, a constraint without limits, min above max, weight <= 0
+void check(const Goal& goal);
+
+/// Why these scores cannot be judged (a missing score, a NaN, an infinite objective); empty when
+/// they can.
+std::string problem_with(const Goal& goal, const Scores& scores);
+
+/// How far a score is outside its limits, as a part of the limit (of 1 where the limit is 0);
+/// 0 inside, at most 1e6.
+double violation(const Constraint& constraint, double score);
+/// The weighted sum over all constraints; 0 exactly when feasible.
+double violation(const Goal& goal, const Scores& scores);
+bool is_feasible(const Goal& goal, const Scores& scores);
+
+/// A feasible outcome beats an infeasible one; two feasible ones compare by objective, two
+/// infeasible ones by violation. Equal: false. Both must be judgeable.
+bool is_better(const Goal& goal, const Scores& a, const Scores& b);
+
+/// Keeps what has been told and turns the next outcome into a finite merit.
+class MeritFunction {
+ public:
+  static constexpr double kPenaltyFactor = 3.0;
+  /// Told for failures before anything has succeeded.
+  static constexpr double kUnknownMerit = 1e6;
+
+  /// @param num_scale  outcomes that fix the penalty's scale, >= 1
+  MeritFunction(SearchSpace space, Goal goal, FailurePolicy policy, int num_scale);
+
+  /// The merit of the next outcome in the order of telling.
+  double next(const Point& point, const Outcome& outcome);
+
+  double penalty_scale() const;
+
+ private:
+  struct Told {
+    std::vector<double> unit;
+    double merit = 0.0;
+  };
+
+  void widen_spread(double objective);
+  double failed_merit(const std::vector<double>& unit) const;
+
+  SearchSpace space_;
+  Goal goal_;
+  FailurePolicy policy_;
+  int num_scale_;
+  int num_told_ = 0;
+  std::optional<double> smallest_;
+  double largest_ = 0.0;
+  std::vector<Told> told_;  ///< successes only
+};
+
+}  // namespace glint

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "simulator/geometry/triangle_mesh.h"
+
+namespace glint {
+
+inline constexpr int kPacketSize = 16;
+
+/// Sixteen rays, one array per component. Directions need not be unit; t counts in directions.
+struct alignas(64) RayPacket {
+  alignas(64) std::array<float, kPacketSize> origin_x = {};
+  alignas(64) std::array<float, kPacketSize> origin_y = {};
+  alignas(64) std::array<float, kPacketSize> origin_z = {};
+  alignas(64) std::array<float, kPacketSize> direction_x = {};
+  alignas(64) std::array<float, kPacketSize> direction_y = {};
+  alignas(64) std::array<float, kPacketSize> direction_z = {};
+  alignas(64) std::array<float, kPacketSize> t_min = {};
+  alignas(64) std::array<float, kPacketSize> t_max = {};
+  alignas(64) std::array<std::int32_t, kPacketSize> valid = {};  ///< -1 trace, 0 leave out
+};
+
+/// Where sixteen rays met the mesh; triangle < 0 for a miss and for rays that were left out.
+struct alignas(64) HitPacket {
+  alignas(64) std::array<float, kPacketSize> t_mm = {};
+  alignas(64) std::array<std::int32_t, kPacketSize> triangle = {};
+  alignas(64) std::array<float, kPacketSize> u = {};
+  alignas(64) std::array<float, kPacketSize> v = {};
+};
+
+/// The nearest hit of one ray: point = (1 - u - v) v0 + u v1 + v v2 of the triangle.
+struct Hit {
+  float t_mm = 0.0F;
+  std::int32_t triangle = -1;  ///< < 0: miss
+  float u = 0.0F;
+  float v = 0.0F;
+
+  explicit operator bool() const { return triangle >= 0; }
+};
+
+/// Whether the rays of a packet run close to each other (camera rays) or apart (reflected rays).
+enum class Coherence { kCoherent, kIncoherent };
+
+/// Finds what a ray meets: an Embree 3 scene in robust mode (no ray slips between triangles), both
+/// sides of a triangle. Embree works in float: recompute positions with hit_point() or polish(),
+/// and start secondary rays a little off the surface. Immutable; all calls are safe from several
+/// threads. Holds a copy of the mesh in float.
+///
+/// Coherent packets and single rays that miss are tried once more 1e-6 rad aside: Embree lets some
+/// rays through that aim exactly at a vertex. Incoherent packets and occluded() are not.
+class Bvh {
+ public:
+  /// @throws Error when Embree cannot build it (out of memory).
+  explicit Bvh(const TriangleMesh& mesh);
+  ~Bvh();
+  Bvh(Bvh&&) noexcept;
+  Bvh& operator=(Bvh&&) noexcept;
+
+  void intersect16(const RayPacket& rays, HitPacket& hits, Coherence coherence) const;
+
+  Hit intersect(const Eigen::Vector3d& origin_mm,
+                const Eigen::Vector3d& direction,
+                double t_min_mm,
+                double t_max_mm) const;
+
+  /// True when anything lies between t_min and t_max; quicker than intersect().
+  bool occluded(const Eigen::Vector3d& origin_mm,
+                const Eigen::Vector3d& direction,
+                double t_min_mm,
+                double t_max_mm) const;
+
+ private:
+  struct Scene;
+  std::unique_ptr<Scene> scene_;
+};
+
+/// The instruction set Embree chose, for run.json: "AVX512", "AVX2", "AVX" or "SSE". Hits differ in
+/// their last bits between them.
+std::string embree_isa();
+
+/// The hit's position in double, from the barycentrics: on the triangle's plane to about 1e-13.
+Eigen::Vector3d hit_point(const TriangleMesh& mesh, const Hit& hit);
+
+/// Unit interpolated normal; the mesh must have shading normals.
+Eigen::Vector3d shading_normal(const TriangleMesh& mesh, const Hit& hit);
+
+/// Unit normal of the triangle that was hit.
+Eigen::Vector3d geometric_normal(const TriangleMesh& mesh, const Hit& hit);
+
+}  // namespace glint

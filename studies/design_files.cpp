@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/design_files.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/image_io.h"
+#include "studies/drawing.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+PixelDepth depth_of(const SensorSettings& sensor) {
+  return sensor.bits == 8 ? PixelDepth::k8Bit : PixelDepth::k16Bit;
+}
+
+Json vector_json(const Eigen::Vector3d& v) {
+  return Json::array({v.x(), v.y(), v.z()});
+}
+
+Json defect_json(const HeightFeature& feature, const DefectView& view, const DefectScores& scores) {
+  const bool is_scratch = feature.kind == HeightFeature::Kind::kScratch;
+  Json json = {
+      {"id", feature.id},
+      {"label", feature.label},
+      {"kind",
+       is_scratch              ? "scratch"
+       : feature.height_mm > 0 ? "bump"
+                               : "dent"},
+      {"centre_mm", vector_json(feature.centre_mm)},
+      {"normal", vector_json(feature.normal)},
+      {"height_um", feature.height_mm * 1e3},
+      {"max_slope_mrad", feature.max_slope_rad() * 1e3},
+      {"area_px", view.area_px},
+      {"window_px", {view.left_px, view.top_px, view.distance.width(), view.distance.height()}},
+      {"scores",
+       {{"weber", scores.weber},
+        {"peak", scores.peak},
+        {"cnr", scores.cnr},
+        {"dprime", scores.dprime},
+        {"signature", scores.signature}}}};
+  if (is_scratch) {
+    json["length_mm"] = feature.length_mm;
+    json["width_mm"] = feature.width_mm;
+  } else {
+    json["diameter_mm"] = 4.0 * feature.sigma_mm;
+  }
+  return json;
+}
+
+Json defects_json(const Evaluation& evaluation) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < evaluation.defects.size(); ++i) {
+    list.push_back(defect_json(evaluation.traced->detail.features()[i],
+                               evaluation.traced->views[i],
+                               evaluation.defects[i]));
+  }
+  return {{"schema", 1}, {"defects", list}};
+}
+
+/// Half the angle of view across the tunnel, from the image's height or width.
+double view_half_angle_rad(const SceneSettings& scene) {
+  const PinholeIntrinsics in = intrinsics_of(scene.camera);
+  const RigidTransform pose = camera_from_world(scene.viewpoint);
+  const bool rows_run_across = std::abs(pose.rotation(1, 1)) > std::abs(pose.rotation(0, 1));
+  return rows_run_across ? std::atan(0.5 * in.height_px / in.focal_px.y())
+                         : std::atan(0.5 * in.width_px / in.focal_px.x());
+}
+
+}  // namespace
+
+Json scores_json(const Scores& scores) {
+  Json json = Json::object();
+  for (const auto& [name, value] : scores) {
+    json[name] = value;
+  }
+  return json;
+}
+
+std::string draw_lighting(const SceneSettings& scene,
+                          const BuiltPart& built,
+                          const std::string& title) {
+  const Tunnel tunnel(scene.tunnel);
+  const Eigen::Vector3d camera = inverse(camera_from_world(scene.viewpoint)).translation_mm;
+  return cross_section_svg({.panels_yz_mm = tunnel.outline(1.0),
+                            .part_yz_mm = built.outline_yz_mm,
+                            .camera_mm = camera,
+                            .view_half_angle_rad = view_half_angle_rad(scene),
+                            .slot_mm = scene.tunnel.slot_mm,
+                            .length_mm = scene.tunnel.length_mm,
+                            .part_length_mm = built.max_x_mm - built.min_x_mm,
+                            .period_mm = scene.tunnel.period_mm,
+                            .duty = scene.tunnel.duty,
+                            .orientation_rad = scene.tunnel.orientation_rad,
+                            .step_mm = scan_step_mm(scene.scan, scene.tunnel),
+                            .positions = scene.scan.positions,
+                            .title = title});
+}
+
+std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores) {
+  std::vector<std::string> notes;
+  const double bright = scene.scan.positions * scene.tunnel.duty;
+  const double periods =
+      scene.scan.positions * scan_step_mm(scene.scan, scene.tunnel) / scene.tunnel.period_mm;
+  if (std::abs(periods - std::round(periods)) < 1e-9 &&
+      std::abs(bright - std::round(bright)) < 1e-9) {
+    notes.push_back(
+        fmt::format("{} positions x duty {:g} is a whole number of bright positions over whole "
+                    "periods: without clipping every lit pixel has the same mean, {:g} of full "
+                    "scale; what the aspect image shows, it shows through clipping.",
+                    scene.scan.positions,
+                    scene.tunnel.duty,
+                    scene.tunnel.duty));
+  } else {
+    notes.push_back(
+        fmt::format("{} positions x duty {:g} over {:g} periods is not a whole number of bright "
+                    "positions over whole periods: the flawless surface shows a ripple of its own.",
+                    scene.scan.positions,
+                    scene.tunnel.duty,
+                    periods));
+  }
+  const auto share_of = [&](const char* name) {
+    const auto found = scores.find(name);
+    return found == scores.end() ? 0.0 : found->second;
+  };
+  if (share_of("view.hidden_share") > 0.0) {
+    notes.push_back(
+        fmt::format("The wall hides {:.2f} % of the part from the camera: the slot is too narrow "
+                    "there; hidden pixels are dark.",
+                    100.0 * share_of("view.hidden_share")));
+  }
+  if (share_of("rays.followed_share") + share_of("rays.blocked_share") > 0.0) {
+    notes.push_back(
+        fmt::format("{:.3f} % of the rays met the part again and were followed, {:.3f} % were "
+                    "given up as dark.",
+                    100.0 * share_of("rays.followed_share"),
+                    100.0 * share_of("rays.blocked_share")));
+  }
+  if (scene.tunnel.cosine_law) {
+    notes.emplace_back("The cosine law is applied to the wall's radiance (compatibility option).");
+  }
+  return notes;
+}
+
+Json write_design(SceneStore& store,
+                  const SceneSettings& scene,
+                  const Json& head,
+                  const fs::path& folder,
+                  bool is_rescored) {
+  make_folder(folder / "sequence");
+  const auto write_frame = [&](int index, const ImageF& grey) {
+    write_png(
+        folder / "sequence" / fmt::format("frame_{:03}.png", index), grey, depth_of(scene.sensor));
+  };
+  const Evaluation evaluation = evaluate(store, scene, write_frame);
+  write_png(folder / "aspect.png", evaluation.scan.aspect, depth_of(scene.sensor));
+  write_exr(folder / "aspect.exr", evaluation.scan.aspect);
+  write_mask_png(folder / "part_mask.png", evaluation.traced->part_mask);
+  write_file(folder / "defects.json", defects_json(evaluation).dump(2) + "\n");
+  write_file(folder / "scene.toml", to_toml(write_scene(scene)));
+  write_file(folder / "cross_section.svg",
+             draw_lighting(scene, *evaluation.traced->built, head.value("title", "")));
+  Json json = head;
+  json["scores"] = scores_json(evaluation.scores);
+  if (is_rescored) {
+    json["rescored"] = scores_json(evaluate(store, finer(scene)).scores);
+  }
+  json["notes"] = scene_notes(scene, evaluation.scores);
+  write_file(folder / "scores.json", json.dump(2) + "\n");
+  return json;
+}
+
+}  // namespace glint

@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/run.h"
+
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/log.h"
+#include "core/text.h"
+#include "studies/design_files.h"
+#include "studies/provenance.h"
+#include "studies/run_report.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+Json variables_json(const Study& study, const Point& point) {
+  Json json = Json::object();
+  for (const auto& [path, value] : overrides_of(study, point)) {
+    switch (value.kind) {
+      case ConfigNode::Kind::kBoolean:
+        json[path] = value.boolean;
+        break;
+      case ConfigNode::Kind::kInteger:
+        json[path] = value.integer;
+        break;
+      case ConfigNode::Kind::kNumber:
+        json[path] = value.number;
+        break;
+      default:
+        json[path] = value.text;
+    }
+  }
+  return json;
+}
+
+/// The values the study's own scene has for its variables.
+Json baseline_variables(const Study& study) {
+  Json json = Json::object();
+  for (const Variable& variable : study.space.variables) {
+    const ConfigNode& node = *study.resolved.at_path(variable.name);
+    if (node.is_number()) {
+      json[variable.name] = node.number;
+    } else if (node.kind == ConfigNode::Kind::kBoolean) {
+      json[variable.name] = node.boolean;
+    } else {
+      json[variable.name] = node.text;
+    }
+  }
+  return json;
+}
+
+/// Everything about a scene that can be refused before anything is written.
+void check_scene(SceneStore& store, const Study& study, const SceneSettings& scene) {
+  try {
+    check_part_in_tunnel(*store.build(scene), Tunnel(scene.tunnel), scene.tunnel_name);
+    store.trace(scene);
+  } catch (const ConfigError& error) {
+    throw ConfigError(with_place(study.root, error.what()));
+  }
+}
+
+void check_everything(SceneStore& store, const Study& study) {
+  check_scene(store, study, study.scene);
+  for (const Prototype& prototype : study.prototypes) {
+    try {
+      check_scene(store, study, scene_with(study, prototype.overrides));
+    } catch (const ConfigError& error) {
+      throw ConfigError(fmt::format("prototypes.{}: {}", prototype.name, error.what()));
+    }
+  }
+}
+
+/// A run directory that is being worked on.
+class Run {
+ public:
+  Run(const Study& study, const RunOptions& options)
+      : study_(study), options_(options), pool_(options.threads), store_(pool_) {}
+
+  Json execute() {
+    check_everything(store_, study_);
+    open_folder();
+    Storage storage = open_storage();
+    configure_run_log();
+    write_file(options_.out / "study.resolved.toml", resolved_text(study_));
+    SearchResult search;
+    if (study_.has_search()) {
+      search = search_designs(storage);
+    }
+    const Json result = finish(storage, search);
+    write_run_json(search);
+    return result;
+  }
+
+ private:
+  void open_folder() {
+    is_new_folder_ = !fs::exists(options_.out);
+    make_folder(options_.out);
+  }
+
+  void configure_run_log() {
+    configure_log({.to_stderr = true, .file = options_.out / "log.txt"});
+    log(LogLevel::kInfo,
+        "study {} with {} threads, {} jobs",
+        study_.name,
+        options_.threads,
+        options_.jobs);
+  }
+
+  Storage open_storage() {
+    try {
+      return Storage::open(options_.out / "study.sqlite",
+                           {.config_hash = config_hash(study_),
+                            .config_text = resolved_text(study_),
+                            .code_version = program_version(),
+                            .seed = study_.search.seed});
+    } catch (...) {
+      if (is_new_folder_) {
+        std::error_code ignored;
+        fs::remove_all(options_.out, ignored);
+      }
+      throw;
+    }
+  }
+
+  SearchResult search_designs(Storage& storage) {
+    const SearchTask task = {.space = study_.space,
+                             .settings = study_.search,
+                             .goal = study_.goal,
+                             .budget = study_.budget,
+                             .start_points = {baseline_point(study_)},
+                             .jobs = options_.jobs};
+    const auto evaluate_point = [&](const Point& point, int /*trial*/) {
+      Outcome outcome;
+      outcome.scores = evaluate(store_, scene_with(study_, overrides_of(study_, point))).scores;
+      return outcome;
+    };
+    Progress bar(study_.name, std::max(1, study_.budget.evaluations), options_.progress);
+    const auto show = [&](const SearchProgress& progress) {
+      std::string note = "best -";
+      if (progress.best && progress.best->outcome) {
+        const Scores& scores = progress.best->outcome->scores;
+        const auto found = scores.find(study_.goal.objective.name);
+        if (found != scores.end()) {
+          note = fmt::format("best {:.4f}", found->second);
+        }
+      }
+      if (progress.failed > 0) {
+        note += fmt::format(", {} failed", progress.failed);
+      }
+      bar.update(progress.evaluations, note);
+    };
+    return run_search(task, storage, evaluate_point, options_.interrupt, show);
+  }
+
+  Json head(const std::string& title, const char* role, const Json& variables) const {
+    return {{"title", title}, {"role", role}, {"variables", variables}};
+  }
+
+  Json write(const std::string& key, const SceneSettings& scene, Json head) {
+    log(LogLevel::kInfo, "writing {}", key);
+    Json json = write_design(store_, scene, head, options_.out / key, true);
+    if (study_.goal.constraints.empty()) {
+      return json;
+    }
+    json["feasible"] = is_feasible(study_.goal, scores_of(json["scores"]));
+    write_file(options_.out / key / "scores.json", json.dump(2) + "\n");
+    return json;
+  }
+
+  static Scores scores_of(const Json& json) {
+    Scores scores;
+    for (const auto& [name, value] : json.items()) {
+      if (value.is_number()) {
+        scores[name] = value.get<double>();
+      }
+    }
+    return scores;
+  }
+
+  static std::string status_of(const SearchResult& search, bool has_search) {
+    if (!has_search) {
+      return "done";
+    }
+    if (search.termination == Termination::kInterrupted) {
+      return "interrupted";
+    }
+    if (!search.best || !search.is_feasible) {
+      return "no_feasible";
+    }
+    return search.termination == Termination::kWallClock ? "budget" : "done";
+  }
+
+  Json finish(Storage& storage, const SearchResult& search) {
+    const Json baseline =
+        write("baseline", study_.scene, head("Baseline", "baseline", baseline_variables(study_)));
+    for (const Prototype& prototype : study_.prototypes) {
+      write(prototype.name,
+            scene_with(study_, prototype.overrides),
+            head(prototype.title, "prototype", Json::object()));
+    }
+    Json result = {{"schema", 1},
+                   {"status", status_of(search, study_.has_search())},
+                   {"evaluations", search.evaluations},
+                   {"failed", search.failed}};
+    Json rescored = Json::object();
+    result["best"] = nullptr;
+    if (search.best) {
+      const Json variables = variables_json(study_, search.best->point);
+      Json winner_head = head("Winner of the search", "winner", variables);
+      winner_head["trial"] = search.best->number;
+      const Json winner = write(
+          "winner", scene_with(study_, overrides_of(study_, search.best->point)), winner_head);
+      result["best"] = {
+          {"trial", search.best->number}, {"variables", variables}, {"scores", winner["scores"]}};
+      rescored["best"] = winner["rescored"];
+    }
+    result["baseline"] = {{"variables", baseline["variables"]}, {"scores", baseline["scores"]}};
+    rescored["baseline"] = baseline["rescored"];
+    result["rescored"] = rescored;
+    result["prototypes"] = prototypes_json();
+    write_file(options_.out / "trials.csv", trials_csv(study_, storage));
+    const fs::path report = options_.out / "report.html";
+    result["report"] = "report.html";
+    write_file(options_.out / "result.json", result.dump(2) + "\n");
+    write_file(report, report_html({options_.out}));
+    result["report"] = report.string();
+    return result;
+  }
+
+  Json prototypes_json() const {
+    Json prototypes = Json::object();
+    for (const Prototype& prototype : study_.prototypes) {
+      const Json json = Json::parse(read_file(options_.out / prototype.name / "scores.json"));
+      prototypes[prototype.name] = {{"scores", json["scores"]}, {"rescored", json["rescored"]}};
+    }
+    return prototypes;
+  }
+
+  void write_run_json(const SearchResult& search) const {
+    Json json = provenance();
+    json["study"] = study_.name;
+    json["seed"] = study_.search.seed;
+    json["threads"] = options_.threads;
+    json["jobs"] = options_.jobs;
+    json["algorithm"] = search.algorithm;
+    json["termination"] =
+        study_.has_search() ? std::string(termination_name(search.termination)) : "none";
+    json["timings"] = {{"search_s", search.seconds},
+                       {"this_run_s", seconds_since(start_)},
+                       {"replayed_evaluations", search.replayed},
+                       {"reused_designs", search.reused},
+                       {"traced_scenes", store_.num_traced()}};
+    json["warnings"] = search.warnings;
+    json["configuration"] = resolved_text(study_);
+    write_file(options_.out / "run.json", json.dump(2) + "\n");
+  }
+
+  const Study& study_;
+  const RunOptions& options_;
+  ThreadPool pool_;
+  SceneStore store_;
+  bool is_new_folder_ = false;
+  Clock::time_point start_ = Clock::now();
+};
+
+}  // namespace
+
+Json run_study(const Study& study, const RunOptions& options) {
+  return Run(study, options).execute();
+}
+
+Json check_study(const Study& study, int threads, int jobs) {
+  ThreadPool pool(threads);
+  SceneStore store(pool);
+  check_everything(store, study);
+  Json designs = Json::object();
+  evaluate(store, study.scene);  // the first one pays for tracing and cold caches
+  const auto start = Clock::now();
+  const Evaluation baseline = evaluate(store, study.scene);
+  const double per_evaluation_s = seconds_since(start);
+  for (const Prototype& prototype : study.prototypes) {
+    const Evaluation evaluation = evaluate(store, scene_with(study, prototype.overrides));
+    designs[prototype.name] = {{"scores", scores_json(evaluation.scores)}};
+  }
+  const int at_once = std::max(1, std::min(jobs, study.search.batch));
+  double predicted_s = per_evaluation_s * study.budget.evaluations / at_once;
+  if (study.budget.wall_clock_s > 0.0 &&
+      (study.budget.evaluations == 0 || study.budget.wall_clock_s < predicted_s)) {
+    predicted_s = study.budget.wall_clock_s;
+  }
+  return {{"schema", 1},
+          {"status", "done"},
+          {"name", study.name},
+          {"variables", study.space.variables.size()},
+          {"baseline",
+           {{"scores", scores_json(baseline.scores)},
+            {"notes", scene_notes(study.scene, baseline.scores)}}},
+          {"prototypes", designs},
+          {"evaluations", study.has_search() ? study.budget.evaluations : 0},
+          {"seconds_per_evaluation", per_evaluation_s},
+          {"predicted_s", study.has_search() ? predicted_s : 0.0}};
+}
+
+Json render_study(const Study& study, const fs::path& out, int threads) {
+  const auto start = Clock::now();
+  ThreadPool pool(threads);
+  SceneStore store(pool);
+  check_everything(store, study);
+  make_folder(out);
+  const Json json = write_design(
+      store, study.scene, {{"title", study.title}, {"role", "baseline"}}, out / "baseline", false);
+  write_file(out / "study.resolved.toml", resolved_text(study));
+  Json result = {{"schema", 1},
+                 {"status", "done"},
+                 {"scores", json["scores"]},
+                 {"notes", json["notes"]},
+                 {"report", "report.html"}};
+  write_file(out / "result.json", result.dump(2) + "\n");
+  write_file(out / "report.html", report_html({out}));
+  result["folder"] = (out / "baseline").string();
+  result["report"] = (out / "report.html").string();
+  Json run = provenance();
+  run["threads"] = threads;
+  run["timings"] = {{"this_run_s", seconds_since(start)}};
+  write_file(out / "run.json", run.dump(2) + "\n");
+  return result;
+}
+
+}  // namespace glint

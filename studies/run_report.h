@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "optimizer/storage.h"
+#include "studies/study.h"
+
+namespace glint {
+
+/// The report of one run directory in depth, or of several side by side, made from their files.
+/// @throws IoError when a folder is no run directory
+std::string report_html(const std::vector<std::filesystem::path>& runs);
+
+/// All trials of a search with variables and scores, as CSV.
+std::string trials_csv(const Study& study, const Storage& storage);
+
+}  // namespace glint

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/traced_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "core/file.h"
+#include "core/text.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr std::size_t kKeptParts = 2;
+constexpr std::size_t kKeptScenes = 3;
+
+/// The text of some tables of a scene: equal texts mean equal content.
+std::string content_key(const SceneSettings& scene, std::initializer_list<const char*> tables) {
+  const ConfigNode root = write_scene(scene);
+  ConfigNode chosen = ConfigNode::table();
+  for (const char* table : tables) {
+    chosen.names.emplace_back(table);
+    chosen.items.push_back(*root.find(table));
+  }
+  return to_toml(chosen);
+}
+
+/// Moves the entry of that key to the front; nullptr when there is none.
+template <class List>
+auto find_and_touch(List& list, const std::string& key) {
+  const auto found =
+      std::ranges::find_if(list, [&](const auto& entry) { return entry.key == key; });
+  if (found == list.end()) {
+    return decltype(found->value)();
+  }
+  list.splice(list.begin(), list, found);
+  return list.front().value;
+}
+
+/// Convex hull by Andrew's monotone chain, counter-clockwise.
+std::vector<Vector2d> convex_hull(std::vector<Vector2d> points) {
+  std::ranges::sort(points, [](const Vector2d& a, const Vector2d& b) {
+    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
+  });
+  std::vector<Vector2d> hull;
+  const auto turns_left = [](const Vector2d& a, const Vector2d& b, const Vector2d& c) {
+    return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x()) > 0.0;
+  };
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::size_t start = hull.size();
+    for (const Vector2d& point : points) {
+      while (hull.size() >= start + 2 && !turns_left(hull[hull.size() - 2], hull.back(), point)) {
+        hull.pop_back();
+      }
+      hull.push_back(point);
+    }
+    hull.pop_back();
+    std::ranges::reverse(points);
+  }
+  return hull;
+}
+
+/// True when the point is inside the closed surface: an odd number of crossings on two of three
+/// unrelated lines, so that one line through an edge does not decide.
+bool is_inside(const Bvh& bvh, const Vector3d& point_mm) {
+  int votes = 0;
+  for (const Vector3d& direction :
+       {Vector3d(0.31, 0.52, 0.79), Vector3d(-0.62, 0.17, 0.77), Vector3d(0.13, -0.71, -0.69)}) {
+    const Vector3d unit = direction.normalized();
+    int crossings = 0;
+    double from_mm = 0.0;
+    while (crossings < 1000) {
+      const Hit hit =
+          bvh.intersect(point_mm, unit, from_mm, std::numeric_limits<double>::infinity());
+      if (!hit) {
+        break;
+      }
+      ++crossings;
+      from_mm = static_cast<double>(hit.t_mm) * (1.0 + 1e-6) + 1e-6;
+    }
+    votes += crossings % 2;
+  }
+  return votes >= 2;
+}
+
+/// Distance of a surface point from a feature, in feature radii (2 sigma of its cross-section).
+double distance_in_radii(const HeightFeature& feature, const Vector3d& point_mm) {
+  const Vector3d offset = point_mm - feature.centre_mm;
+  const double along = std::abs(offset.dot(feature.u_axis)) - feature.half_line_mm();
+  const double across = offset.dot(feature.v_axis);
+  return std::hypot(std::max(0.0, along), across) / (2.0 * feature.cross_sigma_mm());
+}
+
+/// Pixels per square millimetre of the surface around a point, as the camera sees it.
+double pixels_per_mm2(const HeightFeature& feature,
+                      const PinholeCamera& camera,
+                      const RigidTransform& camera_from_world) {
+  constexpr double kStep_mm = 1e-3;
+  const auto at = [&](const Vector3d& point_mm) {
+    return camera.project(camera_from_world * point_mm).value_or(Vector2d::Zero());
+  };
+  const Vector2d centre = at(feature.centre_mm);
+  const Vector2d du = (at(feature.centre_mm + kStep_mm * feature.u_axis) - centre) / kStep_mm;
+  const Vector2d dv = (at(feature.centre_mm + kStep_mm * feature.v_axis) - centre) / kStep_mm;
+  return std::abs(du.x() * dv.y() - du.y() * dv.x());
+}
+
+/// A disc, or a line with round ends.
+double feature_area_mm2(const HeightFeature& feature) {
+  const double radius = 2.0 * feature.cross_sigma_mm();
+  return kPi * radius * radius + 4.0 * radius * feature.half_line_mm();
+}
+
+/// Where the pixel's rays left the part, in the mean.
+Vector3d surface_point(const RayCache& rays, std::int64_t pixel) {
+  Vector3d sum = Vector3d::Zero();
+  for (int sample = 0; sample < rays.samples; ++sample) {
+    const auto i = static_cast<std::size_t>(sample * rays.num_pixels() + pixel);
+    sum += Vector3d(static_cast<double>(rays.origin_x[i]),
+                    static_cast<double>(rays.origin_y[i]),
+                    static_cast<double>(rays.origin_z[i]));
+  }
+  return sum / rays.samples;
+}
+
+DefectView view_defect(const HeightFeature& feature,
+                       const RayCache& rays,
+                       const PinholeCamera& camera,
+                       const RigidTransform& camera_from_world,
+                       double window_radii) {
+  const double density = pixels_per_mm2(feature, camera, camera_from_world);
+  const auto centre = camera.project(camera_from_world * feature.centre_mm);
+  if (!centre) {
+    throw ConfigError(fmt::format("defects: {} is behind the camera", feature.label));
+  }
+  const double reach_mm = 2.0 * feature.cross_sigma_mm() * window_radii + feature.half_line_mm();
+  const double reach_px = 2.0 * std::sqrt(density) * reach_mm + 3.0;
+  const auto clamp_to = [](double value, int size) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
+  };
+  const int left = clamp_to(centre->x() - reach_px, rays.width_px);
+  const int right = clamp_to(centre->x() + reach_px + 1.0, rays.width_px);
+  const int top = clamp_to(centre->y() - reach_px, rays.height_px);
+  const int bottom = clamp_to(centre->y() + reach_px + 1.0, rays.height_px);
+  if (left >= right || top >= bottom) {
+    throw ConfigError(fmt::format("defects: {} is outside the image", feature.label));
+  }
+  DefectView view;
+  view.label = feature.label;
+  view.left_px = left;
+  view.top_px = top;
+  view.area_px = density * feature_area_mm2(feature);
+  view.distance = ImageF(right - left, bottom - top, DefectView::kFar);
+  for (int y = top; y < bottom; ++y) {
+    for (int x = left; x < right; ++x) {
+      const std::int64_t pixel = static_cast<std::int64_t>(y) * rays.width_px + x;
+      if (rays.coverage(x, y) > 0.999F) {
+        view.distance(x - left, y - top) =
+            static_cast<float>(distance_in_radii(feature, surface_point(rays, pixel)));
+      }
+    }
+  }
+  return view;
+}
+
+BuiltPart build_part_with_bvh(const PartSettings& settings) {
+  BuiltPart built;
+  built.part = build_part(settings);
+  built.bvh = std::make_unique<Bvh>(built.part.mesh);
+  std::vector<Vector2d> points;
+  built.min_x_mm = std::numeric_limits<double>::infinity();
+  built.max_x_mm = -built.min_x_mm;
+  for (const Vector3d& vertex : built.part.mesh.vertices_mm) {
+    points.emplace_back(vertex.y(), vertex.z());
+    built.min_x_mm = std::min(built.min_x_mm, vertex.x());
+    built.max_x_mm = std::max(built.max_x_mm, vertex.x());
+  }
+  built.outline_yz_mm = convex_hull(std::move(points));
+  return built;
+}
+
+SurfaceDetail detail_of(const SceneSettings& scene, const BuiltPart& built) {
+  std::vector<HeightFeature> features;
+  for (const auto& [name, group] : scene.defects) {
+    const auto more =
+        make_features(name, group, built.part, *built.bvh, static_cast<int>(features.size()));
+    features.insert(features.end(), more.begin(), more.end());
+  }
+  return SurfaceDetail(std::move(features));
+}
+
+TracedScene trace_scene(const SceneSettings& scene,
+                        std::shared_ptr<const BuiltPart> built,
+                        ThreadPool& pool) {
+  TracedScene traced;
+  traced.built = std::move(built);
+  traced.camera_from_world = camera_from_world(scene.viewpoint);
+  traced.camera_in_world_mm = inverse(traced.camera_from_world).translation_mm;
+  if (is_inside(*traced.built->bvh, traced.camera_in_world_mm)) {
+    throw ConfigError(fmt::format(
+        "viewpoint.0.position_mm: the camera at ({:g}, {:g}, {:g}) mm is inside the part; it must "
+        "stand outside, at a working distance",
+        traced.camera_in_world_mm.x(),
+        traced.camera_in_world_mm.y(),
+        traced.camera_in_world_mm.z()));
+  }
+  const PinholeCamera camera(intrinsics_of(scene.camera));
+  traced.detail = detail_of(scene, *traced.built);
+  traced.rays = trace_rays(traced.built->part,
+                           *traced.built->bvh,
+                           traced.detail,
+                           camera,
+                           traced.camera_from_world,
+                           scene.render,
+                           pool);
+  traced.views = view_defects(
+      traced.detail, traced.rays, camera, traced.camera_from_world, scene.metrics.ring_outer_radii);
+  traced.part_mask = whole_pixels(traced.rays.coverage);
+  traced.region = region_of_interest(traced.rays.coverage, traced.views, scene.metrics);
+  traced.defects = defect_pixels(traced.views, traced.part_mask, scene.metrics);
+  return traced;
+}
+
+}  // namespace
+
+std::vector<DefectView> view_defects(const SurfaceDetail& detail,
+                                     const RayCache& rays,
+                                     const PinholeCamera& camera,
+                                     const RigidTransform& camera_from_world,
+                                     double window_radii) {
+  std::vector<DefectView> views;
+  for (const HeightFeature& feature : detail.features()) {
+    views.push_back(view_defect(feature, rays, camera, camera_from_world, window_radii));
+  }
+  return views;
+}
+
+std::shared_ptr<const BuiltPart> SceneStore::build(const SceneSettings& scene) {
+  std::string key = content_key(scene, {"part"});
+  if (!scene.part.file.empty()) {
+    key += sha256_hex(read_file(scene.part.file));
+  }
+  const std::scoped_lock lock(mutex_);
+  if (auto known = find_and_touch(parts_, key)) {
+    return known;
+  }
+  auto built = std::make_shared<const BuiltPart>(build_part_with_bvh(scene.part));
+  parts_.push_front({key, built});
+  if (parts_.size() > kKeptParts) {
+    parts_.pop_back();
+  }
+  return built;
+}
+
+std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& scene) {
+  auto built = build(scene);
+  const std::string key =
+      content_key(scene, {"part", "camera", "viewpoint", "render", "defects", "metrics"});
+  // One scene at a time: tracing uses all threads of the pool anyway.
+  const std::scoped_lock lock(mutex_);
+  auto known = find_and_touch(traced_, key);
+  if (known && known->built == built) {
+    return known;
+  }
+  auto traced = std::make_shared<const TracedScene>(trace_scene(scene, std::move(built), pool_));
+  ++num_traced_;
+  traced_.push_front({key, traced});
+  if (traced_.size() > kKeptScenes) {
+    traced_.pop_back();
+  }
+  return traced;
+}
+
+void check_part_in_tunnel(const BuiltPart& built, const Tunnel& tunnel, const std::string& name) {
+  for (const Vector2d& point : built.outline_yz_mm) {
+    if (!tunnel.contains(point.x(), point.y())) {
+      throw ConfigError(
+          fmt::format("lighting.{}.shape: the tunnel is smaller than the part: the part's point at "
+                      "y {:.1f} mm, "
+                      "z {:.1f} mm lies outside the cross-section",
+                      name,
+                      point.x(),
+                      point.y()));
+    }
+  }
+  const double half_length = 0.5 * tunnel.settings().length_mm;
+  if (built.max_x_mm > half_length || built.min_x_mm < -half_length) {
+    throw ConfigError(
+        fmt::format("lighting.{}.length_mm: the tunnel is {:g} mm long and smaller than the part, "
+                    "which reaches "
+                    "from x {:.1f} to {:.1f} mm",
+                    name,
+                    tunnel.settings().length_mm,
+                    built.min_x_mm,
+                    built.max_x_mm));
+  }
+}
+
+}  // namespace glint

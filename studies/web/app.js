@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Draws the report from the JSON object in the page; see studies/report.h for its fields.
+import { designSection } from './cards.js';
+import { badge, h, section } from './dom.js';
+import { Facts, isNumber, plural } from './format.js';
+import { convergenceSection, parallelSection, runCurvesSection, sliceSection } from './charts.js';
+import { evaluationSection, failureSection } from './table.js';
+import { verdictSection } from './verdict.js';
+
+const kStatus = {
+  done: ['good', 'search complete'],
+  budget: ['neutral', 'budget used up'],
+  interrupted: ['bad', 'interrupted'],
+  no_feasible: ['bad', 'no feasible design'],
+};
+
+function masthead(facts) {
+  const { data } = facts;
+  const [kind, text] = kStatus[data.status] ?? ['neutral', data.status];
+  const counts = facts.runs.length ? plural(facts.runs.length, 'run')
+    : facts.trials.length ? `${plural(facts.trials.length, 'evaluation')}, ${facts.trials.filter((trial) => trial.failed).length} failed`
+      : facts.designs.length ? `${plural(facts.designs.length, 'design')}, no search` : null;
+  return h('header', { class: 'masthead' }, h('p', { class: 'brand' }, 'Glint', h('span', {}, ' lighting report')),
+    h('h1', {}, data.title ?? 'Report'), data.subtitle && h('p', { class: 'lead' }, data.subtitle),
+    h('p', { class: 'meta' }, text && badge(kind, text), counts && h('span', {}, counts)));
+}
+
+const kShort = { designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', methods: 'Method', origin: 'Configuration', curves: 'Convergence' };
+
+function navigation(sections) {
+  return h('nav', {}, sections.map((node) => h('a', { href: `#${node.id}` }, kShort[node.id] ?? node.querySelector('h2').textContent)));
+}
+
+function methodSection(facts) {
+  const methods = facts.data.methods ?? [];
+  if (!methods.length) return null;
+  return section('methods', 'Method and accuracy', null, h('ul', { class: 'methods' }, methods.map((line) => h('li', {}, line))));
+}
+
+const flat = (value) => (value !== null && typeof value === 'object' ? JSON.stringify(value) : String(value));
+
+function originSection(facts) {
+  const { config_toml: config, provenance } = facts.data;
+  const rows = Object.entries(provenance ?? {}).map(([name, value]) => h('tr', {}, h('th', {}, name.replaceAll('_', ' ')), h('td', {}, flat(value))));
+  const licences = document.getElementById('licences')?.textContent.trim();
+  return section('origin', 'Configuration and provenance', null,
+    rows.length > 0 && h('table', { class: 'provenance' }, h('tbody', {}, rows)),
+    config && h('details', {}, h('summary', {}, 'Resolved configuration (TOML)'), h('pre', {}, config)),
+    licences && h('details', { class: 'screen-only' }, h('summary', {}, 'Licences of the software in this file'), h('pre', {}, licences)));
+}
+
+function runTable(facts) {
+  if (!facts.runs.length) return null;
+  const names = [...new Set([facts.objective.name, ...facts.runs.flatMap((run) => Object.keys(run.scores ?? {}))])].filter(Boolean).slice(0, 8);
+  const cell = (run, name) => h('td', {}, h('b', {}, facts.score(name, run.rescored?.[name] ?? run.scores?.[name])),
+    isNumber(run.rescored?.[name]) && h('small', {}, `search ${facts.score(name, run.scores?.[name])}`));
+  const row = (run) => h('tr', {}, h('th', {}, run.title), h('td', {}, kStatus[run.status]?.[1] ?? run.status ?? ''),
+    h('td', {}, run.evaluations ?? '\u2013'), h('td', {}, run.failed ?? '\u2013'), h('td', {}, run.feasible === false ? 'no' : run.feasible ? 'yes' : '\u2013'),
+    names.map((name) => cell(run, name)));
+  return section('runs', 'Runs', 'The best design of each run; bold numbers come from fresh seeds where there are any.',
+    h('div', { class: 'scroll' }, h('table', { class: 'board' },
+      h('thead', {}, h('tr', {}, ['run', 'status', 'evaluations', 'failed', 'feasible', ...names.map((name) => facts.label(name))].map((text) => h('th', {}, text)))),
+      h('tbody', {}, facts.runs.map(row)))));
+}
+
+function main() {
+  const data = JSON.parse(document.getElementById('data').textContent);
+  const facts = new Facts(data);
+  const table = evaluationSection(facts);
+  const sections = [
+    verdictSection(facts), runTable(facts), runCurvesSection(facts), designSection(facts), convergenceSection(facts),
+    parallelSection(facts, (chosen) => table?.choose(chosen)), sliceSection(facts), table?.node, failureSection(facts),
+    methodSection(facts), originSection(facts),
+  ].filter(Boolean);
+  document.getElementById('report').append(masthead(facts), navigation(sections), h('main', {}, sections));
+  document.body.dispatchEvent(new CustomEvent('glint-attached'));
+}
+
+main();

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The verdict: one sentence, the big numbers and the table that ranks the designs.
+import { badge, h, section } from './dom.js';
+import { isNumber } from './format.js';
+
+/** The design the big numbers are about: the winner, or the only one where nothing was searched. */
+function subject(facts) {
+  if (facts.runs.length) return null;
+  const winner = facts.designs.find((design) => facts.role(design) === 'winner');
+  return winner ?? (facts.designs.length === 1 && !facts.trials.length ? facts.designs[0] : null);
+}
+
+function figure(label, value, note, tone = '', unit = '') {
+  return h('div', { class: `figure ${tone}` }, h('p', { class: 'label' }, label), h('p', { class: 'value' }, value, unit && h('small', {}, ` ${unit}`)), h('p', { class: 'note' }, note ?? ''));
+}
+
+function scoreFigure(facts, design, name) {
+  const fresh = design.rescored?.[name];
+  const note = isNumber(fresh) ? `fresh seeds; ${facts.score(name, design.scores?.[name])} in the search` : 'with the seeds of the search';
+  return figure(facts.label(name), facts.score(name, facts.value(design, name)), facts.trials.length ? note : '');
+}
+
+function gainFigure(facts, design, other, label) {
+  const name = facts.objective.name;
+  const here = facts.value(design, name);
+  const there = other && facts.value(other, name);
+  if (!isNumber(here) || !isNumber(there)) return null;
+  const tone = here === there ? '' : facts.better(here, there) ? 'up' : 'down';
+  const { text, unit } = facts.difference(name, here - there);
+  return figure(label, text, `from ${facts.score(name, there)} (${facts.title(other)})`, tone, unit);
+}
+
+function constraintFigure(facts, design, constraint) {
+  const value = facts.value(design, constraint.name);
+  const ok = facts.meets(constraint, value);
+  return figure(facts.label(constraint.name), facts.score(constraint.name, value), `${ok ? '\u2713 meets' : '\u2717 misses'} ${facts.limit(constraint)}`, ok ? '' : 'down');
+}
+
+/** The best of the designs, feasible ones first. */
+function bestOf(facts, designs) {
+  const all = designs.filter((design) => isNumber(facts.value(design, facts.objective.name)));
+  const feasible = all.filter((design) => design.feasible !== false);
+  const valued = feasible.length ? feasible : all;
+  return valued.reduce((best, design) =>
+    (best && !facts.better(facts.value(design, facts.objective.name), facts.value(best, facts.objective.name)) ? best : design), null);
+}
+
+function figures(facts) {
+  const design = subject(facts);
+  if (!design) return null;
+  const main = facts.mainScores().filter((name) => !facts.constraints.some((one) => one.name === name));
+  const baseline = facts.designs.find((one) => facts.role(one) === 'baseline');
+  const prototype = bestOf(facts, facts.designs.filter((one) => facts.role(one) === 'prototype'));
+  return h('div', { class: 'figures' }, main.map((name) => scoreFigure(facts, design, name)),
+    baseline !== design && gainFigure(facts, design, baseline, 'against the baseline'),
+    prototype !== design && gainFigure(facts, design, prototype, 'against the best prototype'),
+    facts.constraints.map((constraint) => constraintFigure(facts, design, constraint)));
+}
+
+function ranked(facts) {
+  const value = (design) => facts.value(design, facts.objective.name);
+  const order = (a, b) => {
+    const wins = [a, b].map((design) => Number(facts.role(design) === 'winner'));
+    if (wins[0] !== wins[1]) return wins[1] - wins[0];
+    if (!isNumber(value(a)) || !isNumber(value(b))) return Number(isNumber(value(b))) - Number(isNumber(value(a)));
+    return facts.maximise ? value(b) - value(a) : value(a) - value(b);
+  };
+  return [...facts.designs].sort(order);
+}
+
+function board(facts) {
+  if (facts.designs.length < 2) return null;
+  const names = facts.mainScores();
+  const cell = (design, name) => {
+    const constraint = facts.constraints.find((one) => one.name === name);
+    const fresh = design.rescored?.[name];
+    const fails = constraint && !facts.meets(constraint, facts.value(design, name));
+    return h('td', { class: fails ? 'fails' : '' }, h('b', {}, facts.score(name, facts.value(design, name)), fails && ' \u2717'),
+      isNumber(fresh) && h('small', {}, `search ${facts.score(name, design.scores?.[name])}`));
+  };
+  const row = (design) => h('tr', { class: facts.runs.length ? '' : facts.role(design) },
+    h('th', {}, h('a', { href: `#design-${design.key}` }, facts.title(design)), ' ',
+      !facts.runs.length && facts.title(design).toLowerCase() !== facts.role(design) && badge(facts.role(design), facts.role(design))),
+    names.map((name) => cell(design, name)),
+    h('td', {}, design.feasible === undefined || design.feasible === null ? '\u2013' : design.feasible ? badge('good', 'feasible') : badge('bad', 'not feasible')));
+  const heading = (name) => {
+    const constraint = facts.constraints.find((one) => one.name === name);
+    return h('th', { title: name }, facts.label(name), constraint && h('small', {}, facts.limit(constraint)), name === facts.objective.name && h('small', {}, `objective, ${facts.objective.sense}`));
+  };
+  return h('div', { class: 'scroll' }, h('table', { class: 'board' },
+    h('thead', {}, h('tr', {}, h('th', {}, 'design'), names.map(heading), h('th', {}, 'constraints'))),
+    h('tbody', {}, ranked(facts).map(row))));
+}
+
+export function verdictSection(facts) {
+  const verdict = facts.data.verdict ?? {};
+  const table = board(facts);
+  const hasFresh = facts.designs.some((design) => Object.keys(design.rescored ?? {}).length > 0);
+  return section('verdict', 'Verdict', null, h('p', { class: `sentence ${verdict.tone ?? ''}` }, verdict.sentence ?? 'No result yet.'),
+    (verdict.details ?? []).map((line) => h('p', { class: 'detail' }, line)), figures(facts), table,
+    table && hasFresh && h('p', { class: 'caption' }, 'Bold: scored again with fresh seeds and finer sampling, which the search never saw. Small: the number the search worked with.'));
+}

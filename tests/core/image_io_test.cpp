@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/image_io.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/rng.h"
+#include "tests/core/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// Random values, a few of them outside [0, 1].
+ImageF random_image(int width_px, int height_px) {
+  ImageF image(width_px, height_px);
+  Rng rng(21, Stream::kTest, 0);
+  for (float& value : image.values()) {
+    value = static_cast<float>(rng.uniform(-0.1, 1.1));
+  }
+  return image;
+}
+
+float clamped(float value) {
+  return std::min(std::max(value, 0.0F), 1.0F);
+}
+
+TEST(Image, IsRowMajor) {
+  Image<int> image(3, 2);
+  image(2, 0) = 5;
+  image(0, 1) = 7;
+  EXPECT_THAT(image.values(), ElementsAre(0, 0, 5, 7, 0, 0));
+  EXPECT_EQ(image.row(1), &image(0, 1));
+  EXPECT_EQ(image.size(), 6U);
+  EXPECT_TRUE(Image<int>().empty());
+}
+
+TEST(WritePng, ComesBackToHalfACodeIn8Bit) {
+  const TemporaryFolder folder;
+  const ImageF image = random_image(61, 37);
+  write_png(folder / "a.png", image, PixelDepth::k8Bit);
+  const ImageF read = read_image(folder / "a.png");
+  ASSERT_EQ(read.width(), 61);
+  ASSERT_EQ(read.height(), 37);
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    ASSERT_NEAR(read.values()[i], clamped(image.values()[i]), 0.5 / 255 + 1e-6);
+  }
+  EXPECT_EQ(folder.count(), 1);
+}
+
+TEST(WritePng, ComesBackToHalfACodeIn16Bit) {
+  const TemporaryFolder folder;
+  const ImageF image = random_image(61, 37);
+  write_png(folder / "a.png", image, PixelDepth::k16Bit);
+  const ImageF read = read_image(folder / "a.png");
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    ASSERT_NEAR(read.values()[i], clamped(image.values()[i]), 0.5 / 65535 + 1e-7);
+  }
+}
+
+// 0.5 * 255 = 127.5 rounds to 128; 128 / 255 = 0.50196. NaN, which no camera records, is black.
+TEST(WritePng, RoundsAndClampsHandWorkedValues) {
+  const TemporaryFolder folder;
+  ImageF image(4, 1);
+  image.values() = {-3.0F, 0.5F, 7.0F, std::numeric_limits<float>::quiet_NaN()};
+  write_png(folder / "a.png", image, PixelDepth::k8Bit);
+  const ImageF read = read_image(folder / "a.png");
+  EXPECT_THAT(read.values(), ElementsAre(0.0F, 128.0F / 255.0F, 1.0F, 0.0F));
+}
+
+TEST(WriteMaskPng, WritesBlackAndWhite) {
+  const TemporaryFolder folder;
+  Mask mask(2, 2);
+  mask(1, 0) = 1;
+  mask(0, 1) = 1;
+  write_mask_png(folder / "m.png", mask);
+  EXPECT_THAT(read_image(folder / "m.png").values(), ElementsAre(0.0F, 1.0F, 1.0F, 0.0F));
+}
+
+TEST(WriteExr, ComesBackExactly) {
+  const TemporaryFolder folder;
+  ImageF image = random_image(61, 37);
+  image(0, 0) = 1e-30F;
+  image(1, 0) = 12345.678F;
+  write_exr(folder / "a.exr", image);
+  EXPECT_EQ(read_image(folder / "a.exr"), image);
+}
+
+TEST(WriteImage, GivesTheSameBytesTwice) {
+  const TemporaryFolder folder;
+  const ImageF image = random_image(61, 37);
+  for (const std::string name : {"1", "2"}) {
+    write_png(folder / (name + ".png"), image, PixelDepth::k8Bit);
+    write_png(folder / (name + "_16.png"), image, PixelDepth::k16Bit);
+    write_exr(folder / (name + ".exr"), image);
+  }
+  for (const std::string suffix : {".png", "_16.png", ".exr"}) {
+    EXPECT_EQ(read_file(folder / ("1" + suffix)), read_file(folder / ("2" + suffix))) << suffix;
+  }
+}
+
+// No stamp of the present: whatever date stands in the file is the fixed one.
+TEST(WriteExr, CarriesAFixedDate) {
+  const TemporaryFolder folder;
+  write_exr(folder / "a.exr", random_image(5, 5));
+  const std::string bytes = read_file(folder / "a.exr");
+  const auto date = bytes.find("capDate");
+  ASSERT_NE(date, std::string::npos);
+  EXPECT_THAT(bytes.substr(date, 60), HasSubstr("2000:01:01 00:00:00"));
+}
+
+TEST(WriteImage, SaysWhenItCannotBeWrittenAndLeavesNothing) {
+  const TemporaryFolder folder;
+  const ImageF image = random_image(5, 5);
+  EXPECT_THAT(text_thrown_by<IoError>(
+                  [&] { write_png(folder / "missing" / "a.png", image, PixelDepth::k8Bit); }),
+              HasSubstr("missing/a.png: cannot be written: "));
+  EXPECT_THROW(write_exr(folder / "missing" / "a.exr", image), IoError);
+  EXPECT_THROW(write_mask_png(folder / "missing" / "a.png", Mask(2, 2)), IoError);
+  EXPECT_THROW(write_png(folder / "a.png", ImageF(), PixelDepth::k8Bit), IoError);
+  EXPECT_EQ(folder.count(), 0);
+}
+
+TEST(WriteImage, SaysWhenTheDiskIsFullAndLeavesNothing) {
+  const TemporaryFolder folder;
+  const ImageF image = random_image(200, 200);
+  fill_disk_under(folder / "a.png");
+  EXPECT_THROW(write_png(folder / "a.png", image, PixelDepth::k16Bit), IoError);
+  fill_disk_under(folder / "a.exr");
+  EXPECT_THROW(write_exr(folder / "a.exr", image), IoError);
+  EXPECT_EQ(folder.count(), 0);
+}
+
+TEST(ReadImage, SaysWhatCannotBeRead) {
+  const TemporaryFolder folder;
+  write_file(folder / "garbage.png", "this is no picture at all");
+  write_file(folder / "empty.exr", "");
+  EXPECT_THAT(text_thrown_by<IoError>([&] { read_image(folder / "garbage.png"); }),
+              HasSubstr("garbage.png: cannot be read as a picture: "));
+  EXPECT_THROW(read_image(folder / "empty.exr"), IoError);
+  EXPECT_THROW(read_image(folder / "none.png"), IoError);
+  EXPECT_THROW(read_image(folder.path()), IoError);
+}
+
+TEST(ReadImage, SaysWhenAPictureIsCutShort) {
+  const TemporaryFolder folder;
+  write_exr(folder / "whole.exr", random_image(200, 200));
+  const std::string bytes = read_file(folder / "whole.exr");
+  write_file(folder / "cut.exr", bytes.substr(0, bytes.size() / 2));
+  EXPECT_THROW(read_image(folder / "cut.exr"), IoError);
+  write_png(folder / "whole.png", random_image(200, 200), PixelDepth::k8Bit);
+  const std::string png = read_file(folder / "whole.png");
+  write_file(folder / "cut.png", png.substr(0, png.size() / 2));
+  EXPECT_THROW(read_image(folder / "cut.png"), IoError);
+}
+
+TEST(PngBytes, AreAWholePngFile) {
+  const TemporaryFolder folder;
+  const ImageF image = random_image(31, 17);
+  const std::string bytes = png_bytes(image);
+  EXPECT_THAT(bytes, StartsWith("\x89PNG\r\n"));
+  EXPECT_EQ(bytes, png_bytes(image));
+  write_file(folder / "a.png", bytes);
+  write_png(folder / "b.png", image, PixelDepth::k8Bit);
+  EXPECT_EQ(read_image(folder / "a.png"), read_image(folder / "b.png"));
+}
+
+// RFC 4648, section 10.
+TEST(Base64, GivesThePublishedAnswers) {
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foo"), "Zm9v");
+  EXPECT_EQ(base64("foob"), "Zm9vYg==");
+  EXPECT_EQ(base64("fooba"), "Zm9vYmE=");
+  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(base64("\xff\xfe\xfd"), "//79");
+}
+
+// (1 + 2 + 6 + 7) / 4 = 4 and (3 + 4 + 8 + 9) / 4 = 6; the fifth column and third row are left out.
+TEST(Reduce, AveragesHandWorkedBlocksAndDropsTheRemainder) {
+  ImageF image(5, 3);
+  image.values() = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  const ImageF small = reduce(image, 2);
+  EXPECT_EQ(small.width(), 2);
+  EXPECT_EQ(small.height(), 1);
+  EXPECT_THAT(small.values(), ElementsAre(4.0F, 6.0F));
+  EXPECT_EQ(reduce(image, 1), image);
+  EXPECT_TRUE(reduce(image, 4).empty());
+}
+
+TEST(ReduceDeathTest, RefusesAFactorBelowOne) {
+  EXPECT_DEATH(reduce(ImageF(2, 2), 0), "a reduction factor counts pixels");
+}
+
+}  // namespace
+}  // namespace glint

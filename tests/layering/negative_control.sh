@@ -1,0 +1,103 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+#
+# Shows that check.sh can fail: a small clean tree passes, and each single violation put into it is
+# found and named. Exit 1 when one slips through.
+set -euo pipefail
+
+check=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)/check.sh
+tree=$(mktemp -d)
+trap 'rm -rf "$tree"' EXIT
+failures=0
+
+spdx='// SPDX-License-Identifier: GPL-3.0-or-later'
+
+clean_tree() {
+  rm -rf "${tree:?}"/*
+  mkdir -p "$tree"/{core,metrics,optimizer,simulator/{light,geometry,render},defects,studies,cli}
+  printf '%s\n#pragma once\n#include <vector>\n' "$spdx" >"$tree/core/error.h"
+  printf '%s\n#include "core/error.h"\n#include <CGAL/a.h>\n' "$spdx" >"$tree/core/error.cpp"
+  printf '%s\n#pragma once\n#include "simulator/light/a.h"\n' "$spdx" >"$tree/simulator/render/a.h"
+  printf '%s\n#pragma once\n#include "simulator/light/b.h"\n' "$spdx" >"$tree/simulator/light/a.h"
+  printf '%s\n#include "studies/a.h"\n#include "metrics/a.h"\n' "$spdx" >"$tree/cli/main.cpp"
+  printf '%s\n#include "simulator/geometry/a.h"\n' "$spdx" >"$tree/defects/a.cpp"
+}
+
+expect_found() { # what to expect in the output
+  local output
+  if output=$(bash "$check" "$tree"); then
+    echo "not found: $1"
+    failures=$((failures + 1))
+  elif [[ $output != *"$1"* || $output != *"layering: 1 violation"* ]]; then
+    echo "expected only: $1"
+    echo "got: $output"
+    failures=$((failures + 1))
+  fi
+}
+
+add() { # file, line: a violation at the end of a clean file
+  clean_tree
+  printf '%s\n' "$2" >>"$tree/$1"
+}
+
+clean_tree
+if ! output=$(bash "$check" "$tree"); then
+  echo "the clean tree does not pass: $output"
+  failures=$((failures + 1))
+fi
+
+forbidden_arrow() { # file, included header, the arrow
+  add "$1" "#include \"$2\""
+  expect_found "$1:4: includes \"$2\": $3"
+}
+forbidden_arrow core/error.cpp metrics/a.h "core must not see metrics"
+forbidden_arrow simulator/light/a.h simulator/geometry/a.h "light must not see geometry"
+forbidden_arrow simulator/light/a.h simulator/render/a.h "light must not see render"
+forbidden_arrow simulator/render/a.h optimizer/a.h "render must not see optimizer"
+clean_tree
+printf '%s\n#include "simulator/light/a.h"\n' "$spdx" >"$tree/metrics/a.cpp"
+expect_found "metrics/a.cpp:2: includes \"simulator/light/a.h\": metrics must not see light"
+clean_tree
+printf '%s\n  # include <studies/a.h>\n' "$spdx" >"$tree/optimizer/a.cpp"
+expect_found "optimizer/a.cpp:2: includes \"studies/a.h\": optimizer must not see studies"
+clean_tree
+printf '%s\n#include "simulator/camera/a.h"\n' "$spdx" >"$tree/defects/b.cpp"
+expect_found "defects must not see camera"
+
+add core/error.cpp '#include "error.h"'
+expect_found "core/error.cpp:4: includes \"error.h\": write it relative to the root"
+add core/error.h '#include <opencv2/core.hpp>'
+expect_found "core/error.h:4: includes <opencv2/core.hpp>: heavy"
+add core/error.h '#include <toml++/toml.h>'
+expect_found "core/error.h:4: includes <toml++/toml.h>: heavy"
+
+for line in 'auto a = std::format("{}", 1);' '#include <source_location>' \
+  'for (int i : std::views::iota(0, 3)) {' 'std::normal_distribution<double> d;'; do
+  add core/error.cpp "$line"
+  expect_found "core/error.cpp:4: uses what gcc 12 and clang 14 lack"
+done
+add core/error.cpp "// TO""DO later"
+expect_found "core/error.cpp:4: is marked as unfinished"
+add core/error.cpp 'std::cout << 1;'
+expect_found "core/error.cpp:4: prints"
+add core/error.cpp "const char* p = \"/ho""me/ann/part.stl\";"
+expect_found "core/error.cpp:4: names a path of one machine"
+
+clean_tree
+printf '#include <vector>\n' >"$tree/core/b.cpp"
+expect_found "core/b.cpp:1: has no SPDX line"
+clean_tree
+printf '%s\n#include <vector>\n' "$spdx" >"$tree/core/b.h"
+expect_found "core/b.h:1: has no #pragma once"
+clean_tree
+{ printf '%s\n#pragma once\n' "$spdx" && seq -f '// %g' 299; } >"$tree/core/b.h"
+expect_found "core/b.h:301: has 301 lines, at most 300 are allowed"
+clean_tree
+{ printf '%s\n' "$spdx" && seq -f '// %g' 600; } >"$tree/core/b.cpp"
+expect_found "core/b.cpp:601: has 601 lines, at most 600 are allowed"
+
+if ((failures > 0)); then
+  echo "$failures violation(s) slipped through"
+  exit 1
+fi
+echo "every violation is found"

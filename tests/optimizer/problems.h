@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Small spaces, functions and a temporary folder for the tests of the optimiser.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/rng.h"
+#include "optimizer/algorithm.h"
+#include "optimizer/search.h"
+#include "optimizer/space.h"
+
+namespace glint::test {
+
+/// A folder that goes away with the test.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "glint_test_XXXXXX").string();
+    path_ = ::mkdtemp(name.data());
+  }
+
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline SearchSpace box(int num_dimensions, double low, double high) {
+  SearchSpace space;
+  for (int i = 0; i < num_dimensions; ++i) {
+    space.variables.push_back({.name = "x" + std::to_string(i), .low = low, .high = high});
+  }
+  return space;
+}
+
+/// Every kind of variable: float, log, stepped, integer, choice, and two conditional ones.
+inline SearchSpace mixed_space() {
+  using Kind = Variable::Kind;
+  return {
+      {{.name = "length", .low = -3.0, .high = 5.0},
+       {.name = "period", .low = 0.1, .high = 100.0, .is_log = true},
+       {.name = "angle", .low = 0.0, .high = 90.0, .step = 7.5},
+       {.name = "positions", .kind = Kind::kInteger, .low = 3.0, .high = 12.0},
+       {.name = "shape", .kind = Kind::kChoice, .choices = {"flat", "round", "free"}},
+       {.name = "radius", .low = 10.0, .high = 20.0, .when_name = "shape", .when_value = "round"},
+       {.name = "knots",
+        .kind = Kind::kInteger,
+        .low = 2.0,
+        .high = 9.0,
+        .when_name = "shape",
+        .when_value = "free"}}};
+}
+
+/// Smooth in the continuous variables, best at shape "round".
+inline double mixed_value(const Point& p) {
+  const double shape = p[4] == 1.0 ? 0.0 : 1.5;
+  return std::pow(p[0] - 1.0, 2) + std::pow(std::log10(p[1]), 2) + 1e-3 * std::pow(p[2] - 30.0, 2) +
+         0.1 * std::abs(p[3] - 6.0) + shape + 0.05 * std::pow(p[5] - 17.0, 2) +
+         0.1 * std::abs(p[6] - 4.0);
+}
+
+inline bool is_allowed(const SearchSpace& space, const Point& point) {
+  return point == canonical(space, point);
+}
+
+/// The same noise for the same evaluation, whatever happened before.
+inline double noise(int trial) {
+  return 0.05 * Rng(99, Stream::kTest, static_cast<std::uint64_t>(trial)).normal();
+}
+
+inline StudyIdentity identity(const std::string& hash = "abc") {
+  return {.config_hash = hash, .config_text = "[part]\n", .code_version = "test", .seed = 7};
+}
+
+}  // namespace glint::test

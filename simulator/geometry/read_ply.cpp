@@ -196,9 +196,7 @@ void check_element(const Element& element, const Body& body) {
   for (const Property& property : element.properties) {
     least += body.least_bytes(property.count_type.value_or(property.type));
   }
-  if (least > 0) {
-    check_count(element.count, least, body.remaining(), element.name, body.place());
-  }
+  check_count(element.count, least, body.remaining(), element.name, body.place());
 }
 
 /// The numbers of a list; a count beyond the end of the file runs into its end.
@@ -261,7 +259,7 @@ void read_faces(Body& body, const Element& element, Soup& soup) {
 }
 
 void skip_element(Body& body, const Element& element) {
-  for (std::int64_t i = 0; i < element.count && !element.properties.empty(); ++i) {
+  for (std::int64_t i = 0; i < element.count; ++i) {
     for (const Property& property : element.properties) {
       if (property.count_type) {
         skip_list(body, property);
@@ -288,6 +286,9 @@ TriangleMesh read_ply(std::string_view bytes, const std::string& file) {
   Body body(bytes, cursor, head.format);
   Soup soup;
   for (const Element& element : head.elements) {
+    if (element.properties.empty()) {
+      continue;  // nothing of it is in the file, whatever its count
+    }
     check_element(element, body);
     if (element.name == "vertex") {
       if (!has_coordinates(element)) {

@@ -40,6 +40,10 @@ void print_result(const CommonArguments& common,
   } else if (!common.is_quiet) {
     std::cout << text;
   }
+  std::cout.flush();
+  if (!std::cout) {
+    throw IoError("stdout: cannot be written");
+  }
 }
 
 }  // namespace glint

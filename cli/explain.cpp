@@ -57,32 +57,86 @@ std::string row_text(const KeyRow& row) {
                      row.default_text);
 }
 
-}  // namespace
-
-int explain_command(const std::string& key, const CommonArguments& common) {
-  const std::string wanted = table_name(key);
-  Json found = Json::array();
+/// What is found: keys and scores.
+struct Found {
+  Json rows = Json::array();
   std::string text;
-  std::vector<std::string> names;
+
+  void add(const KeyRow& row) {
+    rows.push_back(row_json(row));
+    text += row_text(row);
+  }
+
+  void add(const std::string& score, std::string_view doc) {
+    rows.push_back({{"score", score}, {"doc", std::string(doc)}});
+    text += fmt::format("{}\n  {}\n  a score\n", score, doc);
+  }
+};
+
+/// The key or table, or the score, of exactly that name.
+Found find_exact(const std::string& key) {
+  const std::string wanted = table_name(key);
+  Found found;
   for (const KeyRow& row : all_keys()) {
-    names.push_back(row.path);
     if (row.path == wanted || row.path.starts_with(wanted + ".")) {
-      found.push_back(row_json(row));
-      text += row_text(row);
+      found.add(row);
     }
   }
   if (const auto doc = explain_score(key)) {
-    found.push_back({{"score", key}, {"doc", std::string(*doc)}});
-    text += fmt::format("{}\n  {}\n  a score\n", key, *doc);
+    found.add(key, *doc);
+  }
+  return found;
+}
+
+/// Everything whose name contains the text.
+Found find_part(const std::string& part) {
+  Found found;
+  for (const KeyRow& row : all_keys()) {
+    if (row.path.find(part) != std::string::npos) {
+      found.add(row);
+    }
+  }
+  for (const ScoreDoc& doc : score_docs()) {
+    if (doc.name.find(part) != std::string_view::npos) {
+      found.add(std::string(doc.name), doc.doc);
+    }
+  }
+  return found;
+}
+
+/// The known name whose last parts, as many as the key has, are nearest to the key.
+std::string nearest_name(const std::string& key) {
+  std::vector<std::string> names;
+  for (const KeyRow& row : all_keys()) {
+    names.push_back(row.path);
   }
   for (const ScoreDoc& doc : score_docs()) {
     names.emplace_back(doc.name);
   }
-  if (found.empty()) {
-    throw ConfigError(
-        fmt::format("{}: no such key or score, the nearest is {}", key, nearest(key, names)));
+  const std::size_t num_parts = split(key, '.').size();
+  std::vector<std::string> tails;
+  for (const std::string& name : names) {
+    std::vector<std::string> parts = split(name, '.');
+    parts.erase(parts.begin(),
+                parts.end() - static_cast<std::ptrdiff_t>(std::min(num_parts, parts.size())));
+    tails.push_back(join(parts, "."));
   }
-  print_result(common, {{"schema", 1}, {"status", "done"}, {"found", found}}, text);
+  const auto at = std::ranges::find(tails, nearest(key, tails)) - tails.begin();
+  return names[static_cast<std::size_t>(at)];
+}
+
+}  // namespace
+
+int explain_command(const std::string& key, const CommonArguments& common) {
+  Found found = find_exact(key);
+  if (found.rows.empty() && !key.empty()) {
+    found = find_part(key);
+  }
+  if (found.rows.empty()) {
+    throw ConfigError(
+        fmt::format("{}: no such key or score, the nearest is {}", key, nearest_name(key)));
+  }
+  print_result(common, {{"schema", 1}, {"status", "done"}, {"found", found.rows}}, found.text);
   return kExitDone;
 }
 

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <csignal>
 #include <exception>
 #include <iostream>
+#include <limits>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.h"
 #include "core/log.h"
+#include "core/text.h"
 #include "core/thread_pool.h"
 #include "studies/provenance.h"
 
@@ -60,7 +63,8 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
   run->add_option("--jobs", line.study.jobs, "candidates at once; results do not depend on it")
       ->check(CLI::Range(1, 1024));
   run->add_option("--budget", line.study.budget, "wall clock, like 40s, 30m, 8h");
-  run->add_option("--seed", line.study.seed, "seed of the search")->check(CLI::NonNegativeNumber);
+  run->add_option("--seed", line.study.seed, "seed of the search")
+      ->check(CLI::Range(0, std::numeric_limits<int>::max()));
   CLI::App* check = add_verb(app,
                              "check",
                              "validate a study, evaluate it once, predict its duration",
@@ -149,6 +153,42 @@ int dispatch(const CLI::App& app, const CommandLine& line) {
   return new_command(line.fresh, line.common);
 }
 
+std::vector<std::string> names_of(const std::vector<CLI::App*>& verbs) {
+  std::vector<std::string> names;
+  for (const CLI::App* verb : verbs) {
+    names.push_back(verb->get_name());
+  }
+  return names;
+}
+
+/// What is wrong with the command line, on one line; CLI11 itself does not name the nearest.
+std::string usage_problem(CLI::App& app, const CLI::Error& error, int argc, char** argv) {
+  const std::vector<std::string> verbs =
+      names_of(app.get_subcommands([](CLI::App*) { return true; }));
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  if (chosen.empty()) {
+    const std::string first = argc > 1 ? argv[1] : "";
+    return first.empty() || first.starts_with("-")
+               ? fmt::format("glint: a verb is needed: {}", fmt::join(verbs, ", "))
+               : fmt::format(
+                     "glint {}: no such verb, the nearest is {}", first, nearest(first, verbs));
+  }
+  const CLI::App& verb = *chosen.front();
+  for (const std::string& extra : app.remaining(true)) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : verb.get_options()) {
+      names.push_back(option->get_name());
+    }
+    if (extra.starts_with("-")) {
+      return fmt::format("glint {}: {}: no such option, the nearest is {}",
+                         verb.get_name(),
+                         extra,
+                         nearest(extra, names));
+    }
+  }
+  return fmt::format("glint {}: {}", verb.get_name(), error.what());
+}
+
 int run_program(int argc, char** argv) {
   CLI::App app("Glint finds the lighting under which surface defects show.", "glint");
   app.set_version_flag("--version", program_version());
@@ -161,7 +201,11 @@ int run_program(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kExitDone : kExitUsage;
+    if (error.get_exit_code() == 0) {  // --help, --version
+      return app.exit(error) == 0 ? kExitDone : kExitUsage;
+    }
+    std::cerr << usage_problem(app, error, argc, argv) << "\n";
+    return kExitUsage;
   }
   try {
     return dispatch(app, line);
@@ -181,5 +225,7 @@ int run_program(int argc, char** argv) {
 }  // namespace glint
 
 int main(int argc, char** argv) {
+  // A file beyond the system's limit shall be an error that names it, not the program's death.
+  std::signal(SIGXFSZ, SIG_IGN);
   return glint::run_program(argc, argv);
 }

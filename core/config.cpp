@@ -244,7 +244,7 @@ std::string to_toml(const ConfigNode& root) {
 }
 
 fs::path resolve_path(const ConfigNode& value) {
-  const fs::path path = value.text;
+  fs::path path = value.text;
   if (path.is_absolute() || value.place.file.empty() || value.place.line == 0) {
     return path;
   }

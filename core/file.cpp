@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -84,11 +85,11 @@ std::string read_file(const fs::path& path) {
     throw IoError(fmt::format("{}: cannot be read: {}", path.string(), last_system_error()));
   }
   std::string bytes;
-  char buffer[1 << 16];
+  std::vector<char> buffer(1 << 16);
   for (;;) {
-    const std::size_t count = std::fread(buffer, 1, sizeof buffer, file.get());
-    bytes.append(buffer, count);
-    if (count < sizeof buffer) {
+    const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), file.get());
+    bytes.append(buffer.data(), count);
+    if (count < buffer.size()) {
       break;
     }
   }

@@ -24,7 +24,7 @@ using OIIO::TypeDesc;
 
 template <class Code>
 std::vector<Code> to_codes(const ImageF& image) {
-  constexpr float kMax = static_cast<float>(std::numeric_limits<Code>::max());
+  constexpr auto kMax = static_cast<float>(std::numeric_limits<Code>::max());
   std::vector<Code> codes(image.size());
   std::ranges::transform(image.values(), codes.begin(), [](float value) {
     const float clamped = value > 0.0F ? std::min(value, 1.0F) : 0.0F;  // NaN becomes 0
@@ -34,7 +34,7 @@ std::vector<Code> to_codes(const ImageF& image) {
 }
 
 /// A specification without time stamps: equal pixels give equal bytes.
-ImageSpec stable_spec(int width, int height, TypeDesc type) {
+ImageSpec stable_spec(int width, int height, const TypeDesc& type) {
   ImageSpec spec(width, height, 1, type);
   spec.attribute("DateTime", "2000:01:01 00:00:00");
   spec.attribute("oiio:ColorSpace", "Linear");
@@ -55,7 +55,7 @@ std::string packed_png(const ImageSpec& spec, const void* pixels) {
 }
 
 template <class Code>
-std::string packed_png(const ImageF& image, TypeDesc type) {
+std::string packed_png(const ImageF& image, const TypeDesc& type) {
   return packed_png(stable_spec(image.width(), image.height(), type), to_codes<Code>(image).data());
 }
 

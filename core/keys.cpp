@@ -317,6 +317,7 @@ void KeyLister::numbers(std::string_view key,
                         const Range& range,
                         std::string_view doc) {
   std::vector<std::string> parts;
+  parts.reserve(values.size());
   for (const double value : values) {
     parts.push_back(shortest(written_value(key, value)));
   }

@@ -67,6 +67,18 @@ double variance_of(const ImageF& image, const std::vector<std::size_t>& pixels, 
   return sum / static_cast<double>(pixels.size());
 }
 
+double mean_change(const ImageF& image,
+                   const std::vector<std::size_t>& pixels,
+                   const std::vector<float>& flawless) {
+  GLINT_CHECK(flawless.size() == pixels.size(), "one flawless value for each pixel of the defect");
+  double sum = 0.0;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    sum += std::abs(static_cast<double>(image.values()[pixels[i]]) -
+                    static_cast<double>(flawless[i]));
+  }
+  return sum / static_cast<double>(pixels.size());
+}
+
 struct Window {
   double lowest = 0.0;
   double highest = 0.0;
@@ -170,13 +182,16 @@ DefectSummary summarise(std::span<const DefectScores> scores) {
   DefectSummary result{.min_cnr = scores[0].cnr,
                        .min_weber = std::abs(scores[0].weber),
                        .min_dprime = scores[0].dprime,
-                       .min_signature = scores[0].signature};
+                       .min_signature = scores[0].signature,
+                       .min_change = scores[0].change};
   for (const DefectScores& defect : scores) {
     result.min_cnr = std::min(result.min_cnr, defect.cnr);
     result.min_weber = std::min(result.min_weber, std::abs(defect.weber));
     result.mean_weber += std::abs(defect.weber) / static_cast<double>(scores.size());
     result.min_dprime = std::min(result.min_dprime, defect.dprime);
     result.min_signature = std::min(result.min_signature, defect.signature);
+    result.min_change = std::min(result.min_change, defect.change);
+    result.mean_change += defect.change / static_cast<double>(scores.size());
   }
   return result;
 }
@@ -186,7 +201,9 @@ BestFrames::BestFrames(std::span<const DefectPixels> defects, double mean_floor)
   GLINT_CHECK(mean_floor > 0.0, "a floor of zero divides by zero");
 }
 
-void BestFrames::add(const ImageF& frame) {
+void BestFrames::add(const ImageF& frame, std::span<const std::vector<float>> flawless) {
+  GLINT_CHECK(flawless.empty() || flawless.size() == defects_.size(),
+              "flawless values of all defects or of none");
   for (std::size_t k = 0; k < defects_.size(); ++k) {
     const double background = mean_of(frame, defects_[k].ring);
     const double difference = std::abs(mean_of(frame, defects_[k].inside) - background);
@@ -195,6 +212,9 @@ void BestFrames::add(const ImageF& frame) {
     if (best.frame < 0 || difference > best.difference) {
       best.difference = difference;
       best.frame = frames_;
+    }
+    if (!flawless.empty()) {
+      best.change = std::max(best.change, mean_change(frame, defects_[k].inside, flawless[k]));
     }
   }
   ++frames_;

@@ -40,6 +40,9 @@ struct DefectScores {
   double peak = 0.0;       ///< (f - mean_B) / mean_B where |f - mean_B| is largest in D; signed
   double dprime = 0.0;     ///< sqrt(max(0, sum_W (f - mean_B)^2 - |W| s_B^2)) / sigma_B
   double signature = 0.0;  ///< pixels of W far from mean_B, over the true area
+  // Of single frames, from BestFrames:
+  double best_frame = 0.0;  ///< largest |mean_D - mean_B|, share of full scale
+  double change = 0.0;      ///< largest mean_D |f - flawless f|, share of full scale
 };
 
 /// Scores every defect.
@@ -61,13 +64,17 @@ struct DefectSummary {
   double mean_weber = 0.0;  ///< of |weber|
   double min_dprime = 0.0;
   double min_signature = 0.0;
+  double min_change = 0.0;
+  double mean_change = 0.0;
 };
 
 /// Empty for no defects.
 DefectSummary summarise(std::span<const DefectScores> scores);
 
 /// Watches the frames of a scan go by and keeps, for each defect, the frame that shows it best:
-/// what an inspection of single frames could use, and what the mean of the scan may wash out.
+/// what an inspection of single frames could use, and what the mean of the scan may wash out. Under
+/// stripes the difference from the ring holds the stripes too; the change against the flawless
+/// surface does not. With stripes of full contrast the change is the share of D that has flipped.
 class BestFrames {
  public:
   /// @param mean_floor  > 0; denominator of the contrast where the background is darker
@@ -75,12 +82,15 @@ class BestFrames {
   explicit BestFrames(std::span<const DefectPixels> defects, double mean_floor = 0.01);
 
   /// Frames in scan order.
-  void add(const ImageF& frame);
+  /// @param flawless  for each defect the values its own pixels (DefectPixels::inside, in their
+  ///                  order) would have without it; empty: not known, the change stays 0
+  void add(const ImageF& frame, std::span<const std::vector<float>> flawless = {});
 
   struct Best {
     double weber = 0.0;       ///< largest |mean_D - mean_B| / max(mean_B, mean_floor) of any frame
     double difference = 0.0;  ///< largest |mean_D - mean_B| of any frame, share of full scale
     int frame = -1;           ///< the first frame with that difference; -1: no frame yet
+    double change = 0.0;      ///< largest mean over D of |f - flawless f| of any frame
   };
 
   /// One for each defect, in their order.

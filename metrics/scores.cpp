@@ -35,6 +35,8 @@ constexpr std::array kDocs = {
     ScoreDoc{"defects.mean_weber", "mean |Weber contrast| of the defects"},
     ScoreDoc{"defects.min_dprime", "smallest detectability d' of any defect"},
     ScoreDoc{"defects.min_signature", "smallest signature area ratio of any defect"},
+    ScoreDoc{"defects.min_change", "smallest change of any defect: what the worst one shows"},
+    ScoreDoc{"defects.mean_change", "mean change of the defects"},
     ScoreDoc{
         "defects.<label>.cnr",
         "|mean of the defect - mean of its background| / standard deviation of the background"},
@@ -49,6 +51,9 @@ constexpr std::array kDocs = {
              "area that deviates visibly from the background / true area of the defect"},
     ScoreDoc{"defects.<label>.best_frame",
              "largest |mean of the defect - mean of its background| of any single frame"},
+    ScoreDoc{"defects.<label>.change",
+             "largest mean |frame - the same frame of the flawless part| over the defect, share of "
+             "full scale; under stripes of full contrast the share of its area that flips"},
     ScoreDoc{"view.hidden_share", "share of the part's pixels the wall hides from the camera"},
     ScoreDoc{"rays.followed_share", "share of the rays that met the part again and were followed"},
     ScoreDoc{"rays.blocked_share", "share of the rays that were given up as dark"},
@@ -143,6 +148,8 @@ void add_scores(Scores& scores, std::span<const DefectScores> defects) {
     scores[with_label("defects.<label>.michelson", defect.label)] = defect.michelson;
     scores[with_label("defects.<label>.dprime", defect.label)] = defect.dprime;
     scores[with_label("defects.<label>.signature", defect.label)] = defect.signature;
+    scores[with_label("defects.<label>.best_frame", defect.label)] = defect.best_frame;
+    scores[with_label("defects.<label>.change", defect.label)] = defect.change;
   }
   if (defects.empty()) {
     return;
@@ -153,6 +160,8 @@ void add_scores(Scores& scores, std::span<const DefectScores> defects) {
   scores["defects.mean_weber"] = summary.mean_weber;
   scores["defects.min_dprime"] = summary.min_dprime;
   scores["defects.min_signature"] = summary.min_signature;
+  scores["defects.min_change"] = summary.min_change;
+  scores["defects.mean_change"] = summary.mean_change;
 }
 
 }  // namespace glint

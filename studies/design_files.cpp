@@ -9,6 +9,7 @@
 #include "core/file.h"
 #include "core/image_io.h"
 #include "studies/drawing.h"
+#include "studies/output_folder.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -155,11 +156,18 @@ Json write_design(SceneStore& store,
                   const fs::path& folder,
                   bool is_rescored) {
   make_folder(folder / "sequence");
+  remove_unfinished_files(folder);
+  remove_unfinished_files(folder / "sequence");
+  const auto frame_path = [&](int index) {
+    return folder / "sequence" / fmt::format("frame_{:03}.png", index);
+  };
   const auto write_frame = [&](int index, const ImageF& grey) {
-    write_png(
-        folder / "sequence" / fmt::format("frame_{:03}.png", index), grey, depth_of(scene.sensor));
+    write_png(frame_path(index), grey, depth_of(scene.sensor));
   };
   const Evaluation evaluation = evaluate(store, scene, write_frame);
+  // A longer sequence rendered into this folder before must not follow this one.
+  for (int index = scene.scan.positions; fs::remove(frame_path(index)); ++index) {
+  }
   write_png(folder / "aspect.png", evaluation.scan.aspect, depth_of(scene.sensor));
   write_exr(folder / "aspect.exr", evaluation.scan.aspect);
   write_mask_png(folder / "part_mask.png", evaluation.traced->part_mask);

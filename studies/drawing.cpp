@@ -254,7 +254,7 @@ void draw_stripes(SvgPage& page, const CrossSection& section, const View& view, 
       stripe = clipped(stripe, component, wall.low[component], 1.0);
       stripe = clipped(stripe, component, wall.high[component], -1.0);
     }
-    if (stripe.size() >= 3) {
+    if (box_of(stripe).size().minCoeff() > 1e-9) {  // not cut away, nor down to a line
       page.shape("polygon", view(stripe), fmt::format("class=\"stripe\" fill=\"{}\"", kLight));
     }
   }

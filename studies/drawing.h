@@ -12,19 +12,19 @@ namespace glint {
 /// +z towards the camera, origin in the part.
 struct CrossSection {
   /// Luminous walls as polylines (y, z); two walls leave the slot between them.
-  std::vector<std::vector<Eigen::Vector2d>> panels_yz_mm;
-  std::vector<Eigen::Vector2d> part_yz_mm;      ///< the part's outline (y, z)
-  Eigen::Vector3d camera_mm = {0.0, 0.0, 0.0};  ///< centre of projection; at the origin: not drawn
-  double view_half_angle_rad = 0.0;             ///< in the y-z plane; 0: only the axis is drawn
-  double slot_mm = 0.0;                         ///< width of the camera slot, about y = 0; 0: none
-  double length_mm = 0.0;                       ///< of the lighting along x, about x = 0
-  double part_length_mm = 0.0;                  ///< of the part along x; 0: not drawn
-  double period_mm = 0.0;                       ///< of the fringes; 0: the walls are plain
-  double duty = 0.5;                            ///< bright share of a period, in [0, 1]
+  std::vector<std::vector<Eigen::Vector2d>> panels_yz_mm = {};
+  std::vector<Eigen::Vector2d> part_yz_mm = {};  ///< the part's outline (y, z)
+  Eigen::Vector3d camera_mm = {0.0, 0.0, 0.0};   ///< centre of projection; at the origin: not drawn
+  double view_half_angle_rad = 0.0;              ///< in the y-z plane; 0: only the axis is drawn
+  double slot_mm = 0.0;                          ///< width of the camera slot, about y = 0; 0: none
+  double length_mm = 0.0;                        ///< of the lighting along x, about x = 0
+  double part_length_mm = 0.0;                   ///< of the part along x; 0: not drawn
+  double period_mm = 0.0;                        ///< of the fringes; 0: the walls are plain
+  double duty = 0.5;                             ///< bright share of a period, in [0, 1]
   double orientation_rad = 0.0;  ///< of the fringes on the wall; 0: they change along x only
   double step_mm = 0.0;          ///< travel between two images
   int positions = 0;             ///< images of a sequence; 0: not stated
-  std::string title;
+  std::string title = {};
 };
 
 /// Drawing units per mm of the cross-section (the view across the axis). 0 when there is nothing to

@@ -11,6 +11,7 @@
 #include "core/log.h"
 #include "core/text.h"
 #include "studies/design_files.h"
+#include "studies/output_folder.h"
 #include "studies/provenance.h"
 #include "studies/run_report.h"
 
@@ -63,24 +64,41 @@ Json baseline_variables(const Study& study) {
 }
 
 /// Everything about a scene that can be refused before anything is written.
-void check_scene(SceneStore& store, const Study& study, const SceneSettings& scene) {
-  try {
-    check_part_in_tunnel(*store.build(scene), Tunnel(scene.tunnel), scene.tunnel_name);
-    store.trace(scene);
-  } catch (const ConfigError& error) {
-    throw ConfigError(with_place(study.root, error.what()));
-  }
+void check_scene(SceneStore& store, const SceneSettings& scene) {
+  check_part_in_tunnel(*store.build(scene), Tunnel(scene.tunnel), scene.tunnel_name);
+  store.trace(scene);
 }
 
 void check_everything(SceneStore& store, const Study& study) {
-  check_scene(store, study, study.scene);
+  try {
+    check_scene(store, study.scene);
+  } catch (const ConfigError& error) {
+    throw ConfigError(with_place(study.root, error.what()));
+  }
   for (const Prototype& prototype : study.prototypes) {
     try {
-      check_scene(store, study, scene_with(study, prototype.overrides));
+      check_scene(store, scene_with(study, prototype.overrides));
     } catch (const ConfigError& error) {
-      throw ConfigError(fmt::format("prototypes.{}: {}", prototype.name, error.what()));
+      throw ConfigError(prototype_problem(prototype, error.what()));
     }
   }
+}
+
+/// The study's own scene and nothing to search: what a rendered folder describes.
+Study scene_of(Study study) {
+  for (const char* table : {"variables", "prototypes", "objective", "constraints"}) {
+    for (std::size_t i = study.root.names.size(); i-- > 0;) {
+      if (study.root.names[i] == table) {
+        study.root.names.erase(study.root.names.begin() + static_cast<std::ptrdiff_t>(i));
+        study.root.items.erase(study.root.items.begin() + static_cast<std::ptrdiff_t>(i));
+      }
+    }
+  }
+  study.space = {};
+  study.goal = {};
+  study.has_objective = false;
+  study.prototypes.clear();
+  return study;
 }
 
 /// A run directory that is being worked on.
@@ -91,27 +109,25 @@ class Run {
 
   Json execute() {
     check_everything(store_, study_);
-    open_folder();
+    OutputFolder folder(options_.out);
     Storage storage = open_storage();
+    remove_unfinished_files(options_.out);
     configure_run_log();
     write_file(options_.out / "study.resolved.toml", resolved_text(study_));
     SearchResult search;
     if (study_.has_search()) {
-      search = search_designs(storage);
+      search = search_designs(storage, folder);
     }
     const Json result = finish(storage, search);
     write_run_json(search);
+    folder.keep();
     return result;
   }
 
  private:
-  void open_folder() {
-    is_new_folder_ = !fs::exists(options_.out);
-    make_folder(options_.out);
-  }
-
   void configure_run_log() {
-    configure_log({.to_stderr = true, .file = options_.out / "log.txt"});
+    configure_log({.to_stderr = options_.progress != Progress::Style::kNone,
+                   .file = options_.out / "log.txt"});
     log(LogLevel::kInfo,
         "study {} with {} threads, {} jobs",
         study_.name,
@@ -120,22 +136,14 @@ class Run {
   }
 
   Storage open_storage() {
-    try {
-      return Storage::open(options_.out / "study.sqlite",
-                           {.config_hash = config_hash(study_),
-                            .config_text = resolved_text(study_),
-                            .code_version = program_version(),
-                            .seed = study_.search.seed});
-    } catch (...) {
-      if (is_new_folder_) {
-        std::error_code ignored;
-        fs::remove_all(options_.out, ignored);
-      }
-      throw;
-    }
+    return Storage::open(options_.out / "study.sqlite",
+                         {.config_hash = config_hash(study_),
+                          .config_text = resolved_text(study_),
+                          .code_version = program_version(),
+                          .seed = study_.search.seed});
   }
 
-  SearchResult search_designs(Storage& storage) {
+  SearchResult search_designs(Storage& storage, OutputFolder& folder) {
     const SearchTask task = {.space = study_.space,
                              .settings = study_.search,
                              .goal = study_.goal,
@@ -149,6 +157,7 @@ class Run {
     };
     Progress bar(study_.name, std::max(1, study_.budget.evaluations), options_.progress);
     const auto show = [&](const SearchProgress& progress) {
+      folder.keep();  // what is evaluated is not thrown away
       std::string note = "best -";
       if (progress.best && progress.best->outcome) {
         const Scores& scores = progress.best->outcome->scores;
@@ -272,7 +281,6 @@ class Run {
   const RunOptions& options_;
   ThreadPool pool_;
   SceneStore store_;
-  bool is_new_folder_ = false;
   Clock::time_point start_ = Clock::now();
 };
 
@@ -314,12 +322,18 @@ Json check_study(const Study& study, int threads, int jobs) {
           {"predicted_s", study.has_search() ? predicted_s : 0.0}};
 }
 
-Json render_study(const Study& study, const fs::path& out, int threads) {
+Json render_study(const Study& whole_study, const fs::path& out, int threads) {
   const auto start = Clock::now();
+  const Study study = scene_of(whole_study);
   ThreadPool pool(threads);
   SceneStore store(pool);
   check_everything(store, study);
-  make_folder(out);
+  if (std::error_code ignored; fs::exists(out / "study.sqlite", ignored)) {
+    throw ConfigError(fmt::format(
+        "{}: holds the run of a study; choose another output folder for pictures", out.string()));
+  }
+  OutputFolder folder(out);
+  remove_unfinished_files(out);
   const Json json = write_design(
       store, study.scene, {{"title", study.title}, {"role", "baseline"}}, out / "baseline", false);
   write_file(out / "study.resolved.toml", resolved_text(study));
@@ -336,6 +350,7 @@ Json render_study(const Study& study, const fs::path& out, int threads) {
   run["threads"] = threads;
   run["timings"] = {{"this_run_s", seconds_since(start)}};
   write_file(out / "run.json", run.dump(2) + "\n");
+  folder.keep();
   return result;
 }
 

@@ -2,6 +2,7 @@
 #include "studies/scene.h"
 
 #include <algorithm>
+#include <regex>
 
 #include <fmt/format.h>
 
@@ -179,6 +180,17 @@ std::string with_place(const ConfigNode& root, const std::string& message) {
     key = dot == std::string::npos ? "" : key.substr(0, dot);
   }
   return root.place.file.empty() ? message : root.place.file + ": " + message;
+}
+
+std::string in_context(const std::string& message, const std::string& context) {
+  static const std::regex kPlace("^(?:[^\\n]*?:[0-9]+:[0-9]+|--set): ");
+  std::vector<std::string> lines = split(message, '\n');
+  for (std::string& line : lines) {
+    std::smatch place;
+    const auto at = std::regex_search(line, place, kPlace) ? place.length(0) : 0;
+    line.insert(static_cast<std::size_t>(at), context + ": ");
+  }
+  return join(lines, "\n");
 }
 
 }  // namespace glint

@@ -51,4 +51,8 @@ std::vector<KeyRow> scene_keys();
 /// "study.toml:4:1: camera.x: is 3". Messages that begin with no key of the file stay as they are.
 std::string with_place(const ConfigNode& root, const std::string& message);
 
+/// Puts where a problem arose behind the place of each line: "study.toml:4:1: camera.x: is 3"
+/// becomes "study.toml:4:1: prototypes.flat: camera.x: is 3".
+std::string in_context(const std::string& message, const std::string& context);
+
 }  // namespace glint

@@ -31,6 +31,13 @@ const std::vector<std::string>& study_tables() {
 void check_tables(const ConfigNode& root, std::vector<std::string>& errors) {
   std::vector<std::string> known = scene_tables();
   known.insert(known.end(), study_tables().begin(), study_tables().end());
+  for (const char* name : {"variables", "prototypes", "objective", "constraints"}) {
+    const ConfigNode* table = root.find(name);
+    if (table != nullptr && !table->is_table()) {
+      errors.push_back(
+          fmt::format("{}{}: must be a table, like [{}]", table->place.prefix(), name, name));
+    }
+  }
   for (std::size_t i = 0; i < root.names.size(); ++i) {
     if (std::ranges::find(known, root.names[i]) == known.end()) {
       errors.push_back(fmt::format("{}{}: unknown table, the nearest known one is \"{}\"",
@@ -95,25 +102,21 @@ SceneSettings read_checked(const ConfigNode& root) {
 
 void check_goal(const Study& study, std::vector<std::string>& errors) {
   const std::vector<std::string> labels = defect_labels(study.scene);
-  const auto check_name = [&](const std::string& name, const std::string& path) {
-    const std::string problem = unknown_score(name, labels);
-    if (!problem.empty()) {
-      const ConfigNode* node = study.root.at_path(path);
-      errors.push_back(
-          fmt::format("{}{}: {}", node != nullptr ? node->place.prefix() : "", path, problem));
-    }
-  };
+  const auto check_name =
+      [&](const std::string& path, const std::string& name, const Place& place) {
+        const std::string problem = unknown_score(name, labels);
+        if (!problem.empty()) {
+          errors.push_back(fmt::format("{}{}: \"{}\" {}", place.prefix(), path, name, problem));
+        }
+      };
   if (study.has_objective) {
-    check_name(study.goal.objective.name,
-               study.goal.objective.is_maximised ? "objective.maximise" : "objective.minimise");
+    const ConfigNode& table = *study.root.find("objective");
+    check_name("objective." + table.names[0], table.items[0].text, table.items[0].place);
   }
   for (const Constraint& constraint : study.goal.constraints) {
-    const ConfigNode* table = study.root.find("constraints");
-    const ConfigNode* node = table->find(constraint.name);
-    const std::string problem = unknown_score(constraint.name, labels);
-    if (!problem.empty()) {
-      errors.push_back(fmt::format("{}constraints: {}", node->place.prefix(), problem));
-    }
+    check_name("constraints",
+               constraint.name,
+               study.root.find("constraints")->find(constraint.name)->place);
   }
 }
 
@@ -146,6 +149,16 @@ void check_variable_limits(const Study& study, std::vector<std::string>& errors)
   }
 }
 
+/// A prototype's name is the name of its folder beside baseline/ and winner/.
+bool is_prototype_name(const std::string& name) {
+  const auto is_plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  };
+  return !name.empty() && std::ranges::all_of(name, is_plain) && name != "baseline" &&
+         name != "winner";
+}
+
 void read_prototypes(Study& study, std::vector<std::string>& errors) {
   const ConfigNode* prototypes = study.root.find("prototypes");
   if (prototypes == nullptr) {
@@ -159,10 +172,26 @@ void read_prototypes(Study& study, std::vector<std::string>& errors) {
           "{}{}: must be a table of \"path.to.key\" = value", table.place.prefix(), path));
       continue;
     }
-    Prototype prototype{.name = prototypes->names[i], .title = prototypes->names[i]};
+    if (!is_prototype_name(prototypes->names[i])) {
+      errors.push_back(
+          fmt::format("{}prototypes: \"{}\" is to be the name of a folder; allowed are letters, "
+                      "digits, _ and -, "
+                      "but not baseline and winner",
+                      table.place.prefix(),
+                      prototypes->names[i]));
+      continue;
+    }
+    Prototype prototype{.name = prototypes->names[i],
+                        .title = prototypes->names[i],
+                        .overrides = {},
+                        .place = table.place};
     for (std::size_t k = 0; k < table.names.size(); ++k) {
-      if (table.names[k] == "title" && table.items[k].kind == Kind::kText) {
+      if (table.names[k] == "title") {
         prototype.title = table.items[k].text;
+        if (table.items[k].kind != Kind::kText) {
+          errors.push_back(fmt::format(
+              "{}{}.title: must be a text in quotes", table.items[k].place.prefix(), path));
+        }
       } else {
         prototype.overrides.emplace_back(table.names[k], table.items[k]);
       }
@@ -170,10 +199,56 @@ void read_prototypes(Study& study, std::vector<std::string>& errors) {
     try {
       scene_with(study, prototype.overrides);
     } catch (const ConfigError& error) {
-      errors.push_back(fmt::format("{}{}: {}", table.place.prefix(), path, error.what()));
+      errors.push_back(in_context(error.what(), path));
     }
     study.prototypes.push_back(std::move(prototype));
   }
+}
+
+/// The parts of a dotted path; a part in quotes may hold dots:
+/// variables."lighting.tunnel.radius_mm".min
+std::vector<std::string> quoted_parts(const std::string& path) {
+  std::vector<std::string> parts(1);
+  bool is_quoted = false;
+  for (const char c : path) {
+    if (c == '"') {
+      is_quoted = !is_quoted;
+    } else if (c == '.' && !is_quoted) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  if (is_quoted || std::ranges::any_of(parts, &std::string::empty)) {
+    throw ConfigError(fmt::format("--set: {} is no key path", path));
+  }
+  return parts;
+}
+
+/// Puts a --set value where its path says; a path with quotes runs through tables only.
+void put_set(ConfigNode& root, const KeyValue& set) {
+  ConfigNode value = parse_override(set.value);
+  value.place = {.file = "--set"};
+  if (set.path.find('"') == std::string::npos) {
+    // An element of an array that the file leaves to its default needs the array first. What is
+    // wrong with the file is said when the whole of it is read.
+    std::vector<std::string> ignored;
+    put_override(root, write_scene(read_scene(root, ignored)), set.path, value);
+    return;
+  }
+  ConfigNode* node = &root;
+  for (const std::string& part : quoted_parts(set.path)) {
+    if (!node->is_table()) {
+      throw ConfigError(fmt::format("--set: {}: \"{}\" stands in no table", set.path, part));
+    }
+    if (node->find(part) == nullptr) {
+      node->names.push_back(part);
+      node->items.push_back(ConfigNode::table());
+      node->items.back().place = value.place;
+    }
+    node = node->find(part);
+  }
+  *node = std::move(value);
 }
 
 }  // namespace
@@ -183,9 +258,7 @@ Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
   study.root = load_toml(path);
   study.root.place.file = path.string();
   for (const KeyValue& set : sets) {
-    ConfigNode value = parse_override(set.value);
-    value.place = {.file = "--set"};
-    set_path(study.root, set.path, std::move(value));
+    put_set(study.root, set);
   }
   const std::string stem = path.stem().string();
   const std::string folder = fs::absolute(path).parent_path().filename().string();
@@ -202,6 +275,17 @@ Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
   read_prototypes(study, errors);
   throw_if_any(errors);
   return study;
+}
+
+std::string prototype_problem(const Prototype& prototype, const std::string& message) {
+  const std::string key = message.substr(0, message.find(':'));
+  Place place = prototype.place;
+  for (const auto& [path, value] : prototype.overrides) {
+    if (path == key) {
+      place = value.place;
+    }
+  }
+  return fmt::format("{}prototypes.{}: {}", place.prefix(), prototype.name, message);
 }
 
 SceneSettings scene_with(const Study& study, const Overrides& overrides) {

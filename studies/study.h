@@ -23,6 +23,7 @@ struct Prototype {
   std::string name;
   std::string title;
   Overrides overrides;
+  Place place;  ///< of its table
 };
 
 struct Study {
@@ -52,6 +53,10 @@ Study load_study(const std::filesystem::path& path, const std::vector<KeyValue>&
 
 /// The study's scene with other values. @throws ConfigError naming path and what is allowed
 SceneSettings scene_with(const Study& study, const Overrides& overrides);
+
+/// A problem of the scene with a prototype's values, with the place of the value or of the
+/// prototype that causes it. @param message  begins with the key at fault, has no place
+std::string prototype_problem(const Prototype& prototype, const std::string& message);
 
 /// What a point of the search space means: the active variables' values.
 Overrides overrides_of(const Study& study, const Point& point);

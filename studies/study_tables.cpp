@@ -140,7 +140,9 @@ class VariableReader {
       }
     }
     if (!has_min || !has_max) {
-      fail(table, path, "needs min and max");
+      if (is_good) {
+        fail(table, path, "needs min and max");
+      }
       return false;
     }
     if (variable.low > variable.high) {
@@ -209,7 +211,7 @@ void read_objective(Study& study, std::vector<std::string>& errors) {
   if (table == nullptr) {
     if (study.has_search()) {
       errors.push_back(
-          study.root.place.prefix() +
+          study.root.find("variables")->place.prefix() +
           "objective: a search needs [objective] with maximise or minimise = \"score\"");
     }
     return;
@@ -268,6 +270,9 @@ void read_constraints(Study& study, std::vector<std::string>& errors) {
 void read_study_tables(Study& study, std::vector<std::string>& errors) {
   study.title = study.name;
   if (const ConfigNode* title = study.root.find("title")) {
+    if (title->kind != Kind::kText) {
+      errors.push_back(title->place.prefix() + "title: must be a text in quotes");
+    }
     study.title = title->text;
   }
   if (const ConfigNode* schema = study.root.find("schema")) {

@@ -194,6 +194,14 @@ SurfaceDetail detail_of(const SceneSettings& scene, const BuiltPart& built) {
   return SurfaceDetail(std::move(features));
 }
 
+/// The camera that sees one window of the picture, pixel by pixel the same.
+PinholeIntrinsics window_of(PinholeIntrinsics intrinsics, const DefectView& view) {
+  intrinsics.width_px = view.distance.width();
+  intrinsics.height_px = view.distance.height();
+  intrinsics.center_px -= Vector2d(view.left_px, view.top_px);
+  return intrinsics;
+}
+
 TracedScene trace_scene(const SceneSettings& scene,
                         std::shared_ptr<const BuiltPart> built,
                         ThreadPool& pool) {
@@ -202,12 +210,15 @@ TracedScene trace_scene(const SceneSettings& scene,
   traced.camera_from_world = camera_from_world(scene.viewpoint);
   traced.camera_in_world_mm = inverse(traced.camera_from_world).translation_mm;
   if (is_inside(*traced.built->bvh, traced.camera_in_world_mm)) {
+    const std::vector<double>& at_mm = scene.viewpoint.position_mm;
+    const bool is_default = at_mm == default_viewpoint(scene.camera).position_mm;
     throw ConfigError(fmt::format(
-        "viewpoint.0.position_mm: the camera at ({:g}, {:g}, {:g}) mm is inside the part; it must "
-        "stand outside, at a working distance",
-        traced.camera_in_world_mm.x(),
-        traced.camera_in_world_mm.y(),
-        traced.camera_in_world_mm.z()));
+        "{}: the camera at ({:g}, {:g}, {:g}) mm is inside the part; it must stand outside, at a "
+        "working distance",
+        is_default ? "camera.working_distance_mm" : "viewpoint.0.position_mm",
+        at_mm[0],
+        at_mm[1],
+        at_mm[2]));
   }
   const PinholeCamera camera(intrinsics_of(scene.camera));
   traced.detail = detail_of(scene, *traced.built);
@@ -223,6 +234,15 @@ TracedScene trace_scene(const SceneSettings& scene,
   traced.part_mask = whole_pixels(traced.rays.coverage);
   traced.region = region_of_interest(traced.rays.coverage, traced.views, scene.metrics);
   traced.defects = defect_pixels(traced.views, traced.part_mask, scene.metrics);
+  for (const DefectView& view : traced.views) {
+    traced.flawless.push_back(trace_rays(traced.built->part,
+                                         *traced.built->bvh,
+                                         SurfaceDetail(),
+                                         PinholeCamera(window_of(camera.intrinsics(), view)),
+                                         traced.camera_from_world,
+                                         scene.render,
+                                         pool));
+  }
   return traced;
 }
 

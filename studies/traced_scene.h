@@ -36,6 +36,7 @@ struct TracedScene {
   RayCache rays;
   std::vector<DefectView> views;
   std::vector<DefectPixels> defects;
+  std::vector<RayCache> flawless;  ///< for each view its window of the part without defects
   Mask part_mask;  ///< pixels wholly on the part
   Mask region;     ///< of interest for homogeneity
 };

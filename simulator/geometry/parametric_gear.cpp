@@ -223,7 +223,7 @@ class EndFace {
       return std::abs(std::remainder(angle_of(vertex) - other.angles_rad.front(), 2.0 * kPi));
     };
     const auto first = std::ranges::min_element(loop.vertices, {}, distance);
-    std::ranges::rotate(loop.vertices, first);
+    std::rotate(loop.vertices.begin(), first, loop.vertices.end());
     set_angles(loop);
     const double shift =
         2.0 * kPi * std::round((other.angles_rad.front() - loop.angles_rad.front()) / (2.0 * kPi));

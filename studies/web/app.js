@@ -17,7 +17,7 @@ const kStatus = {
 function masthead(facts) {
   const { data } = facts;
   const [kind, text] = kStatus[data.status] ?? ['neutral', data.status];
-  const counts = facts.runs.length ? plural(facts.runs.length, 'run')
+  const counts = facts.runs.length ? `${plural(facts.runs.reduce((sum, run) => sum + (run.evaluations ?? 0), 0), 'evaluation')} in all`
     : facts.trials.length ? `${plural(facts.trials.length, 'evaluation')}, ${facts.trials.filter((trial) => trial.failed).length} failed`
       : facts.designs.length ? `${plural(facts.designs.length, 'design')}, no search` : null;
   return h('header', { class: 'masthead' }, h('p', { class: 'brand' }, 'Glint', h('span', {}, ' lighting report')),
@@ -76,4 +76,17 @@ function main() {
   document.body.dispatchEvent(new CustomEvent('glint-attached'));
 }
 
+/** On paper everything is unfolded, except what is for the screen only. */
+function unfoldForPrint() {
+  let opened = [];
+  window.addEventListener('beforeprint', () => {
+    opened = [...document.querySelectorAll('details:not(.screen-only):not([open])')];
+    for (const details of opened) details.open = true;
+  });
+  window.addEventListener('afterprint', () => {
+    for (const details of opened) details.open = false;
+  });
+}
+
 main();
+unfoldForPrint();

@@ -126,13 +126,13 @@ function drawing(design) {
   return block('Lighting, to scale', h('div', { class: 'drawing' }, svgNode(design.drawing)));
 }
 
-function settings(design) {
+function settings(facts, design) {
   const paths = Object.keys(design.variables ?? {});
   if (!paths.length && !design.notes?.length) return block(null);
   const names = shortNames(paths);
   const rows = paths.map((path, i) => h('tr', {}, h('th', { title: path }, names[i]), h('td', {}, number(design.variables[path]))));
   return block(null,
-    paths.length > 0 && h('details', { open: paths.length <= 6 }, h('summary', {}, 'Variables'), h('table', { class: 'scores' }, h('tbody', {}, rows))),
+    paths.length > 0 && h('details', { open: paths.length <= 6 || facts.role(design) === 'winner' }, h('summary', {}, 'Variables'), h('table', { class: 'scores' }, h('tbody', {}, rows))),
     design.notes?.length > 0 && h('ul', { class: 'notes' }, design.notes.map((note) => h('li', {}, note))));
 }
 
@@ -144,7 +144,7 @@ export function designSection(facts) {
   const ordered = [...facts.designs].sort((a, b) => place(a) - place(b));
   const cards = ordered.map((design) => h('article', { class: `card ${facts.role(design)}`, id: `design-${design.key}` },
     header(facts, design), sequence(facts, design, players), aspect(facts, design), closeups(facts, design),
-    scores(facts, design), drawing(design), settings(design)));
+    scores(facts, design), drawing(design), settings(facts, design)));
   const linked = players.list.filter((player) => player.count > 1).length > 1 && h('label', { class: 'inline screen-only' },
     h('input', { type: 'checkbox', checked: true, onchange: (event) => { players.linked = event.target.checked; } }), ' Move all sequences together');
   const title = facts.designs.length > 1 ? 'Designs side by side' : 'The design';

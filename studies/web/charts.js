@@ -33,16 +33,19 @@ function chart(heightPx, label, points, option, ready) {
       width = place.clientWidth;
       instance.resize();
       instance.setOption(option(width));
+      fitToPaper();
     }).observe(place);
     ready?.(instance);
   }, { once: true });
   return place;
 }
 
-// On paper an SVG shrinks to the page's width instead of being cut.
-window.addEventListener('beforeprint', () => {
+/** With a view box a chart shrinks to the width of the paper instead of being cut. */
+function fitToPaper() {
   for (const svg of document.querySelectorAll('.chart svg')) svg.setAttribute('viewBox', `0 0 ${svg.getAttribute('width')} ${svg.getAttribute('height')}`);
-});
+}
+
+window.addEventListener('beforeprint', fitToPaper);
 
 const kHalo = { fontSize: 10.5, color: kInk, textBorderColor: '#fff', textBorderWidth: 3 };  // readable over lines
 

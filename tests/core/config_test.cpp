@@ -35,13 +35,13 @@ bool is_same_tree(const ConfigNode& a, const ConfigNode& b) {
 }
 
 std::string random_text(Rng& rng) {
-  static const std::vector<std::string> kPieces = {
+  static const std::vector<std::string> pieces = {
       "a",  "Z",    "9",    "_", "-", ".", " ", "\"", "\\",       "\n",          "\t",
       "\r", "\x01", "\x7f", "#", "'", "[", "]", "=",  "\xc3\xa9", "\xe2\x82\xac"};
   std::string text;
   const std::uint32_t length = rng.next_u32() % 7;
   for (std::uint32_t i = 0; i < length; ++i) {
-    text += kPieces[rng.next_u32() % kPieces.size()];
+    text += pieces[rng.next_u32() % pieces.size()];
   }
   return text;
 }
@@ -112,7 +112,7 @@ TEST(ValueToToml, WritesOneLine) {
   EXPECT_EQ(value_to_toml(ConfigNode::from_integer(150)), "150");
   EXPECT_EQ(value_to_toml(ConfigNode::from_boolean(false)), "false");
   EXPECT_EQ(value_to_toml(ConfigNode::from_text("a\"b\\\n")), R"("a\"b\\\n")");
-  const ConfigNode root = parse_toml("v = { min = 1, choices = [\"a\", \"b\"], none = {} }", "a");
+  const ConfigNode root = parse_toml(R"(v = { min = 1, choices = ["a", "b"], none = {} })", "a");
   EXPECT_EQ(value_to_toml(*root.find("v")), R"({ min = 1, choices = ["a", "b"], none = {} })");
 }
 

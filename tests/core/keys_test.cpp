@@ -242,6 +242,7 @@ TEST(KeyLister, ListsEveryKeyWithItsUnitAndDefault) {
   Lamp lamp;
   visit_lamp(lister, lamp);
   std::vector<std::string> lines;
+  lines.reserve(rows.size());
   for (const KeyRow& row : rows) {
     lines.push_back(row.path + "|" + row.kind + "|" + row.unit + "|" + row.allowed + "|" +
                     row.default_text + "|" + row.doc);

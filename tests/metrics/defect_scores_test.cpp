@@ -180,5 +180,34 @@ TEST(BestFrames, KeepTheFrameThatShowsTheDefectBest) {
   EXPECT_EQ(frames.best()[0].frame, 1);
 }
 
+// Half of the dent's pixels differ by 0.4, the others by 0: a mean change of 0.2. The next frame
+// equals the flawless one and changes nothing, however far it is from its background.
+TEST(BestFrames, KeepTheLargestChangeAgainstTheFlawlessSurface) {
+  const auto dents = middle_dent();
+  BestFrames frames(dents, 0.05);
+  const std::size_t count = dents[0].inside.size();
+  std::vector<float> flawless(count, 0.6f);
+  for (std::size_t i = 0; i < count / 2; ++i) {
+    flawless[i] = 0.2f;
+  }
+  const double expected = 0.4 * static_cast<double>(count / 2) / static_cast<double>(count);
+  const ImageF frame = dent_on_chessboard(0.5f, 0.02f, 0.6f);
+  using Values = std::vector<std::vector<float>>;
+  frames.add(frame, Values(1, flawless));
+  EXPECT_NEAR(frames.best()[0].change, expected, 1e-6);
+  const ImageF other = dent_on_chessboard(0.0f, 0.0f, 0.1f);
+  frames.add(other, Values(1, std::vector<float>(count, 0.1f)));
+  EXPECT_NEAR(frames.best()[0].change, expected, 1e-6);
+  frames.add(other);
+  EXPECT_NEAR(frames.best()[0].change, expected, 1e-6);
+}
+
+TEST(Summarise, TakesTheWorstAndTheMeanChange) {
+  const std::vector<DefectScores> scores = {{.label = "a", .change = 0.6},
+                                            {.label = "b", .change = 0.2}};
+  EXPECT_DOUBLE_EQ(summarise(scores).min_change, 0.2);
+  EXPECT_DOUBLE_EQ(summarise(scores).mean_change, 0.4);
+}
+
 }  // namespace
 }  // namespace glint

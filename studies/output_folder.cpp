@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/output_folder.h"
+
+#include <regex>
+#include <system_error>
+#include <vector>
+
+#include "core/file.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The topmost folder of a path that is not there; empty when all of it is.
+fs::path first_missing(const fs::path& path) {
+  fs::path missing;
+  std::error_code error;
+  for (fs::path folder = path; !folder.empty(); folder = folder.parent_path()) {
+    if (fs::status(folder, error).type() != fs::file_type::not_found) {
+      break;
+    }
+    missing = folder;
+    if (folder == folder.parent_path()) {
+      break;
+    }
+  }
+  return missing;
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(const fs::path& path) : first_created_(first_missing(path)) {
+  try {
+    make_folder(path);
+  } catch (...) {
+    std::error_code ignored;
+    if (!first_created_.empty()) {
+      fs::remove_all(first_created_, ignored);
+    }
+    throw;
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  if (!first_created_.empty()) {
+    std::error_code ignored;
+    fs::remove_all(first_created_, ignored);
+  }
+}
+
+void remove_unfinished_files(const fs::path& folder) {
+  static const std::regex kUnfinished(R"(\..*\.[0-9]+\.part(\.[^.]*)?)");
+  std::vector<fs::path> unfinished;
+  std::error_code ignored;
+  for (fs::directory_iterator at(folder, ignored), end; at != end; at.increment(ignored)) {
+    if (std::regex_match(at->path().filename().string(), kUnfinished)) {
+      unfinished.push_back(at->path());
+    }
+  }
+  for (const fs::path& path : unfinished) {
+    fs::remove(path, ignored);
+  }
+}
+
+}  // namespace glint

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/study.h"
+
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "core/file.h"
+
+namespace glint {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A study file that is removed again.
+class StudyFile {
+ public:
+  explicit StudyFile(const std::string& text)
+      : folder_(fs::temp_directory_path() / ("glint_study_" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+    write_file(path(), text);
+  }
+
+  ~StudyFile() { fs::remove_all(folder_); }
+
+  StudyFile(const StudyFile&) = delete;
+  StudyFile& operator=(const StudyFile&) = delete;
+
+  fs::path path() const { return folder_ / "s.toml"; }
+
+ private:
+  fs::path folder_;
+};
+
+std::string error_of(const std::string& text, const std::vector<KeyValue>& sets = {}) {
+  const StudyFile file(text);
+  try {
+    load_study(file.path(), sets);
+  } catch (const ConfigError& error) {
+    std::string message = error.what();
+    const auto folder = message.find(file.path().string());
+    return folder == 0 ? "s.toml" + message.substr(file.path().string().size()) : message;
+  }
+  return "";
+}
+
+constexpr const char* kSound = R"([lighting.tunnel]
+shape = "free"
+[defects.dent]
+x_mm = [5]
+y_mm = [10]
+[variables]
+"lighting.tunnel.control_mm.1" = { min = 60, max = 200 }
+"scan.positions" = { min = 8, max = 24 }
+"lighting.tunnel.shape" = { choices = ["semicylinder", "free"] }
+"lighting.tunnel.radius_mm" = { min = 60, max = 200, when = "lighting.tunnel.shape == semicylinder" }
+"lighting.tunnel.blocks_view" = {}
+[objective]
+maximise = "homogeneity.h_rms"
+[constraints]
+"defects.dent_1.cnr" = { min = 3 }
+[prototypes.round]
+title = "Round"
+"lighting.tunnel.shape" = "semicylinder"
+[budget]
+evaluations = 10
+wall_clock = "1h30m"
+)";
+
+TEST(Study, ReadsVariablesOfEveryKind) {
+  const StudyFile file(kSound);
+  const Study study = load_study(file.path(), {});
+  ASSERT_EQ(study.space.variables.size(), 5U);
+  EXPECT_EQ(study.space.variables[0].kind, Variable::Kind::kFloat);
+  EXPECT_EQ(study.space.variables[1].kind, Variable::Kind::kInteger);
+  EXPECT_EQ(study.space.variables[2].kind, Variable::Kind::kChoice);
+  EXPECT_EQ(study.space.variables[3].when_value, "semicylinder");
+  EXPECT_EQ(study.space.variables[4].choices, (std::vector<std::string>{"false", "true"}));
+  EXPECT_DOUBLE_EQ(study.budget.wall_clock_s, 5400.0);
+  EXPECT_EQ(study.prototypes.at(0).title, "Round");
+}
+
+TEST(Study, APointBecomesTheSceneItStandsFor) {
+  const StudyFile file(kSound);
+  const Study study = load_study(file.path(), {});
+  const SceneSettings round =
+      scene_with(study, overrides_of(study, canonical(study.space, Point{77, 12, 0, 90, 0})));
+  EXPECT_EQ(round.tunnel.shape, TunnelSettings::Shape::kSemicylinder);
+  EXPECT_DOUBLE_EQ(round.tunnel.radius_mm, 90.0);
+  EXPECT_DOUBLE_EQ(round.tunnel.control_mm[1], 77.0);
+  EXPECT_EQ(round.scan.positions, 12);
+  EXPECT_FALSE(round.tunnel.blocks_view);
+  // The radius is not active for a free cross-section: it keeps the file's value.
+  const SceneSettings free =
+      scene_with(study, overrides_of(study, canonical(study.space, Point{77, 12, 1, 90, 1})));
+  EXPECT_DOUBLE_EQ(free.tunnel.radius_mm, TunnelSettings{}.radius_mm);
+}
+
+TEST(Study, TheBaselineIsTheSceneItself) {
+  const StudyFile file(kSound);
+  const Study study = load_study(file.path(), {});
+  const Point point = baseline_point(study);
+  EXPECT_DOUBLE_EQ(point[0], 100.0);
+  EXPECT_DOUBLE_EQ(point[1], 24.0);
+  EXPECT_DOUBLE_EQ(point[2], 1.0);
+}
+
+TEST(Study, TheResolvedTextIsTheSameStudy) {
+  const StudyFile file(kSound);
+  const Study study = load_study(file.path(), {});
+  const StudyFile resolved(resolved_text(study));
+  const Study again = load_study(resolved.path(), {});
+  EXPECT_EQ(resolved_text(study), resolved_text(again));
+  EXPECT_EQ(config_hash(study), config_hash(again));
+}
+
+TEST(Study, TheHashLeavesOutTheBudgetOnly) {
+  const StudyFile file(kSound);
+  const Study study = load_study(file.path(), {});
+  const Study longer = load_study(file.path(), {{"budget.evaluations", "500"}});
+  const Study other = load_study(file.path(), {{"sensor.gain", "1.7"}});
+  EXPECT_EQ(config_hash(study), config_hash(longer));
+  EXPECT_NE(config_hash(study), config_hash(other));
+}
+
+TEST(Study, OverridesReachEveryKey) {
+  const StudyFile file(kSound);
+  const Study study = load_study(file.path(),
+                                 {{"lighting.tunnel.control_mm.2", "123"},
+                                  {"sensor.gain", "2.5"},
+                                  {"lighting.tunnel.shape", "ellipse"}});
+  EXPECT_DOUBLE_EQ(study.scene.sensor.gain, 2.5);
+  EXPECT_EQ(study.scene.tunnel.shape, TunnelSettings::Shape::kEllipse);
+}
+
+TEST(StudyErrors, NameTheirPlaceAndTheNearestKey) {
+  EXPECT_THAT(error_of("[sensor]\ngian = 2\n"),
+              ::testing::StartsWith("s.toml:2:1: sensor.gian: unknown key, the nearest known one "
+                                    "is \"gain\""));
+  EXPECT_THAT(error_of("[sensr]\ngain = 2\n"),
+              ::testing::HasSubstr("unknown table, the nearest known one is \"sensor\""));
+  EXPECT_THAT(error_of("[variables]\n\"sensor.gian\" = { min = 1, max = 2 }\n"
+                       "[objective]\nmaximise = \"homogeneity.h_rms\"\n"),
+              ::testing::HasSubstr("sensor.gian: the scene has no such key, the nearest one is "
+                                   "\"sensor.gain\""));
+  EXPECT_THAT(error_of("[variables]\n\"sensor.gain\" = { min = 3, max = 2 }\n"
+                       "[objective]\nmaximise = \"homogeneity.h_rms\"\n"),
+              ::testing::HasSubstr("s.toml:2:1: variables: sensor.gain: min 3 is above max 2"));
+  EXPECT_THAT(error_of("[objective]\nmaximise = \"homogeneity.h_rsm\"\n"),
+              ::testing::HasSubstr("homogeneity.h_rms"));
+  EXPECT_THAT(error_of("[budget]\nwall_clock = \"tomorrow\"\n"),
+              ::testing::HasSubstr("must be a duration"));
+}
+
+TEST(StudyErrors, AllOfThemComeInOnePass) {
+  const std::string errors = error_of("[sensor]\ngain = -1\nbits = 9\n[part]\nlenght_mm = 3\n");
+  EXPECT_THAT(errors, ::testing::HasSubstr("sensor.gain"));
+  EXPECT_THAT(errors, ::testing::HasSubstr("sensor.bits"));
+  EXPECT_THAT(errors, ::testing::HasSubstr("length_mm"));
+}
+
+TEST(StudyErrors, VariableLimitsBeyondTheKeysRangeAreRefused) {
+  EXPECT_THAT(error_of("[variables]\n\"lighting.tunnel.duty\" = { min = 0.2, max = 1.5 }\n"
+                       "[objective]\nmaximise = \"homogeneity.h_rms\"\n"),
+              ::testing::HasSubstr("lighting.tunnel.duty: is 1.5, must be in [0, 1]"));
+}
+
+TEST(Duration, IsReadAsPeopleWriteIt) {
+  EXPECT_EQ(parse_duration_s("40s"), 40.0);
+  EXPECT_EQ(parse_duration_s("8h"), 28800.0);
+  EXPECT_EQ(parse_duration_s("1h30m"), 5400.0);
+  EXPECT_EQ(parse_duration_s("12.5"), 12.5);
+  EXPECT_FALSE(parse_duration_s("8 hours").has_value());
+  EXPECT_FALSE(parse_duration_s("").has_value());
+  EXPECT_FALSE(parse_duration_s("-3s").has_value());
+}
+
+}  // namespace
+}  // namespace glint

@@ -9,24 +9,73 @@
 #include "cli/commands.h"
 #include "core/file.h"
 #include "core/text.h"
-#include "studies/scene.h"
+#include "studies/lit_place.h"
 
 namespace glint {
 namespace {
 
+/// The slope of the smallest defect that must show, at its steepest.
+constexpr double kSlope_rad = 0.02;
+
+constexpr double kLargestPicture_px = 1000.0;
+
+/// What the working distance and the part's size ask for, [mm] and pixels.
+struct FirstSizes {
+  double object_pixel_mm;
+  int width_px;
+  int height_px;
+  double radius_mm;
+  double slot_mm;
+  double length_mm;
+  double period_mm;
+  double diameter_mm;  ///< of the defect
+  double depth_mm;     ///< of the defect
+};
+
+/// @throws ConfigError when the camera would touch the part
+FirstSizes first_sizes(const Eigen::Vector3d& size_mm, double working_distance_mm) {
+  const double top_mm = 0.5 * size_mm.z();
+  const double reach_mm = 0.5 * std::hypot(size_mm.y(), size_mm.z());
+  const double largest_radius_mm = 0.8 * working_distance_mm;
+  if (largest_radius_mm < 1.1 * reach_mm) {
+    throw ConfigError(fmt::format(
+        "--working_distance_mm: {:g} mm leaves no room for a tunnel between camera and part, which "
+        "is {:.4g} x {:.4g} x {:.4g} mm large; must be at least {:.0f} mm",
+        working_distance_mm,
+        size_mm.x(),
+        size_mm.y(),
+        size_mm.z(),
+        std::ceil(1.1 * reach_mm / 0.8)));
+  }
+  FirstSizes first{};
+  // The top of the part is nearer to the camera than its middle and looks larger.
+  const double enlarged = working_distance_mm / (working_distance_mm - top_mm);
+  const double extent_mm = std::max(size_mm.x(), size_mm.y());
+  first.object_pixel_mm = extent_mm / kLargestPicture_px;
+  const auto pixels = [&](double size) {
+    return static_cast<int>(std::ceil(1.1 * enlarged * size / first.object_pixel_mm / 16.0)) * 16;
+  };
+  first.width_px = pixels(size_mm.x());
+  first.height_px = pixels(size_mm.y());
+  first.radius_mm = std::min(std::ceil(2.0 * reach_mm + 20.0), largest_radius_mm);
+  // The view narrows from the part to the pinhole; the slot lets it through.
+  const double narrowed = (working_distance_mm - first.radius_mm) / (working_distance_mm - top_mm);
+  first.slot_mm = std::ceil(size_mm.y() * std::max(0.0, narrowed) + 2.0);
+  first.length_mm = std::ceil(size_mm.x() + 6.0 * first.radius_mm);
+  first.period_mm = std::max(1.0, std::round(first.radius_mm / 6.0));
+  first.diameter_mm = 0.01 * extent_mm;
+  // Depth / (sigma sqrt(e)) is a Gaussian dent's largest slope; its diameter is 4 sigma.
+  first.depth_mm = kSlope_rad * 0.25 * first.diameter_mm * std::exp(0.5);
+  return first;
+}
+
 /// The camera's data sheet as TOML keys: from a file, or from "key=value,key=value".
-std::string camera_keys(const NewArguments& arguments, const Part& part) {
+std::string camera_keys(const NewArguments& arguments, const FirstSizes& first) {
   if (arguments.camera.empty()) {
-    // No data sheet: an image that the part fills by four fifths, of 0.15 mm pixels or finer.
-    const Eigen::Vector3d size = part.box_in_part_mm.size_mm();
-    const double pixel_mm = std::min(0.15, std::max(size.x(), size.y()) / 800.0);
-    const auto pixels = [&](double extent) {
-      return static_cast<int>(std::ceil(extent / 0.8 / pixel_mm / 16.0)) * 16;
-    };
     return fmt::format("width_px = {}\nheight_px = {}\nobject_pixel_mm = {:.4g}\n",
-                       pixels(size.x()),
-                       pixels(size.y()),
-                       pixel_mm);
+                       first.width_px,
+                       first.height_px,
+                       first.object_pixel_mm);
   }
   std::error_code ignored;
   if (std::filesystem::exists(arguments.camera, ignored)) {
@@ -46,35 +95,17 @@ std::string camera_keys(const NewArguments& arguments, const Part& part) {
   return keys;
 }
 
-/// Sizes of a first tunnel around a part seen from a working distance.
-struct FirstTunnel {
-  double radius_mm;
-  double slot_mm;
-  double length_mm;
-  double period_mm;
-};
-
-FirstTunnel first_tunnel(const Eigen::Vector3d& size_mm, double working_distance_mm) {
-  const double half_width = 0.5 * std::hypot(size_mm.y(), size_mm.z());
-  FirstTunnel tunnel{};
-  tunnel.radius_mm = std::min(std::ceil(2.0 * half_width + 20.0), 0.8 * working_distance_mm);
-  // The view cone narrows from the part to the pinhole; the slot must let it through.
-  tunnel.slot_mm = std::ceil(size_mm.y() * (1.0 - tunnel.radius_mm / working_distance_mm) + 2.0);
-  tunnel.length_mm = std::ceil(size_mm.x() + 6.0 * tunnel.radius_mm);
-  tunnel.period_mm = std::max(2.0, std::round(tunnel.radius_mm / 6.0));
-  return tunnel;
-}
-
 constexpr const char* kTemplate = R"(# A lighting study for {name}, written by `glint new`.
 # `glint explain KEY` tells what a key means, its unit, range and default.
 # `glint check {file}` validates this file, `glint run {file}` runs it.
 schema = 1
-title = "Fringe tunnel for {name}"
+title = {title}
 
 [part]
-file = "{part}"
+file = {part}
 unit = "{unit}"        # of the file
 # crease_deg = 30     # edges sharper than this stay sharp; flatter ones are smoothed
+# rotation_deg = [20, 0, 0]   # turns the part; flat faces that look at the camera mirror its slot
 
 [camera]
 working_distance_mm = {distance}
@@ -83,6 +114,8 @@ working_distance_mm = {distance}
 gain = 2.0            # saturation makes defects show in the mean of a scan
 blur_px = 0.7
 bits = 8
+full_well_e = 10000   # noise of a common CMOS camera
+read_noise_e = 6
 
 [scan]
 positions = 24        # pictures; a multiple of 1 / duty keeps the flawless surface even
@@ -95,17 +128,19 @@ length_mm = {length}
 period_mm = {period}
 duty = 0.5
 
-# The smallest defect that must show, near the middle of the part as the camera sees it.
+# The smallest defect that must show: a dent of at most 20 mrad, where the camera sees it and light
+# reaches it, as near to the middle of the picture as the part allows.
 [defects.dent]
 x_mm = [{dent_x}]
 y_mm = [{dent_y}]
-height_um = 2.0
+height_um = {depth}
 diameter_mm = {diameter}
 
 # What the search may change.
 [variables]
 "lighting.tunnel.radius_mm" = {{ min = {radius_min}, max = {radius_max} }}
 "lighting.tunnel.base_mm" = {{ min = {base_min}, max = {base_max} }}
+"lighting.tunnel.slot_mm" = {{ min = {slot_min}, max = {slot_max} }}
 "lighting.tunnel.period_mm" = {{ min = {period_min}, max = {period_max}, log = true }}
 "sensor.gain" = {{ min = 1.2, max = 3.0 }}
 
@@ -124,56 +159,53 @@ batch = 2
 evaluations = 200
 )";
 
-/// A place on the part that the camera sees, as near to the middle as possible.
-Eigen::Vector2d visible_place(const Part& part) {
-  const Bvh bvh(part.mesh);
-  const Eigen::Vector3d size = part.box_in_part_mm.size_mm();
-  constexpr int kRings = 40;
-  for (int ring = 0; ring < kRings; ++ring) {
-    for (int k = 0; k < 8; ++k) {
-      const double angle = k * kPi / 4.0;
-      const Eigen::Vector2d at(0.45 * size.x() * ring / kRings * std::cos(angle),
-                               0.45 * size.y() * ring / kRings * std::sin(angle));
-      const auto place = place_on_surface(part, bvh, at.x(), at.y());
-      if (place && place->normal.z() > 0.9) {
-        return at;
-      }
-    }
-  }
-  throw ConfigError(
-      "part.file: no place on the part faces the camera (+z); turn it with "
-      "part.rotation_deg");
+/// The part's file as the study names it: relative to the study.
+std::string part_path(const NewArguments& arguments) {
+  const std::filesystem::path folder =
+      std::filesystem::absolute(arguments.out.empty() ? "study.toml" : arguments.out)
+          .lexically_normal()
+          .parent_path();
+  const std::filesystem::path part = std::filesystem::absolute(arguments.part).lexically_normal();
+  return part.lexically_relative(folder).generic_string();
 }
 
-std::string study_text(const NewArguments& arguments, const Part& part) {
-  const Eigen::Vector3d size = part.box_in_part_mm.size_mm();
-  const FirstTunnel tunnel = first_tunnel(size, arguments.working_distance_mm);
-  const Eigen::Vector2d place = visible_place(part);
-  const std::filesystem::path folder = arguments.out.parent_path();
-  const std::filesystem::path file =
-      std::filesystem::absolute(arguments.part)
-          .lexically_relative(std::filesystem::absolute(folder).lexically_normal());
+std::string in_quotes(const std::string& text) {
+  return value_to_toml(ConfigNode::from_text(text));
+}
+
+std::string study_text(const NewArguments& arguments,
+                       const std::string& name,
+                       const FirstSizes& first,
+                       const Eigen::Vector2d& place) {
+  const auto rounded = [](double value) { return fmt::format("{:.4g}", value); };
+  const auto place_mm = [](double value) { return fmt::format("{:.3f}", value); };
+  const double largest_radius_mm = std::max(
+      first.radius_mm, std::min(2.0 * first.radius_mm, 0.9 * arguments.working_distance_mm));
   return fmt::format(
       fmt::runtime(kTemplate),
-      fmt::arg("name", part.name),
+      fmt::arg("name", name),
+      fmt::arg("title", in_quotes("Fringe tunnel for " + name)),
       fmt::arg("file", arguments.out.empty() ? "study.toml" : arguments.out.string()),
-      fmt::arg("part", file.string()),
+      fmt::arg("part", in_quotes(part_path(arguments))),
       fmt::arg("unit", arguments.unit),
       fmt::arg("distance", shortest(arguments.working_distance_mm)),
-      fmt::arg("camera", camera_keys(arguments, part)),
-      fmt::arg("radius", shortest(tunnel.radius_mm)),
-      fmt::arg("slot", shortest(tunnel.slot_mm)),
-      fmt::arg("length", shortest(tunnel.length_mm)),
-      fmt::arg("period", shortest(tunnel.period_mm)),
-      fmt::arg("dent_x", fmt::format("{:.3f}", place.x())),
-      fmt::arg("dent_y", fmt::format("{:.3f}", place.y())),
-      fmt::arg("diameter", fmt::format("{:.2g}", std::max(0.3, size.x() / 100.0))),
-      fmt::arg("radius_min", shortest(tunnel.radius_mm)),
-      fmt::arg("radius_max", shortest(2.0 * tunnel.radius_mm)),
-      fmt::arg("base_min", shortest(-0.2 * tunnel.radius_mm)),
-      fmt::arg("base_max", shortest(0.2 * tunnel.radius_mm)),
-      fmt::arg("period_min", shortest(0.5 * tunnel.period_mm)),
-      fmt::arg("period_max", shortest(2.0 * tunnel.period_mm)));
+      fmt::arg("camera", camera_keys(arguments, first)),
+      fmt::arg("radius", rounded(first.radius_mm)),
+      fmt::arg("slot", rounded(first.slot_mm)),
+      fmt::arg("length", rounded(first.length_mm)),
+      fmt::arg("period", rounded(first.period_mm)),
+      fmt::arg("dent_x", place_mm(place.x())),
+      fmt::arg("dent_y", place_mm(place.y())),
+      fmt::arg("depth", rounded(1000.0 * first.depth_mm)),
+      fmt::arg("diameter", rounded(first.diameter_mm)),
+      fmt::arg("radius_min", rounded(first.radius_mm)),
+      fmt::arg("radius_max", rounded(largest_radius_mm)),
+      fmt::arg("base_min", rounded(-0.2 * first.radius_mm)),
+      fmt::arg("base_max", rounded(0.1 * first.radius_mm)),
+      fmt::arg("slot_min", rounded(0.7 * first.slot_mm)),
+      fmt::arg("slot_max", rounded(1.2 * first.slot_mm)),
+      fmt::arg("period_min", rounded(0.25 * first.period_mm)),
+      fmt::arg("period_max", rounded(2.0 * first.period_mm)));
 }
 
 PartSettings part_settings(const NewArguments& arguments) {
@@ -188,11 +220,33 @@ PartSettings part_settings(const NewArguments& arguments) {
   return settings;
 }
 
+/// The study, its defect where it can show.
+std::string study_text(const NewArguments& arguments, int threads) {
+  ThreadPool pool(threads);
+  SceneStore store(pool);
+  SceneSettings only_part{.part = part_settings(arguments)};
+  const auto built = store.build(only_part);
+  const FirstSizes first =
+      first_sizes(built->part.box_in_part_mm.size_mm(), arguments.working_distance_mm);
+  const std::string draft = study_text(arguments, built->part.name, first, Eigen::Vector2d::Zero());
+  std::vector<std::string> errors;
+  SceneSettings scene = read_scene(parse_toml(draft, "new study"), errors);
+  throw_if_any(errors);
+  scene.part = only_part.part;
+  const auto place = lit_place(store, scene, 1.5 * first.diameter_mm);
+  if (!place) {
+    throw ConfigError(fmt::format(
+        "{}: no place of the part is both seen by the camera and lit; another side may be, "
+        "turn the part before it is saved",
+        arguments.part.string()));
+  }
+  return study_text(arguments, built->part.name, first, *place);
+}
+
 }  // namespace
 
 int new_command(const NewArguments& arguments, const CommonArguments& common) {
-  const std::string text = study_text(arguments, build_part(part_settings(arguments)));
-  parse_toml(text, "new study");  // what is handed out can be read
+  const std::string text = study_text(arguments, common.threads);
   if (arguments.out.empty()) {
     std::cout << text;
     return kExitDone;

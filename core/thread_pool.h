@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 namespace glint {
@@ -29,6 +30,7 @@ class ThreadPool {
   /// {f(0), f(1), ...} in that order, computed in any order.
   template <class Result, class Function>
   std::vector<Result> map(std::int64_t count, const Function& f) {
+    static_assert(!std::is_same_v<Result, bool>, "neighbours in std::vector<bool> share a byte");
     std::vector<Result> results(static_cast<std::size_t>(count));
     for_each(count, [&](std::int64_t i) { results[static_cast<std::size_t>(i)] = f(i); });
     return results;

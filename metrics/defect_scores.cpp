@@ -73,8 +73,8 @@ double mean_change(const ImageF& image,
   GLINT_CHECK(flawless.size() == pixels.size(), "one flawless value for each pixel of the defect");
   double sum = 0.0;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    sum += std::abs(static_cast<double>(image.values()[pixels[i]]) -
-                    static_cast<double>(flawless[i]));
+    sum +=
+        std::abs(static_cast<double>(image.values()[pixels[i]]) - static_cast<double>(flawless[i]));
   }
   return sum / static_cast<double>(pixels.size());
 }

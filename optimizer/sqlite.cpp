@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optimizer/sqlite.h"
 
+#include <sqlite3.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -46,6 +48,14 @@ std::string file_name(const std::filesystem::path& path, Database::Access access
 }
 
 }  // namespace
+
+void Database::Closer::operator()(sqlite3* handle) const {
+  sqlite3_close_v2(handle);
+}
+
+void Statement::Finalizer::operator()(sqlite3_stmt* statement) const {
+  sqlite3_finalize(statement);
+}
 
 Database::Database(const std::filesystem::path& path, Access access) : path_(path) {
   sqlite3* raw = nullptr;

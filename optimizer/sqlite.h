@@ -3,8 +3,6 @@
 // The little of SQLite's C API that storage.cpp needs, with IoError texts. Private to the module.
 #pragma once
 
-#include <sqlite3.h>
-
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -13,6 +11,9 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+struct sqlite3;
+struct sqlite3_stmt;
 
 namespace glint {
 
@@ -43,7 +44,7 @@ class Database {
 
  private:
   struct Closer {
-    void operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
+    void operator()(sqlite3* handle) const;
   };
 
   std::filesystem::path path_;
@@ -72,7 +73,7 @@ class Statement {
 
  private:
   struct Finalizer {
-    void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+    void operator()(sqlite3_stmt* statement) const;
   };
 
   void check(int code) const;

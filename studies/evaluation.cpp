@@ -24,10 +24,9 @@ FlawlessFrames flawless_frames(const TracedScene& traced,
   FlawlessFrames frames(static_cast<std::size_t>(scene.scan.positions));
   SensorSettings quiet = scene.sensor;
   quiet.full_well_e = quiet.read_noise_e = quiet.dark_e = 0.0;
-  const double dark =
-      scene.sensor.full_well_e > 0.0
-          ? scene.sensor.dark_e * scene.sensor.gain / scene.sensor.full_well_e
-          : 0.0;
+  const double dark = scene.sensor.full_well_e > 0.0
+                          ? scene.sensor.dark_e * scene.sensor.gain / scene.sensor.full_well_e
+                          : 0.0;
   for (std::size_t k = 0; k < traced.defects.size(); ++k) {
     const RayCache& rays = traced.flawless[k];
     const DefectView& view = traced.views[k];

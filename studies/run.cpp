@@ -117,6 +117,12 @@ class Run {
     SearchResult search;
     if (study_.has_search()) {
       search = search_designs(storage, folder);
+      if (search.termination == Termination::kInterrupted) {
+        log(LogLevel::kWarning,
+            "interrupted after {} evaluations, which are kept; writing what there is (a second "
+            "interrupt stops at once)",
+            search.evaluations);
+      }
     }
     const Json result = finish(storage, search);
     write_run_json(search);

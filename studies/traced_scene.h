@@ -37,8 +37,8 @@ struct TracedScene {
   std::vector<DefectView> views;
   std::vector<DefectPixels> defects;
   std::vector<RayCache> flawless;  ///< for each view its window of the part without defects
-  Mask part_mask;  ///< pixels wholly on the part
-  Mask region;     ///< of interest for homogeneity
+  Mask part_mask;                  ///< pixels wholly on the part
+  Mask region;                     ///< of interest for homogeneity
 };
 
 /// Builds scenes and keeps the last few. Safe to use from several threads.

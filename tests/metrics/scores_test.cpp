@@ -11,10 +11,10 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(Scores, CarryExactlyTheNamesThatAreListed) {
-  Scores scores = {  // what the rays of a scene tell, filled in by whoever traces them
-      {"view.hidden_share", 0.0},
-      {"rays.followed_share", 0.0},
-      {"rays.blocked_share", 0.0}};
+  Scores scores = {// what the rays of a scene tell, filled in by whoever traces them
+                   {"view.hidden_share", 0.0},
+                   {"rays.followed_share", 0.0},
+                   {"rays.blocked_share", 0.0}};
   add_scores(scores, Homogeneity{});
   add_scores(scores, FringeScores{});
   const std::vector<DefectScores> defects = {{.label = "dent"}, {.label = "group.scratch_2"}};

@@ -27,6 +27,11 @@ inline RigidTransform inverse(const RigidTransform& a_from_b) {
   return {.rotation = rotation, .translation_mm = -(rotation * a_from_b.translation_mm)};
 }
 
+/// Three floats of a ray kernel as a vector in double.
+inline Eigen::Vector3d vector_of(float x, float y, float z) {
+  return Eigen::Vector3f(x, y, z).cast<double>();
+}
+
 /// A ray with unit direction.
 struct Ray {
   Eigen::Vector3d origin_mm = Eigen::Vector3d::Zero();

@@ -277,9 +277,10 @@ void Tunnel::hit_block(const RayBlock& rays, float* x_mm, float* pattern_mm, flo
   const double cosine = std::cos(settings_.orientation_rad);
   const double sine = std::sin(settings_.orientation_rad);
   for (std::size_t i = 0; i < count; ++i) {
-    const Vector3d direction(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
+    const Vector3d direction =
+        vector_of(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
     const std::optional<WallHit> found =
-        hit({.origin_mm = Vector3d(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]),
+        hit({.origin_mm = vector_of(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]),
              .direction = direction});
     if (!found) {
       x_mm[i] = pattern_mm[i] = gain[i] = 0.0F;

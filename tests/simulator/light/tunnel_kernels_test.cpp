@@ -49,12 +49,8 @@ struct RandomRays {
   }
 
   Ray ray(std::size_t i) const {
-    return {.origin_mm = Eigen::Vector3d(static_cast<double>(arrays[0][i]),
-                                         static_cast<double>(arrays[1][i]),
-                                         static_cast<double>(arrays[2][i])),
-            .direction = Eigen::Vector3d(static_cast<double>(arrays[3][i]),
-                                         static_cast<double>(arrays[4][i]),
-                                         static_cast<double>(arrays[5][i]))};
+    return {.origin_mm = vector_of(arrays[0][i], arrays[1][i], arrays[2][i]),
+            .direction = vector_of(arrays[3][i], arrays[4][i], arrays[5][i])};
   }
 };
 

@@ -16,15 +16,11 @@ namespace {
 using Eigen::Vector3d;
 
 Vector3d direction_of(const RayCache& rays, std::size_t i) {
-  return {static_cast<double>(rays.direction_x[i]),
-          static_cast<double>(rays.direction_y[i]),
-          static_cast<double>(rays.direction_z[i])};
+  return vector_of(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
 }
 
 Vector3d origin_of(const RayCache& rays, std::size_t i) {
-  return {static_cast<double>(rays.origin_x[i]),
-          static_cast<double>(rays.origin_y[i]),
-          static_cast<double>(rays.origin_z[i])};
+  return vector_of(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]);
 }
 
 const CameraSettings kSmallCamera = {

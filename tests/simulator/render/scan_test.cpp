@@ -64,12 +64,10 @@ TEST(Scan, FrameIsWhatSingleRaysSay) {
     for (int s = 0; s < bench.rays.samples; ++s) {
       const auto i = static_cast<std::size_t>(s * bench.rays.num_pixels() + p);
       const auto hit = tunnel.hit(
-          {.origin_mm = Eigen::Vector3d(static_cast<double>(bench.rays.origin_x[i]),
-                                        static_cast<double>(bench.rays.origin_y[i]),
-                                        static_cast<double>(bench.rays.origin_z[i])),
-           .direction = Eigen::Vector3d(static_cast<double>(bench.rays.direction_x[i]),
-                                        static_cast<double>(bench.rays.direction_y[i]),
-                                        static_cast<double>(bench.rays.direction_z[i]))});
+          {.origin_mm =
+               vector_of(bench.rays.origin_x[i], bench.rays.origin_y[i], bench.rays.origin_z[i]),
+           .direction = vector_of(
+               bench.rays.direction_x[i], bench.rays.direction_y[i], bench.rays.direction_z[i])});
       if (bench.rays.weight[i] <= 0.0F || !hit) {
         continue;
       }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <csignal>
 #include <exception>
 #include <iostream>
@@ -213,7 +214,9 @@ int run_program(int argc, char** argv) {
     std::cerr << error.what() << "\n";
     return kExitUsage;
   } catch (const IoError& error) {
-    std::cerr << error.what() << "\n";
+    std::string text = error.what();  // one problem; what SQLite says may have several lines
+    std::ranges::replace(text, '\n', ' ');
+    std::cerr << text << "\n";
     return kExitIo;
   } catch (const std::exception& error) {
     std::cerr << "internal error: " << error.what() << "\n";

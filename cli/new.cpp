@@ -21,6 +21,7 @@ constexpr double kLargestPicture_px = 1000.0;
 
 /// What the working distance and the part's size ask for, [mm] and pixels.
 struct FirstSizes {
+  double tilt_deg;  ///< of the part about the tunnel's axis
   double object_pixel_mm;
   int width_px;
   int height_px;
@@ -33,7 +34,14 @@ struct FirstSizes {
 };
 
 /// @throws ConfigError when the camera would touch the part
-FirstSizes first_sizes(const Eigen::Vector3d& size_mm, double working_distance_mm) {
+FirstSizes first_sizes(const Eigen::Vector3d& upright_mm,
+                       double tilt_deg,
+                       double working_distance_mm) {
+  const double cosine = std::cos(tilt_deg * kRadPerDeg);
+  const double sine = std::sin(tilt_deg * kRadPerDeg);
+  const Eigen::Vector3d size_mm(upright_mm.x(),
+                                cosine * upright_mm.y() + sine * upright_mm.z(),
+                                sine * upright_mm.y() + cosine * upright_mm.z());
   const double top_mm = 0.5 * size_mm.z();
   const double reach_mm = 0.5 * std::hypot(size_mm.y(), size_mm.z());
   const double largest_radius_mm = 0.8 * working_distance_mm;
@@ -42,12 +50,12 @@ FirstSizes first_sizes(const Eigen::Vector3d& size_mm, double working_distance_m
         "--working_distance_mm: {:g} mm leaves no room for a tunnel between camera and part, which "
         "is {:.4g} x {:.4g} x {:.4g} mm large; must be at least {:.0f} mm",
         working_distance_mm,
-        size_mm.x(),
-        size_mm.y(),
-        size_mm.z(),
+        upright_mm.x(),
+        upright_mm.y(),
+        upright_mm.z(),
         std::ceil(1.1 * reach_mm / 0.8)));
   }
-  FirstSizes first{};
+  FirstSizes first{.tilt_deg = tilt_deg};
   // The top of the part is nearer to the camera than its middle and looks larger.
   const double enlarged = working_distance_mm / (working_distance_mm - top_mm);
   const double extent_mm = std::max(size_mm.x(), size_mm.y());
@@ -105,7 +113,7 @@ title = {title}
 file = {part}
 unit = "{unit}"        # of the file
 # crease_deg = 30     # edges sharper than this stay sharp; flatter ones are smoothed
-# rotation_deg = [20, 0, 0]   # turns the part; flat faces that look at the camera mirror its slot
+rotation_deg = [{tilt}, 0, 0]   # flat faces that look straight at the camera would mirror its slot
 
 [camera]
 working_distance_mm = {distance}
@@ -188,6 +196,7 @@ std::string study_text(const NewArguments& arguments,
       fmt::arg("file", arguments.out.empty() ? "study.toml" : arguments.out.string()),
       fmt::arg("part", in_quotes(part_path(arguments))),
       fmt::arg("unit", arguments.unit),
+      fmt::arg("tilt", shortest(first.tilt_deg)),
       fmt::arg("distance", shortest(arguments.working_distance_mm)),
       fmt::arg("camera", camera_keys(arguments, first)),
       fmt::arg("radius", rounded(first.radius_mm)),
@@ -220,27 +229,55 @@ PartSettings part_settings(const NewArguments& arguments) {
   return settings;
 }
 
-/// The study, its defect where it can show.
+/// A study with its defect where it can show.
+struct Draft {
+  std::string text;
+  double lit_share = -1.0;
+};
+
+/// Empty when no place of the part is both seen and lit.
+std::optional<Draft> draft(const NewArguments& arguments,
+                           const PartSettings& part,
+                           double tilt_deg,
+                           SceneStore& store) {
+  const auto built = store.build({.part = part});
+  const FirstSizes first =
+      first_sizes(built->part.box_in_part_mm.size_mm(), tilt_deg, arguments.working_distance_mm);
+  const auto text_for = [&](const Eigen::Vector2d& place) {
+    return study_text(arguments, built->part.name, first, place);
+  };
+  std::vector<std::string> errors;
+  SceneSettings scene =
+      read_scene(parse_toml(text_for(Eigen::Vector2d::Zero()), "new study"), errors);
+  throw_if_any(errors);
+  scene.part.file = part.file;
+  constexpr double kBackgroundDiameters = 2.5;
+  const auto place = lit_place(store, scene, kBackgroundDiameters * first.diameter_mm);
+  if (!place) {
+    return std::nullopt;
+  }
+  return Draft{.text = text_for(place->place_mm), .lit_share = place->lit_share};
+}
+
+/// Tries the part upright and tilted, and takes what most of the light reaches.
 std::string study_text(const NewArguments& arguments, int threads) {
   ThreadPool pool(threads);
   SceneStore store(pool);
-  SceneSettings only_part{.part = part_settings(arguments)};
-  const auto built = store.build(only_part);
-  const FirstSizes first =
-      first_sizes(built->part.box_in_part_mm.size_mm(), arguments.working_distance_mm);
-  const std::string draft = study_text(arguments, built->part.name, first, Eigen::Vector2d::Zero());
-  std::vector<std::string> errors;
-  SceneSettings scene = read_scene(parse_toml(draft, "new study"), errors);
-  throw_if_any(errors);
-  scene.part = only_part.part;
-  const auto place = lit_place(store, scene, 1.5 * first.diameter_mm);
-  if (!place) {
+  const PartSettings part = part_settings(arguments);
+  Draft best;
+  for (const double tilt_deg : {0.0, 15.0, 30.0}) {
+    const auto one = draft(arguments, part, tilt_deg, store);
+    if (one && one->lit_share > best.lit_share) {
+      best = *one;
+    }
+  }
+  if (best.text.empty()) {
     throw ConfigError(fmt::format(
-        "{}: no place of the part is both seen by the camera and lit; another side may be, "
-        "turn the part before it is saved",
+        "{}: no place of the part is both seen by the camera and lit; another side may be, turn "
+        "the part before it is saved",
         arguments.part.string()));
   }
-  return study_text(arguments, built->part.name, first, *place);
+  return best.text;
 }
 
 }  // namespace

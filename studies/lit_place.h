@@ -11,15 +11,19 @@
 
 namespace glint {
 
+struct LitPlace {
+  Eigen::Vector2d place_mm;  ///< x and y in the part's frame, as [defects.<name>] takes them
+  double lit_share = 0.0;    ///< of the part's pixels that light reaches
+};
+
 /// The place nearest to the middle of the picture around which, over `margin_mm` on every side, the
 /// part is seen, lit after one reflection, and free of steps and creases. Where there is no such
-/// place the margin shrinks, down to a few pixels. The scene's own defects are left out.
+/// place steeper surroundings will do, then a smaller margin, down to a few pixels. The scene's own
+/// defects are left out.
 ///
-/// @param margin_mm  > 0; two or three radii of the defect
-/// @return x and y in the part's frame, as [defects.<name>] takes them; empty when no place is left
+/// @param margin_mm  > 0; as far as a defect's background reaches
+/// @return empty when no place is left
 /// @throws ConfigError, IoError as SceneStore::trace()
-std::optional<Eigen::Vector2d> lit_place(SceneStore& store,
-                                         const SceneSettings& scene,
-                                         double margin_mm);
+std::optional<LitPlace> lit_place(SceneStore& store, const SceneSettings& scene, double margin_mm);
 
 }  // namespace glint

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/output_folder.h"
 
-#include <regex>
 #include <system_error>
 #include <vector>
 
 #include "core/file.h"
+#include "core/text.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -26,6 +26,18 @@ fs::path first_missing(const fs::path& path) {
     }
   }
   return missing;
+}
+
+/// ".name.PID.part" or ".name.PID.part.extension"; the name may hold dots.
+bool is_unfinished(const std::string& name) {
+  const std::vector<std::string> parts = split(name, '.');
+  if (parts.size() < 4 || !parts.front().empty()) {
+    return false;
+  }
+  const auto part = parts.back() == "part" ? parts.end() - 1 : parts.end() - 2;
+  const std::string& process = *(part - 1);
+  return *part == "part" && !process.empty() &&
+         process.find_first_not_of("0123456789") == std::string::npos;
 }
 
 }  // namespace
@@ -50,11 +62,10 @@ OutputFolder::~OutputFolder() {
 }
 
 void remove_unfinished_files(const fs::path& folder) {
-  static const std::regex kUnfinished(R"(\..*\.[0-9]+\.part(\.[^.]*)?)");
   std::vector<fs::path> unfinished;
   std::error_code ignored;
   for (fs::directory_iterator at(folder, ignored), end; at != end; at.increment(ignored)) {
-    if (std::regex_match(at->path().filename().string(), kUnfinished)) {
+    if (is_unfinished(at->path().filename().string())) {
       unfinished.push_back(at->path());
     }
   }

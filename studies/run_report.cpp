@@ -127,7 +127,7 @@ Json trial_json(const Study& study, const Trial& trial, const std::string& algor
   for (const auto& [name, value] : outcome.scores) {
     const bool is_summary = name.find("defects.") != 0 || name.find('.', 8) == std::string::npos;
     const bool is_limited = std::ranges::any_of(
-        study.goal.constraints, [&](const Constraint& c) { return c.name == name; });
+        study.goal.constraints, [&, score = name](const Constraint& c) { return c.name == score; });
     if (is_summary || is_limited) {
       scores[name] = value;
     }

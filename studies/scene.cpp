@@ -2,7 +2,6 @@
 #include "studies/scene.h"
 
 #include <algorithm>
-#include <regex>
 
 #include <fmt/format.h>
 
@@ -95,6 +94,23 @@ void read_defects(const ConfigNode& root, SceneSettings& scene, std::vector<std:
   }
 }
 
+/// Length of the place a message begins with: "study.toml:4:1: " or "--set: "; 0 without one.
+std::size_t place_size(const std::string& message) {
+  const std::string set = "--set: ";
+  if (message.starts_with(set)) {
+    return set.size();
+  }
+  // The first ": " ends the place when a line and a column stand before it.
+  const auto end = message.find(": ");
+  const std::vector<std::string> parts = split(message.substr(0, end), ':');
+  const auto is_number = [](const std::string& text) {
+    return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  };
+  const bool is_place = end != std::string::npos && parts.size() >= 3 && is_number(parts.back()) &&
+                        is_number(parts[parts.size() - 2]);
+  return is_place ? end + 2 : 0;
+}
+
 }  // namespace
 
 const std::vector<std::string>& scene_tables() {
@@ -183,12 +199,9 @@ std::string with_place(const ConfigNode& root, const std::string& message) {
 }
 
 std::string in_context(const std::string& message, const std::string& context) {
-  static const std::regex kPlace("^(?:[^\\n]*?:[0-9]+:[0-9]+|--set): ");
   std::vector<std::string> lines = split(message, '\n');
   for (std::string& line : lines) {
-    std::smatch place;
-    const auto at = std::regex_search(line, place, kPlace) ? place.length(0) : 0;
-    line.insert(static_cast<std::size_t>(at), context + ": ");
+    line.insert(place_size(line), context + ": ");
   }
   return join(lines, "\n");
 }

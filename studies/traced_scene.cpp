@@ -121,9 +121,7 @@ Vector3d surface_point(const RayCache& rays, std::int64_t pixel) {
   Vector3d sum = Vector3d::Zero();
   for (int sample = 0; sample < rays.samples; ++sample) {
     const auto i = static_cast<std::size_t>(sample * rays.num_pixels() + pixel);
-    sum += Vector3d(static_cast<double>(rays.origin_x[i]),
-                    static_cast<double>(rays.origin_y[i]),
-                    static_cast<double>(rays.origin_z[i]));
+    sum += vector_of(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]);
   }
   return sum / rays.samples;
 }

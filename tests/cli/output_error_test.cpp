@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Output that cannot be written, and output folders that hold something else.
+#include <sys/mount.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <csignal>
+
+#include "tests/cli/program.h"
+
+namespace glint::test {
+namespace {
+namespace fs = std::filesystem;
+
+using ::testing::MatchesRegex;
+
+/// A folder with a study in it.
+class OutputError : public ::testing::Test {
+ protected:
+  void SetUp() override { write_file(folder_ / "study.toml", small_study()); }
+
+  static void expect_one_line(const ProgramResult& result, int code, const std::string& message) {
+    EXPECT_EQ(result.code, code);
+    EXPECT_THAT(result.err, MatchesRegex(message + "\n"));
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+    EXPECT_EQ(result.out, "");
+  }
+
+  ProgramResult run(const std::string& out, const Arguments& more = {}) const {
+    Arguments arguments = {"run", "study.toml", "--quiet", "--out", out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return glint_in(folder_, arguments);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(OutputError, FolderBelowAFile) {
+  expect_one_line(
+      run("study.toml/x"), 3, "study\\.toml/x: the folder cannot be made: Not a directory");
+  expect_one_line(run("study.toml"), 3, "study\\.toml: the folder cannot be made: .*");
+  EXPECT_EQ(read_file(folder_ / "study.toml"), small_study());
+}
+
+TEST_F(OutputError, FolderWhereNoneCanBe) {
+  expect_one_line(run("/proc/glint"), 3, "/proc/glint: the folder cannot be made: .*");
+  const std::string long_name(300, 'x');
+  expect_one_line(run("a/b/" + long_name), 3, "a/b/x+: the folder cannot be made: .*too long");
+  EXPECT_FALSE(fs::exists(folder_ / "a")) << "parents are left behind";
+}
+
+TEST_F(OutputError, RenderReportPartAndNewNameTheFile) {
+  write_file(folder_ / "part.stl", rectangle_stl(40, 12));
+  expect_one_line(glint_in(folder_, {"render", "study.toml", "--out", "study.toml/x"}),
+                  3,
+                  "study\\.toml/x: the folder cannot be made: .*");
+  expect_one_line(glint_in(folder_, {"part", "part.stl", "--out", "nowhere/part.ply"}),
+                  3,
+                  "nowhere/part\\.ply: cannot be written: No such file or directory");
+  expect_one_line(glint_in(folder_, {"new", "part.stl", "--out", "nowhere/new.toml"}),
+                  3,
+                  "nowhere/new\\.toml: cannot be written: No such file or directory");
+  EXPECT_EQ(folder_.count(), 2);
+}
+
+TEST_F(OutputError, FullStandardOutput) {
+  const ProgramResult result = glint_in(folder_.path(), {"explain", "scan"}, [] {
+    if (std::freopen("/dev/full", "w", stdout) == nullptr) {
+      std::abort();
+    }
+  });
+  expect_one_line(result, 3, "stdout: cannot be written");
+}
+
+/// Files may not grow beyond that; the program is told by an error, as on a full disk.
+ProgramResult run_with_file_limit(const TemporaryFolder& folder, rlim_t bytes) {
+  return glint_in(folder.path(), {"run", "study.toml", "--quiet", "--out", "a/b"}, [bytes] {
+    const struct rlimit limit = {.rlim_cur = bytes, .rlim_max = bytes};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  });
+}
+
+TEST_F(OutputError, FileTooLargeBeforeAnythingIsEvaluatedLeavesNothing) {
+  expect_one_line(run_with_file_limit(folder_, 4096), 3, "a/b/study\\.sqlite[^ ]*: .*");
+  EXPECT_EQ(folder_.count(), 1);
+}
+
+// The report is by far the largest file. The evaluations before it are kept for the next run.
+TEST_F(OutputError, FileTooLargeAfterTheSearchKeepsTheEvaluations) {
+  expect_one_line(run_with_file_limit(folder_, 400 * 1024),
+                  3,
+                  "a/b/report\\.html: cannot be written: File too large");
+  EXPECT_FALSE(fs::exists(folder_ / "a/b/report.html"));
+  EXPECT_EQ(run("a/b").code, 0);
+  EXPECT_EQ(run("whole").code, 0);
+  expect_same_files(folder_ / "a/b", folder_ / "whole");
+}
+
+/// A file system of a few pages; mounted where that is permitted.
+class TinyDisk {
+ public:
+  TinyDisk(const fs::path& folder, const std::string& size) : folder_(folder) {
+    fs::create_directories(folder);
+    is_mounted_ = ::mount("glint_test", folder.c_str(), "tmpfs", 0, ("size=" + size).c_str()) == 0;
+  }
+
+  ~TinyDisk() {
+    if (is_mounted_) {
+      ::umount2(folder_.c_str(), MNT_DETACH);
+    }
+  }
+
+  TinyDisk(const TinyDisk&) = delete;
+  TinyDisk& operator=(const TinyDisk&) = delete;
+
+  bool is_mounted() const { return is_mounted_; }
+
+ private:
+  fs::path folder_;
+  bool is_mounted_ = false;
+};
+
+TEST_F(OutputError, FullDiskLeavesNothing) {
+  for (const std::string size : {"4k", "40k"}) {
+    const TinyDisk disk(folder_ / "disk", size);
+    if (!disk.is_mounted()) {
+      GTEST_SKIP() << "mounting is not permitted; the tests with file limits run everywhere";
+    }
+    expect_one_line(run("disk/a/b"), 3, "disk/a/b/study\\.sqlite[^ ]*: .*");
+    EXPECT_TRUE(fs::is_empty(folder_ / "disk")) << size;
+    expect_one_line(glint_in(folder_, {"render", "study.toml", "--out", "disk/pictures"}),
+                    3,
+                    "disk/pictures/baseline/[^ ]*: cannot be written: No space left on device");
+    EXPECT_TRUE(fs::is_empty(folder_ / "disk")) << size;
+  }
+}
+
+TEST_F(OutputError, AnotherStudyInTheFolderIsLeftAlone) {
+  ASSERT_EQ(run("out").code, 0);
+  const auto before = files_below(folder_ / "out");
+  expect_one_line(run("out", {"--set", "lighting.tunnel.slot_mm=16"}),
+                  2,
+                  "out/study\\.sqlite: holds another study; choose another output folder, or "
+                  "remove this one");
+  expect_one_line(glint_in(folder_, {"render", "study.toml", "--out", "out"}),
+                  2,
+                  "out: holds the run of a study; choose another output folder for pictures");
+  EXPECT_EQ(files_below(folder_ / "out"), before);
+}
+
+TEST_F(OutputError, DamagedDatabaseIsLeftAlone) {
+  ASSERT_EQ(run("out").code, 0);
+  const fs::path database = folder_ / "out/study.sqlite";
+  const std::string whole = read_file(database);
+  const auto before = files_below(folder_ / "out");
+  std::string zeroed = whole;
+  zeroed.replace(4096, 8192, 8192, '\0');
+  const std::vector<std::pair<std::string, std::string>> damages = {
+      {whole.substr(0, whole.size() / 2), "out/study\\.sqlite: .*truncated.*"},
+      {whole.substr(0, 50), "out/study\\.sqlite: .*"},
+      {"", "out/study\\.sqlite: .*damaged or truncated.*"},
+      {"this is no database, whatever its name says\n",
+       "out/study\\.sqlite: is not a study database, or a damaged one"},
+      {zeroed, "out/study\\.sqlite: .*damaged.*"}};
+  for (const auto& [bytes, message] : damages) {
+    write_file(database, bytes);
+    expect_one_line(run("out"), 3, message);
+    EXPECT_EQ(read_file(database), bytes);
+    EXPECT_EQ(files_below(folder_ / "out"), before);
+  }
+}
+
+TEST_F(OutputError, OneFolderTakesOneProcess) {
+  write_file(folder_ / "study.toml",
+             edited(slow_study(), {{"evaluations = 40", "evaluations = 400"}}));
+  Program first(folder_.path(), {"run", "study.toml", "--quiet", "--out", "out"});
+  while (first.is_running() && !fs::exists(folder_ / "out/study.resolved.toml")) {
+  }
+  expect_one_line(
+      run("out"), 3, "out/study\\.sqlite\\.lock: another process is running this study");
+  EXPECT_TRUE(first.is_running());
+}
+
+}  // namespace
+}  // namespace glint::test

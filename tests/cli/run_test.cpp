@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint run` from the study file to the files of the run directory.
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.h"
+
+namespace glint::test {
+namespace {
+namespace fs = std::filesystem;
+
+using Json = nlohmann::json;
+
+Arguments run_arguments(const std::string& out, const Arguments& more = {}) {
+  Arguments arguments = {"run", "study.toml", "--quiet", "--json", "--out", out};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+void run_ok(const TemporaryFolder& folder, const std::string& out, const Arguments& more = {}) {
+  const ProgramResult result = glint_in(folder, run_arguments(out, more));
+  ASSERT_EQ(result.code, 0) << result.err;
+}
+
+TEST(GlintRun, WritesTheRunDirectory) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", mixed_study());
+  run_ok(folder, "out/run");
+  for (const std::string name : {"run.json",
+                                 "result.json",
+                                 "study.resolved.toml",
+                                 "study.sqlite",
+                                 "trials.csv",
+                                 "report.html",
+                                 "log.txt"}) {
+    EXPECT_TRUE(fs::is_regular_file(folder / "out/run" / name)) << name;
+  }
+  for (const std::string design : {"baseline", "winner", "wide", "ellipse"}) {
+    for (const std::string name : {"scene.toml",
+                                   "sequence/frame_000.png",
+                                   "sequence/frame_007.png",
+                                   "aspect.png",
+                                   "aspect.exr",
+                                   "part_mask.png",
+                                   "defects.json",
+                                   "scores.json"}) {
+      EXPECT_TRUE(fs::is_regular_file(folder / "out/run" / design / name)) << design << " " << name;
+    }
+    EXPECT_FALSE(fs::exists(folder / "out/run" / design / "sequence/frame_008.png"));
+  }
+  const Json run = Json::parse(read_file(folder / "out/run/run.json"));
+  for (const std::string key :
+       {"version", "compiler", "isa", "machine", "seed", "timings", "configuration"}) {
+    EXPECT_TRUE(run.contains(key)) << key;
+  }
+}
+
+TEST(GlintRun, PrintsOneJsonObjectAsTheInterfacesSay) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", mixed_study());
+  const ProgramResult printed = glint_in(folder, run_arguments("out"));
+  EXPECT_EQ(printed.code, 0);
+  EXPECT_EQ(printed.err, "");
+  const Json result = Json::parse(printed.out);  // throws when anything follows the object
+  EXPECT_EQ(result["schema"], 1);
+  EXPECT_EQ(result["status"], "done");
+  EXPECT_EQ(result["evaluations"], 12);
+  EXPECT_EQ(result["failed"], 0);
+  EXPECT_EQ(result["report"], "out/report.html");
+  EXPECT_GE(result["best"]["trial"], 1);
+  EXPECT_EQ(result["best"].size(), 3U) << "no path and no time";
+  EXPECT_TRUE(result["best"]["variables"].contains("lighting.tunnel.shape"));
+  EXPECT_EQ(result["baseline"]["variables"]["lighting.tunnel.radius_mm"], 80.0);
+  const double best = result["best"]["scores"]["homogeneity.h_rms"];
+  const double baseline = result["baseline"]["scores"]["homogeneity.h_rms"];
+  EXPECT_GE(best, baseline);
+  EXPECT_TRUE(result["rescored"]["best"].contains("homogeneity.h_rms"));
+  EXPECT_NE(result["rescored"]["baseline"]["homogeneity.h_rms"], baseline);
+  EXPECT_TRUE(result["prototypes"]["wide"]["scores"].contains("homogeneity.h_rms"));
+  // The file holds the same object; its report stands beside it, wherever the folder is.
+  Json file = Json::parse(read_file(folder / "out/result.json"));
+  EXPECT_EQ(file["report"], "report.html");
+  file["report"] = result["report"];
+  EXPECT_EQ(file, result);
+}
+
+TEST(GlintRun, TextNamesWinnerAndReport) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", small_study());
+  const ProgramResult printed = glint_in(folder, {"run", "study.toml"});
+  EXPECT_EQ(printed.code, 0);
+  const std::string name = folder.path().filename().string();
+  EXPECT_THAT(printed.out, ::testing::StartsWith("done: 12 evaluations, 0 failed\n"));
+  EXPECT_THAT(printed.out, ::testing::HasSubstr("winner (trial "));
+  EXPECT_THAT(printed.out, ::testing::EndsWith("report: out/" + name + "/report.html\n"));
+  EXPECT_THAT(printed.err, ::testing::HasSubstr("12/12"));
+}
+
+TEST(GlintRun, AgainGivesTheSameAtOnce) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", mixed_study());
+  const ProgramResult first = glint_in(folder, run_arguments("out"));
+  const auto files = files_below(folder / "out");
+  const ProgramResult second = glint_in(folder, run_arguments("out"));
+  EXPECT_EQ(second.code, 0);
+  EXPECT_EQ(second.out, first.out);
+  EXPECT_EQ(files_below(folder / "out"), files);
+  const Json run = Json::parse(read_file(folder / "out/run.json"));
+  EXPECT_EQ(run["timings"]["replayed_evaluations"], 12);
+}
+
+TEST(GlintRun, GivesTheSameBytesForAnyThreadsAndJobs) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", mixed_study());
+  run_ok(folder, "one", {"--threads", "1", "--jobs", "1"});
+  const std::vector<std::pair<std::string, std::string>> others = {
+      {"2", "2"}, {"7", "1"}, {"7", "7"}};
+  for (const auto& [threads, jobs] : others) {
+    SCOPED_TRACE("threads " + threads + ", jobs " + jobs);
+    run_ok(folder, threads + jobs, {"--threads", threads, "--jobs", jobs});
+    expect_same_files(folder / (threads + jobs), folder / "one");
+  }
+}
+
+TEST(GlintRun, InTwoHalvesEqualsOneGo) {
+  const TemporaryFolder folder;
+  for (const bool is_mixed : {false, true}) {
+    SCOPED_TRACE(is_mixed ? "mixed" : "small");
+    const std::string name = is_mixed ? "mixed" : "small";
+    write_file(folder / "study.toml", is_mixed ? mixed_study() : small_study());
+    run_ok(folder, name + "/whole", {"--set", "budget.evaluations=20"});
+    run_ok(folder, name + "/halves", {"--set", "budget.evaluations=10"});
+    run_ok(folder, name + "/halves", {"--set", "budget.evaluations=20"});
+    expect_same_files(folder / name / "halves", folder / name / "whole");
+    // An odd number cuts through a batch of two.
+    run_ok(folder, name + "/odd", {"--set", "budget.evaluations=7"});
+    run_ok(folder, name + "/odd", {"--set", "budget.evaluations=20"});
+    expect_same_files(folder / name / "odd", folder / name / "whole");
+  }
+}
+
+TEST(GlintRun, SeedChangesTheSearch) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", mixed_study());
+  run_ok(folder, "one", {"--set", "search.algorithm=crs2"});
+  run_ok(folder, "two", {"--set", "search.algorithm=crs2", "--seed", "2"});
+  EXPECT_NE(read_file(folder / "one/trials.csv"), read_file(folder / "two/trials.csv"));
+}
+
+TEST(GlintRun, EndsByItsWallClockWithExitZero) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml",
+             edited(slow_study(), {{"evaluations = 40", "evaluations = 100000"}}));
+  const ProgramResult result = glint_in(folder, run_arguments("out", {"--budget", "0.3s"}));
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(Json::parse(result.out)["status"], "budget");
+}
+
+TEST(GlintRun, WithoutAFeasibleDesignExitsWithOne) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", edited(small_study(), {{"{ max = 0.9 }", "{ min = 0.999 }"}}));
+  const ProgramResult result = glint_in(folder, run_arguments("out"));
+  EXPECT_EQ(result.code, 1);
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["status"], "no_feasible");
+  EXPECT_EQ(json["evaluations"], 12);
+  EXPECT_TRUE(fs::exists(folder / "out/report.html"));
+}
+
+// Tunnels of 2 to 9 mm radius around a part of 12 mm width: the wider ones fit.
+TEST(GlintRun, RecordsFailedEvaluationsAndGoesOn) {
+  const TemporaryFolder folder;
+  write_file(
+      folder / "study.toml",
+      edited(small_study(),
+             {{"slot_mm = 14", "slot_mm = 3"}, {"min = 60, max = 120", "min = 2, max = 9"}}));
+  const ProgramResult result = glint_in(folder, run_arguments("out"));
+  EXPECT_EQ(result.code, 0) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_GE(json["failed"], 1);
+  EXPECT_LT(json["failed"], json["evaluations"]);
+  EXPECT_THAT(read_file(folder / "out/trials.csv"),
+              ::testing::HasSubstr("the tunnel is smaller than the part"));
+}
+
+TEST(GlintRun, WhereEveryEvaluationFailsExitsWithOne) {
+  const TemporaryFolder folder;
+  write_file(
+      folder / "study.toml",
+      edited(small_study(),
+             {{"slot_mm = 14", "slot_mm = 3"}, {"min = 60, max = 120", "min = 2, max = 5"}}));
+  const ProgramResult result = glint_in(folder, run_arguments("out"));
+  EXPECT_EQ(result.code, 1) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["status"], "no_feasible");
+  EXPECT_TRUE(json["best"].is_null());
+  EXPECT_EQ(json["failed"], json["evaluations"]);
+}
+
+}  // namespace
+}  // namespace glint::test

@@ -95,6 +95,9 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
   for (const Json& note : result["baseline"]["notes"]) {
     text += "  note: " + note.get<std::string>() + "\n";
   }
+  for (const Json& name : result["idle_variables"]) {
+    text += fmt::format("  warning: {} changes nothing in this scene\n", name.get<std::string>());
+  }
   text += fmt::format("{:.3f} s an evaluation, about {} for {} evaluations\n",
                       result["seconds_per_evaluation"].get<double>(),
                       duration_text(result["predicted_s"].get<double>()),

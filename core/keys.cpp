@@ -101,7 +101,11 @@ bool KeyReader::number_in_range(const ConfigNode& node,
     error(&node, key, fmt::format("must be a number, {}", range.text()));
     return false;
   }
-  if (!std::isfinite(node.number) || !range.contains(node.number)) {
+  if (!std::isfinite(node.number)) {
+    error(&node, key, fmt::format("is {}, must be a finite number", shortest(node.number)));
+    return false;
+  }
+  if (!range.contains(node.number)) {
     error(&node, key, fmt::format("is {}, must be {}", shortest(node.number), range.text()));
     return false;
   }

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -13,8 +14,12 @@
 namespace glint {
 
 struct ThreadPool::Arena {
-  explicit Arena(int num_threads) : arena(num_threads) {}
+  explicit Arena(int num_threads)
+      : limit(tbb::global_control::max_allowed_parallelism,
+              static_cast<std::size_t>(std::max(num_threads, hardware_threads()))),
+        arena(num_threads) {}
 
+  tbb::global_control limit;  ///< more threads than cores are allowed when asked for
   tbb::task_arena arena;
 };
 

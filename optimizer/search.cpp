@@ -234,6 +234,8 @@ class Search {
       outcome = evaluate_(trial(number).point, number);
     } catch (const EvaluationAborted&) {
       return;
+    } catch (const IoError&) {
+      throw;  // a full disk or a file that went away says nothing about the design
     } catch (const Error& error) {
       outcome = {.is_failed = true, .message = error.what()};
     }

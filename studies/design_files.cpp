@@ -75,6 +75,34 @@ double view_half_angle_rad(const SceneSettings& scene) {
                          : std::atan(0.5 * in.width_px / in.focal_px.x());
 }
 
+/// Whether the scan gives every lit pixel the same number of bright positions, and what that means.
+std::string scan_note(const SceneSettings& scene) {
+  const TunnelSettings& tunnel = scene.tunnel;
+  const double bright = scene.scan.positions * tunnel.duty;
+  const double periods = scene.scan.positions * scan_step_mm(scene.scan, tunnel) *
+                         std::cos(tunnel.orientation_rad) / tunnel.period_mm;
+  const auto is_whole = [](double value) { return std::abs(value - std::round(value)) < 1e-9; };
+  if (!is_whole(periods) || !is_whole(bright)) {
+    return fmt::format(
+        "{} positions x duty {:g} over {:g} periods is not a whole number of bright positions over "
+        "whole periods: the flawless surface shows a ripple of its own.",
+        scene.scan.positions,
+        tunnel.duty,
+        periods);
+  }
+  std::string note = fmt::format(
+      "{} positions x duty {:g} is a whole number of bright positions over whole periods: where "
+      "the "
+      "wall is lit all along, the mean of a linear sensor is the same everywhere; what the aspect "
+      "image shows, it shows through clipping",
+      scene.scan.positions,
+      tunnel.duty);
+  if (tunnel.led_ripple > 0.0 || tunnel.end_falloff > 0.0 || tunnel.cosine_law) {
+    note += ", and through the unevenness of the wall that this scene gives it";
+  }
+  return note + ".";
+}
+
 }  // namespace
 
 Json scores_json(const Scores& scores) {
@@ -107,26 +135,7 @@ std::string draw_lighting(const SceneSettings& scene,
 
 std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores) {
   std::vector<std::string> notes;
-  const double bright = scene.scan.positions * scene.tunnel.duty;
-  const double periods =
-      scene.scan.positions * scan_step_mm(scene.scan, scene.tunnel) / scene.tunnel.period_mm;
-  if (std::abs(periods - std::round(periods)) < 1e-9 &&
-      std::abs(bright - std::round(bright)) < 1e-9) {
-    notes.push_back(
-        fmt::format("{} positions x duty {:g} is a whole number of bright positions over whole "
-                    "periods: without clipping every lit pixel has the same mean, {:g} of full "
-                    "scale; what the aspect image shows, it shows through clipping.",
-                    scene.scan.positions,
-                    scene.tunnel.duty,
-                    scene.tunnel.duty));
-  } else {
-    notes.push_back(
-        fmt::format("{} positions x duty {:g} over {:g} periods is not a whole number of bright "
-                    "positions over whole periods: the flawless surface shows a ripple of its own.",
-                    scene.scan.positions,
-                    scene.tunnel.duty,
-                    periods));
-  }
+  notes.push_back(scan_note(scene));
   const auto share_of = [&](const char* name) {
     const auto found = scores.find(name);
     return found == scores.end() ? 0.0 : found->second;
@@ -177,10 +186,16 @@ Json write_design(SceneStore& store,
              draw_lighting(scene, *evaluation.traced->built, head.value("title", "")));
   Json json = head;
   json["scores"] = scores_json(evaluation.scores);
+  std::vector<std::string> notes = scene_notes(scene, evaluation.scores);
   if (is_rescored) {
-    json["rescored"] = scores_json(evaluate(store, finer(scene)).scores);
+    try {
+      json["rescored"] = scores_json(evaluate(store, finer(scene)).scores);
+    } catch (const ConfigError& error) {  // the finer picture may not fit into memory
+      json["rescored"] = nullptr;
+      notes.push_back(fmt::format("Not re-scored: {}", error.what()));
+    }
   }
-  json["notes"] = scene_notes(scene, evaluation.scores);
+  json["notes"] = notes;
   write_file(folder / "scores.json", json.dump(2) + "\n");
   return json;
 }

@@ -62,7 +62,7 @@ void add_ray_scores(const Evaluation& evaluation, Scores& scores) {
 Evaluation evaluate(SceneStore& store, const SceneSettings& scene, const FrameConsumer& consume) {
   Evaluation result;
   const Tunnel tunnel(scene.tunnel);
-  check_part_in_tunnel(*store.build(scene), tunnel, scene.tunnel_name);
+  check_part_in_tunnel(*store.build(scene), tunnel, scene.scan, scene.tunnel_name);
   result.traced = store.trace(scene);
   const TracedScene& traced = *result.traced;
   const Sensor sensor(scene.sensor, traced.rays.width_px, traced.rays.height_px);
@@ -103,7 +103,7 @@ Evaluation evaluate(SceneStore& store, const SceneSettings& scene, const FrameCo
 SceneSettings finer(SceneSettings scene) {
   constexpr int kFreshSeed = 1000003;
   scene.sensor.seed += kFreshSeed;
-  scene.render.rays_per_axis = std::min(16, 2 * scene.render.rays_per_axis);
+  scene.render.rays_per_axis *= 2;
   return scene;
 }
 

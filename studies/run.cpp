@@ -65,7 +65,7 @@ Json baseline_variables(const Study& study) {
 
 /// Everything about a scene that can be refused before anything is written.
 void check_scene(SceneStore& store, const SceneSettings& scene) {
-  check_part_in_tunnel(*store.build(scene), Tunnel(scene.tunnel), scene.tunnel_name);
+  check_part_in_tunnel(*store.build(scene), Tunnel(scene.tunnel), scene.scan, scene.tunnel_name);
   store.trace(scene);
 }
 
@@ -157,6 +157,10 @@ class Run {
                              .start_points = {baseline_point(study_)},
                              .jobs = options_.jobs};
     const auto evaluate_point = [&](const Point& point, int /*trial*/) {
+      const fs::path& file = study_.scene.part.file;
+      if (!file.empty() && !fs::exists(file)) {
+        throw IoError(file.string() + ": has gone while the study was running");
+      }
       Outcome outcome;
       outcome.scores = evaluate(store_, scene_with(study_, overrides_of(study_, point))).scores;
       return outcome;
@@ -186,7 +190,12 @@ class Run {
 
   Json write(const std::string& key, const SceneSettings& scene, Json head) {
     log(LogLevel::kInfo, "writing {}", key);
-    Json json = write_design(store_, scene, head, options_.out / key, true);
+    Json json;
+    try {
+      json = write_design(store_, scene, head, options_.out / key, true);
+    } catch (const ConfigError& error) {
+      throw ConfigError(with_place(study_.root, error.what()));
+    }
     if (study_.goal.constraints.empty()) {
       return json;
     }
@@ -290,6 +299,38 @@ class Run {
   Clock::time_point start_ = Clock::now();
 };
 
+/// Variables that change no score between the ends of their range, the others at the baseline: a
+/// key of another shape, most often.
+std::vector<std::string> idle_variables(SceneStore& store,
+                                        const Study& study,
+                                        const Scores& baseline) {
+  std::vector<std::string> idle;
+  const Point start = baseline_point(study);
+  for (std::size_t i = 0; i < study.space.variables.size(); ++i) {
+    const Variable& variable = study.space.variables[i];
+    if (!is_active(study.space, start, i)) {
+      continue;
+    }
+    const bool is_choice = variable.kind == Variable::Kind::kChoice;
+    const double last = static_cast<double>(variable.choices.size()) - 1.0;
+    bool changes = false;
+    for (const double value : {is_choice ? 0.0 : variable.low, is_choice ? last : variable.high}) {
+      Point point = start;
+      point[i] = value;
+      try {
+        const Overrides overrides = overrides_of(study, canonical(study.space, point));
+        changes = changes || evaluate(store, scene_with(study, overrides)).scores != baseline;
+      } catch (const ConfigError&) {
+        changes = true;  // a design that cannot be built is a change
+      }
+    }
+    if (!changes) {
+      idle.push_back(variable.name);
+    }
+  }
+  return idle;
+}
+
 }  // namespace
 
 Json run_study(const Study& study, const RunOptions& options) {
@@ -319,6 +360,7 @@ Json check_study(const Study& study, int threads, int jobs) {
           {"status", "done"},
           {"name", study.name},
           {"variables", study.space.variables.size()},
+          {"idle_variables", idle_variables(store, study, baseline.scores)},
           {"baseline",
            {{"scores", scores_json(baseline.scores)},
             {"notes", scene_notes(study.scene, baseline.scores)}}},

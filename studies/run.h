@@ -28,9 +28,10 @@ struct RunOptions {
 /// @throws ConfigError, IoError
 nlohmann::ordered_json run_study(const Study& study, const RunOptions& options);
 
-/// One evaluation of the baseline and of each prototype, nothing written.
-/// @return { schema, status, name, variables, baseline, prototypes, seconds_per_evaluation,
-///         predicted_s }
+/// One evaluation of the baseline and of each prototype, and two for each variable to see whether
+/// it acts; nothing written.
+/// @return { schema, status, name, variables, idle_variables, baseline, prototypes, evaluations,
+///         seconds_per_evaluation, predicted_s }
 nlohmann::ordered_json check_study(const Study& study, int threads, int jobs);
 
 /// Renders the study's own scene into a folder; no search.

@@ -190,8 +190,9 @@ std::vector<std::string> method_notes(const Study& study) {
           study.scene.render.rays_per_axis * study.scene.render.rays_per_axis),
       "Homogeneity is scored on pixels wholly on the part, eroded, without the surroundings of the "
       "defects; h_rms = 1 - standard deviation / mean, h_abs = 1 - mean absolute deviation / mean.",
-      "All designs share the same noise (common random numbers). Re-scored numbers use fresh noise "
-      "and four times as many rays."};
+      fmt::format("All designs share the same noise (common random numbers). Re-scored numbers use "
+                  "fresh noise and {} rays a pixel.",
+                  4 * study.scene.render.rays_per_axis * study.scene.render.rays_per_axis)};
 }
 
 Json single_run(const fs::path& run) {

@@ -113,10 +113,9 @@ void check_goal(const Study& study, std::vector<std::string>& errors) {
     const ConfigNode& table = *study.root.find("objective");
     check_name("objective." + table.names[0], table.items[0].text, table.items[0].place);
   }
-  for (const Constraint& constraint : study.goal.constraints) {
-    check_name("constraints",
-               constraint.name,
-               study.root.find("constraints")->find(constraint.name)->place);
+  const ConfigNode* constraints = study.root.find("constraints");
+  for (std::size_t i = 0; constraints != nullptr && i < constraints->names.size(); ++i) {
+    check_name("constraints", constraints->names[i], constraints->items[i].place);
   }
 }
 

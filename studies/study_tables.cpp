@@ -265,6 +265,31 @@ void read_constraints(Study& study, std::vector<std::string>& errors) {
   }
 }
 
+/// An evenly white picture is perfectly homogeneous and shows nothing: a study that maximises
+/// homogeneity gets the limits that keep it from winning, unless it sets its own.
+void add_default_constraints(Study& study) {
+  constexpr double kMaxClippedShare = 0.01;
+  constexpr double kMinCnr = 3.0;
+  const auto begins = [](const std::string& name, const char* prefix) {
+    return name.rfind(prefix, 0) == 0;
+  };
+  const auto has = [&](const char* prefix) {
+    return std::ranges::any_of(study.goal.constraints, [&](const Constraint& constraint) {
+      return begins(constraint.name, prefix);
+    });
+  };
+  if (!study.has_objective || !begins(study.goal.objective.name, "homogeneity.")) {
+    return;
+  }
+  if (!has("homogeneity.clipped_share")) {
+    study.goal.constraints.push_back(
+        {.name = "homogeneity.clipped_share", .max = kMaxClippedShare});
+  }
+  if (!study.scene.defects.empty() && !has("defects.")) {
+    study.goal.constraints.push_back({.name = "defects.min_cnr", .min = kMinCnr});
+  }
+}
+
 }  // namespace
 
 void read_study_tables(Study& study, std::vector<std::string>& errors) {
@@ -283,6 +308,7 @@ void read_study_tables(Study& study, std::vector<std::string>& errors) {
   read_variables(study, errors);
   read_objective(study, errors);
   read_constraints(study, errors);
+  add_default_constraints(study);
   KeyReader search(study.root.find("search"), "search", errors);
   visit_search(search, study.search);
   search.report_unknown();
@@ -336,7 +362,9 @@ std::vector<KeyRow> study_keys() {
   add("constraints.\"score\"",
       "table",
       "{ min, max, weight }",
-      "limits that a score of a feasible design keeps");
+      "limits that a score of a feasible design keeps; a study that optimises homogeneity has "
+      "homogeneity.clipped_share <= 0.01 and, with defects, defects.min_cnr >= 3 unless it sets "
+      "its own");
   return rows;
 }
 

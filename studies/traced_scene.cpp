@@ -116,16 +116,6 @@ double feature_area_mm2(const HeightFeature& feature) {
   return kPi * radius * radius + 4.0 * radius * feature.half_line_mm();
 }
 
-/// Where the pixel's rays left the part, in the mean.
-Vector3d surface_point(const RayCache& rays, std::int64_t pixel) {
-  Vector3d sum = Vector3d::Zero();
-  for (int sample = 0; sample < rays.samples; ++sample) {
-    const auto i = static_cast<std::size_t>(sample * rays.num_pixels() + pixel);
-    sum += vector_of(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]);
-  }
-  return sum / rays.samples;
-}
-
 DefectView view_defect(const HeightFeature& feature,
                        const RayCache& rays,
                        const PinholeCamera& camera,
@@ -156,10 +146,9 @@ DefectView view_defect(const HeightFeature& feature,
   view.distance = ImageF(right - left, bottom - top, DefectView::kFar);
   for (int y = top; y < bottom; ++y) {
     for (int x = left; x < right; ++x) {
-      const std::int64_t pixel = static_cast<std::int64_t>(y) * rays.width_px + x;
       if (rays.coverage(x, y) > 0.999F) {
-        view.distance(x - left, y - top) =
-            static_cast<float>(distance_in_radii(feature, surface_point(rays, pixel)));
+        view.distance(x - left, y - top) = static_cast<float>(distance_in_radii(
+            feature, vector_of(rays.seen_x(x, y), rays.seen_y(x, y), rays.seen_z(x, y))));
       }
     }
   }
@@ -258,15 +247,25 @@ std::vector<DefectView> view_defects(const SurfaceDetail& detail,
   return views;
 }
 
-std::shared_ptr<const BuiltPart> SceneStore::build(const SceneSettings& scene) {
-  std::string key = content_key(scene, {"part"});
-  if (!scene.part.file.empty()) {
-    key += sha256_hex(read_file(scene.part.file));
+void SceneStore::check_file(const std::filesystem::path& file) {
+  if (file.empty()) {
+    return;
   }
+  const std::string digest = sha256_hex(read_file(file));
+  const auto [known, is_new] = digests_.emplace(file.string(), digest);
+  if (!is_new && known->second != digest) {
+    throw IoError(file.string() +
+                  ": has changed while the study was running; start again in a new folder");
+  }
+}
+
+std::shared_ptr<const BuiltPart> SceneStore::build(const SceneSettings& scene) {
+  const std::string key = content_key(scene, {"part"});
   const std::scoped_lock lock(mutex_);
   if (auto known = find_and_touch(parts_, key)) {
     return known;
   }
+  check_file(scene.part.file);
   auto built = std::make_shared<const BuiltPart>(build_part_with_bvh(scene.part));
   parts_.push_front({key, built});
   if (parts_.size() > kKeptParts) {
@@ -294,13 +293,15 @@ std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& scene)
   return traced;
 }
 
-void check_part_in_tunnel(const BuiltPart& built, const Tunnel& tunnel, const std::string& name) {
+void check_part_in_tunnel(const BuiltPart& built,
+                          const Tunnel& tunnel,
+                          const ScanSettings& scan,
+                          const std::string& name) {
   for (const Vector2d& point : built.outline_yz_mm) {
     if (!tunnel.contains(point.x(), point.y())) {
       throw ConfigError(
           fmt::format("lighting.{}.shape: the tunnel is smaller than the part: the part's point at "
-                      "y {:.1f} mm, "
-                      "z {:.1f} mm lies outside the cross-section",
+                      "y {:.1f} mm, z {:.1f} mm lies outside the cross-section",
                       name,
                       point.x(),
                       point.y()));
@@ -310,12 +311,20 @@ void check_part_in_tunnel(const BuiltPart& built, const Tunnel& tunnel, const st
   if (built.max_x_mm > half_length || built.min_x_mm < -half_length) {
     throw ConfigError(
         fmt::format("lighting.{}.length_mm: the tunnel is {:g} mm long and smaller than the part, "
-                    "which reaches "
-                    "from x {:.1f} to {:.1f} mm",
+                    "which reaches from x {:.1f} to {:.1f} mm",
                     name,
                     tunnel.settings().length_mm,
                     built.min_x_mm,
                     built.max_x_mm));
+  }
+  const double travel_mm = (scan.positions - 1) * scan_step_mm(scan, tunnel.settings());
+  if (travel_mm - half_length > built.min_x_mm) {
+    throw ConfigError(fmt::format(
+        "scan.step_mm: the tunnel travels {:g} mm and its end leaves the part, which begins at x "
+        "{:.1f} mm; allowed is a travel of {:g} mm, or a longer tunnel",
+        travel_mm,
+        built.min_x_mm,
+        half_length + built.min_x_mm));
   }
 }
 

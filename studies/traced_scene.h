@@ -5,7 +5,9 @@
 // it depends on.
 #pragma once
 
+#include <filesystem>
 #include <list>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -59,10 +61,14 @@ class SceneStore {
     std::shared_ptr<const Value> value;
   };
 
+  /// @throws IoError when the file cannot be read, or is another one than at first
+  void check_file(const std::filesystem::path& file);
+
   ThreadPool& pool_;
   std::mutex mutex_;
-  std::list<Entry<BuiltPart>> parts_;     ///< most recently used first
-  std::list<Entry<TracedScene>> traced_;  ///< most recently used first
+  std::map<std::string, std::string> digests_;  ///< of part files, by path
+  std::list<Entry<BuiltPart>> parts_;           ///< most recently used first
+  std::list<Entry<TracedScene>> traced_;        ///< most recently used first
   int num_traced_ = 0;
 };
 
@@ -73,7 +79,10 @@ std::vector<DefectView> view_defects(const SurfaceDetail& detail,
                                      const RigidTransform& camera_from_world,
                                      double window_radii);
 
-/// @throws ConfigError when the part does not fit into the tunnel.
-void check_part_in_tunnel(const BuiltPart& built, const Tunnel& tunnel, const std::string& name);
+/// @throws ConfigError when the part does not fit into the tunnel at every position of the scan.
+void check_part_in_tunnel(const BuiltPart& built,
+                          const Tunnel& tunnel,
+                          const ScanSettings& scan,
+                          const std::string& name);
 
 }  // namespace glint

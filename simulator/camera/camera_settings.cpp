@@ -32,7 +32,7 @@ void visit_keys(KeyVisitor& keys, CameraSettings& s) {
       "working_distance_mm",
       s.working_distance_mm,
       Range{.min = 1, .max = 1e5},
-      "from the pinhole to the part's origin; places the camera when no viewpoint is given");
+      "from the pinhole to the scene's origin; places the camera when no viewpoint is given");
   keys.number("focal_x_px",
               s.focal_x_px,
               Range::at_least(0),
@@ -64,7 +64,7 @@ void visit_keys(KeyVisitor& keys, CameraSettings& s) {
 
 void visit_keys(KeyVisitor& keys, Viewpoint& v) {
   const Count three = {.min = 3, .max = 3};
-  keys.numbers("position_mm", v.position_mm, three, Range{}, "the pinhole, in the part's frame");
+  keys.numbers("position_mm", v.position_mm, three, Range{}, "the pinhole, in the scene's frame");
   keys.numbers("direction", v.direction, three, Range{}, "of the view, any length");
   keys.numbers("up", v.up, three, Range{}, "towards the top of the image");
   const Vector3d cross = to_vector(v.direction).cross(to_vector(v.up));

@@ -20,7 +20,7 @@ struct CameraSettings {
   double pixel_mm = 0.0055;            ///< size of a pixel on the sensor
   double focal_mm = 0.0;               ///< 0: from object_pixel_mm and the working distance
   double object_pixel_mm = 0.15;       ///< size of a pixel on the part; 0: from focal_mm
-  double working_distance_mm = 600.0;  ///< from the pinhole to the part's origin
+  double working_distance_mm = 600.0;  ///< from the pinhole to the scene's origin
   double focal_x_px = 0.0;             ///< calibrated; 0: from the data sheet
   double focal_y_px = 0.0;             ///< calibrated; 0: equal to focal_x_px
   double center_x_px = 0.0;            ///< principal point; 0: the middle

@@ -60,17 +60,29 @@ PinholeCamera::PinholeCamera(const PinholeIntrinsics& intrinsics) : intrinsics_(
     is_distorted_ = is_distorted_ || p != 0.0;
   }
   max_radius_ = turning_radius(in.radial);
-  for (const Vector2d& corner : {Vector2d(0, 0),
-                                 Vector2d(in.width_px, 0),
-                                 Vector2d(0, in.height_px),
-                                 Vector2d(in.width_px, in.height_px)}) {
-    if (!ray_through(corner)) {
-      throw ConfigError(
-          fmt::format("camera.k1: the distortion folds the image at x/z radius {:.4f}, before the "
-                      "corner ({}, {}) px; allowed are k1, k2, k3, p1, p2 that grow up to there",
-                      max_radius_,
-                      corner.x(),
-                      corner.y()));
+  check_whole_image();
+}
+
+void PinholeCamera::check_whole_image() const {
+  // A folding distortion fails at the border first; the grid catches unusual ones inside.
+  constexpr int kSteps = 16;
+  for (int j = 0; j <= kSteps; ++j) {
+    for (int i = 0; i <= kSteps; ++i) {
+      const Vector2d pixel(intrinsics_.width_px * static_cast<double>(i) / kSteps,
+                           intrinsics_.height_px * static_cast<double>(j) / kSteps);
+      if (ray_through(pixel)) {
+        continue;
+      }
+      const std::string where =
+          std::isfinite(max_radius_)
+              ? fmt::format("camera.k1: the radial distortion folds the image at x/z radius {:.4f}",
+                            max_radius_)
+              : std::string("camera.p1: the tangential distortion folds the image");
+      throw ConfigError(fmt::format(
+          "{}, before the pixel ({:g}, {:g}); allowed are k1, k2, k3, p1, p2 that grow up to there",
+          where,
+          pixel.x(),
+          pixel.y()));
     }
   }
 }

@@ -43,6 +43,7 @@ class PinholeCamera {
   const PinholeIntrinsics& intrinsics() const { return intrinsics_; }
 
  private:
+  void check_whole_image() const;
   Eigen::Vector2d distort(const Eigen::Vector2d& normalised, Eigen::Matrix2d* jacobian) const;
   std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& distorted) const;
 

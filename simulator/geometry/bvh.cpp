@@ -42,9 +42,9 @@ void throw_on_error(RTCDevice device) {
   }
 }
 
-/// One thread builds: the result never depends on the number of threads.
+/// No thread count here: Embree would limit oneTBB for the whole program to it.
 Device make_device() {
-  Device device(rtcNewDevice("threads=1,set_affinity=0"));
+  Device device(rtcNewDevice("set_affinity=0"));
   if (!device) {
     throw_on_error(nullptr);
     throw Error("the ray tracer cannot be started");

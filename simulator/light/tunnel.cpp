@@ -42,7 +42,7 @@ void visit_keys(KeyVisitor& keys, TunnelSettings& s) {
   keys.number("base_mm",
               s.base_mm,
               Range::between(-1e4, 1e4),
-              "height of the cross-section's lower line above the part's origin");
+              "height of the cross-section's lower line above the scene's origin");
   keys.number("radius_mm", s.radius_mm, size, "semicylinder: radius");
   keys.number("half_width_mm", s.half_width_mm, size, "ellipse, superellipse: half axis along y");
   keys.number("height_mm", s.height_mm, size, "ellipse, superellipse: half axis along z");
@@ -134,6 +134,9 @@ void Tunnel::build_profile() {
                                            s.base_mm,
                                            kProfilePoints);
   }
+  for (const Vector2d& point : profile_yz_mm_) {
+    profile_angle_rad_.push_back(std::atan2(point.x(), point.y() - s.base_mm));
+  }
   arc_mm_.assign(profile_yz_mm_.size(), 0.0);
   for (std::size_t i = 1; i < arc_mm_.size(); ++i) {
     arc_mm_[i] = arc_mm_[i - 1] + (profile_yz_mm_[i] - profile_yz_mm_[i - 1]).norm();
@@ -141,8 +144,12 @@ void Tunnel::build_profile() {
   for (double& arc : arc_mm_) {
     arc -= 0.5 * arc_mm_.back();
   }
-  slot_floor_mm_ = s.base_mm + 0.5 * (top_mm() - s.base_mm) - 1e-6;
-  const double share = wall_share(profile_yz_mm_, s.base_mm);
+  // A little below, so that a level ceiling is above its own slot's floor in float, too.
+  slot_floor_mm_ = 0.5 * (s.base_mm + top_mm()) - 1e-3 - 1e-5 * std::abs(top_mm());
+  const double slot_rad = 2.0 * std::atan2(0.5 * s.slot_mm, std::max(1e-9, top_mm() - s.base_mm));
+  const double share = std::max(0.0,
+                                wall_share(profile_yz_mm_, s.base_mm) -
+                                    (s.shape == Shape::kFlat ? 0.0 : slot_rad / (2.0 * kPi)));
   const double fill = s.dark_reflectance * s.duty * share;
   dark_radiance_ = fill / (1.0 - fill);
 }
@@ -184,42 +191,16 @@ std::optional<double> Tunnel::hit_profile(const Vector2d& origin, const Vector2d
   }
 }
 
-Vector2d Tunnel::profile_normal(const Vector2d& point) const {
-  // The dense profile is fine enough for a direction: its steps are below a thousandth of a radian.
-  std::size_t best = 0;
-  double best_distance = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i + 1 < profile_yz_mm_.size(); ++i) {
-    if (settings_.shape == Shape::kFlat && i == 1) {
-      continue;  // the gap between the panels
-    }
-    const Vector2d step = profile_yz_mm_[i + 1] - profile_yz_mm_[i];
-    const double along =
-        std::clamp((point - profile_yz_mm_[i]).dot(step) / step.squaredNorm(), 0.0, 1.0);
-    const double distance = (profile_yz_mm_[i] + along * step - point).squaredNorm();
-    if (distance < best_distance) {
-      best_distance = distance;
-      best = i;
-    }
-  }
-  const Vector2d step = (profile_yz_mm_[best + 1] - profile_yz_mm_[best]).normalized();
-  return {step.y(), -step.x()};  // the profile runs from y < 0 over the top: inside is on its right
-}
-
-double Tunnel::arc_at(const Vector2d& point) const {
+std::size_t Tunnel::profile_piece(const Vector2d& point) const {
   if (settings_.shape == Shape::kFlat) {
-    const std::size_t first = point.x() < 0.0 ? 0 : 2;
-    return arc_mm_[first] + (point - profile_yz_mm_[first]).norm();
+    return point.x() < 0.0 ? 0 : 2;
   }
-  const auto angle_of = [&](const Vector2d& p) {
-    return std::atan2(p.x(), p.y() - settings_.base_mm);
-  };
-  const double angle = angle_of(point);
-  const auto after = std::lower_bound(profile_yz_mm_.begin() + 1,
-                                      profile_yz_mm_.end() - 1,
-                                      angle,
-                                      [&](const Vector2d& p, double a) { return angle_of(p) < a; });
-  const auto i = static_cast<std::size_t>(after - profile_yz_mm_.begin());
-  return arc_mm_[i - 1] + (point - profile_yz_mm_[i - 1]).norm();
+  // Seen from (0, base) the cross-section runs in one direction: control points stand at growing
+  // angles, and a B-spline crosses a line no more often than its control polygon.
+  const double angle = std::atan2(point.x(), point.y() - settings_.base_mm);
+  const auto after =
+      std::lower_bound(profile_angle_rad_.begin() + 1, profile_angle_rad_.end() - 1, angle);
+  return static_cast<std::size_t>(after - profile_angle_rad_.begin()) - 1;
 }
 
 std::optional<WallHit> Tunnel::hit(const Ray& ray) const {
@@ -233,11 +214,19 @@ std::optional<WallHit> Tunnel::hit(const Ray& ray) const {
   if (in_slot(point)) {
     return std::nullopt;
   }
-  const Vector2d normal = profile_normal(point);
-  return WallHit{.t_mm = *t,
-                 .point_mm = ray.origin_mm + *t * ray.direction,
-                 .normal = {0.0, normal.x(), normal.y()},
-                 .arc_mm = arc_at(point)};
+  return wall_hit(ray, *t);
+}
+
+WallHit Tunnel::wall_hit(const Ray& ray, double t_mm) const {
+  const Vector3d point_mm = ray.origin_mm + t_mm * ray.direction;
+  const Vector2d point = point_mm.tail<2>();
+  const std::size_t piece = profile_piece(point);
+  // The profile runs from y < 0 over the top to y > 0: the inside is on its right.
+  const Vector2d along = (profile_yz_mm_[piece + 1] - profile_yz_mm_[piece]).normalized();
+  return {.t_mm = t_mm,
+          .point_mm = point_mm,
+          .normal = {0.0, along.y(), -along.x()},
+          .arc_mm = arc_mm_[piece] + (point - profile_yz_mm_[piece]).norm()};
 }
 
 void Tunnel::hit_profile(const RayBlock& rays, float* t_mm) const {
@@ -262,15 +251,14 @@ void Tunnel::hit_profile(const RayBlock& rays, float* t_mm) const {
 
 void Tunnel::hit_block(const RayBlock& rays, float* x_mm, float* pattern_mm, float* gain) const {
   const auto count = static_cast<std::size_t>(rays.count);
-  const bool is_plain = settings_.orientation_rad == 0.0 && !settings_.cosine_law;
-  if (is_plain) {
-    hit_profile(rays, pattern_mm);  // the array holds t until it holds the pattern coordinate
-    finish_hits(rays,
-                pattern_mm,
-                static_cast<float>(0.5 * settings_.slot_mm),
-                static_cast<float>(slot_floor_mm_),
-                x_mm,
-                gain);
+  hit_profile(rays, pattern_mm);  // the array holds t until it holds the pattern coordinate
+  finish_hits(rays,
+              pattern_mm,
+              static_cast<float>(0.5 * settings_.slot_mm),
+              static_cast<float>(slot_floor_mm_),
+              x_mm,
+              gain);
+  if (settings_.orientation_rad == 0.0 && !settings_.cosine_law) {
     std::copy(x_mm, x_mm + count, pattern_mm);
     return;
   }
@@ -279,17 +267,18 @@ void Tunnel::hit_block(const RayBlock& rays, float* x_mm, float* pattern_mm, flo
   for (std::size_t i = 0; i < count; ++i) {
     const Vector3d direction =
         vector_of(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
-    const std::optional<WallHit> found =
-        hit({.origin_mm = vector_of(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]),
-             .direction = direction});
-    if (!found) {
-      x_mm[i] = pattern_mm[i] = gain[i] = 0.0F;
+    if (gain[i] == 0.0F) {
+      pattern_mm[i] = x_mm[i];
       continue;
     }
-    x_mm[i] = static_cast<float>(found->point_mm.x());
-    pattern_mm[i] = static_cast<float>(found->point_mm.x() * cosine + found->arc_mm * sine);
-    const double at_wall = std::abs(found->normal.dot(direction)) / direction.norm();
-    gain[i] = settings_.cosine_law ? static_cast<float>(at_wall) : 1.0F;
+    const WallHit found =
+        wall_hit({.origin_mm = vector_of(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]),
+                  .direction = direction},
+                 static_cast<double>(pattern_mm[i]));
+    pattern_mm[i] = static_cast<float>(found.point_mm.x() * cosine + found.arc_mm * sine);
+    if (settings_.cosine_law) {
+      gain[i] = static_cast<float>(std::abs(found.normal.dot(direction)) / direction.norm());
+    }
   }
 }
 
@@ -331,9 +320,10 @@ void Tunnel::hidden_block(const RayBlock& points, const Vector3d& camera_mm, flo
 StripePattern Tunnel::pattern(double shift_mm) const {
   const TunnelSettings& s = settings_;
   return {.shift_x_mm = static_cast<float>(shift_mm),
-          .shift_pattern_mm = static_cast<float>(shift_mm * std::cos(s.orientation_rad)),
+          // Whole periods are taken off in double: a float keeps too few digits of a long way.
+          .shift_pattern_mm = static_cast<float>(
+              std::remainder(shift_mm * std::cos(s.orientation_rad) + s.offset_mm, s.period_mm)),
           .periods_per_mm = static_cast<float>(1.0 / s.period_mm),
-          .phase = static_cast<float>(-s.offset_mm / s.period_mm),
           .duty = static_cast<float>(s.duty),
           .dark = static_cast<float>(dark_radiance_),
           .half_length_mm = static_cast<float>(0.5 * s.length_mm),

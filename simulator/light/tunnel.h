@@ -108,15 +108,17 @@ class Tunnel {
   void hit_profile(const RayBlock& rays, float* t_mm) const;
   std::optional<double> hit_profile(const Eigen::Vector2d& origin,
                                     const Eigen::Vector2d& direction) const;
-  Eigen::Vector2d profile_normal(const Eigen::Vector2d& point) const;
+  /// The profile's piece [i, i + 1] that a point of the wall belongs to.
+  std::size_t profile_piece(const Eigen::Vector2d& point) const;
+  WallHit wall_hit(const Ray& ray, double t_mm) const;
   bool in_slot(const Eigen::Vector2d& point) const;
-  double arc_at(const Eigen::Vector2d& point) const;
   void build_profile();
 
   TunnelSettings settings_;
   std::vector<FlatWall> walls_;                 ///< flat
   std::vector<SplineSegment> segments_;         ///< free
   std::vector<Eigen::Vector2d> profile_yz_mm_;  ///< dense, from y < 0 to y > 0
+  std::vector<double> profile_angle_rad_;       ///< per profile point, from the vertical
   std::vector<double> arc_mm_;                  ///< per profile point, 0 in the middle
   double slot_floor_mm_ = 0.0;                  ///< the slot is cut above this height
   double dark_radiance_ = 0.0;

@@ -318,7 +318,7 @@ GLINT_WIDE static void add_plain_stripes(const float* __restrict x_mm,
   const float dark = scale * p.dark;
   for (int i = 0; i < count; ++i) {
     const float u = x_mm[i] - p.shift_x_mm;
-    const float v = (q_mm[i] - p.shift_pattern_mm) * p.periods_per_mm + p.phase;
+    const float v = (q_mm[i] - p.shift_pattern_mm) * p.periods_per_mm;
     const float f = v - std::floor(v);
     const float stripe = f < p.duty ? bright : dark;
     const bool is_lit = (u < p.half_length_mm) & (u > -p.half_length_mm);
@@ -337,7 +337,7 @@ GLINT_WIDE static void add_uneven_stripes(const float* __restrict x_mm,
   const float per_half_length = 1.0F / p.half_length_mm;
   for (int i = 0; i < count; ++i) {
     const float u = x_mm[i] - p.shift_x_mm;
-    const float v = (q_mm[i] - p.shift_pattern_mm) * p.periods_per_mm + p.phase;
+    const float v = (q_mm[i] - p.shift_pattern_mm) * p.periods_per_mm;
     const float f = v - std::floor(v);
     const float stripe = f < p.duty ? scale : scale * p.dark;
     const float end = u * per_half_length;

@@ -39,9 +39,8 @@ struct SplineSegment {
 /// Bright and dark stripes along a coordinate q, with the tunnel moved along x.
 struct StripePattern {
   float shift_x_mm = 0.0F;
-  float shift_pattern_mm = 0.0F;
+  float shift_pattern_mm = 0.0F;  ///< of the stripes along q
   float periods_per_mm = 1.0F;
-  float phase = 0.0F;  ///< in periods, added
   float duty = 0.5F;
   float dark = 0.0F;  ///< radiance of dark stripes
   float half_length_mm = 0.0F;

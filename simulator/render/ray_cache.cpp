@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 namespace glint {
 namespace {
 
@@ -198,41 +201,68 @@ class RowTracer {
   RayCounts trace(int y) const {
     RayCounts counts;
     const int per_axis = context_.settings.rays_per_axis;
+    std::vector<Seen> seen(static_cast<std::size_t>(cache_.width_px));
     for (int sample = 0; sample < cache_.samples; ++sample) {
       const Vector2d offset((sample % per_axis + 0.5) / per_axis,
                             (sample / per_axis + 0.5) / per_axis);
       for (int x = 0; x < cache_.width_px; x += kPacketSize) {
-        trace_pixels(x, y, sample, offset, counts);
+        trace_pixels({.x = x, .y = y, .sample = sample}, offset, seen, counts);
       }
+    }
+    for (int x = 0; x < cache_.width_px; ++x) {
+      store_seen(seen[static_cast<std::size_t>(x)], x, y);
     }
     return counts;
   }
 
  private:
-  void trace_pixels(int x, int y, int sample, const Vector2d& offset, RayCounts& counts) const {
-    const auto count = static_cast<std::size_t>(std::min(kPacketSize, cache_.width_px - x));
+  /// First hits of a pixel, counted as integers so that a whole pixel is exactly whole.
+  struct Seen {
+    int hits = 0;
+    Vector3d sum_mm = Vector3d::Zero();
+  };
+
+  struct Place {
+    int x = 0;
+    int y = 0;
+    int sample = 0;
+  };
+
+  void trace_pixels(const Place& at,
+                    const Vector2d& offset,
+                    std::vector<Seen>& seen,
+                    RayCounts& counts) const {
+    const auto count = static_cast<std::size_t>(std::min(kPacketSize, cache_.width_px - at.x));
     std::array<Ray, kPacketSize> rays;
     for (std::size_t lane = 0; lane < count; ++lane) {
       const auto direction =
-          camera_.ray_through(Vector2d(x + static_cast<double>(lane), y) + offset);
+          camera_.ray_through(Vector2d(at.x + static_cast<double>(lane), at.y) + offset);
       GLINT_CHECK(direction.has_value(), "the camera has a ray for every pixel of its image");
       rays[lane] = {.origin_mm = world_from_camera_.translation_mm,
                     .direction = world_from_camera_.rotation * *direction};
     }
     const PacketResult result = trace_packet(context_, rays, count, counts);
-    const float share = 1.0F / static_cast<float>(cache_.samples);
+    const auto row = static_cast<std::int64_t>(at.y) * cache_.width_px;
+    const auto first = static_cast<std::size_t>(at.sample * cache_.num_pixels() + row + at.x);
     for (std::size_t lane = 0; lane < count; ++lane) {
-      const int column = x + static_cast<int>(lane);
-      const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(cache_.width_px) +
-                         static_cast<std::size_t>(column);
-      store(
-          cache_,
-          static_cast<std::size_t>(sample) * static_cast<std::size_t>(cache_.num_pixels()) + pixel,
-          result.escapes[lane]);
+      store(cache_, first + lane, result.escapes[lane]);
       if (result.on_part[lane]) {
-        cache_.coverage(column, y) += share;
+        Seen& pixel = seen[static_cast<std::size_t>(at.x) + lane];
+        ++pixel.hits;
+        pixel.sum_mm += result.first[lane].point_mm;
       }
     }
+  }
+
+  void store_seen(const Seen& seen, int x, int y) const {
+    if (seen.hits == 0) {
+      return;
+    }
+    const Vector3d mean_mm = seen.sum_mm / seen.hits;
+    cache_.coverage(x, y) = static_cast<float>(seen.hits) / static_cast<float>(cache_.samples);
+    cache_.seen_x(x, y) = static_cast<float>(mean_mm.x());
+    cache_.seen_y(x, y) = static_cast<float>(mean_mm.y());
+    cache_.seen_z(x, y) = static_cast<float>(mean_mm.z());
   }
 
   const TraceContext& context_;
@@ -241,12 +271,32 @@ class RowTracer {
   RayCache& cache_;
 };
 
+/// Refuses pictures whose rays would not fit into the machine.
+void check_memory(const PinholeIntrinsics& in, int samples) {
+  const double needed = 28.0 * in.width_px * in.height_px * samples;
+  const double available =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  constexpr double kShare = 0.5;
+  if (needed > kShare * available) {
+    throw ConfigError(
+        fmt::format("render.rays_per_axis: {} x {} px with {} rays each need {:.1f} GB for their "
+                    "rays, this machine has {:.1f} GB; allowed is half of it",
+                    in.width_px,
+                    in.height_px,
+                    samples,
+                    needed * 1e-9,
+                    available * 1e-9));
+  }
+}
+
 RayCache empty_cache(const PinholeIntrinsics& in, int samples) {
   RayCache cache;
   cache.width_px = in.width_px;
   cache.height_px = in.height_px;
   cache.samples = samples;
-  cache.coverage = ImageF(in.width_px, in.height_px);
+  for (ImageF* image : {&cache.coverage, &cache.seen_x, &cache.seen_y, &cache.seen_z}) {
+    *image = ImageF(in.width_px, in.height_px);
+  }
   const auto rays =
       static_cast<std::size_t>(cache.num_pixels()) * static_cast<std::size_t>(samples);
   for (auto* component : {&cache.origin_x,
@@ -288,6 +338,13 @@ RayBlock RayCache::block(std::int64_t begin, int count) const {
           .count = count};
 }
 
+RayBlock RayCache::seen_block(std::int64_t begin, int count) const {
+  return {.origin_x = seen_x.values().data() + begin,
+          .origin_y = seen_y.values().data() + begin,
+          .origin_z = seen_z.values().data() + begin,
+          .count = count};
+}
+
 RayCache trace_rays(const Part& part,
                     const Bvh& bvh,
                     const SurfaceDetail& detail,
@@ -295,8 +352,9 @@ RayCache trace_rays(const Part& part,
                     const RigidTransform& camera_from_world,
                     const RenderSettings& settings,
                     ThreadPool& pool) {
-  RayCache cache =
-      empty_cache(camera.intrinsics(), settings.rays_per_axis * settings.rays_per_axis);
+  const int samples = settings.rays_per_axis * settings.rays_per_axis;
+  check_memory(camera.intrinsics(), samples);
+  RayCache cache = empty_cache(camera.intrinsics(), samples);
   const TraceContext context = {.part = part, .bvh = bvh, .detail = detail, .settings = settings};
   const RowTracer tracer(context, camera, camera_from_world, cache);
   const auto per_row = pool.map<RayCounts>(

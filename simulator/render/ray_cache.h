@@ -41,15 +41,16 @@ struct RayCounts {
 };
 
 /// Rays that have left the part, one array per component: ray of sample s in pixel p stands at
-/// s * num_pixels() + p. 28 bytes a ray.
+/// s * num_pixels() + p. 28 bytes a ray, and 16 bytes a pixel.
 struct RayCache {
   int width_px = 0;
   int height_px = 0;
   int samples = 0;                                           ///< rays a pixel
   std::vector<float> origin_x, origin_y, origin_z;           ///< [mm], scene frame
   std::vector<float> direction_x, direction_y, direction_z;  ///< unit
-  std::vector<float> weight;  ///< reflectance of the path; 0: dark whatever the light
-  ImageF coverage;            ///< share of a pixel's rays that met the part
+  std::vector<float> weight;      ///< reflectance of the path; 0: dark whatever the light
+  ImageF coverage;                ///< share of a pixel's rays that met the part
+  ImageF seen_x, seen_y, seen_z;  ///< [mm] mean point of the part that the pixel's rays met first
   RayCounts counts;
 
   std::int64_t num_pixels() const {
@@ -58,10 +59,15 @@ struct RayCache {
 
   /// Rays [begin, begin + count) of the arrays.
   RayBlock block(std::int64_t begin, int count) const;
+
+  /// The points seen by pixels [begin, begin + count), as origins; without directions.
+  RayBlock seen_block(std::int64_t begin, int count) const;
 };
 
 /// Traces the rays of a camera. The same bytes for any number of threads.
-/// @throws ConfigError when no ray meets the part ("camera: the part is outside the image").
+/// @throws ConfigError when no ray meets the part ("camera: the part is outside the image"), or
+/// when
+///         the rays do not fit into the machine's memory
 RayCache trace_rays(const Part& part,
                     const Bvh& bvh,
                     const SurfaceDetail& detail,

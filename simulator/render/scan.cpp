@@ -2,6 +2,7 @@
 #include "simulator/render/scan.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace glint {
 namespace {
@@ -33,7 +34,18 @@ void visit_keys(KeyVisitor& keys, ScanSettings& s) {
 }
 
 double scan_step_mm(const ScanSettings& scan, const TunnelSettings& tunnel) {
-  return scan.step_mm > 0.0 ? scan.step_mm : tunnel.period_mm / scan.positions;
+  if (scan.step_mm > 0.0) {
+    return scan.step_mm;
+  }
+  // Oblique stripes move along their normal by the cosine only.
+  const double cosine = std::cos(tunnel.orientation_rad);
+  constexpr double kSmallestCosine = 0.01;
+  if (cosine < kSmallestCosine) {
+    throw ConfigError(
+        "scan.step_mm: must be given: stripes that run along the tunnel do not move with it, so a "
+        "period takes no number of steps");
+  }
+  return tunnel.period_mm / (scan.positions * cosine);
 }
 
 WallRays meet_wall(const RayCache& cache,
@@ -51,7 +63,7 @@ WallRays meet_wall(const RayCache& cache,
   std::vector<float> hidden(static_cast<std::size_t>(kBlock));
   for (std::int64_t pixel = 0; pixel < pixels; pixel += kBlock) {
     const int count = block_size(pixel, pixels);
-    tunnel.hidden_block(cache.block(pixel, count), camera_in_world_mm, hidden.data());
+    tunnel.hidden_block(cache.seen_block(pixel, count), camera_in_world_mm, hidden.data());
     for (int i = 0; i < count; ++i) {
       const auto at = static_cast<std::size_t>(pixel + i);
       const bool is_hidden =

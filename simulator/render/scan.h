@@ -24,7 +24,9 @@ struct ScanSettings {
 
 void visit_keys(KeyVisitor& keys, ScanSettings& settings);
 
-/// The step between two positions [mm].
+/// The step between two positions along x [mm]: as given, or such that all positions together take
+/// the stripes through one period along their normal.
+/// @throws ConfigError when the stripes run along the tunnel and no step is given
 double scan_step_mm(const ScanSettings& scan, const TunnelSettings& tunnel);
 
 /// Cached rays under one tunnel: where each meets the wall and how bright the wall is before

@@ -56,11 +56,11 @@ double poisson_quantile(double mean, double u) {
 void visit_keys(KeyVisitor& keys, SensorSettings& settings) {
   keys.number("exposure",
               settings.exposure,
-              Range::positive(),
+              Range::between(1e-6, 1e6),
               "exposure time and aperture: factor on the collected light");
   keys.number("gain",
               settings.gain,
-              Range::positive(),
+              Range::between(1e-6, 1e6),
               "amplification: factor on the grey values; clips at full scale");
   keys.number("blur_px",
               settings.blur_px,

@@ -146,9 +146,9 @@ TEST(KeyReader, SaysWhatIsOutOfRange) {
   EXPECT_THAT(errors_of("positions = 0\n"),
               ElementsAre("s.toml:2:1: lamp.positions: is 0, must be >= 1"));
   EXPECT_THAT(errors_of("height_um = nan\n"),
-              ElementsAre("s.toml:2:1: lamp.height_um: is nan, must be any"));
+              ElementsAre("s.toml:2:1: lamp.height_um: is nan, must be a finite number"));
   EXPECT_THAT(errors_of("radius_mm = inf\n"),
-              ElementsAre("s.toml:2:1: lamp.radius_mm: is inf, must be > 0"));
+              ElementsAre("s.toml:2:1: lamp.radius_mm: is inf, must be a finite number"));
 }
 
 TEST(KeyReader, SaysWhichKindOfValueIsWanted) {

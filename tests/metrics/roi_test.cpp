@@ -84,10 +84,10 @@ TEST(RegionOfInterest, RefusesToBeEmpty) {
   using ::testing::HasSubstr;
   EXPECT_THAT(
       [] { region_of_interest(ImageF(20, 20, 0.5f), {}); },
-      ::testing::ThrowsMessage<ConfigError>(HasSubstr("metrics.roi: no pixel lies wholly")));
+      ::testing::ThrowsMessage<ConfigError>(HasSubstr("camera.object_pixel_mm: no pixel lies wholly")));
   EXPECT_THAT(
       [] { region_of_interest(ImageF(4, 4, 1.0f), {}); },
-      ::testing::ThrowsMessage<ConfigError>(HasSubstr("metrics.roi: no pixel is left of 16")));
+      ::testing::ThrowsMessage<ConfigError>(HasSubstr("metrics.erosion_px: no pixel is left of 16")));
 }
 
 TEST(DiscView, IsCutAtTheImageBorder) {

@@ -140,6 +140,15 @@ TEST(Evaluation, APartThatDoesNotFitIntoTheTunnelIsAnError) {
                   ::testing::HasSubstr("the tunnel is smaller than the part")));
 }
 
+TEST(Evaluation, ATunnelThatTravelsOffThePartIsAnError) {
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  SceneSettings scene = small_scene();
+  scene.scan.step_mm = 100.0;
+  EXPECT_THAT([&] { evaluate(store, scene); },
+              ::testing::ThrowsMessage<ConfigError>(::testing::StartsWith("scan.step_mm: ")));
+}
+
 // Image x runs along world x and image y against world y: the dent at (-12, 8) is seen left of and
 // above the middle, at about (100 - 12 / 0.3, 50 - 8 / 0.3) = (60, 23).
 TEST(ViewDefects, WindowsLieWhereTheDefectsAre) {

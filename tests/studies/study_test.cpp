@@ -167,6 +167,20 @@ TEST(StudyErrors, VariableLimitsBeyondTheKeysRangeAreRefused) {
               ::testing::HasSubstr("lighting.tunnel.duty: is 1.5, must be in [0, 1]"));
 }
 
+TEST(Study, HomogeneityNeverComesWithoutLimitsAgainstAWhitePicture) {
+  const std::string head = "[objective]\nmaximise = \"homogeneity.h_rms\"\n";
+  const StudyFile bare(head);
+  const Study without = load_study(bare.path(), {});
+  ASSERT_EQ(without.goal.constraints.size(), 1U);
+  EXPECT_EQ(without.goal.constraints[0].name, "homogeneity.clipped_share");
+  const StudyFile dented(head + "[defects.dent]\nx_mm = [5]\ny_mm = [5]\n");
+  EXPECT_EQ(load_study(dented.path(), {}).goal.constraints.back().name, "defects.min_cnr");
+  const StudyFile own(head + "[constraints]\n\"homogeneity.clipped_share\" = { max = 0.5 }\n");
+  const Study kept = load_study(own.path(), {});
+  ASSERT_EQ(kept.goal.constraints.size(), 1U);
+  EXPECT_DOUBLE_EQ(*kept.goal.constraints[0].max, 0.5);
+}
+
 TEST(Duration, IsReadAsPeopleWriteIt) {
   EXPECT_EQ(parse_duration_s("40s"), 40.0);
   EXPECT_EQ(parse_duration_s("8h"), 28800.0);

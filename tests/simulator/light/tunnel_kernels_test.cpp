@@ -90,6 +90,38 @@ TEST_P(TunnelKernels, AgreeWithTheExactHitInDouble) {
   EXPECT_LE(disagreements, 2);
 }
 
+// Oblique stripes and the cosine law take normal and arc length from the profile.
+TEST_P(TunnelKernels, PatternCoordinateAndCosineFollowTheExactHit) {
+  const TunnelSettings settings = {.shape = GetParam(),
+                                   .half_width_mm = 90.0,
+                                   .height_mm = 120.0,
+                                   .exponent = 3.5,
+                                   .opening_rad = 0.7,
+                                   .control_mm = {80.0, 95.0, 130.0, 110.0, 100.0},
+                                   .length_mm = 1000.0,
+                                   .slot_mm = 20.0,
+                                   .orientation_rad = 0.6,
+                                   .cosine_law = true};
+  const Tunnel tunnel(settings);
+  const int count = 1000;
+  const RandomRays rays(count);
+  std::vector<float> x(count);
+  std::vector<float> q(count);
+  std::vector<float> gain(count);
+  tunnel.hit_block(rays.block(), x.data(), q.data(), gain.data());
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const auto exact = tunnel.hit(rays.ray(i));
+    if (!exact || gain[i] == 0.0F) {
+      continue;
+    }
+    const double along = exact->point_mm.x() * std::cos(0.6) + exact->arc_mm * std::sin(0.6);
+    EXPECT_NEAR(static_cast<double>(q[i]), along, 1e-3 + 2e-6 * exact->t_mm) << i;
+    EXPECT_NEAR(
+        static_cast<double>(gain[i]), std::abs(exact->normal.dot(rays.ray(i).direction)), 2e-3)
+        << i;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(AllShapes,
                          TunnelKernels,
                          ::testing::Values(Shape::kFlat,

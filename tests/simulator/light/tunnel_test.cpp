@@ -125,8 +125,42 @@ TEST(Tunnel, ContainsAgreesWithTheOutline) {
 // rho 0.8, duty 0.5; a semicylinder fills half of all directions: F = 0.25, rho F = 0.2,
 // dark / bright = 0.2 / 0.8 = 0.25.
 TEST(Tunnel, DarkStripesReturnTheLightOfTheBrightOnes) {
-  const Tunnel tunnel({.duty = 0.5, .dark_reflectance = 0.8});
+  const Tunnel tunnel({.slot_mm = 0.0, .duty = 0.5, .dark_reflectance = 0.8});
   EXPECT_NEAR(tunnel.pattern(0.0).dark, 0.25F, 1e-6F);
+}
+
+TEST(Tunnel, ALevelCeilingHasItsSlotAtAnyHeight) {
+  for (const double base_mm : {0.0, 10.0, 33.0, 200.0, 3000.0}) {
+    const Tunnel tunnel({.shape = Shape::kFlat,
+                         .base_mm = base_mm,
+                         .distance_mm = 100.0,
+                         .opening_rad = kPi,
+                         .slot_mm = 30.0});
+    const float y[2] = {10.0F, 20.0F};
+    const float zero[2] = {0.0F, 0.0F};
+    const float z[2] = {static_cast<float>(base_mm) - 50.0F, static_cast<float>(base_mm) - 50.0F};
+    const float up[2] = {1.0F, 1.0F};
+    const RayBlock rays = {.origin_x = zero,
+                           .origin_y = y,
+                           .origin_z = z,
+                           .direction_x = zero,
+                           .direction_y = zero,
+                           .direction_z = up,
+                           .count = 2};
+    float x[2];
+    float q[2];
+    float gain[2];
+    tunnel.hit_block(rays, x, q, gain);
+    EXPECT_EQ(gain[0], 0.0F) << base_mm;
+    EXPECT_EQ(gain[1], 1.0F) << base_mm;
+  }
+}
+
+// 1e9 mm is a whole number of periods of 16 mm: nothing changes.
+TEST(Tunnel, AFarOffsetKeepsItsPhase) {
+  const Tunnel near({.period_mm = 16.0, .offset_mm = 3.0});
+  const Tunnel far({.period_mm = 16.0, .offset_mm = 1e9 + 3.0});
+  EXPECT_FLOAT_EQ(near.pattern(5.0).shift_pattern_mm, far.pattern(5.0).shift_pattern_mm);
 }
 
 TEST(TunnelKeys, SlotWiderThanTheTunnelIsAnErrorWithItsPlace) {

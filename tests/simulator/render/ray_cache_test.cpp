@@ -2,7 +2,10 @@
 #include "simulator/render/ray_cache.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -116,6 +119,38 @@ TEST(RayCache, EachReflectionCostsTheReflectance) {
   EXPECT_EQ(*std::max_element(once.rays.weight.begin(), once.rays.weight.end()), 0.5F);
 }
 
+// What the pixel sees is the first hit, wherever its light comes from in the end.
+TEST(RayCache, APixelSeesWhereItsRaysMetThePartFirst) {
+  const test::Bench bench(
+      groove(), test::far_camera(160, 90, 0.41), {.rays_per_axis = 2, .max_bounces = 2});
+  for (int y = 10; y < 80; ++y) {
+    const double y_mm = 0.41 * (45.0 - (y + 0.5));
+    EXPECT_NEAR(static_cast<double>(bench.rays.seen_y(80, y)), y_mm, 0.01) << y;
+    EXPECT_NEAR(static_cast<double>(bench.rays.seen_z(80, y)), std::abs(y_mm), 0.15) << y;
+  }
+}
+
+TEST(RayCache, APixelOnThePartIsExactlyWholeForAnyNumberOfRays) {
+  for (int per_axis = 1; per_axis <= 16; ++per_axis) {
+    const test::Bench bench(
+        test::plate(),
+        {.width_px = 20, .height_px = 10, .object_pixel_mm = 0.5, .working_distance_mm = 300.0},
+        {.rays_per_axis = per_axis});
+    for (const float coverage : bench.rays.coverage.values()) {
+      ASSERT_EQ(coverage, 1.0F) << per_axis;
+    }
+  }
+}
+
+TEST(RayCache, RaysThatDoNotFitIntoMemoryAreRefused) {
+  EXPECT_THAT(
+      [] {
+        const test::Bench bench(
+            test::plate(), test::far_camera(32768, 32768, 0.1), {.rays_per_axis = 16});
+      },
+      ::testing::ThrowsMessage<ConfigError>(::testing::StartsWith("render.rays_per_axis: ")));
+}
+
 TEST(RayCache, TeethOfAGearReflectEachOther) {
   PartSettings gear;
   gear.shape = PartSettings::Shape::kSpurGear;
@@ -132,6 +167,24 @@ TEST(RayCache, APartOutsideTheImageIsAnError) {
   } catch (const ConfigError& error) {
     EXPECT_THAT(error.what(), ::testing::StartsWith("camera: the part is outside the image"));
   }
+}
+
+// Embree shares oneTBB with us and could limit it; then the next test would prove nothing.
+TEST(RayCache, TracingLeavesSeveralThreadsToThePool) {
+  const test::Bench bench(test::plate(), kSmallCamera, {.rays_per_axis = 1});
+  ThreadPool pool(2);
+  std::atomic<int> waiting = 0;
+  std::atomic<bool> met = false;
+  pool.for_each(2, [&](std::int64_t) {
+    // Each waits until the other has begun: with one thread they never meet.
+    ++waiting;
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (waiting < 2 && std::chrono::steady_clock::now() < deadline) {
+      std::this_thread::yield();
+    }
+    met = met || waiting == 2;
+  });
+  EXPECT_TRUE(met);
 }
 
 TEST(RayCache, IsTheSameBytesForOneTwoAndSevenThreads) {

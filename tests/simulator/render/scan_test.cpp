@@ -109,6 +109,46 @@ TEST(Scan, StepIsAPeriodOverAllPositionsUnlessGiven) {
   EXPECT_DOUBLE_EQ(scan_step_mm({.positions = 24, .step_mm = 2.0}, {.period_mm = 12.0}), 2.0);
 }
 
+// Stripes at 60 degrees move along their normal by half the tunnel's way: the step doubles.
+TEST(Scan, ObliqueStripesNeedALongerStepForAPeriod) {
+  EXPECT_NEAR(
+      scan_step_mm({.positions = 24}, {.period_mm = 12.0, .orientation_rad = 60.0 * kRadPerDeg}),
+      1.0,
+      1e-12);
+  EXPECT_THROW(scan_step_mm({.positions = 24}, {.orientation_rad = 90.0 * kRadPerDeg}),
+               ConfigError);
+}
+
+// Whole periods under a linear sensor: a flawless mirror has the same mean everywhere, whatever the
+// stripes' direction.
+TEST(Scan, ObliqueStripesLeaveAFlawlessMirrorEven) {
+  const test::Bench bench(curved_strip(), kCamera, {});
+  const Sensor sensor({.blur_px = 0.0, .bits = 0}, 160, 90);
+  for (const double degrees : {0.0, 30.0, -45.0}) {
+    const Tunnel tunnel({.shape = TunnelSettings::Shape::kSemicylinder,
+                         .base_mm = -60.0,
+                         .radius_mm = 200.0,
+                         .length_mm = 5000.0,
+                         .slot_mm = 0.0,
+                         .period_mm = 12.0,
+                         .orientation_rad = degrees * kRadPerDeg,
+                         .blocks_view = false});
+    const ScanResult scan =
+        take_scan(bench.rays, tunnel, sensor, {.positions = 24}, bench.camera_mm);
+    int on_part = 0;
+    int uneven = 0;
+    for (std::size_t i = 0; i < scan.aspect.size(); ++i) {
+      if (bench.rays.coverage.values()[i] == 1.0F) {
+        ++on_part;
+        // A ray on a stripe's edge may count once more or less: 1 / (24 * 4) of full scale.
+        uneven += std::abs(scan.aspect.values()[i] - 0.5F) > 0.0105F ? 1 : 0;
+      }
+    }
+    EXPECT_GT(on_part, 5000);
+    EXPECT_LE(uneven, on_part / 500) << degrees;
+  }
+}
+
 // Stripes turned by 90 degrees run along the tunnel: moving it changes nothing but the ends.
 TEST(Scan, StripesAlongTheTunnelDoNotMove) {
   const test::Bench bench(curved_strip(), kCamera, {.rays_per_axis = 1});

@@ -247,8 +247,9 @@ std::optional<Draft> draft(const NewArguments& arguments,
     return study_text(arguments, built->part.name, first, place);
   };
   std::vector<std::string> errors;
-  SceneSettings scene =
-      read_scene(parse_toml(text_for(Eigen::Vector2d::Zero()), "new study"), errors);
+  // In the folder of the file to come: paths in it are relative to that.
+  const std::string name = (arguments.out.parent_path() / "new study").string();
+  SceneSettings scene = read_scene(parse_toml(text_for(Eigen::Vector2d::Zero()), name), errors);
   throw_if_any(errors);
   scene.part.file = part.file;
   constexpr double kBackgroundDiameters = 2.5;
@@ -283,6 +284,13 @@ std::string study_text(const NewArguments& arguments, int threads) {
 }  // namespace
 
 int new_command(const NewArguments& arguments, const CommonArguments& common) {
+  const std::filesystem::path folder = arguments.out.parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+    throw IoError(arguments.out.string() + ": cannot be written: No such file or directory");
+  }
+  if (!arguments.out.empty() && std::filesystem::exists(arguments.out)) {
+    throw ConfigError(arguments.out.string() + ": exists already; give --out another name");
+  }
   const std::string text = study_text(arguments, common.threads);
   if (arguments.out.empty()) {
     std::cout << text;

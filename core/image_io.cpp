@@ -111,7 +111,7 @@ ImageF read_image(const fs::path& path) {
 
 std::string png_bytes(const ImageF& image) {
   ImageSpec spec = stable_spec(image.width(), image.height(), TypeDesc::UINT8);
-  spec.attribute("png:compressionLevel", 9);
+  spec.attribute("png:compressionLevel", 6);
   return packed_png(spec, to_codes<std::uint8_t>(image).data());
 }
 

@@ -24,6 +24,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kFrameWidth_px = 650;
 constexpr int kCloseupHalf_px = 20;
+constexpr std::size_t kMaxCloseups = 8;
 
 Json read_json(const fs::path& path) {
   try {
@@ -34,9 +35,16 @@ Json read_json(const fs::path& path) {
 }
 
 Json closeups(const fs::path& folder, const ImageF& aspect) {
+  // Of many defects the hardest to see are shown; the rest stands in defects.json.
   Json list = Json::array();
-  const Json defects = read_json(folder / "defects.json");
-  for (const Json& defect : defects["defects"]) {
+  const Json file = read_json(folder / "defects.json");
+  std::vector<Json> defects(file["defects"].begin(), file["defects"].end());
+  if (defects.size() > kMaxCloseups) {
+    std::ranges::stable_sort(
+        defects, {}, [](const Json& defect) { return defect["scores"]["cnr"].get<double>(); });
+    defects.resize(kMaxCloseups);
+  }
+  for (const Json& defect : defects) {
     const Json& window = defect["window_px"];
     const int x = window[0].get<int>() + window[2].get<int>() / 2;
     const int y = window[1].get<int>() + window[3].get<int>() / 2;

@@ -239,11 +239,12 @@ TEST_F(InputError, DefectBesideThePart) {
 
 TEST_F(InputError, DistortionThatFolds) {
   const std::string study = small({{"height_px = 60", "height_px = 60\nk1 = -800"}});
-  expect_refused(study,
-                 kUsage,
-                 place_of(study, "k1") +
-                     "camera\\.k1: the distortion folds the image at x/z radius [0-9.]+, before "
-                     "the corner .* px; allowed are .*");
+  expect_refused(
+      study,
+      kUsage,
+      place_of(study, "k1") +
+          "camera\\.k1: the radial distortion folds the image at x/z radius [0-9.]+, before "
+          "the pixel .*; allowed are .*");
 }
 
 TEST_F(InputError, UnknownScoreNamesTheNearest) {
@@ -322,7 +323,9 @@ TEST_F(InputError, TomlSyntax) {
 TEST_F(InputError, RegionOfInterestWithoutPixels) {
   const std::string study = small_study() + "\n[metrics]\nerosion_px = 40\n";
   expect_refused(
-      study, kUsage, place_of(study, "metrics]") + "metrics\\.roi: no pixel is left of [0-9]+ .*");
+      study,
+      kUsage,
+      place_of(study, "erosion_px") + "metrics\\.erosion_px: no pixel is left of [0-9]+ .*");
 }
 
 }  // namespace

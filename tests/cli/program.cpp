@@ -62,6 +62,7 @@ maximise = "homogeneity.h_rms"
 
 [constraints]
 "homogeneity.clipped_share" = { max = 0.9 }
+"defects.min_cnr" = { min = 0.1 }
 
 [search]
 batch = 2

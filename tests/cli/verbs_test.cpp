@@ -196,7 +196,8 @@ TEST(Report, OfARunMovedElsewhere) {
   write_file(folder / "parts/plate.stl", rectangle_stl(40, 12));
   write_file(folder / "study.toml",
              edited(small_study(),
-                    {{"shape = \"strip\"", "shape = \"mesh\"\nfile = \"parts/plate.stl\""}}));
+                    {{"shape = \"strip\"", "shape = \"mesh\"\nfile = \"parts/plate.stl\""},
+                     {"min = 0.1", "min = 0"}}));
   json_of(folder, {"run", "study.toml", "--out", "deep/er/run", "--quiet"});
   fs::rename(folder / "deep/er/run", folder / "moved");
   json_of(folder, {"report", "moved"});

@@ -82,7 +82,8 @@ inline std::string in_backticks(const std::string& cell) {
 inline std::optional<Printed> printed_number(const std::string& name, const std::string& cell) {
   static const std::regex kNumber(R"(^\**(-?\d+(?:\.(\d+))?)( %)?)");
   std::smatch match;
-  const std::string text = trimmed(cell);
+  const std::size_t begin = cell.find_first_not_of(' ');
+  const std::string text = begin == std::string::npos ? std::string() : cell.substr(begin);
   if (!std::regex_search(text, match, kNumber)) {
     return std::nullopt;
   }

@@ -193,6 +193,33 @@ TEST(GalleryMyPart, ReadmePrintsTheExpectedNumbers) {
   expect_printed_numbers("my_part", 20);
 }
 
+/// "92.0 %" or, with decimals, "0.65".
+std::string printed(const std::string& study, const std::string& name, int decimals = -1) {
+  const double value = gallery::read_expected(study).at(name).value;
+  return decimals < 0 ? fmt::format("{:.1f} %", 100.0 * value)
+                      : fmt::format("{:.{}f}", value, decimals);
+}
+
+TEST(GalleryPage, PrintsTheExpectedNumbers) {
+  const std::string page =
+      read_file(std::filesystem::path(GLINT_SOURCE_DIR) / "docs" / "gallery.md");
+  for (const char* name : {"flat.homogeneity.h_abs",
+                           "semicylinder.homogeneity.h_abs",
+                           "winner.homogeneity.h_abs",
+                           "winner.homogeneity.h_rms"}) {
+    EXPECT_THAT(page, HasSubstr(printed("tunnel_shape", name))) << name;
+  }
+  for (const char* name : {"rule", "half", "double"}) {
+    EXPECT_THAT(page,
+                HasSubstr(printed("fringe_design", name + std::string(".defects.min_change"), 2)));
+  }
+  EXPECT_THAT(page,
+              HasSubstr(printed("fringe_design", "winner.lighting.tunnel.period_mm", 1) + " mm"));
+  for (const char* name : {"baseline.homogeneity.h_rms", "winner.homogeneity.h_rms"}) {
+    EXPECT_THAT(page, HasSubstr(printed("my_part", name))) << name;
+  }
+}
+
 std::string refusal(const std::vector<KeyValue>& sets) {
   ThreadPool pool(2);
   SceneStore store(pool);

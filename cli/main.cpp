@@ -132,7 +132,11 @@ void add_other_verbs(CLI::App& app, CommandLine& line) {
 }
 
 int dispatch(const CLI::App& app, const CommandLine& line) {
-  configure_log({.to_stderr = !line.common.is_quiet, .file = line.common.log_file});
+  LogSettings log = {.to_stderr = !line.common.is_quiet};
+  if (!line.common.log_file.empty()) {
+    log.files.push_back(line.common.log_file);
+  }
+  configure_log(log);
   if (app.got_subcommand("run")) {
     return run_command(line.study, line.common);
   }

@@ -74,6 +74,7 @@ int run_command(const StudyArguments& arguments, const CommonArguments& common) 
        .threads = common.threads,
        .jobs = jobs_of(arguments, common),
        .progress = common.progress(),
+       .log_file = common.log_file,
        .interrupt = &interrupts});
   print_result(common, result, summary(result));
   if (result["status"] == "interrupted") {

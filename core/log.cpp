@@ -35,8 +35,8 @@ std::shared_ptr<spdlog::logger> make_logger(const LogSettings& settings) {
     sink->set_pattern("%l: %v");
     sinks.push_back(sink);
   }
-  if (!settings.file.empty()) {
-    auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(settings.file.string());
+  for (const std::filesystem::path& file : settings.files) {
+    auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string());
     sink->set_level(spdlog::level::info);
     sink->set_pattern("%Y-%m-%d %H:%M:%S.%e %l: %v");
     sinks.push_back(sink);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -15,7 +16,7 @@ enum class LogLevel { kDebug, kInfo, kWarning, kError };
 struct LogSettings {
   bool to_stderr = true;
   LogLevel stderr_level = LogLevel::kWarning;
-  std::filesystem::path file;  ///< empty: no file; everything from kInfo upwards goes there
+  std::vector<std::filesystem::path> files;  ///< everything from kInfo upwards goes there
 };
 
 /// @throws IoError when the log file cannot be opened.

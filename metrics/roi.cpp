@@ -37,32 +37,6 @@ void erode_line(const unsigned char* in, unsigned char* out, int count, int stri
   }
 }
 
-struct Box {
-  int left = std::numeric_limits<int>::max();
-  int top = std::numeric_limits<int>::max();
-  int right = -1;
-  int bottom = -1;
-};
-
-std::vector<Box> boxes_of(const Image<std::uint16_t>& labels, std::size_t count) {
-  std::vector<Box> boxes(count);
-  for (int y = 0; y < labels.height(); ++y) {
-    for (int x = 0; x < labels.width(); ++x) {
-      const std::size_t label = labels(x, y);
-      if (label == 0) {
-        continue;
-      }
-      GLINT_CHECK(label <= count, "a label without a name");
-      Box& box = boxes[label - 1];
-      box = {std::min(box.left, x),
-             std::min(box.top, y),
-             std::max(box.right, x),
-             std::max(box.bottom, y)};
-    }
-  }
-  return boxes;
-}
-
 }  // namespace
 
 DefectView disc_view(std::string label,
@@ -88,38 +62,6 @@ DefectView disc_view(std::string label,
     }
   }
   return view;
-}
-
-std::vector<DefectView> views_from_labels(const Image<std::uint16_t>& labels,
-                                          const ImageF& distance,
-                                          std::span<const std::string> names,
-                                          std::span<const double> areas_px) {
-  GLINT_CHECK(names.size() == areas_px.size(), "one area for each defect");
-  GLINT_CHECK(labels.width() == distance.width() && labels.height() == distance.height(),
-              "labels and distances differ in size");
-  const std::vector<Box> boxes = boxes_of(labels, names.size());
-  std::vector<DefectView> views;
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    const Box& box = boxes[k];
-    DefectView view{.label = names[k], .area_px = areas_px[k]};
-    if (box.right >= 0) {
-      view.left_px = box.left;
-      view.top_px = box.top;
-      view.distance = ImageF(box.right - box.left + 1, box.bottom - box.top + 1, DefectView::kFar);
-    }
-    double inside = 0.0;
-    for (int y = 0; y < view.distance.height(); ++y) {
-      for (int x = 0; x < view.distance.width(); ++x) {
-        if (labels(box.left + x, box.top + y) == k + 1) {
-          view.distance(x, y) = distance(box.left + x, box.top + y);
-          inside += view.distance(x, y) <= 1.0f ? 1.0 : 0.0;
-        }
-      }
-    }
-    view.area_px = areas_px[k] > 0.0 ? areas_px[k] : std::max(inside, 1.0);
-    views.push_back(std::move(view));
-  }
-  return views;
 }
 
 Mask whole_pixels(const ImageF& coverage) {

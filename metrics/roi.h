@@ -40,15 +40,6 @@ DefectView disc_view(std::string label,
                      int height_px,
                      double window_radii = 5.0);
 
-/// The views of defects that a label image names, cut to their bounding boxes.
-/// @param labels    0: none, k: labels the pixel with names[k - 1]
-/// @param distance  same size; in radii of the labelled defect
-/// @param areas_px  one for each name; 0: count the pixels at distance <= 1
-std::vector<DefectView> views_from_labels(const Image<std::uint16_t>& labels,
-                                          const ImageF& distance,
-                                          std::span<const std::string> names,
-                                          std::span<const double> areas_px);
-
 /// 1 where the whole pixel lies on the part.
 /// @param coverage  share of each pixel's footprint that lies on the part, in [0, 1]
 Mask whole_pixels(const ImageF& coverage);

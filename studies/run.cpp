@@ -132,8 +132,12 @@ class Run {
 
  private:
   void configure_run_log() {
-    configure_log({.to_stderr = options_.progress != Progress::Style::kNone,
-                   .file = options_.out / "log.txt"});
+    LogSettings settings = {.to_stderr = options_.progress != Progress::Style::kNone,
+                            .files = {options_.out / "log.txt"}};
+    if (!options_.log_file.empty()) {
+      settings.files.push_back(options_.log_file);
+    }
+    configure_log(settings);
     log(LogLevel::kInfo,
         "study {} with {} threads, {} jobs",
         study_.name,

@@ -18,6 +18,7 @@ struct RunOptions {
   int threads = 1;  ///< for tracing rays
   int jobs = 1;     ///< candidates at once
   Progress::Style progress = Progress::Style::kAuto;
+  std::filesystem::path log_file;               ///< beside the run's own log.txt; empty: none
   const std::atomic<int>* interrupt = nullptr;  ///< how often the user interrupted
 };
 

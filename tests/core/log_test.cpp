@@ -18,7 +18,7 @@ TEST(Log, ShowsWarningsOnStderrAndKeepsInfoInTheFile) {
   const TemporaryFolder folder;
   testing::internal::CaptureStderr();
   configure_log(
-      {.to_stderr = true, .stderr_level = LogLevel::kWarning, .file = folder / "log.txt"});
+      {.to_stderr = true, .stderr_level = LogLevel::kWarning, .files = {folder / "log.txt"}});
   log(LogLevel::kDebug, "detail {}", 1);
   log(LogLevel::kInfo, "step {}", 2);
   log(LogLevel::kWarning, "odd {}", 3);
@@ -43,8 +43,9 @@ TEST(Log, TakesTextWithBracesAsItIs) {
 TEST(ConfigureLog, SaysWhenTheFileCannotBeOpened) {
   const TemporaryFolder folder;
   write_file(folder / "plain", "x");
-  EXPECT_THAT(text_thrown_by<IoError>([&] { configure_log({.file = folder / "plain" / "log"}); }),
-              HasSubstr("plain/log"));
+  EXPECT_THAT(
+      text_thrown_by<IoError>([&] { configure_log({.files = {folder / "plain" / "log"}}); }),
+      HasSubstr("plain/log"));
 }
 
 }  // namespace

@@ -82,12 +82,12 @@ TEST(RegionOfInterest, LeavesOutTwoRadiiAroundADefect) {
 
 TEST(RegionOfInterest, RefusesToBeEmpty) {
   using ::testing::HasSubstr;
-  EXPECT_THAT(
-      [] { region_of_interest(ImageF(20, 20, 0.5f), {}); },
-      ::testing::ThrowsMessage<ConfigError>(HasSubstr("camera.object_pixel_mm: no pixel lies wholly")));
-  EXPECT_THAT(
-      [] { region_of_interest(ImageF(4, 4, 1.0f), {}); },
-      ::testing::ThrowsMessage<ConfigError>(HasSubstr("metrics.erosion_px: no pixel is left of 16")));
+  EXPECT_THAT([] { region_of_interest(ImageF(20, 20, 0.5f), {}); },
+              ::testing::ThrowsMessage<ConfigError>(
+                  HasSubstr("camera.object_pixel_mm: no pixel lies wholly")));
+  EXPECT_THAT([] { region_of_interest(ImageF(4, 4, 1.0f), {}); },
+              ::testing::ThrowsMessage<ConfigError>(
+                  HasSubstr("metrics.erosion_px: no pixel is left of 16")));
 }
 
 TEST(DiscView, IsCutAtTheImageBorder) {
@@ -98,34 +98,6 @@ TEST(DiscView, IsCutAtTheImageBorder) {
   EXPECT_EQ(view.distance.height(), 12);  // 2 + 5 x 2
   EXPECT_FLOAT_EQ(view.distance(2, 3), 0.5f * std::hypot(1.5f, 1.5f));
   EXPECT_NEAR(view.area_px, 12.56637, 1e-5);
-}
-
-TEST(ViewsFromLabels, AgreeWithDiscsThatDoNotTouch) {
-  const std::vector<std::string> names = {"a", "b", "gone"};
-  const std::vector<double> areas_px = {0.0, 7.0, 3.0};
-  Image<std::uint16_t> labels(60, 30);
-  ImageF distance(60, 30, DefectView::kFar);
-  const std::vector<DefectView> discs = {disc_view("a", 12.0, 15.0, 2.0, 60, 30),
-                                         disc_view("b", 40.0, 14.0, 1.5, 60, 30)};
-  for (std::size_t k = 0; k < discs.size(); ++k) {
-    for (int y = 0; y < discs[k].distance.height(); ++y) {
-      for (int x = 0; x < discs[k].distance.width(); ++x) {
-        labels(discs[k].left_px + x, discs[k].top_px + y) = static_cast<std::uint16_t>(k + 1);
-        distance(discs[k].left_px + x, discs[k].top_px + y) = discs[k].distance(x, y);
-      }
-    }
-  }
-  const std::vector<DefectView> views = views_from_labels(labels, distance, names, areas_px);
-  ASSERT_EQ(views.size(), 3U);
-  for (std::size_t k = 0; k < 2; ++k) {
-    EXPECT_EQ(views[k].label, names[k]);
-    EXPECT_EQ(views[k].left_px, discs[k].left_px);
-    EXPECT_EQ(views[k].top_px, discs[k].top_px);
-    EXPECT_EQ(views[k].distance, discs[k].distance);
-  }
-  EXPECT_EQ(views[0].area_px, 12.0);  // (i + 1/2)^2 + (j + 1/2)^2 <= 4: three in each quadrant
-  EXPECT_EQ(views[1].area_px, 7.0);
-  EXPECT_TRUE(views[2].distance.empty());
 }
 
 }  // namespace

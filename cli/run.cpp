@@ -26,31 +26,68 @@ void on_interrupt(int /*signal*/) {
   }
 }
 
-std::string score_text(const Json& scores, const char* name) {
-  return scores.contains(name) ? fmt::format("{:.2f} %", 100.0 * scores[name].get<double>()) : "-";
+std::string score_text(const Json& scores, const std::string& name) {
+  if (!scores.is_object() || !scores.contains(name)) {
+    return "-";
+  }
+  const auto value = scores[name].get<double>();
+  return name.starts_with("homogeneity.h_") ? fmt::format("{:.2f} %", 100.0 * value)
+                                            : fmt::format("{:.4g}", value);
 }
 
-std::string row(const std::string& name, const Json& scores) {
-  return fmt::format("  {:<24} {:>10} {:>10}\n",
-                     name,
-                     score_text(scores, "homogeneity.h_rms"),
-                     score_text(scores, "homogeneity.h_abs"));
-}
+/// A table of designs with the scores people ask for first.
+class ScoreTable {
+ public:
+  explicit ScoreTable(const Json& result) {
+    const std::string objective = result.value("objective", "");
+    if (!objective.empty() && !objective.starts_with("homogeneity.h_")) {
+      names_.push_back(objective);
+    }
+    names_.insert(names_.end(), {"homogeneity.h_rms", "homogeneity.h_abs", "defects.min_cnr"});
+    text_ = fmt::format("  {:<24}", "");
+    for (const std::string& name : names_) {
+      text_ += fmt::format(" {:>12}", name.substr(name.rfind('.') + 1));
+    }
+    text_ += "\n";
+  }
+
+  void add(const std::string& design, const Json& scores) {
+    text_ += fmt::format("  {:<24}", design);
+    for (const std::string& name : names_) {
+      text_ += fmt::format(" {:>12}", score_text(scores, name));
+    }
+    text_ += "\n";
+  }
+
+  void add_prototypes(const Json& result) {
+    for (const auto& [name, prototype] : result["prototypes"].items()) {
+      add(name, prototype["scores"]);
+    }
+  }
+
+  const std::string& text() const { return text_; }
+
+ private:
+  std::vector<std::string> names_;
+  std::string text_;
+};
 
 std::string summary(const Json& result) {
   std::string text = fmt::format("{}: {} evaluations, {} failed\n",
                                  result["status"].get<std::string>(),
                                  result["evaluations"].get<int>(),
                                  result["failed"].get<int>());
-  text += fmt::format("  {:<24} {:>10} {:>10}\n", "", "h_rms", "h_abs");
-  text += row("baseline", result["baseline"]["scores"]);
-  for (const auto& [name, prototype] : result["prototypes"].items()) {
-    text += row(name, prototype["scores"]);
+  ScoreTable table(result);
+  table.add("baseline", result["baseline"]["scores"]);
+  table.add_prototypes(result);
+  const bool has_winner = !result["best"].is_null();
+  if (has_winner) {
+    table.add(fmt::format("winner (trial {})", result["best"]["trial"].get<int>()),
+              result["best"]["scores"]);
+    table.add("winner, re-scored", result["rescored"]["best"]);
   }
-  if (!result["best"].is_null()) {
-    text += row(fmt::format("winner (trial {})", result["best"]["trial"].get<int>()),
-                result["best"]["scores"]);
-    text += row("winner, re-scored", result["rescored"]["best"]);
+  text += table.text();
+  if (has_winner) {
     for (const auto& [name, value] : result["best"]["variables"].items()) {
       text += fmt::format("  {} = {}\n", name, value.dump());
     }
@@ -88,11 +125,10 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
   const Json result = check_study(study, common.threads, jobs_of(arguments, common));
   std::string text = fmt::format(
       "{}: the study is sound, {} variables\n", study.name, result["variables"].get<std::size_t>());
-  text += fmt::format("  {:<24} {:>10} {:>10}\n", "", "h_rms", "h_abs");
-  text += row("baseline", result["baseline"]["scores"]);
-  for (const auto& [name, prototype] : result["prototypes"].items()) {
-    text += row(name, prototype["scores"]);
-  }
+  ScoreTable table(result);
+  table.add("baseline", result["baseline"]["scores"]);
+  table.add_prototypes(result);
+  text += table.text();
   for (const Json& note : result["baseline"]["notes"]) {
     text += "  note: " + note.get<std::string>() + "\n";
   }

@@ -243,6 +243,9 @@ class Run {
                    {"status", status_of(search, study_.has_search())},
                    {"evaluations", search.evaluations},
                    {"failed", search.failed}};
+    if (study_.has_objective) {
+      result["objective"] = study_.goal.objective.name;
+    }
     Json rescored = Json::object();
     result["best"] = nullptr;
     if (search.best) {
@@ -305,31 +308,26 @@ class Run {
 
 /// Variables that change no score between the ends of their range, the others at the baseline: a
 /// key of another shape, most often.
-std::vector<std::string> idle_variables(SceneStore& store,
-                                        const Study& study,
-                                        const Scores& baseline) {
+std::vector<std::string> idle_variables(SceneStore& store, const Study& study) {
   std::vector<std::string> idle;
   const Point start = baseline_point(study);
   for (std::size_t i = 0; i < study.space.variables.size(); ++i) {
     const Variable& variable = study.space.variables[i];
-    if (!is_active(study.space, start, i)) {
-      continue;
-    }
-    const bool is_choice = variable.kind == Variable::Kind::kChoice;
-    const double last = static_cast<double>(variable.choices.size()) - 1.0;
-    bool changes = false;
-    for (const double value : {is_choice ? 0.0 : variable.low, is_choice ? last : variable.high}) {
+    const auto scores_at = [&](double value) {
       Point point = start;
       point[i] = value;
-      try {
-        const Overrides overrides = overrides_of(study, canonical(study.space, point));
-        changes = changes || evaluate(store, scene_with(study, overrides)).scores != baseline;
-      } catch (const ConfigError&) {
-        changes = true;  // a design that cannot be built is a change
+      const Overrides overrides = overrides_of(study, canonical(study.space, point));
+      return evaluate(store, scene_with(study, overrides)).scores;
+    };
+    const bool is_choice = variable.kind == Variable::Kind::kChoice;
+    const double last = static_cast<double>(variable.choices.size()) - 1.0;
+    try {
+      if (is_active(study.space, start, i) && scores_at(is_choice ? 0.0 : variable.low) ==
+                                                  scores_at(is_choice ? last : variable.high)) {
+        idle.push_back(variable.name);
       }
-    }
-    if (!changes) {
-      idle.push_back(variable.name);
+    } catch (const ConfigError&) {
+      continue;  // an end that cannot be built: the variable does act
     }
   }
   return idle;
@@ -364,7 +362,8 @@ Json check_study(const Study& study, int threads, int jobs) {
           {"status", "done"},
           {"name", study.name},
           {"variables", study.space.variables.size()},
-          {"idle_variables", idle_variables(store, study, baseline.scores)},
+          {"objective", study.goal.objective.name},
+          {"idle_variables", idle_variables(store, study)},
           {"baseline",
            {{"scores", scores_json(baseline.scores)},
             {"notes", scene_notes(study.scene, baseline.scores)}}},

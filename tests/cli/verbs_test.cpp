@@ -151,6 +151,17 @@ TEST(Check, PredictsWithoutWriting) {
   EXPECT_EQ(folder.count(), 1);
 }
 
+// An ellipse has no radius; a semicylinder does.
+TEST(Check, NamesVariablesThatChangeNothing) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", small_study());
+  EXPECT_TRUE(json_of(folder, {"check", "study.toml"})["idle_variables"].empty());
+  const Json json =
+      json_of(folder, {"check", "study.toml", "--set", "lighting.tunnel.shape=ellipse"});
+  ASSERT_EQ(json["idle_variables"].size(), 1U);
+  EXPECT_EQ(json["idle_variables"][0], "lighting.tunnel.radius_mm");
+}
+
 TEST(Render, WritesPicturesOfTheStudysOwnScene) {
   const TemporaryFolder folder;
   write_file(folder / "study.toml", mixed_study());
@@ -227,6 +238,9 @@ TEST(LogOption, AlsoWritesTheLogThere) {
   write_file(folder / "study.toml", small_study());
   json_of(folder, {"check", "study.toml", "--log", "check.log"});
   EXPECT_TRUE(fs::exists(folder / "check.log"));
+  json_of(folder, {"run", "study.toml", "--out", "o", "--log", "run.log"});
+  EXPECT_THAT(read_file(folder / "run.log"), HasSubstr("writing winner"));
+  EXPECT_THAT(read_file(folder / "o" / "log.txt"), HasSubstr("writing winner"));
   const ProgramResult below =
       glint_in(folder, {"check", "study.toml", "--log", "study.toml/x.log"});
   EXPECT_EQ(below.code, 3);

@@ -124,7 +124,7 @@ class Run {
             search.evaluations);
       }
     }
-    const Json result = finish(storage, search);
+    Json result = finish(storage, search);
     write_run_json(search);
     folder.keep();
     return result;
@@ -192,7 +192,7 @@ class Run {
     return {{"title", title}, {"role", role}, {"variables", variables}};
   }
 
-  Json write(const std::string& key, const SceneSettings& scene, Json head) {
+  Json write(const std::string& key, const SceneSettings& scene, const Json& head) {
     log(LogLevel::kInfo, "writing {}", key);
     Json json;
     try {

@@ -203,8 +203,9 @@ class RowTracer {
     const int per_axis = context_.settings.rays_per_axis;
     std::vector<Seen> seen(static_cast<std::size_t>(cache_.width_px));
     for (int sample = 0; sample < cache_.samples; ++sample) {
-      const Vector2d offset((sample % per_axis + 0.5) / per_axis,
-                            (sample / per_axis + 0.5) / per_axis);
+      const int row = sample / per_axis;
+      const int column = sample % per_axis;
+      const Vector2d offset((column + 0.5) / per_axis, (row + 0.5) / per_axis);
       for (int x = 0; x < cache_.width_px; x += kPacketSize) {
         trace_pixels({.x = x, .y = y, .sample = sample}, offset, seen, counts);
       }

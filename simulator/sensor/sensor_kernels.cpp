@@ -109,6 +109,8 @@ GLINT_CLONES void quantise(int levels, int width, float* __restrict values) {
   const auto up = static_cast<float>(levels);
   const float down = 1.0f / up;
   for (int x = 0; x < width; ++x) {
+    // NOLINTNEXTLINE(bugprone-incorrect-roundings): values lie in [0, 1], and lround is no loop's
+    // friend
     values[x] = static_cast<float>(static_cast<std::int32_t>(values[x] * up + 0.5f)) * down;
   }
 }

@@ -189,7 +189,7 @@ void hit_superellipse(const RayBlock& rays,
                       float height_mm,
                       float exponent,
                       float* t_mm) {
-  constexpr int kSteps = 7;
+  constexpr int kSteps = 5;
   const float per_width = 1.0F / half_width_mm;
   const float per_height = 1.0F / height_mm;
   superellipse_start(rays, base_mm, per_width, per_height, t_mm);

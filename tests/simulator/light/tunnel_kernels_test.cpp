@@ -90,6 +90,30 @@ TEST_P(TunnelKernels, AgreeWithTheExactHitInDouble) {
   EXPECT_LE(disagreements, 2);
 }
 
+// From a rhombus to nearly a rectangle: the same number of steps of Newton's method is enough.
+TEST(HitSuperellipse, AgreesWithTheExactHitForEveryExponent) {
+  const int count = 2000;
+  const RandomRays rays(count);
+  std::vector<float> x(count);
+  std::vector<float> q(count);
+  std::vector<float> gain(count);
+  for (const double exponent : {1.0, 1.5, 2.0, 6.0, 20.0}) {
+    const Tunnel tunnel({.shape = Shape::kSuperellipse,
+                         .half_width_mm = 90.0,
+                         .height_mm = 120.0,
+                         .exponent = exponent,
+                         .slot_mm = 0.0});
+    tunnel.hit_block(rays.block(), x.data(), q.data(), gain.data());
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      const auto exact = tunnel.hit(rays.ray(i));
+      if (exact && gain[i] > 0.0F) {
+        EXPECT_NEAR(static_cast<double>(x[i]), exact->point_mm.x(), 1e-3 + 1e-5 * exact->t_mm)
+            << "exponent " << exponent << ", ray " << i;
+      }
+    }
+  }
+}
+
 // Oblique stripes and the cosine law take normal and arc length from the profile.
 TEST_P(TunnelKernels, PatternCoordinateAndCosineFollowTheExactHit) {
   const TunnelSettings settings = {.shape = GetParam(),

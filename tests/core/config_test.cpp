@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/rng.h"
-#include "tests/core/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace glint {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/file.h"
 #include "core/rng.h"
 #include "core/units.h"
-#include "tests/core/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace glint {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/config.h"
 #include "core/file.h"
-#include "tests/core/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace glint {
 namespace {

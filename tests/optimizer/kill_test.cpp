@@ -21,8 +21,6 @@
 namespace glint {
 namespace {
 
-using test::TemporaryFolder;
-
 constexpr std::size_t kNumKills = 50;
 
 SearchTask killable_task() {

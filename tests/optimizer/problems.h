@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Small spaces, functions and a temporary folder for the tests of the optimiser.
+// Small spaces and functions for the tests of the optimiser.
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -16,30 +15,9 @@
 #include "optimizer/algorithm.h"
 #include "optimizer/search.h"
 #include "optimizer/space.h"
+#include "tests/support/temporary_folder.h"
 
 namespace glint::test {
-
-/// A folder that goes away with the test.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "glint_test_XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 inline SearchSpace box(int num_dimensions, double low, double high) {
   SearchSpace space;

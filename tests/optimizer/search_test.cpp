@@ -18,7 +18,6 @@ namespace {
 
 using test::box;
 using test::identity;
-using test::TemporaryFolder;
 using testing::HasSubstr;
 
 /// Minimises "loss" in a box.

@@ -18,7 +18,6 @@ namespace glint {
 namespace {
 
 using test::identity;
-using test::TemporaryFolder;
 using testing::HasSubstr;
 
 std::string open_error(const std::filesystem::path& path, const std::string& hash = "abc") {

@@ -5,9 +5,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "core/file.h"
+#include "tests/support/temporary_folder.h"
 
 namespace glint {
 namespace {
@@ -17,21 +17,12 @@ namespace fs = std::filesystem;
 /// A study file that is removed again.
 class StudyFile {
  public:
-  explicit StudyFile(const std::string& text)
-      : folder_(fs::temp_directory_path() / ("glint_study_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-    write_file(path(), text);
-  }
-
-  ~StudyFile() { fs::remove_all(folder_); }
-
-  StudyFile(const StudyFile&) = delete;
-  StudyFile& operator=(const StudyFile&) = delete;
+  explicit StudyFile(const std::string& text) { write_file(path(), text); }
 
   fs::path path() const { return folder_ / "s.toml"; }
 
  private:
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 std::string error_of(const std::string& text, const std::vector<KeyValue>& sets = {}) {

@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/units.h"
 #include "simulator/geometry/mesh_io.h"
-#include "tests/core/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
 
 namespace glint {

@@ -10,7 +10,7 @@
 #include "core/units.h"
 #include "simulator/geometry/mesh_io.h"
 #include "simulator/geometry/mesh_report.h"
-#include "tests/core/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace glint {
 namespace {

@@ -48,6 +48,7 @@ struct StudyArguments {
 int run_command(const StudyArguments& arguments, const CommonArguments& common);
 int check_command(const StudyArguments& arguments, const CommonArguments& common);
 int render_command(const StudyArguments& arguments, const CommonArguments& common);
+int frontier_command(const StudyArguments& arguments, const CommonArguments& common);
 
 struct ReportArguments {
   std::vector<std::filesystem::path> runs;

@@ -81,6 +81,14 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
                               line);
   add_sets(*render, line.study);
   render->add_option("--out", line.study.out, "folder for the pictures")->required();
+  CLI::App* frontier =
+      add_verb(app,
+               "frontier",
+               "chart error against time of every method of rendering",
+               "glint frontier studies/gallery/tunnel_shape/study.toml --out out/f",
+               line);
+  add_sets(*frontier, line.study);
+  frontier->add_option("--out", line.study.out, "folder for chart and numbers")->required();
 }
 
 void add_other_verbs(CLI::App& app, CommandLine& line) {
@@ -145,6 +153,9 @@ int dispatch(const CLI::App& app, const CommandLine& line) {
   }
   if (app.got_subcommand("render")) {
     return render_command(line.study, line.common);
+  }
+  if (app.got_subcommand("frontier")) {
+    return frontier_command(line.study, line.common);
   }
   if (app.got_subcommand("report")) {
     return report_command(line.report, line.common);

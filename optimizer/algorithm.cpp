@@ -19,8 +19,19 @@ namespace glint {
 
 namespace {
 
-constexpr std::array<std::string_view, 10> kNames = {
-    "auto", "sobol", "random", "direct_l", "crs2", "isres", "mlsl", "bobyqa", "sbplx", "cobyla"};
+constexpr std::array<std::string_view, 13> kNames = {"auto",
+                                                     "sobol",
+                                                     "random",
+                                                     "direct_l",
+                                                     "crs2",
+                                                     "isres",
+                                                     "mlsl",
+                                                     "bobyqa",
+                                                     "sbplx",
+                                                     "cobyla",
+                                                     "slsqp",
+                                                     "mma",
+                                                     "lbfgs"};
 
 constexpr int kPointsPerCombination = 4;
 constexpr double kMaxMixedDesign = 64.0;
@@ -54,7 +65,7 @@ class Sampling final : public Algorithm {
     return std::nullopt;
   }
 
-  void tell(const Point& /*point*/, double /*merit*/, bool /*is_failed*/) override {}
+  void tell(const Point& /*point*/, const Answer& /*answer*/) override {}
 
  private:
   Point next_point() {
@@ -106,6 +117,19 @@ void check_settings(const SearchSettings& settings) {
   throw_if_any(errors);
 }
 
+/// Rounding has no derivative.
+void check_smooth(const SearchSpace& space, const std::string& algorithm) {
+  std::vector<std::string> errors;
+  for (const Variable& variable : space.variables) {
+    if (is_continuous(variable) && variable.step > 0.0 && num_values(variable) > 1.0) {
+      errors.emplace_back("variable \"" + variable.name + "\": has a step of " +
+                          shortest(variable.step) + ", but search.algorithm " + algorithm +
+                          " needs derivatives; allowed: no step, or an algorithm without them");
+    }
+  }
+  throw_if_any(errors);
+}
+
 }  // namespace
 
 std::vector<Event> Algorithm::take_events() {
@@ -118,6 +142,10 @@ void Algorithm::add_event(EventKind kind, int run, std::string text) {
 
 std::span<const std::string_view> algorithm_names() {
   return kNames;
+}
+
+bool needs_gradient(std::string_view algorithm) {
+  return is_gradient_method(algorithm);
 }
 
 int design_size(const SearchSpace& space, const SearchSettings& settings) {
@@ -154,7 +182,8 @@ FailurePolicy failure_policy(const SearchSpace& space, const SearchSettings& set
 
 std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
                                           const SearchSettings& settings,
-                                          std::vector<Point> start_points) {
+                                          std::vector<Point> start_points,
+                                          int num_limits) {
   check(space);
   check_settings(settings);
   if (space.variables.empty()) {
@@ -167,12 +196,16 @@ std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
   if (!is_nlopt_method(name)) {
     return std::make_unique<Sampling>(space, settings, std::move(start_points));
   }
+  if (needs_gradient(name)) {
+    check_smooth(space, name);
+  }
   const bool needs_design = settings.design > 0 || has_discrete(space) ||
                             (settings.algorithm == "auto" && is_local_method(name));
   MultiStartPlan plan{.method = name,
                       .seed = settings.seed,
                       .batch = settings.batch,
                       .num_design = needs_design ? design_size(space, settings) : 0,
+                      .num_limits = is_gradient_method(name) ? num_limits : 0,
                       .tolerance = settings.tolerance,
                       .patience_s = settings.watchdog_s};
   return std::make_unique<MultiStart>(space, plan, std::move(start_points), nlopt_body);

@@ -10,6 +10,13 @@
 // bobyqa          quadratic model, restarted; best when scores are smooth and free of noise
 // cobyla          linear model, restarted; the local method that noise disturbs least
 // sbplx           simplex, restarted; for kinks and steps
+// slsqp           quadratic model with exact derivatives and limits, restarted
+// mma             separable convex models with exact derivatives and limits, restarted; for dozens
+// of
+//                 variables
+// lbfgs           quasi-Newton with exact derivatives, restarted; for goals without limits, which
+// it
+//                 can keep to at the cost of more evaluations
 // auto            1 or 2 float variables: direct_l; noisy: cobyla; else bobyqa
 //
 // Why `auto` chooses so (four 6-D to 12-D test functions, multi-start): without noise BOBYQA leaves
@@ -22,6 +29,9 @@
 // NLopt's methods know only continuous variables. In a space with choices or integers a Sobol
 // design over all variables comes first; then they search the continuous ones at the best designs
 // found, and restarts try the neighbouring choices and integers.
+//
+// slsqp, mma and lbfgs need derivatives (needs_gradient()). They are told objective and limits
+// apart, not the merit with its penalties, which has kinks at the limits.
 #pragma once
 
 #include <cstdint>
@@ -32,6 +42,7 @@
 #include <string_view>
 #include <vector>
 
+#include "optimizer/answer.h"
 #include "optimizer/space.h"
 #include "optimizer/trial.h"
 
@@ -65,8 +76,14 @@ class Algorithm {
   /// The next point, canonical in the space; may be one it asked before. Empty: every design of a
   /// finite space has been asked.
   virtual std::optional<Point> ask() = 0;
-  /// The merit, finite, of the oldest point not told yet. A failed one never counts as best.
-  virtual void tell(const Point& point, double merit, bool is_failed) = 0;
+  /// What is known of the oldest point not told yet; slopes by unit coordinate, one per variable of
+  /// the space, when needs_gradient() and not failed. A failed one never counts as best.
+  virtual void tell(const Point& point, const Answer& answer) = 0;
+
+  /// The same without slopes.
+  void tell(const Point& point, double merit, bool is_failed) {
+    tell(point, Answer{.merit = merit, .is_failed = is_failed, .objective = {.value = merit}});
+  }
 
   /// Replay only: the run of this number was abandoned within the next ask().
   virtual void abandon_run(int /*run*/) {}
@@ -83,6 +100,9 @@ class Algorithm {
 
 std::span<const std::string_view> algorithm_names();
 
+/// Whether a method stands on derivatives: slsqp, mma, lbfgs.
+bool needs_gradient(std::string_view algorithm);
+
 /// max(8, 2 d + 2) for d variables; with choices or integers also four per combination of their
 /// values, up to 64. Rounded up to whole batches.
 int design_size(const SearchSpace& space, const SearchSettings& settings);
@@ -93,9 +113,12 @@ std::string resolved_algorithm(const SearchSpace& space, const SearchSettings& s
 FailurePolicy failure_policy(const SearchSpace& space, const SearchSettings& settings);
 
 /// @param start_points  asked first, in order, made canonical
-/// @throws ConfigError for a wrong space, an unknown name or settings out of range
+/// @param num_limits    limits in every answer: num_limits(goal)
+/// @throws ConfigError for a wrong space, an unknown name, settings out of range, or a float with a
+///                     step when the algorithm needs derivatives
 std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
                                           const SearchSettings& settings,
-                                          std::vector<Point> start_points);
+                                          std::vector<Point> start_points,
+                                          int num_limits = 0);
 
 }  // namespace glint

@@ -21,10 +21,10 @@ struct AskTellThread::Shared {
   bool is_stopping = false;
   bool is_finished = false;
   std::vector<double> point;
-  double value = 0.0;
+  Answer answer;
   std::string ending;
 
-  std::optional<double> call(const std::vector<double>& x) {
+  std::optional<Answer> call(const std::vector<double>& x) {
     std::unique_lock lock(mutex);
     if (is_stopping) {
       return std::nullopt;
@@ -36,7 +36,7 @@ struct AskTellThread::Shared {
     if (is_stopping) {
       return std::nullopt;
     }
-    return value;
+    return answer;
   }
 
   void finish(std::string why) {
@@ -91,10 +91,10 @@ AskTellThread::Status AskTellThread::ask() {
   return Status::kAsked;
 }
 
-void AskTellThread::tell(double value) {
+void AskTellThread::tell(Answer answer) {
   const std::lock_guard lock(shared_->mutex);
   GLINT_CHECK(shared_->turn == Shared::Turn::kOwner, "tell() answers an ask()");
-  shared_->value = value;
+  shared_->answer = std::move(answer);
   shared_->turn = Shared::Turn::kBody;
   shared_->changed.notify_all();
 }

@@ -18,12 +18,15 @@
 #include <thread>
 #include <vector>
 
+#include "optimizer/answer.h"
+
 namespace glint {
 
 class AskTellThread {
  public:
-  /// Evaluates a point; empty means: stop now and return. Valid only on the body's thread.
-  using Call = std::function<std::optional<double>(const std::vector<double>&)>;
+  /// Evaluates a point; empty means: stop now and return. Valid only on the body's thread. Slopes
+  /// are by the coordinates of that point.
+  using Call = std::function<std::optional<Answer>(const std::vector<double>&)>;
   /// The optimiser. Returns, or throws, when it has finished; the text says why.
   using Body = std::function<std::string(const Call&)>;
 
@@ -43,7 +46,7 @@ class AskTellThread {
   /// Waits for the next question.
   Status ask();
   /// Answers it. Must follow an ask() that gave kAsked.
-  void tell(double value);
+  void tell(Answer answer);
   /// Asks the body to end; true when it did so within the patience. After that, or after
   /// abandoning, ask() gives kFinished or kAbandoned only.
   bool stop();

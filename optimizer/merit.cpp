@@ -22,10 +22,81 @@ double minimised(const Objective& objective, const Scores& scores) {
   return (objective.is_maximised ? -value : value) + 0.0;
 }
 
+/// What a violation is a part of.
+double unit_of(double limit) {
+  return limit == 0.0 ? 1.0 : std::abs(limit);
+}
+
 /// How far `excess` beyond a limit is, as a part of the limit.
 double relative(double excess, double limit) {
-  const double unit = limit == 0.0 ? 1.0 : std::abs(limit);
-  return std::min(excess / unit, kMaxViolation);
+  return std::min(excess / unit_of(limit), kMaxViolation);
+}
+
+/// One border of a constraint; its sign times the score must stay below sign times the border.
+struct Limit {
+  double border = 0.0;
+  double sign = 1.0;
+  double margin = 0.0;
+};
+
+std::vector<Limit> limits_of(const Constraint& constraint) {
+  std::vector<Limit> limits;
+  if (constraint.min) {
+    limits.push_back({*constraint.min, -1.0, MeritFunction::kLimitMargin});
+  }
+  if (constraint.max) {
+    limits.push_back({*constraint.max, 1.0, MeritFunction::kLimitMargin});
+  }
+  if (constraint.min && constraint.max) {
+    // Room must remain between the two.
+    for (Limit& limit : limits) {
+      const double room = (*constraint.max - *constraint.min) / unit_of(limit.border);
+      limit.margin = std::min(limit.margin, 0.25 * room);
+    }
+  }
+  return limits;
+}
+
+/// factor * d(score) / d(unit coordinate); empty when not known by all that can be varied.
+std::vector<double> slopes_of(const SearchSpace& space,
+                              const Point& point,
+                              const Outcome& outcome,
+                              const std::string& score,
+                              double factor) {
+  const auto it = outcome.gradients.find(score);
+  if (it == outcome.gradients.end() || it->second.size() != point.size()) {
+    return {};
+  }
+  std::vector<double> slopes(point.size(), 0.0);
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    const double scale = slope_at(space, point, i);
+    if (scale == 0.0) {
+      continue;
+    }
+    if (!std::isfinite(it->second[i])) {
+      return {};
+    }
+    slopes[i] = std::clamp(factor * it->second[i] * scale, -kMaxMerit, kMaxMerit);
+  }
+  return slopes;
+}
+
+/// Names of the variables by which a derivative is needed and missing.
+std::vector<std::string> missing_derivatives(const SearchSpace& space,
+                                             const Point& point,
+                                             const Outcome& outcome,
+                                             const std::string& score) {
+  const auto it = outcome.gradients.find(score);
+  const bool has_gradient =
+      it != outcome.gradients.end() && it->second.size() == space.variables.size();
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    const bool is_known = has_gradient && std::isfinite(it->second[i]);
+    if (!is_known && slope_at(space, point, i) != 0.0) {
+      names.push_back(space.variables[i].name);
+    }
+  }
+  return names;
 }
 
 std::string problem_with_score(const Scores& scores,
@@ -77,6 +148,33 @@ std::string problem_with(const Goal& goal, const Scores& scores) {
   return problem;
 }
 
+std::string problem_with_gradients(const SearchSpace& space,
+                                   const Goal& goal,
+                                   const Point& point,
+                                   const Outcome& outcome) {
+  std::vector<std::string> scores = {goal.objective.name};
+  for (const Constraint& constraint : goal.constraints) {
+    if (violation(constraint, outcome.scores.at(constraint.name)) > 0.0) {
+      scores.push_back(constraint.name);
+    }
+  }
+  for (const std::string& score : scores) {
+    const std::vector<std::string> names = missing_derivatives(space, point, outcome, score);
+    if (!names.empty()) {
+      return "no derivative of " + score + " by " + join(names, ", ");
+    }
+  }
+  return "";
+}
+
+int num_limits(const Goal& goal) {
+  int count = 0;
+  for (const Constraint& constraint : goal.constraints) {
+    count += (constraint.min ? 1 : 0) + (constraint.max ? 1 : 0);
+  }
+  return count;
+}
+
 double violation(const Constraint& constraint, double score) {
   if (constraint.min && score < *constraint.min) {
     return relative(*constraint.min - score, *constraint.min);
@@ -113,11 +211,11 @@ bool is_better(const Goal& goal, const Scores& a, const Scores& b) {
 MeritFunction::MeritFunction(SearchSpace space, Goal goal, FailurePolicy policy, int num_scale)
     : space_(std::move(space)), goal_(std::move(goal)), policy_(policy), num_scale_(num_scale) {}
 
-double MeritFunction::next(const Point& point, const Outcome& outcome) {
+Answer MeritFunction::next(const Point& point, const Outcome& outcome) {
   std::vector<double> unit = unit_from_point(space_, point);
   ++num_told_;
   if (outcome.is_failed) {
-    return failed_merit(unit);
+    return {.merit = failed_merit(unit), .is_failed = true};
   }
   const double objective = minimised(goal_.objective, outcome.scores);
   if (num_told_ <= num_scale_ || !smallest_) {
@@ -130,7 +228,31 @@ double MeritFunction::next(const Point& point, const Outcome& outcome) {
   }
   const double merit = objective + penalty_scale() * penalty;
   told_.push_back({std::move(unit), std::clamp(merit, -kMaxMerit, kMaxMerit)});
-  return told_.back().merit;
+  Answer answer{.merit = told_.back().merit,
+                .objective = {.value = std::clamp(objective, -kMaxMerit, kMaxMerit)}};
+  if (!outcome.gradients.empty()) {
+    const double sign = goal_.objective.is_maximised ? -1.0 : 1.0;
+    answer.objective.slopes = slopes_of(space_, point, outcome, goal_.objective.name, sign);
+    add_limits(point, outcome, answer);
+  }
+  return answer;
+}
+
+void MeritFunction::add_limits(const Point& point, const Outcome& outcome, Answer& answer) const {
+  for (const Constraint& constraint : goal_.constraints) {
+    const double score = outcome.scores.at(constraint.name);
+    for (const Limit& limit : limits_of(constraint)) {
+      const double factor = limit.sign / unit_of(limit.border);
+      const double excess = factor * (score - limit.border) + limit.margin;
+      Sloped told{.value = std::clamp(excess, -kMaxViolation, kMaxViolation),
+                  .slopes = slopes_of(space_, point, outcome, constraint.name, factor)};
+      if (told.slopes.empty()) {
+        told.slopes.assign(point.size(), 0.0);
+        told.value = std::min(told.value, 0.0);
+      }
+      answer.limits.push_back(std::move(told));
+    }
+  }
 }
 
 void MeritFunction::widen_spread(double objective) {

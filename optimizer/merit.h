@@ -10,6 +10,9 @@
 // The scale is kPenaltyFactor times the spread (largest minus smallest objective) of the first
 // evaluations told, as many as the initial design has; then it stays. It depends on nothing but
 // told outcomes in their order, so a replay finds the same one. See docs/theory/search.md.
+//
+// Gradient methods are told objective and limits apart, with their derivatives by the unit
+// coordinates, wherever an outcome holds derivatives.
 #pragma once
 
 #include <cstddef>
@@ -18,6 +21,7 @@
 #include <vector>
 
 #include "optimizer/algorithm.h"
+#include "optimizer/answer.h"
 #include "optimizer/space.h"
 #include "optimizer/trial.h"
 
@@ -49,6 +53,17 @@ void check(const Goal& goal);
 /// they can.
 std::string problem_with(const Goal& goal, const Scores& scores);
 
+/// Why a gradient method cannot go on from this judgeable outcome: no derivative of the objective,
+/// or of a score outside its limits, by a variable that is continuous and active at this point.
+/// Empty when it can.
+std::string problem_with_gradients(const SearchSpace& space,
+                                   const Goal& goal,
+                                   const Point& point,
+                                   const Outcome& outcome);
+
+/// Limits of all constraints: a min and a max count apart.
+int num_limits(const Goal& goal);
+
 /// How far a score is outside its limits, as a part of the limit (of 1 where the limit is 0);
 /// 0 inside, at most 1e6.
 double violation(const Constraint& constraint, double score);
@@ -66,12 +81,16 @@ class MeritFunction {
   static constexpr double kPenaltyFactor = 3.0;
   /// Told for failures before anything has succeeded.
   static constexpr double kUnknownMerit = 1e6;
+  /// How far inside a limit (as a part of it) methods that are told limits should end: they stop
+  /// within rounding of their border, on either side of it.
+  static constexpr double kLimitMargin = 1e-6;
 
   /// @param num_scale  outcomes that fix the penalty's scale, >= 1
   MeritFunction(SearchSpace space, Goal goal, FailurePolicy policy, int num_scale);
 
-  /// The merit of the next outcome in the order of telling.
-  double next(const Point& point, const Outcome& outcome);
+  /// What to tell of the next outcome in the order of telling. Its limits are, for each constraint,
+  /// first of min, then of max: (excess beyond the limit) / |limit| + kLimitMargin.
+  Answer next(const Point& point, const Outcome& outcome);
 
   double penalty_scale() const;
 
@@ -82,6 +101,7 @@ class MeritFunction {
   };
 
   void widen_spread(double objective);
+  void add_limits(const Point& point, const Outcome& outcome, Answer& answer) const;
   double failed_merit(const std::vector<double>& unit) const;
 
   SearchSpace space_;

@@ -65,18 +65,41 @@ std::optional<Point> MultiStart::ask() {
   return pending.point;
 }
 
-void MultiStart::tell(const Point& point, double merit, bool is_failed) {
+void MultiStart::tell(const Point& point, const Answer& answer) {
   GLINT_CHECK(!pending_.empty() && pending_.front().point == point, "told in the order of asking");
   const Pending pending = std::move(pending_.front());
   pending_.pop_front();
-  if (!is_failed && told_points_.insert(point).second) {
-    told_.push_back({point, merit});
+  if (!answer.is_failed && told_points_.insert(point).second) {
+    told_.push_back({point, answer.merit});
   }
   if (pending.slot) {
     Slot& slot = slots_[*pending.slot];
     slot.is_waiting = false;
-    slot.thread->tell(merit);
+    slot.thread->tell(answer_for(slot, answer));
   }
+}
+
+/// The answer with the slopes by the run's own variables only, as far as its method looks at them.
+Answer MultiStart::answer_for(const Slot& slot, const Answer& answer) const {
+  Answer result{.merit = answer.merit, .is_failed = answer.is_failed};
+  if (!is_gradient_method(plan_.method) || answer.is_failed) {
+    return result;
+  }
+  const auto picked = [&slot, this](const std::vector<double>& slopes) {
+    GLINT_CHECK(slopes.size() == space_.variables.size(), "told with one slope per variable");
+    std::vector<double> own;
+    for (const std::size_t variable : slot.variable) {
+      own.push_back(slopes[variable]);
+    }
+    return own;
+  };
+  GLINT_CHECK(answer.limits.size() == static_cast<std::size_t>(plan_.num_limits),
+              "told with as many limits as announced");
+  result.objective = {answer.objective.value, picked(answer.objective.slopes)};
+  for (const Sloped& limit : answer.limits) {
+    result.limits.push_back({limit.value, picked(limit.slopes)});
+  }
+  return result;
 }
 
 std::optional<std::size_t> MultiStart::free_slot() {
@@ -148,6 +171,7 @@ void MultiStart::begin_run(std::size_t index, const Start& start) {
   MethodRun run{.method = plan_.method,
                 .initial_step = start.step,
                 .tolerance = plan_.tolerance,
+                .num_limits = plan_.num_limits,
                 .seed = rng.next_u32(),
                 .is_first = slot.run == 0};
   for (const std::size_t variable : slot.variable) {

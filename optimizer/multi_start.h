@@ -31,6 +31,7 @@ struct MultiStartPlan {
   std::uint64_t seed = 1;
   int batch = 1;
   int num_design = 0;  ///< points asked before the first run, start points included
+  int num_limits = 0;  ///< told beside the objective to gradient methods
   double tolerance = 1e-4;
   double patience_s = 10.0;
 };
@@ -47,7 +48,8 @@ class MultiStart final : public Algorithm {
              BodyMaker make_body);
 
   std::optional<Point> ask() override;
-  void tell(const Point& point, double merit, bool is_failed) override;
+  using Algorithm::tell;
+  void tell(const Point& point, const Answer& answer) override;
 
   void abandon_run(int run) override { runs_to_abandon_.insert(run); }
 
@@ -82,6 +84,7 @@ class MultiStart final : public Algorithm {
   std::optional<std::size_t> free_slot();
   Pending ask_slot(std::size_t index);
   std::optional<Point> ask_run(Slot& slot);
+  Answer answer_for(const Slot& slot, const Answer& answer) const;
   void begin_run(std::size_t index, const Start& start);
   void set_box(MethodRun& run) const;
   std::vector<std::size_t> variables_to_search(const Point& point) const;

@@ -84,10 +84,10 @@ double SearchMemory::tell_next(const Goal& goal) {
   in_flight.pop_front();
   const Trial& told = trial(number);
   const Outcome& outcome = *told.outcome;
-  const double value = merit.next(told.point, outcome);
-  algorithm->tell(told.point, value, outcome.is_failed);
+  const Answer answer = merit.next(told.point, outcome);
+  algorithm->tell(told.point, answer);
   if (number <= num_told) {
-    return value;
+    return answer.merit;
   }
   num_told = number;
   ++since_better;
@@ -97,13 +97,13 @@ double SearchMemory::tell_next(const Goal& goal) {
     best = number;
     since_better = 0;
   }
-  return value;
+  return answer.merit;
 }
 
 SearchMemory make_memory(const SearchTask& task) {
   check(task.goal);
   std::unique_ptr<Algorithm> algorithm =
-      make_algorithm(task.space, task.settings, task.start_points);
+      make_algorithm(task.space, task.settings, task.start_points, num_limits(task.goal));
   return {.algorithm = std::move(algorithm),
           .merit = MeritFunction(task.space,
                                  task.goal,

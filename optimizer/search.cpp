@@ -240,19 +240,45 @@ class Search {
       outcome = {.is_failed = true, .message = error.what()};
     }
     outcome.seconds = seconds_since(start);
-    for (auto& [name, value] : outcome.scores) {
-      value += 0.0;  // no negative zeros: the database does not keep them
-    }
-    const std::string problem = outcome.is_failed ? "" : problem_with(task_.goal, outcome.scores);
-    if (!problem.empty()) {
-      outcome.is_failed = true;
-      outcome.message = problem;
-    }
+    make_storable(outcome);
+    fail_unusable(trial(number).point, outcome);
     storage_.record(TrialKind::kSearch, number, outcome);
     const std::lock_guard lock(mutex_);
     trial(number).outcome = std::move(outcome);
     count(trial(number));
     report(trial(number));
+  }
+
+  /// What the database does not keep: negative zeros, and gradients without an entry.
+  static void make_storable(Outcome& outcome) {
+    for (auto& [name, value] : outcome.scores) {
+      value += 0.0;
+    }
+    std::erase_if(outcome.gradients, [](const auto& entry) { return entry.second.empty(); });
+    for (auto& [name, gradient] : outcome.gradients) {
+      for (double& value : gradient) {
+        value += 0.0;
+      }
+    }
+  }
+
+  void fail_unusable(const Point& point, Outcome& outcome) const {
+    if (outcome.is_failed) {
+      return;
+    }
+    std::string problem = problem_with(task_.goal, outcome.scores);
+    const std::string algorithm = resolved_algorithm(task_.space, task_.settings);
+    if (problem.empty() && needs_gradient(algorithm)) {
+      problem = problem_with_gradients(task_.space, task_.goal, point, outcome);
+      if (!problem.empty()) {
+        problem += ", which " + algorithm + " needs; other algorithms do without";
+        problem += outcome.message.empty() ? "" : " (" + outcome.message + ")";
+      }
+    }
+    if (!problem.empty()) {
+      outcome.is_failed = true;
+      outcome.message = problem;
+    }
   }
 
   void count(const Trial& evaluated) {

@@ -58,7 +58,9 @@ struct SearchTask {
 
 /// Evaluates one design. Called from several threads when jobs > 1. What it throws as glint::Error
 /// becomes a failed trial with that message, except IoError, which ends the run (resumable); scores
-/// that cannot be judged do so too. The seconds of the outcome are filled in by the search.
+/// that cannot be judged do so too, and, where needs_gradient(algorithm), outcomes without the
+/// derivatives that problem_with_gradients() asks for. The seconds of the outcome are filled in by
+/// the search.
 using Evaluate = std::function<Outcome(const Point& point, int trial)>;
 
 /// Thrown by an Evaluate that gives up because of a second interrupt: nothing is recorded and the

@@ -343,6 +343,16 @@ Point canonical(const SearchSpace& space, std::span<const double> point) {
   return result;
 }
 
+double slope_at(const SearchSpace& space, std::span<const double> point, std::size_t index) {
+  check_size(space, point);
+  const Variable& variable = space.variables[index];
+  if (std::isfinite(num_values(variable)) || !is_active(space, point, index)) {
+    return 0.0;
+  }
+  return variable.is_log ? point[index] * (std::log(variable.high) - std::log(variable.low))
+                         : variable.high - variable.low;
+}
+
 bool is_continuous(const Variable& variable) {
   return variable.kind == Kind::kFloat;
 }

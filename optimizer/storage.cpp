@@ -55,6 +55,16 @@ CREATE TABLE event(
   text TEXT NOT NULL);
 )sql";
 
+/// Since schema 2; `variable` counts from 0 in the order of the point.
+constexpr const char* kGradientTable = R"sql(
+CREATE TABLE gradient(
+  kind TEXT NOT NULL, number INTEGER NOT NULL, score TEXT NOT NULL,
+  variable INTEGER NOT NULL,
+  value REAL, -- NULL is NaN
+  PRIMARY KEY (kind, number, score, variable)) WITHOUT ROWID;
+)sql";
+constexpr std::int64_t kFirstSchemaWithGradients = 2;
+
 template <class Enum, std::size_t N>
 std::string_view name_of(Enum value, const std::array<std::string_view, N>& names) {
   return names[static_cast<std::size_t>(value)];
@@ -189,6 +199,7 @@ void create(const std::filesystem::path& path, const StudyIdentity& identity) {
     database.run("PRAGMA application_id = " + std::to_string(kApplicationId));
     database.run("PRAGMA user_version = " + std::to_string(Storage::kSchema));
     database.run(kTables);
+    database.run(kGradientTable);
     Statement(database, "INSERT INTO study VALUES(1, ?, ?, ?, ?)")
         .bind(std::string_view(identity.config_hash))
         .bind(std::string_view(identity.config_text))
@@ -201,6 +212,21 @@ void create(const std::filesystem::path& path, const StudyIdentity& identity) {
   if (error) {
     throw IoError(path.string() + ": cannot be created: " + error.message());
   }
+}
+
+bool has_gradients(Database& database) {
+  return database.integer("PRAGMA user_version") >= kFirstSchemaWithGradients;
+}
+
+/// From schema 1 to 2, wholly or not at all.
+void upgrade(Database& database) {
+  if (has_gradients(database)) {
+    return;
+  }
+  Transaction transaction(database);
+  database.run(kGradientTable);
+  database.run("PRAGMA user_version = " + std::to_string(Storage::kSchema));
+  transaction.commit();
 }
 
 std::int64_t begin_session(Database& database) {
@@ -221,7 +247,7 @@ void insert_trial(Database& database, const Trial& trial) {
 }
 
 void delete_outcome(Database& database, TrialKind kind, int number) {
-  for (const char* table : {"value", "evaluation"}) {
+  for (const char* table : {"gradient", "value", "evaluation"}) {
     Statement(database, std::string("DELETE FROM ") + table + " WHERE kind = ? AND number = ?")
         .bind(name_of(kind, kTrialKinds))
         .bind(std::int64_t{number})
@@ -245,6 +271,40 @@ void insert_outcome(Database& database, TrialKind kind, int number, const Outcom
         .bind(std::string_view(name))
         .bind(value + 0.0)
         .run();
+  }
+  for (const auto& [score, gradient] : outcome.gradients) {
+    for (std::size_t i = 0; i < gradient.size(); ++i) {
+      Statement(database, "INSERT INTO gradient VALUES(?, ?, ?, ?, ?)")
+          .bind(name_of(kind, kTrialKinds))
+          .bind(std::int64_t{number})
+          .bind(std::string_view(score))
+          .bind(static_cast<std::int64_t>(i))
+          .bind(gradient[i] + 0.0)
+          .run();
+    }
+  }
+}
+
+/// Adds the recorded gradients to the trials that have an outcome.
+void read_gradients(Database& database,
+                    std::string_view kind,
+                    const std::map<int, std::size_t>& index_of,
+                    std::vector<Trial>& trials) {
+  Statement row(database,
+                "SELECT number, score, variable, value FROM gradient WHERE kind = ? "
+                "ORDER BY number, score, variable");
+  row.bind(kind);
+  while (row.step()) {
+    const auto it = index_of.find(static_cast<int>(row.integer(0)));
+    if (it == index_of.end() || !trials[it->second].outcome) {
+      continue;
+    }
+    std::vector<double>& gradient = trials[it->second].outcome->gradients[row.text(1)];
+    if (row.integer(2) != static_cast<std::int64_t>(gradient.size())) {
+      throw IoError(database.path().string() + ": a gradient of trial " +
+                    std::to_string(row.integer(0)) + " has holes, the study database is damaged");
+    }
+    gradient.push_back(row.real(3));
   }
 }
 
@@ -286,6 +346,7 @@ Storage Storage::open(const std::filesystem::path& path,
   state->database.run("PRAGMA journal_mode = WAL");
   state->database.run(options.is_synced ? "PRAGMA synchronous = FULL"
                                         : "PRAGMA synchronous = NORMAL");
+  upgrade(state->database);
   state->session = begin_session(state->database);
   return Storage(std::move(state));
 }
@@ -401,6 +462,9 @@ std::vector<Trial> Storage::trials(TrialKind kind) const {
     if (it != index_of.end() && trials[it->second].outcome) {
       trials[it->second].outcome->scores[value.text(1)] = value.real(2);
     }
+  }
+  if (has_gradients(state_->database)) {
+    read_gradients(state_->database, kind_name, index_of, trials);
   }
   return trials;
 }

@@ -7,7 +7,9 @@
 // transaction. Numbers come back bit for bit.
 //
 // Tables: study (one row), session (one row per process that ran it), trial, evaluation, value,
-// event. They are for reading with other tools too; the schema number is SQLite's user_version.
+// gradient, event. Schema 1 had no gradients; such a database is read as it is and upgraded when it
+// is opened for running. They are for reading with other tools too; the schema number is SQLite's
+// user_version.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +39,7 @@ struct StorageOptions {
 /// Safe to use from several threads.
 class Storage {
  public:
-  static constexpr int kSchema = 1;
+  static constexpr int kSchema = 2;
 
   /// Opens the study's database for running, or creates it; the folder must exist. Only one process
   /// may hold it; the lock ends with the process, however that ends.

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "optimizer/space.h"
 
@@ -21,6 +22,10 @@ struct Outcome {
   bool is_failed = false;
   std::string message;   ///< why it failed; may also hold a remark on a success
   double seconds = 0.0;  ///< wall clock of the evaluation; for budgets and reports only
+  /// Score name -> its derivative by each variable of the space, in the variable's own unit, in the
+  /// order of Point; NaN: not known. Of objective and limited scores, where needs_gradient() asks
+  /// for it; all of it is recorded.
+  std::map<std::string, std::vector<double>> gradients;
 };
 
 /// Why a design was evaluated.

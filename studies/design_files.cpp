@@ -177,8 +177,8 @@ Json write_design(SceneStore& store,
   // A longer sequence rendered into this folder before must not follow this one.
   for (int index = scene.scan.positions; fs::remove(frame_path(index)); ++index) {
   }
-  write_png(folder / "aspect.png", evaluation.scan.aspect, depth_of(scene.sensor));
-  write_exr(folder / "aspect.exr", evaluation.scan.aspect);
+  write_png(folder / "aspect.png", evaluation.aspect, depth_of(scene.sensor));
+  write_exr(folder / "aspect.exr", evaluation.aspect);
   write_mask_png(folder / "part_mask.png", evaluation.traced->part_mask);
   write_file(folder / "defects.json", defects_json(evaluation).dump(2) + "\n");
   write_file(folder / "scene.toml", to_toml(write_scene(scene)));

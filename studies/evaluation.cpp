@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "metrics/scatter.h"
+
 namespace glint {
 namespace {
 
@@ -17,93 +19,214 @@ double sigma_floor(const SensorSettings& sensor) {
 /// For each frame and defect, the values of the defect's own pixels.
 using FlawlessFrames = std::vector<std::vector<std::vector<float>>>;
 
+/// The sensor without noise, as it sees a flawless window.
+Sensor quiet_sensor(SensorSettings settings, const SeenPart& seen) {
+  settings.full_well_e = settings.read_noise_e = settings.dark_e = 0.0;
+  return Sensor(settings, seen.width_px, seen.height_px);
+}
+
 /// What the defects' pixels would show without the defects, and without noise.
 FlawlessFrames flawless_frames(const TracedScene& traced,
                                const Tunnel& tunnel,
                                const SceneSettings& scene) {
   FlawlessFrames frames(static_cast<std::size_t>(scene.scan.positions));
-  SensorSettings quiet = scene.sensor;
-  quiet.full_well_e = quiet.read_noise_e = quiet.dark_e = 0.0;
   const double dark = scene.sensor.full_well_e > 0.0
                           ? scene.sensor.dark_e * scene.sensor.gain / scene.sensor.full_well_e
                           : 0.0;
   for (std::size_t k = 0; k < traced.defects.size(); ++k) {
-    const RayCache& rays = traced.flawless[k];
     const DefectView& view = traced.views[k];
     const auto keep = [&](int index, const ImageF& grey) {
       std::vector<float>& values = frames[static_cast<std::size_t>(index)].emplace_back();
       for (const std::size_t pixel : traced.defects[k].inside) {
         const auto at = static_cast<int>(pixel);
-        const float value =
-            grey(at % traced.rays.width_px - view.left_px, at / traced.rays.width_px - view.top_px);
+        const int width = traced.seen().width_px;
+        const float value = grey(at % width - view.left_px, at / width - view.top_px);
         values.push_back(std::min(1.0F, value + static_cast<float>(dark)));
       }
     };
-    take_scan(rays,
-              tunnel,
-              Sensor(quiet, rays.width_px, rays.height_px),
-              scene.scan,
-              traced.camera_in_world_mm,
-              keep);
+    const Eigen::Vector3d& camera_mm = traced.camera_in_world_mm;
+    if (traced.is_sampled()) {
+      const RayCache& rays = traced.flawless[k];
+      take_scan(rays, tunnel, quiet_sensor(scene.sensor, rays), scene.scan, camera_mm, keep);
+    } else {
+      const CornerRays& rays = traced.flawless_corners[k];
+      const Footprints footprints(rays, tunnel, scene.scan, camera_mm);
+      scan_integrated(footprints, quiet_sensor(scene.sensor, rays), keep);
+    }
   }
   return frames;
 }
 
-void add_ray_scores(const Evaluation& evaluation, Scores& scores) {
-  const RayCounts& counts = evaluation.traced->rays.counts;
+/// The scan as the scene's method has it.
+struct Scan {
+  ImageF aspect;
+  ImageF deviation;  ///< of the aspect image's pixels; empty: none
+  Image<std::uint16_t> clipped_frames;
+  double hidden_share = 0.0;
+  ScanForm form;
+  Gradients gradients;
+};
+
+Scan as_scan(ScanResult result) {
+  Scan scan = {.aspect = std::move(result.aspect),
+               .clipped_frames = std::move(result.sums.clipped_frames),
+               .hidden_share = result.hidden_share};
+  scan.form.frame_pixels = static_cast<int>(scan.aspect.size());
+  return scan;
+}
+
+/// How a scene is to be scanned.
+struct ScanTask {
+  bool needs_frames = false;
+  FrameConsumer watch = {};
+  WantedGradients gradients = {};
+};
+
+Scan scan_scene(const TracedScene& traced,
+                const Tunnel& tunnel,
+                const SceneSettings& scene,
+                const ScanTask& task,
+                ThreadPool& pool) {
+  const SeenPart& seen = traced.seen();
+  const Sensor sensor(scene.sensor, seen.width_px, seen.height_px);
+  const Eigen::Vector3d& camera_mm = traced.camera_in_world_mm;
+  if (traced.is_sampled()) {
+    return as_scan(take_scan(traced.rays, tunnel, sensor, scene.scan, camera_mm, task.watch));
+  }
+  const Footprints footprints(traced.corners, tunnel, scene.scan, camera_mm);
+  if (task.needs_frames) {
+    return as_scan(scan_integrated(footprints, sensor, task.watch));
+  }
+  const Mask none(seen.width_px, seen.height_px);
+  const ScanPlan plan = plan_scan(footprints,
+                                  sensor,
+                                  traced.region,
+                                  task.watch ? traced.watched : none,
+                                  scene.render.reflectance);
+  ClosedScan closed = scan_closed(footprints, sensor, plan, scene.render.reflectance, task.watch);
+  Gradients gradients;
+  if (!task.gradients.paths.empty()) {
+    const ScanState state = {.traced = traced,
+                             .footprints = footprints,
+                             .sensor = sensor,
+                             .plan = plan,
+                             .aspect = closed.aspect,
+                             .sigma_floor = sigma_floor(scene.sensor)};
+    gradients = gradients_of(scene, state, task.gradients, pool);
+  }
+  return {.aspect = std::move(closed.aspect),
+          .deviation = std::move(closed.deviation),
+          .clipped_frames = std::move(closed.clipped_frames),
+          .hidden_share = footprints.hidden_share(),
+          .form = closed.form,
+          .gradients = std::move(gradients)};
+}
+
+void add_ray_scores(const RayCounts& counts, double hidden_share, Scores& scores) {
   const auto part = static_cast<double>(counts.part);
-  scores["view.hidden_share"] = evaluation.scan.hidden_share;
+  scores["view.hidden_share"] = hidden_share;
   scores["rays.followed_share"] = static_cast<double>(counts.followed) / part;
   scores["rays.blocked_share"] = static_cast<double>(counts.blocked) / part;
 }
 
 }  // namespace
 
-Evaluation evaluate(SceneStore& store, const SceneSettings& scene, const FrameConsumer& consume) {
+WantedScores wanted_by(const Goal& goal) {
+  WantedScores wanted = {.fringes = false, .defects = false};
+  const auto look_at = [&](const std::string& name) {
+    wanted.fringes = wanted.fringes || name.starts_with("fringe");
+    wanted.defects = wanted.defects || name.starts_with("defects.");
+  };
+  look_at(goal.objective.name);
+  for (const Constraint& constraint : goal.constraints) {
+    look_at(constraint.name);
+  }
+  return wanted;
+}
+
+WantedScores wanted_with_gradients(const Goal& goal, const SearchSpace& space) {
+  WantedScores wanted = wanted_by(goal);
+  wanted.gradients.scores.push_back(goal.objective.name);
+  for (const Constraint& constraint : goal.constraints) {
+    wanted.gradients.scores.push_back(constraint.name);
+  }
+  for (const Variable& variable : space.variables) {
+    wanted.gradients.paths.push_back(variable.name);
+  }
+  return wanted;
+}
+
+Evaluation evaluate(SceneStore& store,
+                    const SceneSettings& scene,
+                    const FrameConsumer& consume,
+                    const WantedScores& wanted) {
+  using Method = RenderSettings::Method;
   Evaluation result;
   const Tunnel tunnel(scene.tunnel);
   check_part_in_tunnel(*store.build(scene), tunnel, scene.scan, scene.tunnel_name);
   result.traced = store.trace(scene);
   const TracedScene& traced = *result.traced;
-  const Sensor sensor(scene.sensor, traced.rays.width_px, traced.rays.height_px);
+  const bool needs_frames = consume || scene.render.method == Method::kIntegrated ||
+                            (wanted.fringes && scene.render.method != Method::kClosed);
+  const bool has_fringes = wanted.fringes && (traced.is_sampled() || needs_frames);
   std::optional<FringeScores> fringes;
   BestFrames best(traced.defects);
-  const FlawlessFrames flawless = flawless_frames(traced, tunnel, scene);
+  FlawlessFrames flawless;
+  if (wanted.defects) {
+    flawless = flawless_frames(traced, tunnel, scene);
+  }
   const auto watch = [&](int index, const ImageF& grey) {
-    if (index == 0) {
+    if (index == 0 && has_fringes) {
       fringes = fringe_scores(grey, traced.region, {.nominal_duty = scene.tunnel.duty});
     }
-    best.add(grey, flawless[static_cast<std::size_t>(index)]);
+    if (wanted.defects) {
+      best.add(grey, flawless[static_cast<std::size_t>(index)]);
+    }
     if (consume) {
       consume(index, grey);
     }
   };
-  result.scan =
-      take_scan(traced.rays, tunnel, sensor, scene.scan, traced.camera_in_world_mm, watch);
-  add_scores(result.scores,
-             homogeneity(result.scan.aspect,
-                         result.scan.sums.clipped_frames,
-                         result.scan.sums.frames,
-                         traced.region,
-                         scene.metrics));
+  const bool is_watching = has_fringes || wanted.defects || consume;
+  Scan scan = scan_scene(traced,
+                         tunnel,
+                         scene,
+                         {.needs_frames = needs_frames,
+                          .watch = is_watching ? FrameConsumer(watch) : FrameConsumer(),
+                          .gradients = wanted.gradients},
+                         store.pool());
+  result.form = scan.form;
+  result.gradients = std::move(scan.gradients);
+  add_scores(
+      result.scores,
+      homogeneity(
+          scan.aspect, scan.clipped_frames, scene.scan.positions, traced.region, scene.metrics));
   if (fringes) {
     add_scores(result.scores, *fringes);
   }
-  result.defects =
-      defect_scores(result.scan.aspect, traced.defects, sigma_floor(scene.sensor), scene.metrics);
-  for (std::size_t i = 0; i < result.defects.size(); ++i) {
-    result.defects[i].best_frame = best.best()[i].difference;
-    result.defects[i].change = best.best()[i].change;
+  if (wanted.defects) {
+    result.defects =
+        defect_scores(scan.aspect, traced.defects, sigma_floor(scene.sensor), scene.metrics);
+    for (std::size_t i = 0; i < result.defects.size(); ++i) {
+      result.defects[i].best_frame = best.best()[i].difference;
+      result.defects[i].change = best.best()[i].change;
+    }
+    add_scores(result.scores, result.defects);
   }
-  add_scores(result.scores, result.defects);
-  add_ray_scores(result, result.scores);
+  add_ray_scores(traced.counts(), scan.hidden_share, result.scores);
+  result.aspect = std::move(scan.aspect);
   return result;
 }
 
 SceneSettings finer(SceneSettings scene) {
+  using Method = RenderSettings::Method;
   constexpr int kFreshSeed = 1000003;
   scene.sensor.seed += kFreshSeed;
-  scene.render.rays_per_axis *= 2;
+  if (scene.render.method == Method::kSampled) {
+    scene.render.rays_per_axis *= 2;
+  } else {
+    scene.render.method = Method::kIntegrated;
+    scene.render.max_direction_error_rad *= 0.25;
+  }
   return scene;
 }
 

@@ -4,6 +4,10 @@
 #include <memory>
 
 #include "metrics/scores.h"
+#include "optimizer/merit.h"
+#include "optimizer/space.h"
+#include "simulator/render/closed_scan.h"
+#include "studies/scene_slopes.h"
 #include "studies/traced_scene.h"
 
 namespace glint {
@@ -11,19 +15,36 @@ namespace glint {
 /// One scene, scanned and scored.
 struct Evaluation {
   Scores scores;
-  ScanResult scan;
+  ImageF aspect;  ///< mean of the frames; closed forms: right in the region and around the defects
+  ScanForm form;  ///< how it came about; frames for the plain way
   std::shared_ptr<const TracedScene> traced;
   std::vector<DefectScores> defects;
+  Gradients gradients;  ///< of the scores that were asked for
 };
 
-/// Scans a scene and scores it. Single-threaded but for tracing rays.
+/// Which scores are wanted, beside homogeneity.
+struct WantedScores {
+  bool fringes = true;             ///< of the first frame; needs all of it
+  bool defects = true;             ///< need the frames around the defects
+  WantedGradients gradients = {};  ///< need closed forms
+};
+
+/// What a search needs for its objective and constraints.
+WantedScores wanted_by(const Goal& goal);
+
+/// The same with their derivatives by each variable.
+WantedScores wanted_with_gradients(const Goal& goal, const SearchSpace& space);
+
+/// Scans a scene and scores it. Single-threaded but for tracing rays. How pictures come about is
+/// decided by scene.render.method; `auto` takes closed forms when no whole frame is wanted.
 /// @param consume  sees each frame's grey values in order; may be empty
 /// @throws ConfigError beginning with the key at fault, IoError
 Evaluation evaluate(SceneStore& store,
                     const SceneSettings& scene,
-                    const FrameConsumer& consume = {});
+                    const FrameConsumer& consume = {},
+                    const WantedScores& wanted = {});
 
-/// The scene for re-scoring a finalist: other noise, and twice as many rays along each axis.
+/// The scene for re-scoring a finalist: other noise, every frame, and finer rays.
 SceneSettings finer(SceneSettings scene);
 
 /// Labels of the scene's defects, in order.

@@ -141,6 +141,7 @@ std::optional<Vector2d> first_place(const TracedScene& traced, const Mask& good,
 std::optional<LitPlace> lit_place(SceneStore& store, const SceneSettings& scene, double margin_mm) {
   SceneSettings flawless = scene;
   flawless.defects.clear();
+  flawless.render.method = RenderSettings::Method::kSampled;  // any few rays a pixel will do
   const auto traced = store.trace(flawless);
   const PinholeCamera camera(intrinsics_of(scene.camera));
   const double pixels_per_mm = camera.intrinsics().focal_px.x() / traced->camera_in_world_mm.norm();

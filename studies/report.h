@@ -31,6 +31,7 @@
 //       scores        at least those of the constraints } ]
 //   runs              only in a comparison of runs; [ { title, status, evaluations, failed,
 //                     feasible, scores, rescored, best_so_far: [number | null] } ]
+//   frontier          the object of frontier.json, see docs/frontier.md
 //   methods           [ sentences on method and accuracy ]
 //   config_toml       the resolved configuration
 //   provenance        { version, seed, compiler, machine, ... }: shown in the order given

@@ -160,13 +160,20 @@ class Run {
                              .budget = study_.budget,
                              .start_points = {baseline_point(study_)},
                              .jobs = options_.jobs};
+    const WantedScores wanted = needs_gradient(study_.search.algorithm)
+                                    ? wanted_with_gradients(study_.goal, study_.space)
+                                    : wanted_by(study_.goal);
     const auto evaluate_point = [&](const Point& point, int /*trial*/) {
       const fs::path& file = study_.scene.part.file;
       if (!file.empty() && !fs::exists(file)) {
         throw IoError(file.string() + ": has gone while the study was running");
       }
       Outcome outcome;
-      outcome.scores = evaluate(store_, scene_with(study_, overrides_of(study_, point))).scores;
+      Evaluation found =
+          evaluate(store_, scene_with(study_, overrides_of(study_, point)), {}, wanted);
+      outcome.scores = std::move(found.scores);
+      outcome.gradients = std::move(found.gradients.by_score);
+      outcome.message = join(found.gradients.remarks, "; ");
       return outcome;
     };
     Progress bar(study_.name, std::max(1, study_.budget.evaluations), options_.progress);

@@ -216,6 +216,9 @@ Json single_run(const fs::path& run) {
     designs.push_back(design_json(run / key, key, true));
   }
   data["designs"] = designs;
+  if (fs::exists(run / "frontier.json")) {
+    data["frontier"] = read_json(run / "frontier.json");
+  }
   data["methods"] = method_notes(study);
   data["config_toml"] = resolved_text(study);
   Json source = provenance();

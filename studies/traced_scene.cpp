@@ -117,7 +117,7 @@ double feature_area_mm2(const HeightFeature& feature) {
 }
 
 DefectView view_defect(const HeightFeature& feature,
-                       const RayCache& rays,
+                       const SeenPart& rays,
                        const PinholeCamera& camera,
                        const RigidTransform& camera_from_world,
                        double window_radii) {
@@ -189,6 +189,61 @@ PinholeIntrinsics window_of(PinholeIntrinsics intrinsics, const DefectView& view
   return intrinsics;
 }
 
+void trace_camera(const SceneSettings& scene,
+                  const PinholeCamera& camera,
+                  ThreadPool& pool,
+                  TracedScene& traced) {
+  const BuiltPart& built = *traced.built;
+  if (scene.render.method == RenderSettings::Method::kSampled) {
+    traced.rays = trace_rays(built.part,
+                             *built.bvh,
+                             traced.detail,
+                             camera,
+                             traced.camera_from_world,
+                             scene.render,
+                             pool);
+  } else {
+    traced.corners = trace_corner_rays(built.part,
+                                       *built.bvh,
+                                       traced.detail,
+                                       camera,
+                                       traced.camera_from_world,
+                                       scene.render,
+                                       pool);
+  }
+}
+
+void trace_flawless_windows(const SceneSettings& scene,
+                            const PinholeCamera& camera,
+                            ThreadPool& pool,
+                            TracedScene& traced) {
+  const BuiltPart& built = *traced.built;
+  for (const DefectView& view : traced.views) {
+    const PinholeCamera window(window_of(camera.intrinsics(), view));
+    const SurfaceDetail none;
+    if (traced.is_sampled()) {
+      traced.flawless.push_back(trace_rays(
+          built.part, *built.bvh, none, window, traced.camera_from_world, scene.render, pool));
+    } else {
+      traced.flawless_corners.push_back(trace_corner_rays(
+          built.part, *built.bvh, none, window, traced.camera_from_world, scene.render, pool));
+    }
+  }
+}
+
+/// What of [render] tracing depends on.
+SceneSettings as_traced(SceneSettings scene) {
+  using Method = RenderSettings::Method;
+  const RenderSettings defaults;
+  if (scene.render.method == Method::kSampled) {
+    scene.render.max_direction_error_rad = defaults.max_direction_error_rad;
+  } else {
+    scene.render.method = Method::kIntegrated;
+    scene.render.rays_per_axis = defaults.rays_per_axis;
+  }
+  return scene;
+}
+
 TracedScene trace_scene(const SceneSettings& scene,
                         std::shared_ptr<const BuiltPart> built,
                         ThreadPool& pool) {
@@ -209,40 +264,35 @@ TracedScene trace_scene(const SceneSettings& scene,
   }
   const PinholeCamera camera(intrinsics_of(scene.camera));
   traced.detail = detail_of(scene, *traced.built);
-  traced.rays = trace_rays(traced.built->part,
-                           *traced.built->bvh,
-                           traced.detail,
-                           camera,
-                           traced.camera_from_world,
-                           scene.render,
-                           pool);
+  trace_camera(scene, camera, pool, traced);
+  const SeenPart& seen = traced.seen();
   traced.views = view_defects(
-      traced.detail, traced.rays, camera, traced.camera_from_world, scene.metrics.ring_outer_radii);
-  traced.part_mask = whole_pixels(traced.rays.coverage);
-  traced.region = region_of_interest(traced.rays.coverage, traced.views, scene.metrics);
+      traced.detail, seen, camera, traced.camera_from_world, scene.metrics.ring_outer_radii);
+  traced.part_mask = whole_pixels(seen.coverage);
+  traced.region = region_of_interest(seen.coverage, traced.views, scene.metrics);
   traced.defects = defect_pixels(traced.views, traced.part_mask, scene.metrics);
-  for (const DefectView& view : traced.views) {
-    traced.flawless.push_back(trace_rays(traced.built->part,
-                                         *traced.built->bvh,
-                                         SurfaceDetail(),
-                                         PinholeCamera(window_of(camera.intrinsics(), view)),
-                                         traced.camera_from_world,
-                                         scene.render,
-                                         pool));
+  traced.watched = Mask(seen.width_px, seen.height_px);
+  for (const DefectPixels& defect : traced.defects) {
+    for (const auto* pixels : {&defect.inside, &defect.ring, &defect.window}) {
+      for (const std::size_t pixel : *pixels) {
+        traced.watched.values()[pixel] = 1;
+      }
+    }
   }
+  trace_flawless_windows(scene, camera, pool, traced);
   return traced;
 }
 
 }  // namespace
 
 std::vector<DefectView> view_defects(const SurfaceDetail& detail,
-                                     const RayCache& rays,
+                                     const SeenPart& seen,
                                      const PinholeCamera& camera,
                                      const RigidTransform& camera_from_world,
                                      double window_radii) {
   std::vector<DefectView> views;
   for (const HeightFeature& feature : detail.features()) {
-    views.push_back(view_defect(feature, rays, camera, camera_from_world, window_radii));
+    views.push_back(view_defect(feature, seen, camera, camera_from_world, window_radii));
   }
   return views;
 }
@@ -274,7 +324,8 @@ std::shared_ptr<const BuiltPart> SceneStore::build(const SceneSettings& scene) {
   return built;
 }
 
-std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& scene) {
+std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& wanted) {
+  const SceneSettings scene = as_traced(wanted);
   auto built = build(scene);
   const std::string key =
       content_key(scene, {"part", "camera", "viewpoint", "render", "defects", "metrics"});

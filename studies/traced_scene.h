@@ -16,6 +16,7 @@
 #include "core/thread_pool.h"
 #include "metrics/defect_scores.h"
 #include "metrics/roi.h"
+#include "simulator/render/corner_rays.h"
 #include "studies/scene.h"
 
 namespace glint {
@@ -35,12 +36,23 @@ struct TracedScene {
   SurfaceDetail detail;
   RigidTransform camera_from_world;
   Eigen::Vector3d camera_in_world_mm = Eigen::Vector3d::Zero();
-  RayCache rays;
+  RayCache rays;       ///< of the plain way (render.method = "sampled"); else empty
+  CornerRays corners;  ///< of all other methods; else empty
   std::vector<DefectView> views;
   std::vector<DefectPixels> defects;
-  std::vector<RayCache> flawless;  ///< for each view its window of the part without defects
-  Mask part_mask;                  ///< pixels wholly on the part
-  Mask region;                     ///< of interest for homogeneity
+  std::vector<RayCache> flawless;            ///< for each view its window without defects, sampled
+  std::vector<CornerRays> flawless_corners;  ///< the same for all other methods
+  Mask part_mask;                            ///< pixels wholly on the part
+  Mask region;                               ///< of interest for homogeneity
+  Mask watched;                              ///< pixels of the defects and their backgrounds
+
+  bool is_sampled() const { return corners.width_px == 0; }
+
+  const SeenPart& seen() const {
+    return is_sampled() ? static_cast<const SeenPart&>(rays) : corners;
+  }
+
+  const RayCounts& counts() const { return is_sampled() ? rays.counts : corners.counts; }
 };
 
 /// Builds scenes and keeps the last few. Safe to use from several threads.
@@ -51,6 +63,8 @@ class SceneStore {
   /// @throws ConfigError beginning with the key at fault, IoError
   std::shared_ptr<const TracedScene> trace(const SceneSettings& scene);
   std::shared_ptr<const BuiltPart> build(const SceneSettings& scene);
+
+  ThreadPool& pool() const { return pool_; }
 
   int num_traced() const { return num_traced_; }  ///< how often rays were traced
 
@@ -74,7 +88,7 @@ class SceneStore {
 
 /// How the camera sees each defect: windows of distances in defect radii.
 std::vector<DefectView> view_defects(const SurfaceDetail& detail,
-                                     const RayCache& rays,
+                                     const SeenPart& seen,
                                      const PinholeCamera& camera,
                                      const RigidTransform& camera_from_world,
                                      double window_radii);

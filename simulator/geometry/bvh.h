@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -46,7 +47,14 @@ struct Hit {
 };
 
 /// Whether the rays of a packet run close to each other (camera rays) or apart (reflected rays).
-enum class Coherence { kCoherent, kIncoherent };
+/// kCoherentOnce: as kCoherent, but without a second try of rays that miss.
+enum class Coherence { kCoherent, kCoherentOnce, kIncoherent };
+
+/// The plane of a triangle: normal . p = offset; the normal is unit, zero for one without area.
+struct TrianglePlane {
+  double normal_x = 0.0, normal_y = 0.0, normal_z = 0.0;
+  double offset_mm = 0.0;
+};
 
 /// Finds what a ray meets: an Embree 3 scene in robust mode (no ray slips between triangles), both
 /// sides of a triangle. Embree works in float: recompute positions with hit_point() or polish(),
@@ -54,7 +62,7 @@ enum class Coherence { kCoherent, kIncoherent };
 /// threads. Holds a copy of the mesh in float.
 ///
 /// Coherent packets and single rays that miss are tried once more 1e-6 rad aside: Embree lets some
-/// rays through that aim exactly at a vertex. Incoherent packets and occluded() are not.
+/// rays through that aim exactly at a vertex. Other packets and occluded() are not.
 class Bvh {
  public:
   /// @throws Error when Embree cannot build it (out of memory).
@@ -76,8 +84,17 @@ class Bvh {
                 double t_min_mm,
                 double t_max_mm) const;
 
+  /// True for a closed convex mesh: a ray that leaves it never meets it again.
+  bool is_convex() const { return is_convex_; }
+
+  const TrianglePlane& plane(std::int32_t triangle) const {
+    return planes_[static_cast<std::size_t>(triangle)];
+  }
+
  private:
   struct Scene;
+  std::vector<TrianglePlane> planes_;
+  bool is_convex_ = false;
   std::unique_ptr<Scene> scene_;
 };
 

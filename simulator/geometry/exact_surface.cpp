@@ -36,7 +36,7 @@ Implicit implicit(const SpherePatch& patch, const Vector3d& p) {
 }
 
 Implicit implicit(const CylinderPatch& patch, const Vector3d& p) {
-  const double r = std::hypot(p.y(), p.z());
+  const double r = std::sqrt(p.y() * p.y() + p.z() * p.z());
   const double sign = patch.is_bore ? -1.0 : 1.0;
   const Vector3d radial(0.0, p.y(), p.z());
   return {.value_mm = sign * (r - patch.radius_mm),
@@ -47,15 +47,16 @@ Implicit implicit(const CylinderPatch& patch, const Vector3d& p) {
 /// T = sqrt(r^2 - r_b^2) / r_b, inv(T) = T - atan T: the distance along the normal of the involute,
 /// all of whose normals touch the base circle (docs/theory/parts.md).
 Implicit implicit(const InvolutePatch& patch, const Vector3d& p) {
-  const double r = std::hypot(p.y(), p.z());
+  const double r = std::sqrt(p.y() * p.y() + p.z() * p.z());
   if (r <= 0.0) {
     return {};
   }
   const double base = patch.base_radius_mm;
   const double tangent = std::sqrt(std::max(0.0, r * r - base * base));
   const double roll = tangent / base;
+  const double turned = std::atan2(p.z(), p.y()) - patch.start_rad;
   const double phi =
-      std::remainder(std::atan2(p.z(), p.y()) - patch.start_rad, 2.0 * kPi) * patch.hand;
+      patch.hand * (std::abs(turned) <= kPi ? turned : std::remainder(turned, 2.0 * kPi));
   const Vector3d e_r(0.0, p.y() / r, p.z() / r);
   const Vector3d e_phi(0.0, -e_r.z(), e_r.y());
   return {.value_mm = base * (roll - std::atan(roll) - phi),
@@ -69,7 +70,47 @@ Implicit evaluate(const ExactPatch& patch, const Vector3d& p_in_patch) {
 constexpr int kMaxSteps = 20;
 constexpr double kConverged_mm = 1e-12;
 
+using Kind = PatchCoefficients::Kind;
+
+void set_shape(const PlanePatch&, PatchCoefficients& c) {
+  c.kind = Kind::kPlane;
+}
+
+void set_shape(const ParaboloidPatch& patch, PatchCoefficients& c) {
+  c.kind = Kind::kParaboloid;
+  c.curvature_along = 1.0 / patch.radius_along_mm;
+  c.curvature_across = 1.0 / patch.radius_across_mm;
+}
+
+void set_shape(const SpherePatch& patch, PatchCoefficients& c) {
+  c.kind = Kind::kSphere;
+  c.radius_mm = patch.radius_mm;
+}
+
+void set_shape(const CylinderPatch& patch, PatchCoefficients& c) {
+  c.kind = Kind::kCylinder;
+  c.radius_mm = patch.radius_mm;
+  c.outwards = patch.is_bore ? -1.0 : 1.0;
+}
+
+/// Its arc tangents are left to the scalar path.
+void set_shape(const InvolutePatch&, PatchCoefficients& c) {
+  c.kind = Kind::kNone;
+}
+
 }  // namespace
+
+PatchCoefficients coefficients_of(const ExactPatch& patch) {
+  PatchCoefficients c;
+  std::visit([&](const auto& shape) { set_shape(shape, c); }, patch.shape);
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    for (Eigen::Index column = 0; column < 3; ++column) {
+      c.rotation[3 * row + column] = patch.scene_from_patch.rotation(row, column);
+    }
+    c.translation[row] = patch.scene_from_patch.translation_mm[row];
+  }
+  return c;
+}
 
 double implicit_value(const ExactPatch& patch, const Vector3d& p_mm, Vector3d* gradient) {
   const Eigen::Matrix3d& rotation = patch.scene_from_patch.rotation;

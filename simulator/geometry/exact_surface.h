@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "core/pose.h"
+#include "simulator/geometry/exact_kernels.h"
 
 namespace glint {
 
@@ -75,5 +76,8 @@ std::optional<SurfaceHit> polish(const ExactPatch& patch,
                                  const Ray& ray,
                                  double start_t_mm,
                                  double max_move_mm);
+
+/// The patch for polish16(); kind is kNone for an involute.
+PatchCoefficients coefficients_of(const ExactPatch& patch);
 
 }  // namespace glint

@@ -57,8 +57,8 @@ void fan(Builder& builder, const Loop& loop, std::int32_t centre, std::int32_t p
 /// The loop backwards, for faces seen from the other side.
 Loop reversed(const Loop& loop);
 
-/// The segments a circle's arc needs to stay within the chord tolerance; >= 1.
-int arc_segments(double radius_mm, double angle_rad);
+/// The segments a circle's arc needs to stay within chord_mm; >= 1.
+int arc_segments(double radius_mm, double angle_rad, double chord_mm);
 
 /// The pieces a length needs so that cells along it are at most 16 times longer than step_mm.
 int slices(double length_mm, double step_mm);
@@ -78,7 +78,7 @@ void build_strip(const PartSettings& settings, Part& part);
 void build_plate(const PartSettings& settings, Part& part);
 void build_sphere_cap(const PartSettings& settings, Part& part);
 void build_cylinder(const PartSettings& settings, Part& part);
-void build_spur_gear(const GearSettings& settings, Part& part);
+void build_spur_gear(const GearSettings& settings, double chord_mm, Part& part);
 
 /// Radii and angles of a spur gear; see docs/theory/parts.md.
 struct GearGeometry {

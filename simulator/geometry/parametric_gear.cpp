@@ -28,14 +28,14 @@ struct FlankPoint {
 
 /// Points from root to tip. Steps are even in roll^(3/2), which spreads the chord error evenly:
 /// sagitta = r_b roll droll^2 / 8.
-std::vector<FlankPoint> flank_points(const GearGeometry& gear) {
+std::vector<FlankPoint> flank_points(const GearGeometry& gear, double chord_mm) {
   std::vector<FlankPoint> points;
   if (gear.root_radius_mm < gear.base_radius_mm) {
     points.push_back({.radius_mm = gear.root_radius_mm, .turn_rad = 0.0});
   }
   const double first = std::pow(gear.root_roll_rad, 1.5);
   const double last = std::pow(gear.tip_roll_rad, 1.5);
-  const double step = 1.5 * std::sqrt(6.0 * kChordTolerance_mm / gear.base_radius_mm);
+  const double step = 1.5 * std::sqrt(6.0 * chord_mm / gear.base_radius_mm);
   const int count = std::max(2, static_cast<int>(std::ceil((last - first) / step)));
   for (int i = 0; i <= count; ++i) {
     const double roll = std::pow(first + (last - first) * i / count, 2.0 / 3.0);
@@ -57,16 +57,23 @@ struct Outline {
 
 class OutlineMaker {
  public:
-  OutlineMaker(const GearGeometry& gear, const GearSettings& settings, Builder& builder)
-      : gear_(gear), settings_(settings), builder_(builder), flank_(flank_points(gear)) {}
+  OutlineMaker(const GearGeometry& gear,
+               const GearSettings& settings,
+               double chord_mm,
+               Builder& builder)
+      : gear_(gear),
+        settings_(settings),
+        chord_mm_(chord_mm),
+        builder_(builder),
+        flank_(flank_points(gear, chord_mm)) {}
 
   Outline make() {
     const std::int32_t tip =
         builder_.add_patch({.shape = CylinderPatch{.radius_mm = gear_.tip_radius_mm}});
     const std::int32_t root =
         builder_.add_patch({.shape = CylinderPatch{.radius_mm = gear_.root_radius_mm}});
-    const int num_tip = arc_segments(gear_.tip_radius_mm, 2.0 * gear_.half_tip_rad);
-    const int num_root = arc_segments(gear_.root_radius_mm, 2.0 * gear_.half_gap_rad);
+    const int num_tip = arc_segments(gear_.tip_radius_mm, 2.0 * gear_.half_tip_rad, chord_mm_);
+    const int num_root = arc_segments(gear_.root_radius_mm, 2.0 * gear_.half_gap_rad, chord_mm_);
     outline_.flank = static_cast<int>(flank_.size());
     outline_.tip = num_tip - 1;
     outline_.root = num_root - 1;
@@ -118,13 +125,14 @@ class OutlineMaker {
 
   const GearGeometry& gear_;
   const GearSettings& settings_;
+  double chord_mm_ = 0.0;
   Builder& builder_;
   std::vector<FlankPoint> flank_;
   Outline outline_;
 };
 
-Profile circle(double radius_mm, std::int32_t patch) {
-  const int count = std::max(8, arc_segments(radius_mm, 2.0 * kPi));
+Profile circle(double radius_mm, double chord_mm, std::int32_t patch) {
+  const int count = std::max(8, arc_segments(radius_mm, 2.0 * kPi, chord_mm));
   Profile profile;
   for (int i = 0; i < count; ++i) {
     const double angle = 2.0 * kPi * i / count;
@@ -258,10 +266,10 @@ GearGeometry gear_geometry(const GearSettings& settings) {
   return gear;
 }
 
-void build_spur_gear(const GearSettings& settings, Part& part) {
+void build_spur_gear(const GearSettings& settings, double chord_mm, Part& part) {
   Builder builder;
   const GearGeometry gear = gear_geometry(settings);
-  const Outline outline = OutlineMaker(gear, settings, builder).make();
+  const Outline outline = OutlineMaker(gear, settings, chord_mm, builder).make();
   const double width_mm = settings.face_width_mm;
   const double tooth_mm = gear.tip_radius_mm - gear.root_radius_mm;
   const auto [back, front] = extrude(
@@ -271,7 +279,7 @@ void build_spur_gear(const GearSettings& settings, Part& part) {
     const double radius_mm = 0.5 * settings.bore_mm;
     const std::int32_t patch =
         builder.add_patch({.shape = CylinderPatch{.radius_mm = radius_mm, .is_bore = true}});
-    const Profile hole = circle(radius_mm, patch);
+    const Profile hole = circle(radius_mm, chord_mm, patch);
     const double step_mm = 2.0 * kPi * radius_mm / static_cast<double>(hole.points_mm.size());
     bore = extrude(builder, hole, width_mm, slices(width_mm, step_mm), true);
   }

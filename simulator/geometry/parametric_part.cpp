@@ -14,8 +14,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 /// The longest cell edge with which a surface of that radius stays within half the tolerance.
-double edge_for_radius(double radius_mm) {
-  return std::sqrt(4.0 * std::abs(radius_mm) * kChordTolerance_mm);
+double edge_for_radius(double radius_mm, double chord_mm) {
+  return std::sqrt(4.0 * std::abs(radius_mm) * chord_mm);
 }
 
 int pieces(double length_mm, double step_mm) {
@@ -40,9 +40,12 @@ struct Grid {
   std::int32_t at(int i, int j) const { return vertices[index(j * (num_x + 1) + i)]; }
 };
 
-Grid top_grid(Builder& builder, const Vector2d& size_mm, const ParaboloidPatch& top) {
-  const double step_x = edge_for_radius(top.radius_along_mm);
-  const double step_y = edge_for_radius(top.radius_across_mm);
+Grid top_grid(Builder& builder,
+              const Vector2d& size_mm,
+              const ParaboloidPatch& top,
+              double chord_mm) {
+  const double step_x = edge_for_radius(top.radius_along_mm, chord_mm);
+  const double step_y = edge_for_radius(top.radius_across_mm, chord_mm);
   Grid grid;
   grid.num_x = even(
       std::max(pieces(size_mm.x(), step_x), slices(size_mm.x(), std::min(step_y, size_mm.y()))));
@@ -106,13 +109,13 @@ void close_below(Builder& builder, const Grid& grid, const Vector2d& size_mm, do
 /// A slab under the paraboloid with its apex at the origin; a straight one is a plate.
 void build_slab(const Vector2d& size_mm,
                 const ParaboloidPatch& top,
-                double thickness_mm,
+                const PartSettings& settings,
                 Part& part) {
   Builder builder;
   const bool is_flat = std::isinf(top.radius_along_mm) && std::isinf(top.radius_across_mm);
   const std::int32_t patch = is_flat ? builder.add_plane(Vector3d::Zero(), Vector3d::UnitZ())
                                      : builder.add_patch({.shape = top});
-  const Grid grid = top_grid(builder, size_mm, top);
+  const Grid grid = top_grid(builder, size_mm, top, settings.chord_tolerance_mm());
   for (int j = 0; j < grid.num_y; ++j) {
     for (int i = 0; i < grid.num_x; ++i) {
       builder.add_quad({grid.at(i, j), grid.at(i + 1, j), grid.at(i + 1, j + 1), grid.at(i, j + 1)},
@@ -121,7 +124,7 @@ void build_slab(const Vector2d& size_mm,
   }
   const double sag_mm = std::max(0.0, size_mm.x() * size_mm.x() / (8.0 * top.radius_along_mm)) +
                         std::max(0.0, size_mm.y() * size_mm.y() / (8.0 * top.radius_across_mm));
-  close_below(builder, grid, size_mm, -sag_mm - thickness_mm);
+  close_below(builder, grid, size_mm, -sag_mm - settings.thickness_mm);
   builder.finish(part);
 }
 
@@ -234,8 +237,8 @@ Loop reversed(const Loop& loop) {
   return backwards;
 }
 
-int arc_segments(double radius_mm, double angle_rad) {
-  const double step_rad = 2.0 * std::acos(1.0 - std::min(0.5, kChordTolerance_mm / radius_mm));
+int arc_segments(double radius_mm, double angle_rad, double chord_mm) {
+  const double step_rad = 2.0 * std::acos(1.0 - std::min(0.5, chord_mm / radius_mm));
   return pieces(angle_rad, step_rad);
 }
 
@@ -276,12 +279,12 @@ void build_strip(const PartSettings& settings, Part& part) {
   build_slab({settings.length_mm, settings.width_mm},
              {.radius_along_mm = straight_if_zero(settings.radius_along_mm),
               .radius_across_mm = straight_if_zero(settings.radius_across_mm)},
-             settings.thickness_mm,
+             settings,
              part);
 }
 
 void build_plate(const PartSettings& settings, Part& part) {
-  build_slab({settings.length_mm, settings.width_mm}, {}, settings.thickness_mm, part);
+  build_slab({settings.length_mm, settings.width_mm}, {}, settings, part);
 }
 
 void build_sphere_cap(const PartSettings& settings, Part& part) {
@@ -290,7 +293,8 @@ void build_sphere_cap(const PartSettings& settings, Part& part) {
   const bool is_whole = settings.height_mm >= 2.0 * radius_mm;
   const double end_rad = is_whole ? kPi : std::acos(1.0 - settings.height_mm / radius_mm);
   const std::int32_t sphere = builder.add_patch({.shape = SpherePatch{.radius_mm = radius_mm}});
-  const double edge_mm = std::min(edge_for_radius(radius_mm) * 0.85, radius_mm);
+  const double edge_mm =
+      std::min(edge_for_radius(radius_mm, settings.chord_tolerance_mm()) * 0.85, radius_mm);
   const int num_rings = std::max(3, pieces(radius_mm * end_rad, edge_mm));
   const std::int32_t apex = builder.add_vertex({0.0, 0.0, radius_mm});
   Loop above = latitude(builder, radius_mm, end_rad / num_rings, edge_mm);
@@ -311,7 +315,8 @@ void build_cylinder(const PartSettings& settings, Part& part) {
   Builder builder;
   const std::int32_t side =
       builder.add_patch({.shape = CylinderPatch{.radius_mm = settings.radius_mm}});
-  const int count = full_circle(arc_segments(settings.radius_mm, 2.0 * kPi));
+  const int count =
+      full_circle(arc_segments(settings.radius_mm, 2.0 * kPi, settings.chord_tolerance_mm()));
   Profile circle;
   for (int i = 0; i < count; ++i) {
     const double angle = 2.0 * kPi * i / count;

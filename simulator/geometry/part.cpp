@@ -127,6 +127,11 @@ void visit_sizes(KeyVisitor& keys, PartSettings& settings) {
               "Height of a sphere cap from its flat base, up to 2 radii (a whole sphere).");
   keys.table(
       "gear", [&](KeyVisitor& inner) { visit_gear(inner, settings.gear); }, "The spur gear.");
+  keys.number("facets_um",
+              settings.facets_mm,
+              Range::between(0.0, 1e4),
+              "Not a mesh: triangles with smooth normals take the place of the exact surface, this "
+              "near to it; 0 = exact.");
 }
 
 void visit_pose(KeyVisitor& keys, PartSettings& settings) {
@@ -223,7 +228,7 @@ void build_shape(const PartSettings& settings, Part& part) {
     case Shape::kCylinder:
       return parametric::build_cylinder(settings, part);
     case Shape::kSpurGear:
-      return parametric::build_spur_gear(settings.gear, part);
+      return parametric::build_spur_gear(settings.gear, settings.chord_tolerance_mm(), part);
     case Shape::kMesh:
       return read_part(settings, part);
   }
@@ -321,6 +326,10 @@ Part build_part(const PartSettings& settings) {
   check_extent(settings);
   Part part;
   build_shape(settings, part);
+  if (settings.facets_mm > 0.0) {
+    part.patches.clear();
+    part.mesh.patch.clear();
+  }
   if (settings.origin == PartSettings::Origin::kCentre) {
     move_part(part, {.translation_mm = -bounding_box(part.mesh).centre_mm()});
   }

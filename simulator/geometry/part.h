@@ -30,6 +30,9 @@ struct GearSettings {
   double bore_mm = 16.0;  ///< diameter of the hole along the axis, 0 = none
 };
 
+/// How far the triangles of a parametric part may lie from its exact surface.
+inline constexpr double kChordTolerance_mm = 2e-3;
+
 /// The [part] table of a study.
 struct PartSettings {
   enum class Shape { kStrip, kPlate, kSphereCap, kCylinder, kSpurGear, kMesh };
@@ -48,12 +51,15 @@ struct PartSettings {
   double radius_mm = 25.0;         ///< sphere cap, cylinder
   double height_mm = 10.0;         ///< sphere cap: from its flat base to the top, <= 2 radii
   GearSettings gear = {};
+  double facets_mm = 0.0;  ///< not a mesh: triangles this near the surface take its place; 0: exact
 
   double crease_rad = 30.0 * kRadPerDeg;  ///< mesh: edges sharper than this stay sharp
   std::vector<double> position_mm = {0.0, 0.0, 0.0};
   std::vector<double> rotation_rad = {0.0, 0.0, 0.0};  ///< about fixed x, then y, then z
   Origin origin = Origin::kCentre;
   std::vector<double> expected_size_mm = {};  ///< empty or 3 numbers: bounding box before the pose
+
+  double chord_tolerance_mm() const { return facets_mm > 0.0 ? facets_mm : kChordTolerance_mm; }
 };
 
 /// The keys of [part]; see core/keys.h.
@@ -69,9 +75,6 @@ struct Part {
   PartSettings::Unit unit = PartSettings::Unit::kMillimetre;
   bool is_from_file = false;
 };
-
-/// How far the triangles of a parametric part may lie from its exact surface.
-inline constexpr double kChordTolerance_mm = 2e-3;
 
 /// "mm", "cm", "m" or "inch".
 std::string_view unit_name(PartSettings::Unit unit);

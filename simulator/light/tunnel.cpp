@@ -126,6 +126,7 @@ void Tunnel::build_profile() {
       break;
     case Shape::kFree:
       segments_ = free_segments(s.control_mm, s.base_mm);
+      extended_segments_ = with_straight_ends(segments_);
       profile_yz_mm_ = sample_spline(segments_, kProfilePoints);
       break;
     default:
@@ -229,7 +230,7 @@ WallHit Tunnel::wall_hit(const Ray& ray, double t_mm) const {
           .arc_mm = arc_mm_[piece] + (point - profile_yz_mm_[piece]).norm()};
 }
 
-void Tunnel::hit_profile(const RayBlock& rays, float* t_mm) const {
+void Tunnel::hit_profile(const RayBlock& rays, bool is_whole, float* t_mm) const {
   const TunnelSettings& s = settings_;
   const auto base = static_cast<float>(s.base_mm);
   const auto width = static_cast<float>(axes_of(s).half_width_mm);
@@ -239,19 +240,22 @@ void Tunnel::hit_profile(const RayBlock& rays, float* t_mm) const {
       hit_flat(rays, walls_.data(), static_cast<int>(walls_.size()), t_mm);
       break;
     case Shape::kFree:
-      hit_spline(rays, segments_.data(), static_cast<int>(segments_.size()), t_mm);
+      hit_spline(rays,
+                 is_whole ? extended_segments_.data() : segments_.data(),
+                 static_cast<int>(is_whole ? extended_segments_.size() : segments_.size()),
+                 t_mm);
       break;
     case Shape::kSuperellipse:
-      hit_superellipse(rays, base, width, height, static_cast<float>(s.exponent), t_mm);
+      hit_superellipse(rays, base, width, height, static_cast<float>(s.exponent), is_whole, t_mm);
       break;
     default:
-      hit_ellipse(rays, base, width, height, t_mm);
+      hit_ellipse(rays, base, width, height, is_whole, t_mm);
   }
 }
 
 void Tunnel::hit_block(const RayBlock& rays, float* x_mm, float* pattern_mm, float* gain) const {
   const auto count = static_cast<std::size_t>(rays.count);
-  hit_profile(rays, pattern_mm);  // the array holds t until it holds the pattern coordinate
+  hit_profile(rays, false, pattern_mm);  // the array holds t until it holds the pattern coordinate
   finish_hits(rays,
               pattern_mm,
               static_cast<float>(0.5 * settings_.slot_mm),
@@ -282,39 +286,164 @@ void Tunnel::hit_block(const RayBlock& rays, float* x_mm, float* pattern_mm, flo
   }
 }
 
-void Tunnel::hidden_block(const RayBlock& points, const Vector3d& camera_mm, float* hidden) const {
-  const auto count = static_cast<std::size_t>(points.count);
-  if (!settings_.blocks_view) {
-    std::fill(hidden, hidden + count, 0.0F);
+void Tunnel::meet_block(const RayBlock& rays, float* x_mm, float* y_mm, float* margin_mm) const {
+  if (settings_.shape == Shape::kSemicylinder || settings_.shape == Shape::kEllipse) {
+    const EllipseAxes axes = axes_of(settings_);
+    meet_ellipse(rays,
+                 static_cast<float>(settings_.base_mm),
+                 static_cast<float>(axes.half_width_mm),
+                 static_cast<float>(axes.height_mm),
+                 x_mm,
+                 y_mm,
+                 margin_mm);
     return;
   }
-  std::vector<float> to_x(count);
-  std::vector<float> to_y(count);
-  std::vector<float> to_z(count);
+  std::vector<float> t_mm(static_cast<std::size_t>(rays.count));
+  const auto base = static_cast<float>(settings_.base_mm);
+  if (settings_.shape == Shape::kFlat) {
+    std::vector<float> height(t_mm.size());
+    hit_flat_lines(rays, walls_.data(), panels_meet(), t_mm.data(), margin_mm);
+    points_of_hits(rays, t_mm.data(), base, x_mm, y_mm, height.data());
+    return;
+  }
+  hit_profile(rays, true, t_mm.data());
+  points_of_hits(rays, t_mm.data(), base, x_mm, y_mm, margin_mm);
+}
+
+void Tunnel::meet_details(const RayBlock& rays,
+                          const float* x_mm,
+                          const float* y_mm,
+                          const float* margin_mm,
+                          float* pattern_mm,
+                          float* cosine) const {
+  const double along = std::cos(settings_.orientation_rad);
+  const double across = std::sin(settings_.orientation_rad);
+  for (int i = 0; i < rays.count; ++i) {
+    pattern_mm[i] = x_mm[i];
+    cosine[i] = 1.0F;
+    if (margin_mm[i] == kNowhere_mm) {
+      continue;
+    }
+    const Ray ray = {
+        .origin_mm = vector_of(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]),
+        .direction = vector_of(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i])};
+    const Vector2d direction = ray.direction.tail<2>();
+    const Vector2d way = Vector2d(static_cast<double>(y_mm[i]), height_of(margin_mm[i], y_mm[i])) -
+                         ray.origin_mm.tail<2>();
+    const WallHit found = wall_hit(ray, way.dot(direction) / direction.squaredNorm());
+    pattern_mm[i] =
+        static_cast<float>(static_cast<double>(x_mm[i]) * along + found.arc_mm * across);
+    if (settings_.cosine_law) {
+      cosine[i] =
+          static_cast<float>(std::abs(found.normal.dot(ray.direction)) / ray.direction.norm());
+    }
+  }
+}
+
+double Tunnel::height_of(float margin_mm, float y_mm) const {
+  if (settings_.shape != Shape::kFlat) {
+    return settings_.base_mm + static_cast<double>(margin_mm);
+  }
+  const FlatWall& wall = walls_[y_mm < 0.0F ? 0 : 1];
+  const double along = std::abs(wall.along_y) > 1e-6
+                           ? (static_cast<double>(y_mm) - wall.start_y_mm) / wall.along_y
+                           : static_cast<double>(margin_mm);
+  return wall.start_z_mm + along * wall.along_z;
+}
+
+bool Tunnel::panels_meet() const {
+  const double sine = std::sin(0.5 * settings_.opening_rad);
+  return settings_.panel_height_mm * sine >= settings_.distance_mm * (1.0 - 1e-9);
+}
+
+/// Sight lines from points to the camera and where they cross the wall; t = 1 at the camera.
+struct Tunnel::Sight {
+  std::vector<float> to_x, to_y, to_z, t, x_mm;
+};
+
+Tunnel::Sight Tunnel::sight_of(const RayBlock& points,
+                               const Vector3d& camera_mm,
+                               float* hidden) const {
+  const auto count = static_cast<std::size_t>(points.count);
+  Sight s;
+  for (auto* array : {&s.to_x, &s.to_y, &s.to_z, &s.t, &s.x_mm}) {
+    array->resize(count);
+  }
   for (std::size_t i = 0; i < count; ++i) {
-    to_x[i] = static_cast<float>(camera_mm.x()) - points.origin_x[i];
-    to_y[i] = static_cast<float>(camera_mm.y()) - points.origin_y[i];
-    to_z[i] = static_cast<float>(camera_mm.z()) - points.origin_z[i];
+    s.to_x[i] = static_cast<float>(camera_mm.x()) - points.origin_x[i];
+    s.to_y[i] = static_cast<float>(camera_mm.y()) - points.origin_y[i];
+    s.to_z[i] = static_cast<float>(camera_mm.z()) - points.origin_z[i];
   }
   RayBlock sight = points;
-  sight.direction_x = to_x.data();
-  sight.direction_y = to_y.data();
-  sight.direction_z = to_z.data();
-  std::vector<float> t(count);
-  std::vector<float> x(count);
-  hit_profile(sight, t.data());
+  sight.direction_x = s.to_x.data();
+  sight.direction_y = s.to_y.data();
+  sight.direction_z = s.to_z.data();
+  hit_profile(sight, false, s.t.data());
   finish_hits(sight,
-              t.data(),
+              s.t.data(),
               static_cast<float>(0.5 * settings_.slot_mm),
               static_cast<float>(slot_floor_mm_),
-              x.data(),
+              s.x_mm.data(),
               hidden);
   const auto half_length = static_cast<float>(0.5 * settings_.length_mm);
   for (std::size_t i = 0; i < count; ++i) {
-    const bool is_before_camera = t[i] < 1.0F;
-    const bool is_within_ends = std::abs(x[i]) < half_length;
+    const bool is_before_camera = s.t[i] < 1.0F;
+    const bool is_within_ends = std::abs(s.x_mm[i]) < half_length;
     hidden[i] = is_before_camera && is_within_ends ? hidden[i] : 0.0F;
   }
+  return s;
+}
+
+void Tunnel::hidden_block(const RayBlock& points, const Vector3d& camera_mm, float* hidden) const {
+  if (settings_.blocks_view) {
+    sight_of(points, camera_mm, hidden);
+  } else {
+    std::fill_n(hidden, points.count, 0.0F);
+  }
+}
+
+Tunnel::SightLines Tunnel::sight_lines(const RayBlock& points, const Vector3d& camera_mm) const {
+  const auto count = static_cast<std::size_t>(points.count);
+  SightLines lines;
+  lines.hidden.resize(count);
+  const Sight sight = sight_of(points, camera_mm, lines.hidden.data());
+  for (auto* array : {&lines.x_mm, &lines.y_mm, &lines.z_mm, &lines.to_change_mm}) {
+    array->assign(count, kNowhere_mm);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (sight.t[i] >= kNoHit_mm) {
+      continue;
+    }
+    const auto t = static_cast<double>(sight.t[i]);
+    const Vector3d to = vector_of(sight.to_x[i], sight.to_y[i], sight.to_z[i]);
+    const Vector3d at =
+        vector_of(points.origin_x[i], points.origin_y[i], points.origin_z[i]) + t * to;
+    // Distances beyond each of the boundaries: hidden where all but the slot's two are positive.
+    const double to_slot =
+        std::max(std::abs(at.y()) - 0.5 * settings_.slot_mm, slot_floor_mm_ - at.z());
+    const double to_end = 0.5 * settings_.length_mm - std::abs(at.x());
+    const double to_camera = (1.0 - t) * to.norm();
+    double nearest = std::abs(to_rim_mm(at.tail<2>()));
+    for (const double distance : {to_slot, to_end, to_camera}) {
+      nearest = std::min(nearest, std::abs(distance));
+    }
+    lines.x_mm[i] = static_cast<float>(at.x());
+    lines.y_mm[i] = static_cast<float>(at.y());
+    lines.z_mm[i] = static_cast<float>(at.z());
+    lines.to_change_mm[i] = static_cast<float>(nearest);
+  }
+  return lines;
+}
+
+/// From a point of the wall to where its cross-section ends, the slot left aside.
+double Tunnel::to_rim_mm(const Vector2d& point) const {
+  if (settings_.shape != Shape::kFlat) {
+    return point.y() - settings_.base_mm;
+  }
+  const FlatWall& wall = walls_[point.x() < 0.0 ? 0 : 1];
+  const Vector2d from_foot = point - Vector2d(wall.start_y_mm, wall.start_z_mm);
+  const double along = from_foot.dot(Vector2d(wall.along_y, wall.along_z));
+  return panels_meet() ? along : std::min(along, wall.length_mm - along);
 }
 
 StripePattern Tunnel::pattern(double shift_mm) const {

@@ -88,9 +88,37 @@ class Tunnel {
   /// @param gain       0 where no wall is met
   void hit_block(const RayBlock& rays, float* x_mm, float* pattern_mm, float* gain) const;
 
+  /// The same hits for rays whose neighbours matter: coordinates that run on smoothly across the
+  /// slot and beyond the wall's ends, so that a boundary of the light can be found between rays.
+  /// A ray meets the light where margin >= 0, |y| >= slot / 2 and |x - shift| < length / 2.
+  /// @param x_mm       along the tunnel
+  /// @param y_mm       across it
+  /// @param margin_mm  how far inside the lower rim of the wall (flat: its nearest end);
+  ///                   kNowhere_mm where not even the extended wall is met
+  void meet_block(const RayBlock& rays, float* x_mm, float* y_mm, float* margin_mm) const;
+
+  /// What else oblique stripes and the cosine law need at the hits of meet_block().
+  /// @param pattern_mm coordinate along which the stripes alternate
+  /// @param cosine     between ray and wall; 1 without cosine law
+  void meet_details(const RayBlock& rays,
+                    const float* x_mm,
+                    const float* y_mm,
+                    const float* margin_mm,
+                    float* pattern_mm,
+                    float* cosine) const;
+
   /// True for each point that the wall hides from the camera (sight line through the wall and not
   /// through the slot). @param hidden 1 hidden, 0 seen; as long as the block's origins
   void hidden_block(const RayBlock& points, const Eigen::Vector3d& camera_mm, float* hidden) const;
+
+  /// Where sight lines cross the wall, for points that stand for their neighbourhood.
+  struct SightLines {
+    std::vector<float> hidden;               ///< as hidden_block()
+    std::vector<float> x_mm, y_mm, z_mm;     ///< of the crossing; kNowhere_mm: none
+    std::vector<float> to_change_mm;         ///< from the crossing to where `hidden` changes
+  };
+
+  SightLines sight_lines(const RayBlock& points, const Eigen::Vector3d& camera_mm) const;
 
   /// The stripes when the tunnel has moved by shift_mm along x.
   StripePattern pattern(double shift_mm) const;
@@ -101,26 +129,35 @@ class Tunnel {
   /// The luminous wall as polylines in the y-z plane, the slot left out.
   std::vector<std::vector<Eigen::Vector2d>> outline(double max_step_mm) const;
 
+  double dark_radiance() const { return dark_radiance_; }  ///< of dark stripes
+
   double half_width_mm() const;  ///< largest |y| of the wall
   double top_mm() const;         ///< largest z of the wall
 
  private:
-  void hit_profile(const RayBlock& rays, float* t_mm) const;
+  /// @param is_whole  also the continuation of the wall below its rim
+  void hit_profile(const RayBlock& rays, bool is_whole, float* t_mm) const;
   std::optional<double> hit_profile(const Eigen::Vector2d& origin,
                                     const Eigen::Vector2d& direction) const;
   /// The profile's piece [i, i + 1] that a point of the wall belongs to.
   std::size_t profile_piece(const Eigen::Vector2d& point) const;
   WallHit wall_hit(const Ray& ray, double t_mm) const;
+  bool panels_meet() const;
+  double height_of(float margin_mm, float y_mm) const;
   bool in_slot(const Eigen::Vector2d& point) const;
+  double to_rim_mm(const Eigen::Vector2d& point) const;
+  struct Sight;
+  Sight sight_of(const RayBlock& points, const Eigen::Vector3d& camera_mm, float* hidden) const;
   void build_profile();
 
   TunnelSettings settings_;
-  std::vector<FlatWall> walls_;                 ///< flat
-  std::vector<SplineSegment> segments_;         ///< free
-  std::vector<Eigen::Vector2d> profile_yz_mm_;  ///< dense, from y < 0 to y > 0
-  std::vector<double> profile_angle_rad_;       ///< per profile point, from the vertical
-  std::vector<double> arc_mm_;                  ///< per profile point, 0 in the middle
-  double slot_floor_mm_ = 0.0;                  ///< the slot is cut above this height
+  std::vector<FlatWall> walls_;                   ///< flat
+  std::vector<SplineSegment> segments_;           ///< free
+  std::vector<SplineSegment> extended_segments_;  ///< free, running on straight below the rim
+  std::vector<Eigen::Vector2d> profile_yz_mm_;    ///< dense, from y < 0 to y > 0
+  std::vector<double> profile_angle_rad_;         ///< per profile point, from the vertical
+  std::vector<double> arc_mm_;                    ///< per profile point, 0 in the middle
+  double slot_floor_mm_ = 0.0;                    ///< the slot is cut above this height
   double dark_radiance_ = 0.0;
 };
 

@@ -93,10 +93,53 @@ GLINT_WIDE void hit_flat(const RayBlock& rays,
   }
 }
 
+GLINT_WIDE void hit_flat_lines(const RayBlock& rays,
+                               const FlatWall* walls,
+                               bool meets_at_top,
+                               float* __restrict t_mm,
+                               float* __restrict margin_mm) {
+  const float* __restrict oy = rays.origin_y;
+  const float* __restrict oz = rays.origin_z;
+  const float* __restrict dy = rays.direction_y;
+  const float* __restrict dz = rays.direction_z;
+  const int count = rays.count;
+  for (int i = 0; i < count; ++i) {
+    t_mm[i] = kNoHit_mm;
+  }
+  for (int w = 0; w < 2; ++w) {
+    const auto ny = static_cast<float>(walls[w].normal_y);
+    const auto nz = static_cast<float>(walls[w].normal_z);
+    const auto offset = static_cast<float>(walls[w].offset_mm);
+    for (int i = 0; i < count; ++i) {
+      const float slope = ny * dy[i] + nz * dz[i];
+      const float t = (offset - ny * oy[i] - nz * oz[i]) / slope;
+      const bool is_hit = (slope > 0.0F) & (t > kMinT_mm) & (t < t_mm[i]);
+      t_mm[i] = is_hit ? t : t_mm[i];
+    }
+  }
+  // The walls mirror each other in y = 0, which they do not cross.
+  const auto foot_y = static_cast<float>(walls[1].start_y_mm);
+  const auto foot_z = static_cast<float>(walls[1].start_z_mm);
+  const auto along_y = static_cast<float>(walls[1].along_y);
+  const auto along_z = static_cast<float>(walls[1].along_z);
+  const auto length = meets_at_top ? 1e30F : static_cast<float>(walls[1].length_mm);
+  for (int i = 0; i < count; ++i) {
+    const bool is_hit = t_mm[i] < kNoHit_mm;
+    const float t = is_hit ? t_mm[i] : 0.0F;
+    const float y = oy[i] + t * dy[i];
+    const float beside = y < 0.0F ? -y : y;
+    const float s = (beside - foot_y) * along_y + (oz[i] + t * dz[i] - foot_z) * along_z;
+    const float to_end = length - s;
+    const float margin = s < to_end ? s : to_end;
+    margin_mm[i] = is_hit ? margin : kNowhere_mm;
+  }
+}
+
 GLINT_WIDE void hit_ellipse(const RayBlock& rays,
                             float base_mm,
                             float half_width_mm,
                             float height_mm,
+                            bool is_whole,
                             float* __restrict t_mm) {
   const float* __restrict oy = rays.origin_y;
   const float* __restrict oz = rays.origin_z;
@@ -104,6 +147,7 @@ GLINT_WIDE void hit_ellipse(const RayBlock& rays,
   const float* __restrict dz = rays.direction_z;
   const float per_width = 1.0F / half_width_mm;
   const float per_height = 1.0F / height_mm;
+  const float lowest = is_whole ? -2.0F : 0.0F;
   for (int i = 0; i < rays.count; ++i) {
     const float py = oy[i] * per_width;
     const float pz = (oz[i] - base_mm) * per_height;
@@ -114,8 +158,45 @@ GLINT_WIDE void hit_ellipse(const RayBlock& rays,
     const float c = py * py + pz * pz - 1.0F;
     const float discriminant = b * b - a * c;
     const float t = (std::sqrt(discriminant > 0.0F ? discriminant : 0.0F) - b) / a;
-    const bool is_hit = (discriminant > 0.0F) & (a > 0.0F) & (t > kMinT_mm) & (pz + t * vz >= 0.0F);
+    const bool is_hit =
+        (discriminant > 0.0F) & (a > 0.0F) & (t > kMinT_mm) & (pz + t * vz >= lowest);
     t_mm[i] = is_hit ? t : kNoHit_mm;
+  }
+}
+
+/// hit_ellipse() and points_of_hits() in one sweep.
+GLINT_WIDE void meet_ellipse(const RayBlock& rays,
+                             float base_mm,
+                             float half_width_mm,
+                             float height_mm,
+                             float* __restrict x_mm,
+                             float* __restrict y_mm,
+                             float* __restrict above_base_mm) {
+  const float* __restrict ox = rays.origin_x;
+  const float* __restrict oy = rays.origin_y;
+  const float* __restrict oz = rays.origin_z;
+  const float* __restrict dx = rays.direction_x;
+  const float* __restrict dy = rays.direction_y;
+  const float* __restrict dz = rays.direction_z;
+  const float per_width = 1.0F / half_width_mm;
+  const float per_height = 1.0F / height_mm;
+  const int count = rays.count;
+  for (int i = 0; i < count; ++i) {
+    const float py = oy[i] * per_width;
+    const float pz = (oz[i] - base_mm) * per_height;
+    const float vy = dy[i] * per_width;
+    const float vz = dz[i] * per_height;
+    const float a = vy * vy + vz * vz;
+    const float b = py * vy + pz * vz;
+    const float c = py * py + pz * pz - 1.0F;
+    const float discriminant = b * b - a * c;
+    const float root = (std::sqrt(discriminant > 0.0F ? discriminant : 0.0F) - b) / a;
+    const bool is_hit =
+        (discriminant > 0.0F) & (a > 0.0F) & (root > kMinT_mm) & (pz + root * vz >= -2.0F);
+    const float t = is_hit ? root : 0.0F;
+    x_mm[i] = ox[i] + t * dx[i];
+    y_mm[i] = oy[i] + t * dy[i];
+    above_base_mm[i] = is_hit ? oz[i] + t * dz[i] - base_mm : kNowhere_mm;
   }
 }
 
@@ -188,6 +269,7 @@ void hit_superellipse(const RayBlock& rays,
                       float half_width_mm,
                       float height_mm,
                       float exponent,
+                      bool is_whole,
                       float* t_mm) {
   constexpr int kSteps = 5;
   const float per_width = 1.0F / half_width_mm;
@@ -196,7 +278,7 @@ void hit_superellipse(const RayBlock& rays,
   for (int step = 0; step < kSteps; ++step) {
     superellipse_step(rays, base_mm, per_width, per_height, exponent, t_mm);
   }
-  superellipse_check(rays, base_mm, t_mm);
+  superellipse_check(rays, is_whole ? base_mm - 2.0F * height_mm : base_mm, t_mm);
 }
 
 GLINT_WIDE static void hit_spline_chunk(const RayBlock& rays,
@@ -303,6 +385,27 @@ GLINT_WIDE void finish_hits(const RayBlock& rays,
     const bool in_slot = (y < half_slot_mm) & (y > -half_slot_mm) & (z > slot_floor_mm);
     x_mm[i] = ox[i] + t * dx[i];
     gain[i] = (is_hit & !in_slot) ? 1.0F : 0.0F;
+  }
+}
+
+GLINT_WIDE void points_of_hits(const RayBlock& rays,
+                               const float* __restrict t_mm,
+                               float base_mm,
+                               float* __restrict x_mm,
+                               float* __restrict y_mm,
+                               float* __restrict above_base_mm) {
+  const float* __restrict ox = rays.origin_x;
+  const float* __restrict oy = rays.origin_y;
+  const float* __restrict oz = rays.origin_z;
+  const float* __restrict dx = rays.direction_x;
+  const float* __restrict dy = rays.direction_y;
+  const float* __restrict dz = rays.direction_z;
+  for (int i = 0; i < rays.count; ++i) {
+    const bool is_hit = t_mm[i] < kNoHit_mm;
+    const float t = is_hit ? t_mm[i] : 0.0F;
+    x_mm[i] = ox[i] + t * dx[i];
+    y_mm[i] = oy[i] + t * dy[i];
+    above_base_mm[i] = is_hit ? oz[i] + t * dz[i] - base_mm : kNowhere_mm;
   }
 }
 

@@ -51,16 +51,36 @@ struct StripePattern {
 
 void hit_flat(const RayBlock& rays, const FlatWall* walls, int num_walls, float* t_mm);
 
-/// Upper half (z >= base) of an ellipse around (0, base); rays start inside.
-void hit_ellipse(
-    const RayBlock& rays, float base_mm, float half_width_mm, float height_mm, float* t_mm);
+/// The lines of a left and a right wall, mirrored in y = 0, without their ends; margin_mm tells how
+/// far inside its ends a hit is (negative outside).
+/// @param meets_at_top  the walls' upper ends touch and are no ends
+void hit_flat_lines(
+    const RayBlock& rays, const FlatWall* walls, bool meets_at_top, float* t_mm, float* margin_mm);
 
-/// Upper half of a superellipse, exponent >= 1, by Newton's method from outside.
+/// Upper half (z >= base) or all of an ellipse around (0, base); rays start inside.
+void hit_ellipse(const RayBlock& rays,
+                 float base_mm,
+                 float half_width_mm,
+                 float height_mm,
+                 bool is_whole,
+                 float* t_mm);
+
+/// All of an ellipse: where rays meet it, as points_of_hits() tells.
+void meet_ellipse(const RayBlock& rays,
+                  float base_mm,
+                  float half_width_mm,
+                  float height_mm,
+                  float* x_mm,
+                  float* y_mm,
+                  float* above_base_mm);
+
+/// Upper half or all of a superellipse, exponent >= 1, by Newton's method from outside.
 void hit_superellipse(const RayBlock& rays,
                       float base_mm,
                       float half_width_mm,
                       float height_mm,
                       float exponent,
+                      bool is_whole,
                       float* t_mm);
 
 /// A chain of cubic segments; the nearest crossing in front of the ray.
@@ -73,6 +93,17 @@ void finish_hits(const RayBlock& rays,
                  float slot_floor_mm,
                  float* x_mm,
                  float* gain);
+
+/// From t to the point of the wall, z counted from the base; kNowhere_mm as z for no hit.
+void points_of_hits(const RayBlock& rays,
+                    const float* t_mm,
+                    float base_mm,
+                    float* x_mm,
+                    float* y_mm,
+                    float* above_base_mm);
+
+/// z of a ray that meets nothing.
+inline constexpr float kNowhere_mm = -1e30F;
 
 /// out[i] += scale * gain[i] * radiance of the stripes at (x[i], q[i]).
 void add_stripes(const float* x_mm,

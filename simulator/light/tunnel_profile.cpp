@@ -107,6 +107,26 @@ std::vector<SplineSegment> free_segments(const std::vector<double>& control_mm, 
   return segments;
 }
 
+std::vector<SplineSegment> with_straight_ends(const std::vector<SplineSegment>& segments) {
+  constexpr double kLength_mm = 2e3;
+  const auto straight = [](const Vector2d& from, const Vector2d& to) {
+    const Vector2d along = to - from;
+    return SplineSegment{.y = {from.x(), along.x(), 0, 0}, .z = {from.y(), along.y(), 0, 0}};
+  };
+  const SplineSegment& first = segments.front();
+  const SplineSegment& last = segments.back();
+  const Vector2d start = point_at(first, 0.0);
+  const Vector2d end = point_at(last, 1.0);
+  const Vector2d tangent_at_start = Vector2d(first.y[1], first.z[1]).normalized();
+  const Vector2d tangent_at_end = Vector2d(last.y[1] + 2.0 * last.y[2] + 3.0 * last.y[3],
+                                           last.z[1] + 2.0 * last.z[2] + 3.0 * last.z[3])
+                                      .normalized();
+  std::vector<SplineSegment> extended = {straight(start - kLength_mm * tangent_at_start, start)};
+  extended.insert(extended.end(), segments.begin(), segments.end());
+  extended.push_back(straight(end, end + kLength_mm * tangent_at_end));
+  return extended;
+}
+
 std::vector<Vector2d> sample_spline(const std::vector<SplineSegment>& segments, int num_points) {
   std::vector<Vector2d> points;
   const auto count = static_cast<int>(segments.size());

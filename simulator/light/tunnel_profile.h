@@ -29,6 +29,9 @@ std::vector<FlatWall> flat_walls(double distance_mm,
 /// Source: C. de Boor, "A Practical Guide to Splines" (Boehm's knot insertion to Bezier form).
 std::vector<SplineSegment> free_segments(const std::vector<double>& control_mm, double base_mm);
 
+/// The same curve with a long straight piece along its tangent at either end.
+std::vector<SplineSegment> with_straight_ends(const std::vector<SplineSegment>& segments);
+
 std::vector<Eigen::Vector2d> sample_spline(const std::vector<SplineSegment>& segments,
                                            int num_points);
 std::vector<Eigen::Vector2d> sample_superellipse(const EllipseAxes& axes,

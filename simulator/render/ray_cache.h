@@ -24,10 +24,23 @@ namespace glint {
 
 /// Keys of [render].
 struct RenderSettings {
-  int rays_per_axis = 2;     ///< rays_per_axis^2 rays a pixel, on a regular grid
-  int max_bounces = 4;       ///< reflections on the part before a ray is given up
-  double reflectance = 1.0;  ///< of the part, per reflection
+  /// How pictures come about; see docs/theory/footprints.md.
+  enum class Method {
+    kAuto,        ///< closed where it holds and no pictures are asked for, else integrated
+    kSampled,     ///< the plain way: rays_per_axis^2 point samples a pixel
+    kIntegrated,  ///< one ray a pixel, its footprint integrated in closed form
+    kClosed       ///< mean of a scan by closed forms, integrated frames only where they do not hold
+  };
+
+  Method method = Method::kAuto;
+  int rays_per_axis = 2;                  ///< sampled: on a regular grid
+  double max_direction_error_rad = 2e-4;  ///< not sampled: of rays taken as linear across a cell
+  int max_bounces = 4;                    ///< reflections on the part before a ray is given up
+  double reflectance = 1.0;               ///< of the part, per reflection
 };
+
+/// Names of RenderSettings::Method in order.
+std::string_view method_name(RenderSettings::Method method);
 
 void visit_keys(KeyVisitor& keys, RenderSettings& settings);
 
@@ -40,28 +53,32 @@ struct RayCounts {
   std::int64_t grazing = 0;   ///< left almost along the triangles, taken as escaped
 };
 
-/// Rays that have left the part, one array per component: ray of sample s in pixel p stands at
-/// s * num_pixels() + p. 28 bytes a ray, and 16 bytes a pixel.
-struct RayCache {
+/// What of the part each pixel sees. 16 bytes a pixel.
+struct SeenPart {
   int width_px = 0;
   int height_px = 0;
-  int samples = 0;                                           ///< rays a pixel
-  std::vector<float> origin_x, origin_y, origin_z;           ///< [mm], scene frame
-  std::vector<float> direction_x, direction_y, direction_z;  ///< unit
-  std::vector<float> weight;      ///< reflectance of the path; 0: dark whatever the light
-  ImageF coverage;                ///< share of a pixel's rays that met the part
-  ImageF seen_x, seen_y, seen_z;  ///< [mm] mean point of the part that the pixel's rays met first
-  RayCounts counts;
+  ImageF coverage;                ///< share of the pixel that lies on the part
+  ImageF seen_x, seen_y, seen_z;  ///< [mm] mean point of the part that its rays met first
 
   std::int64_t num_pixels() const {
     return static_cast<std::int64_t>(width_px) * static_cast<std::int64_t>(height_px);
   }
 
-  /// Rays [begin, begin + count) of the arrays.
-  RayBlock block(std::int64_t begin, int count) const;
-
   /// The points seen by pixels [begin, begin + count), as origins; without directions.
   RayBlock seen_block(std::int64_t begin, int count) const;
+};
+
+/// Rays that have left the part, one array per component: ray of sample s in pixel p stands at
+/// s * num_pixels() + p. 28 bytes a ray.
+struct RayCache : SeenPart {
+  int samples = 0;                                           ///< rays a pixel
+  std::vector<float> origin_x, origin_y, origin_z;           ///< [mm], scene frame
+  std::vector<float> direction_x, direction_y, direction_z;  ///< unit
+  std::vector<float> weight;  ///< reflectance of the path; 0: dark whatever the light
+  RayCounts counts;
+
+  /// Rays [begin, begin + count) of the arrays.
+  RayBlock block(std::int64_t begin, int count) const;
 };
 
 /// Traces the rays of a camera. The same bytes for any number of threads.

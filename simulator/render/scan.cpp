@@ -10,6 +10,9 @@ namespace {
 /// Rays that are worked on together: their arrays stay in the first caches.
 constexpr std::int64_t kBlock = 4096;
 
+/// Frames that are rendered together: rays are read once for all of them.
+constexpr std::size_t kFramesAtOnce = 8;
+
 void multiply_gains(const float* __restrict weight,
                     const float* __restrict seen,
                     int count,
@@ -24,29 +27,6 @@ int block_size(std::int64_t begin, std::int64_t count) {
 }
 
 }  // namespace
-
-void visit_keys(KeyVisitor& keys, ScanSettings& s) {
-  keys.integer("positions", s.positions, Range::between(1, 4096), "pictures in a scan");
-  keys.number("step_mm",
-              s.step_mm,
-              Range::at_least(0),
-              "between two positions; 0 = one period over all positions");
-}
-
-double scan_step_mm(const ScanSettings& scan, const TunnelSettings& tunnel) {
-  if (scan.step_mm > 0.0) {
-    return scan.step_mm;
-  }
-  // Oblique stripes move along their normal by the cosine only.
-  const double cosine = std::cos(tunnel.orientation_rad);
-  constexpr double kSmallestCosine = 0.01;
-  if (cosine < kSmallestCosine) {
-    throw ConfigError(
-        "scan.step_mm: must be given: stripes that run along the tunnel do not move with it, so a "
-        "period takes no number of steps");
-  }
-  return tunnel.period_mm / (scan.positions * cosine);
-}
 
 WallRays meet_wall(const RayCache& cache,
                    const Tunnel& tunnel,
@@ -82,30 +62,45 @@ WallRays meet_wall(const RayCache& cache,
   return rays;
 }
 
+void render_frames(const RayCache& cache,
+                   const WallRays& rays,
+                   std::span<const StripePattern> patterns,
+                   std::span<ImageF> frames) {
+  GLINT_CHECK(patterns.size() == frames.size(), "a picture for each position");
+  // Small enough that a block's rays stay in the first caches from one frame to the next.
+  constexpr int kBlockOfFrames = 1024;
+  const std::int64_t pixels = cache.num_pixels();
+  for (ImageF& frame : frames) {
+    if (frame.width() != cache.width_px || frame.height() != cache.height_px) {
+      frame = ImageF(cache.width_px, cache.height_px);
+    }
+  }
+  const std::vector<float>& pattern_mm = rays.pattern_mm.empty() ? rays.x_mm : rays.pattern_mm;
+  const float share = 1.0F / static_cast<float>(cache.samples);
+  for (std::int64_t pixel = 0; pixel < pixels; pixel += kBlockOfFrames) {
+    const int count = static_cast<int>(std::min<std::int64_t>(kBlockOfFrames, pixels - pixel));
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      float* out = frames[k].values().data() + pixel;
+      std::fill_n(out, count, 0.0F);
+      for (std::int64_t sample = 0; sample < cache.samples; ++sample) {
+        const std::int64_t begin = sample * pixels + pixel;
+        add_stripes(rays.x_mm.data() + begin,
+                    pattern_mm.data() + begin,
+                    rays.gain.data() + begin,
+                    count,
+                    patterns[k],
+                    share,
+                    out);
+      }
+    }
+  }
+}
+
 void render_frame(const RayCache& cache,
                   const WallRays& rays,
                   const StripePattern& pattern,
                   ImageF& radiance) {
-  const std::int64_t pixels = cache.num_pixels();
-  if (radiance.width() != cache.width_px || radiance.height() != cache.height_px) {
-    radiance = ImageF(cache.width_px, cache.height_px);
-  }
-  std::fill(radiance.values().begin(), radiance.values().end(), 0.0F);
-  const std::vector<float>& pattern_mm = rays.pattern_mm.empty() ? rays.x_mm : rays.pattern_mm;
-  const float share = 1.0F / static_cast<float>(cache.samples);
-  for (std::int64_t pixel = 0; pixel < pixels; pixel += kBlock) {
-    const int count = block_size(pixel, pixels);
-    for (std::int64_t sample = 0; sample < cache.samples; ++sample) {
-      const std::int64_t begin = sample * pixels + pixel;
-      add_stripes(rays.x_mm.data() + begin,
-                  pattern_mm.data() + begin,
-                  rays.gain.data() + begin,
-                  count,
-                  pattern,
-                  share,
-                  radiance.values().data() + pixel);
-    }
-  }
+  render_frames(cache, rays, {&pattern, 1}, {&radiance, 1});
 }
 
 ScanResult take_scan(const RayCache& cache,
@@ -118,13 +113,21 @@ ScanResult take_scan(const RayCache& cache,
   const double step_mm = scan_step_mm(scan, tunnel.settings());
   ScanResult result;
   result.sums = ScanSums(cache.width_px, cache.height_px);
-  ImageF radiance;
-  ImageF grey;
+  std::vector<StripePattern> patterns;
   for (int k = 0; k < scan.positions; ++k) {
-    render_frame(cache, rays, tunnel.pattern(k * step_mm), radiance);
-    sensor.accumulate(radiance, k, result.sums, consume ? &grey : nullptr);
-    if (consume) {
-      consume(k, grey);
+    patterns.push_back(tunnel.pattern(k * step_mm));
+  }
+  std::vector<ImageF> radiance(std::min(kFramesAtOnce, patterns.size()));
+  ImageF grey;
+  for (std::size_t first = 0; first < patterns.size(); first += kFramesAtOnce) {
+    const std::size_t count = std::min(kFramesAtOnce, patterns.size() - first);
+    render_frames(cache, rays, {patterns.data() + first, count}, {radiance.data(), count});
+    for (std::size_t i = 0; i < count; ++i) {
+      const int index = static_cast<int>(first + i);
+      sensor.accumulate(radiance[i], index, result.sums, consume ? &grey : nullptr);
+      if (consume) {
+        consume(index, grey);
+      }
     }
   }
   result.aspect = result.sums.aspect();

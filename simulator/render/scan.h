@@ -6,28 +6,17 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "simulator/light/tunnel.h"
 #include "simulator/render/ray_cache.h"
+#include "simulator/render/scan_settings.h"
 #include "simulator/sensor/sensor.h"
 
 namespace glint {
-
-/// Keys of [scan].
-struct ScanSettings {
-  int positions = 24;
-  double step_mm = 0.0;  ///< 0: one period over all positions
-};
-
-void visit_keys(KeyVisitor& keys, ScanSettings& settings);
-
-/// The step between two positions along x [mm]: as given, or such that all positions together take
-/// the stripes through one period along their normal.
-/// @throws ConfigError when the stripes run along the tunnel and no step is given
-double scan_step_mm(const ScanSettings& scan, const TunnelSettings& tunnel);
 
 /// Cached rays under one tunnel: where each meets the wall and how bright the wall is before
 /// stripes. Arrays as in RayCache.
@@ -43,7 +32,15 @@ WallRays meet_wall(const RayCache& cache,
                    const Tunnel& tunnel,
                    const Eigen::Vector3d& camera_in_world_mm);
 
-/// The picture's radiance with the tunnel moved by shift_mm; `radiance` is resized.
+/// The pictures' radiance with the tunnel at several positions, rays read once for all of them.
+/// @param patterns  Tunnel::pattern() at each position
+/// @param frames    as many; resized when they have another size
+void render_frames(const RayCache& cache,
+                   const WallRays& rays,
+                   std::span<const StripePattern> patterns,
+                   std::span<ImageF> frames);
+
+/// The same for one position.
 void render_frame(const RayCache& cache,
                   const WallRays& rays,
                   const StripePattern& pattern,

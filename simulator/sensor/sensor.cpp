@@ -21,7 +21,7 @@ int levels_of(const SensorSettings& settings) {
 }
 
 /// Centre and one side of a Gaussian cut at four sigma, both sides summing to 1.
-std::vector<float> blur_weights(double sigma_px) {
+std::vector<float> gaussian_weights(double sigma_px) {
   const int radius = sigma_px > 0.0 ? static_cast<int>(std::ceil(kTruncationSigmas * sigma_px)) : 0;
   std::vector<double> weights(static_cast<std::size_t>(radius) + 1, 1.0);
   double total = 1.0;
@@ -127,48 +127,78 @@ Sensor::Sensor(const SensorSettings& settings, int width_px, int height_px)
     : settings_(settings),
       width_px_(width_px),
       height_px_(height_px),
-      weights_(blur_weights(settings.blur_px)) {
+      whole_(whole_image(width_px, height_px)),
+      weights_(gaussian_weights(settings.blur_px)) {
   if (width_px <= 0 || height_px <= 0) {
     throw ConfigError("sensor: the image has no pixel, width and height must be > 0");
   }
 }
 
+int Sensor::blur_reach_px(double tail) const {
+  double beyond = 0.0;
+  int reach = blur_radius_px();
+  while (reach > 0 &&
+         beyond + static_cast<double>(weights_[static_cast<std::size_t>(reach)]) < tail) {
+    beyond += static_cast<double>(weights_[static_cast<std::size_t>(reach)]);
+    --reach;
+  }
+  return reach;
+}
+
+double Sensor::blur_variance_px2() const {
+  double variance = 0.0;
+  for (std::size_t k = 1; k < weights_.size(); ++k) {
+    variance += 2.0 * static_cast<double>(weights_[k]) * static_cast<double>(k * k);
+  }
+  return variance;
+}
+
 /// Vertical pass into the padded row, then horizontal pass into the row.
-void Sensor::blur_row(const ImageF& radiance, int y, Scratch& scratch) const {
-  const int radius = static_cast<int>(weights_.size()) - 1;
-  kernels::TapRows taps{.centre = radiance.row(y),
+void Sensor::blur_span(const ImageF& radiance, const RowSpan& span, Scratch& scratch) const {
+  const int radius = blur_radius_px();
+  const int low = std::max(0, span.begin - radius);
+  const int high = std::min(width_px_, span.end + radius);
+  kernels::TapRows taps{.centre = radiance.row(span.y) + low,
                         .low = scratch.low.data(),
                         .high = scratch.high.data(),
                         .weights = weights_.data(),
                         .radius = radius};
   if (radius == 0) {
-    std::copy_n(radiance.row(y), width_px_, scratch.row.data());
+    std::copy_n(radiance.row(span.y) + span.begin, span.size(), scratch.row.data());
     return;
   }
   for (int k = 1; k <= radius; ++k) {
     const auto at = static_cast<std::size_t>(k - 1);
-    scratch.low[at] = radiance.row(std::max(y - k, 0));
-    scratch.high[at] = radiance.row(std::min(y + k, height_px_ - 1));
+    scratch.low[at] = radiance.row(std::max(span.y - k, 0)) + low;
+    scratch.high[at] = radiance.row(std::min(span.y + k, height_px_ - 1)) + low;
   }
-  float* centre = scratch.padded.data() + radius;
-  kernels::weigh_rows(taps, width_px_, centre);
-  std::fill_n(centre - radius, radius, centre[0]);
-  std::fill_n(centre + width_px_, radius, centre[width_px_ - 1]);
+  float* image_start = scratch.padded.data() + radius;
+  kernels::weigh_rows(taps, high - low, image_start + low);
+  if (low == 0) {
+    std::fill_n(image_start - radius, radius, image_start[0]);
+  }
+  if (high == width_px_) {
+    std::fill_n(image_start + width_px_, radius, image_start[width_px_ - 1]);
+  }
+  float* centre = image_start + span.begin;
   for (int k = 1; k <= radius; ++k) {
     const auto at = static_cast<std::size_t>(k - 1);
     scratch.low[at] = centre - k;
     scratch.high[at] = centre + k;
   }
   taps.centre = centre;
-  kernels::weigh_rows(taps, width_px_, scratch.row.data());
+  kernels::weigh_rows(taps, span.size(), scratch.row.data());
 }
 
-/// Turns the row's blurred radiance into noisy electrons.
-void Sensor::add_noise(int y, int frame_index, Scratch& scratch) const {
-  const auto first_pixel = static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(width_px_);
+/// Turns the span's blurred radiance into noisy electrons.
+void Sensor::add_noise(const RowSpan& span, int frame_index, Scratch& scratch) const {
+  const int width = span.size();
+  const auto first_pixel =
+      static_cast<std::uint64_t>(span.y) * static_cast<std::uint64_t>(width_px_) +
+      static_cast<std::uint64_t>(span.begin);
   const auto first_block = static_cast<std::uint32_t>(first_pixel / 4);
   const auto skipped = static_cast<std::size_t>(first_pixel % 4);
-  const int blocks = static_cast<int>(scratch.words.size() / 4);
+  const int blocks = (width + 6) / 4;  // up to 3 words before the span's first pixel
   const auto seed = static_cast<std::uint64_t>(settings_.seed);
   kernels::NoiseAddress address{
       .key = {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
@@ -179,11 +209,11 @@ void Sensor::add_noise(int y, int frame_index, Scratch& scratch) const {
 
   kernels::scale_and_shift(static_cast<float>(settings_.exposure * settings_.full_well_e),
                            static_cast<float>(settings_.dark_e),
-                           width_px_,
+                           width,
                            electrons);
   kernels::philox_words(address, first_block, blocks, scratch.words.data());
-  kernels::normal_quantiles(words, width_px_, scratch.normals.data());
-  for (int x = 0; x < width_px_; ++x) {
+  kernels::normal_quantiles(words, width, scratch.normals.data());
+  for (int x = 0; x < width; ++x) {
     if (electrons[x] < static_cast<float>(kGaussianFromElectrons)) {
       // Exact, and out of reach of the Gaussian pass: it leaves a pixel with normal 0 alone.
       const double u = (words[x] + 0.5) * 0x1p-32;
@@ -192,43 +222,45 @@ void Sensor::add_noise(int y, int frame_index, Scratch& scratch) const {
       scratch.normals[static_cast<std::size_t>(x)] = 0.0f;
     }
   }
-  kernels::add_shot_noise(scratch.normals.data(), width_px_, electrons);
+  kernels::add_shot_noise(scratch.normals.data(), width, electrons);
   if (settings_.read_noise_e > 0.0) {
     address.stream = static_cast<std::uint32_t>(Stream::kReadNoise);
     kernels::philox_words(address, first_block, blocks, scratch.words.data());
-    kernels::normal_quantiles(words, width_px_, scratch.normals.data());
+    kernels::normal_quantiles(words, width, scratch.normals.data());
     kernels::add_scaled(
-        static_cast<float>(settings_.read_noise_e), scratch.normals.data(), width_px_, electrons);
+        static_cast<float>(settings_.read_noise_e), scratch.normals.data(), width, electrons);
   }
 }
 
-/// Calls consume(y, grey values) for each row, from the top.
+/// Calls consume(span, grey values) for each span, in order.
 template <class Consume>
-void Sensor::for_each_row(const ImageF& radiance, int frame_index, const Consume& consume) const {
+void Sensor::for_each_span(const ImageF& radiance,
+                           int frame_index,
+                           const Spans& where,
+                           const Consume& consume) const {
   GLINT_CHECK(radiance.width() == width_px_ && radiance.height() == height_px_,
               "radiance and sensor differ in size");
   const bool noisy = settings_.full_well_e > 0.0;
   const auto width = static_cast<std::size_t>(width_px_);
   const std::size_t radius = weights_.size() - 1;
-  const std::size_t blocks = (width + 6) / 4;  // up to 3 words before the row's first pixel
   Scratch scratch{.padded = std::vector<float>(width + 2 * radius),
                   .row = std::vector<float>(width),
                   .low = std::vector<const float*>(radius),
                   .high = std::vector<const float*>(radius),
-                  .words = std::vector<std::uint32_t>(noisy ? 4 * blocks : 0),
+                  .words = std::vector<std::uint32_t>(noisy ? width + 10 : 0),
                   .normals = std::vector<float>(noisy ? width : 0)};
   const double scale =
       noisy ? settings_.gain / settings_.full_well_e : settings_.gain * settings_.exposure;
-  for (int y = 0; y < height_px_; ++y) {
-    blur_row(radiance, y, scratch);
+  for (const RowSpan& span : where) {
+    blur_span(radiance, span, scratch);
     if (noisy) {
-      add_noise(y, frame_index, scratch);
+      add_noise(span, frame_index, scratch);
     }
-    kernels::scale_and_clip(static_cast<float>(scale), width_px_, scratch.row.data());
+    kernels::scale_and_clip(static_cast<float>(scale), span.size(), scratch.row.data());
     if (settings_.bits > 0) {
-      kernels::quantise(levels_of(settings_), width_px_, scratch.row.data());
+      kernels::quantise(levels_of(settings_), span.size(), scratch.row.data());
     }
-    consume(y, static_cast<const float*>(scratch.row.data()));
+    consume(span, static_cast<const float*>(scratch.row.data()));
   }
 }
 
@@ -236,13 +268,21 @@ void Sensor::expose(const ImageF& radiance, int frame_index, ImageF& frame) cons
   if (frame.width() != width_px_ || frame.height() != height_px_) {
     frame = ImageF(width_px_, height_px_);
   }
-  for_each_row(radiance, frame_index, [&](int y, const float* row) {
-    std::copy_n(row, width_px_, frame.row(y));
+  for_each_span(radiance, frame_index, whole_, [&](const RowSpan& span, const float* grey) {
+    std::copy_n(grey, span.size(), frame.row(span.y) + span.begin);
   });
 }
 
 void Sensor::accumulate(const ImageF& radiance,
                         int frame_index,
+                        ScanSums& sums,
+                        ImageF* frame) const {
+  accumulate(radiance, frame_index, whole_, sums, frame);
+}
+
+void Sensor::accumulate(const ImageF& radiance,
+                        int frame_index,
+                        const Spans& where,
                         ScanSums& sums,
                         ImageF* frame) const {
   if (sums.frames == 0) {
@@ -253,10 +293,13 @@ void Sensor::accumulate(const ImageF& radiance,
   if (frame != nullptr && (frame->width() != width_px_ || frame->height() != height_px_)) {
     *frame = ImageF(width_px_, height_px_);
   }
-  for_each_row(radiance, frame_index, [&](int y, const float* row) {
-    kernels::accumulate(row, width_px_, sums.sum.row(y), sums.clipped_frames.row(y));
+  for_each_span(radiance, frame_index, where, [&](const RowSpan& span, const float* grey) {
+    kernels::accumulate(grey,
+                        span.size(),
+                        sums.sum.row(span.y) + span.begin,
+                        sums.clipped_frames.row(span.y) + span.begin);
     if (frame != nullptr) {
-      std::copy_n(row, width_px_, frame->row(y));
+      std::copy_n(grey, span.size(), frame->row(span.y) + span.begin);
     }
   });
   ++sums.frames;

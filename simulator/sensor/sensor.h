@@ -17,6 +17,7 @@
 
 #include "core/image.h"
 #include "core/keys.h"
+#include "core/spans.h"
 
 namespace glint {
 
@@ -73,19 +74,43 @@ class Sensor {
                   ScanSums& sums,
                   ImageF* frame = nullptr) const;
 
+  /// The same for some pixels only: equal bytes there, all others are left alone. The radiance must
+  /// be known up to blur_radius_px() around them.
+  void accumulate(const ImageF& radiance,
+                  int frame_index,
+                  const Spans& where,
+                  ScanSums& sums,
+                  ImageF* frame = nullptr) const;
+
+  /// Of the blur's centre and one side.
+  const std::vector<float>& blur_weights() const { return weights_; }
+
+  /// How far a pixel's light spreads.
+  int blur_radius_px() const { return static_cast<int>(weights_.size()) - 1; }
+
+  /// The distance beyond which less than `tail` of the light spreads to one side.
+  int blur_reach_px(double tail) const;
+
+  /// Variance of the blur along one axis [px^2], as it is: cut and sampled.
+  double blur_variance_px2() const;
+
   const SensorSettings& settings() const { return settings_; }
 
  private:
   struct Scratch;
 
   template <class Consume>
-  void for_each_row(const ImageF& radiance, int frame_index, const Consume& consume) const;
-  void blur_row(const ImageF& radiance, int y, Scratch& scratch) const;
-  void add_noise(int y, int frame_index, Scratch& scratch) const;
+  void for_each_span(const ImageF& radiance,
+                     int frame_index,
+                     const Spans& where,
+                     const Consume& consume) const;
+  void blur_span(const ImageF& radiance, const RowSpan& span, Scratch& scratch) const;
+  void add_noise(const RowSpan& span, int frame_index, Scratch& scratch) const;
 
   SensorSettings settings_;
   int width_px_ = 0;
   int height_px_ = 0;
+  Spans whole_;
   std::vector<float> weights_;  ///< of the blur's centre and one side; both sides sum to 1
 };
 

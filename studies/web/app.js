@@ -4,6 +4,7 @@ import { designSection } from './cards.js';
 import { badge, h, section } from './dom.js';
 import { Facts, isNumber, plural } from './format.js';
 import { convergenceSection, parallelSection, runCurvesSection, sliceSection } from './charts.js';
+import { frontierSection, frontierTableSection } from './frontier.js';
 import { evaluationSection, failureSection } from './table.js';
 import { verdictSection } from './verdict.js';
 
@@ -25,7 +26,7 @@ function masthead(facts) {
     h('p', { class: 'meta' }, text && badge(kind, text), counts && h('span', {}, counts)));
 }
 
-const kShort = { designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', methods: 'Method', origin: 'Configuration', curves: 'Convergence' };
+const kShort = { designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', measured: 'All methods', methods: 'Method', origin: 'Configuration', curves: 'Convergence' };
 
 function navigation(sections) {
   return h('nav', {}, sections.map((node) => h('a', { href: `#${node.id}` }, kShort[node.id] ?? node.querySelector('h2').textContent)));
@@ -70,7 +71,7 @@ function main() {
   const sections = [
     verdictSection(facts), runTable(facts), runCurvesSection(facts), designSection(facts), convergenceSection(facts),
     parallelSection(facts, (chosen) => table?.choose(chosen)), sliceSection(facts), table?.node, failureSection(facts),
-    methodSection(facts), originSection(facts),
+    frontierSection(facts), frontierTableSection(facts), methodSection(facts), originSection(facts),
   ].filter(Boolean);
   document.getElementById('report').append(masthead(facts), navigation(sections), h('main', {}, sections));
   document.body.dispatchEvent(new CustomEvent('glint-attached'));

@@ -3,12 +3,13 @@
 import * as echarts from 'echarts/core';
 import { LineChart, ParallelChart, ScatterChart } from 'echarts/charts';
 import { GridComponent, LegendComponent, MarkLineComponent, ParallelComponent, TooltipComponent } from 'echarts/components';
+import { LabelLayout } from 'echarts/features';
 import { CanvasRenderer, SVGRenderer } from 'echarts/renderers';
 import { h, section } from './dom.js';
 import { isDone, isGood, isNumber, number, plural, stateOf } from './format.js';
 
 echarts.use([LineChart, ParallelChart, ScatterChart, GridComponent, LegendComponent, MarkLineComponent, ParallelComponent,
-  TooltipComponent, CanvasRenderer, SVGRenderer]);
+  TooltipComponent, LabelLayout, CanvasRenderer, SVGRenderer]);
 
 // Okabe and Ito's colours, told apart by all common kinds of colour vision; shapes differ as well.
 const kBlue = '#0072b2';
@@ -18,10 +19,10 @@ const kInk = '#27313a';
 const kRunColours = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#e69f00', '#56b4e9', '#5b6670'];
 const kManyTrials = 2000;  // above this a canvas is quicker than SVG, and as good on paper
 
-const kText = { fontFamily: getComputedStyle(document.body).fontFamily, color: kInk, fontSize: 12 };
+export const kText = { fontFamily: getComputedStyle(document.body).fontFamily, color: kInk, fontSize: 12 };
 
 /** A chart that is drawn once its place has a size, and follows it. */
-function chart(heightPx, label, points, option, ready) {
+export function chart(heightPx, label, points, option, ready) {
   const place = h('div', { class: 'chart', style: `height:${heightPx}px`, role: 'img', 'aria-label': label });
   document.body.addEventListener('glint-attached', () => {
     const renderer = points > kManyTrials ? 'canvas' : 'svg';
@@ -47,15 +48,17 @@ function fitToPaper() {
 
 window.addEventListener('beforeprint', fitToPaper);
 
-const kHalo = { fontSize: 10.5, color: kInk, textBorderColor: '#fff', textBorderWidth: 3 };  // readable over lines
+export const kHalo = { fontSize: 10.5, color: kInk, textBorderColor: '#fff', textBorderWidth: 3 };  // readable over lines
 
-const axisStyle = {
+export const axisStyle = {
   axisLine: { onZero: false, lineStyle: { color: '#b8c0c7' } },
   axisTick: { show: false },
   axisLabel: { color: '#55606a' },
   nameTextStyle: { color: kInk },
   splitLine: { lineStyle: { color: '#eceff1' } },
 };
+
+export const encode = (text) => echarts.format.encodeHTML(text);
 
 const objectiveLabel = (facts) => (value) => (facts.info(facts.objective.name).format === 'percent' ? `${Number((100 * value).toFixed(1))} %` : number(value));
 

@@ -37,6 +37,24 @@ double told_merit(const SearchSpace& space, const Point& point, int n) {
   return value + test::noise(n);
 }
 
+/// The merit with the exact slopes of told_merit() without its noise.
+Answer told_answer(const SearchSpace& space, const Point& point, double merit, bool is_failed) {
+  Answer answer{.merit = merit, .is_failed = is_failed, .objective = {.value = merit}};
+  std::vector<double> gradient;
+  if (space.variables.size() == mixed_space().variables.size()) {
+    gradient = test::mixed_gradient(point);
+  } else {
+    for (const double x : point) {
+      gradient.push_back(2.0 * (x - 0.3) + 0.4 * std::sin(20.0 * x));
+    }
+  }
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    const double scale = slope_at(space, point, i);
+    answer.objective.slopes.push_back(scale == 0.0 ? 0.0 : scale * gradient[i]);
+  }
+  return answer;
+}
+
 /// Asks and tells `count` points; the first `recorded.points.size()` are told what was recorded.
 Asked run_algorithm(const SearchSpace& space,
                     const SearchSettings& settings,
@@ -59,7 +77,7 @@ Asked run_algorithm(const SearchSpace& space,
       if (is_failed) {
         merit = 5.0;
       }
-      algorithm->tell(point, merit, is_failed);
+      algorithm->tell(point, told_answer(space, point, merit, is_failed));
       asked.points.push_back(point);
       asked.merits.push_back(merit);
     }
@@ -72,10 +90,12 @@ class AnyAlgorithm : public testing::TestWithParam<std::string_view> {
   SearchSettings settings(int batch = 1) const {
     return {.algorithm = std::string(GetParam()), .seed = 11, .batch = batch};
   }
+
+  static SearchSpace mixed() { return test::mixed_space_for(GetParam()); }
 };
 
 TEST_P(AnyAlgorithm, AsksOnlyPointsThatTheSpaceAllows) {
-  for (const SearchSpace& space : {box(6, 0, 1), box(1, -4, 2), box(2, 5, 6), mixed_space()}) {
+  for (const SearchSpace& space : {box(6, 0, 1), box(1, -4, 2), box(2, 5, 6), mixed()}) {
     for (const Point& point : run_algorithm(space, settings(), 250).points) {
       ASSERT_TRUE(test::is_allowed(space, point));
     }
@@ -91,7 +111,7 @@ TEST_P(AnyAlgorithm, AsksTheSameForTheSameSeed) {
 }
 
 TEST_P(AnyAlgorithm, ReplaysNoisyValuesBitForBitFromHalfWay) {
-  for (const SearchSpace& space : {box(5, 0, 1), mixed_space()}) {
+  for (const SearchSpace& space : {box(5, 0, 1), mixed()}) {
     const Asked full = run_algorithm(space, settings(3), 240);
     Asked half = full;
     half.points.resize(120);
@@ -102,7 +122,7 @@ TEST_P(AnyAlgorithm, ReplaysNoisyValuesBitForBitFromHalfWay) {
 }
 
 TEST_P(AnyAlgorithm, SurvivesFailedEvaluations) {
-  for (const SearchSpace& space : {box(4, 0, 1), mixed_space()}) {
+  for (const SearchSpace& space : {box(4, 0, 1), mixed()}) {
     EXPECT_EQ(run_algorithm(space, settings(), 200, {}, true).points.size(), 200U);
   }
 }
@@ -124,7 +144,7 @@ TEST_P(AnyAlgorithm, KeepsFindingNewPoints) {
 
 TEST_P(AnyAlgorithm, TriesEveryChoice) {
   std::set<double> shapes;
-  for (const Point& point : run_algorithm(mixed_space(), settings(), 60).points) {
+  for (const Point& point : run_algorithm(mixed(), settings(), 60).points) {
     shapes.insert(point[4]);
   }
   EXPECT_EQ(shapes, (std::set<double>{0.0, 1.0, 2.0}));
@@ -133,12 +153,13 @@ TEST_P(AnyAlgorithm, TriesEveryChoice) {
 TEST_P(AnyAlgorithm, GoesAwayAtOnceWhenAbandonedInTheMiddle) {
   const auto start = std::chrono::steady_clock::now();
   for (const int count : {0, 1, 7, 30}) {
-    const std::unique_ptr<Algorithm> algorithm = make_algorithm(box(4, 0, 1), settings(2), {});
+    const SearchSpace space = box(4, 0, 1);
+    const std::unique_ptr<Algorithm> algorithm = make_algorithm(space, settings(2), {});
     for (int i = 0; i < count; ++i) {
       const Point a = *algorithm->ask();
       const Point b = *algorithm->ask();
-      algorithm->tell(a, told_merit(box(4, 0, 1), a, i), false);
-      algorithm->tell(b, told_merit(box(4, 0, 1), b, i), false);
+      algorithm->tell(a, told_answer(space, a, told_merit(space, a, i), false));
+      algorithm->tell(b, told_answer(space, b, told_merit(space, b, i), false));
     }
     algorithm->ask();
   }
@@ -153,7 +174,7 @@ TEST_P(AnyAlgorithm, CopesWithConstantValuesAndConstantVariables) {
   for (int i = 0; i < 150; ++i) {
     const Point point = *algorithm->ask();
     ASSERT_TRUE(test::is_allowed(space, point));
-    algorithm->tell(point, 1.0, false);
+    algorithm->tell(point, {.merit = 1.0, .objective = {1.0, {0.0, 0.0, 0.0}}});
   }
 }
 
@@ -183,6 +204,29 @@ TEST(Algorithm, AutoStandsForWhatTheHeaderSays) {
   EXPECT_EQ(resolved_algorithm(box(3, 0, 1), {}), "bobyqa");
   EXPECT_EQ(resolved_algorithm(box(3, 0, 1), {.is_noisy = true}), "cobyla");
   EXPECT_EQ(resolved_algorithm(mixed_space(), {.algorithm = "crs2"}), "crs2");
+}
+
+TEST(Algorithm, OnlyThreeNeedDerivatives) {
+  std::set<std::string_view> names;
+  for (const std::string_view name : algorithm_names()) {
+    if (needs_gradient(name)) {
+      names.insert(name);
+    }
+  }
+  EXPECT_EQ(names, (std::set<std::string_view>{"slsqp", "mma", "lbfgs"}));
+}
+
+TEST(Algorithm, DerivativesRefuseRoundedFloatsByName) {
+  for (const char* name : {"slsqp", "mma", "lbfgs"}) {
+    try {
+      make_algorithm(mixed_space(), {.algorithm = name}, {});
+      FAIL() << name;
+    } catch (const ConfigError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("variable \"angle\": has a step of 7.5"));
+      EXPECT_THAT(error.what(), testing::HasSubstr(name));
+    }
+    EXPECT_NO_THROW(make_algorithm(test::smooth_mixed_space(), {.algorithm = name}, {}));
+  }
 }
 
 TEST(Algorithm, DesignSizeIsAsDocumented) {

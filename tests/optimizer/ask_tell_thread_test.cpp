@@ -60,7 +60,7 @@ TEST(AskTellThread, HandsOutQuestionsAndAnswers) {
   AskTellThread thread(
       [&told](const AskTellThread::Call& call) -> std::string {
         for (double x = 0.0; x < 3.0; ++x) {
-          told.push_back(*call({x, -x}));
+          told.push_back(call({x, -x})->merit);
         }
         return "had enough";
       },
@@ -68,7 +68,7 @@ TEST(AskTellThread, HandsOutQuestionsAndAnswers) {
   for (double x = 0.0; x < 3.0; ++x) {
     ASSERT_EQ(thread.ask(), Status::kAsked);
     EXPECT_EQ(thread.point(), (std::vector<double>{x, -x}));
-    thread.tell(10.0 * x);
+    thread.tell({.merit = 10.0 * x});
   }
   EXPECT_EQ(thread.ask(), Status::kFinished);
   EXPECT_EQ(thread.ask(), Status::kFinished);
@@ -91,7 +91,7 @@ TEST(AskTellThread, AbandonsABodyThatNeverAsksAgain) {
     AskTellThread thread(counting_body(2, door), 0.05);
     for (int i = 0; i < 2; ++i) {
       ASSERT_EQ(thread.ask(), Status::kAsked);
-      thread.tell(0.0);
+      thread.tell({.merit = 0.0});
     }
     EXPECT_EQ(thread.ask(), Status::kAbandoned);
     EXPECT_EQ(thread.ask(), Status::kAbandoned);
@@ -111,13 +111,13 @@ TEST(AskTellThread, DestructorNeverHangsWhateverTheBodyDoes) {
   {
     AskTellThread told(counting_body(5, door), 5.0);
     told.ask();
-    told.tell(1.0);
+    told.tell({.merit = 1.0});
   }
   {
     // Does not end when it is asked to: left behind after the patience.
     AskTellThread stubborn(counting_body(1, door), 0.05);
     stubborn.ask();
-    stubborn.tell(1.0);
+    stubborn.tell({.merit = 1.0});
   }
   EXPECT_LT(seconds_since_start(start), 4.0);
   door->open();

@@ -21,11 +21,9 @@
 namespace glint {
 namespace {
 
-constexpr std::size_t kNumKills = 50;
-
-SearchTask killable_task() {
-  return {.space = test::mixed_space(),
-          .settings = {.batch = 2},
+SearchTask killable_task(const std::string& algorithm) {
+  return {.space = test::mixed_space_for(algorithm),
+          .settings = {.algorithm = algorithm, .batch = 2},
           .goal = {.objective = {.name = "loss", .is_maximised = false},
                    .constraints = {{.name = "length", .max = 0.8}}},
           .budget = {.evaluations = 250},
@@ -36,8 +34,9 @@ Outcome killable_outcome(const Point& point, int trial) {
   if (trial % 11 == 4) {
     throw Error("every eleventh fails");
   }
-  return {
-      .scores = {{"loss", test::mixed_value(point) + test::noise(trial)}, {"length", point[0]}}};
+  return {.scores = {{"loss", test::mixed_value(point) + test::noise(trial)}, {"length", point[0]}},
+          .gradients = {{"loss", test::mixed_gradient(point)},
+                        {"length", {1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}}}};
 }
 
 /// One line per started and per recorded evaluation, written at once so that a kill cannot lose it.
@@ -60,11 +59,11 @@ class Diary {
   int file_;
 };
 
-SearchResult search_in(const TemporaryFolder& folder) {
+SearchResult search_in(const TemporaryFolder& folder, const std::string& algorithm) {
   const Diary diary(folder / "diary");
   Storage storage = Storage::open(folder / "s.sqlite", test::identity());
   return run_search(
-      killable_task(),
+      killable_task(algorithm),
       storage,
       [&diary](const Point& point, int trial) {
         diary.note('s', trial);
@@ -76,12 +75,12 @@ SearchResult search_in(const TemporaryFolder& folder) {
 }
 
 /// True when the child ended by itself.
-bool run_and_kill(const TemporaryFolder& folder, int delay_us) {
+bool run_and_kill(const TemporaryFolder& folder, const std::string& algorithm, int delay_us) {
   const pid_t child = ::fork();
   if (child == 0) {
     int code = 1;
     try {
-      search_in(folder);
+      search_in(folder, algorithm);
       code = 0;
     } catch (const std::exception& error) {
       static_cast<void>(fprintf(stderr, "child: %s\n", error.what()));
@@ -114,6 +113,9 @@ std::string contents_of(const TemporaryFolder& folder) {
       for (const auto& [name, value] : trial.outcome->scores) {
         text += fmt::format(" {} {:a}", name, value);
       }
+      for (const auto& [name, gradient] : trial.outcome->gradients) {
+        text += fmt::format(" d{} {:a}", name, fmt::join(gradient, " "));
+      }
     }
     text += '\n';
   }
@@ -121,7 +123,7 @@ std::string contents_of(const TemporaryFolder& folder) {
 }
 
 /// No evaluation was started again after it had been reported as recorded.
-void expect_nothing_repeated(const TemporaryFolder& folder) {
+void expect_nothing_repeated(const TemporaryFolder& folder, std::size_t num_kills) {
   std::ifstream diary(folder / "diary");
   std::set<int> recorded;
   char what = 0;
@@ -134,31 +136,36 @@ void expect_nothing_repeated(const TemporaryFolder& folder) {
     }
   }
   // A kill between recording and writing the line loses the line, at most one per kill and job.
-  EXPECT_GE(recorded.size(), 250U - 2U * kNumKills);
+  EXPECT_GE(recorded.size(), 250U - 2U * num_kills);
+}
+
+void expect_survival(const std::string& algorithm, std::size_t num_kills) {
+  const TemporaryFolder reference;
+  const SearchResult expected = search_in(reference, algorithm);
+  const std::string expected_contents = contents_of(reference);
+  EXPECT_EQ(expected.evaluations, 250);
+  EXPECT_NE(expected_contents.find("dloss"), std::string::npos);
+
+  Rng rng(8, Stream::kTest, 0);
+  std::size_t kills = 0;
+  while (kills < num_kills) {
+    const TemporaryFolder folder;
+    while (!run_and_kill(folder, algorithm, static_cast<int>(rng.uniform(0.0, 40000.0)))) {
+      ++kills;
+    }
+    EXPECT_EQ(contents_of(folder), expected_contents) << algorithm;
+    expect_nothing_repeated(folder, num_kills);
+  }
 }
 
 TEST(RunSearch, SurvivesKillsAtRandomMoments) {
 #ifdef __SANITIZE_THREAD__
   GTEST_SKIP() << "the thread sanitizer cannot follow threads begun after fork()";
 #endif
-  const TemporaryFolder reference;
-  const SearchResult expected = search_in(reference);
-  const std::string expected_contents = contents_of(reference);
-  EXPECT_EQ(expected.evaluations, 250);
-
-  Rng rng(8, Stream::kTest, 0);
-  std::size_t kills = 0;
-  int studies = 0;
-  while (kills < kNumKills) {
-    const TemporaryFolder folder;
-    ++studies;
-    while (!run_and_kill(folder, static_cast<int>(rng.uniform(0.0, 40000.0)))) {
-      ++kills;
-    }
-    EXPECT_EQ(contents_of(folder), expected_contents);
-    expect_nothing_repeated(folder);
+  expect_survival("auto", 50);
+  for (const char* algorithm : {"slsqp", "mma", "lbfgs"}) {
+    expect_survival(algorithm, 15);
   }
-  RecordProperty("studies", studies);
 }
 
 }  // namespace

@@ -60,12 +60,12 @@ TEST(IsBetter, PutsFeasibleFirstThenViolationThenObjective) {
 
 TEST(MeritFunction, NegatesTheObjectiveAndAddsTheHandWorkedPenalty) {
   MeritFunction merit(test::box(1, 0, 1), homogeneity_goal(), FailurePolicy::kWorst, 2);
-  EXPECT_DOUBLE_EQ(merit.next({0.1}, scored(0.5, 4, 0)), -0.5);
-  EXPECT_DOUBLE_EQ(merit.next({0.2}, scored(0.7, 4, 0)), -0.7);
+  EXPECT_DOUBLE_EQ(merit.next({0.1}, scored(0.5, 4, 0)).merit, -0.5);
+  EXPECT_DOUBLE_EQ(merit.next({0.2}, scored(0.7, 4, 0)).merit, -0.7);
   // The spread of the first two is 0.2, so the scale is 3 * 0.2 = 0.6 from now on.
   EXPECT_DOUBLE_EQ(merit.penalty_scale(), 0.6000000000000001);
   // Violations (3 - 2) / 3 and (0.03 - 0.01) / 0.01.
-  EXPECT_NEAR(merit.next({0.3}, scored(5.0, 2.0, 0.03)),
+  EXPECT_NEAR(merit.next({0.3}, scored(5.0, 2.0, 0.03)).merit,
               -5.0 + 0.6 * (std::log(4.0 / 3.0) + std::log(3.0)),
               1e-12);
   EXPECT_DOUBLE_EQ(merit.penalty_scale(), 0.6000000000000001);
@@ -76,10 +76,10 @@ TEST(MeritFunction, TellsFailuresTheNearestOrTheWorst) {
   const Outcome failed = {.is_failed = true, .message = "no"};
   for (const FailurePolicy policy : {FailurePolicy::kNearest, FailurePolicy::kWorst}) {
     MeritFunction merit(test::box(2, 0, 10), goal, policy, 8);
-    EXPECT_EQ(merit.next({5, 5}, failed), MeritFunction::kUnknownMerit);
+    EXPECT_EQ(merit.next({5, 5}, failed).merit, MeritFunction::kUnknownMerit);
     merit.next({1, 1}, {.scores = {{"h", 3.0}}});
     merit.next({9, 9}, {.scores = {{"h", 8.0}}});
-    EXPECT_EQ(merit.next({2, 3}, failed), policy == FailurePolicy::kNearest ? 3.0 : 8.0);
+    EXPECT_EQ(merit.next({2, 3}, failed).merit, policy == FailurePolicy::kNearest ? 3.0 : 8.0);
   }
 }
 
@@ -89,8 +89,103 @@ TEST(MeritFunction, IsFiniteForAnyJudgeableScores) {
     Rng rng(3, Stream::kTest, i);
     const double scale = std::pow(10.0, rng.uniform(-300, 300));
     const double cnr = i % 5 == 0 ? -kInfinity : scale * rng.normal();
-    ASSERT_TRUE(std::isfinite(merit.next({0.5}, scored(scale * rng.normal(), cnr, scale))));
+    ASSERT_TRUE(std::isfinite(merit.next({0.5}, scored(scale * rng.normal(), cnr, scale)).merit));
   }
+}
+
+/// Smooth scores of the five continuous and two discrete variables, with exact gradients.
+Outcome wavy(const Point& p) {
+  const double wave = std::sin(p[0]) + std::log(p[1]) * std::log(p[1]) + 0.01 * p[2] + p[5] / 7.0;
+  const double wave_1 = 2.0 * std::log(p[1]) / p[1];
+  const double unknown = std::nan("");
+  const double tilt = p[0] * std::log(p[1]) + 0.05 * p[2];
+  return {.scores = {{"h", wave + p[4]}, {"cnr", 3.0 + tilt}, {"clipped", 0.02 * std::cos(p[0])}},
+          .gradients = {{"h", {std::cos(p[0]), wave_1, 0.01, unknown, unknown, 1.0 / 7.0, unknown}},
+                        {"cnr", {std::log(p[1]), p[0] / p[1], 0.05, 0, 0, 0, 0}},
+                        {"clipped", {-0.02 * std::sin(p[0]), 0, 0, 0, 0, 0, 0}}}};
+}
+
+/// (f(u + d) - f(u - d)) / 2 d of what pick() takes from the answers.
+template <class Pick>
+double central_difference(const SearchSpace& space,
+                          const MeritFunction& merit,
+                          const std::vector<double>& unit,
+                          std::size_t i,
+                          const Pick& pick) {
+  constexpr double kDelta = 1e-6;
+  double values[2];
+  for (const int side : {0, 1}) {
+    std::vector<double> moved = unit;
+    moved[i] += side == 0 ? -kDelta : kDelta;
+    const Point point = point_from_unit(space, moved);
+    values[side] = pick(MeritFunction(merit).next(point, wavy(point)));
+  }
+  return (values[1] - values[0]) / (2.0 * kDelta);
+}
+
+void expect_slope(double slope, double difference) {
+  EXPECT_NEAR(slope, difference, 1e-6 * (1.0 + std::abs(slope)));
+}
+
+TEST(MeritFunction, SlopesAreThoseOfCentralDifferences) {
+  const SearchSpace space = test::smooth_mixed_space();
+  for (const bool is_maximised : {true, false}) {
+    Goal goal = homogeneity_goal();
+    goal.objective.is_maximised = is_maximised;
+    goal.constraints[1].weight = 2.5;
+    goal.constraints.push_back({.name = "cnr", .max = 6.0});
+    MeritFunction merit(space, goal, FailurePolicy::kWorst, 2);
+    const Point middle = point_from_unit(space, std::vector<double>(7, 0.5));
+    const Point corner = point_from_unit(space, std::vector<double>(7, 0.1));
+    merit.next(middle, wavy(middle));
+    merit.next(corner, wavy(corner));
+    for (std::uint64_t n = 0; n < 1000; ++n) {
+      Rng rng(6, Stream::kTest, n);
+      std::vector<double> unit(7);
+      for (double& value : unit) {
+        value = rng.uniform(0.01, 0.99);
+      }
+      const Point point = point_from_unit(space, unit);
+      const Answer answer = MeritFunction(merit).next(point, wavy(point));
+      ASSERT_EQ(answer.limits.size(), static_cast<std::size_t>(num_limits(goal)));
+      for (std::size_t i = 0; i < unit.size(); ++i) {
+        if (!is_continuous(space.variables[i])) {
+          ASSERT_EQ(answer.objective.slopes[i], 0.0);
+          continue;
+        }
+        expect_slope(answer.objective.slopes[i],
+                     central_difference(
+                         space, merit, unit, i, [](const Answer& a) { return a.objective.value; }));
+        for (std::size_t k = 0; k < answer.limits.size(); ++k) {
+          expect_slope(answer.limits[k].slopes[i],
+                       central_difference(space, merit, unit, i, [k](const Answer& a) {
+                         return a.limits[k].value;
+                       }));
+        }
+      }
+    }
+  }
+}
+
+TEST(MeritFunction, TellsLimitsApartFromTheObjective) {
+  const Goal goal = {
+      .objective = {.name = "h"},
+      .constraints = {{.name = "cnr", .min = 3.0, .max = 5.0}, {.name = "clipped", .max = 0.0}}};
+  MeritFunction merit(test::box(1, 0, 2), goal, FailurePolicy::kWorst, 2);
+  Outcome outcome = scored(0.5, 6.0, -0.25);
+  outcome.gradients = {{"h", {0.5}}, {"cnr", {2.0}}};
+  const Answer answer = merit.next({1.0}, outcome);
+  EXPECT_EQ(num_limits(goal), 3);
+  ASSERT_EQ(answer.limits.size(), 3U);
+  const double margin = MeritFunction::kLimitMargin;
+  EXPECT_DOUBLE_EQ(answer.objective.value, -0.5);
+  EXPECT_EQ(answer.objective.slopes, std::vector<double>{-1.0});  // -0.5 over a range of 2
+  EXPECT_DOUBLE_EQ(answer.limits[0].value, -1.0 + margin);        // (3 - 6) / 3
+  EXPECT_DOUBLE_EQ(answer.limits[1].value, 0.2 + margin);         // (6 - 5) / 5
+  EXPECT_DOUBLE_EQ(answer.limits[0].slopes[0], -4.0 / 3.0);       // -2 * 2 / 3
+  EXPECT_DOUBLE_EQ(answer.limits[1].slopes[0], 0.8);              // 2 * 2 / 5
+  EXPECT_DOUBLE_EQ(answer.limits[2].value, -0.25 + margin);
+  EXPECT_EQ(answer.limits[2].slopes, std::vector<double>{0.0});  // not known, and it holds
 }
 
 TEST(ProblemWith, NamesWhatCannotBeJudged) {

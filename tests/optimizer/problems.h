@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/rng.h"
@@ -51,6 +52,31 @@ inline double mixed_value(const Point& p) {
   return std::pow(p[0] - 1.0, 2) + std::pow(std::log10(p[1]), 2) + 1e-3 * std::pow(p[2] - 30.0, 2) +
          0.1 * std::abs(p[3] - 6.0) + shape + 0.05 * std::pow(p[5] - 17.0, 2) +
          0.1 * std::abs(p[6] - 4.0);
+}
+
+/// The same without rounding, for methods that need derivatives.
+inline SearchSpace smooth_mixed_space() {
+  SearchSpace space = mixed_space();
+  space.variables[2].step = 0.0;
+  return space;
+}
+
+/// Of mixed_value(), by the variables' own units; not known by choices and integers.
+inline std::vector<double> mixed_gradient(const Point& p) {
+  const double log_10 = std::log(10.0);
+  const double unknown = std::nan("");
+  return {2.0 * (p[0] - 1.0),
+          2.0 * std::log10(p[1]) / (p[1] * log_10),
+          2e-3 * (p[2] - 30.0),
+          unknown,
+          unknown,
+          0.1 * (p[5] - 17.0),
+          unknown};
+}
+
+/// A space that the algorithm accepts, with every kind of variable that it can be given.
+inline SearchSpace mixed_space_for(std::string_view algorithm) {
+  return needs_gradient(algorithm) ? smooth_mixed_space() : mixed_space();
 }
 
 inline bool is_allowed(const SearchSpace& space, const Point& point) {

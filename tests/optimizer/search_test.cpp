@@ -40,7 +40,11 @@ double bowl(const Point& p) {
 }
 
 Outcome noisy_bowl(const Point& p, int trial) {
-  return loss(bowl(p) + test::noise(trial));
+  Outcome outcome = loss(bowl(p) + test::noise(trial));
+  for (const double x : p) {
+    outcome.gradients["loss"].push_back(2.0 * (x - 0.3));
+  }
+  return outcome;
 }
 
 SearchResult run_in(const TemporaryFolder& folder,
@@ -254,7 +258,8 @@ TEST(RunSearch, RunsAsManyEvaluationsAtOnceAsItHasJobs) {
 }
 
 TEST(RunSearch, ALargerBudgetLaterIsTheSameAsOneAtOnce) {
-  for (const char* algorithm : {"auto", "crs2", "direct_l", "mlsl", "isres", "sbplx"}) {
+  for (const char* algorithm :
+       {"auto", "crs2", "direct_l", "mlsl", "isres", "sbplx", "slsqp", "mma", "lbfgs"}) {
     SearchTask task = simple_task(4, 101);
     task.settings.algorithm = algorithm;
     task.settings.batch = 4;

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -49,9 +50,12 @@ TEST(Storage, GivesBackNumbersBitForBit) {
     for (int n = 1; n <= 1000; ++n) {
       Rng rng(4, Stream::kTest, static_cast<std::uint64_t>(n));
       const double scale = std::pow(10.0, rng.uniform(-300, 300));
-      written.push_back({.number = n,
-                         .point = {scale * rng.normal(), rng.uniform(), 3.0},
-                         .outcome = Outcome{.scores = {{"a", rng.normal() * scale}, {"b", 2.0}}}});
+      written.push_back(
+          {.number = n,
+           .point = {scale * rng.normal(), rng.uniform(), 3.0},
+           .outcome = Outcome{
+               .scores = {{"a", rng.normal() * scale}, {"b", 2.0}},
+               .gradients = {{"a", {rng.normal() / scale, rng.normal(), 1.0}}, {"b", {scale}}}}});
       events.push_back({.kind = EventKind::kTell, .trial = n, .value = rng.normal() / scale});
     }
     storage.append(events, written);
@@ -72,6 +76,7 @@ TEST(Storage, GivesBackNumbersBitForBit) {
     ASSERT_EQ(read[i].outcome.has_value(), read[i].number % 10 == 0);
     if (read[i].outcome) {
       ASSERT_EQ(read[i].outcome->scores, written[i].outcome->scores);
+      ASSERT_EQ(read[i].outcome->gradients, written[i].outcome->gradients);
     }
   }
 }
@@ -85,7 +90,8 @@ TEST(Storage, KeepsNaNInfinityTextsAndFailures) {
                        .number = 1,
                        .name = "semi\"cylinder'",
                        .point = {1.0},
-                       .outcome = Outcome{.scores = {{"nan", std::nan("")}, {"inf", -infinity}}}});
+                       .outcome = Outcome{.scores = {{"nan", std::nan("")}, {"inf", -infinity}},
+                                          .gradients = {{"inf", {1.5, std::nan(""), infinity}}}}});
     storage.put_trial({.kind = TrialKind::kBaseline,
                        .number = 1,
                        .point = {},
@@ -96,6 +102,11 @@ TEST(Storage, KeepsNaNInfinityTextsAndFailures) {
   EXPECT_EQ(prototype.name, "semi\"cylinder'");
   EXPECT_TRUE(std::isnan(prototype.outcome->scores.at("nan")));
   EXPECT_EQ(prototype.outcome->scores.at("inf"), -infinity);
+  const std::vector<double> gradient = prototype.outcome->gradients.at("inf");
+  ASSERT_EQ(gradient.size(), 3U);
+  EXPECT_EQ(gradient[0], 1.5);
+  EXPECT_TRUE(std::isnan(gradient[1]));
+  EXPECT_EQ(gradient[2], infinity);
   const Trial baseline = storage.trials(TrialKind::kBaseline).at(0);
   EXPECT_TRUE(baseline.outcome->is_failed);
   EXPECT_EQ(baseline.outcome->message, "slot wider than tunnel");
@@ -105,14 +116,16 @@ TEST(Storage, KeepsNaNInfinityTextsAndFailures) {
 TEST(Storage, PutTrialReplacesTheFormerOne) {
   const TemporaryFolder folder;
   Storage storage = Storage::open(folder / "s.sqlite", identity());
-  Trial trial = {
-      .kind = TrialKind::kFinal, .number = 1, .outcome = Outcome{.scores = {{"a", 1.0}}}};
+  Trial trial = {.kind = TrialKind::kFinal,
+                 .number = 1,
+                 .outcome = Outcome{.scores = {{"a", 1.0}}, .gradients = {{"a", {1.0, 2.0}}}}};
   storage.put_trial(trial);
   trial.outcome = Outcome{.scores = {{"b", 2.0}}};
   storage.put_trial(trial);
   const std::vector<Trial> trials = storage.trials(TrialKind::kFinal);
   ASSERT_EQ(trials.size(), 1U);
   EXPECT_EQ(trials[0].outcome->scores, (Scores{{"b", 2.0}}));
+  EXPECT_TRUE(trials[0].outcome->gradients.empty());
 }
 
 TEST(Storage, RemembersTheStudyAndItsSessions) {
@@ -209,6 +222,108 @@ TEST(Storage, RefusesNewerSchemasAndOtherPrograms) {
   other[68] = 0;
   write_file(folder / "other", other);
   EXPECT_THAT(open_error(folder / "other"), HasSubstr("another program"));
+}
+
+/// A database as schema 1 made it: no table of gradients.
+void write_schema_1(const std::filesystem::path& path, const StudyIdentity& study) {
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
+  const std::string sql = R"sql(
+PRAGMA application_id = 1196183124;
+PRAGMA user_version = 1;
+CREATE TABLE study(
+  id INTEGER PRIMARY KEY CHECK (id = 1),
+  config_hash TEXT NOT NULL, config_text TEXT NOT NULL, code_version TEXT NOT NULL,
+  seed INTEGER NOT NULL);
+CREATE TABLE session(number INTEGER PRIMARY KEY, seconds REAL NOT NULL);
+CREATE TABLE trial(
+  kind TEXT NOT NULL, number INTEGER NOT NULL, name TEXT NOT NULL,
+  point BLOB NOT NULL,
+  PRIMARY KEY (kind, number)) WITHOUT ROWID;
+CREATE TABLE evaluation(
+  kind TEXT NOT NULL, number INTEGER NOT NULL,
+  status TEXT NOT NULL CHECK (status IN ('done', 'failed')),
+  message TEXT NOT NULL, seconds REAL NOT NULL,
+  PRIMARY KEY (kind, number)) WITHOUT ROWID;
+CREATE TABLE value(
+  kind TEXT NOT NULL, number INTEGER NOT NULL, name TEXT NOT NULL,
+  value REAL,
+  PRIMARY KEY (kind, number, name)) WITHOUT ROWID;
+CREATE TABLE event(
+  seq INTEGER PRIMARY KEY, kind TEXT NOT NULL, trial INTEGER NOT NULL, value REAL,
+  text TEXT NOT NULL);
+INSERT INTO session(seconds) VALUES(2.5);
+INSERT INTO trial VALUES('search', 1, '', X'000000000000E03F000000000000D03F');
+INSERT INTO evaluation VALUES('search', 1, 'done', '', 0.5);
+INSERT INTO value VALUES('search', 1, 'loss', 0.75);
+INSERT INTO event(kind, trial, value, text) VALUES('ask', 1, 0.0, ''), ('tell', 1, 0.75, '');
+INSERT INTO study VALUES(1, ')sql" +
+                          study.config_hash + "', '" + study.config_text + "', 'old', 7);";
+  EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(database);
+}
+
+std::int64_t schema_of(const std::filesystem::path& path) {
+  return static_cast<unsigned char>(read_file(path).at(63));
+}
+
+TEST(Storage, ReadsSchema1AsItIs) {
+  const TemporaryFolder folder;
+  write_schema_1(folder / "s.sqlite", identity());
+  const std::string bytes = read_file(folder / "s.sqlite");
+  {
+    const Storage storage = Storage::read(folder / "s.sqlite");
+    const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
+    ASSERT_EQ(trials.size(), 1U);
+    EXPECT_EQ(trials[0].point, (Point{0.5, 0.25}));
+    EXPECT_EQ(trials[0].outcome->scores.at("loss"), 0.75);
+    EXPECT_TRUE(trials[0].outcome->gradients.empty());
+    EXPECT_EQ(storage.events().size(), 2U);
+  }
+  EXPECT_EQ(read_file(folder / "s.sqlite"), bytes);
+}
+
+TEST(Storage, UpgradesSchema1WhenOpenedAndKeepsWhatItHolds) {
+  const TemporaryFolder folder;
+  write_schema_1(folder / "s.sqlite", identity());
+  EXPECT_THAT(open_error(folder / "s.sqlite", "xyz"), HasSubstr("holds another study"));
+  EXPECT_EQ(schema_of(folder / "s.sqlite"), 1);
+  const Outcome outcome = {.scores = {{"loss", 0.5}}, .gradients = {{"loss", {1.0, -0.1}}}};
+  for (int i = 0; i < 2; ++i) {
+    Storage storage = Storage::open(folder / "s.sqlite", identity());
+    EXPECT_EQ(storage.identity().code_version, "old");
+    EXPECT_DOUBLE_EQ(storage.total_seconds(), 2.5);
+    EXPECT_EQ(storage.events().size(), 2U);
+    storage.put_trial({.number = 2, .point = {1.0, 2.0}, .outcome = outcome});
+  }
+  EXPECT_EQ(schema_of(folder / "s.sqlite"), 2);
+  const std::vector<Trial> trials = Storage::read(folder / "s.sqlite").trials(TrialKind::kSearch);
+  ASSERT_EQ(trials.size(), 2U);
+  EXPECT_EQ(trials[0].outcome->scores.at("loss"), 0.75);
+  EXPECT_TRUE(trials[0].outcome->gradients.empty());
+  EXPECT_EQ(trials[1].outcome->gradients, outcome.gradients);
+}
+
+/// What schema 1 recorded is replayed: trial 1 is the start point that it was.
+TEST(Storage, ASearchBegunUnderSchema1GoesOn) {
+  const TemporaryFolder folder;
+  write_schema_1(folder / "s.sqlite", identity());
+  Storage storage = Storage::open(folder / "s.sqlite", identity());
+  int calls = 0;
+  const SearchResult result =
+      run_search({.space = test::box(2, 0, 1),
+                  .settings = {.algorithm = "bobyqa"},
+                  .goal = {.objective = {.name = "loss", .is_maximised = false}},
+                  .budget = {.evaluations = 20},
+                  .start_points = {{0.5, 0.25}}},
+                 storage,
+                 [&calls](const Point& p, int) {
+                   ++calls;
+                   return Outcome{.scores = {{"loss", p[0] + 2.0 * p[1]}}};
+                 });
+  EXPECT_EQ(result.replayed, 1);
+  EXPECT_EQ(calls, 19);
+  EXPECT_EQ(result.evaluations, 20);
 }
 
 TEST(Storage, OnlyOneProcessMayHoldIt) {

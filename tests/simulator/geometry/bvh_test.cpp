@@ -197,6 +197,70 @@ TEST(Bvh, HitsOfAParametricPartPolishOntoItsExactSurface) {
   }
 }
 
+TEST(Bvh, KnowsConvexParts) {
+  const auto is_convex = [](const PartSettings& settings) {
+    return Bvh(build_part(settings).mesh).is_convex();
+  };
+  EXPECT_TRUE(is_convex({.shape = PartSettings::Shape::kPlate}));
+  EXPECT_TRUE(is_convex({.shape = PartSettings::Shape::kStrip}));
+  // Its triangles are not: some stand 1 um in front of their neighbours.
+  EXPECT_FALSE(is_convex({.shape = PartSettings::Shape::kSphereCap}));
+  EXPECT_FALSE(is_convex({.shape = PartSettings::Shape::kStrip, .radius_along_mm = -800.0}));
+  EXPECT_FALSE(is_convex({.shape = PartSettings::Shape::kSpurGear}));
+}
+
+// A dent of a micrometre in one face of a cube, away from all probes.
+TEST(Bvh, APartWithOneSmallHollowIsNotConvex) {
+  for (const double depth_mm : {0.0, 1e-3}) {
+    TriangleMesh cube = build_part({.shape = PartSettings::Shape::kPlate}).mesh;
+    const Triangle top = cube.triangles.back();
+    const auto middle = static_cast<std::int32_t>(cube.vertices_mm.size());
+    const Vector3d normal = face_normal(cube, cube.num_triangles() - 1);
+    const Vector3d centre =
+        (cube.vertex(cube.num_triangles() - 1, 0) + cube.vertex(cube.num_triangles() - 1, 1) +
+         cube.vertex(cube.num_triangles() - 1, 2)) /
+        3.0;
+    cube.vertices_mm.push_back(centre - depth_mm * normal);
+    cube.triangles.pop_back();
+    cube.triangles.push_back({top[0], top[1], middle});
+    cube.triangles.push_back({top[1], top[2], middle});
+    cube.triangles.push_back({top[2], top[0], middle});
+    EXPECT_EQ(Bvh(cube).is_convex(), depth_mm == 0.0);
+  }
+}
+
+TEST(Bvh, TwoConvexBodiesAreNotConvex) {
+  TriangleMesh two = build_part({.shape = PartSettings::Shape::kStrip}).mesh;
+  const TriangleMesh one = two;
+  const auto shift = static_cast<std::int32_t>(one.vertices_mm.size());
+  for (const Vector3d& p : one.vertices_mm) {
+    two.vertices_mm.emplace_back(p + Vector3d(0, 0, 1e-3));  // no probe tells them apart
+  }
+  for (const Triangle& t : one.triangles) {
+    two.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
+  }
+  EXPECT_TRUE(Bvh(one).is_convex());
+  EXPECT_FALSE(Bvh(two).is_convex());
+}
+
+TEST(Bvh, AnOpenSheetIsNotConvex) {
+  TriangleMesh sheet = build_part({.shape = PartSettings::Shape::kPlate}).mesh;
+  sheet.triangles.pop_back();
+  EXPECT_FALSE(Bvh(sheet).is_convex());
+}
+
+TEST(Bvh, PlanesHoldTheirTriangles) {
+  const Part gear = small_gear();
+  const Bvh bvh(gear.mesh);
+  for (std::size_t i = 0; i < gear.mesh.num_triangles(); ++i) {
+    const TrianglePlane& plane = bvh.plane(static_cast<std::int32_t>(i));
+    const Vector3d normal(plane.normal_x, plane.normal_y, plane.normal_z);
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      ASSERT_NEAR(normal.dot(gear.mesh.vertex(i, corner)), plane.offset_mm, 1e-12);
+    }
+  }
+}
+
 TEST(EmbreeIsa, IsOneOfTheKnownNames) {
   EXPECT_THAT(embree_isa(), ::testing::AnyOf("AVX512", "AVX2", "AVX", "SSE"));
 }

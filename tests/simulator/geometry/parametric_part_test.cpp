@@ -104,6 +104,26 @@ TEST(ParametricParts, StayWithinTheChordToleranceOfTheirExactSurface) {
   }
 }
 
+TEST(ParametricParts, AsFacetsHaveTheirVerticesOnTheSurfaceAndFewerTriangles) {
+  for (PartSettings settings : many_parts()) {
+    const Part exact = build_part(settings);
+    SCOPED_TRACE(exact.name);
+    settings.facets_mm = kChordTolerance_mm;
+    const Part same = build_part(settings);
+    EXPECT_TRUE(same.patches.empty());
+    EXPECT_EQ(same.mesh.patch_of(0), -1);
+    EXPECT_EQ(same.mesh.vertices_mm, exact.mesh.vertices_mm);
+    EXPECT_EQ(same.mesh.num_triangles(), exact.mesh.num_triangles());
+    settings.facets_mm = 0.1;
+    const Part coarse = build_part(settings);
+    EXPECT_LE(coarse.mesh.num_triangles(), exact.mesh.num_triangles());
+    EXPECT_EQ(find_fault(coarse.mesh), "");
+    for (const MeshEdge& edge : mesh_edges(coarse.mesh)) {
+      ASSERT_EQ(edge.num_faces, 2);
+    }
+  }
+}
+
 TEST(ParametricParts, HaveExactOutwardCornerNormals) {
   for (const PartSettings& settings : many_parts()) {
     const Part part = build_part(settings);

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A set of pixels as stretches of rows: what is worked on where a whole picture is not needed.
+#pragma once
+
+#include <vector>
+
+#include "core/image.h"
+
+namespace glint {
+
+/// Part of a row of pixels, [begin, end).
+struct RowSpan {
+  int y = 0;
+  int begin = 0;
+  int end = 0;
+
+  int size() const { return end - begin; }
+};
+
+/// Sorted by row, then by begin; not overlapping.
+using Spans = std::vector<RowSpan>;
+
+Spans whole_image(int width_px, int height_px);
+
+/// The stretches of non-zero pixels. Gaps of up to `bridge` pixels are included.
+Spans spans_of(const Mask& mask, int bridge = 0);
+
+/// Non-zero where a pixel of the square of +-radius around is.
+Mask dilated(const Mask& mask, int radius);
+
+}  // namespace glint

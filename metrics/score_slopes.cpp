@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "metrics/score_slopes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace glint {
+namespace {
+
+constexpr std::array<std::string_view, 6> kWholeScores = {"homogeneity.h_rms",
+                                                          "homogeneity.h_abs",
+                                                          "homogeneity.mean",
+                                                          "defects.min_cnr",
+                                                          "defects.min_weber",
+                                                          "defects.mean_weber"};
+
+struct Moments {
+  double count = 0.0;
+  double mean = 0.0;
+  double deviation = 0.0;  ///< root mean square
+  double absolute = 0.0;   ///< mean
+  double sign = 0.0;       ///< mean sign of what is left after the mean
+};
+
+double sign_of(double value) {
+  return value > 0.0 ? 1.0 : (value < 0.0 ? -1.0 : 0.0);
+}
+
+Moments moments_of(const ImageF& image, const Mask& region) {
+  Moments m;
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    if (region.values()[i] != 0) {
+      m.count += 1.0;
+      m.mean += static_cast<double>(image.values()[i]);
+    }
+  }
+  m.mean /= std::max(1.0, m.count);
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    if (region.values()[i] != 0) {
+      const double rest = static_cast<double>(image.values()[i]) - m.mean;
+      m.deviation += rest * rest;
+      m.absolute += std::abs(rest);
+      m.sign += sign_of(rest);
+    }
+  }
+  m.deviation = std::sqrt(m.deviation / std::max(1.0, m.count));
+  m.absolute /= std::max(1.0, m.count);
+  m.sign /= std::max(1.0, m.count);
+  return m;
+}
+
+/// h_rms = 1 - sigma / mu and h_abs = 1 - a / mu.
+ImageF homogeneity_slopes(std::string_view score, const ScoredImage& image) {
+  const Moments m = moments_of(image.aspect, image.region);
+  ImageF slopes(image.aspect.width(), image.aspect.height());
+  for (std::size_t i = 0; i < slopes.size(); ++i) {
+    if (image.region.values()[i] == 0) {
+      continue;
+    }
+    const double rest = static_cast<double>(image.aspect.values()[i]) - m.mean;
+    double slope = 1.0;
+    if (score == "homogeneity.h_rms") {
+      slope =
+          m.deviation > 0.0 ? m.deviation / (m.mean * m.mean) - rest / (m.deviation * m.mean) : 0.0;
+    } else if (score == "homogeneity.h_abs") {
+      slope = m.absolute / (m.mean * m.mean) - (sign_of(rest) - m.sign) / m.mean;
+    }
+    slopes.values()[i] = static_cast<float>(slope / m.count);
+  }
+  return slopes;
+}
+
+double mean_of(const ImageF& image, const std::vector<std::size_t>& pixels) {
+  double sum = 0.0;
+  for (const std::size_t pixel : pixels) {
+    sum += static_cast<double>(image.values()[pixel]);
+  }
+  return sum / static_cast<double>(pixels.size());
+}
+
+void add(ImageF& slopes, const std::vector<std::size_t>& pixels, double slope) {
+  for (const std::size_t pixel : pixels) {
+    slopes.values()[pixel] += static_cast<float>(slope / static_cast<double>(pixels.size()));
+  }
+}
+
+/// |mean_D - mean_B| / max(sigma_B, floor)
+void add_cnr(const ScoredImage& image, const DefectPixels& defect, double factor, ImageF& slopes) {
+  const double background = mean_of(image.aspect, defect.ring);
+  const double difference = mean_of(image.aspect, defect.inside) - background;
+  double variance = 0.0;
+  for (const std::size_t pixel : defect.ring) {
+    const double rest = static_cast<double>(image.aspect.values()[pixel]) - background;
+    variance += rest * rest;
+  }
+  const auto count = static_cast<double>(defect.ring.size());
+  const double ring_sigma = std::sqrt(variance / count);
+  const double sigma = std::max(ring_sigma, image.sigma_floor);
+  const double by_difference = factor * sign_of(difference) / sigma;
+  add(slopes, defect.inside, by_difference);
+  add(slopes, defect.ring, -by_difference);
+  if (ring_sigma > image.sigma_floor) {
+    const double by_sigma = -factor * std::abs(difference) / (sigma * sigma);
+    for (const std::size_t pixel : defect.ring) {
+      const double rest = static_cast<double>(image.aspect.values()[pixel]) - background;
+      slopes.values()[pixel] += static_cast<float>(by_sigma * rest / (count * ring_sigma));
+    }
+  }
+}
+
+/// (mean_D - mean_B) / max(mean_B, floor)
+void add_weber(const ScoredImage& image,
+               const DefectPixels& defect,
+               double factor,
+               ImageF& slopes) {
+  const double background = mean_of(image.aspect, defect.ring);
+  const double difference = mean_of(image.aspect, defect.inside) - background;
+  const double denominator = std::max(background, image.sigma_floor);
+  add(slopes, defect.inside, factor / denominator);
+  add(slopes, defect.ring, -factor / denominator);
+  if (background > image.sigma_floor) {
+    add(slopes, defect.ring, -factor * difference / (denominator * denominator));
+  }
+}
+
+ImageF defect_slopes(std::string_view score, const ScoredImage& image) {
+  ImageF slopes(image.aspect.width(), image.aspect.height());
+  const std::vector<DefectScores> scores =
+      defect_scores(image.aspect, image.defects, image.sigma_floor);
+  const auto signed_weber = [&](std::size_t i, double factor) {
+    add_weber(image, image.defects[i], factor * sign_of(scores[i].weber), slopes);
+  };
+  const auto index_of = [&](auto found) {
+    return static_cast<std::size_t>(found - scores.begin());
+  };
+  if (score == "defects.min_cnr") {
+    const std::size_t worst = index_of(std::ranges::min_element(scores, {}, &DefectScores::cnr));
+    add_cnr(image, image.defects[worst], 1.0, slopes);
+  } else if (score == "defects.min_weber") {
+    const auto size = [](const DefectScores& defect) { return std::abs(defect.weber); };
+    signed_weber(index_of(std::ranges::min_element(scores, {}, size)), 1.0);
+  } else if (score == "defects.mean_weber") {
+    for (std::size_t i = 0; i < scores.size(); ++i) {
+      signed_weber(i, 1.0 / static_cast<double>(scores.size()));
+    }
+  }
+  for (const DefectPixels& defect : image.defects) {
+    const std::string prefix = "defects." + defect.label;
+    if (score == prefix + ".cnr") {
+      add_cnr(image, defect, 1.0, slopes);
+    } else if (score == prefix + ".weber") {
+      add_weber(image, defect, 1.0, slopes);
+    }
+  }
+  return slopes;
+}
+
+}  // namespace
+
+bool has_slopes(std::string_view score) {
+  const bool is_whole = std::ranges::find(kWholeScores, score) != kWholeScores.end();
+  return is_whole ||
+         (score.starts_with("defects.") && (score.ends_with(".cnr") || score.ends_with(".weber")));
+}
+
+std::optional<ImageF> slopes_by_aspect(std::string_view score, const ScoredImage& image) {
+  if (!has_slopes(score)) {
+    return std::nullopt;
+  }
+  if (score.starts_with("homogeneity.")) {
+    return homogeneity_slopes(score, image);
+  }
+  if (image.defects.empty()) {
+    return std::nullopt;
+  }
+  return defect_slopes(score, image);
+}
+
+}  // namespace glint

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/geometry/exact_kernels.h"
+
+#include <cmath>
+#include <cstdint>
+
+#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#define GLINT_INLINE __attribute__((always_inline)) inline
+
+namespace glint {
+namespace {
+
+using Kind = PatchCoefficients::Kind;
+
+constexpr int kMaxSteps = 20;
+constexpr double kConverged_mm = 1e-12;
+
+/// Value and gradient of F in the patch frame; see exact_surface.cpp.
+template <Kind kKind>
+GLINT_INLINE double implicit(const PatchCoefficients& patch,
+                             double x,
+                             double y,
+                             double z,
+                             double& gx,
+                             double& gy,
+                             double& gz) {
+  if constexpr (kKind == Kind::kPlane) {
+    gx = 0.0;
+    gy = 0.0;
+    gz = 1.0;
+    return z;
+  } else if constexpr (kKind == Kind::kParaboloid) {
+    gx = x * patch.curvature_along;
+    gy = y * patch.curvature_across;
+    gz = 1.0;
+    return z + 0.5 * (x * gx + y * gy);
+  } else if constexpr (kKind == Kind::kSphere) {
+    const double r = std::sqrt(x * x + y * y + z * z);
+    gx = x / r;
+    gy = y / r;
+    gz = z / r;
+    return r - patch.radius_mm;
+  } else {
+    const double r = std::sqrt(y * y + z * z);
+    gx = 0.0;
+    gy = patch.outwards * y / r;
+    gz = patch.outwards * z / r;
+    return patch.outwards * (r - patch.radius_mm);
+  }
+}
+
+/// Start and direction in the patch frame, and how Newton's method goes.
+struct alignas(64) Search {
+  double sx[kExactLanes], sy[kExactLanes], sz[kExactLanes];
+  double dx[kExactLanes], dy[kExactLanes], dz[kExactLanes];
+  double move[kExactLanes];
+  double tolerance[kExactLanes];
+  double is_found[kExactLanes];
+  std::int64_t is_open[kExactLanes];  ///< 1 while neither converged nor given up
+};
+
+GLINT_INLINE void begin(const PatchCoefficients& patch,
+                        const double* origin_mm,
+                        const PolishLanes& lanes,
+                        Search& s) {
+  const double* r = patch.rotation;
+  const double* __restrict direction_x = lanes.direction_x;
+  const double* __restrict direction_y = lanes.direction_y;
+  const double* __restrict direction_z = lanes.direction_z;
+  const double* __restrict t_mm = lanes.start_t_mm;
+  const double ox = origin_mm[0] - patch.translation[0];
+  const double oy = origin_mm[1] - patch.translation[1];
+  const double oz = origin_mm[2] - patch.translation[2];
+  for (int i = 0; i < kExactLanes; ++i) {
+    const double dx = direction_x[i];
+    const double dy = direction_y[i];
+    const double dz = direction_z[i];
+    const double px = ox + t_mm[i] * dx;
+    const double py = oy + t_mm[i] * dy;
+    const double pz = oz + t_mm[i] * dz;
+    s.dx[i] = r[0] * dx + r[3] * dy + r[6] * dz;
+    s.dy[i] = r[1] * dx + r[4] * dy + r[7] * dz;
+    s.dz[i] = r[2] * dx + r[5] * dy + r[8] * dz;
+    s.sx[i] = r[0] * px + r[3] * py + r[6] * pz;
+    s.sy[i] = r[1] * px + r[4] * py + r[7] * pz;
+    s.sz[i] = r[2] * px + r[5] * py + r[8] * pz;
+    const double length = std::sqrt(px * px + py * py + pz * pz);
+    s.tolerance[i] = kConverged_mm * (length > 100.0 ? 1e-2 * length : 1.0);
+    s.move[i] = 0.0;
+    s.is_open[i] = 1;
+    s.is_found[i] = 0.0;
+  }
+}
+
+/// One step of all open lanes; returns whether any is still open.
+template <Kind kKind>
+GLINT_INLINE bool step(const PatchCoefficients& patch, double max_move_mm, Search& s) {
+  for (int i = 0; i < kExactLanes; ++i) {
+    double gx = 0.0;
+    double gy = 0.0;
+    double gz = 0.0;
+    const double value = implicit<kKind>(patch,
+                                         s.sx[i] + s.move[i] * s.dx[i],
+                                         s.sy[i] + s.move[i] * s.dy[i],
+                                         s.sz[i] + s.move[i] * s.dz[i],
+                                         gx,
+                                         gy,
+                                         gz);
+    const double slope = gx * s.dx[i] + gy * s.dy[i] + gz * s.dz[i];
+    const double step_mm = -value / slope;
+    const double moved = s.move[i] + step_mm;
+    const bool is_open = s.is_open[i] != 0;
+    const bool is_near = std::fabs(moved) <= max_move_mm;  // false for a slope of zero, too
+    const bool is_done = std::fabs(step_mm) <= s.tolerance[i];
+    s.move[i] = is_open && is_near ? moved : s.move[i];
+    s.is_found[i] = is_open && is_near && is_done ? 1.0 : s.is_found[i];
+    s.is_open[i] = is_open && is_near && !is_done ? 1 : 0;
+  }
+  std::int64_t open = 0;
+  for (int i = 0; i < kExactLanes; ++i) {
+    open |= s.is_open[i];
+  }
+  return open != 0;
+}
+
+/// What goes to the caller's arrays at the end: the compiler cannot know that they do not overlap.
+struct alignas(64) Result {
+  double point_x[kExactLanes], point_y[kExactLanes], point_z[kExactLanes];
+  double normal_x[kExactLanes], normal_y[kExactLanes], normal_z[kExactLanes];
+};
+
+GLINT_INLINE void copy(const double* from, double* to) {
+  for (int i = 0; i < kExactLanes; ++i) {
+    to[i] = from[i];
+  }
+}
+
+template <Kind kKind>
+GLINT_INLINE void polish(const PatchCoefficients& patch,
+                         const double* origin_mm,
+                         double max_move_mm,
+                         const PolishLanes& lanes) {
+  Search s;
+  begin(patch, origin_mm, lanes, s);
+  for (int k = 0; k < kMaxSteps && step<kKind>(patch, max_move_mm, s); ++k) {
+  }
+  const double* r = patch.rotation;
+  Result at;
+  for (int i = 0; i < kExactLanes; ++i) {
+    const double x = s.sx[i] + s.move[i] * s.dx[i];
+    const double y = s.sy[i] + s.move[i] * s.dy[i];
+    const double z = s.sz[i] + s.move[i] * s.dz[i];
+    double gx = 0.0;
+    double gy = 0.0;
+    double gz = 0.0;
+    implicit<kKind>(patch, x, y, z, gx, gy, gz);
+    const double scale = 1.0 / std::sqrt(gx * gx + gy * gy + gz * gz);
+    const double nx = gx * scale;
+    const double ny = gy * scale;
+    const double nz = gz * scale;
+    at.point_x[i] = r[0] * x + r[1] * y + r[2] * z + patch.translation[0];
+    at.point_y[i] = r[3] * x + r[4] * y + r[5] * z + patch.translation[1];
+    at.point_z[i] = r[6] * x + r[7] * y + r[8] * z + patch.translation[2];
+    at.normal_x[i] = r[0] * nx + r[1] * ny + r[2] * nz;
+    at.normal_y[i] = r[3] * nx + r[4] * ny + r[5] * nz;
+    at.normal_z[i] = r[6] * nx + r[7] * ny + r[8] * nz;
+  }
+  copy(at.point_x, lanes.point_x);
+  copy(at.point_y, lanes.point_y);
+  copy(at.point_z, lanes.point_z);
+  copy(at.normal_x, lanes.normal_x);
+  copy(at.normal_y, lanes.normal_y);
+  copy(at.normal_z, lanes.normal_z);
+  copy(s.is_found, lanes.is_found);
+}
+
+}  // namespace
+
+GLINT_WIDE void polish16(const PatchCoefficients& patch,
+                         const double* origin_mm,
+                         double max_move_mm,
+                         const PolishLanes& lanes) {
+  switch (patch.kind) {
+    case Kind::kNone:
+      return;
+    case Kind::kPlane:
+      return polish<Kind::kPlane>(patch, origin_mm, max_move_mm, lanes);
+    case Kind::kParaboloid:
+      return polish<Kind::kParaboloid>(patch, origin_mm, max_move_mm, lanes);
+    case Kind::kSphere:
+      return polish<Kind::kSphere>(patch, origin_mm, max_move_mm, lanes);
+    case Kind::kCylinder:
+      return polish<Kind::kCylinder>(patch, origin_mm, max_move_mm, lanes);
+  }
+}
+
+}  // namespace glint

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Newton's method of exact_surface.h for sixteen rays at a time, free of Eigen so that it can be
+// compiled for wide instruction sets (docs/decisions/0002-bit-identical-results.md). Without
+// contraction every instruction set gives the same bits, and a ray gets the same bits whatever
+// rays stand beside it.
+#pragma once
+
+namespace glint {
+
+inline constexpr int kExactLanes = 16;
+
+/// An exact surface and its place as plain numbers.
+struct PatchCoefficients {
+  enum class Kind { kNone, kPlane, kParaboloid, kSphere, kCylinder };
+
+  Kind kind = Kind::kNone;      ///< kNone: a shape without a kernel, see polish()
+  double rotation[9] = {};      ///< scene_from_patch, row by row
+  double translation[3] = {};   ///< [mm]
+  double curvature_along = 0;   ///< paraboloid [1/mm]
+  double curvature_across = 0;  ///< paraboloid [1/mm]
+  double radius_mm = 0;         ///< sphere, cylinder
+  double outwards = 1;          ///< cylinder: -1 for a bore
+};
+
+/// Sixteen rays from one origin that meet a surface: arrays of sixteen numbers that do not overlap.
+struct PolishLanes {
+  const double *direction_x = nullptr, *direction_y = nullptr, *direction_z = nullptr;  ///< unit
+  const double* start_t_mm = nullptr;
+  double *point_x = nullptr, *point_y = nullptr, *point_z = nullptr;     ///< out
+  double *normal_x = nullptr, *normal_y = nullptr, *normal_z = nullptr;  ///< out, unit
+  double* is_found = nullptr;  ///< out: 1 or 0, as polish() gives a hit or none
+};
+
+/// polish() for all lanes of one patch, whose kind must not be kNone. Lanes may hold anything that
+/// is finite; what comes out of those without a ray means nothing.
+void polish16(const PatchCoefficients& patch,
+              const double* origin_mm,
+              double max_move_mm,
+              const PolishLanes& lanes);
+
+}  // namespace glint

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/closed_scan.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace glint {
+namespace {
+
+namespace kernels = footprint_kernels;
+
+constexpr std::array<std::string_view, 3> kFormNames = {"floors", "table", "frames"};
+
+/// Frames that are rendered together: footprints are read once for all of them.
+constexpr int kFramesAtOnce = 8;
+
+/// Gaps between rendered pixels that are not worth another start.
+constexpr int kBridge_px = 8;
+
+/// Second differences of the phase that the table bears (docs/theory/clipped_mean.md).
+constexpr float kAbsoluteBend = 2e-3F;
+constexpr float kRelativeBend = 0.25F;
+
+/// A pixel beyond this share of the blur, on one side, does not count.
+constexpr double kSmallestTail = 5e-3;
+
+/// Variance of a box pixel [px^2].
+constexpr double kBoxVariance = 1.0 / 12.0;
+
+/// Noise may shift the mean by this much where it is cut off.
+constexpr double kLargestBias = 1e-4;
+
+bool has_scatter(const ClippedMean& table) {
+  constexpr float kNone = 1e-7F;
+  return table.dark_deviation() > 0.0 ||
+         std::ranges::any_of(table.deviations(), [](float d) { return d > kNone; });
+}
+
+int count_of(const Mask& mask) {
+  return static_cast<int>(std::ranges::count_if(mask.values(), [](auto m) { return m != 0; }));
+}
+
+}  // namespace
+
+StripeSettings stripes_of(const ScanPositions& positions, double reflectance) {
+  return {.duty = positions.duty,
+          .dark = positions.dark,
+          .gain = reflectance,
+          .frames = positions.frames()};
+}
+
+std::string_view form_name(ScanForm::Kind kind) {
+  return kFormNames[static_cast<std::size_t>(kind)];
+}
+
+ScanForm::Kind form_of(const ScanPositions& positions,
+                       const SensorSettings& sensor,
+                       double reflectance) {
+  if (!positions.is_even || positions.even_phases() == 0) {
+    return ScanForm::Kind::kFrames;
+  }
+  const double brightest = reflectance * std::max(1.0, positions.dark);
+  const GreyResponse bright = grey_response(sensor, brightest);
+  const GreyResponse dark = grey_response(sensor, reflectance * positions.dark);
+  const double slope = sensor.gain * sensor.exposure;
+  const double offset =
+      sensor.full_well_e > 0.0 ? sensor.gain * sensor.dark_e / sensor.full_well_e : 0.0;
+  const bool is_linear =
+      slope * brightest + offset <= 1.0 &&
+      std::abs(bright.mean - slope * brightest - offset) <= kLargestBias &&
+      std::abs(dark.mean - slope * reflectance * positions.dark - offset) <= kLargestBias;
+  return is_linear ? ScanForm::Kind::kFloors : ScanForm::Kind::kTable;
+}
+
+namespace {
+
+/// Widths w and where the phase is linear, row by row with the neighbours' differences at hand.
+void find_widths(const Footprints& footprints,
+                 double variance_px2,
+                 ImageF& width,
+                 Mask& is_linear) {
+  const int columns = footprints.rays().width_px;
+  const int rows = footprints.rays().height_px;
+  const auto length = static_cast<std::size_t>(columns);
+  std::array<std::vector<float>, 3> gx, gy;
+  std::vector<float> v(length);
+  const auto load = [&](int y) {
+    const auto slot = static_cast<std::size_t>(y % 3);
+    gx[slot].resize(length);
+    gy[slot].resize(length);
+    footprints.phases(y, {.v = v.data(), .gx = gx[slot].data(), .gy = gy[slot].data()});
+  };
+  const kernels::LinearPhase rule = {.variance_px2 = static_cast<float>(variance_px2),
+                                     .absolute = kAbsoluteBend,
+                                     .relative = kRelativeBend};
+  load(0);
+  for (int y = 0; y < rows; ++y) {
+    if (y + 1 < rows) {
+      load(y + 1);
+    }
+    const auto above = static_cast<std::size_t>(std::max(0, y - 1) % 3);
+    const auto here = static_cast<std::size_t>(y % 3);
+    const auto below = static_cast<std::size_t>(std::min(rows - 1, y + 1) % 3);
+    kernels::stripe_widths(
+        {.above = gx[above].data(), .here = gx[here].data(), .below = gx[below].data()},
+        {.above = gy[above].data(), .here = gy[here].data(), .below = gy[below].data()},
+        columns,
+        rule,
+        width.row(y),
+        is_linear.row(y));
+  }
+}
+
+Mask where(const Footprints& footprints, Footprints::State state) {
+  Mask mask(footprints.rays().width_px, footprints.rays().height_px);
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    mask.values()[i] = footprints.state().values()[i] == state ? 0 : 1;
+  }
+  return mask;
+}
+
+}  // namespace
+
+ScanPlan with_same_pixels(const ScanPlan& plan,
+                          const Footprints& footprints,
+                          const Sensor& sensor) {
+  ScanPlan same = plan;
+  if (plan.form.kind == ScanForm::Kind::kTable) {
+    Mask unused(same.width.width(), same.width.height());
+    find_widths(footprints, sensor.blur_variance_px2() + kBoxVariance, same.width, unused);
+  }
+  return same;
+}
+
+ScanPlan plan_scan(const Footprints& footprints,
+                   const Sensor& sensor,
+                   const Mask& region,
+                   const Mask& watched,
+                   double reflectance) {
+  ScanPlan plan;
+  plan.form.kind = form_of(footprints.positions(), sensor.settings(), reflectance);
+  plan.by_table = Mask(region.width(), region.height());
+  plan.by_frames = watched;
+  if (plan.form.kind == ScanForm::Kind::kFrames) {
+    for (std::size_t i = 0; i < region.size(); ++i) {
+      plan.by_frames.values()[i] =
+          static_cast<unsigned char>(watched.values()[i] | region.values()[i]);
+    }
+  }
+  if (plan.form.kind == ScanForm::Kind::kTable) {
+    plan.width = ImageF(region.width(), region.height());
+    Mask is_linear(region.width(), region.height());
+    find_widths(footprints, sensor.blur_variance_px2() + kBoxVariance, plan.width, is_linear);
+    const int reach = sensor.blur_reach_px(kSmallestTail);
+    const Mask near_other = dilated(where(footprints, Footprints::State::kPlain), reach);
+    const Mask near_light = dilated(where(footprints, Footprints::State::kDark), reach);
+    for (std::size_t i = 0; i < region.size(); ++i) {
+      const bool is_wanted = region.values()[i] != 0 && watched.values()[i] == 0;
+      const bool is_table = near_other.values()[i] == 0 && is_linear.values()[i] != 0;
+      plan.by_table.values()[i] = is_wanted && is_table ? 1 : 0;
+      if (is_wanted && !is_table && near_light.values()[i] != 0) {
+        plan.by_frames.values()[i] = 1;
+      }
+    }
+  }
+  plan.form.frame_pixels = count_of(plan.by_frames);
+  plan.form.table_pixels = count_of(plan.by_table);
+  return plan;
+}
+
+namespace {
+
+/// Renders and exposes frames where they are wanted; sums and counts only there.
+ScanSums sum_frames(const Footprints& footprints,
+                    const Sensor& sensor,
+                    const Spans& wanted,
+                    const Spans& rendered,
+                    const FrameConsumer& consume) {
+  const int width = footprints.rays().width_px;
+  const int height = footprints.rays().height_px;
+  ScanSums sums(width, height);
+  const FootprintFrames frames(footprints, rendered);
+  const int total = footprints.positions().frames();
+  std::vector<ImageF> radiance(static_cast<std::size_t>(std::min(kFramesAtOnce, total)),
+                               ImageF(width, height));
+  ImageF grey(consume ? width : 0, consume ? height : 0);
+  for (int first = 0; first < total; first += kFramesAtOnce) {
+    radiance.resize(static_cast<std::size_t>(std::min(kFramesAtOnce, total - first)));
+    frames.render(first, radiance);
+    for (std::size_t k = 0; k < radiance.size(); ++k) {
+      const int index = first + static_cast<int>(k);
+      sensor.accumulate(radiance[k], index, wanted, sums, consume ? &grey : nullptr);
+      if (consume) {
+        consume(index, grey);
+      }
+    }
+  }
+  return sums;
+}
+
+/// The exposed mean radiance: for a linear sensor the mean of the exposed frames.
+void expose_mean(const Footprints& footprints,
+                 const Sensor& sensor,
+                 double reflectance,
+                 ClosedScan& result) {
+  const Spans all = whole_image(result.aspect.width(), result.aspect.height());
+  ImageF mean(result.aspect.width(), result.aspect.height());
+  FootprintFrames(footprints, all).render_mean(mean);
+  SensorSettings quiet = sensor.settings();
+  const double offset =
+      quiet.full_well_e > 0.0 ? quiet.gain * quiet.dark_e / quiet.full_well_e : 0.0;
+  quiet.full_well_e = quiet.read_noise_e = quiet.dark_e = 0.0;
+  quiet.bits = 0;
+  Sensor(quiet, mean.width(), mean.height()).expose(mean, 0, result.aspect);
+  const ClippedMean table(sensor.settings(), stripes_of(footprints.positions(), reflectance));
+  if (!has_scatter(table)) {
+    return;
+  }
+  const int frames = footprints.positions().frames();
+  result.deviation = ImageF(mean.width(), mean.height());
+  const double linear = quiet.gain * quiet.exposure;
+  for (int y = 0; y < mean.height(); ++y) {
+    float* row = result.aspect.row(y);
+    for (int x = 0; x < mean.width(); ++x) {
+      const double radiance = static_cast<double>(row[x]) / linear;
+      result.deviation(x, y) = static_cast<float>(
+          std::sqrt(grey_response(sensor.settings(), radiance).variance / frames));
+      row[x] += static_cast<float>(offset);
+    }
+  }
+}
+
+void look_up_means(const ScanPlan& plan, const ClippedMean& table, ClosedScan& result) {
+  const int width = result.aspect.width();
+  const bool is_scattered = has_scatter(table);
+  const auto per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest);
+  if (is_scattered) {
+    result.deviation = ImageF(width, result.aspect.height());
+  }
+  for (int y = 0; y < result.aspect.height(); ++y) {
+    const float* w = plan.width.row(y);
+    const unsigned char* by_table = plan.by_table.row(y);
+    float* row = result.aspect.row(y);
+    kernels::look_up(w, width, table.coefficients().data(), ClippedMean::kIntervals, per_unit, row);
+    for (int x = 0; x < width; ++x) {
+      row[x] = by_table[x] != 0 ? row[x] : static_cast<float>(table.dark_level());
+    }
+    if (is_scattered) {
+      for (int x = 0; x < width; ++x) {
+        result.deviation(x, y) = static_cast<float>(
+            by_table[x] != 0 ? table.deviation(static_cast<double>(w[x])) : table.dark_deviation());
+      }
+    }
+    if (table.blind_from() < ClippedMean::kWidest) {
+      for (int x = 0; x < width; ++x) {
+        const bool is_blind = by_table[x] != 0 && table.is_blind(static_cast<double>(w[x]));
+        result.clipped_frames(x, y) = is_blind ? 0xFFFF : 0;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+ClosedScan scan_closed(const Footprints& footprints,
+                       const Sensor& sensor,
+                       const ScanPlan& plan,
+                       double reflectance,
+                       const FrameConsumer& consume) {
+  const int width = footprints.rays().width_px;
+  const int height = footprints.rays().height_px;
+  ClosedScan result = {.aspect = ImageF(width, height),
+                       .clipped_frames = Image<std::uint16_t>(width, height),
+                       .form = plan.form};
+  if (plan.form.kind == ScanForm::Kind::kFloors) {
+    expose_mean(footprints, sensor, reflectance, result);
+  }
+  if (plan.form.kind == ScanForm::Kind::kTable) {
+    const ClippedMean table(sensor.settings(), stripes_of(footprints.positions(), reflectance));
+    look_up_means(plan, table, result);
+  }
+  const Spans wanted = spans_of(plan.by_frames);
+  if (wanted.empty()) {
+    return result;
+  }
+  const Spans rendered = spans_of(dilated(plan.by_frames, sensor.blur_radius_px()), kBridge_px);
+  const ScanSums sums = sum_frames(footprints, sensor, wanted, rendered, consume);
+  for (const RowSpan& span : wanted) {
+    for (int x = span.begin; x < span.end; ++x) {
+      result.aspect(x, span.y) = sums.sum(x, span.y) / static_cast<float>(sums.frames);
+      result.clipped_frames(x, span.y) = sums.clipped_frames(x, span.y);
+      if (!result.deviation.empty()) {
+        result.deviation(x, span.y) = 0.0F;
+      }
+    }
+  }
+  return result;
+}
+
+ScanResult scan_integrated(const Footprints& footprints,
+                           const Sensor& sensor,
+                           const FrameConsumer& consume) {
+  const Spans all = whole_image(footprints.rays().width_px, footprints.rays().height_px);
+  ScanResult result;
+  result.sums = sum_frames(footprints, sensor, all, all, consume);
+  result.aspect = result.sums.aspect();
+  result.hidden_share = footprints.hidden_share();
+  return result;
+}
+
+}  // namespace glint

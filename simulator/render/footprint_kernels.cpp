@@ -1,0 +1,473 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/footprint_kernels.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+
+namespace glint::footprint_kernels {
+namespace {
+
+/// Footprints narrower than this (in periods) are taken as this wide.
+constexpr float kNarrow = 1e-6F;
+
+inline __attribute__((always_inline)) float absolute(float x) {
+  return x < 0.0F ? -x : x;
+}
+
+/// Share of a trapezoid beyond 0 at distance d from its middle, less one half; odd in d.
+inline __attribute__((always_inline)) float beyond(
+    float d, float outer, float inner, float per_major, float per_both) {
+  const float size = absolute(d);
+  const float t = size < outer ? size : outer;
+  const float over = t > inner ? t - inner : 0.0F;
+  const float share = t * per_major - over * over * per_both;
+  return d < 0.0F ? -share : share;
+}
+
+/// The bright share where at most one edge is near: folded around the middle of the bright stripe.
+inline __attribute__((always_inline)) float one_edge_share(
+    float from_middle, float half_duty, float outer, float inner, float per_major, float per_both) {
+  const float turn = from_middle - std::floor(from_middle + 0.5F);
+  return 0.5F + beyond(half_duty - absolute(turn), outer, inner, per_major, per_both);
+}
+
+/// The bright share where both edges of a stripe may be near.
+inline __attribute__((always_inline)) float two_edge_share(
+    float moved, float duty, float outer, float inner, float per_major, float per_both) {
+  const float f = moved - std::floor(moved);
+  const float rise = beyond(f, outer, inner, per_major, per_both);
+  const float fall = beyond(f - duty, outer, inner, per_major, per_both);
+  const float next = beyond(f - 1.0F, outer, inner, per_major, per_both);
+  return 0.5F + rise - fall + next;
+}
+
+/// J: the second integral of the square wave less its mean, periodic and 0 at whole phases.
+template <class Real>
+inline __attribute__((always_inline)) Real second_integral(Real phase, Real duty) {
+  constexpr auto kOne = static_cast<Real>(1.0);
+  constexpr auto kHalf = static_cast<Real>(0.5);
+  const Real f = phase - std::floor(phase);
+  const Real mean = kHalf * duty * (kOne - duty);
+  const Real to_end = kOne - f;
+  const Real rising = (kHalf * (kOne - duty) * f - mean) * f;
+  const Real falling = -(kHalf * duty * to_end - mean) * to_end;
+  return f < duty ? rising : falling;
+}
+
+struct Range {
+  float low;
+  float high;
+};
+
+/// Of the four corners of pixel i.
+inline __attribute__((always_inline)) Range range_of(const float* top, const float* bottom, int i) {
+  const float a = top[i] < bottom[i] ? top[i] : bottom[i];
+  const float b = top[i + 1] < bottom[i + 1] ? top[i + 1] : bottom[i + 1];
+  const float c = top[i] < bottom[i] ? bottom[i] : top[i];
+  const float d = top[i + 1] < bottom[i + 1] ? bottom[i + 1] : top[i + 1];
+  return {a < b ? a : b, c < d ? d : c};
+}
+
+inline __attribute__((always_inline)) float cos_turns(float x) {
+  const float turn = x - std::floor(x + 0.5F);
+  const float a = absolute(turn);
+  const float folded = a > 0.25F ? 0.5F - a : a;
+  const float sign = a > 0.25F ? -1.0F : 1.0F;
+  const float p = folded * 6.2831853F;
+  const float p2 = p * p;
+  return sign *
+         (1.0F + p2 * (-0.5F + p2 * (0.041666667F + p2 * (-0.0013888889F + p2 * 2.4801587e-5F))));
+}
+
+}  // namespace
+
+GLINT_WIDE void phases_of_corners(
+    const CornerRows& corners, int count, float offset, float scale, const PhaseRow& out) {
+  const float* __restrict top = corners.top;
+  const float* __restrict bottom = corners.bottom;
+  float* __restrict v = out.v;
+  float* __restrict gx = out.gx;
+  float* __restrict gy = out.gy;
+  const float half = 0.5F * scale;
+  for (int i = 0; i < count; ++i) {
+    const float a = top[i] + bottom[i];
+    const float b = top[i + 1] + bottom[i + 1];
+    const float above = top[i] + top[i + 1];
+    const float below = bottom[i] + bottom[i + 1];
+    v[i] = (0.25F * (a + b) - offset) * scale;
+    gx[i] = (b - a) * half;
+    gy[i] = (below - above) * half;
+  }
+}
+
+GLINT_WIDE void classify(const CornerRows& x_mm,
+                         const CornerRows& stripes_mm,
+                         const CornerRows& y_mm,
+                         const CornerRows& margin_mm,
+                         int count,
+                         const LitLimits& limits,
+                         unsigned char* __restrict state) {
+  const LitLimits l = limits;
+  for (int i = 0; i < count; ++i) {
+    const Range x = range_of(x_mm.top, x_mm.bottom, i);
+    const Range v = range_of(stripes_mm.top, stripes_mm.bottom, i);
+    const Range y = range_of(y_mm.top, y_mm.bottom, i);
+    const Range m = range_of(margin_mm.top, margin_mm.bottom, i);
+    const bool all_on_wall = m.low >= 0.0F;
+    const bool all_beside_slot = (y.low >= l.half_slot_mm) | (y.high <= -l.half_slot_mm);
+    const bool all_inside = (x.low > l.x_low_mm) & (x.high < l.x_high_mm);
+    const bool is_narrow = v.high - v.low <= l.widest_mm;
+    const bool none_on_wall = m.high < 0.0F;
+    const bool all_in_slot = (y.low > -l.half_slot_mm) & (y.high < l.half_slot_mm);
+    const bool is_plain = all_on_wall & all_beside_slot & all_inside & is_narrow;
+    const int other = (none_on_wall | all_in_slot) ? 0 : 2;
+    state[i] = static_cast<unsigned char>(is_plain ? 1 : other);
+  }
+}
+
+GLINT_WIDE void restrict_states(const unsigned char* __restrict kind,
+                                const unsigned char* __restrict hidden,
+                                int count,
+                                unsigned char* __restrict state) {
+  for (int i = 0; i < count; ++i) {
+    const int by_kind = kind[i] == 2 ? 2 : state[i];
+    const bool is_dark = (kind[i] == 0) | (hidden[i] != 0);
+    state[i] = static_cast<unsigned char>(is_dark ? 0 : by_kind);
+  }
+}
+
+GLINT_WIDE void trapezoids(const float* __restrict gx,
+                           const float* __restrict gy,
+                           int count,
+                           const Trapezoids& out) {
+  float* __restrict outer = out.outer;
+  float* __restrict inner = out.inner;
+  float* __restrict per_major = out.per_major;
+  float* __restrict per_both = out.per_both;
+  for (int i = 0; i < count; ++i) {
+    const float a = absolute(gx[i]);
+    const float b = absolute(gy[i]);
+    const float large = a < b ? b : a;
+    const float small = a < b ? a : b;
+    const float major = large > kNarrow ? large : kNarrow;
+    const float minor = small > kNarrow ? small : kNarrow;
+    outer[i] = 0.5F * (major + minor);
+    inner[i] = 0.5F * (major - minor);
+    per_major[i] = 1.0F / major;
+    per_both[i] = 0.5F / (major * minor);
+  }
+}
+
+/// Which formula a footprint gets is its own matter, so that its neighbours do not change its bits.
+GLINT_WIDE void box_frame(const float* __restrict v,
+                          const Trapezoids& trapezoids,
+                          const float* __restrict gain,
+                          int count,
+                          const BoxFrame& frame,
+                          float* __restrict out) {
+  const float* __restrict outer = trapezoids.outer;
+  const float* __restrict inner = trapezoids.inner;
+  const float* __restrict per_major = trapezoids.per_major;
+  const float* __restrict per_both = trapezoids.per_both;
+  const float shift = frame.shift;
+  const float duty = frame.duty;
+  const float half_duty = 0.5F * duty;
+  const float to_middle = shift + half_duty;
+  const float dark = frame.dark;
+  const float bright = 1.0F - frame.dark;
+  const float limit = narrow_limit(duty);
+  for (int i = 0; i < count; ++i) {
+    const float wide =
+        two_edge_share(v[i] - shift, duty, outer[i], inner[i], per_major[i], per_both[i]);
+    const float narrow =
+        one_edge_share(v[i] - to_middle, half_duty, outer[i], inner[i], per_major[i], per_both[i]);
+    out[i] = gain[i] * (dark + bright * (outer[i] <= limit ? narrow : wide));
+  }
+}
+
+GLINT_WIDE void narrow_box_frame(const float* __restrict v,
+                                 const Trapezoids& trapezoids,
+                                 const float* __restrict gain,
+                                 int count,
+                                 const BoxFrame& frame,
+                                 float* __restrict out) {
+  const float* __restrict outer = trapezoids.outer;
+  const float* __restrict inner = trapezoids.inner;
+  const float* __restrict per_major = trapezoids.per_major;
+  const float* __restrict per_both = trapezoids.per_both;
+  const float half_duty = 0.5F * frame.duty;
+  const float to_middle = frame.shift + half_duty;
+  const float dark = frame.dark;
+  const float bright = 1.0F - frame.dark;
+  for (int i = 0; i < count; ++i) {
+    const float share =
+        one_edge_share(v[i] - to_middle, half_duty, outer[i], inner[i], per_major[i], per_both[i]);
+    out[i] = gain[i] * (dark + bright * share);
+  }
+}
+
+/// Numbers that are not negative are ordered as their bits are.
+GLINT_WIDE float largest(const float* __restrict values, int count) {
+  std::int32_t found = 0;
+  for (int i = 0; i < count; ++i) {
+    const auto bits = std::bit_cast<std::int32_t>(values[i]);
+    found = bits > found ? bits : found;
+  }
+  return std::bit_cast<float>(found);
+}
+
+GLINT_WIDE void plain_gains(const unsigned char* __restrict state,
+                            const float* __restrict weight,
+                            const float* __restrict cosine,
+                            int count,
+                            float* __restrict gain) {
+  for (int i = 0; i < count; ++i) {
+    const float full = weight[i];
+    gain[i] = state[i] == 1 ? full : 0.0F;
+  }
+  for (int i = 0; cosine != nullptr && i < count; ++i) {
+    gain[i] *= cosine[i];
+  }
+}
+
+GLINT_WIDE void mix(const float* __restrict gain,
+                    const float* __restrict share,
+                    int count,
+                    float dark,
+                    float bright,
+                    float* __restrict out) {
+  for (int i = 0; i < count; ++i) {
+    out[i] = gain[i] * (dark + bright * share[i]);
+  }
+}
+
+/// The trapezoid is the second difference of a second integral.
+GLINT_WIDE void any_shares(const float* __restrict v,
+                           const float* __restrict gx,
+                           const float* __restrict gy,
+                           int count,
+                           double scale,
+                           double duty,
+                           float* __restrict shares) {
+  constexpr double kNarrowest = 1e-4;
+  for (int i = 0; i < count; ++i) {
+    const double middle = scale * static_cast<double>(v[i]);
+    const double x = scale * static_cast<double>(absolute(gx[i]));
+    const double y = scale * static_cast<double>(absolute(gy[i]));
+    const double a = x > kNarrowest ? x : kNarrowest;
+    const double b = y > kNarrowest ? y : kNarrowest;
+    const double outer = 0.5 * (a + b);
+    const double inner = 0.5 * (a - b);
+    const double difference =
+        second_integral(middle + outer, duty) - second_integral(middle + inner, duty) -
+        second_integral(middle - inner, duty) + second_integral(middle - outer, duty);
+    shares[i] = static_cast<float>(duty + difference / (a * b));
+  }
+}
+
+/// Footprints no wider than the stripes take the trapezoid, which does not cancel however small
+/// they are; others the second difference of the second integral, taken near phase 0.
+GLINT_WIDE void any_shares_fast(const float* __restrict v,
+                                const Trapezoids& trapezoids,
+                                int count,
+                                float scale,
+                                float duty,
+                                float* __restrict shares) {
+  constexpr float kNarrowest = 1e-3F;
+  const float* __restrict outers = trapezoids.outer;
+  const float* __restrict inners = trapezoids.inner;
+  const float* __restrict per_major = trapezoids.per_major;
+  const float* __restrict per_both = trapezoids.per_both;
+  const float per_scale = 1.0F / scale;
+  const float limit = duty < 1.0F - duty ? duty : 1.0F - duty;
+  for (int i = 0; i < count; ++i) {
+    const float moved = scale * v[i];
+    const float f = moved - std::floor(moved);
+    const float outer = scale * outers[i];
+    const float inner = scale * inners[i];
+    const float trapezoid = two_edge_share(
+        f, duty, outer, inner, per_scale * per_major[i], per_scale * per_scale * per_both[i]);
+    const float major = outer + inner;
+    const float minor = outer - inner > kNarrowest ? outer - inner : kNarrowest;
+    const float far = 0.5F * (major + minor);
+    const float near = 0.5F * (major - minor);
+    const float difference =
+        second_integral(f + far, duty) - second_integral(f + near, duty) - second_integral(f - near, duty) + second_integral(f - far, duty);
+    const float wide = duty + difference / (major * minor);
+    shares[i] = outer <= limit ? trapezoid : wide;
+  }
+}
+
+GLINT_WIDE void stripe_widths(const ThreeRows& gx,
+                              const ThreeRows& gy,
+                              int count,
+                              const LinearPhase& rule,
+                              float* __restrict w,
+                              unsigned char* __restrict is_linear) {
+  const float* __restrict x_above = gx.above;
+  const float* __restrict x_here = gx.here;
+  const float* __restrict x_below = gx.below;
+  const float* __restrict y_above = gy.above;
+  const float* __restrict y_here = gy.here;
+  const float* __restrict y_below = gy.below;
+  const LinearPhase r = rule;
+  for (int i = 0; i < count; ++i) {
+    const float width = std::sqrt(r.variance_px2 * (x_here[i] * x_here[i] + y_here[i] * y_here[i]));
+    const int left = i > 0 ? i - 1 : 0;
+    const int right = i + 1 < count ? i + 1 : count - 1;
+    const float xx = absolute(x_here[right] - x_here[left]);
+    const float xy = absolute(x_below[i] - x_above[i]);
+    const float yy = absolute(y_below[i] - y_above[i]);
+    const float mixed = xx > xy ? xx : xy;
+    const float bend = 0.5F * (mixed > yy ? mixed : yy) * r.variance_px2;
+    const bool is_small = (bend <= r.absolute) | (bend <= r.relative * width);
+    w[i] = width;
+    is_linear[i] = static_cast<unsigned char>(is_small ? 1 : 0);
+  }
+}
+
+GLINT_WIDE void look_up(const float* __restrict w,
+                        int count,
+                        const float* __restrict coefficients,
+                        int pieces,
+                        float per_unit,
+                        float* __restrict values) {
+  const auto last = static_cast<float>(pieces);
+  for (int i = 0; i < count; ++i) {
+    const float place = w[i] * per_unit;
+    const float at = place < last ? place : last;
+    const int whole = static_cast<int>(at);
+    const int piece = whole < pieces ? whole : pieces - 1;
+    const float s = at - static_cast<float>(piece);
+    const float* c = coefficients + 4 * piece;
+    values[i] = c[0] + s * (c[1] + s * (c[2] + s * c[3]));
+  }
+}
+
+GLINT_WIDE void sum_box_frames(const float* __restrict v,
+                               const Trapezoids& trapezoids,
+                               const float* __restrict gain,
+                               int count,
+                               const double* __restrict shift,
+                               int frames,
+                               double duty,
+                               double dark,
+                               double bright,
+                               bool is_narrow,
+                               double* __restrict out) {
+  const float* __restrict outer = trapezoids.outer;
+  const float* __restrict inner = trapezoids.inner;
+  const float* __restrict per_major = trapezoids.per_major;
+  const float* __restrict per_both = trapezoids.per_both;
+  const auto width = static_cast<float>(duty);
+  float lit[kLanes] = {};
+  for (int i = 0; i < count; i += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      lit[lane] += gain[i + lane];
+    }
+  }
+  double sum_lit = 0.0;
+  for (const float value : lit) {
+    sum_lit += static_cast<double>(value);
+  }
+  for (int k = 0; k < frames; ++k) {
+    const auto by = static_cast<float>(shift[k]);
+    const float to_middle = by + 0.5F * width;
+    float share[kLanes] = {};
+    for (int i = 0; is_narrow && i < count; i += kLanes) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const int at = i + lane;
+        share[lane] += gain[at] * one_edge_share(v[at] - to_middle,
+                                                 0.5F * width,
+                                                 outer[at],
+                                                 inner[at],
+                                                 per_major[at],
+                                                 per_both[at]);
+      }
+    }
+    for (int i = 0; !is_narrow && i < count; i += kLanes) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const int at = i + lane;
+        share[lane] +=
+            gain[at] *
+            two_edge_share(v[at] - by, width, outer[at], inner[at], per_major[at], per_both[at]);
+      }
+    }
+    double sum_share = 0.0;
+    for (const float value : share) {
+      sum_share += static_cast<double>(value);
+    }
+    out[k] += dark * sum_lit + bright * sum_share;
+  }
+}
+
+GLINT_WIDE void sum_vertices(const double* v,
+                             const double* c,
+                             const double* e,
+                             int vertices,
+                             const double* __restrict shift,
+                             int frames,
+                             double duty,
+                             double* __restrict out) {
+  const double rest = 1.0 - duty;
+  const double mean = 0.5 * duty * rest;  // of the first integral that starts at 0
+  // The second integral has mean zero up to the constant that the sum of c takes out.
+  for (int j = 0; j < vertices; ++j) {
+    const double vj = v[j];
+    const double cj = c[j];
+    const double ej = e[j];
+    for (int k = 0; k < frames; ++k) {
+      const double moved = vj - shift[k];
+      const double f = moved - std::floor(moved);
+      const double up = rest * f;
+      const double down = duty * (1.0 - f);
+      const double first = (up < down ? up : down) - mean;
+      out[k] += cj * second_integral(moved, duty) + ej * first;
+    }
+  }
+}
+
+GLINT_WIDE void sum_vertex_slopes(const double* v,
+                                  const double* c,
+                                  const double* e,
+                                  int vertices,
+                                  const double* __restrict shift,
+                                  int frames,
+                                  double duty,
+                                  double* __restrict out) {
+  const double rest = 1.0 - duty;
+  const double mean = 0.5 * duty * rest;
+  for (int j = 0; j < vertices; ++j) {
+    const double vj = v[j];
+    const double cj = c[j];
+    const double ej = e[j];
+    for (int k = 0; k < frames; ++k) {
+      const double moved = vj - shift[k];
+      const double f = moved - std::floor(moved);
+      const double up = rest * f;
+      const double down = duty * (1.0 - f);
+      const double first = (up < down ? up : down) - mean;
+      out[k] += cj * first + ej * (f < duty ? rest : -duty);
+    }
+  }
+}
+
+GLINT_WIDE void modulate(const float* __restrict x_mm,
+                         int count,
+                         const Unevenness& uneven,
+                         float* __restrict out) {
+  const Unevenness u = uneven;
+  const float per_half_length = 1.0F / u.half_length_mm;
+  for (int i = 0; i < count; ++i) {
+    const float x = x_mm[i] - u.shift_mm;
+    const float end = x * per_half_length;
+    const float led = (1.0F + u.ripple * cos_turns(x * u.per_mm)) / (1.0F + u.ripple);
+    const float factor = led * (1.0F - u.falloff * end * end);
+    out[i] *= factor > 0.0F ? factor : 0.0F;
+  }
+}
+
+}  // namespace glint::footprint_kernels

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Inner loops of footprint integration, free of Eigen so that they can be compiled for wide
+// instruction sets (docs/decisions/0002-bit-identical-results.md).
+//
+// A pixel sees the phase v (in periods) of the stripes as v + gx a + gy b for a, b in [-1/2, 1/2].
+// The share of the pixel beyond an edge at distance d is a function C(d / footprint): the
+// distribution of the sum of two even numbers, a trapezoid. Its half widths are
+// outer = (|gx| + |gy|) / 2 and inner = ||gx| - |gy|| / 2.
+#pragma once
+
+namespace glint::footprint_kernels {
+
+/// Two rows of corner values around a row of pixels: pixel i has corners i and i + 1 of both.
+struct CornerRows {
+  const float* top = nullptr;
+  const float* bottom = nullptr;
+};
+
+/// Footprints of a row of pixels; all arrays as long as the row.
+struct PhaseRow {
+  float* v = nullptr;   ///< periods, in the middle
+  float* gx = nullptr;  ///< periods a pixel
+  float* gy = nullptr;
+};
+
+/// v = scale * (mean of corners - offset), and its differences.
+void phases_of_corners(
+    const CornerRows& corners, int count, float offset, float scale, const PhaseRow& out);
+
+/// Where corners are lit at every position of a scan.
+struct LitLimits {
+  float half_slot_mm = 0.0F;
+  float x_low_mm = 0.0F;
+  float x_high_mm = 0.0F;
+  float widest_mm = 0.0F;  ///< stripes differ by no more than this between plain corners
+};
+
+/// For each pixel 0 where no part of it is ever lit, 1 where all of it always is, else 2.
+void classify(const CornerRows& x_mm,
+              const CornerRows& stripes_mm,
+              const CornerRows& y_mm,
+              const CornerRows& margin_mm,
+              int count,
+              const LitLimits& limits,
+              unsigned char* state);
+
+/// Pixels that see no part (kind 0) or that the wall hides are 0, refined ones (kind 2) that are not
+/// are 2, others stay.
+void restrict_states(const unsigned char* kind,
+                     const unsigned char* hidden,
+                     int count,
+                     unsigned char* state);
+
+/// The trapezoid of each footprint, ready for add_box_frame.
+struct Trapezoids {
+  float* outer = nullptr;
+  float* inner = nullptr;
+  float* per_major = nullptr;  ///< 1 / larger of |gx|, |gy|
+  float* per_both = nullptr;   ///< 1 / (2 |gx| |gy|)
+};
+
+void trapezoids(const float* gx, const float* gy, int count, const Trapezoids& out);
+
+/// The bright share of each footprint under stripes that have moved by `shift` periods, as
+/// out = gain * (dark + (1 - dark) * share). Right for outer <= min(duty, 1 - duty).
+struct BoxFrame {
+  float shift = 0.0F;
+  float duty = 0.5F;
+  float dark = 0.0F;
+};
+
+void box_frame(const float* v,
+               const Trapezoids& trapezoids,
+               const float* gain,
+               int count,
+               const BoxFrame& frame,
+               float* out);
+
+/// Footprints this wide see one edge of the stripes at most.
+inline float narrow_limit(float duty) {
+  return 0.5F * (duty < 1.0F - duty ? duty : 1.0F - duty);
+}
+
+/// The same bytes for footprints that all are narrow: outer <= narrow_limit(duty).
+void narrow_box_frame(const float* v,
+                      const Trapezoids& trapezoids,
+                      const float* gain,
+                      int count,
+                      const BoxFrame& frame,
+                      float* out);
+
+/// @param values  >= 0
+float largest(const float* values, int count);
+
+/// gain = weight * cosine where the state is 1 (plain), else 0. @param cosine  nullptr: 1
+void plain_gains(const unsigned char* state,
+                 const float* weight,
+                 const float* cosine,
+                 int count,
+                 float* gain);
+
+/// out = gain * (dark + bright * share)
+void mix(const float* gain, const float* share, int count, float dark, float bright, float* out);
+
+/// Bright share of footprints of any width, phase and differences times `scale`.
+void any_shares(const float* v,
+                const float* gx,
+                const float* gy,
+                int count,
+                double scale,
+                double duty,
+                float* shares);
+
+/// The same in float, for trapezoids of phases and differences that are `scale` times v's: wrong by
+/// up to 1e-3 where a footprint wider than the stripes is almost a line.
+void any_shares_fast(const float* v,
+                     const Trapezoids& trapezoids,
+                     int count,
+                     float scale,
+                     float duty,
+                     float* shares);
+
+/// Rows of one quantity: the row itself and its neighbours.
+struct ThreeRows {
+  const float* above = nullptr;
+  const float* here = nullptr;
+  const float* below = nullptr;
+};
+
+/// When the phase counts as linear over the blur: its second difference over the blur's variance is
+/// below `absolute` periods or below `relative` times the stripes' width w.
+struct LinearPhase {
+  float variance_px2 = 1.0F;
+  float absolute = 0.0F;
+  float relative = 0.0F;
+};
+
+/// w of T(w) for a row of pixels, and 1 where the phase is linear over the blur.
+void stripe_widths(const ThreeRows& gx,
+                   const ThreeRows& gy,
+                   int count,
+                   const LinearPhase& rule,
+                   float* w,
+                   unsigned char* is_linear);
+
+/// Cubic pieces: value of the piece at w * per_unit, the last one beyond the end.
+/// @param coefficients  four for each of `pieces` pieces
+void look_up(const float* w,
+             int count,
+             const float* coefficients,
+             int pieces,
+             float per_unit,
+             float* values);
+
+/// Samples of sum_box_frames come in groups of this many, filled up with gain 0.
+inline constexpr int kLanes = 16;
+
+/// out[k] += sum over samples of gain * (dark + bright * share), for each shift.
+/// @param count      a multiple of kLanes
+/// @param is_narrow  all samples are narrow: outer <= narrow_limit(duty)
+void sum_box_frames(const float* v,
+                    const Trapezoids& trapezoids,
+                    const float* gain,
+                    int count,
+                    const double* shift,
+                    int frames,
+                    double duty,
+                    double dark,
+                    double bright,
+                    bool is_narrow,
+                    double* out);
+
+/// out[k] += sum over vertices of c * J(v - shift[k]) + e * I(v - shift[k]), with I and J the first
+/// and second integral, of mean zero, of the square wave less its mean.
+void sum_vertices(const double* v,
+                  const double* c,
+                  const double* e,
+                  int vertices,
+                  const double* shift,
+                  int frames,
+                  double duty,
+                  double* out);
+
+/// The same with one order less: out[k] += sum c * I + e * (square wave less its mean).
+void sum_vertex_slopes(const double* v,
+                       const double* c,
+                       const double* e,
+                       int vertices,
+                       const double* shift,
+                       int frames,
+                       double duty,
+                       double* out);
+
+/// out *= (1 + ripple cos(2 pi u per_mm)) / (1 + ripple) * (1 - falloff (u / half_length)^2) with
+/// u = x - shift.
+struct Unevenness {
+  float shift_mm = 0.0F;
+  float ripple = 0.0F;
+  float per_mm = 0.0F;
+  float falloff = 0.0F;
+  float half_length_mm = 1.0F;
+};
+
+void modulate(const float* x_mm, int count, const Unevenness& uneven, float* out);
+
+}  // namespace glint::footprint_kernels

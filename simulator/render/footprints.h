@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Pixel footprints on a tunnel, and the frames of a scan integrated over them in closed form.
+//
+// Each corner ray is met with the tunnel's wall once. A pixel whose four corners lie on the lit
+// wall at every position of the scan is plain: its frames follow from one phase and two
+// differences. Pixels on a boundary of the light (slot, rim, ends), with footprints wider than the
+// stripes, or refined because the part is bent there, are summed from cells (stripe_integral.h).
+// See docs/theory/footprints.md.
+#pragma once
+
+#include <memory>
+#include <new>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/image.h"
+#include "core/spans.h"
+#include "simulator/light/tunnel.h"
+#include "simulator/render/corner_rays.h"
+#include "simulator/render/footprint_kernels.h"
+#include "simulator/render/scan_settings.h"
+
+namespace glint {
+
+/// Leaves new elements unset: for arrays that are written right after they are made.
+template <class T>
+struct UnsetAllocator : std::allocator<T> {
+  template <class Other>
+  struct rebind {
+    using other = UnsetAllocator<Other>;
+  };
+
+  void construct(T* place) noexcept { ::new (static_cast<void*>(place)) T; }
+
+  template <class... Arguments>
+  void construct(T* place, Arguments&&... arguments) {
+    ::new (static_cast<void*>(place)) T(std::forward<Arguments>(arguments)...);
+  }
+};
+
+using FloatArray = std::vector<float, UnsetAllocator<float>>;
+
+/// Where rays meet a tunnel (Tunnel::meet_block), arrays as in RayCache.
+struct WallHits {
+  FloatArray x_mm;
+  FloatArray y_mm;
+  FloatArray margin_mm;
+  FloatArray pattern_mm;  ///< empty: equal to x_mm
+  FloatArray cosine;      ///< empty: 1
+
+  const FloatArray& stripes_mm() const { return pattern_mm.empty() ? x_mm : pattern_mm; }
+};
+
+WallHits meet_light(const RayCache& rays, const Tunnel& tunnel);
+
+/// The same for rays [begin, begin + count); arrays of hits begin at 0.
+void meet_light(
+    const RayCache& rays, const Tunnel& tunnel, std::int64_t begin, int count, WallHits& hits);
+
+/// What of a picture depends on the wall and not on its stripes: equal for all tunnels of the same
+/// shape, slot, length and orientation.
+struct WallView {
+  WallHits hits;  ///< of the corner rays
+  Mask hidden;    ///< pixels of the part that the wall hides from the camera
+
+  WallView(const CornerRays& rays,
+           const Tunnel& tunnel,
+           const Eigen::Vector3d& camera_in_world_mm);
+
+  std::size_t bytes() const;
+};
+
+/// Stripes and boundaries of a tunnel at all positions of a scan.
+struct ScanPositions {
+  ScanPositions(const Tunnel& tunnel, const ScanSettings& scan);
+
+  int frames() const { return static_cast<int>(shift_mm.size()); }
+
+  /// How many different phases the frames have if together they take the stripes through whole
+  /// periods, each as often as the others; 0 if they do not.
+  int even_phases() const;
+
+  /// A single position whose radiance is the mean over all of them (by floors): a square wave of as
+  /// many times the frequency as there are different positions. Needs even_phases() and even light,
+  /// and places that the tunnel's ends never pass.
+  ScanPositions mean_position() const;
+
+  /// True when the tunnel's ends pass no place of [low, high] in the scene.
+  bool is_inside_ends(double low_mm, double high_mm) const {
+    return low_mm - shift_mm.back() > -half_length_mm && high_mm - shift_mm.front() < half_length_mm;
+  }
+
+  double period_mm = 1.0;
+  double offset_mm = 0.0;
+  double duty = 0.5;
+  double dark = 0.0;    ///< radiance of dark stripes
+  double bright = 1.0;  ///< what bright ones add to it
+  double half_slot_mm = 0.0;
+  double half_length_mm = 0.0;
+  footprint_kernels::Unevenness unevenness;  ///< at shift 0
+  bool is_even = true;
+  std::vector<double> shift_mm;       ///< of the tunnel, frame by frame
+  std::vector<double> shift_periods;  ///< of the stripes, in [0, 1)
+};
+
+class Footprints {
+ public:
+  enum class State : unsigned char {
+    kDark,   ///< no light at any position
+    kPlain,  ///< all of it lit at every position
+    kCells   ///< summed from cells
+  };
+
+  /// @param rays, tunnel  must outlive this object
+  Footprints(const CornerRays& rays,
+             const Tunnel& tunnel,
+             const ScanSettings& scan,
+             const Eigen::Vector3d& camera_in_world_mm);
+
+  /// The same with the wall met before.
+  /// @param view  of these rays and a tunnel that differs in its stripes at most
+  Footprints(const CornerRays& rays,
+             const Tunnel& tunnel,
+             const ScanSettings& scan,
+             std::shared_ptr<const WallView> view);
+
+  const CornerRays& rays() const { return rays_; }
+
+  const ScanPositions& positions() const { return positions_; }
+
+  const Image<State>& state() const { return state_; }
+
+  const Mask& hidden() const { return view_->hidden; }
+
+  const WallHits& hits() const { return view_->hits; }
+
+  const Tunnel& tunnel() const { return tunnel_; }
+
+  /// Phases of a row of pixels by their corners.
+  void phases(int y, const footprint_kernels::PhaseRow& row) const;
+
+  /// Share of the part's pixels that the wall hides from the camera.
+  double hidden_share() const;
+
+ private:
+  void classify();
+
+  const CornerRays& rays_;
+  const Tunnel& tunnel_;
+  ScanPositions positions_;
+  std::shared_ptr<const WallView> view_;
+  Image<State> state_;
+};
+
+/// Renders frames of a scan on some pixels. Not to be shared between threads.
+class FootprintFrames {
+ public:
+  /// @param footprints  must outlive this object
+  /// @param where       must outlive this object
+  FootprintFrames(const Footprints& footprints, const Spans& where);
+
+  /// Radiance of frames [first, first + frames.size()) at the given pixels; images must have the
+  /// size of the picture, their other pixels are left alone.
+  void render(int first, std::vector<ImageF>& frames) const;
+
+  /// Mean radiance over a scan of whole periods, by floors: a square wave of as many times the
+  /// frequency as there are different positions.
+  void render_mean(ImageF& mean) const;
+
+ private:
+  /// Radiance of pixels that are summed from cells, at all positions or their mean.
+  struct Cells {
+    std::vector<std::int32_t> pixels;
+    std::vector<float> values;  ///< as many for each pixel
+
+    void add(std::int32_t pixel, const std::vector<double>& radiance);
+  };
+
+  struct Tile;
+  class CellSummer;
+
+  void load(const RowSpan& span, int begin, Tile& tile) const;
+  void render_span(int first, const RowSpan& span, std::vector<ImageF>& frames) const;
+
+  const Footprints& footprints_;
+  const Spans& where_;
+  /// Summed when first needed, once for all frames: a mean does not need it.
+  mutable std::optional<Cells> cells_;
+};
+
+}  // namespace glint

@@ -1,0 +1,391 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/frame_slopes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "simulator/render/cell_slopes.h"
+#include "simulator/render/slope_kernels.h"
+
+namespace glint {
+namespace {
+
+constexpr int kBridge_px = 8;
+constexpr int kFramesAtOnce = 8;
+
+/// The sensor up to its gain: blur only.
+SensorSettings blur_only(double blur_px) {
+  return {.exposure = 1.0, .gain = 1.0, .blur_px = blur_px, .bits = 0};
+}
+
+/// Slope of the expected grey value by the blurred radiance: the gain, until it clips.
+class ResponseSlope {
+ public:
+  explicit ResponseSlope(const SensorSettings& sensor)
+      : linear_(static_cast<float>(sensor.gain * sensor.exposure)),
+        has_noise_(sensor.full_well_e > 0.0) {
+    constexpr double kStep = 0.5 / kSteps;
+    for (int i = 0; has_noise_ && i <= kSteps; ++i) {
+      const double radiance = static_cast<double>(i) / kSteps;
+      const double high = grey_response(sensor, radiance + kStep).mean;
+      const double low = grey_response(sensor, std::max(0.0, radiance - kStep)).mean;
+      slopes_.push_back(
+          static_cast<float>((high - low) / (radiance + kStep - std::max(0.0, radiance - kStep))));
+    }
+  }
+
+  float at(float radiance) const {
+    if (!has_noise_) {
+      return linear_ * radiance < 1.0F ? linear_ : 0.0F;
+    }
+    const float place = std::clamp(radiance, 0.0F, 1.0F) * kSteps;
+    const auto i = std::min<std::size_t>(kSteps - 1, static_cast<std::size_t>(place));
+    const float s = place - static_cast<float>(i);
+    return (1.0F - s) * slopes_[i] + s * slopes_[i + 1];
+  }
+
+ private:
+  static constexpr int kSteps = 1024;
+  float linear_;
+  bool has_noise_;
+  std::vector<float> slopes_;
+};
+
+/// The blur backwards: slopes by blurred pixels to slopes by radiances, at the image's border, too,
+/// whose pixels stand for those beyond.
+class BlurBackwards {
+ public:
+  BlurBackwards(
+      const Sensor& sensor, const Spans& wanted, const Spans& rendered, int width, int height)
+      : weights_(sensor.blur_weights()),
+        wanted_(wanted),
+        rendered_(rendered),
+        across_(width, height),
+        result_(width, height) {}
+
+  const ImageF& apply(const ImageF& by_blurred) {
+    for (const RowSpan& span : rendered_) {
+      std::fill_n(across_.row(span.y) + span.begin, span.size(), 0.0F);
+      std::fill_n(result_.row(span.y) + span.begin, span.size(), 0.0F);
+    }
+    const int radius = static_cast<int>(weights_.size()) - 1;
+    for (const RowSpan& span : wanted_) {
+      const float* from = by_blurred.row(span.y);
+      float* to = across_.row(span.y);
+      for (int k = -radius; k <= radius; ++k) {
+        const float weight = weights_[static_cast<std::size_t>(std::abs(k))];
+        const int low = std::clamp(-k, span.begin, span.end);
+        const int high = std::clamp(across_.width() - k, low, span.end);
+        for (int x = span.begin; x < low; ++x) {
+          to[0] += weight * from[x];
+        }
+        for (int x = low; x < high; ++x) {
+          to[x + k] += weight * from[x];
+        }
+        for (int x = high; x < span.end; ++x) {
+          to[across_.width() - 1] += weight * from[x];
+        }
+      }
+    }
+    for (const RowSpan& span : rendered_) {
+      const float* from = across_.row(span.y) + span.begin;
+      for (int k = -radius; k <= radius; ++k) {
+        const float weight = weights_[static_cast<std::size_t>(std::abs(k))];
+        const int y = std::clamp(span.y + k, 0, across_.height() - 1);
+        float* to = result_.row(y) + span.begin;
+        for (int x = 0; x < span.size(); ++x) {
+          to[x] += weight * from[x];
+        }
+      }
+    }
+    return result_;
+  }
+
+ private:
+  const std::vector<float>& weights_;
+  const Spans& wanted_;
+  const Spans& rendered_;
+  ImageF across_;
+  ImageF result_;
+};
+
+/// Footprints of the rendered pixels and what is summed for them over the frames.
+struct PlainSums {
+  std::vector<float> v, gx, gy, gain, weight;
+  std::vector<float> by_v, by_gx, by_gy, by_duty, share, weights;
+
+  explicit PlainSums(const RowSpan& span) {
+    const auto size = static_cast<std::size_t>(span.size());
+    for (auto* row :
+         {&v, &gx, &gy, &gain, &weight, &by_v, &by_gx, &by_gy, &by_duty, &share, &weights}) {
+      row->resize(size);
+    }
+  }
+};
+
+class FrameSlopes {
+ public:
+  FrameSlopes(const Footprints& footprints, const Spans& rendered, ScanSlopes& slopes)
+      : footprints_(footprints),
+        rays_(footprints.rays()),
+        p_(footprints.positions()),
+        rendered_(rendered),
+        slopes_(slopes),
+        frames_(static_cast<std::size_t>(p_.frames())),
+        cells_(p_) {
+    std::vector<float> v(static_cast<std::size_t>(rays_.width_px)), gx(v), gy(v);
+    for (const RowSpan& span : rendered_) {
+      footprints_.phases(span.y, {.v = v.data(), .gx = gx.data(), .gy = gy.data()});
+      PlainSums& sums = plain_.emplace_back(span);
+      for (int x = span.begin; x < span.end; ++x) {
+        const auto from = static_cast<std::size_t>(x);
+        const auto to = static_cast<std::size_t>(x - span.begin);
+        sums.v[to] = v[from];
+        sums.gx[to] = gx[from];
+        sums.gy[to] = gy[from];
+        const Footprints::State state = footprints_.state()(x, span.y);
+        sums.gain[to] =
+            state == Footprints::State::kPlain ? rays_.corners.weight[corner(x, span.y)] : 0.0F;
+        if (state == Footprints::State::kCells) {
+          cell_pixels_.push_back(span.y * rays_.width_px + x);
+        }
+      }
+    }
+    cell_weights_.resize(cell_pixels_.size() * frames_);
+  }
+
+  /// @param by_radiance  slope by each pixel's radiance in that frame
+  void add_frame(int frame, const ImageF& by_radiance) {
+    const auto k = static_cast<std::size_t>(frame);
+    for (std::size_t s = 0; s < rendered_.size(); ++s) {
+      const RowSpan& span = rendered_[s];
+      PlainSums& sums = plain_[s];
+      const float* by = by_radiance.row(span.y) + span.begin;
+      for (std::size_t i = 0; i < sums.weight.size(); ++i) {
+        sums.weight[i] = by[i] * sums.gain[i];
+      }
+      slope_kernels::add_box_slopes(sums.v.data(),
+                                    sums.gx.data(),
+                                    sums.gy.data(),
+                                    sums.weight.data(),
+                                    span.size(),
+                                    static_cast<float>(p_.shift_periods[k]),
+                                    static_cast<float>(p_.duty),
+                                    {.v = sums.by_v.data(),
+                                     .gx = sums.by_gx.data(),
+                                     .gy = sums.by_gy.data(),
+                                     .duty = sums.by_duty.data(),
+                                     .share = sums.share.data(),
+                                     .weight = sums.weights.data()});
+    }
+    for (std::size_t i = 0; i < cell_pixels_.size(); ++i) {
+      cell_weights_[i * frames_ + k] =
+          static_cast<double>(by_radiance.values()[static_cast<std::size_t>(cell_pixels_[i])]);
+    }
+  }
+
+  void finish() {
+    for (std::size_t s = 0; s < rendered_.size(); ++s) {
+      finish_span(rendered_[s], plain_[s]);
+    }
+    finish_cells();
+    slopes_.duty += cells_.duty;
+    slopes_.dark += cells_.dark;
+    slopes_.slot_mm += cells_.slot_mm;
+    slopes_.period_mm += cells_.period_mm;
+  }
+
+ private:
+  std::size_t corner(int x, int y) const {
+    return static_cast<std::size_t>(y) * (static_cast<std::size_t>(rays_.width_px) + 1) +
+           static_cast<std::size_t>(x);
+  }
+
+  void finish_span(const RowSpan& span, const PlainSums& sums) {
+    const double bright = 1.0 - p_.dark;
+    const double per_period = 1.0 / p_.period_mm;
+    const auto corner_width = static_cast<std::size_t>(rays_.width_px) + 1;
+    for (std::size_t i = 0; i < sums.v.size(); ++i) {
+      const double by_v = bright * static_cast<double>(sums.by_v[i]);
+      const double by_gx = bright * static_cast<double>(sums.by_gx[i]);
+      const double by_gy = bright * static_cast<double>(sums.by_gy[i]);
+      const LinearSlopes by_phase = {.value = by_v, .dx = by_gx, .dy = by_gy};
+      const std::array<double, 4> by_corner = by_phase.by_corners();
+      const std::size_t at = corner(span.begin + static_cast<int>(i), span.y);
+      const std::array<std::size_t, 4> corners = {
+          at, at + 1, at + corner_width, at + corner_width + 1};
+      for (std::size_t c = 0; c < 4; ++c) {
+        slopes_.corners.x[corners[c]] += static_cast<float>(per_period * by_corner[c]);
+      }
+      slopes_.period_mm -= per_period * (by_v * static_cast<double>(sums.v[i]) +
+                                         by_gx * static_cast<double>(sums.gx[i]) +
+                                         by_gy * static_cast<double>(sums.gy[i]));
+      slopes_.duty += bright * static_cast<double>(sums.by_duty[i]);
+      slopes_.dark += static_cast<double>(sums.weights[i]) - static_cast<double>(sums.share[i]);
+    }
+  }
+
+  void finish_cells() {
+    Image<std::int32_t> index_of(rays_.width_px, rays_.height_px, -1);
+    bool has_refined = false;
+    for (std::size_t i = 0; i < cell_pixels_.size(); ++i) {
+      const auto pixel = static_cast<std::size_t>(cell_pixels_[i]);
+      if (rays_.kind.values()[pixel] == PixelKind::kRefined) {
+        index_of.values()[pixel] = static_cast<std::int32_t>(i);
+        has_refined = true;
+        continue;
+      }
+      const auto corner_width = static_cast<std::size_t>(rays_.width_px) + 1;
+      const std::size_t at =
+          corner(cell_pixels_[i] % rays_.width_px, cell_pixels_[i] / rays_.width_px);
+      add_cell(footprints_.hits(),
+               rays_.corners.weight.data(),
+               {at, at + 1, at + corner_width, at + corner_width + 1},
+               0,
+               1.0,
+               i,
+               slopes_.corners);
+    }
+    for (std::size_t g = 0; has_refined && g < rays_.refined.size(); ++g) {
+      const RefinedGroup& group = rays_.refined[g];
+      for (std::size_t i = 0; i < group.pixels.size(); ++i) {
+        const std::int32_t index = index_of.values()[static_cast<std::size_t>(group.pixels[i])];
+        if (index >= 0) {
+          add_refined(group, i, static_cast<std::size_t>(index), slopes_.refined[g]);
+        }
+      }
+    }
+  }
+
+  void add_refined(const RefinedGroup& group,
+                   std::size_t pixel,
+                   std::size_t index,
+                   SlopesByHits& by_hits) {
+    const auto n = static_cast<std::size_t>(group.cells_per_axis);
+    const std::size_t first = pixel * (n + 1) * (n + 1);
+    if (by_hits.empty()) {
+      by_hits.resize(group.rays.weight.size());
+    }
+    meet_light(group.rays,
+               footprints_.tunnel(),
+               static_cast<std::int64_t>(first),
+               static_cast<int>((n + 1) * (n + 1)),
+               hits_);
+    bool is_held = false;
+    for (std::size_t cell = 0; cell < n * n; ++cell) {
+      if (group.is_smooth[pixel * n * n + cell] == 0) {
+        is_held = true;
+        continue;
+      }
+      const std::size_t at = cell / n * (n + 1) + cell % n;
+      add_cell(hits_,
+               group.rays.weight.data() + first,
+               {at, at + 1, at + n + 1, at + n + 2},
+               first,
+               1.0 / static_cast<double>(n * n),
+               index,
+               by_hits);
+    }
+    slopes_.held_pixels += is_held ? 1 : 0;
+  }
+
+  /// @param offset  of the hits' arrays in those of the slopes
+  void add_cell(const WallHits& hits,
+                const float* weight,
+                const std::array<std::size_t, 4>& at,
+                std::size_t offset,
+                double share,
+                std::size_t index,
+                SlopesByHits& by_hits) {
+    weights_.assign(cell_weights_.begin() + static_cast<std::ptrdiff_t>(index * frames_),
+                    cell_weights_.begin() + static_cast<std::ptrdiff_t>((index + 1) * frames_));
+    cells_.has_held = false;
+    const CornerSlopes by = cells_.of_smooth(CellCorners(hits, weight, at), share, weights_);
+    slopes_.held_pixels += cells_.has_held ? 1 : 0;
+    for (std::size_t c = 0; c < 4; ++c) {
+      by_hits.x[offset + at[c]] += static_cast<float>(by.x[c]);
+      by_hits.y[offset + at[c]] += static_cast<float>(by.y[c]);
+      by_hits.margin[offset + at[c]] += static_cast<float>(by.margin[c]);
+    }
+  }
+
+  const Footprints& footprints_;
+  const CornerRays& rays_;
+  const ScanPositions& p_;
+  const Spans& rendered_;
+  ScanSlopes& slopes_;
+  std::size_t frames_;
+  std::vector<PlainSums> plain_;  ///< one for each rendered span
+  std::vector<std::int32_t> cell_pixels_;
+  std::vector<double> cell_weights_;  ///< frames_ of each
+  std::vector<double> weights_;
+  WallHits hits_;
+  CellSlopes cells_;
+};
+
+}  // namespace
+
+void add_frame_slopes(const Footprints& footprints,
+                      const Sensor& sensor,
+                      const Mask& by_frames,
+                      const ImageF& by_aspect,
+                      bool wants_blur,
+                      ScanSlopes& slopes) {
+  const Spans wanted = spans_of(by_frames);
+  if (wanted.empty()) {
+    return;
+  }
+  const int width = by_aspect.width();
+  const int height = by_aspect.height();
+  const SensorSettings& settings = sensor.settings();
+  // One pixel more than the blur reaches: the slightly wider blur of the difference needs it.
+  const Spans rendered = spans_of(dilated(by_frames, sensor.blur_radius_px() + 1), kBridge_px);
+  const FootprintFrames frames(footprints, rendered);
+  FrameSlopes by_footprints(footprints, rendered, slopes);
+  BlurBackwards backwards(sensor, wanted, rendered, width, height);
+  const ResponseSlope response(settings);
+  const double step = 1e-3 * settings.blur_px;
+  const Sensor blur(blur_only(settings.blur_px), width, height);
+  const Sensor wider(blur_only(settings.blur_px + step), width, height);
+  const Sensor narrower(blur_only(settings.blur_px - step), width, height);
+  const bool has_blur = wants_blur && step > 0.0;
+  const int total = footprints.positions().frames();
+  std::vector<ImageF> radiance(static_cast<std::size_t>(std::min(kFramesAtOnce, total)),
+                               ImageF(width, height));
+  ImageF blurred(width, height);
+  ImageF more(has_blur ? width : 1, has_blur ? height : 1);
+  ImageF less = more;
+  ImageF by_blurred(width, height);
+  ScanSums unused(width, height);
+  for (int k = 0; k < total; ++k) {
+    const int slot = k % kFramesAtOnce;
+    if (slot == 0) {
+      radiance.resize(static_cast<std::size_t>(std::min(kFramesAtOnce, total - k)));
+      frames.render(k, radiance);
+    }
+    const ImageF& frame = radiance[static_cast<std::size_t>(slot)];
+    blur.accumulate(frame, k, wanted, unused, &blurred);
+    if (has_blur) {
+      wider.accumulate(frame, k, wanted, unused, &more);
+      narrower.accumulate(frame, k, wanted, unused, &less);
+    }
+    for (const RowSpan& span : wanted) {
+      for (int x = span.begin; x < span.end; ++x) {
+        const float grey = blurred(x, span.y);
+        const float by = by_aspect(x, span.y) * response.at(grey) / static_cast<float>(total);
+        by_blurred(x, span.y) = by;
+        slopes.gain += static_cast<double>(by * grey) / settings.gain;
+        slopes.exposure += static_cast<double>(by * grey) / settings.exposure;
+        if (has_blur) {
+          slopes.blur_px +=
+              static_cast<double>(by * (more(x, span.y) - less(x, span.y))) / (2.0 * step);
+        }
+      }
+    }
+    by_footprints.add_frame(k, backwards.apply(by_blurred));
+  }
+  by_footprints.finish();
+}
+
+}  // namespace glint

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Arithmetic on sixteen rays at a time, in double and free of Eigen so that it can be compiled for
+// wide instruction sets (docs/decisions/0002-bit-identical-results.md). A ray gets the same bits
+// whatever rays stand beside it. All arrays have sixteen numbers and are aligned to 64 bytes.
+#pragma once
+
+#include <cstdint>
+
+namespace glint {
+
+inline constexpr int kLanes = 16;
+
+/// An undistorted camera.
+struct PinholeNumbers {
+  double focal_x_px = 1, focal_y_px = 1;
+  double center_x_px = 0, center_y_px = 0;
+  double rotation[9] = {};  ///< world_from_camera, row by row
+};
+
+/// Sixteen rays where they meet the part.
+struct alignas(64) MeetingLanes {
+  double direction_x[kLanes], direction_y[kLanes], direction_z[kLanes];  ///< arriving, unit
+  /// Of the triangle, unit, and its plane's offset; afterwards turned against the arriving ray.
+  double face_x[kLanes], face_y[kLanes], face_z[kLanes], offset_mm[kLanes];
+  double t_mm[kLanes];                                             ///< to the triangle's plane
+  double slope[kLanes];                                            ///< of the ray against it
+  double point_x[kLanes], point_y[kLanes], point_z[kLanes];        ///< on the surface
+  double normal_x[kLanes], normal_y[kLanes], normal_z[kLanes];     ///< of the surface, unit
+  double leaving_x[kLanes], leaving_y[kLanes], leaving_z[kLanes];  ///< reflected, unit
+  double start_x[kLanes], start_y[kLanes], start_z[kLanes];        ///< of the reflected ray
+  double rise[kLanes];  ///< of the reflected ray above the triangle, <= 0: grazing
+};
+
+/// Unit directions in the world through points of the image.
+void camera_directions16(const PinholeNumbers& camera,
+                         const double* x_px,
+                         const double* y_px,
+                         double* direction_x,
+                         double* direction_y,
+                         double* direction_z);
+
+/// Where rays from an origin cut the planes of their triangles: t_mm and slope.
+void meet_planes16(const double* origin_mm, MeetingLanes& lanes);
+
+/// Turns face normals against the rays and the surface's with them; a surface normal that still
+/// looks away from the ray (at a silhouette) becomes the face's.
+void orient16(MeetingLanes& lanes);
+
+/// Mirrors the rays at the normals: leaving, rise, and the start of the next ray on the triangle
+/// at t_mm, lifted by offset_mm along the face normal.
+void reflect16(const double* origin_mm, double lift_mm, MeetingLanes& lanes);
+
+/// Adds points that were seen (is_seen 1, else 0) to sums, for count numbers.
+struct SeenSums {
+  double* hits = nullptr;
+  double* x_mm = nullptr;
+  double* y_mm = nullptr;
+  double* z_mm = nullptr;
+};
+
+void add_seen(const double* x_mm,
+              const double* y_mm,
+              const double* z_mm,
+              const double* is_seen,
+              int count,
+              const SeenSums& sums);
+
+/// Share of `samples` that hit and the mean of their points; zeros without a hit.
+void mean_seen(const SeenSums& sums,
+               int samples,
+               int count,
+               float* coverage,
+               float* x_mm,
+               float* y_mm,
+               float* z_mm);
+
+/// True when one of sixteen points is in the box {min x, min y, min z, max x, max y, max z}.
+bool is_any_inside16(const double* x_mm,
+                     const double* y_mm,
+                     const double* z_mm,
+                     const double* box_mm);
+
+/// out[i] = in[i] in float, for count numbers of three arrays.
+void to_float(const double* const* in, int count, float* const* out);
+
+}  // namespace glint

@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/packet_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "core/error.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+void set_escape(EscapePacket& escapes,
+                std::size_t lane,
+                const Vector3d& origin_mm,
+                const Vector3d& direction,
+                double weight) {
+  escapes.origin_x[lane] = origin_mm.x();
+  escapes.origin_y[lane] = origin_mm.y();
+  escapes.origin_z[lane] = origin_mm.z();
+  escapes.direction_x[lane] = direction.x();
+  escapes.direction_y[lane] = direction.y();
+  escapes.direction_z[lane] = direction.z();
+  escapes.weight[lane] = static_cast<float>(weight);
+}
+
+/// Follows a ray that meets the part again until it escapes or is given up.
+void follow(const TraceScene& scene,
+            Vector3d start_mm,
+            Vector3d direction,
+            Hit next,
+            EscapePacket& escapes,
+            std::size_t lane) {
+  double weight = scene.settings.reflectance;
+  Vector3d point_mm = start_mm;
+  for (int bounce = 1; next; ++bounce) {
+    if (bounce >= scene.settings.max_bounces) {
+      escapes.path[lane] = RayPath::kBlocked;
+      set_escape(escapes, lane, Vector3d::Zero(), -Vector3d::UnitZ(), 0.0);
+      return;
+    }
+    const Interaction at = interact(scene, {.origin_mm = start_mm, .direction = direction}, next);
+    point_mm = at.point_mm;
+    start_mm = at.start_mm;
+    direction = at.direction;
+    weight *= scene.settings.reflectance;
+    if (direction.dot(at.geometric_normal) <= 0.0) {
+      escapes.is_grazing[lane] = true;
+      break;
+    }
+    next = scene.bvh.intersect(start_mm, direction, 0.0, std::numeric_limits<double>::infinity());
+  }
+  escapes.path[lane] = RayPath::kFollowed;
+  set_escape(escapes, lane, point_mm, direction, weight);
+}
+
+/// All rays of a packet missed the part.
+void set_missed(int count, EscapePacket& escapes) {
+  escapes.is_plain = false;
+  escapes.path.fill(RayPath::kMissed);
+  escapes.is_seen.fill(0.0);
+  escapes.is_grazing.fill(false);
+  for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane) {
+    set_escape(escapes, lane, Vector3d::Zero(), -Vector3d::UnitZ(), 0.0);
+  }
+}
+
+/// What becomes of the rays if none meets the part again.
+void set_escapes(const TraceScene& scene,
+                 const MeetingLanes& lanes,
+                 const HitPacket& hits,
+                 int count,
+                 EscapePacket& escapes) {
+  std::copy_n(lanes.point_x, kPacketSize, escapes.origin_x.begin());
+  std::copy_n(lanes.point_y, kPacketSize, escapes.origin_y.begin());
+  std::copy_n(lanes.point_z, kPacketSize, escapes.origin_z.begin());
+  std::copy_n(lanes.leaving_x, kPacketSize, escapes.direction_x.begin());
+  std::copy_n(lanes.leaving_y, kPacketSize, escapes.direction_y.begin());
+  std::copy_n(lanes.leaving_z, kPacketSize, escapes.direction_z.begin());
+  escapes.seen_x = escapes.origin_x;
+  escapes.seen_y = escapes.origin_y;
+  escapes.seen_z = escapes.origin_z;
+  escapes.weight.fill(static_cast<float>(scene.settings.reflectance));
+  escapes.path.fill(RayPath::kOnce);
+  escapes.is_seen.fill(1.0);
+  escapes.is_plain = true;
+  for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane) {
+    const std::int32_t triangle = hits.triangle[lane];
+    escapes.is_grazing[lane] = triangle >= 0 && lanes.rise[lane] <= 0.0;
+    escapes.is_plain = escapes.is_plain && triangle >= 0 && !escapes.is_grazing[lane];
+    if (triangle >= 0) {
+      escapes.piece[lane] = scene.part.mesh.patch_of(static_cast<std::size_t>(triangle));
+    } else {
+      escapes.path[lane] = RayPath::kMissed;
+      escapes.is_seen[lane] = 0.0;
+      set_escape(escapes, lane, Vector3d::Zero(), -Vector3d::UnitZ(), 0.0);
+    }
+  }
+}
+
+/// Three arrays as to_float() takes them.
+void round_three(const double* x,
+                 const double* y,
+                 const double* z,
+                 int count,
+                 float* to_x,
+                 float* to_y,
+                 float* to_z) {
+  const std::array<const double*, 3> in = {x, y, z};
+  const std::array<float*, 3> out = {to_x, to_y, to_z};
+  to_float(in.data(), count, out.data());
+}
+
+}  // namespace
+
+CameraRays::CameraRays(const PinholeCamera& camera, const RigidTransform& camera_from_world)
+    : camera_(camera), world_from_camera_(inverse(camera_from_world)) {
+  const PinholeIntrinsics& in = camera.intrinsics();
+  numbers_ = {.focal_x_px = in.focal_px.x(),
+              .focal_y_px = in.focal_px.y(),
+              .center_x_px = in.center_px.x(),
+              .center_y_px = in.center_px.y()};
+  for (Eigen::Index i = 0; i < 9; ++i) {
+    numbers_.rotation[i] = world_from_camera_.rotation(i / 3, i % 3);
+  }
+  const auto is_set = [](double value) { return value != 0.0; };
+  is_distorted_ =
+      std::ranges::any_of(in.radial, is_set) || std::ranges::any_of(in.tangential, is_set);
+}
+
+void CameraRays::through(const double* x_px,
+                         const double* y_px,
+                         int count,
+                         CameraPacket& rays) const {
+  rays.origin_mm = world_from_camera_.translation_mm;
+  rays.count = count;
+  if (!is_distorted_) {
+    alignas(64) Lanes x;
+    alignas(64) Lanes y;
+    x.fill(x_px[0]);
+    y.fill(y_px[0]);
+    std::copy_n(x_px, count, x.begin());
+    std::copy_n(y_px, count, y.begin());
+    camera_directions16(numbers_,
+                        x.data(),
+                        y.data(),
+                        rays.direction_x.data(),
+                        rays.direction_y.data(),
+                        rays.direction_z.data());
+    return;
+  }
+  for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
+    const std::size_t used = lane < static_cast<std::size_t>(count) ? lane : 0;
+    const auto direction = camera_.ray_through(Vector2d(x_px[used], y_px[used]));
+    GLINT_CHECK(direction.has_value(), "the camera has a ray for every point of its image");
+    const Vector3d in_world = world_from_camera_.rotation * *direction;
+    rays.direction_x[lane] = in_world.x();
+    rays.direction_y[lane] = in_world.y();
+    rays.direction_z[lane] = in_world.z();
+  }
+}
+
+void set_packet(const CameraPacket& rays, RayPacket& packet) {
+  packet.origin_x.fill(static_cast<float>(rays.origin_mm.x()));
+  packet.origin_y.fill(static_cast<float>(rays.origin_mm.y()));
+  packet.origin_z.fill(static_cast<float>(rays.origin_mm.z()));
+  round_three(rays.direction_x.data(),
+              rays.direction_y.data(),
+              rays.direction_z.data(),
+              kPacketSize,
+              packet.direction_x.data(),
+              packet.direction_y.data(),
+              packet.direction_z.data());
+  packet.t_max.fill(std::numeric_limits<float>::infinity());
+  for (int lane = 0; lane < kPacketSize; ++lane) {
+    packet.valid[static_cast<std::size_t>(lane)] = lane < rays.count ? -1 : 0;
+  }
+}
+
+void set_reflected(const MeetingLanes& lanes, const HitPacket& hits, RayPacket& packet) {
+  round_three(lanes.start_x,
+              lanes.start_y,
+              lanes.start_z,
+              kPacketSize,
+              packet.origin_x.data(),
+              packet.origin_y.data(),
+              packet.origin_z.data());
+  round_three(lanes.leaving_x,
+              lanes.leaving_y,
+              lanes.leaving_z,
+              kPacketSize,
+              packet.direction_x.data(),
+              packet.direction_y.data(),
+              packet.direction_z.data());
+  packet.t_max.fill(std::numeric_limits<float>::infinity());
+  for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
+    packet.valid[lane] = hits.triangle[lane] >= 0 && lanes.rise[lane] > 0.0 ? -1 : 0;
+  }
+}
+
+void PacketTracer::trace(const CameraPacket& rays, EscapePacket& escapes) {
+  set_packet(rays, packet_);
+  scene_.bvh.intersect16(packet_, hits_, Coherence::kCoherent);
+  if (std::ranges::all_of(hits_.triangle, [](std::int32_t triangle) { return triangle < 0; })) {
+    set_missed(rays.count, escapes);
+    return;
+  }
+  meet_part(scene_, rays, hits_, false, lanes_);
+  set_escapes(scene_, lanes_, hits_, rays.count, escapes);
+  if (scene_.bvh.is_convex()) {
+    return;
+  }
+  // Mirror-like rays stay close together: the coherent traversal is twice as fast for them.
+  set_reflected(lanes_, hits_, packet_);
+  scene_.bvh.intersect16(packet_, again_, Coherence::kCoherentOnce);
+  for (std::size_t lane = 0; lane < static_cast<std::size_t>(rays.count); ++lane) {
+    if (again_.triangle[lane] >= 0) {
+      escapes.is_plain = false;
+      follow(scene_,
+             {lanes_.start_x[lane], lanes_.start_y[lane], lanes_.start_z[lane]},
+             {lanes_.leaving_x[lane], lanes_.leaving_y[lane], lanes_.leaving_z[lane]},
+             hit_of(again_, lane),
+             escapes,
+             lane);
+    }
+  }
+}
+
+void add_counts(const EscapePacket& escapes, int count, RayCounts& counts) {
+  if (escapes.is_plain) {
+    counts.camera += count;
+    counts.part += count;
+    return;
+  }
+  for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane) {
+    ++counts.camera;
+    counts.part += escapes.path[lane] != RayPath::kMissed ? 1 : 0;
+    counts.followed += escapes.path[lane] == RayPath::kFollowed ? 1 : 0;
+    counts.blocked += escapes.path[lane] == RayPath::kBlocked ? 1 : 0;
+    counts.grazing += escapes.is_grazing[lane] ? 1 : 0;
+  }
+}
+
+RayCounts& operator+=(RayCounts& sum, const RayCounts& counts) {
+  sum.camera += counts.camera;
+  sum.part += counts.part;
+  sum.followed += counts.followed;
+  sum.blocked += counts.blocked;
+  sum.grazing += counts.grazing;
+  return sum;
+}
+
+void resize_rays(RayCache& cache, std::size_t count) {
+  for (auto* component : {&cache.origin_x,
+                          &cache.origin_y,
+                          &cache.origin_z,
+                          &cache.direction_x,
+                          &cache.direction_y,
+                          &cache.direction_z,
+                          &cache.weight}) {
+    component->resize(count);
+  }
+}
+
+void store_rays(const EscapePacket& escapes, int count, RayCache& cache, std::size_t first) {
+  round_three(escapes.origin_x.data(),
+              escapes.origin_y.data(),
+              escapes.origin_z.data(),
+              count,
+              cache.origin_x.data() + first,
+              cache.origin_y.data() + first,
+              cache.origin_z.data() + first);
+  round_three(escapes.direction_x.data(),
+              escapes.direction_y.data(),
+              escapes.direction_z.data(),
+              count,
+              cache.direction_x.data() + first,
+              cache.direction_y.data() + first,
+              cache.direction_z.data() + first);
+  std::copy_n(
+      escapes.weight.begin(), count, cache.weight.begin() + static_cast<std::ptrdiff_t>(first));
+}
+
+void check_ray_memory(double num_rays, const std::string& what) {
+  constexpr double kBytesPerRay = 28.0;
+  constexpr double kShare = 0.5;
+  const double needed = kBytesPerRay * num_rays;
+  const double available =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  if (needed > kShare * available) {
+    throw ConfigError(fmt::format(
+        "{} need {:.1f} GB for their rays, this machine has {:.1f} GB; allowed is half of it",
+        what,
+        needed * 1e-9,
+        available * 1e-9));
+  }
+}
+
+void check_part_is_seen(const RayCounts& counts) {
+  if (counts.part == 0) {
+    throw ConfigError(
+        "camera: the part is outside the image: no camera ray meets it; check viewpoint, "
+        "working_distance_mm and part.position_mm");
+  }
+}
+
+}  // namespace glint

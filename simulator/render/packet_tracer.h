@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Sixteen camera rays at a time, from the pinhole until they have left the part. Shared by the ray
+// caches (ray_cache.h, corner_rays.h); results do not depend on which rays share a packet.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "simulator/camera/pinhole_camera.h"
+#include "simulator/render/ray_cache.h"
+#include "simulator/render/surface_meeting.h"
+
+namespace glint {
+
+/// What became of a camera ray.
+enum class RayPath : std::uint8_t {
+  kMissed,    ///< met nothing
+  kOnce,      ///< escaped after one reflection
+  kFollowed,  ///< escaped after more
+  kBlocked    ///< given up after max_bounces
+};
+
+/// How the rays of a packet ended.
+struct EscapePacket {
+  alignas(64) Lanes origin_x = {};
+  alignas(64) Lanes origin_y = {};
+  alignas(64) Lanes origin_z = {};
+  alignas(64) Lanes direction_x = {};
+  alignas(64) Lanes direction_y = {};
+  alignas(64) Lanes direction_z = {};  ///< unit; (0, 0, -1) for rays without light
+  alignas(64) Lanes seen_x = {};
+  alignas(64) Lanes seen_y = {};
+  alignas(64) Lanes seen_z = {};  ///< first point on the part; not set when it is missed
+  std::array<float, kPacketSize> weight = {};
+  alignas(64) Lanes is_seen = {};  ///< 1 for rays that met the part, else 0
+  std::array<RayPath, kPacketSize> path = {};
+  std::array<bool, kPacketSize> is_grazing = {};
+  /// Exact patch that was met first; -1: triangles; not set when the part is missed.
+  std::array<std::int32_t, kPacketSize> piece = {};
+  bool is_plain = false;  ///< all used lanes escaped after one reflection and none grazes
+};
+
+/// Rays of a camera in the scene frame.
+class CameraRays {
+ public:
+  CameraRays(const PinholeCamera& camera, const RigidTransform& camera_from_world);
+
+  /// Rays through `count` <= 16 points of the image [px], (0, 0) its outer corner.
+  void through(const double* x_px, const double* y_px, int count, CameraPacket& rays) const;
+
+ private:
+  const PinholeCamera& camera_;
+  RigidTransform world_from_camera_;
+  PinholeNumbers numbers_;
+  bool is_distorted_ = false;
+};
+
+/// A camera packet as Embree takes it.
+void set_packet(const CameraPacket& rays, RayPacket& packet);
+
+/// The reflected rays of lanes with a hit that do not graze.
+void set_reflected(const MeetingLanes& lanes, const HitPacket& hits, RayPacket& packet);
+
+/// Traces packets one after the other; one tracer a thread.
+class PacketTracer {
+ public:
+  explicit PacketTracer(const TraceScene& scene) : scene_(scene) {}
+
+  void trace(const CameraPacket& rays, EscapePacket& escapes);
+
+  /// What the camera rays of the last packet met.
+  const HitPacket& hits() const { return hits_; }
+
+ private:
+  const TraceScene& scene_;
+  RayPacket packet_;
+  HitPacket hits_;
+  HitPacket again_;
+  MeetingLanes lanes_ = {};
+};
+
+/// Adds what became of lanes [0, count).
+void add_counts(const EscapePacket& escapes, int count, RayCounts& counts);
+RayCounts& operator+=(RayCounts& sum, const RayCounts& counts);
+
+/// Rays only; the images of SeenPart stay empty.
+void resize_rays(RayCache& cache, std::size_t count);
+
+/// Writes lanes [0, count) to rays first, first + 1, ... of the cache.
+void store_rays(const EscapePacket& escapes, int count, RayCache& cache, std::size_t first);
+
+/// @throws ConfigError when this many rays of 28 bytes do not fit into half of the machine's
+///         memory; `what` starts the sentence ("render.rays_per_axis: 8 x 8 px with 4 rays each").
+void check_ray_memory(double num_rays, const std::string& what);
+
+/// @throws ConfigError when no ray met the part
+void check_part_is_seen(const RayCounts& counts);
+
+}  // namespace glint

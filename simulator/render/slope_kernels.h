@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Inner loops of the derivative of a scan, the counterparts of footprint_kernels.h: what each
+// quantity of a footprint changes, summed over the frames with a weight for each.
+#pragma once
+
+#include "simulator/render/footprint_kernels.h"
+
+namespace glint::slope_kernels {
+
+/// Sums over frames, one value a pixel; all arrays as long as the row.
+struct BoxSlopes {
+  float* v = nullptr;   ///< by the phase
+  float* gx = nullptr;  ///< by |gx|, |gy|: see box_slopes
+  float* gy = nullptr;
+  float* duty = nullptr;
+  float* share = nullptr;   ///< sum of weight * bright share
+  float* weight = nullptr;  ///< sum of weights
+};
+
+/// Adds weight * d(bright share) for a frame. Slopes by gx and gy are those by the larger and the
+/// smaller of |gx|, |gy|, put where they belong, with the sign of gx and gy.
+void add_box_slopes(const float* v,
+                    const float* gx,
+                    const float* gy,
+                    const float* weight,
+                    int count,
+                    float shift,
+                    float duty,
+                    const BoxSlopes& out);
+
+/// Weighted sums over frames at a vertex: of the square wave less its mean, its first and second
+/// integral, and the second integral's derivative by the duty.
+struct VertexSums {
+  double wave = 0.0;
+  double first = 0.0;
+  double second = 0.0;
+  double first_by_duty = 0.0;
+  double second_by_duty = 0.0;
+};
+
+VertexSums weigh_vertex(
+    double phase, const double* shift, const double* weight, int frames, double duty);
+
+}  // namespace glint::slope_kernels

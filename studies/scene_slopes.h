@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Derivatives of a scene's scores by its keys, for searches that stand on gradients
+// (docs/theory/derivatives.md).
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "simulator/render/closed_scan.h"
+#include "studies/traced_scene.h"
+
+namespace glint {
+
+/// Scores to differentiate, and by which keys of the scene.
+struct WantedGradients {
+  std::vector<std::string> scores;
+  std::vector<std::string> paths;  ///< "lighting.tunnel.radius_mm"
+};
+
+struct Gradients {
+  /// Score -> derivative by each path, in the unit the key is written in; NaN where there is none.
+  /// Scores without derivatives are left out.
+  std::map<std::string, std::vector<double>> by_score;
+  /// Terms that are held and therefore missing, and keys without derivative, as sentences.
+  std::vector<std::string> remarks;
+};
+
+/// What a scan was made with, and what it gave.
+struct ScanState {
+  const TracedScene& traced;
+  const Footprints& footprints;
+  const Sensor& sensor;
+  const ScanPlan& plan;
+  const ImageF& aspect;
+  double sigma_floor = 0.0;
+};
+
+/// @throws ConfigError when the scan has no closed form
+Gradients gradients_of(const SceneSettings& scene,
+                       const ScanState& scan,
+                       const WantedGradients& wanted,
+                       ThreadPool& pool);
+
+/// Why a score has no derivative by this key; empty when it has one.
+std::string without_derivative(const SceneSettings& scene, const std::string& path);
+
+}  // namespace glint

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Error against CPU time of every method of rendering; the data is the object of frontier.json.
+import { axisStyle, chart, encode, kHalo, kText } from './charts.js';
+import { badge, h, section } from './dom.js';
+import { isNumber, number } from './format.js';
+
+const kKinds = [
+  { name: 'frame_rmse', title: 'Error of the pictures', axis: 'RMSE of radiance, full scale 1', limit: 0.006, rounding: 1e-6 },
+  { name: 'h_error_points', title: 'Error of the homogeneity h_rms', axis: 'points', limit: 0.05, rounding: 1e-4 },
+  { name: 'contrast_error_percent', title: 'Error of the worst defect\u2019s contrast', axis: '%', limit: 2, rounding: 1e-3 },
+];
+
+const kLooks = {
+  sampled: { name: 'plain sampling', colour: '#0072b2', symbol: 'circle', size: 11 },
+  integrated: { name: 'integrated footprints', colour: '#d55e00', symbol: 'diamond', size: 14 },
+  closed: { name: 'closed forms', colour: '#009e73', symbol: 'rect', size: 11 },
+};
+const kFacetColours = { sampled: '#56b4e9', integrated: '#cc79a7' };
+const kInk = '#27313a';
+
+/** Points of one look: method, resolution, and whether the surface is the study's own. */
+function families(data) {
+  const own = data.points[0]?.tessellation;
+  const found = new Map();
+  for (const point of data.points) {
+    const look = kLooks[point.method];
+    if (!look || point.problem) continue;
+    const isFacets = point.tessellation !== own;
+    const isHalf = point.resolution === 'half';
+    const name = `${look.name}${isHalf ? ', half resolution' : ''}${isFacets ? ', facets' : ''}`;
+    if (!found.has(name)) found.set(name, { ...look, name, isHalf, isFacets, colour: isFacets ? kFacetColours[point.method] ?? look.colour : look.colour, symbol: isFacets ? 'triangle' : look.symbol, points: [] });
+    found.get(name).points.push(point);
+  }
+  return [...found.values()];
+}
+
+const ms = (seconds) => `${number(1e3 * seconds, 3)} ms`;
+
+/** What stands beside a point: how many rays, or how exact the directions are. */
+function mark(point, family) {
+  if (family.isFacets) return point.tessellation.replace('facets ', '').replace(' um', ' \u00b5m');
+  if (point.rays_per_px) return String(point.rays_per_px);
+  return point.method === 'integrated' ? `${number(point.max_direction_error_mrad)} mrad` : '';
+}
+
+function pointText(point) {
+  const lines = [`<b>${encode(point.label)}</b>`, `${encode(point.tessellation)}`, `one more candidate: ${ms(point.cpu_s)}`, `first candidate: ${number(point.cold_s, 3)} s`,
+    `${number(point.traced_per_px, 3)} rays a pixel traced; mean of the scan: ${encode(point.form)}, ${point.frame_pixels} pixels frame by frame`];
+  if (isNumber(point.frame_rmse)) lines.push(`frame error: ${number(point.frame_rmse, 3)}, away from edges ${number(point.smooth_frame_rmse, 3)}`);
+  lines.push(`error of h: ${number(point.h_error_points, 3)} points`);
+  const defects = Object.entries(point.defects).map(([name, one]) => ({ name, worst: Math.max(one.weber_error_percent, one.change_error_percent), ...one })).sort((a, b) => b.worst - a.worst);
+  for (const one of defects.slice(0, 4)) lines.push(`${encode(one.name)}: contrast ${number(one.weber_error_percent, 3)} %, change ${number(one.change_error_percent, 3)} %`);
+  if (defects.length > 4) lines.push(`and ${defects.length - 4} less wrong defects`);
+  return lines.join('<br>');
+}
+
+const drawable = (kind) => (point) => !point.problem && !point.is_reference && isNumber(point[kind.name]) && point.cpu_s > 0;
+/** Errors as small as rounding stand at its size. */
+const error = (kind, point) => Math.max(point[kind.name], kind.rounding);
+const place = (kind) => (point) => [1e3 * point.cpu_s, error(kind, point)];
+
+function familySeries(family, kind) {
+  const points = family.points.filter(drawable(kind));
+  return { name: family.name, type: 'line', symbol: family.symbol, symbolSize: family.size, color: family.colour,
+    labelLayout: { hideOverlap: true },
+    itemStyle: { color: family.isHalf ? '#fff' : family.colour, borderColor: family.colour, borderWidth: 1.6, opacity: 1 },
+    lineStyle: { color: family.colour, width: family.isFacets ? 0 : 1.2, opacity: 0.45, type: family.isHalf ? 'dashed' : 'solid' },
+    data: points.map((point) => ({ value: place(kind)(point), point, label: { show: true, formatter: mark(point, family), position: point.method === 'sampled' ? 'top' : 'bottom', ...kHalo, color: family.colour } })) };
+}
+
+/** The front as steps: between two of its points the cheaper one is the best to be had. */
+function frontSeries(data, kind) {
+  const points = data.points.filter((point) => point.on_front?.includes(kind.name)).filter(drawable(kind)).sort((a, b) => a.cpu_s - b.cpu_s);
+  return { name: 'Pareto front', type: 'line', step: 'end', symbol: 'none', silent: true, color: kInk, itemStyle: { opacity: 0 }, lineStyle: { color: kInk, width: 1.4, type: 'dashed', opacity: 0.7 },
+    data: points.map(place(kind)),
+    markLine: { silent: true, precision: 9, symbol: 'none', lineStyle: { color: '#9aa4ad', type: 'dotted', width: 1 },
+      label: { position: 'insideEndTop', color: '#55606a', fontSize: 11, formatter: '{b}', textBorderColor: '#fff', textBorderWidth: 3 }, data: marks(data, kind) } };
+}
+
+function marks(data, kind) {
+  const lines = [{ name: `asked for: ${number(kind.limit)}`, yAxis: kind.limit }];
+  const own = data.reference?.own_frame_rmse;
+  if (kind.name === 'frame_rmse' && own > 0) lines.push({ name: 'the reference\u2019s own error, about', yAxis: own });
+  const reference = data.points.find((point) => point.is_reference);
+  if (reference?.cpu_s > 0) lines.push({ name: `reference: ${reference.rays_per_px} rays`, xAxis: 1e3 * reference.cpu_s, label: { position: 'insideEndTop' } });
+  return lines;
+}
+
+function choiceSeries(data, kind) {
+  const points = data.points.filter((point) => point.is_choice).filter(drawable(kind));
+  return { name: 'the program\u2019s own choice', type: 'scatter', symbol: 'circle', symbolSize: 24, z: 5, color: kInk, itemStyle: { color: 'transparent', borderColor: kInk, borderWidth: 2 },
+    data: points.map((point) => ({ value: place(kind)(point), point })) };
+}
+
+/** Both ends of an axis at 1, 2 or 5 times a power of ten, so that no point lies on the frame. */
+function ends(values) {
+  const steps = [1, 2, 5];
+  const power = (value) => 10 ** Math.floor(Math.log10(value));
+  const below = (value) => power(value) * steps.filter((step) => step * power(value) <= value * 1.0001).pop();
+  const above = (value) => power(value) * (steps.find((step) => step * power(value) >= value) ?? 10);
+  return { min: below(0.8 * Math.min(...values)), max: above(1.25 * Math.max(...values)) };
+}
+
+function frontierChart(data, kind) {
+  const groups = families(data).filter((family) => family.points.some(drawable(kind)));
+  const shown = data.points.filter(drawable(kind));
+  if (!shown.length) return null;
+  const lines = marks(data, kind);
+  const x = ends([...shown.map((point) => 1e3 * point.cpu_s), ...lines.map((line) => line.xAxis).filter(isNumber)]);
+  const y = ends([...shown.map((point) => error(kind, point)), ...lines.map((line) => line.yAxis).filter(isNumber)]);
+  const label = { color: '#55606a', formatter: (value) => number(value) };
+  const option = () => ({
+    grid: { left: 62, right: 28, top: 84, bottom: 46 },
+    legend: { top: 0, left: 56, right: 16, itemWidth: 18, itemGap: 16, textStyle: kText },
+    tooltip: { trigger: 'item', confine: true, textStyle: { fontSize: 12, color: kInk }, formatter: (item) => (item.data?.point ? pointText(item.data.point) : item.name || item.seriesName) },
+    xAxis: { type: 'log', name: 'CPU time of one more candidate, one thread (ms)', nameLocation: 'middle', nameGap: 28, ...x, ...axisStyle, axisLabel: label },
+    yAxis: { type: 'log', name: kind.axis, ...y, ...axisStyle, nameTextStyle: { color: kInk, align: 'left' }, axisLabel: label },
+    series: [...groups.map((family) => familySeries(family, kind)), frontSeries(data, kind), choiceSeries(data, kind)],
+  });
+  return h('div', {}, h('h3', {}, kind.title), chart(470, `${kind.title} against CPU time`, shown.length, option));
+}
+
+function row(point) {
+  const cell = (value, factor = 1) => h('td', { class: 'number' }, isNumber(value) ? number(factor * value, 3) : '\u2013');
+  const worst = (name) => { const all = Object.values(point.defects ?? {}).map((one) => one[name]); return all.length ? Math.max(...all) : null; };
+  const name = h('td', {}, point.label.replace(' um', ' \u00b5m'), ' ', point.is_choice && badge('winner', 'own choice'), point.is_reference && badge('neutral', 'reference'), !point.is_choice && point.on_front?.length > 0 && badge('good', 'front'));
+  if (point.problem) return h('tr', { class: 'failed' }, name, h('td', { colspan: '7' }, point.problem));
+  return h('tr', {}, name, cell(point.cpu_s, 1e3), cell(point.cold_s),
+    cell(point.frame_rmse), cell(point.smooth_frame_rmse), cell(point.h_error_points), cell(worst('weber_error_percent')), cell(worst('change_error_percent')));
+}
+
+const kHeadings = ['method', 'one more (ms)', 'first (s)', 'frame error', 'away from edges', 'h (points)', 'contrast (%)', 'change (%)'];
+
+export function frontierSection(facts) {
+  const data = facts.data.frontier;
+  if (!data?.points?.length) return null;
+  return section('frontier', 'Error against CPU time', 'Left is faster, down is more exact. Filled marks are full resolution, open marks half of it; numbers beside them are rays a pixel or the allowed error of a ray\u2019s direction. Hover for cold costs and single defects.',
+    kKinds.map((kind) => frontierChart(data, kind)));
+}
+
+export function frontierTableSection(facts) {
+  const data = facts.data.frontier;
+  if (!data?.points?.length) return null;
+  return section('measured', 'All methods', 'Time of one more candidate on one thread and of the first one; errors of frames (also without edges of light and part and without defects), of h_rms, and of the worst defect in the aspect image (contrast) and in its best frame (change).', h('div', { class: 'scroll' }, h('table', { class: 'evaluations' },
+    h('thead', {}, h('tr', {}, kHeadings.map((text, i) => h('th', { class: i > 0 ? 'number' : '' }, text)))), h('tbody', {}, data.points.map(row)))));
+}

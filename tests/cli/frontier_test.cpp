@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint frontier` on small input.
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.h"
+
+namespace glint::test {
+namespace {
+namespace fs = std::filesystem;
+
+using Json = nlohmann::json;
+using ::testing::HasSubstr;
+
+/// A scene of 120 x 36 pixels: 256 rays a pixel in well under a second.
+std::string frontier_study_text() {
+  return edited(small_study(),
+                {{"width_px = 200", "width_px = 120"},
+                 {"height_px = 60", "height_px = 36"},
+                 {"object_pixel_mm = 0.2", "object_pixel_mm = 0.3333"}});
+}
+
+TEST(FrontierVerb, PrintsTheObjectOfItsFile) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", frontier_study_text());
+  const ProgramResult result =
+      glint_in(folder, {"frontier", "study.toml", "--out", "f", "--json", "--quiet"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  Json printed = Json::parse(result.out);
+  EXPECT_EQ(printed["schema"], 1);
+  EXPECT_EQ(printed["status"], "done");
+  EXPECT_EQ(printed["reference"]["rays_per_px"], 256);
+  EXPECT_EQ(printed["report"], "f/frontier.html");
+  for (const std::string name : {"frontier.json", "frontier.html", "frontier.svg", "run.json"}) {
+    EXPECT_TRUE(fs::exists(folder / "f" / name)) << name;
+  }
+  Json written = Json::parse(read_file(folder / "f/frontier.json"));
+  written["report"] = "f/frontier.html";
+  written["drawing"] = "f/frontier.svg";
+  EXPECT_EQ(printed, written);
+  int on_front = 0;
+  for (const Json& point : printed["points"]) {
+    on_front += point["on_front"].empty() ? 0 : 1;
+  }
+  EXPECT_GT(on_front, 0);
+}
+
+TEST(FrontierVerb, HasHelpWithAnExample) {
+  const TemporaryFolder folder;
+  const ProgramResult help = glint_in(folder, {"frontier", "--help"});
+  EXPECT_EQ(help.code, 0);
+  EXPECT_THAT(help.out, HasSubstr("Example:\n  glint frontier "));
+  EXPECT_EQ(glint_in(folder, {"frontier", "study.toml"}).code, 2) << "without --out";
+}
+
+TEST(FrontierVerb, PrintsATableForPeople) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", frontier_study_text());
+  const ProgramResult result = glint_in(folder, {"frontier", "study.toml", "--out", "f"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("64 rays a pixel"));
+  EXPECT_THAT(result.out, HasSubstr("report: f/frontier.html"));
+}
+
+TEST(FrontierVerb, LeavesNoFolderWhenTheSceneIsRefused) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", frontier_study_text());
+  const ProgramResult result = glint_in(
+      folder, {"frontier", "study.toml", "--out", "a/b", "--set", "lighting.tunnel.length_mm=20"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_THAT(result.err, HasSubstr("20 mm long and smaller than the part"));
+  EXPECT_FALSE(fs::exists(folder / "a"));
+}
+
+TEST(FrontierVerb, OfARunStandsInItsReport) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", frontier_study_text());
+  ASSERT_EQ(glint_in(folder, {"run", "study.toml", "--out", "r", "--quiet"}).code, 0);
+  const std::string run_json = read_file(folder / "r/run.json");
+  ASSERT_EQ(glint_in(folder, {"frontier", "study.toml", "--out", "r", "--quiet"}).code, 0);
+  EXPECT_EQ(read_file(folder / "r/run.json"), run_json);
+  EXPECT_EQ(read_file(folder / "r/report.html").find("own choice for pictures"), std::string::npos);
+  ASSERT_EQ(glint_in(folder, {"report", "r", "--quiet"}).code, 0);
+  EXPECT_THAT(read_file(folder / "r/report.html"), HasSubstr("own choice for pictures"));
+}
+
+}  // namespace
+}  // namespace glint::test

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/geometry/exact_kernels.h"
+
+#include <array>
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "simulator/geometry/exact_surface.h"
+#include "tests/simulator/geometry/geometry_fixtures.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector3d;
+
+struct KernelCase {
+  ExactPatch patch;
+  Vector3d on;  ///< a point of the surface, in the scene
+};
+
+/// A patch of each shape that has a kernel, with a point of it.
+std::vector<KernelCase> kernel_cases(Rng& rng) {
+  const double a = rng.uniform(-20, 20);
+  const double b = rng.uniform(-15, 15);
+  const std::vector<std::pair<PatchShape, Vector3d>> shapes = {
+      {PlanePatch{}, {a, b, 0.0}},
+      {ParaboloidPatch{.radius_along_mm = 800, .radius_across_mm = -80},
+       {a, b, -a * a / 1600.0 + b * b / 160.0}},
+      {ParaboloidPatch{.radius_across_mm = 60}, {a, b, -b * b / 120.0}},
+      {SpherePatch{.radius_mm = 40}, {a, b, std::sqrt(1600.0 - a * a - b * b)}},
+      {CylinderPatch{.radius_mm = 25}, {a, b, std::sqrt(625.0 - b * b)}},
+      {CylinderPatch{.radius_mm = 25, .is_bore = true}, {a, b, -std::sqrt(625.0 - b * b)}}};
+  std::vector<KernelCase> cases;
+  for (const auto& [shape, on] : shapes) {
+    const ExactPatch patch = {.shape = shape, .scene_from_patch = random_pose(rng)};
+    cases.push_back({.patch = patch, .on = patch.scene_from_patch * on});
+  }
+  return cases;
+}
+
+/// Sixteen numbers of each kind, and what the kernel makes of them.
+struct KernelArrays {
+  using Numbers = std::array<double, kExactLanes>;
+  alignas(64) Numbers dx = {}, dy = {}, dz = {}, t = {};
+  alignas(64) Numbers px = {}, py = {}, pz = {}, nx = {}, ny = {}, nz = {}, found = {};
+
+  void set(std::size_t lane, const Vector3d& direction, double start_t) {
+    dx[lane] = direction.x();
+    dy[lane] = direction.y();
+    dz[lane] = direction.z();
+    t[lane] = start_t;
+  }
+
+  void polish(const ExactPatch& patch, const Vector3d& origin, double max_move_mm) {
+    polish16(coefficients_of(patch),
+             origin.data(),
+             max_move_mm,
+             {.direction_x = dx.data(),
+              .direction_y = dy.data(),
+              .direction_z = dz.data(),
+              .start_t_mm = t.data(),
+              .point_x = px.data(),
+              .point_y = py.data(),
+              .point_z = pz.data(),
+              .normal_x = nx.data(),
+              .normal_y = ny.data(),
+              .normal_z = nz.data(),
+              .is_found = found.data()});
+  }
+};
+
+TEST(Polish16, AgreesWithTheScalarPathOnEveryShape) {
+  Rng rng(51, Stream::kTest, 0);
+  int found = 0;
+  for (int round = 0; round < 60; ++round) {
+    for (const KernelCase& one : kernel_cases(rng)) {
+      const Vector3d origin = one.on + 300.0 * random_direction(rng);
+      KernelArrays lanes;
+      std::array<Ray, kExactLanes> rays;
+      for (std::size_t lane = 0; lane < kExactLanes; ++lane) {
+        const Vector3d aim = one.on + random_point(rng, 0.3);
+        rays[lane] = {.origin_mm = origin, .direction = (aim - origin).normalized()};
+        lanes.set(lane, rays[lane].direction, 300.0 + rng.uniform(-0.3, 0.3));
+      }
+      lanes.polish(one.patch, origin, 1.0);
+      for (std::size_t lane = 0; lane < kExactLanes; ++lane) {
+        const auto hit = polish(one.patch, rays[lane], lanes.t[lane], 1.0);
+        ASSERT_EQ(lanes.found[lane] != 0.0, hit.has_value()) << one.patch.shape.index();
+        if (hit) {
+          ++found;
+          ASSERT_LT(
+              (Vector3d(lanes.px[lane], lanes.py[lane], lanes.pz[lane]) - hit->point_mm).norm(),
+              1e-10);
+          ASSERT_LT((Vector3d(lanes.nx[lane], lanes.ny[lane], lanes.nz[lane]) - hit->normal).norm(),
+                    1e-11);
+        }
+      }
+    }
+  }
+  EXPECT_GE(found, 3000);
+}
+
+// Otherwise a picture would depend on how its pixels are put into packets.
+TEST(Polish16, ARayGetsTheSameBitsWhateverStandsBesideIt) {
+  Rng rng(52, Stream::kTest, 0);
+  for (int round = 0; round < 200; ++round) {
+    for (const KernelCase& one : kernel_cases(rng)) {
+      const Vector3d origin = one.on + 300.0 * random_direction(rng);
+      KernelArrays together;
+      for (std::size_t lane = 0; lane < kExactLanes; ++lane) {
+        const Vector3d aim = one.on + random_point(rng, 5.0);
+        together.set(lane, (aim - origin).normalized(), 300.0 + rng.uniform(-0.5, 0.5));
+      }
+      KernelArrays alone;
+      for (std::size_t lane = 0; lane < kExactLanes; ++lane) {
+        alone.set(lane, {together.dx[5], together.dy[5], together.dz[5]}, together.t[5]);
+      }
+      together.polish(one.patch, origin, 1.0);
+      alone.polish(one.patch, origin, 1.0);
+      ASSERT_EQ(together.found[5], alone.found[0]);
+      if (alone.found[0] != 0.0) {
+        ASSERT_EQ(std::memcmp(&together.px[5], &alone.px[0], sizeof(double)), 0);
+        ASSERT_EQ(std::memcmp(&together.nz[5], &alone.nz[11], sizeof(double)), 0);
+      }
+    }
+  }
+}
+
+TEST(Polish16, GivesUpBeyondTheAllowedMoveAndOnRaysThatNeverMeet) {
+  KernelArrays lanes;
+  for (std::size_t lane = 0; lane < kExactLanes; ++lane) {
+    lanes.set(lane, {0, 0, -1}, lane % 2 == 0 ? 9.9 : 9.7);
+  }
+  lanes.set(3, {1, 0, 0}, 5.0);
+  lanes.polish({.shape = PlanePatch{}}, {0, 0, 10}, 0.2);
+  for (std::size_t lane = 0; lane < kExactLanes; ++lane) {
+    EXPECT_EQ(lanes.found[lane], lane % 2 == 0 ? 1.0 : 0.0) << lane;
+  }
+}
+
+TEST(CoefficientsOf, AnInvoluteHasNoKernel) {
+  EXPECT_EQ(coefficients_of({.shape = InvolutePatch{}}).kind, PatchCoefficients::Kind::kNone);
+}
+
+}  // namespace
+}  // namespace glint

@@ -2,8 +2,10 @@
 #include "core/keys.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 
 #include <fmt/format.h>
 
@@ -401,6 +403,64 @@ void KeyWriter::table(std::string_view key,
   KeyWriter writer(node);
   visit(writer);
   put(key, std::move(node));
+}
+
+namespace {
+
+template <class Value>
+void append_bytes(std::string& bytes, const Value& value) {
+  std::array<char, sizeof(Value)> raw;
+  std::memcpy(raw.data(), &value, sizeof(Value));
+  bytes.append(raw.data(), raw.size());
+}
+
+/// With its length, so that two texts cannot be taken for one.
+void append_text(std::string& bytes, std::string_view value) {
+  append_bytes(bytes, value.size());
+  bytes += value;
+}
+
+}  // namespace
+
+void KeyDigest::number(std::string_view, double& value, const Range&, std::string_view) {
+  append_bytes(bytes_, value == 0.0 ? 0.0 : value);  // no difference between 0 and -0
+}
+
+void KeyDigest::integer(std::string_view, int& value, const Range&, std::string_view) {
+  append_bytes(bytes_, value);
+}
+
+void KeyDigest::boolean(std::string_view, bool& value, std::string_view) {
+  bytes_ += value ? '1' : '0';
+}
+
+void KeyDigest::text(std::string_view, std::string& value, std::string_view) {
+  append_text(bytes_, value);
+}
+
+void KeyDigest::file(std::string_view, std::filesystem::path& value, std::string_view) {
+  append_text(bytes_, value.string());
+}
+
+void KeyDigest::numbers(
+    std::string_view, std::vector<double>& values, Count, const Range&, std::string_view) {
+  append_bytes(bytes_, values.size());
+  for (const double value : values) {
+    append_bytes(bytes_, value == 0.0 ? 0.0 : value);
+  }
+}
+
+void KeyDigest::choice_index(std::string_view,
+                             int& index,
+                             std::span<const std::string_view>,
+                             std::string_view) {
+  append_bytes(bytes_, index);
+}
+
+void KeyDigest::table(std::string_view,
+                      const std::function<void(KeyVisitor&)>& visit,
+                      std::string_view) {
+  visit(*this);
 }
 
 void throw_if_any(const std::vector<std::string>& errors) {

@@ -55,6 +55,9 @@ constexpr std::array kDocs = {
              "largest mean |frame - the same frame of the flawless part| over the defect, share of "
              "full scale; under stripes of full contrast the share of its area that flips"},
     ScoreDoc{"view.hidden_share", "share of the part's pixels the wall hides from the camera"},
+    ScoreDoc{"view.slot_margin_mm",
+             "smallest distance of a sight line to the flawless region from the edge of the camera "
+             "slot, across the tunnel; negative: the wall hides some of it"},
     ScoreDoc{"rays.followed_share", "share of the rays that met the part again and were followed"},
     ScoreDoc{"rays.blocked_share", "share of the rays that were given up as dark"},
 };

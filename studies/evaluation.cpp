@@ -79,6 +79,7 @@ Scan as_scan(ScanResult result) {
 struct ScanTask {
   bool needs_frames = false;
   FrameConsumer watch = {};
+  SlotMargin slot = {};
   WantedGradients gradients = {};
 };
 
@@ -111,7 +112,8 @@ Scan scan_scene(const TracedScene& traced,
                              .sensor = sensor,
                              .plan = plan,
                              .aspect = closed.aspect,
-                             .sigma_floor = sigma_floor(scene.sensor)};
+                             .sigma_floor = sigma_floor(scene.sensor),
+                             .slot = task.slot};
     gradients = gradients_of(scene, state, task.gradients, pool);
   }
   return {.aspect = std::move(closed.aspect),
@@ -132,10 +134,11 @@ void add_ray_scores(const RayCounts& counts, double hidden_share, Scores& scores
 }  // namespace
 
 WantedScores wanted_by(const Goal& goal) {
-  WantedScores wanted = {.fringes = false, .defects = false};
+  WantedScores wanted = {.fringes = false, .defects = false, .slot = false};
   const auto look_at = [&](const std::string& name) {
     wanted.fringes = wanted.fringes || name.starts_with("fringe");
     wanted.defects = wanted.defects || name.starts_with("defects.");
+    wanted.slot = wanted.slot || name == "view.slot_margin_mm";
   };
   look_at(goal.objective.name);
   for (const Constraint& constraint : goal.constraints) {
@@ -187,11 +190,17 @@ Evaluation evaluate(SceneStore& store,
     }
   };
   const bool is_watching = has_fringes || wanted.defects || consume;
+  SlotMargin slot;
+  if (wanted.slot) {
+    slot = slot_margin(traced.seen(), traced.region, tunnel, traced.camera_in_world_mm);
+    result.scores["view.slot_margin_mm"] = slot.margin_mm;
+  }
   Scan scan = scan_scene(traced,
                          tunnel,
                          scene,
                          {.needs_frames = needs_frames,
                           .watch = is_watching ? FrameConsumer(watch) : FrameConsumer(),
+                          .slot = slot,
                           .gradients = wanted.gradients},
                          store.pool());
   result.form = scan.form;

@@ -26,6 +26,7 @@ struct Evaluation {
 struct WantedScores {
   bool fringes = true;             ///< of the first frame; needs all of it
   bool defects = true;             ///< need the frames around the defects
+  bool slot = true;                ///< view.slot_margin_mm: a sight line for each pixel
   WantedGradients gradients = {};  ///< need closed forms
 };
 

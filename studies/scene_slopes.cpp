@@ -94,6 +94,10 @@ constexpr std::array<std::string_view, 4> kStripeKeys = {
 constexpr std::array<std::string_view, 3> kSensorKeys = {
     "sensor.gain", "sensor.exposure", "sensor.blur_px"};
 
+std::array<float, 3> components(const Vector3d& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
 template <class List>
 bool is_one_of(const List& list, std::string_view key) {
   return std::ranges::find(list, key) != list.end();
@@ -115,6 +119,10 @@ class SceneGradients {
 
   Gradients run() {
     for (const std::string& score : wanted_.scores) {
+      if (score == "view.slot_margin_mm") {
+        result_.by_score[score] = slopes_of_slot();
+        continue;
+      }
       const std::optional<ImageF> by_aspect = slopes_by_aspect(
           score, {scan_.aspect, scan_.traced.region, scan_.traced.defects, scan_.sigma_floor});
       if (by_aspect) {
@@ -146,6 +154,37 @@ class SceneGradients {
     std::vector<double> by_path;
     for (const std::string& path : wanted_.paths) {
       by_path.push_back(slope_by(path, slopes, motion));
+    }
+    return by_path;
+  }
+
+  /// Half the slot's width less |y| where the worst sight line meets the wall.
+  std::vector<double> slopes_of_slot() const {
+    const SlotMargin& slot = scan_.slot;
+    const std::array<float, 3> origin = components(slot.sight.origin_mm);
+    const std::array<float, 3> direction = components(slot.sight.direction);
+    const std::array<float, 3> hit = components({slot.x_mm, slot.y_mm, slot.wall_margin_mm});
+    const float by_y = slot.has_sight ? (slot.y_mm < 0.0 ? 1.0F : -1.0F) : 0.0F;
+    const float none = 0.0F;
+    WallMotion motion(scan_.footprints.tunnel());
+    motion.collect({.origin_x = &origin[0],
+                    .origin_y = &origin[1],
+                    .origin_z = &origin[2],
+                    .direction_x = &direction[0],
+                    .direction_y = &direction[1],
+                    .direction_z = &direction[2],
+                    .count = 1},
+                   {.x_mm = &hit[0], .y_mm = &hit[1], .margin_mm = &hit[2]},
+                   {.x = &none, .y = &by_y, .margin = &none});
+    std::vector<double> by_path;
+    for (const std::string& path : wanted_.paths) {
+      const std::string key = tunnel_key(scene_, path);
+      const std::optional<double> by_shape = motion.slope_by(key);
+      const bool is_pose_of_camera = path.starts_with("viewpoint.") || path.starts_with("camera.");
+      by_path.push_back(key == "slot_mm"    ? 0.5
+                        : by_shape          ? *by_shape * unit_of(key)
+                        : is_pose_of_camera ? std::numeric_limits<double>::quiet_NaN()
+                                            : 0.0);
     }
     return by_path;
   }

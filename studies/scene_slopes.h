@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "simulator/render/closed_scan.h"
+#include "simulator/render/slot_margin.h"
 #include "studies/traced_scene.h"
 
 namespace glint {
@@ -35,6 +36,7 @@ struct ScanState {
   const ScanPlan& plan;
   const ImageF& aspect;
   double sigma_floor = 0.0;
+  SlotMargin slot;
 };
 
 /// @throws ConfigError when the scan has no closed form

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "core/file.h"
 #include "core/text.h"
@@ -19,15 +20,65 @@ using Eigen::Vector3d;
 constexpr std::size_t kKeptParts = 2;
 constexpr std::size_t kKeptScenes = 3;
 
-/// The text of some tables of a scene: equal texts mean equal content.
-std::string content_key(const SceneSettings& scene, std::initializer_list<const char*> tables) {
-  const ConfigNode root = write_scene(scene);
-  ConfigNode chosen = ConfigNode::table();
-  for (const char* table : tables) {
-    chosen.names.emplace_back(table);
-    chosen.items.push_back(*root.find(table));
+constexpr std::size_t kKeptWalls = 64;
+
+std::string part_key(PartSettings part) {
+  std::string key;
+  KeyDigest digest(key);
+  visit_keys(digest, part);
+  return key;
+}
+
+/// Of everything that tracing depends on.
+std::string trace_key(SceneSettings scene) {
+  std::string key = part_key(scene.part);
+  KeyDigest digest(key);
+  visit_keys(digest, scene.camera);
+  visit_keys(digest, scene.viewpoint);
+  visit_keys(digest, scene.render);
+  visit_keys(digest, scene.metrics);
+  for (auto& [name, group] : scene.defects) {
+    digest.text("name", name, "");
+    visit_keys(digest, group);
   }
-  return to_toml(chosen);
+  return key;
+}
+
+/// Of everything about a tunnel that its stripes leave alone.
+std::string wall_key(TunnelSettings tunnel) {
+  const TunnelSettings defaults;
+  tunnel.period_mm = defaults.period_mm;
+  tunnel.duty = defaults.duty;
+  tunnel.offset_mm = defaults.offset_mm;
+  tunnel.dark_reflectance = defaults.dark_reflectance;
+  tunnel.led_ripple = defaults.led_ripple;
+  tunnel.led_pitch_mm = defaults.led_pitch_mm;
+  tunnel.end_falloff = defaults.end_falloff;
+  std::string key;
+  KeyDigest digest(key);
+  visit_keys(digest, tunnel);
+  return key;
+}
+
+std::size_t bytes_of(const RayCache& rays) {
+  constexpr std::size_t kPerRay = 7 * sizeof(float);
+  constexpr std::size_t kPerPixel = 4 * sizeof(float);
+  return kPerRay * rays.weight.size() + kPerPixel * rays.coverage.size();
+}
+
+std::size_t bytes_of(const CornerRays& rays) {
+  constexpr std::size_t kPerPixel = 4 * sizeof(float) + sizeof(PixelKind);
+  std::size_t bytes = kPerPixel * rays.coverage.size() + bytes_of(rays.corners);
+  for (const RefinedGroup& group : rays.refined) {
+    bytes += sizeof(std::int32_t) * group.pixels.size() + bytes_of(group.rays) +
+             group.is_smooth.size();
+  }
+  return bytes;
+}
+
+std::size_t machine_bytes() {
+  return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
+         static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));
 }
 
 /// Moves the entry of that key to the front; nullptr when there is none.
@@ -310,7 +361,7 @@ void SceneStore::check_file(const std::filesystem::path& file) {
 }
 
 std::shared_ptr<const BuiltPart> SceneStore::build(const SceneSettings& scene) {
-  const std::string key = content_key(scene, {"part"});
+  const std::string key = part_key(scene.part);
   const std::scoped_lock lock(mutex_);
   if (auto known = find_and_touch(parts_, key)) {
     return known;
@@ -327,8 +378,7 @@ std::shared_ptr<const BuiltPart> SceneStore::build(const SceneSettings& scene) {
 std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& wanted) {
   const SceneSettings scene = as_traced(wanted);
   auto built = build(scene);
-  const std::string key =
-      content_key(scene, {"part", "camera", "viewpoint", "render", "defects", "metrics"});
+  const std::string key = trace_key(scene);
   // One scene at a time: tracing uses all threads of the pool anyway.
   const std::scoped_lock lock(mutex_);
   auto known = find_and_touch(traced_, key);
@@ -338,10 +388,95 @@ std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& wanted
   auto traced = std::make_shared<const TracedScene>(trace_scene(scene, std::move(built), pool_));
   ++num_traced_;
   traced_.push_front({key, traced});
-  if (traced_.size() > kKeptScenes) {
-    traced_.pop_back();
-  }
+  drop_beyond_limit();
   return traced;
+}
+
+std::size_t bytes_of(const TracedScene& traced) {
+  std::size_t bytes = bytes_of(traced.rays) + bytes_of(traced.corners);
+  for (const RayCache& rays : traced.flawless) {
+    bytes += bytes_of(rays);
+  }
+  for (const CornerRays& rays : traced.flawless_corners) {
+    bytes += bytes_of(rays);
+  }
+  return bytes;
+}
+
+SceneStore::SceneStore(ThreadPool& pool, std::size_t most_bytes)
+    : pool_(pool), most_bytes_(most_bytes > 0 ? most_bytes : machine_bytes() / 4) {}
+
+std::size_t SceneStore::kept_bytes() const {
+  std::size_t bytes = 0;
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& entry : traced_) {
+      bytes += bytes_of(*entry.value);
+    }
+  }
+  const std::scoped_lock lock(walls_mutex_);
+  for (const MetWall& wall : walls_) {
+    bytes += wall.value ? wall.value->bytes() : 0;
+  }
+  return bytes;
+}
+
+/// Old scenes go, and with each of them its walls; half of the limit is left to walls.
+void SceneStore::drop_beyond_limit() {
+  std::size_t bytes = 0;
+  std::size_t kept = 0;
+  for (const auto& entry : traced_) {
+    bytes += bytes_of(*entry.value);
+    if (kept > 0 && (kept == kKeptScenes || bytes > most_bytes_ / 2)) {
+      break;
+    }
+    ++kept;
+  }
+  traced_.resize(kept);
+  const std::scoped_lock lock(walls_mutex_);
+  std::erase_if(walls_, [&](const MetWall& wall) {
+    return std::ranges::none_of(traced_,
+                                [traced = wall.traced.lock()](const auto& entry) {
+                                  return entry.value == traced;
+                                });
+  });
+}
+
+std::shared_ptr<const WallView> SceneStore::meet(const std::shared_ptr<const TracedScene>& traced,
+                                                 const CornerRays& rays,
+                                                 const Tunnel& tunnel) {
+  const std::string key = wall_key(tunnel.settings());
+  const auto is_wanted = [&](const MetWall& wall) {
+    return wall.rays == &rays && wall.key == key && wall.traced.lock() == traced;
+  };
+  bool was_asked_for = false;
+  {
+    const std::scoped_lock lock(walls_mutex_);
+    const auto found = std::ranges::find_if(walls_, is_wanted);
+    was_asked_for = found != walls_.end();
+    if (was_asked_for) {
+      walls_.splice(walls_.begin(), walls_, found);
+      if (walls_.front().value) {
+        return walls_.front().value;
+      }
+    }
+  }
+  auto view = std::make_shared<const WallView>(rays, tunnel, traced->camera_in_world_mm);
+  ++num_met_;
+  const std::scoped_lock lock(walls_mutex_);
+  std::erase_if(walls_, is_wanted);
+  walls_.push_front({key, &rays, traced, was_asked_for ? view : nullptr});
+  std::size_t bytes = 0;
+  std::size_t kept = 0;
+  for (const MetWall& wall : walls_) {
+    bytes += wall.value ? wall.value->bytes() : 0;
+    if (kept == kKeptWalls || bytes > most_bytes_ / 2) {
+      break;
+    }
+    ++kept;
+  }
+  walls_.resize(kept);
+  return view;
 }
 
 void check_part_in_tunnel(const BuiltPart& built,

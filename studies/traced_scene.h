@@ -5,6 +5,7 @@
 // it depends on.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <list>
 #include <map>
@@ -17,6 +18,7 @@
 #include "metrics/defect_scores.h"
 #include "metrics/roi.h"
 #include "simulator/render/corner_rays.h"
+#include "simulator/render/footprints.h"
 #include "studies/scene.h"
 
 namespace glint {
@@ -55,10 +57,15 @@ struct TracedScene {
   const RayCounts& counts() const { return is_sampled() ? rays.counts : corners.counts; }
 };
 
+/// Memory that the rays of a scene take, about.
+std::size_t bytes_of(const TracedScene& traced);
+
 /// Builds scenes and keeps the last few. Safe to use from several threads.
 class SceneStore {
  public:
-  explicit SceneStore(ThreadPool& pool) : pool_(pool) {}
+  /// @param most_bytes  what traced scenes and wall views that are kept may take together (the last
+  ///                    scene is kept in any case); 0: a quarter of the machine's memory
+  explicit SceneStore(ThreadPool& pool, std::size_t most_bytes = 0);
 
   /// @throws ConfigError beginning with the key at fault, IoError
   std::shared_ptr<const TracedScene> trace(const SceneSettings& scene);
@@ -66,7 +73,19 @@ class SceneStore {
 
   ThreadPool& pool() const { return pool_; }
 
+  /// Where rays meet the tunnel's wall. Views that are asked for again are kept from the second time
+  /// on, so that candidates that differ in their stripes alone meet the wall once, and others do not
+  /// fill the memory.
+  /// @param rays  one of the scene's CornerRays
+  std::shared_ptr<const WallView> meet(const std::shared_ptr<const TracedScene>& traced,
+                                       const CornerRays& rays,
+                                       const Tunnel& tunnel);
+
   int num_traced() const { return num_traced_; }  ///< how often rays were traced
+
+  int num_met() const { return num_met_; }  ///< how often a wall was met
+
+  std::size_t kept_bytes() const;
 
  private:
   template <class Value>
@@ -75,15 +94,28 @@ class SceneStore {
     std::shared_ptr<const Value> value;
   };
 
+  struct MetWall {
+    std::string key;
+    const CornerRays* rays = nullptr;
+    std::weak_ptr<const TracedScene> traced;  ///< that the rays belong to
+    std::shared_ptr<const WallView> value;    ///< empty: was asked for once
+  };
+
+  void drop_beyond_limit();
+
   /// @throws IoError when the file cannot be read, or is another one than at first
   void check_file(const std::filesystem::path& file);
 
   ThreadPool& pool_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<std::string, std::string> digests_;  ///< of part files, by path
   std::list<Entry<BuiltPart>> parts_;           ///< most recently used first
   std::list<Entry<TracedScene>> traced_;        ///< most recently used first
-  int num_traced_ = 0;
+  mutable std::mutex walls_mutex_;              ///< taken after mutex_ where both are
+  std::list<MetWall> walls_;                    ///< most recently used first
+  std::size_t most_bytes_ = 0;
+  std::atomic<int> num_traced_ = 0;
+  std::atomic<int> num_met_ = 0;
 };
 
 /// How the camera sees each defect: windows of distances in defect radii.

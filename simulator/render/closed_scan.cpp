@@ -182,11 +182,17 @@ ScanSums sum_frames(const Footprints& footprints,
   ScanSums sums(width, height);
   const FootprintFrames frames(footprints, rendered);
   const int total = footprints.positions().frames();
-  std::vector<ImageF> radiance(static_cast<std::size_t>(std::min(kFramesAtOnce, total)),
+  // Pictures are cleared as a whole: fewer at once where few of their pixels are rendered.
+  double share = 0.0;
+  for (const RowSpan& span : rendered) {
+    share += static_cast<double>(span.size()) / width / height;
+  }
+  const int at_once = std::clamp(static_cast<int>(2.0 + kFramesAtOnce * share), 1, kFramesAtOnce);
+  std::vector<ImageF> radiance(static_cast<std::size_t>(std::min(at_once, total)),
                                ImageF(width, height));
   ImageF grey(consume ? width : 0, consume ? height : 0);
-  for (int first = 0; first < total; first += kFramesAtOnce) {
-    radiance.resize(static_cast<std::size_t>(std::min(kFramesAtOnce, total - first)));
+  for (int first = 0; first < total; first += at_once) {
+    radiance.resize(static_cast<std::size_t>(std::min(at_once, total - first)));
     frames.render(first, radiance);
     for (std::size_t k = 0; k < radiance.size(); ++k) {
       const int index = first + static_cast<int>(k);

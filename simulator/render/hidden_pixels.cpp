@@ -11,7 +11,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kTile_px = 8;
+/// Wide and low: the slot, along which most of the work is, runs along the picture's rows.
+constexpr int kTileWidth_px = 32;
+constexpr int kTileHeight_px = 8;
 /// Crossings this near a boundary of the wall are looked at one by one.
 constexpr float kClose_mm = 0.5F;
 
@@ -36,10 +38,10 @@ void test_row(const SeenPart& seen,
   }
 }
 
-/// Pixels 0, 8, 16, ... and the last one.
-std::vector<int> grid_places(int size) {
+/// Pixels 0, step, 2 step, ... and the last one.
+std::vector<int> grid_places(int size, int step) {
   std::vector<int> places;
-  for (int at = 0; at < size; at += kTile_px) {
+  for (int at = 0; at < size; at += step) {
     places.push_back(at);
   }
   if (places.back() != size - 1) {
@@ -48,11 +50,12 @@ std::vector<int> grid_places(int size) {
   return places;
 }
 
-/// Sight lines of every eighth pixel in both directions.
+/// Sight lines of the tiles' corners.
 class SightGrid {
  public:
   SightGrid(const SeenPart& seen, const Tunnel& tunnel, const Vector3d& camera_mm)
-      : columns_(grid_places(seen.width_px)), rows_(grid_places(seen.height_px)) {
+      : columns_(grid_places(seen.width_px, kTileWidth_px)),
+        rows_(grid_places(seen.height_px, kTileHeight_px)) {
     std::vector<float> x_mm, y_mm, z_mm;
     for (const int y : rows_) {
       for (const int x : columns_) {

@@ -25,9 +25,8 @@ Mask random_mask(std::uint64_t index) {
 Mask mask_of(const Spans& spans, int width, int height) {
   Mask mask(width, height);
   for (const RowSpan& span : spans) {
-    std::fill(mask.row(span.y) + span.begin,
-              mask.row(span.y) + span.end,
-              static_cast<unsigned char>(1));
+    std::fill(
+        mask.row(span.y) + span.begin, mask.row(span.y) + span.end, static_cast<unsigned char>(1));
   }
   return mask;
 }

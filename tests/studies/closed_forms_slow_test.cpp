@@ -12,7 +12,7 @@
 #include "core/rng.h"
 #include "core/thread_pool.h"
 #include "core/units.h"
-#include "metrics/homogeneity.h"
+#include "metrics/scatter.h"
 #include "simulator/render/closed_scan.h"
 #include "studies/study.h"
 #include "studies/traced_scene.h"
@@ -20,7 +20,7 @@
 namespace glint {
 namespace {
 
-/// Points of a hundredth.
+/// Largest difference of h in points (percent).
 constexpr double kBound_points = 0.1;
 
 struct FormComparison {
@@ -31,7 +31,9 @@ struct FormComparison {
   double frame_share = 0.0;  ///< of the region, rendered frame by frame
 
   double rms_points() const { return 100.0 * std::abs(closed.h_rms - full.h_rms); }
+
   double abs_points() const { return 100.0 * std::abs(closed.h_abs - full.h_abs); }
+
   double worst_points() const { return std::max(rms_points(), abs_points()); }
 };
 
@@ -47,10 +49,15 @@ FormComparison compare_forms(const std::string& name,
   const ScanPlan plan = plan_scan(footprints, sensor, traced.region, none, reflectance);
   const ClosedScan closed = scan_closed(footprints, sensor, plan, reflectance);
   const ScanResult full = scan_integrated(footprints, sensor);
-  FormComparison found = {.name = name, .form = plan.form};
+  FormComparison found;
+  found.name = name;
+  found.form = plan.form;
   const int frames = scene.scan.positions;
-  found.closed = homogeneity(
-      closed.aspect, closed.clipped_frames, frames, traced.region, scene.metrics);
+  found.closed =
+      homogeneity(closed.aspect, closed.clipped_frames, frames, traced.region, scene.metrics);
+  if (!closed.deviation.empty()) {
+    found.closed = with_scatter(found.closed, closed.aspect, closed.deviation, traced.region);
+  }
   found.full =
       homogeneity(full.aspect, full.sums.clipped_frames, frames, traced.region, scene.metrics);
   found.frame_share = static_cast<double>(plan.form.frame_pixels) /
@@ -59,17 +66,18 @@ FormComparison compare_forms(const std::string& name,
 }
 
 void print_comparison(const FormComparison& c) {
-  fmt::print("{:60} {:6} h_rms {:8.5f} off {:.4f}  h_abs {:8.5f} off {:.4f}  clipped {:.4f} off "
-             "{:.4f}  frames {:5.1f} %\n",
-             c.name,
-             form_name(c.form.kind),
-             c.full.h_rms,
-             c.rms_points(),
-             c.full.h_abs,
-             c.abs_points(),
-             c.full.clipped_share,
-             std::abs(c.closed.clipped_share - c.full.clipped_share),
-             100.0 * c.frame_share);
+  fmt::print(
+      "{:60} {:6} h_rms {:8.5f} off {:.4f}  h_abs {:8.5f} off {:.4f}  clipped {:.4f} off "
+      "{:.4f}  frames {:5.1f} %\n",
+      c.name,
+      form_name(c.form.kind),
+      c.full.h_rms,
+      c.rms_points(),
+      c.full.h_abs,
+      c.abs_points(),
+      c.full.clipped_share,
+      std::abs(c.closed.clipped_share - c.full.clipped_share),
+      100.0 * c.frame_share);
 }
 
 TEST(ClosedForms, ScoreEveryDesignOfTheGalleryAsTheFullSequence) {
@@ -87,8 +95,8 @@ TEST(ClosedForms, ScoreEveryDesignOfTheGalleryAsTheFullSequence) {
     for (const auto& [name, overrides] : all) {
       SceneSettings scene = scene_with(study, overrides);
       scene.render.method = RenderSettings::Method::kClosed;
-      const FormComparison found = compare_forms(
-          folder.path().filename().string() + " " + name, *store.trace(scene), scene);
+      const FormComparison found =
+          compare_forms(folder.path().filename().string() + " " + name, *store.trace(scene), scene);
       print_comparison(found);
       EXPECT_LE(found.worst_points(), kBound_points) << found.name;
       EXPECT_NEAR(found.closed.clipped_share, found.full.clipped_share, 1e-3) << found.name;
@@ -147,8 +155,7 @@ SceneSettings random_scene(const std::vector<SceneSettings>& parts, std::uint64_
   scene.scan.positions = 6 + static_cast<int>(rng.uniform(0.0, 42.999));
   const int periods = 1 + static_cast<int>(rng.uniform(0.0, 2.999));
   if (periods > 1) {
-    scene.scan.step_mm =
-        periods * t.period_mm / std::cos(t.orientation_rad) / scene.scan.positions;
+    scene.scan.step_mm = periods * t.period_mm / std::cos(t.orientation_rad) / scene.scan.positions;
   }
   scene.sensor.gain = rng.uniform(1.0, 3.0);
   scene.sensor.blur_px = rng.uniform(0.5, 2.0);
@@ -169,10 +176,10 @@ std::string describe(std::uint64_t index, const SceneSettings& s) {
                      s.tunnel.period_mm,
                      s.tunnel.duty,
                      s.scan.positions,
-                     s.scan.step_mm > 0.0 ? s.scan.step_mm * s.scan.positions *
-                                                std::cos(s.tunnel.orientation_rad) /
-                                                s.tunnel.period_mm
-                                          : 1.0,
+                     s.scan.step_mm > 0.0
+                         ? s.scan.step_mm * s.scan.positions * std::cos(s.tunnel.orientation_rad) /
+                               s.tunnel.period_mm
+                         : 1.0,
                      s.sensor.gain,
                      s.sensor.blur_px);
 }

@@ -66,8 +66,7 @@ struct Met {
       array->resize(size());
     }
     tunnel.meet_block(block(), x.data(), y.data(), margin.data());
-    tunnel.meet_details(
-        block(), x.data(), y.data(), margin.data(), pattern.data(), cosine.data());
+    tunnel.meet_details(block(), x.data(), y.data(), margin.data(), pattern.data(), cosine.data());
   }
 
   bool is_lit(std::size_t i, double slot_mm) const {

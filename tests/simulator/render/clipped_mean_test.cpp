@@ -104,9 +104,8 @@ TEST(ClippedMean, IsWhatTheSensorMakesOfALinearPhase) {
       for (const double angle : {0.0, 0.4, 0.25 * kPi}) {
         const double gx = size * std::cos(angle);
         const double gy = size * std::sin(angle);
-        EXPECT_NEAR(table.mean(std::sqrt(variance) * size),
-                    mean_by_sensor(settings, 0.5, gx, gy),
-                    1.5e-3)
+        EXPECT_NEAR(
+            table.mean(std::sqrt(variance) * size), mean_by_sensor(settings, 0.5, gx, gy), 1.5e-3)
             << "gain " << gain << ", |g| " << size << ", angle " << angle;
       }
     }

@@ -62,6 +62,16 @@ Evenness evenness_of(const ImageF& aspect, const Mask& region) {
           .h_abs = 100.0 * (1.0 - sizes / count / mean)};
 }
 
+/// The aspect image as a scan would have taken it: each pixel somewhere around its value.
+ImageF scattered(const ClosedScan& closed) {
+  ImageF aspect = closed.aspect;
+  for (std::size_t i = 0; i < closed.deviation.size(); ++i) {
+    Rng rng(92, Stream::kTest, i);
+    aspect.values()[i] += closed.deviation.values()[i] * static_cast<float>(rng.normal());
+  }
+  return aspect;
+}
+
 /// A scan of the bench both ways.
 struct BothScans {
   Tunnel tunnel;
@@ -133,7 +143,8 @@ TEST(FormName, IsAWordForEachKind) {
   EXPECT_EQ(form_name(Kind::kFrames), "frames");
 }
 
-// A linear sensor without rounding: whole (24 * 0.5) and broken (24 * 0.37) numbers of bright frames.
+// A linear sensor without rounding: whole (24 * 0.5) and broken (24 * 0.37) numbers of bright
+// frames.
 TEST(ScanClosed, FloorsAreTheMeanOfAllFrames) {
   for (const double duty : {0.5, 0.37}) {
     TunnelSettings light = test::bench_tunnel();
@@ -228,7 +239,7 @@ TEST(ScanClosed, TableScoresEvennessAsTheFullSequenceDoes) {
       light.orientation_rad = degrees * kRadPerDeg;
       const BothScans scans(light, {.gain = gain, .blur_px = 1.0, .bits = 8});
       ASSERT_EQ(scans.plan.form.kind, Kind::kTable);
-      const Evenness closed = evenness_of(scans.closed().aspect, scans.region);
+      const Evenness closed = evenness_of(scattered(scans.closed()), scans.region);
       const Evenness full = evenness_of(scans.full().aspect, scans.region);
       EXPECT_NEAR(closed.h_rms, full.h_rms, 0.1) << gain << ", " << degrees;
       EXPECT_NEAR(closed.h_abs, full.h_abs, 0.1) << gain << ", " << degrees;
@@ -237,14 +248,14 @@ TEST(ScanClosed, TableScoresEvennessAsTheFullSequenceDoes) {
   }
 }
 
-// With noise the mean scatters as the frames' mean does: same spread, though other numbers.
+// The deviation that is given with the mean is the frames' own scatter around theirs.
 TEST(ScanClosed, NoiseSpreadsTheTableAsItSpreadsTheFrames) {
   TunnelSettings light = test::bench_tunnel();
   light.slot_mm = 0.0;
   light.blocks_view = false;
   const BothScans scans(
       light, {.gain = 1.5, .blur_px = 1.0, .bits = 0, .full_well_e = 2000.0, .read_noise_e = 10.0});
-  const Evenness closed = evenness_of(scans.closed().aspect, scans.region);
+  const Evenness closed = evenness_of(scattered(scans.closed()), scans.region);
   const Evenness full = evenness_of(scans.full().aspect, scans.region);
   EXPECT_LT(full.h_rms, 99.6);
   EXPECT_NEAR(closed.h_rms, full.h_rms, 0.05);
@@ -259,6 +270,8 @@ TEST(ScanClosed, GivesTheSameBytesAgain) {
     const ClosedScan b = second.closed();
     EXPECT_EQ(a.aspect, b.aspect);
     EXPECT_EQ(a.clipped_frames, b.clipped_frames);
+    EXPECT_EQ(a.deviation, b.deviation);
+    EXPECT_FALSE(a.deviation.empty());
     EXPECT_EQ(first.closed().aspect, a.aspect);
   }
 }
@@ -269,8 +282,7 @@ TEST(ScanClosed, WatchedPixelsSeeTheFramesOfTheFullScan) {
         .gain = gain, .blur_px = 1.0, .full_well_e = 20000.0, .read_noise_e = 8.0};
     const BothScans scans(test::bench_tunnel(), sensor, {.positions = 12}, 0.02);
     std::vector<ImageF> frames;
-    const ScanResult full =
-        scans.full([&](int, const ImageF& grey) { frames.push_back(grey); });
+    const ScanResult full = scans.full([&](int, const ImageF& grey) { frames.push_back(grey); });
     int seen = 0;
     const ClosedScan closed = scans.closed([&](int index, const ImageF& grey) {
       const ImageF& expected = frames[static_cast<std::size_t>(index)];
@@ -293,8 +305,7 @@ TEST(ScanClosed, WatchedPixelsSeeTheFramesOfTheFullScan) {
 
 // Without a closed form every pixel of the region is the full scan's, bit for bit.
 TEST(ScanClosed, FramesAreTheFullScanInTheRegion) {
-  const BothScans scans(
-      test::bench_tunnel(), {.gain = 2.0}, {.positions = 7, .step_mm = 1.0});
+  const BothScans scans(test::bench_tunnel(), {.gain = 2.0}, {.positions = 7, .step_mm = 1.0});
   ASSERT_EQ(scans.plan.form.kind, Kind::kFrames);
   const ClosedScan closed = scans.closed();
   const ScanResult full = scans.full();
@@ -312,7 +323,7 @@ TEST(ScanClosed, FewPhasesAreScoredAsTheFullSequence) {
                                    ScanSettings{.positions = 6, .step_mm = 6.0},
                                    ScanSettings{.positions = 12, .step_mm = 2.0}}) {
     const BothScans scans(test::bench_tunnel(), {.gain = 1.5, .blur_px = 1.0, .bits = 0}, scan);
-    const Evenness closed = evenness_of(scans.closed().aspect, scans.region);
+    const Evenness closed = evenness_of(scattered(scans.closed()), scans.region);
     const Evenness full = evenness_of(scans.full().aspect, scans.region);
     EXPECT_NEAR(closed.h_rms, full.h_rms, 0.1) << scan.step_mm;
     EXPECT_NEAR(closed.h_abs, full.h_abs, 0.1) << scan.step_mm;

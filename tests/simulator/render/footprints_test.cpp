@@ -29,7 +29,7 @@ struct FootprintScene {
 };
 
 struct FrameError {
-  double plain = 0.0;    ///< RMS over all frames, of full scale
+  double plain = 0.0;  ///< RMS over all frames, of full scale
   double all = 0.0;
   double largest_plain = 0.0;
   std::int64_t num_plain = 0;
@@ -62,8 +62,8 @@ FrameError error_of(const Footprints& footprints,
   }
   const auto frames_count = static_cast<std::int64_t>(frames.size());
   error.plain = std::sqrt(plain / static_cast<double>(std::max<std::int64_t>(1, error.num_plain)));
-  error.all = std::sqrt(all / static_cast<double>(frames_count) /
-                        static_cast<double>(expected.size()));
+  error.all =
+      std::sqrt(all / static_cast<double>(frames_count) / static_cast<double>(expected.size()));
   error.num_plain /= frames_count;
   error.num_cells /= frames_count;
   return error;
@@ -84,19 +84,19 @@ Compared compare(const std::string& name, const TunnelSettings& settings) {
   result.integrated = error_of(footprints, frames, scene.fine, tunnel, camera_mm);
   const WallRays wall = meet_wall(scene.coarse, tunnel, camera_mm);
   for (std::size_t k = 0; k < frames.size(); ++k) {
-    render_frame(
-        scene.coarse, wall, tunnel.pattern(footprints.positions().shift_mm[k]), frames[k]);
+    render_frame(scene.coarse, wall, tunnel.pattern(footprints.positions().shift_mm[k]), frames[k]);
   }
   result.one_ray = error_of(footprints, frames, scene.fine, tunnel, camera_mm);
   const FrameError& e = result.integrated;
-  fmt::print("{:22} plain {:5} px rmse {:.5f} max {:.4f} | cells {:5} px | all {:.5f} | 1 ray {:.4f}\n",
-             name,
-             e.num_plain,
-             e.plain,
-             e.largest_plain,
-             e.num_cells,
-             e.all,
-             result.one_ray.all);
+  fmt::print(
+      "{:22} plain {:5} px rmse {:.5f} max {:.4f} | cells {:5} px | all {:.5f} | 1 ray {:.4f}\n",
+      name,
+      e.num_plain,
+      e.plain,
+      e.largest_plain,
+      e.num_cells,
+      e.all,
+      result.one_ray.all);
   return result;
 }
 
@@ -150,9 +150,9 @@ TEST(Footprints, FramesAgreeWithSixteenTimesSixteenRays) {
   }
 }
 
-// A pixel of 0.25 mm sees about 0.25 (1 + 2 * 100 / 400) = 0.38 mm of the wall: more than a period of
-// 0.3 mm, so every pixel is summed from polygons. The samples themselves see each of its edges to
-// half a row.
+// A pixel of 0.25 mm sees about 0.25 (1 + 2 * 100 / 400) = 0.38 mm of the wall: more than a period
+// of 0.3 mm, so every pixel is summed from polygons. The samples themselves see each of its edges
+// to half a row.
 TEST(Footprints, MayBeWiderThanThePeriod) {
   TunnelSettings dense = test::bench_tunnel();
   dense.period_mm = 0.3;
@@ -200,8 +200,7 @@ TEST(Footprints, SomePixelsAreThoseOfTheWholePicture) {
   FootprintFrames(footprints, where).render(2, some);
   for (std::size_t k = 0; k < some.size(); ++k) {
     for (std::size_t i = 0; i < mask.size(); ++i) {
-      ASSERT_EQ(some[k].values()[i],
-                mask.values()[i] != 0 ? whole[k + 2].values()[i] : -1.0F)
+      ASSERT_EQ(some[k].values()[i], mask.values()[i] != 0 ? whole[k + 2].values()[i] : -1.0F)
           << "frame " << k << ", pixel " << i;
     }
   }
@@ -228,14 +227,14 @@ double floors_error(double duty, int positions, double step_mm) {
     for (const ImageF& frame : frames) {
       sum += static_cast<double>(frame.values()[i]);
     }
-    largest = std::max(
-        largest, std::abs(sum / positions - static_cast<double>(mean.values()[i])));
+    largest = std::max(largest, std::abs(sum / positions - static_cast<double>(mean.values()[i])));
   }
   return largest;
 }
 
-// 24 * 0.5 = 12 is whole, 24 * 0.37 = 8.88 is not; 20 steps of 1.8 mm are 3 periods of 12 mm. Floats of
-// a phase of some 10 periods are good to 1e-6, and 24 edges move by that over footprints of 0.02.
+// 24 * 0.5 = 12 is whole, 24 * 0.37 = 8.88 is not; 20 steps of 1.8 mm are 3 periods of 12 mm.
+// Floats of a phase of some 10 periods are good to 1e-6, and 24 edges move by that over footprints
+// of 0.02.
 TEST(Footprints, MeanByFloorsIsTheMeanOfAllFrames) {
   EXPECT_LE(floors_error(0.5, 24, 0.0), 1e-5);
   EXPECT_LE(floors_error(0.37, 24, 0.0), 1e-5);

@@ -177,8 +177,7 @@ TEST(StripeSum, BothSidesOfACutAddUpToTheWhole) {
     PixelPolygon right = left;
     left.clip(cut, 1);
     right.clip({.value = -cut.value, .dx = -cut.dx, .dy = -cut.dy}, 1);
-    const double parts =
-        share_of(left, c.phase, c.duty) + share_of(right, c.phase, c.duty);
+    const double parts = share_of(left, c.phase, c.duty) + share_of(right, c.phase, c.duty);
     ASSERT_NEAR(left.area() + right.area(), c.polygon().area(), 1e-12) << i;
     ASSERT_NEAR(parts, share_of(c.polygon(), c.phase, c.duty), 1e-6) << i;
   }
@@ -255,7 +254,8 @@ TEST(BoxFrame, IsTheExactShareWithinItsLimit) {
     int near_edge = 0;
     for (std::size_t i = 0; i < out.size(); ++i) {
       // Phases in float are good to 1e-6 of 20 periods; narrow footprints turn that into shares.
-      const double width = static_cast<double>(std::max(std::abs(cases.gx[i]), std::abs(cases.gy[i])));
+      const double width =
+          static_cast<double>(std::max(std::abs(cases.gx[i]), std::abs(cases.gy[i])));
       const double error = std::abs(static_cast<double>(out[i]) - cases.exact(i, duty, 0.375));
       near_edge += error > 1e-5 + 3e-6 / std::max(width, 1e-3) ? 1 : 0;
     }

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/slot_margin.h"
+
+#include <cmath>
+#include <vector>
+
+namespace glint {
+
+SlotMargin slot_margin(const SeenPart& seen,
+                       const Mask& region,
+                       const Tunnel& tunnel,
+                       const Eigen::Vector3d& camera_in_world_mm) {
+  const double half_slot_mm = 0.5 * tunnel.settings().slot_mm;
+  const double half_length_mm = 0.5 * tunnel.settings().length_mm;
+  SlotMargin result = {.margin_mm = half_slot_mm};
+  if (!tunnel.settings().blocks_view) {
+    return result;
+  }
+  const auto width = static_cast<std::size_t>(seen.width_px);
+  std::vector<float> to_x(width), to_y(width), to_z(width), x(width), y(width), margin(width);
+  for (int row = 0; row < seen.height_px; ++row) {
+    RayBlock sight = seen.seen_block(static_cast<std::int64_t>(row) * seen.width_px, seen.width_px);
+    for (std::size_t i = 0; i < width; ++i) {
+      to_x[i] = static_cast<float>(camera_in_world_mm.x()) - sight.origin_x[i];
+      to_y[i] = static_cast<float>(camera_in_world_mm.y()) - sight.origin_y[i];
+      to_z[i] = static_cast<float>(camera_in_world_mm.z()) - sight.origin_z[i];
+    }
+    sight.direction_x = to_x.data();
+    sight.direction_y = to_y.data();
+    sight.direction_z = to_z.data();
+    tunnel.meet_block(sight, x.data(), y.data(), margin.data());
+    for (std::size_t i = 0; i < width; ++i) {
+      const auto column = static_cast<int>(i);
+      const double y_mm = static_cast<double>(y[i]);
+      const double left_mm = half_slot_mm - std::abs(y_mm);
+      const auto z_mm = tunnel.settings().base_mm + static_cast<double>(margin[i]);
+      const bool is_met = margin[i] >= 0.0F && z_mm < camera_in_world_mm.z() &&
+                          std::abs(static_cast<double>(x[i])) < half_length_mm;
+      if (region(column, row) == 0 || !is_met ||
+          (result.has_sight && left_mm >= result.margin_mm)) {
+        continue;
+      }
+      result.margin_mm = left_mm;
+      result.has_sight = true;
+      result.sight = {
+          .origin_mm = vector_of(sight.origin_x[i], sight.origin_y[i], sight.origin_z[i]),
+          .direction = vector_of(to_x[i], to_y[i], to_z[i])};
+      result.x_mm = static_cast<double>(x[i]);
+      result.y_mm = y_mm;
+      result.wall_margin_mm = static_cast<double>(margin[i]);
+    }
+  }
+  return result;
+}
+
+}  // namespace glint

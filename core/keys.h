@@ -231,7 +231,9 @@ class KeyDigest final : public KeyVisitor {
                     int& index,
                     std::span<const std::string_view>,
                     std::string_view) override;
-  void table(std::string_view, const std::function<void(KeyVisitor&)>& visit, std::string_view) override;
+  void table(std::string_view,
+             const std::function<void(KeyVisitor&)>& visit,
+             std::string_view) override;
 
   void require(bool, std::string_view, const std::string&) override {}
 

@@ -115,10 +115,10 @@ double percentile(const std::vector<float>& values,
     to_low += static_cast<std::size_t>(split.to_low);
     below_high += static_cast<std::size_t>(split.below_high);
     if (split.below_high > split.to_low) {
-      std::copy_if(values.data() + i,
-                   values.data() + end,
-                   std::back_inserter(between),
-                   [&](float value) { return value > bracket.low && value < bracket.high; });
+      std::copy_if(
+          values.data() + i, values.data() + end, std::back_inserter(between), [&](float value) {
+            return value > bracket.low && value < bracket.high;
+          });
     }
   }
   if (rank >= to_low && rank < below_high) {
@@ -167,8 +167,7 @@ double share_above(const std::vector<float>& values, double threshold) {
   if (static_cast<double>(largest) > threshold) {
     largest = std::nextafter(largest, -std::numeric_limits<float>::infinity());
   }
-  const Split split =
-      split_by(values.data(), static_cast<int>(values.size()), largest, largest);
+  const Split split = split_by(values.data(), static_cast<int>(values.size()), largest, largest);
   const auto above = values.size() - static_cast<std::size_t>(split.to_low);
   return static_cast<double>(above) / static_cast<double>(values.size());
 }
@@ -278,8 +277,8 @@ double always_clipped_share(const Image<std::uint16_t>& clipped_frames,
                             int frames,
                             const Mask& region) {
   GLINT_CHECK(clipped_frames.size() == region.size(), "counts and region differ in size");
-  const auto [inside, blind] = count_blind(
-      clipped_frames.values().data(), region.values().data(), region.size(), frames);
+  const auto [inside, blind] =
+      count_blind(clipped_frames.values().data(), region.values().data(), region.size(), frames);
   GLINT_CHECK(inside > 0, "the region has no pixel");
   return static_cast<double>(blind) / static_cast<double>(inside);
 }

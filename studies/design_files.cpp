@@ -103,6 +103,26 @@ std::string scan_note(const SceneSettings& scene) {
   return note + ".";
 }
 
+/// The scene scanned once more, as a search does it, beside its full sequence.
+Json rendering_json(SceneStore& store,
+                    const SceneSettings& scene,
+                    const WantedScores& wanted,
+                    const Scores& full) {
+  using Method = RenderSettings::Method;
+  const Method method = scene.render.method;
+  Json json = {{"frames", method == Method::kSampled ? "sampled" : "integrated"}};
+  if (method != Method::kAuto && method != Method::kClosed) {
+    return json;
+  }
+  const Evaluation closed = evaluate(store, scene, {}, wanted);
+  const std::string h = "homogeneity.h_rms";
+  json["search_form"] = std::string(form_name(closed.form.kind));
+  json["table_pixels"] = closed.form.table_pixels;
+  json["frame_pixels"] = closed.form.frame_pixels;
+  json["h_rms_difference_points"] = 100.0 * (closed.scores.at(h) - full.at(h));
+  return json;
+}
+
 }  // namespace
 
 Json scores_json(const Scores& scores) {
@@ -159,11 +179,38 @@ std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& s
   return notes;
 }
 
+std::string rendering_note(const Json& rendering) {
+  if (!rendering.contains("search_form")) {
+    return "";
+  }
+  const std::string form = rendering["search_form"];
+  if (form == form_name(ScanForm::Kind::kFrames)) {
+    return "A search renders all frames of this scan: no closed form holds for its mean, or the "
+           "search looks at single frames.";
+  }
+  const int by_table = rendering["table_pixels"].get<int>();
+  const int by_frames = rendering["frame_pixels"].get<int>();
+  const double difference = rendering["h_rms_difference_points"].get<double>();
+  const bool is_linear = form == form_name(ScanForm::Kind::kFloors);
+  return fmt::format(
+      "A search takes the mean of this scan from a closed form ({}), with {} pixels rendered frame "
+      "by frame ({}); h (rms) is {:.3f} points {} than from the full sequence.",
+      is_linear ? "floors: the sensor does not clip"
+                : fmt::format("table: the sensor clips; {} pixels", by_table),
+      by_frames,
+      is_linear ? "around the defects where these are scored"
+                : "near edges of the light, on bent surface, and around the defects where these "
+                  "are scored",
+      std::abs(difference),
+      difference < 0.0 ? "lower" : "higher");
+}
+
 Json write_design(SceneStore& store,
                   const SceneSettings& scene,
                   const Json& head,
                   const fs::path& folder,
-                  bool is_rescored) {
+                  bool is_rescored,
+                  const WantedScores& wanted) {
   make_folder(folder / "sequence");
   remove_unfinished_files(folder);
   remove_unfinished_files(folder / "sequence");
@@ -187,6 +234,10 @@ Json write_design(SceneStore& store,
   Json json = head;
   json["scores"] = scores_json(evaluation.scores);
   std::vector<std::string> notes = scene_notes(scene, evaluation.scores);
+  json["rendering"] = rendering_json(store, scene, wanted, evaluation.scores);
+  if (const std::string note = rendering_note(json["rendering"]); !note.empty()) {
+    notes.push_back(note);
+  }
   if (is_rescored) {
     try {
       json["rescored"] = scores_json(evaluate(store, finer(scene)).scores);

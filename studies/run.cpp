@@ -125,7 +125,7 @@ class Run {
       }
     }
     Json result = finish(storage, search);
-    write_run_json(search);
+    write_run_json(search, storage);
     folder.keep();
     return result;
   }
@@ -173,7 +173,7 @@ class Run {
           evaluate(store_, scene_with(study_, overrides_of(study_, point)), {}, wanted);
       outcome.scores = std::move(found.scores);
       outcome.gradients = std::move(found.gradients.by_score);
-      outcome.message = join(found.gradients.remarks, "; ");
+      outcome.message = join(found.gradients.remarks, kRemarkSeparator);
       return outcome;
     };
     Progress bar(study_.name, std::max(1, study_.budget.evaluations), options_.progress);
@@ -203,7 +203,7 @@ class Run {
     log(LogLevel::kInfo, "writing {}", key);
     Json json;
     try {
-      json = write_design(store_, scene, head, options_.out / key, true);
+      json = write_design(store_, scene, head, options_.out / key, true, wanted_by(study_.goal));
     } catch (const ConfigError& error) {
       throw ConfigError(with_place(study_.root, error.what()));
     }
@@ -287,7 +287,7 @@ class Run {
     return prototypes;
   }
 
-  void write_run_json(const SearchResult& search) const {
+  void write_run_json(const SearchResult& search, const Storage& storage) const {
     Json json = provenance();
     json["study"] = study_.name;
     json["seed"] = study_.search.seed;
@@ -302,6 +302,7 @@ class Run {
                        {"reused_designs", search.reused},
                        {"traced_scenes", store_.num_traced()}};
     json["warnings"] = search.warnings;
+    json["derivatives"] = derivative_remarks(storage);
     json["configuration"] = resolved_text(study_);
     write_file(options_.out / "run.json", json.dump(2) + "\n");
   }
@@ -392,12 +393,17 @@ Json render_study(const Study& whole_study, const fs::path& out, int threads) {
   }
   OutputFolder folder(out);
   remove_unfinished_files(out);
-  const Json json = write_design(
-      store, study.scene, {{"title", study.title}, {"role", "baseline"}}, out / "baseline", false);
+  const Json json = write_design(store,
+                                 study.scene,
+                                 {{"title", study.title}, {"role", "baseline"}},
+                                 out / "baseline",
+                                 false,
+                                 {.fringes = false, .slot = false});
   write_file(out / "study.resolved.toml", resolved_text(study));
   Json result = {{"schema", 1},
                  {"status", "done"},
                  {"scores", json["scores"]},
+                 {"rendering", json["rendering"]},
                  {"notes", json["notes"]},
                  {"report", "report.html"}};
   write_file(out / "result.json", result.dump(2) + "\n");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -191,17 +192,35 @@ Study study_of(const fs::path& run) {
 }
 
 std::vector<std::string> method_notes(const Study& study) {
+  const RenderSettings& render = study.scene.render;
+  const bool is_sampled = render.method == RenderSettings::Method::kSampled;
+  const int rays = render.rays_per_axis * render.rays_per_axis;
+  const std::string how =
+      is_sampled ? fmt::format("{} rays a pixel", rays)
+                 : fmt::format(
+                       "one ray a pixel and the footprint of the pixel about it, with more "
+                       "rays where directions bend by more than {:g} mrad,",
+                       render.max_direction_error_rad * 1e3);
+  const std::string finer_rays = is_sampled ? fmt::format("{} rays a pixel", 4 * rays)
+                                            : "all frames, with directions four times as exact";
   return {
-      fmt::format(
-          "Light transport: perfect mirror, {} rays a pixel traced once per part, camera and "
-          "defects; every lighting is evaluated along the kept rays.",
-          study.scene.render.rays_per_axis * study.scene.render.rays_per_axis),
+      fmt::format("Light transport: perfect mirror, {} traced once per part, camera and defects; "
+                  "every lighting is evaluated along the kept rays{}.",
+                  how,
+                  is_sampled ? "" : ", stripes and edges of the light integrated in closed form"),
       "Homogeneity is scored on pixels wholly on the part, eroded, without the surroundings of the "
       "defects; h_rms = 1 - standard deviation / mean, h_abs = 1 - mean absolute deviation / mean.",
       fmt::format("All designs share the same noise (common random numbers). Re-scored numbers use "
-                  "fresh noise and {} rays a pixel.",
-                  4 * study.scene.render.rays_per_axis * study.scene.render.rays_per_axis)};
+                  "fresh noise and {}.",
+                  finer_rays)};
 }
+
+/// How often and with which numbers of pixels a remark was made.
+struct RemarkCount {
+  int evaluations = 0;
+  long fewest = 0;
+  long most = 0;
+};
 
 Json single_run(const fs::path& run) {
   const Study study = study_of(run);
@@ -219,7 +238,13 @@ Json single_run(const fs::path& run) {
   if (fs::exists(run / "frontier.json")) {
     data["frontier"] = read_json(run / "frontier.json");
   }
-  data["methods"] = method_notes(study);
+  std::vector<std::string> methods = method_notes(study);
+  if (study.has_search()) {
+    for (const std::string& remark : derivative_remarks(Storage::read(run / "study.sqlite"))) {
+      methods.push_back("Derivatives of the search, what is left out: " + remark + ".");
+    }
+  }
+  data["methods"] = methods;
   data["config_toml"] = resolved_text(study);
   Json source = provenance();
   source["seed"] = study.search.seed;
@@ -295,6 +320,39 @@ std::string csv_field(const std::string& text) {
 std::string report_html(const std::vector<fs::path>& runs) {
   const Json data = runs.size() == 1 ? single_run(runs.front()) : several_runs(runs);
   return render_report(data);
+}
+
+std::vector<std::string> derivative_remarks(const Storage& storage) {
+  std::map<std::string, RemarkCount> counts;
+  int evaluations = 0;
+  for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
+    if (!trial.outcome || trial.outcome->is_failed || trial.outcome->gradients.empty()) {
+      continue;
+    }
+    ++evaluations;
+    std::string_view rest = trial.outcome->message;
+    while (!rest.empty()) {
+      const std::size_t end = std::min(rest.find(kRemarkSeparator), rest.size());
+      const std::string_view remark = rest.substr(0, end);
+      rest.remove_prefix(std::min(end + kRemarkSeparator.size(), rest.size()));
+      const std::size_t digits = std::min(remark.find_first_not_of("0123456789"), remark.size());
+      const long pixels = digits > 0 ? std::stol(std::string(remark.substr(0, digits))) : 0;
+      RemarkCount& count = counts[std::string(remark.substr(digits))];
+      count.fewest = count.evaluations == 0 ? pixels : std::min(count.fewest, pixels);
+      count.most = std::max(count.most, pixels);
+      ++count.evaluations;
+    }
+  }
+  std::vector<std::string> remarks;
+  for (const auto& [text, count] : counts) {
+    const std::string pixels = count.most == 0 ? ""
+                               : count.fewest == count.most
+                                   ? fmt::format("{}", count.most)
+                                   : fmt::format("{} to {}", count.fewest, count.most);
+    remarks.push_back(
+        fmt::format("{}{} ({} of {} evaluations)", pixels, text, count.evaluations, evaluations));
+  }
+  return remarks;
 }
 
 std::string trials_csv(const Study& study, const Storage& storage) {

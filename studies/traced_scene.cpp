@@ -70,8 +70,8 @@ std::size_t bytes_of(const CornerRays& rays) {
   constexpr std::size_t kPerPixel = 4 * sizeof(float) + sizeof(PixelKind);
   std::size_t bytes = kPerPixel * rays.coverage.size() + bytes_of(rays.corners);
   for (const RefinedGroup& group : rays.refined) {
-    bytes += sizeof(std::int32_t) * group.pixels.size() + bytes_of(group.rays) +
-             group.is_smooth.size();
+    bytes +=
+        sizeof(std::int32_t) * group.pixels.size() + bytes_of(group.rays) + group.is_smooth.size();
   }
   return bytes;
 }
@@ -435,10 +435,9 @@ void SceneStore::drop_beyond_limit() {
   traced_.resize(kept);
   const std::scoped_lock lock(walls_mutex_);
   std::erase_if(walls_, [&](const MetWall& wall) {
-    return std::ranges::none_of(traced_,
-                                [traced = wall.traced.lock()](const auto& entry) {
-                                  return entry.value == traced;
-                                });
+    return std::ranges::none_of(traced_, [traced = wall.traced.lock()](const auto& entry) {
+      return entry.value == traced;
+    });
   });
 }
 

@@ -73,9 +73,9 @@ class SceneStore {
 
   ThreadPool& pool() const { return pool_; }
 
-  /// Where rays meet the tunnel's wall. Views that are asked for again are kept from the second time
-  /// on, so that candidates that differ in their stripes alone meet the wall once, and others do not
-  /// fill the memory.
+  /// Where rays meet the tunnel's wall. Views that are asked for again are kept from the second
+  /// time on, so that candidates that differ in their stripes alone meet the wall once, and others
+  /// do not fill the memory.
   /// @param rays  one of the scene's CornerRays
   std::shared_ptr<const WallView> meet(const std::shared_ptr<const TracedScene>& traced,
                                        const CornerRays& rays,

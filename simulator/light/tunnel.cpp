@@ -407,7 +407,7 @@ Tunnel::SightLines Tunnel::sight_lines(const RayBlock& points, const Vector3d& c
   SightLines lines;
   lines.hidden.resize(count);
   const Sight sight = sight_of(points, camera_mm, lines.hidden.data());
-  for (auto* array : {&lines.x_mm, &lines.y_mm, &lines.z_mm, &lines.to_change_mm}) {
+  for (auto* array : {&lines.x_mm, &lines.y_mm, &lines.z_mm, &lines.to_end_mm, &lines.to_edge_mm}) {
     array->assign(count, kNowhere_mm);
   }
   for (std::size_t i = 0; i < count; ++i) {
@@ -418,19 +418,17 @@ Tunnel::SightLines Tunnel::sight_lines(const RayBlock& points, const Vector3d& c
     const Vector3d to = vector_of(sight.to_x[i], sight.to_y[i], sight.to_z[i]);
     const Vector3d at =
         vector_of(points.origin_x[i], points.origin_y[i], points.origin_z[i]) + t * to;
-    // Distances beyond each of the boundaries: hidden where all but the slot's two are positive.
+    // Positive beside the slot.
     const double to_slot =
         std::max(std::abs(at.y()) - 0.5 * settings_.slot_mm, slot_floor_mm_ - at.z());
-    const double to_end = 0.5 * settings_.length_mm - std::abs(at.x());
-    const double to_camera = (1.0 - t) * to.norm();
-    double nearest = std::abs(to_rim_mm(at.tail<2>()));
-    for (const double distance : {to_slot, to_end, to_camera}) {
-      nearest = std::min(nearest, std::abs(distance));
-    }
+    const double to_end = std::abs(0.5 * settings_.length_mm - std::abs(at.x()));
+    const double to_camera = std::abs(1.0 - t) * to.norm();
+    const double to_edge = std::min(std::abs(to_slot), std::abs(to_rim_mm(at.tail<2>())));
     lines.x_mm[i] = static_cast<float>(at.x());
     lines.y_mm[i] = static_cast<float>(at.y());
     lines.z_mm[i] = static_cast<float>(at.z());
-    lines.to_change_mm[i] = static_cast<float>(nearest);
+    lines.to_end_mm[i] = static_cast<float>(std::min(to_end, to_camera));
+    lines.to_edge_mm[i] = static_cast<float>(std::min(to_edge, to_camera));
   }
   return lines;
 }

@@ -113,9 +113,10 @@ class Tunnel {
 
   /// Where sight lines cross the wall, for points that stand for their neighbourhood.
   struct SightLines {
-    std::vector<float> hidden;               ///< as hidden_block()
-    std::vector<float> x_mm, y_mm, z_mm;     ///< of the crossing; kNowhere_mm: none
-    std::vector<float> to_change_mm;         ///< from the crossing to where `hidden` changes
+    std::vector<float> hidden;            ///< as hidden_block()
+    std::vector<float> x_mm, y_mm, z_mm;  ///< of the crossing; kNowhere_mm: none
+    /// From the crossing to where `hidden` changes, along x and across it.
+    std::vector<float> to_end_mm, to_edge_mm;
   };
 
   SightLines sight_lines(const RayBlock& points, const Eigen::Vector3d& camera_mm) const;

@@ -24,30 +24,28 @@ void add(std::array<double, 4>& to, const LinearSlopes& slopes, double factor) {
 
 CellSlopes::CellSlopes(const ScanPositions& positions) : p_(positions) {}
 
-CornerSlopes CellSlopes::of_smooth(const CellCorners& corners,
-                                   double share,
-                                   const std::vector<double>& by_radiance) {
-  const auto [x_low, x_high] = std::ranges::minmax(corners.x_mm);
-  const bool is_inside = x_low - p_.shift_mm.back() > -p_.half_length_mm &&
-                         x_high - p_.shift_mm.front() < p_.half_length_mm;
-  if (!is_inside || std::ranges::min(corners.margin_mm) < -1e20) {
-    has_held = true;
-    return {};
-  }
-  weights_ = by_radiance;
-  for (double& weight : weights_) {
-    weight *= share * corners.mean_gain();
-  }
+LinearFunction CellSlopes::phase_of(const CellCorners& corners) const {
   const LinearFunction x = linear_through(corners.stripes_mm);
-  const LinearFunction phase = {.value = (x.value - p_.offset_mm) / p_.period_mm,
-                                .dx = x.dx / p_.period_mm,
-                                .dy = x.dy / p_.period_mm};
+  return {.value = (x.value - p_.offset_mm) / p_.period_mm,
+          .dx = x.dx / p_.period_mm,
+          .dy = x.dy / p_.period_mm};
+}
+
+bool CellSlopes::waits(const CellCorners& corners,
+                       const std::array<std::size_t, 4>& at,
+                       double share) {
+  const auto [x_low, x_high] = std::ranges::minmax(corners.x_mm);
   const auto [y_low, y_high] = std::ranges::minmax(corners.y_mm);
   const auto [v_low, v_high] = std::ranges::minmax(corners.stripes_mm);
   const bool is_plain = std::ranges::min(corners.margin_mm) >= 0.0 &&
                         (y_low >= p_.half_slot_mm || y_high <= -p_.half_slot_mm) &&
+                        x_low - p_.shift_mm.back() > -p_.half_length_mm &&
+                        x_high - p_.shift_mm.front() < p_.half_length_mm &&
                         v_high - v_low <= 2.0 * std::min(p_.duty, 1.0 - p_.duty) * p_.period_mm;
-  return is_plain ? of_plain(phase) : of_boundary(corners, phase);
+  if (is_plain) {
+    waiting_.push_back({.at = at, .phase = phase_of(corners), .gain = share * corners.mean_gain()});
+  }
+  return is_plain;
 }
 
 void CellSlopes::add_stripes(const LinearFunction& phase,
@@ -58,37 +56,66 @@ void CellSlopes::add_stripes(const LinearFunction& phase,
                p_.period_mm;
 }
 
-CornerSlopes CellSlopes::of_plain(const LinearFunction& phase) {
-  const auto v = static_cast<float>(phase.value);
-  const auto gx = static_cast<float>(phase.dx);
-  const auto gy = static_cast<float>(phase.dy);
-  float by_v = 0.0F, by_gx = 0.0F, by_gy = 0.0F, by_duty = 0.0F, share = 0.0F, weight = 0.0F;
-  const slope_kernels::BoxSlopes sums = {
-      .v = &by_v, .gx = &by_gx, .gy = &by_gy, .duty = &by_duty, .share = &share, .weight = &weight};
-  for (std::size_t k = 0; k < weights_.size(); ++k) {
-    const auto w = static_cast<float>(weights_[k]);
-    slope_kernels::add_box_slopes(&v,
-                                  &gx,
-                                  &gy,
-                                  &w,
-                                  1,
+void CellSlopes::sum_waiting(const std::vector<double>& by_radiance) {
+  for (auto* array :
+       {&v_, &gx_, &gy_, &weight_, &by_v_, &by_gx_, &by_gy_, &by_duty_, &share_, &weights_sum_}) {
+    array->assign(waiting_.size(), 0.0F);
+  }
+  for (std::size_t i = 0; i < waiting_.size(); ++i) {
+    v_[i] = static_cast<float>(waiting_[i].phase.value);
+    gx_[i] = static_cast<float>(waiting_[i].phase.dx);
+    gy_[i] = static_cast<float>(waiting_[i].phase.dy);
+  }
+  for (std::size_t k = 0; k < by_radiance.size() && !waiting_.empty(); ++k) {
+    for (std::size_t i = 0; i < waiting_.size(); ++i) {
+      weight_[i] = static_cast<float>(waiting_[i].gain * by_radiance[k]);
+    }
+    slope_kernels::add_box_slopes(v_.data(),
+                                  gx_.data(),
+                                  gy_.data(),
+                                  weight_.data(),
+                                  static_cast<int>(waiting_.size()),
                                   static_cast<float>(p_.shift_periods[k]),
                                   static_cast<float>(p_.duty),
-                                  sums);
+                                  {.v = by_v_.data(),
+                                   .gx = by_gx_.data(),
+                                   .gy = by_gy_.data(),
+                                   .duty = by_duty_.data(),
+                                   .share = share_.data(),
+                                   .weight = weights_sum_.data()});
   }
+}
+
+CornerSlopes CellSlopes::slopes_of_waiting(std::size_t i) {
   const double bright = 1.0 - p_.dark;
   CornerSlopes slopes;
-  add_stripes(phase,
-              {.value = bright * static_cast<double>(by_v),
-               .dx = bright * static_cast<double>(by_gx),
-               .dy = bright * static_cast<double>(by_gy)},
+  add_stripes(waiting_[i].phase,
+              {.value = bright * static_cast<double>(by_v_[i]),
+               .dx = bright * static_cast<double>(by_gx_[i]),
+               .dy = bright * static_cast<double>(by_gy_[i])},
               slopes);
-  duty += bright * static_cast<double>(by_duty);
-  dark += static_cast<double>(weight) - static_cast<double>(share);
+  duty += bright * static_cast<double>(by_duty_[i]);
+  dark += static_cast<double>(weights_sum_[i]) - static_cast<double>(share_[i]);
   return slopes;
 }
 
-CornerSlopes CellSlopes::of_boundary(const CellCorners& corners, const LinearFunction& phase) {
+/// False where the cell is held: at the tunnel's end, or where a corner meets no wall.
+bool CellSlopes::is_boundary(const CellCorners& corners,
+                             double share,
+                             const std::vector<double>& by_radiance,
+                             CornerSlopes& slopes) {
+  const auto [x_low, x_high] = std::ranges::minmax(corners.x_mm);
+  const bool is_inside = x_low - p_.shift_mm.back() > -p_.half_length_mm &&
+                         x_high - p_.shift_mm.front() < p_.half_length_mm;
+  if (!is_inside || std::ranges::min(corners.margin_mm) < -1e20) {
+    has_held = true;
+    return false;
+  }
+  weights_ = by_radiance;
+  for (double& weight : weights_) {
+    weight *= share * corners.mean_gain();
+  }
+  const LinearFunction phase = phase_of(corners);
   std::array<LinearFunction, 5> boundaries;
   const LinearFunction y = linear_through(corners.y_mm);
   boundaries[kRim] = linear_through(corners.margin_mm);
@@ -111,7 +138,6 @@ CornerSlopes CellSlopes::of_boundary(const CellCorners& corners, const LinearFun
     integrate(left);
     integrate(wall);
   }
-  CornerSlopes slopes;
   add_stripes(phase, sums.phase, slopes);
   add(slopes.margin, sums.boundary[kRim], 1.0);
   add(slopes.y, sums.boundary[kLeftOfSlot], -1.0);
@@ -119,7 +145,7 @@ CornerSlopes CellSlopes::of_boundary(const CellCorners& corners, const LinearFun
   slot_mm -= 0.5 * (sums.boundary[kLeftOfSlot].value + sums.boundary[kRightOfSlot].value);
   duty += sums.duty;
   dark += sums.area - sums.share;
-  return slopes;
+  return true;
 }
 
 }  // namespace glint

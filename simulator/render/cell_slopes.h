@@ -19,10 +19,30 @@ class CellSlopes {
  public:
   explicit CellSlopes(const ScanPositions& positions);
 
-  /// A smooth cell. @param by_radiance  slope by the pixel's radiance in each frame
-  CornerSlopes of_smooth(const CellCorners& corners,
-                         double share,
-                         const std::vector<double>& by_radiance);
+  /// A smooth cell, `share` of the pixel. Cells inside the light wait for finish(); the slopes of
+  /// others are added at once. @param by_radiance  slope by the pixel's radiance in each frame
+  /// @param add  gets (corner 0 to 3 of the cell, CornerSlopes of it)
+  template <class Add>
+  void add_smooth(const CellCorners& corners,
+                  const std::array<std::size_t, 4>& at,
+                  double share,
+                  const std::vector<double>& by_radiance,
+                  const Add& add) {
+    CornerSlopes slopes;
+    if (!waits(corners, at, share) && is_boundary(corners, share, by_radiance, slopes)) {
+      add(at, slopes);
+    }
+  }
+
+  /// The waiting cells of a pixel.
+  template <class Add>
+  void finish(const std::vector<double>& by_radiance, const Add& add) {
+    sum_waiting(by_radiance);
+    for (std::size_t i = 0; i < waiting_.size(); ++i) {
+      add(waiting_[i].at, slopes_of_waiting(i));
+    }
+    waiting_.clear();
+  }
 
   double duty = 0.0;
   double dark = 0.0;
@@ -31,11 +51,27 @@ class CellSlopes {
   bool has_held = false;  ///< the tunnel's end or no wall at a corner: taken as fixed
 
  private:
-  CornerSlopes of_plain(const LinearFunction& phase);
-  CornerSlopes of_boundary(const CellCorners& corners, const LinearFunction& phase);
+  /// A cell inside the light at all positions.
+  struct Waiting {
+    std::array<std::size_t, 4> at = {};
+    LinearFunction phase;
+    double gain = 0.0;
+  };
+
+  bool waits(const CellCorners& corners, const std::array<std::size_t, 4>& at, double share);
+  bool is_boundary(const CellCorners& corners,
+                   double share,
+                   const std::vector<double>& by_radiance,
+                   CornerSlopes& slopes);
+  void sum_waiting(const std::vector<double>& by_radiance);
+  CornerSlopes slopes_of_waiting(std::size_t i);
+  LinearFunction phase_of(const CellCorners& corners) const;
   void add_stripes(const LinearFunction& phase, const LinearSlopes& by_phase, CornerSlopes& slopes);
 
   const ScanPositions& p_;
+  std::vector<Waiting> waiting_;
+  std::vector<float> v_, gx_, gy_, weight_;  ///< of the waiting cells
+  std::vector<float> by_v_, by_gx_, by_gy_, by_duty_, share_, weights_sum_;
   std::vector<double> weights_;
 };
 

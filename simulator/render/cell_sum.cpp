@@ -91,8 +91,7 @@ void CellSum::add_sample(float stripes_mm, float gx_mm, float gy_mm, float gain)
 void CellSum::add_smooth(const CellCorners& corners, double share) {
   const auto [x_low, x_high] = std::ranges::minmax(corners.x_mm);
   const auto [y_low, y_high] = std::ranges::minmax(corners.y_mm);
-  if (is_lit_throughout(
-          {x_low, x_high}, {y_low, y_high}, std::ranges::min(corners.margin_mm))) {
+  if (is_lit_throughout({x_low, x_high}, {y_low, y_high}, std::ranges::min(corners.margin_mm))) {
     std::array<float, 4> stripes_mm = {};
     std::ranges::transform(corners.stripes_mm, stripes_mm.begin(), [](double value) {
       return static_cast<float>(value);

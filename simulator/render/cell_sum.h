@@ -60,8 +60,8 @@ class CellSum {
                   const std::vector<double>& shifts);
 
   const ScanPositions& p_;
-  std::size_t size_ = 0;                         ///< samples in use
-  std::vector<float> v_, gx_, gy_, gain_;        ///< samples, with room for more
+  std::size_t size_ = 0;                   ///< samples in use
+  std::vector<float> v_, gx_, gy_, gain_;  ///< samples, with room for more
   std::vector<float> outer_, inner_, per_major_, per_both_;
   StripeSum stripes_;
   std::vector<double> shares_;

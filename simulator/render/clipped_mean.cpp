@@ -145,8 +145,8 @@ class Phases {
  public:
   explicit Phases(const StripeSettings& stripes)
       : duty(stripes.duty),
-        offsets(std::max(1, (kPhases + stripes.frames - 1) / stripes.frames)),
-        frames(std::min(stripes.frames, kPhases)) {
+        offsets(std::max(1, (kPhases + stripes.num_phases() - 1) / stripes.num_phases())),
+        frames(std::min(stripes.num_phases(), kPhases)) {
     for (int offset = 0; offset < offsets; ++offset) {
       for (int k = 0; k < frames; ++k) {
         const double phase = (k + (offset + 0.5) / offsets) / frames;
@@ -239,6 +239,31 @@ GreyResponse grey_response(const SensorSettings& sensor, double radiance) {
   return grey;
 }
 
+namespace {
+
+/// Mean of the rounded grey values of a radiance; where noise is less than a step, rounding does
+/// not average out.
+double rounded_mean(const SensorSettings& sensor, double radiance, const GreyResponse& grey) {
+  if (sensor.bits == 0 || grey.variance <= 0.0) {
+    return grey.mean;
+  }
+  const int levels = (1 << sensor.bits) - 1;
+  const double per_electron = sensor.gain / sensor.full_well_e;
+  const double electrons = sensor.exposure * sensor.full_well_e * radiance + sensor.dark_e;
+  const double deviation =
+      per_electron * std::sqrt(electrons + sensor.read_noise_e * sensor.read_noise_e);
+  constexpr double kReach = 6.0;
+  const double middle = levels * per_electron * electrons;
+  const int first = std::max(1, static_cast<int>(middle - kReach * deviation * levels));
+  double steps = std::min(levels, first - 1);
+  for (int k = first; k <= levels && k - 0.5 < middle + kReach * deviation * levels; ++k) {
+    steps += normal_share((middle - (k - 0.5)) / (deviation * levels));
+  }
+  return steps / levels;
+}
+
+}  // namespace
+
 double blurred_stripe(double phase, double duty, double w) {
   const double f = phase - std::floor(phase);
   if (w <= 0.0) {
@@ -278,9 +303,10 @@ ClippedMean::ClippedMean(const SensorSettings& sensor, const StripeSettings& str
   coefficients_ = pieces_through(nodes_);
   for (const Node& node : nodes) {
     deviations_.push_back(static_cast<float>(std::hypot(node.by_noise, node.by_phase)));
+    phase_deviations_.push_back(static_cast<float>(node.by_phase));
   }
   const GreyResponse dark = grey_response(sensor, 0.0);
-  dark_level_ = dark.mean;
+  dark_level_ = rounded_mean(sensor, 0.0, dark);
   dark_deviation_ = std::sqrt(dark.variance / stripes.frames);
 }
 
@@ -319,6 +345,11 @@ double ClippedMean::slope(double w) const {
   const float* c = coefficients_.data() + 4 * at.interval;
   const auto term = [&](int i) { return static_cast<double>(c[i]); };
   return (term(1) + at.s * (2.0 * term(2) + at.s * 3.0 * term(3))) * kIntervals / kWidest;
+}
+
+double ClippedMean::phase_deviation(double w) const {
+  const std::size_t i = place_of(w).interval;
+  return static_cast<double>(std::max(phase_deviations_[i], phase_deviations_[i + 1]));
 }
 
 double ClippedMean::deviation(double w) const {

@@ -34,6 +34,9 @@ struct StripeSettings {
   double dark = 0.0;  ///< radiance of dark stripes, bright ones have 1
   double gain = 1.0;  ///< of the way from the stripes to the sensor
   int frames = 24;    ///< evenly over whole periods
+  int phases = 0;     ///< how many of them differ; 0: all
+
+  int num_phases() const { return phases > 0 ? phases : frames; }
 };
 
 /// The square wave of period 1, `duty` of it 1 from phase 0 on, blurred by a Gaussian of w periods.
@@ -54,6 +57,9 @@ class ClippedMean {
   /// few frames.
   double deviation(double w) const;
 
+  /// The phase's share of it, at the nearer nodes: the larger.
+  double phase_deviation(double w) const;
+
   /// No frame is ever below full scale.
   bool is_blind(double w) const { return w >= blind_from_; }
 
@@ -66,6 +72,7 @@ class ClippedMean {
 
   /// T at the nodes, and the coefficients of cubic pieces through any such values.
   const std::vector<double>& nodes() const { return nodes_; }
+
   static std::vector<float> pieces_through(const std::vector<double>& nodes);
 
   const std::vector<float>& deviations() const { return deviations_; }  ///< at the nodes
@@ -76,6 +83,7 @@ class ClippedMean {
   std::vector<double> nodes_;
   std::vector<float> coefficients_;
   std::vector<float> deviations_;
+  std::vector<float> phase_deviations_;
   double blind_from_ = 0.0;
   double dark_level_ = 0.0;
   double dark_deviation_ = 0.0;

@@ -22,8 +22,16 @@ constexpr int kBridge_px = 8;
 constexpr float kAbsoluteBend = 2e-3F;
 constexpr float kRelativeBend = 0.25F;
 
-/// A pixel beyond this share of the blur, on one side, does not count.
-constexpr double kSmallestTail = 5e-3;
+/// A pixel beyond this share of the blur, on one side and times the gain, does not count.
+constexpr double kSmallestTail = 7e-3;
+
+/// A sampled blur narrower than this is no Gaussian any more.
+constexpr double kNarrowestBlur_px = 0.7;
+
+/// What the phase of few frames may move a pixel's mean by, as a share of it and for each phase:
+/// its scatter is in the deviation, but the fewer the phases the less it is that of a normal
+/// number.
+constexpr double kLargestPhaseShare = 8e-4;
 
 /// Variance of a box pixel [px^2].
 constexpr double kBoxVariance = 1.0 / 12.0;
@@ -47,7 +55,8 @@ StripeSettings stripes_of(const ScanPositions& positions, double reflectance) {
   return {.duty = positions.duty,
           .dark = positions.dark,
           .gain = reflectance,
-          .frames = positions.frames()};
+          .frames = positions.frames(),
+          .phases = positions.even_phases()};
 }
 
 std::string_view form_name(ScanForm::Kind kind) {
@@ -66,11 +75,17 @@ ScanForm::Kind form_of(const ScanPositions& positions,
   const double slope = sensor.gain * sensor.exposure;
   const double offset =
       sensor.full_well_e > 0.0 ? sensor.gain * sensor.dark_e / sensor.full_well_e : 0.0;
+  // Where even the dark stripes reach full scale every frame is blind; the table knows that.
+  const double darkest = reflectance * (positions.duty < 1.0 ? std::min(1.0, positions.dark) : 1.0);
+  const double step = sensor.bits > 0 ? 1.0 / ((1 << sensor.bits) - 1) : 0.0;
   const bool is_linear =
-      slope * brightest + offset <= 1.0 &&
+      slope * brightest + offset <= 1.0 && slope * darkest + offset < 1.0 - 0.5 * step &&
       std::abs(bright.mean - slope * brightest - offset) <= kLargestBias &&
       std::abs(dark.mean - slope * reflectance * positions.dark - offset) <= kLargestBias;
-  return is_linear ? ScanForm::Kind::kFloors : ScanForm::Kind::kTable;
+  if (is_linear) {
+    return ScanForm::Kind::kFloors;
+  }
+  return sensor.blur_px < kNarrowestBlur_px ? ScanForm::Kind::kFrames : ScanForm::Kind::kTable;
 }
 
 namespace {
@@ -110,6 +125,17 @@ void find_widths(const Footprints& footprints,
         width.row(y),
         is_linear.row(y));
   }
+}
+
+/// For each interval of the table 1 where the phase of few frames moves the mean by no more than a
+/// share of it.
+std::vector<unsigned char> even_widths(const ClippedMean& table, double largest_share) {
+  std::vector<unsigned char> is_even;
+  for (int i = 0; i < ClippedMean::kIntervals; ++i) {
+    const double w = ClippedMean::kWidest * (i + 0.5) / ClippedMean::kIntervals;
+    is_even.push_back(table.phase_deviation(w) <= largest_share * table.mean(w) ? 1 : 0);
+  }
+  return is_even;
 }
 
 Mask where(const Footprints& footprints, Footprints::State state) {
@@ -152,12 +178,26 @@ ScanPlan plan_scan(const Footprints& footprints,
     plan.width = ImageF(region.width(), region.height());
     Mask is_linear(region.width(), region.height());
     find_widths(footprints, sensor.blur_variance_px2() + kBoxVariance, plan.width, is_linear);
-    const int reach = sensor.blur_reach_px(kSmallestTail);
+    const SensorSettings& settings = sensor.settings();
+    const double gain = std::max(1.0, settings.gain * settings.exposure * reflectance);
+    const int reach = sensor.blur_reach_px(kSmallestTail / gain);
+    const ClippedMean table(sensor.settings(), stripes_of(footprints.positions(), reflectance));
+    const std::vector<unsigned char> is_even =
+        even_widths(table, kLargestPhaseShare * footprints.positions().even_phases());
+    constexpr auto kPerUnit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest);
+    Mask bent(region.width(), region.height());
+    for (std::size_t i = 0; i < region.size(); ++i) {
+      bent.values()[i] = is_linear.values()[i] == 0 ? 1 : 0;
+    }
+    const Mask near_bend = dilated(bent, reach);
     const Mask near_other = dilated(where(footprints, Footprints::State::kPlain), reach);
     const Mask near_light = dilated(where(footprints, Footprints::State::kDark), reach);
     for (std::size_t i = 0; i < region.size(); ++i) {
       const bool is_wanted = region.values()[i] != 0 && watched.values()[i] == 0;
-      const bool is_table = near_other.values()[i] == 0 && is_linear.values()[i] != 0;
+      const float place = std::min(plan.width.values()[i] * kPerUnit,
+                                   static_cast<float>(ClippedMean::kIntervals - 1));
+      const bool is_table = near_other.values()[i] == 0 && near_bend.values()[i] == 0 &&
+                            is_even[static_cast<std::size_t>(place)] != 0;
       plan.by_table.values()[i] = is_wanted && is_table ? 1 : 0;
       if (is_wanted && !is_table && near_light.values()[i] != 0) {
         plan.by_frames.values()[i] = 1;

@@ -45,11 +45,8 @@ class FootprintFrames::CellSummer {
   void add_unrefined(std::int32_t pixel);
   void add_group(const RefinedGroup& group, const Mask& wanted);
   void add_refined(const RefinedGroup& group, std::size_t index, std::size_t first);
-  void add_cells(const RefinedGroup& group,
-                 std::size_t index,
-                 std::size_t first,
-                 bool is_lit,
-                 CellSum& sum);
+  void add_cells(
+      const RefinedGroup& group, std::size_t index, std::size_t first, bool is_lit, CellSum& sum);
   void add_corners(std::size_t first, CellSum& sum);
   void store(std::int32_t pixel, CellSum& sum);
 
@@ -78,7 +75,9 @@ FootprintFrames::Cells FootprintFrames::CellSummer::sum(const Spans& where) {
   bool has_refined = false;
   for (const RowSpan& span : where) {
     const Footprints::State* states = footprints_.state().row(span.y);
-    const auto is_cells = [](Footprints::State state) { return state == Footprints::State::kCells; };
+    const auto is_cells = [](Footprints::State state) {
+      return state == Footprints::State::kCells;
+    };
     const Footprints::State* end = states + span.end;
     for (const auto* at = std::find_if(states + span.begin, end, is_cells); at != end;
          at = std::find_if(at + 1, end, is_cells)) {
@@ -180,8 +179,7 @@ void FootprintFrames::CellSummer::add_refined(const RefinedGroup& group,
   const Limits limits(hits_, first, corners, ray_weight);
   CellSum& sum = sum_for(limits.x_mm[0], limits.x_mm[1]);
   if (!limits.is_empty) {
-    const bool is_lit =
-        sum.is_lit_throughout(limits.x_mm, limits.y_mm, limits.lowest_margin_mm);
+    const bool is_lit = sum.is_lit_throughout(limits.x_mm, limits.y_mm, limits.lowest_margin_mm);
     add_cells(group, index, first, is_lit, sum);
     add_corners(first, sum);
   }
@@ -189,11 +187,8 @@ void FootprintFrames::CellSummer::add_refined(const RefinedGroup& group,
 }
 
 /// Smooth cells are added, the corners of others collect what they stand for.
-void FootprintFrames::CellSummer::add_cells(const RefinedGroup& group,
-                                            std::size_t index,
-                                            std::size_t first,
-                                            bool is_lit,
-                                            CellSum& sum) {
+void FootprintFrames::CellSummer::add_cells(
+    const RefinedGroup& group, std::size_t index, std::size_t first, bool is_lit, CellSum& sum) {
   const auto n = static_cast<std::size_t>(group.cells_per_axis);
   const unsigned char* is_smooth = group.is_smooth.data() + index * n * n;
   const float share = 1.0F / static_cast<float>(n * n);

@@ -294,8 +294,8 @@ GLINT_WIDE void any_shares_fast(const float* __restrict v,
     const float minor = outer - inner > kNarrowest ? outer - inner : kNarrowest;
     const float far = 0.5F * (major + minor);
     const float near = 0.5F * (major - minor);
-    const float difference =
-        second_integral(f + far, duty) - second_integral(f + near, duty) - second_integral(f - near, duty) + second_integral(f - far, duty);
+    const float difference = second_integral(f + far, duty) - second_integral(f + near, duty) -
+                             second_integral(f - near, duty) + second_integral(f - far, duty);
     const float wide = duty + difference / (major * minor);
     shares[i] = outer <= limit ? trapezoid : wide;
   }
@@ -380,12 +380,10 @@ GLINT_WIDE void sum_box_frames(const float* __restrict v,
     for (int i = 0; is_narrow && i < count; i += kLanes) {
       for (int lane = 0; lane < kLanes; ++lane) {
         const int at = i + lane;
-        share[lane] += gain[at] * one_edge_share(v[at] - to_middle,
-                                                 0.5F * width,
-                                                 outer[at],
-                                                 inner[at],
-                                                 per_major[at],
-                                                 per_both[at]);
+        share[lane] +=
+            gain[at] *
+            one_edge_share(
+                v[at] - to_middle, 0.5F * width, outer[at], inner[at], per_major[at], per_both[at]);
       }
     }
     for (int i = 0; !is_narrow && i < count; i += kLanes) {

@@ -45,8 +45,8 @@ void classify(const CornerRows& x_mm,
               const LitLimits& limits,
               unsigned char* state);
 
-/// Pixels that see no part (kind 0) or that the wall hides are 0, refined ones (kind 2) that are not
-/// are 2, others stay.
+/// Pixels that see no part (kind 0) or that the wall hides are 0, refined ones (kind 2) that are
+/// not are 2, others stay.
 void restrict_states(const unsigned char* kind,
                      const unsigned char* hidden,
                      int count,
@@ -94,11 +94,8 @@ void narrow_box_frame(const float* v,
 float largest(const float* values, int count);
 
 /// gain = weight * cosine where the state is 1 (plain), else 0. @param cosine  nullptr: 1
-void plain_gains(const unsigned char* state,
-                 const float* weight,
-                 const float* cosine,
-                 int count,
-                 float* gain);
+void plain_gains(
+    const unsigned char* state, const float* weight, const float* cosine, int count, float* gain);
 
 /// out = gain * (dark + bright * share)
 void mix(const float* gain, const float* share, int count, float dark, float bright, float* out);

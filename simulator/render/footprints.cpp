@@ -120,10 +120,8 @@ Footprints::Footprints(const CornerRays& rays,
                        const Tunnel& tunnel,
                        const ScanSettings& scan,
                        const Eigen::Vector3d& camera_in_world_mm)
-    : Footprints(rays,
-                 tunnel,
-                 scan,
-                 std::make_shared<const WallView>(rays, tunnel, camera_in_world_mm)) {}
+    : Footprints(
+          rays, tunnel, scan, std::make_shared<const WallView>(rays, tunnel, camera_in_world_mm)) {}
 
 Footprints::Footprints(const CornerRays& rays,
                        const Tunnel& tunnel,

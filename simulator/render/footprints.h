@@ -67,9 +67,7 @@ struct WallView {
   WallHits hits;  ///< of the corner rays
   Mask hidden;    ///< pixels of the part that the wall hides from the camera
 
-  WallView(const CornerRays& rays,
-           const Tunnel& tunnel,
-           const Eigen::Vector3d& camera_in_world_mm);
+  WallView(const CornerRays& rays, const Tunnel& tunnel, const Eigen::Vector3d& camera_in_world_mm);
 
   std::size_t bytes() const;
 };
@@ -91,7 +89,8 @@ struct ScanPositions {
 
   /// True when the tunnel's ends pass no place of [low, high] in the scene.
   bool is_inside_ends(double low_mm, double high_mm) const {
-    return low_mm - shift_mm.back() > -half_length_mm && high_mm - shift_mm.front() < half_length_mm;
+    return low_mm - shift_mm.back() > -half_length_mm &&
+           high_mm - shift_mm.front() < half_length_mm;
   }
 
   double period_mm = 1.0;

@@ -124,6 +124,20 @@ struct PlainSums {
   }
 };
 
+/// Puts a cell's slopes where they belong.
+struct CellAdder {
+  SlopesByHits& by_hits;
+  std::size_t offset = 0;  ///< of the cell's corners in the arrays
+
+  void operator()(const std::array<std::size_t, 4>& at, const CornerSlopes& by) const {
+    for (std::size_t c = 0; c < 4; ++c) {
+      by_hits.x[offset + at[c]] += static_cast<float>(by.x[c]);
+      by_hits.y[offset + at[c]] += static_cast<float>(by.y[c]);
+      by_hits.margin[offset + at[c]] += static_cast<float>(by.margin[c]);
+    }
+  }
+};
+
 class FrameSlopes {
  public:
   FrameSlopes(const Footprints& footprints, const Spans& rendered, ScanSlopes& slopes)
@@ -239,13 +253,15 @@ class FrameSlopes {
       const auto corner_width = static_cast<std::size_t>(rays_.width_px) + 1;
       const std::size_t at =
           corner(cell_pixels_[i] % rays_.width_px, cell_pixels_[i] / rays_.width_px);
+      load_weights(i);
       add_cell(footprints_.hits(),
                rays_.corners.weight.data(),
                {at, at + 1, at + corner_width, at + corner_width + 1},
                0,
                1.0,
-               i,
                slopes_.corners);
+      cells_.finish(weights_, CellAdder{slopes_.corners});
+      slopes_.held_pixels += cells_.has_held ? 1 : 0;
     }
     for (std::size_t g = 0; has_refined && g < rays_.refined.size(); ++g) {
       const RefinedGroup& group = rays_.refined[g];
@@ -272,10 +288,10 @@ class FrameSlopes {
                static_cast<std::int64_t>(first),
                static_cast<int>((n + 1) * (n + 1)),
                hits_);
-    bool is_held = false;
+    load_weights(index);
     for (std::size_t cell = 0; cell < n * n; ++cell) {
       if (group.is_smooth[pixel * n * n + cell] == 0) {
-        is_held = true;
+        cells_.has_held = true;
         continue;
       }
       const std::size_t at = cell / n * (n + 1) + cell % n;
@@ -284,10 +300,10 @@ class FrameSlopes {
                {at, at + 1, at + n + 1, at + n + 2},
                first,
                1.0 / static_cast<double>(n * n),
-               index,
                by_hits);
     }
-    slopes_.held_pixels += is_held ? 1 : 0;
+    cells_.finish(weights_, CellAdder{by_hits, first});
+    slopes_.held_pixels += cells_.has_held ? 1 : 0;
   }
 
   /// @param offset  of the hits' arrays in those of the slopes
@@ -296,18 +312,15 @@ class FrameSlopes {
                 const std::array<std::size_t, 4>& at,
                 std::size_t offset,
                 double share,
-                std::size_t index,
                 SlopesByHits& by_hits) {
+    cells_.add_smooth(
+        CellCorners(hits, weight, at), at, share, weights_, CellAdder{by_hits, offset});
+  }
+
+  void load_weights(std::size_t index) {
     weights_.assign(cell_weights_.begin() + static_cast<std::ptrdiff_t>(index * frames_),
                     cell_weights_.begin() + static_cast<std::ptrdiff_t>((index + 1) * frames_));
     cells_.has_held = false;
-    const CornerSlopes by = cells_.of_smooth(CellCorners(hits, weight, at), share, weights_);
-    slopes_.held_pixels += cells_.has_held ? 1 : 0;
-    for (std::size_t c = 0; c < 4; ++c) {
-      by_hits.x[offset + at[c]] += static_cast<float>(by.x[c]);
-      by_hits.y[offset + at[c]] += static_cast<float>(by.y[c]);
-      by_hits.margin[offset + at[c]] += static_cast<float>(by.margin[c]);
-    }
   }
 
   const Footprints& footprints_;

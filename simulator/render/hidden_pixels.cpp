@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 constexpr int kTileWidth_px = 32;
 constexpr int kTileHeight_px = 8;
 /// Crossings this near a boundary of the wall are looked at one by one.
-constexpr float kClose_mm = 0.5F;
+constexpr float kClose_mm = 0.1F;
 
 /// Tests pixels [begin, end) of a row.
 void test_row(const SeenPart& seen,
@@ -29,8 +29,7 @@ void test_row(const SeenPart& seen,
   const auto count = static_cast<std::size_t>(end - begin);
   scratch.resize(count);
   const std::int64_t first = static_cast<std::int64_t>(y) * seen.width_px + begin;
-  tunnel.hidden_block(
-      seen.seen_block(first, static_cast<int>(count)), camera_mm, scratch.data());
+  tunnel.hidden_block(seen.seen_block(first, static_cast<int>(count)), camera_mm, scratch.data());
   const float* coverage = seen.coverage.row(y) + begin;
   unsigned char* out = hidden.row(y) + begin;
   for (std::size_t i = 0; i < count; ++i) {
@@ -88,32 +87,36 @@ class SightGrid {
       return Answer::kPartlyOffPart;
     }
     const bool is_hidden = lines_.hidden[at] > 0.0F;
-    const bool is_crossing = lines_.to_change_mm[at] != kNowhere_mm;
-    float nearest_mm = kNoHit_mm;
-    for (const std::size_t c : corners) {
-      const bool is_same = (lines_.hidden[c] > 0.0F) == is_hidden &&
-                           (lines_.to_change_mm[c] != kNowhere_mm) == is_crossing;
-      if (!is_same) {
+    const bool is_crossing = lines_.x_mm[at] != kNowhere_mm;
+    const auto differs = [&](std::size_t c) {
+      return (lines_.hidden[c] > 0.0F) != is_hidden ||
+             (lines_.x_mm[c] != kNowhere_mm) != is_crossing;
+    };
+    if (std::ranges::any_of(corners, differs)) {
+      return Answer::kMixed;
+    }
+    if (is_crossing) {
+      const float along_mm = spread(lines_.x_mm, corners);
+      const float across_mm = std::max(spread(lines_.y_mm, corners), spread(lines_.z_mm, corners));
+      if (smallest(lines_.to_end_mm, corners) <= along_mm + kClose_mm ||
+          smallest(lines_.to_edge_mm, corners) <= across_mm + kClose_mm) {
         return Answer::kMixed;
       }
-      nearest_mm = std::min(nearest_mm, lines_.to_change_mm[c]);
-    }
-    if (is_crossing && nearest_mm <= spread_mm(corners) + kClose_mm) {
-      return Answer::kMixed;
     }
     return is_hidden ? Answer::kHidden : Answer::kSeen;
   }
 
  private:
-  /// How far apart the crossings are.
-  float spread_mm(const std::array<std::size_t, 4>& corners) const {
-    float spread = 0.0F;
-    for (const auto* values : {&lines_.x_mm, &lines_.y_mm, &lines_.z_mm}) {
-      const auto value = [&](std::size_t c) { return (*values)[c]; };
-      const auto [low, high] = std::ranges::minmax(corners, {}, value);
-      spread = std::max(spread, value(high) - value(low));
-    }
-    return spread;
+  using Corners = std::array<std::size_t, 4>;
+
+  static float smallest(const std::vector<float>& values, const Corners& c) {
+    return std::min(std::min(values[c[0]], values[c[1]]), std::min(values[c[2]], values[c[3]]));
+  }
+
+  static float spread(const std::vector<float>& values, const Corners& c) {
+    const float largest =
+        std::max(std::max(values[c[0]], values[c[1]]), std::max(values[c[2]], values[c[3]]));
+    return largest - smallest(values, c);
   }
 
   std::vector<int> columns_, rows_;
@@ -150,9 +153,7 @@ Mask hidden_pixels_one_by_one(const SeenPart& seen,
   return hidden;
 }
 
-Mask hidden_pixels(const SeenPart& seen,
-                   const Tunnel& tunnel,
-                   const Vector3d& camera_in_world_mm) {
+Mask hidden_pixels(const SeenPart& seen, const Tunnel& tunnel, const Vector3d& camera_in_world_mm) {
   const bool is_tiled = seen.width_px > 1 && seen.height_px > 1;
   if (!tunnel.settings().blocks_view || !is_tiled) {
     return hidden_pixels_one_by_one(seen, tunnel, camera_in_world_mm);
@@ -179,9 +180,8 @@ Mask hidden_pixels(const SeenPart& seen,
                              .top = top,
                              .bottom = bottom};
       const SightGrid::Answer answer = grid.tile(i, j);
-      const bool is_open =
-          answer == SightGrid::Answer::kMixed ||
-          (answer == SightGrid::Answer::kPartlyOffPart && has_part(seen, area));
+      const bool is_open = answer == SightGrid::Answer::kMixed ||
+                           (answer == SightGrid::Answer::kPartlyOffPart && has_part(seen, area));
       if (is_open) {
         begin = begin < 0 ? area.left : begin;
         continue;

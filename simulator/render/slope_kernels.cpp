@@ -10,52 +10,33 @@ namespace {
 
 constexpr float kNarrow = 1e-6F;
 
-/// The share beyond an edge at distance d and its slopes by d, the larger and the smaller width.
-struct Edge {
-  float share;
-  float by_d;
-  float by_major;
-  float by_minor;
-};
-
-inline __attribute__((always_inline)) Edge edge_at(
-    float d, float outer, float inner, float per_major, float per_minor) {
-  const float size = d < 0.0F ? -d : d;
-  const bool is_beyond = size >= outer;
-  const float t = is_beyond ? outer : size;
-  const float over = t > inner ? t - inner : 0.0F;
-  const float ratio = over * per_minor;
-  const float half = 0.5F * over * ratio * per_major;  // over^2 / (2 major minor)
-  const float share = t * per_major - half;
-  const float by_d = is_beyond ? 0.0F : per_major * (1.0F - ratio);
-  const float by_major = is_beyond ? 0.0F : per_major * (half - t * per_major + 0.5F * ratio);
-  const float by_minor = is_beyond ? 0.0F : per_minor * half - 0.5F * ratio * per_major;
-  const float sign = d < 0.0F ? -1.0F : 1.0F;
-  return {sign * share, by_d, sign * by_major, sign * by_minor};
+inline __attribute__((always_inline)) float absolute(float x) {
+  return x < 0.0F ? -x : x;
 }
 
 }  // namespace
 
-GLINT_WIDE void add_box_slopes(const float* __restrict v,
-                               const float* __restrict gx,
-                               const float* __restrict gy,
-                               const float* __restrict weight,
-                               int count,
-                               float shift,
-                               float duty,
-                               const BoxSlopes& out) {
-  float* __restrict by_v = out.v;
-  float* __restrict by_gx = out.gx;
-  float* __restrict by_gy = out.gy;
-  float* __restrict by_duty = out.duty;
-  float* __restrict share = out.share;
-  float* __restrict weights = out.weight;
+/// Restricted pointers must be parameters: the compiler believes them only there.
+GLINT_WIDE static void add_slopes(const float* __restrict v,
+                                  const float* __restrict gx,
+                                  const float* __restrict gy,
+                                  const float* __restrict weight,
+                                  int count,
+                                  float shift,
+                                  float duty,
+                                  float* __restrict by_v,
+                                  float* __restrict by_gx,
+                                  float* __restrict by_gy,
+                                  float* __restrict by_duty,
+                                  float* __restrict share,
+                                  float* __restrict weights) {
+  // Everything is spelt out three times, for the rising, the falling and the next edge: the share
+  // beyond an edge at distance d and its slopes by d, the larger and the smaller width.
   for (int i = 0; i < count; ++i) {
-    const float a = gx[i] < 0.0F ? -gx[i] : gx[i];
-    const float b = gy[i] < 0.0F ? -gy[i] : gy[i];
-    const bool x_is_major = a >= b;
-    const float large = x_is_major ? a : b;
-    const float small = x_is_major ? b : a;
+    const float a = absolute(gx[i]);
+    const float b = absolute(gy[i]);
+    const float large = a < b ? b : a;
+    const float small = a < b ? a : b;
     const float major = large > kNarrow ? large : kNarrow;
     const float minor = small > kNarrow ? small : kNarrow;
     const float outer = 0.5F * (major + minor);
@@ -63,21 +44,74 @@ GLINT_WIDE void add_box_slopes(const float* __restrict v,
     const float per_major = 1.0F / major;
     const float per_minor = 1.0F / minor;
     const float moved = v[i] - shift;
-    const float f = moved - std::floor(moved);
-    const Edge rise = edge_at(f, outer, inner, per_major, per_minor);
-    const Edge fall = edge_at(f - duty, outer, inner, per_major, per_minor);
-    const Edge next = edge_at(f - 1.0F, outer, inner, per_major, per_minor);
-    const float by_major = rise.by_major - fall.by_major + next.by_major;
-    const float by_minor = rise.by_minor - fall.by_minor + next.by_minor;
+    const float rise = moved - std::floor(moved);
+    const float fall = rise - duty;
+    const float next = 1.0F - rise;  // the next rising edge, seen from its other side
+
+    const float rise_in = rise < outer ? 1.0F : 0.0F;
+    const float rise_t = rise < outer ? rise : outer;
+    const float rise_over = (rise_t > inner ? rise_t - inner : 0.0F) * per_minor;
+    const float rise_half = 0.5F * rise_over * rise_over * minor * per_major;
+    const float fall_size = absolute(fall);
+    const float fall_sign = fall < 0.0F ? -1.0F : 1.0F;
+    const float fall_in = fall_size < outer ? 1.0F : 0.0F;
+    const float fall_t = fall_size < outer ? fall_size : outer;
+    const float fall_over = (fall_t > inner ? fall_t - inner : 0.0F) * per_minor;
+    const float fall_half = 0.5F * fall_over * fall_over * minor * per_major;
+    const float next_in = next < outer ? 1.0F : 0.0F;
+    const float next_t = next < outer ? next : outer;
+    const float next_over = (next_t > inner ? next_t - inner : 0.0F) * per_minor;
+    const float next_half = 0.5F * next_over * next_over * minor * per_major;
+
+    const float rise_by_d = rise_in * (1.0F - rise_over);
+    const float fall_by_d = fall_in * (1.0F - fall_over);
+    const float next_by_d = next_in * (1.0F - next_over);
+    const float rise_by_major = rise_in * (rise_half - rise_t * per_major + 0.5F * rise_over);
+    const float fall_by_major = fall_in * (fall_half - fall_t * per_major + 0.5F * fall_over);
+    const float next_by_major = next_in * (next_half - next_t * per_major + 0.5F * next_over);
+    const float rise_by_minor = rise_in * (per_minor * rise_half - 0.5F * rise_over * per_major);
+    const float fall_by_minor = fall_in * (per_minor * fall_half - 0.5F * fall_over * per_major);
+    const float next_by_minor = next_in * (per_minor * next_half - 0.5F * next_over * per_major);
+
+    const float by_major = per_major * (rise_by_major - fall_sign * fall_by_major - next_by_major);
+    const float by_minor = rise_by_minor - fall_sign * fall_by_minor - next_by_minor;
+    const float bright = 0.5F + (rise_t * per_major - rise_half) -
+                         fall_sign * (fall_t * per_major - fall_half) -
+                         (next_t * per_major - next_half);
     const float x_sign = gx[i] < 0.0F ? -1.0F : 1.0F;
     const float y_sign = gy[i] < 0.0F ? -1.0F : 1.0F;
-    by_v[i] += weight[i] * (rise.by_d - fall.by_d + next.by_d);
-    by_gx[i] += weight[i] * x_sign * (x_is_major ? by_major : by_minor);
-    by_gy[i] += weight[i] * y_sign * (x_is_major ? by_minor : by_major);
-    by_duty[i] += weight[i] * fall.by_d;
-    share[i] += weight[i] * (0.5F + rise.share - fall.share + next.share);
+    const float by_x = a < b ? by_minor : by_major;
+    const float by_y = a < b ? by_major : by_minor;
+    by_v[i] += weight[i] * per_major * (rise_by_d - fall_by_d + next_by_d);
+    by_gx[i] += weight[i] * x_sign * by_x;
+    by_gy[i] += weight[i] * y_sign * by_y;
+    by_duty[i] += weight[i] * per_major * fall_by_d;
+    share[i] += weight[i] * bright;
     weights[i] += weight[i];
   }
+}
+
+void add_box_slopes(const float* v,
+                    const float* gx,
+                    const float* gy,
+                    const float* weight,
+                    int count,
+                    float shift,
+                    float duty,
+                    const BoxSlopes& out) {
+  add_slopes(v,
+             gx,
+             gy,
+             weight,
+             count,
+             shift,
+             duty,
+             out.v,
+             out.gx,
+             out.gy,
+             out.duty,
+             out.share,
+             out.weight);
 }
 
 VertexSums weigh_vertex(

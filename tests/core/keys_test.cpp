@@ -326,5 +326,26 @@ TEST(KeyWriter, WritesValuesTooSmallToBeRoundedAsTheyAre) {
   EXPECT_THAT(errors, IsEmpty());
 }
 
+std::string digest_of(Lamp lamp) {
+  std::string bytes;
+  KeyDigest digest(bytes);
+  visit_lamp(digest, lamp);
+  return bytes;
+}
+
+TEST(KeyDigest, DiffersWhereAnyKeyDoesAndNowhereElse) {
+  const std::string plain = digest_of({});
+  EXPECT_EQ(digest_of({}), plain);
+  EXPECT_NE(digest_of({.radius_mm = std::nextafter(150.0, 151.0)}), plain);
+  EXPECT_NE(digest_of({.positions = 25}), plain);
+  EXPECT_NE(digest_of({.shape = Shape::kEllipse}), plain);
+  EXPECT_NE(digest_of({.name = "lamp2"}), plain);
+  EXPECT_NE(digest_of({.file = "mesh.stl"}), plain);
+  EXPECT_NE(digest_of({.angles_rad = {0.0}}), plain);
+  EXPECT_NE(digest_of({.slot = {.is_open = false}}), plain);
+  EXPECT_NE(digest_of({.name = "ab", .file = "c"}), digest_of({.name = "a", .file = "bc"}));
+  EXPECT_EQ(digest_of({.height_mm = -0.0}), digest_of({.height_mm = 0.0}));
+}
+
 }  // namespace
 }  // namespace glint

@@ -64,6 +64,39 @@ TEST(Homogeneity, TakesThePercentilesThatSortingGives) {
   }
 }
 
+// Larger pictures with ties, spikes and ramps: the bracket from a sample must never decide wrongly.
+TEST(Homogeneity, TakesThePercentilesThatSortingGivesOfLargePictures) {
+  Rng rng(19, Stream::kTest, 0);
+  for (int trial = 0; trial < 60; ++trial) {
+    ImageF image(301, 97);
+    const int kind = trial % 4;
+    for (std::size_t i = 0; i < image.size(); ++i) {
+      const double u = rng.uniform();
+      const double ramp = static_cast<double>(i) / static_cast<double>(image.size());
+      const double value = kind == 0   ? u
+                           : kind == 1 ? std::floor(4.0 * u) / 4.0
+                           : kind == 2 ? ramp
+                                       : (u < 0.06 ? 0.01 * u : 0.5 + 1e-7 * u);
+      image.values()[i] = static_cast<float>(value);
+    }
+    Mask region(image.width(), image.height());
+    std::vector<float> sorted;
+    for (std::size_t i = 0; i < image.size(); ++i) {
+      region.values()[i] = rng.uniform() < 0.9 ? 1 : 0;
+      if (region.values()[i] != 0) {
+        sorted.push_back(image.values()[i]);
+      }
+    }
+    std::sort(sorted.begin(), sorted.end());
+    const auto ranked = [&](double share) {
+      const double rank = std::ceil(share * static_cast<double>(sorted.size()));
+      return static_cast<double>(sorted[static_cast<std::size_t>(rank) - 1]);
+    };
+    const double expected = 1.0 - (ranked(0.95) - ranked(0.05)) / (ranked(0.95) + ranked(0.05));
+    EXPECT_EQ(homogeneity(image, {}, 0, region).robust, expected) << trial;
+  }
+}
+
 TEST(Homogeneity, NeverHasTheAbsoluteFormBelowTheSquaredOne) {
   Rng rng(3, Stream::kTest, 0);
   int apart = 0;

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Short cuts of a candidate's evaluation against the long way.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "simulator/render/hidden_pixels.h"
+#include "tests/simulator/render/footprint_fixtures.h"
+
+namespace glint {
+namespace {
+
+namespace kernels = footprint_kernels;
+
+const test::FootprintBench& strip_bench() {
+  static const test::FootprintBench bench(test::bench_strip(), test::bench_camera(), 0.4);
+  return bench;
+}
+
+TunnelSettings random_wall(Rng& rng) {
+  using Shape = TunnelSettings::Shape;
+  const double size = rng.uniform(30.0, 200.0);
+  return {.shape = static_cast<Shape>(rng.next_u32() % 5),
+          .base_mm = rng.uniform(-20.0, 5.0),
+          .radius_mm = size,
+          .half_width_mm = size,
+          .height_mm = rng.uniform(30.0, 350.0),
+          .exponent = rng.uniform(1.2, 8.0),
+          .distance_mm = rng.uniform(20.0, 60.0),
+          .opening_rad = rng.uniform(0.0, 1.0),
+          .panel_height_mm = rng.uniform(50.0, 400.0),
+          .control_mm = {size, rng.uniform(30.0, 200.0), size, rng.uniform(30.0, 350.0), 150.0},
+          .length_mm = rng.uniform(20.0, 200.0),
+          .slot_mm = rng.uniform(0.0, 30.0)};
+}
+
+// Walls of all shapes, some with their ends, their rim or the camera in view.
+TEST(HiddenPixels, TilesFindWhatEveryPixelByItselfFinds) {
+  const CornerRays& rays = strip_bench().rays;
+  Rng rng(3, Stream::kTest, 0);
+  int partly = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    const Tunnel tunnel(random_wall(rng));
+    const Eigen::Vector3d camera_mm(
+        rng.uniform(-40.0, 40.0), rng.uniform(-60.0, 60.0), rng.uniform(60.0, 400.0));
+    const Mask hidden = hidden_pixels(rays, tunnel, camera_mm);
+    ASSERT_EQ(hidden, hidden_pixels_one_by_one(rays, tunnel, camera_mm))
+        << "trial " << trial << ", " << shape_name(tunnel.settings().shape);
+    const auto count = std::ranges::count(hidden.values(), 1);
+    partly += count > 0 && count < 5000 ? 1 : 0;
+  }
+  EXPECT_GT(partly, 100);
+}
+
+TEST(HiddenPixels, NothingHidesWhereTheWallDoesNotBlockTheView) {
+  TunnelSettings settings = test::bench_tunnel();
+  settings.slot_mm = 2.0;
+  const CornerRays& rays = strip_bench().rays;
+  const Eigen::Vector3d& camera_mm = strip_bench().camera_mm;
+  EXPECT_GT(std::ranges::count(hidden_pixels(rays, Tunnel(settings), camera_mm).values(), 1), 0);
+  settings.blocks_view = false;
+  EXPECT_EQ(std::ranges::count(hidden_pixels(rays, Tunnel(settings), camera_mm).values(), 1), 0);
+}
+
+// Stripes do not change where the wall is met.
+TEST(WallView, ServesAllTunnelsThatDifferInTheirStripes) {
+  const test::FootprintBench& bench = strip_bench();
+  TunnelSettings settings = test::bench_tunnel();
+  const auto view = std::make_shared<const WallView>(bench.rays, Tunnel(settings), bench.camera_mm);
+  settings.period_mm = 7.0;
+  settings.duty = 0.3;
+  settings.offset_mm = 2.5;
+  settings.dark_reflectance = 0.2;
+  settings.led_ripple = 0.1;
+  const Tunnel tunnel(settings);
+  const Footprints again(bench.rays, tunnel, {.positions = 5}, view);
+  const Footprints fresh(bench.rays, tunnel, {.positions = 5}, bench.camera_mm);
+  EXPECT_EQ(again.state(), fresh.state());
+  EXPECT_EQ(test::integrated_frames(again), test::integrated_frames(fresh));
+}
+
+// All frames at once are each frame by itself, to the bit.
+TEST(RenderFrames, AreTheFramesOneByOne) {
+  const test::FootprintBench& bench = strip_bench();
+  const RayCache rays = bench.sampled(2);
+  TunnelSettings settings = test::bench_tunnel();
+  settings.dark_reflectance = 0.3;
+  for (const double orientation_rad : {0.0, 0.4}) {
+    settings.orientation_rad = orientation_rad;
+    const Tunnel tunnel(settings);
+    const WallRays met = meet_wall(rays, tunnel, bench.camera_mm);
+    std::vector<StripePattern> patterns;
+    for (int k = 0; k < 7; ++k) {
+      patterns.push_back(tunnel.pattern(1.3 * k));
+    }
+    std::vector<ImageF> together(patterns.size());
+    render_frames(rays, met, patterns, together);
+    for (std::size_t k = 0; k < patterns.size(); ++k) {
+      ImageF sum(rays.width_px, rays.height_px);
+      const auto& pattern_mm = met.pattern_mm.empty() ? met.x_mm : met.pattern_mm;
+      for (std::int64_t sample = 0; sample < rays.samples; ++sample) {
+        const std::int64_t begin = sample * rays.num_pixels();
+        add_stripes(met.x_mm.data() + begin,
+                    pattern_mm.data() + begin,
+                    met.gain.data() + begin,
+                    static_cast<int>(rays.num_pixels()),
+                    patterns[k],
+                    0.25F,
+                    sum.values().data());
+      }
+      EXPECT_EQ(together[k], sum) << k;
+    }
+  }
+}
+
+/// Random footprints and what kernels make of them.
+struct RandomFootprints {
+  std::vector<float> v, gx, gy, outer, inner, per_major, per_both, gain;
+
+  RandomFootprints(std::uint64_t seed, int count, double widest) {
+    Rng rng(seed, Stream::kTest, 0);
+    for (int i = 0; i < count; ++i) {
+      v.push_back(static_cast<float>(rng.uniform(-20.0, 20.0)));
+      gx.push_back(static_cast<float>(rng.uniform(-widest, widest)));
+      gy.push_back(static_cast<float>(rng.uniform(-widest, widest) * rng.uniform()));
+      gain.push_back(static_cast<float>(rng.uniform(0.0, 1.0)));
+    }
+    for (auto* array : {&outer, &inner, &per_major, &per_both}) {
+      array->resize(v.size());
+    }
+    kernels::trapezoids(gx.data(), gy.data(), count, shape());
+  }
+
+  int count() const { return static_cast<int>(v.size()); }
+
+  kernels::Trapezoids shape() {
+    return {.outer = outer.data(),
+            .inner = inner.data(),
+            .per_major = per_major.data(),
+            .per_both = per_both.data()};
+  }
+};
+
+// Widths up to (0.1 + 0.1) / 2 = 0.1 see one edge of stripes of duty 0.3: the limit is 0.15.
+TEST(NarrowBoxFrame, GivesTheBytesOfBoxFrame) {
+  RandomFootprints prints(5, 4096, 0.1);
+  const kernels::BoxFrame frame = {.shift = 0.37F, .duty = 0.3F, .dark = 0.2F};
+  EXPECT_FLOAT_EQ(kernels::narrow_limit(frame.duty), 0.15F);
+  EXPECT_LE(kernels::largest(prints.outer.data(), prints.count()), 0.15F);
+  EXPECT_EQ(kernels::largest(prints.outer.data(), prints.count()),
+            *std::ranges::max_element(prints.outer));
+  std::vector<float> any(prints.v.size());
+  std::vector<float> narrow(prints.v.size());
+  kernels::box_frame(
+      prints.v.data(), prints.shape(), prints.gain.data(), prints.count(), frame, any.data());
+  kernels::narrow_box_frame(
+      prints.v.data(), prints.shape(), prints.gain.data(), prints.count(), frame, narrow.data());
+  EXPECT_EQ(any, narrow);
+}
+
+// One edge or two: where a footprint is narrow, both formulas hold.
+TEST(BoxFrame, OneEdgeIsTheSecondIntegralsAnswer) {
+  RandomFootprints prints(6, 4096, 0.12);
+  std::vector<float> narrow(prints.v.size());
+  std::vector<float> exact(prints.v.size());
+  const std::vector<float> one(prints.v.size(), 1.0F);
+  kernels::narrow_box_frame(
+      prints.v.data(), prints.shape(), one.data(), prints.count(), {.duty = 0.6F}, narrow.data());
+  kernels::any_shares(
+      prints.v.data(), prints.gx.data(), prints.gy.data(), prints.count(), 1.0, 0.6, exact.data());
+  for (std::size_t i = 0; i < narrow.size(); ++i) {
+    // Footprints below 1e-4 are widened in one of the two.
+    const bool is_thin = std::abs(prints.gy[i]) < 1e-3F || std::abs(prints.gx[i]) < 1e-3F;
+    ASSERT_NEAR(narrow[i], exact[i], is_thin ? 1e-2F : 1e-4F) << i;
+  }
+}
+
+TEST(AnySharesFast, IsTheExactShareForFootprintsOfAnyWidth) {
+  for (const double scale : {8.0, 24.0}) {
+    for (const double duty : {0.1, 0.5, 0.72}) {
+      RandomFootprints prints(7, 8192, 0.2);
+      std::vector<float> fast(prints.v.size());
+      std::vector<float> exact(prints.v.size());
+      kernels::any_shares_fast(prints.v.data(),
+                               prints.shape(),
+                               prints.count(),
+                               static_cast<float>(scale),
+                               static_cast<float>(duty),
+                               fast.data());
+      kernels::any_shares(prints.v.data(),
+                          prints.gx.data(),
+                          prints.gy.data(),
+                          prints.count(),
+                          scale,
+                          duty,
+                          exact.data());
+      double squares = 0.0;
+      for (std::size_t i = 0; i < fast.size(); ++i) {
+        // v of 20 periods is good to 1e-6, times scale, over footprints of 0.02 times scale.
+        ASSERT_NEAR(fast[i], exact[i], 5e-3F) << scale << " " << duty << " " << i;
+        squares += std::pow(static_cast<double>(fast[i]) - static_cast<double>(exact[i]), 2);
+      }
+      EXPECT_LE(std::sqrt(squares / static_cast<double>(fast.size())), 2e-4);
+    }
+  }
+}
+
+// 24 positions, duty 0.37: 24 * 0.37 = 8.88, so 8 of 24 are bright everywhere and one more on 0.88
+// of a step: dark = 0 + 8 / 24, bright adds 1 / 24.
+TEST(ScanPositions, MeanPositionIsAWaveOfManyTimesTheFrequency) {
+  TunnelSettings settings = test::bench_tunnel();
+  settings.duty = 0.37;
+  const ScanPositions mean = ScanPositions(Tunnel(settings), {.positions = 24}).mean_position();
+  EXPECT_NEAR(mean.period_mm, 12.0 / 24.0, 1e-12);
+  EXPECT_NEAR(mean.duty, 0.88, 1e-6);
+  EXPECT_NEAR(mean.dark, 8.0 / 24.0, 1e-12);
+  EXPECT_NEAR(mean.bright, 1.0 / 24.0, 1e-12);
+  settings.duty = 0.5;
+  EXPECT_EQ(ScanPositions(Tunnel(settings), {.positions = 24}).mean_position().bright, 0.0);
+}
+
+}  // namespace
+}  // namespace glint

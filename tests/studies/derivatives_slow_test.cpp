@@ -1,0 +1,448 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Derivatives of scores against central differences on 200 random scenes, for every key offered.
+// Prints the worst of each key and the share within 0.1 %.
+//
+// Both sides hold what the derivative holds: which pixels are made from frames, the region, the
+// defects' pixels. The mean of N frames has a ripple of N times the stripes' frequency, which a
+// difference over too long a step would average away while the derivative follows it; so the
+// differences are taken over several steps and extrapolated to none (Ridders), and the spread of the
+// extrapolation is the truth's own uncertainty.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <map>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "core/rng.h"
+#include "core/thread_pool.h"
+#include "core/units.h"
+#include "metrics/homogeneity.h"
+#include "simulator/render/scan_slopes.h"
+#include "studies/scene_slopes.h"
+
+namespace glint {
+namespace {
+
+using Shape = TunnelSettings::Shape;
+
+constexpr int kScenes = 200;
+constexpr double kSigmaFloor = 1e-3;
+
+/// The goal of the derivatives.
+constexpr double kTolerance = 1e-3;
+
+/// Derivatives are measured by no less than this share of the key's median over the scenes: the sum
+/// of terms that cancel is known no better than its terms.
+constexpr double kSmallShare = 0.05;
+
+const std::vector<std::string>& scores_of_interest() {
+  static const std::vector<std::string> names = {
+      "homogeneity.h_rms", "homogeneity.mean", "defects.min_cnr"};
+  return names;
+}
+
+/// Strips and a sphere cap, a dent and a bump on each; few, so that they are traced once. The first
+/// two are larger than the picture: nothing that a derivative holds moves with the camera there.
+std::vector<SceneSettings> slope_parts() {
+  SceneSettings base;
+  base.render.method = RenderSettings::Method::kClosed;
+  base.sensor.bits = 0;
+  base.camera = {
+      .width_px = 160, .height_px = 60, .object_pixel_mm = 0.3, .working_distance_mm = 400.0};
+  base.part = {.shape = PartSettings::Shape::kStrip,
+               .length_mm = 90.0,
+               .width_mm = 60.0,
+               .radius_along_mm = 400.0,
+               .radius_across_mm = 120.0};
+  base.viewpoint.position_mm = {0.0, 0.0, 400.0};
+  DefectGroup dents;
+  dents.x_mm = {-9.0, 12.0};
+  dents.y_mm = {3.0, -2.0};
+  dents.height_mm = 8e-3;
+  dents.diameter_mm = 1.8;
+  base.defects.emplace_back("dent", dents);
+  std::vector<SceneSettings> all = {base, base, base, base};
+  all[1].part.radius_along_mm = 150.0;
+  all[1].part.radius_across_mm = 200.0;
+  all[2].part.length_mm = 40.0;
+  all[2].part.width_mm = 15.0;
+  all[3].part = {.shape = PartSettings::Shape::kSphereCap, .radius_mm = 60.0, .height_mm = 3.0};
+  return all;
+}
+
+double away_from_quarters(Rng& rng) {
+  const double quarters = std::floor(rng.uniform(2.0, 7.999));
+  return 0.25 * (quarters + rng.uniform(0.15, 0.85));
+}
+
+/// Any tunnel that stays away from its own part, stripes and a sensor without noise.
+SceneSettings slope_scene(const std::vector<SceneSettings>& parts, std::uint64_t index) {
+  Rng rng(97, Stream::kTest, index);
+  SceneSettings scene = parts[index % parts.size()];
+  TunnelSettings& t = scene.tunnel;
+  t.shape = static_cast<Shape>(index / parts.size() % 5);
+  t.base_mm = rng.uniform(-10.0, 10.0);
+  t.radius_mm = rng.uniform(60.0, 250.0);
+  t.half_width_mm = rng.uniform(60.0, 250.0);
+  t.height_mm = rng.uniform(60.0, 250.0);
+  t.exponent = rng.uniform(1.5, 5.0);
+  t.distance_mm = rng.uniform(40.0, 120.0);
+  t.opening_rad = rng.uniform(0.3, 1.6);
+  t.panel_height_mm = rng.uniform(80.0, 300.0);
+  for (double& control : t.control_mm) {
+    control = rng.uniform(70.0, 250.0);
+  }
+  t.length_mm = 3000.0;
+  t.slot_mm = rng.uniform() < 0.3 ? 0.0 : rng.uniform(5.0, 40.0);
+  t.blocks_view = false;
+  t.period_mm = rng.uniform(4.0, 40.0);
+  scene.scan.positions = 12 + static_cast<int>(rng.uniform(0.0, 36.999));
+  const double whole = std::round(rng.uniform(0.25, 0.75) * scene.scan.positions);
+  t.duty = rng.uniform() < 0.5 ? whole / scene.scan.positions : rng.uniform(0.25, 0.75);
+  t.offset_mm = rng.uniform(0.0, 20.0);
+  t.dark_reflectance = rng.uniform() < 0.4 ? rng.uniform(0.1, 0.6) : 0.0;
+  // A quarter of the scenes do not clip: their mean is by floors.
+  scene.sensor.gain = rng.uniform() < 0.25 ? rng.uniform(0.6, 0.95) : rng.uniform(1.05, 3.0);
+  scene.sensor.blur_px = away_from_quarters(rng);
+  return scene;
+}
+
+std::vector<std::string> keys_offered(const SceneSettings& scene) {
+  std::vector<std::string> keys;
+  const std::string tunnel = "lighting.tunnel.";
+  switch (scene.tunnel.shape) {
+    case Shape::kFlat:
+      keys = {"distance_mm", "opening_deg", "panel_height_mm"};
+      break;
+    case Shape::kFree:
+      for (std::size_t i = 0; i < scene.tunnel.control_mm.size(); ++i) {
+        keys.push_back(fmt::format("control_mm.{}", i));
+      }
+      break;
+    case Shape::kSemicylinder:
+      keys = {"radius_mm"};
+      break;
+    case Shape::kEllipse:
+      keys = {"half_width_mm", "height_mm"};
+      break;
+    case Shape::kSuperellipse:
+      keys = {"half_width_mm", "height_mm", "exponent"};
+  }
+  for (const char* key : {"base_mm", "period_mm", "duty", "offset_mm"}) {
+    keys.emplace_back(key);
+  }
+  if (scene.tunnel.slot_mm > 0.0) {
+    keys.emplace_back("slot_mm");
+  }
+  for (std::string& key : keys) {
+    key = tunnel + key;
+  }
+  for (const char* key : {"sensor.gain", "sensor.exposure", "sensor.blur_px"}) {
+    keys.emplace_back(key);
+  }
+  // The direction of a view has two degrees of freedom: its own length changes nothing.
+  for (const char* key :
+       {"position_mm.0", "position_mm.1", "position_mm.2", "direction.0", "direction.1", "up.0"}) {
+    keys.push_back(std::string("viewpoint.0.") + key);
+  }
+  return keys;
+}
+
+bool is_of_pose(const std::string& path) {
+  return path.starts_with("viewpoint.");
+}
+
+SceneSettings with_value(const SceneSettings& scene, const std::string& path, double change) {
+  ConfigNode root = write_scene(scene);
+  set_path(root, path, ConfigNode::from_number(root.at_path(path)->number + change));
+  std::vector<std::string> errors;
+  SceneSettings changed = read_scene(root, errors);
+  if (!errors.empty()) {
+    throw ConfigError(errors.front());
+  }
+  return changed;
+}
+
+/// The first and longest step of a difference, in the key's written unit.
+double longest_step(const SceneSettings& scene, const std::string& path) {
+  const TunnelSettings& t = scene.tunnel;
+  // What moves phases stays well below the ripple of the frames' mean.
+  const double ripple_mm = t.period_mm / scene.scan.positions;
+  if (path.ends_with("duty")) {
+    return 0.05 / scene.scan.positions;
+  }
+  if (path.ends_with("exponent")) {
+    return std::min(0.02, 0.01 * ripple_mm);
+  }
+  if (path.ends_with("opening_deg")) {
+    return std::min(0.2, 0.1 * ripple_mm);
+  }
+  if (path.ends_with("period_mm")) {
+    return std::min(0.01 * t.period_mm, 0.02 * ripple_mm);
+  }
+  if (path.starts_with("sensor.")) {
+    return 2e-3;
+  }
+  if (path.starts_with("viewpoint.0.position")) {
+    return std::min(0.5, 0.1 * ripple_mm);
+  }
+  if (is_of_pose(path)) {
+    return std::min(2e-3, 4e-4 * ripple_mm);
+  }
+  return std::min(0.5, 0.2 * ripple_mm);
+}
+
+/// A scene's scores with everything held that the derivative holds.
+class HeldScores {
+ public:
+  HeldScores(const SceneSettings& scene, const TracedScene& traced)
+      : scene_(scene),
+        traced_(traced),
+        tunnel_(scene.tunnel),
+        sensor_(scene.sensor, traced.corners.width_px, traced.corners.height_px),
+        footprints_(traced.corners, tunnel_, scene.scan, traced.camera_in_world_mm),
+        plan_(plan_scan(
+            footprints_, sensor_, traced.region, traced.watched, scene.render.reflectance)),
+        closed_(scan_closed(footprints_, sensor_, plan_, scene.render.reflectance)) {}
+
+  const ScanPlan& plan() const { return plan_; }
+
+  double lit_share() const {
+    return homogeneity(closed_.aspect, {}, scene_.scan.positions, traced_.region).lit_share;
+  }
+
+  Gradients gradients(const std::vector<std::string>& paths, ThreadPool& pool) const {
+    const ScanState state = {.traced = traced_,
+                             .footprints = footprints_,
+                             .sensor = sensor_,
+                             .plan = plan_,
+                             .aspect = closed_.aspect,
+                             .sigma_floor = kSigmaFloor,
+                             .slot = {}};
+    return gradients_of(scene_, state, {.scores = scores_of_interest(), .paths = paths}, pool);
+  }
+
+  /// The scores with one number changed.
+  std::array<double, 3> at(const std::string& path, double change, ThreadPool& pool) const {
+    const SceneSettings scene = with_value(scene_, path, change);
+    if (!is_of_pose(path)) {
+      return scores_of(scene, traced_.corners, traced_.camera_in_world_mm);
+    }
+    const RigidTransform camera = camera_from_world(scene.viewpoint);
+    const CornerRays rays = trace_corner_rays(traced_.built->part,
+                                              *traced_.built->bvh,
+                                              traced_.detail,
+                                              PinholeCamera(intrinsics_of(scene.camera)),
+                                              camera,
+                                              scene.render,
+                                              pool);
+    return scores_of(scene, rays, inverse(camera).translation_mm);
+  }
+
+ private:
+  std::array<double, 3> scores_of(const SceneSettings& scene,
+                                  const CornerRays& rays,
+                                  const Eigen::Vector3d& camera_mm) const {
+    const Tunnel tunnel(scene.tunnel);
+    const Sensor sensor(scene.sensor, rays.width_px, rays.height_px);
+    const Footprints footprints(rays, tunnel, scene.scan, camera_mm);
+    const ScanPlan plan = with_same_pixels(plan_, footprints, sensor);
+    const ClosedScan scan = scan_closed(footprints, sensor, plan, scene.render.reflectance);
+    const Homogeneity h = homogeneity(scan.aspect, {}, scene.scan.positions, traced_.region);
+    const auto defects = defect_scores(scan.aspect, traced_.defects, kSigmaFloor);
+    return {h.h_rms, h.mean, summarise(defects).min_cnr};
+  }
+
+  SceneSettings scene_;
+  const TracedScene& traced_;
+  Tunnel tunnel_;
+  Sensor sensor_;
+  Footprints footprints_;
+  ScanPlan plan_;
+  ClosedScan closed_;
+};
+
+struct Truth {
+  double value = 0.0;
+  double uncertainty = std::numeric_limits<double>::infinity();
+};
+
+/// Central differences over steps that halve, extrapolated to none (Ridders): the value whose
+/// neighbours in the tableau agree best.
+/// @param differences  at steps h, h / 2, h / 4, ...
+Truth extrapolated(std::vector<double> differences) {
+  Truth truth;
+  std::vector<double> previous;
+  std::vector<double> row;
+  for (const double difference : differences) {
+    row = {difference};
+    double factor = 1.0;
+    for (const double before : previous) {
+      factor *= 4.0;
+      row.push_back((factor * row.back() - before) / (factor - 1.0));
+      const double spread = std::max(std::abs(row.back() - row[row.size() - 2]),
+                                     std::abs(row.back() - before));
+      if (spread < truth.uncertainty) {
+        truth = {.value = row.back(), .uncertainty = spread};
+      }
+    }
+    previous = row;
+  }
+  return truth;
+}
+
+std::array<Truth, 3> truths_of(const HeldScores& scores,
+                               const SceneSettings& scene,
+                               const std::string& path,
+                               ThreadPool& pool) {
+  constexpr int kSteps = 4;
+  std::array<std::vector<double>, 3> differences;
+  double step = longest_step(scene, path);
+  for (int i = 0; i < kSteps; ++i) {
+    const std::array<double, 3> high = scores.at(path, step, pool);
+    const std::array<double, 3> low = scores.at(path, -step, pool);
+    for (std::size_t s = 0; s < 3; ++s) {
+      differences[s].push_back((high[s] - low[s]) / (2.0 * step));
+    }
+    step *= 0.5;
+  }
+  return {extrapolated(differences[0]), extrapolated(differences[1]), extrapolated(differences[2])};
+}
+
+/// One derivative and its truth.
+struct Comparison {
+  std::string score;
+  std::string path;
+  std::string scene;
+  double derivative = 0.0;
+  Truth truth;
+};
+
+std::string describe(std::uint64_t index, const SceneSettings& s, const ScanPlan& plan) {
+  return fmt::format("{:3} part {} {} {} slot {:.1f} period {:.1f} duty {:.3f} N {} gain {:.2f} "
+                     "blur {:.2f} dark {:.2f} frames {} table {}",
+                     index,
+                     index % 4,
+                     shape_name(s.tunnel.shape),
+                     form_name(plan.form.kind),
+                     s.tunnel.slot_mm,
+                     s.tunnel.period_mm,
+                     s.tunnel.duty,
+                     s.scan.positions,
+                     s.sensor.gain,
+                     s.sensor.blur_px,
+                     s.tunnel.dark_reflectance,
+                     plan.form.frame_pixels,
+                     plan.form.table_pixels);
+}
+
+std::vector<Comparison> compare(std::uint64_t index,
+                                const SceneSettings& scene,
+                                const TracedScene& traced) {
+  const HeldScores scores(scene, traced);
+  if (scores.lit_share() < 0.3) {
+    return {};  // a part that hardly mirrors the light is no lighting
+  }
+  ThreadPool pool(1);
+  const std::vector<std::string> paths = keys_offered(scene);
+  const Gradients gradients = scores.gradients(paths, pool);
+  std::vector<Comparison> all;
+  for (std::size_t p = 0; p < paths.size(); ++p) {
+    EXPECT_EQ(without_derivative(scene, paths[p]), "") << paths[p];
+    const std::array<Truth, 3> truths = truths_of(scores, scene, paths[p], pool);
+    for (std::size_t s = 0; s < 3; ++s) {
+      const std::string& score = scores_of_interest()[s];
+      all.push_back({.score = score,
+                     .path = paths[p],
+                     .scene = describe(index, scene, scores.plan()),
+                     .derivative = gradients.by_score.at(score)[p],
+                     .truth = truths[s]});
+    }
+  }
+  return all;
+}
+
+/// "lighting.tunnel.control_mm.2" -> "control_mm", "viewpoint.0.direction.1" -> "direction".
+std::string group_of(const std::string& path) {
+  std::string name = path;
+  while (name.back() >= '0' && name.back() <= '9') {
+    name.resize(name.rfind('.'));
+  }
+  return name.substr(name.rfind('.') + 1);
+}
+
+struct Agreement {
+  int count = 0;
+  int within = 0;
+  int unsure = 0;      ///< the truth is known no better than the tolerance
+  double worst = 0.0;  ///< of the sure ones
+  const Comparison* at = nullptr;
+};
+
+Agreement agreement_of(const std::vector<const Comparison*>& group) {
+  std::vector<double> sizes;
+  for (const Comparison* c : group) {
+    sizes.push_back(std::abs(c->truth.value));
+  }
+  std::ranges::nth_element(sizes, sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2));
+  const double least = kSmallShare * sizes[sizes.size() / 2];
+  Agreement result;
+  for (const Comparison* c : group) {
+    const double size = std::max({least, std::abs(c->truth.value), 1e-12});
+    const double error = std::abs(c->derivative - c->truth.value) / size;
+    if (std::getenv("GLINT_SHOW") != nullptr && error > kTolerance) {
+      fmt::print("  {} {} {:+.5e} truth {:+.5e} +- {:.1e} error {:.2e} | {}\n", c->score, c->path,
+                 c->derivative, c->truth.value, c->truth.uncertainty, error, c->scene);
+    }
+    if (c->truth.uncertainty > 0.5 * kTolerance * size) {
+      ++result.unsure;
+      continue;
+    }
+    ++result.count;
+    result.within += error <= kTolerance ? 1 : 0;
+    if (error > result.worst) {
+      result.worst = error;
+      result.at = c;
+    }
+  }
+  return result;
+}
+
+TEST(Derivatives, AgreeWithCentralDifferencesOnTwoHundredRandomScenes) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  const std::vector<SceneSettings> parts = slope_parts();
+  std::vector<std::shared_ptr<const TracedScene>> traced;
+  for (const SceneSettings& part : parts) {
+    traced.push_back(store.trace(part));
+  }
+  const int wanted = std::getenv("GLINT_SCENES") ? std::atoi(std::getenv("GLINT_SCENES")) : kScenes;
+  const auto all = pool.map<std::vector<Comparison>>(wanted, [&](std::int64_t i) {
+    const auto index = static_cast<std::uint64_t>(i);
+    return compare(index, slope_scene(parts, index), *traced[index % parts.size()]);
+  });
+  std::map<std::string, std::vector<const Comparison*>> groups;
+  for (const auto& scene : all) {
+    for (const Comparison& c : scene) {
+      groups[c.score + " by " + group_of(c.path)].push_back(&c);
+    }
+  }
+  for (const auto& [name, group] : groups) {
+    const Agreement a = agreement_of(group);
+    fmt::print("{:45} within 0.1 %: {:5.1f} % of {:3}, unsure {:3}, worst {:.1e}  {}\n",
+               name,
+               100.0 * a.within / std::max(1, a.count),
+               a.count,
+               a.unsure,
+               a.worst,
+               a.at != nullptr ? a.at->path + " " + a.at->scene : "");
+  }
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "simulator/render/hidden_pixels.h"
+#include "studies/evaluation.h"
+#include "studies/study.h"
+
+namespace glint {
+namespace {
+
+SceneSettings stored_scene() {
+  SceneSettings scene;
+  scene.part.length_mm = 60.0;
+  scene.part.width_mm = 30.0;
+  scene.part.radius_along_mm = 300.0;
+  scene.part.radius_across_mm = 40.0;
+  scene.camera.width_px = 160;
+  scene.camera.height_px = 80;
+  scene.camera.object_pixel_mm = 0.4;
+  scene.camera.working_distance_mm = 300.0;
+  scene.viewpoint = default_viewpoint(scene.camera);
+  scene.tunnel.radius_mm = 120.0;
+  return scene;
+}
+
+TEST(SceneStore, MeetsTheWallAgainOnlyWhenItIsAnotherOne) {
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  SceneSettings scene = stored_scene();
+  const auto traced = store.trace(scene);
+  const auto meet = [&] { return store.meet(traced, traced->corners, Tunnel(scene.tunnel)); };
+  meet();
+  scene.tunnel.period_mm = 9.0;
+  const auto second = meet();  // kept from now on
+  scene.tunnel.duty = 0.4;
+  scene.tunnel.offset_mm = 1.0;
+  scene.tunnel.dark_reflectance = 0.1;
+  EXPECT_EQ(meet(), second);
+  EXPECT_EQ(store.num_met(), 2);
+  scene.tunnel.slot_mm += 1.0;
+  EXPECT_NE(meet(), second);
+  EXPECT_EQ(store.num_met(), 3);
+}
+
+TEST(SceneStore, DoesNotKeepWallsThatAreAskedForOnce) {
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  SceneSettings scene = stored_scene();
+  const auto traced = store.trace(scene);
+  const std::size_t before = store.kept_bytes();
+  for (int i = 0; i < 20; ++i) {
+    scene.tunnel.radius_mm += 1.0;
+    store.meet(traced, traced->corners, Tunnel(scene.tunnel));
+  }
+  EXPECT_EQ(store.kept_bytes(), before);
+  EXPECT_EQ(store.num_met(), 20);
+}
+
+// Scenes and walls share the limit; the last scene stays whatever its size.
+TEST(SceneStore, KeepsNoMoreThanItsLimit) {
+  ThreadPool pool(1);
+  SceneSettings scene = stored_scene();
+  std::size_t one_scene = 0;
+  {
+    SceneStore store(pool);
+    one_scene = bytes_of(*store.trace(scene));
+  }
+  const std::size_t most = 5 * one_scene;
+  SceneStore store(pool, most);
+  for (int i = 0; i < 6; ++i) {
+    scene.camera.object_pixel_mm += 0.001;
+    const auto traced = store.trace(scene);
+    for (int j = 0; j < 40; ++j) {
+      scene.tunnel.radius_mm = 120.0 + j / 2;  // each twice
+      store.meet(traced, traced->corners, Tunnel(scene.tunnel));
+    }
+    EXPECT_LE(store.kept_bytes(), most) << i;
+    EXPECT_GT(store.kept_bytes(), one_scene) << i;
+  }
+  SceneStore tiny(pool, 1);
+  EXPECT_EQ(tiny.trace(scene), tiny.trace(scene));
+  EXPECT_EQ(tiny.num_traced(), 1);
+}
+
+TEST(SceneStore, TracesAgainForEveryTableThatTracingDependsOn) {
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  SceneSettings scene = stored_scene();
+  store.trace(scene);
+  scene.sensor.gain = 2.0;
+  scene.scan.positions = 12;
+  scene.tunnel.period_mm = 5.0;
+  store.trace(scene);
+  EXPECT_EQ(store.num_traced(), 1);
+  scene.part.radius_across_mm += 1.0;
+  store.trace(scene);
+  scene.camera.width_px += 2;
+  store.trace(scene);
+  scene.viewpoint.position_mm[0] += 1.0;
+  store.trace(scene);
+  scene.render.reflectance = 0.9;
+  store.trace(scene);
+  scene.metrics.lit_threshold += 0.01;
+  store.trace(scene);
+  scene.defects = {{"dent", {.x_mm = {1.0}, .y_mm = {2.0}, .height_mm = 4e-3}}};
+  store.trace(scene);
+  scene.defects[0].first = "pit";
+  store.trace(scene);
+  EXPECT_EQ(store.num_traced(), 8);
+}
+
+// The gallery's own designs: tiles find every hidden pixel.
+TEST(HiddenPixels, AreFoundByTilesInTheGallery) {
+  const std::filesystem::path gallery =
+      std::filesystem::path(GLINT_SOURCE_DIR) / "studies" / "gallery";
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  int scenes = 0;
+  for (const auto& folder : std::filesystem::directory_iterator(gallery)) {
+    const Study study = load_study((folder.path() / "study.toml").string(), {});
+    std::vector<SceneSettings> designs = {study.scene};
+    for (const auto& prototype : study.prototypes) {
+      designs.push_back(scene_with(study, prototype.overrides));
+    }
+    for (const SceneSettings& scene : designs) {
+      const auto traced = store.trace(scene);
+      const Tunnel tunnel(scene.tunnel);
+      EXPECT_EQ(hidden_pixels(traced->seen(), tunnel, traced->camera_in_world_mm),
+                hidden_pixels_one_by_one(traced->seen(), tunnel, traced->camera_in_world_mm))
+          << folder.path() << ", design " << scenes;
+      ++scenes;
+    }
+  }
+  EXPECT_GT(scenes, 4);
+}
+
+}  // namespace
+}  // namespace glint

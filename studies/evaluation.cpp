@@ -26,9 +26,11 @@ Sensor quiet_sensor(SensorSettings settings, const SeenPart& seen) {
 }
 
 /// What the defects' pixels would show without the defects, and without noise.
-FlawlessFrames flawless_frames(const TracedScene& traced,
+FlawlessFrames flawless_frames(SceneStore& store,
+                               const std::shared_ptr<const TracedScene>& scene_traced,
                                const Tunnel& tunnel,
                                const SceneSettings& scene) {
+  const TracedScene& traced = *scene_traced;
   FlawlessFrames frames(static_cast<std::size_t>(scene.scan.positions));
   const double dark = scene.sensor.full_well_e > 0.0
                           ? scene.sensor.dark_e * scene.sensor.gain / scene.sensor.full_well_e
@@ -50,7 +52,7 @@ FlawlessFrames flawless_frames(const TracedScene& traced,
       take_scan(rays, tunnel, quiet_sensor(scene.sensor, rays), scene.scan, camera_mm, keep);
     } else {
       const CornerRays& rays = traced.flawless_corners[k];
-      const Footprints footprints(rays, tunnel, scene.scan, camera_mm);
+      const Footprints footprints(rays, tunnel, scene.scan, store.meet(scene_traced, rays, tunnel));
       scan_integrated(footprints, quiet_sensor(scene.sensor, rays), keep);
     }
   }
@@ -83,18 +85,20 @@ struct ScanTask {
   WantedGradients gradients = {};
 };
 
-Scan scan_scene(const TracedScene& traced,
+Scan scan_scene(SceneStore& store,
+                const std::shared_ptr<const TracedScene>& scene_traced,
                 const Tunnel& tunnel,
                 const SceneSettings& scene,
-                const ScanTask& task,
-                ThreadPool& pool) {
+                const ScanTask& task) {
+  const TracedScene& traced = *scene_traced;
   const SeenPart& seen = traced.seen();
   const Sensor sensor(scene.sensor, seen.width_px, seen.height_px);
   const Eigen::Vector3d& camera_mm = traced.camera_in_world_mm;
   if (traced.is_sampled()) {
     return as_scan(take_scan(traced.rays, tunnel, sensor, scene.scan, camera_mm, task.watch));
   }
-  const Footprints footprints(traced.corners, tunnel, scene.scan, camera_mm);
+  const Footprints footprints(
+      traced.corners, tunnel, scene.scan, store.meet(scene_traced, traced.corners, tunnel));
   if (task.needs_frames) {
     return as_scan(scan_integrated(footprints, sensor, task.watch));
   }
@@ -104,7 +108,7 @@ Scan scan_scene(const TracedScene& traced,
                                   traced.region,
                                   task.watch ? traced.watched : none,
                                   scene.render.reflectance);
-  ClosedScan closed = scan_closed(footprints, sensor, plan, scene.render.reflectance, task.watch);
+  ClosedScan closed = scan_closed(footprints, sensor, plan, task.watch);
   Gradients gradients;
   if (!task.gradients.paths.empty()) {
     const ScanState state = {.traced = traced,
@@ -114,7 +118,7 @@ Scan scan_scene(const TracedScene& traced,
                              .aspect = closed.aspect,
                              .sigma_floor = sigma_floor(scene.sensor),
                              .slot = task.slot};
-    gradients = gradients_of(scene, state, task.gradients, pool);
+    gradients = gradients_of(scene, state, task.gradients, store.pool());
   }
   return {.aspect = std::move(closed.aspect),
           .deviation = std::move(closed.deviation),
@@ -176,7 +180,7 @@ Evaluation evaluate(SceneStore& store,
   BestFrames best(traced.defects);
   FlawlessFrames flawless;
   if (wanted.defects) {
-    flawless = flawless_frames(traced, tunnel, scene);
+    flawless = flawless_frames(store, result.traced, tunnel, scene);
   }
   const auto watch = [&](int index, const ImageF& grey) {
     if (index == 0 && has_fringes) {
@@ -195,14 +199,14 @@ Evaluation evaluate(SceneStore& store,
     slot = slot_margin(traced.seen(), traced.region, tunnel, traced.camera_in_world_mm);
     result.scores["view.slot_margin_mm"] = slot.margin_mm;
   }
-  Scan scan = scan_scene(traced,
+  Scan scan = scan_scene(store,
+                         result.traced,
                          tunnel,
                          scene,
                          {.needs_frames = needs_frames,
                           .watch = is_watching ? FrameConsumer(watch) : FrameConsumer(),
                           .slot = slot,
-                          .gradients = wanted.gradients},
-                         store.pool());
+                          .gradients = wanted.gradients});
   result.form = scan.form;
   result.gradients = std::move(scan.gradients);
   add_scores(

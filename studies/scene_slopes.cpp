@@ -231,13 +231,27 @@ class SceneGradients {
     const auto at = std::ranges::find(pose_paths_, path) - pose_paths_.begin();
     const auto index = static_cast<std::size_t>(at);
     const CornerRays& rays = scan_.traced.corners;
-    double sum = by_rays(
-        rays.corners, scan_.footprints.hits(), slopes.corners, poses_->corners[index], motion);
+    const auto all = static_cast<int>(rays.corners.weight.size());
+    double sum = by_rays(rays.corners,
+                         0,
+                         all,
+                         scan_.footprints.hits(),
+                         slopes.corners.from(0),
+                         poses_->corners[index],
+                         motion);
+    WallHits met;
     for (std::size_t g = 0; g < slopes.refined.size(); ++g) {
-      if (!slopes.refined[g].empty()) {
-        sum += by_rays(rays.refined[g].rays,
-                       meet_light(rays.refined[g].rays, scan_.footprints.tunnel()),
-                       slopes.refined[g],
+      const RefinedGroup& group = rays.refined[g];
+      const int count = (group.cells_per_axis + 1) * (group.cells_per_axis + 1);
+      for (std::size_t i = 0; i < slopes.refined[g].pixels.size(); ++i) {
+        const std::size_t first = slopes.refined[g].pixels[i] * static_cast<std::size_t>(count);
+        meet_light(
+            group.rays, scan_.footprints.tunnel(), static_cast<std::int64_t>(first), count, met);
+        sum += by_rays(group.rays,
+                       first,
+                       count,
+                       met,
+                       slopes.refined[g].by_hits.from(i * static_cast<std::size_t>(count)),
                        poses_->refined[g][index],
                        motion);
       }
@@ -245,21 +259,24 @@ class SceneGradients {
     return sum;
   }
 
+  /// Of rays [first, first + count); hits and slopes begin with the first of them.
   static double by_rays(const RayCache& rays,
+                        std::size_t first,
+                        int count,
                         const WallHits& hits,
-                        const SlopesByHits& slopes,
+                        const HitSlopes& slopes,
                         const RayDerivative& d,
                         const WallMotion& motion) {
     return motion.slope_by_rays(
-        rays.block(0, static_cast<int>(rays.weight.size())),
-        {.origin_x = d.origin_x.data(),
-         .origin_y = d.origin_y.data(),
-         .origin_z = d.origin_z.data(),
-         .direction_x = d.direction_x.data(),
-         .direction_y = d.direction_y.data(),
-         .direction_z = d.direction_z.data()},
+        rays.block(static_cast<std::int64_t>(first), count),
+        {.origin_x = d.origin_x.data() + first,
+         .origin_y = d.origin_y.data() + first,
+         .origin_z = d.origin_z.data() + first,
+         .direction_x = d.direction_x.data() + first,
+         .direction_y = d.direction_y.data() + first,
+         .direction_z = d.direction_z.data() + first},
         {.x_mm = hits.x_mm.data(), .y_mm = hits.y_mm.data(), .margin_mm = hits.margin_mm.data()},
-        slopes.from(0));
+        slopes);
   }
 
   void trace_poses() {

@@ -39,10 +39,13 @@ constexpr double kBoxVariance = 1.0 / 12.0;
 /// Noise may shift the mean by this much where it is cut off.
 constexpr double kLargestBias = 1e-4;
 
-bool has_scatter(const ClippedMean& table) {
-  constexpr float kNone = 1e-7F;
-  return table.dark_deviation() > 0.0 ||
-         std::ranges::any_of(table.deviations(), [](float d) { return d > kNone; });
+/// The deviations of a table as pieces that look_up() takes, straight between the nodes.
+std::vector<float> pieces_of(const std::vector<float>& nodes) {
+  std::vector<float> pieces;
+  for (std::size_t i = 0; i + 1 < nodes.size(); ++i) {
+    pieces.insert(pieces.end(), {nodes[i], nodes[i + 1] - nodes[i], 0.0F, 0.0F});
+  }
+  return pieces;
 }
 
 int count_of(const Mask& mask) {
@@ -153,11 +156,50 @@ ScanPlan with_same_pixels(const ScanPlan& plan,
                           const Sensor& sensor) {
   ScanPlan same = plan;
   if (plan.form.kind == ScanForm::Kind::kTable) {
+    same.table = std::make_shared<const ClippedMean>(
+        sensor.settings(), stripes_of(footprints.positions(), plan.reflectance));
     Mask unused(same.width.width(), same.width.height());
     find_widths(footprints, sensor.blur_variance_px2() + kBoxVariance, same.width, unused);
   }
   return same;
 }
+
+namespace {
+
+/// The pixels that T(w) gives, and those that need frames.
+void sort_pixels(const Footprints& footprints,
+                 const Sensor& sensor,
+                 const Mask& is_linear,
+                 const Mask& region,
+                 const Mask& watched,
+                 ScanPlan& plan) {
+  const SensorSettings& settings = sensor.settings();
+  const double gain = std::max(1.0, settings.gain * settings.exposure * plan.reflectance);
+  const int reach = sensor.blur_reach_px(kSmallestTail / gain);
+  const std::vector<unsigned char> is_even =
+      even_widths(*plan.table, kLargestPhaseShare * footprints.positions().even_phases());
+  constexpr auto kPerUnit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest);
+  // Bends are looked for where the neighbours' phases mean something.
+  Mask other = where(footprints, Footprints::State::kPlain);
+  const Mask beside_other = dilated(other, 1);
+  for (std::size_t i = 0; i < other.size(); ++i) {
+    const int is_bent = (is_linear.values()[i] ^ 1) & (beside_other.values()[i] ^ 1);
+    other.values()[i] = static_cast<unsigned char>(other.values()[i] | is_bent);
+  }
+  const Mask near_other = dilated(other, reach);
+  const Mask near_light = dilated(where(footprints, Footprints::State::kDark), reach);
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    const float place = std::min(plan.width.values()[i] * kPerUnit,
+                                 static_cast<float>(ClippedMean::kIntervals - 1));
+    const int is_wanted = region.values()[i] & (watched.values()[i] ^ 1);
+    const int is_table = (near_other.values()[i] ^ 1) & is_even[static_cast<std::size_t>(place)];
+    const int is_frame = is_wanted & (is_table ^ 1) & near_light.values()[i];
+    plan.by_table.values()[i] = static_cast<unsigned char>(is_wanted & is_table);
+    plan.by_frames.values()[i] = static_cast<unsigned char>(plan.by_frames.values()[i] | is_frame);
+  }
+}
+
+}  // namespace
 
 ScanPlan plan_scan(const Footprints& footprints,
                    const Sensor& sensor,
@@ -165,6 +207,7 @@ ScanPlan plan_scan(const Footprints& footprints,
                    const Mask& watched,
                    double reflectance) {
   ScanPlan plan;
+  plan.reflectance = reflectance;
   plan.form.kind = form_of(footprints.positions(), sensor.settings(), reflectance);
   plan.by_table = Mask(region.width(), region.height());
   plan.by_frames = watched;
@@ -178,31 +221,9 @@ ScanPlan plan_scan(const Footprints& footprints,
     plan.width = ImageF(region.width(), region.height());
     Mask is_linear(region.width(), region.height());
     find_widths(footprints, sensor.blur_variance_px2() + kBoxVariance, plan.width, is_linear);
-    const SensorSettings& settings = sensor.settings();
-    const double gain = std::max(1.0, settings.gain * settings.exposure * reflectance);
-    const int reach = sensor.blur_reach_px(kSmallestTail / gain);
-    const ClippedMean table(sensor.settings(), stripes_of(footprints.positions(), reflectance));
-    const std::vector<unsigned char> is_even =
-        even_widths(table, kLargestPhaseShare * footprints.positions().even_phases());
-    constexpr auto kPerUnit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest);
-    Mask bent(region.width(), region.height());
-    for (std::size_t i = 0; i < region.size(); ++i) {
-      bent.values()[i] = is_linear.values()[i] == 0 ? 1 : 0;
-    }
-    const Mask near_bend = dilated(bent, reach);
-    const Mask near_other = dilated(where(footprints, Footprints::State::kPlain), reach);
-    const Mask near_light = dilated(where(footprints, Footprints::State::kDark), reach);
-    for (std::size_t i = 0; i < region.size(); ++i) {
-      const bool is_wanted = region.values()[i] != 0 && watched.values()[i] == 0;
-      const float place = std::min(plan.width.values()[i] * kPerUnit,
-                                   static_cast<float>(ClippedMean::kIntervals - 1));
-      const bool is_table = near_other.values()[i] == 0 && near_bend.values()[i] == 0 &&
-                            is_even[static_cast<std::size_t>(place)] != 0;
-      plan.by_table.values()[i] = is_wanted && is_table ? 1 : 0;
-      if (is_wanted && !is_table && near_light.values()[i] != 0) {
-        plan.by_frames.values()[i] = 1;
-      }
-    }
+    plan.table = std::make_shared<const ClippedMean>(
+        sensor.settings(), stripes_of(footprints.positions(), reflectance));
+    sort_pixels(footprints, sensor, is_linear, region, watched, plan);
   }
   plan.form.frame_pixels = count_of(plan.by_frames);
   plan.form.table_pixels = count_of(plan.by_table);
@@ -246,10 +267,7 @@ ScanSums sum_frames(const Footprints& footprints,
 }
 
 /// The exposed mean radiance: for a linear sensor the mean of the exposed frames.
-void expose_mean(const Footprints& footprints,
-                 const Sensor& sensor,
-                 double reflectance,
-                 ClosedScan& result) {
+void expose_mean(const Footprints& footprints, const Sensor& sensor, ClosedScan& result) {
   const Spans all = whole_image(result.aspect.width(), result.aspect.height());
   ImageF mean(result.aspect.width(), result.aspect.height());
   FootprintFrames(footprints, all).render_mean(mean);
@@ -259,8 +277,7 @@ void expose_mean(const Footprints& footprints,
   quiet.full_well_e = quiet.read_noise_e = quiet.dark_e = 0.0;
   quiet.bits = 0;
   Sensor(quiet, mean.width(), mean.height()).expose(mean, 0, result.aspect);
-  const ClippedMean table(sensor.settings(), stripes_of(footprints.positions(), reflectance));
-  if (!has_scatter(table)) {
+  if (sensor.settings().full_well_e == 0.0) {
     return;
   }
   const int frames = footprints.positions().frames();
@@ -279,24 +296,21 @@ void expose_mean(const Footprints& footprints,
 
 void look_up_means(const ScanPlan& plan, const ClippedMean& table, ClosedScan& result) {
   const int width = result.aspect.width();
-  const bool is_scattered = has_scatter(table);
   const auto per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest);
-  if (is_scattered) {
-    result.deviation = ImageF(width, result.aspect.height());
-  }
+  const std::vector<float> deviations = pieces_of(table.deviations());
+  const auto dark_level = static_cast<float>(table.dark_level());
+  const auto dark_deviation = static_cast<float>(table.dark_deviation());
+  result.deviation = ImageF(width, result.aspect.height());
   for (int y = 0; y < result.aspect.height(); ++y) {
     const float* w = plan.width.row(y);
     const unsigned char* by_table = plan.by_table.row(y);
     float* row = result.aspect.row(y);
+    float* deviation = result.deviation.row(y);
     kernels::look_up(w, width, table.coefficients().data(), ClippedMean::kIntervals, per_unit, row);
+    kernels::look_up(w, width, deviations.data(), ClippedMean::kIntervals, per_unit, deviation);
     for (int x = 0; x < width; ++x) {
-      row[x] = by_table[x] != 0 ? row[x] : static_cast<float>(table.dark_level());
-    }
-    if (is_scattered) {
-      for (int x = 0; x < width; ++x) {
-        result.deviation(x, y) = static_cast<float>(
-            by_table[x] != 0 ? table.deviation(static_cast<double>(w[x])) : table.dark_deviation());
-      }
+      row[x] = by_table[x] != 0 ? row[x] : dark_level;
+      deviation[x] = by_table[x] != 0 ? deviation[x] : dark_deviation;
     }
     if (table.blind_from() < ClippedMean::kWidest) {
       for (int x = 0; x < width; ++x) {
@@ -312,7 +326,6 @@ void look_up_means(const ScanPlan& plan, const ClippedMean& table, ClosedScan& r
 ClosedScan scan_closed(const Footprints& footprints,
                        const Sensor& sensor,
                        const ScanPlan& plan,
-                       double reflectance,
                        const FrameConsumer& consume) {
   const int width = footprints.rays().width_px;
   const int height = footprints.rays().height_px;
@@ -320,11 +333,10 @@ ClosedScan scan_closed(const Footprints& footprints,
                        .clipped_frames = Image<std::uint16_t>(width, height),
                        .form = plan.form};
   if (plan.form.kind == ScanForm::Kind::kFloors) {
-    expose_mean(footprints, sensor, reflectance, result);
+    expose_mean(footprints, sensor, result);
   }
   if (plan.form.kind == ScanForm::Kind::kTable) {
-    const ClippedMean table(sensor.settings(), stripes_of(footprints.positions(), reflectance));
-    look_up_means(plan, table, result);
+    look_up_means(plan, *plan.table, result);
   }
   const Spans wanted = spans_of(plan.by_frames);
   if (wanted.empty()) {

@@ -11,6 +11,7 @@
 //   frames  neither: stripes that do not complete a period, an uneven light
 #pragma once
 
+#include <memory>
 #include <string_view>
 
 #include "core/image.h"
@@ -53,6 +54,8 @@ struct ScanPlan {
   Mask by_table;   ///< from T(w)
   Mask by_frames;  ///< and the watched pixels
   ImageF width;    ///< w of T(w) [periods], where by_table
+  double reflectance = 1.0;
+  std::shared_ptr<const ClippedMean> table;  ///< T; empty where it is not used
 };
 
 /// @param region       pixels whose mean is wanted
@@ -68,7 +71,6 @@ ScanPlan plan_scan(const Footprints& footprints,
 ClosedScan scan_closed(const Footprints& footprints,
                        const Sensor& sensor,
                        const ScanPlan& plan,
-                       double reflectance,
                        const FrameConsumer& consume = {});
 
 /// All frames of a scan, integrated; the whole picture.

@@ -12,7 +12,7 @@ namespace glint {
 namespace {
 
 constexpr int kBridge_px = 8;
-constexpr int kFramesAtOnce = 8;
+constexpr int kFramesAtOnce = 2;
 
 /// The sensor up to its gain: blur only.
 SensorSettings blur_only(double blur_px) {
@@ -277,12 +277,13 @@ class FrameSlopes {
   void add_refined(const RefinedGroup& group,
                    std::size_t pixel,
                    std::size_t index,
-                   SlopesByHits& by_hits) {
+                   RefinedSlopes& slopes) {
     const auto n = static_cast<std::size_t>(group.cells_per_axis);
     const std::size_t first = pixel * (n + 1) * (n + 1);
-    if (by_hits.empty()) {
-      by_hits.resize(group.rays.weight.size());
-    }
+    const std::size_t offset = slopes.pixels.size() * (n + 1) * (n + 1);
+    SlopesByHits& by_hits = slopes.by_hits;
+    slopes.pixels.push_back(pixel);
+    by_hits.resize(offset + (n + 1) * (n + 1));
     meet_light(group.rays,
                footprints_.tunnel(),
                static_cast<std::int64_t>(first),
@@ -298,11 +299,11 @@ class FrameSlopes {
       add_cell(hits_,
                group.rays.weight.data() + first,
                {at, at + 1, at + n + 1, at + n + 2},
-               first,
+               offset,
                1.0 / static_cast<double>(n * n),
                by_hits);
     }
-    cells_.finish(weights_, CellAdder{by_hits, first});
+    cells_.finish(weights_, CellAdder{by_hits, offset});
     slopes_.held_pixels += cells_.has_held ? 1 : 0;
   }
 
@@ -370,7 +371,6 @@ void add_frame_slopes(const Footprints& footprints,
   ImageF more(has_blur ? width : 1, has_blur ? height : 1);
   ImageF less = more;
   ImageF by_blurred(width, height);
-  ScanSums unused(width, height);
   for (int k = 0; k < total; ++k) {
     const int slot = k % kFramesAtOnce;
     if (slot == 0) {
@@ -378,10 +378,10 @@ void add_frame_slopes(const Footprints& footprints,
       frames.render(k, radiance);
     }
     const ImageF& frame = radiance[static_cast<std::size_t>(slot)];
-    blur.accumulate(frame, k, wanted, unused, &blurred);
+    blur.expose(frame, k, wanted, blurred);
     if (has_blur) {
-      wider.accumulate(frame, k, wanted, unused, &more);
-      narrower.accumulate(frame, k, wanted, unused, &less);
+      wider.expose(frame, k, wanted, more);
+      narrower.expose(frame, k, wanted, less);
     }
     for (const RowSpan& span : wanted) {
       for (int x = span.begin; x < span.end; ++x) {

@@ -7,11 +7,10 @@
 #include "core/error.h"
 #include "simulator/render/cell_slopes.h"
 #include "simulator/render/frame_slopes.h"
+#include "simulator/render/slope_kernels.h"
 
 namespace glint {
 namespace {
-
-namespace kernels = footprint_kernels;
 
 /// Relative steps of the settings between the two tables of a difference.
 constexpr double kTableStep = 1e-4;
@@ -60,11 +59,20 @@ class TableSlopes {
       : footprints_(footprints),
         sensor_(sensor),
         plan_(plan),
-        by_aspect_(by_aspect),
         slopes_(slopes),
+        weight_(by_aspect),
         width_(by_aspect.width()) {
-    for (auto* row : {&v_, &gx_, &gy_, &looked_up_, &weight_}) {
-      row->resize(static_cast<std::size_t>(width_));
+    for (int y = 0; y < weight_.height(); ++y) {
+      const unsigned char* by_table = plan.by_table.row(y);
+      float* weight = weight_.row(y);
+      bool has_any = false;
+      for (int x = 0; x < width_; ++x) {
+        weight[x] = by_table[x] != 0 ? weight[x] : 0.0F;
+        has_any |= weight[x] != 0.0F;
+      }
+      if (has_any) {
+        rows_.push_back(y);
+      }
     }
   }
 
@@ -72,83 +80,49 @@ class TableSlopes {
   void add_widths(const ClippedMean& table) {
     const std::vector<float> coefficients = width_slope(table);
     const double variance = sensor_.blur_variance_px2() + 1.0 / 12.0;
-    double by_variance = 0.0;
-    double by_period = 0.0;
-    for (int y = 0; y < by_aspect_.height(); ++y) {
-      if (!load_weights(y)) {
-        continue;
-      }
-      footprints_.phases(y, {.v = v_.data(), .gx = gx_.data(), .gy = gy_.data()});
-      look_up(y, coefficients);
-      for (std::size_t x = 0; x < weight_.size(); ++x) {
-        const float w = plan_.width.row(y)[x];
-        const float by_width = weight_[x] * looked_up_[x];
-        const float factor = w > 0.0F ? by_width * static_cast<float>(variance) / w : 0.0F;
-        const float by_gx = factor * gx_[x];
-        const float by_gy = factor * gy_[x];
-        const float squared = by_gx * gx_[x] + by_gy * gy_[x];
-        by_variance += static_cast<double>(squared);
-        gx_[x] = by_gx;
-        gy_[x] = by_gy;
-      }
-      scatter(y);
+    const double per_period = 1.0 / footprints_.positions().period_mm;
+    const auto corner_width = static_cast<std::size_t>(width_) + 1;
+    std::vector<float> v(static_cast<std::size_t>(width_)), gx(v), gy(v), by_gx(v), by_gy(v);
+    double by_gradient = 0.0;  // sum of slopes times gx and gy
+    for (const int y : rows_) {
+      footprints_.phases(y, {.v = v.data(), .gx = gx.data(), .gy = gy.data()});
+      by_gradient += slope_kernels::width_slopes(plan_.width.row(y),
+                                                 gx.data(),
+                                                 gy.data(),
+                                                 weight_.row(y),
+                                                 width_,
+                                                 pieces(coefficients),
+                                                 static_cast<float>(variance),
+                                                 by_gx.data(),
+                                                 by_gy.data());
+      float* top = slopes_.corners.x.data() + static_cast<std::size_t>(y) * corner_width;
+      slope_kernels::add_to_corners(by_gx.data(),
+                                    by_gy.data(),
+                                    width_,
+                                    static_cast<float>(0.5 * per_period),
+                                    top,
+                                    top + corner_width);
     }
-    // w^2 = variance (gx^2 + gy^2): the sums are by_w w = sum of by_w variance |g|^2 / w.
-    by_period = -by_variance / footprints_.positions().period_mm;
-    slopes_.period_mm += by_period;
-    by_variance /= 2.0 * variance;
-    slopes_.blur_px += by_variance * variance_slope();
+    // gx and gy go with 1 / period, and w with the root of the variance.
+    slopes_.period_mm -= by_gradient * per_period;
+    slopes_.blur_px += by_gradient / (2.0 * variance) * variance_slope();
   }
 
   /// Sum of slopes times what a table of another quantity has.
-  double weighted(const std::vector<float>& coefficients) {
+  double weighted(const std::vector<float>& coefficients) const {
     double sum = 0.0;
-    for (int y = 0; y < by_aspect_.height(); ++y) {
-      if (load_weights(y)) {
-        look_up(y, coefficients);
-        for (std::size_t x = 0; x < weight_.size(); ++x) {
-          sum += static_cast<double>(weight_[x] * looked_up_[x]);
-        }
-      }
+    for (const int y : rows_) {
+      sum += slope_kernels::weighted_look_up(
+          plan_.width.row(y), weight_.row(y), width_, pieces(coefficients));
     }
     return sum;
   }
 
  private:
-  bool load_weights(int y) {
-    const unsigned char* by_table = plan_.by_table.row(y);
-    const float* by_aspect = by_aspect_.row(y);
-    bool has_any = false;
-    for (std::size_t x = 0; x < weight_.size(); ++x) {
-      weight_[x] = by_table[x] != 0 ? by_aspect[x] : 0.0F;
-      has_any |= weight_[x] != 0.0F;
-    }
-    return has_any;
-  }
-
-  void look_up(int y, const std::vector<float>& coefficients) {
-    kernels::look_up(plan_.width.row(y),
-                     width_,
-                     coefficients.data(),
-                     ClippedMean::kIntervals,
-                     static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest),
-                     looked_up_.data());
-  }
-
-  /// Slopes by gx and gy to the corners.
-  void scatter(int y) {
-    const auto corner_width = static_cast<std::size_t>(width_) + 1;
-    float* top = slopes_.corners.x.data() + static_cast<std::size_t>(y) * corner_width;
-    float* bottom = top + corner_width;
-    const auto half = static_cast<float>(0.5 / footprints_.positions().period_mm);
-    for (std::size_t x = 0; x < gx_.size(); ++x) {
-      top[x] -= half * (gx_[x] + gy_[x]);
-      bottom[x] += half * (gy_[x] - gx_[x]);
-    }
-    for (std::size_t x = 0; x < gx_.size(); ++x) {
-      top[x + 1] += half * (gx_[x] - gy_[x]);
-      bottom[x + 1] += half * (gx_[x] + gy_[x]);
-    }
+  static slope_kernels::Pieces pieces(const std::vector<float>& coefficients) {
+    return {.coefficients = coefficients.data(),
+            .count = ClippedMean::kIntervals,
+            .per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest)};
   }
 
   double variance_slope() const {
@@ -168,10 +142,10 @@ class TableSlopes {
   const Footprints& footprints_;
   const Sensor& sensor_;
   const ScanPlan& plan_;
-  const ImageF& by_aspect_;
   ScanSlopes& slopes_;
+  ImageF weight_;  ///< slope by the aspect image where it is from the table, else 0
   int width_;
-  std::vector<float> v_, gx_, gy_, looked_up_, weight_;
+  std::vector<int> rows_;  ///< with any weight
 };
 
 void add_table(const Footprints& footprints,
@@ -209,14 +183,17 @@ void ScanSlopes::collect(const Footprints& footprints, WallMotion& motion) const
       rays.block(0, static_cast<int>(rays.weight.size())),
       {.x_mm = hits.x_mm.data(), .y_mm = hits.y_mm.data(), .margin_mm = hits.margin_mm.data()},
       corners.from(0));
+  WallHits met;
   for (std::size_t g = 0; g < refined.size(); ++g) {
-    if (!refined[g].empty()) {
-      const RayCache& group = footprints.rays().refined[g].rays;
-      const WallHits met = meet_light(group, footprints.tunnel());
+    const RefinedGroup& group = footprints.rays().refined[g];
+    const int count = (group.cells_per_axis + 1) * (group.cells_per_axis + 1);
+    for (std::size_t i = 0; i < refined[g].pixels.size(); ++i) {
+      const auto first = static_cast<std::int64_t>(refined[g].pixels[i]) * count;
+      meet_light(group.rays, footprints.tunnel(), first, count, met);
       motion.collect(
-          group.block(0, static_cast<int>(group.weight.size())),
+          group.rays.block(first, count),
           {.x_mm = met.x_mm.data(), .y_mm = met.y_mm.data(), .margin_mm = met.margin_mm.data()},
-          refined[g].from(0));
+          refined[g].by_hits.from(i * static_cast<std::size_t>(count)));
     }
   }
 }
@@ -251,8 +228,8 @@ ScanSlopes slopes_of_scan(const Footprints& footprints,
       by_x += static_cast<double>(x);
     }
   }
-  for (const SlopesByHits& hits : slopes.refined) {
-    for (const float x : hits.x) {
+  for (const RefinedSlopes& group : slopes.refined) {
+    for (const float x : group.by_hits.x) {
       by_x += static_cast<double>(x);
     }
   }

@@ -31,12 +31,18 @@ struct SlopesByHits {
   }
 };
 
+/// Slopes by the rays of some pixels of a RefinedGroup.
+struct RefinedSlopes {
+  std::vector<std::size_t> pixels;  ///< indices in the group
+  SlopesByHits by_hits;             ///< (n + 1)^2 rays of each
+};
+
 struct ScanSlopes {
-  SlopesByHits corners;               ///< of CornerRays::corners
-  std::vector<SlopesByHits> refined;  ///< of each group; empty where nothing depends on it
-  double period_mm = 0.0;             ///< [1 / mm]
-  double offset_mm = 0.0;             ///< [1 / mm]
-  double slot_mm = 0.0;               ///< [1 / mm] of the slot's width
+  SlopesByHits corners;                ///< of CornerRays::corners
+  std::vector<RefinedSlopes> refined;  ///< of each group
+  double period_mm = 0.0;              ///< [1 / mm]
+  double offset_mm = 0.0;              ///< [1 / mm]
+  double slot_mm = 0.0;                ///< [1 / mm] of the slot's width
   double duty = 0.0;
   double dark = 0.0;  ///< by the radiance of dark stripes
   double gain = 0.0;

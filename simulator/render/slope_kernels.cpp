@@ -91,6 +91,148 @@ GLINT_WIDE static void add_slopes(const float* __restrict v,
   }
 }
 
+namespace {
+
+constexpr int kLanes = 16;
+
+inline __attribute__((always_inline)) float piece_at(float w,
+                                                     const float* coefficients,
+                                                     int pieces,
+                                                     float per_unit) {
+  const float place = w * per_unit;
+  const auto last = static_cast<float>(pieces);
+  const float at = place < last ? place : last;
+  const int whole = static_cast<int>(at);
+  const int piece = whole < pieces ? whole : pieces - 1;
+  const float s = at - static_cast<float>(piece);
+  const float* c = coefficients + 4 * piece;
+  return c[0] + s * (c[1] + s * (c[2] + s * c[3]));
+}
+
+GLINT_WIDE void multiply_look_up(const float* __restrict w,
+                                 const float* __restrict weight,
+                                 int count,
+                                 const float* __restrict coefficients,
+                                 int pieces,
+                                 float per_unit,
+                                 float* __restrict products) {
+  for (int i = 0; i < count; ++i) {
+    products[i] = weight[i] * piece_at(w[i], coefficients, pieces, per_unit);
+  }
+}
+
+GLINT_WIDE void slopes_of_widths(const float* __restrict w,
+                                 const float* __restrict gx,
+                                 const float* __restrict gy,
+                                 float variance_px2,
+                                 int count,
+                                 float* __restrict by_gx,
+                                 float* __restrict by_gy) {
+  for (int i = 0; i < count; ++i) {
+    const float by_width = by_gx[i];
+    const float factor = w[i] > 0.0F ? by_width * variance_px2 / w[i] : 0.0F;
+    by_gx[i] = factor * gx[i];
+    by_gy[i] = factor * gy[i];
+  }
+}
+
+/// Over lanes that are added at the end: the same bits for any instruction set.
+GLINT_WIDE double sum_of(const float* __restrict values, int count) {
+  float lanes[kLanes] = {};
+  int i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      lanes[lane] += values[i + lane];
+    }
+  }
+  double sum = 0.0;
+  for (; i < count; ++i) {
+    sum += static_cast<double>(values[i]);
+  }
+  for (const float lane : lanes) {
+    sum += static_cast<double>(lane);
+  }
+  return sum;
+}
+
+GLINT_WIDE double sum_of_products(const float* __restrict a, const float* __restrict b, int count) {
+  float lanes[kLanes] = {};
+  int i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      lanes[lane] += a[i + lane] * b[i + lane];
+    }
+  }
+  double sum = 0.0;
+  for (; i < count; ++i) {
+    sum += static_cast<double>(a[i] * b[i]);
+  }
+  for (const float lane : lanes) {
+    sum += static_cast<double>(lane);
+  }
+  return sum;
+}
+
+GLINT_WIDE void add_left_corners(const float* __restrict by_gx,
+                                 const float* __restrict by_gy,
+                                 int count,
+                                 float half,
+                                 float* __restrict top,
+                                 float* __restrict bottom) {
+  for (int i = 0; i < count; ++i) {
+    top[i] -= half * (by_gx[i] + by_gy[i]);
+    bottom[i] += half * (by_gy[i] - by_gx[i]);
+  }
+}
+
+GLINT_WIDE void add_right_corners(const float* __restrict by_gx,
+                                  const float* __restrict by_gy,
+                                  int count,
+                                  float half,
+                                  float* __restrict top,
+                                  float* __restrict bottom) {
+  for (int i = 0; i < count; ++i) {
+    top[i] += half * (by_gx[i] - by_gy[i]);
+    bottom[i] += half * (by_gx[i] + by_gy[i]);
+  }
+}
+
+constexpr int kTile = 1024;
+
+}  // namespace
+
+double weighted_look_up(const float* w, const float* weight, int count, const Pieces& table) {
+  float products[kTile];
+  double sum = 0.0;
+  for (int begin = 0; begin < count; begin += kTile) {
+    const int size = count - begin < kTile ? count - begin : kTile;
+    multiply_look_up(
+        w + begin, weight + begin, size, table.coefficients, table.count, table.per_unit, products);
+    sum += sum_of(products, size);
+  }
+  return sum;
+}
+
+double width_slopes(const float* w,
+                    const float* gx,
+                    const float* gy,
+                    const float* weight,
+                    int count,
+                    const Pieces& slope,
+                    float variance_px2,
+                    float* by_gx,
+                    float* by_gy) {
+  multiply_look_up(w, weight, count, slope.coefficients, slope.count, slope.per_unit, by_gx);
+  slopes_of_widths(w, gx, gy, variance_px2, count, by_gx, by_gy);
+  return sum_of_products(by_gx, gx, count) + sum_of_products(by_gy, gy, count);
+}
+
+void add_to_corners(
+    const float* by_gx, const float* by_gy, int count, float half, float* top, float* bottom) {
+  add_left_corners(by_gx, by_gy, count, half, top, bottom);
+  add_right_corners(by_gx, by_gy, count, half, top + 1, bottom + 1);
+}
+
 void add_box_slopes(const float* v,
                     const float* gx,
                     const float* gy,

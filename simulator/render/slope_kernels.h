@@ -29,6 +29,33 @@ void add_box_slopes(const float* v,
                     float duty,
                     const BoxSlopes& out);
 
+/// A table of cubic pieces, as look_up() of footprint_kernels.h takes it.
+struct Pieces {
+  const float* coefficients = nullptr;
+  int count = 0;
+  float per_unit = 1.0F;
+};
+
+/// weight[i] * table(w[i]), summed.
+double weighted_look_up(const float* w, const float* weight, int count, const Pieces& table);
+
+/// Slopes by gx and gy of pixels whose value is a table's at w = sqrt(variance (gx^2 + gy^2)).
+/// @param slope  the table's derivative by w
+/// @return the sum of by_gx gx + by_gy gy
+double width_slopes(const float* w,
+                    const float* gx,
+                    const float* gy,
+                    const float* weight,
+                    int count,
+                    const Pieces& slope,
+                    float variance_px2,
+                    float* by_gx,
+                    float* by_gy);
+
+/// Slopes by gx and gy of a row of pixels to those by its corners, times `half`.
+void add_to_corners(
+    const float* by_gx, const float* by_gy, int count, float half, float* top, float* bottom);
+
 /// Weighted sums over frames at a vertex: of the square wave less its mean, its first and second
 /// integral, and the second integral's derivative by the duty.
 struct VertexSums {

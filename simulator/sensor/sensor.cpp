@@ -268,7 +268,14 @@ void Sensor::expose(const ImageF& radiance, int frame_index, ImageF& frame) cons
   if (frame.width() != width_px_ || frame.height() != height_px_) {
     frame = ImageF(width_px_, height_px_);
   }
-  for_each_span(radiance, frame_index, whole_, [&](const RowSpan& span, const float* grey) {
+  expose(radiance, frame_index, whole_, frame);
+}
+
+void Sensor::expose(const ImageF& radiance,
+                    int frame_index,
+                    const Spans& where,
+                    ImageF& frame) const {
+  for_each_span(radiance, frame_index, where, [&](const RowSpan& span, const float* grey) {
     std::copy_n(grey, span.size(), frame.row(span.y) + span.begin);
   });
 }

@@ -67,6 +67,10 @@ class Sensor {
   /// @param frame     grey values in [0, 1]; resized when it has another size
   void expose(const ImageF& radiance, int frame_index, ImageF& frame) const;
 
+  /// The same for some pixels only: equal bytes there, all others are left alone. The radiance must
+  /// be known up to blur_radius_px() around them, and the frame have the picture's size.
+  void expose(const ImageF& radiance, int frame_index, const Spans& where, ImageF& frame) const;
+
   /// The same frame, added to the sums in one sweep over memory; also kept when `frame` is given.
   /// Float sums round: for the same bytes, add the frames in the same order.
   void accumulate(const ImageF& radiance,

@@ -150,7 +150,7 @@ Homogeneity closed_homogeneity(const SceneSettings& settings, ScanForm* form = n
   const Mask none(scene.corners.width_px, scene.corners.height_px);
   const double reflectance = settings.render.reflectance;
   const ScanPlan plan = plan_scan(footprints, sensor, scene.region, none, reflectance);
-  const ClosedScan scan = scan_closed(footprints, sensor, plan, reflectance);
+  const ClosedScan scan = scan_closed(footprints, sensor, plan);
   if (form != nullptr) {
     *form = scan.form;
   }

@@ -47,7 +47,7 @@ FormComparison compare_forms(const std::string& name,
   const Mask none(rays.width_px, rays.height_px);
   const double reflectance = scene.render.reflectance;
   const ScanPlan plan = plan_scan(footprints, sensor, traced.region, none, reflectance);
-  const ClosedScan closed = scan_closed(footprints, sensor, plan, reflectance);
+  const ClosedScan closed = scan_closed(footprints, sensor, plan);
   const ScanResult full = scan_integrated(footprints, sensor);
   FormComparison found;
   found.name = name;

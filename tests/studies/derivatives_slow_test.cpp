@@ -76,7 +76,7 @@ std::vector<SceneSettings> slope_parts() {
 }
 
 double away_from_quarters(Rng& rng) {
-  const double quarters = std::floor(rng.uniform(2.0, 7.999));
+  const double quarters = std::floor(rng.uniform(3.0, 7.999));
   return 0.25 * (quarters + rng.uniform(0.15, 0.85));
 }
 
@@ -208,7 +208,7 @@ class HeldScores {
         footprints_(traced.corners, tunnel_, scene.scan, traced.camera_in_world_mm),
         plan_(plan_scan(
             footprints_, sensor_, traced.region, traced.watched, scene.render.reflectance)),
-        closed_(scan_closed(footprints_, sensor_, plan_, scene.render.reflectance)) {}
+        closed_(scan_closed(footprints_, sensor_, plan_)) {}
 
   const ScanPlan& plan() const { return plan_; }
 
@@ -252,7 +252,7 @@ class HeldScores {
     const Sensor sensor(scene.sensor, rays.width_px, rays.height_px);
     const Footprints footprints(rays, tunnel, scene.scan, camera_mm);
     const ScanPlan plan = with_same_pixels(plan_, footprints, sensor);
-    const ClosedScan scan = scan_closed(footprints, sensor, plan, scene.render.reflectance);
+    const ClosedScan scan = scan_closed(footprints, sensor, plan);
     const Homogeneity h = homogeneity(scan.aspect, {}, scene.scan.positions, traced_.region);
     const auto defects = defect_scores(scan.aspect, traced_.defects, kSigmaFloor);
     return {h.h_rms, h.mean, summarise(defects).min_cnr};

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The searches of the gallery, each as its README tells it. Slow.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "optimizer/storage.h"
 #include "studies/run.h"
 #include "tests/studies/gallery_support.h"
 
@@ -70,6 +73,73 @@ TEST(GallerySearch, FindsATunnelForThePartOfTheGallery) {
   const Json result = expect_winner("my_part");
   const double found = result.at("rescored").at("best").at("homogeneity.h_rms").get<double>();
   EXPECT_GT(found, best_prototype(result, "homogeneity.h_rms") + 0.1);
+}
+
+/// Best feasible objective after each evaluation; 0 before the first feasible one.
+std::vector<double> best_so_far(const std::string& name, const std::vector<KeyValue>& sets = {}) {
+  const auto out =
+      std::filesystem::temp_directory_path() / fmt::format("glint_curve_{}", ::getpid());
+  std::filesystem::remove_all(out);
+  const Study study = load_study(gallery::folder_of(name) / "study.toml", sets);
+  run_study(study, {.out = out, .threads = 2, .jobs = 2, .progress = Progress::Style::kNone});
+  std::vector<double> curve;
+  double best = 0.0;
+  for (const Trial& trial : Storage::read(out / "study.sqlite").trials(TrialKind::kSearch)) {
+    if (!trial.outcome) {
+      continue;  // asked within the last batch, beyond the budget
+    }
+    if (!trial.outcome->is_failed && is_feasible(study.goal, trial.outcome->scores)) {
+      best = std::max(best, trial.outcome->scores.at(study.goal.objective.name));
+    }
+    curve.push_back(best);
+  }
+  std::filesystem::remove_all(out);
+  return curve;
+}
+
+/// Evaluations until the curve is there; 0: never.
+int evaluations_to(const std::vector<double>& curve, double goal) {
+  const auto there = std::ranges::lower_bound(curve, goal);
+  return there == curve.end() ? 0 : static_cast<int>(there - curve.begin()) + 1;
+}
+
+/// The gallery's own rows about a search: its best and how many evaluations it needed.
+void expect_search(const std::string& search, const std::vector<double>& curve, double goal) {
+  const gallery::ExpectedScores expected = gallery::read_expected("gradient_tunnel");
+  const gallery::Expected best = expected.at(search + ".homogeneity.h_rms");
+  EXPECT_NEAR(curve.back(), best.value, best.tolerance) << search;
+  const auto needed = expected.find(search + ".evaluations");
+  if (needed == expected.end()) {
+    EXPECT_EQ(evaluations_to(curve, goal), 0) << search;
+  } else {
+    EXPECT_NEAR(evaluations_to(curve, goal), needed->second.value, needed->second.tolerance)
+        << search;
+  }
+}
+
+TEST(GallerySearch, FindsTheTunnelByItsGradient) {
+  const Json result = expect_winner("gradient_tunnel");
+  EXPECT_GE(result.at("best").at("scores").at("view.slot_margin_mm").get<double>(), 0.0);
+}
+
+TEST(GallerySearch, NeedsFarFewerEvaluationsWithDerivatives) {
+  const std::vector<double> by_trial = best_so_far("tunnel_shape");
+  ASSERT_EQ(by_trial.size(), 300);
+  const double goal = by_trial.back() - 0.001;  // 0.1 point
+  const std::vector<double> by_gradient = best_so_far("gradient_tunnel");
+  EXPECT_GT(evaluations_to(by_gradient, goal), 0);
+  EXPECT_LE(4 * evaluations_to(by_gradient, goal), evaluations_to(by_trial, goal));
+  expect_search("sbplx", by_trial, goal);
+  expect_search("slsqp", by_gradient, goal);
+  expect_search("mma", best_so_far("gradient_tunnel", {{"search.algorithm", "mma"}}), goal);
+  expect_search("lbfgs", best_so_far("gradient_tunnel", {{"search.algorithm", "lbfgs"}}), goal);
+}
+
+// The edge of the slot is a cliff that no derivative tells.
+TEST(GallerySearch, StopsAtTheSlotsEdgeWithoutTheLimitOnTheView) {
+  const std::vector<double> curve =
+      best_so_far("gradient_tunnel", {{"constraints.\"view.slot_margin_mm\".min", "-100"}});
+  expect_search("no_slot_limit", curve, 0.8);
 }
 
 }  // namespace

@@ -2,10 +2,15 @@
 //
 // Baseline, prototypes and variants of the gallery's studies, evaluated once each; the searches are
 // in gallery_search_test.cpp.
+#include <algorithm>
+#include <array>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "studies/evaluation.h"
+#include "studies/run.h"
 #include "tests/studies/gallery_support.h"
 
 namespace glint {
@@ -34,10 +39,14 @@ int compare(const ExpectedScores& expected, const std::string& design, const Sco
   return compared;
 }
 
-int count_but_winners(const ExpectedScores& expected) {
+/// Rows that need no search; those are in gallery_search_test.cpp.
+int count_but_searches(const ExpectedScores& expected) {
   int count = 0;
   for (const auto& [name, row] : expected) {
-    count += name.starts_with("winner") ? 0 : 1;
+    const bool is_of_search =
+        std::ranges::any_of(std::array{"winner", "sbplx.", "slsqp.", "mma.", "lbfgs.", "no_slot_"},
+                            [&, key = name](const char* begin) { return key.starts_with(begin); });
+    count += is_of_search ? 0 : 1;
   }
   return count;
 }
@@ -47,7 +56,8 @@ Scores scores_of(SceneStore& store, const std::string& study, const Variant& var
       .scores;
 }
 
-/// Evaluates everything but the winner, and wants each row of expected.json to have been met.
+/// Evaluates everything but what searches find, and wants each row of expected.json to have been
+/// met.
 void expect_promised_scores(const std::string& name, const std::vector<Variant>& variants) {
   ThreadPool pool(2);
   SceneStore store(pool);
@@ -61,7 +71,7 @@ void expect_promised_scores(const std::string& name, const std::vector<Variant>&
   for (const Variant& variant : variants) {
     compared += compare(expected, variant.design, scores_of(store, name, variant));
   }
-  EXPECT_EQ(compared, count_but_winners(expected)) << "expected.json names an unknown design";
+  EXPECT_EQ(compared, count_but_searches(expected)) << "expected.json names an unknown design";
 }
 
 void expect_printed_numbers(const std::string& name, std::size_t at_least) {
@@ -159,6 +169,30 @@ TEST(GalleryTunnelShape, SemicylinderIsMoreEvenThanFlatPanels) {
   EXPECT_NEAR(flat.at("homogeneity.h_abs"), 0.856, 0.005);
 }
 
+TEST(GalleryGradientTunnel, ScoresAreThePromisedOnes) {
+  expect_promised_scores("gradient_tunnel", {});
+}
+
+TEST(GalleryGradientTunnel, ReadmePrintsTheExpectedNumbers) {
+  expect_printed_numbers("gradient_tunnel", 18);
+}
+
+// The same scene and search space, so that both searches can be compared.
+TEST(GalleryGradientTunnel, DiffersFromTunnelShapeInSearchAndSlotLimitAlone) {
+  const Study plain = load_study(gallery::folder_of("tunnel_shape") / "study.toml", {});
+  const Study gradient = load_study(gallery::folder_of("gradient_tunnel") / "study.toml", {});
+  EXPECT_EQ(to_toml(write_scene(gradient.scene)), to_toml(write_scene(plain.scene)));
+  ASSERT_EQ(gradient.space.variables.size(), plain.space.variables.size());
+  for (std::size_t i = 0; i < plain.space.variables.size(); ++i) {
+    EXPECT_EQ(gradient.space.variables[i].name, plain.space.variables[i].name);
+    EXPECT_EQ(gradient.space.variables[i].low, plain.space.variables[i].low);
+    EXPECT_EQ(gradient.space.variables[i].high, plain.space.variables[i].high);
+  }
+  EXPECT_EQ(gradient.goal.objective.name, plain.goal.objective.name);
+  ASSERT_EQ(gradient.goal.constraints.size(), plain.goal.constraints.size() + 1);
+  EXPECT_EQ(gradient.goal.constraints.back().name, "view.slot_margin_mm");
+}
+
 TEST(GalleryFringeDesign, ScoresAreThePromisedOnes) {
   expect_promised_scores("fringe_design", {});
 }
@@ -193,6 +227,65 @@ TEST(GalleryMyPart, ReadmePrintsTheExpectedNumbers) {
   expect_printed_numbers("my_part", 20);
 }
 
+/// What a run of a gallery study leaves in its folder, at half the resolution.
+struct SmallRun {
+  explicit SmallRun(const std::string& study, std::vector<KeyValue> sets = {}) {
+    sets.insert(sets.end(),
+                {{"camera.width_px", "650"},
+                 {"camera.height_px", "150"},
+                 {"camera.object_pixel_mm", "0.3"},
+                 {"budget.evaluations", "3"}});
+    std::filesystem::remove_all(folder);
+    run_study(load_study(gallery::folder_of(study) / "study.toml", sets),
+              {.out = folder, .progress = Progress::Style::kNone});
+  }
+
+  ~SmallRun() { std::filesystem::remove_all(folder); }
+
+  SmallRun(const SmallRun&) = delete;
+  SmallRun& operator=(const SmallRun&) = delete;
+
+  nlohmann::json read(const std::string& file) const {
+    return nlohmann::json::parse(read_file(folder / file));
+  }
+
+  std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / fmt::format("glint_small_{}", ::getpid());
+};
+
+TEST(GalleryRun, SaysHowEachDesignWasRendered) {
+  const SmallRun run("tunnel_shape");
+  for (const std::string design : {"baseline", "flat", "winner"}) {
+    const nlohmann::json scores = run.read(design + "/scores.json");
+    const nlohmann::json& rendering = scores.at("rendering");
+    EXPECT_EQ(rendering.at("frames"), "integrated");
+    EXPECT_EQ(rendering.at("search_form"), "table");
+    EXPECT_GT(rendering.at("table_pixels"), 0);
+    EXPECT_GT(rendering.at("frame_pixels"), 0);
+    EXPECT_LT(std::abs(rendering.at("h_rms_difference_points").get<double>()), 1.0);
+    EXPECT_THAT(scores.at("notes").dump(), HasSubstr("from a closed form"));
+  }
+  EXPECT_EQ(run.read("run.json").at("derivatives").size(), 0);
+}
+
+TEST(GalleryRun, SaysThatThePlainWayWasTaken) {
+  const SmallRun run("tunnel_shape", {{"render.method", "sampled"}});
+  EXPECT_EQ(run.read("baseline/scores.json").at("rendering"),
+            nlohmann::json({{"frames", "sampled"}}));
+}
+
+TEST(GalleryRun, NamesWhatItsDerivativesLeaveOut) {
+  const SmallRun run("gradient_tunnel");
+  const nlohmann::json remarks = run.read("run.json").at("derivatives");
+  ASSERT_GE(remarks.size(), 1);
+  EXPECT_THAT(remarks.dump(), HasSubstr("are held (3 of 3 evaluations)"));
+  const std::string report = read_file(run.folder / "report.html");
+  const std::string line = "what is left out: " + remarks[0].get<std::string>();
+  const std::size_t first = report.find(line);
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_EQ(report.find(line, first + 1), std::string::npos);
+}
+
 /// "92.0 %" or, with decimals, "0.65".
 std::string printed(const std::string& study, const std::string& name, int decimals = -1) {
   const double value = gallery::read_expected(study).at(name).value;
@@ -217,6 +310,10 @@ TEST(GalleryPage, PrintsTheExpectedNumbers) {
               HasSubstr(printed("fringe_design", "winner.lighting.tunnel.period_mm", 1) + " mm"));
   for (const char* name : {"baseline.homogeneity.h_rms", "winner.homogeneity.h_rms"}) {
     EXPECT_THAT(page, HasSubstr(printed("my_part", name))) << name;
+  }
+  for (const char* name : {"slsqp", "sbplx"}) {
+    const std::string needed = printed("gradient_tunnel", name + std::string(".evaluations"), 0);
+    EXPECT_THAT(page, HasSubstr(needed + " evaluations")) << name;
   }
 }
 

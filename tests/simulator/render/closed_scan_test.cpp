@@ -98,7 +98,7 @@ struct BothScans {
   }
 
   ClosedScan closed(const FrameConsumer& consume = {}) const {
-    return scan_closed(footprints, sensor, plan, 1.0, consume);
+    return scan_closed(footprints, sensor, plan, consume);
   }
 
   ScanResult full(const FrameConsumer& consume = {}) const {

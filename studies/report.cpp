@@ -24,8 +24,8 @@ bool ends_with_any(std::string_view text, std::initializer_list<std::string_view
   return std::ranges::any_of(ends, [&](std::string_view end) { return text.ends_with(end); });
 }
 
-/// "homogeneity.h_rms" -> "h (rms)", "defects.cnr_min" -> "smallest CNR", others by their last
-/// word.
+/// "homogeneity.h_rms" -> "h (rms)", "defects.cnr_min" -> "smallest CNR",
+/// "view.slot_margin_mm" -> "slot margin (mm)", others by their last word.
 std::string default_label(const std::string& score) {
   const std::vector<std::string> parts = split(score, '.');
   std::string label = parts.back();
@@ -35,6 +35,11 @@ std::string default_label(const std::string& score) {
   for (const auto& [end, word] : {std::pair{"_min", "smallest "}, {"_max", "largest "}}) {
     if (label.ends_with(end)) {
       label = word + label.substr(0, label.size() - 4);
+    }
+  }
+  for (const std::string_view unit : {"_mm", "_px"}) {
+    if (label.ends_with(unit)) {
+      label = fmt::format("{} ({})", label.substr(0, label.size() - unit.size()), unit.substr(1));
     }
   }
   std::ranges::replace(label, '_', ' ');

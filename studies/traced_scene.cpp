@@ -418,7 +418,7 @@ std::size_t SceneStore::kept_bytes() const {
   for (const MetWall& wall : walls_) {
     bytes += wall.value ? wall.value->bytes() : 0;
   }
-  return bytes;
+  return bytes + revolved_bytes();
 }
 
 /// Old scenes go, and with each of them its walls; half of the limit is left to walls.
@@ -434,11 +434,21 @@ void SceneStore::drop_beyond_limit() {
   }
   traced_.resize(kept);
   const std::scoped_lock lock(walls_mutex_);
-  std::erase_if(walls_, [&](const MetWall& wall) {
-    return std::ranges::none_of(traced_, [traced = wall.traced.lock()](const auto& entry) {
+  const auto is_dropped = [&](const auto& made_for) {
+    return std::ranges::none_of(traced_, [traced = made_for.traced.lock()](const auto& entry) {
       return entry.value == traced;
     });
-  });
+  };
+  std::erase_if(walls_, is_dropped);
+  std::erase_if(revolved_, is_dropped);
+}
+
+std::size_t SceneStore::revolved_bytes() const {
+  std::size_t bytes = 0;
+  for (const Revolved& entry : revolved_) {
+    bytes += entry.value ? entry.value->bytes() : 0;
+  }
+  return bytes;
 }
 
 std::shared_ptr<const WallView> SceneStore::meet(const std::shared_ptr<const TracedScene>& traced,
@@ -460,12 +470,18 @@ std::shared_ptr<const WallView> SceneStore::meet(const std::shared_ptr<const Tra
       }
     }
   }
-  auto view = std::make_shared<const WallView>(rays, tunnel, traced->camera_in_world_mm);
+  const std::shared_ptr<const RevolvedRays> ready =
+      is_revolved(tunnel.settings()) ? revolved(traced, rays, tunnel.settings().base_mm) : nullptr;
+  auto view = std::make_shared<const WallView>(
+      ready ? meet_revolved(*ready, tunnel) : meet_light(rays.corners, tunnel),
+      rays,
+      tunnel,
+      traced->camera_in_world_mm);
   ++num_met_;
   const std::scoped_lock lock(walls_mutex_);
   std::erase_if(walls_, is_wanted);
   walls_.push_front({key, &rays, traced, was_asked_for ? view : nullptr});
-  std::size_t bytes = 0;
+  std::size_t bytes = revolved_bytes();
   std::size_t kept = 0;
   for (const MetWall& wall : walls_) {
     bytes += wall.value ? wall.value->bytes() : 0;
@@ -476,6 +492,31 @@ std::shared_ptr<const WallView> SceneStore::meet(const std::shared_ptr<const Tra
   }
   walls_.resize(kept);
   return view;
+}
+
+std::shared_ptr<const RevolvedRays> SceneStore::revolved(
+    const std::shared_ptr<const TracedScene>& traced, const CornerRays& rays, double base_mm) {
+  constexpr std::size_t kKeptRevolved = 16;  // a picture and its defects' windows
+  const std::scoped_lock lock(walls_mutex_);
+  const auto found = std::ranges::find_if(revolved_, [&](const Revolved& entry) {
+    return entry.rays == &rays && entry.base_mm == base_mm && entry.traced.lock() == traced;
+  });
+  if (found == revolved_.end()) {
+    revolved_.push_front({&rays, base_mm, traced, nullptr});
+    if (revolved_.size() > kKeptRevolved) {
+      revolved_.pop_back();
+    }
+    return nullptr;
+  }
+  revolved_.splice(revolved_.begin(), revolved_, found);
+  if (!revolved_.front().value) {
+    auto ready = std::make_shared<const RevolvedRays>(revolve(rays.corners, base_mm));
+    if (revolved_bytes() + ready->bytes() > most_bytes_ / 4) {
+      return ready;  // used once, not kept
+    }
+    revolved_.front().value = std::move(ready);
+  }
+  return revolved_.front().value;
 }
 
 void check_part_in_tunnel(const BuiltPart& built,

@@ -19,6 +19,7 @@
 #include "metrics/roi.h"
 #include "simulator/render/corner_rays.h"
 #include "simulator/render/footprints.h"
+#include "simulator/render/revolved_rays.h"
 #include "studies/scene.h"
 
 namespace glint {
@@ -101,7 +102,22 @@ class SceneStore {
     std::shared_ptr<const WallView> value;    ///< empty: was asked for once
   };
 
+  /// Rays made ready for semicylinders about one base line.
+  struct Revolved {
+    const CornerRays* rays = nullptr;
+    double base_mm = 0.0;
+    std::weak_ptr<const TracedScene> traced;    ///< that the rays belong to
+    std::shared_ptr<const RevolvedRays> value;  ///< empty: was asked for once
+  };
+
   void drop_beyond_limit();
+
+  std::size_t revolved_bytes() const;  ///< walls_mutex_ must be held
+
+  /// The same for rays that meet a semicylinder; empty for the first request, which does without.
+  std::shared_ptr<const RevolvedRays> revolved(const std::shared_ptr<const TracedScene>& traced,
+                                               const CornerRays& rays,
+                                               double base_mm);
 
   /// @throws IoError when the file cannot be read, or is another one than at first
   void check_file(const std::filesystem::path& file);
@@ -113,6 +129,7 @@ class SceneStore {
   std::list<Entry<TracedScene>> traced_;        ///< most recently used first
   mutable std::mutex walls_mutex_;              ///< taken after mutex_ where both are
   std::list<MetWall> walls_;                    ///< most recently used first
+  std::list<Revolved> revolved_;                ///< most recently used first
   std::size_t most_bytes_ = 0;
   std::atomic<int> num_traced_ = 0;
   std::atomic<int> num_met_ = 0;

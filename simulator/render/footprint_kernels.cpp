@@ -468,4 +468,27 @@ GLINT_WIDE void modulate(const float* __restrict x_mm,
   }
 }
 
+GLINT_WIDE void meet_revolved(const RevolvedBlock& rays,
+                              int count,
+                              float radius_mm,
+                              float nowhere,
+                              float* __restrict x_mm,
+                              float* __restrict y_mm,
+                              float* __restrict z_mm) {
+  const float* __restrict a = rays.a_mm;
+  const float* __restrict m = rays.m;
+  const float* __restrict h = rays.h_mm;
+  const float* __restrict ey = rays.ey;
+  const float* __restrict ez = rays.ez;
+  const float squared_radius = radius_mm * radius_mm;
+  for (int i = 0; i < count; ++i) {
+    const float left = squared_radius - h[i] * h[i];
+    const bool is_met = (left > 0.0F) & (ey[i] * ey[i] + ez[i] * ez[i] > 0.0F);
+    const float s = std::sqrt(left > 0.0F ? left : 0.0F);
+    x_mm[i] = a[i] + m[i] * s;
+    y_mm[i] = h[i] * ez[i] + s * ey[i];
+    z_mm[i] = is_met ? s * ez[i] - h[i] * ey[i] : nowhere;
+  }
+}
+
 }  // namespace glint::footprint_kernels

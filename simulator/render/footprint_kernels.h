@@ -189,6 +189,24 @@ void sum_vertex_slopes(const double* v,
                        double duty,
                        double* out);
 
+/// Rays of revolved_rays.h.
+struct RevolvedBlock {
+  const float* a_mm = nullptr;
+  const float* m = nullptr;
+  const float* h_mm = nullptr;
+  const float* ey = nullptr;
+  const float* ez = nullptr;
+};
+
+/// Where they meet a cylinder; z counts from its axis and is `nowhere` for rays that do not.
+void meet_revolved(const RevolvedBlock& rays,
+                   int count,
+                   float radius_mm,
+                   float nowhere,
+                   float* x_mm,
+                   float* y_mm,
+                   float* z_mm);
+
 /// out *= (1 + ripple cos(2 pi u per_mm)) / (1 + ripple) * (1 - falloff (u / half_length)^2) with
 /// u = x - shift.
 struct Unevenness {

@@ -104,8 +104,13 @@ ScanPositions ScanPositions::mean_position() const {
 WallView::WallView(const CornerRays& rays,
                    const Tunnel& tunnel,
                    const Eigen::Vector3d& camera_in_world_mm)
-    : hits(meet_light(rays.corners, tunnel)),
-      hidden(hidden_pixels(rays, tunnel, camera_in_world_mm)) {}
+    : WallView(meet_light(rays.corners, tunnel), rays, tunnel, camera_in_world_mm) {}
+
+WallView::WallView(WallHits met,
+                   const CornerRays& rays,
+                   const Tunnel& tunnel,
+                   const Eigen::Vector3d& camera_in_world_mm)
+    : hits(std::move(met)), hidden(hidden_pixels(rays, tunnel, camera_in_world_mm)) {}
 
 std::size_t WallView::bytes() const {
   std::size_t floats = 0;

@@ -27,7 +27,8 @@ Json json_of(const TemporaryFolder& folder, Arguments arguments) {
 
 TEST(Help, OfEveryVerbShowsAnExample) {
   const TemporaryFolder folder;
-  for (const std::string verb : {"run", "check", "render", "report", "part", "explain", "new"}) {
+  for (const std::string verb :
+       {"run", "check", "render", "frontier", "report", "part", "explain", "new"}) {
     const ProgramResult help = glint_in(folder, {verb, "--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_EQ(help.err, "");
@@ -42,7 +43,8 @@ TEST(Help, OfTheProgramNamesTheVerbsAndItsVersion) {
   const TemporaryFolder folder;
   const ProgramResult help = glint_in(folder, {"--help"});
   EXPECT_EQ(help.code, 0);
-  for (const std::string verb : {"run", "check", "render", "report", "part", "explain", "new"}) {
+  for (const std::string verb :
+       {"run", "check", "render", "frontier", "report", "part", "explain", "new"}) {
     EXPECT_THAT(help.out, HasSubstr("\n  " + verb + " "));
   }
   const ProgramResult version = glint_in(folder, {"--version"});

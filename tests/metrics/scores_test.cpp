@@ -13,6 +13,7 @@ using ::testing::HasSubstr;
 TEST(Scores, CarryExactlyTheNamesThatAreListed) {
   Scores scores = {// what the rays of a scene tell, filled in by whoever traces them
                    {"view.hidden_share", 0.0},
+                   {"view.slot_margin_mm", 0.0},
                    {"rays.followed_share", 0.0},
                    {"rays.blocked_share", 0.0}};
   add_scores(scores, Homogeneity{});

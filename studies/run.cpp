@@ -300,7 +300,8 @@ class Run {
                        {"this_run_s", seconds_since(start_)},
                        {"replayed_evaluations", search.replayed},
                        {"reused_designs", search.reused},
-                       {"traced_scenes", store_.num_traced()}};
+                       {"traced_scenes", store_.num_traced()},
+                       {"retraced_scenes", store_.num_retraced()}};
     json["warnings"] = search.warnings;
     json["derivatives"] = derivative_remarks(storage);
     json["configuration"] = resolved_text(study_);

@@ -240,8 +240,10 @@ PinholeIntrinsics window_of(PinholeIntrinsics intrinsics, const DefectView& view
   return intrinsics;
 }
 
+/// @param bare  the camera's rays without defects; nullptr: not known
 void trace_camera(const SceneSettings& scene,
                   const PinholeCamera& camera,
+                  const CornerRays* bare,
                   ThreadPool& pool,
                   TracedScene& traced) {
   const BuiltPart& built = *traced.built;
@@ -253,6 +255,16 @@ void trace_camera(const SceneSettings& scene,
                              traced.camera_from_world,
                              scene.render,
                              pool);
+  } else if (bare != nullptr) {
+    traced.corners = retrace_detail(*bare,
+                                    built.part,
+                                    *built.bvh,
+                                    traced.detail,
+                                    camera,
+                                    traced.camera_from_world,
+                                    scene.render,
+                                    pool)
+                         .rays;
   } else {
     traced.corners = trace_corner_rays(built.part,
                                        *built.bvh,
@@ -297,6 +309,7 @@ SceneSettings as_traced(SceneSettings scene) {
 
 TracedScene trace_scene(const SceneSettings& scene,
                         std::shared_ptr<const BuiltPart> built,
+                        const CornerRays* bare,
                         ThreadPool& pool) {
   TracedScene traced;
   traced.built = std::move(built);
@@ -315,7 +328,7 @@ TracedScene trace_scene(const SceneSettings& scene,
   }
   const PinholeCamera camera(intrinsics_of(scene.camera));
   traced.detail = detail_of(scene, *traced.built);
-  trace_camera(scene, camera, pool, traced);
+  trace_camera(scene, camera, bare, pool, traced);
   const SeenPart& seen = traced.seen();
   traced.views = view_defects(
       traced.detail, seen, camera, traced.camera_from_world, scene.metrics.ring_outer_radii);
@@ -385,11 +398,46 @@ std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& wanted
   if (known && known->built == built) {
     return known;
   }
-  auto traced = std::make_shared<const TracedScene>(trace_scene(scene, std::move(built), pool_));
+  const std::shared_ptr<const CornerRays> bare = bare_rays(scene, *built);
+  auto traced =
+      std::make_shared<const TracedScene>(trace_scene(scene, std::move(built), bare.get(), pool_));
   ++num_traced_;
+  num_retraced_ += bare ? 1 : 0;
   traced_.push_front({key, traced});
   drop_beyond_limit();
   return traced;
+}
+
+/// From the second set of defects for one camera on, the rays without any are worth having.
+std::shared_ptr<const CornerRays> SceneStore::bare_rays(const SceneSettings& scene,
+                                                        const BuiltPart& built) {
+  if (scene.render.method == RenderSettings::Method::kSampled || scene.defects.empty()) {
+    return nullptr;
+  }
+  SceneSettings bare = scene;
+  bare.defects.clear();
+  bare.metrics = {};
+  const std::string key = trace_key(bare);
+  if (bare_key_ != key) {
+    bare_key_ = key;
+    bare_.reset();
+    return nullptr;
+  }
+  if (!bare_) {
+    auto rays = std::make_shared<const CornerRays>(
+        trace_corner_rays(built.part,
+                          *built.bvh,
+                          {},
+                          PinholeCamera(intrinsics_of(scene.camera)),
+                          camera_from_world(scene.viewpoint),
+                          scene.render,
+                          pool_));
+    if (bytes_of(*rays) > most_bytes_ / 8) {
+      return nullptr;
+    }
+    bare_ = std::move(rays);
+  }
+  return bare_;
 }
 
 std::size_t bytes_of(const TracedScene& traced) {
@@ -413,6 +461,7 @@ std::size_t SceneStore::kept_bytes() const {
     for (const auto& entry : traced_) {
       bytes += bytes_of(*entry.value);
     }
+    bytes += bare_ ? bytes_of(*bare_) : 0;
   }
   const std::scoped_lock lock(walls_mutex_);
   for (const MetWall& wall : walls_) {
@@ -423,7 +472,7 @@ std::size_t SceneStore::kept_bytes() const {
 
 /// Old scenes go, and with each of them its walls; half of the limit is left to walls.
 void SceneStore::drop_beyond_limit() {
-  std::size_t bytes = 0;
+  std::size_t bytes = bare_ ? bytes_of(*bare_) : 0;
   std::size_t kept = 0;
   for (const auto& entry : traced_) {
     bytes += bytes_of(*entry.value);

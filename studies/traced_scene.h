@@ -84,6 +84,9 @@ class SceneStore {
 
   int num_traced() const { return num_traced_; }  ///< how often rays were traced
 
+  /// How often of these only the rays around the defects were.
+  int num_retraced() const { return num_retraced_; }
+
   int num_met() const { return num_met_; }  ///< how often a wall was met
 
   std::size_t kept_bytes() const;
@@ -112,6 +115,9 @@ class SceneStore {
 
   void drop_beyond_limit();
 
+  /// The camera's rays without defects, if the last scene had the same camera; else empty.
+  std::shared_ptr<const CornerRays> bare_rays(const SceneSettings& scene, const BuiltPart& built);
+
   std::size_t revolved_bytes() const;  ///< walls_mutex_ must be held
 
   /// The same for rays that meet a semicylinder; empty for the first request, which does without.
@@ -127,11 +133,14 @@ class SceneStore {
   std::map<std::string, std::string> digests_;  ///< of part files, by path
   std::list<Entry<BuiltPart>> parts_;           ///< most recently used first
   std::list<Entry<TracedScene>> traced_;        ///< most recently used first
+  std::string bare_key_;                        ///< of the last camera that was traced
+  std::shared_ptr<const CornerRays> bare_;      ///< its rays without defects
   mutable std::mutex walls_mutex_;              ///< taken after mutex_ where both are
   std::list<MetWall> walls_;                    ///< most recently used first
   std::list<Revolved> revolved_;                ///< most recently used first
   std::size_t most_bytes_ = 0;
   std::atomic<int> num_traced_ = 0;
+  std::atomic<int> num_retraced_ = 0;
   std::atomic<int> num_met_ = 0;
 };
 

@@ -85,6 +85,34 @@ TEST(SceneStore, KeepsNoMoreThanItsLimit) {
   EXPECT_EQ(tiny.num_traced(), 1);
 }
 
+// Defects that move: the first two scenes tell that the camera stays, then only their surroundings
+// are traced, with the same bytes.
+TEST(SceneStore, TracesOnlyAroundDefectsThatChange) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  SceneSettings scene = stored_scene();
+  scene.defects = {{"dent", {.x_mm = {0.0}, .y_mm = {0.0}, .height_mm = -4e-3}}};
+  store.trace(scene);
+  EXPECT_EQ(store.num_retraced(), 0);
+  for (const double x_mm : {1.0, 2.0}) {
+    scene.defects[0].second.x_mm = {x_mm};
+    const auto retraced = store.trace(scene);
+    SceneStore fresh(pool);
+    const auto traced = fresh.trace(scene);
+    EXPECT_EQ(retraced->corners.corners.direction_x, traced->corners.corners.direction_x);
+    EXPECT_EQ(retraced->corners.coverage, traced->corners.coverage);
+    ASSERT_EQ(retraced->corners.refined.size(), traced->corners.refined.size());
+    for (std::size_t g = 0; g < traced->corners.refined.size(); ++g) {
+      EXPECT_EQ(retraced->corners.refined[g].pixels, traced->corners.refined[g].pixels);
+      EXPECT_EQ(retraced->corners.refined[g].rays.direction_y,
+                traced->corners.refined[g].rays.direction_y);
+    }
+    EXPECT_EQ(retraced->counts().part, traced->counts().part);
+  }
+  EXPECT_EQ(store.num_traced(), 3);
+  EXPECT_EQ(store.num_retraced(), 2);
+}
+
 TEST(SceneStore, TracesAgainForEveryTableThatTracingDependsOn) {
   ThreadPool pool(1);
   SceneStore store(pool);

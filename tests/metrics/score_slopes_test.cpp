@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "metrics/score_slopes.h"
+
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/rng.h"
+#include "metrics/homogeneity.h"
+
+namespace glint {
+namespace {
+
+constexpr int kSlopesSide = 48;
+constexpr double kSlopesFloor = 1e-3;
+
+/// Two dents on an uneven ground, one bright and one dark.
+struct TwoDents {
+  ImageF aspect{kSlopesSide, kSlopesSide};
+  Mask region{kSlopesSide, kSlopesSide, 1};
+  std::vector<DefectPixels> defects;
+
+  TwoDents() {
+    const std::vector<DefectView> views = {
+        disc_view("dent_1", 12.0, 12.0, 2.0, kSlopesSide, kSlopesSide),
+        disc_view("dent_2", 35.0, 34.0, 2.0, kSlopesSide, kSlopesSide)};
+    defects = defect_pixels(views, region);
+    for (std::size_t i = 0; i < aspect.size(); ++i) {
+      Rng rng(107, Stream::kTest, i);
+      aspect.values()[i] = static_cast<float>(rng.uniform(0.3, 0.5));
+      region.values()[i] = rng.uniform() < 0.8 ? 1 : 0;
+    }
+    for (const std::size_t pixel : defects[0].inside) {
+      aspect.values()[pixel] += 0.3F;
+    }
+    for (const std::size_t pixel : defects[1].inside) {
+      aspect.values()[pixel] -= 0.2F;
+    }
+  }
+
+  double score(const std::string& name, const ImageF& image) const {
+    const Homogeneity h = homogeneity(image, {}, 24, region);
+    const std::vector<DefectScores> all = defect_scores(image, defects, kSlopesFloor);
+    const DefectSummary worst = summarise(all);
+    return name == "homogeneity.h_rms"      ? h.h_rms
+           : name == "homogeneity.h_abs"    ? h.h_abs
+           : name == "homogeneity.mean"     ? h.mean
+           : name == "defects.min_cnr"      ? worst.min_cnr
+           : name == "defects.min_weber"    ? worst.min_weber
+           : name == "defects.mean_weber"   ? worst.mean_weber
+           : name == "defects.dent_1.cnr"   ? all[0].cnr
+           : name == "defects.dent_2.cnr"   ? all[1].cnr
+           : name == "defects.dent_1.weber" ? all[0].weber
+                                            : all[1].weber;
+  }
+};
+
+const std::vector<std::string>& slope_names() {
+  static const std::vector<std::string> names = {"homogeneity.h_rms",
+                                                 "homogeneity.h_abs",
+                                                 "homogeneity.mean",
+                                                 "defects.min_cnr",
+                                                 "defects.min_weber",
+                                                 "defects.mean_weber",
+                                                 "defects.dent_1.cnr",
+                                                 "defects.dent_2.cnr",
+                                                 "defects.dent_1.weber",
+                                                 "defects.dent_2.weber"};
+  return names;
+}
+
+// Every pixel is moved by 1e-3 up and down. Rounding the images to float leaves 1e-7 / 1e-3 of the
+// slope by a pixel, and the second order 1e-6.
+TEST(SlopesByAspect, AgreeWithDifferencesByEveryPixel) {
+  const TwoDents scene;
+  for (const std::string& name : slope_names()) {
+    const auto slopes =
+        slopes_by_aspect(name, {scene.aspect, scene.region, scene.defects, kSlopesFloor});
+    ASSERT_TRUE(slopes) << name;
+    double largest = 0.0;
+    double worst = 0.0;
+    for (std::size_t i = 0; i < scene.aspect.size(); ++i) {
+      constexpr float kStep = 1e-3F;
+      ImageF high = scene.aspect;
+      ImageF low = scene.aspect;
+      high.values()[i] += kStep;
+      low.values()[i] -= kStep;
+      const double width =
+          static_cast<double>(high.values()[i]) - static_cast<double>(low.values()[i]);
+      const double expected = (scene.score(name, high) - scene.score(name, low)) / width;
+      largest = std::max(largest, std::abs(expected));
+      // |f - mu| has a kink: pixels that the step takes across the mean are off by their own share.
+      const bool crosses = name == "homogeneity.h_abs" &&
+                           std::abs(static_cast<double>(scene.aspect.values()[i]) -
+                                    scene.score("homogeneity.mean", scene.aspect)) < 2e-3;
+      if (!crosses) {
+        worst = std::max(worst, std::abs(static_cast<double>(slopes->values()[i]) - expected));
+      }
+    }
+    EXPECT_GT(largest, 0.0) << name;
+    EXPECT_LT(worst, 1e-3 * largest) << name;
+  }
+}
+
+// Two pixels f = 0.4, 0.6: mu = 0.5, sigma = 0.1. d mean = 1/2 each. d h_rms by f_i =
+// (sigma / mu^2 - (f_i - mu) / (sigma mu)) / 2 = (0.4 + 2) / 2 = 1.2 and (0.4 - 2) / 2 = -0.8.
+TEST(SlopesByAspect, MatchTwoHandWorkedPixels) {
+  ImageF aspect(2, 1);
+  aspect(0, 0) = 0.4F;
+  aspect(1, 0) = 0.6F;
+  const Mask region(2, 1, 1);
+  const auto h = slopes_by_aspect("homogeneity.h_rms", {aspect, region, {}, 0.1}).value();
+  EXPECT_NEAR(static_cast<double>(h(0, 0)), 1.2, 1e-5);
+  EXPECT_NEAR(static_cast<double>(h(1, 0)), -0.8, 1e-5);
+  const auto mean = slopes_by_aspect("homogeneity.mean", {aspect, region, {}, 0.1}).value();
+  EXPECT_FLOAT_EQ(mean(0, 0), 0.5F);
+}
+
+TEST(SlopesByAspect, TheSmallestIsThatOfTheDefectAtFault) {
+  const TwoDents scene;
+  const ScoredImage image = {scene.aspect, scene.region, scene.defects, kSlopesFloor};
+  const std::string worst = scene.score("defects.dent_1.cnr", scene.aspect) <
+                                    scene.score("defects.dent_2.cnr", scene.aspect)
+                                ? "defects.dent_1.cnr"
+                                : "defects.dent_2.cnr";
+  EXPECT_EQ(slopes_by_aspect("defects.min_cnr", image)->values(),
+            slopes_by_aspect(worst, image)->values());
+}
+
+TEST(SlopesByAspect, StepsAndPercentilesHaveNone) {
+  const TwoDents scene;
+  const ScoredImage image = {scene.aspect, scene.region, scene.defects, kSlopesFloor};
+  for (const char* name : {"homogeneity.robust",
+                           "homogeneity.clipped_share",
+                           "defects.min_dprime",
+                           "view.hidden_share"}) {
+    EXPECT_FALSE(slopes_by_aspect(name, image)) << name;
+    EXPECT_FALSE(has_slopes(name)) << name;
+  }
+  EXPECT_FALSE(slopes_by_aspect("defects.min_cnr", {scene.aspect, scene.region, {}, 0.1}));
+}
+
+}  // namespace
+}  // namespace glint

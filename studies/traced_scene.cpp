@@ -6,92 +6,12 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <unistd.h>
-
-#include "core/file.h"
-#include "core/text.h"
 
 namespace glint {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-constexpr std::size_t kKeptParts = 2;
-constexpr std::size_t kKeptScenes = 3;
-
-constexpr std::size_t kKeptWalls = 64;
-
-std::string part_key(PartSettings part) {
-  std::string key;
-  KeyDigest digest(key);
-  visit_keys(digest, part);
-  return key;
-}
-
-/// Of everything that tracing depends on.
-std::string trace_key(SceneSettings scene) {
-  std::string key = part_key(scene.part);
-  KeyDigest digest(key);
-  visit_keys(digest, scene.camera);
-  visit_keys(digest, scene.viewpoint);
-  visit_keys(digest, scene.render);
-  visit_keys(digest, scene.metrics);
-  for (auto& [name, group] : scene.defects) {
-    digest.text("name", name, "");
-    visit_keys(digest, group);
-  }
-  return key;
-}
-
-/// Of everything about a tunnel that its stripes leave alone.
-std::string wall_key(TunnelSettings tunnel) {
-  const TunnelSettings defaults;
-  tunnel.period_mm = defaults.period_mm;
-  tunnel.duty = defaults.duty;
-  tunnel.offset_mm = defaults.offset_mm;
-  tunnel.dark_reflectance = defaults.dark_reflectance;
-  tunnel.led_ripple = defaults.led_ripple;
-  tunnel.led_pitch_mm = defaults.led_pitch_mm;
-  tunnel.end_falloff = defaults.end_falloff;
-  std::string key;
-  KeyDigest digest(key);
-  visit_keys(digest, tunnel);
-  return key;
-}
-
-std::size_t bytes_of(const RayCache& rays) {
-  constexpr std::size_t kPerRay = 7 * sizeof(float);
-  constexpr std::size_t kPerPixel = 4 * sizeof(float);
-  return kPerRay * rays.weight.size() + kPerPixel * rays.coverage.size();
-}
-
-std::size_t bytes_of(const CornerRays& rays) {
-  constexpr std::size_t kPerPixel = 4 * sizeof(float) + sizeof(PixelKind);
-  std::size_t bytes = kPerPixel * rays.coverage.size() + bytes_of(rays.corners);
-  for (const RefinedGroup& group : rays.refined) {
-    bytes +=
-        sizeof(std::int32_t) * group.pixels.size() + bytes_of(group.rays) + group.is_smooth.size();
-  }
-  return bytes;
-}
-
-std::size_t machine_bytes() {
-  return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
-         static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));
-}
-
-/// Moves the entry of that key to the front; nullptr when there is none.
-template <class List>
-auto find_and_touch(List& list, const std::string& key) {
-  const auto found =
-      std::ranges::find_if(list, [&](const auto& entry) { return entry.key == key; });
-  if (found == list.end()) {
-    return decltype(found->value)();
-  }
-  list.splice(list.begin(), list, found);
-  return list.front().value;
-}
 
 /// Convex hull by Andrew's monotone chain, counter-clockwise.
 std::vector<Vector2d> convex_hull(std::vector<Vector2d> points) {
@@ -206,22 +126,6 @@ DefectView view_defect(const HeightFeature& feature,
   return view;
 }
 
-BuiltPart build_part_with_bvh(const PartSettings& settings) {
-  BuiltPart built;
-  built.part = build_part(settings);
-  built.bvh = std::make_unique<Bvh>(built.part.mesh);
-  std::vector<Vector2d> points;
-  built.min_x_mm = std::numeric_limits<double>::infinity();
-  built.max_x_mm = -built.min_x_mm;
-  for (const Vector3d& vertex : built.part.mesh.vertices_mm) {
-    points.emplace_back(vertex.y(), vertex.z());
-    built.min_x_mm = std::min(built.min_x_mm, vertex.x());
-    built.max_x_mm = std::max(built.max_x_mm, vertex.x());
-  }
-  built.outline_yz_mm = convex_hull(std::move(points));
-  return built;
-}
-
 SurfaceDetail detail_of(const SceneSettings& scene, const BuiltPart& built) {
   std::vector<HeightFeature> features;
   for (const auto& [name, group] : scene.defects) {
@@ -294,17 +198,22 @@ void trace_flawless_windows(const SceneSettings& scene,
   }
 }
 
-/// What of [render] tracing depends on.
-SceneSettings as_traced(SceneSettings scene) {
-  using Method = RenderSettings::Method;
-  const RenderSettings defaults;
-  if (scene.render.method == Method::kSampled) {
-    scene.render.max_direction_error_rad = defaults.max_direction_error_rad;
-  } else {
-    scene.render.method = Method::kIntegrated;
-    scene.render.rays_per_axis = defaults.rays_per_axis;
+}  // namespace
+
+BuiltPart build_part_with_bvh(const PartSettings& settings) {
+  BuiltPart built;
+  built.part = build_part(settings);
+  built.bvh = std::make_unique<Bvh>(built.part.mesh);
+  std::vector<Vector2d> points;
+  built.min_x_mm = std::numeric_limits<double>::infinity();
+  built.max_x_mm = -built.min_x_mm;
+  for (const Vector3d& vertex : built.part.mesh.vertices_mm) {
+    points.emplace_back(vertex.y(), vertex.z());
+    built.min_x_mm = std::min(built.min_x_mm, vertex.x());
+    built.max_x_mm = std::max(built.max_x_mm, vertex.x());
   }
-  return scene;
+  built.outline_yz_mm = convex_hull(std::move(points));
+  return built;
 }
 
 TracedScene trace_scene(const SceneSettings& scene,
@@ -347,8 +256,6 @@ TracedScene trace_scene(const SceneSettings& scene,
   return traced;
 }
 
-}  // namespace
-
 std::vector<DefectView> view_defects(const SurfaceDetail& detail,
                                      const SeenPart& seen,
                                      const PinholeCamera& camera,
@@ -359,213 +266,6 @@ std::vector<DefectView> view_defects(const SurfaceDetail& detail,
     views.push_back(view_defect(feature, seen, camera, camera_from_world, window_radii));
   }
   return views;
-}
-
-void SceneStore::check_file(const std::filesystem::path& file) {
-  if (file.empty()) {
-    return;
-  }
-  const std::string digest = sha256_hex(read_file(file));
-  const auto [known, is_new] = digests_.emplace(file.string(), digest);
-  if (!is_new && known->second != digest) {
-    throw IoError(file.string() +
-                  ": has changed while the study was running; start again in a new folder");
-  }
-}
-
-std::shared_ptr<const BuiltPart> SceneStore::build(const SceneSettings& scene) {
-  const std::string key = part_key(scene.part);
-  const std::scoped_lock lock(mutex_);
-  if (auto known = find_and_touch(parts_, key)) {
-    return known;
-  }
-  check_file(scene.part.file);
-  auto built = std::make_shared<const BuiltPart>(build_part_with_bvh(scene.part));
-  parts_.push_front({key, built});
-  if (parts_.size() > kKeptParts) {
-    parts_.pop_back();
-  }
-  return built;
-}
-
-std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& wanted) {
-  const SceneSettings scene = as_traced(wanted);
-  auto built = build(scene);
-  const std::string key = trace_key(scene);
-  // One scene at a time: tracing uses all threads of the pool anyway.
-  const std::scoped_lock lock(mutex_);
-  auto known = find_and_touch(traced_, key);
-  if (known && known->built == built) {
-    return known;
-  }
-  const std::shared_ptr<const CornerRays> bare = bare_rays(scene, *built);
-  auto traced =
-      std::make_shared<const TracedScene>(trace_scene(scene, std::move(built), bare.get(), pool_));
-  ++num_traced_;
-  num_retraced_ += bare ? 1 : 0;
-  traced_.push_front({key, traced});
-  drop_beyond_limit();
-  return traced;
-}
-
-/// From the second set of defects for one camera on, the rays without any are worth having.
-std::shared_ptr<const CornerRays> SceneStore::bare_rays(const SceneSettings& scene,
-                                                        const BuiltPart& built) {
-  if (scene.render.method == RenderSettings::Method::kSampled || scene.defects.empty()) {
-    return nullptr;
-  }
-  SceneSettings bare = scene;
-  bare.defects.clear();
-  bare.metrics = {};
-  const std::string key = trace_key(bare);
-  if (bare_key_ != key) {
-    bare_key_ = key;
-    bare_.reset();
-    return nullptr;
-  }
-  if (!bare_) {
-    auto rays = std::make_shared<const CornerRays>(
-        trace_corner_rays(built.part,
-                          *built.bvh,
-                          {},
-                          PinholeCamera(intrinsics_of(scene.camera)),
-                          camera_from_world(scene.viewpoint),
-                          scene.render,
-                          pool_));
-    if (bytes_of(*rays) > most_bytes_ / 8) {
-      return nullptr;
-    }
-    bare_ = std::move(rays);
-  }
-  return bare_;
-}
-
-std::size_t bytes_of(const TracedScene& traced) {
-  std::size_t bytes = bytes_of(traced.rays) + bytes_of(traced.corners);
-  for (const RayCache& rays : traced.flawless) {
-    bytes += bytes_of(rays);
-  }
-  for (const CornerRays& rays : traced.flawless_corners) {
-    bytes += bytes_of(rays);
-  }
-  return bytes;
-}
-
-SceneStore::SceneStore(ThreadPool& pool, std::size_t most_bytes)
-    : pool_(pool), most_bytes_(most_bytes > 0 ? most_bytes : machine_bytes() / 4) {}
-
-std::size_t SceneStore::kept_bytes() const {
-  std::size_t bytes = 0;
-  {
-    const std::scoped_lock lock(mutex_);
-    for (const auto& entry : traced_) {
-      bytes += bytes_of(*entry.value);
-    }
-    bytes += bare_ ? bytes_of(*bare_) : 0;
-  }
-  const std::scoped_lock lock(walls_mutex_);
-  for (const MetWall& wall : walls_) {
-    bytes += wall.value ? wall.value->bytes() : 0;
-  }
-  return bytes + revolved_bytes();
-}
-
-/// Old scenes go, and with each of them its walls; half of the limit is left to walls.
-void SceneStore::drop_beyond_limit() {
-  std::size_t bytes = bare_ ? bytes_of(*bare_) : 0;
-  std::size_t kept = 0;
-  for (const auto& entry : traced_) {
-    bytes += bytes_of(*entry.value);
-    if (kept > 0 && (kept == kKeptScenes || bytes > most_bytes_ / 2)) {
-      break;
-    }
-    ++kept;
-  }
-  traced_.resize(kept);
-  const std::scoped_lock lock(walls_mutex_);
-  const auto is_dropped = [&](const auto& made_for) {
-    return std::ranges::none_of(traced_, [traced = made_for.traced.lock()](const auto& entry) {
-      return entry.value == traced;
-    });
-  };
-  std::erase_if(walls_, is_dropped);
-  std::erase_if(revolved_, is_dropped);
-}
-
-std::size_t SceneStore::revolved_bytes() const {
-  std::size_t bytes = 0;
-  for (const Revolved& entry : revolved_) {
-    bytes += entry.value ? entry.value->bytes() : 0;
-  }
-  return bytes;
-}
-
-std::shared_ptr<const WallView> SceneStore::meet(const std::shared_ptr<const TracedScene>& traced,
-                                                 const CornerRays& rays,
-                                                 const Tunnel& tunnel) {
-  const std::string key = wall_key(tunnel.settings());
-  const auto is_wanted = [&](const MetWall& wall) {
-    return wall.rays == &rays && wall.key == key && wall.traced.lock() == traced;
-  };
-  bool was_asked_for = false;
-  {
-    const std::scoped_lock lock(walls_mutex_);
-    const auto found = std::ranges::find_if(walls_, is_wanted);
-    was_asked_for = found != walls_.end();
-    if (was_asked_for) {
-      walls_.splice(walls_.begin(), walls_, found);
-      if (walls_.front().value) {
-        return walls_.front().value;
-      }
-    }
-  }
-  const std::shared_ptr<const RevolvedRays> ready =
-      is_revolved(tunnel.settings()) ? revolved(traced, rays, tunnel.settings().base_mm) : nullptr;
-  auto view = std::make_shared<const WallView>(
-      ready ? meet_revolved(*ready, tunnel) : meet_light(rays.corners, tunnel),
-      rays,
-      tunnel,
-      traced->camera_in_world_mm);
-  ++num_met_;
-  const std::scoped_lock lock(walls_mutex_);
-  std::erase_if(walls_, is_wanted);
-  walls_.push_front({key, &rays, traced, was_asked_for ? view : nullptr});
-  std::size_t bytes = revolved_bytes();
-  std::size_t kept = 0;
-  for (const MetWall& wall : walls_) {
-    bytes += wall.value ? wall.value->bytes() : 0;
-    if (kept == kKeptWalls || bytes > most_bytes_ / 2) {
-      break;
-    }
-    ++kept;
-  }
-  walls_.resize(kept);
-  return view;
-}
-
-std::shared_ptr<const RevolvedRays> SceneStore::revolved(
-    const std::shared_ptr<const TracedScene>& traced, const CornerRays& rays, double base_mm) {
-  constexpr std::size_t kKeptRevolved = 16;  // a picture and its defects' windows
-  const std::scoped_lock lock(walls_mutex_);
-  const auto found = std::ranges::find_if(revolved_, [&](const Revolved& entry) {
-    return entry.rays == &rays && entry.base_mm == base_mm && entry.traced.lock() == traced;
-  });
-  if (found == revolved_.end()) {
-    revolved_.push_front({&rays, base_mm, traced, nullptr});
-    if (revolved_.size() > kKeptRevolved) {
-      revolved_.pop_back();
-    }
-    return nullptr;
-  }
-  revolved_.splice(revolved_.begin(), revolved_, found);
-  if (!revolved_.front().value) {
-    auto ready = std::make_shared<const RevolvedRays>(revolve(rays.corners, base_mm));
-    if (revolved_bytes() + ready->bytes() > most_bytes_ / 4) {
-      return ready;  // used once, not kept
-    }
-    revolved_.front().value = std::move(ready);
-  }
-  return revolved_.front().value;
 }
 
 void check_part_in_tunnel(const BuiltPart& built,

@@ -61,6 +61,17 @@ struct TracedScene {
 /// Memory that the rays of a scene take, about.
 std::size_t bytes_of(const TracedScene& traced);
 
+/// @throws ConfigError beginning with the key at fault, IoError
+BuiltPart build_part_with_bvh(const PartSettings& settings);
+
+/// Traces a scene anew, or only around its defects.
+/// @param bare  the camera's rays without defects; nullptr: not known
+/// @throws ConfigError beginning with the key at fault
+TracedScene trace_scene(const SceneSettings& scene,
+                        std::shared_ptr<const BuiltPart> built,
+                        const CornerRays* bare,
+                        ThreadPool& pool);
+
 /// Builds scenes and keeps the last few. Safe to use from several threads.
 class SceneStore {
  public:

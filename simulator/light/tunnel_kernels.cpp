@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "simulator/light/cos_turns.h"
+
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
 namespace glint {
@@ -44,18 +46,6 @@ __attribute__((always_inline)) inline float exp2_fast(float x) {
 
 __attribute__((always_inline)) inline float pow_fast(float x, float exponent) {
   return exp2_fast(exponent * log2_fast(x > 1e-12F ? x : 1e-12F));
-}
-
-/// cos(2 pi x) to 1e-6 for any x of moderate size.
-__attribute__((always_inline)) inline float cos_turns(float x) {
-  const float turn = x - std::floor(x + 0.5F);  // [-0.5, 0.5)
-  const float a = turn < 0.0F ? -turn : turn;
-  const float folded = a > 0.25F ? 0.5F - a : a;
-  const float sign = a > 0.25F ? -1.0F : 1.0F;
-  const float p = folded * 6.2831853F;
-  const float p2 = p * p;
-  return sign *
-         (1.0F + p2 * (-0.5F + p2 * (0.041666667F + p2 * (-0.0013888889F + p2 * 2.4801587e-5F))));
 }
 
 }  // namespace

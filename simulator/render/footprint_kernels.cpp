@@ -3,7 +3,9 @@
 
 #include <bit>
 #include <cmath>
+
 #include <cstdint>
+#include "simulator/light/cos_turns.h"
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
@@ -69,17 +71,6 @@ inline __attribute__((always_inline)) Range range_of(const float* top, const flo
   const float c = top[i] < bottom[i] ? bottom[i] : top[i];
   const float d = top[i + 1] < bottom[i + 1] ? bottom[i + 1] : top[i + 1];
   return {a < b ? a : b, c < d ? d : c};
-}
-
-inline __attribute__((always_inline)) float cos_turns(float x) {
-  const float turn = x - std::floor(x + 0.5F);
-  const float a = absolute(turn);
-  const float folded = a > 0.25F ? 0.5F - a : a;
-  const float sign = a > 0.25F ? -1.0F : 1.0F;
-  const float p = folded * 6.2831853F;
-  const float p2 = p * p;
-  return sign *
-         (1.0F + p2 * (-0.5F + p2 * (0.041666667F + p2 * (-0.0013888889F + p2 * 2.4801587e-5F))));
 }
 
 }  // namespace

@@ -209,10 +209,12 @@ Evaluation evaluate(SceneStore& store,
                           .gradients = wanted.gradients});
   result.form = scan.form;
   result.gradients = std::move(scan.gradients);
-  add_scores(
-      result.scores,
-      homogeneity(
-          scan.aspect, scan.clipped_frames, scene.scan.positions, traced.region, scene.metrics));
+  Homogeneity evenness = homogeneity(
+      scan.aspect, scan.clipped_frames, scene.scan.positions, traced.region, scene.metrics);
+  if (!scan.deviation.empty()) {
+    evenness = with_scatter(evenness, scan.aspect, scan.deviation, traced.region);
+  }
+  add_scores(result.scores, evenness);
   if (fringes) {
     add_scores(result.scores, *fringes);
   }

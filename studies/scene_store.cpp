@@ -283,6 +283,8 @@ std::shared_ptr<const WallView> SceneStore::meet(const std::shared_ptr<const Tra
   return view;
 }
 
+/// Always, and not from some request on: the plain way rounds differently, and a resumed search
+/// must find the same scores.
 std::shared_ptr<const RevolvedRays> SceneStore::revolved(
     const std::shared_ptr<const TracedScene>& traced, const CornerRays& rays, double base_mm) {
   constexpr std::size_t kKeptRevolved = 16;  // a picture and its defects' windows
@@ -290,22 +292,16 @@ std::shared_ptr<const RevolvedRays> SceneStore::revolved(
   const auto found = std::ranges::find_if(revolved_, [&](const Revolved& entry) {
     return entry.rays == &rays && entry.base_mm == base_mm && entry.traced.lock() == traced;
   });
-  if (found == revolved_.end()) {
-    revolved_.push_front({&rays, base_mm, traced, nullptr});
-    if (revolved_.size() > kKeptRevolved) {
-      revolved_.pop_back();
-    }
-    return nullptr;
+  if (found != revolved_.end()) {
+    revolved_.splice(revolved_.begin(), revolved_, found);
+    return revolved_.front().value;
   }
-  revolved_.splice(revolved_.begin(), revolved_, found);
-  if (!revolved_.front().value) {
-    auto ready = std::make_shared<const RevolvedRays>(revolve(rays.corners, base_mm));
-    if (revolved_bytes() + ready->bytes() > most_bytes_ / 4) {
-      return ready;  // used once, not kept
-    }
-    revolved_.front().value = std::move(ready);
+  auto ready = std::make_shared<const RevolvedRays>(revolve(rays.corners, base_mm));
+  revolved_.push_front({&rays, base_mm, traced, ready});
+  while (revolved_.size() > kKeptRevolved || revolved_bytes() > most_bytes_ / 4) {
+    revolved_.pop_back();
   }
-  return revolved_.front().value;
+  return ready;
 }
 
 }  // namespace glint

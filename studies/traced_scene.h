@@ -120,8 +120,8 @@ class SceneStore {
   struct Revolved {
     const CornerRays* rays = nullptr;
     double base_mm = 0.0;
-    std::weak_ptr<const TracedScene> traced;    ///< that the rays belong to
-    std::shared_ptr<const RevolvedRays> value;  ///< empty: was asked for once
+    std::weak_ptr<const TracedScene> traced;  ///< that the rays belong to
+    std::shared_ptr<const RevolvedRays> value;
   };
 
   void drop_beyond_limit();
@@ -131,7 +131,7 @@ class SceneStore {
 
   std::size_t revolved_bytes() const;  ///< walls_mutex_ must be held
 
-  /// The same for rays that meet a semicylinder; empty for the first request, which does without.
+  /// Rays of a scene made ready for semicylinders, kept or made.
   std::shared_ptr<const RevolvedRays> revolved(const std::shared_ptr<const TracedScene>& traced,
                                                const CornerRays& rays,
                                                double base_mm);

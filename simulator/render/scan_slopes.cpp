@@ -204,10 +204,10 @@ ScanSlopes slopes_of_scan(const Footprints& footprints,
                           double reflectance,
                           const ImageF& by_aspect,
                           const WantedSlopes& wanted) {
-  if (plan.form.kind == ScanForm::Kind::kFrames) {
+  if (!footprints.positions().is_even) {
     throw ConfigError(
-        "search.algorithm: there are no derivatives of a scan that does not take the stripes "
-        "through whole periods, or under an uneven light");
+        "search.algorithm: there are no derivatives under an uneven light (led_ripple, "
+        "end_falloff)");
   }
   ScanSlopes slopes;
   slopes.corners.resize(footprints.rays().corners.weight.size());

@@ -65,7 +65,8 @@ struct WantedSlopes {
 
 /// @param by_aspect  slope of the number by each pixel of the aspect image; 0 outside the region
 ///                   and the watched pixels of the plan
-/// @param plan       of these footprints, floors or table; @throws ConfigError for frames
+/// @param plan       of these footprints
+/// @throws ConfigError under an uneven light
 ScanSlopes slopes_of_scan(const Footprints& footprints,
                           const Sensor& sensor,
                           const ScanPlan& plan,

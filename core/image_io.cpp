@@ -80,15 +80,17 @@ void write_exr(const fs::path& path, const ImageF& image) {
   ImageSpec spec = stable_spec(image.width(), image.height(), TypeDesc::FLOAT);
   spec.attribute("compression", "zip");
   spec.attribute("capDate", "2000:01:01 00:00:00");
-  AtomicFile file(path);
-  const std::string name = file.temporary_path().string();
-  const auto output = ImageOutput::create(name);
-  GLINT_CHECK(output, "OpenImageIO writes OpenEXR");
-  if (!output->open(name, spec) || !output->write_image(spec.format, image.values().data()) ||
-      !output->close()) {
+  // Through memory, so that the disk's own words are told when it is full.
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput memory(bytes);
+  const auto output = ImageOutput::create("memory.exr");
+  GLINT_CHECK(output && output->supports("ioproxy") && output->set_ioproxy(&memory),
+              "OpenImageIO writes OpenEXR to memory");
+  if (!output->open("memory.exr", spec) ||
+      !output->write_image(spec.format, image.values().data()) || !output->close()) {
     throw IoError(fmt::format("{}: cannot be written: {}", path.string(), output->geterror()));
   }
-  file.commit();
+  write_file(path, std::string(bytes.begin(), bytes.end()));
 }
 
 ImageF read_image(const fs::path& path) {

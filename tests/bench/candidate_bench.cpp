@@ -282,6 +282,29 @@ void candidate_same_wall(benchmark::State& state) {
   report_passes(state);
 }
 
+/// h by table with its derivative by eight keys: five control points, slot, period and duty.
+void h_with_gradient(benchmark::State& state) {
+  SceneSettings settings = seed_scene(Shape::kFree, Method::kClosed);
+  WantedScores wanted = {.fringes = false, .defects = false, .slot = false};
+  wanted.gradients.scores = {"homogeneity.h_rms"};
+  for (const char* key : {"control_mm.0",
+                          "control_mm.1",
+                          "control_mm.2",
+                          "control_mm.3",
+                          "control_mm.4",
+                          "slot_mm",
+                          "period_mm",
+                          "duty"}) {
+    wanted.gradients.paths.push_back("lighting." + settings.tunnel_name + "." + key);
+  }
+  int index = 0;
+  for (auto _ : state) {
+    settings.tunnel.control_mm[4] = 249.0 + 1e-3 * (++index % 1000);
+    benchmark::DoNotOptimize(evaluate(traced().store, settings, {}, wanted));
+  }
+  report_passes(state);
+}
+
 /// Two threads evaluate candidates of one store; `speedup` over one thread in the same run.
 void candidate_jobs2(benchmark::State& state) {
   constexpr int kEach = 8;
@@ -329,6 +352,7 @@ void trace(benchmark::State& state) {
 BENCHMARK(read_pass)->Unit(benchmark::kMillisecond);
 BENCHMARK(mean_by_floors)->DenseRange(0, 4)->Unit(benchmark::kMillisecond);
 BENCHMARK(h_by_table)->DenseRange(0, 4)->Unit(benchmark::kMillisecond);
+BENCHMARK(h_with_gradient)->Unit(benchmark::kMillisecond);
 BENCHMARK(frames_binary)->Arg(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(frames_integrated)->Arg(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(scan_sampled)->DenseRange(0, 4)->Unit(benchmark::kMillisecond);

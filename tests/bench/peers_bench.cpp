@@ -2,6 +2,7 @@
 //
 // What one candidate lighting costs in Glint, in Blender's Cycles and in POV-Ray: same mesh, same
 // image, errors of the frames against one reference (docs/benchmarks.md).
+#include <malloc.h>
 #include <exception>
 #include <iostream>
 
@@ -157,6 +158,9 @@ int main_of(int argc, char** argv) {
 }  // namespace glint::peers
 
 int main(int argc, char** argv) {
+  // As the program does: memory of one candidate serves the next.
+  mallopt(M_MMAP_THRESHOLD, 1 << 28);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
   try {
     return glint::peers::main_of(argc, argv);
   } catch (const std::exception& error) {

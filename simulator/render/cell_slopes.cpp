@@ -39,8 +39,7 @@ bool CellSlopes::waits(const CellCorners& corners,
   const auto [v_low, v_high] = std::ranges::minmax(corners.stripes_mm);
   const bool is_plain = std::ranges::min(corners.margin_mm) >= 0.0 &&
                         (y_low >= p_.half_slot_mm || y_high <= -p_.half_slot_mm) &&
-                        x_low - p_.shift_mm.back() > -p_.half_length_mm &&
-                        x_high - p_.shift_mm.front() < p_.half_length_mm &&
+                        p_.is_inside_ends(x_low, x_high) &&
                         v_high - v_low <= 2.0 * std::min(p_.duty, 1.0 - p_.duty) * p_.period_mm;
   if (is_plain) {
     waiting_.push_back({.at = at, .phase = phase_of(corners), .gain = share * corners.mean_gain()});
@@ -105,9 +104,7 @@ bool CellSlopes::is_boundary(const CellCorners& corners,
                              const std::vector<double>& by_radiance,
                              CornerSlopes& slopes) {
   const auto [x_low, x_high] = std::ranges::minmax(corners.x_mm);
-  const bool is_inside = x_low - p_.shift_mm.back() > -p_.half_length_mm &&
-                         x_high - p_.shift_mm.front() < p_.half_length_mm;
-  if (!is_inside || std::ranges::min(corners.margin_mm) < -1e20) {
+  if (!p_.is_inside_ends(x_low, x_high) || std::ranges::min(corners.margin_mm) < -1e20) {
     has_held = true;
     return false;
   }

@@ -8,15 +8,6 @@
 #include "simulator/render/footprint_kernels.h"
 
 namespace glint {
-namespace {
-
-/// Phase differences along an edge below this are taken as none: J's differences would cancel.
-constexpr double kLevelEdge = 1e-6;
-/// Phase gradients below this are replaced by one of this size.
-constexpr double kFlatPhase = 1e-5;
-
-}  // namespace
-
 LinearFunction linear_through(const std::array<double, 4>& c) {
   return {.value = 0.25 * (c[0] + c[1] + c[2] + c[3]),
           .dx = 0.5 * (c[1] + c[3] - c[0] - c[2]),

@@ -15,6 +15,11 @@
 
 namespace glint {
 
+/// Phase differences along an edge below this are taken as none: J's differences would cancel.
+inline constexpr double kLevelEdge = 1e-6;
+/// Phase gradients below this are replaced by one of this size.
+inline constexpr double kFlatPhase = 1e-5;
+
 /// value + x dx + y dy for x, y in [-1/2, 1/2] of a pixel.
 struct LinearFunction {
   double value = 0.0;

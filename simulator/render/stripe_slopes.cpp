@@ -10,9 +10,6 @@ namespace {
 
 using slope_kernels::VertexSums;
 
-constexpr double kLevelEdge = 1e-6;
-constexpr double kFlatPhase = 1e-5;
-
 /// Integrals along an edge, from its first to its last point at s in [0, 1], of the stripes and of
 /// s times the stripes.
 struct EdgeIntegrals {

@@ -27,7 +27,7 @@ std::string table_name(const std::string& key) {
   if (parts.size() >= 2 && parts[0] == "lighting") {
     parts[1] = "tunnel";
   }
-  if (parts.size() >= 2 && parts[0] == "defects" && parts[1] != "bump" && parts[1] != "scratch") {
+  if (parts.size() >= 2 && parts[0] == "defects") {
     parts[1] = "dent";
   }
   // An array's element is explained by the array.

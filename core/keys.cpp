@@ -208,6 +208,38 @@ void KeyReader::numbers(std::string_view key,
   values = std::move(read);
 }
 
+void KeyReader::interval(std::string_view key,
+                         Interval& value,
+                         const Range& range,
+                         std::string_view /*doc*/) {
+  const ConfigNode* node = take(key);
+  if (node == nullptr) {
+    return;
+  }
+  double low = 0.0;
+  double high = 0.0;
+  if (!node->is_array()) {
+    if (!number_in_range(*node, key, range, &low)) {
+      return;
+    }
+    high = low;
+  } else if (node->items.size() != 2) {
+    error(node, key, fmt::format("must be a number or [min, max], each {}", range.text()));
+    return;
+  } else if (!number_in_range(node->items[0], key, range, &low) ||
+             !number_in_range(node->items[1], key, range, &high)) {
+    return;
+  }
+  if (low > high) {
+    error(node,
+          key,
+          fmt::format(
+              "is [{}, {}], must be [min, max] with min <= max", shortest(low), shortest(high)));
+    return;
+  }
+  value = {low * internal_per_written(key), high * internal_per_written(key)};
+}
+
 void KeyReader::choice_index(std::string_view key,
                              int& index,
                              std::span<const std::string_view> names,
@@ -334,6 +366,19 @@ void KeyLister::numbers(std::string_view key,
        .doc = std::string(doc)});
 }
 
+void KeyLister::interval(std::string_view key,
+                         Interval& value,
+                         const Range& range,
+                         std::string_view doc) {
+  const std::string low = shortest(written_value(key, value.min));
+  const std::string high = shortest(written_value(key, value.max));
+  add(key,
+      {.kind = "interval",
+       .allowed = fmt::format("a number or [min, max], each {}", range.text()),
+       .default_text = value.is_fixed() ? low : fmt::format("[{}, {}]", low, high),
+       .doc = std::string(doc)});
+}
+
 void KeyLister::choice_index(std::string_view key,
                              int& index,
                              std::span<const std::string_view> names,
@@ -386,6 +431,17 @@ void KeyWriter::numbers(
   for (const double value : values) {
     node.items.push_back(ConfigNode::from_number(written_value(key, value)));
   }
+  put(key, std::move(node));
+}
+
+void KeyWriter::interval(std::string_view key, Interval& value, const Range&, std::string_view) {
+  const auto written = [&](double end) { return ConfigNode::from_number(written_value(key, end)); };
+  if (value.is_fixed()) {
+    put(key, written(value.min));
+    return;
+  }
+  ConfigNode node = ConfigNode::array();
+  node.items = {written(value.min), written(value.max)};
   put(key, std::move(node));
 }
 
@@ -448,6 +504,11 @@ void KeyDigest::numbers(
   for (const double value : values) {
     append_bytes(bytes_, value == 0.0 ? 0.0 : value);
   }
+}
+
+void KeyDigest::interval(std::string_view, Interval& value, const Range&, std::string_view) {
+  append_bytes(bytes_, value.min == 0.0 ? 0.0 : value.min);
+  append_bytes(bytes_, value.max == 0.0 ? 0.0 : value.max);
 }
 
 void KeyDigest::choice_index(std::string_view,

@@ -41,6 +41,23 @@ struct Range {
   std::string text() const;  ///< "> 0", "in [0, 1]", "any"
 };
 
+/// A fixed number (min = max), or a range that a number is drawn from.
+struct Interval {
+  double min = 0.0;
+  double max = 0.0;
+
+  constexpr Interval() = default;
+
+  constexpr Interval(double value) : min(value), max(value) {}  // NOLINT(*-explicit-*): is one
+
+  constexpr Interval(double low, double high) : min(low), max(high) {}
+
+  bool is_fixed() const { return min == max; }
+
+  /// @param share  in [0, 1]: from min to max
+  double at(double share) const { return min + (max - min) * share; }
+};
+
 /// How many numbers an array may hold.
 struct Count {
   int min = 0;
@@ -72,6 +89,11 @@ class KeyVisitor {
                        Count count,
                        const Range& range,
                        std::string_view doc) = 0;
+  /// A number, or [min, max] with min <= max.
+  virtual void interval(std::string_view key,
+                        Interval& value,
+                        const Range& range,
+                        std::string_view doc) = 0;
   virtual void choice_index(std::string_view key,
                             int& index,
                             std::span<const std::string_view> names,
@@ -125,6 +147,10 @@ class KeyReader final : public KeyVisitor {
                Count count,
                const Range& range,
                std::string_view) override;
+  void interval(std::string_view key,
+                Interval& value,
+                const Range& range,
+                std::string_view) override;
   void choice_index(std::string_view key,
                     int& index,
                     std::span<const std::string_view> names,
@@ -166,6 +192,7 @@ class KeyLister final : public KeyVisitor {
   void file(std::string_view, std::filesystem::path&, std::string_view) override;
   void numbers(
       std::string_view, std::vector<double>&, Count, const Range&, std::string_view) override;
+  void interval(std::string_view, Interval&, const Range&, std::string_view) override;
   void choice_index(std::string_view,
                     int&,
                     std::span<const std::string_view>,
@@ -195,6 +222,7 @@ class KeyWriter final : public KeyVisitor {
   void file(std::string_view, std::filesystem::path&, std::string_view) override;
   void numbers(
       std::string_view, std::vector<double>&, Count, const Range&, std::string_view) override;
+  void interval(std::string_view, Interval&, const Range&, std::string_view) override;
   void choice_index(std::string_view,
                     int&,
                     std::span<const std::string_view>,
@@ -227,6 +255,7 @@ class KeyDigest final : public KeyVisitor {
                Count,
                const Range&,
                std::string_view) override;
+  void interval(std::string_view, Interval& value, const Range&, std::string_view) override;
   void choice_index(std::string_view,
                     int& index,
                     std::span<const std::string_view>,

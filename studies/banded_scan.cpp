@@ -112,16 +112,15 @@ using FlawlessFrames = std::vector<std::vector<std::vector<float>>>;
 
 class BandedEvaluation {
  public:
-  BandedEvaluation(const BuiltPart& built,
-                   const SurfaceDetail& detail,
+  BandedEvaluation(const BuiltDefects& part,
                    const SceneSettings& scene,
                    ThreadPool& pool,
                    const BandedSettings& settings)
-      : built_(built), scene_(scene), pool_(pool), settings_(settings) {
+      : part_(part), scene_(scene), pool_(pool), settings_(settings) {
     const PinholeIntrinsics camera = intrinsics_of(scene.camera);
-    result_.scan = scan_in_bands(built, detail, camera, scene, pool, settings);
+    result_.scan = scan_in_bands(*part.built, part.detail, camera, scene, pool, settings);
     const RayCache& seen = result_.scan.seen;
-    views_ = view_defects(detail,
+    views_ = view_defects(part.made.outlines,
                           seen,
                           PinholeCamera(camera),
                           camera_from_world(scene.viewpoint),
@@ -146,7 +145,7 @@ class BandedEvaluation {
       const PinholeIntrinsics window =
           part_of(camera, view.left_px, view.top_px, view.distance.width(), view.distance.height());
       const BandedScan scan =
-          scan_in_bands(built_, SurfaceDetail(), window, scene_, pool_, quietly);
+          scan_in_bands(*part_.clean, SurfaceDetail(), window, scene_, pool_, quietly);
       flawless_cpu_s_ += scan.render_cpu_s;
       flawless_trace_cpu_s_ += scan.trace_cpu_s;
       const Sensor sensor(scene_.sensor, window.width_px, window.height_px);
@@ -183,7 +182,7 @@ class BandedEvaluation {
     }
   }
 
-  const BuiltPart& built_;
+  const BuiltDefects& part_;
   const SceneSettings& scene_;
   ThreadPool& pool_;
   const BandedSettings& settings_;
@@ -229,12 +228,11 @@ BandedScan scan_in_bands(const BuiltPart& built,
   return scan;
 }
 
-ScoredScan evaluate_in_bands(const BuiltPart& built,
-                             const SurfaceDetail& detail,
+ScoredScan evaluate_in_bands(const BuiltDefects& part,
                              const SceneSettings& scene,
                              ThreadPool& pool,
                              const BandedSettings& settings) {
-  return BandedEvaluation(built, detail, scene, pool, settings).result();
+  return BandedEvaluation(part, scene, pool, settings).result();
 }
 
 }  // namespace glint

@@ -48,8 +48,7 @@ struct ScoredScan {
 };
 
 /// Scans the scene in bands and scores it through its sensor.
-ScoredScan evaluate_in_bands(const BuiltPart& built,
-                             const SurfaceDetail& detail,
+ScoredScan evaluate_in_bands(const BuiltDefects& part,
                              const SceneSettings& scene,
                              ThreadPool& pool,
                              const BandedSettings& settings = {});

@@ -26,15 +26,15 @@ Json vector_json(const Eigen::Vector3d& v) {
   return Json::array({v.x(), v.y(), v.z()});
 }
 
-Json defect_json(const HeightFeature& feature, const DefectView& view, const DefectScores& scores) {
-  const bool is_scratch = feature.kind == HeightFeature::Kind::kScratch;
+Json defect_json(const Defect& defect,
+                 const HeightFeature& feature,
+                 const DefectView& view,
+                 const DefectScores& scores) {
   Json json = {
       {"id", feature.id},
       {"label", feature.label},
-      {"kind",
-       is_scratch              ? "scratch"
-       : feature.height_mm > 0 ? "bump"
-                               : "dent"},
+      {"kind", type_name(defect.type)},
+      {"realisation", realisation_name(defect.realisation)},
       {"centre_mm", vector_json(feature.centre_mm)},
       {"normal", vector_json(feature.normal)},
       {"height_um", feature.height_mm * 1e3},
@@ -47,7 +47,7 @@ Json defect_json(const HeightFeature& feature, const DefectView& view, const Def
         {"cnr", scores.cnr},
         {"dprime", scores.dprime},
         {"signature", scores.signature}}}};
-  if (is_scratch) {
+  if (is_line(defect.type)) {
     json["length_mm"] = feature.length_mm;
     json["width_mm"] = feature.width_mm;
   } else {
@@ -58,10 +58,14 @@ Json defect_json(const HeightFeature& feature, const DefectView& view, const Def
 
 Json defects_json(const Evaluation& evaluation) {
   Json list = Json::array();
-  for (std::size_t i = 0; i < evaluation.defects.size(); ++i) {
-    list.push_back(defect_json(evaluation.traced->detail.features()[i],
-                               evaluation.traced->views[i],
-                               evaluation.defects[i]));
+  const DefectivePart& part = evaluation.traced->part->made;
+  std::size_t i = 0;  // among the defects that were made
+  for (const MadeDefect& made : part.defects) {
+    if (made.is_made && i < evaluation.defects.size()) {
+      list.push_back(defect_json(
+          made.defect, part.outlines[i], evaluation.traced->views[i], evaluation.defects[i]));
+      ++i;
+    }
   }
   return {{"schema", 1}, {"defects", list}};
 }
@@ -230,7 +234,7 @@ Json write_design(SceneStore& store,
   write_file(folder / "defects.json", defects_json(evaluation).dump(2) + "\n");
   write_file(folder / "scene.toml", to_toml(write_scene(scene)));
   write_file(folder / "cross_section.svg",
-             draw_lighting(scene, *evaluation.traced->built, head.value("title", "")));
+             draw_lighting(scene, evaluation.traced->built(), head.value("title", "")));
   Json json = head;
   json["scores"] = scores_json(evaluation.scores);
   std::vector<std::string> notes = scene_notes(scene, evaluation.scores);

@@ -184,8 +184,8 @@ class Measuring {
     const SceneSettings plain = scene_of(frontier_.points.front(), scene_);
     const auto traced = store.trace(plain);
     const double build_s = process_cpu_s() - start;
-    ScoredScan scored = evaluate_in_bands(
-        *traced->built, traced->detail, scene, pool_, {.repeats = 2, .on_band = on_band});
+    ScoredScan scored =
+        evaluate_in_bands(*traced->part, scene, pool_, {.repeats = 2, .on_band = on_band});
     point.cpu_s = scored.cpu_s;
     point.cold_s = build_s + scored.cold_cpu_s;
     set_plain_form(point, scene);
@@ -227,8 +227,8 @@ class Measuring {
     SceneSettings one_ray = scene;
     one_ray.render.rays_per_axis = 1;
     const auto traced = store.trace(one_ray);
-    const ScoredScan scored = evaluate_in_bands(
-        *traced->built, traced->detail, scene, pool_, {.repeats = options_.repeats});
+    const ScoredScan scored =
+        evaluate_in_bands(*traced->part, scene, pool_, {.repeats = options_.repeats});
     point.cpu_s = scored.cpu_s;
     point.cold_s = scored.cold_cpu_s;
     set_plain_form(point, scene);

@@ -110,13 +110,13 @@ std::vector<Vector2d> from_the_middle(const Mask& mask) {
 std::optional<Vector2d> place_at(const TracedScene& traced,
                                  const Vector3d& point_mm,
                                  double pixel_mm) {
-  const Part& part = traced.built->part;
+  const Part& part = traced.built().part;
   const Vector2d middle = (inverse(part.scene_from_part) * point_mm).head<2>();
   constexpr double kSide_px = 3.0;
   for (const Vector2d& side :
        {Vector2d(0, 0), Vector2d(1, 0), Vector2d(-1, 0), Vector2d(0, 1), Vector2d(0, -1)}) {
     const Vector2d at = middle + kSide_px * pixel_mm * side;
-    const auto place = place_on_surface(part, *traced.built->bvh, at.x(), at.y());
+    const auto place = place_on_surface(part, *traced.built().bvh, at.x(), at.y());
     if (!place || (place->centre_mm - point_mm).norm() > 3.0 * kSide_px * pixel_mm) {
       return std::nullopt;
     }

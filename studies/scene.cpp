@@ -114,8 +114,16 @@ std::size_t place_size(const std::string& message) {
 }  // namespace
 
 const std::vector<std::string>& scene_tables() {
-  static const std::vector<std::string> names = {
-      "part", "camera", "viewpoint", "sensor", "scan", "render", "lighting", "defects", "metrics"};
+  static const std::vector<std::string> names = {"part",
+                                                 "camera",
+                                                 "viewpoint",
+                                                 "sensor",
+                                                 "scan",
+                                                 "render",
+                                                 "lighting",
+                                                 "defects",
+                                                 "imprint",
+                                                 "metrics"};
   return names;
 }
 
@@ -129,6 +137,7 @@ SceneSettings read_scene(const ConfigNode& root, std::vector<std::string>& error
   read_table(root, "render", scene.render, errors);
   read_lighting(root, scene, errors);
   read_defects(root, scene, errors);
+  read_table(root, "imprint", scene.imprint, errors);
   read_table(root, "metrics", scene.metrics, errors);
   return scene;
 }
@@ -158,6 +167,7 @@ ConfigNode write_scene(const SceneSettings& scene) {
   }
   root.names.emplace_back("defects");
   root.items.push_back(std::move(defects));
+  write_table(root, "imprint", scene.imprint);
   write_table(root, "metrics", scene.metrics);
   return root;
 }
@@ -171,11 +181,8 @@ std::vector<KeyRow> scene_keys() {
   list_table("scan", ScanSettings{}, rows);
   list_table("render", RenderSettings{}, rows);
   list_table("lighting.tunnel", TunnelSettings{}, rows);
-  for (const char* name : {"dent", "bump", "scratch"}) {
-    DefectGroup group;
-    group.type = type_from_name(name);
-    list_table(std::string("defects.") + name, group, rows);
-  }
+  list_table("defects.dent", DefectGroup{}, rows);
+  list_table("imprint", ImprintSettings{}, rows);
   list_table("metrics", MetricsSettings{}, rows);
   return rows;
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // A scene as its file describes it: part, camera, viewpoint, sensor, scan, render, lighting,
-// defects, metrics. Plain settings; traced_scene.h turns them into something that can be rendered.
+// defects, imprint, metrics. Plain settings; traced_scene.h turns them into something that can be
+// rendered.
 #pragma once
 
 #include <string>
@@ -10,7 +11,7 @@
 
 #include "core/config.h"
 #include "core/keys.h"
-#include "defects/height_defects.h"
+#include "defects/defect_settings.h"
 #include "metrics/settings.h"
 #include "simulator/camera/camera_settings.h"
 #include "simulator/geometry/part.h"
@@ -30,7 +31,8 @@ struct SceneSettings {
   RenderSettings render;
   std::string tunnel_name = "tunnel";  ///< of its table below [lighting]
   TunnelSettings tunnel;
-  std::vector<std::pair<std::string, DefectGroup>> defects;  ///< in file order
+  std::vector<NamedGroup> defects;  ///< in file order
+  ImprintSettings imprint;          ///< what holds for all of them
   MetricsSettings metrics;
 };
 

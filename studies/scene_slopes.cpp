@@ -288,9 +288,9 @@ class SceneGradients {
       }
     }
     const PinholeCamera camera(intrinsics_of(scene_.camera));
-    const CameraScene scene = {.part = scan_.traced.built->part,
-                               .bvh = *scan_.traced.built->bvh,
-                               .detail = scan_.traced.detail,
+    const CameraScene scene = {.part = scan_.traced.built().part,
+                               .bvh = *scan_.traced.built().bvh,
+                               .detail = scan_.traced.detail(),
                                .camera = camera,
                                .camera_from_world = scan_.traced.camera_from_world,
                                .settings = scene_.render};

@@ -11,6 +11,7 @@ namespace glint {
 namespace {
 
 constexpr std::size_t kKeptParts = 2;
+constexpr std::size_t kKeptDefects = 4;
 constexpr std::size_t kKeptScenes = 3;
 
 constexpr std::size_t kKeptWalls = 64;
@@ -22,18 +23,42 @@ std::string part_key(PartSettings part) {
   return key;
 }
 
+/// Of everything that drawing defects depends on, but for the seed.
+std::string maker_key(SceneSettings scene) {
+  std::string key = part_key(scene.part);
+  KeyDigest digest(key);
+  for (auto& [name, group] : scene.defects) {
+    digest.text("name", name, "");
+    visit_keys(digest, group);
+  }
+  scene.imprint.seed = 0;
+  visit_keys(digest, scene.imprint);
+  return key;
+}
+
+/// Of everything that a part's defects depend on. Which realisation `auto` takes depends on where
+/// the camera stands.
+std::string defects_key(SceneSettings scene) {
+  std::string key = maker_key(scene);
+  KeyDigest digest(key);
+  visit_keys(digest, scene.imprint);
+  const bool is_open = std::ranges::any_of(scene.defects, [](const NamedGroup& group) {
+    return group.second.realisation == Realisation::kAuto;
+  });
+  if (is_open) {
+    visit_keys(digest, scene.viewpoint);
+  }
+  return key;
+}
+
 /// Of everything that tracing depends on.
 std::string trace_key(SceneSettings scene) {
-  std::string key = part_key(scene.part);
+  std::string key = defects_key(scene);
   KeyDigest digest(key);
   visit_keys(digest, scene.camera);
   visit_keys(digest, scene.viewpoint);
   visit_keys(digest, scene.render);
   visit_keys(digest, scene.metrics);
-  for (auto& [name, group] : scene.defects) {
-    digest.text("name", name, "");
-    visit_keys(digest, group);
-  }
   return key;
 }
 
@@ -86,6 +111,15 @@ auto find_and_touch(List& list, const std::string& key) {
   return list.front().value;
 }
 
+/// Puts a new entry first and drops the oldest beyond a number.
+template <class List, class Value>
+void keep_first(List& list, const std::string& key, Value value, std::size_t most) {
+  list.push_front({key, std::move(value)});
+  if (list.size() > most) {
+    list.pop_back();
+  }
+}
+
 /// What of [render] tracing depends on.
 SceneSettings as_traced(SceneSettings scene) {
   using Method = RenderSettings::Method;
@@ -121,26 +155,45 @@ std::shared_ptr<const BuiltPart> SceneStore::build(const SceneSettings& scene) {
   }
   check_file(scene.part.file);
   auto built = std::make_shared<const BuiltPart>(build_part_with_bvh(scene.part));
-  parts_.push_front({key, built});
-  if (parts_.size() > kKeptParts) {
-    parts_.pop_back();
-  }
+  keep_first(parts_, key, built, kKeptParts);
   return built;
+}
+
+std::shared_ptr<const BuiltDefects> SceneStore::build_defects(const SceneSettings& scene) {
+  auto clean = build(scene);
+  const std::string key = defects_key(scene);
+  const std::string key_of_maker = maker_key(scene);
+  // One part at a time: candidates that differ in their lighting alone wait for the same one.
+  const std::scoped_lock lock(defects_mutex_);
+  auto known = find_and_touch(defects_, key);
+  if (known && known->clean == clean) {
+    return known;
+  }
+  auto maker = find_and_touch(makers_, key_of_maker);
+  if (!maker || maker->part() != &clean->part) {
+    maker = std::make_shared<const DefectMaker>(defect_maker(scene, clean));
+    keep_first(makers_, key_of_maker, maker, kKeptParts);
+  }
+  auto made = std::make_shared<const BuiltDefects>(glint::build_defects(
+      scene, std::move(clean), *maker, static_cast<std::uint64_t>(scene.imprint.seed)));
+  ++num_defects_made_;
+  keep_first(defects_, key, made, kKeptDefects);
+  return made;
 }
 
 std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& wanted) {
   const SceneSettings scene = as_traced(wanted);
-  auto built = build(scene);
+  auto part = build_defects(scene);
   const std::string key = trace_key(scene);
   // One scene at a time: tracing uses all threads of the pool anyway.
   const std::scoped_lock lock(mutex_);
   auto known = find_and_touch(traced_, key);
-  if (known && known->built == built) {
+  if (known && known->part == part) {
     return known;
   }
-  const std::shared_ptr<const CornerRays> bare = bare_rays(scene, *built);
+  const std::shared_ptr<const CornerRays> bare = bare_rays(scene, *part);
   auto traced =
-      std::make_shared<const TracedScene>(trace_scene(scene, std::move(built), bare.get(), pool_));
+      std::make_shared<const TracedScene>(trace_scene(scene, std::move(part), bare.get(), pool_));
   ++num_traced_;
   num_retraced_ += bare ? 1 : 0;
   traced_.push_front({key, traced});
@@ -150,12 +203,14 @@ std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& wanted
 
 /// From the second set of defects for one camera on, the rays without any are worth having.
 std::shared_ptr<const CornerRays> SceneStore::bare_rays(const SceneSettings& scene,
-                                                        const BuiltPart& built) {
-  if (scene.render.method == RenderSettings::Method::kSampled || scene.defects.empty()) {
+                                                        const BuiltDefects& part) {
+  if (scene.render.method == RenderSettings::Method::kSampled || scene.defects.empty() ||
+      part.built != part.clean) {
     return nullptr;
   }
   SceneSettings bare = scene;
   bare.defects.clear();
+  bare.imprint = {};
   bare.metrics = {};
   const std::string key = trace_key(bare);
   if (bare_key_ != key) {
@@ -165,8 +220,8 @@ std::shared_ptr<const CornerRays> SceneStore::bare_rays(const SceneSettings& sce
   }
   if (!bare_) {
     auto rays = std::make_shared<const CornerRays>(
-        trace_corner_rays(built.part,
-                          *built.bvh,
+        trace_corner_rays(part.clean->part,
+                          *part.clean->bvh,
                           {},
                           PinholeCamera(intrinsics_of(scene.camera)),
                           camera_from_world(scene.viewpoint),

@@ -13,29 +13,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Convex hull by Andrew's monotone chain, counter-clockwise.
-std::vector<Vector2d> convex_hull(std::vector<Vector2d> points) {
-  std::ranges::sort(points, [](const Vector2d& a, const Vector2d& b) {
-    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
-  });
-  std::vector<Vector2d> hull;
-  const auto turns_left = [](const Vector2d& a, const Vector2d& b, const Vector2d& c) {
-    return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x()) > 0.0;
-  };
-  for (int pass = 0; pass < 2; ++pass) {
-    const std::size_t start = hull.size();
-    for (const Vector2d& point : points) {
-      while (hull.size() >= start + 2 && !turns_left(hull[hull.size() - 2], hull.back(), point)) {
-        hull.pop_back();
-      }
-      hull.push_back(point);
-    }
-    hull.pop_back();
-    std::ranges::reverse(points);
-  }
-  return hull;
-}
-
 /// True when the point is inside the closed surface: an odd number of crossings on two of three
 /// unrelated lines, so that one line through an edge does not decide.
 bool is_inside(const Bvh& bvh, const Vector3d& point_mm) {
@@ -126,16 +103,6 @@ DefectView view_defect(const HeightFeature& feature,
   return view;
 }
 
-SurfaceDetail detail_of(const SceneSettings& scene, const BuiltPart& built) {
-  std::vector<HeightFeature> features;
-  for (const auto& [name, group] : scene.defects) {
-    const auto more =
-        make_features(name, group, built.part, *built.bvh, static_cast<int>(features.size()));
-    features.insert(features.end(), more.begin(), more.end());
-  }
-  return SurfaceDetail(std::move(features));
-}
-
 /// The camera that sees one window of the picture, pixel by pixel the same.
 PinholeIntrinsics window_of(PinholeIntrinsics intrinsics, const DefectView& view) {
   intrinsics.width_px = view.distance.width();
@@ -150,11 +117,11 @@ void trace_camera(const SceneSettings& scene,
                   const CornerRays* bare,
                   ThreadPool& pool,
                   TracedScene& traced) {
-  const BuiltPart& built = *traced.built;
+  const BuiltPart& built = traced.built();
   if (scene.render.method == RenderSettings::Method::kSampled) {
     traced.rays = trace_rays(built.part,
                              *built.bvh,
-                             traced.detail,
+                             traced.detail(),
                              camera,
                              traced.camera_from_world,
                              scene.render,
@@ -163,7 +130,7 @@ void trace_camera(const SceneSettings& scene,
     traced.corners = retrace_detail(*bare,
                                     built.part,
                                     *built.bvh,
-                                    traced.detail,
+                                    traced.detail(),
                                     camera,
                                     traced.camera_from_world,
                                     scene.render,
@@ -172,7 +139,7 @@ void trace_camera(const SceneSettings& scene,
   } else {
     traced.corners = trace_corner_rays(built.part,
                                        *built.bvh,
-                                       traced.detail,
+                                       traced.detail(),
                                        camera,
                                        traced.camera_from_world,
                                        scene.render,
@@ -184,7 +151,7 @@ void trace_flawless_windows(const SceneSettings& scene,
                             const PinholeCamera& camera,
                             ThreadPool& pool,
                             TracedScene& traced) {
-  const BuiltPart& built = *traced.built;
+  const BuiltPart& built = *traced.part->clean;
   for (const DefectView& view : traced.views) {
     const PinholeCamera window(window_of(camera.intrinsics(), view));
     const SurfaceDetail none;
@@ -200,31 +167,15 @@ void trace_flawless_windows(const SceneSettings& scene,
 
 }  // namespace
 
-BuiltPart build_part_with_bvh(const PartSettings& settings) {
-  BuiltPart built;
-  built.part = build_part(settings);
-  built.bvh = std::make_unique<Bvh>(built.part.mesh);
-  std::vector<Vector2d> points;
-  built.min_x_mm = std::numeric_limits<double>::infinity();
-  built.max_x_mm = -built.min_x_mm;
-  for (const Vector3d& vertex : built.part.mesh.vertices_mm) {
-    points.emplace_back(vertex.y(), vertex.z());
-    built.min_x_mm = std::min(built.min_x_mm, vertex.x());
-    built.max_x_mm = std::max(built.max_x_mm, vertex.x());
-  }
-  built.outline_yz_mm = convex_hull(std::move(points));
-  return built;
-}
-
 TracedScene trace_scene(const SceneSettings& scene,
-                        std::shared_ptr<const BuiltPart> built,
+                        std::shared_ptr<const BuiltDefects> part,
                         const CornerRays* bare,
                         ThreadPool& pool) {
   TracedScene traced;
-  traced.built = std::move(built);
+  traced.part = std::move(part);
   traced.camera_from_world = camera_from_world(scene.viewpoint);
   traced.camera_in_world_mm = inverse(traced.camera_from_world).translation_mm;
-  if (is_inside(*traced.built->bvh, traced.camera_in_world_mm)) {
+  if (is_inside(*traced.built().bvh, traced.camera_in_world_mm)) {
     const std::vector<double>& at_mm = scene.viewpoint.position_mm;
     const bool is_default = at_mm == default_viewpoint(scene.camera).position_mm;
     throw ConfigError(fmt::format(
@@ -236,11 +187,13 @@ TracedScene trace_scene(const SceneSettings& scene,
         at_mm[2]));
   }
   const PinholeCamera camera(intrinsics_of(scene.camera));
-  traced.detail = detail_of(scene, *traced.built);
   trace_camera(scene, camera, bare, pool, traced);
   const SeenPart& seen = traced.seen();
-  traced.views = view_defects(
-      traced.detail, seen, camera, traced.camera_from_world, scene.metrics.ring_outer_radii);
+  traced.views = view_defects(traced.part->made.outlines,
+                              seen,
+                              camera,
+                              traced.camera_from_world,
+                              scene.metrics.ring_outer_radii);
   traced.part_mask = whole_pixels(seen.coverage);
   traced.region = region_of_interest(seen.coverage, traced.views, scene.metrics);
   traced.defects = defect_pixels(traced.views, traced.part_mask, scene.metrics);
@@ -256,13 +209,13 @@ TracedScene trace_scene(const SceneSettings& scene,
   return traced;
 }
 
-std::vector<DefectView> view_defects(const SurfaceDetail& detail,
+std::vector<DefectView> view_defects(std::span<const HeightFeature> outlines,
                                      const SeenPart& seen,
                                      const PinholeCamera& camera,
                                      const RigidTransform& camera_from_world,
                                      double window_radii) {
   std::vector<DefectView> views;
-  for (const HeightFeature& feature : detail.features()) {
+  for (const HeightFeature& feature : outlines) {
     views.push_back(view_defect(feature, seen, camera, camera_from_world, window_radii));
   }
   return views;

@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,23 +21,14 @@
 #include "simulator/render/corner_rays.h"
 #include "simulator/render/footprints.h"
 #include "simulator/render/revolved_rays.h"
+#include "studies/built_part.h"
 #include "studies/scene.h"
 
 namespace glint {
 
-/// A part with its BVH, and the outline that must fit into a tunnel.
-struct BuiltPart {
-  Part part;
-  std::unique_ptr<Bvh> bvh;
-  std::vector<Eigen::Vector2d> outline_yz_mm;  ///< convex hull of the part's projection along x
-  double min_x_mm = 0.0;
-  double max_x_mm = 0.0;
-};
-
 /// Everything about a scene that does not depend on its lighting and sensor.
 struct TracedScene {
-  std::shared_ptr<const BuiltPart> built;
-  SurfaceDetail detail;
+  std::shared_ptr<const BuiltDefects> part;
   RigidTransform camera_from_world;
   Eigen::Vector3d camera_in_world_mm = Eigen::Vector3d::Zero();
   RayCache rays;       ///< of the plain way (render.method = "sampled"); else empty
@@ -48,6 +40,11 @@ struct TracedScene {
   Mask part_mask;                            ///< pixels wholly on the part
   Mask region;                               ///< of interest for homogeneity
   Mask watched;                              ///< pixels of the defects and their backgrounds
+
+  /// What rays meet.
+  const BuiltPart& built() const { return *part->built; }
+
+  const SurfaceDetail& detail() const { return part->detail; }
 
   bool is_sampled() const { return corners.width_px == 0; }
 
@@ -61,14 +58,11 @@ struct TracedScene {
 /// Memory that the rays of a scene take, about.
 std::size_t bytes_of(const TracedScene& traced);
 
-/// @throws ConfigError beginning with the key at fault, IoError
-BuiltPart build_part_with_bvh(const PartSettings& settings);
-
 /// Traces a scene anew, or only around its defects.
 /// @param bare  the camera's rays without defects; nullptr: not known
 /// @throws ConfigError beginning with the key at fault
 TracedScene trace_scene(const SceneSettings& scene,
-                        std::shared_ptr<const BuiltPart> built,
+                        std::shared_ptr<const BuiltDefects> part,
                         const CornerRays* bare,
                         ThreadPool& pool);
 
@@ -82,6 +76,9 @@ class SceneStore {
   /// @throws ConfigError beginning with the key at fault, IoError
   std::shared_ptr<const TracedScene> trace(const SceneSettings& scene);
   std::shared_ptr<const BuiltPart> build(const SceneSettings& scene);
+
+  /// The scene's part with its defects; made once for the same part, groups and seed.
+  std::shared_ptr<const BuiltDefects> build_defects(const SceneSettings& scene);
 
   ThreadPool& pool() const { return pool_; }
 
@@ -99,6 +96,9 @@ class SceneStore {
   int num_retraced() const { return num_retraced_; }
 
   int num_met() const { return num_met_; }  ///< how often a wall was met
+
+  /// How often the defects of a part were made.
+  int num_defects_made() const { return num_defects_made_; }
 
   std::size_t kept_bytes() const;
 
@@ -127,7 +127,7 @@ class SceneStore {
   void drop_beyond_limit();
 
   /// The camera's rays without defects, if the last scene had the same camera; else empty.
-  std::shared_ptr<const CornerRays> bare_rays(const SceneSettings& scene, const BuiltPart& built);
+  std::shared_ptr<const CornerRays> bare_rays(const SceneSettings& scene, const BuiltDefects& part);
 
   std::size_t revolved_bytes() const;  ///< walls_mutex_ must be held
 
@@ -143,6 +143,9 @@ class SceneStore {
   mutable std::mutex mutex_;
   std::map<std::string, std::string> digests_;  ///< of part files, by path
   std::list<Entry<BuiltPart>> parts_;           ///< most recently used first
+  std::mutex defects_mutex_;                    ///< taken alone
+  std::list<Entry<BuiltDefects>> defects_;      ///< most recently used first
+  std::list<Entry<DefectMaker>> makers_;        ///< most recently used first
   std::list<Entry<TracedScene>> traced_;        ///< most recently used first
   std::string bare_key_;                        ///< of the last camera that was traced
   std::shared_ptr<const CornerRays> bare_;      ///< its rays without defects
@@ -153,10 +156,11 @@ class SceneStore {
   std::atomic<int> num_traced_ = 0;
   std::atomic<int> num_retraced_ = 0;
   std::atomic<int> num_met_ = 0;
+  std::atomic<int> num_defects_made_ = 0;
 };
 
 /// How the camera sees each defect: windows of distances in defect radii.
-std::vector<DefectView> view_defects(const SurfaceDetail& detail,
+std::vector<DefectView> view_defects(std::span<const HeightFeature> outlines,
                                      const SeenPart& seen,
                                      const PinholeCamera& camera,
                                      const RigidTransform& camera_from_world,

@@ -231,6 +231,50 @@ TEST(KeyReader, KnowsWhatIsGiven) {
   EXPECT_FALSE(KeyReader(nullptr, "", errors).is_given("a"));
 }
 
+Interval interval_of(const std::string& toml, std::vector<std::string>& errors) {
+  const ConfigNode root = parse_toml(toml, "d.toml");
+  Interval value(1.0, 2.0);
+  KeyReader reader(&root, "", errors);
+  reader.interval("height_um", value, Range::positive(), "Height.");
+  return value;
+}
+
+TEST(KeyReader, TakesANumberOrARangeForAnInterval) {
+  std::vector<std::string> errors;
+  EXPECT_DOUBLE_EQ(interval_of("height_um = 4", errors).min, 4e-3);
+  EXPECT_TRUE(interval_of("height_um = 4", errors).is_fixed());
+  EXPECT_DOUBLE_EQ(interval_of("height_um = [4, 8]", errors).max, 8e-3);
+  EXPECT_DOUBLE_EQ(interval_of("height_um = [4, 8]", errors).at(0.25), 5e-3);
+  EXPECT_DOUBLE_EQ(interval_of("", errors).max, 2.0);
+  EXPECT_THAT(errors, IsEmpty());
+}
+
+TEST(KeyReader, RefusesAnIntervalThatIsNone) {
+  std::vector<std::string> errors;
+  for (const char* toml : {"height_um = [8, 4]",
+                           "height_um = [4]",
+                           "height_um = []",
+                           "height_um = \"big\"",
+                           "height_um = [0, 4]",
+                           "height_um = [1, nan]"}) {
+    errors.clear();
+    EXPECT_DOUBLE_EQ(interval_of(toml, errors).max, 2.0) << toml;
+    EXPECT_EQ(errors.size(), 1U) << toml;
+  }
+}
+
+TEST(KeyWriter, WritesAnIntervalAsItIsRead) {
+  for (Interval value : {Interval(4e-3), Interval(4e-3, 8e-3)}) {
+    ConfigNode table = ConfigNode::table();
+    KeyWriter writer(table);
+    writer.interval("height_um", value, Range::positive(), "Height.");
+    std::vector<std::string> errors;
+    const Interval again = interval_of(to_toml(table), errors);
+    EXPECT_EQ(again.min, value.min);
+    EXPECT_EQ(again.max, value.max);
+  }
+}
+
 TEST(ThrowIfAny, ThrowsAllLinesOrNothing) {
   EXPECT_NO_THROW(throw_if_any({}));
   EXPECT_EQ(text_thrown_by<ConfigError>([] { throw_if_any({"one", "two"}); }), "one\ntwo");

@@ -9,55 +9,41 @@
 namespace glint {
 namespace {
 
-Part small_plate() {
-  return build_part({.shape = PartSettings::Shape::kPlate,
-                     .length_mm = 60.0,
-                     .width_mm = 40.0,
-                     .thickness_mm = 2.0});
-}
-
-TEST(HeightDefects, DentsGoInwardsAndBumpsOutwards) {
-  const Part part = small_plate();
-  const Bvh bvh(part.mesh);
-  const DefectGroup dent = {.type = DefectGroup::Type::kDent, .height_mm = 0.004};
-  const DefectGroup bump = {.type = DefectGroup::Type::kBump, .height_mm = 0.004};
-  EXPECT_DOUBLE_EQ(make_features("dent", dent, part, bvh, 0)[0].height_mm, -0.004);
-  EXPECT_DOUBLE_EQ(make_features("bump", bump, part, bvh, 0)[0].height_mm, 0.004);
+TEST(HeightFeature, DentsGoInwardsBumpsOutwardsAndStainsNowhere) {
+  const auto height_mm = [](DefectType type) {
+    return height_feature({.type = type, .depth_mm = 0.004, .diameter_mm = 0.8}, {}).height_mm;
+  };
+  EXPECT_DOUBLE_EQ(height_mm(DefectType::kDent), -0.004);
+  EXPECT_DOUBLE_EQ(height_mm(DefectType::kPit), -0.004);
+  EXPECT_DOUBLE_EQ(height_mm(DefectType::kBump), 0.004);
+  EXPECT_DOUBLE_EQ(height_mm(DefectType::kStain), 0.0);
 }
 
 // A dent 0.8 mm across has sigma 0.2 mm; 1.6 um deep its steepest slope is
 // 0.0016 / (0.2 * sqrt(e)) = 4.85 mrad.
-TEST(HeightDefects, SizesFollowTheirDefinitions) {
-  const Part part = small_plate();
-  const Bvh bvh(part.mesh);
-  const DefectGroup group = {
-      .x_mm = {5.0, -7.0}, .y_mm = {1.0, 2.0}, .height_mm = 0.0016, .diameter_mm = 0.8};
-  const auto features = make_features("pits", group, part, bvh, 4);
-  ASSERT_EQ(features.size(), 2U);
-  EXPECT_EQ(features[1].label, "pits_2");
-  EXPECT_EQ(features[1].id, 5);
-  EXPECT_LT((features[1].centre_mm - Eigen::Vector3d(-7.0, 2.0, 1.0)).norm(), 1e-6);
-  EXPECT_NEAR(features[0].max_slope_rad(), 4.852e-3, 1e-6);
+TEST(HeightFeature, SizesFollowTheirDefinitions) {
+  const HeightFeature feature =
+      height_feature({.label = "dents_2", .id = 5, .depth_mm = 0.0016, .diameter_mm = 0.8}, {});
+  EXPECT_EQ(feature.label, "dents_2");
+  EXPECT_EQ(feature.id, 5);
+  EXPECT_NEAR(feature.max_slope_rad(), 4.852e-3, 1e-6);
 }
 
-TEST(HeightDefects, AScratchRunsAlongItsAngle) {
-  const Part part = small_plate();
-  const Bvh bvh(part.mesh);
-  const DefectGroup group = {.type = DefectGroup::Type::kScratch, .angle_rad = kPi / 6.0};
-  const HeightFeature scratch = make_features("scratch", group, part, bvh, 0)[0];
-  const Eigen::Vector3d along(std::cos(kPi / 6.0), std::sin(kPi / 6.0), 0.0);
-  EXPECT_LT((scratch.u_axis - along).norm(), 1e-9);
+// A line of 3 mm that is 0.4 mm wide: 2.6 mm between the centres of its round ends.
+TEST(HeightFeature, AScratchIsDrawnOutAlongItsPlace) {
+  const Defect scratch = {.type = DefectType::kScratch,
+                          .place = {.u_axis = {0.0, 1.0, 0.0}, .v_axis = {-1.0, 0.0, 0.0}},
+                          .depth_mm = 0.01,
+                          .length_mm = 3.0,
+                          .width_mm = 0.4};
+  const HeightFeature feature = height_feature(scratch, {});
+  EXPECT_EQ(feature.kind, HeightFeature::Kind::kScratch);
+  EXPECT_EQ(feature.u_axis, Eigen::Vector3d::UnitY());
+  EXPECT_NEAR(feature.half_line_mm(), scratch.half_line_mm(), 1e-12);
+  EXPECT_NEAR(scratch.half_line_mm(), 1.3, 1e-12);
 }
 
-TEST(HeightDefects, APlaceBesideThePartIsAnError) {
-  const Part part = small_plate();
-  const Bvh bvh(part.mesh);
-  const DefectGroup group = {.x_mm = {45.0}, .y_mm = {0.0}};
-  EXPECT_THAT([&] { make_features("dent", group, part, bvh, 0); },
-              ::testing::ThrowsMessage<ConfigError>(::testing::HasSubstr("beside the part")));
-}
-
-TEST(HeightDefects, XAndYMustBeAsMany) {
+TEST(DefectGroup, XAndYMustBeAsMany) {
   const ConfigNode root = parse_toml("x_mm = [1, 2]\ny_mm = [1]\n", "d.toml");
   std::vector<std::string> errors;
   DefectGroup group;
@@ -65,6 +51,24 @@ TEST(HeightDefects, XAndYMustBeAsMany) {
   visit_keys(reader, group);
   ASSERT_EQ(errors.size(), 1U);
   EXPECT_THAT(errors[0], ::testing::StartsWith("d.toml:2:1: defects.dent.y_mm: has 1 places"));
+}
+
+TEST(DefectGroup, ARangeRunsFromSmallToLarge) {
+  const ConfigNode root = parse_toml("height_um = [5, 2]\ncount = 1.5\n", "d.toml");
+  std::vector<std::string> errors;
+  DefectGroup group;
+  KeyReader reader(&root, "defects.dent", errors);
+  visit_keys(reader, group);
+  ASSERT_EQ(errors.size(), 2U);
+  EXPECT_THAT(errors[0], ::testing::StartsWith("d.toml:2:1: defects.dent.count: must be a whole"));
+  EXPECT_THAT(errors[1],
+              ::testing::StartsWith("d.toml:1:1: defects.dent.height_um: is [5, 2], must be"));
+}
+
+TEST(DefectGroup, ItsTypeFollowsFromItsName) {
+  EXPECT_EQ(type_from_name("scratches"), DefectType::kScratch);
+  EXPECT_EQ(type_from_name("pits"), DefectType::kPit);
+  EXPECT_EQ(type_from_name("my_group"), DefectType::kDent);
 }
 
 }  // namespace

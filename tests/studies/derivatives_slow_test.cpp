@@ -247,9 +247,9 @@ class HeldScores {
       return scores_of(scene, traced_.corners, traced_.camera_in_world_mm);
     }
     const RigidTransform camera = camera_from_world(scene.viewpoint);
-    const CornerRays rays = trace_corner_rays(traced_.built->part,
-                                              *traced_.built->bvh,
-                                              traced_.detail,
+    const CornerRays rays = trace_corner_rays(traced_.built().part,
+                                              *traced_.built().bvh,
+                                              traced_.detail(),
                                               PinholeCamera(intrinsics_of(scene.camera)),
                                               camera,
                                               scene.render,

@@ -85,8 +85,7 @@ TEST(BandedScan, GivesTheScoresOfTheSceneAtOnce) {
   const Evaluation whole = evaluate(store, scene);
   const auto traced = store.trace(scene);
   // 101 pixels x 4 rays: bands of 4 rows, and one that is a single row.
-  const ScoredScan banded =
-      evaluate_in_bands(*traced->built, traced->detail, scene, pool, {.most_rays = 1700});
+  const ScoredScan banded = evaluate_in_bands(*traced->part, scene, pool, {.most_rays = 1700});
   EXPECT_NEAR(banded.h_rms, whole.scores.at("homogeneity.h_rms"), 1e-5);
   ASSERT_EQ(banded.defects.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -108,7 +107,7 @@ TEST(BandedScan, DoesNotDependOnTheHeightOfABand) {
   const PinholeIntrinsics camera = intrinsics_of(scene.camera);
   const auto scan = [&](std::int64_t most_rays) {
     return scan_in_bands(
-        *traced->built, traced->detail, camera, scene, pool, {.most_rays = most_rays});
+        traced->built(), traced->detail(), camera, scene, pool, {.most_rays = most_rays});
   };
   const BandedScan rows = scan(1);
   const BandedScan whole = scan(1 << 22);

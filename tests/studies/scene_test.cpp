@@ -57,7 +57,7 @@ TEST(Scene, WritingAndReadingBackGivesTheSameScene) {
 TEST(Scene, EveryKeyOfTheTableIsWritten) {
   SceneSettings scene = small_scene();
   scene.defects.clear();
-  for (const char* name : {"dent", "bump", "scratch"}) {
+  for (const char* name : {"dent", "bump", "scratch", "pit", "gouge", "stain"}) {
     scene.defects.emplace_back(name, DefectGroup{});
   }
   const ConfigNode written = write_scene(scene);
@@ -101,7 +101,7 @@ TEST(Evaluation, LightingAloneTracesNothingAgain) {
   scene.sensor.gain = 2.0;
   evaluate(store, scene);
   EXPECT_EQ(store.num_traced(), 1);
-  scene.defects[0].second.height_mm *= 2.0;
+  scene.defects[0].second.height_mm = 2.0 * scene.defects[0].second.height_mm.max;
   evaluate(store, scene);
   EXPECT_EQ(store.num_traced(), 2);
 }

@@ -17,6 +17,7 @@ constexpr float kMinT_mm = 1e-3F;
 constexpr int kMaxSegments = 32;
 /// Neighbouring rays mostly meet one segment: the others are skipped a chunk at a time.
 constexpr int kChunk = 128;
+constexpr float kThird = 1.0F / 3.0F;
 
 /// 2-logarithm of x > 0 to 2e-7, by the exponent and a series in (m - 1) / (m + 1).
 __attribute__((always_inline)) inline float log2_fast(float x) {
@@ -216,27 +217,32 @@ GLINT_WIDE static void superellipse_step(const RayBlock& rays,
   }
 }
 
-/// The curve lies within the square |y|, |z| <= 1 of its half axes. A ray's exit from the square is
-/// outside the curve; from there Newton's method on the convex function falls onto the curve.
+/// The curve lies within the square |y|, |z| <= 1 of its half axes and within the tangents of its
+/// diagonal points, |y| + |z| <= diagonal. A ray's exit from the octagon is outside the curve by a
+/// few hundredths; from there Newton's method on the convex function falls onto the curve.
 GLINT_WIDE static void superellipse_start(const RayBlock& rays,
                                           float base_mm,
                                           float per_width,
                                           float per_height,
+                                          float diagonal,
                                           float* __restrict t_mm) {
   const float* __restrict oy = rays.origin_y;
   const float* __restrict oz = rays.origin_z;
   const float* __restrict dy = rays.direction_y;
   const float* __restrict dz = rays.direction_z;
   for (int i = 0; i < rays.count; ++i) {
-    const float py = oy[i] * per_width;
-    const float pz = (oz[i] - base_mm) * per_height;
-    const float vy = dy[i] * per_width;
-    const float vz = dz[i] * per_height;
-    const float speed_y = vy < 0.0F ? -vy : vy;
-    const float speed_z = vz < 0.0F ? -vz : vz;
-    const float to_y = (vy < 0.0F ? 1.0F + py : 1.0F - py) / (speed_y > 1e-12F ? speed_y : 1e-12F);
-    const float to_z = (vz < 0.0F ? 1.0F + pz : 1.0F - pz) / (speed_z > 1e-12F ? speed_z : 1e-12F);
-    t_mm[i] = to_y < to_z ? to_y : to_z;
+    // Mirrored so that the ray runs towards positive y and z.
+    const float speed_y = dy[i] < 0.0F ? -dy[i] * per_width : dy[i] * per_width;
+    const float speed_z = dz[i] < 0.0F ? -dz[i] * per_height : dz[i] * per_height;
+    const float y = dy[i] < 0.0F ? -oy[i] * per_width : oy[i] * per_width;
+    const float height = (oz[i] - base_mm) * per_height;
+    const float z = dz[i] < 0.0F ? -height : height;
+    const float to_y = (1.0F - y) / (speed_y > 1e-12F ? speed_y : 1e-12F);
+    const float to_z = (1.0F - z) / (speed_z > 1e-12F ? speed_z : 1e-12F);
+    const float speed = speed_y + speed_z;
+    const float to_corner = (diagonal - y - z) / (speed > 1e-12F ? speed : 1e-12F);
+    const float to_side = to_y < to_z ? to_y : to_z;
+    t_mm[i] = to_corner < to_side ? to_corner : to_side;
   }
 }
 
@@ -261,10 +267,11 @@ void hit_superellipse(const RayBlock& rays,
                       float exponent,
                       bool is_whole,
                       float* t_mm) {
-  constexpr int kSteps = 5;
+  constexpr int kSteps = 3;
   const float per_width = 1.0F / half_width_mm;
   const float per_height = 1.0F / height_mm;
-  superellipse_start(rays, base_mm, per_width, per_height, t_mm);
+  const float diagonal = std::exp2(1.0F - 1.0F / exponent);
+  superellipse_start(rays, base_mm, per_width, per_height, diagonal, t_mm);
   for (int step = 0; step < kSteps; ++step) {
     superellipse_step(rays, base_mm, per_width, per_height, exponent, t_mm);
   }
@@ -296,6 +303,20 @@ GLINT_WIDE static void hit_spline_chunk(const RayBlock& rays,
       crossings += starts_left != ends_left ? 1 : 0;
     }
     if (crossings == 0) {
+      continue;
+    }
+    // The segment lies within the hull of its Bezier points: behind a ray where all of them are.
+    const float b1_y = y0 + y1 * kThird, b2_y = b1_y + (y1 + y2) * kThird;
+    const float b1_z = z0 + z1 * kThird, b2_z = b1_z + (z1 + z2) * kThird;
+    int ahead = 0;
+    for (int i = 0; i < count; ++i) {
+      const float from = oy[i] * dy[i] + oz[i] * dz[i];
+      const bool is_ahead =
+          (y0 * dy[i] + z0 * dz[i] > from) | (b1_y * dy[i] + b1_z * dz[i] > from) |
+          (b2_y * dy[i] + b2_z * dz[i] > from) | (end_y * dy[i] + end_z * dz[i] > from);
+      ahead += is_ahead ? 1 : 0;
+    }
+    if (ahead == 0) {
       continue;
     }
     for (int i = 0; i < count; ++i) {
@@ -452,6 +473,41 @@ void add_stripes(const float* x_mm,
     add_plain_stripes(x_mm, q_mm, gain, count, pattern, scale, out);
   } else {
     add_uneven_stripes(x_mm, q_mm, gain, count, pattern, scale, out);
+  }
+}
+
+GLINT_WIDE void shift_slopes(const RayBlock& rays,
+                             const float* __restrict y_mm,
+                             const float* __restrict margin_mm,
+                             const HitSlopes& slopes,
+                             const WallNormals& normals,
+                             float* __restrict place,
+                             float* __restrict by_shift) {
+  const float* __restrict dx = rays.direction_x;
+  const float* __restrict dy = rays.direction_y;
+  const float* __restrict dz = rays.direction_z;
+  const float* __restrict by_x = slopes.x;
+  const float* __restrict by_y = slopes.y;
+  const float* __restrict by_margin = slopes.margin;
+  const float* __restrict normal_y = normals.y;
+  const float* __restrict normal_z = normals.z;
+  const int pieces = normals.pieces;
+  const int count = rays.count;
+  for (int i = 0; i < count; ++i) {
+    const float beside = y_mm[i] < 0.0F ? -y_mm[i] : y_mm[i];
+    const float size = beside + (margin_mm[i] > 0.0F ? margin_mm[i] : 0.0F);
+    const float angle = y_mm[i] / (size > 1e-9F ? size : 1e-9F);
+    const float at = 0.5F * (angle + 1.0F) * static_cast<float>(pieces);
+    const int whole = static_cast<int>(at);
+    const int node = whole < pieces ? whole : pieces - 1;
+    const float part = at - static_cast<float>(node);
+    const float ny = normal_y[node] + part * (normal_y[node + 1] - normal_y[node]);
+    const float nz = normal_z[node] + part * (normal_z[node + 1] - normal_z[node]);
+    const float along_ray = by_x[i] * dx[i] + by_y[i] * dy[i] + by_margin[i] * dz[i];
+    const float through = ny * dy[i] + nz * dz[i];
+    const bool has_slope = (by_x[i] != 0.0F) | (by_y[i] != 0.0F) | (by_margin[i] != 0.0F);
+    place[i] = at;
+    by_shift[i] = has_slope ? along_ray / through : 0.0F;
   }
 }
 

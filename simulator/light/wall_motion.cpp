@@ -81,6 +81,15 @@ double value(const float* array, int i) {
   return static_cast<double>(array[i]);
 }
 
+/// Over four sums, so that additions do not wait for each other.
+double sum_of(const float* array, int count) {
+  std::array<double, 4> sums = {};
+  for (int i = 0; i < count; ++i) {
+    sums[static_cast<std::size_t>(i % 4)] += value(array, i);
+  }
+  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
+
 }  // namespace
 
 WallMotion::WallMotion(const Tunnel& tunnel) : settings_(tunnel.settings()) {
@@ -175,6 +184,14 @@ WallMotion::Place WallMotion::place_of(double y_mm, double margin_mm, double z_m
 }
 
 void WallMotion::collect(const RayBlock& rays, const HitBlock& hits, const HitSlopes& slopes) {
+  if (is_flat_) {
+    collect_flat(rays, hits, slopes);
+  } else {
+    collect_curve(rays, hits, slopes);
+  }
+}
+
+void WallMotion::collect_flat(const RayBlock& rays, const HitBlock& hits, const HitSlopes& slopes) {
   for (int i = 0; i < rays.count; ++i) {
     const double by_x = value(slopes.x, i);
     const double by_y = value(slopes.y, i);
@@ -184,20 +201,49 @@ void WallMotion::collect(const RayBlock& rays, const HitBlock& hits, const HitSl
     }
     const double y = value(hits.y_mm, i);
     const double margin = value(hits.margin_mm, i);
-    const Place place = place_of(y, margin, is_flat_ ? height_of(y, margin, rays, i) : 0.0);
+    const Place place = place_of(y, margin, height_of(y, margin, rays, i));
     const Vector2d direction(value(rays.direction_y, i), value(rays.direction_z, i));
     const double along_ray = by_x * value(rays.direction_x, i) + by_y * direction.x() +
                              by_margin * place.margin_gradient.dot(direction);
     const double by_shift = along_ray / place.normal.dot(direction);
-    if (is_flat_) {
-      by_shift_ += by_shift;
-      by_turn_ += by_shift * place.part;
-      (place.is_near_top ? by_top_ : by_margin_) += by_margin;
-    } else {
-      by_node_[place.node] += by_shift * (1.0 - place.part);
-      by_node_[place.node + 1] += by_shift * place.part;
-      by_margin_ += by_margin;
+    by_shift_ += by_shift;
+    by_turn_ += by_shift * place.part;
+    (place.is_near_top ? by_top_ : by_margin_) += by_margin;
+  }
+}
+
+void WallMotion::collect_curve(const RayBlock& rays,
+                               const HitBlock& hits,
+                               const HitSlopes& slopes) {
+  constexpr int kBlock = 512;
+  std::vector<float> normal_y, normal_z;
+  for (const Vector2d& normal : normals_) {
+    normal_y.push_back(static_cast<float>(normal.x()));
+    normal_z.push_back(static_cast<float>(normal.y()));
+  }
+  std::array<float, kBlock> places, by_shift;
+  for (int begin = 0; begin < rays.count; begin += kBlock) {
+    const int count = std::min(kBlock, rays.count - begin);
+    const float* by_margin = slopes.margin + begin;
+    shift_slopes({.direction_x = rays.direction_x + begin,
+                  .direction_y = rays.direction_y + begin,
+                  .direction_z = rays.direction_z + begin,
+                  .count = count},
+                 hits.y_mm + begin,
+                 hits.margin_mm + begin,
+                 {.x = slopes.x + begin, .y = slopes.y + begin, .margin = by_margin},
+                 {.y = normal_y.data(), .z = normal_z.data(), .pieces = static_cast<int>(kNodes)},
+                 places.data(),
+                 by_shift.data());
+    for (int i = 0; i < count; ++i) {
+      const double slope = value(by_shift.data(), i);
+      const double place = value(places.data(), i);
+      const std::size_t node = std::min(kNodes - 1, static_cast<std::size_t>(place));
+      const double part = place - static_cast<double>(node);
+      by_node_[node] += slope * (1.0 - part);
+      by_node_[node + 1] += slope * part;
     }
+    by_margin_ += sum_of(by_margin, count);
   }
 }
 

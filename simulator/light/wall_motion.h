@@ -20,13 +20,6 @@
 
 namespace glint {
 
-/// What hits (Tunnel::meet_block) change, ray by ray.
-struct HitSlopes {
-  const float* x = nullptr;
-  const float* y = nullptr;
-  const float* margin = nullptr;
-};
-
 /// Where rays meet the wall.
 struct HitBlock {
   const float* x_mm = nullptr;
@@ -72,6 +65,8 @@ class WallMotion {
     bool is_near_top = false;                                    ///< flat: the margin is to the top
   };
 
+  void collect_curve(const RayBlock& rays, const HitBlock& hits, const HitSlopes& slopes);
+  void collect_flat(const RayBlock& rays, const HitBlock& hits, const HitSlopes& slopes);
   void build_superellipse();
   void build_free();
   void build_flat();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/units.h"
 
@@ -13,6 +14,17 @@ namespace kernels = footprint_kernels;
 
 /// Margins below this are no places on the wall.
 constexpr double kNowhere = -1e20;
+
+/// Over a pixel; rounding errors allowed for.
+double largest_of(const LinearFunction& f) {
+  constexpr double kRounding = 1e-12;
+  const double reach = 0.5 * (std::abs(f.dx) + std::abs(f.dy));
+  return f.value + reach + kRounding * (std::abs(f.value) + reach);
+}
+
+double smallest_of(const LinearFunction& f) {
+  return -largest_of({.value = -f.value, .dx = f.dx, .dy = f.dy});
+}
 
 }  // namespace
 
@@ -159,7 +171,10 @@ void CellSum::integrate(const CellCorners& corners,
            .dx = phase.dx / p_.period_mm,
            .dy = phase.dy / p_.period_mm};
   PixelPolygon wall;
-  wall.clip(linear_through(corners.margin_mm), 0);
+  const LinearFunction margin = linear_through(corners.margin_mm);
+  if (smallest_of(margin) < 0.0) {
+    wall.clip(margin, 0);
+  }
   if (tunnel_mm != nullptr) {
     LinearFunction x = linear_through(corners.x_mm);
     x.value += p_.half_length_mm - *tunnel_mm;
@@ -171,11 +186,15 @@ void CellSum::integrate(const CellCorners& corners,
   if (low >= p_.half_slot_mm || high <= -p_.half_slot_mm) {
     stripes_.add(wall, phase);
   } else {
-    PixelPolygon left = wall;
-    left.clip({.value = -p_.half_slot_mm - y.value, .dx = -y.dx, .dy = -y.dy}, 3);
-    wall.clip({.value = y.value - p_.half_slot_mm, .dx = y.dx, .dy = y.dy}, 4);
-    stripes_.add(left, phase);
-    stripes_.add(wall, phase);
+    const LinearFunction to_left = {.value = -p_.half_slot_mm - y.value, .dx = -y.dx, .dy = -y.dy};
+    const LinearFunction to_right = {.value = y.value - p_.half_slot_mm, .dx = y.dx, .dy = y.dy};
+    for (const auto& [beside, label] : {std::pair(to_left, 3), std::pair(to_right, 4)}) {
+      if (largest_of(beside) >= 0.0) {
+        PixelPolygon part = wall;
+        part.clip(beside, label);
+        stripes_.add(part, phase);
+      }
+    }
   }
   shares_.resize(shifts.size());
   stripes_.evaluate(shifts, p_.duty, shares_.data());

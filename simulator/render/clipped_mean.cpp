@@ -272,6 +272,30 @@ double blurred_stripe(double phase, double duty, double w) {
   return w < kSeriesFrom ? by_edges(f, duty, w) : StripeSeries(duty, w).at(f);
 }
 
+namespace {
+
+/// Exact but for the noise: sums over phases would miss the bend where the sensor clips.
+double exact_mean(const StripeSettings& stripes, const LinearResponse& linear, double w) {
+  return clipped_mean_of({.duty = stripes.duty, .w = w},
+                         linear.slope * stripes.gain * (1.0 - stripes.dark),
+                         linear.at(stripes.gain * stripes.dark));
+}
+
+}  // namespace
+
+std::vector<double> ClippedMean::nodes_of(const SensorSettings& sensor,
+                                          const StripeSettings& stripes) {
+  if (sensor.full_well_e > 0.0) {
+    return ClippedMean(sensor, stripes).nodes();
+  }
+  const LinearResponse linear(sensor);
+  std::vector<double> nodes;
+  for (int i = 0; i <= kIntervals; ++i) {
+    nodes.push_back(exact_mean(stripes, linear, kWidest * i / kIntervals));
+  }
+  return nodes;
+}
+
 ClippedMean::ClippedMean(const SensorSettings& sensor, const StripeSettings& stripes) {
   blind_from_ = std::numeric_limits<double>::infinity();
   const double step = sensor.bits > 0 ? 1.0 / ((1 << sensor.bits) - 1) : 0.0;
@@ -289,11 +313,7 @@ ClippedMean::ClippedMean(const SensorSettings& sensor, const StripeSettings& str
     const double w = kWidest * i / kIntervals;
     phases.blur(w);
     const Node node = node_at(phases, stripes, linear, response);
-    // Exact but for the noise: sums over phases would miss the bend where the sensor clips.
-    const double exact = clipped_mean_of({.duty = stripes.duty, .w = w},
-                                         linear.slope * stripes.gain * (1.0 - stripes.dark),
-                                         linear.at(stripes.gain * stripes.dark));
-    nodes_.push_back(exact + node.bias);
+    nodes_.push_back(exact_mean(stripes, linear, w) + node.bias);
     nodes.push_back(node);
     const bool is_blind = sensor.gain * sensor.exposure * node.smallest >= 1.0 - 0.5 * step;
     if (is_blind && w < blind_from_) {

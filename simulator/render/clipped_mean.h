@@ -70,9 +70,13 @@ class ClippedMean {
   /// Four coefficients an interval, in powers of the place in it.
   const std::vector<float>& coefficients() const { return coefficients_; }
 
-  /// T at the nodes, and the coefficients of cubic pieces through any such values.
+  /// T at the nodes.
   const std::vector<double>& nodes() const { return nodes_; }
 
+  /// nodes() alone: without noise much less work than the whole table.
+  static std::vector<double> nodes_of(const SensorSettings& sensor, const StripeSettings& stripes);
+
+  /// The coefficients of cubic pieces through any such values.
   static std::vector<float> pieces_through(const std::vector<double>& nodes);
 
   const std::vector<float>& deviations() const { return deviations_; }  ///< at the nodes

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "simulator/render/mask_kernels.h"
+
 namespace glint {
 namespace {
 
@@ -49,7 +51,45 @@ std::vector<float> pieces_of(const std::vector<float>& nodes) {
 }
 
 int count_of(const Mask& mask) {
-  return static_cast<int>(std::ranges::count_if(mask.values(), [](auto m) { return m != 0; }));
+  return mask_kernels::count_ones(mask.values().data(), static_cast<int>(mask.size()));
+}
+
+/// dilated(): the union of n pixels and the same n further on is one of 2 n, first downwards, then
+/// along the rows, which begin and end with `radius` empty pixels.
+Mask grown(const Mask& mask, int radius) {
+  const int reach = 2 * radius + 1;
+  const int width = mask.width() + 2 * radius;
+  const int height = mask.height() + 2 * radius;
+  Mask wide(width, height);
+  for (int y = 0; y < mask.height(); ++y) {
+    std::copy_n(mask.row(y), mask.width(), wide.row(y + radius) + radius);
+  }
+  for (int done = 1, step = 1; done < reach; done += step) {
+    step = std::min(done, reach - done);
+    for (int y = 0; y + step < height; ++y) {
+      mask_kernels::join(wide.row(y + step), width, wide.row(y));
+    }
+  }
+  Mask result(mask.width(), mask.height());
+  std::vector<unsigned char> old(static_cast<std::size_t>(width));
+  for (int y = 0; y < mask.height(); ++y) {
+    unsigned char* row = wide.row(y);
+    for (int done = 1, step = 1; done < reach; done += step) {
+      step = std::min(done, reach - done);
+      std::copy_n(row, width, old.data());
+      mask_kernels::join(old.data() + step, width - step, row);
+    }
+    std::copy_n(row, mask.width(), result.row(y));
+  }
+  return result;
+}
+
+/// How far from a pixel others count: beyond, less than kSmallestTail of the light, times the gain,
+/// spreads to it from one side.
+int reach_of(const Sensor& sensor, double reflectance) {
+  const SensorSettings& settings = sensor.settings();
+  const double gain = std::max(1.0, settings.gain * settings.exposure * reflectance);
+  return sensor.blur_reach_px(kSmallestTail / gain);
 }
 
 }  // namespace
@@ -141,14 +181,6 @@ std::vector<unsigned char> even_widths(const ClippedMean& table, double largest_
   return is_even;
 }
 
-Mask where(const Footprints& footprints, Footprints::State state) {
-  Mask mask(footprints.rays().width_px, footprints.rays().height_px);
-  for (std::size_t i = 0; i < mask.size(); ++i) {
-    mask.values()[i] = footprints.state().values()[i] == state ? 0 : 1;
-  }
-  return mask;
-}
-
 }  // namespace
 
 ScanPlan with_same_pixels(const ScanPlan& plan,
@@ -166,6 +198,20 @@ ScanPlan with_same_pixels(const ScanPlan& plan,
 
 namespace {
 
+/// Clears the pixels whose width lies in an interval of the table that is not even.
+void keep_even_widths(const std::vector<unsigned char>& is_even, const ImageF& width, Mask& mask) {
+  if (std::ranges::find(is_even, 0) == is_even.end()) {
+    return;
+  }
+  constexpr auto kPerUnit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest);
+  constexpr auto kLast = static_cast<float>(ClippedMean::kIntervals - 1);
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    const float place = std::min(width.values()[i] * kPerUnit, kLast);
+    const int is_kept = mask.values()[i] & is_even[static_cast<std::size_t>(place)];
+    mask.values()[i] = static_cast<unsigned char>(is_kept);
+  }
+}
+
 /// The pixels that T(w) gives, and those that need frames.
 void sort_pixels(const Footprints& footprints,
                  const Sensor& sensor,
@@ -173,30 +219,32 @@ void sort_pixels(const Footprints& footprints,
                  const Mask& region,
                  const Mask& watched,
                  ScanPlan& plan) {
-  const SensorSettings& settings = sensor.settings();
-  const double gain = std::max(1.0, settings.gain * settings.exposure * plan.reflectance);
-  const int reach = sensor.blur_reach_px(kSmallestTail / gain);
-  const std::vector<unsigned char> is_even =
-      even_widths(*plan.table, kLargestPhaseShare * footprints.positions().even_phases());
-  constexpr auto kPerUnit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest);
+  const int reach = reach_of(sensor, plan.reflectance);
+  const auto count = static_cast<int>(region.size());
+  const auto* state = reinterpret_cast<const unsigned char*>(footprints.state().values().data());
+  Mask other(region.width(), region.height());
+  Mask lit(region.width(), region.height());
+  mask_kernels::split_states(state, count, other.values().data(), lit.values().data());
   // Bends are looked for where the neighbours' phases mean something.
-  Mask other = where(footprints, Footprints::State::kPlain);
-  const Mask beside_other = dilated(other, 1);
-  for (std::size_t i = 0; i < other.size(); ++i) {
-    const int is_bent = (is_linear.values()[i] ^ 1) & (beside_other.values()[i] ^ 1);
-    other.values()[i] = static_cast<unsigned char>(other.values()[i] | is_bent);
-  }
-  const Mask near_other = dilated(other, reach);
-  const Mask near_light = dilated(where(footprints, Footprints::State::kDark), reach);
-  for (std::size_t i = 0; i < region.size(); ++i) {
-    const float place = std::min(plan.width.values()[i] * kPerUnit,
-                                 static_cast<float>(ClippedMean::kIntervals - 1));
-    const int is_wanted = region.values()[i] & (watched.values()[i] ^ 1);
-    const int is_table = (near_other.values()[i] ^ 1) & is_even[static_cast<std::size_t>(place)];
-    const int is_frame = is_wanted & (is_table ^ 1) & near_light.values()[i];
-    plan.by_table.values()[i] = static_cast<unsigned char>(is_wanted & is_table);
-    plan.by_frames.values()[i] = static_cast<unsigned char>(plan.by_frames.values()[i] | is_frame);
-  }
+  const Mask beside_other = grown(other, 1);
+  mask_kernels::add_bends(
+      is_linear.values().data(), beside_other.values().data(), count, other.values().data());
+  const Mask near_other = grown(other, reach);
+  const Mask near_light = grown(lit, reach);
+  mask_kernels::mark_closed(region.values().data(),
+                            watched.values().data(),
+                            near_other.values().data(),
+                            count,
+                            plan.by_table.values().data());
+  keep_even_widths(
+      even_widths(*plan.table, kLargestPhaseShare * footprints.positions().even_phases()),
+      plan.width,
+      plan.by_table);
+  mask_kernels::mark_frames(region.values().data(),
+                            plan.by_table.values().data(),
+                            near_light.values().data(),
+                            count,
+                            plan.by_frames.values().data());
 }
 
 }  // namespace
@@ -217,6 +265,13 @@ ScanPlan plan_scan(const Footprints& footprints,
           static_cast<unsigned char>(watched.values()[i] | region.values()[i]);
     }
   }
+  if (plan.form.kind == ScanForm::Kind::kFloors) {
+    plan.by_floors = Mask(region.width(), region.height());
+    mask_kernels::subtract(region.values().data(),
+                           watched.values().data(),
+                           static_cast<int>(region.size()),
+                           plan.by_floors.values().data());
+  }
   if (plan.form.kind == ScanForm::Kind::kTable) {
     plan.width = ImageF(region.width(), region.height());
     Mask is_linear(region.width(), region.height());
@@ -232,62 +287,99 @@ ScanPlan plan_scan(const Footprints& footprints,
 
 namespace {
 
-/// Renders and exposes frames where they are wanted; sums and counts only there.
-ScanSums sum_frames(const Footprints& footprints,
-                    const Sensor& sensor,
-                    const Spans& wanted,
-                    const Spans& rendered,
-                    const FrameConsumer& consume) {
+/// Pictures that frames are made in.
+struct FramePictures {
+  std::vector<ImageF> radiance;
+  ImageF grey;
+  ScanSums sums;
+};
+
+double share_of(const Spans& spans, int width, int height) {
+  double pixels = 0.0;
+  for (const RowSpan& span : spans) {
+    pixels += static_cast<double>(span.size());
+  }
+  return pixels / width / height;
+}
+
+void fit_size(ImageF& image, int width, int height) {
+  if (image.width() != width || image.height() != height) {
+    image = ImageF(width, height);
+  }
+}
+
+/// Renders and exposes frames where they are wanted; sums and counts only there. What the pictures
+/// held before does not matter.
+void sum_frames(const Footprints& footprints,
+                const Sensor& sensor,
+                const Spans& wanted,
+                const Spans& rendered,
+                const FrameConsumer& consume,
+                FramePictures& pictures) {
   const int width = footprints.rays().width_px;
   const int height = footprints.rays().height_px;
-  ScanSums sums(width, height);
   const FootprintFrames frames(footprints, rendered);
   const int total = footprints.positions().frames();
-  // Pictures are cleared as a whole: fewer at once where few of their pixels are rendered.
-  double share = 0.0;
-  for (const RowSpan& span : rendered) {
-    share += static_cast<double>(span.size()) / width / height;
-  }
+  // Fewer at once where few of their pixels are rendered: pictures are kept as a whole.
+  const double share = share_of(rendered, width, height);
   const int at_once = std::clamp(static_cast<int>(2.0 + kFramesAtOnce * share), 1, kFramesAtOnce);
-  std::vector<ImageF> radiance(static_cast<std::size_t>(std::min(at_once, total)),
-                               ImageF(width, height));
-  ImageF grey(consume ? width : 0, consume ? height : 0);
+  pictures.radiance.resize(static_cast<std::size_t>(std::min(at_once, total)));
+  for (ImageF& radiance : pictures.radiance) {
+    fit_size(radiance, width, height);
+  }
+  fit_size(pictures.grey, consume ? width : 0, consume ? height : 0);
+  pictures.sums.frames = 0;
   for (int first = 0; first < total; first += at_once) {
-    radiance.resize(static_cast<std::size_t>(std::min(at_once, total - first)));
-    frames.render(first, radiance);
-    for (std::size_t k = 0; k < radiance.size(); ++k) {
+    pictures.radiance.resize(static_cast<std::size_t>(std::min(at_once, total - first)));
+    frames.render(first, pictures.radiance);
+    for (std::size_t k = 0; k < pictures.radiance.size(); ++k) {
       const int index = first + static_cast<int>(k);
-      sensor.accumulate(radiance[k], index, wanted, sums, consume ? &grey : nullptr);
+      sensor.accumulate(
+          pictures.radiance[k], index, wanted, pictures.sums, consume ? &pictures.grey : nullptr);
       if (consume) {
-        consume(index, grey);
+        consume(index, pictures.grey);
       }
     }
   }
-  return sums;
+}
+
+/// The pictures that a thread keeps from one candidate to the next: to clear new ones takes longer
+/// than to render a small share of their pixels. nullptr for a large share: they would be many.
+FramePictures* kept_pictures(const Spans& rendered, int width, int height) {
+  constexpr double kSmallShare = 0.25;
+  thread_local FramePictures pictures;
+  return share_of(rendered, width, height) <= kSmallShare ? &pictures : nullptr;
 }
 
 /// The exposed mean radiance: for a linear sensor the mean of the exposed frames.
-void expose_mean(const Footprints& footprints, const Sensor& sensor, ClosedScan& result) {
-  const Spans all = whole_image(result.aspect.width(), result.aspect.height());
-  ImageF mean(result.aspect.width(), result.aspect.height());
-  FootprintFrames(footprints, all).render_mean(mean);
+void expose_mean(const Footprints& footprints,
+                 const Sensor& sensor,
+                 const ScanPlan& plan,
+                 ClosedScan& result) {
+  const int width = result.aspect.width();
+  const int height = result.aspect.height();
+  const Spans wanted = spans_of(plan.by_floors);
+  const Spans rendered = spans_of(grown(plan.by_floors, sensor.blur_radius_px()), kBridge_px);
+  const Mask near = grown(plan.by_floors, reach_of(sensor, plan.reflectance));
+  ImageF mean(width, height);
+  FootprintFrames(footprints, rendered).render_mean(near, mean);
   SensorSettings quiet = sensor.settings();
   const double offset =
       quiet.full_well_e > 0.0 ? quiet.gain * quiet.dark_e / quiet.full_well_e : 0.0;
   quiet.full_well_e = quiet.read_noise_e = quiet.dark_e = 0.0;
   quiet.bits = 0;
-  Sensor(quiet, mean.width(), mean.height()).expose(mean, 0, result.aspect);
+  Sensor(quiet, width, height).expose(mean, 0, wanted, result.aspect);
   if (sensor.settings().full_well_e == 0.0) {
     return;
   }
   const int frames = footprints.positions().frames();
-  result.deviation = ImageF(mean.width(), mean.height());
+  result.deviation = ImageF(width, height);
   const double linear = quiet.gain * quiet.exposure;
-  for (int y = 0; y < mean.height(); ++y) {
-    float* row = result.aspect.row(y);
-    for (int x = 0; x < mean.width(); ++x) {
+  for (const RowSpan& span : wanted) {
+    float* row = result.aspect.row(span.y);
+    for (int x = span.begin; x < span.end; ++x) {
       const double radiance = static_cast<double>(row[x]) / linear;
-      result.deviation(x, y) = static_cast<float>(
+      result.deviation(x, span.y) = static_cast<float>(
           std::sqrt(grey_response(sensor.settings(), radiance).variance / frames));
       row[x] += static_cast<float>(offset);
     }
@@ -308,10 +400,8 @@ void look_up_means(const ScanPlan& plan, const ClippedMean& table, ClosedScan& r
     float* deviation = result.deviation.row(y);
     kernels::look_up(w, width, table.coefficients().data(), ClippedMean::kIntervals, per_unit, row);
     kernels::look_up(w, width, deviations.data(), ClippedMean::kIntervals, per_unit, deviation);
-    for (int x = 0; x < width; ++x) {
-      row[x] = by_table[x] != 0 ? row[x] : dark_level;
-      deviation[x] = by_table[x] != 0 ? deviation[x] : dark_deviation;
-    }
+    mask_kernels::keep_where(by_table, width, dark_level, row);
+    mask_kernels::keep_where(by_table, width, dark_deviation, deviation);
     if (table.blind_from() < ClippedMean::kWidest) {
       for (int x = 0; x < width; ++x) {
         const bool is_blind = by_table[x] != 0 && table.is_blind(static_cast<double>(w[x]));
@@ -333,7 +423,7 @@ ClosedScan scan_closed(const Footprints& footprints,
                        .clipped_frames = Image<std::uint16_t>(width, height),
                        .form = plan.form};
   if (plan.form.kind == ScanForm::Kind::kFloors) {
-    expose_mean(footprints, sensor, result);
+    expose_mean(footprints, sensor, plan, result);
   }
   if (plan.form.kind == ScanForm::Kind::kTable) {
     look_up_means(plan, *plan.table, result);
@@ -342,8 +432,12 @@ ClosedScan scan_closed(const Footprints& footprints,
   if (wanted.empty()) {
     return result;
   }
-  const Spans rendered = spans_of(dilated(plan.by_frames, sensor.blur_radius_px()), kBridge_px);
-  const ScanSums sums = sum_frames(footprints, sensor, wanted, rendered, consume);
+  const Spans rendered = spans_of(grown(plan.by_frames, sensor.blur_radius_px()), kBridge_px);
+  FramePictures own;
+  FramePictures* const kept = kept_pictures(rendered, width, height);
+  FramePictures& pictures = kept != nullptr ? *kept : own;
+  sum_frames(footprints, sensor, wanted, rendered, consume, pictures);
+  const ScanSums& sums = pictures.sums;
   for (const RowSpan& span : wanted) {
     for (int x = span.begin; x < span.end; ++x) {
       result.aspect(x, span.y) = sums.sum(x, span.y) / static_cast<float>(sums.frames);
@@ -361,7 +455,9 @@ ScanResult scan_integrated(const Footprints& footprints,
                            const FrameConsumer& consume) {
   const Spans all = whole_image(footprints.rays().width_px, footprints.rays().height_px);
   ScanResult result;
-  result.sums = sum_frames(footprints, sensor, all, all, consume);
+  FramePictures pictures;
+  sum_frames(footprints, sensor, all, all, consume, pictures);
+  result.sums = std::move(pictures.sums);
   result.aspect = result.sums.aspect();
   result.hidden_share = footprints.hidden_share();
   return result;

@@ -51,6 +51,7 @@ ScanForm::Kind form_of(const ScanPositions& positions,
 /// Pixels sorted by what their mean needs. What remains of the region is dark in every frame.
 struct ScanPlan {
   ScanForm form;
+  Mask by_floors;  ///< from the mean radiance; empty where it is not used
   Mask by_table;   ///< from T(w)
   Mask by_frames;  ///< and the watched pixels
   ImageF width;    ///< w of T(w) [periods], where by_table

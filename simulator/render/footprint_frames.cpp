@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -17,6 +18,18 @@ namespace kernels = footprint_kernels;
 /// Pixels that are worked on together.
 constexpr int kTile = 256;
 
+struct Extent {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+
+  void add(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+
+  double size() const { return high - low; }
+};
+
 }  // namespace
 
 void FootprintFrames::Cells::add(std::int32_t pixel, const std::vector<double>& radiance) {
@@ -29,19 +42,23 @@ void FootprintFrames::Cells::add(std::int32_t pixel, const std::vector<double>& 
 /// Sums the cells of some pixels, for all positions or for their mean.
 class FootprintFrames::CellSummer {
  public:
-  CellSummer(const Footprints& footprints, bool wants_mean)
+  /// @param near  of a mean: refined pixels elsewhere are taken from their corners
+  CellSummer(const Footprints& footprints, bool wants_mean, const Mask* near = nullptr)
       : footprints_(footprints),
         positions_(footprints.positions()),
         mean_position_(wants_mean ? positions_.mean_position() : positions_),
         frames_(positions_),
         mean_(mean_position_),
-        wants_mean_(wants_mean) {}
+        wants_mean_(wants_mean),
+        near_(near) {}
 
   Cells sum(const Spans& where);
 
  private:
   struct Limits;
 
+  CellCorners corners_of(std::int32_t pixel) const;
+  bool add_far(int x, int y);
   void add_unrefined(std::int32_t pixel);
   void add_group(const RefinedGroup& group, const Mask& wanted);
   void add_refined(const RefinedGroup& group, std::size_t index, std::size_t first);
@@ -63,6 +80,7 @@ class FootprintFrames::CellSummer {
   CellSum frames_;
   CellSum mean_;
   bool wants_mean_;
+  const Mask* near_;
   Cells cells_;
   WallHits hits_;              ///< of some refined pixels, corner by corner
   std::vector<float> gain_;    ///< of the light at the corners of the pixel in work
@@ -70,42 +88,82 @@ class FootprintFrames::CellSummer {
 };
 
 FootprintFrames::Cells FootprintFrames::CellSummer::sum(const Spans& where) {
+  static_assert(sizeof(Footprints::State) == 1);
   const CornerRays& rays = footprints_.rays();
-  Mask refined(rays.width_px, rays.height_px);
-  bool has_refined = false;
+  Mask refined;
   for (const RowSpan& span : where) {
-    const Footprints::State* states = footprints_.state().row(span.y);
-    const auto is_cells = [](Footprints::State state) {
-      return state == Footprints::State::kCells;
+    const Footprints::State* row = footprints_.state().row(span.y);
+    const auto next_cells = [&](int from) {
+      const auto count = static_cast<std::size_t>(span.end - from);
+      const auto* found = static_cast<const Footprints::State*>(
+          std::memchr(row + from, static_cast<int>(Footprints::State::kCells), count));
+      return found != nullptr ? static_cast<int>(found - row) : span.end;
     };
-    const Footprints::State* end = states + span.end;
-    for (const auto* at = std::find_if(states + span.begin, end, is_cells); at != end;
-         at = std::find_if(at + 1, end, is_cells)) {
-      const int x = static_cast<int>(at - states);
-      if (rays.kind(x, span.y) == PixelKind::kRefined) {
-        refined(x, span.y) = 1;
-        has_refined = true;
-      } else {
+    for (int x = next_cells(span.begin); x < span.end; x = next_cells(x + 1)) {
+      if (rays.kind(x, span.y) != PixelKind::kRefined) {
         add_unrefined(span.y * rays.width_px + x);
+        continue;
       }
+      const bool is_far = near_ != nullptr && (*near_)(x, span.y) == 0;
+      if (is_far && add_far(x, span.y)) {
+        continue;
+      }
+      if (refined.empty()) {
+        refined = Mask(rays.width_px, rays.height_px);
+      }
+      refined(x, span.y) = 1;
     }
   }
   for (const RefinedGroup& group : rays.refined) {
-    if (has_refined) {
+    if (!refined.empty()) {
       add_group(group, refined);
     }
   }
   return std::move(cells_);
 }
 
-void FootprintFrames::CellSummer::add_unrefined(std::int32_t pixel) {
+CellCorners FootprintFrames::CellSummer::corners_of(std::int32_t pixel) const {
   const CornerRays& rays = footprints_.rays();
   const auto corner_width = static_cast<std::size_t>(rays.width_px) + 1;
   const auto y = static_cast<std::size_t>(pixel / rays.width_px);
   const std::size_t at = y * corner_width + static_cast<std::size_t>(pixel % rays.width_px);
-  const CellCorners corners(footprints_.hits(),
-                            rays.corners.weight.data(),
-                            {at, at + 1, at + corner_width, at + corner_width + 1});
+  return {footprints_.hits(),
+          rays.corners.weight.data(),
+          {at, at + 1, at + corner_width, at + corner_width + 1}};
+}
+
+/// The mean of a refined pixel of which little light spreads to where the mean is wanted: its
+/// coverage times what its corners on the part see. False when a boundary of the light is as near
+/// as these corners are to each other.
+bool FootprintFrames::CellSummer::add_far(int x, int y) {
+  const CornerRays& rays = footprints_.rays();
+  const std::int32_t pixel = y * rays.width_px + x;
+  const CellCorners corners = corners_of(pixel);
+  int seen = 0;
+  double gain = 0.0;
+  Extent x_mm, y_mm, margin_mm;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (corners.gain[i] > 0.0) {
+      seen += 1;
+      gain += corners.gain[i];
+      x_mm.add(corners.x_mm[i]);
+      y_mm.add(corners.y_mm[i]);
+      margin_mm.add(corners.margin_mm[i]);
+    }
+  }
+  const bool is_beside_slot = y_mm.low - y_mm.size() >= positions_.half_slot_mm ||
+                              y_mm.high + y_mm.size() <= -positions_.half_slot_mm;
+  if (seen < 2 || !is_beside_slot || margin_mm.low < margin_mm.size() ||
+      !positions_.is_inside_ends(x_mm.low - x_mm.size(), x_mm.high + x_mm.size())) {
+    return false;
+  }
+  const double mean = mean_position_.dark + mean_position_.bright * mean_position_.duty;
+  cells_.add(pixel, {static_cast<double>(rays.coverage(x, y)) * mean * gain / seen});
+  return true;
+}
+
+void FootprintFrames::CellSummer::add_unrefined(std::int32_t pixel) {
+  const CellCorners corners = corners_of(pixel);
   const auto [low, high] = std::ranges::minmax(corners.x_mm);
   CellSum& sum = sum_for(low, high);
   sum.add_smooth(corners, 1.0);
@@ -301,7 +359,7 @@ void FootprintFrames::render_span(int first,
   Tile tile;
   for (int begin = span.begin; begin < span.end; begin += kTile) {
     load(span, begin, tile);
-    const bool is_narrow = kernels::largest(tile.outer.data(), tile.count) <=
+    const bool is_narrow = kernels::largest_lit(tile.outer.data(), tile.gain.data(), tile.count) <=
                            kernels::narrow_limit(static_cast<float>(p.duty));
     const auto box_frame = is_narrow ? kernels::narrow_box_frame : kernels::box_frame;
     for (std::size_t k = 0; k < frames.size(); ++k) {
@@ -324,7 +382,7 @@ void FootprintFrames::render_span(int first,
   }
 }
 
-void FootprintFrames::render_mean(ImageF& mean) const {
+void FootprintFrames::render_mean(const Mask& near, ImageF& mean) const {
   // The fast form errs where stripes are thin, and by less the more phases share the error.
   constexpr int kFastPhases = 8;
   constexpr double kFastDuty = 0.1;
@@ -356,7 +414,7 @@ void FootprintFrames::render_mean(ImageF& mean) const {
                    mean.row(span.y) + begin);
     }
   }
-  const Cells cells = CellSummer(footprints_, true).sum(where_);
+  const Cells cells = CellSummer(footprints_, true, &near).sum(where_);
   for (std::size_t i = 0; i < cells.pixels.size(); ++i) {
     mean.values()[static_cast<std::size_t>(cells.pixels[i])] = cells.values[i];
   }

@@ -59,6 +59,16 @@ inline __attribute__((always_inline)) Real second_integral(Real phase, Real duty
   return f < duty ? rising : falling;
 }
 
+/// What corner_codes() says of a corner.
+enum CornerCode : unsigned char {
+  kOnWall = 1,
+  kOffWall = 2,
+  kRightOfSlot = 4,
+  kLeftOfSlot = 8,
+  kInSlot = 16,
+  kInsideEnds = 32
+};
+
 struct Range {
   float low;
   float high;
@@ -94,40 +104,74 @@ GLINT_WIDE void phases_of_corners(
   }
 }
 
-GLINT_WIDE void classify(const CornerRows& x_mm,
-                         const CornerRows& stripes_mm,
-                         const CornerRows& y_mm,
-                         const CornerRows& margin_mm,
-                         int count,
-                         const LitLimits& limits,
-                         unsigned char* __restrict state) {
+GLINT_WIDE void corner_codes(const float* __restrict x_mm,
+                             const float* __restrict y_mm,
+                             const float* __restrict margin_mm,
+                             int count,
+                             const LitLimits& limits,
+                             unsigned char* __restrict codes) {
   const LitLimits l = limits;
   for (int i = 0; i < count; ++i) {
-    const Range x = range_of(x_mm.top, x_mm.bottom, i);
-    const Range v = range_of(stripes_mm.top, stripes_mm.bottom, i);
-    const Range y = range_of(y_mm.top, y_mm.bottom, i);
-    const Range m = range_of(margin_mm.top, margin_mm.bottom, i);
-    const bool all_on_wall = m.low >= 0.0F;
-    const bool all_beside_slot = (y.low >= l.half_slot_mm) | (y.high <= -l.half_slot_mm);
-    const bool all_inside = (x.low > l.x_low_mm) & (x.high < l.x_high_mm);
-    const bool is_narrow = v.high - v.low <= l.widest_mm;
-    const bool none_on_wall = m.high < 0.0F;
-    const bool all_in_slot = (y.low > -l.half_slot_mm) & (y.high < l.half_slot_mm);
-    const bool is_plain = all_on_wall & all_beside_slot & all_inside & is_narrow;
-    const int other = (none_on_wall | all_in_slot) ? 0 : 2;
-    state[i] = static_cast<unsigned char>(is_plain ? 1 : other);
+    const float x = x_mm[i];
+    const float y = y_mm[i];
+    const float margin = margin_mm[i];
+    int code = margin >= 0.0F ? kOnWall : 0;
+    code |= margin < 0.0F ? kOffWall : 0;
+    code |= y >= l.half_slot_mm ? kRightOfSlot : 0;
+    code |= y <= -l.half_slot_mm ? kLeftOfSlot : 0;
+    code |= ((y > -l.half_slot_mm) & (y < l.half_slot_mm)) ? kInSlot : 0;
+    code |= ((x > l.x_low_mm) & (x < l.x_high_mm)) ? kInsideEnds : 0;
+    codes[i] = static_cast<unsigned char>(code);
   }
 }
 
-GLINT_WIDE void restrict_states(const unsigned char* __restrict kind,
-                                const unsigned char* __restrict hidden,
-                                int count,
-                                unsigned char* __restrict state) {
+namespace {
+
+/// 1 where the stripes at a pixel's corners differ by no more than `widest`.
+GLINT_WIDE void mark_narrow(const float* __restrict top,
+                            const float* __restrict bottom,
+                            int count,
+                            float widest_mm,
+                            unsigned char* __restrict is_narrow) {
   for (int i = 0; i < count; ++i) {
-    const int by_kind = kind[i] == 2 ? 2 : state[i];
-    const bool is_dark = (kind[i] == 0) | (hidden[i] != 0);
-    state[i] = static_cast<unsigned char>(is_dark ? 0 : by_kind);
+    const Range v = range_of(top, bottom, i);
+    is_narrow[i] = v.high - v.low <= widest_mm ? 1 : 0;
   }
+}
+
+/// @param state  1 for narrow pixels, else 0; the result
+GLINT_WIDE void combine_codes(const unsigned char* __restrict top,
+                              const unsigned char* __restrict bottom,
+                              const unsigned char* __restrict kind,
+                              const unsigned char* __restrict hidden,
+                              int count,
+                              unsigned char* __restrict state) {
+  constexpr unsigned char kLit = kOnWall | kInsideEnds;
+  for (int i = 0; i < count; ++i) {
+    const auto all = static_cast<unsigned char>(top[i] & top[i + 1] & bottom[i] & bottom[i + 1]);
+    const bool is_beside_slot = (all & (kRightOfSlot | kLeftOfSlot)) != 0;
+    const bool is_never_lit = (all & (kOffWall | kInSlot)) != 0;
+    const bool is_plain = ((all & kLit) == kLit) & is_beside_slot & (state[i] != 0);
+    const unsigned char other = is_never_lit ? 0 : 2;
+    const unsigned char by_light = is_plain ? 1 : other;
+    const unsigned char by_kind = kind[i] == 2 ? 2 : by_light;
+    const bool is_dark = (kind[i] == 0) | (hidden[i] != 0);
+    state[i] = is_dark ? 0 : by_kind;
+  }
+}
+
+}  // namespace
+
+void classify(const unsigned char* top,
+              const unsigned char* bottom,
+              const CornerRows& stripes_mm,
+              const unsigned char* kind,
+              const unsigned char* hidden,
+              int count,
+              const LitLimits& limits,
+              unsigned char* state) {
+  mark_narrow(stripes_mm.top, stripes_mm.bottom, count, limits.widest_mm, state);
+  combine_codes(top, bottom, kind, hidden, count, state);
 }
 
 GLINT_WIDE void trapezoids(const float* __restrict gx,
@@ -205,6 +249,17 @@ GLINT_WIDE float largest(const float* __restrict values, int count) {
   std::int32_t found = 0;
   for (int i = 0; i < count; ++i) {
     const auto bits = std::bit_cast<std::int32_t>(values[i]);
+    found = bits > found ? bits : found;
+  }
+  return std::bit_cast<float>(found);
+}
+
+GLINT_WIDE float largest_lit(const float* __restrict values,
+                             const float* __restrict gain,
+                             int count) {
+  std::int32_t found = 0;
+  for (int i = 0; i < count; ++i) {
+    const auto bits = std::bit_cast<std::int32_t>(gain[i] > 0.0F ? values[i] : 0.0F);
     found = bits > found ? bits : found;
   }
   return std::bit_cast<float>(found);
@@ -326,15 +381,38 @@ GLINT_WIDE void look_up(const float* __restrict w,
                         int pieces,
                         float per_unit,
                         float* __restrict values) {
+  constexpr int kChunk = 32;
   const auto last = static_cast<float>(pieces);
-  for (int i = 0; i < count; ++i) {
-    const float place = w[i] * per_unit;
-    const float at = place < last ? place : last;
-    const int whole = static_cast<int>(at);
-    const int piece = whole < pieces ? whole : pieces - 1;
-    const float s = at - static_cast<float>(piece);
-    const float* c = coefficients + 4 * piece;
-    values[i] = c[0] + s * (c[1] + s * (c[2] + s * c[3]));
+  std::int32_t piece[kChunk];
+  float s[kChunk];
+  for (int begin = 0; begin < count; begin += kChunk) {
+    const int size = count - begin < kChunk ? count - begin : kChunk;
+    std::int32_t lowest = pieces;
+    std::int32_t highest = 0;
+    for (int i = 0; i < size; ++i) {
+      const float place = w[begin + i] * per_unit;
+      const float at = place < last ? place : last;
+      const auto whole = static_cast<std::int32_t>(at);
+      piece[i] = whole < pieces ? whole : pieces - 1;
+      s[i] = at - static_cast<float>(piece[i]);
+      lowest = piece[i] < lowest ? piece[i] : lowest;
+      highest = piece[i] > highest ? piece[i] : highest;
+    }
+    const float* a = coefficients + 4 * lowest;
+    const float* b = coefficients + 4 * highest;
+    const float a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
+    const float b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
+    const bool has_two = highest - lowest <= 1;
+    for (int i = 0; has_two && i < size; ++i) {
+      const bool is_low = piece[i] == lowest;
+      values[begin + i] =
+          (is_low ? a0 : b0) +
+          s[i] * ((is_low ? a1 : b1) + s[i] * ((is_low ? a2 : b2) + s[i] * (is_low ? a3 : b3)));
+    }
+    for (int i = 0; !has_two && i < size; ++i) {
+      const float* c = coefficients + 4 * piece[i];
+      values[begin + i] = c[0] + s[i] * (c[1] + s[i] * (c[2] + s[i] * c[3]));
+    }
   }
 }
 
@@ -456,29 +534,6 @@ GLINT_WIDE void modulate(const float* __restrict x_mm,
     const float led = (1.0F + u.ripple * cos_turns(x * u.per_mm)) / (1.0F + u.ripple);
     const float factor = led * (1.0F - u.falloff * end * end);
     out[i] *= factor > 0.0F ? factor : 0.0F;
-  }
-}
-
-GLINT_WIDE void meet_revolved(const RevolvedBlock& rays,
-                              int count,
-                              float radius_mm,
-                              float nowhere,
-                              float* __restrict x_mm,
-                              float* __restrict y_mm,
-                              float* __restrict z_mm) {
-  const float* __restrict a = rays.a_mm;
-  const float* __restrict m = rays.m;
-  const float* __restrict h = rays.h_mm;
-  const float* __restrict ey = rays.ey;
-  const float* __restrict ez = rays.ez;
-  const float squared_radius = radius_mm * radius_mm;
-  for (int i = 0; i < count; ++i) {
-    const float left = squared_radius - h[i] * h[i];
-    const bool is_met = (left > 0.0F) & (ey[i] * ey[i] + ez[i] * ez[i] > 0.0F);
-    const float s = std::sqrt(left > 0.0F ? left : 0.0F);
-    x_mm[i] = a[i] + m[i] * s;
-    y_mm[i] = h[i] * ez[i] + s * ey[i];
-    z_mm[i] = is_met ? s * ez[i] - h[i] * ey[i] : nowhere;
   }
 }
 

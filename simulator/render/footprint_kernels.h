@@ -36,21 +36,27 @@ struct LitLimits {
   float widest_mm = 0.0F;  ///< stripes differ by no more than this between plain corners
 };
 
-/// For each pixel 0 where no part of it is ever lit, 1 where all of it always is, else 2.
-void classify(const CornerRows& x_mm,
+/// What holds at each corner, one bit a condition: what holds for all corners of a pixel is the
+/// conjunction of their four.
+void corner_codes(const float* x_mm,
+                  const float* y_mm,
+                  const float* margin_mm,
+                  int count,
+                  const LitLimits& limits,
+                  unsigned char* codes);
+
+/// For each pixel 0 where no part of it is ever lit, 1 where all of it always is, else 2. Pixels
+/// that see no part (kind 0) or that the wall hides are 0, refined ones (kind 2) that are not
+/// are 2.
+/// @param top, bottom  codes of the corners
+void classify(const unsigned char* top,
+              const unsigned char* bottom,
               const CornerRows& stripes_mm,
-              const CornerRows& y_mm,
-              const CornerRows& margin_mm,
+              const unsigned char* kind,
+              const unsigned char* hidden,
               int count,
               const LitLimits& limits,
               unsigned char* state);
-
-/// Pixels that see no part (kind 0) or that the wall hides are 0, refined ones (kind 2) that are
-/// not are 2, others stay.
-void restrict_states(const unsigned char* kind,
-                     const unsigned char* hidden,
-                     int count,
-                     unsigned char* state);
 
 /// The trapezoid of each footprint, ready for add_box_frame.
 struct Trapezoids {
@@ -82,7 +88,8 @@ inline float narrow_limit(float duty) {
   return 0.5F * (duty < 1.0F - duty ? duty : 1.0F - duty);
 }
 
-/// The same bytes for footprints that all are narrow: outer <= narrow_limit(duty).
+/// The same bytes for footprints that all are narrow (outer <= narrow_limit(duty)) where their gain
+/// is not 0.
 void narrow_box_frame(const float* v,
                       const Trapezoids& trapezoids,
                       const float* gain,
@@ -90,8 +97,11 @@ void narrow_box_frame(const float* v,
                       const BoxFrame& frame,
                       float* out);
 
-/// @param values  >= 0
+/// Of values >= 0.
 float largest(const float* values, int count);
+
+/// The same of values whose gain is > 0 only; 0 if there is none.
+float largest_lit(const float* values, const float* gain, int count);
 
 /// gain = weight * cosine where the state is 1 (plain), else 0. @param cosine  nullptr: 1
 void plain_gains(
@@ -141,7 +151,8 @@ void stripe_widths(const ThreeRows& gx,
                    float* w,
                    unsigned char* is_linear);
 
-/// Cubic pieces: value of the piece at w * per_unit, the last one beyond the end.
+/// Cubic pieces: value of the piece at w * per_unit, the last one beyond the end. Neighbours that
+/// share a piece or two, as they mostly do, cost no gathering of coefficients.
 /// @param coefficients  four for each of `pieces` pieces
 void look_up(const float* w,
              int count,
@@ -188,24 +199,6 @@ void sum_vertex_slopes(const double* v,
                        int frames,
                        double duty,
                        double* out);
-
-/// Rays of revolved_rays.h.
-struct RevolvedBlock {
-  const float* a_mm = nullptr;
-  const float* m = nullptr;
-  const float* h_mm = nullptr;
-  const float* ey = nullptr;
-  const float* ez = nullptr;
-};
-
-/// Where they meet a cylinder; z counts from its axis and is `nowhere` for rays that do not.
-void meet_revolved(const RevolvedBlock& rays,
-                   int count,
-                   float radius_mm,
-                   float nowhere,
-                   float* x_mm,
-                   float* y_mm,
-                   float* z_mm);
 
 /// out *= (1 + ripple cos(2 pi u per_mm)) / (1 + ripple) * (1 - falloff (u / half_length)^2) with
 /// u = x - shift.

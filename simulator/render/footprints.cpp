@@ -146,26 +146,32 @@ void Footprints::classify() {
       .x_low_mm = static_cast<float>(p.shift_mm.back() - p.half_length_mm),
       .x_high_mm = static_cast<float>(p.half_length_mm),
       .widest_mm = static_cast<float>(2.0 * std::min(p.duty, 1.0 - p.duty) * p.period_mm)};
+  static_assert(static_cast<int>(PixelKind::kDark) == static_cast<int>(State::kDark) &&
+                static_cast<int>(PixelKind::kRefined) == static_cast<int>(State::kCells));
+  std::vector<unsigned char> above(corner_width), below(corner_width);
+  const auto find_codes = [&](int y, std::vector<unsigned char>& codes) {
+    const std::size_t at = static_cast<std::size_t>(y) * corner_width;
+    kernels::corner_codes(hits().x_mm.data() + at,
+                          hits().y_mm.data() + at,
+                          hits().margin_mm.data() + at,
+                          static_cast<int>(corner_width),
+                          limits,
+                          codes.data());
+  };
+  find_codes(0, below);
   for (int y = 0; y < rays_.height_px; ++y) {
-    const std::size_t top = static_cast<std::size_t>(y) * corner_width;
-    const auto rows = [&](const FloatArray& values) {
-      return kernels::CornerRows{.top = values.data() + top,
-                                 .bottom = values.data() + top + corner_width};
-    };
-    auto* state = reinterpret_cast<unsigned char*>(state_.row(y));
-    kernels::classify(rows(hits().x_mm),
-                      rows(hits().stripes_mm()),
-                      rows(hits().y_mm),
-                      rows(hits().margin_mm),
+    above.swap(below);
+    find_codes(y + 1, below);
+    const float* stripes_mm =
+        hits().stripes_mm().data() + static_cast<std::size_t>(y) * corner_width;
+    kernels::classify(above.data(),
+                      below.data(),
+                      {.top = stripes_mm, .bottom = stripes_mm + corner_width},
+                      reinterpret_cast<const unsigned char*>(rays_.kind.row(y)),
+                      hidden().row(y),
                       rays_.width_px,
                       limits,
-                      state);
-    static_assert(static_cast<int>(PixelKind::kDark) == static_cast<int>(State::kDark) &&
-                  static_cast<int>(PixelKind::kRefined) == static_cast<int>(State::kCells));
-    kernels::restrict_states(reinterpret_cast<const unsigned char*>(rays_.kind.row(y)),
-                             hidden().row(y),
-                             rays_.width_px,
-                             state);
+                      reinterpret_cast<unsigned char*>(state_.row(y)));
   }
 }
 

@@ -174,7 +174,8 @@ class FootprintFrames {
 
   /// Mean radiance over a scan of whole periods, by floors: a square wave of as many times the
   /// frequency as there are different positions.
-  void render_mean(ImageF& mean) const;
+  /// @param near  refined pixels elsewhere may be taken from their four corners and their coverage
+  void render_mean(const Mask& near, ImageF& mean) const;
 
  private:
   /// Radiance of pixels that are summed from cells, at all positions or their mean.

@@ -35,17 +35,23 @@ class ResponseSlope {
     }
   }
 
-  float at(float radiance) const {
+  /// @param slopes  as many as radiances
+  void at(const float* radiance, int count, float* slopes) const {
     if (!has_noise_) {
-      return linear_ * radiance < 1.0F ? linear_ : 0.0F;
+      slope_kernels::unclipped_slopes(radiance, count, linear_, slopes);
+      return;
     }
+    std::transform(radiance, radiance + count, slopes, [this](float r) { return noisy_at(r); });
+  }
+
+ private:
+  float noisy_at(float radiance) const {
     const float place = std::clamp(radiance, 0.0F, 1.0F) * kSteps;
     const auto i = std::min<std::size_t>(kSteps - 1, static_cast<std::size_t>(place));
     const float s = place - static_cast<float>(i);
     return (1.0F - s) * slopes_[i] + s * slopes_[i + 1];
   }
 
- private:
   static constexpr int kSteps = 1024;
   float linear_;
   bool has_noise_;
@@ -80,9 +86,7 @@ class BlurBackwards {
         for (int x = span.begin; x < low; ++x) {
           to[0] += weight * from[x];
         }
-        for (int x = low; x < high; ++x) {
-          to[x + k] += weight * from[x];
-        }
+        slope_kernels::add_scaled(from + low, high - low, weight, to + low + k);
         for (int x = high; x < span.end; ++x) {
           to[across_.width() - 1] += weight * from[x];
         }
@@ -94,9 +98,7 @@ class BlurBackwards {
         const float weight = weights_[static_cast<std::size_t>(std::abs(k))];
         const int y = std::clamp(span.y + k, 0, across_.height() - 1);
         float* to = result_.row(y) + span.begin;
-        for (int x = 0; x < span.size(); ++x) {
-          to[x] += weight * from[x];
-        }
+        slope_kernels::add_scaled(from, span.size(), weight, to);
       }
     }
     return result_;
@@ -384,16 +386,20 @@ void add_frame_slopes(const Footprints& footprints,
       narrower.expose(frame, k, wanted, less);
     }
     for (const RowSpan& span : wanted) {
-      for (int x = span.begin; x < span.end; ++x) {
-        const float grey = blurred(x, span.y);
-        const float by = by_aspect(x, span.y) * response.at(grey) / static_cast<float>(total);
-        by_blurred(x, span.y) = by;
-        slopes.gain += static_cast<double>(by * grey) / settings.gain;
-        slopes.exposure += static_cast<double>(by * grey) / settings.exposure;
-        if (has_blur) {
-          slopes.blur_px +=
-              static_cast<double>(by * (more(x, span.y) - less(x, span.y))) / (2.0 * step);
-        }
+      const float* grey = blurred.row(span.y) + span.begin;
+      float* by = by_blurred.row(span.y) + span.begin;
+      response.at(grey, span.size(), by);
+      const double by_grey = slope_kernels::weigh_slopes(by_aspect.row(span.y) + span.begin,
+                                                         grey,
+                                                         span.size(),
+                                                         1.0F / static_cast<float>(total),
+                                                         by);
+      slopes.gain += by_grey / settings.gain;
+      slopes.exposure += by_grey / settings.exposure;
+      for (int x = span.begin; has_blur && x < span.end; ++x) {
+        slopes.blur_px +=
+            static_cast<double>(by_blurred(x, span.y) * (more(x, span.y) - less(x, span.y))) /
+            (2.0 * step);
       }
     }
     by_footprints.add_frame(k, backwards.apply(by_blurred));

@@ -25,12 +25,12 @@ std::vector<float> table_slope(const SensorSettings& sensor,
     StripeSettings changed_stripes = stripes;
     double& number = of_sensor != nullptr ? changed_sensor.*of_sensor : changed_stripes.*of_stripes;
     number += sign * kTableStep;
-    return ClippedMean(changed_sensor, changed_stripes);
+    return ClippedMean::nodes_of(changed_sensor, changed_stripes);
   };
-  std::vector<double> slope = table_at(1.0).nodes();
-  const ClippedMean low = table_at(-1.0);
+  std::vector<double> slope = table_at(1.0);
+  const std::vector<double> low = table_at(-1.0);
   for (std::size_t i = 0; i < slope.size(); ++i) {
-    slope[i] = (slope[i] - low.nodes()[i]) / (2.0 * kTableStep);
+    slope[i] = (slope[i] - low[i]) / (2.0 * kTableStep);
   }
   return ClippedMean::pieces_through(slope);
 }
@@ -158,7 +158,7 @@ void add_table(const Footprints& footprints,
   const SensorSettings& settings = sensor.settings();
   const StripeSettings stripes = stripes_of(footprints.positions(), reflectance);
   TableSlopes table(footprints, sensor, plan, by_aspect, slopes);
-  table.add_widths(ClippedMean(settings, stripes));
+  table.add_widths(*plan.table);
   const auto add = [&](double SensorSettings::*of_sensor, double StripeSettings::*of_stripes) {
     return table.weighted(table_slope(settings, stripes, of_sensor, of_stripes));
   };
@@ -223,15 +223,12 @@ ScanSlopes slopes_of_scan(const Footprints& footprints,
   }
   add_frame_slopes(footprints, sensor, by_frames, by_aspect, wanted.blur, slopes);
   double by_x = 0.0;
-  for (const SlopesByHits* hits : {&slopes.corners}) {
-    for (const float x : hits->x) {
-      by_x += static_cast<double>(x);
-    }
-  }
+  const auto add_sum = [&](const std::vector<float>& x) {
+    by_x += slope_kernels::exact_sum(x.data(), x.size());
+  };
+  add_sum(slopes.corners.x);
   for (const RefinedSlopes& group : slopes.refined) {
-    for (const float x : group.by_hits.x) {
-      by_x += static_cast<double>(x);
-    }
+    add_sum(group.by_hits.x);
   }
   slopes.offset_mm = -by_x;
   return slopes;

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "simulator/render/footprint_kernels.h"
+
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
 namespace glint::slope_kernels {
@@ -95,30 +97,17 @@ namespace {
 
 constexpr int kLanes = 16;
 
-inline __attribute__((always_inline)) float piece_at(float w,
-                                                     const float* coefficients,
-                                                     int pieces,
-                                                     float per_unit) {
-  const float place = w * per_unit;
-  const auto last = static_cast<float>(pieces);
-  const float at = place < last ? place : last;
-  const int whole = static_cast<int>(at);
-  const int piece = whole < pieces ? whole : pieces - 1;
-  const float s = at - static_cast<float>(piece);
-  const float* c = coefficients + 4 * piece;
-  return c[0] + s * (c[1] + s * (c[2] + s * c[3]));
+GLINT_WIDE void multiply_by(const float* __restrict weight, int count, float* __restrict values) {
+  for (int i = 0; i < count; ++i) {
+    values[i] = weight[i] * values[i];
+  }
 }
 
-GLINT_WIDE void multiply_look_up(const float* __restrict w,
-                                 const float* __restrict weight,
-                                 int count,
-                                 const float* __restrict coefficients,
-                                 int pieces,
-                                 float per_unit,
-                                 float* __restrict products) {
-  for (int i = 0; i < count; ++i) {
-    products[i] = weight[i] * piece_at(w[i], coefficients, pieces, per_unit);
-  }
+/// Values of a table, weighted.
+void multiply_look_up(
+    const float* w, const float* weight, int count, const Pieces& table, float* products) {
+  footprint_kernels::look_up(w, count, table.coefficients, table.count, table.per_unit, products);
+  multiply_by(weight, count, products);
 }
 
 GLINT_WIDE void slopes_of_widths(const float* __restrict w,
@@ -206,8 +195,7 @@ double weighted_look_up(const float* w, const float* weight, int count, const Pi
   double sum = 0.0;
   for (int begin = 0; begin < count; begin += kTile) {
     const int size = count - begin < kTile ? count - begin : kTile;
-    multiply_look_up(
-        w + begin, weight + begin, size, table.coefficients, table.count, table.per_unit, products);
+    multiply_look_up(w + begin, weight + begin, size, table, products);
     sum += sum_of(products, size);
   }
   return sum;
@@ -222,7 +210,7 @@ double width_slopes(const float* w,
                     float variance_px2,
                     float* by_gx,
                     float* by_gy) {
-  multiply_look_up(w, weight, count, slope.coefficients, slope.count, slope.per_unit, by_gx);
+  multiply_look_up(w, weight, count, slope, by_gx);
   slopes_of_widths(w, gx, gy, variance_px2, count, by_gx, by_gy);
   return sum_of_products(by_gx, gx, count) + sum_of_products(by_gy, gy, count);
 }
@@ -254,6 +242,57 @@ void add_box_slopes(const float* v,
              out.duty,
              out.share,
              out.weight);
+}
+
+GLINT_WIDE void add_scaled(const float* __restrict from,
+                           int count,
+                           float factor,
+                           float* __restrict to) {
+  for (int i = 0; i < count; ++i) {
+    to[i] += factor * from[i];
+  }
+}
+
+GLINT_WIDE void unclipped_slopes(const float* __restrict radiance,
+                                 int count,
+                                 float linear,
+                                 float* __restrict slopes) {
+  for (int i = 0; i < count; ++i) {
+    slopes[i] = linear * radiance[i] < 1.0F ? linear : 0.0F;
+  }
+}
+
+GLINT_WIDE static void multiply(const float* __restrict by_aspect,
+                                int count,
+                                float factor,
+                                float* __restrict by) {
+  for (int i = 0; i < count; ++i) {
+    by[i] *= by_aspect[i] * factor;
+  }
+}
+
+GLINT_WIDE double exact_sum(const float* values, std::size_t count) {
+  constexpr std::size_t kSums = 8;
+  double sums[kSums] = {};
+  std::size_t i = 0;
+  for (; i + kSums <= count; i += kSums) {
+    for (std::size_t lane = 0; lane < kSums; ++lane) {
+      sums[lane] += static_cast<double>(values[i + lane]);
+    }
+  }
+  double sum = 0.0;
+  for (; i < count; ++i) {
+    sum += static_cast<double>(values[i]);
+  }
+  for (const double lane : sums) {
+    sum += lane;
+  }
+  return sum;
+}
+
+double weigh_slopes(const float* by_aspect, const float* grey, int count, float factor, float* by) {
+  multiply(by_aspect, count, factor, by);
+  return sum_of_products(by, grey, count);
 }
 
 VertexSums weigh_vertex(

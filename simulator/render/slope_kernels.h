@@ -4,6 +4,8 @@
 // quantity of a footprint changes, summed over the frames with a weight for each.
 #pragma once
 
+#include <cstddef>
+
 #include "simulator/render/footprint_kernels.h"
 
 namespace glint::slope_kernels {
@@ -28,6 +30,18 @@ void add_box_slopes(const float* v,
                     float shift,
                     float duty,
                     const BoxSlopes& out);
+
+/// In double, lane by lane: the same bits for any instruction set.
+double exact_sum(const float* values, std::size_t count);
+
+/// to += factor * from
+void add_scaled(const float* from, int count, float factor, float* to);
+
+/// The slope of min(1, linear * radiance).
+void unclipped_slopes(const float* radiance, int count, float linear, float* slopes);
+
+/// by *= by_aspect * factor. @return the sum of by * grey
+double weigh_slopes(const float* by_aspect, const float* grey, int count, float factor, float* by);
 
 /// A table of cubic pieces, as look_up() of footprint_kernels.h takes it.
 struct Pieces {

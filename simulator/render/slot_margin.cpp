@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "simulator/render/mask_kernels.h"
+
 namespace glint {
 
 SlotMargin slot_margin(const SeenPart& seen,
@@ -29,6 +31,11 @@ SlotMargin slot_margin(const SeenPart& seen,
     sight.direction_y = to_y.data();
     sight.direction_z = to_z.data();
     tunnel.meet_block(sight, x.data(), y.data(), margin.data());
+    const auto farthest_mm = static_cast<double>(
+        mask_kernels::largest_size(region.row(row), y.data(), margin.data(), seen.width_px));
+    if (result.has_sight && half_slot_mm - farthest_mm >= result.margin_mm) {
+      continue;
+    }
     for (std::size_t i = 0; i < width; ++i) {
       const auto column = static_cast<int>(i);
       const double y_mm = static_cast<double>(y[i]);

@@ -292,8 +292,14 @@ void Sensor::accumulate(const ImageF& radiance,
                         const Spans& where,
                         ScanSums& sums,
                         ImageF* frame) const {
-  if (sums.frames == 0) {
+  const bool has_size = sums.sum.width() == width_px_ && sums.sum.height() == height_px_;
+  if (sums.frames == 0 && !has_size) {
     sums = ScanSums(width_px_, height_px_);
+  } else if (sums.frames == 0) {
+    for (const RowSpan& span : where) {
+      std::fill_n(sums.sum.row(span.y) + span.begin, span.size(), 0.0f);
+      std::fill_n(sums.clipped_frames.row(span.y) + span.begin, span.size(), std::uint16_t{0});
+    }
   }
   GLINT_CHECK(sums.sum.width() == width_px_ && sums.sum.height() == height_px_,
               "sums and sensor differ in size");

@@ -72,7 +72,8 @@ class Sensor {
   void expose(const ImageF& radiance, int frame_index, const Spans& where, ImageF& frame) const;
 
   /// The same frame, added to the sums in one sweep over memory; also kept when `frame` is given.
-  /// Float sums round: for the same bytes, add the frames in the same order.
+  /// Float sums round: for the same bytes, add the frames in the same order. Sums of no frames are
+  /// started anew, whatever they hold.
   void accumulate(const ImageF& radiance,
                   int frame_index,
                   ScanSums& sums,

@@ -154,9 +154,14 @@ TEST(ScanClosed, FloorsAreTheMeanOfAllFrames) {
     EXPECT_EQ(scans.plan.form.frame_pixels, 0);
     const ClosedScan closed = scans.closed();
     const ScanResult full = scans.full();
+    int compared = 0;
     for (std::size_t i = 0; i < full.aspect.size(); ++i) {
-      ASSERT_NEAR(closed.aspect.values()[i], full.aspect.values()[i], 1e-5F) << i;
+      if (scans.region.values()[i] != 0) {
+        ASSERT_NEAR(closed.aspect.values()[i], full.aspect.values()[i], 1e-5F) << i;
+        ++compared;
+      }
     }
+    EXPECT_GT(compared, 5000);
   }
 }
 
@@ -166,7 +171,9 @@ TEST(ScanClosed, FloorsStayWithinHalfAGreyLevelOfRoundedFrames) {
   const ClosedScan closed = scans.closed();
   const ScanResult full = scans.full();
   for (std::size_t i = 0; i < full.aspect.size(); ++i) {
-    ASSERT_NEAR(closed.aspect.values()[i], full.aspect.values()[i], 0.5F / 255.0F + 1e-5F) << i;
+    if (scans.region.values()[i] != 0) {
+      ASSERT_NEAR(closed.aspect.values()[i], full.aspect.values()[i], 0.5F / 255.0F + 1e-5F) << i;
+    }
   }
 }
 

@@ -355,11 +355,15 @@ TEST(SumBoxFrames, IsTheSumOfSingleFrames) {
   }
 }
 
+// Neighbours share a piece at first, and are strewn over the whole table after that.
 TEST(LookUp, IsTheTableOfClippedMean) {
   const ClippedMean table({.gain = 2.0, .full_well_e = 10000.0}, {.duty = 0.4});
   std::vector<float> w;
   for (int i = 0; i < 2003; ++i) {
     w.push_back(static_cast<float>(i) / 2000.0F);
+  }
+  for (int i = 0; i < 2003; ++i) {
+    w.push_back(static_cast<float>(i * 977 % 2003) / 2000.0F);
   }
   std::vector<float> values(w.size());
   kernels::look_up(w.data(),

@@ -145,6 +145,20 @@ TEST(Sensor, AccumulatesMeanAndClippedFrames) {
   EXPECT_EQ(sums.clipped_frames.values(), (std::vector<std::uint16_t>{2, 1, 0}));
 }
 
+// What another scan left in the sums does not matter: they hold no frame yet.
+TEST(Sensor, StartsSumsOfNoFramesAnew) {
+  const Sensor sensor({.gain = 2.0, .blur_px = 0.0, .bits = 0}, 3, 1);
+  ImageF radiance(3, 1);
+  radiance.values() = {0.25f, 0.5f, 0.125f};
+  ScanSums sums(3, 1);
+  sums.sum.values() = {7.0f, 8.0f, 9.0f};
+  sums.clipped_frames.values() = {7, 8, 9};
+  sensor.accumulate(radiance, 0, Spans{{.y = 0, .begin = 0, .end = 2}}, sums);
+  EXPECT_EQ(sums.frames, 1);
+  EXPECT_EQ(sums.sum.values(), (std::vector<float>{0.5f, 1.0f, 9.0f}));
+  EXPECT_EQ(sums.clipped_frames.values(), (std::vector<std::uint16_t>{0, 1, 9}));
+}
+
 TEST(Sensor, AccumulatesTheSameFramesThatItExposes) {
   const Sensor sensor({.gain = 1.5, .full_well_e = 5000.0, .read_noise_e = 4.0}, 61, 23);
   ScanSums sums;

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/mask_kernels.h"
+
+#include <bit>
+#include <cstdint>
+
+#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+
+namespace glint::mask_kernels {
+
+GLINT_WIDE void join(const unsigned char* __restrict from,
+                     int count,
+                     unsigned char* __restrict to) {
+  for (int i = 0; i < count; ++i) {
+    to[i] = static_cast<unsigned char>(to[i] | from[i]);
+  }
+}
+
+GLINT_WIDE void subtract(const unsigned char* __restrict a,
+                         const unsigned char* __restrict b,
+                         int count,
+                         unsigned char* __restrict rest) {
+  for (int i = 0; i < count; ++i) {
+    rest[i] = ((a[i] != 0) & (b[i] == 0)) ? 1 : 0;
+  }
+}
+
+GLINT_WIDE int count_ones(const unsigned char* __restrict values, int count) {
+  int ones = 0;
+  for (int i = 0; i < count; ++i) {
+    ones += values[i];
+  }
+  return ones;
+}
+
+GLINT_WIDE void split_states(const unsigned char* __restrict state,
+                             int count,
+                             unsigned char* __restrict is_other,
+                             unsigned char* __restrict is_lit) {
+  for (int i = 0; i < count; ++i) {
+    is_other[i] = state[i] != 1 ? 1 : 0;
+    is_lit[i] = state[i] != 0 ? 1 : 0;
+  }
+}
+
+GLINT_WIDE void add_bends(const unsigned char* __restrict is_linear,
+                          const unsigned char* __restrict is_beside_other,
+                          int count,
+                          unsigned char* __restrict is_other) {
+  for (int i = 0; i < count; ++i) {
+    const bool is_bent = (is_linear[i] == 0) & (is_beside_other[i] == 0);
+    is_other[i] = ((is_other[i] != 0) | is_bent) ? 1 : 0;
+  }
+}
+
+GLINT_WIDE void mark_closed(const unsigned char* __restrict region,
+                            const unsigned char* __restrict watched,
+                            const unsigned char* __restrict is_near_other,
+                            int count,
+                            unsigned char* __restrict closed) {
+  for (int i = 0; i < count; ++i) {
+    closed[i] = ((region[i] != 0) & (watched[i] == 0) & (is_near_other[i] == 0)) ? 1 : 0;
+  }
+}
+
+GLINT_WIDE void mark_frames(const unsigned char* __restrict region,
+                            const unsigned char* __restrict closed,
+                            const unsigned char* __restrict is_near_light,
+                            int count,
+                            unsigned char* __restrict frames) {
+  for (int i = 0; i < count; ++i) {
+    const bool is_frame = (region[i] != 0) & (closed[i] == 0) & (is_near_light[i] != 0);
+    frames[i] = ((frames[i] != 0) | is_frame) ? 1 : 0;
+  }
+}
+
+/// Numbers that are not negative are ordered as their bits are.
+GLINT_WIDE float largest_size(const unsigned char* __restrict mask,
+                              const float* __restrict values,
+                              const float* __restrict margin,
+                              int count) {
+  std::int32_t found = 0;
+  for (int i = 0; i < count; ++i) {
+    const float size = values[i] < 0.0F ? -values[i] : values[i];
+    const bool is_used = (mask[i] != 0) & (margin[i] >= 0.0F);
+    const auto bits = std::bit_cast<std::int32_t>(is_used ? size : 0.0F);
+    found = bits > found ? bits : found;
+  }
+  return std::bit_cast<float>(found);
+}
+
+GLINT_WIDE void keep_where(const unsigned char* __restrict mask,
+                           int count,
+                           float other,
+                           float* __restrict values) {
+  for (int i = 0; i < count; ++i) {
+    values[i] = mask[i] != 0 ? values[i] : other;
+  }
+}
+
+}  // namespace glint::mask_kernels

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/mask_kernels.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/rng.h"
+
+namespace glint {
+namespace {
+
+using Bytes = std::vector<unsigned char>;
+
+/// No multiple of any vector's length.
+constexpr int kMaskCount = 1003;
+
+Bytes random_mask(std::uint64_t index, int largest = 1) {
+  Rng rng(5, Stream::kTest, index);
+  Bytes mask(kMaskCount);
+  for (unsigned char& value : mask) {
+    value = static_cast<unsigned char>(rng.uniform(0.0, largest + 1.0));
+  }
+  return mask;
+}
+
+TEST(MaskKernels, JoinAndSubtractPixelByPixel) {
+  const Bytes a = random_mask(1);
+  const Bytes b = random_mask(2);
+  Bytes joined = b;
+  Bytes rest(a.size());
+  mask_kernels::join(a.data(), kMaskCount, joined.data());
+  mask_kernels::subtract(a.data(), b.data(), kMaskCount, rest.data());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(joined[i], a[i] | b[i]) << i;
+    ASSERT_EQ(rest[i], a[i] != 0 && b[i] == 0 ? 1 : 0) << i;
+  }
+  EXPECT_EQ(mask_kernels::count_ones(rest.data(), kMaskCount),
+            static_cast<int>(std::ranges::count(rest, 1)));
+}
+
+TEST(MaskKernels, SplitStatesIntoOtherAndLit) {
+  const Bytes state = random_mask(3, 2);
+  Bytes other(state.size()), lit(state.size());
+  mask_kernels::split_states(state.data(), kMaskCount, other.data(), lit.data());
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    ASSERT_EQ(other[i], state[i] != 1 ? 1 : 0) << i;
+    ASSERT_EQ(lit[i], state[i] != 0 ? 1 : 0) << i;
+  }
+}
+
+// Every pixel of the region is closed, watched, rendered in frames, or dark all around.
+TEST(MaskKernels, SortPixelsOfTheRegion) {
+  const Bytes region = random_mask(4);
+  const Bytes watched = random_mask(5);
+  const Bytes near_other = random_mask(6);
+  const Bytes near_light = random_mask(7);
+  Bytes closed(region.size());
+  Bytes frames = watched;
+  mask_kernels::mark_closed(
+      region.data(), watched.data(), near_other.data(), kMaskCount, closed.data());
+  mask_kernels::mark_frames(
+      region.data(), closed.data(), near_light.data(), kMaskCount, frames.data());
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    ASSERT_EQ(closed[i], region[i] != 0 && watched[i] == 0 && near_other[i] == 0 ? 1 : 0) << i;
+    const bool is_frame = region[i] != 0 && closed[i] == 0 && near_light[i] != 0;
+    ASSERT_EQ(frames[i], watched[i] != 0 || is_frame ? 1 : 0) << i;
+  }
+}
+
+TEST(MaskKernels, AddBendsAwayFromOthers) {
+  const Bytes is_linear = random_mask(8);
+  const Bytes is_beside = random_mask(9);
+  const Bytes before = random_mask(10);
+  Bytes other = before;
+  mask_kernels::add_bends(is_linear.data(), is_beside.data(), kMaskCount, other.data());
+  for (std::size_t i = 0; i < other.size(); ++i) {
+    const bool is_bent = is_linear[i] == 0 && is_beside[i] == 0;
+    ASSERT_EQ(other[i], before[i] != 0 || is_bent ? 1 : 0) << i;
+  }
+}
+
+TEST(MaskKernels, FindTheLargestSizeAndKeepWhatIsInside) {
+  const Bytes mask = random_mask(11);
+  Rng rng(5, Stream::kTest, 12);
+  std::vector<float> values(mask.size()), margin(mask.size());
+  float expected = 0.0F;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    values[i] = static_cast<float>(rng.uniform(-9.0, 5.0));
+    margin[i] = static_cast<float>(rng.uniform(-1.0, 1.0));
+    if (mask[i] != 0 && margin[i] >= 0.0F) {
+      expected = std::max(expected, std::abs(values[i]));
+    }
+  }
+  EXPECT_EQ(mask_kernels::largest_size(mask.data(), values.data(), margin.data(), kMaskCount),
+            expected);
+  EXPECT_GT(expected, 5.0F);
+  const std::vector<float> before = values;
+  mask_kernels::keep_where(mask.data(), kMaskCount, 7.0F, values.data());
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    ASSERT_EQ(values[i], mask[i] != 0 ? before[i] : 7.0F) << i;
+  }
+}
+
+}  // namespace
+}  // namespace glint

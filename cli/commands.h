@@ -50,6 +50,15 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
 int render_command(const StudyArguments& arguments, const CommonArguments& common);
 int frontier_command(const StudyArguments& arguments, const CommonArguments& common);
 
+struct ImprintArguments {
+  StudyArguments study;
+  int count = 0;  ///< 0: one part, in the folder itself
+  bool is_without_previews = false;
+  bool is_preview_of_tools = false;
+};
+
+int imprint_command(const ImprintArguments& arguments, const CommonArguments& common);
+
 struct ReportArguments {
   std::vector<std::filesystem::path> runs;
   std::filesystem::path out;

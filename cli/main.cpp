@@ -23,6 +23,7 @@ namespace {
 struct CommandLine {
   CommonArguments common;
   StudyArguments study;
+  ImprintArguments imprint;
   ReportArguments report;
   PartArguments part;
   NewArguments fresh;
@@ -93,6 +94,26 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
   frontier->add_option("--out", line.study.out, "folder for chart and numbers")->required();
 }
 
+void add_imprint_verb(CLI::App& app, CommandLine& line) {
+  CLI::App* imprint =
+      add_verb(app,
+               "imprint",
+               "put defects on a part: meshes, labels, metadata, previews",
+               "glint imprint studies/gallery/gear_defects/scene.toml --out out/gears --count 20 "
+               "--seed 7",
+               line);
+  add_sets(*imprint, line.imprint.study);
+  imprint->add_option("--out", line.imprint.study.out, "folder for the files")->required();
+  imprint
+      ->add_option("--count", line.imprint.count, "so many parts, in part_0000, part_0001, ...")
+      ->check(CLI::Range(1, 1'000'000));
+  imprint->add_option("--seed", line.imprint.study.seed, "instead of imprint.seed")
+      ->check(CLI::Range(0, std::numeric_limits<int>::max()));
+  imprint->add_flag("--no_previews", line.imprint.is_without_previews, "no pictures");
+  imprint->add_flag(
+      "--preview_tools", line.imprint.is_preview_of_tools, "draw the tools, make no part");
+}
+
 void add_other_verbs(CLI::App& app, CommandLine& line) {
   CLI::App* report = add_verb(app,
                               "report",
@@ -159,6 +180,9 @@ int dispatch(const CLI::App& app, const CommandLine& line) {
   if (app.got_subcommand("frontier")) {
     return frontier_command(line.study, line.common);
   }
+  if (app.got_subcommand("imprint")) {
+    return imprint_command(line.imprint, line.common);
+  }
   if (app.got_subcommand("report")) {
     return report_command(line.report, line.common);
   }
@@ -215,6 +239,7 @@ int run_program(int argc, char** argv) {
   CommandLine line;
   line.common.threads = hardware_threads();
   add_study_verbs(app, line);
+  add_imprint_verb(app, line);
   add_other_verbs(app, line);
   try {
     app.parse(argc, argv);

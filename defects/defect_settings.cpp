@@ -125,10 +125,11 @@ void visit_tools(KeyVisitor& keys, DefectGroup& g) {
               g.roughness,
               Range::between(0, 0.5),
               "imprinted: noise of a procedural tool, rms share of its radius");
-  keys.integer("tool_level",
-               g.tool_level,
-               Range::between(1, 7),
-               "imprinted: fineness of a procedural tool; a round one has 20 * 4^level triangles");
+  keys.integer(
+      "tool_level",
+      g.tool_level,
+      Range::between(1, 7),
+      "imprinted: fineness of a procedural tool; a round one has about 20 * 4^level triangles");
   keys.file("tool_folder",
             g.tool_folder,
             "imprinted: folder of own closed tools (STL, PLY, OBJ, OFF, mm; z = 0 is the surface, "

@@ -72,6 +72,7 @@ class DefectMaker {
 
  private:
   struct State;
+  class Making;
   std::unique_ptr<const State> state_;
 };
 

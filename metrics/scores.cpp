@@ -30,6 +30,10 @@ constexpr std::array kDocs = {
     ScoreDoc{"fringe.period_px", "mean stripe spacing along the rows in pixels"},
     ScoreDoc{"fringe.duty_error", "bright share of the stripes minus the nominal duty"},
     ScoreDoc{"fringe.modulation", "(max - min) / (max + min) of the stripes"},
+    ScoreDoc{"defects.made", "how many defects the part has"},
+    ScoreDoc{"defects.mean_depth_um", "mean depth of the defects, height of bumps"},
+    ScoreDoc{"defects.removed_volume_mm3",
+             "volume that imprinted and displaced defects take away; bumps count as negative"},
     ScoreDoc{"defects.min_cnr", "smallest contrast-to-noise ratio of any defect"},
     ScoreDoc{"defects.min_weber", "smallest |Weber contrast| of any defect"},
     ScoreDoc{"defects.mean_weber", "mean |Weber contrast| of the defects"},
@@ -141,6 +145,14 @@ void add_scores(Scores& scores, const FringeScores& fringes) {
   scores["fringe.period_px"] = fringes.period_px;
   scores["fringe.duty_error"] = fringes.duty_error;
   scores["fringe.modulation"] = fringes.modulation;
+}
+
+void add_scores(Scores& scores, const DefectTotals& totals) {
+  if (totals.made > 0) {
+    scores["defects.made"] = totals.made;
+    scores["defects.mean_depth_um"] = totals.mean_depth_um;
+    scores["defects.removed_volume_mm3"] = totals.removed_volume_mm3;
+  }
 }
 
 void add_scores(Scores& scores, std::span<const DefectScores> defects) {

@@ -41,6 +41,16 @@ std::string unknown_score(std::string_view name, std::span<const std::string> la
 void add_scores(Scores& scores, const Homogeneity& homogeneity);
 void add_scores(Scores& scores, const FringeScores& fringes);
 
+/// What a part's defects are, however they show.
+struct DefectTotals {
+  int made = 0;
+  double mean_depth_um = 0.0;
+  double removed_volume_mm3 = 0.0;
+};
+
+/// Nothing for a part without defects.
+void add_scores(Scores& scores, const DefectTotals& totals);
+
 /// Each defect's scores and, for at least one defect, the summary.
 void add_scores(Scores& scores, std::span<const DefectScores> defects);
 

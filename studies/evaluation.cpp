@@ -59,6 +59,19 @@ FlawlessFrames flawless_frames(SceneStore& store,
   return frames;
 }
 
+DefectTotals totals_of(const DefectivePart& part) {
+  DefectTotals totals;
+  for (const MadeDefect& made : part.defects) {
+    if (made.is_made) {
+      ++totals.made;
+      totals.mean_depth_um += made.defect.depth_mm * 1e3;
+      totals.removed_volume_mm3 += made.removed_volume_mm3;
+    }
+  }
+  totals.mean_depth_um /= std::max(1, totals.made);
+  return totals;
+}
+
 /// The scan as the scene's method has it.
 struct Scan {
   ImageF aspect;
@@ -227,6 +240,7 @@ Evaluation evaluate(SceneStore& store,
     }
     add_scores(result.scores, result.defects);
   }
+  add_scores(result.scores, totals_of(traced.part->made));
   add_ray_scores(traced.counts(), scan.hidden_share, result.scores);
   result.aspect = std::move(scan.aspect);
   return result;

@@ -206,6 +206,48 @@ bool is_closed_convex(const TriangleMesh& mesh, const std::vector<TrianglePlane>
   });
 }
 
+double largest_coordinate(const TriangleMesh& mesh) {
+  double largest_mm = 0.0;
+  for (const Vector3d& vertex : mesh.vertices_mm) {
+    largest_mm = std::max(largest_mm, vertex.cwiseAbs().maxCoeff());
+  }
+  return largest_mm;
+}
+
+Vector3d nearest_on_segment(const Vector3d& a, const Vector3d& b, const Vector3d& p) {
+  const Vector3d along = b - a;
+  const double squared = along.squaredNorm();
+  const double share = squared > 0.0 ? std::clamp((p - a).dot(along) / squared, 0.0, 1.0) : 0.0;
+  return a + share * along;
+}
+
+/// What a search for the nearest point knows on its way.
+struct NearestSearch {
+  const TriangleMesh& mesh;
+  const Vector3d& point_mm;
+  double margin_mm = 0.0;  ///< of Embree's distances, which are those of float vertices
+  double best_mm = 0.0;
+  NearestPoint best = {};
+};
+
+/// Embree's callback for a triangle whose box is near enough; true when the radius shrank. Every
+/// triangle within the margin of the nearest is seen, so the answer does not depend on the order.
+bool look_at_triangle(RTCPointQueryFunctionArguments* arguments) {
+  auto& search = *static_cast<NearestSearch*>(arguments->userPtr);
+  const auto triangle = static_cast<std::int32_t>(arguments->primID);
+  const Vector3d q = nearest_on_triangle(search.mesh, index(triangle), search.point_mm);
+  const double distance_mm = (q - search.point_mm).norm();
+  const bool is_tie = distance_mm == search.best_mm &&
+                      (search.best.triangle < 0 || triangle < search.best.triangle);
+  if (!(distance_mm < search.best_mm) && !is_tie) {
+    return false;
+  }
+  search.best = {.triangle = triangle, .point_mm = q, .distance_mm = distance_mm};
+  search.best_mm = distance_mm;
+  arguments->query->radius = static_cast<float>(distance_mm + search.margin_mm);
+  return true;
+}
+
 }  // namespace
 
 struct Bvh::Scene {
@@ -215,6 +257,7 @@ struct Bvh::Scene {
 
 Bvh::Bvh(const TriangleMesh& mesh) : planes_(planes_of(mesh)), scene_(std::make_unique<Scene>()) {
   is_convex_ = is_closed_convex(mesh, planes_);
+  largest_mm_ = largest_coordinate(mesh);
   scene_->device = make_device();
   RTCDevice device = scene_->device.get();
   scene_->scene.reset(rtcNewScene(device));
@@ -290,6 +333,32 @@ bool Bvh::occluded(const Vector3d& origin_mm,
   return ray.tfar < 0.0F;  // Embree sets -inf
 }
 
+std::optional<NearestPoint> Bvh::nearest(const TriangleMesh& mesh,
+                                         const Vector3d& point_mm,
+                                         double max_distance_mm) const {
+  // Floats are good to 6e-8 of the largest coordinate; a few roundings add up.
+  constexpr double kFloatMargin = 1e-6;
+  const double reach_mm = std::max(largest_mm_, point_mm.cwiseAbs().maxCoeff());
+  NearestSearch search = {.mesh = mesh,
+                          .point_mm = point_mm,
+                          .margin_mm = kFloatMargin * reach_mm,
+                          .best_mm = max_distance_mm};
+  alignas(16) RTCPointQuery query = {};
+  query.x = static_cast<float>(point_mm.x());
+  query.y = static_cast<float>(point_mm.y());
+  query.z = static_cast<float>(point_mm.z());
+  constexpr double kLargestRadius_mm = 1e18;  // its square is still a float
+  query.radius =
+      static_cast<float>(std::min(max_distance_mm, kLargestRadius_mm) + search.margin_mm);
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(scene_->scene.get(), &query, &context, look_at_triangle, &search);
+  if (search.best.triangle < 0) {
+    return std::nullopt;
+  }
+  return search.best;
+}
+
 std::string embree_isa() {
   const Device device = make_device();
   const auto has = [&](RTCDeviceProperty property) {
@@ -319,6 +388,25 @@ Vector3d shading_normal(const TriangleMesh& mesh, const Hit& hit) {
       (1.0 - u - v) * mesh.normal(i, 0) + u * mesh.normal(i, 1) + v * mesh.normal(i, 2);
   const double length = sum.norm();
   return length > 0.0 ? Vector3d(sum / length) : face_normal(mesh, i);
+}
+
+Vector3d nearest_on_triangle(const TriangleMesh& mesh, std::size_t triangle, const Vector3d& p) {
+  const Vector3d& a = mesh.vertex(triangle, 0);
+  const Vector3d& b = mesh.vertex(triangle, 1);
+  const Vector3d& c = mesh.vertex(triangle, 2);
+  const Vector3d normal = (b - a).cross(c - a);
+  const bool is_above = normal.dot((b - a).cross(p - a)) >= 0.0 &&
+                        normal.dot((c - b).cross(p - b)) >= 0.0 &&
+                        normal.dot((a - c).cross(p - c)) >= 0.0;
+  const double squared = normal.squaredNorm();
+  if (is_above && squared > 0.0) {
+    return p - (normal.dot(p - a) / squared) * normal;
+  }
+  Vector3d best = nearest_on_segment(a, b, p);
+  for (const Vector3d& other : {nearest_on_segment(b, c, p), nearest_on_segment(c, a, p)}) {
+    best = (other - p).squaredNorm() < (best - p).squaredNorm() ? other : best;
+  }
+  return best;
 }
 
 Vector3d geometric_normal(const TriangleMesh& mesh, const Hit& hit) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,13 @@ struct Hit {
   explicit operator bool() const { return triangle >= 0; }
 };
 
+/// The point of a mesh that is nearest to another.
+struct NearestPoint {
+  std::int32_t triangle = -1;
+  Eigen::Vector3d point_mm = Eigen::Vector3d::Zero();
+  double distance_mm = 0.0;
+};
+
 /// Whether the rays of a packet run close to each other (camera rays) or apart (reflected rays).
 /// kCoherentOnce: as kCoherent, but without a second try of rays that miss.
 enum class Coherence { kCoherent, kCoherentOnce, kIncoherent };
@@ -84,6 +92,13 @@ class Bvh {
                 double t_min_mm,
                 double t_max_mm) const;
 
+  /// The nearest point of the mesh, in double; the lowest triangle of those at equal distance.
+  /// Empty when nothing lies within max_distance_mm. The same on every machine.
+  /// @param mesh  the one this was built from
+  std::optional<NearestPoint> nearest(const TriangleMesh& mesh,
+                                      const Eigen::Vector3d& point_mm,
+                                      double max_distance_mm) const;
+
   /// True for a closed convex mesh: a ray that leaves it never meets it again.
   bool is_convex() const { return is_convex_; }
 
@@ -95,6 +110,7 @@ class Bvh {
   struct Scene;
   std::vector<TrianglePlane> planes_;
   bool is_convex_ = false;
+  double largest_mm_ = 0.0;  ///< of all coordinates, without sign
   std::unique_ptr<Scene> scene_;
 };
 
@@ -107,6 +123,11 @@ Eigen::Vector3d hit_point(const TriangleMesh& mesh, const Hit& hit);
 
 /// Unit interpolated normal; the mesh must have shading normals.
 Eigen::Vector3d shading_normal(const TriangleMesh& mesh, const Hit& hit);
+
+/// The point of a triangle that is nearest to another; triangles without area are fine.
+Eigen::Vector3d nearest_on_triangle(const TriangleMesh& mesh,
+                                    std::size_t triangle,
+                                    const Eigen::Vector3d& point_mm);
 
 /// Unit normal of the triangle that was hit.
 Eigen::Vector3d geometric_normal(const TriangleMesh& mesh, const Hit& hit);

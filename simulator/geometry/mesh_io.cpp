@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -149,8 +150,43 @@ TriangleMesh parse_mesh(std::string_view bytes, const std::string& name) {
   return mesh;
 }
 
+std::vector<std::array<std::uint8_t, 3>> read_face_colours(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  const std::string bytes = read_file(path);
+  if (!looks_like_ply(bytes)) {
+    throw ConfigError(fmt::format("{}: is no PLY file; face colours are read from PLY", name));
+  }
+  std::vector<std::array<std::uint8_t, 3>> colours;
+  TriangleMesh mesh = mesh_file::read_ply(bytes, name, colours);
+  // Welding drops triangles that are lines or points; what it keeps carries its number in `patch`.
+  mesh.patch.resize(mesh.num_triangles());
+  std::iota(mesh.patch.begin(), mesh.patch.end(), std::int32_t{0});
+  weld(mesh);
+  std::vector<std::array<std::uint8_t, 3>> kept;
+  kept.reserve(mesh.patch.size());
+  for (const std::int32_t triangle : mesh.patch) {
+    kept.push_back(colours[static_cast<std::size_t>(triangle)]);
+  }
+  return kept;
+}
+
 TriangleMesh read_mesh(const std::filesystem::path& path) {
   return parse_mesh(read_file(path), path.string());
+}
+
+TriangleMesh read_ply_with_values(const std::filesystem::path& path,
+                                  std::string_view property,
+                                  std::vector<std::int32_t>& values) {
+  const std::string bytes = read_file(path);
+  if (!looks_like_ply(bytes)) {
+    throw ConfigError(fmt::format("{}: does not begin as a .ply file must", path.string()));
+  }
+  values.clear();
+  TriangleMesh mesh = mesh_file::read_ply(bytes, path.string(), property, values);
+  if (mesh.triangles.empty()) {
+    throw ConfigError(fmt::format("{}: it holds no triangle", path.string()));
+  }
+  return mesh;
 }
 
 }  // namespace glint

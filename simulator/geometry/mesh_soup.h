@@ -3,10 +3,12 @@
 // Inner header of glint::geometry: what the readers of the mesh formats share.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "simulator/geometry/text_cursor.h"
 #include "simulator/geometry/triangle_mesh.h"
@@ -22,6 +24,8 @@ class Soup {
   void add_polygon(std::span<const std::int64_t> corners, const Place& place);
 
   std::int64_t num_vertices() const { return static_cast<std::int64_t>(mesh_.vertices_mm.size()); }
+
+  std::size_t num_triangles() const { return mesh_.triangles.size(); }
 
   void reserve(std::size_t vertices, std::size_t triangles);
 
@@ -45,6 +49,15 @@ void check_count(std::int64_t count,
 
 TriangleMesh read_stl(std::string_view bytes, const std::string& file);
 TriangleMesh read_ply(std::string_view bytes, const std::string& file);
+/// The same, with the colour of each triangle's face.
+TriangleMesh read_ply(std::string_view bytes,
+                      const std::string& file,
+                      std::vector<std::array<std::uint8_t, 3>>& colours);
+/// The same, with a property of each triangle's face.
+TriangleMesh read_ply(std::string_view bytes,
+                      const std::string& file,
+                      std::string_view property,
+                      std::vector<std::int32_t>& values);
 TriangleMesh read_obj(std::string_view bytes, const std::string& file);
 TriangleMesh read_off(std::string_view bytes, const std::string& file);
 

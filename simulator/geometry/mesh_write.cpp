@@ -28,6 +28,8 @@ void append_float(std::string& out, const Vector3d& vector) {
   }
 }
 
+}  // namespace
+
 std::string stl_bytes(const TriangleMesh& mesh) {
   std::string out = "binary STL, unit mm, written by Glint";
   out.resize(80, ' ');
@@ -42,26 +44,34 @@ std::string stl_bytes(const TriangleMesh& mesh) {
   return out;
 }
 
-std::string ply_bytes(const TriangleMesh& mesh) {
+std::string ply_bytes(const TriangleMesh& mesh, const FaceValues& values) {
+  const bool has_values = !values.values.empty();
+  GLINT_CHECK(!has_values || values.values.size() == mesh.num_triangles(), "one value a face");
   std::string out = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment unit mm, written by Glint\n"
       "element vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
-      "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      "element face {}\nproperty list uchar int vertex_indices\n{}end_header\n",
       mesh.vertices_mm.size(),
-      mesh.num_triangles());
+      mesh.num_triangles(),
+      has_values ? fmt::format("property int {}\n", values.name) : "");
   for (const Vector3d& vertex : mesh.vertices_mm) {
     for (const double value : vertex) {
       append(out, value);
     }
   }
-  for (const Triangle& triangle : mesh.triangles) {
+  for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
     append(out, std::uint8_t{3});
-    for (const std::int32_t vertex : triangle) {
+    for (const std::int32_t vertex : mesh.triangles[i]) {
       append(out, vertex);
+    }
+    if (has_values) {
+      append(out, values.values[i]);
     }
   }
   return out;
 }
+
+namespace {
 
 void append_vertices(std::string& out, const TriangleMesh& mesh, std::string_view prefix) {
   for (const Vector3d& vertex : mesh.vertices_mm) {
@@ -70,11 +80,23 @@ void append_vertices(std::string& out, const TriangleMesh& mesh, std::string_vie
   }
 }
 
+}  // namespace
+
+void append_obj_vertices(std::string& text, const TriangleMesh& mesh) {
+  append_vertices(text, mesh, "v ");
+}
+
+void append_obj_face(std::string& text, const Triangle& triangle) {
+  text += fmt::format("f {} {} {}\n", triangle[0] + 1, triangle[1] + 1, triangle[2] + 1);
+}
+
+namespace {
+
 std::string obj_text(const TriangleMesh& mesh) {
   std::string out = "# unit mm, written by Glint\n";
-  append_vertices(out, mesh, "v ");
+  append_obj_vertices(out, mesh);
   for (const Triangle& triangle : mesh.triangles) {
-    out += fmt::format("f {} {} {}\n", triangle[0] + 1, triangle[1] + 1, triangle[2] + 1);
+    append_obj_face(out, triangle);
   }
   return out;
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -241,19 +242,69 @@ bool is_corner_list(const Property& property) {
          (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
-void read_faces(Body& body, const Element& element, Soup& soup) {
+using Colour = std::array<std::uint8_t, 3>;
+
+/// 0 red, 1 green, 2 blue, 3 none of them.
+std::size_t channel_of(const Property& property) {
+  constexpr std::array<std::string_view, 3> kChannels = {"red", "green", "blue"};
+  return property.count_type ? kChannels.size()
+                             : static_cast<std::size_t>(
+                                   std::ranges::find(kChannels, property.name) - kChannels.begin());
+}
+
+std::uint8_t to_channel(double value, Scalar type) {
+  const bool is_share = type == Scalar::kFloat || type == Scalar::kDouble;
+  const double level = std::round(is_share ? 255.0 * value : value);
+  return static_cast<std::uint8_t>(level >= 0.0 ? std::min(level, 255.0) : 0.0);  // also for NaN
+}
+
+/// What is wanted of the faces besides their corners; each list grows by one per triangle.
+struct Wanted {
+  std::vector<Colour>* colours = nullptr;  ///< null: not wanted
+  std::string_view name = {};
+  std::vector<std::int32_t>* values = nullptr;  ///< of the property of that name; null: not wanted
+
+  bool is_that(const Property& property) const {
+    return values != nullptr && property.name == name && !property.count_type;
+  }
+};
+
+std::int32_t read_wanted(Body& body, const Property& property, std::string_view what) {
+  const std::int64_t value = body.next_integer(property.type, what);
+  if (value < std::numeric_limits<std::int32_t>::min() ||
+      value > std::numeric_limits<std::int32_t>::max()) {
+    throw ConfigError(fmt::format("{}{}: {} = {} needs more than 32 bits",
+                                  body.place().prefix(),
+                                  what,
+                                  property.name,
+                                  value));
+  }
+  return static_cast<std::int32_t>(value);
+}
+
+void read_faces(Body& body, const Element& element, Soup& soup, const Wanted& wanted) {
   std::vector<std::int64_t> corners;
   for (std::int64_t i = 0; i < element.count; ++i) {
     const std::string what = fmt::format("face {}", i);
+    std::array<std::uint8_t, 4> channels = {};
+    std::int32_t value = 0;
     for (const Property& property : element.properties) {
       if (is_corner_list(property)) {
         read_values(body, property, what, corners);
         soup.add_polygon(corners, body.place());
+      } else if (wanted.is_that(property)) {
+        value = read_wanted(body, property, what);
       } else if (property.count_type) {
         skip_list(body, property);
       } else {
-        body.next(property.type, what);
+        channels[channel_of(property)] = to_channel(body.next(property.type, what), property.type);
       }
+    }
+    if (wanted.colours != nullptr) {
+      wanted.colours->resize(soup.num_triangles(), {channels[0], channels[1], channels[2]});
+    }
+    if (wanted.values != nullptr) {
+      wanted.values->resize(soup.num_triangles(), value);
     }
   }
 }
@@ -278,9 +329,29 @@ bool has_coordinates(const Element& element) {
   });
 }
 
-}  // namespace
+bool has_colours(const Element& element) {
+  std::array<bool, 4> has = {};
+  for (const Property& property : element.properties) {
+    has[channel_of(property)] = true;
+  }
+  return has[0] && has[1] && has[2];
+}
 
-TriangleMesh read_ply(std::string_view bytes, const std::string& file) {
+/// @throws ConfigError when the faces have not what is wanted of them
+void check_wanted(const Element& element, const Wanted& wanted, const std::string& file) {
+  if (wanted.colours != nullptr && !has_colours(element)) {
+    throw ConfigError(Place{.file = file}.prefix() +
+                      "the faces have no colours (properties red, green and blue)");
+  }
+  const bool has_values = std::ranges::any_of(
+      element.properties, [&](const Property& property) { return wanted.is_that(property); });
+  if (wanted.values != nullptr && !has_values) {
+    throw ConfigError(
+        fmt::format("{}the faces have no {}", Place{.file = file}.prefix(), wanted.name));
+  }
+}
+
+TriangleMesh read_body(std::string_view bytes, const std::string& file, const Wanted& wanted) {
   TextCursor cursor(bytes, file);
   const Head head = read_head(cursor);
   Body body(bytes, cursor, head.format);
@@ -296,12 +367,32 @@ TriangleMesh read_ply(std::string_view bytes, const std::string& file) {
       }
       read_vertices(body, element, soup);
     } else if (element.name == "face") {
-      read_faces(body, element, soup);
+      check_wanted(element, wanted, file);
+      read_faces(body, element, soup, wanted);
     } else {
       skip_element(body, element);
     }
   }
   return soup.take();
+}
+
+}  // namespace
+
+TriangleMesh read_ply(std::string_view bytes, const std::string& file) {
+  return read_body(bytes, file, {});
+}
+
+TriangleMesh read_ply(std::string_view bytes,
+                      const std::string& file,
+                      std::vector<Colour>& colours) {
+  return read_body(bytes, file, {.colours = &colours});
+}
+
+TriangleMesh read_ply(std::string_view bytes,
+                      const std::string& file,
+                      std::string_view property,
+                      std::vector<std::int32_t>& values) {
+  return read_body(bytes, file, {.name = property, .values = &values});
 }
 
 }  // namespace glint::mesh_file

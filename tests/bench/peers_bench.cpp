@@ -61,7 +61,7 @@ std::vector<Result> cycles_rows(const SceneSettings& scene,
                                 const Part& part,
                                 const Arguments& arguments) {
   const auto script = arguments.scene.parent_path() / "cycles.py";
-  write_raw_mesh(arguments.folder / "part.raw", part.mesh);
+  write_raw_meshes(arguments.folder / "part.raw", {&part.mesh, 1});
   std::vector<Result> rows;
   for (const CyclesSettings& settings : {CyclesSettings{.samples_per_pixel = 4},
                                          CyclesSettings{.samples_per_pixel = 4, .is_packed = true},

@@ -20,6 +20,7 @@ TEST(Scores, CarryExactlyTheNamesThatAreListed) {
   add_scores(scores, FringeScores{});
   const std::vector<DefectScores> defects = {{.label = "dent"}, {.label = "group.scratch_2"}};
   add_scores(scores, defects);
+  add_scores(scores, DefectTotals{.made = 2});
   std::vector<std::string> listed =
       score_names(std::vector<std::string>{"dent", "group.scratch_2"});
   std::sort(listed.begin(), listed.end());
@@ -38,6 +39,10 @@ TEST(Scores, PutValuesUnderTheirNames) {
   add_scores(scores, Homogeneity{.h_rms = 0.9, .h_abs = 0.92, .clipped_share = 0.1});
   const std::vector<DefectScores> defects = {{.label = "dent", .weber = -0.2, .cnr = 4.0}};
   add_scores(scores, defects);
+  add_scores(scores, {.made = 2, .mean_depth_um = 3.5, .removed_volume_mm3 = 0.25});
+  EXPECT_EQ(scores.at("defects.made"), 2.0);
+  EXPECT_EQ(scores.at("defects.mean_depth_um"), 3.5);
+  EXPECT_EQ(scores.at("defects.removed_volume_mm3"), 0.25);
   EXPECT_EQ(scores.at("homogeneity.h_rms"), 0.9);
   EXPECT_EQ(scores.at("homogeneity.h_abs"), 0.92);
   EXPECT_EQ(scores.at("homogeneity.clipped_share"), 0.1);
@@ -48,6 +53,7 @@ TEST(Scores, PutValuesUnderTheirNames) {
 TEST(Scores, OfNoDefectsAreAbsent) {
   Scores scores;
   add_scores(scores, std::span<const DefectScores>{});
+  add_scores(scores, DefectTotals{});
   EXPECT_TRUE(scores.empty());
   for (const std::string& name : score_names({})) {
     EXPECT_FALSE(name.starts_with("defects.")) << name;

@@ -51,20 +51,7 @@ Result measure_cycles(const SceneSettings& scene,
   const json job = job_of(scene, settings, name, folder);
   const auto job_file = folder / (name + "_job.json");
   write_file(job_file, job.dump(2) + "\n");
-  const double process_s = run_program({"blender",
-                                        "-noaudio",
-                                        "--factory-startup",
-                                        "-b",
-                                        "-t",
-                                        "1",
-                                        "--python-exit-code",
-                                        "1",
-                                        "-P",
-                                        script.string(),
-                                        "--",
-                                        job_file.string()},
-                                       folder,
-                                       folder / (name + ".log"));
+  const double process_s = run_blender(script, job_file, folder, folder / (name + ".log"));
   const json times = json::parse(read_file(job["times"].get<std::string>()));
   auto later_s = times["frames_s"].get<std::vector<double>>();
   const double first_s = later_s.front();

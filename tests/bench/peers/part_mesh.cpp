@@ -56,6 +56,19 @@ void append(std::string& out, const T& value) {
   out.append(reinterpret_cast<const char*>(&value), sizeof(T));
 }
 
+void append_raw_mesh(std::string& out, const TriangleMesh& mesh) {
+  append(out, static_cast<std::int32_t>(mesh.vertices_mm.size()));
+  append(out, static_cast<std::int32_t>(mesh.num_triangles()));
+  for (const Vector3d& vertex : mesh.vertices_mm) {
+    for (const double value : vertex) {
+      append(out, static_cast<float>(value));
+    }
+  }
+  for (const Triangle& triangle : mesh.triangles) {
+    append(out, triangle);
+  }
+}
+
 }  // namespace
 
 TriangleMesh make_part_mesh() {
@@ -78,17 +91,10 @@ TriangleMesh make_part_mesh() {
   return mesh;
 }
 
-void write_raw_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
+void write_raw_meshes(const std::filesystem::path& path, std::span<const TriangleMesh> meshes) {
   std::string out;
-  append(out, static_cast<std::int32_t>(mesh.vertices_mm.size()));
-  append(out, static_cast<std::int32_t>(mesh.num_triangles()));
-  for (const Vector3d& vertex : mesh.vertices_mm) {
-    for (const double value : vertex) {
-      append(out, static_cast<float>(value));
-    }
-  }
-  for (const Triangle& triangle : mesh.triangles) {
-    append(out, triangle);
+  for (const TriangleMesh& mesh : meshes) {
+    append_raw_mesh(out, mesh);
   }
   write_file(path, out);
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
 #include "simulator/geometry/part.h"
 
@@ -13,9 +14,9 @@ namespace glint::peers {
 /// The mesh without normals; coordinates are floats, so that every tool has the same ones.
 TriangleMesh make_part_mesh();
 
-/// The mesh as raw arrays for Blender: number of vertices and of triangles (int32), vertices
+/// Meshes as raw arrays for Blender, each: number of vertices and of triangles (int32), vertices
 /// (float), triangles (int32).
-void write_raw_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
+void write_raw_meshes(const std::filesystem::path& path, std::span<const TriangleMesh> meshes);
 
 /// The mesh with its shading normals as POV-Ray's mesh2, a perfect mirror.
 /// The mesh is smooth: all corners at a vertex share a normal.

@@ -68,6 +68,26 @@ double run_program(const std::vector<std::string>& arguments,
   return seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime);
 }
 
+double run_blender(const std::filesystem::path& script,
+                   const std::filesystem::path& job,
+                   const std::filesystem::path& folder,
+                   const std::filesystem::path& log) {
+  return run_program({"blender",
+                      "-noaudio",
+                      "--factory-startup",
+                      "-b",
+                      "-t",
+                      "1",
+                      "--python-exit-code",
+                      "1",
+                      "-P",
+                      script.string(),
+                      "--",
+                      job.string()},
+                     folder,
+                     log);
+}
+
 std::filesystem::path find_program(const std::string& name) {
   const char* path = std::getenv("PATH");
   for (const std::string& folder : split(path == nullptr ? "" : path, ':')) {

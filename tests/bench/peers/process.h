@@ -17,6 +17,14 @@ double run_program(const std::vector<std::string>& arguments,
                    const std::filesystem::path& folder,
                    const std::filesystem::path& log);
 
+/// Runs a Python script in Blender on one thread, without window and sound.
+/// @param job  the script's argument
+/// @return CPU seconds as run_program(), which also throws
+double run_blender(const std::filesystem::path& script,
+                   const std::filesystem::path& job,
+                   const std::filesystem::path& folder,
+                   const std::filesystem::path& log);
+
 /// The program's place on PATH; empty when it is not installed.
 std::filesystem::path find_program(const std::string& name);
 

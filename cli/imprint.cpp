@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <atomic>
+#include <csignal>
+
+#include <fmt/format.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "studies/imprint_run.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Read by the run; a signal handler can reach nothing but a global.
+std::atomic<int> imprint_interrupts = 0;
+
+/// The first interrupt drops the parts in work, keeps the others; the second ends at once.
+void on_imprint_interrupt(int /*signal*/) {
+  if (imprint_interrupts.fetch_add(1) >= 1) {
+    ::_exit(kExitInterrupted);
+  }
+}
+
+std::string size_text(const Json& defect) {
+  const std::string opening = defect.contains("length_mm")
+                                  ? fmt::format("{:.3g} x {:.3g}",
+                                                defect["length_mm"].get<double>(),
+                                                defect["width_mm"].get<double>())
+                                  : fmt::format("{:.3g}", defect["diameter_mm"].get<double>());
+  return fmt::format("{:>14} {:>9.4g}", opening, defect["depth_um"].get<double>());
+}
+
+std::string defects_text(const Json& result) {
+  std::string text = fmt::format("  {:<20} {:<10} {:>14} {:>9} {:>12} {:>8}\n",
+                                 "",
+                                 "",
+                                 "opening mm",
+                                 "depth um",
+                                 "removed mm3",
+                                 "retries");
+  for (const Json& defect : result["defects"]) {
+    text += fmt::format("  {:<20} {:<10} {} {:>12.4g} {:>8}",
+                        defect["label"].get<std::string>(),
+                        defect["realisation"].get<std::string>(),
+                        size_text(defect),
+                        defect["removed_volume_mm3"].get<double>(),
+                        defect["attempts"].get<int>() - 1);
+    if (const auto reason = defect.value("reason", ""); !reason.empty()) {
+      text += "  given up: " + reason;
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string totals_text(const Json& result) {
+  return fmt::format("{} defects made, {} given up, {} retries, {:.6g} mm3 removed\n",
+                     result["made"].get<int>(),
+                     result["given_up"].get<int>(),
+                     result["retries"].get<int>(),
+                     result["removed_volume_mm3"].get<double>());
+}
+
+std::string one_text(const Json& result) {
+  std::string text = defects_text(result) + totals_text(result);
+  for (const Json& note : result["notes"]) {
+    text += "note: " + note.get<std::string>() + "\n";
+  }
+  return text + fmt::format("files: {}\n", result["folder"].get<std::string>());
+}
+
+std::string many_text(const Json& result) {
+  std::string text = fmt::format("{}: {} of {} parts\n",
+                                 result["status"].get<std::string>(),
+                                 result["parts"].size(),
+                                 result["count"].get<int>());
+  text += totals_text(result);
+  for (const Json& note : result["notes"]) {
+    text += "note: " + note.get<std::string>() + "\n";
+  }
+  return text + fmt::format("files: {}\n", result["folder"].get<std::string>());
+}
+
+std::string tools_text(const Json& result) {
+  std::string text;
+  for (const Json& tool : result["tools"]) {
+    text += fmt::format("  {:<28} {:>7} triangles {:>10.4g} mm3\n",
+                        tool["name"].get<std::string>(),
+                        tool["triangles"].get<int>(),
+                        tool["volume_mm3"].get<double>());
+  }
+  return text + fmt::format("drawing: {}/tools.png\n", result["folder"].get<std::string>());
+}
+
+}  // namespace
+
+int imprint_command(const ImprintArguments& arguments, const CommonArguments& common) {
+  StudyArguments source = arguments.study;
+  if (source.seed) {
+    source.sets.push_back(fmt::format("imprint.seed={}", *source.seed));
+    source.seed.reset();
+  }
+  const Study study = load_study(source);
+  const ImprintOptions options = {.out = source.out,
+                                  .count = arguments.count,
+                                  .threads = common.threads,
+                                  .has_previews = !arguments.is_without_previews,
+                                  .progress = common.progress(),
+                                  .interrupt = &imprint_interrupts};
+  if (arguments.is_preview_of_tools) {
+    const Json result = preview_tools(study, options);
+    print_result(common, result, tools_text(result));
+    return kExitDone;
+  }
+  std::signal(SIGINT, on_imprint_interrupt);
+  std::signal(SIGTERM, on_imprint_interrupt);
+  const Json result = imprint_scene(study, options);
+  const bool is_interrupted = result["status"] == "interrupted";
+  if (arguments.count > 0) {
+    print_result(common, result, many_text(result));
+  } else {
+    print_result(common, result, is_interrupted ? "interrupted\n" : one_text(result));
+  }
+  return is_interrupted ? kExitInterrupted : kExitDone;
+}
+
+}  // namespace glint

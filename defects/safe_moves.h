@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Inner header of glint::defects: vertices moved without the mesh crossing itself.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "simulator/geometry/triangle_mesh.h"
+
+namespace glint {
+
+/// Faces that cross another one in more than shared corners, in ascending order, by exact
+/// predicates; only pairs of which at least one is among the given faces. Faces without area are
+/// left out.
+std::vector<std::int32_t> crossing_faces(const TriangleMesh& mesh,
+                                         const std::vector<std::int32_t>& among);
+
+/// Moves every vertex by as much of its move as the mesh bears: where a face would turn by more
+/// than 84 degrees, lose its area or cross another one, the moves of its vertices are halved until
+/// none does, and at last undone. What was wrong with the mesh before stays as it is.
+/// @param moves_mm  one a vertex
+/// @return how many vertices moved less than asked
+std::int64_t move_safely(TriangleMesh& mesh, std::vector<Eigen::Vector3d> moves_mm);
+
+/// No move longer than `share` of the smallest height of the triangles around its vertex. With a
+/// share below 1/3 no triangle can turn over.
+/// @return how many moves were shortened
+std::int64_t limit_to_heights(const TriangleMesh& mesh,
+                              double share,
+                              std::vector<Eigen::Vector3d>& moves_mm);
+
+}  // namespace glint

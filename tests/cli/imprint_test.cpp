@@ -1,0 +1,420 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint imprint`: files, resuming, wrong input.
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "core/image_io.h"
+#include "simulator/geometry/mesh_io.h"
+#include "tests/cli/program.h"
+
+namespace glint::test {
+namespace {
+namespace fs = std::filesystem;
+
+using Json = nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+
+/// A shaft of 20 mm with up to two dents and a scratch: a part takes some milliseconds.
+constexpr const char* kShaft = R"(schema = 1
+
+[part]
+shape = "cylinder"
+length_mm = 20
+radius_mm = 8
+
+[defects.dent]
+realisation = "imprinted"
+count = [1, 2]
+diameter_mm = [1, 2]
+height_um = [50, 150]
+tool_level = 2
+
+[defects.scratch]
+realisation = "imprinted"
+count = 1
+length_mm = [3, 5]
+width_mm = 0.3
+height_um = 60
+
+[imprint]
+seed = 3
+)";
+
+/// Closed, turned outwards, 1 mm wide, half of it below z = 0.
+constexpr const char* kTetrahedron =
+    "OFF\n4 4 0\n0 0 -0.5\n-0.5 -0.5 0.5\n0.5 -0.5 0.5\n0 0.5 0.5\n"
+    "3 0 2 1\n3 0 3 2\n3 0 1 3\n3 1 2 3\n";
+constexpr const char* kOpenTetrahedron =
+    "OFF\n4 3 0\n0 0 -0.5\n-0.5 -0.5 0.5\n0.5 -0.5 0.5\n0 0.5 0.5\n"
+    "3 0 2 1\n3 0 3 2\n3 0 1 3\n";
+
+/// files_below() without the run.json of numbered parts.
+std::map<std::string, std::string> timeless_files(const fs::path& folder) {
+  auto files = files_below(folder);
+  std::erase_if(files,
+                [](const auto& file) { return fs::path(file.first).filename() == "run.json"; });
+  return files;
+}
+
+void expect_same_parts(const fs::path& folder, const fs::path& expected) {
+  const auto mine = timeless_files(folder);
+  const auto theirs = timeless_files(expected);
+  std::vector<std::string> names[2];
+  for (const auto& [name, bytes] : mine) {
+    names[0].push_back(name);
+    const auto other = theirs.find(name);
+    EXPECT_TRUE(other == theirs.end() || other->second == bytes) << name << " differs";
+  }
+  for (const auto& file : theirs) {
+    names[1].push_back(file.first);
+  }
+  EXPECT_EQ(names[0], names[1]);
+}
+
+class ImprintVerb : public ::testing::Test {
+ protected:
+  void SetUp() override { write(kShaft); }
+
+  void write(const std::string& scene) { write_file(folder_ / "study.toml", scene); }
+
+  ProgramResult imprint(const std::string& out, const Arguments& more = {}) const {
+    Arguments arguments = {"imprint", "study.toml", "--quiet", "--out", out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return glint_in(folder_, arguments);
+  }
+
+  Json imprint_json(const std::string& out, Arguments more = {}) const {
+    more.emplace_back("--json");
+    const ProgramResult result = imprint(out, more);
+    EXPECT_EQ(result.code, 0) << result.err;
+    return result.code == 0 ? Json::parse(result.out) : Json();
+  }
+
+  /// One line on stderr, nothing on stdout, nothing left behind.
+  void expect_refused(const std::string& scene,
+                      int code,
+                      const std::string& message,
+                      const Arguments& more = {}) {
+    write(scene);
+    const std::ptrdiff_t files = folder_.count();
+    const ProgramResult result = imprint("out/deeper/parts", more);
+    EXPECT_EQ(result.code, code);
+    EXPECT_THAT(result.err, MatchesRegex(message + "\n"));
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(folder_.count(), files) << "something is left behind";
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(ImprintVerb, WritesOnePartAndPrintsIt) {
+  const Json result = imprint_json("out");
+  EXPECT_EQ(result["schema"], 1);
+  EXPECT_EQ(result["status"], "done");
+  EXPECT_EQ(result["seed"], 3);
+  EXPECT_GE(result["defects"].size(), 2U);
+  EXPECT_LE(result["defects"].size(), 3U);
+  EXPECT_EQ(result["made"], result["defects"].size());
+  EXPECT_EQ(result["given_up"], 0);
+  double removed_mm3 = 0.0;
+  for (const Json& defect : result["defects"]) {
+    EXPECT_GT(defect["removed_volume_mm3"], 0.0) << defect;
+    removed_mm3 += defect["removed_volume_mm3"].get<double>();
+  }
+  EXPECT_NEAR(result["removed_volume_mm3"].get<double>(), removed_mm3, 1e-12);
+  const Json files = {"defect_map.mtl",
+                      "defect_map.obj",
+                      "defects.json",
+                      "part.ply",
+                      "part.stl",
+                      "preview_defects.png",
+                      "preview_image_0.png",
+                      "preview_image_1.png",
+                      "preview_map_0.png",
+                      "preview_map_1.png",
+                      "run.json",
+                      "scene.resolved.toml"};
+  EXPECT_EQ(result["files"], files);
+  for (const Json& file : files) {
+    EXPECT_TRUE(fs::exists(folder_ / "out" / file.get<std::string>())) << file;
+  }
+  const Json run = Json::parse(read_file(folder_ / "out/run.json"));
+  EXPECT_EQ(run["timings"]["defects"].size(), result["defects"].size());
+  EXPECT_EQ(folder_.count(), 2) << "only the scene and the parts";
+}
+
+// The volume that is told is the volume the files have lost.
+TEST_F(ImprintVerb, TakesAwayTheVolumeItTells) {
+  write(edited(kShaft, {{"[defects.dent]", "[imprint.processing]\nlevels = 0\n[defects.dent]"}}));
+  const Json result = imprint_json("out", {"--no_previews"});
+  ASSERT_EQ(glint_in(folder_, {"part", "study.toml", "--out", "clean.ply", "--quiet"}).code, 0);
+  const double before_mm3 = enclosed_volume_mm3(read_mesh(folder_ / "clean.ply"));
+  const double after_mm3 = enclosed_volume_mm3(read_mesh(folder_ / "out/part.ply"));
+  EXPECT_NEAR(before_mm3 - after_mm3, result["removed_volume_mm3"].get<double>(), 1e-8);
+}
+
+TEST_F(ImprintVerb, GivesTheSameBytesAgain) {
+  imprint_json("first");
+  imprint_json("second", {"--threads", "3"});
+  expect_same_parts(folder_ / "second", folder_ / "first");
+  imprint_json("first");
+  expect_same_parts(folder_ / "first", folder_ / "second");
+}
+
+TEST_F(ImprintVerb, TakesTheSeedOfTheCommandLine) {
+  const Json three = imprint_json("three", {"--no_previews"});
+  const Json four = imprint_json("four", {"--no_previews", "--seed", "4"});
+  EXPECT_EQ(four["seed"], 4);
+  EXPECT_NE(three["defects"], four["defects"]);
+}
+
+TEST_F(ImprintVerb, DrawsTheGivenViewpointInsteadOfItsOwn) {
+  write(std::string(kShaft) +
+        "[camera]\nwidth_px = 400\nheight_px = 200\nobject_pixel_mm = 0.1\n"
+        "[[viewpoint]]\nposition_mm = [0, 0, 300]\ndirection = [0, 0, -1]\nup = [0, 1, 0]\n");
+  const Json result = imprint_json("out");
+  EXPECT_THAT(result["files"].dump(), ::testing::Not(HasSubstr("preview_image_1")));
+  const ImageF image = read_image(folder_ / "out/preview_image_0.png");
+  EXPECT_EQ(image.width(), 1024);
+  EXPECT_EQ(image.height(), 512);
+}
+
+TEST_F(ImprintVerb, SaysWhatIsNotInTheMesh) {
+  write(edited(kShaft, {{"realisation = \"imprinted\"\ncount = 1\n", "count = 1\n"}}));
+  const Json result = imprint_json("out", {"--no_previews"});
+  ASSERT_EQ(result["notes"].size(), 1U);
+  EXPECT_THAT(result["notes"][0].get<std::string>(),
+              HasSubstr("1 of the defects are realised by their"));
+}
+
+TEST_F(ImprintVerb, PrintsATableForPeople) {
+  const ProgramResult result =
+      glint_in(folder_, {"imprint", "study.toml", "--out", "out", "--no_previews"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("scratch_1"));
+  EXPECT_THAT(result.out, HasSubstr("imprinted"));
+  EXPECT_THAT(result.out, HasSubstr("mm3 removed\nfiles: out\n"));
+}
+
+TEST_F(ImprintVerb, MakesTheSamePartsWithAnyNumberOfThreads) {
+  const Json one = imprint_json("one", {"--count", "6", "--threads", "1", "--no_previews"});
+  const Json four = imprint_json("four", {"--count", "6", "--threads", "4", "--no_previews"});
+  EXPECT_EQ(one["status"], "done");
+  EXPECT_EQ(one["parts"], four["parts"]);
+  EXPECT_EQ(one["parts"].size(), 6U);
+  EXPECT_NE(one["parts"][0]["seed"], one["parts"][1]["seed"]);
+  expect_same_parts(folder_ / "four", folder_ / "one");
+  EXPECT_EQ(timeless_files(folder_ / "one").size(), 6U * 5U + 2U);
+  double removed_mm3 = 0.0;
+  for (const Json& part : one["parts"]) {
+    removed_mm3 += part["removed_volume_mm3"].get<double>();
+  }
+  EXPECT_NEAR(one["removed_volume_mm3"].get<double>(), removed_mm3, 1e-9);
+}
+
+TEST_F(ImprintVerb, GoesOnAfterThePartsThatAreThere) {
+  const Arguments few = {"--count", "2", "--no_previews"};
+  const Arguments more = {"--count", "5", "--no_previews"};
+  imprint_json("whole", more);
+  imprint_json("out", few);
+  const auto written = fs::last_write_time(folder_ / "out/part_0001/part.stl");
+  fs::remove_all(folder_ / "out/part_0000");
+  fs::create_directories(folder_ / "out/.part_0000.999999999.part");
+  imprint_json("out", more);
+  EXPECT_EQ(fs::last_write_time(folder_ / "out/part_0001/part.stl"), written);
+  expect_same_parts(folder_ / "out", folder_ / "whole");
+  EXPECT_FALSE(fs::exists(folder_ / "out/.part_0000.999999999.part"));
+}
+
+std::ptrdiff_t finished_parts(const fs::path& out) {
+  std::error_code ignored;
+  std::ptrdiff_t count = 0;
+  for (fs::directory_iterator at(out, ignored), end; at != end; at.increment(ignored)) {
+    count += at->path().filename().string().starts_with("part_") ? 1 : 0;
+  }
+  return count;
+}
+
+/// Waits until that many parts are there; false when the program ends before.
+bool wait_for_parts(Program& program, const fs::path& out, std::ptrdiff_t count) {
+  while (program.is_running()) {
+    if (finished_parts(out) >= count) {
+      return true;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
+const Arguments kMany = {
+    "imprint", "study.toml", "--quiet", "--json", "--out", "out", "--count", "80", "--no_previews"};
+
+TEST_F(ImprintVerb, InterruptedExits130AndGoesOn) {
+  ASSERT_EQ(imprint("whole", {"--count", "80", "--no_previews"}).code, 0);
+  Program program(folder_.path(), kMany);
+  ASSERT_TRUE(wait_for_parts(program, folder_ / "out", 3));
+  program.send(SIGINT);
+  const ProgramResult result = program.wait();
+  EXPECT_EQ(result.code, 130);
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["status"], "interrupted");
+  EXPECT_GE(json["parts"].size(), 3U);
+  EXPECT_LT(json["parts"].size(), 80U);
+  EXPECT_FALSE(fs::exists(folder_ / "out/parts.json"));
+  EXPECT_EQ(glint_in(folder_, kMany).code, 0);
+  expect_same_parts(folder_ / "out", folder_ / "whole");
+}
+
+TEST_F(ImprintVerb, KilledLeavesWholePartsAndGoesOn) {
+  ASSERT_EQ(imprint("whole", {"--count", "80", "--no_previews"}).code, 0);
+  Program program(folder_.path(), kMany);
+  ASSERT_TRUE(wait_for_parts(program, folder_ / "out", 5));
+  program.send(SIGKILL);
+  program.wait();
+  EXPECT_EQ(glint_in(folder_, kMany).code, 0);
+  expect_same_parts(folder_ / "out", folder_ / "whole");
+}
+
+TEST_F(ImprintVerb, LeavesAFolderOfAnotherConfigurationAlone) {
+  imprint_json("out", {"--no_previews"});
+  const auto before = files_below(folder_ / "out");
+  for (const Arguments& other : {Arguments{"--seed", "9"},
+                                 Arguments{"--count", "2"},
+                                 Arguments{"--set", "part.radius_mm=7"}}) {
+    const ProgramResult result = imprint("out", other);
+    EXPECT_EQ(result.code, 2);
+    EXPECT_EQ(result.err,
+              "out: holds parts of another configuration; choose another output folder, or remove "
+              "this one\n");
+  }
+  EXPECT_EQ(files_below(folder_ / "out"), before);
+}
+
+TEST_F(ImprintVerb, DrawsItsTools) {
+  const Json result = imprint_json("tools_of_shaft", {"--preview_tools"});
+  EXPECT_EQ(result["status"], "done");
+  ASSERT_EQ(result["tools"].size(), 12U) << "six of each group";
+  for (const Json& tool : result["tools"]) {
+    const TriangleMesh mesh =
+        read_mesh(folder_ / "tools_of_shaft" / tool["file"].get<std::string>());
+    EXPECT_EQ(mesh.num_triangles(), tool["triangles"]);
+    EXPECT_GT(tool["volume_mm3"], 0.0);
+  }
+  const ImageF sheet = read_image(folder_ / "tools_of_shaft/tools.png");
+  EXPECT_EQ(sheet.width(), 6 * 198 + 6);
+  EXPECT_EQ(sheet.height(), 2 * 198 + 6);
+}
+
+TEST_F(ImprintVerb, RefusesACountThatIsNegativeOrZero) {
+  expect_refused(kShaft, 2, "glint imprint: --count: .*", {"--count", "-1"});
+  expect_refused(kShaft, 2, "glint imprint: --count: .*", {"--count", "0"});
+  const std::string scene = edited(kShaft, {{"count = 1\n", "count = -1\n"}});
+  expect_refused(scene, 2, place_of(scene, "count = -1") + "defects\\.scratch\\.count: .*-1.*");
+}
+
+TEST_F(ImprintVerb, RefusesASceneWithoutDefects) {
+  const std::string scene = std::string(kShaft).substr(0, std::string(kShaft).find("[defects"));
+  expect_refused(scene, 2, "study\\.toml: defects: no table .*nothing to imprint");
+}
+
+TEST_F(ImprintVerb, RefusesAnInvertedRange) {
+  const std::string scene = edited(kShaft, {{"[1, 2]\nheight", "[2, 1]\nheight"}});
+  expect_refused(scene, 2, place_of(scene, "diameter_mm =") + "defects\\.dent\\.diameter_mm: .*");
+}
+
+TEST_F(ImprintVerb, RefusesAnUnknownKey) {
+  const std::string scene = edited(kShaft, {{"tool_level", "tool_levl"}});
+  expect_refused(scene,
+                 2,
+                 place_of(scene, "tool_levl") +
+                     "defects\\.dent\\.tool_levl: unknown key, the nearest known one is "
+                     "\"tool_level\"");
+}
+
+TEST_F(ImprintVerb, RefusesAPlaceOffTheSurface) {
+  const std::string scene = edited(kShaft, {{"count = [1, 2]\n", "at_mm = [0, 0, 8, 0, 0, 30]\n"}});
+  expect_refused(scene,
+                 2,
+                 place_of(scene, "at_mm") +
+                     "defects\\.dent\\.at_mm: place 2 at 0, 0, 30 mm: .*off the surface.*");
+}
+
+TEST_F(ImprintVerb, RefusesAToolFolderThatIsEmpty) {
+  fs::create_directories(folder_ / "tools");
+  const std::string scene = edited(kShaft, {{"tool_level = 2", "tool_folder = \"tools\""}});
+  expect_refused(scene,
+                 2,
+                 place_of(scene, "tool_folder =") +
+                     "defects\\.dent\\.tool_folder: [^ ]*tools holds no tool, .*");
+}
+
+TEST_F(ImprintVerb, RefusesAToolThatIsOpen) {
+  fs::create_directories(folder_ / "tools");
+  const std::string scene = edited(kShaft, {{"tool_level = 2", "tool_folder = \"tools\""}});
+  write_file(folder_ / "tools/open.off", kOpenTetrahedron);
+  const std::string message = place_of(scene, "tool_folder =") +
+                              "defects\\.dent\\.tool_folder: [^ ]*open\\.off: cannot be a tool: .*";
+  expect_refused(scene, 2, message);
+  expect_refused(scene, 2, message, {"--preview_tools"});
+}
+
+TEST_F(ImprintVerb, TakesToolsOfAFolder) {
+  fs::create_directories(folder_ / "tools");
+  write_file(folder_ / "tools/spike.off", kTetrahedron);
+  write(edited(kShaft, {{"tool_level = 2", "tool_folder = \"tools\""}}));
+  const Json result = imprint_json("out", {"--no_previews"});
+  EXPECT_THAT(result["defects"][0]["tool"].get<std::string>(), HasSubstr("spike"));
+  // The tool's bytes are part of the configuration.
+  write_file(folder_ / "tools/spike.off", std::string(kTetrahedron) + "\n");
+  EXPECT_EQ(imprint("out").code, 2);
+}
+
+TEST_F(ImprintVerb, RefusesAPartInMetres) {
+  write_file(folder_ / "part.stl", rectangle_stl(0.2, 0.04));
+  const std::string scene = edited(
+      kShaft, {{"shape = \"cylinder\"\nlength_mm = 20\nradius_mm = 8\n", "file = \"part.stl\"\n"}});
+  expect_refused(
+      scene,
+      2,
+      "study\\.toml:3:2: part\\.unit: part\\.stl is 0\\.2 mm large: is the file in m\\? .*");
+}
+
+TEST_F(ImprintVerb, NamesAFolderThatCannotBeMade) {
+  const ProgramResult result = imprint("study.toml/x");
+  EXPECT_EQ(result.code, 3);
+  EXPECT_EQ(result.err, "study.toml/x: the folder cannot be made: Not a directory\n");
+}
+
+// A file beyond the limit is told as a full disk is; neither a fresh nor an old folder keeps
+// pieces.
+TEST_F(ImprintVerb, FileTooLargeLeavesNothing) {
+  const auto limited = [&](const Arguments& more) {
+    Arguments arguments = {"imprint", "study.toml", "--quiet", "--out"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return glint_in(folder_.path(), arguments, [] {
+      const struct rlimit limit = {.rlim_cur = 10'000, .rlim_max = 10'000};
+      ::setrlimit(RLIMIT_FSIZE, &limit);
+    });
+  };
+  const ProgramResult one = limited({"a/b"});
+  EXPECT_EQ(one.code, 3);
+  EXPECT_THAT(one.err, MatchesRegex("a/b/[^ ]*: cannot be written: File too large\n"));
+  EXPECT_FALSE(fs::exists(folder_ / "a"));
+  fs::create_directories(folder_ / "c");
+  EXPECT_EQ(limited({"c"}).code, 3);
+  EXPECT_TRUE(fs::is_empty(folder_ / "c"));
+  EXPECT_EQ(limited({"d", "--count", "3"}).code, 3);
+  EXPECT_FALSE(fs::exists(folder_ / "d"));
+}
+
+}  // namespace
+}  // namespace glint::test

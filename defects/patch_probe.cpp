@@ -14,8 +14,8 @@ bool Probe::may_meet(const FloatBox& box) const {
   double leave = 1e300;
   for (int i = 0; i < 3; ++i) {
     const auto axis = static_cast<std::size_t>(i);
-    const double a = (double{box.min_mm[axis]} - origin[i]) / direction[i];
-    const double b = (double{box.max_mm[axis]} - origin[i]) / direction[i];
+    const double a = (static_cast<double>(box.min_mm[axis]) - origin[i]) / direction[i];
+    const double b = (static_cast<double>(box.max_mm[axis]) - origin[i]) / direction[i];
     enter = std::max(enter, std::min(a, b));
     leave = std::min(leave, std::max(a, b));
   }

@@ -51,8 +51,12 @@ bool OrientedBox::may_meet(const FloatBox& box) const {
   if (!box.meets(bounds_)) {
     return false;
   }
-  const Vector3d low(double{box.min_mm[0]}, double{box.min_mm[1]}, double{box.min_mm[2]});
-  const Vector3d high(double{box.max_mm[0]}, double{box.max_mm[1]}, double{box.max_mm[2]});
+  const Vector3d low(static_cast<double>(box.min_mm[0]),
+                     static_cast<double>(box.min_mm[1]),
+                     static_cast<double>(box.min_mm[2]));
+  const Vector3d high(static_cast<double>(box.max_mm[0]),
+                      static_cast<double>(box.max_mm[1]),
+                      static_cast<double>(box.max_mm[2]));
   const Vector3d distance = (axes_ * (0.5 * (low + high)) - centre_mm_).cwiseAbs();
   const Vector3d reach = abs_axes_ * (0.5 * (high - low)) + half_size_mm_;
   return (distance.array() <= reach.array()).all();

@@ -81,10 +81,11 @@ TEST(FloatBox, IsNeverSmallerThanTheTriangle) {
     const FloatBox point = box_of(p, p, p);
     for (int k = 0; k < 3; ++k) {
       const auto axis = static_cast<std::size_t>(k);
-      EXPECT_LT(double{point.min_mm[axis]}, p[k]);
-      EXPECT_GT(double{point.max_mm[axis]}, p[k]);
-      EXPECT_NEAR(
-          double{point.max_mm[axis]}, double{point.min_mm[axis]}, 1e-6 * std::abs(p[k]) + 1e-30);
+      EXPECT_LT(static_cast<double>(point.min_mm[axis]), p[k]);
+      EXPECT_GT(static_cast<double>(point.max_mm[axis]), p[k]);
+      EXPECT_NEAR(static_cast<double>(point.max_mm[axis]),
+                  static_cast<double>(point.min_mm[axis]),
+                  1e-6 * std::abs(p[k]) + 1e-30);
     }
   }
 }

@@ -135,8 +135,8 @@ int run(int argc, char** argv) {
   std::filesystem::create_directories(folder);
   ordered_json rows = ordered_json::array();
   // The gear's edges give about 50,000 and 500,000 triangles.
-  for (const Case& wanted : {Case{.edge_mm = 1.35, .tools = 50, .goal = 30.0},
-                             Case{.edge_mm = 0.42, .tools = 10, .goal = 200.0}}) {
+  for (const Case& wanted : {Case{.edge_mm = 1.69, .tools = 50, .goal = 30.0},
+                             Case{.edge_mm = 0.528, .tools = 10, .goal = 200.0}}) {
     rows.push_back(compare(wanted, script, folder));
   }
   write_file(folder / "imprint.json", rows.dump(2) + "\n");

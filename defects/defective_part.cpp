@@ -17,7 +17,7 @@
 #include "defects/imprint.h"
 #include "defects/processing.h"
 #include "defects/sampler.h"
-#include "defects/surface_normals.h"
+#include "defects/surface/surface_normals.h"
 #include "defects/tools.h"
 #include "simulator/geometry/surface_path.h"
 

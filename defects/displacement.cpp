@@ -14,8 +14,8 @@
 
 #include "core/error.h"
 #include "core/units.h"
-#include "defects/edge_bisection.h"
-#include "defects/feature_reach.h"
+#include "defects/surface/edge_bisection.h"
+#include "defects/surface/feature_reach.h"
 
 namespace glint {
 namespace {

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "core/error.h"
-#include "defects/patch.h"
+#include "defects/boolean/patch.h"
 
 namespace glint {
 

@@ -2,7 +2,7 @@
 //
 // Imprints: closed tools subtracted from a part (dents, scratches) or united with it (bumps). Only
 // the faces the tool's surface meets go through the Boolean operation, so that the cost of one
-// imprint does not depend on the size of the part (docs/theory/imprints.md).
+// imprint does not depend on the size of the part (docs/theory/imprint.md, "Boolean operation").
 #pragma once
 
 #include <cstdint>

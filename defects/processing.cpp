@@ -10,10 +10,10 @@
 
 #include "core/error.h"
 #include "core/rng.h"
-#include "defects/half_edges.h"
-#include "defects/safe_moves.h"
-#include "defects/subdivision.h"
-#include "defects/surface_normals.h"
+#include "defects/surface/half_edges.h"
+#include "defects/surface/safe_moves.h"
+#include "defects/surface/subdivision.h"
+#include "defects/surface/surface_normals.h"
 
 namespace glint {
 namespace {

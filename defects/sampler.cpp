@@ -9,10 +9,10 @@
 
 #include "core/error.h"
 #include "core/rng.h"
-#include "defects/sample_distance.h"
-#include "defects/sample_places.h"
-#include "defects/sample_region.h"
-#include "defects/sample_wall.h"
+#include "defects/places/sample_distance.h"
+#include "defects/places/sample_places.h"
+#include "defects/places/sample_region.h"
+#include "defects/places/sample_wall.h"
 
 namespace glint {
 namespace {

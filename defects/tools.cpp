@@ -11,8 +11,8 @@
 #include "core/error.h"
 #include "core/rng.h"
 #include "defects/imprint.h"
-#include "defects/line_sweep.h"
-#include "defects/round_tool.h"
+#include "defects/tools/line_sweep.h"
+#include "defects/tools/round_tool.h"
 
 namespace glint {
 namespace {

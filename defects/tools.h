@@ -12,7 +12,7 @@
 
 #include "defects/defect.h"
 #include "defects/defect_settings.h"
-#include "defects/own_tools.h"
+#include "defects/tools/own_tools.h"
 #include "simulator/geometry/surface_path.h"
 #include "simulator/geometry/triangle_mesh.h"
 

@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "core/rng.h"
 #include "core/units.h"
-#include "defects/surface_normals.h"
+#include "defects/surface/surface_normals.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
 
 namespace glint {

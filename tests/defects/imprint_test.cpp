@@ -7,10 +7,10 @@
 #include <gmock/gmock.h>
 
 #include "core/error.h"
-#include "defects/box_tree.h"
-#include "defects/corefine_polygon.h"
-#include "defects/patch_crossings.h"
-#include "defects/patch_tool.h"
+#include "defects/boolean/box_tree.h"
+#include "defects/boolean/corefine_polygon.h"
+#include "defects/boolean/patch_crossings.h"
+#include "defects/boolean/patch_tool.h"
 #include "tests/defects/imprint_support.h"
 
 namespace glint {

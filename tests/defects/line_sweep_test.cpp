@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "defects/line_sweep.h"
+#include "defects/tools/line_sweep.h"
 
 #include <algorithm>
 #include <cmath>

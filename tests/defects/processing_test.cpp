@@ -8,9 +8,9 @@
 
 #include "core/units.h"
 #include "defects/imprint.h"
-#include "defects/safe_moves.h"
-#include "defects/subdivision.h"
-#include "defects/surface_normals.h"
+#include "defects/surface/safe_moves.h"
+#include "defects/surface/subdivision.h"
+#include "defects/surface/surface_normals.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
 
 namespace glint {

@@ -12,7 +12,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/rng.h"
-#include "defects/sample_distance.h"
+#include "defects/places/sample_distance.h"
 #include "tests/defects/sampler_fixtures.h"
 
 namespace glint {

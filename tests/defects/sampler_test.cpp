@@ -13,7 +13,7 @@
 
 #include "core/error.h"
 #include "core/thread_pool.h"
-#include "defects/sample_wall.h"
+#include "defects/places/sample_wall.h"
 #include "tests/defects/sampler_fixtures.h"
 
 namespace glint {

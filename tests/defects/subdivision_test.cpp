@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "defects/subdivision.h"
+#include "defects/surface/subdivision.h"
 
 #include <cmath>
 #include <numeric>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/units.h"
-#include "defects/surface_normals.h"
+#include "defects/surface/surface_normals.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
 
 namespace glint {

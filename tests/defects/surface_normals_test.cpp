@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "defects/surface_normals.h"
+#include "defects/surface/surface_normals.h"
 
 #include <cmath>
 

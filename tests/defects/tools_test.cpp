@@ -10,8 +10,8 @@
 #include "core/rng.h"
 #include "core/units.h"
 #include "defects/imprint.h"
-#include "defects/round_tool.h"
-#include "defects/tool_noise.h"
+#include "defects/tools/round_tool.h"
+#include "defects/tools/tool_noise.h"
 #include "tests/defects/tool_volume.h"
 
 namespace glint {

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "defects/boolean/imprint_state.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "defects/boolean/patch_probe.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector3d;
+
+std::size_t place(std::int32_t index) {
+  return static_cast<std::size_t>(index);
+}
+
+bool is_collapsed(const Triangle& triangle) {
+  return triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
+}
+
+/// Without shading normals; patches only where there are some.
+TriangleMesh geometry_of(const TriangleMesh& part) {
+  if (const std::string fault = find_fault(part); !fault.empty()) {
+    throw ConfigError("the part cannot be imprinted: " + fault);
+  }
+  TriangleMesh mesh;
+  mesh.vertices_mm = part.vertices_mm;
+  mesh.triangles = part.triangles;
+  mesh.patch = part.patch;
+  return mesh;
+}
+
+/// Collapsed triangles get an empty box, so that no search finds them.
+BoxTree tree_over(const TriangleMesh& mesh) {
+  std::vector<FloatBox> boxes(mesh.num_triangles());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (!is_collapsed(mesh.triangles[i])) {
+      boxes[i] = box_of(mesh.vertex(i, 0), mesh.vertex(i, 1), mesh.vertex(i, 2));
+    }
+  }
+  return BoxTree(boxes);
+}
+
+}  // namespace
+
+ImprintedBase::ImprintedBase(const TriangleMesh& part)
+    : mesh(geometry_of(part)), tree(tree_over(mesh)) {}
+
+ImprintedMeshState::ImprintedMeshState(const TriangleMesh& part)
+    : base_(std::make_shared<const ImprintedBase>(part)),
+      is_removed_(part.num_triangles(), false),
+      num_alive_(part.num_triangles()) {}
+
+std::int32_t ImprintedMeshState::num_vertices() const {
+  return static_cast<std::int32_t>(base_->mesh.vertices_mm.size() + added_vertices_mm_.size());
+}
+
+const Vector3d& ImprintedMeshState::vertex(std::int32_t index) const {
+  const std::size_t num_base = base_->mesh.vertices_mm.size();
+  return place(index) < num_base ? base_->mesh.vertices_mm[place(index)]
+                                 : added_vertices_mm_[place(index) - num_base];
+}
+
+const Triangle& ImprintedMeshState::triangle(std::int32_t face) const {
+  return face < num_base_faces() ? base_->mesh.triangles[place(face)]
+                                 : added_faces_[place(face - num_base_faces())].vertices;
+}
+
+std::int32_t ImprintedMeshState::label(std::int32_t face) const {
+  return face < num_base_faces() ? 0 : added_faces_[place(face - num_base_faces())].label;
+}
+
+std::int32_t ImprintedMeshState::origin(std::int32_t face) const {
+  return face < num_base_faces() ? face : added_faces_[place(face - num_base_faces())].origin;
+}
+
+TestFace ImprintedMeshState::test_face(std::int32_t face) const {
+  const Triangle& corners = triangle(face);
+  return {corners, {vertex(corners[0]), vertex(corners[1]), vertex(corners[2])}};
+}
+
+bool ImprintedMeshState::contains(const Vector3d& point) const {
+  return is_inside_surface(point, [&](const Probe& probe) {
+    int hits = 0;
+    visit_if([&](const FloatBox& box) { return probe.may_meet(box); },
+             [&](std::int32_t face) { hits += probe.hits(test_face(face).corners) ? 1 : 0; });
+    return hits;
+  });
+}
+
+void ImprintedMeshState::apply(const PatchChange& change) {
+  for (const std::int32_t face : change.removed) {
+    is_removed_[place(face)] = true;
+  }
+  const auto first_face = static_cast<std::int32_t>(is_removed_.size());
+  blocks_.push_back({first_face, std::make_shared<const BoxTree>(change.boxes)});
+  added_vertices_mm_.insert(
+      added_vertices_mm_.end(), change.vertices_mm.begin(), change.vertices_mm.end());
+  added_faces_.insert(added_faces_.end(), change.faces.begin(), change.faces.end());
+  is_removed_.resize(is_removed_.size() + change.faces.size(), false);
+  num_alive_ += change.faces.size();
+  num_alive_ -= change.removed.size();
+}
+
+/// Copies the vertices that are used; returns the new index of each.
+std::vector<std::int32_t> ImprintedMeshState::renumbered_vertices(TriangleMesh& out) const {
+  std::vector<std::int32_t> renumbered(place(num_vertices()), -1);
+  for (std::size_t face = 0; face < is_removed_.size(); ++face) {
+    if (!is_removed_[face]) {
+      for (const std::int32_t corner : triangle(static_cast<std::int32_t>(face))) {
+        renumbered[place(corner)] = 0;
+      }
+    }
+  }
+  out.vertices_mm.reserve(renumbered.size());
+  for (std::size_t i = 0; i < renumbered.size(); ++i) {
+    if (renumbered[i] == 0) {
+      renumbered[i] = static_cast<std::int32_t>(out.vertices_mm.size());
+      out.vertices_mm.push_back(vertex(static_cast<std::int32_t>(i)));
+    }
+  }
+  return renumbered;
+}
+
+ImprintedMesh::Labelled ImprintedMeshState::result() const {
+  ImprintedMesh::Labelled out;
+  const std::vector<std::int32_t> renumbered = renumbered_vertices(out.mesh);
+  const bool has_patches = !base_->mesh.patch.empty();
+  out.mesh.triangles.reserve(num_alive_);
+  out.labels.reserve(num_alive_);
+  out.origin.reserve(num_alive_);
+  out.mesh.patch.reserve(has_patches ? num_alive_ : 0);
+  for (std::size_t i = 0; i < is_removed_.size(); ++i) {
+    if (is_removed_[i]) {
+      continue;
+    }
+    const auto face = static_cast<std::int32_t>(i);
+    const Triangle& from = triangle(face);
+    out.mesh.triangles.push_back(
+        {renumbered[place(from[0])], renumbered[place(from[1])], renumbered[place(from[2])]});
+    out.labels.push_back(label(face));
+    out.origin.push_back(origin(face));
+    if (has_patches) {
+      out.mesh.patch.push_back(origin(face) < 0 ? -1 : base_->mesh.patch[place(origin(face))]);
+    }
+  }
+  return out;
+}
+
+std::size_t ImprintedMeshState::memory_bytes() const {
+  const TriangleMesh& mesh = base_->mesh;
+  std::size_t bytes = mesh.vertices_mm.capacity() * sizeof(Vector3d) +
+                      mesh.triangles.capacity() * sizeof(Triangle) +
+                      mesh.patch.capacity() * sizeof(std::int32_t) + base_->tree.memory_bytes() +
+                      is_removed_.capacity() / 8 +
+                      added_vertices_mm_.capacity() * sizeof(Vector3d) +
+                      added_faces_.capacity() * sizeof(AddedFace);
+  for (const Block& block : blocks_) {
+    bytes += block.tree->memory_bytes();
+  }
+  return bytes;
+}
+
+}  // namespace glint

@@ -69,6 +69,15 @@ TEST(GallerySearch, FindsThePeriodThatTheRuleGives) {
   expect_winner("fringe_design", "winner_20_mrad", {{"defects.dent.height_um", "6.595"}});
 }
 
+// All twenty dents of the found depth show, and shallower ones than any prototype's.
+TEST(GallerySearch, FindsHowShallowTheWorstDentMayBe) {
+  const Json result = expect_winner("worst_dent");
+  const Json& scores = result.at("best").at("scores");
+  EXPECT_EQ(scores.at("defects.made").get<int>(), 20);
+  EXPECT_GE(scores.at("defects.min_cnr").get<double>(), 3.0);
+  EXPECT_LT(scores.at("defects.mean_depth_um").get<double>(), 1.5);
+}
+
 TEST(GallerySearch, FindsATunnelForThePartOfTheGallery) {
   const Json result = expect_winner("my_part");
   const double found = result.at("rescored").at("best").at("homogeneity.h_rms").get<double>();

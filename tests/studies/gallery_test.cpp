@@ -216,6 +216,14 @@ TEST(GalleryFringeDesign, UnequalCountsMakeTheFlawlessSurfaceUneven) {
   EXPECT_GT(h, 1.0 - 0.5 / 7.5 - 0.001);
 }
 
+TEST(GalleryWorstDent, ScoresAreThePromisedOnes) {
+  expect_promised_scores("worst_dent", {});
+}
+
+TEST(GalleryWorstDent, ReadmePrintsTheExpectedNumbers) {
+  expect_printed_numbers("worst_dent", 8);
+}
+
 TEST(GalleryMyPart, ScoresAreThePromisedOnes) {
   if (!std::filesystem::exists(gallery::mesh_folder())) {
     GTEST_SKIP() << "the shared meshes are not here";

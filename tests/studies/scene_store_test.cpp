@@ -140,6 +140,63 @@ TEST(SceneStore, TracesAgainForEveryTableThatTracingDependsOn) {
   EXPECT_EQ(store.num_traced(), 8);
 }
 
+SceneSettings imprinted_scene() {
+  SceneSettings scene = stored_scene();
+  scene.defects = {{"dents",
+                    {.realisation = Realisation::kImprinted,
+                     .count = 3.0,
+                     .region = {.facing_rad = 0.5},
+                     .edge_distance_mm = 5.0,
+                     .height_mm = 0.1,
+                     .diameter_mm = {1.0, 2.0}}}};
+  return scene;
+}
+
+TEST(SceneStore, ImprintsAPartOnceForAllLightingsAndCameras) {
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  SceneSettings scene = imprinted_scene();
+  const auto first = store.trace(scene);
+  EXPECT_NE(first->part->built, first->part->clean);
+  EXPECT_EQ(first->views.size(), 3U);
+  scene.tunnel.radius_mm += 5.0;
+  scene.viewpoint.position_mm[0] += 1.0;
+  EXPECT_EQ(store.trace(scene)->part, first->part);
+  EXPECT_EQ(store.num_defects_made(), 1);
+  scene.imprint.seed = 2;
+  const auto other = store.trace(scene);
+  EXPECT_NE(other->part, first->part);
+  EXPECT_NE(other->part->made.outlines[0].centre_mm, first->part->made.outlines[0].centre_mm);
+  EXPECT_EQ(store.num_defects_made(), 2);
+  scene.defects[0].second.height_mm = 0.12;
+  store.trace(scene);
+  EXPECT_EQ(store.num_defects_made(), 3);
+}
+
+// Deep imprints show in the picture, and only at their places.
+TEST(SceneStore, ImprintedDefectsAreSeenAndScored) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  const Evaluation evaluation = evaluate(store, imprinted_scene());
+  EXPECT_EQ(evaluation.scores.at("defects.made"), 3.0);
+  EXPECT_NEAR(evaluation.scores.at("defects.mean_depth_um"), 100.0, 1e-9);
+  EXPECT_GT(evaluation.scores.at("defects.removed_volume_mm3"), 0.1);
+  EXPECT_GT(evaluation.scores.at("defects.min_change"), 0.1);
+}
+
+// The same candidate with the same seed sees the same defects whatever happened before.
+TEST(SceneStore, ImprintedScenesScoreTheSameAgain) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  const Scores first = evaluate(store, imprinted_scene()).scores;
+  SceneSettings other = imprinted_scene();
+  other.imprint.seed = 9;
+  evaluate(store, other);
+  SceneStore fresh(pool);
+  EXPECT_EQ(evaluate(store, imprinted_scene()).scores, first);
+  EXPECT_EQ(evaluate(fresh, imprinted_scene()).scores, first);
+}
+
 // The gallery's own designs: tiles find every hidden pixel.
 TEST(HiddenPixels, AreFoundByTilesInTheGallery) {
   const std::filesystem::path gallery =

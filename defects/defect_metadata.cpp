@@ -100,7 +100,7 @@ Json defect_json(const MadeDefect& made, const RigidTransform& part_from_scene) 
   if (!made.is_made) {
     json["reason"] = made.reason;
   }
-  json["place"] = place_json(defect, part_from_scene);
+  json["place"] = defect.triangle >= 0 ? place_json(defect, part_from_scene) : Json(nullptr);
   json["depth_um"] = defect.depth_mm / kMmPerUm;
   json["wanted_depth_um"] = defect.wanted_depth_mm / kMmPerUm;
   json["wall_mm"] = finite_or_null(defect.wall_mm);
@@ -156,6 +156,7 @@ nlohmann::ordered_json defects_json(const DefectivePart& part,
           {"made", num_made},
           {"given_up", part.defects.size() - num_made},
           {"removed_volume_mm3", removed_volume_mm3},
+          {"limited_vertices", part.limited_vertices},
           {"refusals", all_refusals(part)},
           {"defects", list}};
 }

@@ -17,10 +17,12 @@ namespace glint {
 /// times, so that the same scene and seed give the same bytes.
 ///
 /// { "schema": 1, "seed", "imprint": {table}, "groups": {name: {table}}, "made", "given_up",
-///   "removed_volume_mm3", "refusals", "defects": [{...}] }
+///   "removed_volume_mm3", "limited_vertices", "refusals", "defects": [{...}] }
 ///
 /// Places and axes are in the scene frame, `part_mm` in the part's. A wall that was not met is
-/// null. What is told of a defect that was given up is its last attempt, and why.
+/// null. What is told of a defect that was given up is its last attempt, and why; its place is null
+/// where none was found. `limited_vertices` moved less than the processing's noise or smoothing
+/// asked for.
 /// `removed_volume_mm3` is negative where material was added.
 ///
 /// @param groups  the tables the defects came from

@@ -53,6 +53,11 @@ void visit_region(KeyVisitor& keys, DefectRegion& r) {
                "\"faces\" needs a region_file");
 }
 
+bool has_places_from_above(const DefectGroup& group) {
+  const DefectGroup unset;
+  return group.x_mm != unset.x_mm || group.y_mm != unset.y_mm;
+}
+
 void visit_places(KeyVisitor& keys, DefectGroup& g) {
   const Range whole = {.min = 0.0, .max = 1e5};
   keys.interval("count",
@@ -85,10 +90,13 @@ void visit_places(KeyVisitor& keys, DefectGroup& g) {
   keys.require(g.at_mm.size() % 3 == 0,
                "at_mm",
                fmt::format("has {} numbers, must be three for each place", g.at_mm.size()));
-  const std::vector<double> unset = DefectGroup{}.x_mm;
-  keys.require(g.at_mm.empty() || (g.x_mm == unset && g.y_mm == unset),
+  keys.require(g.at_mm.empty() || !has_places_from_above(g),
                "at_mm",
                "is given together with x_mm or y_mm, must be one of them");
+  keys.require(
+      g.count.max <= 0.0 || !has_given_places(g),
+      "count",
+      "random places are asked for together with at_mm, x_mm or y_mm, must be one of them");
 }
 
 void visit_sizes(KeyVisitor& keys, DefectGroup& g) {
@@ -190,6 +198,10 @@ DefectType type_from_name(const std::string& name) {
     }
   }
   return DefectType::kDent;
+}
+
+bool has_given_places(const DefectGroup& group) {
+  return !group.at_mm.empty() || has_places_from_above(group);
 }
 
 std::size_t num_places(const DefectGroup& group) {

@@ -128,7 +128,7 @@ class DefectMaker::Making {
     if (made.is_made) {
       taken_.push_back(made.defect);
     } else {
-      give_up(slot, made);
+      give_up(made);
     }
     made.seconds = seconds_since(start);
     result_.defects.push_back(std::move(made));
@@ -148,6 +148,7 @@ class DefectMaker::Making {
     DefectSampler::Draw draw = state_.sampler.draw(seed_, slot, attempt, taken_);
     if (!draw.defect) {
       count_refusal(made, draw.reason);
+      made.defect = std::move(draw.refused);
       return;
     }
     const DefectGroup& group = group_of(slot);
@@ -199,16 +200,8 @@ class DefectMaker::Making {
     }
   }
 
-  void give_up(const DefectSlot& slot, MadeDefect& made) {
-    const std::string& name = state_.groups[slot.group].first;
+  void give_up(MadeDefect& made) {
     made.reason = given_up_text(made);
-    if (made.defect.label.empty()) {  // no sample had a place
-      made.defect.label = fmt::format("{}_{}", name, slot.number + 1);
-      made.defect.group = name;
-      made.defect.id = slot.id;
-      made.defect.number = slot.number;
-      made.defect.type = group_of(slot).type;
-    }
     if (!state_.settings.may_be_fewer) {
       throw ConfigError(fmt::format(
           "imprint.may_be_fewer: is false, but {} was {}", made.defect.label, made.reason));
@@ -245,6 +238,7 @@ class DefectMaker::Making {
                                              state_.crease_rad);
       result_.mesh = std::move(processed.mesh);
       result_.labels = std::move(processed.labels);
+      result_.limited_vertices = processed.limited_vertices;
     }
   }
 

@@ -17,7 +17,7 @@ namespace glint {
 
 /// One defect and how it came about.
 struct MadeDefect {
-  Defect defect;
+  Defect defect;  ///< its last sample when it was given up
   bool is_made = false;
   std::string reason = {};  ///< why it was given up; empty when it was made
   int attempts = 0;         ///< fresh samples that were drawn, >= 1
@@ -34,7 +34,8 @@ struct DefectivePart {
   /// The part's surface when an imprint or a displacement changed it, else without triangles.
   /// Scene frame; patches and shading normals as Part::mesh.
   TriangleMesh mesh;
-  std::vector<std::int32_t> labels;  ///< per triangle of mesh: a defect's id, 0: the part itself
+  std::vector<std::int32_t> labels;   ///< per triangle of mesh: a defect's id, 0: the part itself
+  std::int64_t limited_vertices = 0;  ///< moved less than processing drew (processing.h)
 
   std::vector<HeightFeature> features;  ///< of defects realised by their normals
   std::vector<HeightFeature> outlines;  ///< of every defect that was made: where its pixels are

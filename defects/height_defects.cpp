@@ -1,7 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "defects/height_defects.h"
 
+#include <numeric>
+#include <vector>
+
 namespace glint {
+namespace {
+
+/// What a grey sensor sees of a colour: red, green and blue count a third each. The sensor has no
+/// spectrum to weigh them by.
+double grey_of(const std::vector<double>& colour) {
+  return std::accumulate(colour.begin(), colour.end(), 0.0) / static_cast<double>(colour.size());
+}
+
+}  // namespace
 
 HeightFeature height_feature(const Defect& defect, const DefectGroup& group) {
   HeightFeature feature;
@@ -20,6 +32,10 @@ HeightFeature height_feature(const Defect& defect, const DefectGroup& group) {
   feature.length_mm = defect.length_mm;
   feature.width_mm = defect.width_mm;
   feature.moves_position = group.moves_position;
+  if (defect.type == DefectType::kStain) {
+    feature.reflectance = grey_of(group.colour);
+    feature.roughness_rad = group.stain_roughness_rad;
+  }
   return feature;
 }
 

@@ -2,7 +2,8 @@
 //
 // Defects as height on the surface: Gaussian dents and bumps, and line scratches. They act on the
 // normal, and on the position where wanted: for defects much smaller than the viewing distance the
-// normal is what matters (docs/theory/parts.md).
+// normal is what matters (docs/theory/parts.md). Stains have no height: they reflect less and are
+// rough.
 #pragma once
 
 #include "defects/defect.h"

@@ -66,11 +66,6 @@ int whole_number(const Interval& count, std::uint64_t hash) {
   return static_cast<int>(count.min + std::min(drawn, choices - 1.0));
 }
 
-bool has_given_places(const DefectGroup& group) {
-  const std::vector<double> origin = {0.0};
-  return !group.at_mm.empty() || group.x_mm != origin || group.y_mm != origin;
-}
-
 void check_size(const std::string& table, std::string_view key, double size_mm, double part_mm) {
   if (size_mm > part_mm) {
     throw ConfigError(fmt::format(
@@ -230,7 +225,7 @@ std::string DefectSampler::State::refusal(const GroupPlaces& places,
                                 ? own.min_distance_mm
                                 : std::max(own.min_distance_mm, its->group.min_distance_mm);
     if (apart_mm > 0.0 && rim_distance(defect, other) < apart_mm) {
-      return fmt::format("nearer than {:g} mm to {}", apart_mm, other.label);
+      return fmt::format("nearer than {:g} mm to another defect", apart_mm);
     }
   }
   return "";
@@ -245,8 +240,7 @@ std::string DefectSampler::State::fit_to_wall(const DefectGroup& group, Defect& 
     return "";
   }
   if (group.when_thin == DefectGroup::Thin::kRefuse || defect.wall_mm < kNoWall_mm) {
-    return fmt::format(
-        "wall of {:.3g} mm is too thin for a depth of {:.3g} mm", defect.wall_mm, defect.depth_mm);
+    return "the wall is too thin for the depth";
   }
   defect.depth_mm = allowed_mm;
   return "";
@@ -298,7 +292,7 @@ DefectSampler::Draw DefectSampler::draw(std::uint64_t seed,
   Defect defect = drawn_numbers(places, slot, attempt, hash);
   const std::optional<SurfacePoint> point = state_->choose_place(places, defect, hash);
   if (!point) {
-    return {.reason = "no place was found in the region"};
+    return {.reason = "no place was found in the region", .refused = std::move(defect)};
   }
   const Vector3d normal = footprint_normal(state_->part, state_->bvh, *point, defect.radius_mm());
   defect.place = oriented_place(state_->part, point->point_mm, normal, defect.angle_rad);
@@ -308,7 +302,7 @@ DefectSampler::Draw DefectSampler::draw(std::uint64_t seed,
     reason = state_->fit_to_wall(places.group, defect);
   }
   if (!reason.empty()) {
-    return {.reason = std::move(reason)};
+    return {.reason = std::move(reason), .refused = std::move(defect)};
   }
   return {.defect = std::move(defect)};
 }

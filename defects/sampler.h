@@ -30,7 +30,10 @@ class DefectSampler {
   /// A sample, or why it was refused.
   struct Draw {
     std::optional<Defect> defect = {};
-    std::string reason = {};  ///< "nearer than 0.5 mm to dents_1", ...; empty with a defect
+    /// "nearer than 0.5 mm to another defect", ...; the same words for the same trouble, so that
+    /// they can be counted. Empty with a defect.
+    std::string reason = {};
+    Defect refused = {};  ///< what was drawn; its triangle is -1 where no place was found
   };
 
   /// Reads painted faces, finds sharp edges, puts fixed places onto the surface.

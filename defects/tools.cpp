@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -216,66 +215,6 @@ std::vector<TriangleMesh> ToolCollection::samples(int n, std::uint64_t seed) con
     meshes.push_back(tool(defect));
   }
   return meshes;
-}
-
-namespace {
-
-/// Lays a row of meshes along x, a fifth of the widest between them, its middle at x = 0 and its
-/// lower side at y_mm. Returns how far it goes in y.
-double lay_row(std::vector<TriangleMesh>& row, double y_mm) {
-  double widest = 0.0;
-  double depth = 0.0;
-  double length = 0.0;
-  for (const TriangleMesh& mesh : row) {
-    const Eigen::Vector3d size = bounding_box(mesh).size_mm();
-    widest = std::max(widest, size.x());
-    depth = std::max(depth, size.y());
-    length += size.x();
-  }
-  const double gap = 0.2 * widest;
-  double x = -0.5 * (length + gap * static_cast<double>(row.size() - 1));
-  for (TriangleMesh& mesh : row) {
-    const BoundingBox box = bounding_box(mesh);
-    const Eigen::Vector3d size = box.size_mm();
-    const Eigen::Vector3d corner(x, y_mm + 0.5 * (depth - size.y()), 0.0);
-    for (Eigen::Vector3d& p : mesh.vertices_mm) {
-      p += corner - box.min_mm;
-    }
-    x += size.x() + gap;
-  }
-  return depth;
-}
-
-}  // namespace
-
-std::vector<TriangleMesh> sample_tools(std::span<const ToolCollection> collections,
-                                       int n,
-                                       std::uint64_t seed) {
-  std::vector<TriangleMesh> all;
-  double y = 0.0;
-  for (const ToolCollection& collection : collections) {
-    std::vector<TriangleMesh> row = collection.samples(n, seed);
-    if (row.empty()) {
-      continue;
-    }
-    if (collection.works_inwards()) {
-      std::transform(row.begin(), row.end(), row.begin(), upside_down);
-    }
-    y += 1.2 * lay_row(row, y);
-    std::move(row.begin(), row.end(), std::back_inserter(all));
-  }
-  BoundingBox box;
-  for (const TriangleMesh& mesh : all) {
-    const BoundingBox one = bounding_box(mesh);
-    box.min_mm = box.min_mm.cwiseMin(one.min_mm);
-    box.max_mm = box.max_mm.cwiseMax(one.max_mm);
-  }
-  for (TriangleMesh& mesh : all) {
-    for (Eigen::Vector3d& p : mesh.vertices_mm) {
-      p.y() -= box.centre_mm().y();
-    }
-  }
-  return all;
 }
 
 }  // namespace glint

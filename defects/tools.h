@@ -37,8 +37,6 @@ class ToolCollection {
   ///         both below and above its z = 0
   ToolCollection(std::string group_name, const DefectGroup& group);
 
-  const std::string& group_name() const { return name_; }
-
   bool is_procedural() const { return own_tools_.empty(); }
 
   /// False for bumps.
@@ -79,11 +77,5 @@ class ToolCollection {
   DefectGroup group_;
   std::vector<OwnTool> own_tools_;
 };
-
-/// n tools of every collection for a preview: a row along x for each collection, rows side by side
-/// along y, centred; every tool stands on z = 0 with the side that works upwards.
-std::vector<TriangleMesh> sample_tools(std::span<const ToolCollection> collections,
-                                       int n,
-                                       std::uint64_t seed);
 
 }  // namespace glint

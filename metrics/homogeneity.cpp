@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <vector>
+
+#include "core/spans.h"
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
@@ -24,127 +25,149 @@ double total_of(const std::array<double, kLanes>& lanes) {
   return sum;
 }
 
-/// Pixels of a region mostly stand together: they are looked at eight at a time.
-std::vector<float> values_inside(const ImageF& image, const Mask& region) {
+/// The region's stretches, cut so that what is read twice stays in the first cache.
+Spans blocks_of(const ImageF& image, const Mask& region) {
   GLINT_CHECK(image.width() == region.width() && image.height() == region.height(),
               "image and region differ in size");
-  constexpr std::uint64_t kAll = 0x0101010101010101;
-  std::vector<float> values(image.size());
-  const float* from = image.values().data();
-  const unsigned char* inside = region.values().data();
-  float* to = values.data();
-  const std::size_t size = image.size();
-  for (std::size_t i = 0; i < size; i += sizeof(kAll)) {
-    const std::size_t count = std::min(sizeof(kAll), size - i);
-    std::uint64_t eight = 0;
-    std::memcpy(&eight, inside + i, count);
-    if (eight == kAll) {
-      std::memcpy(to, from + i, sizeof(kAll) * sizeof(float));
-      to += sizeof(kAll);
-      continue;
-    }
-    for (std::size_t k = i; eight != 0 && k < i + count; ++k) {
-      *to = from[k];
-      to += inside[k] != 0 ? 1 : 0;
+  constexpr int kBlock = 256;
+  Spans blocks;
+  for (const RowSpan& span : spans_of(region)) {
+    for (int begin = span.begin; begin < span.end; begin += kBlock) {
+      blocks.push_back({.y = span.y, .begin = begin, .end = std::min(span.end, begin + kBlock)});
     }
   }
-  values.resize(static_cast<std::size_t>(to - values.data()));
-  GLINT_CHECK(!values.empty(), "the region has no pixel");
-  return values;
+  GLINT_CHECK(!blocks.empty(), "the region has no pixel");
+  return blocks;
 }
 
-/// How many of `count` values are at or below low, and below high.
+const float* start_of(const ImageF& image, const RowSpan& span) {
+  return image.row(span.y) + span.begin;
+}
+
+/// Counts of values at or below `low`, and below `high`.
 struct Split {
-  int to_low = 0;
-  int below_high = 0;
+  std::int64_t to_low = 0;
+  std::int64_t below_high = 0;
+
+  bool has_between() const { return below_high > to_low; }
+
+  void add(const Split& other) {
+    to_low += other.to_low;
+    below_high += other.below_high;
+  }
 };
 
-GLINT_WIDE Split split_by(const float* values, int count, float low, float high) {
-  Split split;
-  for (int i = 0; i < count; ++i) {
-    split.to_low += values[i] <= low ? 1 : 0;
-    split.below_high += values[i] < high ? 1 : 0;
-  }
-  return split;
-}
-
-/// Index of the value that has at least this share of `count` at or below it.
-std::size_t rank_of(double share, std::size_t count) {
-  const double wanted = std::ceil(share * static_cast<double>(count));
-  return static_cast<std::size_t>(std::max(wanted, 1.0)) - 1;
-}
-
+/// Two values between which a rank almost surely lies.
 struct Bracket {
   float low = 0.0F;
   float high = 0.0F;
 };
 
-/// Two values between which that rank almost surely lies: of every so many-th value (sorted), those
-/// four standard deviations of such a guess to either side.
-Bracket bracket_of(const std::vector<float>& sample, double share) {
+GLINT_WIDE Split split_by(const float* values, int count, Bracket bracket) {
+  int to_low = 0;
+  int below_high = 0;
+  for (int i = 0; i < count; ++i) {
+    to_low += values[i] <= bracket.low ? 1 : 0;
+    below_high += values[i] < bracket.high ? 1 : 0;
+  }
+  return {.to_low = to_low, .below_high = below_high};
+}
+
+/// Index of the value that has at least this share of `count` at or below it.
+std::int64_t rank_of(double share, std::int64_t count) {
+  const double wanted = std::ceil(share * static_cast<double>(count));
+  return static_cast<std::int64_t>(std::max(wanted, 1.0)) - 1;
+}
+
+/// Every so many-th value of the region.
+std::vector<float> sample_of(const ImageF& image, const Spans& blocks) {
+  constexpr int kEvery = 127;  // no divisor of usual widths
+  std::vector<float> sample;
+  int next = 0;
+  for (const RowSpan& block : blocks) {
+    const float* values = start_of(image, block);
+    for (; next < block.size(); next += kEvery) {
+      sample.push_back(values[next]);
+    }
+    next -= block.size();
+  }
+  return sample;
+}
+
+/// Of a sample, the values four standard deviations of such a guess to either side of the share.
+Bracket bracket_of(std::vector<float>& sample, double share) {
   const auto count = static_cast<double>(sample.size());
   const double middle = share * count;
   const double spread = 4.0 * std::sqrt(share * (1.0 - share) * count) + 2.0;
   const auto at = [&](double place) {
-    return sample[static_cast<std::size_t>(std::clamp(place, 0.0, count - 1.0))];
+    const auto nth =
+        sample.begin() + static_cast<std::ptrdiff_t>(std::clamp(place, 0.0, count - 1.0));
+    std::nth_element(sample.begin(), nth, sample.end());
+    return *nth;
   };
   return {.low = at(middle - spread), .high = at(middle + spread)};
 }
 
-double select_rank(std::vector<float> values, std::size_t rank) {
+double select_rank(std::vector<float> values, std::int64_t rank) {
   const auto nth = values.begin() + static_cast<std::ptrdiff_t>(rank);
   std::nth_element(values.begin(), nth, values.end());
   return static_cast<double>(*nth);
 }
 
-/// The value of that rank. One sweep counts what lies beside a bracket guessed from a sample and
-/// keeps what lies in it; a wrong guess only costs time.
-double percentile(const std::vector<float>& values,
-                  const std::vector<float>& sorted_sample,
-                  double share) {
-  constexpr std::size_t kBlock = 256;
-  const std::size_t rank = rank_of(share, values.size());
-  const Bracket bracket = bracket_of(sorted_sample, share);
-  std::size_t to_low = 0;
-  std::size_t below_high = 0;
-  std::vector<float> between;
-  for (std::size_t i = 0; i < values.size(); i += kBlock) {
-    const std::size_t end = std::min(values.size(), i + kBlock);
-    const Split split =
-        split_by(values.data() + i, static_cast<int>(end - i), bracket.low, bracket.high);
-    to_low += static_cast<std::size_t>(split.to_low);
-    below_high += static_cast<std::size_t>(split.below_high);
-    if (split.below_high > split.to_low) {
-      std::copy_if(
-          values.data() + i, values.data() + end, std::back_inserter(between), [&](float value) {
-            return value > bracket.low && value < bracket.high;
-          });
+/// Finds the value of a rank in one sweep: counts what lies beside a bracket and keeps what lies in
+/// it. A wrong bracket only costs time.
+class Percentile {
+ public:
+  Percentile(std::vector<float>& sample, double share)
+      : share_(share), bracket_(bracket_of(sample, share)) {}
+
+  void add(const float* values, int count) {
+    const Split split = split_by(values, count, bracket_);
+    split_.add(split);
+    if (split.has_between()) {
+      keep_between(values, count, split);
     }
   }
-  if (rank >= to_low && rank < below_high) {
-    return select_rank(std::move(between), rank - to_low);
-  }
-  const auto times = [&](float value) {
-    return static_cast<std::size_t>(std::ranges::count(values, value));
-  };
-  if (rank < to_low && rank + times(bracket.low) >= to_low) {
-    return static_cast<double>(bracket.low);
-  }
-  if (rank >= below_high && rank < below_high + times(bracket.high)) {
-    return static_cast<double>(bracket.high);
-  }
-  return select_rank(values, rank);
-}
 
-std::vector<float> sorted_sample(const std::vector<float>& values) {
-  constexpr std::size_t kEvery = 127;  // no divisor of usual widths
-  std::vector<float> sample;
-  for (std::size_t i = 0; i < values.size(); i += kEvery) {
-    sample.push_back(values[i]);
+  double value(const ImageF& image, const Spans& blocks, std::int64_t count) const {
+    const std::int64_t rank = rank_of(share_, count);
+    if (rank >= split_.to_low && rank < split_.below_high) {
+      return select_rank(between_, rank - split_.to_low);
+    }
+    std::vector<float> all;
+    for (const RowSpan& block : blocks) {
+      all.insert(all.end(), start_of(image, block), start_of(image, block) + block.size());
+    }
+    const auto is_at = [&](float value) {
+      const auto least = std::ranges::count_if(all, [&](float v) { return v < value; });
+      return least <= rank && rank < least + std::ranges::count(all, value);
+    };
+    for (const float end : {bracket_.low, bracket_.high}) {
+      if (is_at(end)) {
+        return static_cast<double>(end);
+      }
+    }
+    return select_rank(std::move(all), rank);
   }
-  std::ranges::sort(sample);
-  return sample;
-}
+
+ private:
+  void keep_between(const float* values, int count, const Split& split) {
+    const std::size_t kept = between_.size();
+    between_.resize(kept + static_cast<std::size_t>(count));
+    float* to = between_.data() + kept;
+    for (int i = 0; i < count; ++i) {
+      *to = values[i];
+      const bool is_kept = (values[i] > bracket_.low) & (values[i] < bracket_.high);
+      to += is_kept ? 1 : 0;
+    }
+    between_.resize(kept + static_cast<std::size_t>(split.below_high - split.to_low));
+  }
+
+  double share_;
+  Bracket bracket_;
+  Split split_;
+  std::vector<float> between_;
+};
 
 /// The mean of the region's pixels in the 3 x 3 square around a pixel of the region.
 double local_mean(const ImageF& image, const Mask& region, int x, int y) {
@@ -161,22 +184,13 @@ double local_mean(const ImageF& image, const Mask& region, int x, int y) {
   return sum / count;
 }
 
-double share_above(const std::vector<float>& values, double threshold) {
-  // In float: the largest value that is not above.
-  auto largest = static_cast<float>(threshold);
-  if (static_cast<double>(largest) > threshold) {
-    largest = std::nextafter(largest, -std::numeric_limits<float>::infinity());
-  }
-  const Split split = split_by(values.data(), static_cast<int>(values.size()), largest, largest);
-  const auto above = values.size() - static_cast<std::size_t>(split.to_low);
-  return static_cast<double>(above) / static_cast<double>(values.size());
+/// In float: the largest value that is not above a threshold.
+float largest_to(double threshold) {
+  const auto largest = static_cast<float>(threshold);
+  return static_cast<double>(largest) > threshold
+             ? std::nextafter(largest, -std::numeric_limits<float>::infinity())
+             : largest;
 }
-
-struct Deviations {
-  double mean = 0.0;
-  double rms = 0.0;
-  double absolute = 0.0;
-};
 
 GLINT_WIDE double sum_of(const float* values, std::size_t count) {
   std::array<double, kLanes> lanes = {};
@@ -192,9 +206,13 @@ GLINT_WIDE double sum_of(const float* values, std::size_t count) {
   return total_of(lanes);
 }
 
+struct Deviations {
+  double squares = 0.0;
+  double sizes = 0.0;
+};
+
 /// Sums of squares and sizes of the deviations from the mean.
-GLINT_WIDE void add_deviations(const float* values, std::size_t count, Deviations& result) {
-  const double mean = result.mean;
+GLINT_WIDE Deviations deviations_from(double mean, const float* values, std::size_t count) {
   std::array<double, kLanes> squares = {};
   std::array<double, kLanes> sizes = {};
   const std::size_t whole = count - count % kLanes;
@@ -202,7 +220,7 @@ GLINT_WIDE void add_deviations(const float* values, std::size_t count, Deviation
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const double deviation = static_cast<double>(values[i + lane]) - mean;
       squares[lane] += deviation * deviation;
-      sizes[lane] += deviation < 0.0 ? -deviation : deviation;
+      sizes[lane] += std::abs(deviation);
     }
   }
   for (std::size_t i = whole; i < count; ++i) {
@@ -210,18 +228,23 @@ GLINT_WIDE void add_deviations(const float* values, std::size_t count, Deviation
     squares[0] += deviation * deviation;
     sizes[0] += std::abs(deviation);
   }
-  result.rms = total_of(squares);
-  result.absolute = total_of(sizes);
+  return {.squares = total_of(squares), .sizes = total_of(sizes)};
 }
 
-Deviations deviations_of(const std::vector<float>& values) {
-  const auto count = static_cast<double>(values.size());
-  Deviations result;
-  result.mean = sum_of(values.data(), values.size()) / count;
-  add_deviations(values.data(), values.size(), result);
-  result.rms = std::sqrt(result.rms / count);
-  result.absolute /= count;
-  return result;
+std::int64_t pixels_of(const Spans& spans) {
+  std::int64_t pixels = 0;
+  for (const RowSpan& span : spans) {
+    pixels += span.size();
+  }
+  return pixels;
+}
+
+double mean_of(const ImageF& image, const Spans& blocks) {
+  double sum = 0.0;
+  for (const RowSpan& block : blocks) {
+    sum += sum_of(start_of(image, block), static_cast<std::size_t>(block.size()));
+  }
+  return sum / static_cast<double>(pixels_of(blocks));
 }
 
 struct BlindCount {
@@ -250,26 +273,48 @@ Homogeneity homogeneity(const ImageF& aspect,
                         int frames,
                         const Mask& region,
                         const MetricsSettings& settings) {
-  const std::vector<float> values = values_inside(aspect, region);
-  const Deviations spread = deviations_of(values);
-  Homogeneity result;
-  result.mean = spread.mean;
-  result.lit_share = share_above(values, settings.lit_threshold);
+  const Spans blocks = blocks_of(aspect, region);
+  const std::int64_t pixels = pixels_of(blocks);
+  const auto count = static_cast<double>(pixels);
   constexpr double kBelowFullScale = 1.0 - 1e-6;
+  const Bracket lit_and_full = {
+      .low = largest_to(settings.lit_threshold),
+      .high = std::nextafter(largest_to(kBelowFullScale), std::numeric_limits<float>::infinity())};
+  std::vector<float> sample = sample_of(aspect, blocks);
+  Percentile p5(sample, 0.05);
+  Percentile p95(sample, 0.95);
+  double sum = 0.0;
+  Split levels;
+  for (const RowSpan& block : blocks) {
+    const float* values = start_of(aspect, block);
+    sum += sum_of(values, static_cast<std::size_t>(block.size()));
+    levels.add(split_by(values, block.size(), lit_and_full));
+    p5.add(values, block.size());
+    p95.add(values, block.size());
+  }
+  Homogeneity result;
+  result.mean = sum / count;
+  result.lit_share = static_cast<double>(pixels - levels.to_low) / count;
   result.clipped_share = clipped_frames.empty()
-                             ? share_above(values, kBelowFullScale)
+                             ? static_cast<double>(pixels - levels.below_high) / count
                              : always_clipped_share(clipped_frames, frames, region);
-  if (!(spread.mean > 0.0)) {
-    result.h_rms = -std::sqrt(static_cast<double>(values.size()));
+  if (!(result.mean > 0.0)) {
+    result.h_rms = -std::sqrt(count);
     result.h_abs = -1.0;
     return result;
   }
-  result.h_rms = 1.0 - spread.rms / spread.mean;
-  result.h_abs = 1.0 - spread.absolute / spread.mean;
-  const std::vector<float> sample = sorted_sample(values);
-  const double p5 = percentile(values, sample, 0.05);
-  const double p95 = percentile(values, sample, 0.95);
-  result.robust = p95 > 0.0 ? 1.0 - (p95 - p5) / (p95 + p5) : 0.0;
+  Deviations total;
+  for (const RowSpan& block : blocks) {
+    const Deviations part = deviations_from(
+        result.mean, start_of(aspect, block), static_cast<std::size_t>(block.size()));
+    total.squares += part.squares;
+    total.sizes += part.sizes;
+  }
+  result.h_rms = 1.0 - std::sqrt(total.squares / count) / result.mean;
+  result.h_abs = 1.0 - total.sizes / count / result.mean;
+  const double low = p5.value(aspect, blocks, pixels);
+  const double high = p95.value(aspect, blocks, pixels);
+  result.robust = high > 0.0 ? 1.0 - (high - low) / (high + low) : 0.0;
   return result;
 }
 
@@ -284,7 +329,7 @@ double always_clipped_share(const Image<std::uint16_t>& clipped_frames,
 }
 
 double smallest_over_mean(const ImageF& aspect, const Mask& region) {
-  const double mean = deviations_of(values_inside(aspect, region)).mean;
+  const double mean = mean_of(aspect, blocks_of(aspect, region));
   double smallest = mean;
   for (int y = 0; y < aspect.height(); ++y) {
     for (int x = 0; x < aspect.width(); ++x) {

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+
+#include "core/spans.h"
 
 namespace glint {
 namespace {
@@ -27,18 +30,18 @@ double sign_of(double value) {
   return value > 0.0 ? 1.0 : (value < 0.0 ? -1.0 : 0.0);
 }
 
-Moments moments_of(const ImageF& image, const Mask& region) {
+Moments moments_of(const ImageF& image, const Spans& region) {
   Moments m;
-  for (std::size_t i = 0; i < region.size(); ++i) {
-    if (region.values()[i] != 0) {
-      m.count += 1.0;
-      m.mean += static_cast<double>(image.values()[i]);
-    }
+  for (const RowSpan& span : region) {
+    const float* values = image.row(span.y);
+    m.count += static_cast<double>(span.size());
+    m.mean += std::accumulate(values + span.begin, values + span.end, 0.0);
   }
   m.mean /= std::max(1.0, m.count);
-  for (std::size_t i = 0; i < region.size(); ++i) {
-    if (region.values()[i] != 0) {
-      const double rest = static_cast<double>(image.values()[i]) - m.mean;
+  for (const RowSpan& span : region) {
+    const float* values = image.row(span.y);
+    for (int x = span.begin; x < span.end; ++x) {
+      const double rest = static_cast<double>(values[x]) - m.mean;
       m.deviation += rest * rest;
       m.absolute += std::abs(rest);
       m.sign += sign_of(rest);
@@ -50,23 +53,31 @@ Moments moments_of(const ImageF& image, const Mask& region) {
   return m;
 }
 
-/// h_rms = 1 - sigma / mu and h_abs = 1 - a / mu.
+/// h_rms = 1 - sigma / mu and h_abs = 1 - a / mu: the slope by a pixel is linear in what is left of
+/// it after the mean, and in the sign of that.
 ImageF homogeneity_slopes(std::string_view score, const ScoredImage& image) {
-  const Moments m = moments_of(image.aspect, image.region);
+  const Spans region = spans_of(image.region);
+  const Moments m = moments_of(image.aspect, region);
+  double constant = 1.0;
+  double by_rest = 0.0;
+  double by_sign = 0.0;
+  if (score == "homogeneity.h_rms") {
+    const bool is_even = !(m.deviation > 0.0);
+    constant = is_even ? 0.0 : m.deviation / (m.mean * m.mean);
+    by_rest = is_even ? 0.0 : -1.0 / (m.deviation * m.mean);
+  } else if (score == "homogeneity.h_abs") {
+    constant = m.absolute / (m.mean * m.mean) + m.sign / m.mean;
+    by_sign = -1.0 / m.mean;
+  }
   ImageF slopes(image.aspect.width(), image.aspect.height());
-  for (std::size_t i = 0; i < slopes.size(); ++i) {
-    if (image.region.values()[i] == 0) {
-      continue;
+  for (const RowSpan& span : region) {
+    const float* values = image.aspect.row(span.y);
+    float* row = slopes.row(span.y);
+    for (int x = span.begin; x < span.end; ++x) {
+      const double rest = static_cast<double>(values[x]) - m.mean;
+      const double slope = constant + by_rest * rest + by_sign * sign_of(rest);
+      row[x] = static_cast<float>(slope / m.count);
     }
-    const double rest = static_cast<double>(image.aspect.values()[i]) - m.mean;
-    double slope = 1.0;
-    if (score == "homogeneity.h_rms") {
-      slope =
-          m.deviation > 0.0 ? m.deviation / (m.mean * m.mean) - rest / (m.deviation * m.mean) : 0.0;
-    } else if (score == "homogeneity.h_abs") {
-      slope = m.absolute / (m.mean * m.mean) - (sign_of(rest) - m.sign) / m.mean;
-    }
-    slopes.values()[i] = static_cast<float>(slope / m.count);
   }
   return slopes;
 }

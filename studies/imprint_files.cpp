@@ -72,6 +72,18 @@ Json notes_of(const DefectivePart& made, const FloatLoss& loss) {
   return notes;
 }
 
+/// File names as they stand in the scene, so that the metadata does not depend on where that lies.
+void name_files_as_written(const ConfigNode& scene, Json& groups) {
+  for (auto& [name, table] : groups.items()) {
+    for (const char* key : {"tool_folder", "region_file"}) {
+      const ConfigNode* node = scene.at_path(fmt::format("defects.{}.{}", name, key));
+      if (node != nullptr) {
+        table[key] = node->text;
+      }
+    }
+  }
+}
+
 void write_previews(const fs::path& folder,
                     const BuiltDefects& part,
                     const std::vector<PreviewView>& views,
@@ -125,6 +137,7 @@ void write_imprint_files(const fs::path& folder,
   write_defect_map(folder / "defect_map.obj", mesh, labels);
   Json metadata =
       defects_json(part.made, scene.defects, scene.imprint, seed, part.clean->part.scene_from_part);
+  name_files_as_written(options.scene, metadata["groups"]);
   metadata["notes"] = notes_of(part.made, loss);
   write_file(folder / kImprintMetadata, metadata.dump(2) + "\n");
   seconds.files_s = seconds_since(start);

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "core/config.h"
 #include "core/thread_pool.h"
 #include "studies/built_part.h"
 #include "studies/preview.h"
@@ -20,6 +21,7 @@ inline constexpr const char* kImprintMetadata = "defects.json";
 struct ImprintFileOptions {
   bool has_previews = true;
   std::vector<PreviewView> views = {};
+  ConfigNode scene = {};  ///< as written: the metadata names files as the scene does
 };
 
 /// Seconds that one part took, for run.json.

@@ -2,6 +2,7 @@
 #include "studies/imprint_folder.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <system_error>
@@ -18,6 +19,10 @@ namespace glint {
 namespace fs = std::filesystem;
 
 namespace {
+
+/// What a part's files are called that other programs have, too.
+constexpr std::array<const char*, 5> kCommonNames = {
+    "part.stl", "part.ply", "defect_map.obj", "defect_map.mtl", "defects.json"};
 
 std::vector<fs::path> sorted_entries(const fs::path& folder) {
   std::vector<fs::path> entries;
@@ -81,6 +86,19 @@ void move_entries(const fs::path& from, const fs::path& to) {
   }
 }
 
+/// The folder may be the scene's own, with the user's part in it.
+void check_no_foreign_part(const fs::path& out) {
+  std::error_code ignored;
+  for (const char* name : kCommonNames) {
+    if (fs::exists(out / name, ignored)) {
+      throw ConfigError(
+          fmt::format("{}: holds a {} that is not of `glint imprint`; choose another output folder",
+                      out.string(),
+                      name));
+    }
+  }
+}
+
 bool has_ended(pid_t process) {
   return ::kill(process, 0) != 0 && errno == ESRCH;
 }
@@ -105,7 +123,9 @@ void check_imprint_folder(const fs::path& out, const std::string& marked_scene) 
         fmt::format("{}: holds the run of a study; choose another output folder", out.string()));
   }
   const fs::path scene = out / kResolvedScene;
-  if (fs::exists(scene, ignored) && first_line(read_file(scene)) != first_line(marked_scene)) {
+  if (!fs::exists(scene, ignored)) {
+    check_no_foreign_part(out);
+  } else if (first_line(read_file(scene)) != first_line(marked_scene)) {
     throw ConfigError(
         fmt::format("{}: holds parts of another configuration; choose another output folder, or "
                     "remove this one",

@@ -18,7 +18,8 @@ inline constexpr const char* kResolvedScene = "scene.resolved.toml";
 /// @param is_many  whether the folder holds numbered parts or one
 std::string marked_scene_text(const Study& study, bool is_many);
 
-/// @throws ConfigError when the folder holds parts of another configuration, or a study's run
+/// @throws ConfigError when the folder holds parts of another configuration, files of those names
+///         that are of nobody known, or a study's run
 void check_imprint_folder(const std::filesystem::path& out, const std::string& marked_scene);
 
 /// Removes what processes that have ended left unfinished.

@@ -54,15 +54,14 @@ int most_defects(const SceneSettings& scene) {
   if (scene.imprint.count.max > 0.0) {
     return static_cast<int>(scene.imprint.count.max);
   }
-  double most = 0.0;
+  std::size_t most = 0;
   for (const auto& [name, group] : scene.defects) {
-    const std::size_t places = group.at_mm.empty() ? group.x_mm.size() : group.at_mm.size() / 3;
-    most += group.count.max > 0.0 ? group.count.max : static_cast<double>(places);
+    most += most_defects(group, scene.imprint);
   }
   return std::max(1, static_cast<int>(most));
 }
 
-/// A sum of numbers, or the number itself of a single row.
+/// Sums over the parts.
 Json totals_of(const Json& rows) {
   Json totals = {{"made", 0}, {"given_up", 0}, {"retries", 0}, {"jitters", 0}};
   double removed_mm3 = 0.0;
@@ -109,6 +108,7 @@ class ImprintRun {
                            : automatic_views(clean_->part.mesh);
       }
       files_.has_previews = options_.has_previews;
+      files_.scene = study_.root;
     } catch (const ConfigError& error) {
       throw ConfigError(with_place(study_.root, error.what()));
     }

@@ -2,7 +2,9 @@
 #include "defects/places/sample_region.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -64,11 +66,20 @@ std::vector<std::int32_t> facing_triangles(const Part& part, double facing_rad) 
   return triangles;
 }
 
+std::vector<std::array<std::uint8_t, 3>> painted_colours(const std::string& table,
+                                                         const std::filesystem::path& file) {
+  try {
+    return read_face_colours(file);
+  } catch (const ConfigError& error) {
+    throw ConfigError(fmt::format("{}.region_file: {}", table, error.what()));
+  }
+}
+
 void keep_painted(const std::string& table,
                   const DefectRegion& region,
                   std::size_t num_triangles,
                   std::vector<std::int32_t>& triangles) {
-  const auto colours = read_face_colours(region.file);
+  const auto colours = painted_colours(table, region.file);
   if (colours.size() != num_triangles) {
     throw ConfigError(
         fmt::format("{}.region_file: {} has {} triangles and the part has {}; allowed: the part's "

@@ -15,6 +15,37 @@ using Kind = PatchCoefficients::Kind;
 constexpr int kMaxSteps = 20;
 constexpr double kConverged_mm = 1e-12;
 
+/// Angle of the point (x, y), to 2e-16 of a turn: the library's function would not be vectorised,
+/// nor have the same bits everywhere. Rational approximation of the arc tangent on [-0.21, 0.66]
+/// from Cephes (S. Moshier, atan.c); every other angle is reduced to it.
+GLINT_INLINE double angle_of(double x, double y) {
+  constexpr double kHalfPi = 1.57079632679489661923;
+  const double across = std::fabs(x);
+  const double up = std::fabs(y);
+  const double low = up < across ? up : across;
+  const double high = up < across ? across : up;
+  const bool is_reduced = low > 0.66 * high;
+  const double t = (is_reduced ? low - high : low) / (is_reduced ? low + high : high);
+  const double z = t * t;
+  const double p = (((-8.750608600031904122785e-1 * z - 1.615753718733365076637e1) * z -
+                     7.500855792314704667340e1) *
+                        z -
+                    1.228866684490136173410e2) *
+                       z -
+                   6.485021904942025371773e1;
+  const double q = ((((z + 2.485846490142306297962e1) * z + 1.650270098316988542046e2) * z +
+                     4.328810604912902668951e2) *
+                        z +
+                    4.853903996359136964868e2) *
+                       z +
+                   1.945506571482613964425e2;
+  const double reduced = t + t * (z * p / q);
+  const double octant = is_reduced ? 0.5 * kHalfPi + reduced : reduced;
+  const double quadrant = up > across ? kHalfPi - octant : octant;
+  const double half = x < 0.0 ? 2.0 * kHalfPi - quadrant : quadrant;
+  return y < 0.0 ? -half : half;
+}
+
 /// Value and gradient of F in the patch frame; see exact_surface.cpp.
 template <Kind kKind>
 GLINT_INLINE double implicit(const PatchCoefficients& patch,
@@ -40,12 +71,27 @@ GLINT_INLINE double implicit(const PatchCoefficients& patch,
     gy = y / r;
     gz = z / r;
     return r - patch.radius_mm;
-  } else {
+  } else if constexpr (kKind == Kind::kCylinder) {
     const double r = std::sqrt(y * y + z * z);
     gx = 0.0;
     gy = patch.outwards * y / r;
     gz = patch.outwards * z / r;
     return patch.outwards * (r - patch.radius_mm);
+  } else {
+    // T - (atan T + hand phi): the angle of (y + i hand z) (1 + i T) is both at once.
+    const double base = patch.radius_mm;
+    const double r2 = y * y + z * z;
+    const double r = std::sqrt(r2);
+    const double above = r2 - base * base;
+    const double tangent = std::sqrt(above > 0.0 ? above : 0.0);
+    const double roll = tangent / base;
+    const double side = patch.hand * z;
+    const double ey = y / r;
+    const double ez = z / r;
+    gx = 0.0;
+    gy = tangent / r * ey + patch.hand * base / r * ez;
+    gz = tangent / r * ez - patch.hand * base / r * ey;
+    return base * (roll - angle_of(y - roll * side, side + roll * y));
   }
 }
 
@@ -59,25 +105,22 @@ struct alignas(64) Search {
   std::int64_t is_open[kExactLanes];  ///< 1 while neither converged nor given up
 };
 
-GLINT_INLINE void begin(const PatchCoefficients& patch,
-                        const double* origin_mm,
-                        const PolishLanes& lanes,
-                        Search& s) {
+GLINT_INLINE void begin(const PatchCoefficients& patch, const PolishLanes& lanes, Search& s) {
   const double* r = patch.rotation;
+  const double* __restrict origin_x = lanes.origin_x;
+  const double* __restrict origin_y = lanes.origin_y;
+  const double* __restrict origin_z = lanes.origin_z;
   const double* __restrict direction_x = lanes.direction_x;
   const double* __restrict direction_y = lanes.direction_y;
   const double* __restrict direction_z = lanes.direction_z;
   const double* __restrict t_mm = lanes.start_t_mm;
-  const double ox = origin_mm[0] - patch.translation[0];
-  const double oy = origin_mm[1] - patch.translation[1];
-  const double oz = origin_mm[2] - patch.translation[2];
   for (int i = 0; i < kExactLanes; ++i) {
     const double dx = direction_x[i];
     const double dy = direction_y[i];
     const double dz = direction_z[i];
-    const double px = ox + t_mm[i] * dx;
-    const double py = oy + t_mm[i] * dy;
-    const double pz = oz + t_mm[i] * dz;
+    const double px = origin_x[i] - patch.translation[0] + t_mm[i] * dx;
+    const double py = origin_y[i] - patch.translation[1] + t_mm[i] * dy;
+    const double pz = origin_z[i] - patch.translation[2] + t_mm[i] * dz;
     s.dx[i] = r[0] * dx + r[3] * dy + r[6] * dz;
     s.dy[i] = r[1] * dx + r[4] * dy + r[7] * dz;
     s.dz[i] = r[2] * dx + r[5] * dy + r[8] * dz;
@@ -137,11 +180,10 @@ GLINT_INLINE void copy(const double* from, double* to) {
 
 template <Kind kKind>
 GLINT_INLINE void polish(const PatchCoefficients& patch,
-                         const double* origin_mm,
                          double max_move_mm,
                          const PolishLanes& lanes) {
   Search s;
-  begin(patch, origin_mm, lanes, s);
+  begin(patch, lanes, s);
   for (int k = 0; k < kMaxSteps && step<kKind>(patch, max_move_mm, s); ++k) {
   }
   const double* r = patch.rotation;
@@ -177,20 +219,19 @@ GLINT_INLINE void polish(const PatchCoefficients& patch,
 }  // namespace
 
 GLINT_WIDE void polish16(const PatchCoefficients& patch,
-                         const double* origin_mm,
                          double max_move_mm,
                          const PolishLanes& lanes) {
   switch (patch.kind) {
-    case Kind::kNone:
-      return;
     case Kind::kPlane:
-      return polish<Kind::kPlane>(patch, origin_mm, max_move_mm, lanes);
+      return polish<Kind::kPlane>(patch, max_move_mm, lanes);
     case Kind::kParaboloid:
-      return polish<Kind::kParaboloid>(patch, origin_mm, max_move_mm, lanes);
+      return polish<Kind::kParaboloid>(patch, max_move_mm, lanes);
     case Kind::kSphere:
-      return polish<Kind::kSphere>(patch, origin_mm, max_move_mm, lanes);
+      return polish<Kind::kSphere>(patch, max_move_mm, lanes);
     case Kind::kCylinder:
-      return polish<Kind::kCylinder>(patch, origin_mm, max_move_mm, lanes);
+      return polish<Kind::kCylinder>(patch, max_move_mm, lanes);
+    case Kind::kInvolute:
+      return polish<Kind::kInvolute>(patch, max_move_mm, lanes);
   }
 }
 

@@ -12,19 +12,21 @@ inline constexpr int kExactLanes = 16;
 
 /// An exact surface and its place as plain numbers.
 struct PatchCoefficients {
-  enum class Kind { kNone, kPlane, kParaboloid, kSphere, kCylinder };
+  enum class Kind { kPlane, kParaboloid, kSphere, kCylinder, kInvolute };
 
-  Kind kind = Kind::kNone;      ///< kNone: a shape without a kernel, see polish()
+  Kind kind = Kind::kPlane;
   double rotation[9] = {};      ///< scene_from_patch, row by row
   double translation[3] = {};   ///< [mm]
   double curvature_along = 0;   ///< paraboloid [1/mm]
   double curvature_across = 0;  ///< paraboloid [1/mm]
-  double radius_mm = 0;         ///< sphere, cylinder
+  double radius_mm = 0;         ///< sphere, cylinder; base circle of an involute
   double outwards = 1;          ///< cylinder: -1 for a bore
+  double hand = 1;              ///< involute; the rotation holds its start
 };
 
-/// Sixteen rays from one origin that meet a surface: arrays of sixteen numbers that do not overlap.
+/// Sixteen rays that meet a surface: arrays of sixteen numbers that do not overlap.
 struct PolishLanes {
+  const double *origin_x = nullptr, *origin_y = nullptr, *origin_z = nullptr;           ///< [mm]
   const double *direction_x = nullptr, *direction_y = nullptr, *direction_z = nullptr;  ///< unit
   const double* start_t_mm = nullptr;
   double *point_x = nullptr, *point_y = nullptr, *point_z = nullptr;     ///< out
@@ -32,11 +34,8 @@ struct PolishLanes {
   double* is_found = nullptr;  ///< out: 1 or 0, as polish() gives a hit or none
 };
 
-/// polish() for all lanes of one patch, whose kind must not be kNone. Lanes may hold anything that
-/// is finite; what comes out of those without a ray means nothing.
-void polish16(const PatchCoefficients& patch,
-              const double* origin_mm,
-              double max_move_mm,
-              const PolishLanes& lanes);
+/// polish() for all lanes of one patch. Lanes may hold anything that is finite; what comes out of
+/// those without a ray means nothing.
+void polish16(const PatchCoefficients& patch, double max_move_mm, const PolishLanes& lanes);
 
 }  // namespace glint

@@ -93,9 +93,24 @@ void set_shape(const CylinderPatch& patch, PatchCoefficients& c) {
   c.outwards = patch.is_bore ? -1.0 : 1.0;
 }
 
-/// Its arc tangents are left to the scalar path.
-void set_shape(const InvolutePatch&, PatchCoefficients& c) {
-  c.kind = Kind::kNone;
+void set_shape(const InvolutePatch& patch, PatchCoefficients& c) {
+  c.kind = Kind::kInvolute;
+  c.radius_mm = patch.base_radius_mm;
+  c.hand = patch.hand;
+}
+
+/// The frame in which the kernel's shape has the numbers above: that of the patch, but for an
+/// involute turned so that it starts on the y axis.
+Eigen::Matrix3d kernel_rotation(const ExactPatch& patch) {
+  const auto* involute = std::get_if<InvolutePatch>(&patch.shape);
+  if (involute == nullptr) {
+    return patch.scene_from_patch.rotation;
+  }
+  const double c = std::cos(involute->start_rad);
+  const double s = std::sin(involute->start_rad);
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.bottomRightCorner<2, 2>() << c, -s, s, c;
+  return patch.scene_from_patch.rotation * turn;
 }
 
 }  // namespace
@@ -103,9 +118,10 @@ void set_shape(const InvolutePatch&, PatchCoefficients& c) {
 PatchCoefficients coefficients_of(const ExactPatch& patch) {
   PatchCoefficients c;
   std::visit([&](const auto& shape) { set_shape(shape, c); }, patch.shape);
+  const Eigen::Matrix3d rotation = kernel_rotation(patch);
   for (Eigen::Index row = 0; row < 3; ++row) {
     for (Eigen::Index column = 0; column < 3; ++column) {
-      c.rotation[3 * row + column] = patch.scene_from_patch.rotation(row, column);
+      c.rotation[3 * row + column] = rotation(row, column);
     }
     c.translation[row] = patch.scene_from_patch.translation_mm[row];
   }

@@ -77,7 +77,7 @@ std::optional<SurfaceHit> polish(const ExactPatch& patch,
                                  double start_t_mm,
                                  double max_move_mm);
 
-/// The patch for polish16(); kind is kNone for an involute.
+/// The patch for polish16().
 PatchCoefficients coefficients_of(const ExactPatch& patch);
 
 }  // namespace glint

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/units.h"
+#include "simulator/geometry/micro_relief.h"
 
 namespace glint {
 namespace {
@@ -24,6 +25,7 @@ struct LocalPoint {
   double u_mm = 0.0;
   double v_mm = 0.0;
   double w_mm = 0.0;
+  double along_mm = 0.0;  ///< u from the centre
 
   double distance_mm() const { return std::hypot(u_mm, v_mm); }
 };
@@ -34,7 +36,8 @@ LocalPoint to_local(const HeightFeature& feature, const Vector3d& p_mm) {
   const double beyond = std::max(0.0, std::abs(along) - feature.half_line_mm());
   return {.u_mm = std::copysign(beyond, along),
           .v_mm = d.dot(feature.v_axis),
-          .w_mm = d.dot(feature.normal)};
+          .w_mm = d.dot(feature.normal),
+          .along_mm = along};
 }
 
 void check_feature(const HeightFeature& feature) {
@@ -46,6 +49,38 @@ void check_feature(const HeightFeature& feature) {
   if (!is_valid) {
     throw ConfigError(fmt::format(
         "defect \"{}\": height and place must be numbers, sizes must be > 0", feature.label));
+  }
+  const auto is_between = [](double value, double low, double high) {
+    return value >= low && value <= high;
+  };
+  if (!is_between(feature.reflectance, 0.0, 1.0) ||
+      !is_between(feature.roughness_rad, 0.0, 0.5 * kPi)) {
+    throw ConfigError(fmt::format(
+        "defect \"{}\": reflectance must be 0 to 1, roughness 0 to 90 degrees", feature.label));
+  }
+}
+
+/// How much of a stain there is: 1 inside, 0 outside, a smooth edge between.
+double stain_share(double radii) {
+  constexpr double kRim = SurfaceDetail::kStainRim;
+  const double t = std::clamp((1.0 + kRim - radii) / (2.0 * kRim), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+void add_stain(const HeightFeature& feature,
+               const LocalPoint& local,
+               double radii,
+               SurfaceDetail::Relief relief,
+               SurfaceDetail::Sample& sample) {
+  const double share = stain_share(radii);
+  if (share == 0.0) {
+    return;
+  }
+  sample.reflectance *= 1.0 - share * (1.0 - feature.reflectance);
+  if (feature.roughness_rad > 0.0 && relief == SurfaceDetail::Relief::kWith) {
+    const Eigen::Vector2d slope = relief_slope(local.along_mm, local.v_mm, feature.id);
+    sample.gradient +=
+        share * feature.roughness_rad * (slope.x() * feature.u_axis + slope.y() * feature.v_axis);
   }
 }
 
@@ -139,7 +174,9 @@ int SurfaceDetail::cell_of(const Vector3d& p_mm) const {
   return (z * num_cells_[1] + y) * num_cells_[0] + x;
 }
 
-SurfaceDetail::Sample SurfaceDetail::sample(const Vector3d& p_mm, const Vector3d& normal) const {
+SurfaceDetail::Sample SurfaceDetail::sample(const Vector3d& p_mm,
+                                            const Vector3d& normal,
+                                            Relief relief) const {
   Sample sample;
   const int cell = cell_of(p_mm);
   if (cell < 0) {
@@ -162,6 +199,9 @@ SurfaceDetail::Sample SurfaceDetail::sample(const Vector3d& p_mm, const Vector3d
     sample.moved_height_mm += feature.moves_position ? height_mm : 0.0;
     sample.gradient -= height_mm / (sigma_mm * sigma_mm) *
                        (local.u_mm * feature.u_axis + local.v_mm * feature.v_axis);
+    if (feature.is_stain()) {
+      add_stain(feature, local, radii, relief, sample);
+    }
     if (sample.feature < 0 || radii < sample.normalised_distance) {
       sample.feature = feature.id;
       sample.normalised_distance = radii;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Height on the surface: dents, bumps and scratches too flat for the mesh. They tilt the normal,
-// and move the position where wanted. geometry owns the type, defects fill it, render reads it.
+// and move the position where wanted. Stains on the same coordinates reflect less and are rough.
+// geometry owns the type, defects fill it, render reads it.
 // Everything is in the scene frame, like Part::mesh.
 #pragma once
 
@@ -25,6 +26,9 @@ namespace glint {
 /// kScratch: the same with r = the distance to a line along u, so that it has a Gaussian
 /// cross-section of full width 4 sigma = width_mm and rounded ends; length_mm counts from end to
 /// end. A scratch shorter than wide is round.
+///
+/// A stain (height 0, or together with a height) covers one radius = 2 sigma, with an edge of
+/// kStainRim on both sides; see docs/theory/parts.md.
 struct HeightFeature {
   enum class Kind { kGaussian, kScratch };
 
@@ -40,6 +44,8 @@ struct HeightFeature {
   double length_mm = 0.0;       ///< scratch, > 0
   double width_mm = 0.0;        ///< scratch, > 0
   bool moves_position = false;  ///< also shifts the surface point, not only its normal
+  double reflectance = 1.0;     ///< stain: against the clean surface, 0 to 1
+  double roughness_rad = 0.0;   ///< stain: rms slope of its micro relief along any line, >= 0
 
   double cross_sigma_mm() const { return kind == Kind::kGaussian ? sigma_mm : width_mm / 4.0; }
 
@@ -47,6 +53,8 @@ struct HeightFeature {
   double half_line_mm() const;
   /// height / (sigma sqrt(e)), always >= 0.
   double max_slope_rad() const;
+
+  bool is_stain() const { return reflectance != 1.0 || roughness_rad > 0.0; }
 };
 
 /// The height features of a part, found by place through a uniform grid.
@@ -55,7 +63,9 @@ class SurfaceDetail {
   struct Sample {
     double height_mm = 0.0;        ///< sum over all features
     double moved_height_mm = 0.0;  ///< sum over those that move the position
-    /// of height_mm; tangential to the feature's plane, hence nearly to the surface
+    double reflectance = 1.0;      ///< product over all stains
+    /// of height_mm and of micro relief; tangential to the feature's plane, hence nearly to the
+    /// surface
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     int feature = -1;  ///< id of the nearest feature (in radii) that reaches here, -1: none
     double normalised_distance = 0.0;  ///< to it, in feature radii (2 sigma): <= 1 is inside
@@ -63,6 +73,12 @@ class SurfaceDetail {
 
   /// A feature counts up to this many radii (2.5 radii = 5 sigma, 4e-6 of its height).
   static constexpr double kReachRadii = 2.5;
+  /// A stain is whole up to 1 - kStainRim radii and ends at 1 + kStainRim.
+  static constexpr double kStainRim = 0.1;
+
+  /// Whether the micro relief of stains counts. Derivatives leave it out: over a step of theirs it
+  /// says nothing about the mean over a pixel.
+  enum class Relief { kWith, kWithout };
 
   SurfaceDetail() = default;
   /// @throws ConfigError naming the feature's label: size not positive or not finite.
@@ -74,7 +90,9 @@ class SurfaceDetail {
 
   /// Heights at a point of the smooth surface; a feature acts only where the surface's normal
   /// points to its own side, so that a dent does not come out at the back of a sheet.
-  Sample sample(const Eigen::Vector3d& p_mm, const Eigen::Vector3d& normal) const;
+  Sample sample(const Eigen::Vector3d& p_mm,
+                const Eigen::Vector3d& normal,
+                Relief relief = Relief::kWith) const;
 
  private:
   void build_grid();

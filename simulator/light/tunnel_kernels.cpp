@@ -14,10 +14,6 @@ namespace {
 
 /// Hits nearer than this belong to the surface the ray leaves.
 constexpr float kMinT_mm = 1e-3F;
-constexpr int kMaxSegments = 32;
-/// Neighbouring rays mostly meet one segment: the others are skipped a chunk at a time.
-constexpr int kChunk = 128;
-constexpr float kThird = 1.0F / 3.0F;
 
 /// 2-logarithm of x > 0 to 2e-7, by the exponent and a series in (m - 1) / (m + 1).
 __attribute__((always_inline)) inline float log2_fast(float x) {
@@ -276,104 +272,6 @@ void hit_superellipse(const RayBlock& rays,
     superellipse_step(rays, base_mm, per_width, per_height, exponent, t_mm);
   }
   superellipse_check(rays, is_whole ? base_mm - 2.0F * height_mm : base_mm, t_mm);
-}
-
-GLINT_WIDE static void hit_spline_chunk(const RayBlock& rays,
-                                        const float* coefficients,
-                                        int num_segments,
-                                        float* __restrict t_mm) {
-  const float* __restrict oy = rays.origin_y;
-  const float* __restrict oz = rays.origin_z;
-  const float* __restrict dy = rays.direction_y;
-  const float* __restrict dz = rays.direction_z;
-  const int count = rays.count;
-  for (int i = 0; i < count; ++i) {
-    t_mm[i] = kNoHit_mm;
-  }
-  for (int s = 0; s < num_segments; ++s) {
-    const float* c = coefficients + 8 * s;
-    const float y0 = c[0], y1 = c[1], y2 = c[2], y3 = c[3];
-    const float z0 = c[4], z1 = c[5], z2 = c[6], z3 = c[7];
-    const float end_y = y0 + y1 + y2 + y3;
-    const float end_z = z0 + z1 + z2 + z3;
-    int crossings = 0;
-    for (int i = 0; i < count; ++i) {
-      const bool starts_left = dz[i] * (y0 - oy[i]) - dy[i] * (z0 - oz[i]) <= 0.0F;
-      const bool ends_left = dz[i] * (end_y - oy[i]) - dy[i] * (end_z - oz[i]) <= 0.0F;
-      crossings += starts_left != ends_left ? 1 : 0;
-    }
-    if (crossings == 0) {
-      continue;
-    }
-    // The segment lies within the hull of its Bezier points: behind a ray where all of them are.
-    const float b1_y = y0 + y1 * kThird, b2_y = b1_y + (y1 + y2) * kThird;
-    const float b1_z = z0 + z1 * kThird, b2_z = b1_z + (z1 + z2) * kThird;
-    int ahead = 0;
-    for (int i = 0; i < count; ++i) {
-      const float from = oy[i] * dy[i] + oz[i] * dz[i];
-      const bool is_ahead =
-          (y0 * dy[i] + z0 * dz[i] > from) | (b1_y * dy[i] + b1_z * dz[i] > from) |
-          (b2_y * dy[i] + b2_z * dz[i] > from) | (end_y * dy[i] + end_z * dz[i] > from);
-      ahead += is_ahead ? 1 : 0;
-    }
-    if (ahead == 0) {
-      continue;
-    }
-    for (int i = 0; i < count; ++i) {
-      // f(u) = side of the curve point relative to the ray's line; a root is a crossing.
-      const float ny = dz[i];
-      const float nz = -dy[i];
-      const float f0 = ny * (y0 - oy[i]) + nz * (z0 - oz[i]);
-      const float f1 = ny * y1 + nz * z1;
-      const float f2 = ny * y2 + nz * z2;
-      const float f3 = ny * y3 + nz * z3;
-      const float f_end = ny * (end_y - oy[i]) + nz * (end_z - oz[i]);
-      const bool crosses = (f0 <= 0.0F) != (f_end <= 0.0F);
-      float low = 0.0F;
-      float high = 1.0F;
-      float u = crosses ? f0 / (f0 - f_end) : 0.5F;
-      for (int step = 0; step < 5; ++step) {
-        const float f = f0 + u * (f1 + u * (f2 + u * f3));
-        const float slope = f1 + u * (2.0F * f2 + u * 3.0F * f3);
-        const bool is_left = (f <= 0.0F) == (f0 <= 0.0F);
-        low = is_left ? u : low;
-        high = is_left ? high : u;
-        const float newton = u - f / slope;
-        const bool is_inside = (newton >= low) & (newton <= high);
-        u = is_inside ? newton : 0.5F * (low + high);
-      }
-      const float y = y0 + u * (y1 + u * (y2 + u * y3)) - oy[i];
-      const float z = z0 + u * (z1 + u * (z2 + u * z3)) - oz[i];
-      const float t = (y * dy[i] + z * dz[i]) / (dy[i] * dy[i] + dz[i] * dz[i]);
-      const bool is_hit = crosses & (t > kMinT_mm) & (t < t_mm[i]);
-      t_mm[i] = is_hit ? t : t_mm[i];
-    }
-  }
-}
-
-void hit_spline(const RayBlock& rays,
-                const SplineSegment* segments,
-                int num_segments,
-                float* t_mm) {
-  float coefficients[8 * kMaxSegments];
-  const int used = num_segments < kMaxSegments ? num_segments : kMaxSegments;
-  for (int s = 0; s < used; ++s) {
-    for (int k = 0; k < 4; ++k) {
-      coefficients[8 * s + k] = static_cast<float>(segments[s].y[k]);
-      coefficients[8 * s + 4 + k] = static_cast<float>(segments[s].z[k]);
-    }
-  }
-  for (int begin = 0; begin < rays.count; begin += kChunk) {
-    const int count = rays.count - begin < kChunk ? rays.count - begin : kChunk;
-    const RayBlock chunk = {.origin_x = rays.origin_x + begin,
-                            .origin_y = rays.origin_y + begin,
-                            .origin_z = rays.origin_z + begin,
-                            .direction_x = rays.direction_x + begin,
-                            .direction_y = rays.direction_y + begin,
-                            .direction_z = rays.direction_z + begin,
-                            .count = count};
-    hit_spline_chunk(chunk, coefficients, used, t_mm + begin);
-  }
 }
 
 GLINT_WIDE void finish_hits(const RayBlock& rays,

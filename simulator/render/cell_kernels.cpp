@@ -61,19 +61,29 @@ GLINT_INLINE float largest(const float (*bends)[kChunk], int i) {
   return larger(larger(bends[0][i], bends[1][i]), larger(bends[2][i], bends[3][i]));
 }
 
-/// 1 where all twelve rays took the wanted path on one piece.
+/// 1 where all twelve rays took the wanted path and no two of them met different patches; free
+/// triangles are -1, so that the largest piece is the patch if there is one.
 GLINT_INLINE void mark_alike(
     const CornerLine* lines, std::uint8_t wanted, int first, int count, std::int32_t* alike) {
   for (int i = 0; i < count; ++i) {
     const int x = first + i;
-    const std::int32_t piece = lines[1].piece[x];
+    std::int32_t patch = -1;
     std::int32_t differs = 0;
     for (int k = 0; k < 4; ++k) {
       const int from = k == 0 || k == 3 ? 0 : -1;
       const int to = k == 0 || k == 3 ? 1 : 2;
       for (int j = from; j <= to; ++j) {
-        differs |= lines[k].piece[x + j] ^ piece;
+        const std::int32_t piece = lines[k].piece[x + j];
+        patch = piece > patch ? piece : patch;
         differs |= lines[k].path[x + j] ^ wanted;
+      }
+    }
+    for (int k = 0; k < 4; ++k) {
+      const int from = k == 0 || k == 3 ? 0 : -1;
+      const int to = k == 0 || k == 3 ? 1 : 2;
+      for (int j = from; j <= to; ++j) {
+        const std::int32_t piece = lines[k].piece[x + j];
+        differs |= (piece ^ patch) & ~(piece >> 31);
       }
     }
     alike[i] = differs == 0 ? 1 : 0;
@@ -105,9 +115,11 @@ GLINT_WIDE void mark_smooth_cells(const CornerLine* lines,
       add_component(direction, first, count, directions);
       add_component(origin, first, count, origins);
     }
-    const std::int32_t* piece = lines[1].piece + first;
+    const std::int32_t* above = lines[1].piece + first;
+    const std::int32_t* below = lines[2].piece + first;
     for (int i = 0; i < count; ++i) {
-      const float per_bend = piece[i] < 0 ? limits.error_per_kink : limits.error_per_bend;
+      const std::int32_t is_free = (above[i] | above[i + 1] | below[i] | below[i + 1]) >> 31;
+      const float per_bend = is_free != 0 ? limits.error_per_kink : limits.error_per_bend;
       const float error = per_bend * (std::sqrt(largest(directions.bend_x, i)) +
                                       std::sqrt(largest(directions.bend_y, i))) +
                           limits.error_per_bend * std::sqrt(directions.twist[i]);

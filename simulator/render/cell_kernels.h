@@ -23,7 +23,7 @@ struct CellLimits {
 };
 
 /// Marks cells 1 ... num_cells - 2 between lines[1] and lines[2] that are surely smooth: in float,
-/// by the rule of check_cell() with all twelve neighbours of one piece and a margin for rounding.
+/// by the rule of check_cell() with all twelve neighbours alike and a margin for rounding.
 /// Lines hold num_cells + 1 rays. Other cells are marked 0: they need the exact rule.
 void mark_smooth_cells(const CornerLine* lines,
                        int num_cells,

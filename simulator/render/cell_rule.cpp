@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <limits>
 
 #include "simulator/render/cell_kernels.h"
@@ -30,6 +31,8 @@ struct Bend {
   double direction = 0.0;
   double origin_mm = 0.0;
   int sides = 0;  ///< with a neighbour
+  /// A cell on one patch has nothing to do with the free triangles beside it.
+  bool takes_free = false;
 };
 
 class Cell {
@@ -42,12 +45,12 @@ class Cell {
     const std::size_t i10 = index(x_ + 1, y_);
     const std::size_t i01 = index(x_, y_ + 1);
     const std::size_t i11 = index(x_ + 1, y_ + 1);
-    if (grid_.path[i00] != RayPath::kOnce || !is_like(i10, i00) || !is_like(i01, i00) ||
-        !is_like(i11, i00)) {
+    if (!are_alike<4>({i00, i10, i01, i11})) {
       return result;
     }
-    Bend along_x;
-    Bend along_y;
+    const bool has_kinks = is_free(i00) || is_free(i10) || is_free(i01) || is_free(i11);
+    Bend along_x = {.takes_free = has_kinks};
+    Bend along_y = {.takes_free = has_kinks};
     for (int k = 0; k < 2; ++k) {
       add_bend(x_, y_ + k, 1, 0, along_x);
       add_bend(x_ + k, y_, 0, 1, along_y);
@@ -63,7 +66,7 @@ class Cell {
     const double twist = (direction_at(grid_, i11) - direction_at(grid_, i10) -
                           direction_at(grid_, i01) + direction_at(grid_, i00))
                              .norm();
-    const double per_bend = grid_.piece[i00] < 0 ? kErrorPerKink : kErrorPerBend;
+    const double per_bend = has_kinks ? kErrorPerKink * grid_.kink_factor : kErrorPerBend;
     result.error_rad = per_bend * (along_x.direction + along_y.direction) + kErrorPerBend * twist;
     return result;
   }
@@ -73,8 +76,22 @@ class Cell {
     return grid_.first + static_cast<std::size_t>(y * grid_.columns + x);
   }
 
-  bool is_like(std::size_t i, std::size_t other) const {
-    return grid_.path[i] == RayPath::kOnce && grid_.piece[i] == grid_.piece[other];
+  /// True for a triangle that belongs to no exact patch.
+  bool is_free(std::size_t i) const { return grid_.piece[i] < 0; }
+
+  /// All met the part once, and no two of them different patches. Whether a free triangle goes on
+  /// smoothly beside a patch, or beside another one, is told by the differences.
+  template <std::size_t kCount>
+  bool are_alike(const std::array<std::size_t, kCount>& rays) const {
+    std::int32_t patch = -1;
+    for (const std::size_t i : rays) {
+      if (grid_.path[i] != RayPath::kOnce ||
+          (patch >= 0 && !is_free(i) && grid_.piece[i] != patch)) {
+        return false;
+      }
+      patch = std::max(patch, grid_.piece[i]);
+    }
+    return true;
   }
 
   double distance_mm(std::size_t i, std::size_t j) const {
@@ -99,7 +116,7 @@ class Cell {
     const std::size_t i = index(a.x, a.y);
     const std::size_t j = index(b.x, b.y);
     const std::size_t k = index(c.x, c.y);
-    if (!is_like(i, j) || !is_like(k, j)) {
+    if (!are_alike<3>({i, j, k}) || (!bend.takes_free && (is_free(i) || is_free(k)))) {
       return;
     }
     ++bend.sides;
@@ -147,7 +164,7 @@ void mark_smooth_row(const RayGrid& grid, int y, double max_error_rad, std::uint
                      .max_error_rad = static_cast<float>(max_error_rad),
                      .max_jump_share = static_cast<float>(kJumpShare),
                      .error_per_bend = static_cast<float>(kErrorPerBend),
-                     .error_per_kink = static_cast<float>(kErrorPerKink)},
+                     .error_per_kink = static_cast<float>(kErrorPerKink * grid.kink_factor)},
                     is_smooth);
 }
 

@@ -18,11 +18,12 @@ struct RayGrid {
   std::size_t first = 0;  ///< of the grid, in all arrays
   int columns = 0;
   int rows = 0;
+  double kink_factor = 1.0;  ///< by which errors at free triangles count more
 };
 
 /// One cell of a grid.
 struct CellCheck {
-  /// All four corners met the part once, on one piece, without a jump between them.
+  /// All four corners met the part once, not on different patches, without a jump between them.
   bool is_whole = false;
   /// Estimated error [rad] of rays taken as bilinear between the corners; infinite when there are
   /// no neighbours to tell.
@@ -34,7 +35,8 @@ struct CellCheck {
 /// A linear rule over a cell of width 1 errs by f'' / 8; f'' is taken from the second differences
 /// with the neighbours on both sides (the larger counts), the mixed derivative from the twist of
 /// the cell. Across the edge of two triangles a direction has a kink; there the error is up to a
-/// half of the second difference.
+/// half of the second difference. So it is where one of the corners is on a triangle without a
+/// patch: such triangles may go on beside a patch smoothly or not.
 CellCheck check_cell(const RayGrid& grid, int x, int y);
 
 /// Marks the cells of row y that are surely smooth (whole, and with an error of at most

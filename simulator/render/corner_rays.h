@@ -20,7 +20,7 @@ namespace glint {
 /// What a pixel's corner rays tell.
 enum class PixelKind : std::uint8_t {
   kDark,    ///< no ray meets the part
-  kSmooth,  ///< described by its four corners: all met the part, once, on one smooth piece
+  kSmooth,  ///< described by its four corners: all met the part, once, with no edge between
   kRefined  ///< its cells are in one of the groups
 };
 

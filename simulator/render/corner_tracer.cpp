@@ -13,6 +13,10 @@ using Eigen::Vector3d;
 /// For pixels that hold a silhouette or several kinds of paths: no number makes them smooth.
 constexpr int kCellsOfBroken = 8;
 
+/// Free triangles of a part with exact surfaces are its defects, often flat ones: their pixels are
+/// to be so much more exact.
+constexpr double kKinkFactorOfDefects = 4.0;
+
 void resize(Classified& rays, std::size_t count) {
   resize_rays(rays.rays, count);
   rays.path.resize(count);
@@ -64,8 +68,9 @@ int predicted_cells(const CellCheck& check, double max_error_rad) {
   return kCellsOfBroken;  // a neighbour's jump rather than curvature
 }
 
-/// True when all rays of a cut pixel agree with its four corners.
-bool is_described_by_corners(const RayGrid& grid, double max_error_rad) {
+/// True when all rays of a cut pixel agree with its four corners and none is weakened by a stain:
+/// closed forms take uncut pixels for clean.
+bool is_described_by_corners(const RayGrid& grid, double max_error_rad, float clean_weight) {
   const int n = grid.columns - 1;
   const auto direction = [&](int x, int y) {
     const std::size_t i = grid.first + static_cast<std::size_t>(y * grid.columns + x);
@@ -78,7 +83,9 @@ bool is_described_by_corners(const RayGrid& grid, double max_error_rad) {
       const double v = static_cast<double>(y) / n;
       const Vector3d bilinear = (1 - v) * ((1 - u) * direction(0, 0) + u * direction(n, 0)) +
                                 v * ((1 - u) * direction(0, n) + u * direction(n, n));
-      if ((bilinear - direction(x, y)).norm() > max_error_rad) {
+      const std::size_t i = grid.first + static_cast<std::size_t>(y * grid.columns + x);
+      if (grid.rays->weight[i] != clean_weight ||
+          (bilinear - direction(x, y)).norm() > max_error_rad) {
         return false;
       }
     }
@@ -107,7 +114,13 @@ CornerTracer::CornerTracer(const TraceScene& scene,
                            const RetracePlan& plan,
                            const CornerRays* base,
                            CornerRays& result)
-    : scene_(scene), camera_(camera), need_(need), plan_(plan), base_(base), result_(result) {
+    : kink_factor_(scene.part.patches.empty() ? 1.0 : kKinkFactorOfDefects),
+      scene_(scene),
+      camera_(camera),
+      need_(need),
+      plan_(plan),
+      base_(base),
+      result_(result) {
   resize(corners_,
          (static_cast<std::size_t>(result.width_px) + 1) *
              (static_cast<std::size_t>(result.height_px) + 1));
@@ -265,12 +278,13 @@ RayGrid CornerTracer::corner_grid() const {
           .piece = corners_.piece.data(),
           .first = 0,
           .columns = result_.width_px + 1,
-          .rows = result_.height_px + 1};
+          .rows = result_.height_px + 1,
+          .kink_factor = kink_factor_};
 }
 
 /// Decides from the four corners; pixels to be cut go to `open`.
 void CornerTracer::classify(int x, int y, std::vector<Candidate>& open) {
-  const double max_error_rad = scene_.settings.max_direction_error_rad;
+  const double max_error_rad = need_.max_error_rad(x, y, scene_.settings.max_direction_error_rad);
   const RayGrid grid = corner_grid();
   const auto columns = static_cast<std::size_t>(grid.columns);
   const std::size_t i = static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x);
@@ -347,7 +361,7 @@ void CornerTracer::refine_batch(const std::vector<Candidate>& pixels,
                                 CornerRow& row,
                                 std::vector<Candidate>& more) {
   const int n = pixels.front().cells;
-  const double max_error_rad = scene_.settings.max_direction_error_rad;
+  const auto clean_weight = static_cast<float>(scene_.settings.reflectance);
   Batch batch;
   trace_batch(pixels, y, batch);
   row.traced += static_cast<std::int64_t>(batch.path.size());
@@ -358,12 +372,16 @@ void CornerTracer::refine_batch(const std::vector<Candidate>& pixels,
                           .piece = batch.piece.data(),
                           .first = first,
                           .columns = n + 1,
-                          .rows = n + 1};
+                          .rows = n + 1,
+                          .kink_factor = kink_factor_};
+    const double max_error_rad =
+        need_.max_error_rad(pixels[p].x, y, scene_.settings.max_direction_error_rad);
     const Cells cells = check_cells(grid, max_error_rad);
     const bool is_smooth = !cells.has_broken && !cells.has_bent;
     if (const int next = next_cells(cells, n); next > 0) {
       more.push_back({.x = pixels[p].x, .cells = next});
-    } else if (pixels[p].is_examined && is_smooth && is_described_by_corners(grid, max_error_rad)) {
+    } else if (pixels[p].is_examined && is_smooth &&
+               is_described_by_corners(grid, max_error_rad, clean_weight)) {
       set_smooth(pixels[p].x, y);
     } else {
       keep(batch, first, pixels[p], y, cells, row);

@@ -77,6 +77,7 @@ class CornerTracer {
             CornerRow& row);
   bool set_coverage(const Batch& batch, std::size_t first, int n, int x, int y);
 
+  double kink_factor_ = 1.0;
   const TraceScene& scene_;
   const CameraRays& camera_;
   const RefinementNeed& need_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace glint {
 namespace {
@@ -14,6 +15,13 @@ constexpr int kMinCells = 2;
 constexpr int kMaxCells = 16;
 /// Corners of cells stand no further apart than this many sigma: none of them can miss a feature.
 constexpr double kSigmasPerCell = 1.5;
+/// The edge of a stain is as wide as this many sigma (2 sigma = 1 radius); two cells see its
+/// course.
+constexpr double kSigmasPerRim = 4.0 * SurfaceDetail::kStainRim;
+constexpr double kCellsPerRim = 2.0;
+/// Interpolated directions may err by this share of what a feature's steepest slope turns them by.
+constexpr double kShareOfSlope = 0.01;
+constexpr double kLeastError_rad = 1e-5;
 /// The outline of a projected box bulges under distortion; this and a pixel more are allowed for.
 constexpr double kBulge = 0.05;
 
@@ -26,9 +34,11 @@ PixelBox whole(const PinholeIntrinsics& in) {
   return {.min_x = 0, .min_y = 0, .max_x = in.width_px - 1, .max_y = in.height_px - 1};
 }
 
-/// The eight corners of the region in which SurfaceDetail::sample() looks at a feature.
+/// The eight corners of the region in which SurfaceDetail::sample() makes something of a feature.
 std::array<Vector3d, 8> reach_corners(const HeightFeature& feature) {
-  const double reach_mm = SurfaceDetail::kReachRadii * 2.0 * feature.cross_sigma_mm();
+  const double radii =
+      feature.height_mm != 0.0 ? SurfaceDetail::kReachRadii : 1.0 + SurfaceDetail::kStainRim;
+  const double reach_mm = radii * 2.0 * feature.cross_sigma_mm();
   const double along_mm = feature.half_line_mm() + reach_mm;
   std::array<Vector3d, 8> corners;
   for (std::size_t i = 0; i < 8; ++i) {
@@ -63,11 +73,24 @@ PixelBox reach_on_image(const PinholeCamera& camera,
           .max_y = std::min(in.height_px - 1, clamped(max_px.y() + margin_px.y(), in.height_px))};
 }
 
-/// The smallest number of cells whose corners see a feature of this size.
-int cells_for(double sigma_px) {
+/// The smallest number of cells that are no wider than a length on the image.
+int cells_for(double length_px) {
   int cells = kMinCells;
-  while (cells < kMaxCells && cells * kSigmasPerCell * sigma_px < 1.0) {
+  while (cells < kMaxCells && cells * length_px < 1.0) {
     cells *= 2;
+  }
+  return cells;
+}
+
+/// Cells for what a feature is: its slopes, its edge, its micro relief, of which as many places as
+/// can be are wanted.
+int cells_for(const HeightFeature& feature, double sigma_px) {
+  if (feature.roughness_rad > 0.0) {
+    return kMaxCells;
+  }
+  int cells = feature.height_mm != 0.0 ? cells_for(kSigmasPerCell * sigma_px) : 0;
+  if (feature.reflectance != 1.0) {
+    cells = std::max(cells, cells_for(kSigmasPerRim / kCellsPerRim * sigma_px));
   }
   return cells;
 }
@@ -102,6 +125,7 @@ RefinementNeed::RefinementNeed(const PinholeCamera& camera,
     return;
   }
   cells_ = Image<std::uint8_t>(in.width_px, in.height_px);
+  max_error_ = ImageF(in.width_px, in.height_px, std::numeric_limits<float>::max());
   for (const HeightFeature& feature : detail.features()) {
     add_feature(camera, camera_from_world, feature);
   }
@@ -111,11 +135,17 @@ void RefinementNeed::add_feature(const PinholeCamera& camera,
                                  const RigidTransform& camera_from_world,
                                  const HeightFeature& feature) {
   const PixelBox box = reach_on_image(camera, camera_from_world, feature);
-  const auto cells =
-      static_cast<std::uint8_t>(cells_for(sigma_on_image(camera, camera_from_world, feature)));
+  const auto cells = static_cast<std::uint8_t>(
+      cells_for(feature, sigma_on_image(camera, camera_from_world, feature)));
+  const double turn_rad = 2.0 * feature.max_slope_rad();
+  const auto error_rad =
+      feature.height_mm != 0.0
+          ? static_cast<float>(std::max(kLeastError_rad, kShareOfSlope * turn_rad))
+          : std::numeric_limits<float>::max();
   for (int y = box.min_y; y <= box.max_y; ++y) {
     for (int x = box.min_x; x <= box.max_x; ++x) {
       cells_(x, y) = std::max(cells_(x, y), cells);
+      max_error_(x, y) = std::min(max_error_(x, y), error_rad);
     }
   }
 }

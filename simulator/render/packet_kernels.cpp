@@ -4,6 +4,7 @@
 #include <cmath>
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#define GLINT_INLINE __attribute__((always_inline)) inline
 
 namespace glint {
 
@@ -29,19 +30,65 @@ GLINT_WIDE void camera_directions16(const PinholeNumbers& camera,
   }
 }
 
-GLINT_WIDE void meet_planes16(const double* origin_mm, MeetingLanes& lanes) {
-  const double ox = origin_mm[0];
-  const double oy = origin_mm[1];
-  const double oz = origin_mm[2];
+GLINT_WIDE void meet_planes16(MeetingLanes& lanes) {
   MeetingLanes* __restrict l = &lanes;
   for (int i = 0; i < kLanes; ++i) {
     const double slope = l->face_x[i] * l->direction_x[i] +
                          (l->face_y[i] * l->direction_y[i] + l->face_z[i] * l->direction_z[i]);
     const double height =
-        l->offset_mm[i] - (l->face_x[i] * ox + (l->face_y[i] * oy + l->face_z[i] * oz));
+        l->offset_mm[i] - (l->face_x[i] * l->origin_x[i] +
+                           (l->face_y[i] * l->origin_y[i] + l->face_z[i] * l->origin_z[i]));
     l->slope[i] = slope;
     l->t_mm[i] = height / slope;
   }
+}
+
+namespace {
+
+/// In a loop of its own: beside the arithmetic the compiler would branch and not vectorise.
+GLINT_INLINE void set_wanted(const double* __restrict is_wanted,
+                             const double* __restrict from,
+                             double* __restrict to) {
+  for (int i = 0; i < kLanes; ++i) {
+    const double before = to[i];
+    to[i] = is_wanted[i] != 0.0 ? from[i] : before;
+  }
+}
+
+struct alignas(64) ShadedLanes {
+  double px[kLanes], py[kLanes], pz[kLanes];
+  double nx[kLanes], ny[kLanes], nz[kLanes];
+};
+
+}  // namespace
+
+GLINT_WIDE void shade16(const ShadeLanes& shade, MeetingLanes& lanes) {
+  const ShadeLanes* __restrict s = &shade;
+  MeetingLanes* __restrict l = &lanes;
+  ShadedLanes at;
+  for (int i = 0; i < kLanes; ++i) {
+    const double u = s->u[i];
+    const double v = s->v[i];
+    const double w = 1.0 - u - v;
+    const double nx = w * s->normal_x[0][i] + u * s->normal_x[1][i] + v * s->normal_x[2][i];
+    const double ny = w * s->normal_y[0][i] + u * s->normal_y[1][i] + v * s->normal_y[2][i];
+    const double nz = w * s->normal_z[0][i] + u * s->normal_z[1][i] + v * s->normal_z[2][i];
+    const double length = std::sqrt(nx * nx + (ny * ny + nz * nz));
+    const bool has_length = length > 0.0;
+    const double scale = 1.0 / (has_length ? length : 1.0);
+    at.nx[i] = has_length ? nx * scale : l->face_x[i];
+    at.ny[i] = has_length ? ny * scale : l->face_y[i];
+    at.nz[i] = has_length ? nz * scale : l->face_z[i];
+    at.px[i] = l->origin_x[i] + l->t_mm[i] * l->direction_x[i];
+    at.py[i] = l->origin_y[i] + l->t_mm[i] * l->direction_y[i];
+    at.pz[i] = l->origin_z[i] + l->t_mm[i] * l->direction_z[i];
+  }
+  set_wanted(s->is_wanted, at.px, l->point_x);
+  set_wanted(s->is_wanted, at.py, l->point_y);
+  set_wanted(s->is_wanted, at.pz, l->point_z);
+  set_wanted(s->is_wanted, at.nx, l->normal_x);
+  set_wanted(s->is_wanted, at.ny, l->normal_y);
+  set_wanted(s->is_wanted, at.nz, l->normal_z);
 }
 
 GLINT_WIDE void orient16(MeetingLanes& lanes) {
@@ -67,10 +114,7 @@ GLINT_WIDE void orient16(MeetingLanes& lanes) {
   }
 }
 
-GLINT_WIDE void reflect16(const double* origin_mm, double lift_mm, MeetingLanes& lanes) {
-  const double ox = origin_mm[0];
-  const double oy = origin_mm[1];
-  const double oz = origin_mm[2];
+GLINT_WIDE void reflect16(double lift_mm, MeetingLanes& lanes) {
   MeetingLanes* __restrict l = &lanes;
   for (int i = 0; i < kLanes; ++i) {
     const double dx = l->direction_x[i];
@@ -89,29 +133,63 @@ GLINT_WIDE void reflect16(const double* origin_mm, double lift_mm, MeetingLanes&
     l->leaving_y[i] = ry * scale;
     l->leaving_z[i] = rz * scale;
     l->rise[i] = rx * l->face_x[i] + (ry * l->face_y[i] + rz * l->face_z[i]);
-    l->start_x[i] = ox + l->t_mm[i] * dx + lift_mm * l->face_x[i];
-    l->start_y[i] = oy + l->t_mm[i] * dy + lift_mm * l->face_y[i];
-    l->start_z[i] = oz + l->t_mm[i] * dz + lift_mm * l->face_z[i];
+    l->start_x[i] = l->origin_x[i] + l->t_mm[i] * dx + lift_mm * l->face_x[i];
+    l->start_y[i] = l->origin_y[i] + l->t_mm[i] * dy + lift_mm * l->face_y[i];
+    l->start_z[i] = l->origin_z[i] + l->t_mm[i] * dz + lift_mm * l->face_z[i];
   }
 }
 
-GLINT_WIDE void add_seen(const double* __restrict x_mm,
-                         const double* __restrict y_mm,
-                         const double* __restrict z_mm,
-                         const double* __restrict is_seen,
+GLINT_WIDE void follow16(const MeetingLanes& from, MeetingLanes& to) {
+  const MeetingLanes* __restrict f = &from;
+  MeetingLanes* __restrict t = &to;
+  for (int i = 0; i < kLanes; ++i) {
+    t->origin_x[i] = f->start_x[i];
+    t->origin_y[i] = f->start_y[i];
+    t->origin_z[i] = f->start_z[i];
+    t->direction_x[i] = f->leaving_x[i];
+    t->direction_y[i] = f->leaving_y[i];
+    t->direction_z[i] = f->leaving_z[i];
+  }
+}
+
+namespace {
+
+GLINT_INLINE void add_products(const double* __restrict a,
+                               const double* __restrict b,
+                               int count,
+                               double* __restrict sum) {
+  for (int i = 0; i < count; ++i) {
+    sum[i] += a[i] * b[i];
+  }
+}
+
+GLINT_INLINE void add(const double* __restrict a, int count, double* __restrict sum) {
+  for (int i = 0; i < count; ++i) {
+    sum[i] += a[i];
+  }
+}
+
+}  // namespace
+
+/// Products instead of choices: the compiler would branch around the loads and not vectorise.
+GLINT_WIDE void add_seen(const double* x_mm,
+                         const double* y_mm,
+                         const double* z_mm,
+                         const double* is_seen,
                          int count,
                          const SeenSums& sums) {
-  double* __restrict hits = sums.hits;
-  double* __restrict sum_x = sums.x_mm;
-  double* __restrict sum_y = sums.y_mm;
-  double* __restrict sum_z = sums.z_mm;
-  for (int i = 0; i < count; ++i) {
-    const bool is_hit = is_seen[i] != 0.0;
-    hits[i] += is_seen[i];
-    sum_x[i] += is_hit ? x_mm[i] : 0.0;
-    sum_y[i] += is_hit ? y_mm[i] : 0.0;
-    sum_z[i] += is_hit ? z_mm[i] : 0.0;
+  const SeenSums to = sums;
+  if (count == kLanes) {
+    add_products(is_seen, x_mm, kLanes, to.x_mm);
+    add_products(is_seen, y_mm, kLanes, to.y_mm);
+    add_products(is_seen, z_mm, kLanes, to.z_mm);
+    add(is_seen, kLanes, to.hits);
+    return;
   }
+  add_products(is_seen, x_mm, count, to.x_mm);
+  add_products(is_seen, y_mm, count, to.y_mm);
+  add_products(is_seen, z_mm, count, to.z_mm);
+  add(is_seen, count, to.hits);
 }
 
 GLINT_WIDE void mean_seen(const SeenSums& sums,
@@ -133,6 +211,39 @@ GLINT_WIDE void mean_seen(const SeenSums& sums,
     y_mm[i] = static_cast<float>(sum_y[i] / divisor);
     z_mm[i] = static_cast<float>(sum_z[i] / divisor);
   }
+}
+
+/// Per axis the ray is between the planes from `enter` to `leave`; a division by zero gives
+/// infinities of the right sign; along a plane of the box (0 / 0) it may be either.
+GLINT_WIDE bool is_any_through16(const double* __restrict origin_mm,
+                                 const double* __restrict direction_x,
+                                 const double* __restrict direction_y,
+                                 const double* __restrict direction_z,
+                                 const double* __restrict box_mm) {
+  const double* const direction[3] = {direction_x, direction_y, direction_z};
+  alignas(64) double enter[kLanes] = {};
+  alignas(64) double leave[kLanes];
+  for (int i = 0; i < kLanes; ++i) {
+    leave[i] = 1e300;
+  }
+  for (int k = 0; k < 3; ++k) {
+    const double low = box_mm[k] - origin_mm[k];
+    const double high = box_mm[k + 3] - origin_mm[k];
+    const double* __restrict d = direction[k];
+    for (int i = 0; i < kLanes; ++i) {
+      const double a = low / d[i];
+      const double b = high / d[i];
+      const double near = a < b ? a : b;
+      const double far = a < b ? b : a;
+      enter[i] = near > enter[i] ? near : enter[i];
+      leave[i] = far < leave[i] ? far : leave[i];
+    }
+  }
+  std::int64_t through = 0;
+  for (int i = 0; i < kLanes; ++i) {
+    through |= enter[i] <= leave[i] ? 1 : 0;
+  }
+  return through != 0;
 }
 
 GLINT_WIDE bool is_any_inside16(const double* __restrict x_mm,

@@ -20,6 +20,7 @@ struct PinholeNumbers {
 
 /// Sixteen rays where they meet the part.
 struct alignas(64) MeetingLanes {
+  double origin_x[kLanes], origin_y[kLanes], origin_z[kLanes];           ///< of the arriving ray
   double direction_x[kLanes], direction_y[kLanes], direction_z[kLanes];  ///< arriving, unit
   /// Of the triangle, unit, and its plane's offset; afterwards turned against the arriving ray.
   double face_x[kLanes], face_y[kLanes], face_z[kLanes], offset_mm[kLanes];
@@ -29,7 +30,8 @@ struct alignas(64) MeetingLanes {
   double normal_x[kLanes], normal_y[kLanes], normal_z[kLanes];     ///< of the surface, unit
   double leaving_x[kLanes], leaving_y[kLanes], leaving_z[kLanes];  ///< reflected, unit
   double start_x[kLanes], start_y[kLanes], start_z[kLanes];        ///< of the reflected ray
-  double rise[kLanes];  ///< of the reflected ray above the triangle, <= 0: grazing
+  double rise[kLanes];         ///< of the reflected ray above the triangle, <= 0: grazing
+  double reflectance[kLanes];  ///< of the place, against the clean part
 };
 
 /// Unit directions in the world through points of the image.
@@ -40,18 +42,33 @@ void camera_directions16(const PinholeNumbers& camera,
                          double* direction_y,
                          double* direction_z);
 
-/// Where rays from an origin cut the planes of their triangles: t_mm and slope.
-void meet_planes16(const double* origin_mm, MeetingLanes& lanes);
+/// Where rays cut the planes of their triangles: t_mm and slope.
+void meet_planes16(MeetingLanes& lanes);
+
+/// Where rays meet triangles without an exact surface: the normals of their corners.
+struct alignas(64) ShadeLanes {
+  double is_wanted[kLanes];  ///< 1 for lanes to be set, else 0
+  double u[kLanes], v[kLanes];
+  double normal_x[3][kLanes], normal_y[3][kLanes], normal_z[3][kLanes];
+};
+
+/// Points on the planes at t_mm and normals interpolated between the corners (the face's where they
+/// cancel out), for wanted lanes.
+void shade16(const ShadeLanes& shade, MeetingLanes& lanes);
 
 /// Turns face normals against the rays and the surface's with them; a surface normal that still
 /// looks away from the ray (at a silhouette) becomes the face's.
 void orient16(MeetingLanes& lanes);
 
 /// Mirrors the rays at the normals: leaving, rise, and the start of the next ray on the triangle
-/// at t_mm, lifted by offset_mm along the face normal.
-void reflect16(const double* origin_mm, double lift_mm, MeetingLanes& lanes);
+/// at t_mm, lifted by lift_mm along the face normal.
+void reflect16(double lift_mm, MeetingLanes& lanes);
 
-/// Adds points that were seen (is_seen 1, else 0) to sums, for count numbers.
+/// Sends the reflected rays on: they become the arriving ones.
+void follow16(const MeetingLanes& from, MeetingLanes& to);
+
+/// Adds points that were seen (is_seen 1, else 0) to sums, for count numbers. The others must be
+/// finite.
 struct SeenSums {
   double* hits = nullptr;
   double* x_mm = nullptr;
@@ -74,6 +91,14 @@ void mean_seen(const SeenSums& sums,
                float* x_mm,
                float* y_mm,
                float* z_mm);
+
+/// True when one of sixteen rays from a point runs through the box {min x, min y, min z, max x,
+/// max y, max z}. Directions may have zeros.
+bool is_any_through16(const double* origin_mm,
+                      const double* direction_x,
+                      const double* direction_y,
+                      const double* direction_z,
+                      const double* box_mm);
 
 /// True when one of sixteen points is in the box {min x, min y, min z, max x, max y, max z}.
 bool is_any_inside16(const double* x_mm,

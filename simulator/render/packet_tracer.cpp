@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -31,45 +32,24 @@ void set_escape(EscapePacket& escapes,
   escapes.weight[lane] = static_cast<float>(weight);
 }
 
-/// Follows a ray that meets the part again until it escapes or is given up.
-void follow(const TraceScene& scene,
-            Vector3d start_mm,
-            Vector3d direction,
-            Hit next,
-            EscapePacket& escapes,
-            std::size_t lane) {
-  double weight = scene.settings.reflectance;
-  Vector3d point_mm = start_mm;
-  for (int bounce = 1; next; ++bounce) {
-    if (bounce >= scene.settings.max_bounces) {
-      escapes.path[lane] = RayPath::kBlocked;
-      set_escape(escapes, lane, Vector3d::Zero(), -Vector3d::UnitZ(), 0.0);
-      return;
-    }
-    const Interaction at = interact(scene, {.origin_mm = start_mm, .direction = direction}, next);
-    point_mm = at.point_mm;
-    start_mm = at.start_mm;
-    direction = at.direction;
-    weight *= scene.settings.reflectance;
-    if (direction.dot(at.geometric_normal) <= 0.0) {
-      escapes.is_grazing[lane] = true;
-      break;
-    }
-    next = scene.bvh.intersect(start_mm, direction, 0.0, std::numeric_limits<double>::infinity());
-  }
-  escapes.path[lane] = RayPath::kFollowed;
-  set_escape(escapes, lane, point_mm, direction, weight);
+bool has_hit(const HitPacket& hits) {
+  return std::ranges::any_of(hits.triangle, [](std::int32_t triangle) { return triangle >= 0; });
 }
 
 /// All rays of a packet missed the part.
-void set_missed(int count, EscapePacket& escapes) {
+void set_missed(EscapePacket& escapes) {
   escapes.is_plain = false;
+  escapes.is_missed = true;
   escapes.path.fill(RayPath::kMissed);
   escapes.is_seen.fill(0.0);
   escapes.is_grazing.fill(false);
-  for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane) {
-    set_escape(escapes, lane, Vector3d::Zero(), -Vector3d::UnitZ(), 0.0);
-  }
+  escapes.origin_x.fill(0.0);
+  escapes.origin_y.fill(0.0);
+  escapes.origin_z.fill(0.0);
+  escapes.direction_x.fill(0.0);
+  escapes.direction_y.fill(0.0);
+  escapes.direction_z.fill(-1.0);
+  escapes.weight.fill(0.0F);
 }
 
 /// What becomes of the rays if none meets the part again.
@@ -87,12 +67,13 @@ void set_escapes(const TraceScene& scene,
   escapes.seen_x = escapes.origin_x;
   escapes.seen_y = escapes.origin_y;
   escapes.seen_z = escapes.origin_z;
-  escapes.weight.fill(static_cast<float>(scene.settings.reflectance));
   escapes.path.fill(RayPath::kOnce);
   escapes.is_seen.fill(1.0);
   escapes.is_plain = true;
+  escapes.is_missed = false;
   for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane) {
     const std::int32_t triangle = hits.triangle[lane];
+    escapes.weight[lane] = static_cast<float>(scene.settings.reflectance * lanes.reflectance[lane]);
     escapes.is_grazing[lane] = triangle >= 0 && lanes.rise[lane] <= 0.0;
     escapes.is_plain = escapes.is_plain && triangle >= 0 && !escapes.is_grazing[lane];
     if (triangle >= 0) {
@@ -206,10 +187,19 @@ void set_reflected(const MeetingLanes& lanes, const HitPacket& hits, RayPacket& 
 }
 
 void PacketTracer::trace(const CameraPacket& rays, EscapePacket& escapes) {
+  if (!is_any_through16(rays.origin_mm.data(),
+                        rays.direction_x.data(),
+                        rays.direction_y.data(),
+                        rays.direction_z.data(),
+                        scene_.box.data())) {
+    hits_.triangle.fill(-1);
+    set_missed(escapes);
+    return;
+  }
   set_packet(rays, packet_);
   scene_.bvh.intersect16(packet_, hits_, Coherence::kCoherent);
-  if (std::ranges::all_of(hits_.triangle, [](std::int32_t triangle) { return triangle < 0; })) {
-    set_missed(rays.count, escapes);
+  if (!has_hit(hits_)) {
+    set_missed(escapes);
     return;
   }
   meet_part(scene_, rays, hits_, false, lanes_);
@@ -220,23 +210,59 @@ void PacketTracer::trace(const CameraPacket& rays, EscapePacket& escapes) {
   // Mirror-like rays stay close together: the coherent traversal is twice as fast for them.
   set_reflected(lanes_, hits_, packet_);
   scene_.bvh.intersect16(packet_, again_, Coherence::kCoherentOnce);
-  for (std::size_t lane = 0; lane < static_cast<std::size_t>(rays.count); ++lane) {
+  if (has_hit(again_)) {
+    escapes.is_plain = false;
+    follow(escapes);
+  }
+}
+
+/// Follows the rays that meet the part again until they escape or are given up.
+void PacketTracer::follow(EscapePacket& escapes) {
+  const double reflectance = scene_.settings.reflectance;
+  Lanes weight;
+  std::ranges::transform(
+      lanes_.reflectance, weight.begin(), [&](double of_place) { return reflectance * of_place; });
+  MeetingLanes* from = &lanes_;
+  MeetingLanes* to = &followed_;
+  for (int bounce = 1; has_hit(again_); ++bounce) {
+    if (bounce >= scene_.settings.max_bounces) {
+      give_up(escapes);
+      return;
+    }
+    meet_again(scene_, *from, again_, *to);
+    for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
+      if (again_.triangle[lane] < 0) {
+        continue;
+      }
+      weight[lane] *= reflectance * to->reflectance[lane];
+      escapes.path[lane] = RayPath::kFollowed;
+      escapes.is_grazing[lane] = escapes.is_grazing[lane] || to->rise[lane] <= 0.0;
+      set_escape(escapes,
+                 lane,
+                 {to->point_x[lane], to->point_y[lane], to->point_z[lane]},
+                 {to->leaving_x[lane], to->leaving_y[lane], to->leaving_z[lane]},
+                 weight[lane]);
+    }
+    set_reflected(*to, again_, packet_);
+    scene_.bvh.intersect16(packet_, again_, Coherence::kCoherentOnce);
+    std::swap(from, to);
+  }
+}
+
+/// The rays that would still meet the part.
+void PacketTracer::give_up(EscapePacket& escapes) const {
+  for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
     if (again_.triangle[lane] >= 0) {
-      escapes.is_plain = false;
-      follow(scene_,
-             {lanes_.start_x[lane], lanes_.start_y[lane], lanes_.start_z[lane]},
-             {lanes_.leaving_x[lane], lanes_.leaving_y[lane], lanes_.leaving_z[lane]},
-             hit_of(again_, lane),
-             escapes,
-             lane);
+      escapes.path[lane] = RayPath::kBlocked;
+      set_escape(escapes, lane, Vector3d::Zero(), -Vector3d::UnitZ(), 0.0);
     }
   }
 }
 
 void add_counts(const EscapePacket& escapes, int count, RayCounts& counts) {
-  if (escapes.is_plain) {
+  if (escapes.is_plain || escapes.is_missed) {
     counts.camera += count;
-    counts.part += count;
+    counts.part += escapes.is_plain ? count : 0;
     return;
   }
   for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane) {

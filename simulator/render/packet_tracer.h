@@ -40,7 +40,8 @@ struct EscapePacket {
   std::array<bool, kPacketSize> is_grazing = {};
   /// Exact patch that was met first; -1: triangles; not set when the part is missed.
   std::array<std::int32_t, kPacketSize> piece = {};
-  bool is_plain = false;  ///< all used lanes escaped after one reflection and none grazes
+  bool is_missed = false;  ///< all used lanes missed the part
+  bool is_plain = false;   ///< all used lanes escaped after one reflection and none grazes
 };
 
 /// Rays of a camera in the scene frame.
@@ -75,11 +76,15 @@ class PacketTracer {
   const HitPacket& hits() const { return hits_; }
 
  private:
+  void follow(EscapePacket& escapes);
+  void give_up(EscapePacket& escapes) const;
+
   const TraceScene& scene_;
   RayPacket packet_;
   HitPacket hits_;
-  HitPacket again_;
-  MeetingLanes lanes_ = {};
+  HitPacket again_;             ///< of the reflected rays
+  MeetingLanes lanes_ = {};     ///< of the camera rays
+  MeetingLanes followed_ = {};  ///< of those that meet the part again
 };
 
 /// Adds what became of lanes [0, count).

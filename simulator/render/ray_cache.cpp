@@ -81,6 +81,9 @@ class RowTracer {
     const auto row = static_cast<std::int64_t>(at.y) * cache_.width_px;
     const auto first = static_cast<std::size_t>(at.sample * cache_.num_pixels() + row + at.x);
     store_rays(escapes, count, cache_, first);
+    if (escapes.is_missed) {
+      return;
+    }
     add_seen(escapes.seen_x.data(),
              escapes.seen_y.data(),
              escapes.seen_z.data(),

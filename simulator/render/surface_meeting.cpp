@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
+#include <limits>
 
 #include <Eigen/Geometry>
 
@@ -20,8 +22,19 @@ constexpr double kStartOffset_mm = 1e-3;
 /// A hit on the exact surface further than this from the triangle's is not believed.
 constexpr double kMaxPolishMove_mm = 1.0;
 
-Vector3d direction_of(const CameraPacket& rays, std::size_t lane) {
-  return {rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]};
+Hit hit_of(const HitPacket& hits, std::size_t lane) {
+  return {.t_mm = hits.t_mm[lane],
+          .triangle = hits.triangle[lane],
+          .u = hits.u[lane],
+          .v = hits.v[lane]};
+}
+
+Vector3d origin_of(const MeetingLanes& lanes, std::size_t lane) {
+  return {lanes.origin_x[lane], lanes.origin_y[lane], lanes.origin_z[lane]};
+}
+
+Vector3d direction_of(const MeetingLanes& lanes, std::size_t lane) {
+  return {lanes.direction_x[lane], lanes.direction_y[lane], lanes.direction_z[lane]};
 }
 
 void set_point(MeetingLanes& lanes, std::size_t lane, const Vector3d& p, const Vector3d& normal) {
@@ -34,19 +47,13 @@ void set_point(MeetingLanes& lanes, std::size_t lane, const Vector3d& p, const V
 }
 
 /// The planes of the triangles that were hit; lanes without a hit get one across the ray.
-void gather_planes(const Bvh& bvh,
-                   const CameraPacket& rays,
-                   const HitPacket& hits,
-                   MeetingLanes& lanes) {
+void gather_planes(const Bvh& bvh, const HitPacket& hits, MeetingLanes& lanes) {
   for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
-    lanes.direction_x[lane] = rays.direction_x[lane];
-    lanes.direction_y[lane] = rays.direction_y[lane];
-    lanes.direction_z[lane] = rays.direction_z[lane];
     const TrianglePlane plane = hits.triangle[lane] >= 0
                                     ? bvh.plane(hits.triangle[lane])
-                                    : TrianglePlane{.normal_x = -rays.direction_x[lane],
-                                                    .normal_y = -rays.direction_y[lane],
-                                                    .normal_z = -rays.direction_z[lane]};
+                                    : TrianglePlane{.normal_x = -lanes.direction_x[lane],
+                                                    .normal_y = -lanes.direction_y[lane],
+                                                    .normal_z = -lanes.direction_z[lane]};
     lanes.face_x[lane] = plane.normal_x;
     lanes.face_y[lane] = plane.normal_y;
     lanes.face_z[lane] = plane.normal_z;
@@ -55,15 +62,12 @@ void gather_planes(const Bvh& bvh,
 }
 
 /// Rays almost along a plane do not tell well where they cut it: there the hit does.
-void mend_flat_hits(const TriangleMesh& mesh,
-                    const CameraPacket& rays,
-                    const HitPacket& hits,
-                    MeetingLanes& lanes) {
+void mend_flat_hits(const TriangleMesh& mesh, const HitPacket& hits, MeetingLanes& lanes) {
   constexpr double kFlat = 1e-2;
   for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
     if (hits.triangle[lane] >= 0 && !(std::abs(lanes.slope[lane]) > kFlat)) {
-      lanes.t_mm[lane] =
-          (hit_point(mesh, hit_of(hits, lane)) - rays.origin_mm).dot(direction_of(rays, lane));
+      lanes.t_mm[lane] = (hit_point(mesh, hit_of(hits, lane)) - origin_of(lanes, lane))
+                             .dot(direction_of(lanes, lane));
     }
   }
 }
@@ -80,51 +84,47 @@ Vector2d barycentrics(const TriangleMesh& mesh, std::size_t triangle, const Vect
          determinant;
 }
 
-/// A lane whose surface has no kernel or is not believed: an involute, or the triangle itself.
-void meet_scalar(const TraceScene& scene,
-                 const CameraPacket& rays,
-                 const Hit& hit,
-                 bool holds_triangles,
-                 std::size_t lane,
-                 MeetingLanes& lanes) {
-  const TriangleMesh& mesh = scene.part.mesh;
-  const auto triangle = static_cast<std::size_t>(hit.triangle);
-  const std::int32_t patch = mesh.patch_of(triangle);
-  const Vector3d direction = direction_of(rays, lane);
-  const bool is_scalar = patch >= 0 && scene.patches[static_cast<std::size_t>(patch)].kind ==
-                                           PatchCoefficients::Kind::kNone;
-  if (is_scalar) {
-    const auto exact = polish(scene.part.patches[static_cast<std::size_t>(patch)],
-                              {.origin_mm = rays.origin_mm, .direction = direction},
-                              lanes.t_mm[lane],
-                              kMaxPolishMove_mm);
-    if (exact) {
-      set_point(lanes, lane, exact->point_mm, exact->normal);
-      return;
+/// Lanes on triangles themselves, or whose exact surface is not believed.
+void meet_triangles(const TriangleMesh& mesh,
+                    const HitPacket& hits,
+                    bool holds_triangles,
+                    const Lanes& is_found,
+                    MeetingLanes& lanes) {
+  ShadeLanes shade = {};
+  for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
+    if (hits.triangle[lane] < 0 || is_found[lane] != 0.0) {
+      continue;
+    }
+    const auto triangle = static_cast<std::size_t>(hits.triangle[lane]);
+    Vector2d uv(static_cast<double>(hits.u[lane]), static_cast<double>(hits.v[lane]));
+    if (holds_triangles) {
+      uv = barycentrics(
+          mesh, triangle, origin_of(lanes, lane) + lanes.t_mm[lane] * direction_of(lanes, lane));
+    }
+    shade.is_wanted[lane] = 1.0;
+    shade.u[lane] = uv.x();
+    shade.v[lane] = uv.y();
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const Vector3d& normal = mesh.normal(triangle, corner);
+      shade.normal_x[corner][lane] = normal.x();
+      shade.normal_y[corner][lane] = normal.y();
+      shade.normal_z[corner][lane] = normal.z();
     }
   }
-  if (!holds_triangles) {
-    set_point(lanes, lane, hit_point(mesh, hit), shading_normal(mesh, hit));
-    return;
-  }
-  const Vector3d p_mm = rays.origin_mm + lanes.t_mm[lane] * direction;
-  const Vector2d uv = barycentrics(mesh, triangle, p_mm);
-  const Vector3d normal = (1.0 - uv.x() - uv.y()) * mesh.normal(triangle, 0) +
-                          uv.x() * mesh.normal(triangle, 1) + uv.y() * mesh.normal(triangle, 2);
-  set_point(lanes, lane, p_mm, normal.normalized());
+  shade16(shade, lanes);
 }
 
 /// Polishes all lanes as if they met one patch.
-void polish_lanes(const TraceScene& scene,
-                  const CameraPacket& rays,
-                  std::int32_t patch,
+void polish_lanes(const PatchCoefficients& patch,
                   const MeetingLanes& from,
                   MeetingLanes& to,
                   Lanes& is_found) {
-  polish16(scene.patches[static_cast<std::size_t>(patch)],
-           rays.origin_mm.data(),
+  polish16(patch,
            kMaxPolishMove_mm,
-           {.direction_x = from.direction_x,
+           {.origin_x = from.origin_x,
+            .origin_y = from.origin_y,
+            .origin_z = from.origin_z,
+            .direction_x = from.direction_x,
             .direction_y = from.direction_y,
             .direction_z = from.direction_z,
             .start_t_mm = from.t_mm,
@@ -137,22 +137,22 @@ void polish_lanes(const TraceScene& scene,
             .is_found = is_found.data()});
 }
 
+using PatchLanes = std::array<std::int32_t, kPacketSize>;
+
 /// Packets across several patches: a kernel for each of them.
 void polish_patches(const TraceScene& scene,
-                    const CameraPacket& rays,
-                    const std::array<std::int32_t, kPacketSize>& patch,
+                    const PatchLanes& patch,
                     MeetingLanes& lanes,
                     Lanes& is_found) {
   MeetingLanes one;
   std::array<bool, kPacketSize> is_tried = {};
   for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
     const std::int32_t which = patch[lane];
-    if (which < 0 || is_tried[lane] ||
-        scene.patches[static_cast<std::size_t>(which)].kind == PatchCoefficients::Kind::kNone) {
+    if (which < 0 || is_tried[lane]) {
       continue;
     }
     alignas(64) Lanes is_one;
-    polish_lanes(scene, rays, which, lanes, one, is_one);
+    polish_lanes(scene.patches[static_cast<std::size_t>(which)], lanes, one, is_one);
     for (std::size_t k = lane; k < kPacketSize; ++k) {
       if (patch[k] == which) {
         is_tried[k] = true;
@@ -166,32 +166,36 @@ void polish_patches(const TraceScene& scene,
   }
 }
 
-/// Points and normals of all lanes: kernels for the patches among them, the rest one by one.
+/// Points and normals of all lanes: by the exact surfaces among them, the rest by triangles.
 void meet_surface(const TraceScene& scene,
-                  const CameraPacket& rays,
                   const HitPacket& hits,
                   bool holds_triangles,
                   MeetingLanes& lanes) {
-  std::array<std::int32_t, kPacketSize> patch;
-  bool is_one = true;
+  const TriangleMesh& mesh = scene.part.mesh;
+  PatchLanes patch;
+  std::int32_t lowest = std::numeric_limits<std::int32_t>::max();
+  std::int32_t highest = -1;
   for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
     const std::int32_t triangle = hits.triangle[lane];
-    patch[lane] = triangle < 0 ? -1 : scene.part.mesh.patch_of(static_cast<std::size_t>(triangle));
-    is_one = is_one && patch[lane] == patch[0];
+    patch[lane] = triangle < 0 ? -1 : mesh.patch_of(static_cast<std::size_t>(triangle));
+    lowest = triangle < 0 ? lowest : std::min(lowest, patch[lane]);
+    highest = std::max(highest, patch[lane]);
   }
   alignas(64) Lanes is_found = {};
-  if (is_one && patch[0] >= 0 &&
-      scene.patches[static_cast<std::size_t>(patch[0])].kind != PatchCoefficients::Kind::kNone) {
-    polish_lanes(scene, rays, patch[0], lanes, lanes, is_found);
-  } else {
-    polish_patches(scene, rays, patch, lanes, is_found);
+  if (highest >= 0 && lowest == highest) {
+    polish_lanes(scene.patches[static_cast<std::size_t>(highest)], lanes, lanes, is_found);
+  } else if (highest >= 0) {
+    polish_patches(scene, patch, lanes, is_found);
   }
+  bool has_triangles = false;
   for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
     if (hits.triangle[lane] < 0) {
-      set_point(lanes, lane, Vector3d::Zero(), -direction_of(rays, lane));
-    } else if (is_found[lane] == 0.0) {
-      meet_scalar(scene, rays, hit_of(hits, lane), holds_triangles, lane, lanes);
+      set_point(lanes, lane, Vector3d::Zero(), -direction_of(lanes, lane));
     }
+    has_triangles = has_triangles || (hits.triangle[lane] >= 0 && is_found[lane] == 0.0);
+  }
+  if (has_triangles) {
+    meet_triangles(mesh, hits, holds_triangles, is_found, lanes);
   }
 }
 
@@ -208,6 +212,16 @@ std::array<double, 6> box_of(const HeightFeature& feature) {
           c.z() + half_mm};
 }
 
+/// Wider than the mesh by more than Bvh moves rays that miss, and than its rounding.
+std::array<double, 6> box_around(const TriangleMesh& mesh) {
+  constexpr double kMargin = 1e-2;
+  const BoundingBox box = bounding_box(mesh);
+  const double margin_mm = kMargin * (1.0 + box.size_mm().norm());
+  const Vector3d low = box.min_mm.array() - margin_mm;
+  const Vector3d high = box.max_mm.array() + margin_mm;
+  return {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()};
+}
+
 /// False when all points of a packet are out of reach of all features.
 bool is_near_detail(const TraceScene& scene, const MeetingLanes& lanes) {
   return scene.feature_boxes.empty() ||
@@ -216,17 +230,20 @@ bool is_near_detail(const TraceScene& scene, const MeetingLanes& lanes) {
          });
 }
 
-void add_detail(const SurfaceDetail& detail, const HitPacket& hits, MeetingLanes& lanes) {
+void add_detail(const SurfaceDetail& detail,
+                const HitPacket& hits,
+                SurfaceDetail::Relief relief,
+                MeetingLanes& lanes) {
   for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
     if (hits.triangle[lane] < 0) {
       continue;
     }
     const Vector3d p(lanes.point_x[lane], lanes.point_y[lane], lanes.point_z[lane]);
     const Vector3d normal(lanes.normal_x[lane], lanes.normal_y[lane], lanes.normal_z[lane]);
-    const SurfaceDetail::Sample sample = detail.sample(p, normal);
+    const SurfaceDetail::Sample sample = detail.sample(p, normal, relief);
     if (sample.feature >= 0) {
-      const Vector3d direction(
-          lanes.direction_x[lane], lanes.direction_y[lane], lanes.direction_z[lane]);
+      const Vector3d direction = direction_of(lanes, lane);
+      lanes.reflectance[lane] = sample.reflectance;
       const double slant = direction.dot(normal);
       set_point(lanes,
                 lane,
@@ -236,55 +253,29 @@ void add_detail(const SurfaceDetail& detail, const HitPacket& hits, MeetingLanes
   }
 }
 
+/// What rays meet whose origins and directions are set, and how they leave.
+void meet(const TraceScene& scene,
+          const HitPacket& hits,
+          bool holds_triangles,
+          MeetingLanes& lanes) {
+  gather_planes(scene.bvh, hits, lanes);
+  meet_planes16(lanes);
+  if (!holds_triangles) {
+    mend_flat_hits(scene.part.mesh, hits, lanes);
+  }
+  meet_surface(scene, hits, holds_triangles, lanes);
+  orient16(lanes);
+  std::ranges::fill(lanes.reflectance, 1.0);
+  if (!scene.detail.empty() && is_near_detail(scene, lanes)) {
+    add_detail(scene.detail,
+               hits,
+               holds_triangles ? SurfaceDetail::Relief::kWithout : SurfaceDetail::Relief::kWith,
+               lanes);
+  }
+  reflect16(kStartOffset_mm, lanes);
+}
+
 }  // namespace
-
-Hit hit_of(const HitPacket& hits, std::size_t lane) {
-  return {.t_mm = hits.t_mm[lane],
-          .triangle = hits.triangle[lane],
-          .u = hits.u[lane],
-          .v = hits.v[lane]};
-}
-
-Interaction interact(const TraceScene& scene, const Ray& ray, const Hit& hit) {
-  Interaction at;
-  const TriangleMesh& mesh = scene.part.mesh;
-  const Vector3d on_triangle = hit_point(mesh, hit);
-  at.point_mm = on_triangle;
-  at.geometric_normal = geometric_normal(mesh, hit);
-  Vector3d normal;
-  const std::int32_t patch = mesh.patch_of(static_cast<std::size_t>(hit.triangle));
-  std::optional<SurfaceHit> exact;
-  if (patch >= 0) {
-    exact = polish(scene.part.patches[static_cast<std::size_t>(patch)],
-                   ray,
-                   (on_triangle - ray.origin_mm).dot(ray.direction),
-                   kMaxPolishMove_mm);
-  }
-  if (exact) {
-    at.point_mm = exact->point_mm;
-    normal = exact->normal;
-  } else {
-    normal = shading_normal(mesh, hit);
-  }
-  if (at.geometric_normal.dot(ray.direction) > 0.0) {  // an open sheet seen from behind
-    at.geometric_normal = -at.geometric_normal;
-    normal = -normal;
-  }
-  if (normal.dot(ray.direction) >= 0.0) {  // a smoothed normal turned away at a silhouette
-    normal = at.geometric_normal;
-  }
-  if (!scene.detail.empty()) {
-    const SurfaceDetail::Sample sample = scene.detail.sample(at.point_mm, normal);
-    if (sample.feature >= 0) {
-      const double slant = ray.direction.dot(normal);
-      at.point_mm += ray.direction * (sample.moved_height_mm / slant);
-      normal = detailed_normal(normal, sample.gradient, ray.direction);
-    }
-  }
-  at.direction = (ray.direction - 2.0 * ray.direction.dot(normal) * normal).normalized();
-  at.start_mm = on_triangle + kStartOffset_mm * at.geometric_normal;
-  return at;
-}
 
 TraceScene::TraceScene(const Part& traced_part,
                        const Bvh& traced_bvh,
@@ -292,6 +283,7 @@ TraceScene::TraceScene(const Part& traced_part,
                        const RenderSettings& render_settings)
     : part(traced_part), bvh(traced_bvh), detail(traced_detail), settings(render_settings) {
   std::ranges::transform(part.patches, std::back_inserter(patches), coefficients_of);
+  box = box_around(part.mesh);
   constexpr std::size_t kMaxBoxes = 32;
   if (detail.features().size() <= kMaxBoxes) {
     std::ranges::transform(detail.features(), std::back_inserter(feature_boxes), box_of);
@@ -303,17 +295,21 @@ void meet_part(const TraceScene& scene,
                const HitPacket& hits,
                bool holds_triangles,
                MeetingLanes& lanes) {
-  gather_planes(scene.bvh, rays, hits, lanes);
-  meet_planes16(rays.origin_mm.data(), lanes);
-  if (!holds_triangles) {
-    mend_flat_hits(scene.part.mesh, rays, hits, lanes);
-  }
-  meet_surface(scene, rays, hits, holds_triangles, lanes);
-  orient16(lanes);
-  if (!scene.detail.empty() && is_near_detail(scene, lanes)) {
-    add_detail(scene.detail, hits, lanes);
-  }
-  reflect16(rays.origin_mm.data(), kStartOffset_mm, lanes);
+  std::ranges::fill(lanes.origin_x, rays.origin_mm.x());
+  std::ranges::fill(lanes.origin_y, rays.origin_mm.y());
+  std::ranges::fill(lanes.origin_z, rays.origin_mm.z());
+  std::ranges::copy(rays.direction_x, lanes.direction_x);
+  std::ranges::copy(rays.direction_y, lanes.direction_y);
+  std::ranges::copy(rays.direction_z, lanes.direction_z);
+  meet(scene, hits, holds_triangles, lanes);
+}
+
+void meet_again(const TraceScene& scene,
+                const MeetingLanes& before,
+                const HitPacket& hits,
+                MeetingLanes& lanes) {
+  follow16(before, lanes);
+  meet(scene, hits, false, lanes);
 }
 
 }  // namespace glint

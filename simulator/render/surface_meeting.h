@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Where rays meet the part and how they leave it: sixteen at a time for camera rays, one at a time
-// (the reference) for rays that meet the part again.
+// Where rays meet the part and how they leave it, sixteen at a time: camera rays, and those among
+// them that meet the part again.
 #pragma once
 
 #include <array>
@@ -37,31 +37,27 @@ class TraceScene {
   const SurfaceDetail& detail;
   const RenderSettings& settings;
   std::vector<PatchCoefficients> patches;  ///< of part.patches
+  std::array<double, 6> box = {};          ///< around the part, min and max, a little too large
   /// Where features reach; empty when there are so many that SurfaceDetail's grid is quicker.
   std::vector<std::array<double, 6>> feature_boxes;
 };
 
-/// Where a ray meets the part, with everything needed to send it on.
-struct Interaction {
-  Eigen::Vector3d point_mm;
-  Eigen::Vector3d start_mm;  ///< for the next ray through the triangles
-  Eigen::Vector3d geometric_normal;
-  Eigen::Vector3d direction;  ///< of the reflected ray, unit
-};
-
-/// A ray at a hit, in plain double arithmetic.
-Interaction interact(const TraceScene& scene, const Ray& ray, const Hit& hit);
-
-/// One lane of a packet of hits.
-Hit hit_of(const HitPacket& hits, std::size_t lane);
-
 /// Where camera rays meet the part and how they leave it, for lanes with a hit.
 /// @param holds_triangles  hits are of nearby rays: where this ray meets a triangle is computed
-///                         from its plane instead of taken from the hit (for derivatives)
+///                         from its plane instead of taken from the hit, and micro relief is left
+///                         out (for derivatives)
 void meet_part(const TraceScene& scene,
                const CameraPacket& rays,
                const HitPacket& hits,
                bool holds_triangles,
                MeetingLanes& lanes);
+
+/// The same for rays that have left the part and met it again.
+/// @param before  how they left it
+/// @param hits    of the reflected rays; lanes that met nothing are not followed
+void meet_again(const TraceScene& scene,
+                const MeetingLanes& before,
+                const HitPacket& hits,
+                MeetingLanes& lanes);
 
 }  // namespace glint

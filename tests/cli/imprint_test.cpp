@@ -299,6 +299,35 @@ TEST_F(ImprintVerb, LeavesAFolderOfAnotherConfigurationAlone) {
   EXPECT_EQ(files_below(folder_ / "out"), before);
 }
 
+// The scene's folder may hold the user's own part.stl.
+TEST_F(ImprintVerb, OverwritesNoFileThatIsNotItsOwn) {
+  write_file(folder_ / "part.stl", "mine");
+  const ProgramResult result = imprint(".", {"--no_previews"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_EQ(result.err,
+            ".: holds a part.stl that is not of `glint imprint`; choose another output folder\n");
+  EXPECT_EQ(read_file(folder_ / "part.stl"), "mine");
+  EXPECT_EQ(folder_.count(), 2) << "the scene and the user's file";
+}
+
+// What the metadata says does not depend on where the scene lies.
+TEST_F(ImprintVerb, NamesToolFoldersAsTheSceneDoes) {
+  const std::string scene = edited(kShaft, {{"tool_level = 2", "tool_folder = \"tools\""}});
+  std::string metadata[2];
+  for (int i = 0; i < 2; ++i) {
+    const fs::path at = folder_ / (i == 0 ? "here" : "far/away");
+    fs::create_directories(at / "tools");
+    write_file(at / "tools/spike.off", kTetrahedron);
+    write_file(at / "study.toml", scene);
+    const ProgramResult result =
+        glint_in(at, {"imprint", "study.toml", "--quiet", "--no_previews", "--out", "out"});
+    ASSERT_EQ(result.code, 0) << result.err;
+    metadata[i] = read_file(at / "out/defects.json");
+  }
+  EXPECT_EQ(metadata[0], metadata[1]);
+  EXPECT_EQ(Json::parse(metadata[0])["groups"]["dent"]["tool_folder"], "tools");
+}
+
 TEST_F(ImprintVerb, DrawsItsTools) {
   const Json result = imprint_json("tools_of_shaft", {"--preview_tools"});
   EXPECT_EQ(result["status"], "done");
@@ -346,6 +375,27 @@ TEST_F(ImprintVerb, RefusesAPlaceOffTheSurface) {
                  2,
                  place_of(scene, "at_mm") +
                      "defects\\.dent\\.at_mm: place 2 at 0, 0, 30 mm: .*off the surface.*");
+}
+
+TEST_F(ImprintVerb, RefusesGivenPlacesBesideRandomOnes) {
+  for (const char* places : {"at_mm = [0, 0, 8]", "x_mm = [1]\ny_mm = [0]"}) {
+    const std::string scene =
+        edited(kShaft, {{"count = [1, 2]\n", std::string("count = 2\n") + places + "\n"}});
+    expect_refused(scene,
+                   2,
+                   place_of(scene, "count = 2") +
+                       "defects\\.dent\\.count: random places are asked for together with .*");
+  }
+}
+
+TEST_F(ImprintVerb, RefusesAPaintedFileThatDoesNotFit) {
+  ASSERT_EQ(glint_in(folder_, {"part", "study.toml", "--out", "plain.ply", "--quiet"}).code, 0);
+  const std::string scene =
+      edited(kShaft, {{"tool_level = 2", "region = \"faces\"\nregion_file = \"plain.ply\""}});
+  expect_refused(scene,
+                 2,
+                 place_of(scene, "region_file =") +
+                     "defects\\.dent\\.region_file: .*plain\\.ply: .*have no colours.*");
 }
 
 TEST_F(ImprintVerb, RefusesAToolFolderThatIsEmpty) {

@@ -41,6 +41,7 @@ DefectivePart one_dent_and_one_scratch() {
                     .group = "scratches",
                     .id = 2,
                     .type = DefectType::kScratch,
+                    .triangle = -1,
                     .wall_mm = std::numeric_limits<double>::infinity(),
                     .length_mm = 3.0,
                     .width_mm = 0.3};
@@ -50,6 +51,7 @@ DefectivePart one_dent_and_one_scratch() {
   scratch.removed_volume_mm3 = 7.0;
   DefectivePart part;
   part.defects = {dent, scratch};
+  part.limited_vertices = 12;
   return part;
 }
 
@@ -71,6 +73,7 @@ TEST(DefectsJson, TellsTheTablesWithTheKeysAndUnitsOfTheSceneFile) {
   EXPECT_EQ(json["schema"], 1);
   EXPECT_EQ(json["seed"], 9);
   EXPECT_EQ(json["imprint"]["seed"], 4);
+  EXPECT_EQ(json["limited_vertices"], 12);
   EXPECT_EQ(json["imprint"]["processing"]["levels"], 0);
   EXPECT_EQ(json["groups"]["dents"]["count"], Json({1.0, 8.0}));
   EXPECT_EQ(json["groups"]["dents"]["height_um"], Json({50.0, 100.0}));
@@ -106,6 +109,7 @@ TEST(DefectsJson, TellsWhyADefectWasGivenUp) {
   const Json& scratch = json["defects"][1];
   EXPECT_EQ(scratch["made"], false);
   EXPECT_EQ(scratch["reason"], "no place keeps the distance");
+  EXPECT_TRUE(scratch["place"].is_null());
   EXPECT_TRUE(scratch["wall_mm"].is_null());
   EXPECT_EQ(scratch["width_mm"], 0.3);
   EXPECT_FALSE(scratch.contains("diameter_mm"));

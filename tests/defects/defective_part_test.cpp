@@ -155,6 +155,37 @@ TEST(DefectMaker, ADefectThatIsGivenUpDoesNotMoveTheOthers) {
   }
 }
 
+// 60 mm from rim to rim on a part of 50 mm: the first leaves no room for the others.
+TEST(DefectMaker, TellsWhatItLastDrewOfADefectWithoutRoom) {
+  DefectGroup dents = random_dents(3, Realisation::kImprinted);
+  dents.min_distance_mm = 60.0;
+  const DefectivePart made = Workshop({{"dents", dents}}, {.max_attempts = 5}).make();
+  ASSERT_EQ(num_made(made), 1);
+  for (const std::size_t i : {1U, 2U}) {
+    const MadeDefect& refused = made.defects[i];
+    EXPECT_EQ(
+        refused.refusals,
+        (std::vector<std::pair<std::string, int>>{{"nearer than 60 mm to another defect", 5}}));
+    EXPECT_EQ(refused.defect.realisation, Realisation::kImprinted);
+    EXPECT_EQ(refused.defect.attempt, 4);
+    EXPECT_EQ(refused.defect.id, static_cast<int>(i) + 1);
+    EXPECT_GE(refused.defect.diameter_mm, 1.0);
+    EXPECT_GE(refused.defect.triangle, 0);
+  }
+}
+
+TEST(DefectMaker, TellsHowManyVerticesCouldNotMoveAsTheNoiseAsked) {
+  ImprintSettings settings;
+  const auto limited = [&] {
+    return Workshop({{"dents", random_dents(1, Realisation::kImprinted)}}, settings)
+        .make()
+        .limited_vertices;
+  };
+  EXPECT_EQ(limited(), 0);
+  settings.processing.vertex_noise_mm = 1.0;  // the dent's triangles are smaller
+  EXPECT_GT(limited(), 100);
+}
+
 TEST(DefectMaker, GivingUpCanBeAnError) {
   DefectGroup tiny = random_dents(1, Realisation::kImprinted);
   tiny.height_mm = 1e-3;

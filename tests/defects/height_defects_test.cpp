@@ -29,6 +29,18 @@ TEST(HeightFeature, SizesFollowTheirDefinitions) {
   EXPECT_NEAR(feature.max_slope_rad(), 4.852e-3, 1e-6);
 }
 
+// Red, green and blue count a third each: (0.9 + 0.6 + 0.3) / 3 = 0.6.
+TEST(HeightFeature, AStainHasItsColourInGreyAndItsRoughness) {
+  const DefectGroup group = {.colour = {0.9, 0.6, 0.3}, .stain_roughness_rad = 0.02};
+  const HeightFeature stain =
+      height_feature({.type = DefectType::kStain, .diameter_mm = 0.8}, group);
+  EXPECT_NEAR(stain.reflectance, 0.6, 1e-15);
+  EXPECT_DOUBLE_EQ(stain.roughness_rad, 0.02);
+  EXPECT_TRUE(stain.is_stain());
+  const HeightFeature dent = height_feature({.type = DefectType::kDent, .diameter_mm = 0.8}, group);
+  EXPECT_FALSE(dent.is_stain());
+}
+
 // A line of 3 mm that is 0.4 mm wide: 2.6 mm between the centres of its round ends.
 TEST(HeightFeature, AScratchIsDrawnOutAlongItsPlace) {
   const Defect scratch = {.type = DefectType::kScratch,

@@ -235,23 +235,7 @@ TEST(LineFrames, AveragingKeepsTheFrameOfACircle) {
 // A square bar, 12 triangles, bent around a cylinder of 10 mm: its axis keeps its length, so its
 // volume is area times length by Pappus when the section is centred on the surface.
 TEST(BentAlong, CutsCoarseMeshesSoThatTheyFollow) {
-  TriangleMesh bar;
-  for (int i = 0; i < 8; ++i) {
-    bar.vertices_mm.emplace_back(
-        (i & 1) != 0 ? 5.0 : -5.0, (i & 2) != 0 ? 0.5 : -0.5, (i & 4) != 0 ? 0.5 : -0.5);
-  }
-  bar.triangles = {{0, 2, 3},
-                   {0, 3, 1},
-                   {4, 5, 7},
-                   {4, 7, 6},
-                   {0, 1, 5},
-                   {0, 5, 4},
-                   {2, 6, 7},
-                   {2, 7, 3},
-                   {0, 4, 6},
-                   {0, 6, 2},
-                   {1, 3, 7},
-                   {1, 7, 5}};
+  const TriangleMesh bar = box_mesh({-5.0, -0.5, -0.5}, {5.0, 0.5, 0.5});
   ASSERT_EQ(tool_fault(bar), "");
   ASSERT_NEAR(enclosed_volume_mm3(bar), 10.0, 1e-12);
   const auto path = cylinder_path(10.0, 6.0, 0.002);

@@ -13,9 +13,9 @@
 #include "core/rng.h"
 #include "core/units.h"
 #include "defects/imprint.h"
+#include "defects/tools.h"
 #include "defects/tools/own_tools.h"
 #include "defects/tools/round_tool.h"
-#include "defects/tools.h"
 #include "simulator/geometry/mesh_io.h"
 #include "tests/defects/tool_volume.h"
 
@@ -36,24 +36,7 @@ std::filesystem::path fresh_folder() {
 
 /// A box from -x..x, -y..y, -below..above.
 TriangleMesh box_tool(double x, double y, double below, double above) {
-  TriangleMesh box;
-  for (int i = 0; i < 8; ++i) {
-    box.vertices_mm.emplace_back(
-        (i & 1) != 0 ? x : -x, (i & 2) != 0 ? y : -y, (i & 4) != 0 ? above : -below);
-  }
-  box.triangles = {{0, 2, 3},
-                   {0, 3, 1},
-                   {4, 5, 7},
-                   {4, 7, 6},
-                   {0, 1, 5},
-                   {0, 5, 4},
-                   {2, 6, 7},
-                   {2, 7, 3},
-                   {0, 4, 6},
-                   {0, 6, 2},
-                   {1, 3, 7},
-                   {1, 7, 5}};
-  return box;
+  return box_mesh({-x, -y, -below}, {x, y, above});
 }
 
 std::string reason_of(const DefectGroup& group) {

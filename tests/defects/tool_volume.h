@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What tests measure on tools at the surface z = 0.
+// What tests measure on tools at the surface z = 0, and a plain box.
 #pragma once
 
 #include <cmath>
 #include <vector>
 
 #include "simulator/geometry/triangle_mesh.h"
+#include "tests/simulator/geometry/geometry_fixtures.h"
 
 namespace glint {
 
@@ -39,6 +40,15 @@ inline FlatCut flat_cut(const TriangleMesh& mesh) {
     }
   }
   return cut;
+}
+
+/// A box of 12 triangles, closed, turned outwards.
+inline TriangleMesh box_mesh(const Eigen::Vector3d& min_mm, const Eigen::Vector3d& max_mm) {
+  TriangleMesh box = cube_mesh(1.0);
+  for (Eigen::Vector3d& p : box.vertices_mm) {
+    p = (p.array() > 0.0).select(max_mm, min_mm).eval();
+  }
+  return box;
 }
 
 inline double lowest_z_mm(const TriangleMesh& mesh) {

@@ -274,24 +274,7 @@ TEST(PathBend, IsOneOverTheRadiusOfACircle) {
 // A plate of 10 x 10 x 3 mm with its top at z = 0 loses what lies below z = 0, and gains what lies
 // above.
 TEST(ToolCollection, ToolsImprintAPlateWithTheirVolume) {
-  TriangleMesh plate;
-  for (int i = 0; i < 8; ++i) {
-    plate.vertices_mm.emplace_back(
-        (i & 1) != 0 ? 5.0 : -5.0, (i & 2) != 0 ? 5.0 : -5.0, (i & 4) != 0 ? 0.0 : -3.0);
-  }
-  plate.triangles = {{0, 2, 3},
-                     {0, 3, 1},
-                     {4, 5, 7},
-                     {4, 7, 6},
-                     {0, 1, 5},
-                     {0, 5, 4},
-                     {2, 6, 7},
-                     {2, 7, 3},
-                     {0, 4, 6},
-                     {0, 6, 2},
-                     {1, 3, 7},
-                     {1, 7, 5}};
-  const ImprintedMesh part(plate);
+  const ImprintedMesh part(box_mesh({-5.0, -5.0, -3.0}, {5.0, 5.0, 0.0}));
   for (const DefectType type : {DefectType::kDent,
                                 DefectType::kPit,
                                 DefectType::kScratch,
@@ -313,31 +296,6 @@ TEST(ToolCollection, ToolsImprintAPlateWithTheirVolume) {
     EXPECT_NEAR(result.removed_volume_mm3, is_bump ? -volume : volume, 1e-10);
     EXPECT_EQ(result.seam_loops, 1);
   }
-}
-
-TEST(SampleTools, StandSideBySideOnThePlate) {
-  const std::vector<ToolCollection> collections = {
-      ToolCollection("dents", {.height_mm = {0.01, 0.2}, .diameter_mm = {0.2, 1.0}}),
-      ToolCollection("bumps", {.type = DefectType::kBump}),
-      ToolCollection("stains", {.type = DefectType::kStain}),
-      ToolCollection("scratches", {.type = DefectType::kScratch})};
-  const std::vector<TriangleMesh> tools = sample_tools(collections, 4, 1);
-  ASSERT_EQ(tools.size(), 12U);
-  std::vector<BoundingBox> boxes;
-  for (const TriangleMesh& tool : tools) {
-    EXPECT_EQ(tool_fault(tool), "");
-    boxes.push_back(bounding_box(tool));
-    EXPECT_NEAR(boxes.back().min_mm.z(), 0.0, 1e-12);
-  }
-  for (std::size_t a = 0; a < boxes.size(); ++a) {
-    for (std::size_t b = 0; b < a; ++b) {
-      const bool apart = (boxes[a].min_mm.array() > boxes[b].max_mm.array()).head<2>().any() ||
-                         (boxes[b].min_mm.array() > boxes[a].max_mm.array()).head<2>().any();
-      EXPECT_TRUE(apart) << a << " and " << b;
-    }
-  }
-  // Dents grow to 1 mm and show the side that cuts: their highest point is the one 0.2 mm deep.
-  EXPECT_GT(boxes[3].size_mm().x(), 3.0 * boxes[0].size_mm().x());
 }
 
 }  // namespace

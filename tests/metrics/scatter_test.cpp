@@ -64,6 +64,26 @@ TEST(WithScatter, PixelsOutsideTheRegionDoNotCount) {
   EXPECT_NEAR(with_scatter(score_of(aspect, region), aspect, deviation, region).h_rms, 1.0, 1e-12);
 }
 
+// One pixel at a time beside one at rest: the mean of |x| for a normal number of mean m and
+// deviation d is d sqrt(2 / pi) exp(-m^2 / 2 d^2) + m erf(m / (d sqrt 2)).
+TEST(WithScatter, TheMeanSizeIsThatOfANormalNumber) {
+  const Mask region(2, 1, 1);
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    Rng rng(102, Stream::kTest, i);
+    ImageF aspect(2, 1, 0.5F);
+    ImageF deviation(2, 1);
+    aspect(0, 0) += static_cast<float>(rng.uniform(-0.4, 0.4));
+    deviation(0, 0) = static_cast<float>(rng.uniform(1e-3, 0.3));
+    const Homogeneity plain = score_of(aspect, region);
+    const auto d = static_cast<double>(deviation(0, 0));
+    const double m = std::abs(static_cast<double>(aspect(0, 0)) - plain.mean);
+    const double size = d * std::sqrt(2.0 / kPi) * std::exp(-0.5 * m * m / (d * d)) +
+                        m * std::erf(m / (d * std::sqrt(2.0)));
+    const double expected = plain.h_abs - 0.5 * (size - m) / plain.mean;
+    ASSERT_NEAR(with_scatter(plain, aspect, deviation, region).h_abs, expected, 2e-6) << i;
+  }
+}
+
 // 200 noisy images of 4,096 pixels: their mean is known to about 1e-5.
 TEST(WithScatter, AgreesWithNoisyImages) {
   ImageF aspect(kScatterSide, kScatterSide);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -104,6 +105,28 @@ TEST(Evaluation, LightingAloneTracesNothingAgain) {
   scene.defects[0].second.height_mm = 2.0 * scene.defects[0].second.height_mm.max;
   evaluate(store, scene);
   EXPECT_EQ(store.num_traced(), 2);
+}
+
+// A closed scan's aspect image is right in the region alone; who takes frames gets their mean
+// everywhere: what is written to disk shows the whole picture.
+TEST(Evaluation, TheAspectImageIsThatOfAllFramesWhereTheyAreTaken) {
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  for (const auto method : {RenderSettings::Method::kAuto, RenderSettings::Method::kClosed}) {
+    SceneSettings scene = small_scene();
+    scene.render.method = method;
+    ImageF sum(scene.camera.width_px, scene.camera.height_px);
+    const Evaluation evaluation = evaluate(store, scene, [&](int, const ImageF& grey) {
+      std::ranges::transform(sum.values(), grey.values(), sum.values().begin(), std::plus<float>());
+    });
+    int outside = 0;
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+      const float mean = sum.values()[i] / static_cast<float>(scene.scan.positions);
+      ASSERT_NEAR(evaluation.aspect.values()[i], mean, 1e-5F) << i;
+      outside += evaluation.traced->region.values()[i] == 0 && mean > 0.1F ? 1 : 0;
+    }
+    EXPECT_GT(outside, 0);
+  }
 }
 
 TEST(Evaluation, DentsStandOutUnderAClippingSensorOnly) {

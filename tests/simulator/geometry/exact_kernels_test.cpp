@@ -2,6 +2,7 @@
 #include "simulator/geometry/exact_kernels.h"
 
 #include <array>
+#include <cmath>
 #include <cstring>
 
 #include <gtest/gtest.h>
@@ -19,10 +20,17 @@ struct KernelCase {
   Vector3d on;  ///< a point of the surface, in the scene
 };
 
-/// A patch of each shape that has a kernel, with a point of it.
+/// A patch of each shape, with a point of it.
 std::vector<KernelCase> kernel_cases(Rng& rng) {
   const double a = rng.uniform(-20, 20);
   const double b = rng.uniform(-15, 15);
+  // A point of an involute of base radius 20 at the roll angle T stands at the radius
+  // 20 sqrt(1 + T^2) and has turned by T - atan T.
+  const double roll = rng.uniform(0.05, 0.9);
+  const double hand = rng.uniform() < 0.5 ? -1.0 : 1.0;
+  const double start_rad = rng.uniform(-3.0, 3.0);
+  const double r = 20.0 * std::sqrt(1.0 + roll * roll);
+  const double phi = start_rad + hand * (roll - std::atan(roll));
   const std::vector<std::pair<PatchShape, Vector3d>> shapes = {
       {PlanePatch{}, {a, b, 0.0}},
       {ParaboloidPatch{.radius_along_mm = 800, .radius_across_mm = -80},
@@ -30,7 +38,9 @@ std::vector<KernelCase> kernel_cases(Rng& rng) {
       {ParaboloidPatch{.radius_across_mm = 60}, {a, b, -b * b / 120.0}},
       {SpherePatch{.radius_mm = 40}, {a, b, std::sqrt(1600.0 - a * a - b * b)}},
       {CylinderPatch{.radius_mm = 25}, {a, b, std::sqrt(625.0 - b * b)}},
-      {CylinderPatch{.radius_mm = 25, .is_bore = true}, {a, b, -std::sqrt(625.0 - b * b)}}};
+      {CylinderPatch{.radius_mm = 25, .is_bore = true}, {a, b, -std::sqrt(625.0 - b * b)}},
+      {InvolutePatch{.base_radius_mm = 20, .start_rad = start_rad, .hand = hand},
+       {a, r * std::cos(phi), r * std::sin(phi)}}};
   std::vector<KernelCase> cases;
   for (const auto& [shape, on] : shapes) {
     const ExactPatch patch = {.shape = shape, .scene_from_patch = random_pose(rng)};
@@ -42,6 +52,7 @@ std::vector<KernelCase> kernel_cases(Rng& rng) {
 /// Sixteen numbers of each kind, and what the kernel makes of them.
 struct KernelArrays {
   using Numbers = std::array<double, kExactLanes>;
+  alignas(64) Numbers ox = {}, oy = {}, oz = {};
   alignas(64) Numbers dx = {}, dy = {}, dz = {}, t = {};
   alignas(64) Numbers px = {}, py = {}, pz = {}, nx = {}, ny = {}, nz = {}, found = {};
 
@@ -53,10 +64,15 @@ struct KernelArrays {
   }
 
   void polish(const ExactPatch& patch, const Vector3d& origin, double max_move_mm) {
+    ox.fill(origin.x());
+    oy.fill(origin.y());
+    oz.fill(origin.z());
     polish16(coefficients_of(patch),
-             origin.data(),
              max_move_mm,
-             {.direction_x = dx.data(),
+             {.origin_x = ox.data(),
+              .origin_y = oy.data(),
+              .origin_z = oz.data(),
+              .direction_x = dx.data(),
               .direction_y = dy.data(),
               .direction_z = dz.data(),
               .start_t_mm = t.data(),
@@ -139,8 +155,16 @@ TEST(Polish16, GivesUpBeyondTheAllowedMoveAndOnRaysThatNeverMeet) {
   }
 }
 
-TEST(CoefficientsOf, AnInvoluteHasNoKernel) {
-  EXPECT_EQ(coefficients_of({.shape = InvolutePatch{}}).kind, PatchCoefficients::Kind::kNone);
+// Inside the base circle a flank is a plane through the axis: F = -hand base (phi - start).
+TEST(Polish16, AFlankIsRadialInsideItsBaseCircle) {
+  KernelArrays lanes;
+  for (std::size_t lane = 0; lane < kExactLanes; ++lane) {
+    lanes.set(lane, {0, 0, -1}, 9.9);
+  }
+  lanes.polish({.shape = InvolutePatch{.base_radius_mm = 20}}, {0, 15, 10}, 1.0);
+  EXPECT_EQ(lanes.found[0], 1.0);
+  EXPECT_NEAR(lanes.pz[0], 0.0, 1e-12);
+  EXPECT_NEAR(lanes.nz[0], -1.0, 1e-12);
 }
 
 }  // namespace

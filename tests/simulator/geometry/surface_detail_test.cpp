@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/geometry/surface_detail.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -152,6 +154,54 @@ TEST(SurfaceDetail, WithoutFeaturesIsFlat) {
   const SurfaceDetail detail;
   EXPECT_TRUE(detail.empty());
   EXPECT_EQ(detail.sample({0, 0, 0}, Vector3d::UnitZ()).feature, -1);
+}
+
+// One radius is 2 sigma = 0.4 mm; the edge goes from 0.36 to 0.44 mm. In its middle half is left,
+// at a quarter, 0.38 mm, t = 3/4: 9/16 (3 - 3/2) = 0.84375 of the stain.
+TEST(SurfaceDetail, AStainReflectsLessUpToItsEdge) {
+  HeightFeature stain = dent();
+  stain.height_mm = 0.0;
+  stain.reflectance = 0.6;
+  const SurfaceDetail detail({stain});
+  const auto reflectance = [&](double x_mm) {
+    return detail.sample({x_mm, 0, 0}, Vector3d::UnitZ()).reflectance;
+  };
+  EXPECT_DOUBLE_EQ(reflectance(0.0), 0.6);
+  EXPECT_DOUBLE_EQ(reflectance(0.36), 0.6);
+  EXPECT_NEAR(reflectance(0.38), 1.0 - 0.84375 * 0.4, 1e-12);
+  EXPECT_NEAR(reflectance(0.40), 0.8, 1e-12);
+  EXPECT_DOUBLE_EQ(reflectance(0.44), 1.0);
+  EXPECT_EQ(detail.sample({0.1, 0, 0}, Vector3d::UnitZ()).gradient, Vector3d::Zero());
+  EXPECT_EQ(SurfaceDetail({stain, stain}).sample({0, 0, 0}, Vector3d::UnitZ()).reflectance, 0.36);
+}
+
+// A thousand places further apart than the relief is correlated: the rms scatters by 2 %.
+TEST(SurfaceDetail, ARoughStainHasTheStatedSlopeAlongAnyLine) {
+  HeightFeature stain = dent();
+  stain.height_mm = 0.0;
+  stain.roughness_rad = 0.02;
+  const SurfaceDetail detail({stain});
+  Rng rng(35, Stream::kTest, 0);
+  double squares = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    const Vector3d p(rng.uniform(-0.2, 0.2), rng.uniform(-0.2, 0.2), 0.0);
+    const auto sample = detail.sample(p, Vector3d::UnitZ());
+    squares += std::pow(sample.gradient.dot(Vector3d(0.6, 0.8, 0.0)), 2) / 1000.0;
+    ASSERT_EQ(sample.height_mm, 0.0);
+    ASSERT_EQ(detail.sample(p, Vector3d::UnitZ(), SurfaceDetail::Relief::kWithout).gradient,
+              Vector3d::Zero());
+  }
+  EXPECT_NEAR(std::sqrt(squares), 0.02, 0.002);
+  EXPECT_EQ(detail.sample({0.45, 0, 0}, Vector3d::UnitZ()).gradient, Vector3d::Zero());
+}
+
+TEST(SurfaceDetail, RefusesStainsThatGiveLight) {
+  HeightFeature bright = dent();
+  bright.reflectance = 1.1;
+  EXPECT_THROW(SurfaceDetail({bright}), ConfigError);
+  HeightFeature rough = dent();
+  rough.roughness_rad = -0.1;
+  EXPECT_THROW(SurfaceDetail({rough}), ConfigError);
 }
 
 TEST(SurfaceDetail, RefusesFeaturesWithoutSizeByLabel) {

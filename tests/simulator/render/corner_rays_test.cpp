@@ -432,6 +432,21 @@ TEST(RetraceDetail, IsTheSameBytesAsTracingAStripWithItsDents) {
   EXPECT_LT(traced, with.rays.counts.camera / 2);
 }
 
+TEST(RetraceDetail, IsTheSameBytesAsTracingStainsAndDentsThatOverlap) {
+  std::vector<HeightFeature> features = some_dents(small_strip());
+  for (const std::size_t i : {0U, 3U}) {
+    HeightFeature stain = features[i];
+    stain.id = static_cast<int>(10 + i);
+    stain.height_mm = 0.0;
+    stain.sigma_mm *= 1.5;
+    stain.reflectance = 0.3;
+    stain.roughness_rad = i == 0 ? 5e-3 : 0.0;
+    features.push_back(stain);
+  }
+  retraced_rays(small_strip(), kCornerCamera, features, {});
+  retraced_rays(askew_plate(), kCornerCamera, features, {.reflectance = 0.7});
+}
+
 TEST(RetraceDetail, IsTheSameBytesWhereSilhouettesAreInTheImage) {
   std::vector<HeightFeature> dents = some_dents(askew_plate());
   dents.front().moves_position = true;

@@ -104,8 +104,7 @@ void add_imprint_verb(CLI::App& app, CommandLine& line) {
                line);
   add_sets(*imprint, line.imprint.study);
   imprint->add_option("--out", line.imprint.study.out, "folder for the files")->required();
-  imprint
-      ->add_option("--count", line.imprint.count, "so many parts, in part_0000, part_0001, ...")
+  imprint->add_option("--count", line.imprint.count, "so many parts, in part_0000, part_0001, ...")
       ->check(CLI::Range(1, 1'000'000));
   imprint->add_option("--seed", line.imprint.study.seed, "instead of imprint.seed")
       ->check(CLI::Range(0, std::numeric_limits<int>::max()));

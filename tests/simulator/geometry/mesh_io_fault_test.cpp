@@ -10,8 +10,8 @@
 #include "core/file.h"
 #include "core/rng.h"
 #include "simulator/geometry/mesh_io.h"
-#include "tests/support/temporary_folder.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
+#include "tests/support/temporary_folder.h"
 
 namespace glint {
 namespace {

@@ -8,8 +8,8 @@
 #include "core/error.h"
 #include "core/units.h"
 #include "simulator/geometry/mesh_io.h"
-#include "tests/support/temporary_folder.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
+#include "tests/support/temporary_folder.h"
 
 namespace glint {
 namespace {

@@ -287,13 +287,13 @@ DefectMaker::DefectMaker(std::shared_ptr<const Part> part,
     tools.emplace_back(name, group);
   }
   DefectSampler sampler(*part, *bvh, groups, settings, crease_rad);
-  state_ = std::make_unique<const State>(std::move(part),
-                                         std::move(bvh),
-                                         std::move(groups),
-                                         settings,
-                                         crease_rad,
-                                         std::move(sampler),
-                                         std::move(tools));
+  state_.reset(new State{std::move(part),
+                         std::move(bvh),
+                         std::move(groups),
+                         settings,
+                         crease_rad,
+                         std::move(sampler),
+                         std::move(tools)});
 }
 
 DefectMaker::~DefectMaker() = default;

@@ -8,6 +8,8 @@
 #include <csignal>
 #include <thread>
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "core/image_io.h"

@@ -2,6 +2,7 @@
 //
 // Where normals alone stop being enough, over depth, size and viewing angle. Prints the table of
 // docs/theory/imprint.md.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "studies/realisation.h"

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -12,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/wall_clock.h"
 #include "defects/displacement.h"
 #include "defects/height_defects.h"
 #include "defects/imprint.h"
@@ -29,10 +28,6 @@ constexpr double kPathSteps = 128.0;
 
 /// A path runs on beyond its line's ends by this share of its length, for the tool's own ends.
 constexpr double kPathBeyond = 0.1;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// Another small move of the tool may help; for all other outcomes only another place does.
 bool is_worth_a_jitter(ImprintOutcome outcome) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/keys.h"
+#include "core/wall_clock.h"
 #include "optimizer/replay.h"
 
 namespace glint {
@@ -22,10 +23,6 @@ using Clock = std::chrono::steady_clock;
 constexpr int kMaxIdleAsks = 1000;
 /// A study whose first evaluations all fail is set up wrongly.
 constexpr int kMaxFirstFailures = 10;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 void check_task(const SearchTask& task) {
   const Budget& budget = task.budget;

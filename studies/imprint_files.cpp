@@ -10,6 +10,7 @@
 
 #include "core/file.h"
 #include "core/image_io.h"
+#include "core/wall_clock.h"
 #include "defects/defect_files.h"
 #include "defects/defect_metadata.h"
 
@@ -22,10 +23,6 @@ using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostTiles = 96;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// Defects that are no triangles: by their normals, and stains.
 SurfaceDetail shapeless_detail(const DefectivePart& made) {

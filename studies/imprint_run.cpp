@@ -10,6 +10,7 @@
 
 #include "core/file.h"
 #include "core/rng.h"
+#include "core/wall_clock.h"
 #include "studies/imprint_files.h"
 #include "studies/imprint_folder.h"
 #include "studies/output_folder.h"
@@ -30,10 +31,6 @@ constexpr const char* kIndex = "parts.json";
 
 /// Thrown out of the making of a part.
 struct Interrupted {};
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::string part_name(int part) {
   return fmt::format("part_{:04d}", part);

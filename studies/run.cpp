@@ -10,6 +10,7 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/text.h"
+#include "core/wall_clock.h"
 #include "studies/design_files.h"
 #include "studies/output_folder.h"
 #include "studies/provenance.h"
@@ -22,10 +23,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 Json variables_json(const Study& study, const Point& point) {
   Json json = Json::object();

@@ -8,8 +8,6 @@
 namespace glint {
 namespace {
 
-/// Hits nearer than this belong to the surface the ray leaves.
-constexpr float kMinT_mm = 1e-3F;
 constexpr int kMaxSegments = 32;
 /// Neighbouring rays mostly meet one segment: the others are skipped a chunk at a time.
 constexpr int kChunk = 128;
@@ -115,7 +113,7 @@ GLINT_WIDE void keep_nearest(const RayBlock& rays,
     const float y = y0 + u * (y1 + u * (y2 + u * y3)) - oy[i];
     const float z = z0 + u * (z1 + u * (z2 + u * z3)) - oz[i];
     const float t = (y * dy[i] + z * dz[i]) / (dy[i] * dy[i] + dz[i] * dz[i]);
-    const bool is_hit = (u >= 0.0F) & (t > kMinT_mm) & (t < t_mm[i]);
+    const bool is_hit = (u >= 0.0F) & (t > kNearestHit_mm) & (t < t_mm[i]);
     t_mm[i] = is_hit ? t : t_mm[i];
   }
 }

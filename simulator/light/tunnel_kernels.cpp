@@ -12,9 +12,6 @@
 namespace glint {
 namespace {
 
-/// Hits nearer than this belong to the surface the ray leaves.
-constexpr float kMinT_mm = 1e-3F;
-
 /// 2-logarithm of x > 0 to 2e-7, by the exponent and a series in (m - 1) / (m + 1).
 __attribute__((always_inline)) inline float log2_fast(float x) {
   const auto bits = std::bit_cast<std::int32_t>(x);
@@ -74,7 +71,7 @@ GLINT_WIDE void hit_flat(const RayBlock& rays,
       const float s = (oy[i] + t * dy[i] - sy) * ay + (oz[i] + t * dz[i] - sz) * az;
       // Bitwise: short-circuit tests would keep the loop from being vectorised.
       const bool is_hit =
-          (slope > 0.0F) & (t > kMinT_mm) & (t < t_mm[i]) & (s >= 0.0F) & (s <= length);
+          (slope > 0.0F) & (t > kNearestHit_mm) & (t < t_mm[i]) & (s >= 0.0F) & (s <= length);
       t_mm[i] = is_hit ? t : t_mm[i];
     }
   }
@@ -100,7 +97,7 @@ GLINT_WIDE void hit_flat_lines(const RayBlock& rays,
     for (int i = 0; i < count; ++i) {
       const float slope = ny * dy[i] + nz * dz[i];
       const float t = (offset - ny * oy[i] - nz * oz[i]) / slope;
-      const bool is_hit = (slope > 0.0F) & (t > kMinT_mm) & (t < t_mm[i]);
+      const bool is_hit = (slope > 0.0F) & (t > kNearestHit_mm) & (t < t_mm[i]);
       t_mm[i] = is_hit ? t : t_mm[i];
     }
   }
@@ -146,7 +143,7 @@ GLINT_WIDE void hit_ellipse(const RayBlock& rays,
     const float discriminant = b * b - a * c;
     const float t = (std::sqrt(discriminant > 0.0F ? discriminant : 0.0F) - b) / a;
     const bool is_hit =
-        (discriminant > 0.0F) & (a > 0.0F) & (t > kMinT_mm) & (pz + t * vz >= lowest);
+        (discriminant > 0.0F) & (a > 0.0F) & (t > kNearestHit_mm) & (pz + t * vz >= lowest);
     t_mm[i] = is_hit ? t : kNoHit_mm;
   }
 }
@@ -179,7 +176,7 @@ GLINT_WIDE void meet_ellipse(const RayBlock& rays,
     const float discriminant = b * b - a * c;
     const float root = (std::sqrt(discriminant > 0.0F ? discriminant : 0.0F) - b) / a;
     const bool is_hit =
-        (discriminant > 0.0F) & (a > 0.0F) & (root > kMinT_mm) & (pz + root * vz >= -2.0F);
+        (discriminant > 0.0F) & (a > 0.0F) & (root > kNearestHit_mm) & (pz + root * vz >= -2.0F);
     const float t = is_hit ? root : 0.0F;
     x_mm[i] = ox[i] + t * dx[i];
     y_mm[i] = oy[i] + t * dy[i];
@@ -250,7 +247,7 @@ GLINT_WIDE static void superellipse_check(const RayBlock& rays,
   const float* __restrict dz = rays.direction_z;
   for (int i = 0; i < rays.count; ++i) {
     const float t = t_mm[i];
-    const bool is_hit = (dy[i] * dy[i] + dz[i] * dz[i] > 0.0F) & (t > kMinT_mm) & (t < 1e6F) &
+    const bool is_hit = (dy[i] * dy[i] + dz[i] * dz[i] > 0.0F) & (t > kNearestHit_mm) & (t < 1e6F) &
                         (oz[i] + t * dz[i] >= base_mm);
     t_mm[i] = is_hit ? t : kNoHit_mm;
   }

@@ -10,6 +10,9 @@ namespace glint {
 /// A ray that meets nothing has this t.
 inline constexpr float kNoHit_mm = 1e30F;
 
+/// Hits nearer than this belong to the surface the ray leaves.
+inline constexpr float kNearestHit_mm = 1e-3F;
+
 /// Rays as separate arrays; directions have any length.
 struct RayBlock {
   const float* origin_x = nullptr;

@@ -13,6 +13,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "core/wall_clock.h"
 #include "metrics/homogeneity.h"
 #include "studies/evaluation.h"
 
@@ -83,10 +84,6 @@ float read_all(const RayCache& rays) {
     }
   }
   return sum;
-}
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 /// The best of a few: what disturbs a machine only makes it slower.

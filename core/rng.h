@@ -7,7 +7,16 @@
 namespace glint {
 
 /// What a random number is used for; streams of one seed are independent.
-enum class Stream : std::uint32_t { kShotNoise = 1, kReadNoise, kSearch, kDefects, kTest, kLight };
+enum class Stream : std::uint32_t {
+  kShotNoise = 1,
+  kReadNoise,
+  kSearch,
+  kDefects,
+  kTest,
+  kLight,
+  kAspectNoise,
+  kResampling
+};
 
 /// Philox 4x32-10: a keyed bijection from a 128-bit counter to 128 random bits.
 ///

@@ -123,7 +123,8 @@ const std::vector<std::string>& scene_tables() {
                                                  "lighting",
                                                  "defects",
                                                  "imprint",
-                                                 "metrics"};
+                                                 "metrics",
+                                                 "inspection"};
   return names;
 }
 
@@ -139,6 +140,7 @@ SceneSettings read_scene(const ConfigNode& root, std::vector<std::string>& error
   read_defects(root, scene, errors);
   read_table(root, "imprint", scene.imprint, errors);
   read_table(root, "metrics", scene.metrics, errors);
+  read_table(root, "inspection", scene.inspection, errors);
   return scene;
 }
 
@@ -169,6 +171,7 @@ ConfigNode write_scene(const SceneSettings& scene) {
   root.items.push_back(std::move(defects));
   write_table(root, "imprint", scene.imprint);
   write_table(root, "metrics", scene.metrics);
+  write_table(root, "inspection", scene.inspection);
   return root;
 }
 
@@ -184,6 +187,7 @@ std::vector<KeyRow> scene_keys() {
   list_table("defects.dent", DefectGroup{}, rows);
   list_table("imprint", ImprintSettings{}, rows);
   list_table("metrics", MetricsSettings{}, rows);
+  list_table("inspection", InspectionSettings{}, rows);
   return rows;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // A scene as its file describes it: part, camera, viewpoint, sensor, scan, render, lighting,
-// defects, imprint, metrics. Plain settings; traced_scene.h turns them into something that can be
-// rendered.
+// defects, imprint, metrics, inspection. Plain settings; traced_scene.h turns them into something
+// that can be rendered.
 #pragma once
 
 #include <string>
@@ -12,6 +12,7 @@
 #include "core/config.h"
 #include "core/keys.h"
 #include "defects/defect_settings.h"
+#include "metrics/inspection/inspection_settings.h"
 #include "metrics/settings.h"
 #include "simulator/camera/camera_settings.h"
 #include "simulator/geometry/part.h"
@@ -34,6 +35,7 @@ struct SceneSettings {
   std::vector<NamedGroup> defects;  ///< in file order
   ImprintSettings imprint;          ///< what holds for all of them
   MetricsSettings metrics;
+  InspectionSettings inspection;
 };
 
 /// Names of the top-level tables of a scene.

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Numbers with their intervals. Formulas and sources: docs/theory/statistics.md.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+
+namespace glint {
+
+/// A value and the interval that holds the truth with a stated confidence.
+struct Estimate {
+  double value = 0.0;
+  double low = 0.0;
+  double high = 0.0;
+};
+
+/// Standard normal distribution. @param probability  in (0, 1)
+double normal_cdf(double x);
+double normal_quantile(double probability);
+
+/// Of Student's t with so many degrees of freedom (>= 1). @param probability  in (0, 1)
+double t_quantile(double probability, double freedom);
+
+/// A rate of hits, with Wilson's score interval. @param trials  >= 1
+Estimate wilson(std::int64_t hits, std::int64_t trials, double confidence = 0.95);
+
+/// Events per trial, with Garwood's exact interval. @param trials  > 0
+Estimate poisson_rate(std::int64_t events, double trials, double confidence = 0.95);
+
+/// The mean of independent values, with Student's interval. @param values  at least two
+Estimate mean_of(std::span<const double> values, double confidence = 0.95);
+
+/// Any figure of n things, with the bias-corrected and accelerated bootstrap interval (Efron 1987).
+/// @param figure     of the things at the given indices, each in [0, n)
+/// @param resamples  >= 100
+Estimate bootstrap(std::size_t n,
+                   const std::function<double(std::span<const std::size_t>)>& figure,
+                   int resamples,
+                   std::uint64_t seed,
+                   double confidence = 0.95);
+
+}  // namespace glint

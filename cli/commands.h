@@ -59,6 +59,21 @@ struct ImprintArguments {
 
 int imprint_command(const ImprintArguments& arguments, const CommonArguments& common);
 
+struct InspectArguments {
+  std::vector<std::filesystem::path> inputs;  ///< pictures of one part, folders, run directories
+  std::filesystem::path out;
+  bool is_each = false;
+  std::filesystem::path mask;
+  std::filesystem::path reference_mask;
+  std::vector<std::filesystem::path> settings;
+  std::vector<std::string> sets;  ///< "inspection.key=value"
+  std::vector<std::filesystem::path> flawless;
+  std::filesystem::path labels;
+  bool is_learning = false;
+};
+
+int inspect_command(const InspectArguments& arguments, const CommonArguments& common);
+
 struct ReportArguments {
   std::vector<std::filesystem::path> runs;
   std::filesystem::path out;
@@ -87,6 +102,9 @@ struct NewArguments {
 };
 
 int new_command(const NewArguments& arguments, const CommonArguments& common);
+
+/// --set arguments in two. @throws ConfigError for one without "="
+std::vector<KeyValue> key_values(const std::vector<std::string>& sets);
 
 /// Reads a study as the arguments say.
 Study load_study(const StudyArguments& arguments);

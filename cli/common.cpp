@@ -8,15 +8,20 @@
 
 namespace glint {
 
-Study load_study(const StudyArguments& arguments) {
-  std::vector<KeyValue> sets;
-  for (const std::string& set : arguments.sets) {
+std::vector<KeyValue> key_values(const std::vector<std::string>& sets) {
+  std::vector<KeyValue> values;
+  for (const std::string& set : sets) {
     const auto equals = set.find('=');
     if (equals == std::string::npos || equals == 0) {
       throw ConfigError(fmt::format("--set {}: must be key=value", set));
     }
-    sets.push_back({.path = set.substr(0, equals), .value = set.substr(equals + 1)});
+    values.push_back({.path = set.substr(0, equals), .value = set.substr(equals + 1)});
   }
+  return values;
+}
+
+Study load_study(const StudyArguments& arguments) {
+  std::vector<KeyValue> sets = key_values(arguments.sets);
   if (arguments.seed) {
     sets.push_back({.path = "search.seed", .value = fmt::format("{}", *arguments.seed)});
   }

@@ -24,6 +24,7 @@ struct CommandLine {
   CommonArguments common;
   StudyArguments study;
   ImprintArguments imprint;
+  InspectArguments inspect;
   ReportArguments report;
   PartArguments part;
   NewArguments fresh;
@@ -113,6 +114,39 @@ void add_imprint_verb(CLI::App& app, CommandLine& line) {
       "--preview_tools", line.imprint.is_preview_of_tools, "draw the tools, make no part");
 }
 
+void add_inspect_verb(CLI::App& app, CommandLine& line) {
+  InspectArguments& arguments = line.inspect;
+  CLI::App* inspect = add_verb(app,
+                               "inspect",
+                               "find the defects in pictures of parts, and grade the parts",
+                               "glint inspect out/tunnel_shape --out out/inspected\n"
+                               "  glint inspect part/frame_*.png --mask part.png --out out/part "
+                               "--set inspection.threshold_sigmas=8",
+                               line);
+  inspect
+      ->add_option("IMAGES|RUN",
+                   arguments.inputs,
+                   "pictures of one part; or folders of pictures, a part each; or a run's folder")
+      ->required();
+  inspect->add_option("--out", arguments.out, "folder for the results")->required();
+  inspect->add_flag("--each", arguments.is_each, "every picture is a part of its own");
+  inspect->add_option("--mask", arguments.mask, "picture that is bright where the part is");
+  inspect->add_option("--reference_mask",
+                      arguments.reference_mask,
+                      "mask of such a part in another place: laid onto each part's silhouette");
+  inspect->add_option("--settings", arguments.settings, "TOML file with a table [inspection]")
+      ->allow_extra_args(false);
+  inspect->add_option("--set", arguments.sets, "inspection.key=value: overrides a setting")
+      ->allow_extra_args(false);
+  inspect->add_option("--flawless",
+                      arguments.flawless,
+                      "folders of flawless parts, for the setting threshold = \"false_alarms\"");
+  inspect->add_option("--labels", arguments.labels, "CSV file: part,grade as a person gave it");
+  inspect->add_flag("--learn",
+                    arguments.is_learning,
+                    "learn the limits of the classes from the labels, write grading.toml");
+}
+
 void add_other_verbs(CLI::App& app, CommandLine& line) {
   CLI::App* report = add_verb(app,
                               "report",
@@ -182,6 +216,9 @@ int dispatch(const CLI::App& app, const CommandLine& line) {
   if (app.got_subcommand("imprint")) {
     return imprint_command(line.imprint, line.common);
   }
+  if (app.got_subcommand("inspect")) {
+    return inspect_command(line.inspect, line.common);
+  }
   if (app.got_subcommand("report")) {
     return report_command(line.report, line.common);
   }
@@ -239,6 +276,7 @@ int run_program(int argc, char** argv) {
   line.common.threads = hardware_threads();
   add_study_verbs(app, line);
   add_imprint_verb(app, line);
+  add_inspect_verb(app, line);
   add_other_verbs(app, line);
   try {
     app.parse(argc, argv);

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "studies/population_report.h"
 
 namespace glint {
 namespace {
@@ -92,6 +93,7 @@ std::string summary(const Json& result) {
       text += fmt::format("  {} = {}\n", name, value.dump());
     }
   }
+  text += population_summary(result);
   return text + fmt::format("report: {}\n", result["report"].get<std::string>());
 }
 
@@ -135,10 +137,13 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
   for (const Json& name : result["idle_variables"]) {
     text += fmt::format("  warning: {} changes nothing in this scene\n", name.get<std::string>());
   }
-  text += fmt::format("{:.3f} s an evaluation, about {} for {} evaluations\n",
-                      result["seconds_per_evaluation"].get<double>(),
-                      duration_text(result["predicted_s"].get<double>()),
-                      result["evaluations"].get<int>());
+  text += study.has_population()
+              ? fmt::format("about {} for the parts of the study\n",
+                            duration_text(result["predicted_s"].get<double>()))
+              : fmt::format("{:.3f} s an evaluation, about {} for {} evaluations\n",
+                            result["seconds_per_evaluation"].get<double>(),
+                            duration_text(result["predicted_s"].get<double>()),
+                            result["evaluations"].get<int>());
   print_result(common, result, text);
   return kExitDone;
 }

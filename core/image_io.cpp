@@ -3,8 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
+#include <fstream>
 #include <limits>
+#include <memory>
+#include <span>
+#include <type_traits>
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -22,6 +27,15 @@ using OIIO::ImageOutput;
 using OIIO::ImageSpec;
 using OIIO::TypeDesc;
 
+/// What OpenImageIO says may have several lines.
+std::string one_line(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) {
+    text.pop_back();
+  }
+  std::ranges::replace(text, '\n', ' ');
+  return text;
+}
+
 template <class Code>
 std::vector<Code> to_codes(const ImageF& image) {
   constexpr auto kMax = static_cast<float>(std::numeric_limits<Code>::max());
@@ -34,8 +48,8 @@ std::vector<Code> to_codes(const ImageF& image) {
 }
 
 /// A specification without time stamps: equal pixels give equal bytes.
-ImageSpec stable_spec(int width, int height, const TypeDesc& type) {
-  ImageSpec spec(width, height, 1, type);
+ImageSpec stable_spec(int width, int height, const TypeDesc& type, int channels = 1) {
+  ImageSpec spec(width, height, channels, type);
   spec.attribute("DateTime", "2000:01:01 00:00:00");
   spec.attribute("oiio:ColorSpace", "Linear");
   return spec;
@@ -57,6 +71,147 @@ std::string packed_png(const ImageSpec& spec, const void* pixels) {
 template <class Code>
 std::string packed_png(const ImageF& image, const TypeDesc& type) {
   return packed_png(stable_spec(image.width(), image.height(), type), to_codes<Code>(image).data());
+}
+
+/// What read_picture() knows, by the first bytes of a file; no other reader shall see it.
+struct Format {
+  std::string_view first_bytes;
+  const char* reader;
+};
+
+using namespace std::string_view_literals;
+
+constexpr std::array<Format, 14> kFormats = {{{"\x89PNG\r\n\x1a\n"sv, "png"},
+                                              {"\xff\xd8\xff"sv, "jpeg"},
+                                              {"II*\0"sv, "tiff"},
+                                              {"MM\0*"sv, "tiff"},
+                                              {"II+\0"sv, "tiff"},
+                                              {"MM\0+"sv, "tiff"},
+                                              {"BM"sv, "bmp"},
+                                              {"P1"sv, "pnm"},
+                                              {"P2"sv, "pnm"},
+                                              {"P3"sv, "pnm"},
+                                              {"P4"sv, "pnm"},
+                                              {"P5"sv, "pnm"},
+                                              {"P6"sv, "pnm"},
+                                              {"\x76\x2f\x31\x01"sv, "openexr"}}};
+
+std::string first_bytes_of(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) {
+    throw IoError(path.string() + ": is a folder, not a picture");
+  }
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(8, '\0');
+  if (!file) {
+    throw IoError(
+        fmt::format("{}: the picture cannot be read: {}", path.string(), last_system_error()));
+  }
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  return bytes;
+}
+
+std::unique_ptr<ImageInput> open_picture(const fs::path& path) {
+  const std::string bytes = first_bytes_of(path);
+  const auto* const format = std::ranges::find_if(
+      kFormats, [&](const Format& known) { return bytes.starts_with(known.first_bytes); });
+  if (format == kFormats.end()) {
+    throw ConfigError(path.string() +
+                      ": is no picture; allowed are PNG, JPEG, TIFF, BMP, PNM and OpenEXR");
+  }
+  std::unique_ptr<ImageInput> input = ImageInput::create(format->reader);
+  GLINT_CHECK(input != nullptr, "OpenImageIO has a reader of each format");
+  ImageSpec wish;
+  wish.attribute("oiio:UnassociatedAlpha", 1);  // colours stay as they are under alpha
+  ImageSpec spec;
+  if (!input->open(path.string(), spec, wish)) {
+    throw ConfigError(
+        fmt::format("{}: the picture is damaged: {}", path.string(), one_line(input->geterror())));
+  }
+  return input;
+}
+
+void check_size(const ImageSpec& spec, const fs::path& path) {
+  if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0) {
+    throw ConfigError(path.string() + ": the picture holds no pixel");
+  }
+  const std::int64_t pixels = static_cast<std::int64_t>(spec.width) * spec.height;
+  if (spec.depth > 1 || pixels > kMostPixels || pixels * spec.nchannels > 4 * kMostPixels) {
+    throw ConfigError(fmt::format("{}: {} x {} pixels with {} channels are more than is allowed",
+                                  path.string(),
+                                  spec.width,
+                                  spec.height,
+                                  spec.nchannels));
+  }
+}
+
+/// Weights of the file's channels in the one that is kept.
+std::vector<float> channel_weights(const ImageSpec& spec, int& colours) {
+  std::vector<std::size_t> kept;
+  for (int i = 0; i < spec.nchannels; ++i) {
+    if (i != spec.alpha_channel && i != spec.z_channel) {
+      kept.push_back(static_cast<std::size_t>(i));
+    }
+  }
+  colours = static_cast<int>(kept.size());
+  std::vector<float> weights(static_cast<std::size_t>(spec.nchannels), 0.0F);
+  if (kept.size() >= 3) {
+    weights[kept[0]] = 0.2126F;
+    weights[kept[1]] = 0.7152F;
+    weights[kept[2]] = 0.0722F;
+  } else {
+    weights[kept.empty() ? 0 : kept[0]] = 1.0F;
+  }
+  return weights;
+}
+
+/// All channels of the first picture, interleaved.
+template <class Value>
+std::vector<Value> read_values(ImageInput& input, const TypeDesc& type, const fs::path& path) {
+  const ImageSpec& spec = input.spec();
+  std::vector<Value> values(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
+  if (!input.read_image(0, 0, 0, spec.nchannels, type, values.data())) {
+    throw ConfigError(fmt::format(
+        "{}: the picture is damaged or cut short: {}", path.string(), one_line(input.geterror())));
+  }
+  return values;
+}
+
+template <class Code>
+Image<Code> read_codes(ImageInput& input, const TypeDesc& type, const fs::path& path) {
+  const ImageSpec spec = input.spec();
+  Image<Code> image(spec.width, spec.height);
+  const std::vector<Code> values = read_values<Code>(input, type, path);
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    image.values()[i] = values[i * static_cast<std::size_t>(spec.nchannels)];
+  }
+  return image;
+}
+
+ImageF read_weighted(ImageInput& input, std::span<const float> weights, const fs::path& path) {
+  ImageF image(input.spec().width, input.spec().height);
+  const std::vector<float> values = read_values<float>(input, TypeDesc::FLOAT, path);
+  const float* at = values.data();
+  for (float& grey : image.values()) {
+    float sum = 0.0F;
+    for (const float weight : weights) {
+      // A channel that is left out may hold anything.
+      sum += weight != 0.0F ? weight * *at : 0.0F;
+      ++at;
+    }
+    grey = sum;
+  }
+  return image;
+}
+
+/// JPEG readers fill up what is missing; the end of a whole file is marked.
+void check_jpeg_end(const fs::path& path) {
+  const std::string bytes = read_file(path);
+  if (bytes.rfind("\xff\xd9"sv) == std::string::npos) {
+    throw ConfigError(path.string() + ": the picture is cut short: its end is missing");
+  }
 }
 
 }  // namespace
@@ -109,6 +264,53 @@ ImageF read_image(const fs::path& path) {
         fmt::format("{}: cannot be read as a picture: {}", path.string(), input->geterror()));
   }
   return image;
+}
+
+Picture read_picture(const fs::path& path) {
+  const std::unique_ptr<ImageInput> input = open_picture(path);
+  const ImageSpec spec = input->spec();
+  check_size(spec, path);
+  if (std::string_view(input->format_name()) == "jpeg") {
+    check_jpeg_end(path);
+  }
+  Picture picture;
+  const std::vector<float> weights = channel_weights(spec, picture.channels);
+  picture.is_float = spec.format.is_floating_point();
+  picture.bits = picture.is_float ? 32 : static_cast<int>(8 * spec.format.basesize());
+  const bool is_first_channel = weights[0] == 1.0F;
+  if (is_first_channel && spec.format == TypeDesc::UINT8) {
+    picture.pixels = read_codes<std::uint8_t>(*input, TypeDesc::UINT8, path);
+  } else if (is_first_channel && spec.format == TypeDesc::UINT16) {
+    picture.pixels = read_codes<std::uint16_t>(*input, TypeDesc::UINT16, path);
+  } else {
+    picture.pixels = read_weighted(*input, weights, path);
+  }
+  picture.has_more = input->seek_subimage(1, 0);
+  return picture;
+}
+
+ImageF linear_values(const Pixels& pixels) {
+  return std::visit(
+      [](const auto& image) {
+        using Value = std::decay_t<decltype(image(0, 0))>;
+        ImageF linear(image.width(), image.height());
+        std::ranges::transform(image.values(), linear.values().begin(), [](Value value) {
+          if constexpr (std::is_integral_v<Value>) {
+            constexpr auto kMax = static_cast<float>(std::numeric_limits<Value>::max());
+            return static_cast<float>(value) / kMax;
+          } else {
+            return value;
+          }
+        });
+        return linear;
+      },
+      pixels);
+}
+
+std::string png_bytes(const ImageRgb& image) {
+  ImageSpec spec = stable_spec(image.width(), image.height(), TypeDesc::UINT8, 3);
+  spec.attribute("png:compressionLevel", 6);
+  return packed_png(spec, image.values().data());
 }
 
 std::string png_bytes(const ImageF& image) {

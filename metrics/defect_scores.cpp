@@ -79,6 +79,35 @@ double mean_change(const ImageF& image,
   return sum / static_cast<double>(pixels.size());
 }
 
+/// Of two sets of pixels together: standard deviation / mean.
+double rms_contrast(const ImageF& image, const DefectPixels& defect, double floor) {
+  const auto inside = static_cast<double>(defect.inside.size());
+  const auto ring = static_cast<double>(defect.ring.size());
+  const double share = inside / (inside + ring);
+  const double mean =
+      share * mean_of(image, defect.inside) + (1.0 - share) * mean_of(image, defect.ring);
+  const double variance = share * variance_of(image, defect.inside, mean) +
+                          (1.0 - share) * variance_of(image, defect.ring, mean);
+  return std::sqrt(variance) / std::max(mean, floor);
+}
+
+/// Marks the pixels that differ by as much and gives the number of all marked yet.
+double mark_changed(const ImageF& image,
+                    const std::vector<std::size_t>& pixels,
+                    const std::vector<float>& flawless,
+                    double least_change,
+                    std::vector<bool>& has_changed) {
+  double marked = 0.0;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const auto value = static_cast<double>(image.values()[pixels[i]]);
+    if (std::abs(value - static_cast<double>(flawless[i])) >= least_change) {
+      has_changed[i] = true;
+    }
+    marked += has_changed[i] ? 1.0 : 0.0;
+  }
+  return marked;
+}
+
 struct Window {
   double lowest = 0.0;
   double highest = 0.0;
@@ -132,7 +161,8 @@ DefectScores score(const ImageF& image,
           .cnr = std::abs(difference) / sigma,
           .peak = peak_deviation(image, defect.inside, background) / denominator,
           .dprime = std::sqrt(std::max(window.energy - noise_energy, 0.0)) / sigma,
-          .signature = window.far_pixels / defect.area_px};
+          .signature = window.far_pixels / defect.area_px,
+          .rms_contrast = rms_contrast(image, defect, sigma_floor)};
 }
 
 }  // namespace
@@ -183,7 +213,10 @@ DefectSummary summarise(std::span<const DefectScores> scores) {
                        .min_weber = std::abs(scores[0].weber),
                        .min_dprime = scores[0].dprime,
                        .min_signature = scores[0].signature,
-                       .min_change = scores[0].change};
+                       .min_change = scores[0].change,
+                       .min_rms_contrast = scores[0].rms_contrast,
+                       .min_best_frame = scores[0].best_frame,
+                       .min_union = scores[0].union_area};
   for (const DefectScores& defect : scores) {
     result.min_cnr = std::min(result.min_cnr, defect.cnr);
     result.min_weber = std::min(result.min_weber, std::abs(defect.weber));
@@ -192,13 +225,25 @@ DefectSummary summarise(std::span<const DefectScores> scores) {
     result.min_signature = std::min(result.min_signature, defect.signature);
     result.min_change = std::min(result.min_change, defect.change);
     result.mean_change += defect.change / static_cast<double>(scores.size());
+    result.min_rms_contrast = std::min(result.min_rms_contrast, defect.rms_contrast);
+    result.min_best_frame = std::min(result.min_best_frame, defect.best_frame);
+    result.min_union = std::min(result.min_union, defect.union_area);
   }
   return result;
 }
 
-BestFrames::BestFrames(std::span<const DefectPixels> defects, double mean_floor)
-    : defects_(defects), mean_floor_(mean_floor), best_(defects.size()) {
+BestFrames::BestFrames(std::span<const DefectPixels> defects,
+                       double mean_floor,
+                       double least_change)
+    : defects_(defects),
+      mean_floor_(mean_floor),
+      least_change_(least_change),
+      best_(defects.size()) {
   GLINT_CHECK(mean_floor > 0.0, "a floor of zero divides by zero");
+  GLINT_CHECK(least_change > 0.0, "no change at all is no change");
+  for (const DefectPixels& defect : defects) {
+    has_changed_.emplace_back(defect.inside.size());
+  }
 }
 
 void BestFrames::add(const ImageF& frame, std::span<const std::vector<float>> flawless) {
@@ -214,7 +259,10 @@ void BestFrames::add(const ImageF& frame, std::span<const std::vector<float>> fl
       best.frame = frames_;
     }
     if (!flawless.empty()) {
-      best.change = std::max(best.change, mean_change(frame, defects_[k].inside, flawless[k]));
+      const std::vector<std::size_t>& inside = defects_[k].inside;
+      best.change = std::max(best.change, mean_change(frame, inside, flawless[k]));
+      best.union_area = mark_changed(frame, inside, flawless[k], least_change_, has_changed_[k]) /
+                        defects_[k].area_px;
     }
   }
   ++frames_;

@@ -34,15 +34,17 @@ std::vector<DefectPixels> defect_pixels(std::span<const DefectView> defects,
 /// Scores of one defect in one image.
 struct DefectScores {
   std::string label;
-  double weber = 0.0;      ///< (mean_D - mean_B) / mean_B; signed
-  double michelson = 0.0;  ///< (max - min) / (max + min) over W; in [0, 1]
-  double cnr = 0.0;        ///< |mean_D - mean_B| / sigma_B
-  double peak = 0.0;       ///< (f - mean_B) / mean_B where |f - mean_B| is largest in D; signed
-  double dprime = 0.0;     ///< sqrt(max(0, sum_W (f - mean_B)^2 - |W| s_B^2)) / sigma_B
-  double signature = 0.0;  ///< pixels of W far from mean_B, over the true area
+  double weber = 0.0;         ///< (mean_D - mean_B) / mean_B; signed
+  double michelson = 0.0;     ///< (max - min) / (max + min) over W; in [0, 1]
+  double cnr = 0.0;           ///< |mean_D - mean_B| / sigma_B
+  double peak = 0.0;          ///< (f - mean_B) / mean_B where |f - mean_B| is largest in D; signed
+  double dprime = 0.0;        ///< sqrt(max(0, sum_W (f - mean_B)^2 - |W| s_B^2)) / sigma_B
+  double signature = 0.0;     ///< pixels of W far from mean_B, over the true area
+  double rms_contrast = 0.0;  ///< standard deviation over D and B together, over their mean
   // Of single frames, from BestFrames:
   double best_frame = 0.0;  ///< largest |mean_D - mean_B|, share of full scale
   double change = 0.0;      ///< largest mean_D |f - flawless f|, share of full scale
+  double union_area = 0.0;  ///< pixels of D that change in any frame, over the true area
 };
 
 /// Scores every defect.
@@ -66,6 +68,9 @@ struct DefectSummary {
   double min_signature = 0.0;
   double min_change = 0.0;
   double mean_change = 0.0;
+  double min_rms_contrast = 0.0;
+  double min_best_frame = 0.0;
+  double min_union = 0.0;
 };
 
 /// Empty for no defects.
@@ -77,9 +82,12 @@ DefectSummary summarise(std::span<const DefectScores> scores);
 /// surface does not. With stripes of full contrast the change is the share of D that has flipped.
 class BestFrames {
  public:
-  /// @param mean_floor  > 0; denominator of the contrast where the background is darker
-  /// @param defects     must outlive this object
-  explicit BestFrames(std::span<const DefectPixels> defects, double mean_floor = 0.01);
+  /// @param defects       must outlive this object
+  /// @param mean_floor    > 0; denominator of the contrast where the background is darker
+  /// @param least_change  > 0; of a pixel in one frame, share of full scale; below it is noise
+  explicit BestFrames(std::span<const DefectPixels> defects,
+                      double mean_floor = 0.01,
+                      double least_change = 0.02);
 
   /// Frames in scan order.
   /// @param flawless  for each defect the values its own pixels (DefectPixels::inside, in their
@@ -91,6 +99,7 @@ class BestFrames {
     double difference = 0.0;  ///< largest |mean_D - mean_B| of any frame, share of full scale
     int frame = -1;           ///< the first frame with that difference; -1: no frame yet
     double change = 0.0;      ///< largest mean over D of |f - flawless f| of any frame
+    double union_area = 0.0;  ///< pixels of D that changed in any frame yet, over the true area
   };
 
   /// One for each defect, in their order.
@@ -99,7 +108,9 @@ class BestFrames {
  private:
   std::span<const DefectPixels> defects_;
   double mean_floor_;
+  double least_change_;
   int frames_ = 0;
+  std::vector<std::vector<bool>> has_changed_;  ///< for each defect, of its own pixels
   std::vector<Best> best_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,9 @@ namespace glint {
 namespace {
 
 constexpr std::string_view kLabel = "<label>";
+constexpr std::string_view kGroup = "<group>";
+constexpr std::string_view kLow = ".low";
+constexpr std::string_view kHigh = ".high";
 
 constexpr std::array kDocs = {
     ScoreDoc{
@@ -25,6 +29,22 @@ constexpr std::array kDocs = {
     ScoreDoc{"homogeneity.clipped_share",
              "share of the flawless region at full scale in every frame, where nothing can show"},
     ScoreDoc{"homogeneity.lit_share", "share of the flawless region that light reaches"},
+    ScoreDoc{"homogeneity.u0",
+             "smallest 3 x 3 mean / mean of the aspect image over the flawless region; 1 is even"},
+    ScoreDoc{"homogeneity.residual",
+             "1 - standard deviation / mean of aspect image / its shading, a Gaussian of "
+             "metrics.shading_diameters; what software cannot take off"},
+    ScoreDoc{"homogeneity.low_share",
+             "share of the aspect image's variance at wavelengths above four defect diameters, "
+             "which software can take off"},
+    ScoreDoc{"homogeneity.high_share",
+             "share of the aspect image's variance at wavelengths below four defect diameters, "
+             "which raises false alarms"},
+    ScoreDoc{"homogeneity.worst_region",
+             "smallest h_rms of metrics.regions times as many tiles of the flawless region"},
+    ScoreDoc{"homogeneity.ripple",
+             "amplitude at the harmonics of the stripes, left in the aspect image along the rows, "
+             "/ mean; 0 is best"},
     ScoreDoc{"fringe.regularity",
              "coefficient of variation of the stripe spacing along the rows; 0 is regular"},
     ScoreDoc{"fringe.period_px", "mean stripe spacing along the rows in pixels"},
@@ -41,6 +61,9 @@ constexpr std::array kDocs = {
     ScoreDoc{"defects.min_signature", "smallest signature area ratio of any defect"},
     ScoreDoc{"defects.min_change", "smallest change of any defect: what the worst one shows"},
     ScoreDoc{"defects.mean_change", "mean change of the defects"},
+    ScoreDoc{"defects.min_rms_contrast", "smallest RMS contrast of any defect"},
+    ScoreDoc{"defects.min_best_frame", "smallest best_frame of any defect"},
+    ScoreDoc{"defects.min_union", "smallest union of any defect"},
     ScoreDoc{
         "defects.<label>.cnr",
         "|mean of the defect - mean of its background| / standard deviation of the background"},
@@ -58,36 +81,91 @@ constexpr std::array kDocs = {
     ScoreDoc{"defects.<label>.change",
              "largest mean |frame - the same frame of the flawless part| over the defect, share of "
              "full scale; under stripes of full contrast the share of its area that flips"},
+    ScoreDoc{"defects.<label>.rms_contrast",
+             "standard deviation over the defect and its background together / their mean"},
+    ScoreDoc{"defects.<label>.union",
+             "area of the defect that changes visibly against the flawless part in any frame / "
+             "true area of the defect"},
     ScoreDoc{"view.hidden_share", "share of the part's pixels the wall hides from the camera"},
     ScoreDoc{"view.slot_margin_mm",
              "smallest distance of a sight line to the flawless region from the edge of the camera "
              "slot, across the tunnel; negative: the wall hides some of it"},
+    ScoreDoc{"inspection.detection_rate", "share of the defects that the inspection finds"},
+    ScoreDoc{"inspection.false_alarms", "blobs found on a flawless part, on average"},
+    ScoreDoc{"inspection.threshold",
+             "threshold of the response that the inspection took, share of full scale"},
+    ScoreDoc{"inspection.region_share",
+             "share of the part, without its rim, that is lit and even enough to be inspected"},
+    ScoreDoc{"inspection.auc",
+             "probability that the largest |response| about a defect exceeds that of the same "
+             "place on a flawless part (area under the ROC curve)"},
+    ScoreDoc{"inspection.dprime",
+             "matched-filter d' against the covariance of the flawless picture: median over a "
+             "group's defects, of the group where it is smallest"},
+    ScoreDoc{"inspection.pod_a90_um",
+             "depth or height that is found nine times of ten, from defects of different size"},
+    ScoreDoc{"inspection.signature",
+             "mean of the segmented area of a defect / its true area; 0 for a missed one"},
+    ScoreDoc{"inspection.smallest_height_um",
+             "depth or height at which half of the defects are found, all made larger or smaller "
+             "by one factor"},
+    ScoreDoc{"inspection.smallest_slope_mrad",
+             "steepest slope of the defects at inspection.smallest_height_um"},
+    ScoreDoc{"inspection.<group>.detection_rate",
+             "share of the group's defects that the inspection finds"},
+    ScoreDoc{"inspection.<group>.auc", "inspection.auc over the group's defects"},
+    ScoreDoc{"inspection.<group>.dprime",
+             "matched-filter d' against the covariance of the flawless picture: median over the "
+             "group's defects"},
+    ScoreDoc{"inspection.<group>.pod_a90_um", "inspection.pod_a90_um over the group's defects"},
+    ScoreDoc{"inspection.<group>.signature", "inspection.signature over the group's defects"},
     ScoreDoc{"rays.followed_share", "share of the rays that met the part again and were followed"},
     ScoreDoc{"rays.blocked_share", "share of the rays that were given up as dark"},
 };
 
 /// The name with the label in its place; unchanged without a place for one.
-std::string with_label(std::string_view name, std::string_view label) {
-  const std::size_t at = name.find(kLabel);
+std::string with_label(std::string_view name,
+                       std::string_view label,
+                       std::string_view place = kLabel) {
+  const std::size_t at = name.find(place);
   if (at == std::string_view::npos) {
     return std::string(name);
   }
-  return fmt::format("{}{}{}", name.substr(0, at), label, name.substr(at + kLabel.size()));
+  return fmt::format("{}{}{}", name.substr(0, at), label, name.substr(at + place.size()));
 }
 
-bool has_label(std::string_view name) {
-  return name.find(kLabel) != std::string_view::npos;
+/// The place for a label or a group; empty: there is none.
+std::string_view place_in(std::string_view name) {
+  for (const std::string_view place : {kLabel, kGroup}) {
+    if (name.find(place) != std::string_view::npos) {
+      return place;
+    }
+  }
+  return {};
 }
 
 /// Whether the name is that pattern with some label.
 bool matches(std::string_view name, std::string_view pattern) {
-  if (!has_label(pattern)) {
+  const std::string_view place = place_in(pattern);
+  if (place.empty()) {
     return name == pattern;
   }
-  const std::string_view before = pattern.substr(0, pattern.find(kLabel));
-  const std::string_view after = pattern.substr(before.size() + kLabel.size());
+  const std::string_view before = pattern.substr(0, pattern.find(place));
+  const std::string_view after = pattern.substr(before.size() + place.size());
   return name.size() > before.size() + after.size() && name.starts_with(before) &&
          name.ends_with(after);
+}
+
+const ScoreDoc* find_doc(std::string_view name) {
+  const auto found =
+      std::ranges::find_if(kDocs, [&](const ScoreDoc& row) { return matches(name, row.name); });
+  return found == kDocs.end() ? nullptr : &*found;
+}
+
+/// Scores of an inspection line that need no defect.
+bool is_of_flawless(std::string_view name) {
+  return name == "inspection.false_alarms" || name == "inspection.threshold" ||
+         name == "inspection.region_share";
 }
 
 }  // namespace
@@ -96,39 +174,94 @@ std::span<const ScoreDoc> score_docs() {
   return kDocs;
 }
 
-std::optional<std::string_view> explain_score(std::string_view name) {
-  const auto found = std::find_if(
-      kDocs.begin(), kDocs.end(), [&](const ScoreDoc& row) { return matches(name, row.name); });
-  return found == kDocs.end() ? std::nullopt : std::optional(found->doc);
+bool is_bound(std::string_view name) {
+  return name.ends_with(kLow) || name.ends_with(kHigh);
 }
 
-std::vector<std::string> score_names(std::span<const std::string> labels) {
+std::string_view without_bound(std::string_view name) {
+  for (const std::string_view end : {kLow, kHigh}) {
+    if (name.ends_with(end)) {
+      return name.substr(0, name.size() - end.size());
+    }
+  }
+  return name;
+}
+
+ScoreInterval interval_of(std::string_view bound) {
+  const std::string_view name = without_bound(bound);
+  if (find_doc(name) == nullptr || name == "inspection.threshold" ||
+      name == "inspection.region_share") {
+    return ScoreInterval::kNone;
+  }
+  if (name.starts_with("inspection.")) {
+    return ScoreInterval::kTrials;
+  }
+  const bool is_of_part = name == "defects.made" || name == "defects.mean_depth_um" ||
+                          name == "defects.removed_volume_mm3";
+  const bool is_of_picture = name.starts_with("homogeneity.") || name.starts_with("fringe.") ||
+                             name.starts_with("defects.");
+  return is_of_picture && !is_of_part ? ScoreInterval::kScans : ScoreInterval::kNone;
+}
+
+std::optional<std::string> explain_score(std::string_view name) {
+  const ScoreDoc* row = find_doc(without_bound(name));
+  if (row == nullptr || (is_bound(name) && interval_of(name) == ScoreInterval::kNone)) {
+    return std::nullopt;
+  }
+  if (!is_bound(name)) {
+    return std::string(row->doc);
+  }
+  return fmt::format(
+      "{} bound of the interval of {} (confidence: inspection.trials.confidence), from {}; {}",
+      name.ends_with(kLow) ? "lower" : "upper",
+      without_bound(name),
+      interval_of(name) == ScoreInterval::kTrials
+          ? "the parts and scans of inspection.trials"
+          : "inspection.trials.noise_seeds scans with other noise",
+      row->doc);
+}
+
+std::vector<std::string> score_names(std::span<const std::string> labels,
+                                     std::span<const std::string> groups) {
   std::vector<std::string> names;
   for (const ScoreDoc& row : kDocs) {
-    const bool needs_defects = row.name.starts_with("defects.");
-    if (!has_label(row.name) && !(needs_defects && labels.empty())) {
+    const bool lacks_defects = row.name.starts_with("defects.") && labels.empty();
+    const bool lacks_groups =
+        row.name.starts_with("inspection.") && groups.empty() && !is_of_flawless(row.name);
+    if (place_in(row.name).empty() && !lacks_defects && !lacks_groups) {
       names.emplace_back(row.name);
     }
   }
-  for (const std::string& label : labels) {
-    for (const ScoreDoc& row : kDocs) {
-      if (has_label(row.name)) {
-        names.push_back(with_label(row.name, label));
+  for (const auto& [place, all] : {std::pair{kLabel, labels}, std::pair{kGroup, groups}}) {
+    for (const std::string& label : all) {
+      for (const ScoreDoc& row : kDocs) {
+        if (place_in(row.name) == place) {
+          names.push_back(with_label(row.name, label, place));
+        }
       }
     }
   }
   return names;
 }
 
-std::string unknown_score(std::string_view name, std::span<const std::string> labels) {
-  const std::vector<std::string> names = score_names(labels);
-  if (std::find(names.begin(), names.end(), name) != names.end()) {
-    return {};
+std::string unknown_score(std::string_view name,
+                          std::span<const std::string> labels,
+                          std::span<const std::string> groups) {
+  const std::vector<std::string> names = score_names(labels, groups);
+  const std::string_view whole = without_bound(name);
+  if (std::ranges::find(names, whole) != names.end()) {
+    const bool has_it = !is_bound(name) || interval_of(name) != ScoreInterval::kNone;
+    return has_it ? ""
+                  : fmt::format("has no interval: {} is no estimate from scans or trials", whole);
   }
-  if (labels.empty() && name.starts_with("defects.")) {
+  const bool is_of_defects = name.starts_with("defects.") && labels.empty();
+  const bool is_of_groups =
+      name.starts_with("inspection.") && groups.empty() && find_doc(whole) != nullptr;
+  if (is_of_defects || is_of_groups) {
     return "is no score of a scene without defects, [defects.<name>] adds one";
   }
-  return fmt::format("is no score, did you mean \"{}\"?", nearest(name, names));
+  return fmt::format(
+      "is no score, did you mean \"{}{}\"?", nearest(whole, names), name.substr(whole.size()));
 }
 
 void add_scores(Scores& scores, const Homogeneity& homogeneity) {
@@ -138,6 +271,23 @@ void add_scores(Scores& scores, const Homogeneity& homogeneity) {
   scores["homogeneity.mean"] = homogeneity.mean;
   scores["homogeneity.clipped_share"] = homogeneity.clipped_share;
   scores["homogeneity.lit_share"] = homogeneity.lit_share;
+}
+
+void add_scores(Scores& scores, const HomogeneityFamily& family) {
+  scores["homogeneity.u0"] = family.u0;
+  scores["homogeneity.residual"] = family.residual;
+  scores["homogeneity.low_share"] = family.low_share;
+  scores["homogeneity.high_share"] = family.high_share;
+  scores["homogeneity.worst_region"] = family.worst_region;
+  if (family.ripple) {
+    scores["homogeneity.ripple"] = *family.ripple;
+  }
+}
+
+bool is_of_family(std::string_view name) {
+  Scores scores;
+  add_scores(scores, HomogeneityFamily{.ripple = 0.0});
+  return scores.contains(std::string(without_bound(name)));
 }
 
 void add_scores(Scores& scores, const FringeScores& fringes) {
@@ -165,6 +315,8 @@ void add_scores(Scores& scores, std::span<const DefectScores> defects) {
     scores[with_label("defects.<label>.signature", defect.label)] = defect.signature;
     scores[with_label("defects.<label>.best_frame", defect.label)] = defect.best_frame;
     scores[with_label("defects.<label>.change", defect.label)] = defect.change;
+    scores[with_label("defects.<label>.rms_contrast", defect.label)] = defect.rms_contrast;
+    scores[with_label("defects.<label>.union", defect.label)] = defect.union_area;
   }
   if (defects.empty()) {
     return;
@@ -177,6 +329,9 @@ void add_scores(Scores& scores, std::span<const DefectScores> defects) {
   scores["defects.min_signature"] = summary.min_signature;
   scores["defects.min_change"] = summary.min_change;
   scores["defects.mean_change"] = summary.mean_change;
+  scores["defects.min_rms_contrast"] = summary.min_rms_contrast;
+  scores["defects.min_best_frame"] = summary.min_best_frame;
+  scores["defects.min_union"] = summary.min_union;
 }
 
 }  // namespace glint

@@ -13,6 +13,7 @@
 #include "metrics/defect_scores.h"
 #include "metrics/fringe.h"
 #include "metrics/homogeneity.h"
+#include "metrics/homogeneity_family.h"
 
 namespace glint {
 
@@ -21,25 +22,50 @@ using Scores = std::map<std::string, double>;
 
 /// What a score means, for `glint explain` and the docs.
 struct ScoreDoc {
-  std::string_view name;  ///< "defects.<label>.cnr" stands for every label
+  std::string_view name;  ///< "defects.<label>.cnr" stands for every label, <group> for every group
   std::string_view doc;
 };
 
 /// All scores, in the order in which a report shows them.
 std::span<const ScoreDoc> score_docs();
 
-/// What a score of that name means; empty when there is none. Any label is taken for a defect's.
-std::optional<std::string_view> explain_score(std::string_view name);
+/// Scores have intervals: "homogeneity.h_rms.low" and ".high" are the bounds of one.
+enum class ScoreInterval {
+  kNone,   ///< it is no estimate
+  kScans,  ///< of scans with other noise
+  kTrials  ///< of the parts of an inspection line
+};
 
-/// All names for a scene with these defects; none of "defects." when there is no defect.
-std::vector<std::string> score_names(std::span<const std::string> labels);
+/// Where the interval of a score comes from, a bound's own too. Unknown names: kNone.
+ScoreInterval interval_of(std::string_view name);
 
-/// What to tell a user who asked for a score that the scene does not have: names the nearest one.
-/// Empty when the scene has it.
-std::string unknown_score(std::string_view name, std::span<const std::string> labels);
+/// Whether the name is a bound, as "homogeneity.h_rms.low" is.
+bool is_bound(std::string_view name);
+
+/// The name without ".low" or ".high"; others are unchanged.
+std::string_view without_bound(std::string_view name);
+
+/// What a score of that name, or a bound of it, means; empty when there is none. Any label is taken
+/// for a defect's, and any group for one of the scene.
+std::optional<std::string> explain_score(std::string_view name);
+
+/// All names without bounds for a scene with these defects and groups of defects; none of
+/// "defects." when there is no defect, none of the inspection of defects when there is no group.
+std::vector<std::string> score_names(std::span<const std::string> labels,
+                                     std::span<const std::string> groups = {});
+
+/// What to tell a user who asked for a score that the scene does not have: names the nearest one,
+/// or says that there is no interval. Empty when the scene has it.
+std::string unknown_score(std::string_view name,
+                          std::span<const std::string> labels,
+                          std::span<const std::string> groups = {});
 
 void add_scores(Scores& scores, const Homogeneity& homogeneity);
+void add_scores(Scores& scores, const HomogeneityFamily& family);
 void add_scores(Scores& scores, const FringeScores& fringes);
+
+/// Whether the score, or the bound of one, is of the homogeneity family.
+bool is_of_family(std::string_view name);
 
 /// What a part's defects are, however they show.
 struct DefectTotals {

@@ -32,6 +32,19 @@ void visit_keys(KeyVisitor& keys, MetricsSettings& settings) {
               settings.signature_floor,
               Range::between(0.0, 1.0),
               "smallest deviation that counts as signature, share of full scale");
+  keys.number("defect_diameter_px",
+              settings.defect_diameter_px,
+              Range::between(0.0, 1e4),
+              "diameter that parts fine from coarse in homogeneity.residual and .low_share; 0: of "
+              "the scene's largest defect, 20 without one");
+  keys.number("shading_diameters",
+              settings.shading_diameters,
+              Range::between(3.0, 100.0),
+              "width (sigma) of the shading that homogeneity.residual takes off, in diameters");
+  keys.integer("regions",
+               settings.regions,
+               Range::between(1, 100),
+               "tiles along each side of the region for homogeneity.worst_region");
   keys.require(settings.ring_outer_radii > settings.ring_inner_radii,
                "ring_outer_radii",
                "must be greater than ring_inner_radii");

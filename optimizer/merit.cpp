@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "core/error.h"
@@ -206,6 +207,35 @@ bool is_better(const Goal& goal, const Scores& a, const Scores& b) {
     return violation_a < violation_b;
   }
   return minimised(goal.objective, a) < minimised(goal.objective, b);
+}
+
+double objective_noise(const Objective& objective, const Scores& scores) {
+  std::string name = objective.name;
+  for (const std::string_view end : {".low", ".high"}) {
+    if (name.ends_with(end)) {
+      name.resize(name.size() - end.size());
+      break;
+    }
+  }
+  const auto low = scores.find(name + ".low");
+  const auto high = scores.find(name + ".high");
+  if (low == scores.end() || high == scores.end()) {
+    return 0.0;
+  }
+  const double noise = 0.5 * (high->second - low->second);
+  return std::isfinite(noise) ? std::max(0.0, noise) : 0.0;
+}
+
+double difference_noise(const Objective& objective, const Scores& a, const Scores& b) {
+  return std::hypot(objective_noise(objective, a), objective_noise(objective, b));
+}
+
+bool is_surely_better(const Goal& goal, const Scores& a, const Scores& b) {
+  if (!is_better(goal, a, b) || !is_feasible(goal, a) || !is_feasible(goal, b)) {
+    return is_better(goal, a, b);
+  }
+  const double lead = minimised(goal.objective, b) - minimised(goal.objective, a);
+  return lead > difference_noise(goal.objective, a, b);
 }
 
 MeritFunction::MeritFunction(SearchSpace space, Goal goal, FailurePolicy policy, int num_scale)

@@ -75,6 +75,20 @@ bool is_feasible(const Goal& goal, const Scores& scores);
 /// infeasible ones by violation. Equal: false. Both must be judgeable.
 bool is_better(const Goal& goal, const Scores& a, const Scores& b);
 
+/// Half the width of the objective's interval: half of "<objective>.high" - "<objective>.low",
+/// where both are among the scores and finite; else 0. An objective that is itself a bound has the
+/// interval of its score.
+double objective_noise(const Objective& objective, const Scores& scores);
+
+/// Half the width of the interval of the difference of two objectives, as if their noise were
+/// independent: sqrt(noise_a^2 + noise_b^2). Designs that share their random numbers differ by less
+/// noise, so what is beyond it is beyond noise in any case.
+double difference_noise(const Objective& objective, const Scores& a, const Scores& b);
+
+/// is_better(), and of two feasible designs by more than the noise of their difference. The same as
+/// is_better() for scores without intervals.
+bool is_surely_better(const Goal& goal, const Scores& a, const Scores& b);
+
 /// Keeps what has been told and turns the next outcome into a finite merit.
 class MeritFunction {
  public:

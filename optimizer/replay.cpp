@@ -93,8 +93,13 @@ double SearchMemory::tell_next(const Goal& goal) {
   ++since_better;
   if (outcome.is_failed) {
     ++num_failed;
-  } else if (!best || is_better(goal, outcome.scores, trial(*best).outcome->scores)) {
+    return answer.merit;
+  }
+  if (!best || is_better(goal, outcome.scores, trial(*best).outcome->scores)) {
     best = number;
+  }
+  if (!surely_best || is_surely_better(goal, outcome.scores, trial(*surely_best).outcome->scores)) {
+    surely_best = number;
     since_better = 0;
   }
   return answer.merit;

@@ -24,8 +24,10 @@ struct SearchMemory {
   int num_failed = 0;              ///< of those told
   int num_reused = 0;              ///< asks for a known trial
   int num_idle = 0;                ///< the same, since the last ask for a new one
-  int since_better = 0;            ///< told trials since the last one that beat all before it
+  int since_better = 0;            ///< told trials since `surely_best`
   std::optional<int> best;         ///< number of the best told trial
+  std::optional<int>
+      surely_best;  ///< the last told one that beat the one before by more than noise
 
   Trial& trial(int number) { return trials[static_cast<std::size_t>(number - 1)]; }
 

@@ -27,9 +27,11 @@ namespace glint {
 
 /// When to stop; whatever comes first. All of it counts over resumes. At least one must be set.
 struct Budget {
-  int evaluations = 300;         ///< 0: no limit. Designs asked again cost nothing.
-  double wall_clock_s = 0.0;     ///< of searching, without the time between runs; 0: no limit
-  int stall = 0;                 ///< evaluations without a better design; 0: no limit
+  int evaluations = 300;      ///< 0: no limit. Designs asked again cost nothing.
+  double wall_clock_s = 0.0;  ///< of searching, without the time between runs; 0: no limit
+  /// Evaluations without a design that is better by more than its noise (is_surely_better());
+  /// 0: no limit.
+  int stall = 0;
   std::optional<double> target;  ///< objective that a feasible design has to reach
 };
 

@@ -26,8 +26,8 @@ namespace {
 /// "GLNT": marks our databases among other programs' SQLite files.
 constexpr std::int64_t kApplicationId = 0x474C4E54;
 
-constexpr std::array<std::string_view, 4> kTrialKinds = {
-    "search", "baseline", "prototype", "final"};
+constexpr std::array<std::string_view, 5> kTrialKinds = {
+    "search", "baseline", "prototype", "final", "part"};
 constexpr std::array<std::string_view, 5> kEventKinds = {
     "ask", "tell", "restart", "abandon", "note"};
 

@@ -28,8 +28,8 @@ struct Outcome {
   std::map<std::string, std::vector<double>> gradients;
 };
 
-/// Why a design was evaluated.
-enum class TrialKind { kSearch, kBaseline, kPrototype, kFinal };
+/// Why a design was evaluated; kPart: one inspected part of a population, its figures as scores.
+enum class TrialKind { kSearch, kBaseline, kPrototype, kFinal, kPart };
 
 /// A design and, once it was evaluated, its outcome.
 struct Trial {

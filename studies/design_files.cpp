@@ -118,7 +118,7 @@ Json rendering_json(SceneStore& store,
   if (method != Method::kAuto && method != Method::kClosed) {
     return json;
   }
-  const Evaluation closed = evaluate(store, scene, {}, wanted);
+  const Evaluation closed = evaluate(store, scene, {}, wanted.of_one_scan());
   const std::string h = "homogeneity.h_rms";
   json["search_form"] = std::string(form_name(closed.form.kind));
   json["table_pixels"] = closed.form.table_pixels;
@@ -224,7 +224,7 @@ Json write_design(SceneStore& store,
   const auto write_frame = [&](int index, const ImageF& grey) {
     write_png(frame_path(index), grey, depth_of(scene.sensor));
   };
-  const Evaluation evaluation = evaluate(store, scene, write_frame);
+  const Evaluation evaluation = evaluate(store, scene, write_frame, wanted.with_whole_scan());
   // A longer sequence rendered into this folder before must not follow this one.
   for (int index = scene.scan.positions; fs::remove(frame_path(index)); ++index) {
   }
@@ -244,7 +244,8 @@ Json write_design(SceneStore& store,
   }
   if (is_rescored) {
     try {
-      json["rescored"] = scores_json(evaluate(store, finer(scene)).scores);
+      json["rescored"] = scores_json(
+          evaluate(store, finer(scene), {}, wanted.with_whole_scan(kFreshParts)).scores);
     } catch (const ConfigError& error) {  // the finer picture may not fit into memory
       json["rescored"] = nullptr;
       notes.push_back(fmt::format("Not re-scored: {}", error.what()));

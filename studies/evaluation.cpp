@@ -2,10 +2,16 @@
 #include "studies/evaluation.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "metrics/scatter.h"
+#include "metrics/statistics/estimate.h"
+#include "studies/visibility.h"
 
 namespace glint {
 namespace {
@@ -141,6 +147,73 @@ Scan scan_scene(SceneStore& store,
           .gradients = std::move(gradients)};
 }
 
+/// The ripple is sought at the stripes' own spacing.
+bool needs_fringes(std::string_view name) {
+  return name.starts_with("fringe") || name.starts_with("homogeneity.ripple");
+}
+
+/// Change of a pixel in one frame that is neither noise nor rounding: five standard deviations at
+/// full scale, where shot noise is largest.
+double least_change(const SceneSettings& scene) {
+  const SensorSettings& sensor = scene.sensor;
+  constexpr double kSigmas = 5.0;
+  const double shot = sensor.full_well_e > 0.0 ? std::sqrt(sensor.gain / sensor.full_well_e) : 0.0;
+  const double noise = std::hypot(noise_floor(sensor), shot);
+  return std::max({scene.metrics.signature_floor, kSigmas * noise, sigma_floor(sensor)});
+}
+
+/// What parts fine from coarse in this scene.
+FamilyScales scales_of(const SceneSettings& scene,
+                       std::span<const DefectPixels> defects,
+                       const std::optional<FringeScores>& fringes) {
+  FamilyScales scales;
+  double largest_px = 0.0;
+  for (const DefectPixels& defect : defects) {
+    largest_px = std::max(largest_px, 2.0 * std::sqrt(defect.area_px / std::numbers::pi));
+  }
+  if (scene.metrics.defect_diameter_px > 0.0) {
+    scales.defect_diameter_px = scene.metrics.defect_diameter_px;
+  } else if (largest_px > 0.0) {
+    scales.defect_diameter_px = largest_px;
+  }
+  scales.period_px = fringes ? fringes->period_px : 0.0;
+  return scales;
+}
+
+/// Bounds of scores of one scan, from scans with other noise; the scan itself is the first of them.
+void add_scan_bounds(SceneStore& store,
+                     SceneSettings scene,
+                     const WantedScores& wanted,
+                     Scores& scores) {
+  WantedScores more = {.fringes = false, .defects = false, .slot = false};
+  std::map<std::string, std::vector<double>> values;
+  for (const std::string& name : wanted.trials) {
+    const std::string whole(without_bound(name));
+    if (interval_of(name) == ScoreInterval::kScans && is_bound(name) && scores.contains(whole)) {
+      more.family = more.family || is_of_family(name);
+      more.fringes = more.fringes || needs_fringes(name);
+      more.defects = more.defects || name.starts_with("defects.");
+      values[whole] = {scores.at(whole)};
+    }
+  }
+  if (values.empty()) {
+    return;
+  }
+  // One after the other: a scan that waits for threads must not begin another one.
+  for (int k = 1; k < scene.inspection.trials.noise_seeds; ++k) {
+    ++scene.sensor.seed;
+    const Scores other = evaluate(store, scene, {}, more).scores;
+    for (auto& [name, list] : values) {
+      list.push_back(other.at(name));
+    }
+  }
+  for (const auto& [name, list] : values) {
+    const Estimate mean = mean_of(list, scene.inspection.trials.confidence);
+    scores[name + ".low"] = mean.low;
+    scores[name + ".high"] = mean.high;
+  }
+}
+
 void add_ray_scores(const RayCounts& counts, double hidden_share, Scores& scores) {
   const auto part = static_cast<double>(counts.part);
   scores["view.hidden_share"] = hidden_share;
@@ -150,12 +223,22 @@ void add_ray_scores(const RayCounts& counts, double hidden_share, Scores& scores
 
 }  // namespace
 
+WantedScores WantedScores::of_one_scan() const {
+  WantedScores wanted = *this;
+  wanted.trials.clear();
+  return wanted;
+}
+
 WantedScores wanted_by(const Goal& goal) {
   WantedScores wanted = {.fringes = false, .defects = false, .slot = false};
   const auto look_at = [&](const std::string& name) {
-    wanted.fringes = wanted.fringes || name.starts_with("fringe");
+    wanted.family = wanted.family || is_of_family(name);
+    wanted.fringes = wanted.fringes || needs_fringes(name);
     wanted.defects = wanted.defects || name.starts_with("defects.");
     wanted.slot = wanted.slot || name == "view.slot_margin_mm";
+    if (is_of_line(name) || is_bound(name)) {
+      wanted.trials.push_back(name);
+    }
   };
   look_at(goal.objective.name);
   for (const Constraint& constraint : goal.constraints) {
@@ -190,7 +273,8 @@ Evaluation evaluate(SceneStore& store,
                             (wanted.fringes && scene.render.method != Method::kClosed);
   const bool has_fringes = wanted.fringes && (traced.is_sampled() || needs_frames);
   std::optional<FringeScores> fringes;
-  BestFrames best(traced.defects);
+  constexpr double kMeanFloor = 0.01;
+  BestFrames best(traced.defects, kMeanFloor, least_change(scene));
   FlawlessFrames flawless;
   if (wanted.defects) {
     flawless = flawless_frames(store, result.traced, tunnel, scene);
@@ -228,6 +312,11 @@ Evaluation evaluate(SceneStore& store,
     evenness = with_scatter(evenness, scan.aspect, scan.deviation, traced.region);
   }
   add_scores(result.scores, evenness);
+  if (wanted.family) {
+    const FamilyScales scales = scales_of(scene, traced.defects, fringes);
+    add_scores(result.scores,
+               homogeneity_family(scan.aspect, traced.region, scales, scene.metrics));
+  }
   if (fringes) {
     add_scores(result.scores, *fringes);
   }
@@ -237,12 +326,21 @@ Evaluation evaluate(SceneStore& store,
     for (std::size_t i = 0; i < result.defects.size(); ++i) {
       result.defects[i].best_frame = best.best()[i].difference;
       result.defects[i].change = best.best()[i].change;
+      result.defects[i].union_area = best.best()[i].union_area;
     }
     add_scores(result.scores, result.defects);
   }
   add_scores(result.scores, totals_of(traced.part->made));
   add_ray_scores(traced.counts(), scan.hidden_share, result.scores);
   result.aspect = std::move(scan.aspect);
+  if (!wanted.trials.empty()) {
+    SceneSettings same_form = scene;
+    if (needs_frames && !traced.is_sampled()) {
+      same_form.render.method = Method::kIntegrated;  // bounds of what was scored, not of a twin
+    }
+    add_scan_bounds(store, same_form, wanted, result.scores);
+    result.scores.merge(visibility_scores(store, scene, wanted.trials, wanted.first_part));
+  }
   return result;
 }
 

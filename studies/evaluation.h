@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "metrics/scores.h"
 #include "optimizer/merit.h"
@@ -27,7 +30,21 @@ struct WantedScores {
   bool fringes = true;             ///< of the first frame; needs all of it
   bool defects = true;             ///< need the frames around the defects
   bool slot = true;                ///< view.slot_margin_mm: a sight line for each pixel
+  bool family = false;             ///< homogeneity.residual and its like: passes of their own
   WantedGradients gradients = {};  ///< need closed forms
+
+  /// Scores that need more than this one scan: those of an inspection line ("inspection.") and
+  /// bounds of intervals (".low", ".high"), which need scans with other noise.
+  std::vector<std::string> trials = {};
+  std::int64_t first_part = 0;  ///< of the line; others are other parts with other noise
+
+  /// These trials alone, with everything that one scan gives.
+  WantedScores with_whole_scan(std::int64_t first = 0) const {
+    return {.family = true, .trials = trials, .first_part = first};
+  }
+
+  /// All but the trials.
+  WantedScores of_one_scan() const;
 };
 
 /// What a search needs for its objective and constraints.
@@ -47,6 +64,9 @@ Evaluation evaluate(SceneStore& store,
 
 /// The scene for re-scoring a finalist: other noise, every frame, and finer rays.
 SceneSettings finer(SceneSettings scene);
+
+/// The line's first part for re-scoring: parts and noise that no search has seen.
+inline constexpr std::int64_t kFreshParts = 1000003;
 
 /// Labels of the scene's defects, in order.
 std::vector<std::string> defect_labels(const SceneSettings& scene);

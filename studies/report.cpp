@@ -10,6 +10,7 @@
 
 #include "core/image_io.h"
 #include "core/text.h"
+#include "metrics/scores.h"
 #include "studies/report_verdict.h"
 #include "studies/web/report_page.h"
 
@@ -27,6 +28,11 @@ bool ends_with_any(std::string_view text, std::initializer_list<std::string_view
 /// "homogeneity.h_rms" -> "h (rms)", "defects.cnr_min" -> "smallest CNR",
 /// "view.slot_margin_mm" -> "slot margin (mm)", others by their last word.
 std::string default_label(const std::string& score) {
+  if (is_bound(score)) {
+    return fmt::format("{}, {} bound",
+                       default_label(std::string(without_bound(score))),
+                       score.ends_with(".low") ? "lower" : "upper");
+  }
   const std::vector<std::string> parts = split(score, '.');
   std::string label = parts.back();
   if (label == "h_rms" || label == "h_abs") {
@@ -37,25 +43,27 @@ std::string default_label(const std::string& score) {
       label = word + label.substr(0, label.size() - 4);
     }
   }
-  for (const std::string_view unit : {"_mm", "_px"}) {
+  for (const std::string_view unit : {"_mm", "_px", "_um", "_mrad"}) {
     if (label.ends_with(unit)) {
       label = fmt::format("{} ({})", label.substr(0, label.size() - unit.size()), unit.substr(1));
     }
   }
   std::ranges::replace(label, '_', ' ');
-  for (const std::string_view word : {"cnr", "snr"}) {
+  for (const std::string_view word : {"cnr", "snr", "auc"}) {
     for (auto at = label.find(word); at != std::string::npos; at = label.find(word, at + 1)) {
       std::ranges::transform(word, label.begin() + static_cast<std::ptrdiff_t>(at), [](char c) {
         return static_cast<char>(c - 'a' + 'A');
       });
     }
   }
-  const bool is_of_one_defect = parts.size() > 2 && parts.front() == "defects";
+  const bool is_of_one_defect =
+      parts.size() > 2 && (parts.front() == "defects" || parts.front() == "inspection");
   return is_of_one_defect ? parts[parts.size() - 2] + ": " + label : label;
 }
 
 bool is_share(std::string_view score) {
-  return ends_with_any(score, {"h_rms", "h_abs", "share", "contrast", "fraction", "coverage"});
+  return ends_with_any(without_bound(score),
+                       {"h_rms", "h_abs", "share", "contrast", "fraction", "coverage", "rate"});
 }
 
 void describe_scores(const Json& scores, Json& info) {

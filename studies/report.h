@@ -31,6 +31,10 @@
 //       scores        at least those of the constraints } ]
 //   runs              only in a comparison of runs; [ { title, status, evaluations, failed,
 //                     feasible, scores, rescored, best_so_far: [number | null] } ]
+//   panels            sections of a population; [ {
+//       id, title     of the section; lead: the sentence below
+//       drawings      [ SVG texts ]
+//       tables        [ { caption, head: [texts], rows: [ [texts] ] } ] } ]
 //   frontier          the object of frontier.json, see docs/frontier.md
 //   methods           [ sentences on method and accuracy ]
 //   config_toml       the resolved configuration

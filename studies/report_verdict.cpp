@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text.h"
+#include "metrics/scores.h"
 
 namespace glint {
 
@@ -64,6 +65,16 @@ class Wording {
     return fresh ? fresh : searched(design);
   }
 
+  /// Half the width of the interval of that value; empty: it has none.
+  std::optional<double> noise(const Json& design) const {
+    const bool is_fresh = number_of(member(design, "rescored"), score_).has_value();
+    const Json& scores = member(design, is_fresh ? "rescored" : "scores");
+    const std::string whole(without_bound(score_));
+    const auto low = number_of(scores, whole + ".low");
+    const auto high = number_of(scores, whole + ".high");
+    return low && high ? std::optional(0.5 * std::abs(*high - *low)) : std::nullopt;
+  }
+
   std::optional<double> searched(const Json& design) const {
     return number_of(member(design, "scores"), score_);
   }
@@ -76,6 +87,11 @@ class Wording {
     return is_percent_ ? fmt::format("{:.1f} %", 100 * value) : fmt::format("{:.4g}", value);
   }
 
+  /// A difference: "6.4 points", "0.12".
+  std::string size(double gap) const {
+    return is_percent_ ? fmt::format("{:.1f} points", 100 * gap) : fmt::format("{:.3g}", gap);
+  }
+
   /// "6.4 points better than", "level with".
   std::string against(double value, double other) const {
     const double gap = std::abs(value - other);
@@ -83,9 +99,7 @@ class Wording {
     if (is_percent_ ? 100 * gap < kLevelPoints : gap <= 1e-4 * scale) {
       return "level with";
     }
-    const std::string size =
-        is_percent_ ? fmt::format("{:.1f} points", 100 * gap) : fmt::format("{:.3g}", gap);
-    return size + (is_better(value, other) ? " better than" : " worse than");
+    return size(gap) + (is_better(value, other) ? " better than" : " worse than");
   }
 
  private:
@@ -211,6 +225,41 @@ std::vector<std::string> constraint_details(const Json& data) {
   return details;
 }
 
+/// The lead of one design over another beside the noise of both.
+struct Lead {
+  double lead = 0.0;   ///< negative: it is behind
+  double noise = 0.0;  ///< half the interval of the difference, as if their noise were independent
+
+  bool is_sure() const { return lead > noise; }
+};
+
+/// Empty where a score has no interval.
+std::optional<Lead> lead_over(const Json* other, const Json& design, const Wording& wording) {
+  const auto noise = wording.noise(design);
+  const auto other_noise = other == nullptr ? std::nullopt : wording.noise(*other);
+  if (!noise || !other_noise) {
+    return std::nullopt;
+  }
+  const double value = *wording.value(design);
+  const double other_value = *wording.value(*other);
+  const double gap = std::abs(value - other_value);
+  return Lead{.lead = wording.is_better(value, other_value) ? gap : -gap,
+              .noise = std::hypot(*noise, *other_noise)};
+}
+
+std::string lead_sentence(const Lead& lead, const Wording& wording) {
+  const std::string noise = wording.size(lead.noise);
+  if (lead.is_sure()) {
+    return fmt::format(" The lead over the baseline is larger than the noise ({}).", noise);
+  }
+  return lead.lead >= 0.0
+             ? fmt::format(
+                   " The lead over the baseline is not larger than the noise ({}): it may be "
+                   "chance; more parts or scans would tell.",
+                   noise)
+             : "";
+}
+
 /// A search that found no design to recommend.
 Json verdict_without_winner(const Json& data, const Wording& wording) {
   const Json& trials = member(data, "trials");
@@ -242,11 +291,17 @@ Json verdict_of_search(const Json& data, const Json& winner, const Wording& word
         search_details(data, &winner, wording));
   }
   const Json* baseline = best_design(designs, wording, "baseline");
-  const bool is_gain = baseline == nullptr || wording.is_better(value, *wording.value(*baseline));
-  return make_verdict(
-      fmt::format("The winner {}{}.{}", reached, against, constraint_sentence(data, winner)),
-      is_gain ? "good" : "neutral",
-      search_details(data, &winner, wording));
+  const auto lead = lead_over(baseline, winner, wording);
+  const bool is_gain =
+      lead ? lead->is_sure()
+           : baseline == nullptr || wording.is_better(value, *wording.value(*baseline));
+  return make_verdict(fmt::format("The winner {}{}.{}{}",
+                                  reached,
+                                  against,
+                                  lead ? lead_sentence(*lead, wording) : "",
+                                  constraint_sentence(data, winner)),
+                      is_gain ? "good" : "neutral",
+                      search_details(data, &winner, wording));
 }
 
 /// A render or a check: designs without a search.

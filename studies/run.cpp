@@ -13,8 +13,10 @@
 #include "core/wall_clock.h"
 #include "studies/design_files.h"
 #include "studies/output_folder.h"
+#include "studies/pod_study.h"
 #include "studies/provenance.h"
 #include "studies/run_report.h"
+#include "studies/sorting.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -83,7 +85,8 @@ void check_everything(SceneStore& store, const Study& study) {
 
 /// The study's own scene and nothing to search: what a rendered folder describes.
 Study scene_of(Study study) {
-  for (const char* table : {"variables", "prototypes", "objective", "constraints"}) {
+  for (const char* table :
+       {"variables", "prototypes", "objective", "constraints", "sorting", "pod"}) {
     for (std::size_t i = study.root.names.size(); i-- > 0;) {
       if (study.root.names[i] == table) {
         study.root.names.erase(study.root.names.begin() + static_cast<std::ptrdiff_t>(i));
@@ -95,6 +98,8 @@ Study scene_of(Study study) {
   study.goal = {};
   study.has_objective = false;
   study.prototypes.clear();
+  study.sorting.reset();
+  study.pod.reset();
   return study;
 }
 
@@ -121,7 +126,7 @@ class Run {
             search.evaluations);
       }
     }
-    Json result = finish(storage, search);
+    Json result = finish(storage, search, folder);
     write_run_json(search, storage);
     folder.keep();
     return result;
@@ -235,7 +240,26 @@ class Run {
     return search.termination == Termination::kWallClock ? "budget" : "done";
   }
 
-  Json finish(Storage& storage, const SearchResult& search) {
+  /// Adds what the study's populations give. @return false when interrupted
+  bool inspect_populations(Storage& storage, OutputFolder& folder, Json& result) {
+    const PopulationTask task = {.study = study_,
+                                 .store = store_,
+                                 .storage = storage,
+                                 .folder = folder,
+                                 .out = options_.out,
+                                 .progress = options_.progress,
+                                 .interrupt = options_.interrupt};
+    const auto add = [&](const char* name, const std::optional<Json>& found) {
+      if (found) {
+        result[name] = *found;
+      }
+      return found.has_value();
+    };
+    return (!study_.sorting || add("sorting", run_sorting(task))) &&
+           (!study_.pod || add("pod", run_pod(task)));
+  }
+
+  Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
     const Json baseline =
         write("baseline", study_.scene, head("Baseline", "baseline", baseline_variables(study_)));
     for (const Prototype& prototype : study_.prototypes) {
@@ -266,6 +290,10 @@ class Run {
     rescored["baseline"] = baseline["rescored"];
     result["rescored"] = rescored;
     result["prototypes"] = prototypes_json();
+    if (!inspect_populations(storage, folder, result)) {
+      log(LogLevel::kWarning, "interrupted; the inspected parts are kept, the same call goes on");
+      result["status"] = "interrupted";
+    }
     write_file(options_.out / "trials.csv", trials_csv(study_, storage));
     const fs::path report = options_.out / "report.html";
     result["report"] = "report.html";
@@ -315,6 +343,7 @@ class Run {
 /// Variables that change no score between the ends of their range, the others at the baseline: a
 /// key of another shape, most often.
 std::vector<std::string> idle_variables(SceneStore& store, const Study& study) {
+  const WantedScores wanted = wanted_by(study.goal).with_whole_scan();
   std::vector<std::string> idle;
   const Point start = baseline_point(study);
   for (std::size_t i = 0; i < study.space.variables.size(); ++i) {
@@ -323,7 +352,7 @@ std::vector<std::string> idle_variables(SceneStore& store, const Study& study) {
       Point point = start;
       point[i] = value;
       const Overrides overrides = overrides_of(study, canonical(study.space, point));
-      return evaluate(store, scene_with(study, overrides)).scores;
+      return evaluate(store, scene_with(study, overrides), {}, wanted).scores;
     };
     const bool is_choice = variable.kind == Variable::Kind::kChoice;
     const double last = static_cast<double>(variable.choices.size()) - 1.0;
@@ -339,6 +368,12 @@ std::vector<std::string> idle_variables(SceneStore& store, const Study& study) {
   return idle;
 }
 
+/// Seconds for the parts of the study's populations; 0 without any.
+double predicted_population_s(const Study& study, SceneStore& store) {
+  return (study.sorting ? predicted_sorting_s(study, store) : 0.0) +
+         (study.pod ? predicted_pod_s(study, store) : 0.0);
+}
+
 }  // namespace
 
 Json run_study(const Study& study, const RunOptions& options) {
@@ -350,12 +385,14 @@ Json check_study(const Study& study, int threads, int jobs) {
   SceneStore store(pool);
   check_everything(store, study);
   Json designs = Json::object();
+  const WantedScores wanted = wanted_by(study.goal).with_whole_scan();
   evaluate(store, study.scene);  // the first one pays for tracing and cold caches
   const auto start = Clock::now();
-  const Evaluation baseline = evaluate(store, study.scene);
+  const Evaluation baseline = evaluate(store, study.scene, {}, wanted);
   const double per_evaluation_s = seconds_since(start);
   for (const Prototype& prototype : study.prototypes) {
-    const Evaluation evaluation = evaluate(store, scene_with(study, prototype.overrides));
+    const Evaluation evaluation =
+        evaluate(store, scene_with(study, prototype.overrides), {}, wanted);
     designs[prototype.name] = {{"scores", scores_json(evaluation.scores)}};
   }
   const int at_once = std::max(1, std::min(jobs, study.search.batch));
@@ -376,7 +413,7 @@ Json check_study(const Study& study, int threads, int jobs) {
           {"prototypes", designs},
           {"evaluations", study.has_search() ? study.budget.evaluations : 0},
           {"seconds_per_evaluation", per_evaluation_s},
-          {"predicted_s", study.has_search() ? predicted_s : 0.0}};
+          {"predicted_s", study.has_search() ? predicted_s : predicted_population_s(study, store)}};
 }
 
 Json render_study(const Study& whole_study, const fs::path& out, int threads) {

@@ -13,6 +13,7 @@
 #include "core/image_io.h"
 #include "core/text.h"
 #include "core/units.h"
+#include "studies/population_report.h"
 #include "studies/provenance.h"
 #include "studies/report.h"
 
@@ -235,6 +236,10 @@ Json single_run(const fs::path& run) {
     designs.push_back(design_json(run / key, key, true));
   }
   data["designs"] = designs;
+  if (study.has_population()) {
+    data["panels"] = population_panels(run, result);
+    data["verdict"] = population_verdict(result);
+  }
   if (fs::exists(run / "frontier.json")) {
     data["frontier"] = read_json(run / "frontier.json");
   }

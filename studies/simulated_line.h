@@ -33,14 +33,15 @@ struct ScannedPart {
 struct Verdict {
   std::vector<unsigned char> is_found;  ///< one for each true defect
   int false_alarms = 0;                 ///< blobs near no defect
-  std::vector<int> defect_of_blob;      ///< -1: a false alarm
+  std::vector<int> defect_of_blob;      ///< -1: none, a false alarm
 };
 
 /// A blob belongs to the nearest defect whose middle lies within hit_radii (plus 1.5 px) of the
-/// blob's. Masked defects count as missed.
+/// blob's, which finds it. A blob that lies farther from a defect by at most echo_px is a side lobe
+/// of its signature: it belongs to the defect, but finds nothing. Masked defects count as missed.
 Verdict judge(std::span<const FoundDefect> found,
               std::span<const TrueDefect> truth,
-              double hit_radii);
+              const TrialSettings& settings);
 
 class SimulatedLine {
  public:

@@ -12,6 +12,7 @@
 #include "metrics/scores.h"
 #include "studies/evaluation.h"
 #include "studies/study_tables.h"
+#include "studies/visibility.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -23,8 +24,16 @@ using Kind = ConfigNode::Kind;
 constexpr int kSchema = 1;
 
 const std::vector<std::string>& study_tables() {
-  static const std::vector<std::string> names = {
-      "schema", "title", "variables", "prototypes", "objective", "constraints", "search", "budget"};
+  static const std::vector<std::string> names = {"schema",
+                                                 "title",
+                                                 "variables",
+                                                 "prototypes",
+                                                 "objective",
+                                                 "constraints",
+                                                 "search",
+                                                 "budget",
+                                                 "sorting",
+                                                 "pod"};
   return names;
 }
 
@@ -102,9 +111,10 @@ SceneSettings read_checked(const ConfigNode& root) {
 
 void check_goal(const Study& study, std::vector<std::string>& errors) {
   const std::vector<std::string> labels = defect_labels(study.scene);
+  const std::vector<std::string> groups = group_names(study.scene);
   const auto check_name =
       [&](const std::string& path, const std::string& name, const Place& place) {
-        const std::string problem = unknown_score(name, labels);
+        const std::string problem = unknown_score(name, labels, groups);
         if (!problem.empty()) {
           errors.push_back(fmt::format("{}{}: \"{}\" {}", place.prefix(), path, name, problem));
         }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "optimizer/search.h"
+#include "studies/population_settings.h"
 #include "studies/scene.h"
 
 namespace glint {
@@ -38,6 +39,10 @@ struct Study {
   SearchSettings search;
   Budget budget;
   std::vector<Prototype> prototypes;
+  std::optional<SortingSettings> sorting;  ///< never beside variables
+  std::optional<PodSettings> pod;          ///< the same
+
+  bool has_population() const { return sorting.has_value() || pod.has_value(); }
 
   bool has_search() const { return !space.variables.empty(); }
 };

@@ -58,7 +58,8 @@ void visit_budget(KeyVisitor& keys, Budget& b) {
   keys.integer("stall",
                b.stall,
                Range::between(0, 100000000),
-               "evaluations without a better design; 0 = no limit");
+               "evaluations without a design that is better by more than the objective's noise; 0 "
+               "= no limit");
   double target = b.target.value_or(0.0);
   if (keys.is_given("target") || b.target) {
     keys.number("target", target, Range{}, "value of the objective that is good enough");
@@ -290,6 +291,22 @@ void add_default_constraints(Study& study) {
   }
 }
 
+/// A study either searches designs or inspects a population with the designs it names.
+void read_populations(Study& study, std::vector<std::string>& errors) {
+  study.sorting = read_sorting(study.root, study.scene.defects, errors);
+  study.pod = read_pod(study.root, study.scene.defects, errors);
+  for (const char* name : {"sorting", "pod"}) {
+    const ConfigNode* table = study.root.find(name);
+    if (table != nullptr && study.root.find("variables") != nullptr) {
+      errors.push_back(fmt::format(
+          "{}{}: cannot stand beside [variables]: a study either searches or inspects a "
+          "population; name the designs to be compared as [prototypes]",
+          table->place.prefix(),
+          name));
+    }
+  }
+}
+
 }  // namespace
 
 void read_study_tables(Study& study, std::vector<std::string>& errors) {
@@ -316,6 +333,7 @@ void read_study_tables(Study& study, std::vector<std::string>& errors) {
   visit_budget(budget, study.budget);
   budget.take("target");  // known also where it is not given
   budget.report_unknown();
+  read_populations(study, errors);
 }
 
 void write_study_tables(const Study& study, ConfigNode& root) {
@@ -334,6 +352,14 @@ void write_study_tables(const Study& study, ConfigNode& root) {
     Budget budget = study.budget;
     visit_budget(keys, budget);
   });
+  if (study.sorting) {
+    root.names.emplace_back("sorting");
+    root.items.push_back(write_sorting(*study.sorting));
+  }
+  if (study.pod) {
+    root.names.emplace_back("pod");
+    root.items.push_back(write_pod(*study.pod));
+  }
 }
 
 std::vector<KeyRow> study_keys() {
@@ -345,6 +371,8 @@ std::vector<KeyRow> study_keys() {
   budget.target = 0.0;
   KeyLister budget_lister("budget", rows);
   visit_budget(budget_lister, budget);
+  const std::vector<KeyRow> populations = population_keys();
+  rows.insert(rows.end(), populations.begin(), populations.end());
   const auto add = [&](const char* path, const char* kind, const char* allowed, const char* doc) {
     rows.push_back(
         {.path = path, .kind = kind, .allowed = allowed, .default_text = "none", .doc = doc});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The tables that make a study out of a scene: [variables] [objective] [constraints] [search]
-// [budget]. Used by study.cpp only.
+// [budget] [sorting] [pod]. Used by study.cpp only.
 #pragma once
 
 #include "studies/study.h"
@@ -10,7 +10,7 @@ namespace glint {
 
 void read_study_tables(Study& study, std::vector<std::string>& errors);
 
-/// Adds [search] and [budget] with every key present.
+/// Adds [search] and [budget], and [sorting] and [pod] where there are any, with every key present.
 void write_study_tables(const Study& study, ConfigNode& root);
 
 /// The sentence for a path that the scene does not have, with the nearest one.

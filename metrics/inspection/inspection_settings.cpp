@@ -145,6 +145,11 @@ void visit_keys(KeyVisitor& keys, TrialSettings& settings) {
               settings.hit_radii,
               Range::between(1, 100),
               "a defect is found when a blob's middle lies within that many of its radii");
+  keys.number("echo_px",
+              settings.echo_px,
+              Range::between(0, 1000),
+              "blobs that lie farther by up to this are side lobes of the defect's signature: "
+              "neither hits nor false alarms");
 }
 
 void visit_keys(KeyVisitor& keys, InspectionSettings& settings) {

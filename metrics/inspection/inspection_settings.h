@@ -26,6 +26,7 @@ struct TrialSettings {
   double mask_grey = 0.01;   ///< > 0; flawless pixels whose response has this size are masked out
   double confidence = 0.95;  ///< in (0.5, 1); of all intervals
   double hit_radii = 1.5;    ///< >= 1; a defect is found when a blob's middle lies that near
+  double echo_px = 12.0;     ///< >= 0; farther by up to this: a side lobe of the defect's signature
 };
 
 void visit_keys(KeyVisitor& keys, TrialSettings& settings);

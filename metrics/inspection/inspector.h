@@ -11,8 +11,10 @@
 #include <vector>
 
 #include "core/image.h"
+#include "core/spans.h"
 #include "core/thread_pool.h"
 #include "metrics/inspection/inspection_settings.h"
+#include "metrics/inspection/masked_filter.h"
 
 namespace glint {
 
@@ -20,8 +22,8 @@ enum class DefectKind { kHole, kScratch };  ///< kHole: hole or bump
 
 std::string_view kind_name(DefectKind kind);  ///< "hole", "scratch"
 
-/// One blob of the response beyond the threshold. Moments are those of its pixels, each counted
-/// once, with a pixel's own extent (1/12 px2 a pixel along both axes).
+/// One blob of the response beyond the threshold: 8-connected pixels of one sign. Moments are those
+/// of its pixels, each counted once, with a pixel's own extent (1/12 px2 a pixel along both axes).
 struct FoundDefect {
   double x_px = 0.0;  ///< centre of mass; the centre of the first pixel is (0.5, 0.5)
   double y_px = 0.0;
@@ -52,6 +54,9 @@ ImageF aspect_of(std::span<const Image<std::uint8_t>> frames, ThreadPool& pool);
 ImageF aspect_of(std::span<const Image<std::uint16_t>> frames, ThreadPool& pool);
 ImageF aspect_of(std::span<const ImageF> frames, ThreadPool& pool);
 
+/// Thresholds below this share of full scale would list the rounding of flat pictures.
+inline constexpr double kLeastThreshold = 1e-5;
+
 /// Inspects pictures of one size and one mask; what depends on these alone is made once. Immutable;
 /// may be shared between threads. Results are the same bytes for any number of threads.
 class Inspector {
@@ -67,16 +72,21 @@ class Inspector {
   const Mask& region() const { return region_; }
 
   /// The filtered aspect image, 0 outside the region, in shares of full scale.
+  /// @throws ConfigError for another size than the mask's, NaN, or filter phase
   ImageF response(const ImageF& aspect, ThreadPool& pool) const;
 
   /// Response of a scan's frames, for all filters (phase needs the frames).
   ImageF response(std::span<const ImageF> frames, ThreadPool& pool) const;
 
-  /// The threshold for a response: fixed or by its own noise.
+  /// The threshold for a response: fixed or by its own noise, but at least kLeastThreshold.
   /// @param calibrated  of threshold = "false_alarms", from threshold_for(); else ignored
+  /// @throws ConfigError when it is missing
   double threshold(const ImageF& response, std::optional<double> calibrated = {}) const;
 
-  /// Blobs of |response| >= threshold of the wanted polarity.
+  /// The response's robust standard deviation over the region.
+  double noise(const ImageF& response, ThreadPool& pool) const;
+
+  /// Blobs of |response| >= threshold of the wanted polarity. @param threshold  > 0
   std::vector<FoundDefect> blobs(const ImageF& response, double threshold, ThreadPool& pool) const;
 
   /// All steps, frames to list.
@@ -86,16 +96,25 @@ class Inspector {
   Inspection inspect(std::span<const Image<std::uint8_t>> frames,
                      ThreadPool& pool,
                      std::optional<double> calibrated = {}) const;
+  Inspection inspect(std::span<const ImageF> frames,
+                     ThreadPool& pool,
+                     std::optional<double> calibrated = {}) const;
 
  private:
+  Inspection list(const ImageF& response, ThreadPool& pool, std::optional<double> calibrated) const;
+  double threshold_at(double noise, std::optional<double> calibrated) const;
+
   InspectionSettings settings_;
   Mask mask_;
   Mask region_;
-  ImageF coverage_;  ///< 1 / the kernel's share in the mask
+  Spans region_spans_;
+  MaskedFilter filter_;
 };
 
-/// The smallest threshold at which flawless pictures have at most so many blobs each, on average.
+/// The smallest threshold from which on flawless pictures have at most so many blobs each, on
+/// average: exact to the last bit of a float. At least kLeastThreshold.
 /// @param responses  of flawless pictures, at least one
+/// @throws ConfigError for none
 double threshold_for(const Inspector& inspector,
                      std::span<const ImageF> responses,
                      double false_alarms_per_picture,

@@ -3,6 +3,7 @@
 // Numbers with their intervals. Formulas and sources: docs/theory/statistics.md.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -23,6 +24,10 @@ double normal_quantile(double probability);
 /// Of Student's t with so many degrees of freedom (>= 1). @param probability  in (0, 1)
 double t_quantile(double probability, double freedom);
 
+/// Of the gamma distribution with scale 1 (twice it: chi-square with twice the shape degrees of
+/// freedom). @param probability  in (0, 1)  @param shape  > 0
+double gamma_quantile(double probability, double shape);
+
 /// A rate of hits, with Wilson's score interval. @param trials  >= 1
 Estimate wilson(std::int64_t hits, std::int64_t trials, double confidence = 0.95);
 
@@ -33,6 +38,8 @@ Estimate poisson_rate(std::int64_t events, double trials, double confidence = 0.
 Estimate mean_of(std::span<const double> values, double confidence = 0.95);
 
 /// Any figure of n things, with the bias-corrected and accelerated bootstrap interval (Efron 1987).
+/// Asks for the figure 1 + resamples + n times. Below some 30 things it is too narrow.
+/// @param n          >= 2
 /// @param figure     of the things at the given indices, each in [0, n)
 /// @param resamples  >= 100
 Estimate bootstrap(std::size_t n,

@@ -5,6 +5,7 @@ import { badge, h, section } from './dom.js';
 import { Facts, isNumber, plural } from './format.js';
 import { convergenceSection, parallelSection, runCurvesSection, sliceSection } from './charts.js';
 import { frontierSection, frontierTableSection } from './frontier.js';
+import { panelSections } from './panels.js';
 import { evaluationSection, failureSection } from './table.js';
 import { verdictSection } from './verdict.js';
 
@@ -69,7 +70,7 @@ function main() {
   const facts = new Facts(data);
   const table = evaluationSection(facts);
   const sections = [
-    verdictSection(facts), runTable(facts), runCurvesSection(facts), designSection(facts), convergenceSection(facts),
+    verdictSection(facts), ...panelSections(facts), runTable(facts), runCurvesSection(facts), designSection(facts), convergenceSection(facts),
     parallelSection(facts, (chosen) => table?.choose(chosen)), sliceSection(facts), table?.node, failureSection(facts),
     frontierSection(facts), frontierTableSection(facts), methodSection(facts), originSection(facts),
   ].filter(Boolean);

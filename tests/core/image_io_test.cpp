@@ -167,6 +167,100 @@ TEST(ReadImage, SaysWhenAPngIsCutShort) {
 }
 #endif
 
+TEST(ReadPicture, KeepsCodesAndDepth) {
+  const TemporaryFolder folder;
+  ImageF image(2, 1);
+  image.values() = {0.2F, 1.0F};
+  write_png(folder / "8.png", image, PixelDepth::k8Bit);
+  write_png(folder / "16.png", image, PixelDepth::k16Bit);
+  write_exr(folder / "f.exr", image);
+  const Picture small = read_picture(folder / "8.png");
+  EXPECT_THAT(std::get<Image<std::uint8_t>>(small.pixels).values(), ElementsAre(51, 255));
+  EXPECT_EQ(small.bits, 8);
+  EXPECT_EQ(small.channels, 1);
+  EXPECT_FALSE(small.is_float);
+  EXPECT_FALSE(small.has_more);
+  const Picture deep = read_picture(folder / "16.png");
+  EXPECT_THAT(std::get<Image<std::uint16_t>>(deep.pixels).values(), ElementsAre(13107, 65535));
+  EXPECT_EQ(deep.bits, 16);
+  const Picture real = read_picture(folder / "f.exr");
+  EXPECT_EQ(std::get<ImageF>(real.pixels), image);
+  EXPECT_TRUE(real.is_float);
+  for (const Picture* picture : {&small, &deep, &real}) {
+    EXPECT_EQ(picture->width(), 2);
+    EXPECT_EQ(picture->height(), 1);
+    EXPECT_THAT(linear_values(picture->pixels).values(), ElementsAre(0.2F, 1.0F));
+  }
+}
+
+// The format is told by the first bytes: names may be wrong. PNM: 51/255 = 0.2; of three colours
+// (0.2126 * 51 + 0.7152 * 102 + 0.0722 * 204) / 255 = 0.38636.
+TEST(ReadPicture, ReadsPnmUnderAnyName) {
+  const TemporaryFolder folder;
+  write_file(folder / "grey.png", std::string("P5\n2 1\n255\n\x33\xff", 13));
+  EXPECT_THAT(linear_values(read_picture(folder / "grey.png").pixels).values(),
+              ElementsAre(0.2F, 1.0F));
+  write_file(folder / "colour", std::string("P6\n1 1\n255\n\x33\x66\xcc", 14));
+  const Picture colour = read_picture(folder / "colour");
+  EXPECT_EQ(colour.channels, 3);
+  EXPECT_NEAR(std::get<ImageF>(colour.pixels)(0, 0), 0.38636F, 1e-5F);
+}
+
+TEST(ReadPicture, SaysWhatIsNoPicture) {
+  const TemporaryFolder folder;
+  write_file(folder / "text.png", "this is no picture at all");
+  write_file(folder / "empty.png", "");
+  for (const char* name : {"text.png", "empty.png"}) {
+    EXPECT_EQ(text_thrown_by<ConfigError>([&] { read_picture(folder / name); }),
+              (folder / name).string() +
+                  ": is no picture; allowed are PNG, JPEG, TIFF, BMP, PNM and OpenEXR");
+  }
+  EXPECT_THAT(text_thrown_by<IoError>([&] { read_picture(folder / "none.png"); }),
+              HasSubstr("none.png: the picture cannot be read: No such file"));
+  EXPECT_THAT(text_thrown_by<IoError>([&] { read_picture(folder.path()); }),
+              HasSubstr("is a folder"));
+}
+
+#ifndef __SANITIZE_ADDRESS__  // OpenImageIO's PNG reader leaks its message when it fails
+TEST(ReadPicture, SaysWhenAFileIsCutShort) {
+  const TemporaryFolder folder;
+  const ImageF image = random_image(120, 90);
+  write_png(folder / "a.png", image, PixelDepth::k8Bit);
+  write_exr(folder / "a.exr", image);
+  write_file(folder / "a.pgm", "P5\n120 90\n255\n" + std::string(120 * 90, 'x'));
+  for (const char* name : {"a.png", "a.exr", "a.pgm"}) {
+    const std::string bytes = read_file(folder / name);
+    for (const double share : {0.1, 0.5, 0.95}) {
+      write_file(
+          folder / name,
+          bytes.substr(0, static_cast<std::size_t>(share * static_cast<double>(bytes.size()))));
+      EXPECT_THAT(text_thrown_by<ConfigError>([&] { read_picture(folder / name); }),
+                  HasSubstr(std::string(name) + ": the picture is damaged"))
+          << share;
+    }
+  }
+}
+#endif
+
+TEST(ReadPicture, RefusesMorePixelsThanAllowed) {
+  const TemporaryFolder folder;
+  write_file(folder / "huge.pgm", "P5\n100000 100000\n255\nx");
+  EXPECT_THAT(text_thrown_by<ConfigError>([&] { read_picture(folder / "huge.pgm"); }),
+              HasSubstr("huge.pgm: "));
+}
+
+TEST(PngBytes, KeepColours) {
+  const TemporaryFolder folder;
+  ImageRgb image(2, 1);
+  image(0, 0) = {255, 0, 0};
+  image(1, 0) = {0, 255, 0};
+  write_file(folder / "a.png", png_bytes(image));
+  const Picture picture = read_picture(folder / "a.png");
+  EXPECT_EQ(picture.channels, 3);
+  EXPECT_NEAR(std::get<ImageF>(picture.pixels)(0, 0), 0.2126F, 1e-6F);
+  EXPECT_NEAR(std::get<ImageF>(picture.pixels)(1, 0), 0.7152F, 1e-6F);
+}
+
 TEST(PngBytes, AreAWholePngFile) {
   const TemporaryFolder folder;
   const ImageF image = random_image(31, 17);

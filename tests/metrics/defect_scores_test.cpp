@@ -202,6 +202,51 @@ TEST(BestFrames, KeepTheLargestChangeAgainstTheFlawlessSurface) {
   EXPECT_NEAR(frames.best()[0].change, expected, 1e-6);
 }
 
+// 32 pixels of 0.6 in D, 604 in B of 0.4 -+ 0.02: mean 0.410063; variance (32 x 0.189937^2 + 604 x
+// (0.010063^2 + 0.0004)) / 636 = 0.00229119, root 0.0478664, over the mean 0.116729.
+TEST(DefectScores, HaveTheRmsContrastOfDefectAndBackgroundTogether) {
+  const auto dents = middle_dent();
+  ASSERT_EQ(dents[0].ring.size(), 604U);
+  const DefectScores scores = defect_scores(dent_on_chessboard(0.4f, 0.02f, 0.6f), dents, 0.001)[0];
+  EXPECT_NEAR(scores.rms_contrast, 0.116729, 1e-5);
+  const ImageF even = dent_on_chessboard(0.4f, 0.0f, 0.4f);
+  EXPECT_NEAR(defect_scores(even, dents, 0.001)[0].rms_contrast, 0.0, 1e-7);
+  EXPECT_EQ(defect_scores(ImageF(kDentSide, kDentSide), dents, 0.001)[0].rms_contrast, 0.0);
+}
+
+// The first 10 of 32 pixels change in the first frame, pixels 5 to 15 in the second: 16 in all, of
+// an area of 9 pi. Changes of less than the least do not count.
+TEST(BestFrames, UniteWhatChangesInAnyFrame) {
+  const auto dents = middle_dent();
+  BestFrames frames(dents, 0.05, 0.1);
+  const ImageF frame = dent_on_chessboard(0.5f, 0.0f, 0.6f);
+  const auto add = [&](std::size_t begin, std::size_t end, float change) {
+    std::vector<float> flawless(dents[0].inside.size(), 0.6f);
+    for (std::size_t i = begin; i < end; ++i) {
+      flawless[i] += change;
+    }
+    frames.add(frame, std::vector<std::vector<float>>(1, flawless));
+    return frames.best()[0].union_area;
+  };
+  const double area_px = 9.0 * 3.14159265358979;
+  EXPECT_EQ(add(0, 32, 0.09f), 0.0);
+  EXPECT_NEAR(add(0, 10, 0.2f), 10.0 / area_px, 1e-12);
+  EXPECT_NEAR(add(5, 16, -0.2f), 16.0 / area_px, 1e-12);
+  EXPECT_NEAR(add(0, 0, 0.0f), 16.0 / area_px, 1e-12);
+  frames.add(frame);
+  EXPECT_NEAR(frames.best()[0].union_area, 16.0 / area_px, 1e-12);
+}
+
+TEST(Summarise, TakesTheSmallestRmsContrastBestFrameAndUnion) {
+  const std::vector<DefectScores> scores = {
+      {.label = "a", .rms_contrast = 0.3, .best_frame = 0.1, .union_area = 0.9},
+      {.label = "b", .rms_contrast = 0.2, .best_frame = 0.4, .union_area = 1.0}};
+  const DefectSummary summary = summarise(scores);
+  EXPECT_EQ(summary.min_rms_contrast, 0.2);
+  EXPECT_EQ(summary.min_best_frame, 0.1);
+  EXPECT_EQ(summary.min_union, 0.9);
+}
+
 TEST(Summarise, TakesTheWorstAndTheMeanChange) {
   const std::vector<DefectScores> scores = {{.label = "a", .change = 0.6},
                                             {.label = "b", .change = 0.2}};

@@ -15,8 +15,13 @@ TEST(Scores, CarryExactlyTheNamesThatAreListed) {
                    {"view.hidden_share", 0.0},
                    {"view.slot_margin_mm", 0.0},
                    {"rays.followed_share", 0.0},
-                   {"rays.blocked_share", 0.0}};
+                   {"rays.blocked_share", 0.0},
+                   // and what an inspection line finds out, filled in where it is asked for
+                   {"inspection.false_alarms", 0.0},
+                   {"inspection.threshold", 0.0},
+                   {"inspection.region_share", 0.0}};
   add_scores(scores, Homogeneity{});
+  add_scores(scores, HomogeneityFamily{.ripple = 0.0});
   add_scores(scores, FringeScores{});
   const std::vector<DefectScores> defects = {{.label = "dent"}, {.label = "group.scratch_2"}};
   add_scores(scores, defects);
@@ -73,6 +78,72 @@ TEST(ExplainScore, KnowsEveryLabelAndNoInvention) {
               HasSubstr("background"));
   EXPECT_FALSE(explain_score("defects..weber").has_value());
   EXPECT_FALSE(explain_score("homogeneity.h_max").has_value());
+}
+
+TEST(ScoreNames, HaveInspectionScoresOfEachGroup) {
+  const std::vector<std::string> groups = {"dent", "scratches"};
+  const std::vector<std::string> names = score_names({}, groups);
+  EXPECT_THAT(names, ::testing::Contains("inspection.detection_rate"));
+  EXPECT_THAT(names, ::testing::Contains("inspection.scratches.auc"));
+  for (const std::string& name : names) {
+    EXPECT_TRUE(explain_score(name).has_value()) << name;
+    EXPECT_EQ(unknown_score(name, {}, groups), "");
+  }
+}
+
+TEST(WithoutBound, TakesOneBoundOff) {
+  EXPECT_EQ(without_bound("homogeneity.h_rms.low"), "homogeneity.h_rms");
+  EXPECT_EQ(without_bound("homogeneity.h_rms.high"), "homogeneity.h_rms");
+  EXPECT_EQ(without_bound("homogeneity.h_rms"), "homogeneity.h_rms");
+  EXPECT_TRUE(is_bound("inspection.auc.low"));
+  EXPECT_FALSE(is_bound("inspection.auc"));
+}
+
+TEST(IntervalOf, IsThereForEstimatesAlone) {
+  EXPECT_EQ(interval_of("homogeneity.h_rms"), ScoreInterval::kScans);
+  EXPECT_EQ(interval_of("defects.dent_1.cnr.high"), ScoreInterval::kScans);
+  EXPECT_EQ(interval_of("inspection.detection_rate.low"), ScoreInterval::kTrials);
+  EXPECT_EQ(interval_of("inspection.dent.auc"), ScoreInterval::kTrials);
+  for (const char* name : {"defects.made", "view.hidden_share", "inspection.region_share", "no"}) {
+    EXPECT_EQ(interval_of(name), ScoreInterval::kNone) << name;
+  }
+}
+
+TEST(UnknownScore, KnowsBoundsAndRefusesThemWhereThereIsNoInterval) {
+  const std::vector<std::string> labels = {"dent_1"};
+  const std::vector<std::string> groups = {"dent"};
+  EXPECT_EQ(unknown_score("inspection.detection_rate.low", labels, groups), "");
+  EXPECT_EQ(unknown_score("defects.dent_1.cnr.low", labels, groups), "");
+  EXPECT_THAT(unknown_score("view.hidden_share.low", labels, groups), HasSubstr("has no interval"));
+  EXPECT_THAT(unknown_score("homogeneity.hrms.low", labels, groups),
+              HasSubstr("\"homogeneity.h_rms.low\""));
+  EXPECT_THAT(unknown_score("inspection.detection_rates", labels, groups),
+              HasSubstr("\"inspection.detection_rate\""));
+  EXPECT_THAT(unknown_score("inspection.detection_rate", {}, {}), HasSubstr("without defects"));
+  EXPECT_EQ(unknown_score("inspection.false_alarms", {}, {}), "");
+}
+
+TEST(ExplainScore, TellsWhereABoundComesFrom) {
+  EXPECT_THAT(explain_score("inspection.detection_rate.low").value(),
+              HasSubstr("lower bound of the interval of inspection.detection_rate"));
+  EXPECT_THAT(explain_score("homogeneity.h_rms.high").value(), HasSubstr("noise_seeds"));
+  EXPECT_FALSE(explain_score("view.hidden_share.low").has_value());
+  EXPECT_FALSE(explain_score("inspection.detection.low").has_value());
+}
+
+TEST(Scores, LeaveARippleOutThatWasNotMeasured) {
+  Scores scores;
+  add_scores(scores, HomogeneityFamily{.u0 = 0.5});
+  EXPECT_EQ(scores.at("homogeneity.u0"), 0.5);
+  EXPECT_FALSE(scores.contains("homogeneity.ripple"));
+}
+
+TEST(IsOfFamily, HoldsForScoresThatTakePassesOfTheirOwn) {
+  EXPECT_TRUE(is_of_family("homogeneity.ripple"));
+  EXPECT_TRUE(is_of_family("homogeneity.low_share"));
+  EXPECT_TRUE(is_of_family("homogeneity.residual.low"));
+  EXPECT_FALSE(is_of_family("homogeneity.h_rms"));
+  EXPECT_FALSE(is_of_family("homogeneity.lit_share"));
 }
 
 }  // namespace

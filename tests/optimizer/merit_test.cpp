@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/rng.h"
 #include "tests/optimizer/problems.h"
 
 namespace glint {
@@ -213,6 +214,47 @@ TEST(Goal, RefusesWrongConstraints) {
               HasSubstr("min 2 is above max 1"));
   EXPECT_THAT(message({.objective = {"h"}, .constraints = {{.name = "a", .min = 2, .weight = 0}}}),
               HasSubstr("weight"));
+}
+
+Scores with_interval(double h, double low, double high) {
+  return {{"h", h}, {"h.low", low}, {"h.high", high}, {"cnr", 4.0}, {"clipped", 0.0}};
+}
+
+TEST(ObjectiveNoise, IsHalfTheIntervalAndNoneWithoutOne) {
+  const Objective h = {.name = "h"};
+  EXPECT_DOUBLE_EQ(objective_noise(h, with_interval(0.8, 0.7, 0.86)), 0.08);  // (0.86 - 0.7) / 2
+  EXPECT_DOUBLE_EQ(objective_noise({.name = "h.low"}, with_interval(0.8, 0.7, 0.86)), 0.08);
+  EXPECT_EQ(objective_noise(h, {{"h", 0.8}}), 0.0);
+  EXPECT_EQ(objective_noise(h, {{"h", 0.8}, {"h.low", 0.7}}), 0.0);
+  EXPECT_EQ(objective_noise(h, with_interval(0.8, 0.7, kInfinity)), 0.0);
+}
+
+TEST(DifferenceNoise, AddsInSquares) {
+  const Scores a = with_interval(0.5, 0.47, 0.53);  // 0.03
+  const Scores b = with_interval(0.5, 0.46, 0.54);  // 0.04
+  EXPECT_NEAR(difference_noise({.name = "h"}, a, b), 0.05, 1e-12);
+}
+
+TEST(IsSurelyBetter, AsksFeasibleDesignsForALeadBeyondTheNoise) {
+  const Goal goal = homogeneity_goal();
+  const Scores base = with_interval(0.80, 0.77, 0.83);
+  EXPECT_FALSE(is_surely_better(goal, with_interval(0.849, 0.809, 0.889), base));  // 0.049 < 0.05
+  EXPECT_TRUE(is_surely_better(goal, with_interval(0.851, 0.811, 0.891), base));   // 0.051 > 0.05
+  EXPECT_FALSE(is_surely_better(goal, base, with_interval(0.9, 0.86, 0.94)));
+  Scores infeasible = with_interval(0.99, 0.98, 1.0);
+  infeasible["cnr"] = 1.0;
+  EXPECT_TRUE(is_surely_better(goal, base, infeasible));
+  EXPECT_FALSE(is_surely_better(goal, infeasible, base));
+}
+
+TEST(IsSurelyBetter, IsIsBetterWithoutIntervals) {
+  const Goal goal = homogeneity_goal();
+  Rng rng(5, Stream::kTest, 0);
+  for (int i = 0; i < 1000; ++i) {
+    const Scores a = scored(rng.uniform(), rng.uniform(0.0, 6.0), rng.uniform(0.0, 0.02)).scores;
+    const Scores b = scored(rng.uniform(), rng.uniform(0.0, 6.0), rng.uniform(0.0, 0.02)).scores;
+    EXPECT_EQ(is_surely_better(goal, a, b), is_better(goal, a, b));
+  }
 }
 
 }  // namespace

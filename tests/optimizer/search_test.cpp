@@ -193,6 +193,33 @@ TEST(RunSearch, StopsByStallAndByTarget) {
   EXPECT_EQ(result.best->number, result.evaluations);
 }
 
+// Every design is a little better than the one before. Half the interval of one design is 0.3, of a
+// difference 0.3 sqrt(2) = 0.42: of 1, 0.99, 0.98 ... the 44th design is the first one beyond.
+TEST(RunSearch, CountsNoDesignAsBetterWithinTheNoise) {
+  const auto slowly_better = [](double half_width) {
+    return [half_width](const Point&, int trial) {
+      const double value = 1.0 - 0.01 * (trial - 1);
+      Outcome outcome = loss(value);
+      outcome.scores["loss.low"] = value - half_width;
+      outcome.scores["loss.high"] = value + half_width;
+      return outcome;
+    };
+  };
+  SearchTask task = simple_task(3, 60);
+  task.budget.stall = 25;
+  const TemporaryFolder noisy;
+  const SearchResult stopped = run_in(noisy, task, slowly_better(0.3));
+  EXPECT_EQ(stopped.termination, Termination::kStall);
+  EXPECT_EQ(stopped.evaluations, 26);
+  EXPECT_EQ(stopped.best->number, 26);  // the best is the best all the same
+  const TemporaryFolder patient;
+  task.budget.stall = 43;
+  EXPECT_EQ(run_in(patient, task, slowly_better(0.3)).termination, Termination::kEvaluations);
+  const TemporaryFolder quiet;
+  task.budget.stall = 25;
+  EXPECT_EQ(run_in(quiet, task, slowly_better(0.0)).termination, Termination::kEvaluations);
+}
+
 TEST(RunSearch, StopsByWallClockOverResumes) {
   const TemporaryFolder folder;
   SearchTask task = simple_task(3, 0);

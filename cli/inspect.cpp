@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+
+#include <fmt/format.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "studies/inspect_run.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostLines = 40;  ///< of the table of parts
+
+/// Read by the run; a signal handler can reach nothing but a global.
+std::atomic<int> inspect_interrupts = 0;
+
+/// The first interrupt ends after the part in work, the second at once.
+void on_inspect_interrupt(int /*signal*/) {
+  if (inspect_interrupts.fetch_add(1) >= 1) {
+    ::_exit(kExitInterrupted);
+  }
+}
+
+std::string part_text(const Json& part) {
+  std::string text = fmt::format("  {:<24} {:<10} {:>5} {:>9.4g} {:>9.4g} {:>5} {:>9.4g} {:>9.4g}",
+                                 part["name"].get<std::string>(),
+                                 part["grade"].is_null() ? "" : part["grade"].get<std::string>(),
+                                 part["holes"]["count"].get<int>(),
+                                 part["holes"]["biggest"].get<double>(),
+                                 part["holes"]["sum"].get<double>(),
+                                 part["scratches"]["count"].get<int>(),
+                                 part["scratches"]["biggest"].get<double>(),
+                                 part["scratches"]["sum"].get<double>());
+  if (part.contains("truth")) {
+    const Json& truth = part["truth"];
+    text += fmt::format("  {} of {} found, {} false alarms",
+                        truth["found"].get<int>(),
+                        truth["defects"].get<int>(),
+                        truth["false_alarms"].get<int>());
+  }
+  return text + "\n";
+}
+
+std::string notes_text(const Json& parts) {
+  std::string text;
+  for (const Json& part : parts) {
+    for (const Json& note : part["notes"]) {
+      text +=
+          fmt::format("note: {}: {}\n", part["name"].get<std::string>(), note.get<std::string>());
+    }
+  }
+  return text;
+}
+
+std::string result_text(const Json& result) {
+  const Json& parts = result["parts"];
+  std::string text = fmt::format("  {:<24} {:<10} {:>5} {:>9} {:>9} {:>5} {:>9} {:>9}\n",
+                                 "",
+                                 "",
+                                 "holes",
+                                 "biggest",
+                                 "sum",
+                                 "scr.",
+                                 "biggest",
+                                 "sum");
+  for (std::size_t i = 0; i < std::min(parts.size(), kMostLines); ++i) {
+    text += part_text(parts[i]);
+  }
+  if (parts.size() > kMostLines) {
+    text += fmt::format("  ... and {} more\n", parts.size() - kMostLines);
+  } else {
+    text += notes_text(parts);
+  }
+  if (result["has_limits"].get<bool>()) {
+    const Json& grades = result["grades"];
+    text += fmt::format("{} perfect, {} acceptable, {} rejected\n",
+                        grades["Perfect"].get<int>(),
+                        grades["Acceptable"].get<int>(),
+                        grades["Rejected"].get<int>());
+  } else {
+    text += "not graded: no limits of the classes are set\n";
+  }
+  if (result.contains("learned")) {
+    text += fmt::format("limits learned from {} parts, {} of them in another class: {}/{}\n",
+                        result["learned"]["parts"].get<int>(),
+                        result["learned"]["wrong"].get<int>(),
+                        result["folder"].get<std::string>(),
+                        result["learned"]["file"].get<std::string>());
+  }
+  return text + fmt::format("report: {}\n", result["report"].get<std::string>());
+}
+
+bool is_negative(const Json& result) {
+  return !result.contains("learned") && result["has_limits"].get<bool>() &&
+         result["grades"]["Rejected"].get<int>() > 0;
+}
+
+}  // namespace
+
+int inspect_command(const InspectArguments& arguments, const CommonArguments& common) {
+  const InspectOptions options = {.inputs = arguments.inputs,
+                                  .out = arguments.out,
+                                  .is_each = arguments.is_each,
+                                  .mask = arguments.mask,
+                                  .reference_mask = arguments.reference_mask,
+                                  .settings = arguments.settings,
+                                  .sets = key_values(arguments.sets),
+                                  .flawless = arguments.flawless,
+                                  .labels = arguments.labels,
+                                  .is_learning = arguments.is_learning,
+                                  .threads = common.threads,
+                                  .progress = common.progress(),
+                                  .interrupt = &inspect_interrupts};
+  std::signal(SIGINT, on_inspect_interrupt);
+  std::signal(SIGTERM, on_inspect_interrupt);
+  const Json result = inspect_parts(options);
+  if (result["status"] == "interrupted") {
+    print_result(common, result, "interrupted\n");
+    return kExitInterrupted;
+  }
+  print_result(common, result, result_text(result));
+  return is_negative(result) ? kExitNegative : kExitDone;
+}
+
+}  // namespace glint

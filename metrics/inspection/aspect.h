@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/image.h"
+#include "core/thread_pool.h"
+
+namespace glint {
+
+/// aspect_of(), 0 outside the mask. @param mask  of the frames' size
+/// @throws ConfigError as aspect_of(), and for frames of another size than the mask
+ImageF masked_aspect(std::span<const Image<std::uint8_t>> frames,
+                     const Mask& mask,
+                     ThreadPool& pool);
+
+}  // namespace glint

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "metrics/inspection/inspector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "metrics/inspection/aspect.h"
+#include "metrics/inspection/blobs.h"
+#include "metrics/inspection/filter_kernels.h"
+#include "metrics/inspection/phase.h"
+#include "metrics/inspection/response_noise.h"
+
+namespace glint {
+namespace {
+
+using Filter = InspectionSettings::Filter;
+using Threshold = InspectionSettings::Threshold;
+
+constexpr int kRowsPerBand = 16;
+
+/// The mask without a rim; beyond the picture counts as outside.
+Mask without_rim(const Mask& mask, int rim_px) {
+  Mask outside(mask.width() + 2, mask.height() + 2, 1);
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      outside(x + 1, y + 1) = mask(x, y) != 0 ? 0 : 1;
+    }
+  }
+  const Mask grown = dilated(outside, rim_px);
+  Mask inner(mask.width(), mask.height());
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      inner(x, y) = grown(x + 1, y + 1) != 0 ? 0 : 1;
+    }
+  }
+  return inner;
+}
+
+Mask region_of(const InspectionSettings& settings, const Mask& mask) {
+  const auto is_inside = [](unsigned char value) { return value != 0; };
+  const auto on_part = std::ranges::count_if(mask.values(), is_inside);
+  if (on_part == 0) {
+    throw ConfigError("inspection: the mask has no pixel, at least one must be on the part");
+  }
+  Mask region = without_rim(mask, settings.erosion_px);
+  if (std::ranges::none_of(region.values(), is_inside)) {
+    throw ConfigError(
+        fmt::format("inspection.erosion_px: no pixel is left of {} in the mask after a rim of {} "
+                    "px, at least one must be",
+                    on_part,
+                    settings.erosion_px));
+  }
+  return region;
+}
+
+template <class T>
+void check_size(const Image<T>& image, const Mask& mask) {
+  if (image.width() != mask.width() || image.height() != mask.height()) {
+    throw ConfigError(
+        fmt::format("images: an image of {} x {} px does not fit the mask of {} x {} px",
+                    image.width(),
+                    image.height(),
+                    mask.width(),
+                    mask.height()));
+  }
+}
+
+[[noreturn]] void throw_not_finite(const ImageF& aspect) {
+  const auto& values = aspect.values();
+  const auto bad = std::ranges::find_if(values, [](float v) { return !std::isfinite(v); });
+  const auto at = static_cast<int>(bad - values.begin());
+  throw ConfigError(
+      fmt::format("images: pixel ({}, {}) of the aspect image is NaN or infinite, must be a number",
+                  at % aspect.width(),
+                  at / aspect.width()));
+}
+
+ImageF kept_inside(const ImageF& aspect, const Mask& mask, ThreadPool& pool) {
+  ImageF kept(aspect.width(), aspect.height());
+  const int bands = (aspect.height() + kRowsPerBand - 1) / kRowsPerBand;
+  const auto is_finite = pool.map<int>(bands, [&](std::int64_t band) {
+    const int first = static_cast<int>(band) * kRowsPerBand;
+    int all_finite = 1;
+    for (int y = first; y < std::min(first + kRowsPerBand, aspect.height()); ++y) {
+      const bool is_row_finite =
+          inspection_kernels::keep_inside(aspect.row(y), mask.row(y), aspect.width(), kept.row(y));
+      all_finite &= is_row_finite ? 1 : 0;
+    }
+    return all_finite;
+  });
+  if (std::ranges::find(is_finite, 0) != is_finite.end()) {
+    throw_not_finite(aspect);
+  }
+  return kept;
+}
+
+[[noreturn]] void throw_needs_frames() {
+  throw ConfigError(
+      "inspection.filter: phase needs the images of the sequence, allowed for an aspect image are "
+      "gaussian, difference_of_gaussians and matched");
+}
+
+}  // namespace
+
+std::string_view kind_name(DefectKind kind) {
+  return kind == DefectKind::kHole ? "hole" : "scratch";
+}
+
+Inspector::Inspector(const InspectionSettings& settings, const Mask& mask)
+    : settings_(settings),
+      mask_(mask),
+      region_(region_of(settings, mask)),
+      region_spans_(spans_of(region_)),
+      filter_(settings, mask_, region_) {}
+
+ImageF Inspector::response(const ImageF& aspect, ThreadPool& pool) const {
+  if (settings_.filter == Filter::kPhase) {
+    throw_needs_frames();
+  }
+  check_size(aspect, mask_);
+  return filter_.response(kept_inside(aspect, mask_, pool), pool);
+}
+
+ImageF Inspector::response(std::span<const ImageF> frames, ThreadPool& pool) const {
+  if (settings_.filter != Filter::kPhase) {
+    return response(aspect_of(frames, pool), pool);
+  }
+  for (const ImageF& frame : frames) {
+    check_size(frame, mask_);
+  }
+  const ImageF whole = phase_response(
+      frames, settings_.periods, mask_, settings_.kernel_px, settings_.sigma_px, pool);
+  return kept_inside(whole, region_, pool);
+}
+
+double Inspector::noise(const ImageF& response, ThreadPool& pool) const {
+  check_size(response, mask_);
+  return robust_deviation(response, region_spans_, pool);
+}
+
+double Inspector::threshold_at(double noise, std::optional<double> calibrated) const {
+  if (settings_.threshold == Threshold::kNoise) {
+    return std::max(kLeastThreshold, settings_.threshold_sigmas * noise);
+  }
+  if (settings_.threshold == Threshold::kFixed) {
+    return std::max(kLeastThreshold, settings_.threshold_grey);
+  }
+  if (!calibrated.has_value()) {
+    throw ConfigError(
+        "inspection.threshold: false_alarms needs pictures of flawless parts to be calibrated "
+        "with, allowed without them are fixed and noise");
+  }
+  return std::max(kLeastThreshold, *calibrated);
+}
+
+double Inspector::threshold(const ImageF& response, std::optional<double> calibrated) const {
+  check_size(response, mask_);
+  if (settings_.threshold != Threshold::kNoise) {
+    return threshold_at(0.0, calibrated);
+  }
+  ThreadPool alone(1);
+  return threshold_at(noise(response, alone), calibrated);
+}
+
+std::vector<FoundDefect> Inspector::blobs(const ImageF& response,
+                                          double threshold,
+                                          ThreadPool& pool) const {
+  check_size(response, mask_);
+  return find_blobs(response, threshold, settings_, pool);
+}
+
+Inspection Inspector::list(const ImageF& response,
+                           ThreadPool& pool,
+                           std::optional<double> calibrated) const {
+  Inspection result;
+  result.noise = noise(response, pool);
+  result.threshold = threshold_at(result.noise, calibrated);
+  result.defects = blobs(response, result.threshold, pool);
+  return result;
+}
+
+Inspection Inspector::inspect(const ImageF& aspect,
+                              ThreadPool& pool,
+                              std::optional<double> calibrated) const {
+  return list(response(aspect, pool), pool, calibrated);
+}
+
+Inspection Inspector::inspect(std::span<const Image<std::uint8_t>> frames,
+                              ThreadPool& pool,
+                              std::optional<double> calibrated) const {
+  if (settings_.filter != Filter::kPhase) {
+    return list(filter_.response(masked_aspect(frames, mask_, pool), pool), pool, calibrated);
+  }
+  std::vector<ImageF> shares;
+  for (const Image<std::uint8_t>& frame : frames) {
+    shares.push_back(aspect_of(std::span(&frame, 1), pool));
+  }
+  return list(response(shares, pool), pool, calibrated);
+}
+
+Inspection Inspector::inspect(std::span<const ImageF> frames,
+                              ThreadPool& pool,
+                              std::optional<double> calibrated) const {
+  return list(response(frames, pool), pool, calibrated);
+}
+
+}  // namespace glint

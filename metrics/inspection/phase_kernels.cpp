@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "metrics/inspection/phase_kernels.h"
+
+#include <algorithm>
+
+#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+
+namespace glint {
+
+GLINT_WIDE void add_scaled(const float* __restrict from,
+                           float weight,
+                           float* __restrict to,
+                           int count) {
+  for (int i = 0; i < count; ++i) {
+    to[i] += weight * from[i];
+  }
+}
+
+void convolve_along(const float* from, const float* weights, int taps, float* to, int count) {
+  std::fill_n(to, count, 0.0F);
+  for (int k = 0; k < taps; ++k) {
+    add_scaled(from + k, weights[k], to, count);
+  }
+}
+
+}  // namespace glint

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "metrics/inspection/response_noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/error.h"
+#include "metrics/inspection/filter_kernels.h"
+
+namespace glint {
+namespace {
+
+using inspection_kernels::Reading;
+
+/// 1 / the 75 % point of the standard normal distribution.
+constexpr double kSigmaOfMedian = 1.4826022185056018;
+
+float reading_of(float value, Reading reading) {
+  const float difference = value - reading.middle;
+  return reading.is_distance ? std::abs(difference) : difference;
+}
+
+/// Finds medians in one sweep: a sample brackets the median, so that few values must be sorted. A
+/// wrong bracket only costs time.
+class MedianFinder {
+ public:
+  MedianFinder(const ImageF& image, const Spans& spans, ThreadPool& pool)
+      : image_(image), spans_(spans), pool_(pool) {
+    for (const RowSpan& span : spans) {
+      pixels_ += span.size();
+    }
+    GLINT_CHECK(pixels_ > 0, "the region has no pixel");
+  }
+
+  float median(Reading reading) const {
+    const std::int64_t rank = (pixels_ - 1) / 2;
+    const auto [low, high] = bracket(reading);
+    const std::vector<Part> parts = split(reading, low, high);
+    std::int64_t below = 0;
+    std::vector<float> within;
+    for (const Part& part : parts) {
+      below += part.below;
+      within.insert(within.end(), part.within.begin(), part.within.end());
+    }
+    if (rank < below || rank >= below + static_cast<std::int64_t>(within.size())) {
+      return select(all(reading), rank);
+    }
+    return select(std::move(within), rank - below);
+  }
+
+ private:
+  static constexpr std::size_t kSpansPerPart = 32;
+
+  struct Part {
+    std::int64_t below = 0;
+    std::vector<float> within;
+  };
+
+  struct Bracket {
+    float low = 0.0F;
+    float high = 0.0F;
+  };
+
+  static float select(std::vector<float> values, std::int64_t rank) {
+    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(rank);
+    std::nth_element(values.begin(), nth, values.end());
+    return *nth;
+  }
+
+  /// Of every 127th value, those four standard deviations of a sample's median to either side.
+  Bracket bracket(Reading reading) const {
+    constexpr int kEvery = 127;  // no divisor of usual widths
+    std::vector<float> sample;
+    int next = 0;
+    for (const RowSpan& span : spans_) {
+      for (; next < span.size(); next += kEvery) {
+        sample.push_back(reading_of(image_.row(span.y)[span.begin + next], reading));
+      }
+      next -= span.size();
+    }
+    const auto count = static_cast<std::int64_t>(sample.size());
+    const auto spread = static_cast<std::int64_t>(2.0 * std::sqrt(static_cast<double>(count))) + 2;
+    const std::int64_t low = std::max<std::int64_t>(0, count / 2 - spread);
+    const std::int64_t high = std::min(count - 1, count / 2 + spread);
+    const auto lower = sample.begin() + static_cast<std::ptrdiff_t>(low);
+    const auto upper = sample.begin() + static_cast<std::ptrdiff_t>(high);
+    std::nth_element(sample.begin(), lower, sample.end());
+    const float least = *lower;
+    std::nth_element(lower, upper, sample.end());
+    return {least, *upper};
+  }
+
+  std::vector<Part> split(Reading reading, float low, float high) const {
+    const std::size_t count = (spans_.size() + kSpansPerPart - 1) / kSpansPerPart;
+    std::vector<Part> parts(count);
+    pool_.for_each(static_cast<std::int64_t>(count), [&](std::int64_t i) {
+      Part& part = parts[static_cast<std::size_t>(i)];
+      const std::size_t first = static_cast<std::size_t>(i) * kSpansPerPart;
+      std::vector<float> kept(static_cast<std::size_t>(image_.width()));
+      for (std::size_t s = first; s < std::min(first + kSpansPerPart, spans_.size()); ++s) {
+        const RowSpan& span = spans_[s];
+        const auto [below, within] = inspection_kernels::split_readings(
+            image_.row(span.y) + span.begin, span.size(), reading, low, high, kept.data());
+        part.below += below;
+        part.within.insert(part.within.end(), kept.begin(), kept.begin() + within);
+      }
+    });
+    return parts;
+  }
+
+  std::vector<float> all(Reading reading) const {
+    std::vector<float> readings;
+    for (const RowSpan& span : spans_) {
+      for (int x = span.begin; x < span.end; ++x) {
+        readings.push_back(reading_of(image_(x, span.y), reading));
+      }
+    }
+    return readings;
+  }
+
+  const ImageF& image_;
+  const Spans& spans_;
+  ThreadPool& pool_;
+  std::int64_t pixels_ = 0;
+};
+
+}  // namespace
+
+double robust_deviation(const ImageF& image, const Spans& spans, ThreadPool& pool) {
+  const MedianFinder finder(image, spans, pool);
+  const float middle = finder.median({});
+  const float distance = finder.median({.middle = middle, .is_distance = true});
+  return kSigmaOfMedian * static_cast<double>(distance);
+}
+
+}  // namespace glint

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "core/image.h"
+#include "core/spans.h"
+#include "core/thread_pool.h"
+
+namespace glint {
+
+/// Standard deviation of the values in the spans as their middle tells it: 1.4826 times the median
+/// distance from the median (nearest ranks, exact), 1 sigma for Gaussian values. Up to half of the
+/// pixels may be anything.
+/// @param spans  at least one pixel
+double robust_deviation(const ImageF& image, const Spans& spans, ThreadPool& pool);
+
+}  // namespace glint

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "metrics/statistics/roc.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/error.h"
+
+namespace glint {
+namespace {
+
+std::vector<double> sorted(std::span<const double> values) {
+  GLINT_CHECK(!values.empty(), "figures of things with and of things without are needed");
+  for (const double value : values) {
+    GLINT_CHECK(!std::isnan(value), "a figure is not a number");
+  }
+  std::vector<double> result(values.begin(), values.end());
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+double share_at_or_above(const std::vector<double>& figures, double threshold) {
+  const auto first = std::lower_bound(figures.begin(), figures.end(), threshold);
+  return static_cast<double>(figures.end() - first) / static_cast<double>(figures.size());
+}
+
+/// Share of the others below a figure, equal ones counted half.
+double placement(double figure, const std::vector<double>& others) {
+  const auto [first, last] = std::equal_range(others.begin(), others.end(), figure);
+  const double below = static_cast<double>(first - others.begin());
+  return (below + 0.5 * static_cast<double>(last - first)) / static_cast<double>(others.size());
+}
+
+struct Moments {
+  double mean = 0.0;
+  double variance = 0.0;  ///< over n - 1; 0 for one value
+};
+
+Moments placements(const std::vector<double>& figures, const std::vector<double>& others) {
+  std::vector<double> places;
+  Moments moments;
+  for (const double figure : figures) {
+    places.push_back(placement(figure, others));
+    moments.mean += places.back();
+  }
+  moments.mean /= static_cast<double>(figures.size());
+  for (const double place : places) {
+    moments.variance += (place - moments.mean) * (place - moments.mean);
+  }
+  moments.variance /= std::max(static_cast<double>(figures.size()) - 1.0, 1.0);
+  return moments;
+}
+
+/// Hanley and McNeil's variance of an area as Newcombe (2006, method 5) evens it out.
+double variance_at(double area, double with, double without) {
+  const double more = 0.5 * (with + without) - 1.0;
+  const double factor = 1.0 + more * ((1.0 - area) / (2.0 - area) + area / (1.0 + area));
+  return area * (1.0 - area) * factor / (with * without);
+}
+
+/// The area farthest from the measured one, towards `end`, that does not contradict it.
+double farthest(double area, double end, double z, double with, double without) {
+  double inside = area;
+  double outside = end;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (inside + outside);
+    const double reach = z * std::sqrt(variance_at(middle, with, without));
+    (std::abs(middle - area) <= reach ? inside : outside) = middle;
+  }
+  return inside;
+}
+
+double logistic(double x) {
+  return 1.0 / (1.0 + std::exp(-x));
+}
+
+}  // namespace
+
+std::vector<RocPoint> roc(std::span<const double> with, std::span<const double> without) {
+  const std::vector<double> hits = sorted(with);
+  const std::vector<double> alarms = sorted(without);
+  std::vector<double> thresholds(hits);
+  thresholds.insert(thresholds.end(), alarms.begin(), alarms.end());
+  std::sort(thresholds.begin(), thresholds.end(), std::greater<>());
+  thresholds.erase(std::unique(thresholds.begin(), thresholds.end()), thresholds.end());
+  std::vector<RocPoint> points = {{.threshold = std::numeric_limits<double>::infinity()}};
+  for (const double threshold : thresholds) {
+    points.push_back({.threshold = threshold,
+                      .false_alarms = share_at_or_above(alarms, threshold),
+                      .hits = share_at_or_above(hits, threshold)});
+  }
+  return points;
+}
+
+Estimate area_under_roc(std::span<const double> with,
+                        std::span<const double> without,
+                        double confidence) {
+  const std::vector<double> hits = sorted(with);
+  const std::vector<double> alarms = sorted(without);
+  const Moments of_hits = placements(hits, alarms);
+  const Moments of_alarms = placements(alarms, hits);
+  const auto m = static_cast<double>(hits.size());
+  const auto n = static_cast<double>(alarms.size());
+  const double z = normal_quantile(0.5 * (1.0 + confidence));
+  const double area = of_hits.mean;
+  const double variance = of_hits.variance / m + of_alarms.variance / n;
+  const double slack = area * (1.0 - area);
+  constexpr double kRounding = 1e-24;
+  if (!(variance > kRounding) || !(slack > 0.0)) {
+    return {
+        .value = area, .low = farthest(area, 0.0, z, m, n), .high = farthest(area, 1.0, z, m, n)};
+  }
+  const double centre = std::log(area / (1.0 - area));
+  const double half = z * std::sqrt(variance) / slack;
+  return {.value = area, .low = logistic(centre - half), .high = logistic(centre + half)};
+}
+
+double area_for_dprime(double dprime) {
+  return normal_cdf(dprime / std::numbers::sqrt2);
+}
+
+double threshold_for(std::span<const double> without, double false_alarms) {
+  GLINT_CHECK(false_alarms >= 0.0 && false_alarms <= 1.0, "a share lies in [0, 1]");
+  const std::vector<double> alarms = sorted(without);
+  const auto count = static_cast<double>(alarms.size());
+  const auto allowed = static_cast<std::size_t>(std::floor(false_alarms * count + 1e-9));
+  if (allowed >= alarms.size()) {
+    return -std::numeric_limits<double>::infinity();
+  }
+  const double highest_quiet = alarms[alarms.size() - 1 - allowed];
+  return std::nextafter(highest_quiet, std::numeric_limits<double>::infinity());
+}
+
+Estimate hits_at(std::span<const double> with, double threshold, double confidence) {
+  const std::vector<double> figures = sorted(with);
+  const auto found = figures.end() - std::lower_bound(figures.begin(), figures.end(), threshold);
+  return wilson(found, static_cast<std::int64_t>(figures.size()), confidence);
+}
+
+}  // namespace glint

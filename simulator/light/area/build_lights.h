@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/pose.h"
+#include "simulator/light/area/light_settings.h"
+#include "simulator/light/area/lights.h"
+
+namespace glint {
+
+/// A light and its name in the scene, which its groups carry on.
+struct NamedLight {
+  std::string name;
+  LightSettings settings;
+};
+
+using LightTriangle = std::array<Eigen::Vector3d, 3>;  ///< mm, front side counterclockwise
+
+/// Reads the triangles of a mesh emitter; given from outside, as lights know no meshes.
+using MeshLoader = std::function<std::vector<LightTriangle>(const std::filesystem::path&)>;
+
+/// Puts the lights of a scene where they stand.
+///
+/// Groups are numbered in the order of the lights; a light without separate_segments is one group
+/// whose segment powers are in its radiances.
+/// @param scene_from_camera  where lights on the camera go
+/// @throws ConfigError, IoError: a file that cannot be used, a light without luminous area, a
+/// second environment
+Lights build_lights(const std::vector<NamedLight>& lights,
+                    const RigidTransform& scene_from_camera,
+                    const MeshLoader& load_mesh);
+
+/// The frame of a light on the part or the camera, in the scene: z the way it shines, x at roll 0
+/// as close to the x axis of what it is fixed to as can be (y where it shines along x).
+EmitterFrame placed_frame(const LightPlacement& placement, const RigidTransform& scene_from_camera);
+
+}  // namespace glint

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/material/conductor.h"
+
+#include "simulator/material/regained.h"
+
+namespace glint {
+namespace {
+
+/// What the lobe of several reflections needs to know of the viewer's direction.
+struct Regained {
+  Colour colour = Colour::Zero();
+  double viewer_albedo = 1.0;
+  double average = 1.0;
+  double share = 0.0;  ///< of samples that go to this lobe
+};
+
+Regained regained_of(const Conductor& metal, const LocalDirection& to_viewer) {
+  if (metal.albedo == nullptr) {
+    return {};
+  }
+  Regained lobe = {.viewer_albedo = metal.albedo->at(to_viewer, metal.albedo_scale),
+                   .average = metal.albedo->average(metal.albedo_scale)};
+  lobe.colour = regained_colour(metal.fresnel.average, lobe.average);
+  const double here = strength(lobe.colour) * std::max(0.0, 1.0 - lobe.viewer_albedo);
+  const double single = strength(metal.fresnel.average) * lobe.viewer_albedo;
+  lobe.share = here > 0.0 ? here / (here + single) : 0.0;
+  return lobe;
+}
+
+Reflection evaluate_with(const Conductor& metal,
+                         const Regained& lobe,
+                         const LocalDirection& to_viewer,
+                         const LocalDirection& to_light) {
+  const LocalDirection normal = half_vector(to_viewer, to_light);
+  const double distribution = ggx_distribution(metal.alpha, normal);
+  const double single =
+      distribution * ggx_visibility(metal.alpha, to_viewer, to_light) * to_light.z;
+  Reflection result = {.value = reflectance(metal.fresnel, dot(to_light, normal)) * single,
+                       .density = (1.0 - lobe.share) * ggx_density(metal.alpha, to_viewer, normal)};
+  if (lobe.share > 0.0) {
+    const double light_albedo = metal.albedo->at(to_light, metal.albedo_scale);
+    const double brdf = regained_brdf(lobe.viewer_albedo, light_albedo, lobe.average);
+    result.value += lobe.colour * (std::max(0.0, brdf) * to_light.z);
+    result.density += lobe.share * to_light.z / kPi;
+  }
+  result.value *= metal.tint;
+  return result;
+}
+
+}  // namespace
+
+Reflection evaluate(const Conductor& metal,
+                    const LocalDirection& to_viewer,
+                    const LocalDirection& to_light) {
+  if (!(to_viewer.z > 0.0 && to_light.z > 0.0)) {
+    return {};
+  }
+  return evaluate_with(metal, regained_of(metal, to_viewer), to_viewer, to_light);
+}
+
+std::optional<ReflectedSample> sample(const Conductor& metal,
+                                      const LocalDirection& to_viewer,
+                                      const RandomTriple& random) {
+  if (!(to_viewer.z > 0.0)) {
+    return std::nullopt;
+  }
+  const Regained lobe = regained_of(metal, to_viewer);
+  const LocalDirection to_light =
+      random[2] < lobe.share
+          ? sample_cosine(random[0], random[1])
+          : reflect(to_viewer, ggx_sample_normal(metal.alpha, to_viewer, random[0], random[1]));
+  if (!(to_light.z > 0.0)) {
+    return std::nullopt;
+  }
+  const Reflection result = evaluate_with(metal, lobe, to_viewer, to_light);
+  if (!(result.density > 0.0)) {
+    return std::nullopt;
+  }
+  return ReflectedSample{
+      .to_light = to_light, .weight = result.value / result.density, .density = result.density};
+}
+
+}  // namespace glint

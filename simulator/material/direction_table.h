@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "simulator/material/ggx.h"
+
+namespace glint {
+
+/// A smooth function of a direction that is mirror-symmetric in x and in y, kept at nodes and
+/// interpolated by cubics.
+///
+/// The nodes crowd where microfacets make such functions bend: at grazing, within a cosine of a
+/// fraction of the width alpha(phi) that the slopes have in the direction's azimuth phi. So the
+/// axes are log(1 + z / knee) and alpha(phi) itself, from one principal width to the other.
+class DirectionTable {
+ public:
+  using Function = std::function<double(const LocalDirection&)>;
+
+  /// @param alpha     widths of the surface; equal: one column, the function must not depend on phi
+  /// @param function  asked at 36 or 360 directions with z >= 0
+  DirectionTable(const GgxAlpha<double>& alpha, const Function& function);
+
+  double at(const LocalDirection& direction) const;
+
+  /// Of the interpolated function over all directions, weighted with the cosine.
+  double average() const { return average_; }
+
+ private:
+  double value(int column, double u) const;
+  double column_at(double width) const;
+  double integrate() const;
+
+  GgxAlpha<double> alpha_;
+  int columns_ = 1;
+  std::vector<double> values_;  ///< columns_ times kRows
+  double average_ = 0.0;
+};
+
+/// Weights of the four neighbours of a place between the second and the third (Catmull-Rom).
+/// @param t  in [0, 1]
+std::array<double, 4> cubic_weights(double t);
+
+/// The same for place x of count nodes at 0, 1, ..., with the ends continued by parabolas.
+struct CubicStencil {
+  int first = 0;  ///< node of weights[0]; the rest follow
+  std::array<double, 4> weights{};
+};
+
+/// @param x  clamped to [0, count - 1]  @param count  >= 4
+CubicStencil cubic_stencil(double x, int count);
+
+}  // namespace glint

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/material/nk_table.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/text.h"
+
+namespace glint {
+namespace {
+
+constexpr double kNmPerUm = 1000.0;
+constexpr std::string_view kBlank = " \t\r";
+
+struct Line {
+  int number = 0;
+  std::string text;
+};
+
+struct Column {
+  std::vector<double> wavelength_nm;
+  std::vector<double> value;
+};
+
+[[noreturn]] void refuse(const std::string& file, int line, const std::string& message) {
+  throw ConfigError(Place{.file = file, .line = line}.prefix() + message);
+}
+
+std::string trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) {
+    return {};
+  }
+  return std::string(text.substr(first, text.find_last_not_of(kBlank) - first + 1));
+}
+
+std::vector<Line> lines_of(std::string_view text) {
+  std::vector<Line> lines;
+  for (std::string& line : split(text, '\n')) {
+    lines.push_back({.number = static_cast<int>(lines.size()) + 1, .text = std::move(line)});
+  }
+  return lines;
+}
+
+/// The numbers of a row, separated by blanks or commas.
+std::vector<double> numbers_of(const std::string& file, const Line& line) {
+  constexpr std::string_view kSeparators = " \t\r,";
+  std::vector<double> numbers;
+  std::string_view rest = line.text;
+  for (;;) {
+    const std::size_t first = rest.find_first_not_of(kSeparators);
+    if (first == std::string_view::npos) {
+      return numbers;
+    }
+    rest.remove_prefix(first);
+    const std::string_view word = rest.substr(0, rest.find_first_of(kSeparators));
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) {
+      refuse(file, line.number, fmt::format("\"{}\" is no number", word));
+    }
+    numbers.push_back(value);
+    rest.remove_prefix(word.size());
+  }
+}
+
+std::vector<double> row_of(const std::string& file, const Line& line, std::size_t count) {
+  std::vector<double> row = numbers_of(file, line);
+  if (row.size() != count) {
+    refuse(file,
+           line.number,
+           fmt::format("has {} numbers, must have {}: wavelength in micrometres, {}",
+                       row.size(),
+                       count,
+                       count == 3 ? "n, k" : "then n or k"));
+  }
+  row[0] *= kNmPerUm;
+  return row;
+}
+
+void check_rising(const std::string& file,
+                  int line,
+                  const std::vector<double>& so_far,
+                  double next) {
+  if (next <= 0.0 || (!so_far.empty() && next <= so_far.back())) {
+    refuse(file, line, "the wavelengths must be positive and rise from row to row");
+  }
+}
+
+void append(NkTable& table, const Line& line, const std::vector<double>& row) {
+  check_rising(table.file, line.number, table.wavelength_nm, row[0]);
+  if (row[1] <= 0.0 || row[2] < 0.0) {
+    refuse(table.file,
+           line.number,
+           fmt::format("n is {}, k is {}; must be > 0 and >= 0", row[1], row[2]));
+  }
+  table.wavelength_nm.push_back(row[0]);
+  table.n.push_back(row[1]);
+  table.k.push_back(row[2]);
+}
+
+std::size_t indent_of(const std::string& text) {
+  return std::min(text.find_first_not_of(kBlank), text.size());
+}
+
+/// The first line of the YAML block with that start, from a line on; the end when there is none.
+std::size_t find_line(const std::vector<Line>& lines, std::size_t from, std::string_view start) {
+  while (from < lines.size() && !trimmed(lines[from].text).starts_with(start)) {
+    ++from;
+  }
+  return from;
+}
+
+NkTable parse_yaml(const std::vector<Line>& lines, const std::string& file) {
+  constexpr std::string_view kType = "- type:";
+  const std::size_t type = find_line(lines, find_line(lines, 0, "DATA:"), kType);
+  if (type == lines.size()) {
+    refuse(file, static_cast<int>(lines.size()), "holds no table under DATA");
+  }
+  const std::string kind = trimmed(trimmed(lines[type].text).substr(kType.size()));
+  if (kind != "tabulated nk") {
+    refuse(file,
+           lines[type].number,
+           fmt::format("type is \"{}\", must be \"tabulated nk\": metals need n and k", kind));
+  }
+  const std::size_t data = find_line(lines, type, "data:");
+  NkTable table = {.file = file};
+  for (std::size_t i = data + 1; i < lines.size(); ++i) {
+    if (trimmed(lines[i].text).empty()) {
+      continue;
+    }
+    if (indent_of(lines[i].text) <= indent_of(lines[data].text)) {
+      break;
+    }
+    append(table, lines[i], row_of(file, lines[i], 3));
+  }
+  return table;
+}
+
+double between(const std::vector<double>& x, const std::vector<double>& y, double at) {
+  const auto above = std::lower_bound(x.begin(), x.end(), at);
+  const auto i = static_cast<std::size_t>(above - x.begin());
+  if (i == 0) {
+    return y.front();
+  }
+  const double share = (at - x[i - 1]) / (x[i] - x[i - 1]);
+  return y[i - 1] + (y[i] - y[i - 1]) * share;
+}
+
+/// Two tables as one, at the rows of the first that the second covers.
+NkTable joined(const std::string& file, const Column& n, const Column& k, int line) {
+  NkTable table = {.file = file};
+  for (std::size_t i = 0; i < n.value.size(); ++i) {
+    const double x = n.wavelength_nm[i];
+    if (!k.value.empty() && x >= k.wavelength_nm.front() && x <= k.wavelength_nm.back()) {
+      append(table, {.number = line}, {x, n.value[i], between(k.wavelength_nm, k.value, x)});
+    }
+  }
+  return table;
+}
+
+NkTable parse_csv(const std::vector<Line>& lines, const std::string& file) {
+  NkTable table = {.file = file};
+  Column n;
+  Column k;
+  Column* column = nullptr;
+  for (const Line& line : lines) {
+    const std::string text = trimmed(line.text);
+    if (text == "wl,n,k") {
+      column = nullptr;
+    } else if (text == "wl,n" || text == "wl,k") {
+      column = text == "wl,n" ? &n : &k;
+    } else if (!text.empty() && column == nullptr) {
+      append(table, line, row_of(file, line, 3));
+    } else if (!text.empty()) {
+      const std::vector<double> row = row_of(file, line, 2);
+      check_rising(file, line.number, column->wavelength_nm, row[0]);
+      column->wavelength_nm.push_back(row[0]);
+      column->value.push_back(row[1]);
+    }
+  }
+  return table.n.empty() ? joined(file, n, k, static_cast<int>(lines.size())) : table;
+}
+
+}  // namespace
+
+RefractiveIndex NkTable::at(double at_nm) const {
+  if (!(at_nm >= wavelength_nm.front() && at_nm <= wavelength_nm.back())) {
+    throw ConfigError(fmt::format("{}: has no values at {} nm, only from {} to {} nm",
+                                  file,
+                                  shortest(at_nm),
+                                  shortest(wavelength_nm.front()),
+                                  shortest(wavelength_nm.back())));
+  }
+  return {.n = between(wavelength_nm, n, at_nm), .k = between(wavelength_nm, k, at_nm)};
+}
+
+NkTable parse_nk(std::string_view text, const std::string& file) {
+  const std::vector<Line> lines = lines_of(text);
+  const bool is_csv = text.starts_with("wl,");
+  NkTable table = is_csv ? parse_csv(lines, file) : parse_yaml(lines, file);
+  if (table.n.empty()) {
+    refuse(file, static_cast<int>(lines.size()), "holds no rows of wavelength, n and k");
+  }
+  return table;
+}
+
+NkTable read_nk(const std::filesystem::path& path) {
+  return parse_nk(read_file(path), path.string());
+}
+
+}  // namespace glint

@@ -1,0 +1,437 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint inspect`: files, grades, learning, wrong input.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/image_io.h"
+#include "core/rng.h"
+#include "tests/cli/program.h"
+
+namespace glint::test {
+namespace {
+namespace fs = std::filesystem;
+
+using Json = nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+using ::testing::Not;
+
+constexpr int kWidth = 160;
+constexpr int kHeight = 100;
+
+/// A grey part on black, 20 px from the picture's rim, with noise of a hundredth.
+ImageF plain_part(std::uint64_t seed) {
+  ImageF picture(kWidth, kHeight, 0.02F);
+  Rng rng(seed, Stream::kTest, 0);
+  for (int y = 20; y < kHeight - 20; ++y) {
+    for (int x = 20; x < kWidth - 20; ++x) {
+      picture(x, y) = static_cast<float>(0.5 + rng.uniform(-0.01, 0.01));
+    }
+  }
+  return picture;
+}
+
+void add_spot(ImageF& picture, int x, int y, int radius, float change) {
+  for (int dy = -radius; dy <= radius; ++dy) {
+    for (int dx = -radius; dx <= radius; ++dx) {
+      if (dx * dx + dy * dy <= radius * radius) {
+        picture(x + dx, y + dy) += change;
+      }
+    }
+  }
+}
+
+void add_line(ImageF& picture, int x, int y, int length, float change) {
+  for (int i = 0; i < length; ++i) {
+    picture(x + i, y + i / 2) += change;
+    picture(x + i, y + i / 2 + 1) += change;
+  }
+}
+
+class InspectVerb : public ::testing::Test {
+ protected:
+  /// Four pictures of a part with a dark hole at (60, 50) and a bright scratch from (90, 40).
+  void write_part(const std::string& name,
+                  bool has_defects = true,
+                  PixelDepth depth = PixelDepth::k8Bit) const {
+    fs::create_directories(folder_ / name);
+    for (int frame = 0; frame < 4; ++frame) {
+      ImageF picture = plain_part(static_cast<std::uint64_t>(frame) + 1);
+      if (has_defects) {
+        add_spot(picture, 60, 50, 3, -0.2F);
+        add_line(picture, 90, 40, 24, 0.2F);
+      }
+      write_png(folder_ / name / fmt::format("frame_{}.png", frame), picture, depth);
+    }
+  }
+
+  ProgramResult inspect(const Arguments& inputs, const Arguments& more = {}) const {
+    Arguments arguments = {"inspect"};
+    arguments.insert(arguments.end(), inputs.begin(), inputs.end());
+    arguments.insert(arguments.end(), {"--quiet", "--out", "out"});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return glint_in(folder_, arguments);
+  }
+
+  Json inspect_json(const Arguments& inputs, Arguments more = {}, int code = 0) const {
+    more.emplace_back("--json");
+    const ProgramResult result = inspect(inputs, more);
+    EXPECT_EQ(result.code, code) << result.err;
+    return result.out.empty() ? Json() : Json::parse(result.out);
+  }
+
+  /// One line on stderr, nothing on stdout, no folder.
+  void expect_refused(const Arguments& inputs,
+                      int code,
+                      const std::string& message,
+                      const Arguments& more = {}) const {
+    const ProgramResult result = inspect(inputs, more);
+    EXPECT_EQ(result.code, code);
+    EXPECT_THAT(result.err, MatchesRegex(message + "\n"));
+    EXPECT_EQ(result.out, "");
+    EXPECT_FALSE(fs::exists(folder_ / "out"));
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(InspectVerb, FindsAHoleAndAScratch) {
+  write_part("part");
+  const Json result = inspect_json({"part"});
+  EXPECT_EQ(result["schema"], 1);
+  EXPECT_EQ(result["status"], "done");
+  EXPECT_EQ(result["has_limits"], false);
+  EXPECT_EQ(result["grades"], nullptr);
+  ASSERT_EQ(result["parts"].size(), 1U);
+  const Json& part = result["parts"][0];
+  EXPECT_EQ(part["name"], "part");
+  EXPECT_EQ(part["grade"], nullptr);
+  EXPECT_EQ(part["pictures"], 4);
+  EXPECT_EQ(part["mask"], "silhouette");
+  ASSERT_EQ(part["defects"].size(), 2U) << part["defects"];
+  const Json& scratch = part["defects"][0];  // its first pixel lies higher
+  const Json& hole = part["defects"][1];
+  EXPECT_EQ(hole["kind"], "hole");
+  EXPECT_EQ(hole["is_bright"], false);
+  EXPECT_NEAR(hole["x_px"].get<double>(), 60.5, 0.6);
+  EXPECT_NEAR(hole["y_px"].get<double>(), 50.5, 0.6);
+  EXPECT_EQ(scratch["kind"], "scratch");
+  EXPECT_EQ(scratch["is_bright"], true);
+  EXPECT_NEAR(scratch["angle_deg"].get<double>(), 26.6, 3.0);
+  EXPECT_EQ(part["holes"]["biggest"], hole["area_px"]);
+  EXPECT_EQ(part["scratches"]["sum"], scratch["area_px"]);
+}
+
+TEST_F(InspectVerb, WritesItsFiles) {
+  write_part("part");
+  const Json result = inspect_json({"part"});
+  EXPECT_EQ(result["report"], "out/report.html");
+  Json written = Json::parse(read_file(folder_ / "out/result.json"));
+  EXPECT_EQ(written["report"], "report.html");
+  EXPECT_EQ(written["parts"], result["parts"]);
+  const std::string csv = read_file(folder_ / "out/defects.csv");
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 3) << csv;
+  EXPECT_THAT(csv, HasSubstr("part,2,hole,"));
+  EXPECT_EQ(read_picture(folder_ / "out/part/aspect.png").width(), kWidth);
+  const Picture overlay = read_picture(folder_ / "out/part/overlay.png");
+  EXPECT_EQ(overlay.channels, 3);
+  EXPECT_EQ(overlay.width() % kWidth, 0) << "enlarged by a whole factor";
+  const std::string page = read_file(folder_ / "out/report.html");
+  EXPECT_THAT(page, HasSubstr("2 defects found on 1 part."));
+  EXPECT_THAT(page, Not(HasSubstr("http://"))) << "nothing from elsewhere";
+  EXPECT_TRUE(Json::parse(read_file(folder_ / "out/run.json")).contains("timings"));
+}
+
+TEST_F(InspectVerb, GivesTheSameBytesForAnyNumberOfThreads) {
+  write_part("part");
+  inspect_json({"part"}, {"--threads", "1"});
+  const auto one = files_below(folder_ / "out");
+  inspect_json({"part"}, {"--threads", "5"});
+  EXPECT_EQ(files_below(folder_ / "out"), one);
+}
+
+TEST_F(InspectVerb, TakesFilesInNaturalOrder) {
+  write_part("part");
+  const Json folder = inspect_json({"part"});
+  const Json files = inspect_json(
+      {"part/frame_3.png", "part/frame_0.png", "part/frame_2.png", "part/frame_1.png"});
+  EXPECT_EQ(files["parts"][0]["defects"], folder["parts"][0]["defects"]);
+  EXPECT_EQ(files["parts"][0]["first_picture"], "part/frame_0.png");
+  EXPECT_THAT(files["parts"][0]["notes"].dump(), HasSubstr("not in the order given"));
+}
+
+TEST_F(InspectVerb, FindsTheSameIn16Bits) {
+  write_part("part");
+  write_part("deep", true, PixelDepth::k16Bit);
+  const Json result = inspect_json({"part", "deep"});
+  ASSERT_EQ(result["parts"].size(), 2U);
+  EXPECT_EQ(result["parts"][1]["bits"], 16);
+  ASSERT_EQ(result["parts"][1]["defects"].size(), 2U);
+  EXPECT_NEAR(result["parts"][1]["defects"][1]["x_px"].get<double>(),
+              result["parts"][0]["defects"][1]["x_px"].get<double>(),
+              0.2);
+}
+
+TEST_F(InspectVerb, ReadsColours) {
+  ImageF grey = plain_part(1);
+  add_spot(grey, 60, 50, 3, -0.2F);
+  ImageRgb colour(kWidth, kHeight);
+  for (std::size_t i = 0; i < grey.size(); ++i) {
+    const auto code = static_cast<std::uint8_t>(std::lround(255.0F * grey.values()[i]));
+    colour.values()[i] = {code, code, code};
+  }
+  write_file(folder_ / "a.png", png_bytes(colour));
+  write_mask_png(folder_ / "mask.png", Mask(kWidth, kHeight, 1));
+  Mask mask(kWidth, kHeight);
+  for (int y = 22; y < kHeight - 22; ++y) {
+    std::fill_n(mask.row(y) + 22, kWidth - 44, static_cast<unsigned char>(1));
+  }
+  write_mask_png(folder_ / "mask.png", mask);
+  const Json result = inspect_json({"a.png"}, {"--mask", "mask.png"});
+  const Json& part = result["parts"][0];
+  EXPECT_EQ(part["channels"], 3);
+  EXPECT_EQ(part["mask"], "file");
+  EXPECT_EQ(part["defects"].size(), 1U);
+  EXPECT_THAT(part["notes"].dump(), HasSubstr("luminance"));
+}
+
+TEST_F(InspectVerb, TakesOnePictureForAnAspectImage) {
+  ImageF picture(kWidth, kHeight);
+  Rng rng(5, Stream::kTest, 0);
+  for (float& value : picture.values()) {
+    value = static_cast<float>(0.5 + rng.uniform(-0.01, 0.01));
+  }
+  add_spot(picture, 60, 50, 3, -0.2F);
+  write_png(folder_ / "one.png", picture, PixelDepth::k8Bit);
+  const Json result = inspect_json({"one.png"});
+  const Json& part = result["parts"][0];
+  EXPECT_EQ(part["name"], "one");
+  EXPECT_EQ(part["mask"], "picture");
+  EXPECT_EQ(part["defects"].size(), 1U);
+  EXPECT_THAT(part["notes"].dump(), HasSubstr("whole picture"));
+}
+
+TEST_F(InspectVerb, TakesEachPictureForAPart) {
+  write_part("part");
+  const Json result = inspect_json({"part"}, {"--each"});
+  ASSERT_EQ(result["parts"].size(), 4U);
+  EXPECT_EQ(result["parts"][3]["name"], "frame_3");
+}
+
+TEST_F(InspectVerb, LaysAReferenceMaskOntoThePart) {
+  write_part("part");
+  ImageF reference(120, 90);  // the same outline of 120 x 60 px, half as large, elsewhere
+  for (int y = 40; y < 70; ++y) {
+    for (int x = 30; x < 90; ++x) {
+      reference(x, y) = 1.0F;
+    }
+  }
+  write_png(folder_ / "reference.png", reference, PixelDepth::k8Bit);
+  const Json result = inspect_json({"part"}, {"--reference_mask", "reference.png"});
+  const Json& part = result["parts"][0];
+  EXPECT_EQ(part["mask"], "reference");
+  // 112 x 52 px are left of 120 x 60 without a rim of 4 px.
+  EXPECT_NEAR(part["region_px"].get<double>(), 112.0 * 52.0, 250.0);
+  EXPECT_EQ(part["defects"].size(), 2U);
+}
+
+TEST_F(InspectVerb, GradesByLimitsAndTellsRejectionByItsExitCode) {
+  write_part("part");
+  write_part("good", false);
+  write_file(folder_ / "limits.toml",
+             "[inspection.holes]\nacceptable_biggest = 60\nacceptable_sum = 60\n"
+             "[inspection.scratches]\nacceptable_biggest = 200\nacceptable_sum = 200\n");
+  const Json passed = inspect_json({"part", "good"}, {"--settings", "limits.toml"});
+  EXPECT_EQ(passed["parts"][0]["grade"], "Acceptable");
+  EXPECT_EQ(passed["parts"][0]["holes"]["grade"], "Acceptable");
+  EXPECT_EQ(passed["parts"][1]["grade"], "Perfect");
+  EXPECT_EQ(passed["grades"], Json({{"Perfect", 1}, {"Acceptable", 1}, {"Rejected", 0}}));
+  const Json failed =
+      inspect_json({"part", "good"},
+                   {"--settings", "limits.toml", "--set", "inspection.holes.acceptable_sum=2"},
+                   1);
+  EXPECT_EQ(failed["parts"][0]["grade"], "Rejected");
+  EXPECT_EQ(failed["status"], "done");
+}
+
+TEST_F(InspectVerb, LearnsLimitsThatItCanUse) {
+  write_part("bad");
+  write_part("good", false);
+  write_file(folder_ / "labels.csv", "part,grade\ngood,perfect\nbad,Rejected\n");
+  const Json learned = inspect_json({"bad", "good"}, {"--labels", "labels.csv", "--learn"});
+  EXPECT_EQ(learned["learned"]["parts"], 2);
+  EXPECT_EQ(learned["learned"]["wrong"], 0);
+  EXPECT_EQ(learned["parts"][0]["grade"], "Rejected");
+  EXPECT_EQ(learned["parts"][1]["grade"], "Perfect");
+  fs::rename(folder_ / "out/grading.toml", folder_ / "grading.toml");
+  const Json used =
+      inspect_json({"bad", "good"}, {"--settings", "grading.toml", "--labels", "labels.csv"}, 1);
+  EXPECT_EQ(used["agreement"], Json({{"parts", 2}, {"equal", 2}}));
+  EXPECT_THAT(read_file(folder_ / "out/report.html"), HasSubstr("Biggest defect and sum of all"));
+}
+
+TEST_F(InspectVerb, TakesTheThresholdFromFlawlessParts) {
+  write_part("part");
+  write_part("good", false);
+  const Arguments setting = {"--set", "inspection.threshold=false_alarms"};
+  expect_refused(
+      {"part"}, 2, "part: inspection\\.threshold: \"false_alarms\" .*--flawless.*", setting);
+  Arguments more = setting;
+  more.insert(more.end(), {"--flawless", "good"});
+  const Json result = inspect_json({"part", "good"}, more);
+  EXPECT_EQ(result["parts"][0]["defects"].size(), 2U);
+  EXPECT_EQ(result["parts"][1]["defects"].size(), 0U);
+  EXPECT_EQ(result["parts"][0]["threshold"], result["parts"][1]["threshold"]);
+}
+
+TEST_F(InspectVerb, ComparesARunWithItsTruth) {
+  write_file(folder_ / "study.toml", small_study());
+  ASSERT_EQ(glint_in(folder_, {"run", "study.toml", "--quiet", "--out", "run"}).code, 0);
+  const Json result = inspect_json({"run"});
+  ASSERT_GE(result["parts"].size(), 2U);
+  EXPECT_EQ(result["parts"][0]["name"], "baseline");
+  EXPECT_EQ(result["parts"][1]["name"], "winner");
+  int known = 0;
+  for (const Json& part : result["parts"]) {
+    EXPECT_EQ(part["mask"], "design");
+    const Json& truth = part["truth"];
+    EXPECT_EQ(truth["found"].get<int>() + truth["missed"].get<int>(), truth["defects"]);
+    EXPECT_EQ(truth["list"].size(), truth["defects"]);
+    known += truth["defects"].get<int>();
+  }
+  EXPECT_EQ(result["truth"]["defects"], known);
+  EXPECT_EQ(inspect_json({"run/winner"})["parts"][0]["defects"], result["parts"][1]["defects"]);
+}
+
+TEST_F(InspectVerb, LeavesResultsOfAnotherKindAlone) {
+  write_part("part");
+  fs::create_directories(folder_ / "out");
+  write_file(folder_ / "out/result.json", "{}");
+  const ProgramResult result = inspect({"part"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_EQ(result.err, "out: holds results of another kind; choose another output folder\n");
+  EXPECT_EQ(folder_.count(), 2);
+}
+
+TEST_F(InspectVerb, PrintsATableForPeople) {
+  write_part("part");
+  const ProgramResult result = glint_in(folder_, {"inspect", "part", "--out", "out"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("not graded"));
+  EXPECT_THAT(result.out, HasSubstr("report: out/report.html\n"));
+  EXPECT_THAT(glint_in(folder_, {"inspect", "--help"}).out, HasSubstr("Example:\n  glint inspect"));
+}
+
+TEST_F(InspectVerb, RefusesPicturesOfDifferentSize) {
+  write_png(folder_ / "a.png", ImageF(20, 10, 0.5F), PixelDepth::k8Bit);
+  write_png(folder_ / "b.png", ImageF(30, 10, 0.5F), PixelDepth::k8Bit);
+  expect_refused({"a.png", "b.png"},
+                 2,
+                 "b\\.png: is 30 x 10 pixels, but a\\.png is 20 x 10: the pictures of a part must "
+                 "have one size");
+}
+
+TEST_F(InspectVerb, RefusesMasksThatDoNotFit) {
+  write_part("part");
+  write_png(folder_ / "empty.png", ImageF(kWidth, kHeight), PixelDepth::k8Bit);
+  expect_refused({"part"}, 2, "empty\\.png: the mask is empty: .*", {"--mask", "empty.png"});
+  write_png(folder_ / "small.png", ImageF(10, 10, 1.0F), PixelDepth::k8Bit);
+  expect_refused({"part"},
+                 2,
+                 "small\\.png: the mask is 10 x 10 pixels, the pictures are 160 x 100",
+                 {"--mask", "small.png"});
+  ImageF thin(kWidth, kHeight);
+  thin(50, 50) = 1.0F;
+  write_png(folder_ / "thin.png", thin, PixelDepth::k8Bit);
+  expect_refused({"part"},
+                 2,
+                 "part: inspection\\.erosion_px: no pixel is left of 1 .*",
+                 {"--mask", "thin.png"});
+}
+
+TEST_F(InspectVerb, RefusesBlackAndSaturatedParts) {
+  write_png(folder_ / "black.png", ImageF(30, 20, 0.0F), PixelDepth::k8Bit);
+  expect_refused({"black.png"}, 2, "black\\.png: black all over, .*");
+  write_png(folder_ / "white.png", ImageF(30, 20, 1.0F), PixelDepth::k8Bit);
+  expect_refused({"white.png"}, 2, "white\\.png: at full scale all over, .*");
+  // On the part only: what is beside it does not count.
+  ImageF picture(30, 20, 0.3F);
+  ImageF mask(30, 20);
+  for (int y = 5; y < 15; ++y) {
+    for (int x = 5; x < 25; ++x) {
+      picture(x, y) = 0.0F;
+      mask(x, y) = 1.0F;
+    }
+  }
+  write_png(folder_ / "hole.png", picture, PixelDepth::k8Bit);
+  write_png(folder_ / "mask.png", mask, PixelDepth::k8Bit);
+  expect_refused(
+      {"hole.png"}, 2, "hole: the part is black in all pictures, .*", {"--mask", "mask.png"});
+}
+
+TEST_F(InspectVerb, RefusesWhatIsNoNumber) {
+  ImageF picture(30, 20, 0.5F);
+  picture(4, 7) = std::numeric_limits<float>::quiet_NaN();
+  write_exr(folder_ / "nan.exr", picture);
+  expect_refused({"nan.exr"}, 2, "nan\\.exr: the value of pixel \\(4, 7\\) is no finite number");
+}
+
+TEST_F(InspectVerb, RefusesWhatIsNoPicture) {
+  fs::create_directories(folder_ / "empty");
+  expect_refused({"empty"}, 2, "empty: holds no picture; .*");
+  expect_refused({}, 2, "glint inspect: .*required.*");
+  expect_refused({"none.png"}, 3, "none\\.png: there is no such file or folder");
+  write_file(folder_ / "text.png", "no picture");
+  expect_refused({"text.png"}, 2, "text\\.png: is no picture; allowed are PNG, .*");
+  write_part("part");
+  const std::string bytes = read_file(folder_ / "part/frame_2.png");
+  write_file(folder_ / "part/frame_2.png", bytes.substr(0, bytes.size() / 2));
+  expect_refused({"part"}, 2, "part/frame_2\\.png: the picture is damaged or cut short: .*");
+  expect_refused({"part", "text.png"}, 2, "text\\.png: is a file and part a folder: .*");
+}
+
+TEST_F(InspectVerb, RefusesWrongSettings) {
+  write_part("part");
+  expect_refused(
+      {"part"}, 2, "--set: inspection\\.kernel_px: .*", {"--set", "inspection.kernel_px=8"});
+  expect_refused({"part"},
+                 2,
+                 "--set: camera\\.width_px: must begin with \"inspection\\.\".*",
+                 {"--set", "camera.width_px=8"});
+  write_file(folder_ / "a.toml", "[inspection]\nkernel_pix = 9\n");
+  expect_refused({"part"},
+                 2,
+                 "a\\.toml:2:1: inspection\\.kernel_pix: unknown key, the nearest known one is "
+                 "\"kernel_px\"",
+                 {"--settings", "a.toml"});
+  write_file(folder_ / "b.toml", "[camera]\n");
+  expect_refused(
+      {"part"}, 2, "b\\.toml: holds no table \\[inspection\\]", {"--settings", "b.toml"});
+  // Phases need three pictures at least.
+  expect_refused({"part/frame_0.png", "part/frame_1.png"},
+                 2,
+                 "part: .*three.*",
+                 {"--set", "inspection.filter=phase"});
+}
+
+TEST_F(InspectVerb, RefusesWrongLabels) {
+  write_part("part");
+  write_file(folder_ / "a.csv", "part,grade\npart,superb\n");
+  expect_refused({"part"}, 2, "a\\.csv:2: must be a part's name, .*", {"--labels", "a.csv"});
+  write_file(folder_ / "b.csv", "other,perfect\n");
+  expect_refused(
+      {"part"}, 2, "b\\.csv: there is no part other among those .*", {"--labels", "b.csv"});
+  write_file(folder_ / "c.csv", "part,perfect\npart,rejected\n");
+  expect_refused({"part"}, 2, "c\\.csv:2: part part has a grade already", {"--labels", "c.csv"});
+  expect_refused({"part"}, 2, "--learn needs --labels .*", {"--learn"});
+}
+
+}  // namespace
+}  // namespace glint::test

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <unordered_map>
+#include <vector>
 
 #include "core/error.h"
+#include "simulator/render/mask_kernels.h"
 
 namespace glint {
 namespace {
@@ -25,22 +27,18 @@ void mark_corners(const CornerRays& before, const CornerRays& after, Mask& chang
   const auto a = arrays_of(before.corners);
   const auto b = arrays_of(after.corners);
   const int columns = after.width_px + 1;
-  const int rows = after.height_px + 1;
-  for (int y = 0; y < rows; ++y) {
-    for (int x = 0; x < columns; ++x) {
-      const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) +
-                      static_cast<std::size_t>(x);
-      bool is_equal = true;
-      for (std::size_t k = 0; k < a.size(); ++k) {
-        is_equal = is_equal && a[k][at] == b[k][at];
-      }
-      if (is_equal) {
-        continue;
-      }
-      for (int v = std::max(0, y - 1); v <= std::min(y, after.height_px - 1); ++v) {
-        for (int u = std::max(0, x - 1); u <= std::min(x, after.width_px - 1); ++u) {
-          changed(u, v) = 1;
-        }
+  std::vector<unsigned char> differs(static_cast<std::size_t>(columns));
+  for (int y = 0; y <= after.height_px; ++y) {
+    const std::size_t at = static_cast<std::size_t>(y) * differs.size();
+    std::ranges::fill(differs, static_cast<unsigned char>(0));
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      mask_kernels::mark_different(a[k] + at, b[k] + at, columns, differs.data());
+    }
+    for (int v = std::max(0, y - 1); v <= std::min(y, after.height_px - 1); ++v) {
+      unsigned char* row = changed.row(v);
+      for (int x = 0; x < after.width_px; ++x) {
+        const auto left = static_cast<std::size_t>(x);
+        row[x] = static_cast<unsigned char>(row[x] | differs[left] | differs[left + 1]);
       }
     }
   }

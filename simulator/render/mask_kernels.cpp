@@ -98,4 +98,13 @@ GLINT_WIDE void keep_where(const unsigned char* __restrict mask,
   }
 }
 
+GLINT_WIDE void mark_different(const float* __restrict a,
+                               const float* __restrict b,
+                               int count,
+                               unsigned char* __restrict flags) {
+  for (int i = 0; i < count; ++i) {
+    flags[i] = static_cast<unsigned char>(flags[i] | (a[i] != b[i] ? 1 : 0));
+  }
+}
+
 }  // namespace glint::mask_kernels

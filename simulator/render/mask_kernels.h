@@ -46,4 +46,7 @@ float largest_size(const unsigned char* mask, const float* values, const float* 
 /// Values elsewhere become `other`.
 void keep_where(const unsigned char* mask, int count, float other, float* values);
 
+/// flags |= 1 where the values differ. Arrays must not overlap.
+void mark_different(const float* a, const float* b, int count, unsigned char* flags);
+
 }  // namespace glint::mask_kernels

@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -47,13 +50,24 @@ std::string part_text(const Json& part) {
   return text + "\n";
 }
 
+/// Each note once, with the part or the number of parts it holds for.
 std::string notes_text(const Json& parts) {
-  std::string text;
+  std::vector<std::pair<std::string, std::vector<std::string>>> notes;  // names by note
   for (const Json& part : parts) {
     for (const Json& note : part["notes"]) {
-      text +=
-          fmt::format("note: {}: {}\n", part["name"].get<std::string>(), note.get<std::string>());
+      const std::string text = note.get<std::string>();
+      auto at = std::ranges::find_if(notes, [&](const auto& known) { return known.first == text; });
+      if (at == notes.end()) {
+        at = notes.insert(at, {text, {}});
+      }
+      at->second.push_back(part["name"].get<std::string>());
     }
+  }
+  std::string text;
+  for (const auto& [note, names] : notes) {
+    text += fmt::format("note: {}: {}\n",
+                        names.size() == 1 ? names.front() : fmt::format("{} parts", names.size()),
+                        note);
   }
   return text;
 }

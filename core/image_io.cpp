@@ -73,7 +73,8 @@ std::string packed_png(const ImageF& image, const TypeDesc& type) {
   return packed_png(stable_spec(image.width(), image.height(), type), to_codes<Code>(image).data());
 }
 
-/// What read_picture() knows, by the first bytes of a file; no other reader shall see it.
+/// What read_picture() knows, by the first bytes of a file; no other reader shall see it. BMP is
+/// left out: OpenImageIO 2.4 crashes on damaged files.
 struct Format {
   std::string_view first_bytes;
   const char* reader;
@@ -81,13 +82,12 @@ struct Format {
 
 using namespace std::string_view_literals;
 
-constexpr std::array<Format, 14> kFormats = {{{"\x89PNG\r\n\x1a\n"sv, "png"},
+constexpr std::array<Format, 13> kFormats = {{{"\x89PNG\r\n\x1a\n"sv, "png"},
                                               {"\xff\xd8\xff"sv, "jpeg"},
                                               {"II*\0"sv, "tiff"},
                                               {"MM\0*"sv, "tiff"},
                                               {"II+\0"sv, "tiff"},
                                               {"MM\0+"sv, "tiff"},
-                                              {"BM"sv, "bmp"},
                                               {"P1"sv, "pnm"},
                                               {"P2"sv, "pnm"},
                                               {"P3"sv, "pnm"},
@@ -95,6 +95,12 @@ constexpr std::array<Format, 14> kFormats = {{{"\x89PNG\r\n\x1a\n"sv, "png"},
                                               {"P5"sv, "pnm"},
                                               {"P6"sv, "pnm"},
                                               {"\x76\x2f\x31\x01"sv, "openexr"}}};
+
+/// OpenImageIO takes memory for 64 whole rows at once.
+constexpr int kMostSide = 1 << 17;
+
+/// Deflate packs a thousand bytes into one, and a byte may be eight pixels of one bit.
+constexpr double kMostValuesPerByte = 10000.0;
 
 std::string first_bytes_of(const fs::path& path) {
   std::error_code error;
@@ -119,7 +125,7 @@ std::unique_ptr<ImageInput> open_picture(const fs::path& path) {
       kFormats, [&](const Format& known) { return bytes.starts_with(known.first_bytes); });
   if (format == kFormats.end()) {
     throw ConfigError(path.string() +
-                      ": is no picture; allowed are PNG, JPEG, TIFF, BMP, PNM and OpenEXR");
+                      ": is no picture; allowed are PNG, JPEG, TIFF, PNM and OpenEXR");
   }
   std::unique_ptr<ImageInput> input = ImageInput::create(format->reader);
   GLINT_CHECK(input != nullptr, "OpenImageIO has a reader of each format");
@@ -138,12 +144,24 @@ void check_size(const ImageSpec& spec, const fs::path& path) {
     throw ConfigError(path.string() + ": the picture holds no pixel");
   }
   const std::int64_t pixels = static_cast<std::int64_t>(spec.width) * spec.height;
-  if (spec.depth > 1 || pixels > kMostPixels || pixels * spec.nchannels > 4 * kMostPixels) {
+  const bool is_large = std::max(spec.width, spec.height) > kMostSide || pixels > kMostPixels;
+  if (spec.depth > 1 || is_large || pixels * spec.nchannels > 4 * kMostPixels) {
     throw ConfigError(fmt::format("{}: {} x {} pixels with {} channels are more than is allowed",
                                   path.string(),
                                   spec.width,
                                   spec.height,
                                   spec.nchannels));
+  }
+  // Whatever a damaged head promises, memory is asked for only where the file may hold that much.
+  std::error_code ignored;
+  const auto file_bytes = static_cast<double>(fs::file_size(path, ignored));
+  const double values = static_cast<double>(pixels) * spec.nchannels;
+  if (values > kMostValuesPerByte * file_bytes + 65536.0) {
+    throw ConfigError(fmt::format("{}: the picture is damaged: {} bytes cannot hold {} x {} pixels",
+                                  path.string(),
+                                  file_bytes,
+                                  spec.width,
+                                  spec.height));
   }
 }
 
@@ -206,10 +224,14 @@ ImageF read_weighted(ImageInput& input, std::span<const float> weights, const fs
   return image;
 }
 
-/// JPEG readers fill up what is missing; the end of a whole file is marked.
-void check_jpeg_end(const fs::path& path) {
-  const std::string bytes = read_file(path);
-  if (bytes.rfind("\xff\xd9"sv) == std::string::npos) {
+/// What a file of that format ends with; empty where its reader tells by itself. JPEG readers fill
+/// up what is missing, the PNG reader prints what it thinks of it.
+std::string_view end_mark(std::string_view format) {
+  return format == "jpeg" ? "\xff\xd9"sv : format == "png" ? "IEND"sv : ""sv;
+}
+
+void check_end(const fs::path& path, std::string_view mark) {
+  if (!mark.empty() && read_file(path).rfind(mark) == std::string::npos) {
     throw ConfigError(path.string() + ": the picture is cut short: its end is missing");
   }
 }
@@ -270,9 +292,7 @@ Picture read_picture(const fs::path& path) {
   const std::unique_ptr<ImageInput> input = open_picture(path);
   const ImageSpec spec = input->spec();
   check_size(spec, path);
-  if (std::string_view(input->format_name()) == "jpeg") {
-    check_jpeg_end(path);
-  }
+  check_end(path, end_mark(input->format_name()));
   Picture picture;
   const std::vector<float> weights = channel_weights(spec, picture.channels);
   picture.is_float = spec.format.is_floating_point();

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <vector>
 
@@ -80,26 +79,30 @@ RunningMean running_mean(double sigma_px) {
   return {.radius = radius, .part = std::clamp(part, 0.0, 1.0)};
 }
 
-/// Beyond the ends are zeros. @param sums  scratch, width + 1
+/// Beyond the ends are zeros. @param sums  scratch, width + 2 radius + 3
 void smooth_row(double* row, int width, const RunningMean& mean, std::vector<double>& sums) {
-  sums[0] = 0.0;
+  const int beyond = mean.radius + 1;
+  double* to = sums.data();
+  to = std::fill_n(to, beyond + 1, 0.0);
+  double sum = 0.0;
   for (int x = 0; x < width; ++x) {
-    sums[static_cast<std::size_t>(x) + 1] = sums[static_cast<std::size_t>(x)] + row[x];
+    sum += row[x];
+    *to++ = sum;
   }
-  const auto between = [&](int begin, int end) {
-    return sums[static_cast<std::size_t>(std::min(end, width))] -
-           sums[static_cast<std::size_t>(std::max(begin, 0))];
-  };
+  std::fill_n(to, beyond, sum);
   const double scale = 1.0 / (2.0 * mean.radius + 1.0 + 2.0 * mean.part);
+  const double* outer = sums.data();
+  const double* inner = sums.data() + 1;
+  const int outer_size = 2 * mean.radius + 3;
   for (int x = 0; x < width; ++x) {
-    const double inner = between(x - mean.radius, x + mean.radius + 1);
-    const double outer = between(x - mean.radius - 1, x + mean.radius + 2);
-    row[x] = scale * (inner + mean.part * (outer - inner));
+    const double whole = inner[x + outer_size - 2] - inner[x];
+    const double with_ends = outer[x + outer_size] - outer[x];
+    row[x] = scale * (whole + mean.part * (with_ends - whole));
   }
 }
 
 void smooth_rows(Plane& plane, const RunningMean& mean) {
-  std::vector<double> sums(static_cast<std::size_t>(plane.width) + 1);
+  std::vector<double> sums(static_cast<std::size_t>(plane.width + 2 * mean.radius + 3));
   for (int y = 0; y < plane.height; ++y) {
     for (int pass = 0; pass < kPasses; ++pass) {
       smooth_row(plane.row(y), plane.width, mean, sums);
@@ -211,21 +214,41 @@ Spans cut_to(const Spans& spans, const Box& box) {
   return result;
 }
 
+/// An angle that grows by equal steps.
+struct Turning {
+  double cosine;
+  double sine;
+  double step_cosine;
+  double step_sine;
+
+  Turning(double start, double by)
+      : cosine(std::cos(start)),
+        sine(std::sin(start)),
+        step_cosine(std::cos(by)),
+        step_sine(std::sin(by)) {}
+
+  void step() {
+    const double next = cosine * step_cosine - sine * step_sine;
+    sine = sine * step_cosine + cosine * step_sine;
+    cosine = next;
+  }
+};
+
 /// Squared amplitude of a sine of that frequency in a run, by a Hann window; the mean is taken off.
 double power_at(const float* run, int size, double mean, double cycles_per_px) {
   constexpr double kTwoPi = 2.0 * std::numbers::pi;
-  const std::complex<double> turn = std::polar(1.0, -kTwoPi * cycles_per_px);
-  const std::complex<double> hann_turn = std::polar(1.0, kTwoPi / size);
-  std::complex<double> phase = 1.0;
-  std::complex<double> hann_phase = std::polar(1.0, 0.5 * kTwoPi / size);
-  std::complex<double> sum = 0.0;
+  Turning wave(0.0, kTwoPi * cycles_per_px);
+  Turning window(0.5 * kTwoPi / size, kTwoPi / size);
+  double real = 0.0;
+  double imaginary = 0.0;
   for (int x = 0; x < size; ++x) {
-    const double window = 0.5 - 0.5 * hann_phase.real();
-    sum += window * (static_cast<double>(run[x]) - mean) * phase;
-    phase *= turn;
-    hann_phase *= hann_turn;
+    const double value = (0.5 - 0.5 * window.cosine) * (static_cast<double>(run[x]) - mean);
+    real += value * wave.cosine;
+    imaginary += value * wave.sine;
+    wave.step();
+    window.step();
   }
-  return 16.0 * std::norm(sum) / (static_cast<double>(size) * size);
+  return 16.0 * (real * real + imaginary * imaginary) / (static_cast<double>(size) * size);
 }
 
 double mean_of_run(const float* run, int size) {

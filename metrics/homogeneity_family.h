@@ -27,7 +27,7 @@ struct HomogeneityFamily {
   std::optional<double> ripple;  ///< amplitude at the stripes' harmonics over the mean; >= 0
 };
 
-/// A few passes over the picture for each; some 0.1 s for 1300 x 300 pixels.
+/// A few passes over the picture for each; some 0.1 s for 1300 x 300 pixels in all.
 ///
 /// A black region gets u0 = 0 and, like h_rms, residual = worst_region = -sqrt(n).
 /// @param aspect  mean of the frames, in [0, 1]

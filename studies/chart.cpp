@@ -30,14 +30,15 @@ std::vector<double> spread(const std::vector<double>& values, const ChartAxis& a
 double cleaned(double value, double step) {
   const double rounded = std::round(value / step) * step;
   const double digits = std::pow(10.0, std::ceil(2.0 - std::log10(step)));
-  return std::round(rounded * digits) / digits;
+  return std::round(rounded * digits) / digits + 0.0;  // never -0
 }
 
 std::vector<double> even_ticks(const ChartAxis& axis, double least_gap) {
   const double length = std::abs(axis.to - axis.from);
   const double step = round_above((axis.high - axis.low) * std::min(1.0, least_gap / length));
   std::vector<double> values;
-  for (double k = std::ceil(axis.low / step - 1e-9); k * step <= axis.high + 1e-9 * step; k += 1.0) {
+  for (double k = std::ceil(axis.low / step - 1e-9); k * step <= axis.high + 1e-9 * step;
+       k += 1.0) {
     values.push_back(cleaned(k * step, step));
   }
   return values;
@@ -123,10 +124,8 @@ void draw_mark(SvgPage& page,
     double scale;  ///< of the radius, for equal areas
   };
 
-  constexpr std::array<Corners, 4> kForms = {{{24, 0.0, 1.0},
-                                              {4, 0.25 * kPi, 1.25},
-                                              {3, -0.5 * kPi, 1.55},
-                                              {4, 0.0, 1.25}}};
+  constexpr std::array<Corners, 4> kForms = {
+      {{24, 0.0, 1.0}, {4, 0.25 * kPi, 1.25}, {3, -0.5 * kPi, 1.55}, {4, 0.0, 1.25}}};
   const Corners& form_of = kForms[static_cast<std::size_t>(form)];
   std::vector<Vector2d> corners;
   for (int i = 0; i < form_of.count; ++i) {
@@ -134,18 +133,15 @@ void draw_mark(SvgPage& page,
     corners.emplace_back(at + form_of.scale * radius *
                                   Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
   }
-  page.shape("polygon",
-             corners,
-             fmt::format(R"(fill="{}" stroke="{}" stroke-width="1.3")",
-                         is_open ? "#ffffff" : colour,
-                         colour));
+  page.shape(
+      "polygon",
+      corners,
+      fmt::format(
+          R"(fill="{}" stroke="{}" stroke-width="1.3")", is_open ? "#ffffff" : colour, colour));
 }
 
-void draw_x_axis(SvgPage& page,
-                 const ChartAxis& axis,
-                 double top,
-                 double bottom,
-                 std::string_view words) {
+void draw_x_axis(
+    SvgPage& page, const ChartAxis& axis, double top, double bottom, std::string_view words) {
   for (const double value : axis.ticks(kLeastGap)) {
     const double x = axis.place(value);
     page.line({x, top}, {x, bottom}, kGridStyle);
@@ -154,11 +150,8 @@ void draw_x_axis(SvgPage& page,
   page.text({0.5 * (axis.from + axis.to), bottom + 38.0}, words);
 }
 
-void draw_y_axis(SvgPage& page,
-                 const ChartAxis& axis,
-                 double left,
-                 double right,
-                 std::string_view words) {
+void draw_y_axis(
+    SvgPage& page, const ChartAxis& axis, double left, double right, std::string_view words) {
   for (const double value : axis.ticks(0.7 * kLeastGap)) {
     const double y = axis.place(value);
     page.line({left, y}, {right, y}, kGridStyle);

@@ -47,15 +47,9 @@ void draw_mark(SvgPage& page,
 
 /// Grid lines, tick texts and the words of an axis along the bottom of the box from (left, top) to
 /// (right, bottom), or of one along its left side.
-void draw_x_axis(SvgPage& page,
-                 const ChartAxis& axis,
-                 double top,
-                 double bottom,
-                 std::string_view words);
-void draw_y_axis(SvgPage& page,
-                 const ChartAxis& axis,
-                 double left,
-                 double right,
-                 std::string_view words);
+void draw_x_axis(
+    SvgPage& page, const ChartAxis& axis, double top, double bottom, std::string_view words);
+void draw_y_axis(
+    SvgPage& page, const ChartAxis& axis, double left, double right, std::string_view words);
 
 }  // namespace glint

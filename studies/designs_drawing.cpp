@@ -40,10 +40,8 @@ class DesignsDrawing {
       least = std::min({least, row.share.low, row.other_share.value_or(row.share).low});
       most_rate = std::max(most_rate, row.rate.high);
     }
-    share_ = {.low = 10.0 * std::floor(10.0 * least),
-              .high = 100.0,
-              .from = kNames,
-              .to = kShareRight};
+    share_ = {
+        .low = 10.0 * std::floor(10.0 * least), .high = 100.0, .from = kNames, .to = kShareRight};
     share_.low = std::min(share_.low, 90.0);
     rate_ = {.scale = ChartAxis::Scale::kRoot,
              .high = most_rate > 0.0 ? round_above(most_rate) : 1.0,

@@ -129,11 +129,12 @@ std::map<std::string, Grade> read_labels(const fs::path& file) {
     const std::string line = trimmed(lines[i]);
     const auto comma = line.rfind(',');
     const std::string part = trimmed(line.substr(0, comma));
-    if (line.empty() || (i == 0 && lower_case(part) == "part")) {
-      continue;
-    }
     const auto grade =
         comma == std::string::npos ? std::nullopt : grade_from(trimmed(line.substr(comma + 1)));
+    const bool is_head = i == 0 && !grade && lower_case(part) == "part";
+    if (line.empty() || is_head) {
+      continue;
+    }
     if (!grade) {
       throw ConfigError(prefix +
                         "must be a part's name, a comma and Perfect, Acceptable or Rejected");

@@ -213,7 +213,8 @@ class InspectRun {
         parts_.push_back(inspect_one(source));
       } catch (const ConfigError& error) {
         const std::string text = error.what();
-        throw ConfigError(text.starts_with("inspection") || text.starts_with("images")
+        throw ConfigError(text.starts_with("inspection") || text.starts_with("images") ||
+                                  text.starts_with("phases")
                               ? fmt::format("{}: {}", source.name, text)
                               : text);
       }

@@ -36,6 +36,25 @@ double radius_of(double area_px, double length_px) {
   return (std::sqrt(length_px * length_px + kPi * area_px) - length_px) / kPi;
 }
 
+/// The nearest defect, in radii, whose line is that near; -1: none.
+int nearest_to(const Vector2d& at,
+               std::span<const KnownDefect> known,
+               double hit_radii,
+               double slack_px) {
+  int nearest = -1;
+  double least = 0.0;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    const double distance_px = known[i].distance_px(at);
+    const double radii = distance_px / known[i].radius_px;
+    if (distance_px <= hit_radii * known[i].radius_px + slack_px &&
+        (nearest < 0 || radii < least)) {
+      nearest = static_cast<int>(i);
+      least = radii;
+    }
+  }
+  return nearest;
+}
+
 class Reader {
  public:
   explicit Reader(const SceneSettings& scene)
@@ -121,28 +140,22 @@ int Comparison::false_alarms() const {
 
 Comparison compare(std::span<const FoundDefect> found,
                    std::span<const KnownDefect> known,
-                   double hit_radii) {
-  Comparison result{.blob_of_defect = std::vector<int>(known.size(), -1),
-                    .defect_of_blob = std::vector<int>(found.size(), -1)};
-  std::vector<double> nearest(known.size());
+                   const TrialSettings& settings) {
+  Comparison result{.blob_of_defect = std::vector<int>(known.size(), -1), .defect_of_blob = {}};
+  std::vector<double> nearest(known.size());  // blob to defect, in radii
   for (std::size_t blob = 0; blob < found.size(); ++blob) {
     const Vector2d at(found[blob].x_px, found[blob].y_px);
-    double least = 0.0;
-    for (std::size_t i = 0; i < known.size(); ++i) {
-      const double distance_px = known[i].distance_px(at);
-      const double radii = distance_px / known[i].radius_px;
-      int& mine = result.defect_of_blob[blob];
-      if (distance_px <= hit_radii * known[i].radius_px + kSlackPx && (mine < 0 || radii < least)) {
-        mine = static_cast<int>(i);
-        least = radii;
-      }
+    const int hit = nearest_to(at, known, settings.hit_radii, kSlackPx);
+    result.defect_of_blob.push_back(
+        hit >= 0 ? hit : nearest_to(at, known, settings.hit_radii, kSlackPx + settings.echo_px));
+    if (hit < 0) {
+      continue;
     }
-    if (const int mine = result.defect_of_blob[blob]; mine >= 0) {
-      const auto i = static_cast<std::size_t>(mine);
-      if (result.blob_of_defect[i] < 0 || least < nearest[i]) {
-        result.blob_of_defect[i] = static_cast<int>(blob);
-        nearest[i] = least;
-      }
+    const auto i = static_cast<std::size_t>(hit);
+    const double radii = known[i].distance_px(at) / known[i].radius_px;
+    if (result.blob_of_defect[i] < 0 || radii < nearest[i]) {
+      result.blob_of_defect[i] = static_cast<int>(blob);
+      nearest[i] = radii;
     }
   }
   return result;

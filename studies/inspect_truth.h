@@ -40,16 +40,17 @@ std::vector<KnownDefect> read_known_defects(const std::filesystem::path& defects
 
 struct Comparison {
   std::vector<int> blob_of_defect;  ///< the nearest blob; -1: missed
-  std::vector<int> defect_of_blob;  ///< -1: a false alarm
+  std::vector<int> defect_of_blob;  ///< found, or echoed; -1: a false alarm
 
   int found() const;
   int false_alarms() const;
 };
 
 /// A blob belongs to the nearest defect (in radii) whose line lies within hit_radii of its radii,
-/// and 1.5 px, of the blob's middle.
+/// and 1.5 px, of the blob's middle, and finds it. One that lies farther by at most echo_px is a
+/// side lobe of the filter: it finds nothing and is no false alarm.
 Comparison compare(std::span<const FoundDefect> found,
                    std::span<const KnownDefect> known,
-                   double hit_radii);
+                   const TrialSettings& settings);
 
 }  // namespace glint

@@ -205,9 +205,10 @@ InspectedPart inspect_part(const PicturedPart& source,
   result.scratches = sizes_of(defects, DefectKind::kScratch, settings.measure);
   if (!source.truth.empty() && !source.scene.empty()) {
     result.known = read_known_defects(source.truth, source.scene);
-    result.comparison = compare(defects, result.known, settings.trials.hit_radii);
+    result.comparison = compare(defects, result.known, settings.trials);
   }
   result.histogram = histogram_of(response, region, result.inspection.threshold);
+  result.source.pictures = std::move(part.sequence.files);  // in the order they were taken
   result.notes = std::move(part.notes);
   result.aspect = std::move(part.aspect);
   result.region = std::move(region);

@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 10> kExtensions = {
-    ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".pnm", ".exr"};
+constexpr std::array<std::string_view, 9> kExtensions = {
+    ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".pgm", ".ppm", ".pnm", ".exr"};
 
 bool is_digit(char c) {
   return c >= '0' && c <= '9';

@@ -52,7 +52,7 @@ class PodDrawing {
   std::string draw() {
     page_.text({kLeft, 22.0}, chart_.title, "start", 0.0, R"(font-weight="bold")");
     draw_x_axis(page_, x_, kTop, kBottom, chart_.size_label);
-    draw_y_axis(page_, y_, kLeft, kRight, "defects found (%)");
+    draw_y_axis(page_, y_, kLeft, kRight, "defects found where the line looks (%)");
     for (std::size_t i = 0; i < chart_.curves.size(); ++i) {
       band(i);
     }
@@ -63,8 +63,8 @@ class PodDrawing {
       levels(i);
       curve(i);
     }
+    sizes_at_90();
     for (std::size_t i = 0; i < chart_.curves.size(); ++i) {
-      sizes_at_90(i);
       legend(i);
     }
     const double height = kBottom + 74.0 + 18.0 * static_cast<double>(chart_.curves.size());
@@ -113,9 +113,8 @@ class PodDrawing {
       points.emplace_back(x_.place(size_at(k)),
                           y_.place(100.0 * fit->at(size_at(k), chart_.confidence).value));
     }
-    page_.shape("polyline",
-                points,
-                fmt::format(R"(fill="none" stroke="{}" stroke-width="2")", colour(i)));
+    page_.shape(
+        "polyline", points, fmt::format(R"(fill="none" stroke="{}" stroke-width="2")", colour(i)));
   }
 
   /// Shares as they were counted; designs stand a little beside each other.
@@ -125,9 +124,8 @@ class PodDrawing {
     const std::string style = fmt::format(R"(stroke="{}" stroke-width="1.2")", colour(i));
     for (const PodLevel& level : chart_.curves[i].levels) {
       const double x = x_.place(level.size) + aside;
-      page_.line({x, y_.place(100.0 * level.share.low)},
-                 {x, y_.place(100.0 * level.share.high)},
-                 style);
+      page_.line(
+          {x, y_.place(100.0 * level.share.low)}, {x, y_.place(100.0 * level.share.high)}, style);
       draw_mark(page_, {x, y_.place(100.0 * level.share.value)}, form(i), colour(i), true, 3.4);
     }
   }
@@ -145,11 +143,14 @@ class PodDrawing {
                             colour(i)));
   }
 
-  void sizes_at_90(std::size_t i) {
-    const auto& fit = chart_.curves[i].fit;
-    if (fit) {
-      tip(fit->a90_95, i, true);
-      tip(fit->a90.value, i, false);
+  /// The open tips first: of two at one place the filled one is seen.
+  void sizes_at_90() {
+    for (const bool is_open : {true, false}) {
+      for (std::size_t i = 0; i < chart_.curves.size(); ++i) {
+        if (const auto& fit = chart_.curves[i].fit) {
+          tip(is_open ? fit->a90_95 : fit->a90.value, i, is_open);
+        }
+      }
     }
   }
 

@@ -50,13 +50,20 @@ std::int64_t steps_of(const Study& study) {
   return steps;
 }
 
-/// Sizes in the unit of the table, those of masked places left out or not.
+enum class Places { kLookedAt, kAll };
+
+/// Defects of a level at such places; at others none is found.
+std::int64_t count_of(const LevelCount& level, Places places) {
+  return level.defects - (places == Places::kLookedAt ? level.masked : 0);
+}
+
+/// Sizes in the unit of the table.
 std::vector<SizedTrial> trials_of(const std::vector<LevelCount>& levels,
                                   double unit_mm,
-                                  bool with_masked) {
+                                  Places places) {
   std::vector<SizedTrial> trials;
   for (const LevelCount& level : levels) {
-    const std::int64_t count = level.defects - (with_masked ? 0 : level.masked);
+    const std::int64_t count = count_of(level, places);
     for (std::int64_t i = 0; i < count; ++i) {
       trials.push_back({.size = level.size_mm / unit_mm, .is_hit = i < level.hits});
     }
@@ -90,9 +97,9 @@ Json levels_json(const PodDesign& pod, double unit_mm, double confidence) {
                  {"defects", level.defects},
                  {"hits", level.hits},
                  {"masked", level.masked}};
-    json["share"] = level.defects > 0
-                        ? estimate_json(wilson(level.hits, level.defects, confidence))
-                        : Json(nullptr);
+    const std::int64_t looked_at = count_of(level, Places::kLookedAt);
+    json["share"] =
+        looked_at > 0 ? estimate_json(wilson(level.hits, looked_at, confidence)) : Json(nullptr);
     levels.push_back(json);
   }
   return levels;
@@ -108,9 +115,10 @@ Json design_json(const PodDesign& pod, const PodSize& size, double confidence) {
   return {{"title", pod.design.title},
           {"defects", defects},
           {"masked", masked},
-          {"fit", fit_json(fit_pod(trials_of(pod.levels, size.unit_mm, true), confidence))},
-          {"fit_where_it_looks",
-           fit_json(fit_pod(trials_of(pod.levels, size.unit_mm, false), confidence))},
+          {"fit",
+           fit_json(fit_pod(trials_of(pod.levels, size.unit_mm, Places::kLookedAt), confidence))},
+          {"fit_all_places",
+           fit_json(fit_pod(trials_of(pod.levels, size.unit_mm, Places::kAll), confidence))},
           {"false_alarms", false_alarms_json(pod.flawless_blobs, pod.flawless_scans, confidence)},
           {"threshold", pod.threshold},
           {"region_share", pod.region_share},
@@ -148,11 +156,12 @@ std::string curves_svg(const std::vector<PodDesign>& designs,
     PodCurve curve = {
         .title = pod.design.title,
         .levels = {},
-        .fit = fit_pod(trials_of(pod.levels, size.unit_mm, true), chart.confidence)};
+        .fit = fit_pod(trials_of(pod.levels, size.unit_mm, Places::kLookedAt), chart.confidence)};
     for (const LevelCount& level : pod.levels) {
-      if (level.defects > 0) {
+      const std::int64_t looked_at = count_of(level, Places::kLookedAt);
+      if (looked_at > 0) {
         curve.levels.push_back({.size = level.size_mm / size.unit_mm,
-                                .share = wilson(level.hits, level.defects, chart.confidence)});
+                                .share = wilson(level.hits, looked_at, chart.confidence)});
       }
     }
     chart.curves.push_back(std::move(curve));
@@ -194,14 +203,13 @@ class PodRun {
       return std::nullopt;
     }
     count_levels(*parts, pod);
-    const auto flawless = record_all(task_,
-                                     records_,
-                                     progress_,
-                                     name + "/flawless",
-                                     flawless_of(settings_, design),
-                                     [&](std::int64_t number) {
-                                       return inspect_flawless(*line, pod.threshold, number);
-                                     });
+    const auto flawless = record_all(
+        task_,
+        records_,
+        progress_,
+        name + "/flawless",
+        flawless_of(settings_, design),
+        [&](std::int64_t number) { return inspect_flawless(*line, pod.threshold, number); });
     if (!flawless) {
       return std::nullopt;
     }
@@ -253,8 +261,8 @@ class PodRun {
 std::vector<NamedGroup> group_of_size(const PodSettings& settings,
                                       const std::vector<NamedGroup>& defects,
                                       double size_mm) {
-  const auto found =
-      std::ranges::find(defects, settings.group, [](const NamedGroup& group) { return group.first; });
+  const auto found = std::ranges::find(
+      defects, settings.group, [](const NamedGroup& group) { return group.first; });
   GLINT_CHECK(found != defects.end(), "the group was checked when the study was read");
   NamedGroup group = *found;
   group.second.*(size_of(settings).member) = size_mm;
@@ -269,8 +277,8 @@ Scores inspect_sized_part(const SimulatedLine& line,
   const double size_mm = sizes_mm[static_cast<std::size_t>(number / settings.parts)];
   const ScannedPart part =
       line.part_with(group_of_size(settings, line.scene().defects, size_mm), number);
-  const Verdict verdict = judge(
-      line.inspect(part, threshold), part.defects, line.scene().inspection.trials);
+  const Verdict verdict =
+      judge(line.inspect(part, threshold), part.defects, line.scene().inspection.trials);
   const auto hits = std::ranges::count(verdict.is_found, 1);
   const auto masked = std::ranges::count_if(
       part.defects, [](const TrueDefect& defect) { return defect.is_masked; });

@@ -19,7 +19,8 @@ std::vector<NamedGroup> group_of_size(const PodSettings& settings,
                                       const std::vector<NamedGroup>& defects,
                                       double size_mm);
 
-/// One part through the line: {"defects", "hits", "masked"}; masked ones count as missed.
+/// One part through the line: {"defects", "hits", "masked", "false_alarms"}. Masked defects lie
+/// where the line does not look: they are missed whatever their size.
 /// @param number  of the part; part `number` has the size of level number / settings.parts
 Scores inspect_sized_part(const SimulatedLine& line,
                           const PodSettings& settings,

@@ -18,7 +18,7 @@ namespace glint {
 struct SizesPoint {
   DefectSizes sizes;
   Grade expert = Grade::kPerfect;
-  bool is_test = true;   ///< else limits were learned from it
+  bool is_test = true;    ///< else limits were learned from it
   bool is_wrong = false;  ///< sorted into another class than the expert's
 };
 
@@ -35,9 +35,9 @@ std::string sizes_svg(const SizesChart& chart);
 /// A figure of one design with its interval; up to two of a kind.
 struct DesignRow {
   std::string title;
-  Estimate share;                ///< in [0, 1]
+  Estimate share;  ///< in [0, 1]
   std::optional<Estimate> other_share;
-  Estimate rate;                 ///< >= 0
+  Estimate rate;  ///< >= 0
 };
 
 struct DesignsChart {
@@ -66,8 +66,8 @@ struct PodCurve {
 
 struct PodChart {
   std::string title;
-  std::string size_label;   ///< "depth (um)"
-  std::string unit;         ///< "um"
+  std::string size_label;  ///< "depth (um)"
+  std::string unit;        ///< "um"
   double confidence = 0.95;
   std::vector<PodCurve> curves;
 };

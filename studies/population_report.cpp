@@ -122,37 +122,48 @@ Json lightings_table(const Json& designs) {
 
 Json sorting_panel(const fs::path& run, const Json& sorting) {
   const Json& baseline = sorting["designs"]["baseline"];
-  return {{"id", "sorting"},
-          {"title", "Sorting"},
-          {"lead",
-           fmt::format("Limits are learned from {} of {} parts and tested on the other {}. "
-                       "Intervals hold the truth with {:g} % confidence (shares: Wilson; rates: "
-                       "Garwood).",
-                       baseline["learned_from"].get<int>(),
-                       baseline["parts"].get<int>(),
-                       baseline["tested"].get<int>(),
-                       100.0 * sorting["confidence"].get<double>())},
-          {"drawings",
-           drawings_of(run,
-                       {"sorting_holes.svg", "sorting_scratches.svg", "sorting_lightings.svg"})},
-          {"tables",
-           {confusion_table(baseline),
-            wrong_table(baseline),
-            lightings_table(sorting["designs"])}}};
+  return {
+      {"id", "sorting"},
+      {"title", "Sorting"},
+      {"lead",
+       fmt::format("Limits are learned from {} of {} parts and tested on the other {}. "
+                   "Intervals hold the truth with {:g} % confidence (shares: Wilson; rates: "
+                   "Garwood).",
+                   baseline["learned_from"].get<int>(),
+                   baseline["parts"].get<int>(),
+                   baseline["tested"].get<int>(),
+                   100.0 * sorting["confidence"].get<double>())},
+      {"drawings",
+       drawings_of(run, {"sorting_holes.svg", "sorting_scratches.svg", "sorting_lightings.svg"})},
+      {"tables",
+       {confusion_table(baseline), wrong_table(baseline), lightings_table(sorting["designs"])}}};
 }
 
-std::string size_text(const Json& size) {
-  return size.is_null() ? "-" : fmt::format("{:.3g}", size.get<double>());
+double largest_size(const Json& design) {
+  return design["levels"].back()["size"].get<double>();
+}
+
+/// "-" for no size, "> 30" for one beyond the largest that was tried: a curve says little there.
+std::string size_text(const Json& size, double largest) {
+  if (size.is_null()) {
+    return "-";
+  }
+  const auto value = size.get<double>();
+  return value > largest ? fmt::format("> {:.3g}", largest) : fmt::format("{:.3g}", value);
 }
 
 /// a90 with its interval, "-" for what has none.
-std::string a90_text(const Json& fit) {
+std::string a90_text(const Json& fit, double largest) {
   if (fit.is_null()) {
     return "-";
   }
   const Json& a90 = fit["a90"];
-  return fmt::format(
-      "{} ({} to {})", size_text(a90["value"]), size_text(a90["low"]), size_text(a90["high"]));
+  const std::string value = size_text(a90["value"], largest);
+  return value.starts_with('>') ? value
+                                : fmt::format("{} ({} to {})",
+                                              value,
+                                              size_text(a90["low"], largest),
+                                              size_text(a90["high"], largest));
 }
 
 Json pod_table(const Json& pod) {
@@ -160,33 +171,36 @@ Json pod_table(const Json& pod) {
   Json rows = Json::array();
   for (const auto& [key, design] : pod["designs"].items()) {
     const Json& fit = design["fit"];
+    const double largest = largest_size(design);
     rows.push_back({design["title"],
                     fmt::format("{}", design["defects"].get<int>()),
                     fmt::format("{}", design["masked"].get<int>()),
-                    fit.is_null() ? "-" : size_text(fit["a50"]),
-                    a90_text(fit),
-                    fit.is_null() ? "-" : size_text(fit["a90_95"]),
-                    a90_text(design["fit_where_it_looks"]),
+                    fit.is_null() ? "-" : size_text(fit["a50"], largest),
+                    a90_text(fit, largest),
+                    fit.is_null() ? "-" : size_text(fit["a90_95"], largest),
+                    a90_text(design["fit_all_places"], largest),
                     rate_text(design["false_alarms"])});
   }
-  return {{"caption",
-           fmt::format("Sizes in {}. Defects where a line does not look are missed; the last but "
-                       "one column leaves them out.",
-                       unit)},
-          {"head",
-           {"lighting",
-            "defects",
-            "not looked at",
-            "a50",
-            "a90",
-            "a90/95",
-            "a90 where it looks",
-            "false alarms a part"}},
-          {"rows", rows}};
+  return {
+      {"caption",
+       fmt::format("Sizes in {}. Curves are of defects where the line looks; where it does not, "
+                   "a defect is missed whatever its size. The last a90 counts these as misses.",
+                   unit)},
+      {"head",
+       {"lighting",
+        "defects",
+        "not looked at",
+        "a50",
+        "a90",
+        "a90/95",
+        "a90 of all places",
+        "false alarms a part"}},
+      {"rows", rows}};
 }
 
 Json levels_table(const Json& pod) {
-  Json head = {fmt::format("{} ({})", pod["size"].get<std::string>(), pod["unit"].get<std::string>())};
+  Json head = {
+      fmt::format("{} ({})", pod["size"].get<std::string>(), pod["unit"].get<std::string>())};
   std::vector<Json> rows;
   for (const auto& [key, design] : pod["designs"].items()) {
     head.push_back(design["title"]);
@@ -195,11 +209,14 @@ Json levels_table(const Json& pod) {
       if (rows.size() <= i) {
         rows.push_back({fmt::format("{:.3g}", level["size"].get<double>())});
       }
-      rows[i++].push_back(fmt::format(
-          "{} of {}", level["hits"].get<int>(), level["defects"].get<int>()));
+      rows[i++].push_back(fmt::format("{} of {}",
+                                      level["hits"].get<int>(),
+                                      level["defects"].get<int>() - level["masked"].get<int>()));
     }
   }
-  return {{"caption", "Defects found, as they were counted."}, {"head", head}, {"rows", rows}};
+  return {{"caption", "Defects found of those where the line looks, as they were counted."},
+          {"head", head},
+          {"rows", rows}};
 }
 
 Json pod_panel(const fs::path& run, const Json& pod) {
@@ -234,9 +251,9 @@ std::string pod_line(const Json& design, const std::string& unit) {
   }
   return fmt::format("{}: a90 {} {}, a90/95 {} {}",
                      design["title"].get<std::string>(),
-                     a90_text(fit),
+                     a90_text(fit, largest_size(design)),
                      unit,
-                     size_text(fit["a90_95"]),
+                     size_text(fit["a90_95"], largest_size(design)),
                      unit);
 }
 

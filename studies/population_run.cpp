@@ -18,7 +18,11 @@ using Clock = std::chrono::steady_clock;
 }  // namespace
 
 std::vector<PopulationDesign> population_designs(const Study& study) {
-  std::vector<PopulationDesign> designs = {{.key = "baseline", .title = "Own lighting"}};
+  const ConfigNode* shape =
+      study.resolved.at_path("lighting." + study.scene.tunnel_name + ".shape");
+  GLINT_CHECK(shape != nullptr, "a resolved scene has every key");
+  std::vector<PopulationDesign> designs = {
+      {.key = "baseline", .title = fmt::format("Own lighting ({})", shape->text)}};
   for (const Prototype& prototype : study.prototypes) {
     designs.push_back({.key = prototype.name, .title = prototype.title, .prototype = &prototype});
   }
@@ -26,8 +30,7 @@ std::vector<PopulationDesign> population_designs(const Study& study) {
 }
 
 SceneSettings population_scene(const Study& study, const PopulationDesign& design) {
-  return design.prototype == nullptr ? study.scene
-                                     : scene_with(study, design.prototype->overrides);
+  return design.prototype == nullptr ? study.scene : scene_with(study, design.prototype->overrides);
 }
 
 std::unique_ptr<SimulatedLine> line_of(const PopulationTask& task, const PopulationDesign& design) {
@@ -140,11 +143,9 @@ Json estimate_json(const Estimate& estimate) {
 }
 
 Json false_alarms_json(std::int64_t blobs, std::int64_t scans, double confidence) {
-  return {
-      {"scans", scans},
-      {"blobs", blobs},
-      {"per_part",
-       estimate_json(poisson_rate(blobs, static_cast<double>(scans), confidence))}};
+  return {{"scans", scans},
+          {"blobs", blobs},
+          {"per_part", estimate_json(poisson_rate(blobs, static_cast<double>(scans), confidence))}};
 }
 
 PopulationPace measure_pace(const SimulatedLine& line,

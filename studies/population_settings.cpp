@@ -223,9 +223,10 @@ void check_sizes(KeyReader& reader, const PodSettings& settings) {
                    pod_sizes()[i].key,
                    "must be a range [smallest, largest] with 0 < smallest < largest");
   }
-  reader.require(given == 1,
-                 given == 0 ? "height_um" : "group",
-                 "exactly one of height_um, diameter_mm, length_mm, width_mm must be given a range");
+  reader.require(
+      given == 1,
+      given == 0 ? "height_um" : "group",
+      "exactly one of height_um, diameter_mm, length_mm, width_mm must be given a range");
 }
 
 }  // namespace

@@ -61,10 +61,10 @@ struct PodSettings {
 
 /// The size that a [pod] table runs through.
 struct PodSize {
-  std::string_view key;  ///< of the group: "height_um", "diameter_mm", "length_mm", "width_mm"
-  std::string_view what;       ///< "depth", "diameter", "length", "width"
-  std::string_view unit;       ///< "um", "mm"
-  double unit_mm = 1.0;        ///< in mm
+  std::string_view key;   ///< of the group: "height_um", "diameter_mm", "length_mm", "width_mm"
+  std::string_view what;  ///< "depth", "diameter", "length", "width"
+  std::string_view unit;  ///< "um", "mm"
+  double unit_mm = 1.0;   ///< in mm
   Interval range_mm;
   Interval DefectGroup::*member = nullptr;
 };

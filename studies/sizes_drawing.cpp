@@ -51,8 +51,7 @@ class SizesDrawing {
     page_.text({kLeft, 22.0}, chart_.title, "start", 0.0, R"(font-weight="bold")");
     draw_x_axis(
         page_, x_, kTop, kBottom, fmt::format("biggest defect of the part ({})", chart_.unit));
-    draw_y_axis(
-        page_, y_, kLeft, kRight, fmt::format("sum of all its defects ({})", chart_.unit));
+    draw_y_axis(page_, y_, kLeft, kRight, fmt::format("sum of all its defects ({})", chart_.unit));
     limit(chart_.limits.perfect_biggest, chart_.limits.perfect_sum, Grade::kPerfect);
     if (chart_.limits.acceptable_biggest > chart_.limits.perfect_biggest ||
         chart_.limits.acceptable_sum > chart_.limits.perfect_sum) {
@@ -70,9 +69,8 @@ class SizesDrawing {
 
   /// The box within which parts get a grade; a side beyond the chart is left out.
   void limit(double biggest, double sum, Grade grade) {
-    const std::string style =
-        fmt::format(R"(stroke="{}" stroke-width="1.6" stroke-dasharray="6 4")",
-                    look_of(grade).colour);
+    const std::string style = fmt::format(
+        R"(stroke="{}" stroke-width="1.6" stroke-dasharray="6 4")", look_of(grade).colour);
     const double x = x_.place(biggest);
     const double y = y_.place(sum);
     if (biggest < x_.high) {
@@ -81,7 +79,10 @@ class SizesDrawing {
     if (sum < y_.high) {
       page_.line({kLeft, y}, {x, y}, style);
     }
-    page_.text({kLeft + 6.0, y - 5.0}, std::string(grade_name(grade)) + " below", "start", 0.0,
+    page_.text({kLeft + 6.0, y - 5.0},
+               std::string(grade_name(grade)) + " below",
+               "start",
+               0.0,
                fmt::format(R"(font-size="11" fill="{}")", look_of(grade).colour));
   }
 
@@ -91,8 +92,12 @@ class SizesDrawing {
     for (const Grade grade : {Grade::kRejected, Grade::kAcceptable, Grade::kPerfect}) {
       for (const SizesPoint& point : chart_.points) {
         if (point.expert == grade) {
-          draw_mark(page_, place(point.sizes), look_of(grade).form, look_of(grade).colour,
-                    !point.is_test, 3.6);
+          draw_mark(page_,
+                    place(point.sizes),
+                    look_of(grade).form,
+                    look_of(grade).colour,
+                    !point.is_test,
+                    3.6);
           at_origin += point.sizes.sum <= 0.0 ? 1 : 0;
         }
       }
@@ -103,8 +108,11 @@ class SizesDrawing {
       }
     }
     if (at_origin > 0) {
-      page_.text({kLeft + 9.0, kBottom - 7.0}, fmt::format("{} parts with none", at_origin),
-                 "start", 0.0, R"(font-size="11")");
+      page_.text({kLeft + 9.0, kBottom - 7.0},
+                 fmt::format("{} parts with none", at_origin),
+                 "start",
+                 0.0,
+                 R"(font-size="11")");
     }
   }
 

@@ -219,14 +219,13 @@ Grade grade_by_kind(ExpertView view, const ExpertRule& rule, DefectKind kind) {
 std::string scatter_svg(const SortedDesign& sorted, const Study& study, DefectKind kind) {
   const bool is_area = study.scene.inspection.measure == InspectionSettings::Measure::kArea;
   const bool is_hole = kind == DefectKind::kHole;
-  SizesChart chart = {
-      .title = fmt::format("{} on {} parts, classes by {} alone",
-                           is_hole ? "Holes and bumps" : "Scratches",
-                           sorted.parts.size(),
-                           is_hole ? "holes" : "scratches"),
-      .unit = is_area ? "px" : "weight",
-      .points = {},
-      .limits = is_hole ? sorted.limits.holes : sorted.limits.scratches};
+  SizesChart chart = {.title = fmt::format("{} on {} parts, classes by {} alone",
+                                           is_hole ? "Holes and bumps" : "Scratches",
+                                           sorted.parts.size(),
+                                           is_hole ? "holes" : "scratches"),
+                      .unit = is_area ? "px" : "weight",
+                      .points = {},
+                      .limits = is_hole ? sorted.limits.holes : sorted.limits.scratches};
   for (const SortedPart& part : sorted.parts) {
     const DefectSizes& sizes = is_hole ? part.holes : part.scratches;
     const Grade expert = grade_by_kind(part.truth, study.sorting->expert, kind);
@@ -294,8 +293,7 @@ class Sorting {
                                   name + "/part",
                                   parts_of(settings_, design),
                                   [&](std::int64_t number) {
-                                    return inspect_part(
-                                        *line, settings_, sorted.threshold, number);
+                                    return inspect_part(*line, settings_, sorted.threshold, number);
                                   });
     if (!parts) {
       return std::nullopt;
@@ -334,7 +332,8 @@ class Sorting {
       designs[sorted.design.key] = design_json(sorted, own, task_.study);
     }
     write_file(task_.out / "sorting.csv", parts_csv(designs_, own));
-    write_file(task_.out / "sorting_holes.svg", scatter_svg(designs_.front(), task_.study, DefectKind::kHole));
+    write_file(task_.out / "sorting_holes.svg",
+               scatter_svg(designs_.front(), task_.study, DefectKind::kHole));
     write_file(task_.out / "sorting_scratches.svg",
                scatter_svg(designs_.front(), task_.study, DefectKind::kScratch));
     if (designs_.size() > 1) {
@@ -365,8 +364,8 @@ double predicted_sorting_s(const Study& study, SceneStore& store) {
   });
   double seconds = 0.0;
   for (const PopulationDesign& design : population_designs(study)) {
-    seconds += pace.part_s * parts_of(settings, design) +
-               pace.flawless_s * flawless_of(settings, design);
+    seconds +=
+        pace.part_s * parts_of(settings, design) + pace.flawless_s * flawless_of(settings, design);
   }
   return seconds;
 }

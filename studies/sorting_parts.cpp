@@ -147,8 +147,8 @@ Scores inspect_part(const SimulatedLine& line,
                     double threshold,
                     std::int64_t number) {
   const SceneSettings& scene = line.scene();
-  const ScannedPart part = line.part_with(
-      groups_of_part(settings, scene.defects, scene.imprint.seed, number), number);
+  const ScannedPart part =
+      line.part_with(groups_of_part(settings, scene.defects, scene.imprint.seed, number), number);
   const std::vector<FoundDefect> blobs = line.inspect(part, threshold);
   const Verdict verdict = judge(blobs, part.defects, scene.inspection.trials);
   std::vector<Defect> defects;
@@ -176,19 +176,19 @@ Scores inspect_part(const SimulatedLine& line,
 
 SortedPart sorted_part(const Scores& figures, int number) {
   const auto whole = [&](const char* name) { return static_cast<int>(figures.at(name)); };
-  return {.number = number,
-          .truth = {.widest_hole_mm = figures.at("true.hole_mm"),
-                    .holes = whole("true.holes"),
-                    .longest_scratch_mm = figures.at("true.scratch_mm")},
-          .expert = static_cast<Grade>(whole("expert")),
-          .holes = {.biggest = figures.at("holes.biggest"), .sum = figures.at("holes.sum")},
-          .scratches = {.biggest = figures.at("scratches.biggest"),
-                        .sum = figures.at("scratches.sum")},
-          .defects = whole("defects"),
-          .found = whole("found"),
-          .other_kind = whole("other_kind"),
-          .false_alarms = whole("false_alarms"),
-          .is_imprinted = figures.at("imprinted") != 0.0};
+  return {
+      .number = number,
+      .truth = {.widest_hole_mm = figures.at("true.hole_mm"),
+                .holes = whole("true.holes"),
+                .longest_scratch_mm = figures.at("true.scratch_mm")},
+      .expert = static_cast<Grade>(whole("expert")),
+      .holes = {.biggest = figures.at("holes.biggest"), .sum = figures.at("holes.sum")},
+      .scratches = {.biggest = figures.at("scratches.biggest"), .sum = figures.at("scratches.sum")},
+      .defects = whole("defects"),
+      .found = whole("found"),
+      .other_kind = whole("other_kind"),
+      .false_alarms = whole("false_alarms"),
+      .is_imprinted = figures.at("imprinted") != 0.0};
 }
 
 }  // namespace glint

@@ -72,12 +72,14 @@ void divide_codes(const std::vector<std::uint32_t>& sum, double divisor, int cou
 
 /// @param mask  null: all pixels
 template <class T>
-ImageF mean_of_codes(std::span<const Image<T>> frames, const Mask* mask, ThreadPool& pool) {
+void mean_of_codes(std::span<const Image<T>> frames,
+                   const Mask* mask,
+                   ThreadPool& pool,
+                   ImageF& mean) {
   const int width = frames[0].width();
   const int height = frames[0].height();
   const double divisor =
       static_cast<double>(frames.size()) * static_cast<double>(std::numeric_limits<T>::max());
-  ImageF mean(width, height);
   const int bands = (height + kRowsPerBand - 1) / kRowsPerBand;
   pool.for_each(bands, [&](std::int64_t band) {
     std::vector<std::uint32_t> sum(static_cast<std::size_t>(width));
@@ -88,23 +90,27 @@ ImageF mean_of_codes(std::span<const Image<T>> frames, const Mask* mask, ThreadP
       inspection_kernels::sum_rows(rows.data(), static_cast<int>(frames.size()), width, sum.data());
       divide_codes(sum, divisor, width, mean.row(y));
       if (mask != nullptr) {
-        inspection_kernels::keep_inside(mean.row(y), mask->row(y), width, mean.row(y));
+        inspection_kernels::keep_inside(
+            mean.row(y), mask->row(y), width, kLargestGrey, mean.row(y));
       }
     }
   });
-  return mean;
 }
 
 }  // namespace
 
 ImageF aspect_of(std::span<const Image<std::uint8_t>> frames, ThreadPool& pool) {
   check_frames(frames);
-  return mean_of_codes(frames, nullptr, pool);
+  ImageF mean(frames[0].width(), frames[0].height());
+  mean_of_codes(frames, nullptr, pool, mean);
+  return mean;
 }
 
 ImageF aspect_of(std::span<const Image<std::uint16_t>> frames, ThreadPool& pool) {
   check_frames(frames);
-  return mean_of_codes(frames, nullptr, pool);
+  ImageF mean(frames[0].width(), frames[0].height());
+  mean_of_codes(frames, nullptr, pool, mean);
+  return mean;
 }
 
 ImageF aspect_of(std::span<const ImageF> frames, ThreadPool& pool) {
@@ -133,9 +139,10 @@ ImageF aspect_of(std::span<const ImageF> frames, ThreadPool& pool) {
   return mean;
 }
 
-ImageF masked_aspect(std::span<const Image<std::uint8_t>> frames,
-                     const Mask& mask,
-                     ThreadPool& pool) {
+void masked_aspect(std::span<const Image<std::uint8_t>> frames,
+                   const Mask& mask,
+                   ThreadPool& pool,
+                   ImageF& aspect) {
   check_frames(frames);
   if (frames[0].width() != mask.width() || frames[0].height() != mask.height()) {
     throw ConfigError(fmt::format("images: images of {} x {} px do not fit the mask of {} x {} px",
@@ -144,7 +151,7 @@ ImageF masked_aspect(std::span<const Image<std::uint8_t>> frames,
                                   mask.width(),
                                   mask.height()));
   }
-  return mean_of_codes(frames, &mask, pool);
+  mean_of_codes(frames, &mask, pool, aspect);
 }
 
 }  // namespace glint

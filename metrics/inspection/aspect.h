@@ -9,10 +9,13 @@
 
 namespace glint {
 
-/// aspect_of(), 0 outside the mask. @param mask  of the frames' size
+/// aspect_of(), 0 outside the mask.
+/// @param mask    of the frames' size
+/// @param aspect  of that size; anything may be in it
 /// @throws ConfigError as aspect_of(), and for frames of another size than the mask
-ImageF masked_aspect(std::span<const Image<std::uint8_t>> frames,
-                     const Mask& mask,
-                     ThreadPool& pool);
+void masked_aspect(std::span<const Image<std::uint8_t>> frames,
+                   const Mask& mask,
+                   ThreadPool& pool,
+                   ImageF& aspect);
 
 }  // namespace glint

@@ -148,18 +148,18 @@ std::int64_t count_blobs(const Inspector& inspector,
   return sum;
 }
 
-/// A threshold, found in coarse steps, at which there are too many blobs; kLeastThreshold if none.
+/// A threshold, found in coarse steps, at which there are too many blobs; the least if none.
 double too_low(const Inspector& inspector,
                std::span<const ImageF> responses,
                std::int64_t allowed,
                ThreadPool& pool) {
   constexpr double kStep = 0.9;
-  for (double size = largest_size(responses); size > kLeastThreshold; size *= kStep) {
+  for (double size = largest_size(responses); size > inspector.least_threshold(); size *= kStep) {
     if (count_blobs(inspector, responses, size, pool) > allowed) {
       return size;
     }
   }
-  return kLeastThreshold;
+  return inspector.least_threshold();
 }
 
 }  // namespace
@@ -183,10 +183,11 @@ double threshold_for(const Inspector& inspector,
     const bool is_last_of_size = i + 1 == pixels.size() || pixels[i + 1].size < pixels[i].size;
     if (is_last_of_size && blobs.count() > allowed) {
       constexpr float kUp = std::numeric_limits<float>::infinity();
-      return std::max(kLeastThreshold, static_cast<double>(std::nextafter(pixels[i].size, kUp)));
+      return std::max(inspector.least_threshold(),
+                      static_cast<double>(std::nextafter(pixels[i].size, kUp)));
     }
   }
-  return kLeastThreshold;
+  return inspector.least_threshold();
 }
 
 }  // namespace glint

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
+#include <cstring>
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
@@ -14,56 +14,33 @@ namespace {
 /// So many 8-bit codes always fit into 16 bits: 257 * 255 = 65,535.
 constexpr int kFramesOf16Bits = 257;
 
-constexpr int kSumBlock = 256;
+/// Pixels that are added at a time, as 16-bit words of two.
+constexpr int kSumBlock = 64;
+using Words = std::uint16_t __attribute__((vector_size(kSumBlock)));
 
-/// part += eight rows, from column `begin` on.
-__attribute__((always_inline)) inline void add_eight(const std::uint8_t* const* rows,
-                                                     int begin,
-                                                     int count,
-                                                     std::uint16_t* __restrict part) {
-  const std::uint8_t* a = rows[0] + begin;
-  const std::uint8_t* b = rows[1] + begin;
-  const std::uint8_t* c = rows[2] + begin;
-  const std::uint8_t* d = rows[3] + begin;
-  const std::uint8_t* e = rows[4] + begin;
-  const std::uint8_t* f = rows[5] + begin;
-  const std::uint8_t* g = rows[6] + begin;
-  const std::uint8_t* h = rows[7] + begin;
-  for (int i = 0; i < count; ++i) {
-    // Narrow at each step, or 32 bits a pixel are added.
-    const auto ab = static_cast<std::uint16_t>(a[i] + b[i]);
-    const auto cd = static_cast<std::uint16_t>(c[i] + d[i]);
-    const auto ef = static_cast<std::uint16_t>(e[i] + f[i]);
-    const auto gh = static_cast<std::uint16_t>(g[i] + h[i]);
-    const auto abcd = static_cast<std::uint16_t>(ab + cd);
-    const auto efgh = static_cast<std::uint16_t>(ef + gh);
-    const auto all = static_cast<std::uint16_t>(abcd + efgh);
-    part[i] = static_cast<std::uint16_t>(part[i] + all);
-  }
-}
-
-/// The sums of all frames from column `begin` on. @param count  up to kSumBlock
+/// sum = that of all frames at kSumBlock pixels from column `begin` on.
 __attribute__((always_inline)) inline void sum_block(const std::uint8_t* const* rows,
                                                      int frames,
                                                      int begin,
-                                                     int count,
                                                      std::uint32_t* __restrict sum) {
-  std::fill_n(sum, count, 0U);
+  std::fill_n(sum, kSumBlock, 0U);
   for (int first = 0; first < frames; first += kFramesOf16Bits) {
     const int last = std::min(frames, first + kFramesOf16Bits);
-    std::uint16_t part[kSumBlock] = {};
-    int j = first;
-    for (; j + 8 <= last; j += 8) {
-      add_eight(rows + j, begin, count, part);
+    Words even = {};
+    Words odd = {};
+    for (int j = first; j < last; ++j) {
+      Words pairs;
+      std::memcpy(&pairs, rows[j] + begin, sizeof(pairs));
+      even += pairs & 0xFF;  // little endian: the first pixel is the low byte
+      odd += pairs >> 8;
     }
-    for (; j < last; ++j) {
-      const std::uint8_t* row = rows[j] + begin;
-      for (int i = 0; i < count; ++i) {
-        part[i] = static_cast<std::uint16_t>(part[i] + row[i]);
-      }
-    }
-    for (int i = 0; i < count; ++i) {
-      sum[i] += part[i];
+    std::uint16_t evens[kSumBlock / 2];
+    std::uint16_t odds[kSumBlock / 2];
+    std::memcpy(evens, &even, sizeof(evens));
+    std::memcpy(odds, &odd, sizeof(odds));
+    for (int i = 0; i < kSumBlock / 2; ++i) {
+      sum[2 * i] += evens[i];
+      sum[2 * i + 1] += odds[i];
     }
   }
 }
@@ -96,14 +73,19 @@ GLINT_WIDE void sum_rows(const std::uint8_t* const* rows,
                          int frames,
                          int count,
                          std::uint32_t* __restrict sum) {
-  for (int begin = 0; begin < count; begin += kSumBlock) {
-    if (count < kSumBlock) {
-      sum_block(rows, frames, begin, count, sum);
-    } else {
-      // The last block overlaps the one before it rather than being short.
-      const int start = std::min(begin, count - kSumBlock);
-      sum_block(rows, frames, start, kSumBlock, sum + start);
+  if (count < kSumBlock) {
+    std::fill_n(sum, count, 0U);
+    for (int j = 0; j < frames; ++j) {
+      for (int x = 0; x < count; ++x) {
+        sum[x] += rows[j][x];
+      }
     }
+    return;
+  }
+  for (int begin = 0; begin < count; begin += kSumBlock) {
+    // The last block overlaps the one before it rather than being short.
+    const int start = std::min(begin, count - kSumBlock);
+    sum_block(rows, frames, start, sum + start);
   }
 }
 
@@ -160,21 +142,19 @@ GLINT_WIDE void divide(const double* __restrict sum,
 GLINT_WIDE bool keep_inside(const float* values,
                             const unsigned char* mask,
                             int count,
+                            float largest,
                             float* kept) {
   int bad = 0;
   for (int x = 0; x < count; ++x) {
     const float value = values[x];
-    bad |= std::abs(value) <= std::numeric_limits<float>::max() ? 0 : 1;
+    bad |= std::abs(value) <= largest ? 0 : 1;
     kept[x] = mask[x] != 0 ? value : 0.0F;
   }
   return bad == 0;
 }
 
-GLINT_WIDE void fold(const float* const* rows,
-                     const float* taps,
-                     int radius,
-                     int count,
-                     float* __restrict out) {
+GLINT_WIDE void fold(
+    const float* const* rows, const float* taps, int radius, int count, float* __restrict out) {
   const float* middle = rows[radius];
   for (int x = 0; x < count; ++x) {
     out[x] = taps[0] * middle[x];

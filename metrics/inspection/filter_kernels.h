@@ -19,8 +19,9 @@ void divide(const std::uint32_t* sum, int count, double divisor, float* mean);
 void divide(const double* sum, int count, double divisor, float* mean);
 
 /// Copies the values inside the mask, 0 elsewhere; in place is allowed.
-/// @return whether all values, also those outside, are finite
-bool keep_inside(const float* values, const unsigned char* mask, int count, float* kept);
+/// @return whether all values, also those outside, are numbers of no more than the largest size
+bool keep_inside(
+    const float* values, const unsigned char* mask, int count, float largest, float* kept);
 
 /// out = taps[0] rows[radius] + sum over k of taps[k] (rows[radius - k] + rows[radius + k]); the
 /// rows may be one row, shifted.

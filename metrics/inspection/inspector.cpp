@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -71,23 +72,26 @@ void check_size(const Image<T>& image, const Mask& mask) {
 
 [[noreturn]] void throw_not_finite(const ImageF& aspect) {
   const auto& values = aspect.values();
-  const auto bad = std::ranges::find_if(values, [](float v) { return !std::isfinite(v); });
+  const auto bad =
+      std::ranges::find_if(values, [](float v) { return !(std::abs(v) <= kLargestGrey); });
   const auto at = static_cast<int>(bad - values.begin());
   throw ConfigError(
-      fmt::format("images: pixel ({}, {}) of the aspect image is NaN or infinite, must be a number",
+      fmt::format("images: pixel ({}, {}) of the aspect image is NaN, infinite or beyond {:g}, must "
+                  "be a share of full scale",
                   at % aspect.width(),
-                  at / aspect.width()));
+                  at / aspect.width(),
+                  kLargestGrey));
 }
 
-ImageF kept_inside(const ImageF& aspect, const Mask& mask, ThreadPool& pool) {
-  ImageF kept(aspect.width(), aspect.height());
+void keep_all_inside(const ImageF& aspect, const Mask& mask, ThreadPool& pool, ImageF& kept) {
   const int bands = (aspect.height() + kRowsPerBand - 1) / kRowsPerBand;
   const auto is_finite = pool.map<int>(bands, [&](std::int64_t band) {
     const int first = static_cast<int>(band) * kRowsPerBand;
     int all_finite = 1;
     for (int y = first; y < std::min(first + kRowsPerBand, aspect.height()); ++y) {
       const bool is_row_finite =
-          inspection_kernels::keep_inside(aspect.row(y), mask.row(y), aspect.width(), kept.row(y));
+          inspection_kernels::keep_inside(
+          aspect.row(y), mask.row(y), aspect.width(), kLargestGrey, kept.row(y));
       all_finite &= is_row_finite ? 1 : 0;
     }
     return all_finite;
@@ -95,7 +99,6 @@ ImageF kept_inside(const ImageF& aspect, const Mask& mask, ThreadPool& pool) {
   if (std::ranges::find(is_finite, 0) != is_finite.end()) {
     throw_not_finite(aspect);
   }
-  return kept;
 }
 
 [[noreturn]] void throw_needs_frames() {
@@ -115,14 +118,20 @@ Inspector::Inspector(const InspectionSettings& settings, const Mask& mask)
       mask_(mask),
       region_(region_of(settings, mask)),
       region_spans_(spans_of(region_)),
-      filter_(settings, mask_, region_) {}
+      filter_(settings, mask_, region_),
+      scratch_(std::make_shared<PicturePool>(mask.width(), mask.height())) {}
 
 ImageF Inspector::response(const ImageF& aspect, ThreadPool& pool) const {
   if (settings_.filter == Filter::kPhase) {
     throw_needs_frames();
   }
   check_size(aspect, mask_);
-  return filter_.response(kept_inside(aspect, mask_, pool), pool);
+  ImageF result(aspect.width(), aspect.height());
+  ImageF masked = scratch_->take();
+  keep_all_inside(aspect, mask_, pool, masked);
+  filter_.respond(masked, pool, result);
+  scratch_->give_back(std::move(masked));
+  return result;
 }
 
 ImageF Inspector::response(std::span<const ImageF> frames, ThreadPool& pool) const {
@@ -134,7 +143,9 @@ ImageF Inspector::response(std::span<const ImageF> frames, ThreadPool& pool) con
   }
   const ImageF whole = phase_response(
       frames, settings_.periods, mask_, settings_.kernel_px, settings_.sigma_px, pool);
-  return kept_inside(whole, region_, pool);
+  ImageF result(whole.width(), whole.height());
+  keep_all_inside(whole, region_, pool, result);
+  return result;
 }
 
 double Inspector::noise(const ImageF& response, ThreadPool& pool) const {
@@ -144,17 +155,17 @@ double Inspector::noise(const ImageF& response, ThreadPool& pool) const {
 
 double Inspector::threshold_at(double noise, std::optional<double> calibrated) const {
   if (settings_.threshold == Threshold::kNoise) {
-    return std::max(kLeastThreshold, settings_.threshold_sigmas * noise);
+    return std::max(least_threshold(), settings_.threshold_sigmas * noise);
   }
   if (settings_.threshold == Threshold::kFixed) {
-    return std::max(kLeastThreshold, settings_.threshold_grey);
+    return std::max(least_threshold(), settings_.threshold_grey);
   }
   if (!calibrated.has_value()) {
     throw ConfigError(
         "inspection.threshold: false_alarms needs pictures of flawless parts to be calibrated "
         "with, allowed without them are fixed and noise");
   }
-  return std::max(kLeastThreshold, *calibrated);
+  return std::max(least_threshold(), *calibrated);
 }
 
 double Inspector::threshold(const ImageF& response, std::optional<double> calibrated) const {
@@ -162,8 +173,8 @@ double Inspector::threshold(const ImageF& response, std::optional<double> calibr
   if (settings_.threshold != Threshold::kNoise) {
     return threshold_at(0.0, calibrated);
   }
-  ThreadPool alone(1);
-  return threshold_at(noise(response, alone), calibrated);
+  // Not by a pool of its own: as long as that lived, it would limit all others of the program.
+  return threshold_at(robust_deviation(response, region_spans_), calibrated);
 }
 
 std::vector<FoundDefect> Inspector::blobs(const ImageF& response,
@@ -177,7 +188,9 @@ Inspection Inspector::list(const ImageF& response,
                            ThreadPool& pool,
                            std::optional<double> calibrated) const {
   Inspection result;
-  result.noise = noise(response, pool);
+  if (settings_.threshold == Threshold::kNoise) {
+    result.noise = noise(response, pool);
+  }
   result.threshold = threshold_at(result.noise, calibrated);
   result.defects = blobs(response, result.threshold, pool);
   return result;
@@ -193,7 +206,14 @@ Inspection Inspector::inspect(std::span<const Image<std::uint8_t>> frames,
                               ThreadPool& pool,
                               std::optional<double> calibrated) const {
   if (settings_.filter != Filter::kPhase) {
-    return list(filter_.response(masked_aspect(frames, mask_, pool), pool), pool, calibrated);
+    ImageF aspect = scratch_->take();
+    masked_aspect(frames, mask_, pool, aspect);
+    ImageF response = scratch_->take();
+    filter_.respond(aspect, pool, response);
+    Inspection result = list(response, pool, calibrated);
+    scratch_->give_back(std::move(aspect));
+    scratch_->give_back(std::move(response));
+    return result;
   }
   std::vector<ImageF> shares;
   for (const Image<std::uint8_t>& frame : frames) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -15,6 +16,7 @@
 #include "core/thread_pool.h"
 #include "metrics/inspection/inspection_settings.h"
 #include "metrics/inspection/masked_filter.h"
+#include "metrics/inspection/picture_pool.h"
 
 namespace glint {
 
@@ -43,8 +45,10 @@ struct FoundDefect {
 };
 
 struct Inspection {
-  double threshold = 0.0;            ///< that was used, of |response|
-  double noise = 0.0;                ///< robust standard deviation of the response over the mask
+  double threshold = 0.0;  ///< that was used, of |response|
+  /// Inspector::noise() of the response, which takes a third of an inspection: 0 unless it makes
+  /// the threshold (threshold = "noise").
+  double noise = 0.0;
   std::vector<FoundDefect> defects;  ///< by their first pixel, row by row
 };
 
@@ -53,6 +57,9 @@ struct Inspection {
 ImageF aspect_of(std::span<const Image<std::uint8_t>> frames, ThreadPool& pool);
 ImageF aspect_of(std::span<const Image<std::uint16_t>> frames, ThreadPool& pool);
 ImageF aspect_of(std::span<const ImageF> frames, ThreadPool& pool);
+
+/// Larger greys are refused as no picture's: sums of their products could overflow.
+inline constexpr float kLargestGrey = 1e20F;
 
 /// Thresholds below this share of full scale would list the rounding of flat pictures.
 inline constexpr double kLeastThreshold = 1e-5;
@@ -78,10 +85,14 @@ class Inspector {
   /// Response of a scan's frames, for all filters (phase needs the frames).
   ImageF response(std::span<const ImageF> frames, ThreadPool& pool) const;
 
-  /// The threshold for a response: fixed or by its own noise, but at least kLeastThreshold.
+  /// The threshold for a response: fixed or by its own noise, but at least least_threshold(). On
+  /// the calling thread alone.
   /// @param calibrated  of threshold = "false_alarms", from threshold_for(); else ignored
   /// @throws ConfigError when it is missing
   double threshold(const ImageF& response, std::optional<double> calibrated = {}) const;
+
+  /// The lower bound of thresholds: kLeastThreshold, more for filters that amplify rounding.
+  double least_threshold() const { return kLeastThreshold * filter_.amplification(); }
 
   /// The response's robust standard deviation over the region.
   double noise(const ImageF& response, ThreadPool& pool) const;
@@ -109,10 +120,11 @@ class Inspector {
   Mask region_;
   Spans region_spans_;
   MaskedFilter filter_;
+  std::shared_ptr<PicturePool> scratch_;
 };
 
 /// The smallest threshold from which on flawless pictures have at most so many blobs each, on
-/// average: exact to the last bit of a float. At least kLeastThreshold.
+/// average: exact to the last bit of a float. At least the inspector's least_threshold().
 /// @param responses  of flawless pictures, at least one
 /// @throws ConfigError for none
 double threshold_for(const Inspector& inspector,

@@ -185,6 +185,7 @@ void MaskedFilter::add_difference(const ImageF& inside, double sigma_px) {
   const double gain = noise_gain(narrow, wide);
   ImageF plus = inverse_inside(convolved(inside, narrow), region_);
   ImageF minus = inverse_inside(convolved(inside, wide), region_);
+  amplification_ = std::max(amplification_, 1.0 / gain);
   scale(plus, 1.0 / gain);
   scale(minus, -1.0 / gain);
   channels_.push_back({.terms = {{narrow, std::move(plus)}, {wide, std::move(minus)}}});
@@ -225,6 +226,8 @@ void MaskedFilter::add_matched(const ImageF& inside, double diameter_px) {
 void MaskedFilter::filter_row(Rows& rows, int y, float* out) const {
   const auto [begin, end] = bounds_[static_cast<std::size_t>(y)];
   const int count = end - begin;
+  std::fill(out, out + begin, 0.0F);
+  std::fill(out + end, out + region_.width(), 0.0F);
   for (const Channel& channel : channels_) {
     const bool is_first = &channel == &channels_.front();
     float* sum = is_first ? out + begin : rows.channel.data();
@@ -240,7 +243,7 @@ void MaskedFilter::filter_row(Rows& rows, int y, float* out) const {
   }
 }
 
-ImageF MaskedFilter::response(const ImageF& masked, ThreadPool& pool) const {
+void MaskedFilter::respond(const ImageF& masked, ThreadPool& pool, ImageF& result) const {
   GLINT_CHECK(masked.width() == region_.width() && masked.height() == region_.height(),
               "picture and mask differ in size");
   int radius = 0;
@@ -251,7 +254,6 @@ ImageF MaskedFilter::response(const ImageF& masked, ThreadPool& pool) const {
   }
   const std::vector<float> zeros(static_cast<std::size_t>(masked.width()));
   const std::vector<const float*> pointers = padded_rows(masked, radius, zeros);
-  ImageF result(masked.width(), masked.height());
   const int bands = (masked.height() + kRowsPerBand - 1) / kRowsPerBand;
   pool.for_each(bands, [&](std::int64_t band) {
     Rows rows(masked, radius, pointers);
@@ -260,7 +262,6 @@ ImageF MaskedFilter::response(const ImageF& masked, ThreadPool& pool) const {
       filter_row(rows, y, result.row(y));
     }
   });
-  return result;
 }
 
 }  // namespace glint

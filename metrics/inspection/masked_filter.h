@@ -30,11 +30,14 @@ class MaskedFilter {
   MaskedFilter(const InspectionSettings& settings, const Mask& mask, const Mask& region);
 
   /// @param masked  0 outside the mask, of the mask's size
-  /// @return 0 outside the region
-  ImageF response(const ImageF& masked, ThreadPool& pool) const;
+  /// @param result  of that size, becomes 0 outside the region; anything may be in it
+  void respond(const ImageF& masked, ThreadPool& pool, ImageF& result) const;
 
   /// For each pixel, the sum of the kernel times the picture; beyond the picture is 0.
   static ImageF convolved(const ImageF& image, const HalfKernel& kernel);
+
+  /// How much larger than a blur's the rounding errors of the response are, >= 1.
+  double amplification() const { return amplification_; }
 
  private:
   struct Term {
@@ -60,6 +63,7 @@ class MaskedFilter {
   void add_matched(const ImageF& inside, double diameter_px);
   void filter_row(Rows& rows, int y, float* out) const;
 
+  double amplification_ = 1.0;
   Mask region_;
   std::vector<Bounds> bounds_;     ///< columns of a row that hold all of its region
   std::vector<Channel> channels_;  ///< the response is that of the largest size

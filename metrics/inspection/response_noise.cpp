@@ -25,7 +25,8 @@ float reading_of(float value, Reading reading) {
 /// wrong bracket only costs time.
 class MedianFinder {
  public:
-  MedianFinder(const ImageF& image, const Spans& spans, ThreadPool& pool)
+  /// @param pool  null: on the calling thread
+  MedianFinder(const ImageF& image, const Spans& spans, ThreadPool* pool)
       : image_(image), spans_(spans), pool_(pool) {
     for (const RowSpan& span : spans) {
       pixels_ += span.size();
@@ -91,21 +92,31 @@ class MedianFinder {
     return {least, *upper};
   }
 
+  Part part_of(std::size_t part_index, Reading reading, float low, float high) const {
+    const std::size_t first = part_index * kSpansPerPart;
+    Part part;
+    std::vector<float> kept(static_cast<std::size_t>(image_.width()));
+    for (std::size_t s = first; s < std::min(first + kSpansPerPart, spans_.size()); ++s) {
+      const RowSpan& span = spans_[s];
+      const auto [below, within] = inspection_kernels::split_readings(
+          image_.row(span.y) + span.begin, span.size(), reading, low, high, kept.data());
+      part.below += below;
+      part.within.insert(part.within.end(), kept.begin(), kept.begin() + within);
+    }
+    return part;
+  }
+
   std::vector<Part> split(Reading reading, float low, float high) const {
     const std::size_t count = (spans_.size() + kSpansPerPart - 1) / kSpansPerPart;
-    std::vector<Part> parts(count);
-    pool_.for_each(static_cast<std::int64_t>(count), [&](std::int64_t i) {
-      Part& part = parts[static_cast<std::size_t>(i)];
-      const std::size_t first = static_cast<std::size_t>(i) * kSpansPerPart;
-      std::vector<float> kept(static_cast<std::size_t>(image_.width()));
-      for (std::size_t s = first; s < std::min(first + kSpansPerPart, spans_.size()); ++s) {
-        const RowSpan& span = spans_[s];
-        const auto [below, within] = inspection_kernels::split_readings(
-            image_.row(span.y) + span.begin, span.size(), reading, low, high, kept.data());
-        part.below += below;
-        part.within.insert(part.within.end(), kept.begin(), kept.begin() + within);
-      }
-    });
+    if (pool_ != nullptr) {
+      return pool_->map<Part>(static_cast<std::int64_t>(count), [&](std::int64_t i) {
+        return part_of(static_cast<std::size_t>(i), reading, low, high);
+      });
+    }
+    std::vector<Part> parts;
+    for (std::size_t i = 0; i < count; ++i) {
+      parts.push_back(part_of(i, reading, low, high));
+    }
     return parts;
   }
 
@@ -121,17 +132,24 @@ class MedianFinder {
 
   const ImageF& image_;
   const Spans& spans_;
-  ThreadPool& pool_;
+  ThreadPool* pool_;
   std::int64_t pixels_ = 0;
 };
+
+double deviation_of(const MedianFinder& finder) {
+  const float middle = finder.median({});
+  const float distance = finder.median({.middle = middle, .is_distance = true});
+  return kSigmaOfMedian * static_cast<double>(distance);
+}
 
 }  // namespace
 
 double robust_deviation(const ImageF& image, const Spans& spans, ThreadPool& pool) {
-  const MedianFinder finder(image, spans, pool);
-  const float middle = finder.median({});
-  const float distance = finder.median({.middle = middle, .is_distance = true});
-  return kSigmaOfMedian * static_cast<double>(distance);
+  return deviation_of(MedianFinder(image, spans, &pool));
+}
+
+double robust_deviation(const ImageF& image, const Spans& spans) {
+  return deviation_of(MedianFinder(image, spans, nullptr));
 }
 
 }  // namespace glint

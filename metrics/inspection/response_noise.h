@@ -13,4 +13,7 @@ namespace glint {
 /// @param spans  at least one pixel
 double robust_deviation(const ImageF& image, const Spans& spans, ThreadPool& pool);
 
+/// The same on the calling thread alone.
+double robust_deviation(const ImageF& image, const Spans& spans);
+
 }  // namespace glint

@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "simulator/camera/distortion.h"
+
 namespace glint {
 
 /// Everything a pinhole camera with Brown-Conrady distortion needs.
@@ -44,10 +46,11 @@ class PinholeCamera {
 
  private:
   void check_whole_image() const;
-  Eigen::Vector2d distort(const Eigen::Vector2d& normalised, Eigen::Matrix2d* jacobian) const;
+  Eigen::Vector2d normalised(const Eigen::Vector2d& pixel_px) const;
   std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& distorted) const;
 
   PinholeIntrinsics intrinsics_;
+  Distortion distortion_;
   bool is_distorted_ = false;
   double max_radius_ = 0.0;  ///< largest undistorted x/z radius on which distortion is monotonic
 };

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/material/coated.h"
 
+#include <functional>
+
 #include "simulator/material/regained.h"
 
 namespace glint {
 namespace {
 
-/// Points along either axis of the integrals over directions: of smooth functions, of microfacets,
+/// Points along either axis of the integrals over directions: of smooth functions, of a matt
+/// base under a face, of microfacets,
 /// and of microfacets with unequal widths (see ggx_albedo.cpp).
 constexpr int kSmoothNodes = 24;
+constexpr int kMattNodes = 64;
 constexpr int kFacetNodes = 80;
 constexpr int kUnequalNodes = 40;
 
@@ -66,8 +70,8 @@ BaseMaterial white(const BaseMaterial& base) {
   return Mirror{};
 }
 
-/// A base without the light reflected several times, and what is missing then: integrals over
-/// either part alone are smooth in two numbers.
+/// A base without the light reflected several times, so that one way to reflect is left and two
+/// numbers choose its direction.
 BaseMaterial single(const BaseMaterial& base) {
   BaseMaterial result = base;
   if (auto* metal = std::get_if<Conductor>(&result)) {
@@ -84,10 +88,15 @@ GgxAlpha<double> table_alpha(const Coat& coat, const BaseMaterial& base) {
   return is_smooth(coat) ? GgxAlpha<double>{0.5, 0.5} : alpha_of(coat);
 }
 
+double table_width(const Coat& coat, const BaseMaterial& base) {
+  const GgxAlpha<double> alpha = table_alpha(coat, base);
+  return std::sqrt(alpha.x * alpha.y);
+}
+
 Quadrature rule_for(const BaseMaterial& base) {
   const auto* metal = std::get_if<Conductor>(&base);
   if (metal == nullptr) {
-    return gauss_legendre(kSmoothNodes);
+    return gauss_legendre(kMattNodes);
   }
   return gauss_legendre(metal->alpha.x == metal->alpha.y ? kFacetNodes : kUnequalNodes);
 }
@@ -218,7 +227,7 @@ Reflection evaluate_with(const Coated& coated,
       base.value * coated.tint * passes(coated, lobes, to_light) + lobes.regained_colour * regained;
   return {.value = face.value + below * absorbed(coated.coat, to_viewer, to_light),
           .density = lobes.to_face * face.density + lobes.to_base * base.density +
-                     lobes.to_regained * to_light.z / kPi};
+                     lobes.to_regained * coated.tables->losses().density(to_light)};
 }
 
 /// The mirror direction at a smooth coat's face.
@@ -228,18 +237,19 @@ ReflectedSample sample_smooth_face(const Lobes& lobes, const LocalDirection& to_
           .is_mirror = true};
 }
 
-std::optional<LocalDirection> sample_rough_face(const Coat& coat,
-                                                const LocalDirection& to_viewer,
-                                                const RandomTriple& random) {
-  const LocalDirection to_light =
-      reflect(to_viewer, ggx_sample_normal(alpha_of(coat), to_viewer, random[0], random[1]));
-  return to_light.z > 0.0 ? std::optional(to_light) : std::nullopt;
+LocalDirection sample_rough_face(const Coat& coat,
+                                 const LocalDirection& to_viewer,
+                                 const RandomTriple& random) {
+  return reflect(to_viewer, ggx_sample_normal(alpha_of(coat), to_viewer, random[0], random[1]));
 }
 
 std::optional<ReflectedSample> completed(const Coated& coated,
                                          const Lobes& lobes,
                                          const LocalDirection& to_viewer,
                                          const LocalDirection& to_light) {
+  if (!is_above(to_light)) {
+    return std::nullopt;
+  }
   const Reflection result = evaluate_with(coated, lobes, to_viewer, to_light);
   if (!(result.density > 0.0)) {
     return std::nullopt;
@@ -251,7 +261,9 @@ std::optional<ReflectedSample> completed(const Coated& coated,
 }  // namespace
 
 CoatTables::CoatTables(const Coat& coat, const BaseMaterial& base)
-    : face_(face_table(coat)), layered_(layered_table(coat, base, *this)) {}
+    : face_(face_table(coat)),
+      layered_(layered_table(coat, base, *this)),
+      losses_(layered_, table_width(coat, base)) {}
 
 double CoatTables::face(const Coat& coat, const LocalDirection& direction) const {
   return is_smooth(coat) ? dielectric_reflectance(coat.index, direction.z) : face_.at(direction);
@@ -260,7 +272,7 @@ double CoatTables::face(const Coat& coat, const LocalDirection& direction) const
 Reflection evaluate(const Coated& coated,
                     const LocalDirection& to_viewer,
                     const LocalDirection& to_light) {
-  if (!(to_viewer.z > 0.0 && to_light.z > 0.0)) {
+  if (!(is_above(to_viewer) && is_above(to_light))) {
     return {};
   }
   return evaluate_with(coated, lobes_of(coated, to_viewer), to_viewer, to_light);
@@ -269,7 +281,7 @@ Reflection evaluate(const Coated& coated,
 std::optional<ReflectedSample> sample(const Coated& coated,
                                       const LocalDirection& to_viewer,
                                       const RandomTriple& random) {
-  if (!(to_viewer.z > 0.0)) {
+  if (!is_above(to_viewer)) {
     return std::nullopt;
   }
   const Lobes lobes = lobes_of(coated, to_viewer);
@@ -277,11 +289,11 @@ std::optional<ReflectedSample> sample(const Coated& coated,
     if (is_smooth(coated.coat)) {
       return sample_smooth_face(lobes, to_viewer);
     }
-    const auto to_light = sample_rough_face(coated.coat, to_viewer, random);
-    return to_light ? completed(coated, lobes, to_viewer, *to_light) : std::nullopt;
+    return completed(coated, lobes, to_viewer, sample_rough_face(coated.coat, to_viewer, random));
   }
   if (random[2] >= lobes.to_face + lobes.to_base) {
-    return completed(coated, lobes, to_viewer, sample_cosine(random[0], random[1]));
+    return completed(
+        coated, lobes, to_viewer, coated.tables->losses().sample(random[0], random[1]));
   }
   const RandomTriple rest = {random[0], random[1], (random[2] - lobes.to_face) / lobes.to_base};
   std::optional<ReflectedSample> base = sample_base(coated.base, to_viewer, rest);

@@ -31,9 +31,13 @@ class CoatTables {
   /// Returned by coat and base before what they lose to each other is added back.
   const DirectionTable& layered() const { return layered_; }
 
+  /// For the light that layered() lacks.
+  const LossSampler& losses() const { return losses_; }
+
  private:
   DirectionTable face_;
   DirectionTable layered_;
+  LossSampler losses_;
 };
 
 /// A dielectric coat over a base. An approximation that never returns more than it receives, and

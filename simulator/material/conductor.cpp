@@ -12,6 +12,7 @@ struct Regained {
   double viewer_albedo = 1.0;
   double average = 1.0;
   double share = 0.0;  ///< of samples that go to this lobe
+  const LossSampler* losses = nullptr;
 };
 
 Regained regained_of(const Conductor& metal, const LocalDirection& to_viewer) {
@@ -19,7 +20,8 @@ Regained regained_of(const Conductor& metal, const LocalDirection& to_viewer) {
     return {};
   }
   Regained lobe = {.viewer_albedo = metal.albedo->at(to_viewer, metal.albedo_scale),
-                   .average = metal.albedo->average(metal.albedo_scale)};
+                   .average = metal.albedo->average(metal.albedo_scale),
+                   .losses = &metal.albedo->losses(metal.albedo_scale)};
   lobe.colour = regained_colour(metal.fresnel.average, lobe.average);
   const double here = strength(lobe.colour) * std::max(0.0, 1.0 - lobe.viewer_albedo);
   const double single = strength(metal.fresnel.average) * lobe.viewer_albedo;
@@ -41,7 +43,7 @@ Reflection evaluate_with(const Conductor& metal,
     const double light_albedo = metal.albedo->at(to_light, metal.albedo_scale);
     const double brdf = regained_brdf(lobe.viewer_albedo, light_albedo, lobe.average);
     result.value += lobe.colour * (std::max(0.0, brdf) * to_light.z);
-    result.density += lobe.share * to_light.z / kPi;
+    result.density += lobe.share * lobe.losses->density(to_light);
   }
   result.value *= metal.tint;
   return result;
@@ -52,7 +54,7 @@ Reflection evaluate_with(const Conductor& metal,
 Reflection evaluate(const Conductor& metal,
                     const LocalDirection& to_viewer,
                     const LocalDirection& to_light) {
-  if (!(to_viewer.z > 0.0 && to_light.z > 0.0)) {
+  if (!(is_above(to_viewer) && is_above(to_light))) {
     return {};
   }
   return evaluate_with(metal, regained_of(metal, to_viewer), to_viewer, to_light);
@@ -61,15 +63,15 @@ Reflection evaluate(const Conductor& metal,
 std::optional<ReflectedSample> sample(const Conductor& metal,
                                       const LocalDirection& to_viewer,
                                       const RandomTriple& random) {
-  if (!(to_viewer.z > 0.0)) {
+  if (!is_above(to_viewer)) {
     return std::nullopt;
   }
   const Regained lobe = regained_of(metal, to_viewer);
   const LocalDirection to_light =
       random[2] < lobe.share
-          ? sample_cosine(random[0], random[1])
+          ? lobe.losses->sample(random[0], random[1])
           : reflect(to_viewer, ggx_sample_normal(metal.alpha, to_viewer, random[0], random[1]));
-  if (!(to_light.z > 0.0)) {
+  if (!is_above(to_light)) {
     return std::nullopt;
   }
   const Reflection result = evaluate_with(metal, lobe, to_viewer, to_light);

@@ -29,19 +29,11 @@ LocalDirection direction_of(const GgxAlpha<double>& alpha, double width, double 
   return {radius * std::sqrt(1.0 - sin2), radius * std::sqrt(sin2), mu};
 }
 
-/// Where the rows begin to spread: the functions fall like mu log(mu) at grazing.
-double knee_of(double width) {
-  return 0.03 * std::min(width, 1.0 / width);
-}
-
-double mu_of(double u, double width) {
-  const double knee = knee_of(width);
-  return std::min(1.0, knee * std::expm1(u * std::log1p(1.0 / knee)));
-}
-
-double u_of(double mu, double width) {
-  const double knee = knee_of(width);
-  return std::log1p(mu / knee) / std::log1p(1.0 / knee);
+/// Where the rows begin to spread: the functions fall like z log(z) at grazing.
+double knee_of(const GgxAlpha<double>& alpha) {
+  const double narrow = std::min(alpha.x, alpha.y);
+  const double wide = std::max(alpha.x, alpha.y);
+  return 0.03 * std::min(narrow, 1.0 / wide);
 }
 
 }  // namespace
@@ -68,16 +60,23 @@ CubicStencil cubic_stencil(double x, int count) {
 }
 
 DirectionTable::DirectionTable(const GgxAlpha<double>& alpha, const Function& function)
-    : alpha_(alpha), columns_(alpha.x == alpha.y ? 1 : kColumns) {
+    : alpha_(alpha),
+      columns_(alpha.x == alpha.y ? 1 : kColumns),
+      knee_(knee_of(alpha)),
+      scale_(std::log(1.0 + 1.0 / knee_)) {
   for (int c = 0; c < columns_; ++c) {
     const double share = columns_ == 1 ? 0.0 : static_cast<double>(c) / (columns_ - 1);
     const double width = alpha.x + (alpha.y - alpha.x) * share;
     for (int r = 0; r < kRows; ++r) {
-      const double mu = mu_of(static_cast<double>(r) / (kRows - 1), width);
+      const double mu = z_of(static_cast<double>(r) / (kRows - 1));
       values_.push_back(function(direction_of(alpha, width, mu)));
     }
   }
   average_ = integrate();
+}
+
+double DirectionTable::z_of(double u) const {
+  return std::min(1.0, knee_ * std::expm1(u * scale_));
 }
 
 double DirectionTable::value(int column, double u) const {
@@ -92,12 +91,12 @@ double DirectionTable::column_at(double width) const {
 }
 
 double DirectionTable::at(const LocalDirection& direction) const {
-  const double width = width_at(alpha_, direction);
-  const double u = u_of(std::clamp(direction.z, 0.0, 1.0), width);
+  const double z = std::clamp(direction.z, 0.0, 1.0);
+  const double u = std::log(1.0 + z / knee_) / scale_;
   if (columns_ == 1) {
     return value(0, u);
   }
-  const CubicStencil column = cubic_stencil(column_at(width), columns_);
+  const CubicStencil column = cubic_stencil(column_at(width_at(alpha_, direction)), columns_);
   double sum = 0.0;
   for (int c = 0; c < 4; ++c) {
     sum += column.weights[static_cast<std::size_t>(c)] * value(column.first + c, u);
@@ -112,11 +111,9 @@ double DirectionTable::integrate() const {
   for (int a = 0; a < azimuths; ++a) {
     const double phi_rad = 0.5 * kPi * (a + 0.5) / azimuths;
     const LocalDirection along = {std::cos(phi_rad), std::sin(phi_rad), 0.0};
-    const double width = width_at(alpha_, along);
     for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
-      const double u = rule.nodes[i];
-      const double mu = mu_of(u, width);
-      const double slope = (mu + knee_of(width)) * std::log1p(1.0 / knee_of(width));
+      const double mu = z_of(rule.nodes[i]);
+      const double slope = (mu + knee_) * scale_;
       const double radius = std::sqrt(std::max(0.0, 1.0 - mu * mu));
       sum += rule.weights[i] * 2.0 * mu * slope * at({radius * along.x, radius * along.y, mu});
     }

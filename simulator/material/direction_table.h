@@ -13,8 +13,8 @@ namespace glint {
 /// interpolated by cubics.
 ///
 /// The nodes crowd where microfacets make such functions bend: at grazing, within a cosine of a
-/// fraction of the width alpha(phi) that the slopes have in the direction's azimuth phi. So the
-/// axes are log(1 + z / knee) and alpha(phi) itself, from one principal width to the other.
+/// fraction of the slopes' width. So the axes are log(1 + z / knee) and the width along the
+/// direction's azimuth, from one principal width to the other.
 class DirectionTable {
  public:
   using Function = std::function<double(const LocalDirection&)>;
@@ -29,12 +29,15 @@ class DirectionTable {
   double average() const { return average_; }
 
  private:
+  double z_of(double u) const;
   double value(int column, double u) const;
   double column_at(double width) const;
   double integrate() const;
 
   GgxAlpha<double> alpha_;
   int columns_ = 1;
+  double knee_ = 1.0;           ///< rows are equal in log(1 + z / knee)
+  double scale_ = 1.0;          ///< log(1 + 1 / knee)
   std::vector<double> values_;  ///< columns_ times kRows
   double average_ = 0.0;
 };

@@ -51,6 +51,7 @@ GgxAlbedo::GgxAlbedo(const GgxAlpha<double>& lowest, double max_scale) : lowest_
     tables_.emplace_back(alpha, [&](const LocalDirection& to_viewer) {
       return ggx_single_albedo(alpha, to_viewer, rule);
     });
+    losses_.emplace_back(tables_.back(), std::sqrt(alpha.x * alpha.y));
   }
 }
 
@@ -69,6 +70,14 @@ double GgxAlbedo::at(const LocalDirection& direction, double scale) const {
     sum += stencil.weights[i] * tables_[table].at(direction);
   }
   return sum;
+}
+
+const LossSampler& GgxAlbedo::losses(double scale) const {
+  if (losses_.size() == 1) {
+    return losses_.front();
+  }
+  const double place = std::round(std::log(std::max(1.0, scale)) / step_);
+  return losses_[std::min(static_cast<std::size_t>(place), losses_.size() - 1)];
 }
 
 double GgxAlbedo::average(double scale) const {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "simulator/material/direction_table.h"
+#include "simulator/material/loss_sampler.h"
 #include "simulator/material/quadrature.h"
 
 namespace glint {
@@ -25,6 +26,9 @@ class GgxAlbedo {
   /// Over all directions, weighted with the cosine; of the same interpolation as at().
   double average(double scale) const;
 
+  /// For the light that one reflection does not return, of the nearest width kept.
+  const LossSampler& losses(double scale) const;
+
   const GgxAlpha<double>& lowest() const { return lowest_; }
 
  private:
@@ -33,6 +37,7 @@ class GgxAlbedo {
   GgxAlpha<double> lowest_;
   double step_ = 0.0;  ///< of log(scale) between tables
   std::vector<DirectionTable> tables_;
+  std::vector<LossSampler> losses_;  ///< one for each table
 };
 
 /// One direction of it, by integration over the visible normals: `rule` squared points, exact to

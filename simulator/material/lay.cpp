@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/material/lay.h"
 
+#include <array>
+#include <cmath>
+
 #include <Eigen/Geometry>
 
 namespace glint {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/material/material_settings.h"
 
+#include <array>
+
 #include "core/error.h"
 #include "simulator/material/nk_table.h"
 

@@ -20,7 +20,7 @@ inline Reflection evaluate(const Mirror&, const LocalDirection&, const LocalDire
 inline std::optional<ReflectedSample> sample(const Mirror& mirror,
                                              const LocalDirection& to_viewer,
                                              const RandomTriple&) {
-  if (!(to_viewer.z > 0.0)) {
+  if (!is_above(to_viewer)) {
     return std::nullopt;
   }
   return ReflectedSample{.to_light = {-to_viewer.x, -to_viewer.y, to_viewer.z},

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/material/pattern.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace glint {

@@ -26,6 +26,13 @@ struct ReflectedSample {
 /// Three numbers in [0, 1): two choose the direction, the third among ways to reflect.
 using RandomTriple = std::array<double, 3>;
 
+/// Closer than this to the surface everything is black; nothing then divides by too small a number.
+inline constexpr double kMinCosine = 1e-12;
+
+inline bool is_above(const LocalDirection& direction) {
+  return direction.z > kMinCosine;
+}
+
 /// Largest of the three: how much a colour can matter.
 inline double strength(const Colour& colour) {
   return colour.maxCoeff();

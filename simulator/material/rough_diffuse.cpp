@@ -25,7 +25,7 @@ double single_albedo(double cosine, double roughness) {
 Reflection evaluate(const RoughDiffuse& matt,
                     const LocalDirection& to_viewer,
                     const LocalDirection& to_light) {
-  if (!(to_viewer.z > 0.0 && to_light.z > 0.0)) {
+  if (!(is_above(to_viewer) && is_above(to_light))) {
     return {};
   }
   const double r = matt.roughness;

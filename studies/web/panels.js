@@ -2,7 +2,7 @@
 // Sections of populations: drawings and tables as the program made them; see studies/report.h.
 import { h, section, svgNode } from './dom.js';
 
-const kNumber = /^[-\u2013]?[0-9.]+( |$)/;
+const kNumber = /^(> )?[-\u2013]?[0-9.]+( |$)/;
 
 function table(data) {
   if (!data.rows?.length) return data.caption ? h('p', { class: 'muted' }, data.caption) : null;

@@ -112,7 +112,7 @@ TEST(HomogeneityFamily, SharesAreHalvesAtTheCut) {
     return homogeneity_family(wave, whole(wave), scales).low_share;
   };
   EXPECT_NEAR(low_share(20.0), 0.5, 0.01);
-  EXPECT_GT(low_share(100.0), 0.95);               // 2^(-1/25) = 0.973
+  EXPECT_GT(low_share(100.0), 0.95);  // 2^(-1/25) = 0.973
   // A Gaussian has 2^(-4); running means of 6.5 px have (sin(0.65 pi) / (0.65 pi))^4 = 0.036.
   EXPECT_NEAR(low_share(10.0), 0.036, 0.01);
 }

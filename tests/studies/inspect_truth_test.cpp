@@ -31,12 +31,14 @@ TEST(KnownDefect, MeasuresTheDistanceFromItsLine) {
   EXPECT_DOUBLE_EQ(dent(3, 4, 1).distance_px({0, 0}), 5.0);
 }
 
+constexpr TrialSettings kTrials = {.hit_radii = 1.5, .echo_px = 0.0};
+
 // Radius 4 and 1.5 radii: 6 px, and 1.5 px more.
 TEST(Compare, FindsWithinTheHitRadii) {
   const std::vector<KnownDefect> known = {dent(50, 50, 4)};
   for (const auto& [x_px, is_found] : {std::pair{57.4, true}, {57.6, false}}) {
     const std::vector<FoundDefect> found = {blob_at(x_px, 50)};
-    const Comparison comparison = compare(found, known, 1.5);
+    const Comparison comparison = compare(found, known, kTrials);
     EXPECT_EQ(comparison.found(), is_found ? 1 : 0);
     EXPECT_EQ(comparison.false_alarms(), is_found ? 0 : 1);
   }
@@ -47,10 +49,20 @@ TEST(Compare, GivesEachBlobToTheNearestDefect) {
   const std::vector<KnownDefect> known = {dent(20, 20, 5), dent(30, 20, 5), dent(90, 90, 2)};
   const std::vector<FoundDefect> found = {
       blob_at(24, 20), blob_at(21, 20), blob_at(28, 20), blob_at(60, 60)};
-  const Comparison comparison = compare(found, known, 1.5);
+  const Comparison comparison = compare(found, known, kTrials);
   EXPECT_THAT(comparison.defect_of_blob, ElementsAre(0, 0, 1, -1));
   EXPECT_THAT(comparison.blob_of_defect, ElementsAre(1, 2, -1));
   EXPECT_EQ(comparison.found(), 2);
+  EXPECT_EQ(comparison.false_alarms(), 1);
+}
+
+// 7.5 px as above, and 3 px around that: neither a find nor a false alarm.
+TEST(Compare, TakesSideLobesForEchoes) {
+  const std::vector<KnownDefect> known = {dent(50, 50, 4)};
+  const std::vector<FoundDefect> found = {blob_at(60.4, 50), blob_at(50, 60.6)};
+  const Comparison comparison = compare(found, known, {.hit_radii = 1.5, .echo_px = 3.0});
+  EXPECT_THAT(comparison.defect_of_blob, ElementsAre(0, -1));
+  EXPECT_EQ(comparison.found(), 0);
   EXPECT_EQ(comparison.false_alarms(), 1);
 }
 

@@ -320,5 +320,54 @@ TEST(Stretched, MapsTheRangeToZeroToOne) {
   EXPECT_EQ(stretched(image, 0.6F, 0.6F), image);
 }
 
+/// A search for a detection rate whose designs have intervals of 2 x half_width.
+Json noisy_report(double baseline, double winner, double half_width) {
+  const std::string rate = "inspection.detection_rate";
+  const auto scores = [&](double value) {
+    return Json{
+        {rate, value}, {rate + ".low", value - half_width}, {rate + ".high", value + half_width}};
+  };
+  return {{"status", "done"},
+          {"objective", {{"name", rate}, {"sense", "maximise"}}},
+          {"designs",
+           Json::array({Json{{"key", "baseline"}, {"scores", scores(baseline)}},
+                        Json{{"key", "winner"}, {"scores", scores(winner)}}})},
+          {"trials", Json::array({Json{{"number", 1}}})}};
+}
+
+// Half widths of 3 points each: 3 sqrt(2) = 4.2 points for the difference.
+TEST(ReportVerdict, SaysWhetherTheLeadIsLargerThanTheNoise) {
+  const Json sure = noisy_report(0.5, 0.6, 0.03);
+  EXPECT_THAT(sentence_of(sure),
+              HasSubstr("The lead over the baseline is larger than the noise (4.2 points)"));
+  EXPECT_EQ(complete_report(sure)["verdict"]["tone"], "good");
+  const Json open = noisy_report(0.5, 0.54, 0.03);
+  EXPECT_THAT(sentence_of(open), HasSubstr("is not larger than the noise (4.2 points)"));
+  EXPECT_EQ(complete_report(open)["verdict"]["tone"], "neutral");
+  EXPECT_THAT(sentence_of(noisy_report(0.5, 0.4, 0.03)),
+              AllOf(HasSubstr("worse than the baseline"), Not(HasSubstr("lead"))));
+  EXPECT_THAT(sentence_of(search_report()), Not(HasSubstr("noise")));
+}
+
+// Fresh seeds count, with their own interval: 10 points of lead shrink to 2.
+TEST(ReportVerdict, ComparesFreshNumbersWithFreshIntervals) {
+  Json data = noisy_report(0.5, 0.6, 0.03);
+  const std::string rate = "inspection.detection_rate";
+  for (Json& design : data["designs"]) {
+    const double value = design["key"] == "winner" ? 0.52 : 0.50;
+    design["rescored"] = {
+        {rate, value}, {rate + ".low", value - 0.04}, {rate + ".high", value + 0.04}};
+  }
+  EXPECT_THAT(sentence_of(data), HasSubstr("is not larger than the noise (5.7 points)"));
+}
+
+TEST(RenderReport, LabelsScoresOfAnInspection) {
+  const Json info = complete_report(noisy_report(0.5, 0.6, 0.03))["score_info"];
+  EXPECT_EQ(info["inspection.detection_rate"]["label"], "detection rate");
+  EXPECT_EQ(info["inspection.detection_rate"]["format"], "percent");
+  EXPECT_EQ(info["inspection.detection_rate.low"]["label"], "detection rate, lower bound");
+  EXPECT_EQ(info["inspection.detection_rate.low"]["format"], "percent");
+}
+
 }  // namespace
 }  // namespace glint

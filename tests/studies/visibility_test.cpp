@@ -73,7 +73,8 @@ TEST(VisibilityScores, CountWhatTheLineFinds) {
   std::int64_t made = 0;
   for (int k = 0; k < scene.inspection.trials.parts; ++k) {
     const ScannedPart part = line.part(k);
-    const Verdict verdict = judge(line.inspect(part, threshold), part.defects, scene.inspection.trials);
+    const Verdict verdict =
+        judge(line.inspect(part, threshold), part.defects, scene.inspection.trials);
     for (const unsigned char is_found : verdict.is_found) {
       found += is_found;
       ++made;
@@ -221,6 +222,13 @@ TEST(VisibilityScores, PartFoundFromMissedAtTheSmallestHeight) {
   const double slope_per_um = scores.at("inspection.smallest_slope_mrad") / smallest_um;
   EXPECT_GT(slope_per_um, 2.43);
   EXPECT_LT(slope_per_um, 4.04);
+}
+
+TEST(VisibilityScores, HaveTheSameSmallestHeightWhateverTheSceneBeginsWith) {
+  const std::string name = "inspection.smallest_height_um";
+  const double from_shallow = scores_with(2, small_line(0.01, 0.01), {name}).at(name);
+  const double from_deep = scores_with(2, small_line(1.0, 1.0), {name}).at(name);
+  EXPECT_NEAR(from_shallow, from_deep, 0.05 * from_deep);
 }
 
 TEST(VisibilityScores, FindTheSizeThatIsFoundNineTimesOfTen) {

@@ -13,6 +13,9 @@ using Eigen::Vector3d;
 
 /// Halving 2^63 emitters never needs more.
 constexpr std::size_t kMostDepth = 64;
+/// Trees of eight emitters and fewer are not descended: weighing each leaf costs as much and wastes
+/// no samples on nodes whose emitters all look away.
+constexpr std::size_t kFewNodes = 15;
 /// Flat boxes get a thickness, so that no slab is empty.
 constexpr double kPadding = 1e-9;
 
@@ -160,10 +163,55 @@ double LightTree::importance(const std::vector<Emitter>& emitters,
   return node.intensity * lobe / (reach * reach);
 }
 
+std::optional<LightTree::Choice> LightTree::choose_of_few(const std::vector<Emitter>& emitters,
+                                                          const Vector3d& point_mm,
+                                                          double u) const {
+  std::array<double, kFewNodes> weights = {};
+  double sum = 0.0;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    weights[i] = nodes_[i].emitter >= 0 ? importance(emitters, nodes_[i], point_mm) : 0.0;
+    sum += weights[i];
+  }
+  if (!(sum > 0.0)) {
+    return std::nullopt;
+  }
+  // Rounding may carry u beyond the last weight: then the last that is not zero is taken.
+  Choice choice;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const double share = weights[i] / sum;
+    if (share > 0.0) {
+      choice = {.emitter = nodes_[i].emitter,
+                .probability = share,
+                .u = std::clamp(u / share, 0.0, 1.0 - 1e-16)};
+      if (u < share) {
+        break;
+      }
+    }
+    u -= share;
+  }
+  return choice;
+}
+
+double LightTree::probability_of_few(const std::vector<Emitter>& emitters,
+                                     const Vector3d& point_mm,
+                                     int emitter) const {
+  double sum = 0.0;
+  double wanted = 0.0;
+  for (const Node& node : nodes_) {
+    const double weight = node.emitter >= 0 ? importance(emitters, node, point_mm) : 0.0;
+    sum += weight;
+    wanted = node.emitter == emitter ? weight : wanted;
+  }
+  return sum > 0.0 ? wanted / sum : 0.0;
+}
+
 std::optional<LightTree::Choice> LightTree::choose(const std::vector<Emitter>& emitters,
                                                    const Vector3d& point_mm,
                                                    double u) const {
-  if (nodes_.empty() || !(importance(emitters, nodes_[0], point_mm) > 0.0)) {
+  if (nodes_.size() <= kFewNodes) {
+    return choose_of_few(emitters, point_mm, u);
+  }
+  if (!(importance(emitters, nodes_[0], point_mm) > 0.0)) {
     return std::nullopt;
   }
   std::size_t at = 0;
@@ -188,6 +236,9 @@ std::optional<LightTree::Choice> LightTree::choose(const std::vector<Emitter>& e
 double LightTree::probability(const std::vector<Emitter>& emitters,
                               const Vector3d& point_mm,
                               int emitter) const {
+  if (nodes_.size() <= kFewNodes) {
+    return probability_of_few(emitters, point_mm, emitter);
+  }
   if (!(importance(emitters, nodes_[0], point_mm) > 0.0)) {
     return 0.0;
   }

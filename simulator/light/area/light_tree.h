@@ -17,10 +17,10 @@ namespace glint {
 /// that follows what it may contribute at a point. Where an emitter can contribute it can be
 /// chosen.
 ///
-/// A node's estimate is its intensity times the cos^n of the smallest angle between a normal in it
-/// and the way to the point, over the square of the distance (at least half its diagonal). Source:
-/// A. Conty Estevez, C. Kulla, "Importance sampling of many lights with adaptive tree splitting",
-/// HPG 2018, as in pbrt-v4.
+/// Up to eight emitters are weighed one by one. A node's estimate is its intensity times the cos^n
+/// of the smallest angle between a normal in it and the way to the point, over the square of the
+/// distance (at least half its diagonal). Source: A. Conty Estevez, C. Kulla, "Importance sampling
+/// of many lights with adaptive tree splitting", HPG 2018, as in pbrt-v4.
 class LightTree {
  public:
   LightTree() = default;
@@ -63,6 +63,12 @@ class LightTree {
     int emitter = -1;        ///< >= 0: a leaf
   };
 
+  std::optional<Choice> choose_of_few(const std::vector<Emitter>& emitters,
+                                      const Eigen::Vector3d& point_mm,
+                                      double u) const;
+  double probability_of_few(const std::vector<Emitter>& emitters,
+                            const Eigen::Vector3d& point_mm,
+                            int emitter) const;
   int build(
       std::vector<int>& order, std::size_t begin, std::size_t end, std::uint64_t trail, int depth);
   double importance(const std::vector<Emitter>& emitters,

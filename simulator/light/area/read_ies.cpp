@@ -23,7 +23,8 @@ constexpr int kMostAngles = 10000;
 /// Lines, then numbers, with the place of the last one.
 class IesCursor {
  public:
-  IesCursor(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+  IesCursor(std::string_view text, const std::string& file)
+      : text_(text), file_(file), place_{.file = file, .line = 1} {}
 
   bool at_end() const { return position_ >= text_.size(); }
 

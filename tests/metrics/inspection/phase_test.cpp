@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -207,8 +206,8 @@ TEST(PhaseResponse, OfAnEvenlyGrowingPhaseIsZeroAwayFromTheRim) {
   EXPECT_GT(std::abs(response(0, 20)), 0.01F);  // at the rim the window is lopsided
 }
 
-// A dent whose phase is small against one adds phase minus its Gaussian mean (to 3 %: phasors far off
-// on the slope count a little less).
+// A dent whose phase is small against one adds phase minus its Gaussian mean (to 3 %: phasors far
+// off on the slope count a little less).
 TEST(PhaseResponse, OfADentIsItsPhaseMinusItsLocalMean) {
   ThreadPool pool(2);
   const auto dent = [](int x, int y) {

@@ -5,7 +5,7 @@
 // what the density lacks to 1.
 #include <gtest/gtest.h>
 
-#include "material_cases.h"
+#include "tests/simulator/material/material_cases.h"
 
 namespace glint {
 namespace {
@@ -17,7 +17,7 @@ using material_cases::direction_at;
 constexpr int kRings = 12;
 constexpr int kSectors = 8;
 constexpr int kBins = kRings * kSectors + 1;
-constexpr int kSamples = 20'000;
+constexpr int kDraws = 20'000;
 
 /// Rings around the mirror direction at equal steps of asinh(angle / width), and sectors.
 class PolarBins {
@@ -102,12 +102,12 @@ double surprise_of(const Material& sampled,
   double whole = 0.0;
   for (double& e : expected) {
     whole += e;
-    e *= kSamples;
+    e *= kDraws;
   }
-  expected.back() = kSamples * std::max(0.0, 1.0 - whole);
+  expected.back() = kDraws * std::max(0.0, 1.0 - whole);
   std::vector<int> found(kBins, 0);
   Rng rng(11, Stream::kTest, 0);
-  for (int i = 0; i < kSamples; ++i) {
+  for (int i = 0; i < kDraws; ++i) {
     const auto light = sample(sampled, to_viewer, {rng.uniform(), rng.uniform(), rng.uniform()});
     const int bin = light && !light->is_mirror ? bins.bin_of(light->to_light) : kBins - 1;
     ++found[static_cast<std::size_t>(bin)];

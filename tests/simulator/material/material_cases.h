@@ -121,18 +121,20 @@ inline LocalDirection random_direction(Rng& rng) {
   return direction_at(cosine, rng.uniform(0.0, 2.0 * kPi));
 }
 
-/// Point of a low-discrepancy sequence. Source: M. Roberts, "The unreasonable effectiveness of
-/// quasirandom sequences", 2018: powers of the root of g^4 = g + 1.
-inline RandomTriple quasi_random(int index) {
-  constexpr double kRoot = 1.2207440846057596;
-  RandomTriple point{};
-  double factor = 1.0;
-  for (double& value : point) {
-    factor /= kRoot;
-    const double x = 0.5 + factor * index;
-    value = x - std::floor(x);
+/// The digits of a whole number behind the point, in reverse.
+inline double radical_inverse(int base, int index) {
+  double result = 0.0;
+  double digit = 1.0;
+  for (int rest = index; rest > 0; rest /= base) {
+    digit /= base;
+    result += digit * (rest % base);
   }
-  return point;
+  return result;
+}
+
+/// Point of Halton's sequence: fills the cube evenly.
+inline RandomTriple quasi_random(int index) {
+  return {radical_inverse(3, index), radical_inverse(5, index), radical_inverse(2, index)};
 }
 
 /// Share of light from one direction that the material returns, by its own samples.

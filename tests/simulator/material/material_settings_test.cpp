@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "material_cases.h"
+#include "tests/simulator/material/material_cases.h"
 
 namespace glint {
 namespace {

@@ -62,7 +62,7 @@ TEST(NkTable, RefusesAWavelengthItDoesNotHold) {
 }
 
 TEST(NkTable, NamesTheLineOfAMistake) {
-  EXPECT_THAT(nk_error(nk_yaml("    0.5 1 2\n      0.6 1,x 2\n")), HasSubstr("metal.yml:6: "));
+  EXPECT_THAT(nk_error(nk_yaml("      0.5 1,x 2\n")), HasSubstr("metal.yml:6: \"x\""));
   EXPECT_THAT(nk_error(nk_yaml("      0.5 1 2\n      0.6 1 x\n")),
               HasSubstr("metal.yml:7: \"x\" is no number"));
   EXPECT_THAT(nk_error(nk_yaml("      0.5 1\n")), HasSubstr("metal.yml:6: has 2 numbers"));

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/pose.h"
+#include "simulator/camera/pinhole_camera.h"
+#include "simulator/geometry/bvh.h"
+#include "simulator/geometry/part.h"
+#include "simulator/geometry/surface_detail.h"
+#include "simulator/light/area/lights.h"
+#include "simulator/material/material_settings.h"
+
+namespace glint {
+
+/// What makes a camera's picture sharp in one plane only. Radius 0: a pinhole, sharp everywhere.
+struct ThinLens {
+  double radius_mm = 0.0;  ///< of the aperture: focal length / (2 f-number)
+  double focus_mm = 0.0;   ///< along the view, from the lens to the plane that is sharp; > 0
+};
+
+/// Everything a path tracer looks at, in the scene frame; it must outlive the call. Numbers from the
+/// user are checked where they are read.
+struct PhysicalScene {
+  const Part& part;
+  const Bvh& bvh;               ///< of part.mesh
+  const SurfaceDetail& detail;  ///< heights and stains on it
+  const SurfaceMaterial& material;
+  const Lights& lights;
+  const PinholeCamera& camera;
+  RigidTransform camera_from_world;
+  ThinLens lens = {};
+  /// Per triangle the id of the defect it belongs to, 0: none; empty: no triangle belongs to one.
+  std::span<const std::int32_t> face_labels = {};
+};
+
+/// How far and how finely paths are followed; docs/theory/path_tracing.md.
+struct PathSettings {
+  int samples = 64;         ///< paths a pixel, at most; > 0
+  int max_reflections = 8;  ///< on the part; 1: direct light only; > 0
+  int roulette_from = 3;    ///< dim paths may end at random after this many reflections
+  int channels = 3;         ///< 3, or 1 for a grey camera
+  int seed = 1;
+  bool has_light = true;  ///< false: only what the camera sees of the part, which costs no light
+
+  /// > 0: pixels stop early once their standard error is below this share of their brightness.
+  double relative_error = 0.0;
+  int min_samples = 16;       ///< before a pixel may stop
+  double dark_share = 0.1;    ///< pixels darker than this share of the picture's mean count as that
+  int samples_per_pass = 32;  ///< at most; the first passes are shorter: 4, 4, 8, 16, 32, 32, ...
+};
+
+}  // namespace glint

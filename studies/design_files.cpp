@@ -48,6 +48,7 @@ Json defect_json(const Defect& defect,
         {"dprime", scores.dprime},
         {"signature", scores.signature}}}};
   if (is_line(defect.type)) {
+    json["direction"] = vector_json(feature.u_axis);
     json["length_mm"] = feature.length_mm;
     json["width_mm"] = feature.width_mm;
   } else {

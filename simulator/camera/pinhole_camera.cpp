@@ -59,8 +59,8 @@ void PinholeCamera::check_whole_image() const {
       const Vector2d pixel(intrinsics_.width_px * static_cast<double>(i) / kSteps,
                            intrinsics_.height_px * static_cast<double>(j) / kSteps);
       const std::optional<Vector2d> place = undistort(normalised(pixel));
-      if (place && (place->norm() < first_fold ||
-                    (is_tangential && is_before_fold(distortion_, *place)))) {
+      if (place && (!is_tangential || place->norm() < first_fold ||
+                    is_before_fold(distortion_, *place))) {
         continue;
       }
       throw ConfigError(fmt::format(

@@ -224,6 +224,7 @@ void Builder::build(const MeshLightSettings& s) {
   if (s.file.empty()) {
     throw ConfigError(fmt::format("lighting.{}.file: must name a mesh", name_));
   }
+  GLINT_CHECK(load_mesh_, "a scene with a mesh emitter comes with a loader");
   const EmitterFrame frame = frame_of(s.placement);
   begin_lobes(s.emission);
   for (const LightTriangle& t : load_mesh_(s.file)) {

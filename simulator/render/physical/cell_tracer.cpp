@@ -193,7 +193,7 @@ void CellTracer::look_at_lights(bool is_camera) {
     const auto light = hit_light(task_.scene.lights, path.ray, reach_mm);
     if (!light) {
       active_[kept] = index;
-      kept += path.hit ? 1 : 0;
+      kept += path.hit ? 1U : 0U;
       continue;
     }
     if (!(light->cosine > 0.0)) {
@@ -218,7 +218,7 @@ void CellTracer::reflect_all(int reflection) {
   std::size_t kept = 0;
   for (const std::uint32_t index : active_) {
     active_[kept] = index;
-    kept += reflect(index, reflection) ? 1 : 0;
+    kept += reflect(index, reflection) ? 1U : 0U;
   }
   active_.resize(kept);
   trace_shadows();

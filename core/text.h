@@ -19,6 +19,9 @@ std::vector<std::string> split(std::string_view text, char separator);
 
 std::string join(std::span<const std::string> parts, std::string_view separator);
 
+/// The text with &, <, > and " escaped and control characters blanked, for HTML and XML.
+std::string markup_text(std::string_view text);
+
 /// SHA-256 of the bytes in lower-case hexadecimal, for content hashes.
 std::string sha256_hex(std::string_view bytes);
 

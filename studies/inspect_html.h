@@ -13,9 +13,6 @@
 
 namespace glint::inspect_html {
 
-/// A text as it may stand in an element or an attribute.
-std::string html_text(std::string_view text);
-
 /// "1 part", "2 parts"
 std::string plural(std::int64_t count, std::string_view word);
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/text.h"
 #include "studies/inspect_html.h"
 #include "studies/population_drawing.h"
 #include "studies/provenance.h"
@@ -18,7 +19,6 @@ using Json = nlohmann::ordered_json;
 using inspect_html::badge;
 using inspect_html::cell;
 using inspect_html::heads;
-using inspect_html::html_text;
 using inspect_html::number;
 using inspect_html::part_section;
 using inspect_html::plural;
@@ -140,7 +140,7 @@ std::string parts_table(std::span<const InspectedPart> parts,
                              "noise"});
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const InspectedPart& part = parts[i];
-    const std::string name = html_text(part.source.name);
+    const std::string name = markup_text(part.source.name);
     const std::string link =
         i < num_pictures ? fmt::format("#part{}", i + 1) : fmt::format("{}/overlay.png", name);
     std::string grade = badge(part.grade);
@@ -193,12 +193,12 @@ std::string origin_section(const std::string& toml) {
   std::string text =
       "<h2>Settings and provenance</h2>\n<details><summary>Settings (TOML)"
       "</summary><pre>" +
-      html_text(toml) + "</pre></details>\n<table>\n";
+      markup_text(toml) + "</pre></details>\n<table>\n";
   const Json origin = provenance();
   for (const auto& [name, value] : origin.items()) {
     text += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n",
-                        html_text(name),
-                        html_text(value.is_string() ? value.get<std::string>() : value.dump()));
+                        markup_text(name),
+                        markup_text(value.is_string() ? value.get<std::string>() : value.dump()));
   }
   return text + "</table>\n";
 }

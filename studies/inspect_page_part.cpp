@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text.h"
 #include "core/units.h"
 #include "studies/chart.h"
 #include "studies/inspect_html.h"
@@ -32,7 +33,7 @@ std::string known_as(const InspectedPart& part, std::size_t blob) {
     return "false alarm";
   }
   const auto i = static_cast<std::size_t>(known);
-  return html_text(part.known[i].label) +
+  return markup_text(part.known[i].label) +
          (part.comparison->blob_of_defect[i] == static_cast<int>(blob) ? "" : " (beside it)");
 }
 
@@ -91,7 +92,7 @@ std::string mark_svg(const DefectMark& mark,
   std::string text = fmt::format(
       "<g><title>{}</title><polygon points=\"{}\" fill=\"none\" stroke=\"{}\" "
       "stroke-width=\"{:.2f}\"{}/>",
-      html_text(title),
+      markup_text(title),
       points,
       mark_colour(mark.kind),
       line_width,
@@ -184,7 +185,7 @@ std::string histogram_svg(const InspectedPart& part) {
 
 std::string part_section(const InspectedPart& part, const PagePicture& picture, std::size_t index) {
   std::string text = fmt::format(
-      "<h3 id=\"part{}\">{} {}</h3>\n", index, html_text(part.source.name), badge(part.grade));
+      "<h3 id=\"part{}\">{} {}</h3>\n", index, markup_text(part.source.name), badge(part.grade));
   text += fmt::format("<p class=\"lead\">{}, {} x {} px, {} bits; part from: {}.</p>\n",
                       plural(static_cast<std::int64_t>(part.source.pictures.size()), "picture"),
                       part.width_px,
@@ -194,7 +195,7 @@ std::string part_section(const InspectedPart& part, const PagePicture& picture, 
   if (!part.notes.empty()) {
     text += "<ul class=\"notes\">";
     for (const std::string& note : part.notes) {
-      text += "<li>" + html_text(note) + "</li>";
+      text += "<li>" + markup_text(note) + "</li>";
     }
     text += "</ul>\n";
   }

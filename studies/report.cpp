@@ -110,26 +110,6 @@ std::string script_json(const Json& data) {
   return safe;
 }
 
-std::string html_text(std::string_view text) {
-  std::string safe;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      default:
-        safe += c;
-    }
-  }
-  return safe;
-}
-
 void replace_mark(std::string& page, std::string_view mark, std::string_view text) {
   const auto at = page.find(mark);
   GLINT_CHECK(at != std::string::npos, "the embedded page lacks a mark");
@@ -152,9 +132,10 @@ std::string render_report(const nlohmann::ordered_json& data) {
   const std::string title = text_of(complete, "title");
   // The title comes last: whatever it says cannot be taken for a mark.
   replace_mark(page, "@GLINT_DATA@", script_json(complete));
-  replace_mark(page,
-               "@GLINT_TITLE@",
-               html_text(title.empty() ? std::string("Glint report") : title + " - Glint report"));
+  replace_mark(
+      page,
+      "@GLINT_TITLE@",
+      markup_text(title.empty() ? std::string("Glint report") : title + " - Glint report"));
   return page;
 }
 

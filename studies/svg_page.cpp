@@ -25,24 +25,6 @@ std::string coordinate(double value) {
   return shortest(rounded == 0.0 ? 0.0 : rounded);
 }
 
-std::string xml_text(std::string_view text) {
-  std::string safe;
-  for (const char c : text) {
-    const bool is_control =
-        static_cast<unsigned char>(c) < 0x20;  // XML allows none but white space
-    if (c == '&') {
-      safe += "&amp;";
-    } else if (c == '<') {
-      safe += "&lt;";
-    } else if (c == '>') {
-      safe += "&gt;";
-    } else {
-      safe += is_control ? ' ' : c;
-    }
-  }
-  return safe;
-}
-
 std::string thin_line(double width) {
   return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"", kDrawingSoft, width);
 }
@@ -109,7 +91,7 @@ void SvgPage::text(const Vector2d& at,
       coordinate(at.y()),
       anchor,
       more,
-      xml_text(words));
+      markup_text(words));
 }
 
 void SvgPage::arrow(const Vector2d& tip, const Vector2d& direction) {
@@ -205,7 +187,7 @@ std::string SvgPage::document(double width, double height, std::string_view titl
       coordinate(width),
       coordinate(height),
       kDrawingInk,
-      xml_text(title),
+      markup_text(title),
       body_);
 }
 

@@ -171,9 +171,12 @@ double threshold_for(const Inspector& inspector,
   if (responses.empty()) {
     throw ConfigError("inspection: no picture of a flawless part, at least one is needed");
   }
+  GLINT_CHECK(false_alarms_per_picture >= 0.0, "a rate is not negative");
   const InspectionSettings& settings = inspector.settings();
   const double most = false_alarms_per_picture * static_cast<double>(responses.size());
-  const auto allowed = static_cast<std::int64_t>(std::floor(most + 1e-9));  // 0.1 * 30 is 3
+  constexpr double kCountless = 1e15;
+  const auto allowed =
+      static_cast<std::int64_t>(std::floor(std::min(most, kCountless) + 1e-9));  // 0.1 * 30 is 3
   const double low = too_low(inspector, responses, allowed, pool);
   const std::vector<Pixel> pixels = pixels_from(responses, low, settings.polarity);
   const ImageF& first = responses.front();

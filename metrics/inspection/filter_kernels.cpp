@@ -139,11 +139,8 @@ GLINT_WIDE void divide(const double* __restrict sum,
   }
 }
 
-GLINT_WIDE bool keep_inside(const float* values,
-                            const unsigned char* mask,
-                            int count,
-                            float largest,
-                            float* kept) {
+GLINT_WIDE bool keep_inside(
+    const float* values, const unsigned char* mask, int count, float largest, float* kept) {
   int bad = 0;
   for (int x = 0; x < count; ++x) {
     const float value = values[x];

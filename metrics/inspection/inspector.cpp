@@ -75,12 +75,12 @@ void check_size(const Image<T>& image, const Mask& mask) {
   const auto bad =
       std::ranges::find_if(values, [](float v) { return !(std::abs(v) <= kLargestGrey); });
   const auto at = static_cast<int>(bad - values.begin());
-  throw ConfigError(
-      fmt::format("images: pixel ({}, {}) of the aspect image is NaN, infinite or beyond {:g}, must "
-                  "be a share of full scale",
-                  at % aspect.width(),
-                  at / aspect.width(),
-                  kLargestGrey));
+  throw ConfigError(fmt::format(
+      "images: pixel ({}, {}) of the aspect image is NaN, infinite or beyond {:g}, must "
+      "be a share of full scale",
+      at % aspect.width(),
+      at / aspect.width(),
+      kLargestGrey));
 }
 
 void keep_all_inside(const ImageF& aspect, const Mask& mask, ThreadPool& pool, ImageF& kept) {
@@ -89,8 +89,7 @@ void keep_all_inside(const ImageF& aspect, const Mask& mask, ThreadPool& pool, I
     const int first = static_cast<int>(band) * kRowsPerBand;
     int all_finite = 1;
     for (int y = first; y < std::min(first + kRowsPerBand, aspect.height()); ++y) {
-      const bool is_row_finite =
-          inspection_kernels::keep_inside(
+      const bool is_row_finite = inspection_kernels::keep_inside(
           aspect.row(y), mask.row(y), aspect.width(), kLargestGrey, kept.row(y));
       all_finite &= is_row_finite ? 1 : 0;
     }

@@ -37,6 +37,7 @@ std::vector<double> resampled(std::size_t n, const Figure& figure, int times, st
       index = std::min(n - 1, static_cast<std::size_t>(rng.uniform() * static_cast<double>(n)));
     }
     values.push_back(figure(chosen));
+    GLINT_CHECK(!std::isnan(values.back()), "a figure of some of the things is not a number");
   }
   std::sort(values.begin(), values.end());
   return values;

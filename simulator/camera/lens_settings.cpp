@@ -82,8 +82,8 @@ PinholeIntrinsics intrinsics_of(const CameraSettings& camera, const LensSettings
 
 ThinLensCamera make_camera(const CameraSettings& camera, const LensSettings& lens) {
   const LensGeometry g = lens_geometry(camera, lens);
-  return ThinLensCamera(
-      PinholeCamera(intrinsics_of(camera, lens)), {.aperture_mm = g.aperture_mm, .focus_mm = g.focus_mm});
+  return ThinLensCamera(PinholeCamera(intrinsics_of(camera, lens)),
+                        {.aperture_mm = g.aperture_mm, .focus_mm = g.focus_mm});
 }
 
 }  // namespace glint

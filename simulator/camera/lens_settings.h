@@ -22,14 +22,14 @@ void visit_keys(KeyVisitor& keys, LensSettings& settings);
 
 /// Everything about a camera that follows from its settings, in mm.
 struct LensGeometry {
-  double focal_mm = 0.0;                         ///< of the thin lens
-  double image_distance_mm = 0.0;                ///< from the lens to the sensor
-  double focus_mm = 0.0;                         ///< may be infinite
-  double aperture_mm = 0.0;                      ///< diameter of the pupil, 0: a pinhole
-  double object_pixel_mm = 0.0;                  ///< a pixel at the working distance
-  Eigen::Vector2d sensor_mm = {0.0, 0.0};        ///< width and height of the sensor
-  Eigen::Vector2d field_of_view_mm = {0.0, 0.0}; ///< at the working distance, without distortion
-  Eigen::Vector2d view_angle_rad = {0.0, 0.0};   ///< full angles across width and height
+  double focal_mm = 0.0;                          ///< of the thin lens
+  double image_distance_mm = 0.0;                 ///< from the lens to the sensor
+  double focus_mm = 0.0;                          ///< may be infinite
+  double aperture_mm = 0.0;                       ///< diameter of the pupil, 0: a pinhole
+  double object_pixel_mm = 0.0;                   ///< a pixel at the working distance
+  Eigen::Vector2d sensor_mm = {0.0, 0.0};         ///< width and height of the sensor
+  Eigen::Vector2d field_of_view_mm = {0.0, 0.0};  ///< at the working distance, without distortion
+  Eigen::Vector2d view_angle_rad = {0.0, 0.0};    ///< full angles across width and height
   double near_mm = 0.0;  ///< nearest distance whose blur is at most one pixel wide
   double far_mm = 0.0;   ///< farthest such distance, may be infinite
 };

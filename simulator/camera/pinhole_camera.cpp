@@ -16,14 +16,17 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-std::string fold_text(double radius, bool is_tangential) {
-  if (!std::isfinite(radius)) {
-    return "camera.p1: the tangential distortion folds the image";
+/// Blames the radial terms when they alone fold the image at about the same radius.
+std::string fold_text(double first_fold, double radial_fold) {
+  if (std::isfinite(radial_fold) && first_fold > 0.9 * radial_fold) {
+    return fmt::format("camera.k1: the radial distortion folds the image at x/z radius {:.4f}",
+                       radial_fold);
   }
-  return is_tangential
-             ? fmt::format("camera.p1: the distortion folds the image at x/z radius {:.4f}", radius)
-             : fmt::format("camera.k1: the radial distortion folds the image at x/z radius {:.4f}",
-                           radius);
+  if (std::isfinite(first_fold)) {
+    return fmt::format("camera.p1: the distortion folds the image at x/z radius {:.4f}",
+                       first_fold);
+  }
+  return "camera.p1: the tangential distortion folds the image";
 }
 
 }  // namespace
@@ -50,22 +53,22 @@ PinholeCamera::PinholeCamera(const PinholeIntrinsics& intrinsics) : intrinsics_(
 }
 
 void PinholeCamera::check_whole_image() const {
-  // A folding distortion fails at the border first; the grid catches unusual ones inside.
-  constexpr int kSteps = 16;
   const bool is_tangential = intrinsics_.tangential[0] != 0.0 || intrinsics_.tangential[1] != 0.0;
+  // A radial fold reaches a corner first; a tangential one may reach the border anywhere.
+  const int steps = is_tangential ? 64 : 16;
   const double first_fold = is_tangential ? fold_radius(distortion_) : max_radius_;
-  for (int j = 0; j <= kSteps; ++j) {
-    for (int i = 0; i <= kSteps; ++i) {
-      const Vector2d pixel(intrinsics_.width_px * static_cast<double>(i) / kSteps,
-                           intrinsics_.height_px * static_cast<double>(j) / kSteps);
+  for (int j = 0; j <= steps; ++j) {
+    for (int i = 0; i <= steps; ++i) {
+      const Vector2d pixel(intrinsics_.width_px * static_cast<double>(i) / steps,
+                           intrinsics_.height_px * static_cast<double>(j) / steps);
       const std::optional<Vector2d> place = undistort(normalised(pixel));
-      if (place && (!is_tangential || place->norm() < first_fold ||
-                    is_before_fold(distortion_, *place))) {
+      if (place &&
+          (!is_tangential || place->norm() < first_fold || is_before_fold(distortion_, *place))) {
         continue;
       }
       throw ConfigError(fmt::format(
           "{}, before the pixel ({:g}, {:g}); allowed are k1, k2, k3, p1, p2 that grow up to there",
-          fold_text(first_fold, is_tangential),
+          fold_text(first_fold, max_radius_),
           pixel.x(),
           pixel.y()));
     }

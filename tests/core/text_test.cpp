@@ -72,6 +72,10 @@ TEST(Join, UndoesSplit) {
   EXPECT_EQ(join({}, ", "), "");
 }
 
+TEST(MarkupText, CanStandInAnElementOrAnAttribute) {
+  EXPECT_EQ(markup_text("a<b> & \"c\"\x01\n"), "a&lt;b&gt; &amp; &quot;c&quot; \n");
+}
+
 // FIPS 180-2, appendix B.1 and B.2, and the well-known digest of nothing.
 TEST(Sha256Hex, GivesThePublishedDigests) {
   EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");

@@ -5,39 +5,15 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/studies/visibility_support.h"
+
 namespace glint {
 namespace {
 
-/// A small polished strip under a semicylinder with three random dents; no slot.
+/// Dents of 4 um, which are found.
 SceneSettings line_scene() {
-  SceneSettings scene;
-  scene.part.length_mm = 36.0;
-  scene.part.width_mm = 20.0;
-  scene.part.radius_along_mm = 400.0;
-  scene.part.radius_across_mm = 60.0;
-  scene.camera.width_px = 200;
-  scene.camera.height_px = 100;
-  scene.camera.object_pixel_mm = 0.15;
-  scene.camera.working_distance_mm = 400.0;
-  scene.viewpoint = default_viewpoint(scene.camera);
-  scene.sensor.gain = 1.5;
-  scene.sensor.blur_px = 1.0;
-  scene.sensor.full_well_e = 20000.0;
-  scene.sensor.read_noise_e = 8.0;
-  scene.tunnel.radius_mm = 150.0;
-  scene.tunnel.slot_mm = 0.0;
-  scene.tunnel.blocks_view = false;
-  scene.tunnel.length_mm = 1200.0;
-  DefectGroup dents;
-  dents.count = 3;
-  dents.height_mm = 0.004;
-  dents.diameter_mm = Interval(0.6, 1.0);
-  dents.region.kind = DefectRegion::Kind::kBox;
-  dents.region.min_mm = {-10.0, -5.0, -10.0};
-  dents.region.max_mm = {10.0, 5.0, 20.0};
-  dents.region.facing_rad = 1.0;
-  scene.defects = {{"dent", dents}};
-  scene.inspection.trials.flawless = 8;
+  SceneSettings scene = small_line(4.0, 4.0);
+  scene.inspection.threshold = InspectionSettings::Threshold::kNoise;
   return scene;
 }
 

@@ -70,7 +70,7 @@ void CellSums::add_surface(CellPixel pixel,
   Surface& surface = surface_[pixel];
   ++surface.samples;
   surface.depth_mm += camera_axis.dot(point.point_mm - ray.origin_mm);
-  surface.incidence_rad += std::acos(std::clamp(point.to_viewer.z, -1.0, 1.0));
+  surface.tilt += 1.0 - std::min(1.0, point.to_viewer.z);
   surface.normal += point.frame.normal;
   surface.point_mm += point.point_mm;
   surface.triangle = surface.triangle < 0 ? triangle : surface.triangle;
@@ -85,8 +85,7 @@ void CellSums::add_to(const Cell& cell, int samples, PathSums& sums) const {
   for (int y = 0; y < cell.height_px; ++y) {
     for (int x = 0; x < cell.width_px; ++x) {
       sums.samples(cell.x_px + x, cell.y_px + y) += samples;
-      add_pixel(
-          static_cast<CellPixel>(kCellWidth_px * y + x), cell.x_px + x, cell.y_px + y, sums);
+      add_pixel(static_cast<CellPixel>(kCellWidth_px * y + x), cell.x_px + x, cell.y_px + y, sums);
     }
   }
 }
@@ -111,7 +110,7 @@ void CellSums::add_pixel(CellPixel from, int x, int y, PathSums& sums) const {
   add(sums.x_mm, x, y, surface.point_mm.x());
   add(sums.y_mm, x, y, surface.point_mm.y());
   add(sums.z_mm, x, y, surface.point_mm.z());
-  add(sums.incidence_rad, x, y, surface.incidence_rad);
+  add(sums.tilt, x, y, surface.tilt);
   std::int32_t& triangle = sums.triangle(x, y);
   triangle = triangle < 0 ? surface.triangle : triangle;
   std::int32_t& defect = sums.defect(x, y);
@@ -141,7 +140,7 @@ PathSums empty_sums(
                         &sums.x_mm,
                         &sums.y_mm,
                         &sums.z_mm,
-                        &sums.incidence_rad}) {
+                        &sums.tilt}) {
     *image = zero;
   }
   sums.part = Image<std::int32_t>(width_px, height_px);

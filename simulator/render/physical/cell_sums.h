@@ -57,7 +57,7 @@ class CellSums {
   struct Surface {
     int samples = 0;
     double depth_mm = 0.0;
-    double incidence_rad = 0.0;
+    double tilt = 0.0;  ///< 1 - cos(incidence)
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     Eigen::Vector3d point_mm = Eigen::Vector3d::Zero();
     std::int32_t triangle = -1;

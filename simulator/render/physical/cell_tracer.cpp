@@ -5,11 +5,8 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <variant>
 
-#include "core/error.h"
-#include "core/units.h"
 #include "core/wall_clock.h"
 
 namespace glint {
@@ -25,12 +22,6 @@ constexpr double kShortOfLight = 1e-5;
 /// So many paths are followed together: their data stay in the second-level cache.
 constexpr int kSamplesTogether = 8;
 
-/// Dimensions of SampleNumbers: two for the camera, then three for each reflection.
-constexpr std::uint32_t kPixelPair = 0;
-constexpr std::uint32_t kLensPair = 1;
-constexpr std::uint32_t kFirstReflection = 2;
-constexpr std::uint32_t kPairsPerReflection = 3;
-
 /// The power heuristic: the share of the strategy with density a. Source: E. Veach, L. Guibas,
 /// "Optimally combining sampling techniques for Monte Carlo rendering", SIGGRAPH 1995.
 double power_share(double a, double b) {
@@ -41,74 +32,7 @@ double power_share(double a, double b) {
   return 1.0 / (1.0 + ratio * ratio);
 }
 
-/// Whether rays that left nearby points in similar directions still run close to each other.
-Coherence coherence_of(const Material& material) {
-  constexpr double kNarrow = 0.02;
-  if (std::holds_alternative<Mirror>(material)) {
-    return Coherence::kCoherentOnce;
-  }
-  const auto* metal = std::get_if<Conductor>(&material);
-  return metal != nullptr && std::max(metal->alpha.x, metal->alpha.y) < kNarrow
-             ? Coherence::kCoherentOnce
-             : Coherence::kIncoherent;
-}
-
-std::vector<std::int32_t> defect_ids(const PhysicalScene& scene) {
-  std::set<std::int32_t> ids;
-  for (const HeightFeature& feature : scene.detail.features()) {
-    ids.insert(feature.id);
-  }
-  for (const std::int32_t label : scene.face_labels) {
-    if (label > 0) {
-      ids.insert(label);
-    }
-  }
-  return {ids.begin(), ids.end()};
-}
-
-/// A point of the unit disc, uniform. Source: P. Shirley, K. Chiu, JGT 2(3), 1997.
-Eigen::Vector2d point_of_disc(const std::array<double, 2>& random) {
-  const double a = 2.0 * random[0] - 1.0;
-  const double b = 2.0 * random[1] - 1.0;
-  if (a == 0.0 && b == 0.0) {
-    return Eigen::Vector2d::Zero();
-  }
-  const bool is_wide = std::abs(a) > std::abs(b);
-  const double radius = is_wide ? a : b;
-  const double phi_rad = is_wide ? kPi / 4.0 * (b / a) : kPi / 2.0 - kPi / 4.0 * (a / b);
-  return {radius * std::cos(phi_rad), radius * std::sin(phi_rad)};
-}
-
-Ray camera_ray(const PathTask& task, const Eigen::Vector2d& pixel_px, const SampleNumbers& numbers) {
-  const auto direction = task.scene.camera.ray_through(pixel_px);
-  GLINT_CHECK(direction.has_value(), "the camera has a ray for every point of its image");
-  const RigidTransform& pose = task.scene_from_camera;
-  const ThinLens& lens = task.scene.lens;
-  if (!(lens.radius_mm > 0.0)) {
-    return {.origin_mm = pose.translation_mm, .direction = pose.rotation * *direction};
-  }
-  const Eigen::Vector2d at = lens.radius_mm * point_of_disc(numbers.pair(kLensPair));
-  const Vector3d origin_mm(at.x(), at.y(), 0.0);
-  const Vector3d sharp_mm = *direction * (lens.focus_mm / direction->z());
-  return {.origin_mm = pose * origin_mm,
-          .direction = pose.rotation * (sharp_mm - origin_mm).normalized()};
-}
-
 }  // namespace
-
-PathTask::PathTask(const PhysicalScene& the_scene, const PathSettings& the_settings)
-    : scene(the_scene),
-      settings(the_settings),
-      scene_from_camera(inverse(the_scene.camera_from_world)),
-      start_offset_mm(glint::start_offset_mm(the_scene.part)),
-      bounces(coherence_of(the_scene.material.plain())),
-      ids(defect_ids(the_scene)) {
-  if (settings.has_light) {
-    for (const LightGroup& group : scene.lights.groups) {
-      factors.push_back(group.factor);
-    }
-  }
-}
 
 CellTracer::CellTracer(const PathTask& task)
     : task_(task), cell_sums_(task.factors, task.settings.channels, task.ids) {}
@@ -162,8 +86,8 @@ void CellTracer::start_pixel(const Cell& cell, int x, int y, int first, int coun
     path.numbers = {.seed = seed, .index = static_cast<std::uint32_t>(sample)};
     path.pixel = static_cast<CellPixel>(kCellWidth_px * y + x);
     const auto within = path.numbers.pair(kPixelPair);
-    path.ray = camera_ray(
-        task_, {cell.x_px + x + within[0], cell.y_px + y + within[1]}, path.numbers);
+    path.ray =
+        camera_ray(task_, {cell.x_px + x + within[0], cell.y_px + y + within[1]}, path.numbers);
     rays_.add(path.ray.origin_mm, path.ray.direction, kInfinity);
   }
 }
@@ -200,9 +124,9 @@ void CellTracer::look_at_lights(bool is_camera) {
       continue;
     }
     const bool has_rival = !is_camera && path.density > 0.0;
-    const double share = has_rival ? power_share(path.density,
-                                                 light_density(task_.scene.lights, path.ray, *light))
-                                   : 1.0;
+    const double share =
+        has_rival ? power_share(path.density, light_density(task_.scene.lights, path.ray, *light))
+                  : 1.0;
     add_light(path, light->group, share * path.weight * light->radiance.cast<double>());
   }
   active_.resize(kept);
@@ -235,7 +159,7 @@ bool CellTracer::reflect(std::uint32_t index, int reflection) {
   }
   path.weight *= point.reflectance;
   const std::uint32_t pair =
-      kFirstReflection + kPairsPerReflection * static_cast<std::uint32_t>(reflection - 1);
+      kFirstReflectionPair + kPairsPerReflection * static_cast<std::uint32_t>(reflection - 1);
   const auto reflect_by = [&](const Material& material) {
     ask_light(index, point, material, path.numbers.pair(pair));
     return leave(path, point, material, reflection, path.numbers.pair(pair + 1));
@@ -263,8 +187,7 @@ void CellTracer::ask_light(std::uint32_t index,
   }
   const Reflection reflection =
       evaluate(material, point.to_viewer, point.frame.to_local(light->direction));
-  const Colour radiance = paths_[index].weight * reflection.value *
-                          light->radiance.cast<double>() *
+  const Colour radiance = paths_[index].weight * reflection.value * light->radiance.cast<double>() *
                           (power_share(light->density, reflection.density) / light->density);
   if (!(strength(radiance) > 0.0) || is_hidden(lights, point.start_mm, *light)) {
     return;
@@ -283,8 +206,8 @@ bool CellTracer::leave(Path& path,
                        const Material& material,
                        int reflection,
                        const std::array<double, 2>& direction) {
-  const std::uint32_t pair = kFirstReflection + kPairsPerReflection *
-                                                    static_cast<std::uint32_t>(reflection - 1);
+  const std::uint32_t pair =
+      kFirstReflectionPair + kPairsPerReflection * static_cast<std::uint32_t>(reflection - 1);
   const auto more = path.numbers.pair(pair + 2);
   const auto sampled = sample(material, point.to_viewer, {direction[0], direction[1], more[0]});
   if (!sampled) {
@@ -306,7 +229,7 @@ bool CellTracer::leave(Path& path,
 
 void CellTracer::trace_shadows() {
   const auto begin = std::chrono::steady_clock::now();
-  shadows_.trace(task_.scene.bvh, Coherence::kIncoherent);
+  shadows_.trace(task_.scene.bvh, Coherence::kCoherentOnce);
   counts_.shadow_s += seconds_since(begin);
   counts_.shadow += static_cast<std::int64_t>(shadows_.size());
   for (std::size_t i = 0; i < pending_.size(); ++i) {

@@ -1,29 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "simulator/render/physical/cell_sums.h"
-#include "simulator/render/physical/physical_scene.h"
+#include "simulator/render/physical/path_task.h"
 #include "simulator/render/physical/ray_batch.h"
 #include "simulator/render/physical/sobol.h"
 
 namespace glint {
-
-/// What all cells of a picture share.
-class PathTask {
- public:
-  PathTask(const PhysicalScene& scene, const PathSettings& settings);
-
-  const PhysicalScene& scene;
-  const PathSettings& settings;
-  RigidTransform scene_from_camera;
-  double start_offset_mm = 0.0;
-  Coherence bounces = Coherence::kIncoherent;  ///< rays that leave the part stay close or do not
-  std::vector<double> factors;                 ///< of the light groups; empty: no light
-  std::vector<std::int32_t> ids;               ///< of all defects, rising
-};
 
 /// Follows the paths of one cell at a time; one tracer a thread.
 ///

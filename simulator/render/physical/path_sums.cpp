@@ -46,6 +46,15 @@ ImageF mean_on_part(const PathSums& sums, const ImageF& of) {
   });
 }
 
+/// 1 - cos(a) = 2 sin^2(a / 2), which stays exact at small angles.
+ImageF incidence_image(const PathSums& sums) {
+  const ImageF tilt = mean_on_part(sums, sums.tilt);
+  return image_of(sums, [&](std::size_t i) {
+    const double half = 0.5 * static_cast<double>(tilt.values()[i]);
+    return 2.0 * std::asin(std::sqrt(std::clamp(half, 0.0, 1.0)));
+  });
+}
+
 void normalise(SurfaceImages& images) {
   for (std::size_t i = 0; i < images.normal_x.size(); ++i) {
     float& x = images.normal_x.values()[i];
@@ -126,7 +135,7 @@ SurfaceImages surface_images(const PathSums& sums) {
                           .x_mm = mean_on_part(sums, sums.x_mm),
                           .y_mm = mean_on_part(sums, sums.y_mm),
                           .z_mm = mean_on_part(sums, sums.z_mm),
-                          .incidence_rad = mean_on_part(sums, sums.incidence_rad)};
+                          .incidence_rad = incidence_image(sums)};
   normalise(images);
   return images;
 }

@@ -43,14 +43,14 @@ struct PathSums {
   ImageF squares;                 ///< of the total at the groups' factors, mean of the channels
 
   // What the camera rays met first; lights do not hide the part here.
-  Image<std::int32_t> part;           ///< samples on the part
-  std::vector<DefectSums> defects;    ///< by id
-  ImageF depth_mm;                    ///< along the camera's axis
+  Image<std::int32_t> part;         ///< samples on the part
+  std::vector<DefectSums> defects;  ///< by id
+  ImageF depth_mm;                  ///< along the camera's axis
   ImageF normal_x, normal_y, normal_z;
-  ImageF x_mm, y_mm, z_mm;            ///< scene frame
-  ImageF incidence_rad;               ///< between normal and ray
-  Image<std::int32_t> triangle;       ///< of the first sample on the part, -1: none
-  Image<std::int32_t> defect;         ///< id of the first sample on a defect, -1: none
+  ImageF x_mm, y_mm, z_mm;       ///< scene frame
+  ImageF tilt;                   ///< 1 - cosine between normal and ray
+  Image<std::int32_t> triangle;  ///< of the first sample on the part, -1: none
+  Image<std::int32_t> defect;    ///< id of the first sample on a defect, -1: none
   PathCounts counts;
 };
 
@@ -67,7 +67,7 @@ struct SurfaceImages {
   ImageF depth_mm;
   ImageF normal_x, normal_y, normal_z;  ///< unit
   ImageF x_mm, y_mm, z_mm;
-  ImageF incidence_rad;
+  ImageF incidence_rad;  ///< between normal and ray, of the mean cosine
 };
 
 /// Radiance of one group at factor 1.
@@ -76,8 +76,9 @@ ImageF group_image(const PathSums& sums, std::size_t group, int channel);
 /// The picture for any factors, one for each group: their weighted sum.
 ImageF total_image(const PathSums& sums, std::span<const double> factors, int channel);
 
-/// Standard error of the total at the scene's factors, mean of the channels, by the spread of single
-/// samples. Stratified samples err less: a bound rather than an estimate. Pixels of one sample: inf.
+/// Standard error of the total at the scene's factors, mean of the channels, by the spread of
+/// single samples. Stratified samples err less: a bound rather than an estimate. Pixels of one
+/// sample: inf.
 ImageF standard_error_image(const PathSums& sums, std::span<const double> factors);
 
 CoverageImages coverage_images(const PathSums& sums);

@@ -20,8 +20,8 @@ struct ThinLens {
   double focus_mm = 0.0;   ///< along the view, from the lens to the plane that is sharp; > 0
 };
 
-/// Everything a path tracer looks at, in the scene frame; it must outlive the call. Numbers from the
-/// user are checked where they are read.
+/// Everything a path tracer looks at, in the scene frame; it must outlive the call. Numbers from
+/// the user are checked where they are read.
 struct PhysicalScene {
   const Part& part;
   const Bvh& bvh;               ///< of part.mesh

@@ -20,7 +20,8 @@ constexpr int kMostSamplesWithDefects = 65535;
 
 void check_at_least(const char* key, int value, int least) {
   if (value < least) {
-    throw ConfigError(fmt::format("{}: {} given, allowed are whole numbers from {}", key, value, least));
+    throw ConfigError(
+        fmt::format("{}: {} given, allowed are whole numbers from {}", key, value, least));
   }
 }
 
@@ -42,8 +43,9 @@ void check(const PhysicalScene& scene, const PathSettings& settings) {
   if (scene.lens.radius_mm > 0.0 && !(scene.lens.focus_mm > 0.0)) {
     throw ConfigError("focus_mm: a lens with an aperture needs a distance > 0");
   }
-  GLINT_CHECK(scene.face_labels.empty() || scene.face_labels.size() == scene.part.mesh.num_triangles(),
-              "a label for each triangle");
+  GLINT_CHECK(
+      scene.face_labels.empty() || scene.face_labels.size() == scene.part.mesh.num_triangles(),
+      "a label for each triangle");
 }
 
 /// Grey radiance of a pixel at the scene's factors, and the variance of that mean.
@@ -52,15 +54,13 @@ struct PixelEstimate {
   double variance = 0.0;
 };
 
-PixelEstimate estimate_at(const PathSums& sums,
-                          const std::vector<double>& factors,
-                          int x,
-                          int y) {
+PixelEstimate estimate_at(const PathSums& sums, const std::vector<double>& factors, int x, int y) {
   double total = 0.0;
   for (std::size_t g = 0; g < sums.groups.size(); ++g) {
     const std::vector<ImageF>& channels = sums.groups[g].channels;
     for (const ImageF& channel : channels) {
-      total += factors[g] * static_cast<double>(channel(x, y)) / static_cast<double>(channels.size());
+      total +=
+          factors[g] * static_cast<double>(channel(x, y)) / static_cast<double>(channels.size());
     }
   }
   const double n = sums.samples(x, y);

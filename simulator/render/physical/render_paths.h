@@ -30,7 +30,7 @@ using PathPreview = std::function<bool(const PathProgress&)>;
 ///
 /// Linear radiance, W / (m^2 sr), nothing is clamped. Memory: 4 bytes a pixel for each group and
 /// channel, 60 bytes more, 2 more for each defect.
-/// @throws ConfigError for settings out of their range, more than 65535 samples with defects
+/// @throws ConfigError for settings out of their range, more than 65535 samples a pixel
 PathSums render_paths(const PhysicalScene& scene,
                       const PathSettings& settings,
                       ThreadPool& pool,

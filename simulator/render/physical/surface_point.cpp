@@ -19,7 +19,9 @@ struct SmoothPoint {
   bool is_exact = false;
 };
 
-Vector3d plane_normal(const PhysicalScene& scene, std::int32_t triangle, const Vector3d& else_this) {
+Vector3d plane_normal(const PhysicalScene& scene,
+                      std::int32_t triangle,
+                      const Vector3d& else_this) {
   const TrianglePlane& plane = scene.bvh.plane(triangle);
   const Vector3d normal(plane.normal_x, plane.normal_y, plane.normal_z);
   return normal.squaredNorm() > 0.5 ? normal : else_this;

@@ -85,6 +85,15 @@ TEST(FindBlobs, NeverJoinsBrightWithDark) {
   EXPECT_FALSE(dark[0].is_bright);
 }
 
+// 0.1F is 0.100000001490116: the double above it is the first threshold that it does not reach.
+TEST(FindBlobs, CompareWithTheThresholdToTheLastBitOfADouble) {
+  ImageF image(5, 5);
+  image(2, 2) = 0.1F;
+  const auto grey = static_cast<double>(0.1F);
+  EXPECT_EQ(blobs_in(image, grey).size(), 1U);
+  EXPECT_TRUE(blobs_in(image, std::nextafter(grey, 1.0)).empty());
+}
+
 TEST(FindBlobs, LeavesOutWhatIsSmallerThanAsked) {
   const ImageF image = drawn({{1, 1}, {5, 5}, {6, 5}});
   EXPECT_EQ(blobs_in(image, 0.5, {.min_area_px = 1}).size(), 2U);

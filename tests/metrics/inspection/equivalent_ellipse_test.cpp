@@ -425,6 +425,20 @@ TEST(Warped, WithoutMovementKeepsAMask) {
   EXPECT_EQ(warped(solid, {}, 40, 30), solid);
 }
 
+// Columns of 1 and 0 in turns, three of them a pixel: 2/3 and 1/3 in turns (1 and 0 if only the
+// middle were looked at).
+TEST(Warped, TakesTheMeanOfWhatAPixelCovers) {
+  ImageF columns(91, 31);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    columns.values()[i] = i % 91 % 2 == 0 ? 1.0F : 0.0F;
+  }
+  const Similarity third{
+      .from_x_px = 45.0, .from_y_px = 15.0, .to_x_px = 15.0, .to_y_px = 5.0, .scale = 1.0 / 3.0};
+  const ImageF small = warped(columns, third, 30, 10);
+  EXPECT_NEAR(small(14, 5), 2.0F / 3.0F, 0.1F);
+  EXPECT_NEAR(small(15, 5), 1.0F / 3.0F, 0.1F);
+}
+
 TEST(Warped, KeepsTheAreaOfAShrunkenMask) {
   Mask mask(400, 400);
   for (int y = 0; y < 400; ++y) {

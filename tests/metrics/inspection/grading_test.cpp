@@ -117,6 +117,18 @@ TEST(LearnLimits, TakesTheWidestGapAmongEquals) {
   EXPECT_EQ(limits.holes.perfect_biggest, 6.5);
 }
 
+// The other way round: behind 9 and behind 1 one part is wrong each, and the gap from 9 to 9.5 is
+// narrower than that from 1 to 8. One figure is enough to keep 8 and 9.5 outside.
+TEST(LearnLimits, TakesTheWidestGapAmongEqualsThatAreLowerToo) {
+  const std::vector<LabelledPart> parts = {part_of({1.0, 1.0, 0.0, 0.0}, Grade::kPerfect),
+                                           part_of({8.0, 8.0, 0.0, 0.0}, Grade::kRejected),
+                                           part_of({9.0, 9.0, 0.0, 0.0}, Grade::kPerfect),
+                                           part_of({9.5, 9.5, 0.0, 0.0}, Grade::kRejected)};
+  const LearnedLimits limits = learn_limits(parts);
+  EXPECT_EQ(limits.wrong, 1);
+  EXPECT_EQ(std::min(limits.holes.perfect_biggest, limits.holes.perfect_sum), 4.5);
+}
+
 // The scratches of the first seed's figure 25 know no Acceptable: both limits come out alike.
 TEST(LearnLimits, GivesTwoClassesOneLimit) {
   const std::vector<LabelledPart> parts = {part_of({0.0, 0.0, 5.0, 8.0}, Grade::kPerfect),

@@ -89,6 +89,56 @@ TEST(InspectorResponse, OfTheMatchedFilterIsTheHeightOfItsSpot) {
   EXPECT_NEAR(inspector.response(aspect, pool)(35, 40), 0.25F, 1e-5F);
 }
 
+// Spot 1 and e = exp(-0.5 / 1.25^2) on two pixels, times 0.25 on 0.3: two unknowns, two values.
+TEST(InspectorResponse, OfTheMatchedFilterIsTheHeightOnAMaskOfTwoPixels) {
+  ThreadPool pool(1);
+  Mask mask(9, 5);
+  mask(4, 2) = 1;
+  mask(5, 2) = 1;
+  ImageF aspect(9, 5, 0.7F);
+  aspect(4, 2) = 0.3F + 0.25F;
+  aspect(5, 2) = static_cast<float>(0.3 + 0.25 * std::exp(-0.5 / (1.25 * 1.25)));
+  const Inspector inspector({.filter = Filter::kMatched, .erosion_px = 0}, mask);
+  EXPECT_NEAR(inspector.response(aspect, pool)(4, 2), 0.25F, 1e-4F);
+}
+
+/// Taps of a Gaussian of sum 1 at -reach to reach.
+std::vector<double> taps_of(double sigma_px, int reach) {
+  std::vector<double> taps;
+  for (int k = -reach; k <= reach; ++k) {
+    taps.push_back(std::exp(-0.5 * k * k / (sigma_px * sigma_px)));
+  }
+  const double sum = std::accumulate(taps.begin(), taps.end(), 0.0);
+  std::ranges::for_each(taps, [sum](double& tap) { tap /= sum; });
+  return taps;
+}
+
+// Gaussians of 2 and 3.2 px, cut at three sigma, 6 and 10 px; a pixel of 1 is answered by their
+// difference in the middle over the root of the sum of its squares.
+TEST(InspectorResponse, OfDifferencesOfGaussiansIsThatOf1Point6Times) {
+  ThreadPool pool(1);
+  const std::vector<double> narrow = taps_of(2.0, 6);
+  const std::vector<double> wide = taps_of(3.2, 10);
+  const auto tap_at = [](const std::vector<double>& taps, int reach, int k) {
+    return std::abs(k) <= reach ? taps[static_cast<std::size_t>(k + reach)] : 0.0;
+  };
+  double squares = 0.0;
+  for (int y = -10; y <= 10; ++y) {
+    for (int x = -10; x <= 10; ++x) {
+      const double difference =
+          tap_at(narrow, 6, x) * tap_at(narrow, 6, y) - tap_at(wide, 10, x) * tap_at(wide, 10, y);
+      squares += difference * difference;
+    }
+  }
+  ImageF aspect(41, 41);
+  aspect(20, 20) = 1.0F;
+  const Inspector inspector(
+      {.filter = Filter::kDifferenceOfGaussians, .scales_px = {2.0}, .erosion_px = 0},
+      Mask(41, 41, 1));
+  const double expected = (narrow[6] * narrow[6] - wide[10] * wide[10]) / std::sqrt(squares);
+  EXPECT_NEAR(static_cast<double>(inspector.response(aspect, pool)(20, 20)), expected, 1e-5);
+}
+
 TEST(InspectorResponse, OfDifferencesOfGaussiansKeepsTheNoiseOfEachScale) {
   ThreadPool pool(2);
   ImageF noise(400, 300);
@@ -266,6 +316,7 @@ TEST(InspectorThreshold, IsThatOfAnInspection) {
     const Inspection inspection = by_noise.inspect(frames, pool);
     EXPECT_GT(inspection.noise, 0.0);
     EXPECT_EQ(inspection.noise, by_noise.noise(response, pool));
+    EXPECT_EQ(inspection.threshold, 6.0 * inspection.noise) << "threshold_sigmas";
     EXPECT_EQ(inspection.threshold, by_noise.threshold(response));
     settings.threshold = Threshold::kFixed;
     settings.threshold_grey = 0.04;

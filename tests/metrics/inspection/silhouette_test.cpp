@@ -79,6 +79,17 @@ TEST(FindSilhouette, LeavesWhatIsOpenToTheOutside) {
   EXPECT_EQ((*found.mask)(80, 52), 1);
 }
 
+// |x - 20| + |y - 20| = 10 is closed though its pixels touch by corners only: 2 10 11 + 1 inside.
+TEST(FindSilhouette, FillsWhatADiagonalLineEncloses) {
+  ImageF image(41, 41);
+  for (int y = 0; y < 41; ++y) {
+    for (int x = 0; x < 41; ++x) {
+      image(x, y) = std::abs(x - 20) + std::abs(y - 20) == 10 ? 0.8F : 0.0F;
+    }
+  }
+  EXPECT_EQ(area_of(find_silhouette(image, {.rule = SilhouetteSettings::Rule::kFixed})), 221);
+}
+
 TEST(FindSilhouette, TakesTheLargestPieceOnly) {
   ImageF image = disc_picture([](double r) { return r <= 20.0 ? 0.5 : 0.0; });
   for (int y = 2; y < 10; ++y) {

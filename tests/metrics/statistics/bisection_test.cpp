@@ -32,6 +32,13 @@ TEST(SmallestDetectable, OfAStepIsTheStep) {
   EXPECT_LT(found.size, 2.021);
 }
 
+TEST(SmallestDetectable, ReachesATargetThatIsNeverExceeded) {
+  const auto step = [](double size) { return size >= 3.0 ? 1.0 : 0.0; };
+  const SmallestDetectable found = smallest_detectable(step, 1.0, 10.0, 1.0);
+  EXPECT_EQ(found.result, Detectable::kFound);
+  EXPECT_NEAR(found.size, 3.0, 0.03);
+}
+
 TEST(SmallestDetectable, SaysWhenAllOrNothingIsFound) {
   const auto rising = [](double size) { return size; };
   const auto already = smallest_detectable(rising, 4.0, 8.0, 3.0);

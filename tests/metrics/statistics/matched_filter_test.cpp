@@ -66,6 +66,20 @@ TEST(Dprime, OfTwoCorrelatedPixelsIsWorkedByHand) {
   EXPECT_NEAR(dprime(std::array{1.0, -1.0}, windows) / std::sqrt(5.0 / 4.0), 1.0, 0.01);
 }
 
+// 60 windows: 20 times (1, 1) and (-1, -1), 10 times (1, -1) and (-1, 1). Variances 60 / 59,
+// correlation 20 / 60 = 1 / 3. Its estimate's variance is (1 - 1 / 9) / 59 (Schaefer and Strimmer,
+// w = x1 x2 is +-59 / 60), over its square: s = 8 / 59 is shrunk away. For (1, 1) the eigenvalue is
+// 4 / 3: d'^2 = 2 (59 / 60) / ((1 - s) (4 / 3) / m + s). m = (58 - sum of (1 - s) l /
+// ((1 - s) l + m s)) / 59 over l = 4 / 3 and 2 / 3 is 0.953970. d' = 1.209781.
+TEST(Dprime, OfSixtyWindowsIsShrunkAsWorkedByHand) {
+  std::vector<std::vector<double>> windows;
+  for (int i = 0; i < 60; ++i) {
+    const double sign = i % 2 == 0 ? 1.0 : -1.0;
+    windows.push_back({sign, i < 40 ? sign : -sign});
+  }
+  EXPECT_NEAR(dprime(std::array{1.0, 1.0}, windows), 1.209781, 1e-6);
+}
+
 TEST(Dprime, OfManyCorrelatedPixelsIsTheClosedForm) {
   const std::vector<double> signal = bump(25);
   EXPECT_NEAR(dprime(signal, correlated_windows(2, 20000, 25)) / true_dprime(signal), 1.0, 0.01);

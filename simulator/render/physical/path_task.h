@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/pose.h"
+#include "simulator/geometry/bvh.h"
+#include "simulator/render/physical/physical_scene.h"
+#include "simulator/render/physical/sobol.h"
+
+namespace glint {
+
+/// Pairs of SampleNumbers: two for the camera, then three for each reflection.
+inline constexpr std::uint32_t kPixelPair = 0;
+inline constexpr std::uint32_t kLensPair = 1;
+inline constexpr std::uint32_t kFirstReflectionPair = 2;
+inline constexpr std::uint32_t kPairsPerReflection = 3;
+
+/// What all cells of a picture share.
+class PathTask {
+ public:
+  PathTask(const PhysicalScene& scene, const PathSettings& settings);
+
+  const PhysicalScene& scene;
+  const PathSettings& settings;
+  RigidTransform scene_from_camera;
+  double start_offset_mm = 0.0;
+  Coherence bounces = Coherence::kIncoherent;  ///< rays that leave the part stay close or do not
+  std::vector<double> factors;                 ///< of the light groups; empty: no light
+  std::vector<std::int32_t> ids;               ///< of all defects, rising
+};
+
+/// The ray of one sample through a place of the image [px].
+Ray camera_ray(const PathTask& task, const Eigen::Vector2d& pixel_px, const SampleNumbers& numbers);
+
+}  // namespace glint

@@ -111,6 +111,11 @@ Json part_json(const InspectedPart& part, const InspectionSettings& settings) {
   json["notes"] = part.notes;
   json["aspect"] = part.source.name + "/aspect.png";
   json["overlay"] = part.source.name + "/overlay.png";
+  json["response"] = part.source.name + "/response.exr";
+  if (part.phases) {
+    json["modulation"] = part.source.name + "/modulation.exr";
+    json["phase"] = part.source.name + "/phase_rad.exr";
+  }
   return json;
 }
 

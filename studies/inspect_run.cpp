@@ -233,11 +233,19 @@ class InspectRun {
       marks.insert(marks.end(), missed.begin(), missed.end());
     }
     write_png(folder / "aspect.png", part.aspect, PixelDepth::k16Bit);
+    write_exr(folder / "response.exr", part.response);
+    if (part.phases) {
+      write_exr(folder / "modulation.exr", part.phases->modulation);
+      write_exr(folder / "phase_rad.exr", part.phases->phase_rad);
+    }
     write_file(folder / "overlay.png", png_bytes(overlay(shown, marks)));
     if (pictures_.size() < kMostPagePictures) {
       pictures_.push_back(page_picture(shown));
     }
-    part.aspect = ImageF();
+    part.aspect = part.response = ImageF();
+    if (part.phases) {
+      part.phases.emplace();  // that there are some is still told
+    }
     part.region = Mask();
   }
 

@@ -208,6 +208,10 @@ InspectedPart inspect_part(const PicturedPart& source,
     result.comparison = compare(defects, result.known, settings.trials);
   }
   result.histogram = histogram_of(response, region, result.inspection.threshold);
+  if (settings.filter == Filter::kPhase) {
+    result.phases = phase_maps(linear_frames(part.sequence), settings.periods, pool);
+  }
+  result.response = std::move(response);
   result.source.pictures = std::move(part.sequence.files);  // in the order they were taken
   result.notes = std::move(part.notes);
   result.aspect = std::move(part.aspect);

@@ -9,6 +9,7 @@
 
 #include "core/thread_pool.h"
 #include "metrics/inspection/grading.h"
+#include "metrics/inspection/phase.h"
 #include "studies/inspect_marks.h"
 #include "studies/inspect_sources.h"
 #include "studies/inspect_truth.h"
@@ -40,7 +41,10 @@ struct InspectedPart {
   std::optional<Comparison> comparison;  ///< empty: the truth is not known
   ResponseHistogram histogram;
   std::vector<std::string> notes;
-  ImageF aspect;  ///< these two are given up once their files are written
+  /// Pictures are given up once their files are written.
+  ImageF aspect;
+  ImageF response;                  ///< 0 outside the region
+  std::optional<PhaseMaps> phases;  ///< of filter phase
   Mask region;
 };
 

@@ -223,9 +223,9 @@ Json pod_panel(const fs::path& run, const Json& pod) {
   return {{"id", "pod"},
           {"title", "Probability of detection"},
           {"lead",
-           "Each lighting sees the same parts at the same wanted rate of false alarms. Curves are "
-           "logistic in the logarithm of size (MIL-HDBK-1823A); a90 is found nine times of ten, "
-           "a90/95 with 95 % confidence."},
+           "Each lighting sees the same parts, at the threshold that [inspection] asks for there. "
+           "Curves are logistic in the logarithm of size (MIL-HDBK-1823A); a90 is found nine times "
+           "of ten, a90/95 with 95 % confidence."},
           {"drawings", drawings_of(run, {"pod.svg"})},
           {"tables", {pod_table(pod), levels_table(pod)}}};
 }

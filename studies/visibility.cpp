@@ -94,9 +94,10 @@ class Sample {
   }
 
   std::optional<Figure> pod_a90_um() const {
-    const auto trials = all<SizedTrial>([](const DefectTrial& one) {
+    auto trials = all<SizedTrial>([](const DefectTrial& one) {
       return SizedTrial{.size = one.height_um, .is_hit = one.is_found};
     });
+    std::erase_if(trials, [](const SizedTrial& trial) { return trial.size <= 0.0; });  // stains
     const std::optional<PodFit> fit = fit_pod(trials, confidence_);
     return fit ? std::optional<Figure>(fit->a90) : std::nullopt;
   }
@@ -131,11 +132,15 @@ class Sample {
 
   /// Half of the defects are found at a part's factor; median over the parts.
   std::optional<Figure> smallest(double DefectTrial::*size) const {
-    const auto sizes = all<double>([size](const DefectTrial& one) { return one.*size; });
-    const auto figure = [this, size](std::span<const std::size_t> parts) {
+    const auto sizes_on = [this, size](std::span<const std::size_t> parts) {
+      auto sizes = all<double>(parts, [size](const DefectTrial& one) { return one.*size; });
+      std::erase_if(sizes, [](double value) { return value <= 0.0; });  // stains
+      return sizes;
+    };
+    const auto figure = [this, sizes_on](std::span<const std::size_t> parts) {
       std::vector<double> smallest;
       for (const std::size_t k : parts) {
-        const auto own = all<double>({&k, 1}, [size](const DefectTrial& one) { return one.*size; });
+        const auto own = sizes_on({&k, 1});
         if (!own.empty()) {
           smallest.push_back(line_.parts[k].factor * median(own));
         }
@@ -146,7 +151,7 @@ class Sample {
     for (const PartTrial& part : line_.parts) {
       factors.push_back(part.factor);
     }
-    if (sizes.empty() || median(factors) >= LineTrials::kMostFactor) {
+    if (sizes_on(every_part()).empty() || median(factors) >= LineTrials::kMostFactor) {
       return std::nullopt;
     }
     return resampled(figure);

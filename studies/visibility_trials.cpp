@@ -39,9 +39,13 @@ double largest_near(const ImageF& window, const DefectView& view, double radii) 
   return static_cast<double>(largest);
 }
 
+bool is_stain(const TrueDefect& truth) {
+  return truth.defect.type == DefectType::kStain;
+}
+
 DefectTrial as_made(const TrueDefect& truth) {
   return {.group = truth.defect.group,
-          .height_um = 1e3 * truth.defect.depth_mm,
+          .height_um = is_stain(truth) ? 0.0 : 1e3 * truth.defect.depth_mm,
           .slope_mrad = 1e3 * truth.outline.max_slope_rad()};
 }
 
@@ -195,7 +199,7 @@ std::vector<NamedGroup> scaled(std::vector<NamedGroup> groups, double factor) {
   return groups;
 }
 
-/// Of its defects, with all heights times a factor.
+/// Of its defects that have a height, with all heights times a factor.
 double found_share(const SimulatedLine& line,
                    std::int64_t number,
                    double threshold,
@@ -203,8 +207,15 @@ double found_share(const SimulatedLine& line,
   const ScannedPart part = line.part_with(scaled(line.scene().defects, factor), number);
   const Verdict verdict =
       judge(line.inspect(part, threshold), part.defects, line.scene().inspection.trials);
-  const auto found = std::ranges::count(verdict.is_found, 1);
-  return static_cast<double>(found) / std::max(1.0, static_cast<double>(verdict.is_found.size()));
+  int found = 0;
+  int made = 0;
+  for (std::size_t i = 0; i < part.defects.size(); ++i) {
+    if (!is_stain(part.defects[i])) {
+      ++made;
+      found += verdict.is_found[i] != 0 ? 1 : 0;
+    }
+  }
+  return static_cast<double>(found) / std::max(1, made);
 }
 
 /// Bisection of one part: part and noise stay the same, so its own share is a clean step.

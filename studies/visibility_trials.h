@@ -24,7 +24,7 @@ struct TrialNeeds {
 /// What became of one defect.
 struct DefectTrial {
   std::string group;
-  double height_um = 0.0;   ///< depth or height
+  double height_um = 0.0;   ///< depth or height; 0: a stain, which has none
   double slope_mrad = 0.0;  ///< at the steepest
   bool is_found = false;
   double signature = 0.0;        ///< area of its blobs / its true area; 0: missed

@@ -15,6 +15,7 @@
 
 #include "core/image_io.h"
 #include "core/rng.h"
+#include "core/units.h"
 #include "tests/cli/program.h"
 
 namespace glint::test {
@@ -153,6 +154,48 @@ TEST_F(InspectVerb, WritesItsFiles) {
   EXPECT_THAT(page, HasSubstr("2 defects found on 1 part."));
   EXPECT_THAT(page, Not(ContainsRegex("(src|href)=\"http"))) << "nothing from elsewhere";
   EXPECT_TRUE(Json::parse(read_file(folder_ / "out/run.json")).contains("timings"));
+}
+
+// Four steps of a sine of period 40 px, 0.5 + 0.4 sin; a bent place moves it by 0.1 periods.
+TEST_F(InspectVerb, WritesThePhasesOfShiftedStripes) {
+  std::filesystem::create_directories(folder_ / "stripes");
+  for (int k = 0; k < 4; ++k) {
+    ImageF frame(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const bool is_bent = std::hypot(x - 40, y - 30) < 3.0;
+        const double turns = x / 40.0 - k / 4.0 + (is_bent ? 0.1 : 0.0);
+        frame(x, y) = static_cast<float>(0.5 + 0.4 * std::sin(2.0 * kPi * turns));
+      }
+    }
+    write_png(folder_ / fmt::format("stripes/frame_{}.png", k), frame, PixelDepth::k16Bit);
+  }
+  const Json result = inspect_json({"stripes"},
+                                   {"--set",
+                                    "inspection.filter=phase",
+                                    "--set",
+                                    "inspection.threshold=fixed",
+                                    "--set",
+                                    "inspection.threshold_grey=0.03",
+                                    "--set",
+                                    "inspection.kernel_px=15",
+                                    "--set",
+                                    "inspection.erosion_px=8"});
+  const Json& part = result["parts"][0];
+  ASSERT_EQ(part["defects"].size(), 1U) << result.dump(1);
+  EXPECT_NEAR(part["defects"][0]["x_px"].get<double>(), 40.5, 0.5);
+  EXPECT_NEAR(part["defects"][0]["y_px"].get<double>(), 30.5, 0.5);
+  const auto picture = [&](const char* key) {
+    return read_image(folder_ / "out" / part[key].get<std::string>());
+  };
+  EXPECT_NEAR(picture("modulation")(70, 10), 0.8, 1e-3);  // 0.4 over 0.5
+  // A quarter of a period is 10 px.
+  EXPECT_NEAR(
+      std::abs(std::remainder(
+          static_cast<double>(picture("phase")(80, 10) - picture("phase")(70, 10)), 2.0 * kPi)),
+      0.5 * kPi,
+      1e-3);
+  EXPECT_GT(std::abs(picture("response")(40, 30)), 0.03F);
 }
 
 TEST_F(InspectVerb, GivesTheSameBytesForAnyNumberOfThreads) {

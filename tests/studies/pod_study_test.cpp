@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/pod_study.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -109,6 +111,55 @@ TEST(Pod, FindsDeepDentsAndNoShallowOnes) {
   EXPECT_LE(own[0].at("hits").get<int>(), 2);
   EXPECT_GE(own[4].at("hits").get<int>() + own[4].at("masked").get<int>(), 7);
   EXPECT_THAT(read_file(folder / "run" / "report.html"), HasSubstr("How surely a dent is found"));
+}
+
+TEST(Pod, CountsTheHitsOfEachSizeOnItsOwnParts) {
+  const StudyText text(kPod);
+  const TemporaryFolder folder;
+  const Study study = text.load();
+  const Json result = run_in(folder / "run", study);
+  const Json& design = result.at("pod").at("designs").at("baseline");
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  const SimulatedLine line(store, study.scene);
+  const std::vector<double> sizes_mm = level_sizes_mm(*study.pod);
+  for (std::size_t i = 0; i < sizes_mm.size(); ++i) {
+    std::int64_t hits = 0;
+    for (int k = 0; k < study.pod->parts; ++k) {
+      const ScannedPart part =
+          line.part_with(group_of_size(*study.pod, study.scene.defects, sizes_mm[i]),
+                         static_cast<std::int64_t>(i) * study.pod->parts + k);
+      const auto blobs = line.inspect(part, design.at("threshold").get<double>());
+      const Verdict verdict = judge(blobs, part.defects, study.scene.inspection.trials);
+      hits += std::ranges::count(verdict.is_found, 1);
+    }
+    EXPECT_EQ(design.at("levels")[i].at("hits"), hits) << "level " << i;
+  }
+}
+
+TEST(Pod, FitsTheCurveWhereTheLineLooksAndCountsTheRestAsMasked) {
+  const StudyText text(kPod);
+  const TemporaryFolder folder;
+  const Json result = run_in(folder / "run",
+                             text.load({{"defects.dent.count", "6"},
+                                        {"defects.dent.min_distance_mm", "0"},
+                                        {"lighting.tunnel.slot_mm", "12"},
+                                        {"lighting.tunnel.blocks_view", "true"}}));
+  const Json& design = result.at("pod").at("designs").at("baseline");
+  int masked = 0;
+  int hits_beside_masked = 0;
+  for (const Json& level : design.at("levels")) {
+    const int looked_at = level.at("defects").get<int>() - level.at("masked").get<int>();
+    masked += level.at("masked").get<int>();
+    hits_beside_masked += level.at("masked").get<int>() > 0 ? level.at("hits").get<int>() : 0;
+    if (looked_at > 0) {
+      EXPECT_DOUBLE_EQ(level.at("share").at("value").get<double>(),
+                       level.at("hits").get<double>() / looked_at);
+    }
+  }
+  EXPECT_GT(masked, 0) << "the slot must hide some";
+  EXPECT_GT(hits_beside_masked, 0) << "and must not hide all";
+  EXPECT_EQ(design.at("masked"), masked);
 }
 
 TEST(ChartAxis, TicksAreRoundAndFarEnoughApart) {

@@ -93,6 +93,79 @@ TEST(VisibilityScores, CountWhatTheLineFinds) {
   }
 }
 
+// Each figure again from the line's own pictures, blobs and verdicts.
+TEST(RunTrials, MeasuresEachDefectOnThePicturesOfItsPart) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  SceneSettings scene = small_line(0.05, 0.3);
+  scene.defects[0].second.type = DefectType::kBump;
+  const SimulatedLine line(store, scene);
+  const LineTrials trials = run_trials(line, {.parts = true, .largest = true}, 3, pool);
+  int dark = 0;
+  double signature = 0.0;
+  for (std::size_t k = 0; k < trials.parts.size(); ++k) {
+    const ScannedPart part = line.part(3 + static_cast<std::int64_t>(k));
+    const auto blobs = line.inspect(part, trials.threshold);
+    const Verdict verdict = judge(blobs, part.defects, scene.inspection.trials);
+    for (std::size_t i = 0; i < part.defects.size(); ++i) {
+      const DefectView& view = part.defects[i].view;
+      const auto reach = static_cast<float>(scene.inspection.trials.hit_radii);
+      float lowest = 0.0F;
+      float highest = 0.0F;
+      for (int y = 0; y < view.distance.height(); ++y) {
+        for (int x = 0; x < view.distance.width(); ++x) {
+          const float value = part.response(x + view.left_px, y + view.top_px);
+          lowest = view.distance(x, y) <= reach ? std::min(lowest, value) : lowest;
+          highest = view.distance(x, y) <= reach ? std::max(highest, value) : highest;
+        }
+      }
+      double area_px = 0.0;
+      for (std::size_t b = 0; b < blobs.size(); ++b) {
+        area_px += verdict.defect_of_blob[b] == static_cast<int>(i) ? blobs[b].area_px : 0;
+      }
+      const DefectTrial& trial = trials.parts[k].defects[i];
+      EXPECT_EQ(trial.is_found, verdict.is_found[i] != 0);
+      EXPECT_EQ(trial.largest, static_cast<double>(std::max(highest, -lowest)));
+      EXPECT_NEAR(trial.signature, trial.is_found ? area_px / view.area_px : 0.0, 1e-9);
+      dark += -lowest > highest ? 1 : 0;
+      signature += trial.signature;
+    }
+  }
+  EXPECT_GT(dark, 0) << "the sign must matter";
+  EXPECT_GT(signature, 0.0);
+}
+
+TEST(RunTrials, CountsFalseAlarmsOnOtherScansThanThoseOfTheThreshold) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  SceneSettings scene = small_line(0.1, 0.2);
+  scene.inspection.false_alarms_per_picture = 4.0;
+  const SimulatedLine line(store, scene);
+  const LineTrials trials = run_trials(line, {.flawless = true}, 0, pool);
+  const auto blobs_from = [&](std::int64_t first) {
+    std::int64_t blobs = 0;
+    for (std::int64_t n = 0; n < scene.inspection.trials.flawless; ++n) {
+      blobs += std::ssize(line.inspect(line.flawless(first + n), trials.threshold));
+    }
+    return blobs;
+  };
+  EXPECT_EQ(trials.flawless, scene.inspection.trials.flawless);
+  EXPECT_EQ(trials.false_alarms, blobs_from(scene.inspection.trials.flawless));
+  EXPECT_NE(trials.false_alarms, blobs_from(0));
+}
+
+// A stain is seen or missed, but has no depth.
+TEST(RunTrials, LeavesStainsOutOfWhatIsSaidOfDepths) {
+  SceneSettings scene = small_line(0.02, 0.15);
+  DefectGroup stains = scene.defects[0].second;
+  stains.type = DefectType::kStain;
+  stains.height_mm = 50.0;
+  scene.defects = {{"stain", stains}};
+  const std::vector<std::string> names = {
+      "inspection.pod_a90_um", "inspection.smallest_height_um", "inspection.smallest_slope_mrad"};
+  EXPECT_TRUE(scores_with(2, scene, names).empty());
+}
+
 TEST(VisibilityScores, AreTheSameForAnyNumberOfThreads) {
   const SceneSettings scene = small_line(0.02, 0.08);
   const Scores one = scores_with(1, scene, every_score());

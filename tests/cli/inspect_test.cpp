@@ -174,6 +174,8 @@ TEST_F(InspectVerb, WritesThePhasesOfShiftedStripes) {
                                    {"--set",
                                     "inspection.filter=phase",
                                     "--set",
+                                    "inspection.polarity=bright",
+                                    "--set",
                                     "inspection.threshold=fixed",
                                     "--set",
                                     "inspection.threshold_grey=0.03",

@@ -143,7 +143,7 @@ TEST(CrossSectionSvg, EscapesTheTitle) {
   CrossSection section = upright_panels();
   section.title = "a<b & \"c\"\x01";
   const std::string svg = cross_section_svg(section);
-  EXPECT_THAT(svg, HasSubstr("<title>a&lt;b &amp; \"c\" </title>"));
+  EXPECT_THAT(svg, HasSubstr("<title>a&lt;b &amp; &quot;c&quot; </title>"));
   EXPECT_EQ(markup_fault(svg), "");
 }
 

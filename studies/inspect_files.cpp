@@ -50,9 +50,14 @@ Json defect_json(const FoundDefect& defect, std::size_t index) {
 Json truth_json(const InspectedPart& part) {
   const Comparison& comparison = *part.comparison;
   Json defects = Json::array();
+  int other_kind = 0;
   for (std::size_t i = 0; i < part.known.size(); ++i) {
     const KnownDefect& known = part.known[i];
     const int blob = comparison.blob_of_defect[i];
+    if (blob >= 0) {
+      const FoundDefect& found = part.inspection.defects[static_cast<std::size_t>(blob)];
+      other_kind += known.is_line() != (found.kind == DefectKind::kScratch) ? 1 : 0;
+    }
     defects.push_back({{"id", known.id},
                        {"label", known.label},
                        {"kind", known.kind},
@@ -64,6 +69,7 @@ Json truth_json(const InspectedPart& part) {
   return {{"defects", part.known.size()},
           {"found", comparison.found()},
           {"missed", static_cast<int>(part.known.size()) - comparison.found()},
+          {"other_kind", other_kind},
           {"false_alarms", comparison.false_alarms()},
           {"list", defects}};
 }

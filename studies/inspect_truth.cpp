@@ -104,6 +104,10 @@ class Reader {
 
 }  // namespace
 
+bool KnownDefect::is_line() const {
+  return kind == type_name(DefectType::kScratch) || kind == type_name(DefectType::kGouge);
+}
+
 double KnownDefect::distance_px(const Vector2d& point) const {
   const Vector2d along = to_px - from_px;
   const double length2 = along.squaredNorm();

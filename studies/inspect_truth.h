@@ -27,6 +27,9 @@ struct KnownDefect {
 
   Eigen::Vector2d middle_px() const { return 0.5 * (from_px + to_px); }
 
+  /// Scratches and gouges; all others are round.
+  bool is_line() const;
+
   /// Distance of a point from the line.
   double distance_px(const Eigen::Vector2d& point) const;
 };

@@ -355,6 +355,14 @@ TEST_F(InspectVerb, ComparesARunWithItsTruth) {
     const Json& truth = part["truth"];
     EXPECT_EQ(truth["found"].get<int>() + truth["missed"].get<int>(), truth["defects"]);
     EXPECT_EQ(truth["list"].size(), truth["defects"]);
+    int other_kind = 0;
+    for (const Json& defect : truth["list"]) {
+      if (!defect["found_as"].is_null()) {
+        const Json& blob = part["defects"][defect["found_as"].get<std::size_t>() - 1];
+        other_kind += (defect["kind"] == "scratch") != (blob["kind"] == "scratch") ? 1 : 0;
+      }
+    }
+    EXPECT_EQ(truth["other_kind"], other_kind);
     known += truth["defects"].get<int>();
   }
   EXPECT_EQ(result["truth"]["defects"], known);

@@ -24,6 +24,7 @@ class PathTask {
 
   const PhysicalScene& scene;
   const PathSettings& settings;
+  ThinLensCamera camera;
   RigidTransform scene_from_camera;
   double start_offset_mm = 0.0;
   Coherence bounces = Coherence::kIncoherent;  ///< rays that leave the part stay close or do not

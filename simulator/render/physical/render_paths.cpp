@@ -40,9 +40,6 @@ void check(const PhysicalScene& scene, const PathSettings& settings) {
     throw ConfigError(fmt::format(
         "samples: {} given, allowed are at most {}", settings.samples, kMostSamplesWithDefects));
   }
-  if (scene.lens.radius_mm > 0.0 && !(scene.lens.focus_mm > 0.0)) {
-    throw ConfigError("focus_mm: a lens with an aperture needs a distance > 0");
-  }
   GLINT_CHECK(
       scene.face_labels.empty() || scene.face_labels.size() == scene.part.mesh.num_triangles(),
       "a label for each triangle");
@@ -110,6 +107,23 @@ std::vector<Cell> unfinished(const std::vector<Cell>& all,
   return left;
 }
 
+/// The cells that touch one of the windows; all without any.
+std::vector<Cell> wanted_cells(std::vector<Cell> cells, std::span<const PixelWindow> windows) {
+  const auto touches = [](const Cell& cell, const PixelWindow& window) {
+    return window.left_px < cell.x_px + cell.width_px &&
+           cell.x_px < window.left_px + window.width_px &&
+           window.top_px < cell.y_px + cell.height_px &&
+           cell.y_px < window.top_px + window.height_px;
+  };
+  if (!windows.empty()) {
+    std::erase_if(cells, [&](const Cell& cell) {
+      return std::ranges::none_of(windows,
+                                  [&](const PixelWindow& window) { return touches(cell, window); });
+    });
+  }
+  return cells;
+}
+
 int pass_length(int done, const PathSettings& settings) {
   const int wanted = std::min(std::max(kFirstPass, done), settings.samples_per_pass);
   return std::min(wanted, settings.samples - done);
@@ -157,7 +171,7 @@ PathSums render_paths(const PhysicalScene& scene,
   const PinholeIntrinsics& in = scene.camera.intrinsics();
   PathSums sums =
       empty_sums(in.width_px, in.height_px, task.factors.size(), settings.channels, task.ids);
-  const std::vector<Cell> all = cells_of(in.width_px, in.height_px);
+  const std::vector<Cell> all = wanted_cells(cells_of(in.width_px, in.height_px), settings.windows);
   std::vector<Cell> active = all;
   int done = 0;
   for (int pass = 1; done < settings.samples && !active.empty(); ++pass) {

@@ -157,9 +157,9 @@ TEST(ThinLens, BlursWhatIsNotInFocus) {
     return partial;
   };
   EXPECT_LE(edge_with({}), 2);
-  EXPECT_LE(edge_with({.radius_mm = 10.0, .focus_mm = 299.0}), 2);
+  EXPECT_LE(edge_with({.aperture_mm = 20.0, .focus_mm = 299.0}), 2);
   // At half the distance in focus the circle of confusion is as wide as the aperture, 20 mm.
-  EXPECT_GE(edge_with({.radius_mm = 10.0, .focus_mm = 150.0}), 30);
+  EXPECT_GE(edge_with({.aperture_mm = 20.0, .focus_mm = 150.0}), 30);
 }
 
 }  // namespace

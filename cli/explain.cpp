@@ -24,7 +24,7 @@ std::vector<KeyRow> all_keys() {
 /// "lighting.my_light.x" and "defects.my_dents.x" are explained by the tables they are made of.
 std::string table_name(const std::string& key) {
   std::vector<std::string> parts = split(key, '.');
-  if (parts.size() >= 2 && parts[0] == "lighting") {
+  if (parts.size() >= 2 && parts[0] == "lighting" && !default_light(parts[1])) {
     parts[1] = "tunnel";
   }
   if (parts.size() >= 2 && parts[0] == "defects") {

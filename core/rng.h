@@ -15,7 +15,8 @@ enum class Stream : std::uint32_t {
   kTest,
   kLight,
   kAspectNoise,
-  kResampling
+  kResampling,
+  kViewpoints
 };
 
 /// Philox 4x32-10: a keyed bijection from a 128-bit counter to 128 random bits.

@@ -53,7 +53,7 @@ RayCache trace_band(const BuiltPart& built,
                       *built.bvh,
                       detail,
                       PinholeCamera(camera),
-                      camera_from_world(scene.viewpoint),
+                      camera_from_world(scene.viewpoint()),
                       scene.render,
                       pool);
   } catch (const ConfigError&) {
@@ -67,7 +67,7 @@ void render_band(const RayCache& rays,
                  const Tunnel& tunnel,
                  int top_px,
                  BandedScan& scan) {
-  const Eigen::Vector3d camera_mm = inverse(camera_from_world(scene.viewpoint)).translation_mm;
+  const Eigen::Vector3d camera_mm = inverse(camera_from_world(scene.viewpoint())).translation_mm;
   const double step_mm = scan_step_mm(scene.scan, scene.tunnel);
   const WallRays wall = meet_wall(rays, tunnel, camera_mm);
   ImageF band;
@@ -80,7 +80,7 @@ void render_band(const RayCache& rays,
 /// Finds the pixels of a band without an edge of the light in them, at any position.
 void mark_lit(
     const RayCache& rays, const SceneSettings& scene, const Tunnel& tunnel, int top_px, Mask& lit) {
-  const Eigen::Vector3d camera_mm = inverse(camera_from_world(scene.viewpoint)).translation_mm;
+  const Eigen::Vector3d camera_mm = inverse(camera_from_world(scene.viewpoint())).translation_mm;
   const WallRays wall = meet_wall(rays, tunnel, camera_mm);
   const double travel_mm = (scene.scan.positions - 1) * scan_step_mm(scene.scan, scene.tunnel);
   const double half_mm = 0.5 * scene.tunnel.length_mm;
@@ -117,13 +117,13 @@ class BandedEvaluation {
                    ThreadPool& pool,
                    const BandedSettings& settings)
       : part_(part), scene_(scene), pool_(pool), settings_(settings) {
-    const PinholeIntrinsics camera = intrinsics_of(scene.camera);
+    const PinholeIntrinsics camera = intrinsics_of(scene);
     result_.scan = scan_in_bands(*part.built, part.detail, camera, scene, pool, settings);
     const RayCache& seen = result_.scan.seen;
     views_ = view_defects(part.made.outlines,
                           seen,
                           PinholeCamera(camera),
-                          camera_from_world(scene.viewpoint),
+                          camera_from_world(scene.viewpoint()),
                           scene.metrics.ring_outer_radii);
     defects_ = defect_pixels(views_, whole_pixels(seen.coverage), scene.metrics);
     result_.region = region_of_interest(seen.coverage, views_, scene.metrics);
@@ -163,7 +163,7 @@ class BandedEvaluation {
   }
 
   void score() {
-    const PinholeIntrinsics camera = intrinsics_of(scene_.camera);
+    const PinholeIntrinsics camera = intrinsics_of(scene_);
     const Sensor sensor(scene_.sensor, camera.width_px, camera.height_px);
     ScanSums sums(camera.width_px, camera.height_px);
     BestFrames best(defects_);

@@ -73,8 +73,8 @@ Json defects_json(const Evaluation& evaluation) {
 
 /// Half the angle of view across the tunnel, from the image's height or width.
 double view_half_angle_rad(const SceneSettings& scene) {
-  const PinholeIntrinsics in = intrinsics_of(scene.camera);
-  const RigidTransform pose = camera_from_world(scene.viewpoint);
+  const PinholeIntrinsics in = intrinsics_of(scene);
+  const RigidTransform pose = camera_from_world(scene.viewpoint());
   const bool rows_run_across = std::abs(pose.rotation(1, 1)) > std::abs(pose.rotation(0, 1));
   return rows_run_across ? std::atan(0.5 * in.height_px / in.focal_px.y())
                          : std::atan(0.5 * in.width_px / in.focal_px.x());
@@ -142,7 +142,7 @@ std::string draw_lighting(const SceneSettings& scene,
                           const BuiltPart& built,
                           const std::string& title) {
   const Tunnel tunnel(scene.tunnel);
-  const Eigen::Vector3d camera = inverse(camera_from_world(scene.viewpoint)).translation_mm;
+  const Eigen::Vector3d camera = inverse(camera_from_world(scene.viewpoint())).translation_mm;
   return cross_section_svg({.panels_yz_mm = tunnel.outline(1.0),
                             .part_yz_mm = built.outline_yz_mm,
                             .camera_mm = camera,

@@ -48,6 +48,9 @@ Family family_of(const FrontierPoint& point, const Frontier& frontier) {
     case Method::kClosed:
       family = {.name = "closed forms", .colour = "#009e73", .corners = 4, .turn_rad = 0.25 * kPi};
       break;
+    case Method::kPaths:
+      family = {.name = "path tracing", .colour = "#cc79a7"};
+      break;
     case Method::kAuto:
       return {.name = "own choice",
               .colour = std::string(kDrawingInk),

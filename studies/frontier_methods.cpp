@@ -34,6 +34,8 @@ std::string method_text(const FrontierPoint& point) {
       return fmt::format("integrated, {} mrad", number_text(point.direction_mrad));
     case Method::kClosed:
       return "closed forms";
+    case Method::kPaths:
+      return "path tracing";
     case Method::kAuto:
       break;
   }

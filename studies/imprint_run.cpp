@@ -101,7 +101,7 @@ class ImprintRun {
       maker_.emplace(defect_maker(scene_, clean_));
       if (options_.has_previews) {
         files_.views = study_.root.find("viewpoint") != nullptr
-                           ? std::vector{camera_view(scene_.camera, scene_.viewpoint)}
+                           ? std::vector{camera_view(scene_.camera, scene_.viewpoint())}
                            : automatic_views(clean_->part.mesh);
       }
       files_.has_previews = options_.has_previews;

@@ -58,7 +58,7 @@ int nearest_to(const Vector2d& at,
 class Reader {
  public:
   explicit Reader(const SceneSettings& scene)
-      : camera_(intrinsics_of(scene.camera)), pose_(camera_from_world(scene.viewpoint)) {}
+      : camera_(intrinsics_of(scene)), pose_(camera_from_world(scene.viewpoint())) {}
 
   /// Empty when the defect is behind the camera or outside the picture.
   std::optional<KnownDefect> read(const Json& json) const {

@@ -143,7 +143,7 @@ std::optional<LitPlace> lit_place(SceneStore& store, const SceneSettings& scene,
   flawless.defects.clear();
   flawless.render.method = RenderSettings::Method::kSampled;  // any few rays a pixel will do
   const auto traced = store.trace(flawless);
-  const PinholeCamera camera(intrinsics_of(scene.camera));
+  const PinholeCamera camera(intrinsics_of(scene));
   const double pixels_per_mm = camera.intrinsics().focal_px.x() / traced->camera_in_world_mm.norm();
   const int widest_px =
       std::max(kSmallestMargin_px, static_cast<int>(std::ceil(margin_mm * pixels_per_mm)));

@@ -50,7 +50,7 @@ Realisation cheapest_realisation(const Defect& defect,
   if (needs_tool(defect, group)) {
     return Realisation::kImprinted;
   }
-  const std::vector<double>& at_mm = scene.viewpoint.position_mm;
+  const std::vector<double>& at_mm = scene.viewpoint().position_mm;
   const Eigen::Vector3d to_camera =
       Eigen::Vector3d(at_mm[0], at_mm[1], at_mm[2]) - defect.place.centre_mm;
   const double distance_mm = to_camera.norm();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A scene as its file describes it: part, camera, viewpoint, sensor, scan, render, lighting,
-// defects, imprint, metrics, inspection. Plain settings; traced_scene.h turns them into something
-// that can be rendered.
+// A scene as its file describes it: part, material, camera, lens, viewpoints, sensor, scan, render,
+// lighting, defects, imprint, metrics, inspection. Plain settings; traced_scene.h and
+// path_picture.h turn them into something that can be rendered.
 #pragma once
 
 #include <string>
@@ -14,9 +14,13 @@
 #include "defects/defect_settings.h"
 #include "metrics/inspection/inspection_settings.h"
 #include "metrics/settings.h"
-#include "simulator/camera/camera_settings.h"
+#include "simulator/camera/lens_settings.h"
+#include "simulator/camera/viewpoint_set.h"
 #include "simulator/geometry/part.h"
+#include "simulator/light/area/build_lights.h"
 #include "simulator/light/tunnel.h"
+#include "simulator/material/material_settings.h"
+#include "simulator/render/physical/physical_scene.h"
 #include "simulator/render/ray_cache.h"
 #include "simulator/render/scan.h"
 #include "simulator/sensor/sensor.h"
@@ -25,18 +29,40 @@ namespace glint {
 
 struct SceneSettings {
   PartSettings part;
+  MaterialSettings material;
   CameraSettings camera;
-  Viewpoint viewpoint;
+  LensSettings lens;
+  std::vector<Viewpoint> viewpoints = {Viewpoint{}};  ///< as listed; at least one
+  ViewpointSettings viewpoint_set;                    ///< where all of them come from
   SensorSettings sensor;
   ScanSettings scan;
   RenderSettings render;
+  PathSettings paths;
+  bool has_tunnel = true;
   std::string tunnel_name = "tunnel";  ///< of its table below [lighting]
   TunnelSettings tunnel;
+  std::vector<NamedLight> lights;   ///< all others, in file order
   std::vector<NamedGroup> defects;  ///< in file order
   ImprintSettings imprint;          ///< what holds for all of them
   MetricsSettings metrics;
   InspectionSettings inspection;
+
+  /// The first of the list: the one that is scanned and scored.
+  const Viewpoint& viewpoint() const { return viewpoints.front(); }
+
+  Viewpoint& viewpoint() { return viewpoints.front(); }
 };
+
+/// Whether the path tracer makes the pictures: any other light than one tunnel, any other material
+/// than a plain mirror, or because [render] asks for it. All else is level 0.
+bool needs_paths(const SceneSettings& scene);
+
+/// The pinhole of [camera] and [lens]. @throws ConfigError as lens_geometry()
+PinholeIntrinsics intrinsics_of(const SceneSettings& scene);
+
+/// All viewpoints of the scene: listed, from a file, on a sphere, or along the part's surface.
+/// @throws ConfigError beginning with the key at fault, IoError
+std::vector<Viewpoint> viewpoints_of(const SceneSettings& scene, const Part& part);
 
 /// Names of the top-level tables of a scene.
 const std::vector<std::string>& scene_tables();

@@ -284,10 +284,10 @@ class SceneGradients {
     for (const std::string& path : wanted_.paths) {
       if (is_pose(path)) {
         pose_paths_.push_back(path);
-        twists.push_back(twist_by(scene_.viewpoint, path.substr(kPose.size())));
+        twists.push_back(twist_by(scene_.viewpoint(), path.substr(kPose.size())));
       }
     }
-    const PinholeCamera camera(intrinsics_of(scene_.camera));
+    const PinholeCamera camera(intrinsics_of(scene_));
     const CameraScene scene = {.part = scan_.traced.built().part,
                                .bvh = *scan_.traced.built().bvh,
                                .detail = scan_.traced.detail(),

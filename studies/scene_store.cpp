@@ -46,7 +46,7 @@ std::string defects_key(SceneSettings scene) {
     return group.second.realisation == Realisation::kAuto;
   });
   if (is_open) {
-    visit_keys(digest, scene.viewpoint);
+    visit_keys(digest, scene.viewpoint());
   }
   return key;
 }
@@ -56,8 +56,10 @@ std::string trace_key(SceneSettings scene) {
   std::string key = defects_key(scene);
   KeyDigest digest(key);
   visit_keys(digest, scene.camera);
-  visit_keys(digest, scene.viewpoint);
+  digest.number("focus_mm", scene.lens.focus_mm, {}, "");
+  visit_keys(digest, scene.viewpoint());
   visit_keys(digest, scene.render);
+  digest.number("reflectance", scene.render.reflectance, {}, "");
   visit_keys(digest, scene.metrics);
   return key;
 }
@@ -223,8 +225,8 @@ std::shared_ptr<const CornerRays> SceneStore::bare_rays(const SceneSettings& sce
         trace_corner_rays(part.clean->part,
                           *part.clean->bvh,
                           {},
-                          PinholeCamera(intrinsics_of(scene.camera)),
-                          camera_from_world(scene.viewpoint),
+                          PinholeCamera(intrinsics_of(scene)),
+                          camera_from_world(scene.viewpoint()),
                           scene.render,
                           pool_));
     if (bytes_of(*rays) > most_bytes_ / 8) {

@@ -113,7 +113,7 @@ struct SimulatedLine::Data {
         scene(settings),
         bare(without_defects(settings)),
         tunnel(settings.tunnel),
-        camera(intrinsics_of(settings.camera)) {}
+        camera(intrinsics_of(settings)) {}
 
   static SceneSettings without_defects(SceneSettings scene) {
     scene.defects.clear();

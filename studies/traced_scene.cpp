@@ -173,10 +173,10 @@ TracedScene trace_scene(const SceneSettings& scene,
                         ThreadPool& pool) {
   TracedScene traced;
   traced.part = std::move(part);
-  traced.camera_from_world = camera_from_world(scene.viewpoint);
+  traced.camera_from_world = camera_from_world(scene.viewpoint());
   traced.camera_in_world_mm = inverse(traced.camera_from_world).translation_mm;
   if (is_inside(*traced.built().bvh, traced.camera_in_world_mm)) {
-    const std::vector<double>& at_mm = scene.viewpoint.position_mm;
+    const std::vector<double>& at_mm = scene.viewpoint().position_mm;
     const bool is_default = at_mm == default_viewpoint(scene.camera).position_mm;
     throw ConfigError(fmt::format(
         "{}: the camera at ({:g}, {:g}, {:g}) mm is inside the part; it must stand outside, at a "
@@ -186,7 +186,7 @@ TracedScene trace_scene(const SceneSettings& scene,
         at_mm[1],
         at_mm[2]));
   }
-  const PinholeCamera camera(intrinsics_of(scene.camera));
+  const PinholeCamera camera(intrinsics_of(scene));
   trace_camera(scene, camera, bare, pool, traced);
   const SeenPart& seen = traced.seen();
   traced.views = view_defects(traced.part->made.outlines,

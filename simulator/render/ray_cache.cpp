@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::array<std::string_view, 4> kMethodNames = {
+constexpr std::array<std::string_view, 5> kMethodNames = {
     "auto", "sampled", "integrated", "closed"};
 
 /// Traces one row of the image, all samples.
@@ -124,7 +124,8 @@ void visit_keys(KeyVisitor& keys, RenderSettings& s) {
               s.method,
               kMethodNames,
               "how pictures come about: auto = closed forms in a search, integrated footprints for "
-              "pictures; sampled = rays_per_axis^2 point samples a pixel");
+              "pictures, paths where light or material need it; sampled = rays_per_axis^2 point "
+              "samples a pixel; paths = path tracing");
   keys.integer("rays_per_axis",
                s.rays_per_axis,
                Range::between(1, 16),
@@ -138,10 +139,6 @@ void visit_keys(KeyVisitor& keys, RenderSettings& s) {
                s.max_bounces,
                Range::between(1, 64),
                "reflections on the part before a ray is given up as dark (and counted)");
-  keys.number("reflectance",
-              s.reflectance,
-              Range::between(0, 1),
-              "of the mirror-like part, per reflection");
 }
 
 RayBlock RayCache::block(std::int64_t begin, int count) const {

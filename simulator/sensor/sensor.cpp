@@ -83,6 +83,14 @@ void visit_keys(KeyVisitor& keys, SensorSettings& settings) {
               Range::between(0.0, 1e6),
               "mean dark signal of one frame in electrons");
   keys.integer("seed", settings.seed, Range::at_least(0), "seed of the sensor's noise");
+  keys.numbers("wavelengths_nm",
+               settings.wavelengths_nm,
+               {.min = 1, .max = 3},
+               Range::between(100, 20000),
+               "one for a grey sensor, three for red, green, blue: where metals are looked up");
+  keys.require(settings.wavelengths_nm.size() != 2,
+               "wavelengths_nm",
+               "has 2 numbers, must have 1 (grey) or 3 (red, green, blue)");
   constexpr std::array kBits = {0, 8, 10, 12, 16};
   keys.require(std::find(kBits.begin(), kBits.end(), settings.bits) != kBits.end(),
                "bits",

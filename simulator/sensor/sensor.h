@@ -31,6 +31,7 @@ struct SensorSettings {
   double read_noise_e = 0.0;  ///< >= 0; standard deviation, needs full_well_e
   double dark_e = 0.0;        ///< >= 0; mean dark signal of one frame, needs full_well_e
   int seed = 1;               ///< >= 0; of the noise
+  std::vector<double> wavelengths_nm = {550.0};  ///< of its channels: 1 (grey) or 3 (R, G, B)
 };
 
 /// Names, ranges and cross checks of the keys.

@@ -338,7 +338,7 @@ void trace(benchmark::State& state) {
                                       *built->bvh,
                                       {},
                                       camera,
-                                      camera_from_world(settings.viewpoint),
+                                      camera_from_world(settings.viewpoint()),
                                       settings.render,
                                       pool);
     rays += cache.counts.camera;

@@ -69,7 +69,7 @@ std::vector<SceneSettings> slope_parts() {
                .width_mm = 60.0,
                .radius_along_mm = 400.0,
                .radius_across_mm = 120.0};
-  base.viewpoint.position_mm = {0.0, 0.0, 400.0};
+  base.viewpoint().position_mm = {0.0, 0.0, 400.0};
   DefectGroup dents;
   dents.x_mm = {-9.0, 12.0};
   dents.y_mm = {3.0, -2.0};
@@ -246,7 +246,7 @@ class HeldScores {
     if (!is_of_pose(path)) {
       return scores_of(scene, traced_.corners, traced_.camera_in_world_mm);
     }
-    const RigidTransform camera = camera_from_world(scene.viewpoint);
+    const RigidTransform camera = camera_from_world(scene.viewpoint());
     const CornerRays rays = trace_corner_rays(traced_.built().part,
                                               *traced_.built().bvh,
                                               traced_.detail(),

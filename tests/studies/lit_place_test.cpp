@@ -22,7 +22,7 @@ SceneSettings plate_scene() {
   scene.camera.height_px = 220;
   scene.camera.object_pixel_mm = 0.2;
   scene.camera.working_distance_mm = 400.0;
-  scene.viewpoint = default_viewpoint(scene.camera);
+  scene.viewpoint() = default_viewpoint(scene.camera);
   scene.tunnel.radius_mm = 100.0;
   scene.tunnel.slot_mm = 30.0;
   return scene;

@@ -32,8 +32,8 @@ inline SceneSettings dent_scene(const Dent& dent, Realisation realisation) {
   scene.camera.working_distance_mm = kDistance_mm;
   const double s = std::sin(dent.view_rad);
   const double c = std::cos(dent.view_rad);
-  scene.viewpoint.position_mm = {-kDistance_mm * s, 0.0, kDistance_mm * c};
-  scene.viewpoint.direction = {s, 0.0, -c};
+  scene.viewpoint().position_mm = {-kDistance_mm * s, 0.0, kDistance_mm * c};
+  scene.viewpoint().direction = {s, 0.0, -c};
   scene.scan.positions = 384;  // of fewer the flawless aspect has a ripple as large as weak dents
   scene.sensor.gain = 1.5;
   scene.sensor.blur_px = 1.0;

@@ -24,7 +24,7 @@ SceneSettings slopes_scene() {
   scene.render.method = RenderSettings::Method::kClosed;
   scene.camera = {
       .width_px = 60, .height_px = 24, .object_pixel_mm = 0.5, .working_distance_mm = 400.0};
-  scene.viewpoint.position_mm = {0.0, 0.0, 400.0};
+  scene.viewpoint().position_mm = {0.0, 0.0, 400.0};
   scene.part.shape = PartSettings::Shape::kStrip;
   scene.tunnel.slot_mm = 30.0;
   scene.sensor.gain = 1.5;

@@ -20,7 +20,7 @@ SceneSettings stored_scene() {
   scene.camera.height_px = 80;
   scene.camera.object_pixel_mm = 0.4;
   scene.camera.working_distance_mm = 300.0;
-  scene.viewpoint = default_viewpoint(scene.camera);
+  scene.viewpoint() = default_viewpoint(scene.camera);
   scene.tunnel.radius_mm = 120.0;
   return scene;
 }
@@ -127,7 +127,7 @@ TEST(SceneStore, TracesAgainForEveryTableThatTracingDependsOn) {
   store.trace(scene);
   scene.camera.width_px += 2;
   store.trace(scene);
-  scene.viewpoint.position_mm[0] += 1.0;
+  scene.viewpoint().position_mm[0] += 1.0;
   store.trace(scene);
   scene.render.reflectance = 0.9;
   store.trace(scene);
@@ -160,7 +160,7 @@ TEST(SceneStore, ImprintsAPartOnceForAllLightingsAndCameras) {
   EXPECT_NE(first->part->built, first->part->clean);
   EXPECT_EQ(first->views.size(), 3U);
   scene.tunnel.radius_mm += 5.0;
-  scene.viewpoint.position_mm[0] += 1.0;
+  scene.viewpoint().position_mm[0] += 1.0;
   EXPECT_EQ(store.trace(scene)->part, first->part);
   EXPECT_EQ(store.num_defects_made(), 1);
   scene.imprint.seed = 2;

@@ -61,6 +61,9 @@ TEST(Scene, EveryKeyOfTheTableIsWritten) {
   for (const char* name : {"dent", "bump", "scratch", "pit", "gouge", "stain"}) {
     scene.defects.emplace_back(name, DefectGroup{});
   }
+  for (const std::string_view type : light_types()) {
+    scene.lights.push_back({.name = std::string(type), .settings = default_light(type).value()});
+  }
   const ConfigNode written = write_scene(scene);
   for (const KeyRow& row : scene_keys()) {
     EXPECT_NE(written.at_path(row.path), nullptr) << row.path;
@@ -68,11 +71,11 @@ TEST(Scene, EveryKeyOfTheTableIsWritten) {
   }
 }
 
-TEST(Scene, TwoLightsAreAnErrorWithItsPlace) {
+TEST(Scene, TwoTunnelsAreAnErrorWithItsPlace) {
   std::vector<std::string> errors;
   read_scene_text("[lighting.a]\n[lighting.b]\n", errors);
   ASSERT_EQ(errors.size(), 1U);
-  EXPECT_THAT(errors[0], ::testing::HasSubstr("lighting: must hold exactly one light"));
+  EXPECT_THAT(errors[0], ::testing::HasSubstr("scene.toml:2:11: lighting.b: is a second tunnel"));
 }
 
 TEST(WithPlace, FindsTheKeyTheTableOrTheFile) {

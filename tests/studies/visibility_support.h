@@ -19,7 +19,7 @@ inline SceneSettings small_line(double low_um, double high_um) {
   scene.camera.height_px = 100;
   scene.camera.object_pixel_mm = 0.15;
   scene.camera.working_distance_mm = 400.0;
-  scene.viewpoint = default_viewpoint(scene.camera);
+  scene.viewpoint() = default_viewpoint(scene.camera);
   scene.sensor.gain = 1.5;
   scene.sensor.blur_px = 1.0;
   scene.sensor.full_well_e = 20000.0;

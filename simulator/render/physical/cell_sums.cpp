@@ -63,7 +63,7 @@ void CellSums::add_square(CellPixel pixel, double total) {
 }
 
 void CellSums::add_surface(CellPixel pixel,
-                           const SurfacePoint& point,
+                           const ShadingPoint& point,
                            const Ray& ray,
                            const Eigen::Vector3d& camera_axis,
                            std::int32_t triangle) {

@@ -43,7 +43,7 @@ class CellSums {
   double add_light(CellPixel pixel, int group, const Colour& radiance);
   void add_square(CellPixel pixel, double total);
   void add_surface(CellPixel pixel,
-                   const SurfacePoint& point,
+                   const ShadingPoint& point,
                    const Ray& ray,
                    const Eigen::Vector3d& camera_axis,
                    std::int32_t triangle);

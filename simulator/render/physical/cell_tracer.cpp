@@ -153,7 +153,7 @@ void CellTracer::reflect_all(int reflection) {
 bool CellTracer::reflect(std::uint32_t index, int reflection) {
   Path& path = paths_[index];
   const PhysicalScene& scene = task_.scene;
-  SurfacePoint& point = points_[index];
+  ShadingPoint& point = points_[index];
   if (reflection > 1) {  // the first is known from look_at_part()
     point = meet_surface(scene, task_.start_offset_mm, path.ray, path.hit);
   }
@@ -174,7 +174,7 @@ bool CellTracer::reflect(std::uint32_t index, int reflection) {
 
 /// Light by a direction drawn towards the lights.
 void CellTracer::ask_light(std::uint32_t index,
-                           const SurfacePoint& point,
+                           const ShadingPoint& point,
                            const Material& material,
                            const std::array<double, 2>& random) {
   if (std::holds_alternative<Mirror>(material)) {
@@ -202,7 +202,7 @@ void CellTracer::ask_light(std::uint32_t index,
 
 /// Light by a direction drawn from the material. @return whether there is such a direction
 bool CellTracer::leave(Path& path,
-                       const SurfacePoint& point,
+                       const ShadingPoint& point,
                        const Material& material,
                        int reflection,
                        const std::array<double, 2>& direction) {

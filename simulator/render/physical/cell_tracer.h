@@ -51,11 +51,11 @@ class CellTracer {
   void reflect_all(int reflection);
   bool reflect(std::uint32_t index, int reflection);
   void ask_light(std::uint32_t index,
-                 const SurfacePoint& point,
+                 const ShadingPoint& point,
                  const Material& material,
                  const std::array<double, 2>& random);
   bool leave(Path& path,
-             const SurfacePoint& point,
+             const ShadingPoint& point,
              const Material& material,
              int reflection,
              const std::array<double, 2>& lobe);
@@ -66,7 +66,7 @@ class CellTracer {
   const PathTask& task_;
   CellSums cell_sums_;
   std::vector<Path> paths_;
-  std::vector<SurfacePoint> points_;  ///< where each path met the part last
+  std::vector<ShadingPoint> points_;  ///< where each path met the part last
   std::vector<std::uint32_t> active_;
   std::vector<Pending> pending_;
   RayBatch rays_;

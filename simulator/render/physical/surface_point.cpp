@@ -75,7 +75,7 @@ Vector3d apply_detail(const PhysicalScene& scene,
                       const Ray& ray,
                       const SmoothPoint& smooth,
                       double outside,
-                      SurfacePoint& point) {
+                      ShadingPoint& point) {
   const Vector3d normal = outside * smooth.normal;
   if (scene.detail.empty()) {
     return normal;
@@ -102,7 +102,7 @@ double start_offset_mm(const Part& part) {
   return kShare * largest_mm;
 }
 
-SurfacePoint meet_surface(const PhysicalScene& scene,
+ShadingPoint meet_surface(const PhysicalScene& scene,
                           double start_offset_mm,
                           const Ray& ray,
                           const Hit& hit) {
@@ -110,7 +110,7 @@ SurfacePoint meet_surface(const PhysicalScene& scene,
   const Vector3d of_plane = plane_normal(scene, hit.triangle, to_viewer);
   const double outside = of_plane.dot(to_viewer) >= 0.0 ? 1.0 : -1.0;
   const SmoothPoint smooth = smooth_point(scene, ray, hit, of_plane);
-  SurfacePoint point;
+  ShadingPoint point;
   point.point_mm = smooth.point_mm;
   if (!scene.face_labels.empty()) {
     const std::int32_t label = scene.face_labels[static_cast<std::size_t>(hit.triangle)];

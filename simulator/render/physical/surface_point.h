@@ -9,7 +9,7 @@
 namespace glint {
 
 /// Where a ray met the part, and all that its material needs.
-struct SurfacePoint {
+struct ShadingPoint {
   Eigen::Vector3d point_mm = Eigen::Vector3d::Zero();  ///< on the exact surface where there is one
   Eigen::Vector3d start_mm = Eigen::Vector3d::Zero();  ///< where rays leave: just off the triangle
   Eigen::Vector3d side = Eigen::Vector3d::UnitZ();     ///< unit, towards the side the ray came from
@@ -24,7 +24,7 @@ struct SurfacePoint {
 double start_offset_mm(const Part& part);
 
 /// Both sides of a triangle reflect, so a part turned inside out looks the same.
-SurfacePoint meet_surface(const PhysicalScene& scene,
+ShadingPoint meet_surface(const PhysicalScene& scene,
                           double start_offset_mm,
                           const Ray& ray,
                           const Hit& hit);

@@ -19,7 +19,7 @@ constexpr int kReferenceRows = 20;
 constexpr int kEdgeReach_px = 2;
 
 Eigen::Vector3d camera_position_mm(const SceneSettings& scene) {
-  return inverse(camera_from_world(scene.viewpoint)).translation_mm;
+  return inverse(camera_from_world(scene.viewpoint())).translation_mm;
 }
 
 /// All frames of one candidate lighting, along rays that are traced already: point samples.
@@ -127,7 +127,7 @@ std::vector<Result> measure_glint(const SceneSettings& scene, const Part& part, 
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   ThreadPool pool(1);
   const PinholeCamera camera(intrinsics_of(scene.camera));
-  const RigidTransform pose = camera_from_world(scene.viewpoint);
+  const RigidTransform pose = camera_from_world(scene.viewpoint());
   const auto trace_corners = [&](const Bvh& bvh) {
     return trace_corner_rays(part, bvh, {}, camera, pose, scene.render, pool);
   };
@@ -152,7 +152,7 @@ Reference render_reference(const SceneSettings& scene, const Part& part, int ray
   even.duty = 2.0F;
   SceneSettings fine = scene;
   fine.render.rays_per_axis = rays_per_axis;
-  const RigidTransform pose = camera_from_world(scene.viewpoint);
+  const RigidTransform pose = camera_from_world(scene.viewpoint());
   const PinholeIntrinsics whole = intrinsics_of(scene.camera);
   Reference reference;
   reference.rays_per_pixel = rays_per_axis * rays_per_axis;

@@ -19,7 +19,7 @@ namespace {
 std::string scene_text(const SceneSettings& scene) {
   const TunnelSettings& tunnel = scene.tunnel;
   const PinholeIntrinsics camera = intrinsics_of(scene.camera);
-  const std::vector<double>& eye_mm = scene.viewpoint.position_mm;
+  const std::vector<double>& eye_mm = scene.viewpoint().position_mm;
   return fmt::format(
       "#version 3.7;\n"
       "global_settings {{ assumed_gamma 1 max_trace_level 3 }}\n"

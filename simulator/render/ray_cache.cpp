@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr std::array<std::string_view, 5> kMethodNames = {
-    "auto", "sampled", "integrated", "closed"};
+    "auto", "sampled", "integrated", "closed", "paths"};
 
 /// Traces one row of the image, all samples.
 class RowTracer {

@@ -43,6 +43,7 @@ struct StudyArguments {
   int jobs = 0;                   ///< 0: as many as threads
   std::string budget;             ///< wall clock, empty: as the study says
   std::optional<int> seed;
+  bool is_masks = false;  ///< render: masks and geometry alone
 };
 
 int run_command(const StudyArguments& arguments, const CommonArguments& common);

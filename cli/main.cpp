@@ -80,11 +80,15 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
       ->check(CLI::Range(1, 1024));
   CLI::App* render = add_verb(app,
                               "render",
-                              "render a scene: frames, aspect image, masks, labels, scores",
-                              "glint render scene.toml --out out/scene",
+                              "render a scene: pictures of all viewpoints, masks, geometry, "
+                              "labels, scores",
+                              "glint render scene.toml --out out/scene\n"
+                              "  glint render scene.toml --out out/masks --masks",
                               line);
   add_sets(*render, line.study);
   render->add_option("--out", line.study.out, "folder for the pictures")->required();
+  render->add_flag(
+      "--masks", line.study.is_masks, "masks and geometry alone, without sampling any light");
   CLI::App* frontier =
       add_verb(app,
                "frontier",

@@ -10,6 +10,7 @@
 
 #include "cli/commands.h"
 #include "studies/population_report.h"
+#include "studies/render_views.h"
 
 namespace glint {
 namespace {
@@ -150,16 +151,33 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
 
 int render_command(const StudyArguments& arguments, const CommonArguments& common) {
   const Study study = load_study(arguments);
-  const Json result = render_study(study, arguments.out, common.threads);
+  const bool is_views = arguments.is_masks || needs_paths(study.scene);
+  if (is_views) {
+    std::signal(SIGINT, on_interrupt);
+    std::signal(SIGTERM, on_interrupt);
+  }
+  const Json result = is_views ? render_views(study,
+                                              {.out = arguments.out,
+                                               .threads = common.threads,
+                                               .has_light = !arguments.is_masks,
+                                               .progress = common.progress(),
+                                               .interrupt = &interrupts})
+                               : render_study(study, arguments.out, common.threads);
   std::string text;
-  for (const auto& [name, value] : result["scores"].items()) {
+  const Json scores = result.value("scores", Json::object());
+  for (const auto& [name, value] : scores.items()) {
     text += fmt::format("  {:<32} {:.6g}\n", name, value.get<double>());
+  }
+  if (is_views) {
+    for (const Json& note : result["notes"]) {
+      text += "  note: " + note.get<std::string>() + "\n";
+    }
   }
   text += fmt::format("pictures: {}\nreport: {}\n",
                       result["folder"].get<std::string>(),
                       result["report"].get<std::string>());
   print_result(common, result, text);
-  return kExitDone;
+  return result["status"] == "interrupted" ? kExitInterrupted : kExitDone;
 }
 
 }  // namespace glint

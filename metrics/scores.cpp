@@ -16,6 +16,7 @@ constexpr std::string_view kLabel = "<label>";
 constexpr std::string_view kGroup = "<group>";
 constexpr std::string_view kLow = ".low";
 constexpr std::string_view kHigh = ".high";
+constexpr std::string_view kError = ".error";
 
 constexpr std::array kDocs = {
     ScoreDoc{
@@ -96,6 +97,12 @@ constexpr std::array kDocs = {
              "threshold of the response that the inspection took, share of full scale"},
     ScoreDoc{"inspection.region_share",
              "share of the part, without its rim, that is lit and even enough to be inspected"},
+    ScoreDoc{"inspection.rendering_share",
+             "share of the rendering's own noise in the variance of a flawless part's response; 0 "
+             "without path tracing"},
+    ScoreDoc{"inspection.rendering_error",
+             "share of the rendering's own noise in the squared changes that the defects make; 0 "
+             "without path tracing"},
     ScoreDoc{"inspection.auc",
              "probability that the largest |response| about a defect exceeds that of the same "
              "place on a flawless part (area under the ROC curve)"},
@@ -165,7 +172,7 @@ const ScoreDoc* find_doc(std::string_view name) {
 /// Scores of an inspection line that need no defect.
 bool is_of_flawless(std::string_view name) {
   return name == "inspection.false_alarms" || name == "inspection.threshold" ||
-         name == "inspection.region_share";
+         name == "inspection.region_share" || name == "inspection.rendering_share";
 }
 
 }  // namespace
@@ -187,10 +194,23 @@ std::string_view without_bound(std::string_view name) {
   return name;
 }
 
+std::string error_name(std::string_view score) {
+  return fmt::format("{}{}", score, kError);
+}
+
+bool is_error(std::string_view name) {
+  return name.ends_with(kError);
+}
+
+std::string_view without_error(std::string_view name) {
+  return is_error(name) ? name.substr(0, name.size() - kError.size()) : name;
+}
+
 ScoreInterval interval_of(std::string_view bound) {
   const std::string_view name = without_bound(bound);
   if (find_doc(name) == nullptr || name == "inspection.threshold" ||
-      name == "inspection.region_share") {
+      name == "inspection.region_share" || name == "inspection.rendering_share" ||
+      name == "inspection.rendering_error") {
     return ScoreInterval::kNone;
   }
   if (name.starts_with("inspection.")) {
@@ -204,6 +224,18 @@ ScoreInterval interval_of(std::string_view bound) {
 }
 
 std::optional<std::string> explain_score(std::string_view name) {
+  if (is_error(name)) {
+    const std::string_view whole = without_error(name);
+    const ScoreDoc* of_whole = find_doc(whole);
+    if (of_whole == nullptr || interval_of(whole) != ScoreInterval::kScans || is_bound(whole)) {
+      return std::nullopt;
+    }
+    return fmt::format(
+        "standard error of {} by the noise of path tracing, from the scatter of "
+        "render.paths.batches independent pictures; {}",
+        whole,
+        of_whole->doc);
+  }
   const ScoreDoc* row = find_doc(without_bound(name));
   if (row == nullptr || (is_bound(name) && interval_of(name) == ScoreInterval::kNone)) {
     return std::nullopt;
@@ -248,6 +280,10 @@ std::string unknown_score(std::string_view name,
                           std::span<const std::string> labels,
                           std::span<const std::string> groups) {
   const std::vector<std::string> names = score_names(labels, groups);
+  if (is_error(name) && std::ranges::find(names, without_error(name)) != names.end()) {
+    return fmt::format("is a standard error, which comes with {} and is no aim of its own",
+                       without_error(name));
+  }
   const std::string_view whole = without_bound(name);
   if (std::ranges::find(names, whole) != names.end()) {
     const bool has_it = !is_bound(name) || interval_of(name) != ScoreInterval::kNone;

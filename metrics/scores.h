@@ -45,8 +45,17 @@ bool is_bound(std::string_view name);
 /// The name without ".low" or ".high"; others are unchanged.
 std::string_view without_bound(std::string_view name);
 
-/// What a score of that name, or a bound of it, means; empty when there is none. Any label is taken
-/// for a defect's, and any group for one of the scene.
+/// Scores of path-traced pictures have standard errors: "homogeneity.h_rms.error".
+std::string error_name(std::string_view score);
+
+/// Whether the name is a standard error.
+bool is_error(std::string_view name);
+
+/// The name without ".error"; others are unchanged.
+std::string_view without_error(std::string_view name);
+
+/// What a score of that name, or a bound or standard error of it, means; empty when there is none.
+/// Any label is taken for a defect's, and any group for one of the scene.
 std::optional<std::string> explain_score(std::string_view name);
 
 /// All names without bounds for a scene with these defects and groups of defects; none of

@@ -210,6 +210,7 @@ bool is_better(const Goal& goal, const Scores& a, const Scores& b) {
 }
 
 double objective_noise(const Objective& objective, const Scores& scores) {
+  constexpr double kErrorsPerHalf = 2.0;  // an interval of 95 %, as others are
   std::string name = objective.name;
   for (const std::string_view end : {".low", ".high"}) {
     if (name.ends_with(end)) {
@@ -217,13 +218,14 @@ double objective_noise(const Objective& objective, const Scores& scores) {
       break;
     }
   }
-  const auto low = scores.find(name + ".low");
-  const auto high = scores.find(name + ".high");
-  if (low == scores.end() || high == scores.end()) {
-    return 0.0;
-  }
-  const double noise = 0.5 * (high->second - low->second);
-  return std::isfinite(noise) ? std::max(0.0, noise) : 0.0;
+  const auto of = [&](const char* end) {
+    const auto found = scores.find(name + end);
+    return found == scores.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
+  };
+  const double half_width = 0.5 * (of(".high") - of(".low"));
+  const double error = kErrorsPerHalf * of(".error");
+  return std::hypot(std::isfinite(half_width) ? std::max(0.0, half_width) : 0.0,
+                    std::isfinite(error) ? std::max(0.0, error) : 0.0);
 }
 
 double difference_noise(const Objective& objective, const Scores& a, const Scores& b) {

@@ -76,8 +76,9 @@ bool is_feasible(const Goal& goal, const Scores& scores);
 bool is_better(const Goal& goal, const Scores& a, const Scores& b);
 
 /// Half the width of the objective's interval: half of "<objective>.high" - "<objective>.low",
-/// where both are among the scores and finite; else 0. An objective that is itself a bound has the
-/// interval of its score.
+/// where both are among the scores and finite, and twice "<objective>.error", the standard error of
+/// path-traced scores; root of the sum of squares where there are both, 0 where there is neither.
+/// An objective that is itself a bound has the interval of its score.
 double objective_noise(const Objective& objective, const Scores& scores);
 
 /// Half the width of the interval of the difference of two objectives, as if their noise were

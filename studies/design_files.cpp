@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/design_files.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -9,7 +10,10 @@
 #include "core/file.h"
 #include "core/image_io.h"
 #include "studies/drawing.h"
+#include "studies/light_drawing.h"
 #include "studies/output_folder.h"
+#include "studies/path_picture.h"
+#include "studies/render_files.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -22,39 +26,15 @@ PixelDepth depth_of(const SensorSettings& sensor) {
   return sensor.bits == 8 ? PixelDepth::k8Bit : PixelDepth::k16Bit;
 }
 
-Json vector_json(const Eigen::Vector3d& v) {
-  return Json::array({v.x(), v.y(), v.z()});
-}
-
-Json defect_json(const Defect& defect,
-                 const HeightFeature& feature,
-                 const DefectView& view,
-                 const DefectScores& scores) {
-  Json json = {
-      {"id", feature.id},
-      {"label", feature.label},
-      {"kind", type_name(defect.type)},
-      {"realisation", realisation_name(defect.realisation)},
-      {"centre_mm", vector_json(feature.centre_mm)},
-      {"normal", vector_json(feature.normal)},
-      {"height_um", feature.height_mm * 1e3},
-      {"max_slope_mrad", feature.max_slope_rad() * 1e3},
-      {"area_px", view.area_px},
-      {"window_px", {view.left_px, view.top_px, view.distance.width(), view.distance.height()}},
-      {"scores",
-       {{"weber", scores.weber},
-        {"peak", scores.peak},
-        {"cnr", scores.cnr},
-        {"dprime", scores.dprime},
-        {"signature", scores.signature}}}};
-  if (is_line(defect.type)) {
-    json["direction"] = vector_json(feature.u_axis);
-    json["length_mm"] = feature.length_mm;
-    json["width_mm"] = feature.width_mm;
-  } else {
-    json["diameter_mm"] = 4.0 * feature.sigma_mm;
-  }
-  return json;
+Json view_json(const DefectView& view, const DefectScores& scores) {
+  return {{"area_px", view.area_px},
+          {"window_px", {view.left_px, view.top_px, view.distance.width(), view.distance.height()}},
+          {"scores",
+           {{"weber", scores.weber},
+            {"peak", scores.peak},
+            {"cnr", scores.cnr},
+            {"dprime", scores.dprime},
+            {"signature", scores.signature}}}};
 }
 
 Json defects_json(const Evaluation& evaluation) {
@@ -63,8 +43,8 @@ Json defects_json(const Evaluation& evaluation) {
   std::size_t i = 0;  // among the defects that were made
   for (const MadeDefect& made : part.defects) {
     if (made.is_made && i < evaluation.defects.size()) {
-      list.push_back(defect_json(
-          made.defect, part.outlines[i], evaluation.traced->views[i], evaluation.defects[i]));
+      const Json view = view_json(evaluation.traced->views[i], evaluation.defects[i]);
+      list.push_back(defect_in_view_json(made.defect, part.outlines[i], view));
       ++i;
     }
   }
@@ -108,6 +88,44 @@ std::string scan_note(const SceneSettings& scene) {
   return note + ".";
 }
 
+/// How a path-traced scene is lit and rendered.
+std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& scores) {
+  std::vector<std::string> notes;
+  for (const std::string& line : light_lines(scene)) {
+    notes.push_back("Light " + line + ".");
+  }
+  notes.push_back(fmt::format(
+      "Path tracing: {} samples a pixel, {} reflections on the part at most; powers of lights are "
+      "factors of pictures that are rendered once.",
+      scene.paths.samples,
+      scene.paths.max_reflections));
+  const auto value = scores.find("homogeneity.h_rms");
+  const auto error = scores.find("homogeneity.h_rms.error");
+  if (value != scores.end() && error != scores.end()) {
+    notes.push_back(
+        fmt::format("Standard errors of the scores, by the scatter of independent pictures, are "
+                    "scores of their own that end in .error: h (rms) is {:.3f} +- {:.3f} %.",
+                    100.0 * value->second,
+                    100.0 * error->second));
+  }
+  return notes;
+}
+
+/// The lights of a path-traced scene: their drawing, and what is to be said about them.
+struct LightingOfPaths {
+  std::string drawing;
+  std::vector<std::string> warnings;
+};
+
+LightingOfPaths lighting_of_paths(const SceneSettings& scene,
+                                  const std::shared_ptr<const BuiltDefects>& part,
+                                  const std::string& title) {
+  const PathView view(scene, part, scene.viewpoint());
+  return {.drawing = scene.has_tunnel ? draw_lighting(scene, *part->built, title)
+                                      : area_lights_svg(scene, view.physical(), title),
+          .warnings = view.warnings()};
+}
+
 /// The scene scanned once more, as a search does it, beside its full sequence.
 Json rendering_json(SceneStore& store,
                     const SceneSettings& scene,
@@ -115,6 +133,12 @@ Json rendering_json(SceneStore& store,
                     const Scores& full) {
   using Method = RenderSettings::Method;
   const Method method = scene.render.method;
+  if (needs_paths(scene)) {
+    return {{"frames", "paths"},
+            {"samples", scene.paths.samples},
+            {"batches", scene.paths.batches},
+            {"max_reflections", scene.paths.max_reflections}};
+  }
   Json json = {{"frames", method == Method::kSampled ? "sampled" : "integrated"}};
   if (method != Method::kAuto && method != Method::kClosed) {
     return json;
@@ -159,8 +183,8 @@ std::string draw_lighting(const SceneSettings& scene,
 }
 
 std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores) {
-  std::vector<std::string> notes;
-  notes.push_back(scan_note(scene));
+  std::vector<std::string> notes =
+      needs_paths(scene) ? path_notes(scene, scores) : std::vector<std::string>{scan_note(scene)};
   const auto share_of = [&](const char* name) {
     const auto found = scores.find(name);
     return found == scores.end() ? 0.0 : found->second;
@@ -222,23 +246,32 @@ Json write_design(SceneStore& store,
   const auto frame_path = [&](int index) {
     return folder / "sequence" / fmt::format("frame_{:03}.png", index);
   };
+  int num_frames = 0;
   const auto write_frame = [&](int index, const ImageF& grey) {
+    num_frames = std::max(num_frames, index + 1);
     write_png(frame_path(index), grey, depth_of(scene.sensor));
   };
   const Evaluation evaluation = evaluate(store, scene, write_frame, wanted.with_whole_scan());
   // A longer sequence rendered into this folder before must not follow this one.
-  for (int index = scene.scan.positions; fs::remove(frame_path(index)); ++index) {
+  for (int index = num_frames; fs::remove(frame_path(index)); ++index) {
   }
   write_png(folder / "aspect.png", evaluation.aspect, depth_of(scene.sensor));
   write_exr(folder / "aspect.exr", evaluation.aspect);
   write_mask_png(folder / "part_mask.png", evaluation.traced->part_mask);
   write_file(folder / "defects.json", defects_json(evaluation).dump(2) + "\n");
   write_file(folder / "scene.toml", to_toml(write_scene(scene)));
-  write_file(folder / "cross_section.svg",
-             draw_lighting(scene, evaluation.traced->built(), head.value("title", "")));
+  const std::string title = head.value("title", "");
+  std::vector<std::string> notes = scene_notes(scene, evaluation.scores);
+  if (needs_paths(scene)) {
+    const LightingOfPaths lighting = lighting_of_paths(scene, evaluation.traced->part, title);
+    write_file(folder / "cross_section.svg", lighting.drawing);
+    notes.insert(notes.end(), lighting.warnings.begin(), lighting.warnings.end());
+  } else {
+    write_file(folder / "cross_section.svg",
+               draw_lighting(scene, evaluation.traced->built(), title));
+  }
   Json json = head;
   json["scores"] = scores_json(evaluation.scores);
-  std::vector<std::string> notes = scene_notes(scene, evaluation.scores);
   json["rendering"] = rendering_json(store, scene, wanted, evaluation.scores);
   if (const std::string note = rendering_note(json["rendering"]); !note.empty()) {
     notes.push_back(note);

@@ -8,7 +8,9 @@
 // scores.json holds { title, role, trial, feasible, scores, rescored, rendering, variables, notes
 // }. rendering tells how pictures and scores came about:
 //
-//   frames                    "integrated" | "sampled": the written sequence
+//   frames                    "integrated" | "sampled" | "paths": the written sequence
+//   samples, batches,         of "paths": a pixel, independent pictures they are divided into,
+//   max_reflections           on the part
 //   search_form               "floors" | "table" | "frames": how a search gets the mean of this
 //   scan;
 //                             this and what follows only where render.method is auto or closed
@@ -39,7 +41,7 @@ nlohmann::ordered_json write_design(SceneStore& store,
                                     bool is_rescored,
                                     const WantedScores& wanted);
 
-/// The lighting, drawn to scale.
+/// The tunnel, drawn to scale; area lights: area_lights_svg().
 std::string draw_lighting(const SceneSettings& scene,
                           const BuiltPart& built,
                           const std::string& title);

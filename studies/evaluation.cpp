@@ -11,25 +11,15 @@
 
 #include "metrics/scatter.h"
 #include "metrics/statistics/estimate.h"
+#include "studies/evaluation_parts.h"
+#include "studies/path_evaluation.h"
 #include "studies/visibility.h"
 
 namespace glint {
 namespace {
 
-/// Grey levels per full scale decide what can be told apart when the sensor adds no noise.
-double sigma_floor(const SensorSettings& sensor) {
-  constexpr double kSmallest = 1e-4;
-  return std::max(kSmallest, noise_floor(sensor));
-}
-
 /// For each frame and defect, the values of the defect's own pixels.
 using FlawlessFrames = std::vector<std::vector<std::vector<float>>>;
-
-/// The sensor without noise, as it sees a flawless window.
-Sensor quiet_sensor(SensorSettings settings, const SeenPart& seen) {
-  settings.full_well_e = settings.read_noise_e = settings.dark_e = 0.0;
-  return Sensor(settings, seen.width_px, seen.height_px);
-}
 
 /// What the defects' pixels would show without the defects, and without noise.
 FlawlessFrames flawless_frames(SceneStore& store,
@@ -38,9 +28,7 @@ FlawlessFrames flawless_frames(SceneStore& store,
                                const SceneSettings& scene) {
   const TracedScene& traced = *scene_traced;
   FlawlessFrames frames(static_cast<std::size_t>(scene.scan.positions));
-  const double dark = scene.sensor.full_well_e > 0.0
-                          ? scene.sensor.dark_e * scene.sensor.gain / scene.sensor.full_well_e
-                          : 0.0;
+  const double dark = dark_grey(scene.sensor);
   for (std::size_t k = 0; k < traced.defects.size(); ++k) {
     const DefectView& view = traced.views[k];
     const auto keep = [&](int index, const ImageF& grey) {
@@ -55,27 +43,19 @@ FlawlessFrames flawless_frames(SceneStore& store,
     const Eigen::Vector3d& camera_mm = traced.camera_in_world_mm;
     if (traced.is_sampled()) {
       const RayCache& rays = traced.flawless[k];
-      take_scan(rays, tunnel, quiet_sensor(scene.sensor, rays), scene.scan, camera_mm, keep);
+      take_scan(rays,
+                tunnel,
+                quiet_sensor(scene.sensor, rays.width_px, rays.height_px),
+                scene.scan,
+                camera_mm,
+                keep);
     } else {
       const CornerRays& rays = traced.flawless_corners[k];
       const Footprints footprints(rays, tunnel, scene.scan, store.meet(scene_traced, rays, tunnel));
-      scan_integrated(footprints, quiet_sensor(scene.sensor, rays), keep);
+      scan_integrated(footprints, quiet_sensor(scene.sensor, rays.width_px, rays.height_px), keep);
     }
   }
   return frames;
-}
-
-DefectTotals totals_of(const DefectivePart& part) {
-  DefectTotals totals;
-  for (const MadeDefect& made : part.defects) {
-    if (made.is_made) {
-      ++totals.made;
-      totals.mean_depth_um += made.defect.depth_mm * 1e3;
-      totals.removed_volume_mm3 += made.removed_volume_mm3;
-    }
-  }
-  totals.mean_depth_um /= std::max(1, totals.made);
-  return totals;
 }
 
 /// The scan as the scene's method has it.
@@ -147,45 +127,12 @@ Scan scan_scene(SceneStore& store,
           .gradients = std::move(gradients)};
 }
 
-/// The ripple is sought at the stripes' own spacing.
-bool needs_fringes(std::string_view name) {
-  return name.starts_with("fringe") || name.starts_with("homogeneity.ripple");
-}
-
-/// Change of a pixel in one frame that is neither noise nor rounding: five standard deviations at
-/// full scale, where shot noise is largest.
-double least_change(const SceneSettings& scene) {
-  const SensorSettings& sensor = scene.sensor;
-  constexpr double kSigmas = 5.0;
-  const double shot = sensor.full_well_e > 0.0 ? std::sqrt(sensor.gain / sensor.full_well_e) : 0.0;
-  const double noise = std::hypot(noise_floor(sensor), shot);
-  return std::max({scene.metrics.signature_floor, kSigmas * noise, sigma_floor(sensor)});
-}
-
-/// What parts fine from coarse in this scene.
-FamilyScales scales_of(const SceneSettings& scene,
-                       std::span<const DefectPixels> defects,
-                       const std::optional<FringeScores>& fringes) {
-  FamilyScales scales;
-  double largest_px = 0.0;
-  for (const DefectPixels& defect : defects) {
-    largest_px = std::max(largest_px, 2.0 * std::sqrt(defect.area_px / std::numbers::pi));
-  }
-  if (scene.metrics.defect_diameter_px > 0.0) {
-    scales.defect_diameter_px = scene.metrics.defect_diameter_px;
-  } else if (largest_px > 0.0) {
-    scales.defect_diameter_px = largest_px;
-  }
-  scales.period_px = fringes ? fringes->period_px : 0.0;
-  return scales;
-}
-
 /// Bounds of scores of one scan, from scans with other noise; the scan itself is the first of them.
 void add_scan_bounds(SceneStore& store,
                      SceneSettings scene,
                      const WantedScores& wanted,
                      Scores& scores) {
-  WantedScores more = {.fringes = false, .defects = false, .slot = false};
+  WantedScores more = {.fringes = false, .defects = false, .slot = false, .errors = false};
   std::map<std::string, std::vector<double>> values;
   for (const std::string& name : wanted.trials) {
     const std::string whole(without_bound(name));
@@ -211,6 +158,16 @@ void add_scan_bounds(SceneStore& store,
     const Estimate mean = mean_of(list, scene.inspection.trials.confidence);
     scores[name + ".low"] = mean.low;
     scores[name + ".high"] = mean.high;
+  }
+}
+
+/// What a simulated line says.
+void add_line_scores(SceneStore& store,
+                     const SceneSettings& scene,
+                     const WantedScores& wanted,
+                     Scores& scores) {
+  if (!wanted.trials.empty()) {
+    scores.merge(visibility_scores(store, scene, wanted.trials, wanted.first_part));
   }
 }
 
@@ -264,6 +221,12 @@ Evaluation evaluate(SceneStore& store,
                     const FrameConsumer& consume,
                     const WantedScores& wanted) {
   using Method = RenderSettings::Method;
+  if (needs_paths(scene)) {
+    Evaluation result = evaluate_paths(store, scene, consume, wanted);
+    add_scan_bounds(store, scene, wanted, result.scores);
+    add_line_scores(store, scene, wanted, result.scores);
+    return result;
+  }
   Evaluation result;
   const Tunnel tunnel(scene.tunnel);
   check_part_in_tunnel(*store.build(scene), tunnel, scene.scan, scene.tunnel_name);
@@ -333,14 +296,12 @@ Evaluation evaluate(SceneStore& store,
   add_scores(result.scores, totals_of(traced.part->made));
   add_ray_scores(traced.counts(), scan.hidden_share, result.scores);
   result.aspect = std::move(scan.aspect);
-  if (!wanted.trials.empty()) {
-    SceneSettings same_form = scene;
-    if (needs_frames && !traced.is_sampled()) {
-      same_form.render.method = Method::kIntegrated;  // bounds of what was scored, not of a twin
-    }
-    add_scan_bounds(store, same_form, wanted, result.scores);
-    result.scores.merge(visibility_scores(store, scene, wanted.trials, wanted.first_part));
+  SceneSettings same_form = scene;
+  if (needs_frames && !traced.is_sampled()) {
+    same_form.render.method = Method::kIntegrated;  // bounds of what was scored, not of a twin
   }
+  add_scan_bounds(store, same_form, wanted, result.scores);
+  add_line_scores(store, scene, wanted, result.scores);
   return result;
 }
 
@@ -348,7 +309,12 @@ SceneSettings finer(SceneSettings scene) {
   using Method = RenderSettings::Method;
   constexpr int kFreshSeed = 1000003;
   scene.sensor.seed += kFreshSeed;
-  if (scene.render.method == Method::kSampled) {
+  if (needs_paths(scene)) {
+    constexpr int kMoreSamples = 4;  // half the standard error
+    constexpr int kMostSamples = 65535;
+    scene.paths.seed += kFreshSeed;
+    scene.paths.samples = std::min(kMostSamples, kMoreSamples * scene.paths.samples);
+  } else if (scene.render.method == Method::kSampled) {
     scene.render.rays_per_axis *= 2;
   } else {
     scene.render.method = Method::kIntegrated;

@@ -32,6 +32,8 @@ struct WantedScores {
   bool slot = true;                ///< view.slot_margin_mm: a sight line for each pixel
   bool family = false;             ///< homogeneity.residual and its like: passes of their own
   WantedGradients gradients = {};  ///< need closed forms
+  bool errors = true;              ///< "<score>.error" of path-traced scenes: the metrics once more
+                                   ///< for each batch
 
   /// Scores that need more than this one scan: those of an inspection line ("inspection.") and
   /// bounds of intervals (".low", ".high"), which need scans with other noise.
@@ -54,7 +56,8 @@ WantedScores wanted_by(const Goal& goal);
 WantedScores wanted_with_gradients(const Goal& goal, const SearchSpace& space);
 
 /// Scans a scene and scores it. Single-threaded but for tracing rays. How pictures come about is
-/// decided by scene.render.method; `auto` takes closed forms when no whole frame is wanted.
+/// decided by scene.render.method; `auto` takes closed forms when no whole frame is wanted. Scenes
+/// that need paths go to evaluate_paths().
 /// @param consume  sees each frame's grey values in order; may be empty
 /// @throws ConfigError beginning with the key at fault, IoError
 Evaluation evaluate(SceneStore& store,

@@ -309,6 +309,11 @@ class Measuring {
 }  // namespace
 
 Frontier measure_frontier(const SceneSettings& scene, const FrontierOptions& options) {
+  if (needs_paths(scene)) {
+    throw ConfigError(
+        "render.method: a frontier compares the methods for a plain mirror under one tunnel; this "
+        "scene is path-traced");
+  }
   check_memory(scene);
   return Measuring(scene, options).run();
 }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/spans.h"
 #include "core/thread_pool.h"
 #include "simulator/render/physical/render_paths.h"
 #include "studies/built_part.h"
@@ -95,8 +96,16 @@ PathSettings path_settings(const SceneSettings& scene);
 
 /// Radiance of a frame, mean of its channels; 0 where nothing was rendered.
 /// @param without  a batch that is left out (jackknife); empty: all samples
+/// @param where    pixels that are wanted, all others are 0; empty: all
 ImageF frame_radiance(const PathPicture& picture,
                       const FrameFactors& factors,
+                      std::optional<std::size_t> without = {},
+                      const Spans& where = {});
+
+/// The same for one pixel, an index into Image::values().
+double pixel_radiance(const PathPicture& picture,
+                      const FrameFactors& factors,
+                      std::size_t pixel,
                       std::optional<std::size_t> without = {});
 
 /// Radiance of one channel of a frame.

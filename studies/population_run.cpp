@@ -20,9 +20,9 @@ using Clock = std::chrono::steady_clock;
 std::vector<PopulationDesign> population_designs(const Study& study) {
   const ConfigNode* shape =
       study.resolved.at_path("lighting." + study.scene.tunnel_name + ".shape");
-  GLINT_CHECK(shape != nullptr, "a resolved scene has every key");
-  std::vector<PopulationDesign> designs = {
-      {.key = "baseline", .title = fmt::format("Own lighting ({})", shape->text)}};
+  const std::string title =
+      shape == nullptr ? "Own lighting" : fmt::format("Own lighting ({})", shape->text);
+  std::vector<PopulationDesign> designs = {{.key = "baseline", .title = title}};
   for (const Prototype& prototype : study.prototypes) {
     designs.push_back({.key = prototype.name, .title = prototype.title, .prototype = &prototype});
   }

@@ -33,6 +33,9 @@ std::string default_label(const std::string& score) {
                        default_label(std::string(without_bound(score))),
                        score.ends_with(".low") ? "lower" : "upper");
   }
+  if (is_error(score)) {
+    return fmt::format("{}, standard error", default_label(std::string(without_error(score))));
+  }
   const std::vector<std::string> parts = split(score, '.');
   std::string label = parts.back();
   if (label == "h_rms" || label == "h_abs") {
@@ -62,7 +65,7 @@ std::string default_label(const std::string& score) {
 }
 
 bool is_share(std::string_view score) {
-  return ends_with_any(without_bound(score),
+  return ends_with_any(without_bound(without_error(score)),
                        {"h_rms", "h_abs", "share", "contrast", "fraction", "coverage", "rate"});
 }
 

@@ -72,7 +72,11 @@ class Wording {
     const std::string whole(without_bound(score_));
     const auto low = number_of(scores, whole + ".low");
     const auto high = number_of(scores, whole + ".high");
-    return low && high ? std::optional(0.5 * std::abs(*high - *low)) : std::nullopt;
+    const auto error = number_of(scores, error_name(whole));
+    if (!error && !(low && high)) {
+      return std::nullopt;
+    }
+    return std::hypot(low && high ? 0.5 * (*high - *low) : 0.0, 2.0 * error.value_or(0.0));
   }
 
   std::optional<double> searched(const Json& design) const {

@@ -15,6 +15,7 @@
 #include "studies/output_folder.h"
 #include "studies/pod_study.h"
 #include "studies/provenance.h"
+#include "studies/render_views.h"
 #include "studies/run_report.h"
 #include "studies/sorting.h"
 
@@ -64,7 +65,9 @@ Json baseline_variables(const Study& study) {
 
 /// Everything about a scene that can be refused before anything is written.
 void check_scene(SceneStore& store, const SceneSettings& scene) {
-  check_part_in_tunnel(*store.build(scene), Tunnel(scene.tunnel), scene.scan, scene.tunnel_name);
+  if (scene.has_tunnel) {
+    check_part_in_tunnel(*store.build(scene), Tunnel(scene.tunnel), scene.scan, scene.tunnel_name);
+  }
   store.trace(scene);
 }
 
@@ -81,26 +84,6 @@ void check_everything(SceneStore& store, const Study& study) {
       throw ConfigError(prototype_problem(prototype, error.what()));
     }
   }
-}
-
-/// The study's own scene and nothing to search: what a rendered folder describes.
-Study scene_of(Study study) {
-  for (const char* table :
-       {"variables", "prototypes", "objective", "constraints", "sorting", "pod"}) {
-    for (std::size_t i = study.root.names.size(); i-- > 0;) {
-      if (study.root.names[i] == table) {
-        study.root.names.erase(study.root.names.begin() + static_cast<std::ptrdiff_t>(i));
-        study.root.items.erase(study.root.items.begin() + static_cast<std::ptrdiff_t>(i));
-      }
-    }
-  }
-  study.space = {};
-  study.goal = {};
-  study.has_objective = false;
-  study.prototypes.clear();
-  study.sorting.reset();
-  study.pod.reset();
-  return study;
 }
 
 /// A run directory that is being worked on.
@@ -376,6 +359,25 @@ double predicted_population_s(const Study& study, SceneStore& store) {
 
 }  // namespace
 
+Study scene_study(Study study) {
+  for (const char* table :
+       {"variables", "prototypes", "objective", "constraints", "sorting", "pod"}) {
+    for (std::size_t i = study.root.names.size(); i-- > 0;) {
+      if (study.root.names[i] == table) {
+        study.root.names.erase(study.root.names.begin() + static_cast<std::ptrdiff_t>(i));
+        study.root.items.erase(study.root.items.begin() + static_cast<std::ptrdiff_t>(i));
+      }
+    }
+  }
+  study.space = {};
+  study.goal = {};
+  study.has_objective = false;
+  study.prototypes.clear();
+  study.sorting.reset();
+  study.pod.reset();
+  return study;
+}
+
 Json run_study(const Study& study, const RunOptions& options) {
   return Run(study, options).execute();
 }
@@ -417,8 +419,12 @@ Json check_study(const Study& study, int threads, int jobs) {
 }
 
 Json render_study(const Study& whole_study, const fs::path& out, int threads) {
+  if (needs_paths(whole_study.scene)) {
+    return render_views(whole_study,
+                        {.out = out, .threads = threads, .progress = Progress::Style::kNone});
+  }
   const auto start = Clock::now();
-  const Study study = scene_of(whole_study);
+  const Study study = scene_study(whole_study);
   ThreadPool pool(threads);
   SceneStore store(pool);
   check_everything(store, study);

@@ -73,7 +73,12 @@ Json design_json(const fs::path& folder, const std::string& key, bool has_frames
   Json json = read_json(folder / "scores.json");
   json["key"] = key;
   const ImageF aspect = read_image(folder / "aspect.exr");
-  json["aspect"] = report_png(aspect, 2 * kFrameWidth_px);
+  const bool is_one_picture = has_frames && json.contains("rendering") &&
+                              json["rendering"].value("frames", "") == "paths" &&
+                              !fs::exists(folder / "sequence/frame_001.png");
+  if (!is_one_picture) {  // of which there is no mean beside it
+    json["aspect"] = report_png(aspect, 2 * kFrameWidth_px);
+  }
   json["drawing"] = read_file(folder / "cross_section.svg");
   json["closeups"] = closeups(folder, aspect);
   if (has_frames) {
@@ -192,7 +197,25 @@ Study study_of(const fs::path& run) {
   return load_study(run / "study.resolved.toml", {});
 }
 
+/// The same for path-traced scenes.
+std::vector<std::string> path_method_notes(const PathSettings& paths) {
+  return {
+      fmt::format("Light transport: path tracing with {} samples a pixel and {} reflections on the "
+                  "part at most; pictures of all lights at power 1 are made once per part, camera "
+                  "and place of the lights, powers are factors.",
+                  paths.samples,
+                  paths.max_reflections),
+      "Homogeneity is scored on pixels wholly on the part, eroded, without the surroundings of the "
+      "defects; h_rms = 1 - standard deviation / mean, h_abs = 1 - mean absolute deviation / mean.",
+      fmt::format("Standard errors (scores that end in .error) come from the scatter of {} "
+                  "independent pictures. All designs share the same random numbers.",
+                  paths.batches)};
+}
+
 std::vector<std::string> method_notes(const Study& study) {
+  if (needs_paths(study.scene)) {
+    return path_method_notes(study.scene.paths);
+  }
   const RenderSettings& render = study.scene.render;
   const bool is_sampled = render.method == RenderSettings::Method::kSampled;
   const int rays = render.rays_per_axis * render.rays_per_axis;
@@ -226,6 +249,11 @@ struct RemarkCount {
 Json single_run(const fs::path& run) {
   const Study study = study_of(run);
   const Json result = read_json(run / "result.json");
+  if (result.contains("views")) {
+    throw ConfigError(
+        run.string() +
+        ": holds rendered views, whose page is report.html; there is no run to report");
+  }
   Json data = {{"title", study.title}, {"subtitle", "Lighting study for surface inspection"}};
   if (study.has_search()) {
     data["status"] = result["status"];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <variant>
 
 #include <unistd.h>
 
@@ -129,8 +130,12 @@ SceneSettings as_traced(SceneSettings scene) {
   if (scene.render.method == Method::kSampled) {
     scene.render.max_direction_error_rad = defaults.max_direction_error_rad;
   } else {
-    scene.render.method = Method::kIntegrated;
+    // Masks and distances of a path-traced scene come from the same rays, its light does not.
+    scene.render.method = needs_paths(scene) ? Method::kPaths : Method::kIntegrated;
     scene.render.rays_per_axis = defaults.rays_per_axis;
+  }
+  if (scene.render.method == Method::kPaths) {
+    scene.render.reflectance = defaults.reflectance;
   }
   return scene;
 }
@@ -206,8 +211,8 @@ std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& wanted
 /// From the second set of defects for one camera on, the rays without any are worth having.
 std::shared_ptr<const CornerRays> SceneStore::bare_rays(const SceneSettings& scene,
                                                         const BuiltDefects& part) {
-  if (scene.render.method == RenderSettings::Method::kSampled || scene.defects.empty() ||
-      part.built != part.clean) {
+  if (scene.render.method == RenderSettings::Method::kSampled || needs_paths(scene) ||
+      scene.defects.empty() || part.built != part.clean) {
     return nullptr;
   }
   SceneSettings bare = scene;
@@ -221,20 +226,65 @@ std::shared_ptr<const CornerRays> SceneStore::bare_rays(const SceneSettings& sce
     return nullptr;
   }
   if (!bare_) {
-    auto rays = std::make_shared<const CornerRays>(
-        trace_corner_rays(part.clean->part,
-                          *part.clean->bvh,
-                          {},
-                          PinholeCamera(intrinsics_of(scene)),
-                          camera_from_world(scene.viewpoint()),
-                          scene.render,
-                          pool_));
+    auto rays =
+        std::make_shared<const CornerRays>(trace_corner_rays(part.clean->part,
+                                                             *part.clean->bvh,
+                                                             {},
+                                                             PinholeCamera(intrinsics_of(scene)),
+                                                             camera_from_world(scene.viewpoint()),
+                                                             scene.render,
+                                                             pool_));
     if (bytes_of(*rays) > most_bytes_ / 8) {
       return nullptr;
     }
     bare_ = std::move(rays);
   }
   return bare_;
+}
+
+/// The files that pictures are made of.
+void SceneStore::check_files(const SceneSettings& scene) {
+  const std::scoped_lock lock(mutex_);
+  check_file(scene.material.nk_file);
+  check_file(scene.material.texture.colour_file);
+  check_file(scene.material.texture.roughness_file);
+  for (const NamedLight& light : scene.lights) {
+    std::visit(
+        [&](const auto& settings) {
+          if constexpr (requires { settings.file; }) {
+            check_file(settings.file);
+          }
+        },
+        light.settings);
+  }
+}
+
+std::shared_ptr<const PathPicture> SceneStore::picture(const SceneSettings& scene,
+                                                       const PathPreview& preview) {
+  return pictures_.get(picture_key(scene, scene.viewpoint()), [&] {
+    check_files(scene);
+    const PathView view(scene, build_defects(scene), scene.viewpoint());
+    return render_view(view, path_settings(scene), pool_, {}, preview);
+  });
+}
+
+std::shared_ptr<const PathPicture> SceneStore::flawless_picture(
+    const SceneSettings& scene, std::span<const PixelWindow> windows) {
+  std::string key = picture_key(scene, scene.viewpoint()) + "flawless";
+  KeyDigest digest(key);
+  for (PixelWindow window : windows) {
+    digest.integer("left_px", window.left_px, {}, "");
+    digest.integer("top_px", window.top_px, {}, "");
+    digest.integer("width_px", window.width_px, {}, "");
+    digest.integer("height_px", window.height_px, {}, "");
+  }
+  return pictures_.get(key, [&] {
+    check_files(scene);
+    const PathView view(scene, build_defects(scene), scene.viewpoint(), false);
+    PathSettings paths = path_settings(scene);
+    paths.relative_error = 0.0;  // a few windows are no picture whose mean brightness counts
+    return render_view(view, paths, pool_, windows);
+  });
 }
 
 std::size_t bytes_of(const TracedScene& traced) {
@@ -249,7 +299,9 @@ std::size_t bytes_of(const TracedScene& traced) {
 }
 
 SceneStore::SceneStore(ThreadPool& pool, std::size_t most_bytes)
-    : pool_(pool), most_bytes_(most_bytes > 0 ? most_bytes : machine_bytes() / 4) {}
+    : pool_(pool),
+      most_bytes_(most_bytes > 0 ? most_bytes : machine_bytes() / 4),
+      pictures_(most_bytes_ / 2) {}
 
 std::size_t SceneStore::kept_bytes() const {
   std::size_t bytes = 0;
@@ -264,7 +316,7 @@ std::size_t SceneStore::kept_bytes() const {
   for (const MetWall& wall : walls_) {
     bytes += wall.value ? wall.value->bytes() : 0;
   }
-  return bytes + revolved_bytes();
+  return bytes + revolved_bytes() + pictures_.kept_bytes();
 }
 
 /// Old scenes go, and with each of them its walls; half of the limit is left to walls.

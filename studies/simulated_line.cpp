@@ -4,18 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "core/rng.h"
-#include "core/spans.h"
-#include "simulator/render/changed_pixels.h"
-#include "simulator/render/closed_scan.h"
-#include "simulator/render/expected_scan.h"
-#include "simulator/sensor/sensor_kernels.h"
+#include "studies/mirror_line.h"
+#include "studies/path_line.h"
 
 namespace glint {
 namespace {
-
-using Method = RenderSettings::Method;
 
 /// Numbers of scans are told apart from numbers of parts, and both from the scene's own noise.
 enum class ScanOf : std::uint64_t { kFlawless = 1, kPart = 2 };
@@ -28,33 +24,6 @@ int noise_seed(int seed, ScanOf what, std::int64_t number) {
   return static_cast<int>(rng.next_u32() >> 1U);
 }
 
-SensorSettings without_noise(SensorSettings settings) {
-  settings.full_well_e = settings.read_noise_e = settings.dark_e = 0.0;
-  return settings;
-}
-
-/// Adds a normal number times the deviation to each pixel: what closed forms leave out.
-void scatter(const ImageF& deviation, int seed, ImageF& aspect) {
-  namespace kernels = sensor_kernels;
-  const int width = aspect.width();
-  const int blocks = (width + 3) / 4;
-  std::vector<std::uint32_t> words(4 * static_cast<std::size_t>(blocks));
-  std::vector<float> normals(words.size());
-  for (int y = 0; y < aspect.height(); ++y) {
-    const kernels::NoiseAddress address = {
-        .key = {static_cast<std::uint32_t>(seed), 0},
-        .stream = static_cast<std::uint32_t>(Stream::kAspectNoise),
-        .frame = static_cast<std::uint32_t>(y)};
-    kernels::philox_words(address, 0, blocks, words.data());
-    kernels::normal_quantiles(words.data(), width, normals.data());
-    const float* sigma = deviation.row(y);
-    float* row = aspect.row(y);
-    for (int x = 0; x < width; ++x) {
-      row[x] += sigma[x] * normals[static_cast<std::size_t>(x)];
-    }
-  }
-}
-
 void keep_inside(const Mask& mask, ImageF& image) {
   for (std::size_t i = 0; i < image.size(); ++i) {
     if (mask.values()[i] == 0) {
@@ -62,16 +31,6 @@ void keep_inside(const Mask& mask, ImageF& image) {
     }
   }
 }
-
-/// What the camera's rays meet, however they are traced.
-struct SeenSurface {
-  std::shared_ptr<const RayCache> sampled;
-  std::shared_ptr<const CornerRays> corners;
-
-  const SeenPart& seen() const {
-    return sampled ? static_cast<const SeenPart&>(*sampled) : *corners;
-  }
-};
 
 /// The smallest distance [radii] among the pixels whose centres lie within `reach_px` of a point.
 float least_distance(const DefectView& view, double x_px, double y_px, double reach_px) {
@@ -105,21 +64,71 @@ bool is_outside(const DefectView& view, const Mask& region) {
   return !is_inside;
 }
 
+SceneSettings without_defects(SceneSettings scene) {
+  scene.defects.clear();
+  scene.imprint = {};
+  return scene;
+}
+
+/// A line looks from one place: the first of the viewpoints.
+SceneSettings with_one_view(SceneStore& store, SceneSettings scene) {
+  if (needs_paths(scene)) {
+    scene.viewpoints = {viewpoints_of(scene, store.build(scene)->part).front()};
+    scene.viewpoint_set = {};
+  }
+  return scene;
+}
+
+double mean_square_difference(const ImageF& a, const ImageF& b, const Mask& where) {
+  double sum = 0.0;
+  double count = 0.0;
+  for (std::size_t i = 0; i < where.size(); ++i) {
+    if (where.values()[i] != 0) {
+      const double difference =
+          static_cast<double>(a.values()[i]) - static_cast<double>(b.values()[i]);
+      sum += difference * difference;
+      count += 1.0;
+    }
+  }
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+/// Independent noise of the two renderings cancels in their product, not in the square of the mean.
+RenderedEnergy energy_of(const std::vector<ImageF>& changes, const DefectView& view, double radii) {
+  RenderedEnergy energy;
+  if (changes.empty()) {
+    return energy;
+  }
+  for (int y = 0; y < view.distance.height(); ++y) {
+    for (int x = 0; x < view.distance.width(); ++x) {
+      if (static_cast<double>(view.distance(x, y)) <= radii) {
+        const auto a = static_cast<double>(changes[0](x + view.left_px, y + view.top_px));
+        const auto b = static_cast<double>(changes[1](x + view.left_px, y + view.top_px));
+        energy.total += 0.25 * (a + b) * (a + b);
+        energy.noise += 0.25 * (a - b) * (a - b);
+      }
+    }
+  }
+  return energy;
+}
+
 }  // namespace
+
+SensorSettings without_noise(SensorSettings settings) {
+  settings.full_well_e = settings.read_noise_e = settings.dark_e = 0.0;
+  return settings;
+}
 
 struct SimulatedLine::Data {
   Data(SceneStore& scene_store, const SceneSettings& settings)
       : store(scene_store),
         scene(settings),
-        bare(without_defects(settings)),
-        tunnel(settings.tunnel),
-        camera(intrinsics_of(settings)) {}
-
-  static SceneSettings without_defects(SceneSettings scene) {
-    scene.defects.clear();
-    scene.imprint = {};
-    return scene;
-  }
+        projection(intrinsics_of(settings)),
+        traced(store.trace(without_defects(settings))),
+        inspector(settings.inspection, traced->part_mask),
+        region(inspector.region()),
+        camera(needs_paths(settings) ? path_line(settings, traced, store)
+                                     : mirror_line(settings, traced, store.pool())) {}
 
   ThreadPool& pool() const { return store.pool(); }
 
@@ -129,99 +138,29 @@ struct SimulatedLine::Data {
     return defect_maker(changed, traced->part->clean);
   }
 
-  SeenSurface see(const BuiltDefects& part) const {
-    const RigidTransform& pose = traced->camera_from_world;
-    const BuiltPart& built = *part.built;
-    SeenSurface surface;
-    if (traced->is_sampled()) {
-      surface.sampled = std::make_shared<const RayCache>(
-          trace_rays(built.part, *built.bvh, part.detail, camera, pose, scene.render, pool()));
-    } else if (part.built == part.clean) {
-      surface.corners = std::make_shared<const CornerRays>(retrace_detail(traced->corners,
-                                                                          built.part,
-                                                                          *built.bvh,
-                                                                          part.detail,
-                                                                          camera,
-                                                                          pose,
-                                                                          scene.render,
-                                                                          pool())
-                                                               .rays);
-    } else {
-      surface.corners = std::make_shared<const CornerRays>(trace_corner_rays(
-          built.part, *built.bvh, part.detail, camera, pose, scene.render, pool()));
-    }
-    return surface;
-  }
-
-  std::shared_ptr<const Footprints> footprints_of(const SeenSurface& surface) const {
-    return surface.sampled ? nullptr
-                           : std::make_shared<const Footprints>(
-                                 *surface.corners, tunnel, scene.scan, traced->camera_in_world_mm);
-  }
-
   bool has_phases() const { return scene.inspection.filter == InspectionSettings::Filter::kPhase; }
 
-  /// All frames of one scan.
-  ScannedPart scan_frames(const SeenSurface& surface,
-                          const Footprints* footprints,
-                          const SensorSettings& settings) const {
-    const SeenPart& seen = surface.seen();
-    const Sensor sensor(settings, seen.width_px, seen.height_px);
-    std::vector<ImageF> frames;
-    const auto keep = [&](int, const ImageF& grey) { frames.push_back(grey); };
-    const FrameConsumer consume = has_phases() ? FrameConsumer(keep) : FrameConsumer();
-    ScannedPart part;
-    if (footprints == nullptr) {
-      const Eigen::Vector3d& camera_mm = traced->camera_in_world_mm;
-      part.aspect =
-          take_scan(*surface.sampled, tunnel, sensor, scene.scan, camera_mm, consume).aspect;
-    } else {
-      part.aspect = scan_integrated(*footprints, sensor, consume).aspect;
-    }
-    part.response = has_phases() ? inspector->response(frames, pool())
-                                 : inspector->response(part.aspect, pool());
-    return part;
+  ImageF response_of(const LineScan& scan) const {
+    return has_phases() ? inspector.response(scan.frames, pool())
+                        : inspector.response(scan.aspect, pool());
   }
 
-  /// The flawless part's expected scan with the noise of one, and frames rendered only where the
-  /// part differs from it.
-  ScannedPart scan_changes(const SeenSurface& surface,
-                           const Footprints& footprints,
-                           const SensorSettings& settings) const {
+  ScannedPart inspected(LineScan scan) const {
     ScannedPart part;
-    part.aspect = expected.aspect;
-    if (settings.full_well_e > 0.0) {
-      scatter(expected.deviation, settings.seed, part.aspect);
-    }
-    if (surface.corners != clean.corners) {
-      const Sensor sensor(settings, part.aspect.width(), part.aspect.height());
-      ScanPlan plan;
-      plan.by_frames =
-          dilated(changed_pixels(*clean.corners, *surface.corners), sensor.blur_radius_px());
-      const ClosedScan changed = scan_closed(footprints, sensor, plan);
-      for (std::size_t i = 0; i < changed.aspect.size(); ++i) {
-        if (plan.by_frames.values()[i] != 0) {
-          part.aspect.values()[i] = changed.aspect.values()[i];
-        }
-      }
-    }
-    part.response = inspector->response(part.aspect, pool());
-    return part;
-  }
-
-  ScannedPart scan(const SeenSurface& surface,
-                   const Footprints* footprints,
-                   const SensorSettings& settings) const {
-    const bool is_whole =
-        surface.sampled != nullptr || has_phases() || scene.render.method == Method::kIntegrated;
-    ScannedPart part = is_whole ? scan_frames(surface, footprints, settings)
-                                : scan_changes(surface, *footprints, settings);
+    part.response = response_of(scan);
+    part.aspect = std::move(scan.aspect);
     keep_inside(traced->part_mask, part.aspect);
     keep_inside(region, part.response);
     return part;
   }
 
-  std::vector<TrueDefect> truth_of(const DefectivePart& made, const SeenPart& seen) const {
+  SensorSettings sensor_of(ScanOf what, std::int64_t number) const {
+    SensorSettings settings = scene.sensor;
+    settings.seed = noise_seed(scene.sensor.seed, what, number);
+    return settings;
+  }
+
+  std::vector<TrueDefect> truth_of(const DefectivePart& made, const LineScan& scan) const {
     std::vector<TrueDefect> truth;
     std::size_t next = 0;
     for (const MadeDefect& defect : made.defects) {
@@ -231,8 +170,8 @@ struct SimulatedLine::Data {
       TrueDefect one = {.defect = defect.defect, .outline = made.outlines[next++], .view = {}};
       try {
         one.view = view_defects({&one.outline, 1},
-                                seen,
-                                camera,
+                                *scan.seen,
+                                projection,
                                 traced->camera_from_world,
                                 scene.metrics.ring_outer_radii)
                        .front();
@@ -240,6 +179,7 @@ struct SimulatedLine::Data {
         one.view.label = one.outline.label;  // outside the picture
       }
       one.is_masked = is_outside(one.view, region);
+      one.rendering = energy_of(scan.changes, one.view, scene.inspection.trials.hit_radii);
       truth.push_back(std::move(one));
     }
     return truth;
@@ -249,52 +189,50 @@ struct SimulatedLine::Data {
     const auto seed =
         static_cast<std::uint64_t>(scene.imprint.seed) + static_cast<std::uint64_t>(number);
     const BuiltDefects built = build_defects(scene, traced->part->clean, making, seed);
-    const SeenSurface surface = see(built);
-    const auto footprints = footprints_of(surface);
-    SensorSettings settings = scene.sensor;
-    settings.seed = noise_seed(scene.sensor.seed, ScanOf::kPart, number);
-    ScannedPart result = scan(surface, footprints.get(), settings);
-    result.defects = truth_of(built.made, surface.seen());
+    LineScan scan = camera->part(built, sensor_of(ScanOf::kPart, number));
+    std::vector<TrueDefect> truth = truth_of(built.made, scan);
+    ScannedPart result = inspected(std::move(scan));
+    result.defects = std::move(truth);
     return result;
   }
 
   /// Region and expected picture of the flawless part.
   void learn_flawless() {
-    traced = store.trace(bare);
-    clean = traced->is_sampled()
-                ? SeenSurface{.sampled = {traced, &traced->rays}, .corners = {}}
-                : SeenSurface{.sampled = {}, .corners = {traced, &traced->corners}};
-    clean_footprints = footprints_of(clean);
-    inspector.emplace(scene.inspection, traced->part_mask);
-    region = inspector->region();
-    if (clean_footprints) {
-      expected = expected_scan(*clean_footprints, scene.sensor);
-    }
-    const ScannedPart quiet =
-        scan_frames(clean, clean_footprints.get(), without_noise(scene.sensor));
-    expected_aspect = clean_footprints ? expected.aspect : quiet.aspect;
+    ExpectedLine line = camera->expected();
+    ImageF quiet = response_of(line.quiet);
+    expected_aspect = std::move(line.aspect);
     keep_inside(traced->part_mask, expected_aspect);
     const double lit = scene.metrics.lit_threshold;
     const double most = scene.inspection.trials.mask_grey;
     for (std::size_t i = 0; i < region.size(); ++i) {
-      const bool is_even = std::abs(static_cast<double>(quiet.response.values()[i])) <= most;
+      const bool is_even = std::abs(static_cast<double>(quiet.values()[i])) <= most;
       const bool is_lit = static_cast<double>(expected_aspect.values()[i]) > lit;
       region.values()[i] = region.values()[i] != 0 && is_lit && is_even ? 1 : 0;
     }
+    if (!line.renderings.empty()) {
+      rendering_share = share_of_rendering(line, quiet);
+    }
+  }
+
+  /// Half the difference of two renderings has the variance of their mean.
+  double share_of_rendering(const ExpectedLine& line, const ImageF& quiet) const {
+    const double rendered =
+        0.25 * mean_square_difference(
+                   response_of(line.renderings[0]), response_of(line.renderings[1]), region);
+    const LineScan noisy = camera->flawless(sensor_of(ScanOf::kFlawless, 0));
+    const double sensor = mean_square_difference(response_of(noisy), quiet, region);
+    return rendered > 0.0 ? rendered / (rendered + sensor) : 0.0;
   }
 
   SceneStore& store;
   SceneSettings scene;
-  SceneSettings bare;  ///< without defects
-  Tunnel tunnel;
-  PinholeCamera camera;
+  PinholeCamera projection;
   std::shared_ptr<const TracedScene> traced;  ///< of the flawless part
-  SeenSurface clean;
-  std::shared_ptr<const Footprints> clean_footprints;
-  std::optional<Inspector> inspector;
+  Inspector inspector;
   Mask region;
-  ExpectedScan expected;   ///< of the flawless part; empty: sampled
-  ImageF expected_aspect;  ///< the same on the part alone
+  std::unique_ptr<const LineCamera> camera;
+  ImageF expected_aspect;  ///< on the part alone
+  double rendering_share = 0.0;
   std::optional<DefectMaker> maker;
 };
 
@@ -328,9 +266,11 @@ Verdict judge(std::span<const FoundDefect> found,
   return verdict;
 }
 
-SimulatedLine::SimulatedLine(SceneStore& store, const SceneSettings& scene)
-    : data_(std::make_unique<Data>(store, scene)) {
-  check_part_in_tunnel(*store.build(scene), data_->tunnel, scene.scan, scene.tunnel_name);
+SimulatedLine::SimulatedLine(SceneStore& store, const SceneSettings& scene) {
+  if (scene.has_tunnel) {
+    check_part_in_tunnel(*store.build(scene), Tunnel(scene.tunnel), scene.scan, scene.tunnel_name);
+  }
+  data_ = std::make_unique<Data>(store, with_one_view(store, scene));
   data_->learn_flawless();
   data_->maker.emplace(data_->maker_of(scene.defects));
 }
@@ -342,7 +282,7 @@ const SceneSettings& SimulatedLine::scene() const {
 }
 
 const Inspector& SimulatedLine::inspector() const {
-  return *data_->inspector;
+  return data_->inspector;
 }
 
 const Mask& SimulatedLine::region() const {
@@ -351,7 +291,11 @@ const Mask& SimulatedLine::region() const {
 
 double SimulatedLine::region_share() const {
   return static_cast<double>(count_inside(data_->region)) /
-         static_cast<double>(count_inside(data_->inspector->region()));
+         static_cast<double>(count_inside(data_->inspector.region()));
+}
+
+double SimulatedLine::rendering_share() const {
+  return data_->rendering_share;
 }
 
 const ImageF& SimulatedLine::expected_aspect() const {
@@ -359,9 +303,7 @@ const ImageF& SimulatedLine::expected_aspect() const {
 }
 
 ScannedPart SimulatedLine::flawless(std::int64_t number) const {
-  SensorSettings settings = data_->scene.sensor;
-  settings.seed = noise_seed(settings.seed, ScanOf::kFlawless, number);
-  return data_->scan(data_->clean, data_->clean_footprints.get(), settings);
+  return data_->inspected(data_->camera->flawless(data_->sensor_of(ScanOf::kFlawless, number)));
 }
 
 ScannedPart SimulatedLine::part(std::int64_t number) const {
@@ -374,7 +316,7 @@ ScannedPart SimulatedLine::part_with(const std::vector<NamedGroup>& defects,
 }
 
 std::vector<FoundDefect> SimulatedLine::inspect(const ScannedPart& part, double threshold) const {
-  return data_->inspector->blobs(part.response, threshold, data_->pool());
+  return data_->inspector.blobs(part.response, threshold, data_->pool());
 }
 
 double SimulatedLine::threshold() const {
@@ -383,12 +325,12 @@ double SimulatedLine::threshold() const {
     return settings.threshold_grey;
   }
   if (settings.threshold == InspectionSettings::Threshold::kNoise) {
-    return data_->inspector->threshold(flawless(0).response);
+    return data_->inspector.threshold(flawless(0).response);
   }
   const auto responses = data_->pool().map<ImageF>(
       settings.trials.flawless, [&](std::int64_t number) { return flawless(number).response; });
   return threshold_for(
-      *data_->inspector, responses, settings.false_alarms_per_picture, data_->pool());
+      data_->inspector, responses, settings.false_alarms_per_picture, data_->pool());
 }
 
 }  // namespace glint

@@ -15,12 +15,20 @@
 
 namespace glint {
 
+/// What a defect adds to the radiance, squared and summed over its pixels, and how much of that is
+/// noise of the rendering; both 0 where rendering has none.
+struct RenderedEnergy {
+  double total = 0.0;
+  double noise = 0.0;  ///< right on average
+};
+
 /// A defect as it was made, and as the camera sees it.
 struct TrueDefect {
   Defect defect;
   HeightFeature outline;
   DefectView view;         ///< empty picture: the camera does not see its place
   bool is_masked = false;  ///< its middle lies outside the line's region
+  RenderedEnergy rendering;
 };
 
 struct ScannedPart {
@@ -63,6 +71,10 @@ class SimulatedLine {
 
   /// Share of the part (without its rim) that the region covers.
   double region_share() const;
+
+  /// Share of the rendering's noise in the variance of a flawless scan's response over the region:
+  /// 0 for level 0, which has none. It is the same on all scans, as if it belonged to the part.
+  double rendering_share() const;
 
   /// The flawless part without noise.
   const ImageF& expected_aspect() const;

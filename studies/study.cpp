@@ -11,6 +11,7 @@
 #include "core/text.h"
 #include "metrics/scores.h"
 #include "studies/evaluation.h"
+#include "studies/path_evaluation.h"
 #include "studies/study_tables.h"
 #include "studies/visibility.h"
 
@@ -114,7 +115,8 @@ void check_goal(const Study& study, std::vector<std::string>& errors) {
   const std::vector<std::string> groups = group_names(study.scene);
   const auto check_name =
       [&](const std::string& path, const std::string& name, const Place& place) {
-        const std::string problem = unknown_score(name, labels, groups);
+        std::string problem = unknown_score(name, labels, groups);
+        problem += problem.empty() ? missing_by_paths(study.scene, name) : "";
         if (!problem.empty()) {
           errors.push_back(fmt::format("{}{}: \"{}\" {}", place.prefix(), path, name, problem));
         }
@@ -126,6 +128,17 @@ void check_goal(const Study& study, std::vector<std::string>& errors) {
   const ConfigNode* constraints = study.root.find("constraints");
   for (std::size_t i = 0; constraints != nullptr && i < constraints->names.size(); ++i) {
     check_name("constraints", constraints->names[i], constraints->items[i].place);
+  }
+}
+
+/// What a search needs and path-traced scenes do not have.
+void check_algorithm(const Study& study, std::vector<std::string>& errors) {
+  if (study.has_search() && needs_paths(study.scene) && needs_gradient(study.search.algorithm)) {
+    errors.push_back(with_place(
+        study.root,
+        fmt::format("search.algorithm: \"{}\" needs derivatives, which path-traced scenes do not "
+                    "have; allowed are algorithms that do without, such as \"auto\"",
+                    study.search.algorithm)));
   }
 }
 
@@ -280,6 +293,7 @@ Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
   read_study_tables(study, errors);
   throw_if_any(errors);
   check_goal(study, errors);
+  check_algorithm(study, errors);
   check_variable_limits(study, errors);
   read_prototypes(study, errors);
   throw_if_any(errors);

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include <fmt/format.h>
+
+#include "simulator/render/physical/render_paths.h"
 
 namespace glint {
 namespace {
@@ -111,6 +114,43 @@ PinholeIntrinsics window_of(PinholeIntrinsics intrinsics, const DefectView& view
   return intrinsics;
 }
 
+/// What the camera sees of the part, by camera rays alone: all that scores of path-traced pictures
+/// need to know of it.
+SeenPart look_at(const BuiltPart& built,
+                 const SurfaceDetail& detail,
+                 const PinholeCamera& camera,
+                 const RigidTransform& camera_from_world,
+                 ThreadPool& pool) {
+  constexpr int kRaysPerPixel = 16;
+  constexpr double kAnyWavelength_nm = 550.0;
+  const SurfaceMaterial material({}, std::span(&kAnyWavelength_nm, 1));
+  const Lights none;
+  const PhysicalScene scene = {.part = built.part,
+                               .bvh = *built.bvh,
+                               .detail = detail,
+                               .material = material,
+                               .lights = none,
+                               .camera = camera,
+                               .camera_from_world = camera_from_world};
+  PathSums sums =
+      render_paths(scene, {.samples = kRaysPerPixel, .channels = 1, .has_light = false}, pool);
+  SeenPart seen;
+  seen.width_px = sums.width_px;
+  seen.height_px = sums.height_px;
+  seen.coverage = ImageF(sums.width_px, sums.height_px);
+  for (std::size_t i = 0; i < seen.coverage.size(); ++i) {
+    const auto rays = static_cast<float>(sums.part.values()[i]);
+    seen.coverage.values()[i] = rays / static_cast<float>(sums.samples.values()[i]);
+    for (ImageF* place : {&sums.x_mm, &sums.y_mm, &sums.z_mm}) {
+      place->values()[i] /= std::max(1.0F, rays);
+    }
+  }
+  seen.seen_x = std::move(sums.x_mm);
+  seen.seen_y = std::move(sums.y_mm);
+  seen.seen_z = std::move(sums.z_mm);
+  return seen;
+}
+
 /// @param bare  the camera's rays without defects; nullptr: not known
 void trace_camera(const SceneSettings& scene,
                   const PinholeCamera& camera,
@@ -118,7 +158,10 @@ void trace_camera(const SceneSettings& scene,
                   ThreadPool& pool,
                   TracedScene& traced) {
   const BuiltPart& built = traced.built();
-  if (scene.render.method == RenderSettings::Method::kSampled) {
+  if (needs_paths(scene)) {
+    static_cast<SeenPart&>(traced.corners) =
+        look_at(built, traced.detail(), camera, traced.camera_from_world, pool);
+  } else if (scene.render.method == RenderSettings::Method::kSampled) {
     traced.rays = trace_rays(built.part,
                              *built.bvh,
                              traced.detail(),
@@ -205,7 +248,9 @@ TracedScene trace_scene(const SceneSettings& scene,
       }
     }
   }
-  trace_flawless_windows(scene, camera, pool, traced);
+  if (!needs_paths(scene)) {
+    trace_flawless_windows(scene, camera, pool, traced);
+  }
   return traced;
 }
 

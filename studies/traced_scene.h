@@ -22,6 +22,8 @@
 #include "simulator/render/footprints.h"
 #include "simulator/render/revolved_rays.h"
 #include "studies/built_part.h"
+#include "studies/line_store.h"
+#include "studies/picture_store.h"
 #include "studies/scene.h"
 
 namespace glint {
@@ -32,10 +34,11 @@ struct TracedScene {
   RigidTransform camera_from_world;
   Eigen::Vector3d camera_in_world_mm = Eigen::Vector3d::Zero();
   RayCache rays;       ///< of the plain way (render.method = "sampled"); else empty
-  CornerRays corners;  ///< of all other methods; else empty
+  CornerRays corners;  ///< of all other methods, where paths are traced only its SeenPart
   std::vector<DefectView> views;
   std::vector<DefectPixels> defects;
-  std::vector<RayCache> flawless;            ///< for each view its window without defects, sampled
+  /// For each view its window without defects, sampled; none where paths are traced.
+  std::vector<RayCache> flawless;
   std::vector<CornerRays> flawless_corners;  ///< the same for all other methods
   Mask part_mask;                            ///< pixels wholly on the part
   Mask region;                               ///< of interest for homogeneity
@@ -70,7 +73,8 @@ TracedScene trace_scene(const SceneSettings& scene,
 class SceneStore {
  public:
   /// @param most_bytes  what traced scenes and wall views that are kept may take together (the last
-  ///                    scene is kept in any case); 0: a quarter of the machine's memory
+  ///                    scene is kept in any case), or traced scenes and pictures by path tracing;
+  ///                    0: a quarter of the machine's memory
   explicit SceneStore(ThreadPool& pool, std::size_t most_bytes = 0);
 
   /// @throws ConfigError beginning with the key at fault, IoError
@@ -79,6 +83,20 @@ class SceneStore {
 
   /// The scene's part with its defects; made once for the same part, groups and seed.
   std::shared_ptr<const BuiltDefects> build_defects(const SceneSettings& scene);
+
+  /// The picture of the scene's first viewpoint by path tracing, all lights at power 1.
+  /// @param preview  of a picture that is not there yet; one that it stops is kept as it is
+  /// @throws ConfigError beginning with the key at fault, IoError
+  std::shared_ptr<const PathPicture> picture(const SceneSettings& scene,
+                                             const PathPreview& preview = {});
+
+  /// The same without the scene's defects, and only in some windows; empty: everywhere. With the
+  /// same random numbers, so that the two differ by the defects alone.
+  std::shared_ptr<const PathPicture> flawless_picture(const SceneSettings& scene,
+                                                      std::span<const PixelWindow> windows);
+
+  /// What simulated lines of path-traced parts have rendered.
+  LineStore& lines() { return lines_; }
 
   ThreadPool& pool() const { return pool_; }
 
@@ -94,6 +112,9 @@ class SceneStore {
 
   /// How often of these only the rays around the defects were.
   int num_retraced() const { return num_retraced_; }
+
+  /// How often paths were traced: once for designs that differ in the powers of their lights.
+  int num_rendered() const { return pictures_.num_rendered(); }
 
   int num_met() const { return num_met_; }  ///< how often a wall was met
 
@@ -138,6 +159,7 @@ class SceneStore {
 
   /// @throws IoError when the file cannot be read, or is another one than at first
   void check_file(const std::filesystem::path& file);
+  void check_files(const SceneSettings& scene);
 
   ThreadPool& pool_;
   mutable std::mutex mutex_;
@@ -153,6 +175,8 @@ class SceneStore {
   std::list<MetWall> walls_;                    ///< most recently used first
   std::list<Revolved> revolved_;                ///< most recently used first
   std::size_t most_bytes_ = 0;
+  PictureStore pictures_;
+  LineStore lines_;
   std::atomic<int> num_traced_ = 0;
   std::atomic<int> num_retraced_ = 0;
   std::atomic<int> num_met_ = 0;

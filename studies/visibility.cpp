@@ -102,6 +102,20 @@ class Sample {
     return fit ? std::optional<Figure>(fit->a90) : std::nullopt;
   }
 
+  /// Share of the rendering's noise in the squared changes of radiance.
+  std::optional<Figure> rendering_error() const {
+    RenderedEnergy sum;
+    for (const RenderedEnergy& one :
+         all<RenderedEnergy>([](const DefectTrial& defect) { return defect.rendering; })) {
+      sum.total += one.total;
+      sum.noise += one.noise;
+    }
+    if (all<int>([](const DefectTrial&) { return 0; }).empty()) {
+      return std::nullopt;
+    }
+    return Figure(sum.total > 0.0 ? std::min(1.0, sum.noise / sum.total) : 0.0);
+  }
+
   std::optional<Figure> signature() const {
     return resampled([this](std::span<const std::size_t> parts) {
       const auto values = all<double>(parts, [](const DefectTrial& d) { return d.signature; });
@@ -189,6 +203,12 @@ std::optional<Figure> figure_of(const LineScore& score, const LineTrials& line, 
   if (score.what == "region_share") {
     return line.region_share;
   }
+  if (score.what == "rendering_share") {
+    return line.rendering_share;
+  }
+  if (score.what == "rendering_error") {
+    return sample.rendering_error();
+  }
   if (score.what == "false_alarms") {
     return poisson_rate(line.false_alarms, line.flawless, confidence);
   }
@@ -219,8 +239,8 @@ TrialNeeds needs_of(const std::set<std::string>& names) {
     needs.largest = needs.largest || what == "auc";
     needs.dprime = needs.dprime || what == "dprime";
     needs.smallest = needs.smallest || what.starts_with("smallest_");
-    needs.parts =
-        needs.parts || what == "detection_rate" || what == "pod_a90_um" || what == "signature";
+    needs.parts = needs.parts || what == "detection_rate" || what == "pod_a90_um" ||
+                  what == "signature" || what == "rendering_error";
   }
   return needs;
 }

@@ -46,7 +46,8 @@ bool is_stain(const TrueDefect& truth) {
 DefectTrial as_made(const TrueDefect& truth) {
   return {.group = truth.defect.group,
           .height_um = is_stain(truth) ? 0.0 : 1e3 * truth.defect.depth_mm,
-          .slope_mrad = 1e3 * truth.outline.max_slope_rad()};
+          .slope_mrad = 1e3 * truth.outline.max_slope_rad(),
+          .rendering = truth.rendering};
 }
 
 InspectedPart inspected(const SimulatedLine& line,
@@ -237,6 +238,7 @@ LineTrials run_trials(const SimulatedLine& line,
   LineTrials result;
   result.threshold = line.threshold();
   result.region_share = line.region_share();
+  result.rendering_share = line.rendering_share();
   std::vector<InspectedPart> parts;
   if (needs.parts || needs.largest || needs.dprime || needs.smallest) {
     parts = pool.map<InspectedPart>(settings.parts, [&](std::int64_t k) {

@@ -30,6 +30,7 @@ struct DefectTrial {
   double signature = 0.0;        ///< area of its blobs / its true area; 0: missed
   double largest = 0.0;          ///< |response| near it; 0: masked
   double largest_without = 0.0;  ///< the same place on a flawless part
+  RenderedEnergy rendering = {};
   /// Squared d', less what the noise alone has there: right on average, may be below 0.
   double squared_dprime = 0.0;
 };
@@ -47,6 +48,7 @@ struct LineTrials {
 
   double threshold = 0.0;
   double region_share = 0.0;
+  double rendering_share = 0.0;  ///< SimulatedLine::rendering_share()
   std::vector<PartTrial> parts;
   std::int64_t false_alarms = 0;
   int flawless = 0;  ///< scans behind the false alarms

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <utility>
 
 #include <embree3/rtcore.h>
@@ -206,6 +207,21 @@ bool is_closed_convex(const TriangleMesh& mesh, const std::vector<TrianglePlane>
   });
 }
 
+/// Rounding of normals to float, which is what looks them up.
+std::vector<std::uint8_t> find_flat_triangles(const TriangleMesh& mesh,
+                                              const std::vector<TrianglePlane>& planes) {
+  constexpr double kSame = 1e-7;
+  std::vector<std::uint8_t> flat(planes.size(), 1);
+  for (std::size_t i = 0; i < planes.size() && !mesh.corner_normals.empty(); ++i) {
+    const Vector3d face(planes[i].normal_x, planes[i].normal_y, planes[i].normal_z);
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const bool is_same = (mesh.normal(i, corner) - face).cwiseAbs().maxCoeff() <= kSame;
+      flat[i] = is_same ? flat[i] : std::uint8_t{0};
+    }
+  }
+  return flat;
+}
+
 double largest_coordinate(const TriangleMesh& mesh) {
   double largest_mm = 0.0;
   for (const Vector3d& vertex : mesh.vertices_mm) {
@@ -253,6 +269,10 @@ bool look_at_triangle(RTCPointQueryFunctionArguments* arguments) {
 struct Bvh::Scene {
   Device device;
   SceneHandle scene;
+  std::once_flag has_open_sides;
+  OpenSides open_sides;
+  std::once_flag has_flat_triangles;
+  std::vector<std::uint8_t> flat_triangles;
 };
 
 Bvh::Bvh(const TriangleMesh& mesh) : planes_(planes_of(mesh)), scene_(std::make_unique<Scene>()) {
@@ -277,6 +297,19 @@ Bvh::~Bvh() = default;
 Bvh::Bvh(Bvh&&) noexcept = default;
 Bvh& Bvh::operator=(Bvh&&) noexcept = default;
 
+const OpenSides& Bvh::open_sides(const TriangleMesh& mesh) const {
+  constexpr double kShare = 1e-6;  // half of what rays start above the surface
+  std::call_once(scene_->has_open_sides,
+                 [&] { scene_->open_sides = find_open_sides(mesh, kShare * largest_mm_); });
+  return scene_->open_sides;
+}
+
+const std::vector<std::uint8_t>& Bvh::flat_triangles(const TriangleMesh& mesh) const {
+  std::call_once(scene_->has_flat_triangles,
+                 [&] { scene_->flat_triangles = find_flat_triangles(mesh, planes_); });
+  return scene_->flat_triangles;
+}
+
 void Bvh::intersect16(const RayPacket& rays, HitPacket& hits, Coherence coherence) const {
   RTCRayHit16 packet = to_embree(rays);
   RTCIntersectContext context;
@@ -294,6 +327,30 @@ void Bvh::intersect16(const RayPacket& rays, HitPacket& hits, Coherence coherenc
     hits.triangle[k] = is_hit ? static_cast<std::int32_t>(packet.hit.primID[k]) : -1;
     hits.u[k] = packet.hit.u[k];
     hits.v[k] = packet.hit.v[k];
+  }
+}
+
+void Bvh::occluded16(RayPacket& rays, Coherence coherence) const {
+  RTCRay16 packet;
+  std::ranges::copy(rays.origin_x, packet.org_x);
+  std::ranges::copy(rays.origin_y, packet.org_y);
+  std::ranges::copy(rays.origin_z, packet.org_z);
+  std::ranges::copy(rays.direction_x, packet.dir_x);
+  std::ranges::copy(rays.direction_y, packet.dir_y);
+  std::ranges::copy(rays.direction_z, packet.dir_z);
+  std::ranges::copy(rays.t_min, packet.tnear);
+  std::ranges::copy(rays.t_max, packet.tfar);
+  std::ranges::fill(packet.time, 0.0F);
+  std::ranges::fill(packet.mask, ~0U);
+  std::ranges::fill(packet.id, 0U);
+  std::ranges::fill(packet.flags, 0U);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = coherence == Coherence::kIncoherent ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT
+                                                      : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcOccluded16(rays.valid.data(), scene_->scene.get(), &context, &packet);
+  for (std::size_t k = 0; k < kPacketSize; ++k) {
+    rays.valid[k] = packet.tfar[k] < 0.0F ? 0 : rays.valid[k];  // Embree sets -inf
   }
 }
 

@@ -10,32 +10,11 @@
 
 #include <Eigen/Core>
 
+#include "simulator/geometry/open_sides.h"
+#include "simulator/geometry/ray_packet.h"
 #include "simulator/geometry/triangle_mesh.h"
 
 namespace glint {
-
-inline constexpr int kPacketSize = 16;
-
-/// Sixteen rays, one array per component. Directions need not be unit; t counts in directions.
-struct alignas(64) RayPacket {
-  alignas(64) std::array<float, kPacketSize> origin_x = {};
-  alignas(64) std::array<float, kPacketSize> origin_y = {};
-  alignas(64) std::array<float, kPacketSize> origin_z = {};
-  alignas(64) std::array<float, kPacketSize> direction_x = {};
-  alignas(64) std::array<float, kPacketSize> direction_y = {};
-  alignas(64) std::array<float, kPacketSize> direction_z = {};
-  alignas(64) std::array<float, kPacketSize> t_min = {};
-  alignas(64) std::array<float, kPacketSize> t_max = {};
-  alignas(64) std::array<std::int32_t, kPacketSize> valid = {};  ///< -1 trace, 0 leave out
-};
-
-/// Where sixteen rays met the mesh; triangle < 0 for a miss and for rays that were left out.
-struct alignas(64) HitPacket {
-  alignas(64) std::array<float, kPacketSize> t_mm = {};
-  alignas(64) std::array<std::int32_t, kPacketSize> triangle = {};
-  alignas(64) std::array<float, kPacketSize> u = {};
-  alignas(64) std::array<float, kPacketSize> v = {};
-};
 
 /// The nearest hit of one ray: point = (1 - u - v) v0 + u v1 + v v2 of the triangle.
 struct Hit {
@@ -81,6 +60,10 @@ class Bvh {
 
   void intersect16(const RayPacket& rays, HitPacket& hits, Coherence coherence) const;
 
+  /// Lanes that anything stands in the way of, between t_min and t_max, become invalid (0). Quicker
+  /// than intersect16().
+  void occluded16(RayPacket& rays, Coherence coherence) const;
+
   Hit intersect(const Eigen::Vector3d& origin_mm,
                 const Eigen::Vector3d& direction,
                 double t_min_mm,
@@ -101,6 +84,14 @@ class Bvh {
 
   /// True for a closed convex mesh: a ray that leaves it never meets it again.
   bool is_convex() const { return is_convex_; }
+
+  /// Faces that nothing rises above, for rays that start at least 2e-6 of the largest coordinate
+  /// above their triangle. Found at the first call. @param mesh  the one this was built from
+  const OpenSides& open_sides(const TriangleMesh& mesh) const;
+
+  /// 1 for triangles whose shading normals are all their own, so that these need not be looked up.
+  /// Found at the first call. @param mesh  the one this was built from
+  const std::vector<std::uint8_t>& flat_triangles(const TriangleMesh& mesh) const;
 
   const TrianglePlane& plane(std::int32_t triangle) const {
     return planes_[static_cast<std::size_t>(triangle)];

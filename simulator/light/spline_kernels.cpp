@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Where rays meet a chain of cubic segments.
+#include <algorithm>
+#include <cmath>
+
 #include "simulator/light/tunnel_kernels.h"
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
@@ -129,48 +132,131 @@ void cross_segment(const RayBlock& rays, const float* coefficients, float* t_mm)
   keep_nearest(rays, coefficients, found, t_mm);
 }
 
-GLINT_WIDE void hit_spline_chunk(const RayBlock& rays,
-                                 const float* coefficients,
-                                 int num_segments,
-                                 float* __restrict t_mm) {
+/// Rays ahead of which at least one of the segment's Bezier points lies: it is within their hull.
+GLINT_WIDE int count_ahead(const RayBlock& rays, const float* c) {
+  const float* __restrict oy = rays.origin_y;
+  const float* __restrict oz = rays.origin_z;
+  const float* __restrict dy = rays.direction_y;
+  const float* __restrict dz = rays.direction_z;
+  const float y0 = c[0], y1 = c[1], y2 = c[2], y3 = c[3];
+  const float z0 = c[4], z1 = c[5], z2 = c[6], z3 = c[7];
+  const float end_y = y0 + y1 + y2 + y3;
+  const float end_z = z0 + z1 + z2 + z3;
+  const float b1_y = y0 + y1 * kThird, b2_y = b1_y + (y1 + y2) * kThird;
+  const float b1_z = z0 + z1 * kThird, b2_z = b1_z + (z1 + z2) * kThird;
+  const int count = rays.count;
+  int ahead = 0;
+  for (int i = 0; i < count; ++i) {
+    const float from = oy[i] * dy[i] + oz[i] * dz[i];
+    const bool is_ahead = (y0 * dy[i] + z0 * dz[i] > from) | (b1_y * dy[i] + b1_z * dz[i] > from) |
+                          (b2_y * dy[i] + b2_z * dz[i] > from) |
+                          (end_y * dy[i] + end_z * dz[i] > from);
+    ahead += is_ahead ? 1 : 0;
+  }
+  return ahead;
+}
+
+/// Rays whose line has the segment's ends on different sides.
+GLINT_WIDE int count_crossing(const RayBlock& rays, float y0, float z0, float end_y, float end_z) {
   const float* __restrict oy = rays.origin_y;
   const float* __restrict oz = rays.origin_z;
   const float* __restrict dy = rays.direction_y;
   const float* __restrict dz = rays.direction_z;
   const int count = rays.count;
+  int crossings = 0;
   for (int i = 0; i < count; ++i) {
-    t_mm[i] = kNoHit_mm;
+    const bool starts_left = dz[i] * (y0 - oy[i]) - dy[i] * (z0 - oz[i]) <= 0.0F;
+    const bool ends_left = dz[i] * (end_y - oy[i]) - dy[i] * (end_z - oz[i]) <= 0.0F;
+    crossings += starts_left != ends_left ? 1 : 0;
   }
+  return crossings;
+}
+
+constexpr int kLanes = 16;
+
+/// Limits of a chunk's directions and of their lines' moments around (0, 0).
+struct LineLimits {
+  float low_y, high_y, low_z, high_z, low_moment, high_moment;
+};
+
+struct LimitLanes {
+  float low_y[kLanes], high_y[kLanes], low_z[kLanes], high_z[kLanes];
+  float low_moment[kLanes], high_moment[kLanes];
+};
+
+__attribute__((always_inline)) inline void widen(float value, float& low, float& high) {
+  low = value < low ? value : low;
+  high = value > high ? value : high;
+}
+
+GLINT_WIDE void find_limits(const RayBlock& rays, LimitLanes& lanes) {
+  const float* __restrict oy = rays.origin_y;
+  const float* __restrict oz = rays.origin_z;
+  const float* __restrict dy = rays.direction_y;
+  const float* __restrict dz = rays.direction_z;
+  LimitLanes found;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const int i = lane < rays.count ? lane : 0;
+    found.low_y[lane] = found.high_y[lane] = dy[i];
+    found.low_z[lane] = found.high_z[lane] = dz[i];
+    found.low_moment[lane] = found.high_moment[lane] = dz[i] * oy[i] - dy[i] * oz[i];
+  }
+  for (int begin = kLanes; begin < rays.count; begin += kLanes) {
+    // The last ones are looked at twice.
+    const int first = begin + kLanes <= rays.count ? begin : rays.count - kLanes;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int i = first + lane;
+      widen(dy[i], found.low_y[lane], found.high_y[lane]);
+      widen(dz[i], found.low_z[lane], found.high_z[lane]);
+      widen(dz[i] * oy[i] - dy[i] * oz[i], found.low_moment[lane], found.high_moment[lane]);
+    }
+  }
+  lanes = found;
+}
+
+LineLimits limits_of(const RayBlock& rays) {
+  LimitLanes lanes;
+  find_limits(rays, lanes);
+  return {.low_y = *std::min_element(lanes.low_y, lanes.low_y + kLanes),
+          .high_y = *std::max_element(lanes.high_y, lanes.high_y + kLanes),
+          .low_z = *std::min_element(lanes.low_z, lanes.low_z + kLanes),
+          .high_z = *std::max_element(lanes.high_z, lanes.high_z + kLanes),
+          .low_moment = *std::min_element(lanes.low_moment, lanes.low_moment + kLanes),
+          .high_moment = *std::max_element(lanes.high_moment, lanes.high_moment + kLanes)};
+}
+
+/// The side of all lines of a chunk that a point is on: 1, -1, or 0 where it is not surely one.
+int side_of(const LineLimits& l, float y, float z) {
+  constexpr float kRounding = 1e-5F;
+  const float low_a = y >= 0.0F ? y * l.low_z : y * l.high_z;
+  const float high_a = y >= 0.0F ? y * l.high_z : y * l.low_z;
+  const float low_b = z >= 0.0F ? z * l.low_y : z * l.high_y;
+  const float high_b = z >= 0.0F ? z * l.high_y : z * l.low_y;
+  const float size = std::max(std::abs(low_a), std::abs(high_a)) +
+                     std::max(std::abs(low_b), std::abs(high_b)) +
+                     std::max(std::abs(l.low_moment), std::abs(l.high_moment));
+  if (low_a - high_b - l.high_moment > kRounding * size) {
+    return 1;
+  }
+  return high_a - low_b - l.low_moment < -kRounding * size ? -1 : 0;
+}
+
+void hit_spline_chunk(const RayBlock& rays,
+                      const float* coefficients,
+                      int num_segments,
+                      float* t_mm) {
+  std::fill_n(t_mm, rays.count, kNoHit_mm);
+  const LineLimits limits = limits_of(rays);
   for (int s = 0; s < num_segments; ++s) {
     const float* c = coefficients + 8 * s;
-    const float y0 = c[0], y1 = c[1], y2 = c[2], y3 = c[3];
-    const float z0 = c[4], z1 = c[5], z2 = c[6], z3 = c[7];
-    const float end_y = y0 + y1 + y2 + y3;
-    const float end_z = z0 + z1 + z2 + z3;
-    int crossings = 0;
-    for (int i = 0; i < count; ++i) {
-      const bool starts_left = dz[i] * (y0 - oy[i]) - dy[i] * (z0 - oz[i]) <= 0.0F;
-      const bool ends_left = dz[i] * (end_y - oy[i]) - dy[i] * (end_z - oz[i]) <= 0.0F;
-      crossings += starts_left != ends_left ? 1 : 0;
+    const float end_y = c[0] + c[1] + c[2] + c[3];
+    const float end_z = c[4] + c[5] + c[6] + c[7];
+    const int side = side_of(limits, c[0], c[4]);
+    const bool is_beside = side != 0 && side == side_of(limits, end_y, end_z);
+    if (!is_beside && count_crossing(rays, c[0], c[4], end_y, end_z) > 0 &&
+        count_ahead(rays, c) > 0) {
+      cross_segment(rays, c, t_mm);
     }
-    if (crossings == 0) {
-      continue;
-    }
-    // The segment lies within the hull of its Bezier points: behind a ray where all of them are.
-    const float b1_y = y0 + y1 * kThird, b2_y = b1_y + (y1 + y2) * kThird;
-    const float b1_z = z0 + z1 * kThird, b2_z = b1_z + (z1 + z2) * kThird;
-    int ahead = 0;
-    for (int i = 0; i < count; ++i) {
-      const float from = oy[i] * dy[i] + oz[i] * dz[i];
-      const bool is_ahead =
-          (y0 * dy[i] + z0 * dz[i] > from) | (b1_y * dy[i] + b1_z * dz[i] > from) |
-          (b2_y * dy[i] + b2_z * dz[i] > from) | (end_y * dy[i] + end_z * dz[i] > from);
-      ahead += is_ahead ? 1 : 0;
-    }
-    if (ahead == 0) {
-      continue;
-    }
-    cross_segment(rays, c, t_mm);
   }
 }
 

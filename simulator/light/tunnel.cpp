@@ -111,7 +111,6 @@ Tunnel::Tunnel(const TunnelSettings& settings) : settings_(settings) {
 }
 
 void Tunnel::build_profile() {
-  constexpr int kProfilePoints = 2049;
   const TunnelSettings& s = settings_;
   switch (s.shape) {
     case Shape::kFlat:
@@ -130,13 +129,8 @@ void Tunnel::build_profile() {
       profile_yz_mm_ = sample_spline(segments_, kProfilePoints);
       break;
     default:
-      profile_yz_mm_ = sample_superellipse(axes_of(s),
-                                           s.shape == Shape::kSuperellipse ? s.exponent : 2.0,
-                                           s.base_mm,
-                                           kProfilePoints);
-  }
-  for (const Vector2d& point : profile_yz_mm_) {
-    profile_angle_rad_.push_back(std::atan2(point.x(), point.y() - s.base_mm));
+      profile_yz_mm_ = sample_superellipse(
+          axes_of(s), s.shape == Shape::kSuperellipse ? s.exponent : 2.0, s.base_mm);
   }
   arc_mm_.assign(profile_yz_mm_.size(), 0.0);
   for (std::size_t i = 1; i < arc_mm_.size(); ++i) {
@@ -148,10 +142,12 @@ void Tunnel::build_profile() {
   // A little below, so that a level ceiling is above its own slot's floor in float, too.
   slot_floor_mm_ = 0.5 * (s.base_mm + top_mm()) - 1e-3 - 1e-5 * std::abs(top_mm());
   const double slot_rad = 2.0 * std::atan2(0.5 * s.slot_mm, std::max(1e-9, top_mm() - s.base_mm));
-  const double share = std::max(0.0,
-                                wall_share(profile_yz_mm_, s.base_mm) -
-                                    (s.shape == Shape::kFlat ? 0.0 : slot_rad / (2.0 * kPi)));
-  const double fill = s.dark_reflectance * s.duty * share;
+  const double reflected = s.dark_reflectance * s.duty;
+  const double slot_share = s.shape == Shape::kFlat ? 0.0 : slot_rad / (2.0 * kPi);
+  const double fill =
+      reflected > 0.0
+          ? reflected * std::max(0.0, wall_share(profile_yz_mm_, s.base_mm) - slot_share)
+          : 0.0;
   dark_radiance_ = fill / (1.0 - fill);
 }
 
@@ -198,10 +194,15 @@ std::size_t Tunnel::profile_piece(const Vector2d& point) const {
   }
   // Seen from (0, base) the cross-section runs in one direction: control points stand at growing
   // angles, and a B-spline crosses a line no more often than its control polygon.
-  const double angle = std::atan2(point.x(), point.y() - settings_.base_mm);
+  const double base = settings_.base_mm;
+  const double height = point.y() - base;
+  const auto is_before = [&](const Vector2d& node, const Vector2d&) {
+    // A point below the base line lies beyond one of the rims.
+    return height < 0.0 ? point.x() > 0.0 : point.x() * (node.y() - base) - height * node.x() > 0.0;
+  };
   const auto after =
-      std::lower_bound(profile_angle_rad_.begin() + 1, profile_angle_rad_.end() - 1, angle);
-  return static_cast<std::size_t>(after - profile_angle_rad_.begin()) - 1;
+      std::lower_bound(profile_yz_mm_.begin() + 1, profile_yz_mm_.end() - 1, point, is_before);
+  return static_cast<std::size_t>(after - profile_yz_mm_.begin()) - 1;
 }
 
 std::optional<WallHit> Tunnel::hit(const Ray& ray) const {
@@ -298,14 +299,23 @@ void Tunnel::meet_block(const RayBlock& rays, float* x_mm, float* y_mm, float* m
                  margin_mm);
     return;
   }
-  std::vector<float> t_mm(static_cast<std::size_t>(rays.count));
   const auto base = static_cast<float>(settings_.base_mm);
   if (settings_.shape == Shape::kFlat) {
-    std::vector<float> height(t_mm.size());
-    hit_flat_lines(rays, walls_.data(), panels_meet(), t_mm.data(), margin_mm);
-    points_of_hits(rays, t_mm.data(), base, x_mm, y_mm, height.data());
+    meet_flat(rays, walls_.data(), panels_meet(), x_mm, y_mm, margin_mm);
     return;
   }
+  if (settings_.shape == Shape::kSuperellipse) {
+    meet_superellipse(rays,
+                      base,
+                      static_cast<float>(settings_.half_width_mm),
+                      static_cast<float>(settings_.height_mm),
+                      static_cast<float>(settings_.exponent),
+                      x_mm,
+                      y_mm,
+                      margin_mm);
+    return;
+  }
+  std::vector<float> t_mm(static_cast<std::size_t>(rays.count));
   hit_profile(rays, true, t_mm.data());
   points_of_hits(rays, t_mm.data(), base, x_mm, y_mm, margin_mm);
 }
@@ -356,24 +366,39 @@ bool Tunnel::panels_meet() const {
   return settings_.panel_height_mm * sine >= settings_.distance_mm * (1.0 - 1e-9);
 }
 
-/// Sight lines from points to the camera and where they cross the wall; t = 1 at the camera.
+namespace {
+
+/// Sight lines that are looked at together: their arrays stay in the first cache.
+constexpr int kSightLines = 512;
+
+RayBlock part_of(const RayBlock& points, int begin) {
+  RayBlock part = points;
+  part.origin_x += begin;
+  part.origin_y += begin;
+  part.origin_z += begin;
+  part.count = std::min(kSightLines, points.count - begin);
+  return part;
+}
+
+}  // namespace
+
+/// Some sight lines from points to the camera and where they cross the wall; t = 1 at the camera.
 struct Tunnel::Sight {
-  std::vector<float> to_x, to_y, to_z, t, x_mm;
+  std::array<float, kSightLines> to_x, to_y, to_z, t, x_mm;
 };
 
-Tunnel::Sight Tunnel::sight_of(const RayBlock& points,
-                               const Vector3d& camera_mm,
-                               float* hidden) const {
-  const auto count = static_cast<std::size_t>(points.count);
-  Sight s;
-  for (auto* array : {&s.to_x, &s.to_y, &s.to_z, &s.t, &s.x_mm}) {
-    array->resize(count);
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    s.to_x[i] = static_cast<float>(camera_mm.x()) - points.origin_x[i];
-    s.to_y[i] = static_cast<float>(camera_mm.y()) - points.origin_y[i];
-    s.to_z[i] = static_cast<float>(camera_mm.z()) - points.origin_z[i];
-  }
+/// @param points  no more than kSightLines
+void Tunnel::look(const RayBlock& points,
+                  const Vector3d& camera_mm,
+                  Sight& s,
+                  float* hidden) const {
+  aim_at(points,
+         static_cast<float>(camera_mm.x()),
+         static_cast<float>(camera_mm.y()),
+         static_cast<float>(camera_mm.z()),
+         s.to_x.data(),
+         s.to_y.data(),
+         s.to_z.data());
   RayBlock sight = points;
   sight.direction_x = s.to_x.data();
   sight.direction_y = s.to_y.data();
@@ -385,20 +410,21 @@ Tunnel::Sight Tunnel::sight_of(const RayBlock& points,
               static_cast<float>(slot_floor_mm_),
               s.x_mm.data(),
               hidden);
-  const auto half_length = static_cast<float>(0.5 * settings_.length_mm);
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool is_before_camera = s.t[i] < 1.0F;
-    const bool is_within_ends = std::abs(s.x_mm[i]) < half_length;
-    hidden[i] = is_before_camera && is_within_ends ? hidden[i] : 0.0F;
-  }
-  return s;
+  keep_sight(s.t.data(),
+             s.x_mm.data(),
+             points.count,
+             static_cast<float>(0.5 * settings_.length_mm),
+             hidden);
 }
 
 void Tunnel::hidden_block(const RayBlock& points, const Vector3d& camera_mm, float* hidden) const {
-  if (settings_.blocks_view) {
-    sight_of(points, camera_mm, hidden);
-  } else {
+  if (!settings_.blocks_view) {
     std::fill_n(hidden, points.count, 0.0F);
+    return;
+  }
+  Sight sight;
+  for (int begin = 0; begin < points.count; begin += kSightLines) {
+    look(part_of(points, begin), camera_mm, sight, hidden + begin);
   }
 }
 
@@ -406,31 +432,43 @@ Tunnel::SightLines Tunnel::sight_lines(const RayBlock& points, const Vector3d& c
   const auto count = static_cast<std::size_t>(points.count);
   SightLines lines;
   lines.hidden.resize(count);
-  const Sight sight = sight_of(points, camera_mm, lines.hidden.data());
   for (auto* array : {&lines.x_mm, &lines.y_mm, &lines.z_mm, &lines.to_end_mm, &lines.to_edge_mm}) {
     array->assign(count, kNowhere_mm);
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (sight.t[i] >= kNoHit_mm) {
-      continue;
+  Sight sight;
+  for (int begin = 0; begin < points.count; begin += kSightLines) {
+    const RayBlock part = part_of(points, begin);
+    look(part, camera_mm, sight, lines.hidden.data() + begin);
+    for (int i = 0; i < part.count; ++i) {
+      set_crossing(part, sight, i, begin, lines);
     }
-    const auto t = static_cast<double>(sight.t[i]);
-    const Vector3d to = vector_of(sight.to_x[i], sight.to_y[i], sight.to_z[i]);
-    const Vector3d at =
-        vector_of(points.origin_x[i], points.origin_y[i], points.origin_z[i]) + t * to;
-    // Positive beside the slot.
-    const double to_slot =
-        std::max(std::abs(at.y()) - 0.5 * settings_.slot_mm, slot_floor_mm_ - at.z());
-    const double to_end = std::abs(0.5 * settings_.length_mm - std::abs(at.x()));
-    const double to_camera = std::abs(1.0 - t) * to.norm();
-    const double to_edge = std::min(std::abs(to_slot), std::abs(to_rim_mm(at.tail<2>())));
-    lines.x_mm[i] = static_cast<float>(at.x());
-    lines.y_mm[i] = static_cast<float>(at.y());
-    lines.z_mm[i] = static_cast<float>(at.z());
-    lines.to_end_mm[i] = static_cast<float>(std::min(to_end, to_camera));
-    lines.to_edge_mm[i] = static_cast<float>(std::min(to_edge, to_camera));
   }
   return lines;
+}
+
+/// @param first  of the block among the lines
+void Tunnel::set_crossing(
+    const RayBlock& points, const Sight& sight, int index, int first, SightLines& lines) const {
+  const auto i = static_cast<std::size_t>(index);
+  if (sight.t[i] >= kNoHit_mm) {
+    return;
+  }
+  const auto t = static_cast<double>(sight.t[i]);
+  const Vector3d to = vector_of(sight.to_x[i], sight.to_y[i], sight.to_z[i]);
+  const Vector3d at =
+      vector_of(points.origin_x[i], points.origin_y[i], points.origin_z[i]) + t * to;
+  // Positive beside the slot.
+  const double to_slot =
+      std::max(std::abs(at.y()) - 0.5 * settings_.slot_mm, slot_floor_mm_ - at.z());
+  const double to_end = std::abs(0.5 * settings_.length_mm - std::abs(at.x()));
+  const double to_camera = std::abs(1.0 - t) * to.norm();
+  const double to_edge = std::min(std::abs(to_slot), std::abs(to_rim_mm(at.tail<2>())));
+  const std::size_t place = static_cast<std::size_t>(first) + i;
+  lines.x_mm[place] = static_cast<float>(at.x());
+  lines.y_mm[place] = static_cast<float>(at.y());
+  lines.z_mm[place] = static_cast<float>(at.z());
+  lines.to_end_mm[place] = static_cast<float>(std::min(to_end, to_camera));
+  lines.to_edge_mm[place] = static_cast<float>(std::min(to_edge, to_camera));
 }
 
 /// From a point of the wall to where its cross-section ends, the slot left aside.

@@ -148,7 +148,12 @@ class Tunnel {
   bool in_slot(const Eigen::Vector2d& point) const;
   double to_rim_mm(const Eigen::Vector2d& point) const;
   struct Sight;
-  Sight sight_of(const RayBlock& points, const Eigen::Vector3d& camera_mm, float* hidden) const;
+  void look(const RayBlock& points,
+            const Eigen::Vector3d& camera_mm,
+            Sight& sight,
+            float* hidden) const;
+  void set_crossing(
+      const RayBlock& points, const Sight& sight, int index, int first, SightLines& lines) const;
   void build_profile();
 
   TunnelSettings settings_;
@@ -156,7 +161,6 @@ class Tunnel {
   std::vector<SplineSegment> segments_;           ///< free
   std::vector<SplineSegment> extended_segments_;  ///< free, running on straight below the rim
   std::vector<Eigen::Vector2d> profile_yz_mm_;    ///< dense, from y < 0 to y > 0
-  std::vector<double> profile_angle_rad_;         ///< per profile point, from the vertical
   std::vector<double> arc_mm_;                    ///< per profile point, 0 in the middle
   double slot_floor_mm_ = 0.0;                    ///< the slot is cut above this height
   double dark_radiance_ = 0.0;

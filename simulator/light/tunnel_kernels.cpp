@@ -77,44 +77,54 @@ GLINT_WIDE void hit_flat(const RayBlock& rays,
   }
 }
 
-GLINT_WIDE void hit_flat_lines(const RayBlock& rays,
-                               const FlatWall* walls,
-                               bool meets_at_top,
-                               float* __restrict t_mm,
-                               float* __restrict margin_mm) {
+/// The nearer of t and where a ray leaves through a wall's line.
+__attribute__((always_inline)) inline float nearer_of_line(
+    float t, float ny, float nz, float offset, float oy, float oz, float dy, float dz) {
+  const float slope = ny * dy + nz * dz;
+  const float to_line = (offset - ny * oy - nz * oz) / slope;
+  const bool is_hit = (slope > 0.0F) & (to_line > kNearestHit_mm) & (to_line < t);
+  return is_hit ? to_line : t;
+}
+
+GLINT_WIDE void meet_flat(const RayBlock& rays,
+                          const FlatWall* walls,
+                          bool meets_at_top,
+                          float* __restrict x_mm,
+                          float* __restrict y_mm,
+                          float* __restrict margin_mm) {
+  const float* __restrict ox = rays.origin_x;
   const float* __restrict oy = rays.origin_y;
   const float* __restrict oz = rays.origin_z;
+  const float* __restrict dx = rays.direction_x;
   const float* __restrict dy = rays.direction_y;
   const float* __restrict dz = rays.direction_z;
-  const int count = rays.count;
-  for (int i = 0; i < count; ++i) {
-    t_mm[i] = kNoHit_mm;
-  }
-  for (int w = 0; w < 2; ++w) {
-    const auto ny = static_cast<float>(walls[w].normal_y);
-    const auto nz = static_cast<float>(walls[w].normal_z);
-    const auto offset = static_cast<float>(walls[w].offset_mm);
-    for (int i = 0; i < count; ++i) {
-      const float slope = ny * dy[i] + nz * dz[i];
-      const float t = (offset - ny * oy[i] - nz * oz[i]) / slope;
-      const bool is_hit = (slope > 0.0F) & (t > kNearestHit_mm) & (t < t_mm[i]);
-      t_mm[i] = is_hit ? t : t_mm[i];
-    }
-  }
+  const auto left_y = static_cast<float>(walls[0].normal_y);
+  const auto left_z = static_cast<float>(walls[0].normal_z);
+  const auto left_offset = static_cast<float>(walls[0].offset_mm);
+  const auto right_y = static_cast<float>(walls[1].normal_y);
+  const auto right_z = static_cast<float>(walls[1].normal_z);
+  const auto right_offset = static_cast<float>(walls[1].offset_mm);
   // The walls mirror each other in y = 0, which they do not cross.
   const auto foot_y = static_cast<float>(walls[1].start_y_mm);
   const auto foot_z = static_cast<float>(walls[1].start_z_mm);
   const auto along_y = static_cast<float>(walls[1].along_y);
   const auto along_z = static_cast<float>(walls[1].along_z);
   const auto length = meets_at_top ? 1e30F : static_cast<float>(walls[1].length_mm);
+  const int count = rays.count;
   for (int i = 0; i < count; ++i) {
-    const bool is_hit = t_mm[i] < kNoHit_mm;
-    const float t = is_hit ? t_mm[i] : 0.0F;
+    const float to_left =
+        nearer_of_line(kNoHit_mm, left_y, left_z, left_offset, oy[i], oz[i], dy[i], dz[i]);
+    const float to_wall =
+        nearer_of_line(to_left, right_y, right_z, right_offset, oy[i], oz[i], dy[i], dz[i]);
+    const bool is_hit = to_wall < kNoHit_mm;
+    const float t = is_hit ? to_wall : 0.0F;
     const float y = oy[i] + t * dy[i];
     const float beside = y < 0.0F ? -y : y;
     const float s = (beside - foot_y) * along_y + (oz[i] + t * dz[i] - foot_z) * along_z;
     const float to_end = length - s;
     const float margin = s < to_end ? s : to_end;
+    x_mm[i] = ox[i] + t * dx[i];
+    y_mm[i] = y;
     margin_mm[i] = is_hit ? margin : kNowhere_mm;
   }
 }
@@ -184,74 +194,127 @@ GLINT_WIDE void meet_ellipse(const RayBlock& rays,
   }
 }
 
-/// One step of Newton's method for every ray. Steps are the outer loop so that rays vectorise.
-GLINT_WIDE static void superellipse_step(const RayBlock& rays,
-                                         float base_mm,
-                                         float per_width,
-                                         float per_height,
-                                         float exponent,
-                                         float* __restrict t_mm) {
-  const float* __restrict oy = rays.origin_y;
-  const float* __restrict oz = rays.origin_z;
-  const float* __restrict dy = rays.direction_y;
-  const float* __restrict dz = rays.direction_z;
-  for (int i = 0; i < rays.count; ++i) {
-    const float vy = dy[i] * per_width;
-    const float vz = dz[i] * per_height;
-    const float y = oy[i] * per_width + t_mm[i] * vy;
-    const float z = (oz[i] - base_mm) * per_height + t_mm[i] * vz;
-    const float ay = y < 0.0F ? -y : y;
-    const float az = z < 0.0F ? -z : z;
-    const float gy = pow_fast(ay, exponent - 1.0F);
-    const float gz = pow_fast(az, exponent - 1.0F);
-    const float value = ay * gy + az * gz - 1.0F;
-    const float slope = exponent * (gy * (y < 0.0F ? -vy : vy) + gz * (z < 0.0F ? -vz : vz));
-    t_mm[i] = slope > 1e-12F ? t_mm[i] - value / slope : t_mm[i];
-  }
-}
+namespace {
+
+/// A superellipse of half axes 1 around (0, 0): rays are scaled to it.
+struct Superellipse {
+  float base_mm = 0.0F;
+  float per_width = 1.0F;
+  float per_height = 1.0F;
+  float exponent = 2.0F;
+  float diagonal = 1.0F;  ///< |y| + |z| at its diagonal points
+
+  Superellipse(float base, float half_width_mm, float height_mm, float power)
+      : base_mm(base),
+        per_width(1.0F / half_width_mm),
+        per_height(1.0F / height_mm),
+        exponent(power),
+        diagonal(std::exp2(1.0F - 1.0F / power)) {}
+};
 
 /// The curve lies within the square |y|, |z| <= 1 of its half axes and within the tangents of its
 /// diagonal points, |y| + |z| <= diagonal. A ray's exit from the octagon is outside the curve by a
-/// few hundredths; from there Newton's method on the convex function falls onto the curve.
-GLINT_WIDE static void superellipse_start(const RayBlock& rays,
-                                          float base_mm,
-                                          float per_width,
-                                          float per_height,
-                                          float diagonal,
-                                          float* __restrict t_mm) {
+/// few hundredths.
+__attribute__((always_inline)) inline float superellipse_start(
+    float y, float z, float vy, float vz, float diagonal) {
+  // Mirrored so that the ray runs towards positive y and z.
+  const float speed_y = vy < 0.0F ? -vy : vy;
+  const float speed_z = vz < 0.0F ? -vz : vz;
+  const float from_y = vy < 0.0F ? -y : y;
+  const float from_z = vz < 0.0F ? -z : z;
+  const float to_y = (1.0F - from_y) / (speed_y > 1e-12F ? speed_y : 1e-12F);
+  const float to_z = (1.0F - from_z) / (speed_z > 1e-12F ? speed_z : 1e-12F);
+  const float speed = speed_y + speed_z;
+  const float to_corner = (diagonal - from_y - from_z) / (speed > 1e-12F ? speed : 1e-12F);
+  const float to_side = to_y < to_z ? to_y : to_z;
+  return to_corner < to_side ? to_corner : to_side;
+}
+
+/// One step of Halley's method on the norm N = s^(1/n) - 1 with s = |y|^n + |z|^n, which is almost
+/// straight along a ray: two steps come nearer than three of Newton's on s. Numerator: n s N / s'
+/// for s = 1 + e to the third order in e.
+__attribute__((always_inline)) inline float superellipse_step(
+    float t, float y0, float z0, float vy, float vz, float n) {
+  constexpr float kSmallest = 1e-12F;
+  constexpr float kMostBent = 1.5F;  // far off, where the curve bends within a step
+  const float y = y0 + t * vy;
+  const float z = z0 + t * vz;
+  const float size_y = y < 0.0F ? -y : y;
+  const float size_z = z < 0.0F ? -z : z;
+  const float ay = size_y > kSmallest ? size_y : kSmallest;
+  const float az = size_z > kSmallest ? size_z : kSmallest;
+  const float hy = pow_fast(ay, n - 2.0F);
+  const float hz = pow_fast(az, n - 2.0F);
+  const float gy = hy * ay;
+  const float gz = hz * az;
+  const float e = ay * gy + az * gz - 1.0F;
+  const float by = y < 0.0F ? -vy : vy;
+  const float bz = z < 0.0F ? -vz : vz;
+  const float slope = n * (gy * by + gz * bz);
+  const float bend = n * (n - 1.0F) * (hy * vy * vy + hz * vz * vz);
+  const float per_slope = 1.0F / (slope > kSmallest ? slope : kSmallest);
+  const float p = 1.0F - 1.0F / n;
+  const float newton = per_slope * e * (1.0F + e * (0.5F * p) * (1.0F - e * ((2.0F - p) / 3.0F)));
+  const float any = newton * (bend * per_slope - p * slope / (1.0F + e));
+  const float bent = any > kMostBent ? kMostBent : (any < -kMostBent ? -kMostBent : any);
+  return slope > kSmallest ? t - newton / (1.0F - 0.5F * bent) : t;
+}
+
+__attribute__((always_inline)) inline float superellipse_hit(
+    const Superellipse& s, float lowest_mm, float oy, float oz, float dy, float dz) {
+  const float y = oy * s.per_width;
+  const float z = (oz - s.base_mm) * s.per_height;
+  const float vy = dy * s.per_width;
+  const float vz = dz * s.per_height;
+  const float start = superellipse_start(y, z, vy, vz, s.diagonal);
+  const float near = superellipse_step(start, y, z, vy, vz, s.exponent);
+  const float t = superellipse_step(near, y, z, vy, vz, s.exponent);
+  const bool is_hit =
+      (dy * dy + dz * dz > 0.0F) & (t > kNearestHit_mm) & (t < 1e6F) & (oz + t * dz >= lowest_mm);
+  return is_hit ? t : kNoHit_mm;
+}
+
+GLINT_WIDE void hit_curve(const RayBlock& rays,
+                          const Superellipse& curve,
+                          float lowest_mm,
+                          float* __restrict t_mm) {
   const float* __restrict oy = rays.origin_y;
   const float* __restrict oz = rays.origin_z;
   const float* __restrict dy = rays.direction_y;
   const float* __restrict dz = rays.direction_z;
-  for (int i = 0; i < rays.count; ++i) {
-    // Mirrored so that the ray runs towards positive y and z.
-    const float speed_y = dy[i] < 0.0F ? -dy[i] * per_width : dy[i] * per_width;
-    const float speed_z = dz[i] < 0.0F ? -dz[i] * per_height : dz[i] * per_height;
-    const float y = dy[i] < 0.0F ? -oy[i] * per_width : oy[i] * per_width;
-    const float height = (oz[i] - base_mm) * per_height;
-    const float z = dz[i] < 0.0F ? -height : height;
-    const float to_y = (1.0F - y) / (speed_y > 1e-12F ? speed_y : 1e-12F);
-    const float to_z = (1.0F - z) / (speed_z > 1e-12F ? speed_z : 1e-12F);
-    const float speed = speed_y + speed_z;
-    const float to_corner = (diagonal - y - z) / (speed > 1e-12F ? speed : 1e-12F);
-    const float to_side = to_y < to_z ? to_y : to_z;
-    t_mm[i] = to_corner < to_side ? to_corner : to_side;
+  const Superellipse s = curve;
+  const int count = rays.count;
+  for (int i = 0; i < count; ++i) {
+    t_mm[i] = superellipse_hit(s, lowest_mm, oy[i], oz[i], dy[i], dz[i]);
   }
 }
 
-GLINT_WIDE static void superellipse_check(const RayBlock& rays,
-                                          float base_mm,
-                                          float* __restrict t_mm) {
+/// hit_curve() and points_of_hits() in one sweep.
+GLINT_WIDE void meet_curve(const RayBlock& rays,
+                           const Superellipse& curve,
+                           float lowest_mm,
+                           float* __restrict x_mm,
+                           float* __restrict y_mm,
+                           float* __restrict above_base_mm) {
+  const float* __restrict ox = rays.origin_x;
+  const float* __restrict oy = rays.origin_y;
   const float* __restrict oz = rays.origin_z;
+  const float* __restrict dx = rays.direction_x;
   const float* __restrict dy = rays.direction_y;
   const float* __restrict dz = rays.direction_z;
-  for (int i = 0; i < rays.count; ++i) {
-    const float t = t_mm[i];
-    const bool is_hit = (dy[i] * dy[i] + dz[i] * dz[i] > 0.0F) & (t > kNearestHit_mm) & (t < 1e6F) &
-                        (oz[i] + t * dz[i] >= base_mm);
-    t_mm[i] = is_hit ? t : kNoHit_mm;
+  const Superellipse s = curve;
+  const int count = rays.count;
+  for (int i = 0; i < count; ++i) {
+    const float found = superellipse_hit(s, lowest_mm, oy[i], oz[i], dy[i], dz[i]);
+    const bool is_hit = found < kNoHit_mm;
+    const float t = is_hit ? found : 0.0F;
+    x_mm[i] = ox[i] + t * dx[i];
+    y_mm[i] = oy[i] + t * dy[i];
+    above_base_mm[i] = is_hit ? oz[i] + t * dz[i] - s.base_mm : kNowhere_mm;
   }
 }
+
+}  // namespace
 
 void hit_superellipse(const RayBlock& rays,
                       float base_mm,
@@ -260,15 +323,49 @@ void hit_superellipse(const RayBlock& rays,
                       float exponent,
                       bool is_whole,
                       float* t_mm) {
-  constexpr int kSteps = 3;
-  const float per_width = 1.0F / half_width_mm;
-  const float per_height = 1.0F / height_mm;
-  const float diagonal = std::exp2(1.0F - 1.0F / exponent);
-  superellipse_start(rays, base_mm, per_width, per_height, diagonal, t_mm);
-  for (int step = 0; step < kSteps; ++step) {
-    superellipse_step(rays, base_mm, per_width, per_height, exponent, t_mm);
+  const Superellipse curve(base_mm, half_width_mm, height_mm, exponent);
+  hit_curve(rays, curve, is_whole ? base_mm - 2.0F * height_mm : base_mm, t_mm);
+}
+
+void meet_superellipse(const RayBlock& rays,
+                       float base_mm,
+                       float half_width_mm,
+                       float height_mm,
+                       float exponent,
+                       float* x_mm,
+                       float* y_mm,
+                       float* above_base_mm) {
+  const Superellipse curve(base_mm, half_width_mm, height_mm, exponent);
+  meet_curve(rays, curve, base_mm - 2.0F * height_mm, x_mm, y_mm, above_base_mm);
+}
+
+GLINT_WIDE void aim_at(const RayBlock& points,
+                       float x_mm,
+                       float y_mm,
+                       float z_mm,
+                       float* __restrict to_x,
+                       float* __restrict to_y,
+                       float* __restrict to_z) {
+  const float* __restrict ox = points.origin_x;
+  const float* __restrict oy = points.origin_y;
+  const float* __restrict oz = points.origin_z;
+  const int count = points.count;
+  for (int i = 0; i < count; ++i) {
+    to_x[i] = x_mm - ox[i];
+    to_y[i] = y_mm - oy[i];
+    to_z[i] = z_mm - oz[i];
   }
-  superellipse_check(rays, is_whole ? base_mm - 2.0F * height_mm : base_mm, t_mm);
+}
+
+GLINT_WIDE void keep_sight(const float* __restrict t,
+                           const float* __restrict x_mm,
+                           int count,
+                           float half_length_mm,
+                           float* __restrict hidden) {
+  for (int i = 0; i < count; ++i) {
+    const float size = x_mm[i] < 0.0F ? -x_mm[i] : x_mm[i];
+    hidden[i] = ((t[i] < 1.0F) & (size < half_length_mm)) ? hidden[i] : 0.0F;
+  }
 }
 
 GLINT_WIDE void finish_hits(const RayBlock& rays,
@@ -371,6 +468,22 @@ void add_stripes(const float* x_mm,
   }
 }
 
+namespace {
+
+/// Rays that are looked at together: neighbours mostly share one or two pieces of the wall.
+constexpr int kShiftChunk = 32;
+
+/// Of one ray, by the wall's normal where it is met.
+__attribute__((always_inline)) inline float by_shift_of(
+    float by_x, float by_y, float by_margin, float dx, float dy, float dz, float ny, float nz) {
+  const float along_ray = by_x * dx + by_y * dy + by_margin * dz;
+  const float through = ny * dy + nz * dz;
+  const bool has_slope = (by_x != 0.0F) | (by_y != 0.0F) | (by_margin != 0.0F);
+  return has_slope ? along_ray / through : 0.0F;
+}
+
+}  // namespace
+
 GLINT_WIDE void shift_slopes(const RayBlock& rays,
                              const float* __restrict y_mm,
                              const float* __restrict margin_mm,
@@ -387,22 +500,43 @@ GLINT_WIDE void shift_slopes(const RayBlock& rays,
   const float* __restrict normal_y = normals.y;
   const float* __restrict normal_z = normals.z;
   const int pieces = normals.pieces;
-  const int count = rays.count;
-  for (int i = 0; i < count; ++i) {
-    const float beside = y_mm[i] < 0.0F ? -y_mm[i] : y_mm[i];
-    const float size = beside + (margin_mm[i] > 0.0F ? margin_mm[i] : 0.0F);
-    const float angle = y_mm[i] / (size > 1e-9F ? size : 1e-9F);
-    const float at = 0.5F * (angle + 1.0F) * static_cast<float>(pieces);
-    const int whole = static_cast<int>(at);
-    const int node = whole < pieces ? whole : pieces - 1;
-    const float part = at - static_cast<float>(node);
-    const float ny = normal_y[node] + part * (normal_y[node + 1] - normal_y[node]);
-    const float nz = normal_z[node] + part * (normal_z[node + 1] - normal_z[node]);
-    const float along_ray = by_x[i] * dx[i] + by_y[i] * dy[i] + by_margin[i] * dz[i];
-    const float through = ny * dy[i] + nz * dz[i];
-    const bool has_slope = (by_x[i] != 0.0F) | (by_y[i] != 0.0F) | (by_margin[i] != 0.0F);
-    place[i] = at;
-    by_shift[i] = has_slope ? along_ray / through : 0.0F;
+  std::int32_t nodes[kShiftChunk];
+  float parts[kShiftChunk];
+  for (int begin = 0; begin < rays.count; begin += kShiftChunk) {
+    const int size = rays.count - begin < kShiftChunk ? rays.count - begin : kShiftChunk;
+    std::int32_t lowest = pieces;
+    std::int32_t highest = 0;
+    for (int i = 0; i < size; ++i) {
+      const float y = y_mm[begin + i];
+      const float margin = margin_mm[begin + i];
+      const float beside = y < 0.0F ? -y : y;
+      const float span = beside + (margin > 0.0F ? margin : 0.0F);
+      const float angle = y / (span > 1e-9F ? span : 1e-9F);
+      const float at = 0.5F * (angle + 1.0F) * static_cast<float>(pieces);
+      const auto whole = static_cast<std::int32_t>(at);
+      nodes[i] = whole < pieces ? whole : pieces - 1;
+      parts[i] = at - static_cast<float>(nodes[i]);
+      place[begin + i] = at;
+      lowest = nodes[i] < lowest ? nodes[i] : lowest;
+      highest = nodes[i] > highest ? nodes[i] : highest;
+    }
+    const bool has_two = highest - lowest <= 1;
+    const float y0 = normal_y[lowest], y1 = normal_y[lowest + 1], y2 = normal_y[highest + 1];
+    const float z0 = normal_z[lowest], z1 = normal_z[lowest + 1], z2 = normal_z[highest + 1];
+    for (int i = 0; has_two && i < size; ++i) {
+      const bool is_low = nodes[i] == lowest;
+      const float ny = (is_low ? y0 : y1) + parts[i] * (is_low ? y1 - y0 : y2 - y1);
+      const float nz = (is_low ? z0 : z1) + parts[i] * (is_low ? z1 - z0 : z2 - z1);
+      const int j = begin + i;
+      by_shift[j] = by_shift_of(by_x[j], by_y[j], by_margin[j], dx[j], dy[j], dz[j], ny, nz);
+    }
+    for (int i = 0; !has_two && i < size; ++i) {
+      const std::int32_t node = nodes[i];
+      const float ny = normal_y[node] + parts[i] * (normal_y[node + 1] - normal_y[node]);
+      const float nz = normal_z[node] + parts[i] * (normal_z[node + 1] - normal_z[node]);
+      const int j = begin + i;
+      by_shift[j] = by_shift_of(by_x[j], by_y[j], by_margin[j], dx[j], dy[j], dz[j], ny, nz);
+    }
   }
 }
 

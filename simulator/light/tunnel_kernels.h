@@ -54,11 +54,16 @@ struct StripePattern {
 
 void hit_flat(const RayBlock& rays, const FlatWall* walls, int num_walls, float* t_mm);
 
-/// The lines of a left and a right wall, mirrored in y = 0, without their ends; margin_mm tells how
-/// far inside its ends a hit is (negative outside).
+/// Where rays meet the lines of a left and a right wall, mirrored in y = 0, without their ends;
+/// margin_mm tells how far inside its ends a hit is (negative outside, kNowhere_mm: no hit).
+/// @param walls         two
 /// @param meets_at_top  the walls' upper ends touch and are no ends
-void hit_flat_lines(
-    const RayBlock& rays, const FlatWall* walls, bool meets_at_top, float* t_mm, float* margin_mm);
+void meet_flat(const RayBlock& rays,
+               const FlatWall* walls,
+               bool meets_at_top,
+               float* x_mm,
+               float* y_mm,
+               float* margin_mm);
 
 /// Upper half (z >= base) or all of an ellipse around (0, base); rays start inside.
 void hit_ellipse(const RayBlock& rays,
@@ -77,7 +82,7 @@ void meet_ellipse(const RayBlock& rays,
                   float* y_mm,
                   float* above_base_mm);
 
-/// Upper half or all of a superellipse, exponent >= 1, by Newton's method from outside.
+/// Upper half or all of a superellipse, exponent >= 1, by Halley's method from outside.
 void hit_superellipse(const RayBlock& rays,
                       float base_mm,
                       float half_width_mm,
@@ -85,6 +90,16 @@ void hit_superellipse(const RayBlock& rays,
                       float exponent,
                       bool is_whole,
                       float* t_mm);
+
+/// All of a superellipse: where rays meet it, as points_of_hits() tells.
+void meet_superellipse(const RayBlock& rays,
+                       float base_mm,
+                       float half_width_mm,
+                       float height_mm,
+                       float exponent,
+                       float* x_mm,
+                       float* y_mm,
+                       float* above_base_mm);
 
 /// A chain of cubic segments; the nearest crossing in front of the ray.
 void hit_spline(const RayBlock& rays, const SplineSegment* segments, int num_segments, float* t_mm);
@@ -96,6 +111,18 @@ void finish_hits(const RayBlock& rays,
                  float slot_floor_mm,
                  float* x_mm,
                  float* gain);
+
+/// Directions from the origins of a block to a point.
+void aim_at(const RayBlock& points,
+            float x_mm,
+            float y_mm,
+            float z_mm,
+            float* to_x,
+            float* to_y,
+            float* to_z);
+
+/// Clears `hidden` where a sight line meets the wall behind the camera (t >= 1) or beyond an end.
+void keep_sight(const float* t, const float* x_mm, int count, float half_length_mm, float* hidden);
 
 /// From t to the point of the wall, z counted from the base; kNowhere_mm as z for no hit.
 void points_of_hits(const RayBlock& rays,

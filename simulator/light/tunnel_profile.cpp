@@ -138,17 +138,33 @@ std::vector<Vector2d> sample_spline(const std::vector<SplineSegment>& segments, 
   return points;
 }
 
+namespace {
+
+/// The upper half of the unit circle at equal angles, its ends exact.
+std::vector<Vector2d> half_circle() {
+  std::vector<Vector2d> points;
+  for (int i = 0; i < kProfilePoints; ++i) {
+    const double angle = kPi * (static_cast<double>(i) / (kProfilePoints - 1) - 0.5);
+    const double sine = i == 0 ? -1.0 : i + 1 == kProfilePoints ? 1.0 : std::sin(angle);
+    const double cosine = i == 0 || i + 1 == kProfilePoints ? 0.0 : std::cos(angle);
+    points.emplace_back(sine, cosine);
+  }
+  return points;
+}
+
+}  // namespace
+
 std::vector<Vector2d> sample_superellipse(const EllipseAxes& axes,
                                           double exponent,
-                                          double base_mm,
-                                          int num_points) {
+                                          double base_mm) {
+  static const std::vector<Vector2d> kHalfCircle = half_circle();
+  const double power = 2.0 / exponent;
+  const auto raised = [&](double size) { return power == 1.0 ? size : std::pow(size, power); };
   std::vector<Vector2d> points;
-  for (int i = 0; i < num_points; ++i) {
-    const double angle = kPi * (static_cast<double>(i) / (num_points - 1) - 0.5);
-    const double sine = i == 0 ? -1.0 : i + 1 == num_points ? 1.0 : std::sin(angle);
-    const double cosine = i == 0 || i + 1 == num_points ? 0.0 : std::cos(angle);
-    const double y = std::copysign(std::pow(std::abs(sine), 2.0 / exponent), sine);
-    const double z = std::pow(cosine, 2.0 / exponent);
+  points.reserve(kHalfCircle.size());
+  for (const Vector2d& unit : kHalfCircle) {
+    const double y = std::copysign(raised(std::abs(unit.x())), unit.x());
+    const double z = raised(unit.y());
     points.emplace_back(axes.half_width_mm * y, base_mm + axes.height_mm * z);
   }
   return points;

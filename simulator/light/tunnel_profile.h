@@ -32,12 +32,16 @@ std::vector<SplineSegment> free_segments(const std::vector<double>& control_mm, 
 /// The same curve with a long straight piece along its tangent at either end.
 std::vector<SplineSegment> with_straight_ends(const std::vector<SplineSegment>& segments);
 
+/// Points of a dense profile.
+inline constexpr int kProfilePoints = 2049;
+
 std::vector<Eigen::Vector2d> sample_spline(const std::vector<SplineSegment>& segments,
                                            int num_points);
+
+/// kProfilePoints of them.
 std::vector<Eigen::Vector2d> sample_superellipse(const EllipseAxes& axes,
                                                  double exponent,
-                                                 double base_mm,
-                                                 int num_points);
+                                                 double base_mm);
 
 /// Distance along the ray (in directions) to the nearest crossing beyond min_t; empty for none.
 std::optional<double> hit_walls(const std::vector<FlatWall>& walls,

@@ -77,6 +77,35 @@ Vector2d gradient_at(const Superellipse& s, const Vector2d& scaled) {
           s.e / s.b * std::pow(scaled.y(), s.e - 1.0)};
 }
 
+/// Where a function that rises through 0 in [0, 1] does, to 1e-12, by false position with the
+/// weight of an end that stays halved (the Illinois method); an end where it does not.
+template <class Function>
+double rising_root(const Function& f) {
+  double low = 0.0, high = 1.0;
+  double at_low = f(low), at_high = f(high);
+  if (at_low >= 0.0 || at_high <= 0.0) {
+    return at_low >= 0.0 ? low : high;
+  }
+  constexpr int kMostSteps = 40;
+  double last = 2.0;
+  std::optional<bool> was_low;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const double u = low + (high - low) * at_low / (at_low - at_high);
+    const double here = f(u);
+    if (here == 0.0 || std::abs(u - last) < 1e-12) {
+      return u;
+    }
+    last = u;
+    const bool is_low = here < 0.0;
+    const double stays = is_low == was_low ? 0.5 : 1.0;
+    (is_low ? low : high) = u;
+    at_low = is_low ? here : stays * at_low;
+    at_high = is_low ? stays * at_high : here;
+    was_low = is_low;
+  }
+  return 0.5 * (low + high);
+}
+
 double value(const float* array, int i) {
   return static_cast<double>(array[i]);
 }
@@ -127,13 +156,7 @@ void WallMotion::build_free() {
     while (segment + 1 < segments.size() && side(1.0) < 0.0) {
       ++segment;
     }
-    double low = 0.0;
-    double high = 1.0;
-    for (int step = 0; step < 40; ++step) {
-      const double middle = 0.5 * (low + high);
-      (side(middle) < 0.0 ? low : high) = middle;
-    }
-    const double u = 0.5 * (low + high);
+    const double u = rising_root(side);
     const Vector2d tangent =
         Vector2d(cubic_slope(segments[segment].y, u), cubic_slope(segments[segment].z, u))
             .normalized();
@@ -235,15 +258,30 @@ void WallMotion::collect_curve(const RayBlock& rays,
                  {.y = normal_y.data(), .z = normal_z.data(), .pieces = static_cast<int>(kNodes)},
                  places.data(),
                  by_shift.data());
-    for (int i = 0; i < count; ++i) {
-      const double slope = value(by_shift.data(), i);
-      const double place = value(places.data(), i);
-      const std::size_t node = std::min(kNodes - 1, static_cast<std::size_t>(place));
-      const double part = place - static_cast<double>(node);
-      by_node_[node] += slope * (1.0 - part);
-      by_node_[node + 1] += slope * part;
-    }
+    add_to_nodes(places.data(), by_shift.data(), count);
     by_margin_ += sum_of(by_margin, count);
+  }
+}
+
+/// Neighbours mostly lie between the same nodes: a run of them is summed before it is added.
+void WallMotion::add_to_nodes(const float* places, const float* by_shift, int count) {
+  const auto node_of = [&](int i) {
+    return std::min(static_cast<int>(kNodes) - 1, static_cast<int>(places[i]));
+  };
+  for (int begin = 0, end = 0; begin < count; begin = end) {
+    const int node = node_of(begin);
+    std::array<double, 4> slopes = {};
+    std::array<double, 4> turned = {};  // times the place between the nodes
+    for (end = begin; end < count && node_of(end) == node; ++end) {
+      const auto lane = static_cast<std::size_t>(end % 4);
+      const double slope = value(by_shift, end);
+      slopes[lane] += slope;
+      turned[lane] += slope * (value(places, end) - node);
+    }
+    const double all = (slopes[0] + slopes[1]) + (slopes[2] + slopes[3]);
+    const double next = (turned[0] + turned[1]) + (turned[2] + turned[3]);
+    by_node_[static_cast<std::size_t>(node)] += all - next;
+    by_node_[static_cast<std::size_t>(node) + 1] += next;
   }
 }
 

@@ -66,6 +66,7 @@ class WallMotion {
   };
 
   void collect_curve(const RayBlock& rays, const HitBlock& hits, const HitSlopes& slopes);
+  void add_to_nodes(const float* places, const float* by_shift, int count);
   void collect_flat(const RayBlock& rays, const HitBlock& hits, const HitSlopes& slopes);
   void build_superellipse();
   void build_free();

@@ -6,7 +6,7 @@
 namespace glint {
 namespace {
 
-constexpr int kRows = 36;
+constexpr int kRows = DirectionTable::kRows;
 constexpr int kColumns = 10;
 
 /// Width of the slopes along the azimuth of a direction.

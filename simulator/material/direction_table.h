@@ -28,6 +28,20 @@ class DirectionTable {
   /// Of the interpolated function over all directions, weighted with the cosine.
   double average() const { return average_; }
 
+  // For kernels that repeat at().
+  static constexpr int kRows = 36;
+
+  const GgxAlpha<double>& alpha() const { return alpha_; }
+
+  int columns() const { return columns_; }
+
+  double knee() const { return knee_; }
+
+  double scale() const { return scale_; }
+
+  /// columns() times kRows.
+  const std::vector<double>& values() const { return values_; }
+
  private:
   double z_of(double u) const;
   double value(int column, double u) const;

@@ -31,6 +31,9 @@ class GgxAlbedo {
 
   const GgxAlpha<double>& lowest() const { return lowest_; }
 
+  /// Where the roughness does not vary; else null.
+  const DirectionTable* only_table() const { return tables_.size() == 1 ? &tables_[0] : nullptr; }
+
  private:
   CubicStencil stencil_at(double scale) const;
 

@@ -21,9 +21,16 @@ class LossSampler {
   /// [1/sr]; 0 for z <= 0.
   double density(const LocalDirection& direction) const;
 
- private:
+  // For kernels that repeat sample() and density().
   static constexpr int kCells = 32;
 
+  double knee() const { return knee_; }
+
+  double scale() const { return scale_; }
+
+  const std::array<double, kCells>& mass() const { return mass_; }
+
+ private:
   double z_of(double t) const;
 
   double knee_ = 1.0;   ///< cells are equal in log(1 + z / knee)

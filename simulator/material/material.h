@@ -39,8 +39,8 @@ double density(const Material& material,
 
 /// Factors that a texture gives at one point.
 struct Texel {
-  double colour = 1.0;     ///< of all light from below a coat, in [0, 1]
-  double roughness = 1.0;  ///< of the roughness, > 0; widths grow with its square
+  Colour colour = Colour::Ones();  ///< of all light from below a coat, in [0, 1]
+  double roughness = 1.0;          ///< of the roughness, > 0; widths grow with its square
 };
 
 /// The material at that point. Widths that leave the range its table of albedos was made for keep

@@ -66,11 +66,23 @@ bool is_smooth(const MaterialSettings& settings) {
          (settings.type == Type::kConductor && settings.alpha.empty() && settings.roughness == 0.0);
 }
 
-std::unique_ptr<const GgxAlbedo> albedo_of(const MaterialSettings& settings) {
+std::unique_ptr<const Texture> texture_of(const TextureSettings& settings, bool is_grey) {
+  return settings.is_empty() ? nullptr : std::make_unique<const Texture>(settings, is_grey);
+}
+
+/// All that texels of pattern and texture together can have.
+Interval roughness_factors(const MaterialSettings& settings, const Texture* texture) {
+  const Interval pattern = roughness_factors(settings.pattern);
+  const Interval picture = texture == nullptr ? Interval(1.0) : texture->roughness_factors();
+  return {pattern.min * picture.min, pattern.max * picture.max};
+}
+
+std::unique_ptr<const GgxAlbedo> albedo_of(const MaterialSettings& settings,
+                                           const Texture* texture) {
   if (settings.type != Type::kConductor || is_smooth(settings) || !settings.multiple_reflections) {
     return nullptr;
   }
-  const Interval factors = roughness_factors(settings.pattern);
+  const Interval factors = roughness_factors(settings, texture);
   const GgxAlpha<double> alpha = alpha_of(settings);
   const double low = factors.min * factors.min;
   return std::make_unique<const GgxAlbedo>(GgxAlpha<double>{alpha.x * low, alpha.y * low},
@@ -169,6 +181,8 @@ void visit_keys(KeyVisitor& keys, MaterialSettings& s) {
       "lay", [&](KeyVisitor& t) { visit_keys(t, s.lay); }, "direction of the grooves");
   keys.table(
       "pattern", [&](KeyVisitor& t) { visit_keys(t, s.pattern); }, "marks on the surface");
+  keys.table(
+      "texture", [&](KeyVisitor& t) { visit_keys(t, s.texture); }, "pictures on the surface");
 }
 
 SurfaceMaterial::SurfaceMaterial(const MaterialSettings& settings,
@@ -176,7 +190,8 @@ SurfaceMaterial::SurfaceMaterial(const MaterialSettings& settings,
     : lay_(settings.lay),
       plane_(plane_of(settings.lay)),
       pattern_(settings.pattern),
-      albedo_(albedo_of(settings)) {
+      texture_(texture_of(settings.texture, wavelengths_nm.size() == 1)),
+      albedo_(albedo_of(settings, texture_.get())) {
   GLINT_CHECK(wavelengths_nm.size() == 1 || wavelengths_nm.size() == 3, "one or three wavelengths");
   const BaseMaterial base = base_of(settings, wavelengths_nm, albedo_.get());
   if (settings.coat.index > 1.0) {
@@ -189,7 +204,16 @@ SurfaceMaterial::SurfaceMaterial(const MaterialSettings& settings,
 }
 
 Material SurfaceMaterial::at(const Eigen::Vector3d& point_mm) const {
-  return has_pattern() ? textured(material_, texel_at(pattern_, plane_.at(point_mm))) : material_;
+  if (!has_pattern()) {
+    return material_;
+  }
+  Texel texel = texel_at(pattern_, plane_.at(point_mm));
+  if (texture_ != nullptr) {
+    const Texel picture = texture_->at(point_mm);
+    texel.colour *= picture.colour;
+    texel.roughness *= picture.roughness;
+  }
+  return textured(material_, texel);
 }
 
 ShadingFrame SurfaceMaterial::frame_at(const Eigen::Vector3d& point_mm,

@@ -11,6 +11,7 @@
 #include "simulator/material/lay.h"
 #include "simulator/material/material.h"
 #include "simulator/material/pattern.h"
+#include "simulator/material/texture.h"
 
 namespace glint {
 
@@ -39,6 +40,7 @@ struct MaterialSettings {
   CoatSettings coat;
   LaySettings lay;
   PatternSettings pattern;
+  TextureSettings texture;
 };
 
 void visit_keys(KeyVisitor& keys, CoatSettings& settings);
@@ -49,25 +51,34 @@ void visit_keys(KeyVisitor& keys, MaterialSettings& settings);
 class SurfaceMaterial {
  public:
   /// @param wavelengths_nm  of the sensor: 1 (grey) or 3 (red, green, blue)
-  /// @throws IoError, ConfigError: the table of n and k cannot be read, or lacks a wavelength
+  /// @throws IoError, ConfigError: the table of n and k cannot be read, or lacks a wavelength; a
+  ///         texture's picture cannot be read, or holds no factors
   SurfaceMaterial(const MaterialSettings& settings, std::span<const double> wavelengths_nm);
 
-  /// Without its pattern.
+  /// Without its pattern and texture.
   const Material& plain() const { return material_; }
 
-  /// With its pattern's factors at a point of the part.
+  /// With the factors of pattern and texture at a point of the part, multiplied.
   Material at(const Eigen::Vector3d& point_mm) const;
 
   /// The frame of its directions at a point of the part.
   /// @param normal  outward, of length 1
   ShadingFrame frame_at(const Eigen::Vector3d& point_mm, const Eigen::Vector3d& normal) const;
 
-  bool has_pattern() const { return pattern_.kind != PatternSettings::Kind::kNone; }
+  const LaySettings& lay() const { return lay_; }
+
+  const LayPlane& lay_plane() const { return plane_; }
+
+  /// Whether at() varies: there is a pattern or a texture.
+  bool has_pattern() const {
+    return pattern_.kind != PatternSettings::Kind::kNone || texture_ != nullptr;
+  }
 
  private:
   LaySettings lay_;
   LayPlane plane_;
   PatternSettings pattern_;
+  std::unique_ptr<const Texture> texture_;
   std::unique_ptr<const GgxAlbedo> albedo_;
   std::unique_ptr<const CoatTables> coat_tables_;
   Material material_;

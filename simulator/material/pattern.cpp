@@ -48,7 +48,7 @@ Texel texel_at(const PatternSettings& settings, const Eigen::Vector2d& at_mm) {
       at_mm.x() / settings.unit_mm, at_mm.y() / settings.unit_mm, settings.density);
   const double share = std::min(1.0, v / settings.density);
   const double factor = settings.scaled ? share : std::min(1.0, v);
-  return {.colour = 1.0 - settings.colour * (1.0 - factor),
+  return {.colour = Colour::Constant(1.0 - settings.colour * (1.0 - factor)),
           .roughness = 1.0 + settings.roughness * (2.0 * share - 1.0)};
 }
 

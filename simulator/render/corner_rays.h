@@ -43,6 +43,8 @@ struct CornerRays : SeenPart {
   RayCounts counts;                   ///< of all rays
   /// Corners whose rays met the part more than once, or graze it; increasing.
   std::vector<std::int64_t> special;
+  /// Weight of the corners of all smooth pixels; < 0: they differ, or it is not known.
+  float smooth_weight = -1.0F;
 };
 
 /// Derivative of escaped rays by one number: six floats a ray, arrays as in RayCache.

@@ -238,11 +238,35 @@ void CornerTracer::copy_pixels(int y, CornerRow& row) {
   }
 }
 
+namespace {
+
+/// The weight of the smooth pixels' first corners, -1 where they differ.
+float common_weight(const CornerRays& rays) {
+  float common = -1.0F;
+  for (int y = 0; y < rays.height_px; ++y) {
+    const float* weight = rays.corners.weight.data() +
+                          static_cast<std::size_t>(y) * static_cast<std::size_t>(rays.width_px + 1);
+    const PixelKind* kind = rays.kind.row(y);
+    for (int x = 0; x < rays.width_px; ++x) {
+      if (kind[x] == PixelKind::kSmooth && weight[x] != common) {
+        if (common >= 0.0F) {
+          return -1.0F;
+        }
+        common = weight[x];
+      }
+    }
+  }
+  return common;
+}
+
+}  // namespace
+
 void CornerTracer::finish() {
   result_.corners = std::move(corners_.rays);
   result_.corners.width_px = result_.width_px + 1;
   result_.corners.height_px = result_.height_px + 1;
   result_.corners.samples = 1;
+  result_.smooth_weight = common_weight(result_);
   for (std::size_t i = 0; i < corners_.is_special.size(); ++i) {
     if (corners_.is_special[i] != 0) {
       result_.special.push_back(static_cast<std::int64_t>(i));

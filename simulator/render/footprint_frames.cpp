@@ -344,11 +344,13 @@ void FootprintFrames::load(const RowSpan& span, int begin, Tile& tile) const {
   const auto* state =
       reinterpret_cast<const unsigned char*>(footprints_.state().row(span.y) + begin);
   static_assert(static_cast<int>(Footprints::State::kPlain) == 1);
-  kernels::plain_gains(state,
-                       rays.corners.weight.data() + top,
-                       hits.cosine.empty() ? nullptr : hits.cosine.data() + top,
-                       tile.count,
-                       tile.gain.data());
+  const float* cosine = hits.cosine.empty() ? nullptr : hits.cosine.data() + top;
+  if (rays.smooth_weight >= 0.0F) {
+    kernels::even_gains(state, rays.smooth_weight, cosine, tile.count, tile.gain.data());
+  } else {
+    kernels::plain_gains(
+        state, rays.corners.weight.data() + top, cosine, tile.count, tile.gain.data());
+  }
   kernels::trapezoids(tile.gx.data(), tile.gy.data(), tile.count, tile.shape());
 }
 

@@ -3,8 +3,8 @@
 
 #include <bit>
 #include <cmath>
-
 #include <cstdint>
+
 #include "simulator/light/cos_turns.h"
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
@@ -279,6 +279,19 @@ GLINT_WIDE void plain_gains(const unsigned char* __restrict state,
   }
 }
 
+GLINT_WIDE void even_gains(const unsigned char* __restrict state,
+                           float weight,
+                           const float* __restrict cosine,
+                           int count,
+                           float* __restrict gain) {
+  for (int i = 0; i < count; ++i) {
+    gain[i] = state[i] == 1 ? weight : 0.0F;
+  }
+  for (int i = 0; cosine != nullptr && i < count; ++i) {
+    gain[i] *= cosine[i];
+  }
+}
+
 GLINT_WIDE void mix(const float* __restrict gain,
                     const float* __restrict share,
                     int count,
@@ -314,38 +327,90 @@ GLINT_WIDE void any_shares(const float* __restrict v,
   }
 }
 
+namespace {
+
+/// Of one footprint, phases and widths already times the scale.
+__attribute__((always_inline)) inline float wide_share(float f,
+                                                       float duty,
+                                                       float outer,
+                                                       float inner) {
+  constexpr float kNarrowest = 1e-3F;
+  const float major = outer + inner;
+  const float minor = outer - inner > kNarrowest ? outer - inner : kNarrowest;
+  const float far = 0.5F * (major + minor);
+  const float near = 0.5F * (major - minor);
+  const float difference = second_integral(f + far, duty) - second_integral(f + near, duty) -
+                           second_integral(f - near, duty) + second_integral(f - far, duty);
+  return duty + difference / (major * minor);
+}
+
+constexpr int kShareChunk = 64;  ///< footprints whose formulas are chosen together
+
+}  // namespace
+
 /// Footprints no wider than the stripes take the trapezoid, which does not cancel however small
-/// they are; others the second difference of the second integral, taken near phase 0.
+/// they are; others the second difference of the second integral, taken near phase 0. Where all of
+/// a chunk take the same, only that is computed.
 GLINT_WIDE void any_shares_fast(const float* __restrict v,
                                 const Trapezoids& trapezoids,
                                 int count,
                                 float scale,
                                 float duty,
                                 float* __restrict shares) {
-  constexpr float kNarrowest = 1e-3F;
   const float* __restrict outers = trapezoids.outer;
   const float* __restrict inners = trapezoids.inner;
   const float* __restrict per_major = trapezoids.per_major;
   const float* __restrict per_both = trapezoids.per_both;
   const float per_scale = 1.0F / scale;
   const float limit = duty < 1.0F - duty ? duty : 1.0F - duty;
-  for (int i = 0; i < count; ++i) {
-    const float moved = scale * v[i];
-    const float f = moved - std::floor(moved);
-    const float outer = scale * outers[i];
-    const float inner = scale * inners[i];
-    const float trapezoid = two_edge_share(
-        f, duty, outer, inner, per_scale * per_major[i], per_scale * per_scale * per_both[i]);
-    const float major = outer + inner;
-    const float minor = outer - inner > kNarrowest ? outer - inner : kNarrowest;
-    const float far = 0.5F * (major + minor);
-    const float near = 0.5F * (major - minor);
-    const float difference = second_integral(f + far, duty) - second_integral(f + near, duty) -
-                             second_integral(f - near, duty) + second_integral(f - far, duty);
-    const float wide = duty + difference / (major * minor);
-    shares[i] = outer <= limit ? trapezoid : wide;
+  for (int begin = 0; begin < count; begin += kShareChunk) {
+    const int end = begin + kShareChunk < count ? begin + kShareChunk : count;
+    int narrow = 0;
+    for (int i = begin; i < end; ++i) {
+      narrow += scale * outers[i] <= limit ? 1 : 0;
+    }
+    for (int i = begin; narrow < end - begin && i < end; ++i) {
+      const float moved = scale * v[i];
+      const float f = moved - std::floor(moved);
+      shares[i] = wide_share(f, duty, scale * outers[i], scale * inners[i]);
+    }
+    for (int i = begin; narrow > 0 && i < end; ++i) {
+      const float moved = scale * v[i];
+      const float f = moved - std::floor(moved);
+      const float outer = scale * outers[i];
+      const float trapezoid = two_edge_share(f,
+                                             duty,
+                                             outer,
+                                             scale * inners[i],
+                                             per_scale * per_major[i],
+                                             per_scale * per_scale * per_both[i]);
+      shares[i] = outer <= limit ? trapezoid : shares[i];
+    }
   }
 }
+
+namespace {
+
+/// w of one pixel and whether the phase is linear, by the differences of its neighbours.
+struct PixelWidth {
+  float w;
+  bool is_linear;
+};
+
+__attribute__((always_inline)) inline PixelWidth width_of(
+    const ThreeRows& gx, const ThreeRows& gy, int left, int i, int right, const LinearPhase& r) {
+  const float x = gx.here[i];
+  const float y = gy.here[i];
+  const float width = std::sqrt(r.variance_px2 * (x * x + y * y));
+  const float xx = absolute(gx.here[right] - gx.here[left]);
+  const float xy = absolute(gx.below[i] - gx.above[i]);
+  const float yy = absolute(gy.below[i] - gy.above[i]);
+  const float mixed = xx > xy ? xx : xy;
+  const float bend = 0.5F * (mixed > yy ? mixed : yy) * r.variance_px2;
+  return {.w = width, .is_linear = (bend <= r.absolute) | (bend <= r.relative * width)};
+}
+
+}  // namespace
 
 GLINT_WIDE void stripe_widths(const ThreeRows& gx,
                               const ThreeRows& gy,
@@ -353,25 +418,20 @@ GLINT_WIDE void stripe_widths(const ThreeRows& gx,
                               const LinearPhase& rule,
                               float* __restrict w,
                               unsigned char* __restrict is_linear) {
-  const float* __restrict x_above = gx.above;
-  const float* __restrict x_here = gx.here;
-  const float* __restrict x_below = gx.below;
-  const float* __restrict y_above = gy.above;
-  const float* __restrict y_here = gy.here;
-  const float* __restrict y_below = gy.below;
+  const ThreeRows x = gx;
+  const ThreeRows y = gy;
   const LinearPhase r = rule;
-  for (int i = 0; i < count; ++i) {
-    const float width = std::sqrt(r.variance_px2 * (x_here[i] * x_here[i] + y_here[i] * y_here[i]));
-    const int left = i > 0 ? i - 1 : 0;
-    const int right = i + 1 < count ? i + 1 : count - 1;
-    const float xx = absolute(x_here[right] - x_here[left]);
-    const float xy = absolute(x_below[i] - x_above[i]);
-    const float yy = absolute(y_below[i] - y_above[i]);
-    const float mixed = xx > xy ? xx : xy;
-    const float bend = 0.5F * (mixed > yy ? mixed : yy) * r.variance_px2;
-    const bool is_small = (bend <= r.absolute) | (bend <= r.relative * width);
-    w[i] = width;
-    is_linear[i] = static_cast<unsigned char>(is_small ? 1 : 0);
+  // The ends apart: without them neighbours are just one place further on.
+  for (int i = 1; i < count - 1; ++i) {
+    const PixelWidth here = width_of(x, y, i - 1, i, i + 1, r);
+    w[i] = here.w;
+    is_linear[i] = static_cast<unsigned char>(here.is_linear ? 1 : 0);
+  }
+  for (const int i : {0, count - 1}) {
+    const int right = i + 1 < count ? i + 1 : i;
+    const PixelWidth here = width_of(x, y, i > 0 ? i - 1 : 0, i, right, r);
+    w[i] = here.w;
+    is_linear[i] = static_cast<unsigned char>(here.is_linear ? 1 : 0);
   }
 }
 

@@ -107,6 +107,10 @@ float largest_lit(const float* values, const float* gain, int count);
 void plain_gains(
     const unsigned char* state, const float* weight, const float* cosine, int count, float* gain);
 
+/// The same with one weight for all pixels.
+void even_gains(
+    const unsigned char* state, float weight, const float* cosine, int count, float* gain);
+
 /// out = gain * (dark + bright * share)
 void mix(const float* gain, const float* share, int count, float dark, float bright, float* out);
 

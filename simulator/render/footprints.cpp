@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "simulator/render/hidden_pixels.h"
+#include "simulator/render/mask_kernels.h"
 
 namespace glint {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 namespace kernels = footprint_kernels;
 
 /// Rays that are met together: their arrays stay in the first caches.
-constexpr int kBlock = 2048;
+constexpr int kBlock = 1024;
 
 }  // namespace
 
@@ -186,15 +187,10 @@ void Footprints::phases(int y, const kernels::PhaseRow& row) const {
 }
 
 double Footprints::hidden_share() const {
-  int num_hidden = 0;
-  int on_part = 0;
-  const float* coverage = rays_.coverage.values().data();
-  const unsigned char* is_hidden = hidden().values().data();
-  for (std::size_t i = 0; i < hidden().size(); ++i) {
-    num_hidden += is_hidden[i];
-    on_part += coverage[i] > 0.0F ? 1 : 0;
-  }
-  return static_cast<double>(num_hidden) / static_cast<double>(std::max(1, on_part));
+  const auto count = static_cast<int>(hidden().size());
+  const int num_hidden = mask_kernels::count_ones(hidden().values().data(), count);
+  const int on_part = mask_kernels::count_positive(rays_.coverage.values().data(), count);
+  return on_part > 0 ? static_cast<double>(num_hidden) / on_part : 0.0;
 }
 
 }  // namespace glint

@@ -116,6 +116,7 @@ class BlurBackwards {
 struct PlainSums {
   std::vector<float> v, gx, gy, gain, weight;
   std::vector<float> by_v, by_gx, by_gy, by_duty, share, weights;
+  bool is_narrow = true;  ///< each sees one edge of the stripes at most
 
   explicit PlainSums(const RowSpan& span) {
     const auto size = static_cast<std::size_t>(span.size());
@@ -150,6 +151,8 @@ class FrameSlopes {
         slopes_(slopes),
         frames_(static_cast<std::size_t>(p_.frames())),
         cells_(p_) {
+    constexpr float kNarrowest = 1e-6F;  // footprints are taken as no narrower than this
+    const float limit = footprint_kernels::narrow_limit(static_cast<float>(p_.duty));
     std::vector<float> v(static_cast<std::size_t>(rays_.width_px)), gx(v), gy(v);
     for (const RowSpan& span : rendered_) {
       footprints_.phases(span.y, {.v = v.data(), .gx = gx.data(), .gy = gy.data()});
@@ -163,6 +166,8 @@ class FrameSlopes {
         const Footprints::State state = footprints_.state()(x, span.y);
         sums.gain[to] =
             state == Footprints::State::kPlain ? rays_.corners.weight[corner(x, span.y)] : 0.0F;
+        const float outer = 0.5F * (std::abs(gx[from]) + std::abs(gy[from])) + kNarrowest;
+        sums.is_narrow = sums.is_narrow && (sums.gain[to] == 0.0F || outer <= limit);
         if (state == Footprints::State::kCells) {
           cell_pixels_.push_back(span.y * rays_.width_px + x);
         }
@@ -178,22 +183,22 @@ class FrameSlopes {
       const RowSpan& span = rendered_[s];
       PlainSums& sums = plain_[s];
       const float* by = by_radiance.row(span.y) + span.begin;
-      for (std::size_t i = 0; i < sums.weight.size(); ++i) {
-        sums.weight[i] = by[i] * sums.gain[i];
-      }
-      slope_kernels::add_box_slopes(sums.v.data(),
-                                    sums.gx.data(),
-                                    sums.gy.data(),
-                                    sums.weight.data(),
-                                    span.size(),
-                                    static_cast<float>(p_.shift_periods[k]),
-                                    static_cast<float>(p_.duty),
-                                    {.v = sums.by_v.data(),
-                                     .gx = sums.by_gx.data(),
-                                     .gy = sums.by_gy.data(),
-                                     .duty = sums.by_duty.data(),
-                                     .share = sums.share.data(),
-                                     .weight = sums.weights.data()});
+      slope_kernels::multiply(by, sums.gain.data(), span.size(), sums.weight.data());
+      const auto add_slopes =
+          sums.is_narrow ? slope_kernels::add_narrow_slopes : slope_kernels::add_box_slopes;
+      add_slopes(sums.v.data(),
+                 sums.gx.data(),
+                 sums.gy.data(),
+                 sums.weight.data(),
+                 span.size(),
+                 static_cast<float>(p_.shift_periods[k]),
+                 static_cast<float>(p_.duty),
+                 {.v = sums.by_v.data(),
+                  .gx = sums.by_gx.data(),
+                  .gy = sums.by_gy.data(),
+                  .duty = sums.by_duty.data(),
+                  .share = sums.share.data(),
+                  .weight = sums.weights.data()});
     }
     for (std::size_t i = 0; i < cell_pixels_.size(); ++i) {
       cell_weights_[i * frames_ + k] =

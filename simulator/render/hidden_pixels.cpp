@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "simulator/render/mask_kernels.h"
+
 namespace glint {
 namespace {
 
@@ -30,11 +32,8 @@ void test_row(const SeenPart& seen,
   scratch.resize(count);
   const std::int64_t first = static_cast<std::int64_t>(y) * seen.width_px + begin;
   tunnel.hidden_block(seen.seen_block(first, static_cast<int>(count)), camera_mm, scratch.data());
-  const float* coverage = seen.coverage.row(y) + begin;
-  unsigned char* out = hidden.row(y) + begin;
-  for (std::size_t i = 0; i < count; ++i) {
-    out[i] = static_cast<unsigned char>((scratch[i] > 0.0F) & (coverage[i] > 0.0F));
-  }
+  mask_kernels::mark_both(
+      scratch.data(), seen.coverage.row(y) + begin, end - begin, hidden.row(y) + begin);
 }
 
 /// Pixels 0, step, 2 step, ... and the last one.
@@ -131,9 +130,7 @@ struct TileArea {
 
 bool has_part(const SeenPart& seen, const TileArea& area) {
   for (int y = area.top; y < area.bottom; ++y) {
-    const float* coverage = seen.coverage.row(y);
-    if (std::any_of(
-            coverage + area.left, coverage + area.right, [](float c) { return c > 0.0F; })) {
+    if (mask_kernels::is_any_positive(seen.coverage.row(y) + area.left, area.right - area.left)) {
       return true;
     }
   }

@@ -98,6 +98,31 @@ GLINT_WIDE void keep_where(const unsigned char* __restrict mask,
   }
 }
 
+GLINT_WIDE void mark_both(const float* __restrict a,
+                          const float* __restrict b,
+                          int count,
+                          unsigned char* __restrict flags) {
+  for (int i = 0; i < count; ++i) {
+    flags[i] = ((a[i] > 0.0F) & (b[i] > 0.0F)) ? 1 : 0;
+  }
+}
+
+GLINT_WIDE int count_positive(const float* __restrict values, int count) {
+  int found = 0;
+  for (int i = 0; i < count; ++i) {
+    found += values[i] > 0.0F ? 1 : 0;
+  }
+  return found;
+}
+
+GLINT_WIDE bool is_any_positive(const float* __restrict values, int count) {
+  int found = 0;
+  for (int i = 0; i < count; ++i) {
+    found |= values[i] > 0.0F ? 1 : 0;
+  }
+  return found != 0;
+}
+
 GLINT_WIDE void mark_different(const float* __restrict a,
                                const float* __restrict b,
                                int count,

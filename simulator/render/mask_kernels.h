@@ -46,6 +46,15 @@ float largest_size(const unsigned char* mask, const float* values, const float* 
 /// Values elsewhere become `other`.
 void keep_where(const unsigned char* mask, int count, float other, float* values);
 
+/// 1 where both values are > 0.
+void mark_both(const float* a, const float* b, int count, unsigned char* flags);
+
+/// How many of the values are > 0.
+int count_positive(const float* values, int count);
+
+/// Whether one of the values is > 0.
+bool is_any_positive(const float* values, int count);
+
 /// flags |= 1 where the values differ. Arrays must not overlap.
 void mark_different(const float* a, const float* b, int count, unsigned char* flags);
 

@@ -244,6 +244,89 @@ void add_box_slopes(const float* v,
              out.weight);
 }
 
+/// As add_slopes(), folded around the middle of the bright stripe.
+GLINT_WIDE static void add_folded_slopes(const float* __restrict v,
+                                         const float* __restrict gx,
+                                         const float* __restrict gy,
+                                         const float* __restrict weight,
+                                         int count,
+                                         float shift,
+                                         float duty,
+                                         float* __restrict by_v,
+                                         float* __restrict by_gx,
+                                         float* __restrict by_gy,
+                                         float* __restrict by_duty,
+                                         float* __restrict share,
+                                         float* __restrict weights) {
+  const float half_duty = 0.5F * duty;
+  const float to_middle = shift + half_duty;
+  for (int i = 0; i < count; ++i) {
+    const float a = absolute(gx[i]);
+    const float b = absolute(gy[i]);
+    const float large = a < b ? b : a;
+    const float small = a < b ? a : b;
+    const float major = large > kNarrow ? large : kNarrow;
+    const float minor = small > kNarrow ? small : kNarrow;
+    const float outer = 0.5F * (major + minor);
+    const float inner = 0.5F * (major - minor);
+    const float per_major = 1.0F / major;
+    const float per_minor = 1.0F / minor;
+    const float moved = v[i] - to_middle;
+    const float turn = moved - std::floor(moved + 0.5F);
+    const float inside = half_duty - absolute(turn);  // how far in the bright stripe
+    const float size = absolute(inside);
+    const float sign = inside < 0.0F ? -1.0F : 1.0F;
+    const float is_near = size < outer ? 1.0F : 0.0F;
+    const float t = size < outer ? size : outer;
+    const float over = (t > inner ? t - inner : 0.0F) * per_minor;
+    const float half = 0.5F * over * over * minor * per_major;
+    const float near_weight = weight[i] * is_near;
+    const float by_inside = near_weight * per_major * (1.0F - over);
+    const float by_major = sign * near_weight * per_major * (half - t * per_major + 0.5F * over);
+    const float by_minor = sign * near_weight * (per_minor * half - 0.5F * over * per_major);
+    const float x_sign = gx[i] < 0.0F ? -1.0F : 1.0F;
+    const float y_sign = gy[i] < 0.0F ? -1.0F : 1.0F;
+    by_v[i] += turn > 0.0F ? -by_inside : by_inside;
+    by_gx[i] += x_sign * (a < b ? by_minor : by_major);
+    by_gy[i] += y_sign * (a < b ? by_major : by_minor);
+    by_duty[i] += turn > 0.0F ? by_inside : 0.0F;
+    share[i] += weight[i] * (0.5F + sign * (t * per_major - half));
+    weights[i] += weight[i];
+  }
+}
+
+void add_narrow_slopes(const float* v,
+                       const float* gx,
+                       const float* gy,
+                       const float* weight,
+                       int count,
+                       float shift,
+                       float duty,
+                       const BoxSlopes& out) {
+  add_folded_slopes(v,
+                    gx,
+                    gy,
+                    weight,
+                    count,
+                    shift,
+                    duty,
+                    out.v,
+                    out.gx,
+                    out.gy,
+                    out.duty,
+                    out.share,
+                    out.weight);
+}
+
+GLINT_WIDE void multiply(const float* __restrict a,
+                         const float* __restrict b,
+                         int count,
+                         float* __restrict out) {
+  for (int i = 0; i < count; ++i) {
+    out[i] = a[i] * b[i];
+  }
+}
+
 GLINT_WIDE void add_scaled(const float* __restrict from,
                            int count,
                            float factor,
@@ -262,10 +345,10 @@ GLINT_WIDE void unclipped_slopes(const float* __restrict radiance,
   }
 }
 
-GLINT_WIDE static void multiply(const float* __restrict by_aspect,
-                                int count,
-                                float factor,
-                                float* __restrict by) {
+GLINT_WIDE static void weigh(const float* __restrict by_aspect,
+                             int count,
+                             float factor,
+                             float* __restrict by) {
   for (int i = 0; i < count; ++i) {
     by[i] *= by_aspect[i] * factor;
   }
@@ -291,30 +374,75 @@ GLINT_WIDE double exact_sum(const float* values, std::size_t count) {
 }
 
 double weigh_slopes(const float* by_aspect, const float* grey, int count, float factor, float* by) {
-  multiply(by_aspect, count, factor, by);
+  weigh(by_aspect, count, factor, by);
   return sum_of_products(by, grey, count);
 }
 
-VertexSums weigh_vertex(
-    double phase, const double* shift, const double* weight, int frames, double duty) {
-  VertexSums sums;
+namespace {
+
+/// Frames that are added side by side.
+constexpr int kFrameLanes = 8;
+
+struct VertexLanes {
+  double wave[kFrameLanes] = {};
+  double first[kFrameLanes] = {};
+  double second[kFrameLanes] = {};
+  double first_by_duty[kFrameLanes] = {};
+  double second_by_duty[kFrameLanes] = {};
+};
+
+__attribute__((always_inline)) inline void add_to_lane(
+    double moved, double weight, double duty, int lane, VertexLanes& lanes) {
   const double rest = 1.0 - duty;
   const double mean = 0.5 * duty * rest;
   const double mean_by_duty = 0.5 - duty;
-  for (int k = 0; k < frames; ++k) {
-    const double moved = phase - shift[k];
-    const double f = moved - std::floor(moved);
-    const double to_end = 1.0 - f;
-    const bool is_bright = f < duty;
-    sums.wave += weight[k] * (is_bright ? rest : -duty);
-    sums.first += weight[k] * ((is_bright ? rest * f : duty * to_end) - mean);
-    sums.second += weight[k] * (is_bright ? (0.5 * rest * f - mean) * f
-                                          : -(0.5 * duty * to_end - mean) * to_end);
-    sums.first_by_duty += weight[k] * ((is_bright ? -f : to_end) - mean_by_duty);
-    sums.second_by_duty += weight[k] * (is_bright ? (-0.5 * f - mean_by_duty) * f
-                                                  : -(0.5 * to_end - mean_by_duty) * to_end);
+  const double f = moved - std::floor(moved);
+  const double to_end = 1.0 - f;
+  const bool is_bright = f < duty;
+  lanes.wave[lane] += weight * (is_bright ? rest : -duty);
+  lanes.first[lane] += weight * ((is_bright ? rest * f : duty * to_end) - mean);
+  lanes.second[lane] +=
+      weight * (is_bright ? (0.5 * rest * f - mean) * f : -(0.5 * duty * to_end - mean) * to_end);
+  lanes.first_by_duty[lane] += weight * ((is_bright ? -f : to_end) - mean_by_duty);
+  lanes.second_by_duty[lane] += weight * (is_bright ? (-0.5 * f - mean_by_duty) * f
+                                                    : -(0.5 * to_end - mean_by_duty) * to_end);
+}
+
+GLINT_WIDE void add_to_lanes(double phase,
+                             const double* __restrict shift,
+                             const double* __restrict weight,
+                             int frames,
+                             double duty,
+                             VertexLanes& lanes) {
+  VertexLanes sums;
+  int k = 0;
+  for (; k + kFrameLanes <= frames; k += kFrameLanes) {
+    for (int lane = 0; lane < kFrameLanes; ++lane) {
+      add_to_lane(phase - shift[k + lane], weight[k + lane], duty, lane, sums);
+    }
   }
-  return sums;
+  for (int lane = 0; k + lane < frames; ++lane) {
+    add_to_lane(phase - shift[k + lane], weight[k + lane], duty, lane, sums);
+  }
+  lanes = sums;
+}
+
+double total_of(const double* lanes) {
+  return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
+         ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
+}
+
+}  // namespace
+
+VertexSums weigh_vertex(
+    double phase, const double* shift, const double* weight, int frames, double duty) {
+  VertexLanes lanes;
+  add_to_lanes(phase, shift, weight, frames, duty, lanes);
+  return {.wave = total_of(lanes.wave),
+          .first = total_of(lanes.first),
+          .second = total_of(lanes.second),
+          .first_by_duty = total_of(lanes.first_by_duty),
+          .second_by_duty = total_of(lanes.second_by_duty)};
 }
 
 }  // namespace glint::slope_kernels

@@ -31,6 +31,20 @@ void add_box_slopes(const float* v,
                     float duty,
                     const BoxSlopes& out);
 
+/// The same, but for rounding, for footprints that all are narrow (footprint_kernels.h) where their
+/// weight is not 0: one edge at most is near.
+void add_narrow_slopes(const float* v,
+                       const float* gx,
+                       const float* gy,
+                       const float* weight,
+                       int count,
+                       float shift,
+                       float duty,
+                       const BoxSlopes& out);
+
+/// out = a * b
+void multiply(const float* a, const float* b, int count, float* out);
+
 /// In double, lane by lane: the same bits for any instruction set.
 double exact_sum(const float* values, std::size_t count);
 

@@ -22,11 +22,13 @@ SlotMargin slot_margin(const SeenPart& seen,
   std::vector<float> to_x(width), to_y(width), to_z(width), x(width), y(width), margin(width);
   for (int row = 0; row < seen.height_px; ++row) {
     RayBlock sight = seen.seen_block(static_cast<std::int64_t>(row) * seen.width_px, seen.width_px);
-    for (std::size_t i = 0; i < width; ++i) {
-      to_x[i] = static_cast<float>(camera_in_world_mm.x()) - sight.origin_x[i];
-      to_y[i] = static_cast<float>(camera_in_world_mm.y()) - sight.origin_y[i];
-      to_z[i] = static_cast<float>(camera_in_world_mm.z()) - sight.origin_z[i];
-    }
+    aim_at(sight,
+           static_cast<float>(camera_in_world_mm.x()),
+           static_cast<float>(camera_in_world_mm.y()),
+           static_cast<float>(camera_in_world_mm.z()),
+           to_x.data(),
+           to_y.data(),
+           to_z.data());
     sight.direction_x = to_x.data();
     sight.direction_y = to_y.data();
     sight.direction_z = to_z.data();

@@ -103,15 +103,15 @@ function closeups(facts, design) {
 
 function scores(facts, design) {
   const main = facts.mainScores();
-  const names = [...main, ...Object.keys(design.scores ?? {}).filter((name) => !main.includes(name))];
+  const names = [...main, ...Object.keys(design.scores ?? {}).filter((name) => !main.includes(name) && !name.endsWith('.error'))];
   const hasFresh = Object.keys(design.rescored ?? {}).length > 0;
   const row = (name) => {
     const constraint = facts.constraints.find((one) => one.name === name);
     const fails = constraint && !facts.meets(constraint, facts.value(design, name));
     return h('tr', { class: [main.includes(name) ? 'main' : '', fails ? 'fails' : ''].join(' ').trim() },
       h('th', { title: name }, facts.label(name), constraint && h('small', {}, ` ${facts.limit(constraint)}`)),
-      h('td', {}, facts.score(name, design.scores?.[name]), fails && !hasFresh && ' \u2717'),
-      hasFresh && h('td', {}, facts.score(name, design.rescored?.[name]), fails && ' \u2717'));
+      h('td', {}, facts.scoreWithError(name, design.scores), fails && !hasFresh && ' \u2717'),
+      hasFresh && h('td', {}, facts.scoreWithError(name, design.rescored), fails && ' \u2717'));
   };
   const head = hasFresh && h('thead', {}, h('tr', {}, h('th', {}), h('th', {}, 'search'), h('th', {}, 'fresh seeds')));
   const table = (list) => h('table', { class: 'scores' }, head && head.cloneNode(true), h('tbody', {}, list.map(row)));

@@ -39,6 +39,15 @@ export class Facts {
     return this.info(name).format === 'percent' ? percent(value) : number(value, 3);
   }
 
+  /** With its standard error where it has one: "81.2 % \u00b1 0.3 %". */
+  scoreWithError(name, scores) {
+    const error = scores?.[`${name}.error`];
+    const text = this.score(name, scores?.[name]);
+    if (!isNumber(error)) return text;
+    const isPercent = this.info(name).format === 'percent';
+    return `${text} \u00b1 ${isPercent ? `${number(100 * error, 2)} %` : number(error, 2)}`;
+  }
+
   /** A difference of two values, signed, and its unit: points for per cents. */
   difference(name, value) {
     const isPercent = this.info(name).format === 'percent';

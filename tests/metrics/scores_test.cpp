@@ -99,6 +99,24 @@ TEST(WithoutBound, TakesOneBoundOff) {
   EXPECT_FALSE(is_bound("inspection.auc"));
 }
 
+TEST(ErrorName, IsExplainedForScoresOfPicturesAndRefusedAsAnAim) {
+  EXPECT_EQ(error_name("homogeneity.h_rms"), "homogeneity.h_rms.error");
+  EXPECT_EQ(without_error("homogeneity.h_rms.error"), "homogeneity.h_rms");
+  EXPECT_EQ(without_error("homogeneity.h_rms"), "homogeneity.h_rms");
+  EXPECT_TRUE(is_error("defects.dent_1.cnr.error"));
+  EXPECT_FALSE(is_error("defects.dent_1.cnr"));
+  EXPECT_FALSE(is_bound("homogeneity.h_rms.error"));
+  EXPECT_THAT(explain_score("homogeneity.h_rms.error").value(),
+              ::testing::StartsWith("standard error of homogeneity.h_rms"));
+  EXPECT_TRUE(explain_score("defects.dent_1.cnr.error").has_value());
+  EXPECT_FALSE(explain_score("view.hidden_share.error").has_value());
+  EXPECT_FALSE(explain_score("defects.made.error").has_value());
+  EXPECT_FALSE(explain_score("no.error").has_value());
+  EXPECT_FALSE(explain_score("homogeneity.h_rms.low.error").has_value());
+  EXPECT_THAT(unknown_score("homogeneity.h_rms.error", {}),
+              ::testing::HasSubstr("comes with homogeneity.h_rms"));
+}
+
 TEST(IntervalOf, IsThereForEstimatesAlone) {
   EXPECT_EQ(interval_of("homogeneity.h_rms"), ScoreInterval::kScans);
   EXPECT_EQ(interval_of("defects.dent_1.cnr.high"), ScoreInterval::kScans);

@@ -227,6 +227,10 @@ TEST(ObjectiveNoise, IsHalfTheIntervalAndNoneWithoutOne) {
   EXPECT_EQ(objective_noise(h, {{"h", 0.8}}), 0.0);
   EXPECT_EQ(objective_noise(h, {{"h", 0.8}, {"h.low", 0.7}}), 0.0);
   EXPECT_EQ(objective_noise(h, with_interval(0.8, 0.7, kInfinity)), 0.0);
+  EXPECT_DOUBLE_EQ(objective_noise(h, {{"h", 0.8}, {"h.error", 0.01}}), 0.02);
+  Scores both = with_interval(0.8, 0.77, 0.83);  // hypot(0.03, 2 * 0.02)
+  both["h.error"] = 0.02;
+  EXPECT_NEAR(objective_noise(h, both), 0.05, 1e-12);
 }
 
 TEST(DifferenceNoise, AddsInSquares) {

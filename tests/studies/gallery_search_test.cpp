@@ -116,6 +116,16 @@ TEST(GallerySearch, FindsMoreDentsWhenDetectionComesFirst) {
   expect_winner("visible_first", "winner_even_first", evenness_first());
 }
 
+TEST(GallerySearch, FindsARingThatShowsMoreThanDomeAndBar) {
+  const Json result = expect_winner("ring_geometry");
+  const std::string score = "defects.min_dprime";
+  const Json& scores = result.at("best").at("scores");
+  EXPECT_GT(scores.at(score).get<double>() - 3.0 * scores.at(score + ".error").get<double>(),
+            best_prototype(result, score));
+  expect_fresh("ring_geometry", "winner_fine", result.at("rescored").at("best"));
+  expect_fresh("ring_geometry", "winner_fine_baseline", result.at("rescored").at("baseline"));
+}
+
 TEST(GallerySearch, FindsATunnelForThePartOfTheGallery) {
   const Json result = expect_winner("my_part");
   const double found = result.at("rescored").at("best").at("homogeneity.h_rms").get<double>();

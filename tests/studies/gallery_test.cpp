@@ -4,6 +4,7 @@
 // in gallery_search_test.cpp.
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -227,6 +228,23 @@ TEST(GalleryWorstDent, ScoresAreThePromisedOnes) {
 
 TEST(GalleryWorstDent, ReadmePrintsTheExpectedNumbers) {
   expect_printed_numbers("worst_dent", 8);
+}
+
+TEST(GalleryRingGeometry, ScoresAreThePromisedOnes) {
+  expect_promised_scores("ring_geometry", {});
+}
+
+TEST(GalleryRingGeometry, ReadmePrintsTheExpectedNumbers) {
+  expect_printed_numbers("ring_geometry", 12);
+}
+
+// A dome lights every slope alike; a bar from one side does not.
+TEST(GalleryRingGeometry, ABarShowsMoreThanADome) {
+  const Scores dome = scores_of("ring_geometry", "dome");
+  const Scores bar = scores_of("ring_geometry", "bar");
+  const double errors =
+      std::hypot(dome.at("defects.min_dprime.error"), bar.at("defects.min_dprime.error"));
+  EXPECT_GT(bar.at("defects.min_dprime"), dome.at("defects.min_dprime") + 3.0 * errors);
 }
 
 TEST(GalleryVisibleFirst, ScoresAreThePromisedOnes) {

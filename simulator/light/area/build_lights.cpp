@@ -46,6 +46,8 @@ class Builder {
     std::visit([this](const auto& settings) { build(settings); }, light.settings);
   }
 
+  void add(const TunnelLight& tunnel) { add_tunnel(tunnel, lights_); }
+
   Lights finish() {
     lights_.tree = LightTree(lights_.emitters, lights_.bodies);
     return std::move(lights_);
@@ -325,10 +327,14 @@ EmitterFrame placed_frame(const LightPlacement& p, const RigidTransform& scene_f
 
 Lights build_lights(const std::vector<NamedLight>& lights,
                     const RigidTransform& scene_from_camera,
-                    const MeshLoader& load_mesh) {
+                    const MeshLoader& load_mesh,
+                    const std::optional<TunnelLight>& tunnel) {
   Builder builder(scene_from_camera, load_mesh);
   for (const NamedLight& light : lights) {
     builder.add(light);
+  }
+  if (tunnel) {
+    builder.add(*tunnel);
   }
   return builder.finish();
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "core/pose.h"
 #include "simulator/light/area/light_settings.h"
 #include "simulator/light/area/lights.h"
+#include "simulator/light/area/tunnel_light.h"
 
 namespace glint {
 
@@ -28,13 +30,15 @@ using MeshLoader = std::function<std::vector<LightTriangle>(const std::filesyste
 /// Puts the lights of a scene where they stand.
 ///
 /// Groups are numbered in the order of the lights; a light without separate_segments is one group
-/// whose segment powers are in its radiances.
+/// whose segment powers are in its radiances. The tunnel's groups, one for each bin of phases, come
+/// last, from Lights::first_tunnel_group on.
 /// @param scene_from_camera  where lights on the camera go
 /// @throws ConfigError, IoError: a file that cannot be used, a light without luminous area, a
 /// second environment
 Lights build_lights(const std::vector<NamedLight>& lights,
                     const RigidTransform& scene_from_camera,
-                    const MeshLoader& load_mesh);
+                    const MeshLoader& load_mesh,
+                    const std::optional<TunnelLight>& tunnel = {});
 
 /// The frame of a light on the part or the camera, in the scene: z the way it shines, x at roll 0
 /// as close to the x axis of what it is fixed to as can be (y where it shines along x).

@@ -24,6 +24,7 @@ struct Emitter {
   int body = -1;                                     ///< index of an IesBody; < 0: a lobe
   int group = 0;
   bool is_solid = true;  ///< its back hides what is behind; else rays pass from behind
+  bool is_drawn = true;  ///< sample_light() draws directions to it; else rays meet it by themselves
 };
 
 /// The luminous opening of a measured light: all visible sides have the same radiance, which is the

@@ -48,6 +48,9 @@ AlignedBox3d padded(AlignedBox3d box) {
 }
 
 double axis_intensity(const Emitter& emitter, const std::vector<IesBody>& bodies) {
+  if (!emitter.is_drawn) {
+    return 0.0;
+  }
   const double area_m2 = area_mm2(emitter.shape) * kM2PerMm2;
   const double radiance = static_cast<double>(emitter.radiance.mean());
   if (emitter.body < 0) {
@@ -257,6 +260,16 @@ double LightTree::probability(const std::vector<Emitter>& emitters,
     at = is_right ? right : at + 1;
   }
   return probability;
+}
+
+std::vector<int> LightTree::order() const {
+  std::vector<int> emitters;
+  for (const Node& node : nodes_) {
+    if (node.emitter >= 0) {
+      emitters.push_back(node.emitter);
+    }
+  }
+  return emitters;
 }
 
 double LightTree::estimate_w_m2(const std::vector<Emitter>& emitters,

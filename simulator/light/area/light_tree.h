@@ -15,7 +15,7 @@ namespace glint {
 
 /// Emitters in a binary tree of boxes: to meet them with rays, and to choose one with a probability
 /// that follows what it may contribute at a point. Where an emitter can contribute it can be
-/// chosen.
+/// chosen, unless it is not to be drawn.
 ///
 /// Up to eight emitters are weighed one by one. A node's estimate is its intensity times the cos^n
 /// of the smallest angle between a normal in it and the way to the point, over the square of the
@@ -41,6 +41,9 @@ class LightTree {
   double probability(const std::vector<Emitter>& emitters,
                      const Eigen::Vector3d& point_mm,
                      int emitter) const;
+
+  /// The emitters in the order in which choose() lays out its random number over up to eight.
+  std::vector<int> order() const;
 
   /// Estimate of the irradiance at a point from all emitters, W / m^2 (order of magnitude).
   double estimate_w_m2(const std::vector<Emitter>& emitters, const Eigen::Vector3d& point_mm) const;

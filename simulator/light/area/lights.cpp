@@ -25,6 +25,13 @@ double environment_share(const Lights& lights, const Vector3d& point_mm) {
   return sum > 0.0 ? from_afar / sum : 0.0;
 }
 
+/// A tunnel's emitters have many groups.
+int group_of(const Lights& lights, int index, const Vector3d& point_mm) {
+  return lights.wall && lights.wall->has(index)
+             ? lights.wall->group_at(index, point_mm)
+             : lights.emitters[static_cast<std::size_t>(index)].group;
+}
+
 const Emitter& emitter_at(const Lights& lights, int index) {
   return lights.emitters[static_cast<std::size_t>(index)];
 }
@@ -61,7 +68,7 @@ std::optional<LightSample> sample_emitters(
       .radiance = emitted_radiance(emitter, lights.bodies, to->cosine, -to->direction),
       .density = share * choice->probability * to->density,
       .emitter = choice->emitter,
-      .group = emitter.group};
+      .group = group_of(lights, choice->emitter, point_mm + to->distance_mm * to->direction)};
 }
 
 }  // namespace
@@ -84,11 +91,13 @@ std::optional<LightHit> hit_light(const Lights& lights, const Ray& ray, double m
   if (const auto met = lights.tree.hit(lights.emitters, ray, max_mm)) {
     const Emitter& emitter = emitter_at(lights, met->emitter);
     const double cosine = met->crossing.cosine;
-    return LightHit{.distance_mm = met->crossing.distance_mm,
-                    .cosine = cosine,
-                    .radiance = emitted_radiance(emitter, lights.bodies, cosine, -ray.direction),
-                    .emitter = met->emitter,
-                    .group = emitter.group};
+    return LightHit{
+        .distance_mm = met->crossing.distance_mm,
+        .cosine = cosine,
+        .radiance = emitted_radiance(emitter, lights.bodies, cosine, -ray.direction),
+        .emitter = met->emitter,
+        .group = group_of(
+            lights, met->emitter, ray.origin_mm + met->crossing.distance_mm * ray.direction)};
   }
   if (!lights.environment || std::isfinite(max_mm)) {
     return std::nullopt;

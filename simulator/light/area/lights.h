@@ -18,6 +18,7 @@
 #include "simulator/light/area/emitter.h"
 #include "simulator/light/area/environment.h"
 #include "simulator/light/area/light_tree.h"
+#include "simulator/light/area/striped_wall.h"
 
 namespace glint {
 
@@ -32,6 +33,8 @@ struct Lights {
   std::optional<Environment> environment;
   EmitterFrame environment_frame;  ///< in which its picture stands upright
   int environment_group = -1;
+  std::optional<StripedWall> wall;  ///< which of the emitters are a tunnel's
+  int first_tunnel_group = -1;      ///< its groups are the last
 
   bool empty() const { return emitters.empty() && !environment; }
 };

@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "simulator/render/physical/path_packet.h"
 #include "simulator/render/physical/path_sums.h"
-#include "simulator/render/physical/surface_point.h"
 
 namespace glint {
 
@@ -40,13 +40,14 @@ class CellSums {
 
   /// What a path adds to the total, mean of the channels, is returned; a value that is no finite
   /// number >= 0 adds nothing and is counted.
-  double add_light(CellPixel pixel, int group, const Colour& radiance);
+  double add_light(CellPixel pixel, int group, const std::array<float, 3>& radiance);
   void add_square(CellPixel pixel, double total);
+  /// What a lane of camera rays met.
   void add_surface(CellPixel pixel,
-                   const ShadingPoint& point,
-                   const Ray& ray,
+                   const SurfaceLanes& surface,
+                   const PathPacket& paths,
                    const Eigen::Vector3d& camera_axis,
-                   std::int32_t triangle);
+                   std::size_t lane);
 
   /// Adds everything to the picture. @param samples  of each pixel in this pass
   void add_to(const Cell& cell, int samples, PathSums& sums) const;
@@ -54,24 +55,27 @@ class CellSums {
   std::int64_t dropped() const { return dropped_; }
 
  private:
+  /// A number for each pixel of a cell.
+  using Plane = std::array<double, kCellPixels>;
+
   struct Surface {
-    int samples = 0;
-    double depth_mm = 0.0;
-    double tilt = 0.0;  ///< 1 - cos(incidence)
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-    Eigen::Vector3d point_mm = Eigen::Vector3d::Zero();
-    std::int32_t triangle = -1;
-    std::int32_t defect = -1;
+    Plane depth_mm = {};
+    Plane tilt = {};  ///< 1 - cos(incidence)
+    Plane normal_x = {}, normal_y = {}, normal_z = {};
+    Plane x_mm = {}, y_mm = {}, z_mm = {};
+    std::array<std::int32_t, kCellPixels> samples = {};
+    std::array<std::int32_t, kCellPixels> triangle = {};
+    std::array<std::int32_t, kCellPixels> defect = {};
   };
 
-  void add_pixel(CellPixel from, int x, int y, PathSums& sums) const;
+  void add_ids(const Cell& cell, PathSums& sums) const;
 
   std::vector<double> factors_;
   std::size_t channels_;
   std::vector<std::int32_t> ids_;
-  std::vector<double> light_;  ///< by pixel, group, channel
-  std::array<double, kCellPixels> squares_ = {};
-  std::array<Surface, kCellPixels> surface_ = {};
+  std::vector<Plane> light_;  ///< by group, channel
+  Plane squares_ = {};
+  Surface surface_;
   std::vector<std::uint16_t> defects_;  ///< by pixel, id
   std::int64_t dropped_ = 0;
 };

@@ -6,17 +6,16 @@
 #include <vector>
 
 #include "simulator/render/physical/cell_sums.h"
+#include "simulator/render/physical/packet_stages.h"
 #include "simulator/render/physical/path_task.h"
-#include "simulator/render/physical/ray_batch.h"
-#include "simulator/render/physical/sobol.h"
 
 namespace glint {
 
 /// Follows the paths of one cell at a time; one tracer a thread.
 ///
 /// All paths of a batch take each step together: camera rays, then at every reflection the rays to
-/// lights and the reflected ones, each list packed without gaps. Results depend on the cell and the
-/// samples alone.
+/// lights and the reflected ones, each list packed into packets of sixteen without gaps. Results
+/// depend on the cell and the samples alone.
 class CellTracer {
  public:
   explicit CellTracer(const PathTask& task);
@@ -27,50 +26,61 @@ class CellTracer {
   const PathCounts& counts() const { return counts_; }
 
  private:
-  struct Path {
-    Ray ray;
-    Hit hit;
-    Colour weight = Colour::Ones();
-    double density = 0.0;  ///< with which the ray was chosen; 0: by a mirror or the camera
-    SampleNumbers numbers;
-    CellPixel pixel = 0;
-    double total = 0.0;
+  /// Packets that are filled lane by lane; those of a former filling are kept for later ones.
+  struct Wave {
+    std::vector<PathPacket> packets;
+    std::size_t paths = 0;
+
+    std::size_t num_packets() const { return (paths + kPacketSize - 1) / kPacketSize; }
+
+    void clear() { paths = 0; }
+
+    /// The packet of the next lane, which is counted from here on.
+    PathPacket& next();
+    /// May be the wave's own packet, at or behind the next lane.
+    void append(const PathPacket& from, std::size_t lane);
+    void append(const PathPacket& from);
+    /// Makes the rest of the last packet invalid.
+    void finish();
   };
 
   /// Light that arrives if nothing stands in its way.
   struct Pending {
     std::uint32_t path = 0;
-    int group = 0;
-    Colour radiance = Colour::Zero();
+    std::int32_t group = 0;
+    std::array<float, 3> radiance = {};
   };
 
   void start(const Cell& cell, int first, int count);
-  void start_pixel(const Cell& cell, int x, int y, int first, int count);
+  void start_pixels(const Cell& cell, int count);
+  void aim_cameras(const Cell& cell);
+  void aim_camera(const Cell& cell, PathPacket& packet, std::size_t lane) const;
+  void trace_wave(Wave& wave, Coherence coherence);
+  void keep_hits(Wave& wave);
   void look_at_part();
-  void look_at_lights(bool is_camera);
+  void look_at_lights(PathPacket& packet, bool is_camera);
   void reflect_all(int reflection);
-  bool reflect(std::uint32_t index, int reflection);
-  void ask_light(std::uint32_t index,
-                 const ShadingPoint& point,
-                 const Material& material,
-                 const std::array<double, 2>& random);
-  bool leave(Path& path,
-             const ShadingPoint& point,
-             const Material& material,
-             int reflection,
-             const std::array<double, 2>& lobe);
+  void reflect(PathPacket& packet, SurfaceLanes& surface, int reflection);
+  void ask_for(const PathPacket& packet, const SurfaceLanes& surface);
+  void go_on(PathPacket& packet, const std::int32_t* is_open);
   void trace_shadows();
-  void trace_bounces();
-  void add_light(Path& path, int group, const Colour& radiance);
+  void add_light(std::uint32_t path, std::int32_t group, const std::array<float, 3>& radiance);
 
   const PathTask& task_;
+  PacketStages stages_;
   CellSums cell_sums_;
-  std::vector<Path> paths_;
-  std::vector<ShadingPoint> points_;  ///< where each path met the part last
-  std::vector<std::uint32_t> active_;
+  Wave wave_;
+  Wave next_;
+  std::vector<SurfaceLanes> surfaces_;  ///< where the packets of wave_ met the part
+  std::vector<CellPixel> pixels_;       ///< of each path
+  std::vector<double> totals_;          ///< of each path
+  std::array<std::uint32_t, kCellPixels> seeds_ = {};
+  std::array<float, kCellPixels> columns_ = {};  ///< of the pixels' corners over the focal length
+  std::array<float, kCellPixels> rows_ = {};
   std::vector<Pending> pending_;
-  RayBatch rays_;
-  RayBatch shadows_;
+  std::vector<RayPacket> shadows_;
+  ArrivingLanes arriving_;
+  LightLanes light_;
   PathCounts counts_;
 };
 

@@ -46,7 +46,18 @@ PathTask::PathTask(const PhysicalScene& the_scene, const PathSettings& the_setti
       scene_from_camera(inverse(the_scene.camera_from_world)),
       start_offset_mm(glint::start_offset_mm(the_scene.part)),
       bounces(coherence_of(the_scene.material.plain())),
-      ids(defect_ids(the_scene)) {
+      ids(defect_ids(the_scene)),
+      camera_numbers(glint::camera_numbers(the_scene)),
+      rings(ring_numbers(the_scene.lights)),
+      lay(lay_numbers(the_scene.material, the_scene.part.scene_from_part)),
+      open_sides(the_scene.bvh.open_sides(the_scene.part.mesh)),
+      flat_triangles(the_scene.bvh.flat_triangles(the_scene.part.mesh)),
+      has_bare_triangles(the_scene.detail.empty() && the_scene.part.patches.empty()),
+      is_mirror(std::holds_alternative<Mirror>(the_scene.material.plain())) {
+  if (!scene.material.has_pattern()) {
+    metal = conductor_numbers(scene.material.plain());
+  }
+  needs_choice = !metal || metal->columns > 0;
   if (settings.has_light) {
     for (const LightGroup& group : scene.lights.groups) {
       factors.push_back(group.factor);

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/pose.h"
 #include "simulator/geometry/bvh.h"
+#include "simulator/render/physical/packet_numbers.h"
 #include "simulator/render/physical/physical_scene.h"
 #include "simulator/render/physical/sobol.h"
 
@@ -30,6 +32,17 @@ class PathTask {
   Coherence bounces = Coherence::kIncoherent;  ///< rays that leave the part stay close or do not
   std::vector<double> factors;                 ///< of the light groups; empty: no light
   std::vector<std::int32_t> ids;               ///< of all defects, rising
+
+  // What the packet kernels know; the rest is done ray by ray.
+  std::optional<CameraNumbers> camera_numbers;
+  std::optional<ConductorNumbers> metal;
+  std::optional<RingLights> rings;
+  LayNumbers lay;
+  const OpenSides& open_sides;  ///< of the part; not asked where it is convex
+  const std::vector<std::uint8_t>& flat_triangles;
+  bool has_bare_triangles = false;  ///< neither exact surfaces nor detail on them
+  bool is_mirror = false;
+  bool needs_choice = false;  ///< the material uses a third random number
 };
 
 /// The ray of one sample through a place of the image [px].

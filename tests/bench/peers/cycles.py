@@ -2,52 +2,30 @@
 #
 # usage: blender -b -t 1 -P cycles.py -- JOB.json
 #
-# Renders the first frames of a fringe tunnel's scan in Cycles and writes the CPU time of each. One
-# Blender unit is 1 mm. The stripes move in the tunnel's material, so that no geometry changes
-# between frames. Needs no NumPy: Debian's Blender only recommends it.
+# Renders the first frames of a fringe tunnel's scan in Cycles and writes the CPU time of each. The
+# stripes move in the tunnel's material, so that no geometry changes between frames.
 import array
 import json
 import math
+import os
 import sys
 import time
 
 import bpy
 
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from blender_scene import (
+    empty_scene,
+    mesh_of,
+    new_material,
+    new_object,
+    place_camera,
+    read_mesh,
+    set_up_cycles,
+)
+
 with open(sys.argv[sys.argv.index("--") + 1], encoding="utf-8") as file:
     job = json.load(file)
-
-
-def new_object(name, data):
-    made = bpy.data.objects.new(name, data)
-    bpy.context.scene.collection.objects.link(made)
-    return made
-
-
-def mesh_of(name, vertices, corners, per_face):
-    """A mesh from flat arrays: coordinates, and vertex numbers of faces of equal size."""
-    mesh = bpy.data.meshes.new(name)
-    faces = len(corners) // per_face
-    mesh.vertices.add(len(vertices) // 3)
-    mesh.vertices.foreach_set("co", vertices)
-    mesh.loops.add(len(corners))
-    mesh.loops.foreach_set("vertex_index", corners)
-    mesh.polygons.add(faces)
-    mesh.polygons.foreach_set("loop_start", array.array("i", range(0, len(corners), per_face)))
-    mesh.polygons.foreach_set("loop_total", array.array("i", [per_face]) * faces)
-    mesh.polygons.foreach_set("use_smooth", array.array("b", [1]) * faces)
-    mesh.update(calc_edges=True)
-    return mesh
-
-
-def read_part():
-    with open(job["mesh"], "rb") as raw:
-        counts = array.array("i")
-        counts.fromfile(raw, 2)
-        vertices = array.array("f")
-        vertices.fromfile(raw, 3 * counts[0])
-        corners = array.array("i")
-        corners.fromfile(raw, 3 * counts[1])
-    return mesh_of("part", vertices, corners, 3)
 
 
 def tunnel_walls():
@@ -66,14 +44,6 @@ def tunnel_walls():
             a = first + 2 * i
             corners.extend((a, a + 1, a + 3, a + 2))
     return mesh_of("tunnel", vertices, corners, 4)
-
-
-def new_material(name):
-    material = bpy.data.materials.new(name)
-    material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    return material, tree, tree.nodes.new("ShaderNodeOutputMaterial")
 
 
 def mirror():
@@ -121,41 +91,11 @@ def stripes():
     return material, shifts
 
 
-def place_camera(scene):
-    camera = bpy.data.cameras.new("camera")
-    camera.sensor_fit = "HORIZONTAL"
-    camera.sensor_width = 36.0
-    camera.lens = 36.0 * job["focal_px"] / job["width_px"]
-    camera.clip_start, camera.clip_end = 1.0, 1e5
-    scene.camera = new_object("camera", camera)
-    scene.camera.location = job["camera_mm"]
-
-
 def set_up_renderer(scene):
     """Returns the settings in words, for the table's notes."""
-    scene.render.engine = "CYCLES"
-    cycles = scene.cycles
-    cycles.device = "CPU"
-    cycles.samples = job["samples_per_pixel"]
-    cycles.use_adaptive_sampling = False
-    cycles.use_denoising = False  # on by default, and Debian's Blender has no OIDN
-    cycles.max_bounces = 1
-    cycles.glossy_bounces = 1
-    cycles.diffuse_bounces = cycles.transmission_bounces = cycles.volume_bounces = 0
-    cycles.blur_glossy = 0.0
-    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
-    cycles.pixel_filter_type = "BOX"
-    cycles.filter_width = 1.0
-    render = scene.render
-    render.use_persistent_data = True
-    render.threads_mode, render.threads = "FIXED", 1
-    render.resolution_x, render.resolution_y = job["width_px"], job["height_px"]
-    render.resolution_percentage = 100
-    render.use_compositing = render.use_sequencer = False
-    image = render.image_settings
-    image.file_format, image.color_mode, image.color_depth = "OPEN_EXR", "RGB", "32"
-    image.exr_codec = "NONE"
-    render.filepath = job["image"]
+    set_up_cycles(scene, job["width_px"], job["height_px"], 1)
+    scene.cycles.samples = job["samples_per_pixel"]
+    scene.render.filepath = job["image"]
     return [
         "Blender " + bpy.app.version_string + ", CPU, 1 thread, persistent data",
         "no adaptive sampling, no denoising, no clamping",
@@ -177,16 +117,13 @@ def render_frames(scene, shifts):
 
 
 def main():
-    scene = bpy.context.scene
-    for unwanted in list(scene.objects):
-        bpy.data.objects.remove(unwanted)
-    scene.world = None
-    part = new_object("part", read_part())
+    scene = empty_scene()
+    part = new_object("part", read_mesh("part", job["mesh"]))
     part.data.materials.append(mirror())
     tunnel = new_object("tunnel", tunnel_walls())
     material, shifts = stripes()
     tunnel.data.materials.append(material)
-    place_camera(scene)
+    place_camera(scene, job["focal_px"], job["width_px"], job["camera_mm"])
     settings = set_up_renderer(scene)
     times = render_frames(scene, shifts)
     with open(job["times"], "w", encoding="utf-8") as out:

@@ -35,6 +35,20 @@ inline Lights lights_of(const LightSettings& settings,
                       [](const std::filesystem::path&) { return tetrahedron_mm(); });
 }
 
+/// A tunnel alone, to which directions are drawn; its positions take the stripes through one
+/// period.
+inline Lights lights_under(const TunnelSettings& settings, int positions = 4) {
+  const double step_mm = settings.period_mm / std::cos(settings.orientation_rad) / positions;
+  return build_lights({},
+                      {},
+                      {},
+                      TunnelLight{.name = "tunnel",
+                                  .settings = settings,
+                                  .positions = positions,
+                                  .step_mm = step_mm,
+                                  .drawn_below = 2.0});
+}
+
 /// Intensity 10 (1 + cos) down to 0 straight up, more towards 0 degrees than towards 180.
 inline IesTable some_table(bool to_both_sides) {
   IesTable table;
@@ -137,6 +151,15 @@ inline std::vector<LightCase> every_light() {
           .placement = {.position_mm = {0.0, 10.0, 70.0}, .direction = {0.0, 0.6, 0.8}},
           .file = "tetrahedron"});
   add("grey environment", EnvironmentSettings{});
+  const auto add_tunnel = [&](std::string name, const TunnelSettings& settings) {
+    all.push_back({.name = std::move(name), .lights = lights_under(settings), .points_mm = below});
+  };
+  add_tunnel("tunnel", {.shape = TunnelSettings::Shape::kEllipse, .length_mm = 250.0});
+  add_tunnel("leaning panels with oblique stripes",
+             {.shape = TunnelSettings::Shape::kFlat,
+              .opening_rad = 0.5,
+              .orientation_rad = 0.4,
+              .cosine_law = true});
   all.push_back({.name = "sky", .lights = sky_light(), .points_mm = below});
   all.push_back(
       {.name = "measured box", .lights = box_light({60.0, 40.0, 20.0}), .points_mm = below});

@@ -180,7 +180,8 @@ TEST(Material, IsDarkenedByATexture) {
   const LocalDirection b = direction_at(0.7, 2.5);
   for (const Case& c : coloured_cases()) {
     const Colour plain = evaluate(c.material, a, b).value;
-    const Colour dark = evaluate(textured(c.material, {.colour = 0.25}), a, b).value;
+    const Colour dark =
+        evaluate(textured(c.material, {.colour = Colour::Constant(0.25)}), a, b).value;
     EXPECT_LE(dark.maxCoeff(), plain.maxCoeff()) << c.name;
     if (!std::holds_alternative<Coated>(c.material)) {
       EXPECT_LE((dark - 0.25 * plain).abs().maxCoeff(), 1e-12 * plain.maxCoeff()) << c.name;

@@ -28,15 +28,15 @@ TEST(ConcentricValue, StaysBelowItsDensity) {
 
 TEST(Texel, MultipliesTheColourAsTheSeedDoes) {
   const PatternSettings seed = {.kind = PatternSettings::Kind::kConcentric, .density = 0.7};
-  EXPECT_NEAR(texel_at(seed, {3, 4}).colour, 0.1, 1e-12);
+  EXPECT_NEAR(texel_at(seed, {3, 4}).colour[0], 0.1, 1e-12);
   EXPECT_EQ(texel_at(seed, {3, 4}).roughness, 1.0);
   PatternSettings half = seed;
   half.colour = 0.5;
-  EXPECT_NEAR(texel_at(half, {3, 4}).colour, 0.55, 1e-12);
+  EXPECT_NEAR(texel_at(half, {3, 4}).colour[0], 0.55, 1e-12);
   half.scaled = true;  // 0.1 / 0.7 = 1/7; 1 - 0.5 * 6/7 = 4/7
-  EXPECT_NEAR(texel_at(half, {3, 4}).colour, 4.0 / 7.0, 1e-12);
+  EXPECT_NEAR(texel_at(half, {3, 4}).colour[0], 4.0 / 7.0, 1e-12);
   half.unit_mm = 2.0;
-  EXPECT_NEAR(texel_at(half, {6, 8}).colour, 4.0 / 7.0, 1e-12);
+  EXPECT_NEAR(texel_at(half, {6, 8}).colour[0], 4.0 / 7.0, 1e-12);
 }
 
 // 1 + 0.5 (2/7 - 1) = 0.642857.
@@ -51,13 +51,13 @@ TEST(Texel, VariesTheRoughnessWithinItsFactors) {
     const Texel texel = texel_at(marks, {rng.uniform(-50, 50), rng.uniform(-50, 50)});
     ASSERT_GE(texel.roughness, 0.5);
     ASSERT_LE(texel.roughness, 1.5);
-    ASSERT_GE(texel.colour, 0.0);
-    ASSERT_LE(texel.colour, 1.0);
+    ASSERT_GE(texel.colour[0], 0.0);
+    ASSERT_LE(texel.colour[0], 1.0);
   }
 }
 
 TEST(Texel, IsOneWithoutAPattern) {
-  EXPECT_EQ(texel_at({}, {3, 4}).colour, 1.0);
+  EXPECT_EQ(texel_at({}, {3, 4}).colour[2], 1.0);
   EXPECT_EQ(texel_at({}, {3, 4}).roughness, 1.0);
 }
 

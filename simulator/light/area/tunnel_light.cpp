@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/light/area/tunnel_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/units.h"
+#include "simulator/light/area/spherical_sampling.h"
+#include "simulator/light/area/wall_outline.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+/// Edges of stripes that are nearer to each other are one, in periods: rounding of positions.
+constexpr double kSameEdge = 1e-9;
+
+double fraction(double value) {
+  const double f = value - std::floor(value);
+  return f < 1.0 - kSameEdge ? f : 0.0;
+}
+
+/// How far the stripes have moved along their normal in a frame, in periods.
+double moved_periods(const TunnelLight& light, int frame) {
+  return frame * light.step_mm * std::cos(light.settings.orientation_rad) /
+         light.settings.period_mm;
+}
+
+std::vector<double> even_bins(int count) {
+  std::vector<double> ends;
+  for (int i = 1; i <= count; ++i) {
+    ends.push_back(static_cast<double>(i) / count);
+  }
+  return ends;
+}
+
+/// Where bins of phases end: at every edge of a stripe in every frame.
+std::vector<double> bin_ends(const TunnelLight& light) {
+  const double duty = light.settings.duty;
+  if (duty <= 0.0 || duty >= 1.0) {
+    return {1.0};
+  }
+  std::vector<double> edges = {1.0};
+  for (int frame = 0; frame < light.positions; ++frame) {
+    for (const double edge : {0.0, duty}) {
+      const double at = fraction(moved_periods(light, frame) + edge);
+      edges.push_back(at > kSameEdge ? at : 1.0);
+    }
+  }
+  std::ranges::sort(edges);
+  const auto last =
+      std::unique(edges.begin(), edges.end(), [](double a, double b) { return b - a < kSameEdge; });
+  edges.erase(last, edges.end());
+  edges.back() = 1.0;
+  return edges.size() <= kMostTunnelBins ? edges : even_bins(kMostTunnelBins);
+}
+
+/// How much of [0, phase) is bright when the bright stripes begin at whole numbers.
+double bright_until(double phase, double duty) {
+  const double whole = std::floor(phase);
+  return whole * duty + std::min(phase - whole, duty);
+}
+
+void refuse_what_moves(const TunnelLight& light) {
+  const auto refuse = [&](const char* key, double value) {
+    if (value != 0.0) {
+      throw ConfigError(fmt::format(
+          "lighting.{}.{}: is {:g}, must be 0 where paths are traced: radiance that moves with the "
+          "tunnel is no matter of the stripes' phase",
+          light.name,
+          key,
+          value));
+    }
+  };
+  refuse("led_ripple", light.settings.led_ripple);
+  refuse("end_falloff", light.settings.end_falloff);
+}
+
+/// A strip's x axis, for which a sample has least of its stratification left, is its short side.
+RectangleShape wall_rectangle(const WallStrip& strip, double x_mm, double half_length_mm) {
+  const Vector2d middle = 0.5 * (strip.from_mm + strip.to_mm);
+  const Vector2d way = strip.to_mm - strip.from_mm;
+  const Vector2d along = way.normalized();
+  return {.frame = {.origin_mm = {x_mm, middle.x(), middle.y()},
+                    .x = {0.0, along.x(), along.y()},
+                    .y = Vector3d::UnitX(),
+                    .z = {0.0, along.y(), -along.x()}},
+          .half_x_mm = 0.5 * way.norm(),
+          .half_y_mm = half_length_mm};
+}
+
+/// The share of the upper half of all directions that a wall fills, seen from the middle of its
+/// base.
+double filled_share(const Lights& lights, const StripedWall& wall, const Vector3d& eye_mm) {
+  double solid_angle_sr = 0.0;
+  for (std::size_t i = 0; i < wall.middle_mm.size(); ++i) {
+    const auto& emitter = lights.emitters[static_cast<std::size_t>(wall.first_emitter) + i];
+    const auto& s = std::get<RectangleShape>(emitter.shape);
+    const Vector3d o = s.frame.local(s.frame.origin_mm - eye_mm);
+    if (o.z() < 0.0) {
+      solid_angle_sr += SphericalRectangle(o.x() - s.half_x_mm,
+                                           o.x() + s.half_x_mm,
+                                           o.y() - s.half_y_mm,
+                                           o.y() + s.half_y_mm,
+                                           o.z())
+                            .solid_angle_sr();
+    }
+  }
+  return solid_angle_sr / (2.0 * kPi);
+}
+
+/// @return its power
+Eigen::Array3f add_wall(const TunnelLight& light, Lights& lights, StripedWall& wall) {
+  Emitter emitter = {.exponent = light.settings.cosine_law ? 2.0 : 1.0,
+                     .group = wall.first_group,
+                     .is_solid = light.settings.blocks_view};
+  const double middle_x_mm = 0.5 * (light.positions - 1) * light.step_mm;
+  Eigen::Array3f power_w = Eigen::Array3f::Zero();
+  for (const WallStrip& strip : wall_outline(Tunnel(light.settings))) {
+    const RectangleShape shape = wall_rectangle(strip, middle_x_mm, 0.5 * light.settings.length_mm);
+    emitter.shape = shape;
+    lights.emitters.push_back(emitter);
+    power_w += lobe_power_w(emitter);
+    wall.middle_arc_mm.push_back(strip.middle_arc_mm);
+    wall.middle_mm.push_back(shape.frame.origin_mm);
+    wall.along.push_back(shape.frame.x);
+  }
+  return power_w;
+}
+
+void add_groups(const TunnelLight& light,
+                const Eigen::Array3f& power_w,
+                const StripedWall& wall,
+                Lights& lights) {
+  const auto factors = tunnel_frame_factors(light);
+  double begin = 0.0;
+  for (std::size_t bin = 0; bin < wall.bin_ends.size(); ++bin) {
+    double sum = 0.0;
+    for (const auto& of_frame : factors) {
+      sum += of_frame[bin];
+    }
+    const double width = wall.bin_ends[bin] - begin;
+    begin = wall.bin_ends[bin];
+    lights.groups.push_back({.name = fmt::format("{}.{}", light.name, bin),
+                             .factor = sum / light.positions,
+                             .power_w = power_w * static_cast<float>(width)});
+  }
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> tunnel_frame_factors(const TunnelLight& light) {
+  GLINT_CHECK(light.positions > 0, "a scan has a position");
+  const std::vector<double> ends = bin_ends(light);
+  const double dark = Tunnel(light.settings).dark_radiance();
+  const double duty = light.settings.duty;
+  std::vector<std::vector<double>> factors;
+  for (int frame = 0; frame < light.positions; ++frame) {
+    const double moved = fraction(moved_periods(light, frame));
+    std::vector<double>& of_frame = factors.emplace_back();
+    double begin = 0.0;
+    for (const double end : ends) {
+      double share =
+          (bright_until(end - moved, duty) - bright_until(begin - moved, duty)) / (end - begin);
+      // What rounding of an edge takes from a bin beside it.
+      share = share < 1e-6 ? 0.0 : share > 1.0 - 1e-6 ? 1.0 : share;
+      of_frame.push_back(share + (1.0 - share) * dark);
+      begin = end;
+    }
+  }
+  return factors;
+}
+
+void add_tunnel(const TunnelLight& light, Lights& lights) {
+  refuse_what_moves(light);
+  const TunnelSettings& s = light.settings;
+  StripedWall wall = {.first_emitter = static_cast<int>(lights.emitters.size()),
+                      .first_group = static_cast<int>(lights.groups.size()),
+                      .bin_ends = bin_ends(light),
+                      .periods_per_x_mm = std::cos(s.orientation_rad) / s.period_mm,
+                      .periods_per_arc_mm = std::sin(s.orientation_rad) / s.period_mm,
+                      .offset_periods = s.offset_mm / s.period_mm};
+  const Eigen::Array3f power_w = add_wall(light, lights, wall);
+  if (wall.middle_mm.empty()) {
+    throw ConfigError(fmt::format("lighting.{}: has no luminous area", light.name));
+  }
+  const Vector3d eye_mm(wall.middle_mm[0].x(), 0.0, s.base_mm);
+  const bool is_drawn = filled_share(lights, wall, eye_mm) < light.drawn_below;
+  for (std::size_t i = 0; i < wall.middle_mm.size(); ++i) {
+    lights.emitters[static_cast<std::size_t>(wall.first_emitter) + i].is_drawn = is_drawn;
+  }
+  add_groups(light, power_w, wall, lights);
+  lights.first_tunnel_group = wall.first_group;
+  lights.wall = std::move(wall);
+}
+
+}  // namespace glint

@@ -99,6 +99,15 @@ std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& sc
       "factors of pictures that are rendered once.",
       scene.paths.samples,
       scene.paths.max_reflections));
+  const auto mean = scores.find("homogeneity.mean");
+  if (mean != scores.end() && mean->second <= 0.0) {
+    notes.push_back(
+        "No light reaches the part in this picture: look at the lights' places, "
+        "directions and powers.");
+  }
+  if (scene.viewpoints.size() > 1) {
+    notes.push_back("Scores are those of the first viewpoint.");
+  }
   const auto value = scores.find("homogeneity.h_rms");
   const auto error = scores.find("homogeneity.h_rms.error");
   if (value != scores.end() && error != scores.end()) {
@@ -235,11 +244,12 @@ std::string rendering_note(const Json& rendering) {
 }
 
 Json write_design(SceneStore& store,
-                  const SceneSettings& scene,
+                  const SceneSettings& wanted_scene,
                   const Json& head,
                   const fs::path& folder,
                   bool is_rescored,
                   const WantedScores& wanted) {
+  const SceneSettings scene = first_view(store, wanted_scene);
   make_folder(folder / "sequence");
   remove_unfinished_files(folder);
   remove_unfinished_files(folder / "sequence");

@@ -222,9 +222,10 @@ Evaluation evaluate(SceneStore& store,
                     const WantedScores& wanted) {
   using Method = RenderSettings::Method;
   if (needs_paths(scene)) {
-    Evaluation result = evaluate_paths(store, scene, consume, wanted);
-    add_scan_bounds(store, scene, wanted, result.scores);
-    add_line_scores(store, scene, wanted, result.scores);
+    const SceneSettings seen = first_view(store, scene);
+    Evaluation result = evaluate_paths(store, seen, consume, wanted);
+    add_scan_bounds(store, seen, wanted, result.scores);
+    add_line_scores(store, seen, wanted, result.scores);
     return result;
   }
   Evaluation result;

@@ -21,9 +21,11 @@ using Halves = std::array<PathBatch, 2>;
 
 /// The two halves of all samples; both seeds differ from those of other pictures of the scene.
 PathSettings half_of(PathSettings settings, int half) {
-  constexpr int kSeedStep = 0x51ed270;
+  constexpr std::uint32_t kSeedStep = 0x51ed270;
+  constexpr std::uint32_t kPositive = 0x7fffffff;
+  const std::uint32_t seed = static_cast<std::uint32_t>(settings.seed) ^ kSeedStep;
   settings.samples = (settings.samples + 1) / 2;
-  settings.seed = (settings.seed ^ kSeedStep) + half;
+  settings.seed = static_cast<int>((seed + static_cast<std::uint32_t>(half)) & kPositive);
   settings.relative_error = 0.0;  // the same samples with and without defects
   return settings;
 }

@@ -2,6 +2,7 @@
 #include "studies/path_picture.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -365,6 +366,8 @@ PathPicture render_view(const PathView& view,
   PathSettings of_batch = paths;
   of_batch.samples = (paths.samples + batches - 1) / batches;
   of_batch.windows.assign(windows.begin(), windows.end());
+  // Together they shall have the error that is asked for.
+  of_batch.relative_error *= std::sqrt(static_cast<double>(batches));
   PathPicture picture = {.frames = view.frames(), .unit_power_w = view.unit_power_w()};
   BatchPreview shown(preview, batches);
   for (int b = 0; b < batches && !shown.is_stopped(); ++b) {

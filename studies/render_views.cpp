@@ -36,6 +36,13 @@ constexpr int kPageWidth_px = 1000;     ///< of one picture on the page
 constexpr int kManyPageWidth_px = 560;  ///< the same among many views
 constexpr std::size_t kManyViews = 4;
 
+/// Nobody asks for the errors of a picture that is not scored, and one picture converges faster
+/// than independent ones together.
+PathSettings whole_picture(PathSettings paths) {
+  paths.batches = 1;
+  return paths;
+}
+
 /// The scene with one of its viewpoints.
 SceneSettings scene_at(SceneSettings scene, const Viewpoint& viewpoint) {
   scene.viewpoints = {viewpoint};
@@ -160,14 +167,15 @@ class RenderRun {
       return !is_interrupted();
     };
     std::shared_ptr<const PathPicture> picture;
-    if (index == 0) {
+    const bool is_scored = index == 0 && can_be_scored();
+    if (is_scored) {
       picture = store_.picture(scene, show);  // kept, to be scored
     } else {
       picture = std::make_shared<const PathPicture>(
-          render_view(view, path_settings(scene), pool_, {}, show));
+          render_view(view, whole_picture(path_settings(scene)), pool_, {}, show));
     }
     const fs::path folder = options_.out / folder_of(index);
-    const bool has_design = index == 0 && write_scored(scene, folder);
+    const bool has_design = is_scored && write_scored(scene, folder);
     const RenderedView rendered = {
         .scene = scene, .part = *part_, .picture = *picture, .groups = view.group_names()};
     const ViewPictures pictures = write_view_files(rendered, folder, has_design);
@@ -176,6 +184,20 @@ class RenderRun {
     views_.push_back(row);
     cpu_s_.push_back(process_cpu_s() - start);
     keep_for_page(pictures, row);
+  }
+
+  /// A defect that the camera does not see is no mistake here, but leaves nothing to be scored.
+  bool can_be_scored() {
+    if (!has_light_) {
+      return false;
+    }
+    try {
+      store_.trace(first_);
+      return true;
+    } catch (const ConfigError& error) {
+      notes_.push_back(fmt::format("Not scored: {}", error.what()));
+      return false;
+    }
   }
 
   void keep_for_page(const ViewPictures& pictures, const Json& row) {
@@ -193,7 +215,7 @@ class RenderRun {
   /// Scores of the first view, where it can be scored: a defect that the camera does not see is no
   /// mistake here.
   bool write_scored(const SceneSettings& scene, const fs::path& folder) {
-    if (!has_light_ || is_interrupted()) {
+    if (is_interrupted()) {
       return false;
     }
     OutputFolder created(folder);

@@ -171,7 +171,8 @@ void read_lighting(const ConfigNode& root, SceneSettings& scene, std::vector<std
 bool is_plain_mirror(const MaterialSettings& material) {
   return material.type == MaterialSettings::Type::kMirror && material.nk_file.empty() &&
          material.reflectance.size() == 1 && material.colour_srgb.empty() &&
-         material.coat.index == 1.0 && material.pattern.kind == PatternSettings::Kind::kNone;
+         material.coat.index == 1.0 && material.texture.is_empty() &&
+         material.pattern.kind == PatternSettings::Kind::kNone;
 }
 
 /// What of the scene goes together, told with the key that does not.
@@ -280,6 +281,27 @@ std::size_t place_size(const std::string& message) {
 bool needs_paths(const SceneSettings& scene) {
   return scene.render.method == RenderSettings::Method::kPaths || !scene.has_tunnel ||
          !scene.lights.empty() || !is_plain_mirror(scene.material);
+}
+
+std::vector<std::filesystem::path> input_files(const SceneSettings& scene) {
+  std::vector<std::filesystem::path> files = {scene.part.file,
+                                              scene.material.nk_file,
+                                              scene.material.texture.colour_file,
+                                              scene.material.texture.roughness_file};
+  if (scene.viewpoint_set.source == ViewpointSource::kFile) {
+    files.push_back(scene.viewpoint_set.file);
+  }
+  for (const NamedLight& light : scene.lights) {
+    std::visit(
+        [&](const auto& settings) {
+          if constexpr (requires { settings.file; }) {
+            files.push_back(settings.file);
+          }
+        },
+        light.settings);
+  }
+  std::erase_if(files, [](const std::filesystem::path& file) { return file.empty(); });
+  return files;
 }
 
 PinholeIntrinsics intrinsics_of(const SceneSettings& scene) {

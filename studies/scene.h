@@ -5,6 +5,7 @@
 // path_picture.h turn them into something that can be rendered.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -56,6 +57,9 @@ struct SceneSettings {
 /// Whether the path tracer makes the pictures: any other light than one tunnel, any other material
 /// than a plain mirror, or because [render] asks for it. All else is level 0.
 bool needs_paths(const SceneSettings& scene);
+
+/// All files that the scene reads, but for those that are empty.
+std::vector<std::filesystem::path> input_files(const SceneSettings& scene);
 
 /// The pinhole of [camera] and [lens]. @throws ConfigError as lens_geometry()
 PinholeIntrinsics intrinsics_of(const SceneSettings& scene);

@@ -245,18 +245,17 @@ std::shared_ptr<const CornerRays> SceneStore::bare_rays(const SceneSettings& sce
 /// The files that pictures are made of.
 void SceneStore::check_files(const SceneSettings& scene) {
   const std::scoped_lock lock(mutex_);
-  check_file(scene.material.nk_file);
-  check_file(scene.material.texture.colour_file);
-  check_file(scene.material.texture.roughness_file);
-  for (const NamedLight& light : scene.lights) {
-    std::visit(
-        [&](const auto& settings) {
-          if constexpr (requires { settings.file; }) {
-            check_file(settings.file);
-          }
-        },
-        light.settings);
+  for (const std::filesystem::path& file : input_files(scene)) {
+    check_file(file);
   }
+}
+
+SceneSettings first_view(SceneStore& store, SceneSettings scene) {
+  if (scene.viewpoint_set.source != ViewpointSource::kListed) {
+    scene.viewpoints = {viewpoints_of(scene, store.build(scene)->part).front()};
+    scene.viewpoint_set = {};
+  }
+  return scene;
 }
 
 std::shared_ptr<const PathPicture> SceneStore::picture(const SceneSettings& scene,

@@ -70,15 +70,6 @@ SceneSettings without_defects(SceneSettings scene) {
   return scene;
 }
 
-/// A line looks from one place: the first of the viewpoints.
-SceneSettings with_one_view(SceneStore& store, SceneSettings scene) {
-  if (needs_paths(scene)) {
-    scene.viewpoints = {viewpoints_of(scene, store.build(scene)->part).front()};
-    scene.viewpoint_set = {};
-  }
-  return scene;
-}
-
 double mean_square_difference(const ImageF& a, const ImageF& b, const Mask& where) {
   double sum = 0.0;
   double count = 0.0;
@@ -270,7 +261,7 @@ SimulatedLine::SimulatedLine(SceneStore& store, const SceneSettings& scene) {
   if (scene.has_tunnel) {
     check_part_in_tunnel(*store.build(scene), Tunnel(scene.tunnel), scene.scan, scene.tunnel_name);
   }
-  data_ = std::make_unique<Data>(store, with_one_view(store, scene));
+  data_ = std::make_unique<Data>(store, first_view(store, scene));
   data_->learn_flawless();
   data_->maker.emplace(data_->maker_of(scene.defects));
 }

@@ -146,6 +146,14 @@ void check_algorithm(const Study& study, std::vector<std::string>& errors) {
 void check_variable_limits(const Study& study, std::vector<std::string>& errors) {
   for (const Variable& variable : study.space.variables) {
     const ConfigNode* where = study.root.find("variables")->find(variable.name);
+    if (variable.name.starts_with("viewpoint.") &&
+        study.scene.viewpoint_set.source != ViewpointSource::kListed) {
+      errors.push_back(fmt::format(
+          "{}variables: {}: is not looked at, as [viewpoints] makes the poses; allowed with source "
+          "= \"listed\"",
+          where->place.prefix(),
+          variable.name));
+    }
     const auto count =
         variable.kind == Variable::Kind::kChoice ? variable.choices.size() : std::size_t{2};
     for (std::size_t i = 0; i < count; ++i) {
@@ -373,8 +381,8 @@ std::string config_hash(const Study& study) {
   Study without_budget = study;
   without_budget.budget = {};
   std::string text = resolved_text(without_budget);
-  if (!study.scene.part.file.empty()) {
-    text += read_file(study.scene.part.file);
+  for (const std::filesystem::path& file : input_files(study.scene)) {
+    text += read_file(file);
   }
   return sha256_hex(text);
 }

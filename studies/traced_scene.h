@@ -183,6 +183,10 @@ class SceneStore {
   std::atomic<int> num_defects_made_ = 0;
 };
 
+/// The scene from the first viewpoint of its set: the one that is scored.
+/// @throws ConfigError beginning with the key at fault, IoError
+SceneSettings first_view(SceneStore& store, SceneSettings scene);
+
 /// How the camera sees each defect: windows of distances in defect radii.
 std::vector<DefectView> view_defects(std::span<const HeightFeature> outlines,
                                      const SeenPart& seen,

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <embree3/rtcore.h>
+
 #include "core/error.h"
 
 extern "C" {

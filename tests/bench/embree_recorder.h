@@ -8,9 +8,11 @@
 #include <cstdint>
 #include <vector>
 
-#include <embree3/rtcore.h>
+struct RTCSceneTy;  // Embree's; its headers stay in the .cpp
 
 namespace glint::bench {
+
+using EmbreeScene = RTCSceneTy*;  ///< an RTCScene
 
 /// Sixteen rays without what they met, and how they were asked for.
 struct alignas(64) RecordedPacket {
@@ -26,7 +28,7 @@ struct alignas(64) RecordedPacket {
 
 /// Packets of one scene.
 struct EmbreeRecord {
-  RTCScene scene = nullptr;
+  EmbreeScene scene = nullptr;
   std::vector<RecordedPacket> packets;
   std::int64_t num_retries = 0;  ///< packets left out that repeat misses of the one before
 };
@@ -46,6 +48,6 @@ class EmbreeRecording {
 enum class Asking { kAsRecorded, kCoherent, kIncoherent, kOccludedCoherent, kOccludedIncoherent };
 
 /// Traces all packets by Embree and nothing else. @return something that depends on all answers
-float ask_again(RTCScene scene, const std::vector<RecordedPacket>& packets, Asking asking);
+float ask_again(EmbreeScene scene, const std::vector<RecordedPacket>& packets, Asking asking);
 
 }  // namespace glint::bench

@@ -75,7 +75,7 @@ Picture render(const GearScene& gear, int samples) {
 
 /// The packets of a pass, by kind.
 struct Packets {
-  RTCScene scene = nullptr;
+  EmbreeScene scene = nullptr;
   std::array<std::vector<RecordedPacket>, kKinds> of;
   std::array<std::int64_t, kKinds> rays = {};
   std::string mismatch;  ///< empty when these are the rays that the tracer has counted

@@ -19,7 +19,8 @@ TEST(Scores, CarryExactlyTheNamesThatAreListed) {
                    // and what an inspection line finds out, filled in where it is asked for
                    {"inspection.false_alarms", 0.0},
                    {"inspection.threshold", 0.0},
-                   {"inspection.region_share", 0.0}};
+                   {"inspection.region_share", 0.0},
+                   {"inspection.rendering_share", 0.0}};
   add_scores(scores, Homogeneity{});
   add_scores(scores, HomogeneityFamily{.ripple = 0.0});
   add_scores(scores, FringeScores{});

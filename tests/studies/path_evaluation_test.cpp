@@ -84,6 +84,38 @@ TEST(PathEvaluation, OnlyWhatIsWantedIsDone) {
   EXPECT_FALSE(path_scores(whole).contains("homogeneity.h_rms.error"));
 }
 
+// Red light alone drives the red channel to full scale; the mean of the channels stays at a third.
+TEST(PathEvaluation, AColourSensorClipsChannelByChannel) {
+  SceneSettings scene = path_scene();
+  scene.sensor.wavelengths_nm = {630.0, 532.0, 465.0};
+  for (NamedLight& light : scene.lights) {
+    std::visit(
+        [](auto& settings) {
+          if constexpr (requires { settings.emission; }) {
+            settings.emission.radiance = {1000.0, 0.0, 0.0};
+          }
+        },
+        light.settings);
+  }
+  const Scores scores = path_scores(scene);
+  EXPECT_GT(scores.at("homogeneity.clipped_share"), 0.9);
+  EXPECT_NEAR(scores.at("homogeneity.mean"), 1.0 / 3.0, 0.01);
+}
+
+TEST(PathEvaluation, ScoresTheFirstViewpointOfASet) {
+  SceneSettings scene = path_scene();
+  scene.defects.clear();
+  scene.viewpoint_set = {.source = ViewpointSource::kSphere, .count = 3, .polar_max_rad = 0.5};
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  SceneSettings listed = scene;
+  listed.viewpoints = {viewpoints_of(scene, store.build(scene)->part).front()};
+  listed.viewpoint_set = {};
+  EXPECT_EQ(evaluate(store, scene).scores, evaluate(store, listed).scores);
+  scene.viewpoint_set = {};
+  EXPECT_NE(evaluate(store, scene).scores, evaluate(store, listed).scores);
+}
+
 TEST(PathEvaluation, DesignsThatDifferInPowersRenderOnceInAnyOrder) {
   const auto scene_with_powers = [](double ring, double left) {
     SceneSettings scene = path_scene();
@@ -196,7 +228,7 @@ TEST(PathEvaluation, AMirrorUnderATunnelScoresAsWithoutPaths) {
     EXPECT_NEAR(traced.at(name), exact.at(name), 0.02) << name;
     EXPECT_NEAR(traced.at(name), exact.at(name), 5.0 * traced.at(error_name(name)) + 0.005) << name;
   }
-  EXPECT_NEAR(traced.at("view.slot_margin_mm"), exact.at("view.slot_margin_mm"), 1e-9);
+  EXPECT_NEAR(traced.at("view.slot_margin_mm"), exact.at("view.slot_margin_mm"), 0.01);
   EXPECT_EQ(traced.at("view.hidden_share"), exact.at("view.hidden_share"));
 }
 

@@ -116,6 +116,36 @@ TEST(Study, TheHashLeavesOutTheBudgetOnly) {
   EXPECT_NE(config_hash(study), config_hash(other));
 }
 
+TEST(Study, TheHashChangesWithEveryFileOfTheScene) {
+  const TemporaryFolder folder;
+  const fs::path table = folder / "metal.csv";
+  const StudyFile file(kSound);
+  Study study = load_study(file.path(), {});
+  study.scene.material.nk_file = table;
+  write_file(table, "one");
+  const std::string hash = config_hash(study);
+  EXPECT_EQ(config_hash(study), hash);
+  write_file(table, "two");
+  EXPECT_NE(config_hash(study), hash);
+}
+
+TEST(Study, APoseThatASetMakesIsNoVariable) {
+  const std::string message = error_of(R"(
+[lighting.ring]
+[viewpoints]
+source = "sphere"
+[variables]
+"viewpoint.0.position_mm.2" = { min = 500, max = 700 }
+[objective]
+maximise = "homogeneity.h_rms"
+[budget]
+evaluations = 10
+)");
+  EXPECT_THAT(
+      message,
+      ::testing::HasSubstr("s.toml:6:1: variables: viewpoint.0.position_mm.2: is not looked"));
+}
+
 TEST(Study, OverridesReachEveryKey) {
   const StudyFile file(kSound);
   const Study study = load_study(file.path(),

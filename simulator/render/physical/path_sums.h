@@ -38,6 +38,8 @@ struct DefectSums {
 struct PathSums {
   int width_px = 0;
   int height_px = 0;
+  int left_px = 0;  ///< where the images begin in the picture: PathSettings::is_cropped
+  int top_px = 0;
   Image<std::int32_t> samples;    ///< of each pixel
   std::vector<GroupSums> groups;  ///< as Lights::groups
   ImageF squares;                 ///< of the total at the groups' factors, mean of the channels
@@ -52,6 +54,9 @@ struct PathSums {
   Image<std::int32_t> triangle;  ///< of the first sample on the part, -1: none
   Image<std::int32_t> defect;    ///< id of the first sample on a defect, -1: none
   PathCounts counts;
+
+  /// 0 without light.
+  std::size_t num_channels() const { return groups.empty() ? 0 : groups.front().channels.size(); }
 };
 
 /// Which pixels show what. background + sound + the defects = 1 in every pixel.

@@ -50,7 +50,7 @@ class CellSums {
                    std::size_t lane);
 
   /// Adds everything to the picture. @param samples  of each pixel in this pass
-  void add_to(const Cell& cell, int samples, PathSums& sums) const;
+  void add_to(const Cell& in_picture, int samples, PathSums& sums) const;
 
   std::int64_t dropped() const { return dropped_; }
 
@@ -68,6 +68,7 @@ class CellSums {
     std::array<std::int32_t, kCellPixels> defect = {};
   };
 
+  /// @param cell  in the images of the sums
   void add_ids(const Cell& cell, PathSums& sums) const;
 
   std::vector<double> factors_;

@@ -17,7 +17,8 @@ namespace glint {
 /// Metal that is the same everywhere and not too smooth for float; else empty.
 std::optional<ConductorNumbers> conductor_numbers(const Material& material);
 
-/// Up to eight flat rings of constant groups, and nothing else; else empty.
+/// Up to eight rings of constant groups, flat or tilted by 1e-3 rad and more, and nothing else;
+/// else empty.
 std::optional<RingLights> ring_numbers(const Lights& lights);
 
 /// In the scene frame.

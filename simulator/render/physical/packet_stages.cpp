@@ -88,16 +88,36 @@ void set_labels(const PhysicalScene& scene, const HitPacket& hits, SurfaceLanes&
 }  // namespace
 
 void PacketStages::meet(const PathPacket& paths, SurfaceLanes& surface) const {
-  if (task_.has_bare_triangles) {
+  if (task_.meets_by_kernel) {
     meet_triangles(paths, surface);
-  } else {
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      if (paths.hit.triangle[i] >= 0) {
-        meet_lane(paths, i, surface);
-      }
+  }
+  const bool has_others = !task_.curved_triangles.empty() || !task_.scene.detail.empty();
+  for (std::size_t i = 0; i < kLanes && (has_others || !task_.meets_by_kernel); ++i) {
+    if (paths.hit.triangle[i] >= 0 && (!task_.meets_by_kernel || needs_double(paths, surface, i))) {
+      meet_lane(paths, i, surface);
     }
   }
   set_open(paths, surface);
+}
+
+/// Whether a lane that the kernel has met lies on a curved exact surface, or where detail reaches.
+bool PacketStages::needs_double(const PathPacket& paths,
+                                const SurfaceLanes& surface,
+                                std::size_t lane) const {
+  const std::int32_t triangle = paths.hit.triangle[lane];
+  if (!task_.curved_triangles.empty() &&
+      task_.curved_triangles[static_cast<std::size_t>(triangle)] != 0) {
+    return true;
+  }
+  if (task_.scene.detail.empty()) {
+    return false;
+  }
+  const TrianglePlane& plane = task_.scene.bvh.plane(triangle);
+  const Vector3d face(plane.normal_x, plane.normal_y, plane.normal_z);
+  const double outside = face.dot(vector_at(surface.side, lane)) < 0.0 ? -1.0 : 1.0;
+  return task_.scene.detail
+             .sample(vector_at(surface.point, lane), outside * vector_at(surface.normal, lane))
+             .feature >= 0;
 }
 
 void PacketStages::meet_triangles(const PathPacket& paths, SurfaceLanes& surface) const {

@@ -36,6 +36,7 @@ class PacketStages {
 
  private:
   void meet_triangles(const PathPacket& paths, SurfaceLanes& surface) const;
+  bool needs_double(const PathPacket& paths, const SurfaceLanes& surface, std::size_t lane) const;
   void meet_lane(const PathPacket& paths, std::size_t lane, SurfaceLanes& surface) const;
   void set_open(const PathPacket& paths, SurfaceLanes& surface) const;
   void hit_light(const PathPacket& paths,

@@ -37,6 +37,30 @@ std::vector<std::int32_t> defect_ids(const PhysicalScene& scene) {
   return {ids.begin(), ids.end()};
 }
 
+/// An exact plane and its triangles are the same but for rounding.
+bool is_plane_of(const TrianglePlane& plane, const ExactPatch& patch) {
+  constexpr double kSame = 1e-6;
+  const Eigen::Vector3d normal(plane.normal_x, plane.normal_y, plane.normal_z);
+  return std::holds_alternative<PlanePatch>(patch.shape) &&
+         (patch.scene_from_patch.rotation.col(2) - normal).cwiseAbs().maxCoeff() <= kSame;
+}
+
+/// Empty: none is.
+std::vector<std::uint8_t> find_curved_triangles(const PhysicalScene& scene,
+                                                const std::vector<std::uint8_t>& flat) {
+  const TriangleMesh& mesh = scene.part.mesh;
+  std::vector<std::uint8_t> curved;
+  for (std::size_t i = 0; i < mesh.num_triangles() && !scene.part.patches.empty(); ++i) {
+    const std::int32_t patch = mesh.patch_of(i);
+    const bool is_curved =
+        patch >= 0 &&
+        (flat[i] == 0 || !is_plane_of(scene.bvh.plane(static_cast<std::int32_t>(i)),
+                                      scene.part.patches[static_cast<std::size_t>(patch)]));
+    curved.push_back(is_curved ? 1 : 0);
+  }
+  return curved;
+}
+
 }  // namespace
 
 PathTask::PathTask(const PhysicalScene& the_scene, const PathSettings& the_settings)
@@ -52,7 +76,7 @@ PathTask::PathTask(const PhysicalScene& the_scene, const PathSettings& the_setti
       lay(lay_numbers(the_scene.material, the_scene.part.scene_from_part)),
       open_sides(the_scene.bvh.open_sides(the_scene.part.mesh)),
       flat_triangles(the_scene.bvh.flat_triangles(the_scene.part.mesh)),
-      has_bare_triangles(the_scene.detail.empty() && the_scene.part.patches.empty()),
+      curved_triangles(find_curved_triangles(the_scene, flat_triangles)),
       is_mirror(std::holds_alternative<Mirror>(the_scene.material.plain())) {
   if (!scene.material.has_pattern()) {
     metal = conductor_numbers(scene.material.plain());

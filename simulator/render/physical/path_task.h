@@ -40,7 +40,8 @@ class PathTask {
   LayNumbers lay;
   const OpenSides& open_sides;  ///< of the part; not asked where it is convex
   const std::vector<std::uint8_t>& flat_triangles;
-  bool has_bare_triangles = false;  ///< neither exact surfaces nor detail on them
+  std::vector<std::uint8_t> curved_triangles;  ///< 1: of an exact surface that is no plane
+  bool meets_by_kernel = true;                 ///< triangles away from those and from detail
   bool is_mirror = false;
   bool needs_choice = false;  ///< the material uses a third random number
 };

@@ -2,19 +2,15 @@
 #include "simulator/render/physical/ring_kernels.h"
 
 #include "simulator/render/physical/lane_math.h"
+#include "simulator/render/physical/ring_crossings.h"
 
 namespace glint {
 namespace {
 
-constexpr float kFar_mm = 1e30F;
 /// Distances nearer than this share to a sampled one are the sampled surface itself.
 constexpr float kSameDistance = 1e-6F;
-
-/// Grows with the angle of (x, y) from +x, 0 to 4 for a turn.
-GLINT_INLINE float pseudo_angle(float x, float y) {
-  const float share = x / most(std::abs(x) + std::abs(y), 1e-30F);
-  return y >= 0.0F ? 1.0F - share : 3.0F + share;
-}
+/// Likewise where a cone may stand in its own way: crossings at grazing are good to that only.
+constexpr float kSameCone = 1e-4F;
 
 /// Weights of the emitters at points, as LightTree: [emitter][lane], and their sums.
 struct alignas(64) RingWeights {
@@ -41,24 +37,47 @@ GLINT_INLINE void weigh(const RingLights& rings,
     const float radius = rings.box_radius[e];
     const float intensity = rings.intensity[e];
     const float exponent = rings.exponent[e] + 1.0F;
+    // Some part of a tilted ring may always show its front.
+    const float least_height = rings.tilt_sine[e] != 0.0F ? -kFar_mm : above;
+    const float ax = rings.axis_x[e];
+    const float ay = rings.axis_y[e];
+    const float az = rings.axis_z[e];
+    const float cone_cosine = rings.cone_cosine[e];
+    const float cone_sine = rings.cone_sine[e];
+    alignas(64) float inside[kPacketSize];
+    alignas(64) float beyond[kPacketSize];
+    alignas(64) float strength[kPacketSize];
     for (int i = 0; i < kPacketSize; ++i) {
       const float wx = px[i] - bx;
       const float wy = py[i] - by;
       const float wz = pz[i] - bz;
       const float distance = std::sqrt(wx * wx + wy * wy + wz * wz);
       const float reach = most(most(distance, radius), 1e-20F);
-      const float c = most(-1.0F, least((zx * wx + zy * wy + zz * wz) / reach, 1.0F));
+      const float c = most(-1.0F, least((ax * wx + ay * wy + az * wz) / reach, 1.0F));
       const float s = std::sqrt(most(0.0F, 1.0F - c * c));
-      const float sine = least(radius / reach, 1.0F);
-      const float cosine = std::sqrt(most(0.0F, 1.0F - sine * sine));
-      const float turned = either(c >= cosine, distance <= radius) ? 1.0F : c * cosine + s * sine;
-      // Beyond the opposite side the sum of angles would come back.
+      const float box_sine = least(radius / reach, 1.0F);
+      const float box_cosine = std::sqrt(most(0.0F, 1.0F - box_sine * box_sine));
+      // Of half the cone of normals and half the box together; sine < 0: more than half a turn.
+      const float sine = cone_sine * box_cosine + cone_cosine * box_sine;
+      const float cosine = cone_cosine * box_cosine - cone_sine * box_sine;
+      const float least_cosine = sine < 0.0F ? -2.0F : cosine;
       const float height = zx * px[i] + zy * py[i] + zz * pz[i];
-      const bool is_front = both(height > above, turned > 0.0F);
-      const float lobe = exponent == 1.0F ? turned : power_of(most(turned, 0.0F), exponent);
-      const float weight = is_front ? intensity * lobe / (reach * reach) : 0.0F;
-      weights->of[e][i] = weight;
-      weights->sum[i] += weight;
+      inside[i] = either(c >= least_cosine, distance <= radius) ? 1.0F : 0.0F;
+      beyond[i] = c * cosine + s * sine;
+      // Beyond the opposite side the sum of angles would come back.
+      strength[i] = height > least_height ? intensity / (reach * reach) : 0.0F;
+    }
+    for (int i = 0; i < kPacketSize; ++i) {
+      beyond[i] = most(0.0F, inside[i] > 0.0F ? 1.0F : beyond[i]);
+    }
+    if (exponent != 1.0F) {
+      for (int i = 0; i < kPacketSize; ++i) {
+        beyond[i] = power_of(beyond[i], exponent);
+      }
+    }
+    for (int i = 0; i < kPacketSize; ++i) {
+      weights->of[e][i] = strength[i] * beyond[i];
+      weights->sum[i] += strength[i] * beyond[i];
     }
   }
 }
@@ -125,8 +144,30 @@ GLINT_INLINE void shine(const RingLights& rings,
   }
 }
 
+/// Of a point on a ring, from its axis and above its middle [mm].
+struct RingPlace {
+  float radius;
+  float height;
+};
+
+/// As point_of() in emitter_shape.cpp. @param u  in [0, 1)
+template <bool kIsTilted>
+GLINT_INLINE RingPlace place_on_ring(const RingLights& r, int e, float u) {
+  if constexpr (!kIsTilted) {
+    const float inner = r.inner_squared[e];
+    return {std::sqrt(inner + u * (r.outer_squared[e] - inner)), 0.0F};
+  } else {
+    const float c = r.tilt_cosine[e];
+    const float m = r.middle[e];
+    const float w = r.width[e];
+    const float q = m * w * (u - 0.5F) + 0.125F * c * w * w;
+    const float along = 2.0F * q / (m + std::sqrt(most(0.0F, m * m + 2.0F * c * q)));
+    return {m + along * c, along * r.tilt_sine[e]};
+  }
+}
+
 /// The choice is of the first where there is only one.
-template <bool kIsOne>
+template <bool kIsOne, bool kIsTilted>
 GLINT_INLINE void draw(const RingLights& rings,
                        const VectorLanes* __restrict p,
                        const RingChoice* __restrict choice,
@@ -136,20 +177,30 @@ GLINT_INLINE void draw(const RingLights& rings,
   alignas(64) float cosines[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {
     const int e = kIsOne ? 0 : choice->emitter[i];
-    const float inner = r->inner_squared[e];
-    const float radius = std::sqrt(inner + choice->u[i] * (r->outer_squared[e] - inner));
+    const RingPlace place = place_on_ring<kIsTilted>(*r, e, choice->u[i]);
     const SineCosine phi = sine_cosine_of_turns(r->first_turns[e] + v[i] * r->span_turns[e]);
-    const float at_x = radius * phi.cosine;
-    const float at_y = radius * phi.sine;
-    const float wx = r->origin_x[e] + at_x * r->x_x[e] + at_y * r->y_x[e] - p->x[i];
-    const float wy = r->origin_y[e] + at_x * r->x_y[e] + at_y * r->y_y[e] - p->y[i];
-    const float wz = r->origin_z[e] + at_x * r->x_z[e] + at_y * r->y_z[e] - p->z[i];
+    const float at_x = place.radius * phi.cosine;
+    const float at_y = place.radius * phi.sine;
+    const float rise = place.height;
+    const float wx =
+        r->origin_x[e] + at_x * r->x_x[e] + at_y * r->y_x[e] + rise * r->z_x[e] - p->x[i];
+    const float wy =
+        r->origin_y[e] + at_x * r->x_y[e] + at_y * r->y_y[e] + rise * r->z_y[e] - p->y[i];
+    const float wz =
+        r->origin_z[e] + at_x * r->x_z[e] + at_y * r->y_z[e] + rise * r->z_z[e] - p->z[i];
     const float squared = most(wx * wx + wy * wy + wz * wz, 1e-30F);
     const float distance = std::sqrt(squared);
     const float dx = wx / distance;
     const float dy = wy / distance;
     const float dz = wz / distance;
-    const float cosine = -(dx * r->z_x[e] + dy * r->z_y[e] + dz * r->z_z[e]);
+    const float down = -(dx * r->z_x[e] + dy * r->z_y[e] + dz * r->z_z[e]);
+    float cosine = down;
+    if constexpr (kIsTilted) {
+      const float along_x = dx * r->x_x[e] + dy * r->x_y[e] + dz * r->x_z[e];
+      const float along_y = dx * r->y_x[e] + dy * r->y_y[e] + dz * r->y_z[e];
+      const float outwards = phi.cosine * along_x + phi.sine * along_y;
+      cosine = r->tilt_cosine[e] * down + r->tilt_sine[e] * outwards;
+    }
     const float safe = most(cosine, 1e-30F);
     const float density = choice->probability[i] * squared * r->per_area[e] / safe;
     cosines[i] = cosine;
@@ -163,70 +214,33 @@ GLINT_INLINE void draw(const RingLights& rings,
   shine(rings, choice->emitter, cosines, &l->radiance);
 }
 
-/// Where rays meet one ring.
-struct alignas(64) RingCrossings {
-  float distance[kPacketSize];  ///< kFar_mm: not
-  float cosine[kPacketSize];    ///< <= 0: its back
-};
-
-/// @param o, d  from and along, three arrays each @param reach  as far as rays go
-GLINT_INLINE void cross_ring(const RingLights& r,
-                             int e,
-                             const float* __restrict ox,
-                             const float* __restrict oy,
-                             const float* __restrict oz,
-                             const float* __restrict dx,
-                             const float* __restrict dy,
-                             const float* __restrict dz,
-                             const float* __restrict reach,
-                             RingCrossings* __restrict crossings) {
-  for (int i = 0; i < kPacketSize; ++i) {
-    const float fx = ox[i] - r.origin_x[e];
-    const float fy = oy[i] - r.origin_y[e];
-    const float fz = oz[i] - r.origin_z[e];
-    const float height = fx * r.z_x[e] + fy * r.z_y[e] + fz * r.z_z[e];
-    const float slope = dx[i] * r.z_x[e] + dy[i] * r.z_y[e] + dz[i] * r.z_z[e];
-    const float t = -height / (slope != 0.0F ? slope : 1e-30F);
-    const float hx = fx + t * dx[i];
-    const float hy = fy + t * dy[i];
-    const float hz = fz + t * dz[i];
-    const float x = hx * r.x_x[e] + hy * r.x_y[e] + hz * r.x_z[e];
-    const float y = hx * r.y_x[e] + hy * r.y_y[e] + hz * r.y_z[e];
-    const float squared = x * x + y * y;
-    const float turned = pseudo_angle(x * r.first_cosine[e] + y * r.first_sine[e],
-                                      y * r.first_cosine[e] - x * r.first_sine[e]);
-    const bool is_in = both(both(squared >= r.inner_squared[e], squared <= r.outer_squared[e]),
-                            turned <= r.span_pseudo[e]);
-    const bool is_before = both(t > 0.0F, t < reach[i]);
-    const bool is_met = both(both(is_in, is_before), either(slope<0.0F, r.solid[e]> 0.0F));
-    crossings->distance[i] = is_met ? t : kFar_mm;
-    crossings->cosine[i] = -slope;
-  }
-}
-
-/// Other lights in the way of the drawn directions.
+/// Lights in the way of the drawn directions: others, and the rest of a cone.
 GLINT_INLINE void drop_hidden(const RingLights& rings,
                               const VectorLanes* __restrict p,
                               const RingChoice* __restrict choice,
                               LightLanes* __restrict l) {
   alignas(64) float reach[kPacketSize];
+  const float share = 1.0F - (rings.has_tilts ? kSameCone : kSameDistance);
   for (int i = 0; i < kPacketSize; ++i) {
-    reach[i] = l->distance[i] * (1.0F - kSameDistance);
+    reach[i] = l->distance[i] * share;
   }
+  ConeCrossings cone;
   for (int e = 0; e < rings.count; ++e) {
     RingCrossings crossings;
-    cross_ring(rings,
-               e,
-               p->x,
-               p->y,
-               p->z,
-               l->direction.x,
-               l->direction.y,
-               l->direction.z,
-               reach,
-               &crossings);
+    cross_any(rings,
+              e,
+              p->x,
+              p->y,
+              p->z,
+              l->direction.x,
+              l->direction.y,
+              l->direction.z,
+              reach,
+              &cone,
+              &crossings);
+    const int itself = rings.tilt_sine[e] != 0.0F ? -1 : e;
     for (int i = 0; i < kPacketSize; ++i) {
-      const bool is_hidden = both(crossings.distance[i] < kFar_mm, choice->emitter[i] != e);
+      const bool is_hidden = both(crossings.distance[i] < kFar_mm, choice->emitter[i] != itself);
       l->density[i] = is_hidden ? 0.0F : l->density[i];
     }
   }
@@ -248,18 +262,20 @@ GLINT_INLINE void find_nearest(const RingLights& rings,
     nearest->cosine[i] = 0.0F;
     nearest->emitter[i] = 0;
   }
+  ConeCrossings cone;
   for (int e = 0; e < rings.count; ++e) {
     RingCrossings crossings;
-    cross_ring(rings,
-               e,
-               rays->origin_x.data(),
-               rays->origin_y.data(),
-               rays->origin_z.data(),
-               rays->direction_x.data(),
-               rays->direction_y.data(),
-               rays->direction_z.data(),
-               reach,
-               &crossings);
+    cross_any(rings,
+              e,
+              rays->origin_x.data(),
+              rays->origin_y.data(),
+              rays->origin_z.data(),
+              rays->direction_x.data(),
+              rays->direction_y.data(),
+              rays->direction_z.data(),
+              reach,
+              &cone,
+              &crossings);
     for (int i = 0; i < kPacketSize; ++i) {
       const bool is_nearer = crossings.distance[i] < nearest->distance[i];
       nearest->distance[i] = is_nearer ? crossings.distance[i] : nearest->distance[i];
@@ -333,12 +349,15 @@ GLINT_WIDE void sample_rings16(const RingLights& rings,
     weigh(rings, points.x, points.y, points.z, &weights);
     choose(rings, &weights, random.light_u, &choice);
   }
-  if (rings.count == 1) {
-    draw<true>(rings, &points, &choice, random.light_v, &lights);
+  if (rings.has_tilts) {
+    draw<false, true>(rings, &points, &choice, random.light_v, &lights);
+  } else if (rings.count == 1) {
+    draw<true, false>(rings, &points, &choice, random.light_v, &lights);
+    return;
   } else {
-    draw<false>(rings, &points, &choice, random.light_v, &lights);
-    drop_hidden(rings, &points, &choice, &lights);
+    draw<false, false>(rings, &points, &choice, random.light_v, &lights);
   }
+  drop_hidden(rings, &points, &choice, &lights);
 }
 
 GLINT_WIDE void hit_rings16(const RingLights& rings,

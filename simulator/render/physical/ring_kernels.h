@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Up to eight flat rings, discs or sectors of them as lights (simulator/light/area) for sixteen
-// points or rays at a time in float.
+// Up to eight rings, discs or sectors of them, flat or tilted, as lights (simulator/light/area) for
+// sixteen points or rays at a time in float.
 #pragma once
 
 #include "simulator/render/physical/path_packet.h"
@@ -24,7 +24,13 @@ struct RingLights {
   float first_cosine[kMost] = {};
   float first_sine[kMost] = {};
   float span_pseudo[kMost] = {};  ///< pseudo angle of the span, >= 4: a whole ring
-  float per_area[kMost] = {};     ///< 1 / mm2
+  float middle[kMost] = {};       ///< radius [mm]
+  float width[kMost] = {};        ///< along the slope [mm]
+  float tilt_cosine[kMost] = {};
+  float tilt_sine[kMost] = {};         ///< 0: flat
+  std::int32_t same_cone[kMost] = {};  ///< 1: another sector of the cone of the emitter before
+  bool has_tilts = false;              ///< some are not flat
+  float per_area[kMost] = {};          ///< 1 / mm2
   float radiance[3][kMost] = {};
   float exponent[kMost] = {};  ///< of the radiance: that of the lobe less 1
   float solid[kMost] = {};     ///< 1: the back hides what is behind
@@ -35,6 +41,8 @@ struct RingLights {
   float box_x[kMost] = {}, box_y[kMost] = {}, box_z[kMost] = {};
   float box_radius[kMost] = {};
   float intensity[kMost] = {};
+  float axis_x[kMost] = {}, axis_y[kMost] = {}, axis_z[kMost] = {};  ///< of the cone of normals
+  float cone_cosine[kMost] = {}, cone_sine[kMost] = {};              ///< of its half angle
 };
 
 /// As sample_light(), and is_hidden(): hidden directions have density 0.

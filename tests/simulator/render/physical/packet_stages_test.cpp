@@ -277,9 +277,9 @@ TEST(PacketStages, TrianglesAreMetAsByTheScalarCode) {
     const PhysicalScene scene = bench.scene();
     const PathSettings settings;
     PathTask task(scene, settings);
-    ASSERT_TRUE(task.has_bare_triangles);
+    ASSERT_TRUE(task.meets_by_kernel);
     PathTask scalar(scene, settings);
-    scalar.has_bare_triangles = false;
+    scalar.meets_by_kernel = false;
     Rng rng(3, Stream::kTest, 0);
     int hits = 0;
     for (int i = 0; i < kPackets / 4; ++i) {
@@ -414,10 +414,31 @@ void compare_lights(const std::vector<NamedLight>& lights, LightErrors& drawn, L
   }
 }
 
+/// A tilted ring, whole or in sectors.
+NamedLight tilted_ring(double height_mm, double tilt_rad, int segments, const std::string& name) {
+  NamedLight light = ring_at(height_mm, name);
+  auto& ring = std::get<RingSettings>(light.settings);
+  ring.outer_radius_mm = 60.0;
+  ring.tilt_rad = tilt_rad;
+  ring.segments = {.segments = segments, .separate = segments > 1};
+  return light;
+}
+
+std::vector<std::vector<NamedLight>> tilted_rings() {
+  return {{tilted_ring(110.0, 0.3, 1, "cone")},
+          {tilted_ring(110.0, -0.5, 4, "outwards")},
+          {tilted_ring(100.0, 0.01, 4, "almost flat")},
+          {tilted_ring(120.0, 1.2, 4, "steep"), tilted_ring(90.0, 0.0, 1, "flat"), ring_at(140.0)},
+          {tilted_ring(110.0, 0.5 * kPi, 3, "cylinder"), tilted_ring(150.0, 0.7, 1, "above")}};
+}
+
 TEST(PacketStages, RingsAreDrawnAndMetAsByTheScalarCode) {
   NamedLight narrow = ring_at(100.0);
   std::get<RingSettings>(narrow.settings).emission.half_angle_rad = 0.4;
-  for (const auto& lights : {std::vector{ring_at(100.0)}, std::vector{narrow}, three_rings()}) {
+  std::vector<std::vector<NamedLight>> all = tilted_rings();
+  all.insert(all.end(), {{ring_at(100.0)}, {narrow}, three_rings()});
+  for (const auto& lights : all) {
+    SCOPED_TRACE(lights[0].name);
     LightErrors drawn;
     LightErrors met;
     compare_lights(lights, drawn, met);
@@ -456,7 +477,7 @@ ImageF picture_by(const PathBench& bench, const Scalar& scalar) {
   if (scalar.rings) {
     task.rings.reset();
   }
-  task.has_bare_triangles = !scalar.meeting;
+  task.meets_by_kernel = !scalar.meeting;
   const PinholeIntrinsics& in = bench.camera.intrinsics();
   PathSums sums = empty_sums(in.width_px, in.height_px, task.factors.size(), 3, task.ids);
   CellTracer tracer(task);
@@ -489,6 +510,70 @@ TEST(PacketStages, PicturesByKernelsAreThoseOfTheScalarCode) {
   PathBench bench = gear_bench(metal_of({0.3, 0.1}, true, true), three_rings());
   bench.lens = {.aperture_mm = 10.0, .focus_mm = 300.0};
   expect_same_pictures(bench);
+  expect_same_pictures(
+      gear_bench(metal_of({0.3, 0.1}, true, false), {tilted_ring(110.0, 0.4, 4, "cone")}));
+}
+
+/// A plate and a cylinder of exact surfaces, with a dent, a scratch and a stain on them.
+PathBench detailed_bench(PartSettings::Shape shape) {
+  MaterialSettings material = metal_of({0.3, 0.1}, true, false);
+  material.lay.kind = LaySettings::Kind::kBrushed;
+  material.lay.direction = {0.3, 1.0, 0.2};  // along no face's normal
+  CameraSettings camera = small_camera(0.5, 80, 64);
+  PathBench bench(
+      {.shape = shape, .length_mm = 40.0, .width_mm = 30.0, .rotation_rad = {0.2, 0.1, 0.0}},
+      material,
+      {tilted_ring(110.0, 0.4, 4, "cone")},
+      camera);
+  std::vector<HeightFeature> features = {
+      {.id = 1, .height_mm = -0.06, .sigma_mm = 0.8},
+      {.kind = HeightFeature::Kind::kScratch,
+       .id = 2,
+       .height_mm = -0.05,
+       .length_mm = 8.0,
+       .width_mm = 0.8},
+      {.id = 3, .height_mm = 0.02, .sigma_mm = 1.0, .moves_position = true, .reflectance = 0.5}};
+  const double at_mm[3][2] = {{-8.0, 3.0}, {2.0, -4.0}, {9.0, 4.0}};
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const auto place = place_on_surface(bench.part, bench.bvh, at_mm[i][0], at_mm[i][1], 0.5);
+    EXPECT_TRUE(place.has_value());
+    features[i].centre_mm = place->centre_mm;
+    features[i].u_axis = place->u_axis;
+    features[i].v_axis = place->v_axis;
+    features[i].normal = place->normal;
+  }
+  bench.detail = SurfaceDetail(features);
+  return bench;
+}
+
+TEST(PacketStages, ExactSurfacesWithDetailAreMetAsByTheScalarCode) {
+  for (const auto shape : {PartSettings::Shape::kPlate, PartSettings::Shape::kCylinder}) {
+    const PathBench bench = detailed_bench(shape);
+    const PhysicalScene scene = bench.scene();
+    const PathSettings settings;
+    const PathTask task(scene, settings);
+    PathTask scalar(scene, settings);
+    scalar.meets_by_kernel = false;
+    Rng rng(4, Stream::kTest, 0);
+    std::array<int, 4> met = {};
+    for (int i = 0; i < kPackets; ++i) {
+      const PathPacket paths = camera_packet(bench, rng);
+      SurfaceLanes found = {};
+      SurfaceLanes expected = {};
+      PacketStages(task).meet(paths, found);
+      PacketStages(scalar).meet(paths, expected);
+      expect_same_surface(found, expected, paths);
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        if (paths.hit.triangle[k] >= 0) {
+          EXPECT_EQ(found.reflectance[k], expected.reflectance[k]);
+          ++met[static_cast<std::size_t>(std::max(0, found.defect[k]))];
+        }
+      }
+    }
+    EXPECT_GT(met[0], 1000);
+    EXPECT_GT(std::min({met[1], met[2], met[3]}), 10);
+    expect_same_pictures(bench);
+  }
 }
 
 }  // namespace

@@ -2,7 +2,10 @@
 //
 // Where rays meet a chain of cubic segments.
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include "simulator/light/tunnel_kernels.h"
 
@@ -172,57 +175,43 @@ GLINT_WIDE int count_crossing(const RayBlock& rays, float y0, float z0, float en
   return crossings;
 }
 
-constexpr int kLanes = 16;
-
 /// Limits of a chunk's directions and of their lines' moments around (0, 0).
 struct LineLimits {
   float low_y, high_y, low_z, high_z, low_moment, high_moment;
 };
 
-struct LimitLanes {
-  float low_y[kLanes], high_y[kLanes], low_z[kLanes], high_z[kLanes];
-  float low_moment[kLanes], high_moment[kLanes];
-};
-
-__attribute__((always_inline)) inline void widen(float value, float& low, float& high) {
-  low = value < low ? value : low;
-  high = value > high ? value : high;
+/// Bits of floats that are ordered as they are, and back.
+__attribute__((always_inline)) inline std::int32_t ordered(std::int32_t bits) {
+  return bits ^ ((bits >> 31) & 0x7FFFFFFF);
 }
 
-GLINT_WIDE void find_limits(const RayBlock& rays, LimitLanes& lanes) {
+GLINT_WIDE void find_limits(const RayBlock& rays, LineLimits& limits) {
   const float* __restrict oy = rays.origin_y;
   const float* __restrict oz = rays.origin_z;
   const float* __restrict dy = rays.direction_y;
   const float* __restrict dz = rays.direction_z;
-  LimitLanes found;
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const int i = lane < rays.count ? lane : 0;
-    found.low_y[lane] = found.high_y[lane] = dy[i];
-    found.low_z[lane] = found.high_z[lane] = dz[i];
-    found.low_moment[lane] = found.high_moment[lane] = dz[i] * oy[i] - dy[i] * oz[i];
+  constexpr std::int32_t kLowest = std::numeric_limits<std::int32_t>::min();
+  constexpr std::int32_t kHighest = std::numeric_limits<std::int32_t>::max();
+  std::int32_t low_y = kHighest, low_z = kHighest, low_moment = kHighest;
+  std::int32_t high_y = kLowest, high_z = kLowest, high_moment = kLowest;
+  const int count = rays.count;
+  for (int i = 0; i < count; ++i) {
+    const std::int32_t y = ordered(std::bit_cast<std::int32_t>(dy[i]));
+    const std::int32_t z = ordered(std::bit_cast<std::int32_t>(dz[i]));
+    const std::int32_t moment = ordered(std::bit_cast<std::int32_t>(dz[i] * oy[i] - dy[i] * oz[i]));
+    low_y = y < low_y ? y : low_y;
+    high_y = y > high_y ? y : high_y;
+    low_z = z < low_z ? z : low_z;
+    high_z = z > high_z ? z : high_z;
+    low_moment = moment < low_moment ? moment : low_moment;
+    high_moment = moment > high_moment ? moment : high_moment;
   }
-  for (int begin = kLanes; begin < rays.count; begin += kLanes) {
-    // The last ones are looked at twice.
-    const int first = begin + kLanes <= rays.count ? begin : rays.count - kLanes;
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const int i = first + lane;
-      widen(dy[i], found.low_y[lane], found.high_y[lane]);
-      widen(dz[i], found.low_z[lane], found.high_z[lane]);
-      widen(dz[i] * oy[i] - dy[i] * oz[i], found.low_moment[lane], found.high_moment[lane]);
-    }
-  }
-  lanes = found;
-}
-
-LineLimits limits_of(const RayBlock& rays) {
-  LimitLanes lanes;
-  find_limits(rays, lanes);
-  return {.low_y = *std::min_element(lanes.low_y, lanes.low_y + kLanes),
-          .high_y = *std::max_element(lanes.high_y, lanes.high_y + kLanes),
-          .low_z = *std::min_element(lanes.low_z, lanes.low_z + kLanes),
-          .high_z = *std::max_element(lanes.high_z, lanes.high_z + kLanes),
-          .low_moment = *std::min_element(lanes.low_moment, lanes.low_moment + kLanes),
-          .high_moment = *std::max_element(lanes.high_moment, lanes.high_moment + kLanes)};
+  limits = {.low_y = std::bit_cast<float>(ordered(low_y)),
+            .high_y = std::bit_cast<float>(ordered(high_y)),
+            .low_z = std::bit_cast<float>(ordered(low_z)),
+            .high_z = std::bit_cast<float>(ordered(high_z)),
+            .low_moment = std::bit_cast<float>(ordered(low_moment)),
+            .high_moment = std::bit_cast<float>(ordered(high_moment))};
 }
 
 /// The side of all lines of a chunk that a point is on: 1, -1, or 0 where it is not surely one.
@@ -246,7 +235,8 @@ void hit_spline_chunk(const RayBlock& rays,
                       int num_segments,
                       float* t_mm) {
   std::fill_n(t_mm, rays.count, kNoHit_mm);
-  const LineLimits limits = limits_of(rays);
+  LineLimits limits;
+  find_limits(rays, limits);
   for (int s = 0; s < num_segments; ++s) {
     const float* c = coefficients + 8 * s;
     const float end_y = c[0] + c[1] + c[2] + c[3];

@@ -30,6 +30,21 @@ EllipseAxes axes_of(const TunnelSettings& s) {
              : EllipseAxes{.half_width_mm = s.half_width_mm, .height_mm = s.height_mm};
 }
 
+/// At most `most` rays from `begin` on.
+RayBlock part_of(const RayBlock& rays, int begin, int most) {
+  RayBlock part = rays;
+  for (const float** array : {&part.origin_x,
+                              &part.origin_y,
+                              &part.origin_z,
+                              &part.direction_x,
+                              &part.direction_y,
+                              &part.direction_z}) {
+    *array = *array != nullptr ? *array + begin : nullptr;
+  }
+  part.count = std::min(most, rays.count - begin);
+  return part;
+}
+
 }  // namespace
 
 std::string_view shape_name(Shape shape) {
@@ -304,20 +319,14 @@ void Tunnel::meet_block(const RayBlock& rays, float* x_mm, float* y_mm, float* m
     meet_flat(rays, walls_.data(), panels_meet(), x_mm, y_mm, margin_mm);
     return;
   }
-  if (settings_.shape == Shape::kSuperellipse) {
-    meet_superellipse(rays,
-                      base,
-                      static_cast<float>(settings_.half_width_mm),
-                      static_cast<float>(settings_.height_mm),
-                      static_cast<float>(settings_.exponent),
-                      x_mm,
-                      y_mm,
-                      margin_mm);
-    return;
+  // A few at a time: what is read again stays in the first cache.
+  constexpr int kTogether = 256;
+  std::array<float, kTogether> t_mm;
+  for (int begin = 0; begin < rays.count; begin += kTogether) {
+    const RayBlock part = part_of(rays, begin, kTogether);
+    hit_profile(part, true, t_mm.data());
+    points_of_hits(part, t_mm.data(), base, x_mm + begin, y_mm + begin, margin_mm + begin);
   }
-  std::vector<float> t_mm(static_cast<std::size_t>(rays.count));
-  hit_profile(rays, true, t_mm.data());
-  points_of_hits(rays, t_mm.data(), base, x_mm, y_mm, margin_mm);
 }
 
 void Tunnel::meet_details(const RayBlock& rays,
@@ -371,15 +380,6 @@ namespace {
 /// Sight lines that are looked at together: their arrays stay in the first cache.
 constexpr int kSightLines = 512;
 
-RayBlock part_of(const RayBlock& points, int begin) {
-  RayBlock part = points;
-  part.origin_x += begin;
-  part.origin_y += begin;
-  part.origin_z += begin;
-  part.count = std::min(kSightLines, points.count - begin);
-  return part;
-}
-
 }  // namespace
 
 /// Some sight lines from points to the camera and where they cross the wall; t = 1 at the camera.
@@ -424,7 +424,7 @@ void Tunnel::hidden_block(const RayBlock& points, const Vector3d& camera_mm, flo
   }
   Sight sight;
   for (int begin = 0; begin < points.count; begin += kSightLines) {
-    look(part_of(points, begin), camera_mm, sight, hidden + begin);
+    look(part_of(points, begin, kSightLines), camera_mm, sight, hidden + begin);
   }
 }
 
@@ -437,7 +437,7 @@ Tunnel::SightLines Tunnel::sight_lines(const RayBlock& points, const Vector3d& c
   }
   Sight sight;
   for (int begin = 0; begin < points.count; begin += kSightLines) {
-    const RayBlock part = part_of(points, begin);
+    const RayBlock part = part_of(points, begin, kSightLines);
     look(part, camera_mm, sight, lines.hidden.data() + begin);
     for (int i = 0; i < part.count; ++i) {
       set_crossing(part, sight, i, begin, lines);

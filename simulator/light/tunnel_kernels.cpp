@@ -231,12 +231,13 @@ __attribute__((always_inline)) inline float superellipse_start(
 }
 
 /// One step of Halley's method on the norm N = s^(1/n) - 1 with s = |y|^n + |z|^n, which is almost
-/// straight along a ray: two steps come nearer than three of Newton's on s. Numerator: n s N / s'
-/// for s = 1 + e to the third order in e.
+/// straight along a ray: two steps come nearer than three of Newton's on s. With s = 1 + e, slope
+/// and bend of s, p = 1 - 1/n and q = n s^p N = e + p e^2 / 2 - ... the step is
+/// q slope s / (slope^2 s - q (bend s - p slope^2) / 2).
 __attribute__((always_inline)) inline float superellipse_step(
     float t, float y0, float z0, float vy, float vz, float n) {
   constexpr float kSmallest = 1e-12F;
-  constexpr float kMostBent = 1.5F;  // far off, where the curve bends within a step
+  constexpr float kMostBent = 0.75F;  // far off, where the curve bends within a step
   const float y = y0 + t * vy;
   const float z = z0 + t * vz;
   const float size_y = y < 0.0F ? -y : y;
@@ -247,37 +248,26 @@ __attribute__((always_inline)) inline float superellipse_step(
   const float hz = pow_fast(az, n - 2.0F);
   const float gy = hy * ay;
   const float gz = hz * az;
-  const float e = ay * gy + az * gz - 1.0F;
+  const float s = ay * gy + az * gz;
+  const float e = s - 1.0F;
   const float by = y < 0.0F ? -vy : vy;
   const float bz = z < 0.0F ? -vz : vz;
   const float slope = n * (gy * by + gz * bz);
   const float bend = n * (n - 1.0F) * (hy * vy * vy + hz * vz * vz);
-  const float per_slope = 1.0F / (slope > kSmallest ? slope : kSmallest);
   const float p = 1.0F - 1.0F / n;
-  const float newton = per_slope * e * (1.0F + e * (0.5F * p) * (1.0F - e * ((2.0F - p) / 3.0F)));
-  const float any = newton * (bend * per_slope - p * slope / (1.0F + e));
-  const float bent = any > kMostBent ? kMostBent : (any < -kMostBent ? -kMostBent : any);
-  return slope > kSmallest ? t - newton / (1.0F - 0.5F * bent) : t;
+  const float q = e * (1.0F + e * (0.5F * p) * (1.0F - e * ((2.0F - p) / 3.0F)));
+  const float squared = slope * slope;
+  const float straight = squared * s;
+  const float most = kMostBent * straight;
+  const float bent = 0.5F * q * (bend * s - p * squared);
+  const float kept = bent > most ? most : (bent < -most ? -most : bent);
+  return slope > kSmallest ? t - q * slope * s / (straight - kept) : t;
 }
 
-__attribute__((always_inline)) inline float superellipse_hit(
-    const Superellipse& s, float lowest_mm, float oy, float oz, float dy, float dz) {
-  const float y = oy * s.per_width;
-  const float z = (oz - s.base_mm) * s.per_height;
-  const float vy = dy * s.per_width;
-  const float vz = dz * s.per_height;
-  const float start = superellipse_start(y, z, vy, vz, s.diagonal);
-  const float near = superellipse_step(start, y, z, vy, vz, s.exponent);
-  const float t = superellipse_step(near, y, z, vy, vz, s.exponent);
-  const bool is_hit =
-      (dy * dy + dz * dz > 0.0F) & (t > kNearestHit_mm) & (t < 1e6F) & (oz + t * dz >= lowest_mm);
-  return is_hit ? t : kNoHit_mm;
-}
-
-GLINT_WIDE void hit_curve(const RayBlock& rays,
-                          const Superellipse& curve,
-                          float lowest_mm,
-                          float* __restrict t_mm) {
+/// Steps are the outer loops: the long chain of one step is enough to wait for.
+GLINT_WIDE void start_at_octagon(const RayBlock& rays,
+                                 const Superellipse& curve,
+                                 float* __restrict t_mm) {
   const float* __restrict oy = rays.origin_y;
   const float* __restrict oz = rays.origin_z;
   const float* __restrict dy = rays.direction_y;
@@ -285,32 +275,43 @@ GLINT_WIDE void hit_curve(const RayBlock& rays,
   const Superellipse s = curve;
   const int count = rays.count;
   for (int i = 0; i < count; ++i) {
-    t_mm[i] = superellipse_hit(s, lowest_mm, oy[i], oz[i], dy[i], dz[i]);
+    t_mm[i] = superellipse_start(oy[i] * s.per_width,
+                                 (oz[i] - s.base_mm) * s.per_height,
+                                 dy[i] * s.per_width,
+                                 dz[i] * s.per_height,
+                                 s.diagonal);
   }
 }
 
-/// hit_curve() and points_of_hits() in one sweep.
-GLINT_WIDE void meet_curve(const RayBlock& rays,
-                           const Superellipse& curve,
-                           float lowest_mm,
-                           float* __restrict x_mm,
-                           float* __restrict y_mm,
-                           float* __restrict above_base_mm) {
-  const float* __restrict ox = rays.origin_x;
+GLINT_WIDE void step_to_curve(const RayBlock& rays,
+                              const Superellipse& curve,
+                              float* __restrict t_mm) {
   const float* __restrict oy = rays.origin_y;
   const float* __restrict oz = rays.origin_z;
-  const float* __restrict dx = rays.direction_x;
   const float* __restrict dy = rays.direction_y;
   const float* __restrict dz = rays.direction_z;
   const Superellipse s = curve;
   const int count = rays.count;
   for (int i = 0; i < count; ++i) {
-    const float found = superellipse_hit(s, lowest_mm, oy[i], oz[i], dy[i], dz[i]);
-    const bool is_hit = found < kNoHit_mm;
-    const float t = is_hit ? found : 0.0F;
-    x_mm[i] = ox[i] + t * dx[i];
-    y_mm[i] = oy[i] + t * dy[i];
-    above_base_mm[i] = is_hit ? oz[i] + t * dz[i] - s.base_mm : kNowhere_mm;
+    t_mm[i] = superellipse_step(t_mm[i],
+                                oy[i] * s.per_width,
+                                (oz[i] - s.base_mm) * s.per_height,
+                                dy[i] * s.per_width,
+                                dz[i] * s.per_height,
+                                s.exponent);
+  }
+}
+
+GLINT_WIDE void check_curve(const RayBlock& rays, float lowest_mm, float* __restrict t_mm) {
+  const float* __restrict oz = rays.origin_z;
+  const float* __restrict dy = rays.direction_y;
+  const float* __restrict dz = rays.direction_z;
+  const int count = rays.count;
+  for (int i = 0; i < count; ++i) {
+    const float t = t_mm[i];
+    const bool is_hit = (dy[i] * dy[i] + dz[i] * dz[i] > 0.0F) & (t > kNearestHit_mm) & (t < 1e6F) &
+                        (oz[i] + t * dz[i] >= lowest_mm);
+    t_mm[i] = is_hit ? t : kNoHit_mm;
   }
 }
 
@@ -324,19 +325,10 @@ void hit_superellipse(const RayBlock& rays,
                       bool is_whole,
                       float* t_mm) {
   const Superellipse curve(base_mm, half_width_mm, height_mm, exponent);
-  hit_curve(rays, curve, is_whole ? base_mm - 2.0F * height_mm : base_mm, t_mm);
-}
-
-void meet_superellipse(const RayBlock& rays,
-                       float base_mm,
-                       float half_width_mm,
-                       float height_mm,
-                       float exponent,
-                       float* x_mm,
-                       float* y_mm,
-                       float* above_base_mm) {
-  const Superellipse curve(base_mm, half_width_mm, height_mm, exponent);
-  meet_curve(rays, curve, base_mm - 2.0F * height_mm, x_mm, y_mm, above_base_mm);
+  start_at_octagon(rays, curve, t_mm);
+  step_to_curve(rays, curve, t_mm);
+  step_to_curve(rays, curve, t_mm);
+  check_curve(rays, is_whole ? base_mm - 2.0F * height_mm : base_mm, t_mm);
 }
 
 GLINT_WIDE void aim_at(const RayBlock& points,

@@ -91,16 +91,6 @@ void hit_superellipse(const RayBlock& rays,
                       bool is_whole,
                       float* t_mm);
 
-/// All of a superellipse: where rays meet it, as points_of_hits() tells.
-void meet_superellipse(const RayBlock& rays,
-                       float base_mm,
-                       float half_width_mm,
-                       float height_mm,
-                       float exponent,
-                       float* x_mm,
-                       float* y_mm,
-                       float* above_base_mm);
-
 /// A chain of cubic segments; the nearest crossing in front of the ray.
 void hit_spline(const RayBlock& rays, const SplineSegment* segments, int num_segments, float* t_mm);
 

@@ -41,15 +41,6 @@ constexpr double kBoxVariance = 1.0 / 12.0;
 /// Noise may shift the mean by this much where it is cut off.
 constexpr double kLargestBias = 1e-4;
 
-/// The deviations of a table as pieces that look_up() takes, straight between the nodes.
-std::vector<float> pieces_of(const std::vector<float>& nodes) {
-  std::vector<float> pieces;
-  for (std::size_t i = 0; i + 1 < nodes.size(); ++i) {
-    pieces.insert(pieces.end(), {nodes[i], nodes[i + 1] - nodes[i], 0.0F, 0.0F});
-  }
-  return pieces;
-}
-
 int count_of(const Mask& mask) {
   return mask_kernels::count_ones(mask.values().data(), static_cast<int>(mask.size()));
 }
@@ -389,7 +380,6 @@ void expose_mean(const Footprints& footprints,
 void look_up_means(const ScanPlan& plan, const ClippedMean& table, ClosedScan& result) {
   const int width = result.aspect.width();
   const auto per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest);
-  const std::vector<float> deviations = pieces_of(table.deviations());
   const auto dark_level = static_cast<float>(table.dark_level());
   const auto dark_deviation = static_cast<float>(table.dark_deviation());
   result.deviation = ImageF(width, result.aspect.height());
@@ -398,8 +388,14 @@ void look_up_means(const ScanPlan& plan, const ClippedMean& table, ClosedScan& r
     const unsigned char* by_table = plan.by_table.row(y);
     float* row = result.aspect.row(y);
     float* deviation = result.deviation.row(y);
-    kernels::look_up(w, width, table.coefficients().data(), ClippedMean::kIntervals, per_unit, row);
-    kernels::look_up(w, width, deviations.data(), ClippedMean::kIntervals, per_unit, deviation);
+    kernels::look_up_both(w,
+                          width,
+                          table.coefficients().data(),
+                          table.deviations().data(),
+                          ClippedMean::kIntervals,
+                          per_unit,
+                          row,
+                          deviation);
     mask_kernels::keep_where(by_table, width, dark_level, row);
     mask_kernels::keep_where(by_table, width, dark_deviation, deviation);
     if (table.blind_from() < ClippedMean::kWidest) {

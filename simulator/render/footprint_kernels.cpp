@@ -344,134 +344,81 @@ __attribute__((always_inline)) inline float wide_share(float f,
   return duty + difference / (major * minor);
 }
 
-constexpr int kShareChunk = 64;  ///< footprints whose formulas are chosen together
-
 }  // namespace
 
-/// Footprints no wider than the stripes take the trapezoid, which does not cancel however small
-/// they are; others the second difference of the second integral, taken near phase 0. Where all of
-/// a chunk take the same, only that is computed.
-GLINT_WIDE void any_shares_fast(const float* __restrict v,
-                                const Trapezoids& trapezoids,
-                                int count,
-                                float scale,
-                                float duty,
-                                float* __restrict shares) {
+namespace {
+
+GLINT_WIDE int count_up_to(const float* __restrict values, int count, float limit) {
+  int found = 0;
+  for (int i = 0; i < count; ++i) {
+    found += values[i] <= limit ? 1 : 0;
+  }
+  return found;
+}
+
+GLINT_WIDE void wide_shares(const float* __restrict v,
+                            const float* __restrict outers,
+                            const float* __restrict inners,
+                            int count,
+                            float scale,
+                            float duty,
+                            float* __restrict shares) {
+  for (int i = 0; i < count; ++i) {
+    const float moved = scale * v[i];
+    shares[i] = wide_share(moved - std::floor(moved), duty, scale * outers[i], scale * inners[i]);
+  }
+}
+
+/// Leaves wide footprints alone.
+GLINT_WIDE void trapezoid_shares(const float* __restrict v,
+                                 const Trapezoids& trapezoids,
+                                 int count,
+                                 float scale,
+                                 float duty,
+                                 float* __restrict shares) {
   const float* __restrict outers = trapezoids.outer;
   const float* __restrict inners = trapezoids.inner;
   const float* __restrict per_major = trapezoids.per_major;
   const float* __restrict per_both = trapezoids.per_both;
   const float per_scale = 1.0F / scale;
   const float limit = duty < 1.0F - duty ? duty : 1.0F - duty;
-  for (int begin = 0; begin < count; begin += kShareChunk) {
-    const int end = begin + kShareChunk < count ? begin + kShareChunk : count;
-    int narrow = 0;
-    for (int i = begin; i < end; ++i) {
-      narrow += scale * outers[i] <= limit ? 1 : 0;
-    }
-    for (int i = begin; narrow < end - begin && i < end; ++i) {
-      const float moved = scale * v[i];
-      const float f = moved - std::floor(moved);
-      shares[i] = wide_share(f, duty, scale * outers[i], scale * inners[i]);
-    }
-    for (int i = begin; narrow > 0 && i < end; ++i) {
-      const float moved = scale * v[i];
-      const float f = moved - std::floor(moved);
-      const float outer = scale * outers[i];
-      const float trapezoid = two_edge_share(f,
-                                             duty,
-                                             outer,
-                                             scale * inners[i],
-                                             per_scale * per_major[i],
-                                             per_scale * per_scale * per_both[i]);
-      shares[i] = outer <= limit ? trapezoid : shares[i];
-    }
+  for (int i = 0; i < count; ++i) {
+    const float moved = scale * v[i];
+    const float f = moved - std::floor(moved);
+    const float outer = scale * outers[i];
+    const float inner = scale * inners[i];
+    const float trapezoid = two_edge_share(
+        f, duty, outer, inner, per_scale * per_major[i], per_scale * per_scale * per_both[i]);
+    shares[i] = outer <= limit ? trapezoid : shares[i];
   }
-}
-
-namespace {
-
-/// w of one pixel and whether the phase is linear, by the differences of its neighbours.
-struct PixelWidth {
-  float w;
-  bool is_linear;
-};
-
-__attribute__((always_inline)) inline PixelWidth width_of(
-    const ThreeRows& gx, const ThreeRows& gy, int left, int i, int right, const LinearPhase& r) {
-  const float x = gx.here[i];
-  const float y = gy.here[i];
-  const float width = std::sqrt(r.variance_px2 * (x * x + y * y));
-  const float xx = absolute(gx.here[right] - gx.here[left]);
-  const float xy = absolute(gx.below[i] - gx.above[i]);
-  const float yy = absolute(gy.below[i] - gy.above[i]);
-  const float mixed = xx > xy ? xx : xy;
-  const float bend = 0.5F * (mixed > yy ? mixed : yy) * r.variance_px2;
-  return {.w = width, .is_linear = (bend <= r.absolute) | (bend <= r.relative * width)};
 }
 
 }  // namespace
 
-GLINT_WIDE void stripe_widths(const ThreeRows& gx,
-                              const ThreeRows& gy,
-                              int count,
-                              const LinearPhase& rule,
-                              float* __restrict w,
-                              unsigned char* __restrict is_linear) {
-  const ThreeRows x = gx;
-  const ThreeRows y = gy;
-  const LinearPhase r = rule;
-  // The ends apart: without them neighbours are just one place further on.
-  for (int i = 1; i < count - 1; ++i) {
-    const PixelWidth here = width_of(x, y, i - 1, i, i + 1, r);
-    w[i] = here.w;
-    is_linear[i] = static_cast<unsigned char>(here.is_linear ? 1 : 0);
-  }
-  for (const int i : {0, count - 1}) {
-    const int right = i + 1 < count ? i + 1 : i;
-    const PixelWidth here = width_of(x, y, i > 0 ? i - 1 : 0, i, right, r);
-    w[i] = here.w;
-    is_linear[i] = static_cast<unsigned char>(here.is_linear ? 1 : 0);
-  }
-}
-
-GLINT_WIDE void look_up(const float* __restrict w,
-                        int count,
-                        const float* __restrict coefficients,
-                        int pieces,
-                        float per_unit,
-                        float* __restrict values) {
-  constexpr int kChunk = 32;
-  const auto last = static_cast<float>(pieces);
-  std::int32_t piece[kChunk];
-  float s[kChunk];
+/// Footprints no wider than the stripes take the trapezoid, which does not cancel however small
+/// they are; others the second difference of the second integral, taken near phase 0. Where all of
+/// a chunk take the same, only that is computed.
+void any_shares_fast(const float* v,
+                     const Trapezoids& trapezoids,
+                     int count,
+                     float scale,
+                     float duty,
+                     float* shares) {
+  constexpr int kChunk = 64;
+  const float limit = (duty < 1.0F - duty ? duty : 1.0F - duty) / scale;
+  constexpr float kRounding = 1e-6F;
   for (int begin = 0; begin < count; begin += kChunk) {
-    const int size = count - begin < kChunk ? count - begin : kChunk;
-    std::int32_t lowest = pieces;
-    std::int32_t highest = 0;
-    for (int i = 0; i < size; ++i) {
-      const float place = w[begin + i] * per_unit;
-      const float at = place < last ? place : last;
-      const auto whole = static_cast<std::int32_t>(at);
-      piece[i] = whole < pieces ? whole : pieces - 1;
-      s[i] = at - static_cast<float>(piece[i]);
-      lowest = piece[i] < lowest ? piece[i] : lowest;
-      highest = piece[i] > highest ? piece[i] : highest;
+    const int size = begin + kChunk < count ? kChunk : count - begin;
+    const Trapezoids chunk = {.outer = trapezoids.outer + begin,
+                              .inner = trapezoids.inner + begin,
+                              .per_major = trapezoids.per_major + begin,
+                              .per_both = trapezoids.per_both + begin};
+    const bool has_narrow = count_up_to(chunk.outer, size, (1.0F + kRounding) * limit) > 0;
+    if (!has_narrow || count_up_to(chunk.outer, size, (1.0F - kRounding) * limit) < size) {
+      wide_shares(v + begin, chunk.outer, chunk.inner, size, scale, duty, shares + begin);
     }
-    const float* a = coefficients + 4 * lowest;
-    const float* b = coefficients + 4 * highest;
-    const float a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
-    const float b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
-    const bool has_two = highest - lowest <= 1;
-    for (int i = 0; has_two && i < size; ++i) {
-      const bool is_low = piece[i] == lowest;
-      values[begin + i] =
-          (is_low ? a0 : b0) +
-          s[i] * ((is_low ? a1 : b1) + s[i] * ((is_low ? a2 : b2) + s[i] * (is_low ? a3 : b3)));
-    }
-    for (int i = 0; !has_two && i < size; ++i) {
-      const float* c = coefficients + 4 * piece[i];
-      values[begin + i] = c[0] + s[i] * (c[1] + s[i] * (c[2] + s[i] * c[3]));
+    if (has_narrow) {
+      trapezoid_shares(v + begin, chunk, size, scale, duty, shares + begin);
     }
   }
 }

@@ -165,6 +165,17 @@ void look_up(const float* w,
              float per_unit,
              float* values);
 
+/// The same and, at the same places, a table that is straight between its nodes.
+/// @param nodes  one more than pieces
+void look_up_both(const float* w,
+                  int count,
+                  const float* coefficients,
+                  const float* nodes,
+                  int pieces,
+                  float per_unit,
+                  float* values,
+                  float* straight);
+
 /// Samples of sum_box_frames come in groups of this many, filled up with gain 0.
 inline constexpr int kLanes = 16;
 

@@ -90,6 +90,37 @@ TEST_P(TunnelKernels, AgreeWithTheExactHitInDouble) {
   EXPECT_LE(disagreements, 2);
 }
 
+// Short cuts that skip what a chunk of rays surely misses must not show in any of them.
+TEST_P(TunnelKernels, ARayIsHitTheSameWhateverStandsBesideIt) {
+  const TunnelSettings settings = {.shape = GetParam(),
+                                   .half_width_mm = 90.0,
+                                   .height_mm = 120.0,
+                                   .exponent = 3.5,
+                                   .opening_rad = 0.7,
+                                   .control_mm = {80.0, 95.0, 130.0, 110.0, 100.0},
+                                   .slot_mm = 20.0};
+  const Tunnel tunnel(settings);
+  const int count = 2003;
+  const RandomRays rays(count);
+  const auto size = static_cast<std::size_t>(count);
+  std::array<std::vector<float>, 3> all;
+  all.fill(std::vector<float>(size));
+  tunnel.meet_block(rays.block(), all[0].data(), all[1].data(), all[2].data());
+  const RayBlock block = rays.block();
+  for (std::size_t i = 0; i < size; ++i) {
+    const RayBlock alone = {.origin_x = block.origin_x + i,
+                            .origin_y = block.origin_y + i,
+                            .origin_z = block.origin_z + i,
+                            .direction_x = block.direction_x + i,
+                            .direction_y = block.direction_y + i,
+                            .direction_z = block.direction_z + i,
+                            .count = 1};
+    std::array<float, 3> one = {};
+    tunnel.meet_block(alone, &one[0], &one[1], &one[2]);
+    EXPECT_EQ(one, (std::array<float, 3>{all[0][i], all[1][i], all[2][i]})) << i;
+  }
+}
+
 // From a rhombus to nearly a rectangle: the same number of steps of Newton's method is enough.
 TEST(HitSuperellipse, AgreesWithTheExactHitForEveryExponent) {
   const int count = 2000;

@@ -2,11 +2,13 @@
 //
 // Short cuts of a candidate's evaluation against the long way.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "simulator/render/hidden_pixels.h"
+#include "simulator/render/slope_kernels.h"
 #include "tests/simulator/render/footprint_fixtures.h"
 
 namespace glint {
@@ -158,6 +160,119 @@ TEST(NarrowBoxFrame, GivesTheBytesOfBoxFrame) {
   kernels::narrow_box_frame(
       prints.v.data(), prints.shape(), prints.gain.data(), prints.count(), frame, narrow.data());
   EXPECT_EQ(any, narrow);
+}
+
+TEST(EvenGains, AreThePlainGainsOfOneWeight) {
+  const std::vector<unsigned char> state = {0, 1, 2, 1, 1, 0, 2, 1, 1};
+  const auto count = static_cast<int>(state.size());
+  const std::vector<float> weight(state.size(), 0.8F);
+  std::vector<float> cosine;
+  for (int i = 0; i < count; ++i) {
+    cosine.push_back(0.1F * static_cast<float>(i));
+  }
+  const std::array<const float*, 2> cosines = {nullptr, cosine.data()};
+  for (const float* of_wall : cosines) {
+    std::vector<float> plain(state.size()), even(state.size());
+    kernels::plain_gains(state.data(), weight.data(), of_wall, count, plain.data());
+    kernels::even_gains(state.data(), 0.8F, of_wall, count, even.data());
+    EXPECT_EQ(plain, even);
+  }
+}
+
+// Every smooth pixel's first corner has it.
+TEST(CornerRays, KnowTheOneWeightOfTheirSmoothPixels) {
+  const CornerRays& rays = strip_bench().rays;
+  ASSERT_GE(rays.smooth_weight, 0.0F);
+  int smooth = 0;
+  for (int y = 0; y < rays.height_px; ++y) {
+    for (int x = 0; x < rays.width_px; ++x) {
+      if (rays.kind(x, y) == PixelKind::kSmooth) {
+        const auto at = static_cast<std::size_t>(y * (rays.width_px + 1) + x);
+        ASSERT_EQ(rays.corners.weight[at], rays.smooth_weight);
+        ++smooth;
+      }
+    }
+  }
+  EXPECT_GT(smooth, 1000);
+}
+
+// Widths from 0 to 3 stripes, so that chunks are narrow, wide and mixed.
+TEST(AnySharesFast, AFootprintGetsTheSameWhateverStandsBesideIt) {
+  for (const double widest : {0.02, 0.3, 3.0}) {
+    RandomFootprints prints(8, 777, widest);
+    const std::size_t size = prints.v.size();
+    std::vector<float> together(size);
+    kernels::any_shares_fast(
+        prints.v.data(), prints.shape(), prints.count(), 3.0F, 0.4F, together.data());
+    for (std::size_t i = 0; i < size; ++i) {
+      const kernels::Trapezoids one = {.outer = &prints.outer[i],
+                                       .inner = &prints.inner[i],
+                                       .per_major = &prints.per_major[i],
+                                       .per_both = &prints.per_both[i]};
+      float alone = 0.0F;
+      kernels::any_shares_fast(&prints.v[i], one, 1, 3.0F, 0.4F, &alone);
+      EXPECT_EQ(alone, together[i]) << i;
+    }
+  }
+}
+
+/// What add_box_slopes() and its like sum up.
+struct SlopeSums {
+  std::vector<float> v, gx, gy, duty, share, weight;
+
+  explicit SlopeSums(std::size_t size)
+      : v(size), gx(size), gy(size), duty(size), share(size), weight(size) {}
+
+  slope_kernels::BoxSlopes out() {
+    return {.v = v.data(),
+            .gx = gx.data(),
+            .gy = gy.data(),
+            .duty = duty.data(),
+            .share = share.data(),
+            .weight = weight.data()};
+  }
+};
+
+// Widths up to 0.1 under stripes of duty 0.3, as above. Slopes are as large as 1 / width.
+TEST(NarrowSlopes, AreTheSlopesOfOneEdge) {
+  RandomFootprints prints(9, 4096, 0.1);
+  const std::size_t size = prints.v.size();
+  SlopeSums any(size);
+  SlopeSums narrow(size);
+  for (const float shift : {0.0F, 0.37F, 0.81F}) {
+    slope_kernels::add_box_slopes(prints.v.data(),
+                                  prints.gx.data(),
+                                  prints.gy.data(),
+                                  prints.gain.data(),
+                                  prints.count(),
+                                  shift,
+                                  0.3F,
+                                  any.out());
+    slope_kernels::add_narrow_slopes(prints.v.data(),
+                                     prints.gx.data(),
+                                     prints.gy.data(),
+                                     prints.gain.data(),
+                                     prints.count(),
+                                     shift,
+                                     0.3F,
+                                     narrow.out());
+  }
+  int lit = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (std::min(std::abs(prints.gx[i]), std::abs(prints.gy[i])) < 2e-3F) {
+      continue;  // rounding of the phase is a large part of so short a slope
+    }
+    const float largest = prints.per_major[i];
+    const float per_minor = 2.0F * prints.per_both[i] / prints.per_major[i];
+    EXPECT_NEAR(any.v[i], narrow.v[i], 4e-5F * largest * per_minor) << i;
+    EXPECT_NEAR(any.duty[i], narrow.duty[i], 4e-5F * largest * per_minor) << i;
+    EXPECT_NEAR(any.gx[i], narrow.gx[i], 4e-5F * largest * per_minor) << i;
+    EXPECT_NEAR(any.gy[i], narrow.gy[i], 4e-5F * largest * per_minor) << i;
+    EXPECT_NEAR(any.share[i], narrow.share[i], 4e-5F * largest) << i;
+    EXPECT_EQ(any.weight[i], narrow.weight[i]) << i;
+    lit += any.v[i] != 0.0F ? 1 : 0;
+  }
+  EXPECT_GT(lit, 500);
 }
 
 // One edge or two: where a footprint is narrow, both formulas hold.

@@ -375,6 +375,20 @@ TEST(LookUp, IsTheTableOfClippedMean) {
   for (std::size_t i = 0; i < w.size(); ++i) {
     ASSERT_NEAR(static_cast<double>(values[i]), table.mean(static_cast<double>(w[i])), 2e-6) << i;
   }
+  std::vector<float> again(w.size()), deviations(w.size());
+  kernels::look_up_both(w.data(),
+                        static_cast<int>(w.size()),
+                        table.coefficients().data(),
+                        table.deviations().data(),
+                        ClippedMean::kIntervals,
+                        static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest),
+                        again.data(),
+                        deviations.data());
+  EXPECT_EQ(again, values);
+  for (std::size_t i = 0; i < w.size(); ++i) {
+    const double expected = table.deviation(static_cast<double>(w[i]));
+    ASSERT_NEAR(static_cast<double>(deviations[i]), expected, 2e-6) << i;
+  }
 }
 
 }  // namespace

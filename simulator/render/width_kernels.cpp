@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Inner loops of the table T(w): how wide a pixel's stripes are, and values of the table.
+#include <cmath>
+#include <cstdint>
+#include <initializer_list>
+
+#include "simulator/render/footprint_kernels.h"
+
+#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+
+namespace glint::footprint_kernels {
+namespace {
+
+inline __attribute__((always_inline)) float absolute(float x) {
+  return x < 0.0F ? -x : x;
+}
+
+__attribute__((always_inline)) inline float width_of(float x, float y, const LinearPhase& r) {
+  return std::sqrt(r.variance_px2 * (x * x + y * y));
+}
+
+/// @param xx, xy, yy  differences over two pixels
+__attribute__((always_inline)) inline unsigned char is_straight(
+    float xx, float xy, float yy, float width, const LinearPhase& r) {
+  const float mixed = absolute(xx) > absolute(xy) ? absolute(xx) : absolute(xy);
+  const float bend = 0.5F * (mixed > absolute(yy) ? mixed : absolute(yy)) * r.variance_px2;
+  const bool is_small = (bend <= r.absolute) | (bend <= r.relative * width);
+  return static_cast<unsigned char>(is_small ? 1 : 0);
+}
+
+}  // namespace
+
+GLINT_WIDE void stripe_widths(const ThreeRows& gx,
+                              const ThreeRows& gy,
+                              int count,
+                              const LinearPhase& rule,
+                              float* __restrict w,
+                              unsigned char* __restrict is_linear) {
+  const float* __restrict x_above = gx.above;
+  const float* __restrict x_here = gx.here;
+  const float* __restrict x_below = gx.below;
+  const float* __restrict y_above = gy.above;
+  const float* __restrict y_here = gy.here;
+  const float* __restrict y_below = gy.below;
+  const LinearPhase r = rule;
+  for (int i = 0; i < count; ++i) {
+    w[i] = width_of(x_here[i], y_here[i], r);
+  }
+  // The ends apart: without them neighbours are just one place further on.
+  const int last = count - 1;
+  for (int i = 1; i < last; ++i) {
+    is_linear[i] = is_straight(
+        x_here[i + 1] - x_here[i - 1], x_below[i] - x_above[i], y_below[i] - y_above[i], w[i], r);
+  }
+  for (const int i : {0, last}) {
+    const float xx = x_here[i < last ? i + 1 : last] - x_here[i > 0 ? i - 1 : 0];
+    is_linear[i] = is_straight(xx, x_below[i] - x_above[i], y_below[i] - y_above[i], w[i], r);
+  }
+}
+
+GLINT_WIDE void look_up(const float* __restrict w,
+                        int count,
+                        const float* __restrict coefficients,
+                        int pieces,
+                        float per_unit,
+                        float* __restrict values) {
+  constexpr int kChunk = 32;
+  const auto last = static_cast<float>(pieces);
+  std::int32_t piece[kChunk];
+  float s[kChunk];
+  for (int begin = 0; begin < count; begin += kChunk) {
+    const int size = count - begin < kChunk ? count - begin : kChunk;
+    std::int32_t lowest = pieces;
+    std::int32_t highest = 0;
+    for (int i = 0; i < size; ++i) {
+      const float place = w[begin + i] * per_unit;
+      const float at = place < last ? place : last;
+      const auto whole = static_cast<std::int32_t>(at);
+      piece[i] = whole < pieces ? whole : pieces - 1;
+      s[i] = at - static_cast<float>(piece[i]);
+      lowest = piece[i] < lowest ? piece[i] : lowest;
+      highest = piece[i] > highest ? piece[i] : highest;
+    }
+    const float* a = coefficients + 4 * lowest;
+    const float* b = coefficients + 4 * highest;
+    const float a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
+    const float b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
+    const bool has_two = highest - lowest <= 1;
+    for (int i = 0; has_two && i < size; ++i) {
+      const bool is_low = piece[i] == lowest;
+      values[begin + i] =
+          (is_low ? a0 : b0) +
+          s[i] * ((is_low ? a1 : b1) + s[i] * ((is_low ? a2 : b2) + s[i] * (is_low ? a3 : b3)));
+    }
+    for (int i = 0; !has_two && i < size; ++i) {
+      const float* c = coefficients + 4 * piece[i];
+      values[begin + i] = c[0] + s[i] * (c[1] + s[i] * (c[2] + s[i] * c[3]));
+    }
+  }
+}
+
+GLINT_WIDE void look_up_both(const float* __restrict w,
+                             int count,
+                             const float* __restrict coefficients,
+                             const float* __restrict nodes,
+                             int pieces,
+                             float per_unit,
+                             float* __restrict values,
+                             float* __restrict straight) {
+  constexpr int kChunk = 32;
+  const auto last = static_cast<float>(pieces);
+  std::int32_t piece[kChunk];
+  float s[kChunk];
+  for (int begin = 0; begin < count; begin += kChunk) {
+    const int size = count - begin < kChunk ? count - begin : kChunk;
+    std::int32_t lowest = pieces;
+    std::int32_t highest = 0;
+    for (int i = 0; i < size; ++i) {
+      const float place = w[begin + i] * per_unit;
+      const float at = place < last ? place : last;
+      const auto whole = static_cast<std::int32_t>(at);
+      piece[i] = whole < pieces ? whole : pieces - 1;
+      s[i] = at - static_cast<float>(piece[i]);
+      lowest = piece[i] < lowest ? piece[i] : lowest;
+      highest = piece[i] > highest ? piece[i] : highest;
+    }
+    const float* a = coefficients + 4 * lowest;
+    const float* b = coefficients + 4 * highest;
+    const float a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
+    const float b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
+    const float low = nodes[lowest], low_rise = nodes[lowest + 1] - nodes[lowest];
+    const float high = nodes[highest], high_rise = nodes[highest + 1] - nodes[highest];
+    const bool has_two = highest - lowest <= 1;
+    for (int i = 0; has_two && i < size; ++i) {
+      const bool is_low = piece[i] == lowest;
+      values[begin + i] =
+          (is_low ? a0 : b0) +
+          s[i] * ((is_low ? a1 : b1) + s[i] * ((is_low ? a2 : b2) + s[i] * (is_low ? a3 : b3)));
+      straight[begin + i] = (is_low ? low : high) + s[i] * (is_low ? low_rise : high_rise);
+    }
+    for (int i = 0; !has_two && i < size; ++i) {
+      const float* c = coefficients + 4 * piece[i];
+      const float* node = nodes + piece[i];
+      values[begin + i] = c[0] + s[i] * (c[1] + s[i] * (c[2] + s[i] * c[3]));
+      straight[begin + i] = node[0] + s[i] * (node[1] - node[0]);
+    }
+  }
+}
+
+}  // namespace glint::footprint_kernels

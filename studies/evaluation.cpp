@@ -285,13 +285,7 @@ Evaluation evaluate(SceneStore& store,
     add_scores(result.scores, *fringes);
   }
   if (wanted.defects) {
-    result.defects =
-        defect_scores(scan.aspect, traced.defects, sigma_floor(scene.sensor), scene.metrics);
-    for (std::size_t i = 0; i < result.defects.size(); ++i) {
-      result.defects[i].best_frame = best.best()[i].difference;
-      result.defects[i].change = best.best()[i].change;
-      result.defects[i].union_area = best.best()[i].union_area;
-    }
+    result.defects = scored_defects(scan.aspect, traced.defects, best, scene);
     add_scores(result.scores, result.defects);
   }
   add_scores(result.scores, totals_of(traced.part->made));

@@ -46,6 +46,20 @@ double least_change(const SceneSettings& scene) {
   return std::max({scene.metrics.signature_floor, kSigmas * noise, sigma_floor(sensor)});
 }
 
+std::vector<DefectScores> scored_defects(const ImageF& aspect,
+                                         std::span<const DefectPixels> defects,
+                                         const BestFrames& best,
+                                         const SceneSettings& scene) {
+  std::vector<DefectScores> scored =
+      defect_scores(aspect, defects, sigma_floor(scene.sensor), scene.metrics);
+  for (std::size_t i = 0; i < scored.size(); ++i) {
+    scored[i].best_frame = best.best()[i].difference;
+    scored[i].change = best.best()[i].change;
+    scored[i].union_area = best.best()[i].union_area;
+  }
+  return scored;
+}
+
 FamilyScales scales_of(const SceneSettings& scene,
                        std::span<const DefectPixels> defects,
                        const std::optional<FringeScores>& fringes) {

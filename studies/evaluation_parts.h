@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "defects/defective_part.h"
 #include "metrics/scores.h"
@@ -31,6 +32,12 @@ bool needs_fringes(std::string_view name);
 /// Change of a pixel in one frame that is neither noise nor rounding: five standard deviations at
 /// full scale, where shot noise is largest.
 double least_change(const SceneSettings& scene);
+
+/// Scores of all defects, in the aspect image and in the frame that shows each best.
+std::vector<DefectScores> scored_defects(const ImageF& aspect,
+                                         std::span<const DefectPixels> defects,
+                                         const BestFrames& best,
+                                         const SceneSettings& scene);
 
 /// What parts fine from coarse in this scene.
 FamilyScales scales_of(const SceneSettings& scene,

@@ -208,7 +208,6 @@ class PathScoring {
   double radiance_change(std::size_t pixel,
                          const FrameFactors& factors,
                          std::optional<std::size_t> without) const;
-  void score_defects(const BestFrames& best, Scored& result) const;
 
   const SceneSettings& scene_;
   const WantedScores& wanted_;
@@ -252,17 +251,6 @@ double PathScoring::change_noise() const {
          std::sqrt(squares / static_cast<double>(std::max<std::int64_t>(1, count)));
 }
 
-void PathScoring::score_defects(const BestFrames& best, Scored& result) const {
-  result.defects =
-      defect_scores(result.aspect, traced_.defects, sigma_floor(scene_.sensor), scene_.metrics);
-  for (std::size_t i = 0; i < result.defects.size(); ++i) {
-    result.defects[i].best_frame = best.best()[i].difference;
-    result.defects[i].change = best.best()[i].change;
-    result.defects[i].union_area = best.best()[i].union_area;
-  }
-  add_scores(result.scores, result.defects);
-}
-
 Scored PathScoring::score(std::optional<std::size_t> without, const FrameConsumer& consume) const {
   constexpr double kMeanFloor = 0.01;
   BestFrames best(traced_.defects, kMeanFloor, least_change_);
@@ -302,7 +290,8 @@ Scored PathScoring::score(std::optional<std::size_t> without, const FrameConsume
     add_scores(result.scores, *fringes);
   }
   if (wanted_.defects) {
-    score_defects(best, result);
+    result.defects = scored_defects(result.aspect, traced_.defects, best, scene_);
+    add_scores(result.scores, result.defects);
   }
   return result;
 }

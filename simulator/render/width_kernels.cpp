@@ -29,6 +29,34 @@ __attribute__((always_inline)) inline unsigned char is_straight(
   return static_cast<unsigned char>(is_small ? 1 : 0);
 }
 
+/// Which pieces of a table some widths fall into.
+struct PieceRange {
+  std::int32_t lowest;
+  std::int32_t highest;
+};
+
+/// @param piece  of each width @param s  how far into it, in pieces
+__attribute__((always_inline)) inline PieceRange pieces_of(const float* __restrict w,
+                                                           int count,
+                                                           int pieces,
+                                                           float per_unit,
+                                                           std::int32_t* __restrict piece,
+                                                           float* __restrict s) {
+  const auto last = static_cast<float>(pieces);
+  std::int32_t lowest = pieces;
+  std::int32_t highest = 0;
+  for (int i = 0; i < count; ++i) {
+    const float place = w[i] * per_unit;
+    const float at = place < last ? place : last;
+    const auto whole = static_cast<std::int32_t>(at);
+    piece[i] = whole < pieces ? whole : pieces - 1;
+    s[i] = at - static_cast<float>(piece[i]);
+    lowest = piece[i] < lowest ? piece[i] : lowest;
+    highest = piece[i] > highest ? piece[i] : highest;
+  }
+  return {.lowest = lowest, .highest = highest};
+}
+
 }  // namespace
 
 GLINT_WIDE void stripe_widths(const ThreeRows& gx,
@@ -66,22 +94,11 @@ GLINT_WIDE void look_up(const float* __restrict w,
                         float per_unit,
                         float* __restrict values) {
   constexpr int kChunk = 32;
-  const auto last = static_cast<float>(pieces);
   std::int32_t piece[kChunk];
   float s[kChunk];
   for (int begin = 0; begin < count; begin += kChunk) {
     const int size = count - begin < kChunk ? count - begin : kChunk;
-    std::int32_t lowest = pieces;
-    std::int32_t highest = 0;
-    for (int i = 0; i < size; ++i) {
-      const float place = w[begin + i] * per_unit;
-      const float at = place < last ? place : last;
-      const auto whole = static_cast<std::int32_t>(at);
-      piece[i] = whole < pieces ? whole : pieces - 1;
-      s[i] = at - static_cast<float>(piece[i]);
-      lowest = piece[i] < lowest ? piece[i] : lowest;
-      highest = piece[i] > highest ? piece[i] : highest;
-    }
+    const auto [lowest, highest] = pieces_of(w + begin, size, pieces, per_unit, piece, s);
     const float* a = coefficients + 4 * lowest;
     const float* b = coefficients + 4 * highest;
     const float a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
@@ -109,22 +126,11 @@ GLINT_WIDE void look_up_both(const float* __restrict w,
                              float* __restrict values,
                              float* __restrict straight) {
   constexpr int kChunk = 32;
-  const auto last = static_cast<float>(pieces);
   std::int32_t piece[kChunk];
   float s[kChunk];
   for (int begin = 0; begin < count; begin += kChunk) {
     const int size = count - begin < kChunk ? count - begin : kChunk;
-    std::int32_t lowest = pieces;
-    std::int32_t highest = 0;
-    for (int i = 0; i < size; ++i) {
-      const float place = w[begin + i] * per_unit;
-      const float at = place < last ? place : last;
-      const auto whole = static_cast<std::int32_t>(at);
-      piece[i] = whole < pieces ? whole : pieces - 1;
-      s[i] = at - static_cast<float>(piece[i]);
-      lowest = piece[i] < lowest ? piece[i] : lowest;
-      highest = piece[i] > highest ? piece[i] : highest;
-    }
+    const auto [lowest, highest] = pieces_of(w + begin, size, pieces, per_unit, piece, s);
     const float* a = coefficients + 4 * lowest;
     const float* b = coefficients + 4 * highest;
     const float a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];

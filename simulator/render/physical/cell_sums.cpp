@@ -109,10 +109,7 @@ void CellSums::add_surface(CellPixel pixel,
   }
 }
 
-void CellSums::add_to(const Cell& in_picture, int samples, PathSums& sums) const {
-  Cell cell = in_picture;
-  cell.x_px -= sums.left_px;
-  cell.y_px -= sums.top_px;
+void CellSums::add_to(const Cell& cell, int samples, PathSums& sums) const {
   for (int y = 0; y < cell.height_px; ++y) {
     for (int x = 0; x < cell.width_px; ++x) {
       sums.samples(cell.x_px + x, cell.y_px + y) += samples;

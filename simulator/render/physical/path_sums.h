@@ -38,8 +38,6 @@ struct DefectSums {
 struct PathSums {
   int width_px = 0;
   int height_px = 0;
-  int left_px = 0;  ///< where the images begin in the picture: PathSettings::is_cropped
-  int top_px = 0;
   Image<std::int32_t> samples;    ///< of each pixel
   std::vector<GroupSums> groups;  ///< as Lights::groups
   ImageF squares;                 ///< of the total at the groups' factors, mean of the channels

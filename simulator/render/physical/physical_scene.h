@@ -59,9 +59,6 @@ struct PathSettings {
   int samples_per_pass = 32;  ///< at most; the first passes are shorter: 4, 4, 8, 16, 32, 32, ...
 
   std::vector<PixelWindow> windows;  ///< no key: only cells that touch one are made; empty: all
-  /// No key: sums of windows hold no more than the cells around them, whose first pixel is
-  /// PathSums::left_px, top_px; what small windows cost then does not depend on the picture's size.
-  bool is_cropped = false;
 };
 
 /// The keys of [render.paths].

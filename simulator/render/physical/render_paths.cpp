@@ -73,7 +73,7 @@ PixelEstimate cell_estimate(const PathSums& sums,
   PixelEstimate of_cell;
   for (int y = cell.y_px; y < cell.y_px + cell.height_px; ++y) {
     for (int x = cell.x_px; x < cell.x_px + cell.width_px; ++x) {
-      const PixelEstimate pixel = estimate_at(sums, factors, x - sums.left_px, y - sums.top_px);
+      const PixelEstimate pixel = estimate_at(sums, factors, x, y);
       of_cell.mean += pixel.mean;
       of_cell.variance += pixel.variance;
     }
@@ -124,22 +124,6 @@ std::vector<Cell> wanted_cells(std::vector<Cell> cells, std::span<const PixelWin
   return cells;
 }
 
-/// The smallest window around all cells.
-PixelWindow box_around(const std::vector<Cell>& cells) {
-  PixelWindow box = {.left_px = cells[0].x_px, .top_px = cells[0].y_px};
-  int right_px = 0;
-  int bottom_px = 0;
-  for (const Cell& cell : cells) {
-    box.left_px = std::min(box.left_px, cell.x_px);
-    box.top_px = std::min(box.top_px, cell.y_px);
-    right_px = std::max(right_px, cell.x_px + cell.width_px);
-    bottom_px = std::max(bottom_px, cell.y_px + cell.height_px);
-  }
-  box.width_px = right_px - box.left_px;
-  box.height_px = bottom_px - box.top_px;
-  return box;
-}
-
 int pass_length(int done, const PathSettings& settings) {
   const int wanted = std::min(std::max(kFirstPass, done), settings.samples_per_pass);
   return std::min(wanted, settings.samples - done);
@@ -186,13 +170,8 @@ PathSums render_paths(const PhysicalScene& scene,
   const PathTask task(scene, settings);
   const PinholeIntrinsics& in = scene.camera.intrinsics();
   const std::vector<Cell> all = wanted_cells(cells_of(in.width_px, in.height_px), settings.windows);
-  const PixelWindow box = settings.is_cropped && !all.empty()
-                              ? box_around(all)
-                              : PixelWindow{.width_px = in.width_px, .height_px = in.height_px};
   PathSums sums =
-      empty_sums(box.width_px, box.height_px, task.factors.size(), settings.channels, task.ids);
-  sums.left_px = box.left_px;
-  sums.top_px = box.top_px;
+      empty_sums(in.width_px, in.height_px, task.factors.size(), settings.channels, task.ids);
   std::vector<Cell> active = all;
   int done = 0;
   for (int pass = 1; done < settings.samples && !active.empty(); ++pass) {

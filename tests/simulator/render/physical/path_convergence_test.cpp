@@ -135,30 +135,23 @@ TEST(RenderPaths, RefusesSettingsOutOfTheirRange) {
   EXPECT_THROW(bench.render({.relative_error = -1.0}), ConfigError);
 }
 
-TEST(RenderPaths, CroppedSumsAreTheWindowsOfWholeOnes) {
+TEST(RenderPaths, WindowsAreMadeAsInTheWholePicture) {
   const PathBench bench(flat_plate(), matt(0.5), {ring_at(90.0)}, small_camera(0.5, 61, 45));
-  PathSettings settings = {.samples = 8, .max_reflections = 1, .relative_error = 0.2};
-  settings.min_samples = 4;
+  PathSettings settings = {.samples = 8, .max_reflections = 1};
+  const PathSums whole = bench.render(settings);
   settings.windows = {{.left_px = 18, .top_px = 9, .width_px = 20, .height_px = 3},
                       {.left_px = 50, .top_px = 30, .width_px = 11, .height_px = 15}};
-  const PathSums whole = bench.render(settings);
-  settings.is_cropped = true;
-  const PathSums cropped = bench.render(settings, 2);
-  EXPECT_EQ(whole.left_px, 0);
-  // Cells of 8 x 8 pixels: columns 16 to the right border, rows 8 to the lower one.
-  EXPECT_EQ(cropped.left_px, 16);
-  EXPECT_EQ(cropped.top_px, 8);
-  ASSERT_EQ(cropped.width_px, 45);
-  ASSERT_EQ(cropped.height_px, 37);
-  ASSERT_EQ(cropped.samples.width(), 45);
+  const PathSums windows = bench.render(settings, 2);
+  const ImageF& light = windows.groups[0].channels[0];
   int lit = 0;
-  for (int y = 0; y < cropped.height_px; ++y) {
-    for (int x = 0; x < cropped.width_px; ++x) {
-      const ImageF& light = cropped.groups[0].channels[0];
-      EXPECT_EQ(light(x, y), whole.groups[0].channels[0](x + 16, y + 8));
-      EXPECT_EQ(cropped.samples(x, y), whole.samples(x + 16, y + 8));
-      EXPECT_EQ(cropped.triangle(x, y), whole.triangle(x + 16, y + 8));
-      EXPECT_EQ(cropped.x_mm(x, y), whole.x_mm(x + 16, y + 8));
+  for (int y = 0; y < windows.height_px; ++y) {
+    for (int x = 0; x < windows.width_px; ++x) {
+      // Cells of 8 x 8 pixels: 16 to 40 by 8 to 16, and 48 to the right border by 24 to the lower.
+      const bool is_made = (x >= 16 && x < 40 && y >= 8 && y < 16) || (x >= 48 && y >= 24);
+      ASSERT_EQ(windows.samples(x, y), is_made ? 8 : 0) << x << " " << y;
+      EXPECT_EQ(light(x, y), is_made ? whole.groups[0].channels[0](x, y) : 0.0F);
+      EXPECT_EQ(windows.triangle(x, y), is_made ? whole.triangle(x, y) : -1);
+      EXPECT_EQ(windows.x_mm(x, y), is_made ? whole.x_mm(x, y) : 0.0F);
       lit += light(x, y) > 0.0F ? 1 : 0;
     }
   }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
 #include "core/error.h"
+#include "core/unset_allocator.h"
 
 namespace glint {
 
@@ -12,12 +14,41 @@ namespace glint {
 template <class T>
 class Image {
  public:
+  using Values = std::vector<T, UnsetAllocator<T>>;
+
   Image() = default;
 
-  Image(int width_px, int height_px, T value = {})
-      : width_(width_px),
-        height_(height_px),
-        values_(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px), value) {}
+  Image(int width_px, int height_px, T value = {}) : Image(unset(width_px, height_px)) {
+    std::fill(values_.begin(), values_.end(), value);
+  }
+
+  /// Vectors with an allocator of their own copy one element after another.
+  Image(const Image& other) : Image(unset(other.width_, other.height_)) {
+    std::copy(other.values_.begin(), other.values_.end(), values_.begin());
+  }
+
+  Image& operator=(const Image& other) {
+    if (this != &other) {
+      width_ = other.width_;
+      height_ = other.height_;
+      values_.resize(other.size());
+      std::copy(other.values_.begin(), other.values_.end(), values_.begin());
+    }
+    return *this;
+  }
+
+  Image(Image&&) noexcept = default;
+  Image& operator=(Image&&) noexcept = default;
+  ~Image() = default;
+
+  /// A picture whose values are whatever was in memory: each must be written before it is read.
+  static Image unset(int width_px, int height_px) {
+    Image image;
+    image.width_ = width_px;
+    image.height_ = height_px;
+    image.values_.resize(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px));
+    return image;
+  }
 
   int width() const { return width_; }
 
@@ -35,9 +66,9 @@ class Image {
 
   const T* row(int y) const { return values_.data() + index(0, y); }
 
-  std::vector<T>& values() { return values_; }
+  Values& values() { return values_; }
 
-  const std::vector<T>& values() const { return values_; }
+  const Values& values() const { return values_; }
 
   friend bool operator==(const Image&, const Image&) = default;
 
@@ -49,7 +80,7 @@ class Image {
 
   int width_ = 0;
   int height_ = 0;
-  std::vector<T> values_;
+  Values values_;
 };
 
 using ImageF = Image<float>;

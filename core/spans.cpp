@@ -2,7 +2,6 @@
 #include "core/spans.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <cstring>
 
 namespace glint {
@@ -17,23 +16,24 @@ Spans whole_image(int width_px, int height_px) {
 
 namespace {
 
-/// The first pixel from x on that is set (or not); `width` if there is none.
-int find_pixel(const unsigned char* row, int x, int width, bool is_set) {
-  constexpr std::uint64_t kOnes = 0x0101010101010101;
-  constexpr int kStep = sizeof(kOnes);
-  const std::uint64_t skipped = is_set ? 0 : kOnes;
-  std::uint64_t eight = 0;
-  while (x + kStep <= width) {
-    std::memcpy(&eight, row + x, sizeof(eight));
-    if (eight != skipped) {
-      break;
-    }
-    x += kStep;
+/// The first pixel from x on that is set; `width` if there is none.
+int find_set(const unsigned char* row, int x, int width) {
+  constexpr int kBlock = 128;
+  static constexpr unsigned char kNone[kBlock] = {};
+  while (x + kBlock <= width && std::memcmp(row + x, kNone, kBlock) == 0) {
+    x += kBlock;
   }
-  while (x < width && (row[x] != 0) != is_set) {
+  while (x < width && row[x] == 0) {
     ++x;
   }
   return x;
+}
+
+/// The first pixel from x on that is not set; `width` if there is none.
+int find_unset(const unsigned char* row, int x, int width) {
+  const void* found = std::memchr(row + x, 0, static_cast<std::size_t>(width - x));
+  return found != nullptr ? static_cast<int>(static_cast<const unsigned char*>(found) - row)
+                          : width;
 }
 
 }  // namespace
@@ -44,17 +44,53 @@ Spans spans_of(const Mask& mask, int bridge) {
   for (int y = 0; y < mask.height(); ++y) {
     const unsigned char* row = mask.row(y);
     const std::size_t first_of_row = spans.size();
-    for (int begin = find_pixel(row, 0, width, true); begin < width;) {
-      const int end = find_pixel(row, begin, width, false);
+    for (int begin = find_set(row, 0, width); begin < width;) {
+      const int end = find_unset(row, begin, width);
       if (spans.size() > first_of_row && begin - spans.back().end <= bridge) {
         spans.back().end = end;
       } else {
         spans.push_back({.y = y, .begin = begin, .end = end});
       }
-      begin = find_pixel(row, end, width, true);
+      begin = find_set(row, end, width);
     }
   }
   return spans;
+}
+
+namespace {
+
+/// Appends the union of spans of one row, in any order, bridged.
+void append_union(Spans& pieces, int y, int bridge, Spans& spans) {
+  std::ranges::sort(pieces, {}, &RowSpan::begin);
+  const std::size_t first_of_row = spans.size();
+  for (const RowSpan& piece : pieces) {
+    if (spans.size() > first_of_row && piece.begin - spans.back().end <= bridge) {
+      spans.back().end = std::max(spans.back().end, piece.end);
+    } else {
+      spans.push_back({.y = y, .begin = piece.begin, .end = piece.end});
+    }
+  }
+}
+
+}  // namespace
+
+Spans grown_spans(const Spans& spans, int radius, int bridge, int width_px, int height_px) {
+  Spans grown;
+  Spans pieces;
+  auto first = spans.begin();
+  for (int y = 0; y < height_px; ++y) {
+    while (first != spans.end() && first->y < y - radius) {
+      ++first;
+    }
+    pieces.clear();
+    for (auto span = first; span != spans.end() && span->y <= y + radius; ++span) {
+      pieces.push_back({.y = y,
+                        .begin = std::max(0, span->begin - radius),
+                        .end = std::min(width_px, span->end + radius)});
+    }
+    append_union(pieces, y, bridge, grown);
+  }
+  return grown;
 }
 
 namespace {

@@ -25,19 +25,13 @@ double total_of(const std::array<double, kLanes>& lanes) {
   return sum;
 }
 
-/// The region's stretches, cut so that what is read twice stays in the first cache.
-Spans blocks_of(const ImageF& image, const Mask& region) {
+/// The region's stretches.
+Spans stretches_of(const ImageF& image, const Mask& region) {
   GLINT_CHECK(image.width() == region.width() && image.height() == region.height(),
               "image and region differ in size");
-  constexpr int kBlock = 256;
-  Spans blocks;
-  for (const RowSpan& span : spans_of(region)) {
-    for (int begin = span.begin; begin < span.end; begin += kBlock) {
-      blocks.push_back({.y = span.y, .begin = begin, .end = std::min(span.end, begin + kBlock)});
-    }
-  }
-  GLINT_CHECK(!blocks.empty(), "the region has no pixel");
-  return blocks;
+  Spans stretches = spans_of(region);
+  GLINT_CHECK(!stretches.empty(), "the region has no pixel");
+  return stretches;
 }
 
 const float* start_of(const ImageF& image, const RowSpan& span) {
@@ -80,11 +74,11 @@ std::int64_t rank_of(double share, std::int64_t count) {
 }
 
 /// Every so many-th value of the region.
-std::vector<float> sample_of(const ImageF& image, const Spans& blocks) {
+std::vector<float> sample_of(const ImageF& image, const Spans& stretches) {
   constexpr int kEvery = 127;  // no divisor of usual widths
   std::vector<float> sample;
   int next = 0;
-  for (const RowSpan& block : blocks) {
+  for (const RowSpan& block : stretches) {
     const float* values = start_of(image, block);
     for (; next < block.size(); next += kEvery) {
       sample.push_back(values[next]);
@@ -129,13 +123,13 @@ class Percentile {
     }
   }
 
-  double value(const ImageF& image, const Spans& blocks, std::int64_t count) const {
+  double value(const ImageF& image, const Spans& stretches, std::int64_t count) const {
     const std::int64_t rank = rank_of(share_, count);
     if (rank >= split_.to_low && rank < split_.below_high) {
       return select_rank(between_, rank - split_.to_low);
     }
     std::vector<float> all;
-    for (const RowSpan& block : blocks) {
+    for (const RowSpan& block : stretches) {
       all.insert(all.end(), start_of(image, block), start_of(image, block) + block.size());
     }
     const auto is_at = [&](float value) {
@@ -192,7 +186,14 @@ float largest_to(double threshold) {
              : largest;
 }
 
-GLINT_WIDE double sum_of(const float* values, std::size_t count) {
+/// What one sweep tells of values.
+struct Levels {
+  double sum = 0.0;
+  Split split;
+};
+
+/// Sum, and counts beside a bracket.
+GLINT_WIDE Levels levels_of(const float* values, std::size_t count, Bracket bracket) {
   std::array<double, kLanes> lanes = {};
   const std::size_t whole = count - count % kLanes;
   for (std::size_t i = 0; i < whole; i += kLanes) {
@@ -203,7 +204,13 @@ GLINT_WIDE double sum_of(const float* values, std::size_t count) {
   for (std::size_t i = whole; i < count; ++i) {
     lanes[0] += static_cast<double>(values[i]);
   }
-  return total_of(lanes);
+  int to_low = 0;
+  int below_high = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    to_low += values[i] <= bracket.low ? 1 : 0;
+    below_high += values[i] < bracket.high ? 1 : 0;
+  }
+  return {.sum = total_of(lanes), .split = {.to_low = to_low, .below_high = below_high}};
 }
 
 struct Deviations {
@@ -239,31 +246,59 @@ std::int64_t pixels_of(const Spans& spans) {
   return pixels;
 }
 
-double mean_of(const ImageF& image, const Spans& blocks) {
-  double sum = 0.0;
-  for (const RowSpan& block : blocks) {
-    sum += sum_of(start_of(image, block), static_cast<std::size_t>(block.size()));
+GLINT_WIDE int count_from(const std::uint16_t* values, int count, int least) {
+  int found = 0;
+  for (int i = 0; i < count; ++i) {
+    found += static_cast<int>(values[i]) >= least ? 1 : 0;
   }
-  return sum / static_cast<double>(pixels_of(blocks));
+  return found;
 }
 
-struct BlindCount {
-  unsigned inside = 0;
-  unsigned blind = 0;
-};
-
-GLINT_WIDE BlindCount count_blind(const std::uint16_t* clipped_frames,
-                                  const unsigned char* region,
-                                  std::size_t size,
-                                  int frames) {
-  BlindCount count;
-  for (std::size_t i = 0; i < size; ++i) {
-    const unsigned is_inside = region[i] != 0 ? 1U : 0U;
-    const unsigned is_blind = static_cast<int>(clipped_frames[i]) >= frames ? 1U : 0U;
-    count.inside += is_inside;
-    count.blind += is_inside & is_blind;
+double blind_share(const Image<std::uint16_t>& clipped_frames,
+                   int frames,
+                   const Spans& stretches,
+                   std::int64_t pixels) {
+  std::int64_t blind = 0;
+  for (const RowSpan& span : stretches) {
+    blind += count_from(clipped_frames.row(span.y) + span.begin, span.size(), frames);
   }
-  return count;
+  return static_cast<double>(blind) / static_cast<double>(pixels);
+}
+
+/// In one more sweep over the region.
+double percentile_evenness(const ImageF& aspect, const Spans& stretches, std::int64_t pixels) {
+  std::vector<float> sample = sample_of(aspect, stretches);
+  Percentile p5(sample, 0.05);
+  Percentile p95(sample, 0.95);
+  for (const RowSpan& span : stretches) {
+    p5.add(start_of(aspect, span), span.size());
+    p95.add(start_of(aspect, span), span.size());
+  }
+  const double low = p5.value(aspect, stretches, pixels);
+  const double high = p95.value(aspect, stretches, pixels);
+  return high > 0.0 ? 1.0 - (high - low) / (high + low) : 0.0;
+}
+
+Levels levels_of(const ImageF& image, const Spans& stretches, Bracket bracket) {
+  Levels total;
+  for (const RowSpan& span : stretches) {
+    const Levels part =
+        levels_of(start_of(image, span), static_cast<std::size_t>(span.size()), bracket);
+    total.sum += part.sum;
+    total.split.add(part.split);
+  }
+  return total;
+}
+
+Deviations deviations_from(double mean, const ImageF& image, const Spans& stretches) {
+  Deviations total;
+  for (const RowSpan& span : stretches) {
+    const Deviations part =
+        deviations_from(mean, start_of(image, span), static_cast<std::size_t>(span.size()));
+    total.squares += part.squares;
+    total.sizes += part.sizes;
+  }
+  return total;
 }
 
 }  // namespace
@@ -272,49 +307,36 @@ Homogeneity homogeneity(const ImageF& aspect,
                         const Image<std::uint16_t>& clipped_frames,
                         int frames,
                         const Mask& region,
-                        const MetricsSettings& settings) {
-  const Spans blocks = blocks_of(aspect, region);
-  const std::int64_t pixels = pixels_of(blocks);
+                        const MetricsSettings& settings,
+                        bool wants_robust) {
+  const Spans stretches = stretches_of(aspect, region);
+  const std::int64_t pixels = pixels_of(stretches);
   const auto count = static_cast<double>(pixels);
   constexpr double kBelowFullScale = 1.0 - 1e-6;
   const Bracket lit_and_full = {
       .low = largest_to(settings.lit_threshold),
       .high = std::nextafter(largest_to(kBelowFullScale), std::numeric_limits<float>::infinity())};
-  std::vector<float> sample = sample_of(aspect, blocks);
-  Percentile p5(sample, 0.05);
-  Percentile p95(sample, 0.95);
-  double sum = 0.0;
-  Split levels;
-  for (const RowSpan& block : blocks) {
-    const float* values = start_of(aspect, block);
-    sum += sum_of(values, static_cast<std::size_t>(block.size()));
-    levels.add(split_by(values, block.size(), lit_and_full));
-    p5.add(values, block.size());
-    p95.add(values, block.size());
-  }
+  const Levels levels = levels_of(aspect, stretches, lit_and_full);
   Homogeneity result;
-  result.mean = sum / count;
-  result.lit_share = static_cast<double>(pixels - levels.to_low) / count;
+  result.mean = levels.sum / count;
+  result.lit_share = static_cast<double>(pixels - levels.split.to_low) / count;
   result.clipped_share = clipped_frames.empty()
-                             ? static_cast<double>(pixels - levels.below_high) / count
-                             : always_clipped_share(clipped_frames, frames, region);
+                             ? static_cast<double>(pixels - levels.split.below_high) / count
+                             : blind_share(clipped_frames, frames, stretches, pixels);
   if (!(result.mean > 0.0)) {
     result.h_rms = -std::sqrt(count);
     result.h_abs = -1.0;
+    if (wants_robust) {
+      result.robust = 0.0;
+    }
     return result;
   }
-  Deviations total;
-  for (const RowSpan& block : blocks) {
-    const Deviations part = deviations_from(
-        result.mean, start_of(aspect, block), static_cast<std::size_t>(block.size()));
-    total.squares += part.squares;
-    total.sizes += part.sizes;
-  }
+  const Deviations total = deviations_from(result.mean, aspect, stretches);
   result.h_rms = 1.0 - std::sqrt(total.squares / count) / result.mean;
   result.h_abs = 1.0 - total.sizes / count / result.mean;
-  const double low = p5.value(aspect, blocks, pixels);
-  const double high = p95.value(aspect, blocks, pixels);
-  result.robust = high > 0.0 ? 1.0 - (high - low) / (high + low) : 0.0;
+  if (wants_robust) {
+    result.robust = percentile_evenness(aspect, stretches, pixels);
+  }
   return result;
 }
 
@@ -322,14 +344,15 @@ double always_clipped_share(const Image<std::uint16_t>& clipped_frames,
                             int frames,
                             const Mask& region) {
   GLINT_CHECK(clipped_frames.size() == region.size(), "counts and region differ in size");
-  const auto [inside, blind] =
-      count_blind(clipped_frames.values().data(), region.values().data(), region.size(), frames);
-  GLINT_CHECK(inside > 0, "the region has no pixel");
-  return static_cast<double>(blind) / static_cast<double>(inside);
+  const Spans stretches = spans_of(region);
+  GLINT_CHECK(!stretches.empty(), "the region has no pixel");
+  return blind_share(clipped_frames, frames, stretches, pixels_of(stretches));
 }
 
 double smallest_over_mean(const ImageF& aspect, const Mask& region) {
-  const double mean = mean_of(aspect, blocks_of(aspect, region));
+  const Spans stretches = stretches_of(aspect, region);
+  const double mean =
+      levels_of(aspect, stretches, {}).sum / static_cast<double>(pixels_of(stretches));
   double smallest = mean;
   for (int y = 0; y < aspect.height(); ++y) {
     for (int x = 0; x < aspect.width(); ++x) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/image.h"
 #include "metrics/settings.h"
@@ -14,12 +15,12 @@ namespace glint {
 /// Evenness over a region. With mean mu, standard deviation sigma (over n, not n - 1) and
 /// percentiles P5, P95 (nearest rank) of the region's pixels:
 struct Homogeneity {
-  double h_rms = 0.0;          ///< 1 - sigma / mu; <= 1, not clamped
-  double h_abs = 0.0;          ///< 1 - mean |f - mu| / mu; >= h_rms
-  double robust = 0.0;         ///< 1 - (P95 - P5) / (P95 + P5); in [0, 1]
-  double mean = 0.0;           ///< mu
-  double clipped_share = 0.0;  ///< pixels at full scale in every frame: blind to any defect
-  double lit_share = 0.0;      ///< pixels above the lit threshold
+  double h_rms = 0.0;            ///< 1 - sigma / mu; <= 1, not clamped
+  double h_abs = 0.0;            ///< 1 - mean |f - mu| / mu; >= h_rms
+  std::optional<double> robust;  ///< 1 - (P95 - P5) / (P95 + P5); in [0, 1]; if it was asked for
+  double mean = 0.0;             ///< mu
+  double clipped_share = 0.0;    ///< pixels at full scale in every frame: blind to any defect
+  double lit_share = 0.0;        ///< pixels above the lit threshold
 };
 
 /// Scores the aspect image over a region.
@@ -32,11 +33,13 @@ struct Homogeneity {
 /// @param clipped_frames  frames in which each pixel is at full scale; empty: those with aspect 1
 /// @param frames          number of frames behind clipped_frames
 /// @param region          at least one pixel
+/// @param wants_robust    percentiles cost as much as all else
 Homogeneity homogeneity(const ImageF& aspect,
                         const Image<std::uint16_t>& clipped_frames,
                         int frames,
                         const Mask& region,
-                        const MetricsSettings& settings = {});
+                        const MetricsSettings& settings = {},
+                        bool wants_robust = true);
 
 /// Share of the region's pixels that are at full scale in every frame.
 double always_clipped_share(const Image<std::uint16_t>& clipped_frames,

@@ -18,6 +18,10 @@ constexpr std::array<std::string_view, 6> kWholeScores = {"homogeneity.h_rms",
                                                           "defects.min_weber",
                                                           "defects.mean_weber"};
 
+/// Differences below this share of the mean are the rounding of the image: it is taken as even, and
+/// what it would change with is not known. Nought is a slope of an evenness at its largest.
+constexpr double kRounding = 1e-6;
+
 struct Moments {
   double count = 0.0;
   double mean = 0.0;
@@ -61,10 +65,12 @@ ImageF homogeneity_slopes(std::string_view score, const ScoredImage& image) {
   double constant = 1.0;
   double by_rest = 0.0;
   double by_sign = 0.0;
-  if (score == "homogeneity.h_rms") {
-    const bool is_even = !(m.deviation > 0.0);
-    constant = is_even ? 0.0 : m.deviation / (m.mean * m.mean);
-    by_rest = is_even ? 0.0 : -1.0 / (m.deviation * m.mean);
+  const bool is_even = m.deviation <= kRounding * m.mean;
+  if (score != "homogeneity.mean" && is_even) {
+    constant = 0.0;
+  } else if (score == "homogeneity.h_rms") {
+    constant = m.deviation / (m.mean * m.mean);
+    by_rest = -1.0 / (m.deviation * m.mean);
   } else if (score == "homogeneity.h_abs") {
     constant = m.absolute / (m.mean * m.mean) + m.sign / m.mean;
     by_sign = -1.0 / m.mean;
@@ -108,6 +114,9 @@ void add_cnr(const ScoredImage& image, const DefectPixels& defect, double factor
   const auto count = static_cast<double>(defect.ring.size());
   const double ring_sigma = std::sqrt(variance / count);
   const double sigma = std::max(ring_sigma, image.sigma_floor);
+  if (std::abs(difference) <= kRounding * background) {
+    return;
+  }
   const double by_difference = factor * sign_of(difference) / sigma;
   add(slopes, defect.inside, by_difference);
   add(slopes, defect.ring, -by_difference);

@@ -303,7 +303,9 @@ std::string unknown_score(std::string_view name,
 void add_scores(Scores& scores, const Homogeneity& homogeneity) {
   scores["homogeneity.h_rms"] = homogeneity.h_rms;
   scores["homogeneity.h_abs"] = homogeneity.h_abs;
-  scores["homogeneity.robust"] = homogeneity.robust;
+  if (homogeneity.robust) {
+    scores["homogeneity.robust"] = *homogeneity.robust;
+  }
   scores["homogeneity.mean"] = homogeneity.mean;
   scores["homogeneity.clipped_share"] = homogeneity.clipped_share;
   scores["homogeneity.lit_share"] = homogeneity.lit_share;

@@ -132,7 +132,8 @@ void add_scan_bounds(SceneStore& store,
                      SceneSettings scene,
                      const WantedScores& wanted,
                      Scores& scores) {
-  WantedScores more = {.fringes = false, .defects = false, .slot = false, .errors = false};
+  WantedScores more = {
+      .fringes = false, .defects = false, .robust = false, .slot = false, .errors = false};
   std::map<std::string, std::vector<double>> values;
   for (const std::string& name : wanted.trials) {
     const std::string whole(without_bound(name));
@@ -140,6 +141,7 @@ void add_scan_bounds(SceneStore& store,
       more.family = more.family || is_of_family(name);
       more.fringes = more.fringes || needs_fringes(name);
       more.defects = more.defects || name.starts_with("defects.");
+      more.robust = more.robust || whole == "homogeneity.robust";
       values[whole] = {scores.at(whole)};
     }
   }
@@ -187,10 +189,11 @@ WantedScores WantedScores::of_one_scan() const {
 }
 
 WantedScores wanted_by(const Goal& goal) {
-  WantedScores wanted = {.fringes = false, .defects = false, .slot = false};
+  WantedScores wanted = {.fringes = false, .defects = false, .robust = false, .slot = false};
   const auto look_at = [&](const std::string& name) {
     wanted.family = wanted.family || is_of_family(name);
     wanted.fringes = wanted.fringes || needs_fringes(name);
+    wanted.robust = wanted.robust || without_bound(name) == "homogeneity.robust";
     wanted.defects = wanted.defects || name.starts_with("defects.");
     wanted.slot = wanted.slot || name == "view.slot_margin_mm";
     if (is_of_line(name) || is_bound(name)) {
@@ -270,8 +273,12 @@ Evaluation evaluate(SceneStore& store,
                           .gradients = wanted.gradients});
   result.form = scan.form;
   result.gradients = std::move(scan.gradients);
-  Homogeneity evenness = homogeneity(
-      scan.aspect, scan.clipped_frames, scene.scan.positions, traced.region, scene.metrics);
+  Homogeneity evenness = homogeneity(scan.aspect,
+                                     scan.clipped_frames,
+                                     scene.scan.positions,
+                                     traced.region,
+                                     scene.metrics,
+                                     wanted.robust);
   if (!scan.deviation.empty()) {
     evenness = with_scatter(evenness, scan.aspect, scan.deviation, traced.region);
   }

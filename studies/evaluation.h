@@ -29,6 +29,7 @@ struct Evaluation {
 struct WantedScores {
   bool fringes = true;             ///< of the first frame; needs all of it
   bool defects = true;             ///< need the frames around the defects
+  bool robust = true;              ///< homogeneity.robust: percentiles
   bool slot = true;                ///< view.slot_margin_mm: a sight line for each pixel
   bool family = false;             ///< homogeneity.residual and its like: passes of their own
   WantedGradients gradients = {};  ///< need closed forms

@@ -82,7 +82,7 @@ class FrameErrors {
     const ImageF& right = reference_.scan.radiance[static_cast<std::size_t>(index)];
     const bool is_same = grey.width() == right.width() && grey.height() == right.height();
     const ImageF full = is_same ? ImageF() : enlarged(grey, right.width(), right.height());
-    const std::vector<float>& values = (is_same ? grey : full).values();
+    const ImageF::Values& values = (is_same ? grey : full).values();
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (reference_.scan.seen.coverage.values()[i] > 0.0F) {
         const double error =

@@ -368,12 +368,13 @@ std::shared_ptr<const WallView> SceneStore::meet(const std::shared_ptr<const Tra
     }
   }
   const std::shared_ptr<const RevolvedRays> ready =
-      is_revolved(tunnel.settings()) ? revolved(traced, rays, tunnel.settings().base_mm) : nullptr;
-  auto view = std::make_shared<const WallView>(
-      ready ? meet_revolved(*ready, tunnel) : meet_light(rays.corners, tunnel),
-      rays,
-      tunnel,
-      traced->camera_in_world_mm);
+      is_revolved(tunnel.settings()) && !is_met_sparsely(rays)
+          ? revolved(traced, rays, tunnel.settings().base_mm)
+          : nullptr;
+  const Eigen::Vector3d& camera_mm = traced->camera_in_world_mm;
+  auto view = ready ? std::make_shared<const WallView>(
+                          meet_revolved(*ready, tunnel), rays, tunnel, camera_mm)
+                    : std::make_shared<const WallView>(rays, tunnel, camera_mm);
   ++num_met_;
   const std::scoped_lock lock(walls_mutex_);
   std::erase_if(walls_, is_wanted);

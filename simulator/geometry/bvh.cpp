@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <mutex>
 #include <utility>
@@ -101,16 +102,21 @@ RTCRay single_ray(const Vector3d& origin_mm,
 /// millionth of a radian aside.
 constexpr std::array<double, 3> kNudge = {0.61e-6, 0.37e-6, 0.53e-6};
 
+/// Of a size that is known, so that no function is called.
+void copy16(const std::array<float, kPacketSize>& from, float* to) {
+  std::memcpy(to, from.data(), sizeof(from));
+}
+
 RTCRayHit16 to_embree(const RayPacket& rays) {
   RTCRayHit16 packet;
-  std::ranges::copy(rays.origin_x, packet.ray.org_x);
-  std::ranges::copy(rays.origin_y, packet.ray.org_y);
-  std::ranges::copy(rays.origin_z, packet.ray.org_z);
-  std::ranges::copy(rays.direction_x, packet.ray.dir_x);
-  std::ranges::copy(rays.direction_y, packet.ray.dir_y);
-  std::ranges::copy(rays.direction_z, packet.ray.dir_z);
-  std::ranges::copy(rays.t_min, packet.ray.tnear);
-  std::ranges::copy(rays.t_max, packet.ray.tfar);
+  copy16(rays.origin_x, packet.ray.org_x);
+  copy16(rays.origin_y, packet.ray.org_y);
+  copy16(rays.origin_z, packet.ray.org_z);
+  copy16(rays.direction_x, packet.ray.dir_x);
+  copy16(rays.direction_y, packet.ray.dir_y);
+  copy16(rays.direction_z, packet.ray.dir_z);
+  copy16(rays.t_min, packet.ray.tnear);
+  copy16(rays.t_max, packet.ray.tfar);
   std::ranges::fill(packet.ray.time, 0.0F);
   std::ranges::fill(packet.ray.mask, ~0U);
   std::ranges::fill(packet.ray.id, 0U);
@@ -123,6 +129,16 @@ RTCRayHit16 to_embree(const RayPacket& rays) {
   return packet;
 }
 
+/// Quicker than looking for them one by one.
+bool has_miss(const RayPacket& rays, const RTCRayHit16& packet) {
+  std::uint32_t missed = 0;
+  for (std::size_t k = 0; k < kPacketSize; ++k) {
+    const bool is_missed = packet.hit.primID[k] == RTC_INVALID_GEOMETRY_ID;
+    missed |= is_missed ? static_cast<std::uint32_t>(rays.valid[k]) : 0U;
+  }
+  return missed != 0;
+}
+
 /// Turns the rays that missed a little; false when none did.
 bool nudge_misses(const RayPacket& rays,
                   RTCRayHit16& packet,
@@ -132,7 +148,9 @@ bool nudge_misses(const RayPacket& rays,
     if (rays.valid[k] == 0 || packet.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID) {
       continue;
     }
-    const float length = std::hypot(rays.direction_x[k], rays.direction_y[k], rays.direction_z[k]);
+    const float length = std::sqrt(
+        rays.direction_x[k] * rays.direction_x[k] +
+        (rays.direction_y[k] * rays.direction_y[k] + rays.direction_z[k] * rays.direction_z[k]));
     packet.ray.dir_x[k] += length * static_cast<float>(kNudge[0]);
     packet.ray.dir_y[k] += length * static_cast<float>(kNudge[1]);
     packet.ray.dir_z[k] += length * static_cast<float>(kNudge[2]);
@@ -271,6 +289,8 @@ struct Bvh::Scene {
   SceneHandle scene;
   std::once_flag has_open_sides;
   OpenSides open_sides;
+  std::once_flag has_escape_cone;
+  EscapeCone escape_cone;
   std::once_flag has_flat_triangles;
   std::vector<std::uint8_t> flat_triangles;
 };
@@ -304,6 +324,11 @@ const OpenSides& Bvh::open_sides(const TriangleMesh& mesh) const {
   return scene_->open_sides;
 }
 
+const EscapeCone& Bvh::escape_cone(const TriangleMesh& mesh) const {
+  std::call_once(scene_->has_escape_cone, [&] { scene_->escape_cone = find_escape_cone(mesh); });
+  return scene_->escape_cone;
+}
+
 const std::vector<std::uint8_t>& Bvh::flat_triangles(const TriangleMesh& mesh) const {
   std::call_once(scene_->has_flat_triangles,
                  [&] { scene_->flat_triangles = find_flat_triangles(mesh, planes_); });
@@ -318,28 +343,28 @@ void Bvh::intersect16(const RayPacket& rays, HitPacket& hits, Coherence coherenc
                                                       : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   rtcIntersect16(rays.valid.data(), scene_->scene.get(), &context, &packet);
   alignas(64) std::array<std::int32_t, kPacketSize> again = {};
-  if (coherence == Coherence::kCoherent && nudge_misses(rays, packet, again)) {
+  if (coherence == Coherence::kCoherent && has_miss(rays, packet) &&
+      nudge_misses(rays, packet, again)) {
     rtcIntersect16(again.data(), scene_->scene.get(), &context, &packet);
   }
-  for (std::size_t k = 0; k < kPacketSize; ++k) {
-    const bool is_hit = rays.valid[k] != 0 && packet.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
-    hits.t_mm[k] = packet.ray.tfar[k];
-    hits.triangle[k] = is_hit ? static_cast<std::int32_t>(packet.hit.primID[k]) : -1;
-    hits.u[k] = packet.hit.u[k];
-    hits.v[k] = packet.hit.v[k];
-  }
+  // Rays that meet nothing, and those left out, keep the number that is -1 with a sign.
+  static_assert(static_cast<std::int32_t>(RTC_INVALID_GEOMETRY_ID) == -1);
+  std::memcpy(hits.t_mm.data(), packet.ray.tfar, sizeof(hits.t_mm));
+  std::memcpy(hits.triangle.data(), packet.hit.primID, sizeof(hits.triangle));
+  std::memcpy(hits.u.data(), packet.hit.u, sizeof(hits.u));
+  std::memcpy(hits.v.data(), packet.hit.v, sizeof(hits.v));
 }
 
 void Bvh::occluded16(RayPacket& rays, Coherence coherence) const {
   RTCRay16 packet;
-  std::ranges::copy(rays.origin_x, packet.org_x);
-  std::ranges::copy(rays.origin_y, packet.org_y);
-  std::ranges::copy(rays.origin_z, packet.org_z);
-  std::ranges::copy(rays.direction_x, packet.dir_x);
-  std::ranges::copy(rays.direction_y, packet.dir_y);
-  std::ranges::copy(rays.direction_z, packet.dir_z);
-  std::ranges::copy(rays.t_min, packet.tnear);
-  std::ranges::copy(rays.t_max, packet.tfar);
+  copy16(rays.origin_x, packet.org_x);
+  copy16(rays.origin_y, packet.org_y);
+  copy16(rays.origin_z, packet.org_z);
+  copy16(rays.direction_x, packet.dir_x);
+  copy16(rays.direction_y, packet.dir_y);
+  copy16(rays.direction_z, packet.dir_z);
+  copy16(rays.t_min, packet.tnear);
+  copy16(rays.t_max, packet.tfar);
   std::ranges::fill(packet.time, 0.0F);
   std::ranges::fill(packet.mask, ~0U);
   std::ranges::fill(packet.id, 0U);

@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "simulator/geometry/escape_cone.h"
 #include "simulator/geometry/open_sides.h"
 #include "simulator/geometry/ray_packet.h"
 #include "simulator/geometry/triangle_mesh.h"
@@ -88,6 +89,10 @@ class Bvh {
   /// Faces that nothing rises above, for rays that start at least 2e-6 of the largest coordinate
   /// above their triangle. Found at the first call. @param mesh  the one this was built from
   const OpenSides& open_sides(const TriangleMesh& mesh) const;
+
+  /// Directions in which a ray that has left the part meets it no more.
+  /// Found at the first call. @param mesh  the one this was built from
+  const EscapeCone& escape_cone(const TriangleMesh& mesh) const;
 
   /// 1 for triangles whose shading normals are all their own, so that these need not be looked up.
   /// Found at the first call. @param mesh  the one this was built from

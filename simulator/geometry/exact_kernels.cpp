@@ -14,6 +14,8 @@ using Kind = PatchCoefficients::Kind;
 
 constexpr int kMaxSteps = 20;
 constexpr double kConverged_mm = 1e-12;
+/// Share of the tolerance that a prediction of what is left must stay below, as it is one.
+constexpr double kLeft = 0.1;
 
 /// Angle of the point (x, y), to 2e-16 of a turn: the library's function would not be vectorised,
 /// nor have the same bits everywhere. Rational approximation of the arc tangent on [-0.21, 0.66]
@@ -95,13 +97,19 @@ GLINT_INLINE double implicit(const PatchCoefficients& patch,
   }
 }
 
-/// Start and direction in the patch frame, and how Newton's method goes.
+/// Start and direction in the patch frame, and how the search goes.
 struct alignas(64) Search {
   double sx[kExactLanes], sy[kExactLanes], sz[kExactLanes];
   double dx[kExactLanes], dy[kExactLanes], dz[kExactLanes];
   double move[kExactLanes];
   double tolerance[kExactLanes];
   double is_found[kExactLanes];
+};
+
+/// How Newton's method goes.
+struct alignas(64) Newton {
+  double step[kExactLanes];           ///< the last one
+  double slope[kExactLanes];          ///< where it started
   std::int64_t is_open[kExactLanes];  ///< 1 while neither converged nor given up
 };
 
@@ -130,14 +138,58 @@ GLINT_INLINE void begin(const PatchCoefficients& patch, const PolishLanes& lanes
     const double length = std::sqrt(px * px + py * py + pz * pz);
     s.tolerance[i] = kConverged_mm * (length > 100.0 ? 1e-2 * length : 1.0);
     s.move[i] = 0.0;
-    s.is_open[i] = 1;
     s.is_found[i] = 0.0;
   }
 }
 
-/// One step of all open lanes; returns whether any is still open.
+/// Half the second derivative of a m^2 + b m + c = 0, half the first, and c, along the ray: exactly
+/// for the shapes of second degree.
 template <Kind kKind>
-GLINT_INLINE bool step(const PatchCoefficients& patch, double max_move_mm, Search& s) {
+GLINT_INLINE void quadratic(
+    const PatchCoefficients& patch, const Search& s, int i, double& a, double& b, double& c) {
+  if constexpr (kKind == Kind::kPlane) {
+    a = 0.0;
+    b = 0.5 * s.dz[i];
+    c = s.sz[i];
+  } else if constexpr (kKind == Kind::kParaboloid) {
+    const double bent_x = patch.curvature_along * s.dx[i];
+    const double bent_y = patch.curvature_across * s.dy[i];
+    a = 0.5 * (bent_x * s.dx[i] + bent_y * s.dy[i]);
+    b = 0.5 * (s.dz[i] + (s.sx[i] * bent_x + s.sy[i] * bent_y));
+    c = s.sz[i] + 0.5 * (s.sx[i] * s.sx[i] * patch.curvature_along +
+                         s.sy[i] * s.sy[i] * patch.curvature_across);
+  } else {
+    constexpr double kAlong = kKind == Kind::kSphere ? 1.0 : 0.0;  // a cylinder's axis
+    const double x = kAlong * s.sx[i];
+    const double dx = kAlong * s.dx[i];
+    a = dx * dx + (s.dy[i] * s.dy[i] + s.dz[i] * s.dz[i]);
+    b = x * dx + (s.sy[i] * s.dy[i] + s.sz[i] * s.dz[i]);
+    c = x * x + (s.sy[i] * s.sy[i] + s.sz[i] * s.sz[i]) - patch.radius_mm * patch.radius_mm;
+  }
+}
+
+/// The root next to the start, where Newton's method would end, in a form without cancellation.
+template <Kind kKind>
+GLINT_INLINE void solve(const PatchCoefficients& patch, double max_move_mm, Search& s) {
+  for (int i = 0; i < kExactLanes; ++i) {
+    double a = 0.0;
+    double b = 0.0;
+    double c = 0.0;
+    quadratic<kKind>(patch, s, i, a, b, c);
+    const double square = b * b - a * c;
+    const double root = std::sqrt(square > 0.0 ? square : 0.0);
+    const double move = -c / (b < 0.0 ? b - root : b + root);
+    const bool is_found = (square > 0.0) & (std::fabs(move) <= max_move_mm);
+    s.move[i] = is_found ? move : 0.0;
+    s.is_found[i] = is_found ? 1.0 : 0.0;
+  }
+}
+
+/// One step of all open lanes; returns whether any is still open. The error falls from a step to
+/// its square times half the bend over the slope, and the bend is what the last step changed the
+/// slope by: a step is the last when that predicts nothing left, without a further one to see it.
+template <Kind kKind>
+GLINT_INLINE bool step(const PatchCoefficients& patch, double max_move_mm, Search& s, Newton& n) {
   for (int i = 0; i < kExactLanes; ++i) {
     double gx = 0.0;
     double gy = 0.0;
@@ -152,18 +204,38 @@ GLINT_INLINE bool step(const PatchCoefficients& patch, double max_move_mm, Searc
     const double slope = gx * s.dx[i] + gy * s.dy[i] + gz * s.dz[i];
     const double step_mm = -value / slope;
     const double moved = s.move[i] + step_mm;
-    const bool is_open = s.is_open[i] != 0;
+    const double left_mm = step_mm * step_mm * (slope - n.slope[i]) / (slope * n.step[i]);
+    const bool is_open = n.is_open[i] != 0;
     const bool is_near = std::fabs(moved) <= max_move_mm;  // false for a slope of zero, too
-    const bool is_done = std::fabs(step_mm) <= s.tolerance[i];
+    const bool is_done =
+        (std::fabs(step_mm) <= s.tolerance[i]) | (std::fabs(left_mm) <= kLeft * s.tolerance[i]);
     s.move[i] = is_open && is_near ? moved : s.move[i];
     s.is_found[i] = is_open && is_near && is_done ? 1.0 : s.is_found[i];
-    s.is_open[i] = is_open && is_near && !is_done ? 1 : 0;
+    n.is_open[i] = is_open && is_near && !is_done ? 1 : 0;
+    n.step[i] = step_mm;
+    n.slope[i] = slope;
   }
   std::int64_t open = 0;
   for (int i = 0; i < kExactLanes; ++i) {
-    open |= s.is_open[i];
+    open |= n.is_open[i];
   }
   return open != 0;
+}
+
+template <Kind kKind>
+GLINT_INLINE void search(const PatchCoefficients& patch, double max_move_mm, Search& s) {
+  if constexpr (kKind == Kind::kInvolute) {
+    Newton n;
+    for (int i = 0; i < kExactLanes; ++i) {
+      n.step[i] = 0.0;  // nothing is predicted from the first step
+      n.slope[i] = 0.0;
+      n.is_open[i] = 1;
+    }
+    for (int k = 0; k < kMaxSteps && step<kKind>(patch, max_move_mm, s, n); ++k) {
+    }
+  } else {
+    solve<kKind>(patch, max_move_mm, s);
+  }
 }
 
 /// What goes to the caller's arrays at the end: the compiler cannot know that they do not overlap.
@@ -184,8 +256,7 @@ GLINT_INLINE void polish(const PatchCoefficients& patch,
                          const PolishLanes& lanes) {
   Search s;
   begin(patch, lanes, s);
-  for (int k = 0; k < kMaxSteps && step<kKind>(patch, max_move_mm, s); ++k) {
-  }
+  search<kKind>(patch, max_move_mm, s);
   const double* r = patch.rotation;
   Result at;
   for (int i = 0; i < kExactLanes; ++i) {

@@ -17,6 +17,11 @@ using Shape = TunnelSettings::Shape;
 
 constexpr std::size_t kNodes = 1024;
 
+/// A camera in the middle plane of a roof sees its ridge with a whole row of rays. They leave it to
+/// either side when the camera moves: their derivative is the mean of both, as a central difference
+/// has it.
+constexpr double kRidge_mm = 1e-7;
+
 constexpr std::array<std::string_view, 8> kKeys = {"base_mm",
                                                    "radius_mm",
                                                    "half_width_mm",
@@ -395,11 +400,15 @@ double WallMotion::slope_by_rays(const RayBlock& rays,
     const Eigen::Vector3d moved =
         vector_of(motion.origin_x[i], motion.origin_y[i], motion.origin_z[i]) +
         t * vector_of(motion.direction_x[i], motion.direction_y[i], motion.direction_z[i]);
-    const Vector2d across = direction.tail<2>();
-    const double dt = -place.normal.dot(moved.tail<2>()) / place.normal.dot(across);
-    const Eigen::Vector3d shift = moved + dt * direction;
-    sum += by_x * shift.x() + by_y * shift.y() +
-           by_margin * place.margin_gradient.dot(shift.tail<2>());
+    const auto slope_on = [&](double side) {
+      const Vector2d normal(side * place.normal.x(), place.normal.y());
+      const Vector2d gradient(side * place.margin_gradient.x(), place.margin_gradient.y());
+      const double dt = -normal.dot(moved.tail<2>()) / normal.dot(direction.tail<2>());
+      const Eigen::Vector3d shift = moved + dt * direction;
+      return by_x * shift.x() + by_y * shift.y() + by_margin * gradient.dot(shift.tail<2>());
+    };
+    const bool is_on_ridge = is_flat_ && std::abs(y) < kRidge_mm;
+    sum += is_on_ridge ? 0.5 * (slope_on(1.0) + slope_on(-1.0)) : slope_on(1.0);
   }
   return sum;
 }

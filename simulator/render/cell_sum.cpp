@@ -12,9 +12,6 @@ namespace {
 
 namespace kernels = footprint_kernels;
 
-/// Margins below this are no places on the wall.
-constexpr double kNowhere = -1e20;
-
 /// Over a pixel; rounding errors allowed for.
 double largest_of(const LinearFunction& f) {
   constexpr double kRounding = 1e-12;
@@ -71,11 +68,14 @@ bool CellSum::is_lit_throughout(const std::array<double, 2>& x_mm,
          p_.is_inside_ends(x_mm[0], x_mm[1]);
 }
 
+/// Without a part of a period that is bright at some positions only, any width will do.
+bool CellSum::is_narrow(double width_mm) const {
+  return p_.duty <= 0.0 || width_mm <= 2.0 * std::min(p_.duty, 1.0 - p_.duty) * p_.period_mm;
+}
+
 bool CellSum::add_lit(const std::array<float, 4>& c, float gain) {
   const auto [low, high] = std::ranges::minmax(c);
-  const double widest_mm = 2.0 * std::min(p_.duty, 1.0 - p_.duty) * p_.period_mm;
-  // Without a part of a period that is bright at some positions only, any width will do.
-  if (p_.duty > 0.0 && static_cast<double>(high) - static_cast<double>(low) > widest_mm) {
+  if (!is_narrow(static_cast<double>(high) - static_cast<double>(low))) {
     return false;
   }
   add_sample(0.25F * (c[0] + c[1] + c[2] + c[3]),
@@ -85,13 +85,32 @@ bool CellSum::add_lit(const std::array<float, 4>& c, float gain) {
   return true;
 }
 
-void CellSum::add_sample(float stripes_mm, float gx_mm, float gy_mm, float gain) {
-  if (size_ == v_.size()) {
-    const std::size_t room = std::max<std::size_t>(512, 2 * size_);
+bool CellSum::add_lit_cells(const cut_kernels::CellGrid& cells) {
+  const auto count = static_cast<std::size_t>(cells.cells_per_axis * cells.cells_per_axis);
+  make_room(count);
+  const float widest_mm = cut_kernels::sample_cells(cells,
+                                                    static_cast<float>(p_.offset_mm),
+                                                    static_cast<float>(1.0 / p_.period_mm),
+                                                    {.v = v_.data() + size_,
+                                                     .gx = gx_.data() + size_,
+                                                     .gy = gy_.data() + size_,
+                                                     .gain = gain_.data() + size_});
+  const bool is_added = is_narrow(static_cast<double>(widest_mm));
+  size_ += is_added ? count : 0;
+  return is_added;
+}
+
+void CellSum::make_room(std::size_t more) {
+  if (size_ + more > v_.size()) {
+    const std::size_t room = std::max<std::size_t>(512, 2 * (size_ + more));
     for (auto* array : {&v_, &gx_, &gy_, &gain_, &outer_, &inner_, &per_major_, &per_both_}) {
       array->resize(room);
     }
   }
+}
+
+void CellSum::add_sample(float stripes_mm, float gx_mm, float gy_mm, float gain) {
+  make_room(1);
   const auto per_mm = static_cast<float>(1.0 / p_.period_mm);
   v_[size_] = (stripes_mm - static_cast<float>(p_.offset_mm)) * per_mm;
   gx_[size_] = gx_mm * per_mm;
@@ -112,7 +131,7 @@ void CellSum::add_smooth(const CellCorners& corners, double share) {
       return;
     }
   }
-  if (std::ranges::min(corners.margin_mm) < kNowhere) {
+  if (std::ranges::min(corners.margin_mm) < kNoPlace_mm) {
     add_points(corners, share);
     return;
   }

@@ -6,10 +6,14 @@
 #include <array>
 #include <vector>
 
+#include "simulator/render/cut_kernels.h"
 #include "simulator/render/footprints.h"
 #include "simulator/render/stripe_integral.h"
 
 namespace glint {
+
+/// Lower margins are no places on the wall.
+inline constexpr double kNoPlace_mm = -1e20;
 
 /// Hits at the corners (x0 y0, x1 y0, x0 y1, x1 y1) of a cell.
 struct CellCorners {
@@ -37,8 +41,14 @@ class CellSum {
                          const std::array<double, 2>& y_mm,
                          double lowest_margin_mm) const;
 
-  /// A cell of which is_lit_throughout() is known, by its stripes_mm; false when they are too wide.
-  bool add_lit(const std::array<float, 4>& stripes_mm, float gain);
+  /// The smooth ones of cells of which is_lit_throughout() is known; false, and nothing added, when
+  /// one of them is too wide.
+  bool add_lit_cells(const cut_kernels::CellGrid& cells);
+
+  /// What was summed up elsewhere, for each position.
+  void add_radiance(std::size_t position, double radiance) { sum_[position] += radiance; }
+
+  const ScanPositions& positions() const { return p_; }
 
   /// A place that stands for a part of the pixel.
   /// @param gain  of the light there, times the part
@@ -48,9 +58,11 @@ class CellSum {
   const std::vector<double>& radiance();
 
  private:
+  bool add_lit(const std::array<float, 4>& stripes_mm, float gain);
+  bool is_narrow(double width_mm) const;
+  void make_room(std::size_t more);
   void add_points(const CellCorners& corners, double share);
   void add_sample(float stripes_mm, float gx_mm, float gy_mm, float gain);
-  void add_point(double x_mm, double stripes_mm, double gain);
   void integrate(const CellCorners& corners,
                  const std::vector<double>& shifts,
                  const double* tunnel_mm);

@@ -8,6 +8,7 @@
 
 #include "core/units.h"
 #include "simulator/render/clipped_stripe.h"
+#include "simulator/render/width_kernels.h"
 
 namespace glint {
 namespace {
@@ -61,7 +62,10 @@ class ResponseTable {
 
 /// Stripes blurred by more than this are a short Fourier series, those blurred by less have few
 /// edges nearby.
-constexpr double kSeriesFrom = 0.1;
+constexpr double kSeriesFrom = 0.03;
+
+/// What a series leaves out: it has up to 35 terms.
+constexpr double kSmallestTerm = 1e-9;
 
 /// The blurred wave as the sum of its edges.
 double by_edges(double f, double duty, double w) {
@@ -79,45 +83,7 @@ double by_edges(double f, double duty, double w) {
   return share;
 }
 
-/// The blurred wave as its mean and cosines around the middle of the bright stripe; a Gaussian
-/// takes exp(-2 (pi k w)^2) of the k-th.
-class StripeSeries {
- public:
-  StripeSeries(double duty, double w) : duty_(duty) {
-    constexpr double kSmallest = 1e-9;
-    while (size_ < kMaxTerms) {
-      const double k = size_ + 1.0;
-      const double left = std::exp(-2.0 * kPi * kPi * k * k * w * w);
-      if (left < kSmallest) {
-        break;
-      }
-      terms_[static_cast<std::size_t>(size_++)] = 2.0 / (kPi * k) * std::sin(kPi * k * duty) * left;
-    }
-  }
-
-  double at(double phase) const { return at_cosine(std::cos(2.0 * kPi * (phase - 0.5 * duty_))); }
-
-  /// Clenshaw's recurrence from the cosine of the phase's distance from the stripe's middle.
-  double at_cosine(double cosine) const {
-    double next = 0.0;
-    double after = 0.0;
-    for (int i = size_ - 1; i >= 0; --i) {
-      const double here = terms_[static_cast<std::size_t>(i)] + 2.0 * cosine * next - after;
-      after = next;
-      next = here;
-    }
-    return duty_ + next * cosine - after;
-  }
-
- private:
-  static constexpr int kMaxTerms = 16;  // exp(-2 (pi 11 w)^2) < 1e-9 at w = kSeriesFrom
-  double duty_;
-  int size_ = 0;
-  std::array<double, kMaxTerms> terms_ = {};
-};
-
 struct Node {
-  double mean = 0.0;
   double bias = 0.0;      ///< of the mean, by noise that is clipped
   double by_phase = 0.0;  ///< standard deviation of the mean over the frames, by their phase ...
   double by_noise = 0.0;  ///< ... and by noise
@@ -165,10 +131,13 @@ class Phases {
       }
       return;
     }
-    const StripeSeries series(duty, w);
-    for (std::size_t i = 0; i < shares.size(); ++i) {
-      shares[i] = series.at_cosine(cosines_[i]);
-    }
+    const StripeSeries series({.duty = duty, .w = w}, kSmallestTerm);
+    footprint_kernels::cosine_series(series.terms(),
+                                     series.size(),
+                                     duty,
+                                     cosines_.data(),
+                                     static_cast<int>(cosines_.size()),
+                                     shares.data());
   }
 
   const double duty;
@@ -181,34 +150,66 @@ class Phases {
   std::vector<double> cosines_;
 };
 
-template <class Response>
-Node node_at(const Phases& phases,
-             const StripeSettings& stripes,
-             const LinearResponse& linear,
-             const Response& response) {
-  Node node = {.smallest = std::numeric_limits<double>::infinity()};
+/// Means over the phases of one scan after another, and how they differ.
+struct ScanMeans {
+  double sum = 0.0;
   double squares = 0.0;
+
+  void add(double mean) {
+    sum += mean;
+    squares += mean * mean;
+  }
+
+  double deviation(int scans) const {
+    const double mean = sum / scans;
+    return std::sqrt(std::max(0.0, squares / scans - mean * mean));
+  }
+};
+
+/// Without noise a grey value is the clipped radiance.
+Node quiet_node(const Phases& phases, const StripeSettings& stripes, const LinearResponse& linear) {
+  Node node = {.smallest = std::numeric_limits<double>::infinity()};
+  ScanMeans means;
+  const double* share = phases.shares.data();
+  const double rise = stripes.gain * (1.0 - stripes.dark);
+  const double dark = stripes.gain * stripes.dark;
+  for (int offset = 0; offset < phases.offsets; ++offset) {
+    double sum = 0.0;
+    for (int k = 0; k < phases.frames; ++k, ++share) {
+      const double radiance = dark + rise * *share;
+      sum += std::min(1.0, linear.slope * radiance);
+      node.smallest = std::min(node.smallest, radiance);
+    }
+    means.add(sum / phases.frames);
+  }
+  node.by_phase = means.deviation(phases.offsets);
+  return node;
+}
+
+Node noisy_node(const Phases& phases,
+                const StripeSettings& stripes,
+                const LinearResponse& linear,
+                const ResponseTable& response) {
+  Node node = {.smallest = std::numeric_limits<double>::infinity()};
+  ScanMeans means;
   double noise = 0.0;
   const double* share = phases.shares.data();
   for (int offset = 0; offset < phases.offsets; ++offset) {
     double sum = 0.0;
     for (int k = 0; k < phases.frames; ++k, ++share) {
       const double radiance = stripes.gain * (stripes.dark + (1.0 - stripes.dark) * *share);
-      const GreyResponse grey = response(radiance);
+      const GreyResponse grey = response.at(radiance);
       sum += grey.mean;
       node.bias += grey.mean - std::min(1.0, linear.at(radiance));
       noise += grey.variance;
       node.smallest = std::min(node.smallest, radiance);
     }
-    node.mean += sum / phases.frames;
-    squares += sum / phases.frames * (sum / phases.frames);
+    means.add(sum / phases.frames);
   }
-  node.mean /= phases.offsets;
-  node.bias /= phases.offsets * phases.frames;
-  const double by_phase = std::max(0.0, squares / phases.offsets - node.mean * node.mean);
-  const double by_noise = noise / (phases.offsets * phases.frames) / stripes.frames;
-  node.by_phase = std::sqrt(by_phase);
-  node.by_noise = std::sqrt(by_noise);
+  const int count = phases.offsets * phases.frames;
+  node.bias /= count;
+  node.by_phase = means.deviation(phases.offsets);
+  node.by_noise = std::sqrt(noise / count / stripes.frames);
   return node;
 }
 
@@ -269,7 +270,8 @@ double blurred_stripe(double phase, double duty, double w) {
   if (w <= 0.0) {
     return f < duty ? 1.0 : 0.0;
   }
-  return w < kSeriesFrom ? by_edges(f, duty, w) : StripeSeries(duty, w).at(f);
+  return w < kSeriesFrom ? by_edges(f, duty, w)
+                         : StripeSeries({.duty = duty, .w = w}, kSmallestTerm).at(f).value;
 }
 
 namespace {
@@ -303,16 +305,13 @@ ClippedMean::ClippedMean(const SensorSettings& sensor, const StripeSettings& str
   const bool has_noise = sensor.full_well_e > 0.0;
   const ResponseTable table(sensor, has_noise && largest > 0.0 ? largest : 1.0, has_noise);
   const LinearResponse linear(sensor);
-  const auto response = [&](double radiance) {
-    return has_noise ? table.at(radiance)
-                     : GreyResponse{.mean = std::min(1.0, linear.at(radiance))};
-  };
   Phases phases(stripes);
   std::vector<Node> nodes;
   for (int i = 0; i <= kIntervals; ++i) {
     const double w = kWidest * i / kIntervals;
     phases.blur(w);
-    const Node node = node_at(phases, stripes, linear, response);
+    const Node node = has_noise ? noisy_node(phases, stripes, linear, table)
+                                : quiet_node(phases, stripes, linear);
     nodes_.push_back(exact_mean(stripes, linear, w) + node.bias);
     nodes.push_back(node);
     const bool is_blind = sensor.gain * sensor.exposure * node.smallest >= 1.0 - 0.5 * step;

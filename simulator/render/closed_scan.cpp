@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 
+#include "simulator/render/grown_mask.h"
 #include "simulator/render/mask_kernels.h"
+#include "simulator/render/width_kernels.h"
 
 namespace glint {
 namespace {
@@ -43,36 +45,6 @@ constexpr double kLargestBias = 1e-4;
 
 int count_of(const Mask& mask) {
   return mask_kernels::count_ones(mask.values().data(), static_cast<int>(mask.size()));
-}
-
-/// dilated(): the union of n pixels and the same n further on is one of 2 n, first downwards, then
-/// along the rows, which begin and end with `radius` empty pixels.
-Mask grown(const Mask& mask, int radius) {
-  const int reach = 2 * radius + 1;
-  const int width = mask.width() + 2 * radius;
-  const int height = mask.height() + 2 * radius;
-  Mask wide(width, height);
-  for (int y = 0; y < mask.height(); ++y) {
-    std::copy_n(mask.row(y), mask.width(), wide.row(y + radius) + radius);
-  }
-  for (int done = 1, step = 1; done < reach; done += step) {
-    step = std::min(done, reach - done);
-    for (int y = 0; y + step < height; ++y) {
-      mask_kernels::join(wide.row(y + step), width, wide.row(y));
-    }
-  }
-  Mask result(mask.width(), mask.height());
-  std::vector<unsigned char> old(static_cast<std::size_t>(width));
-  for (int y = 0; y < mask.height(); ++y) {
-    unsigned char* row = wide.row(y);
-    for (int done = 1, step = 1; done < reach; done += step) {
-      step = std::min(done, reach - done);
-      std::copy_n(row, width, old.data());
-      mask_kernels::join(old.data() + step, width - step, row);
-    }
-    std::copy_n(row, mask.width(), result.row(y));
-  }
-  return result;
 }
 
 /// How far from a pixel others count: beyond, less than kSmallestTail of the light, times the gain,
@@ -124,42 +96,61 @@ ScanForm::Kind form_of(const ScanPositions& positions,
 
 namespace {
 
-/// Widths w and where the phase is linear, row by row with the neighbours' differences at hand.
-void find_widths(const Footprints& footprints,
-                 double variance_px2,
-                 ImageF& width,
-                 Mask& is_linear) {
-  const int columns = footprints.rays().width_px;
-  const int rows = footprints.rays().height_px;
-  const auto length = static_cast<std::size_t>(columns);
-  std::array<std::vector<float>, 3> gx, gy;
-  std::vector<float> v(length);
-  const auto load = [&](int y) {
-    const auto slot = static_cast<std::size_t>(y % 3);
-    gx[slot].resize(length);
-    gy[slot].resize(length);
-    footprints.phases(y, {.v = v.data(), .gx = gx[slot].data(), .gy = gy[slot].data()});
-  };
-  const kernels::LinearPhase rule = {.variance_px2 = static_cast<float>(variance_px2),
-                                     .absolute = kAbsoluteBend,
-                                     .relative = kRelativeBend};
-  load(0);
-  for (int y = 0; y < rows; ++y) {
-    if (y + 1 < rows) {
+/// Widths w of T(w), row by row with the neighbours' differences at hand.
+class WidthRows {
+ public:
+  WidthRows(const Footprints& footprints, const Sensor& sensor)
+      : footprints_(footprints),
+        columns_(footprints.rays().width_px),
+        last_(footprints.rays().height_px - 1),
+        rule_{.variance_px2 = static_cast<float>(sensor.blur_variance_px2() + kBoxVariance),
+              .absolute = kAbsoluteBend,
+              .relative = kRelativeBend} {
+    for (std::size_t slot = 0; slot < 3; ++slot) {
+      gx_[slot].resize(static_cast<std::size_t>(columns_));
+      gy_[slot].resize(static_cast<std::size_t>(columns_));
+    }
+  }
+
+  /// Rows are asked for in order. @param is_linear  1 where the phase is
+  void find(int y, float* width, unsigned char* is_linear) {
+    if (y == 0) {
+      load(0);
+    }
+    if (y < last_) {
       load(y + 1);
     }
-    const auto above = static_cast<std::size_t>(std::max(0, y - 1) % 3);
-    const auto here = static_cast<std::size_t>(y % 3);
-    const auto below = static_cast<std::size_t>(std::min(rows - 1, y + 1) % 3);
-    kernels::stripe_widths(
-        {.above = gx[above].data(), .here = gx[here].data(), .below = gx[below].data()},
-        {.above = gy[above].data(), .here = gy[here].data(), .below = gy[below].data()},
-        columns,
-        rule,
-        width.row(y),
-        is_linear.row(y));
+    kernels::stripe_widths(around(gx_, y), around(gy_, y), columns_, rule_, width, is_linear);
   }
-}
+
+ private:
+  using Ring = std::array<std::vector<float>, 3>;
+
+  static std::size_t slot_of(int y) { return static_cast<std::size_t>(y % 3); }
+
+  void load(int y) {
+    const std::ptrdiff_t corner_width = columns_ + 1;
+    const float* top = footprints_.hits().stripes_mm().data() + y * corner_width;
+    kernels::phase_slopes({.top = top, .bottom = top + corner_width},
+                          columns_,
+                          static_cast<float>(1.0 / footprints_.positions().period_mm),
+                          gx_[slot_of(y)].data(),
+                          gy_[slot_of(y)].data());
+  }
+
+  kernels::ThreeRows around(const Ring& ring, int y) const {
+    return {.above = ring[slot_of(std::max(0, y - 1))].data(),
+            .here = ring[slot_of(y)].data(),
+            .below = ring[slot_of(std::min(last_, y + 1))].data()};
+  }
+
+  const Footprints& footprints_;
+  int columns_;
+  int last_;
+  kernels::LinearPhase rule_;
+  Ring gx_;
+  Ring gy_;
+};
 
 /// For each interval of the table 1 where the phase of few frames moves the mean by no more than a
 /// share of it.
@@ -181,61 +172,88 @@ ScanPlan with_same_pixels(const ScanPlan& plan,
   if (plan.form.kind == ScanForm::Kind::kTable) {
     same.table = std::make_shared<const ClippedMean>(
         sensor.settings(), stripes_of(footprints.positions(), plan.reflectance));
-    Mask unused(same.width.width(), same.width.height());
-    find_widths(footprints, sensor.blur_variance_px2() + kBoxVariance, same.width, unused);
+    WidthRows widths(footprints, sensor);
+    std::vector<unsigned char> unused(static_cast<std::size_t>(same.width.width()));
+    for (int y = 0; y < same.width.height(); ++y) {
+      widths.find(y, same.width.row(y), unused.data());
+    }
   }
   return same;
 }
 
 namespace {
 
-/// Clears the pixels whose width lies in an interval of the table that is not even.
-void keep_even_widths(const std::vector<unsigned char>& is_even, const ImageF& width, Mask& mask) {
-  if (std::ranges::find(is_even, 0) == is_even.end()) {
-    return;
-  }
+/// Clears the pixels of a row whose width lies in an interval of the table that is not even.
+void keep_even_widths(const std::vector<unsigned char>& is_even,
+                      const float* width,
+                      int count,
+                      unsigned char* mask) {
   constexpr auto kPerUnit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest);
   constexpr auto kLast = static_cast<float>(ClippedMean::kIntervals - 1);
-  for (std::size_t i = 0; i < mask.size(); ++i) {
-    const float place = std::min(width.values()[i] * kPerUnit, kLast);
-    const int is_kept = mask.values()[i] & is_even[static_cast<std::size_t>(place)];
-    mask.values()[i] = static_cast<unsigned char>(is_kept);
+  for (int i = 0; i < count; ++i) {
+    const float place = std::min(width[i] * kPerUnit, kLast);
+    const int is_kept = mask[i] & is_even[static_cast<std::size_t>(place)];
+    mask[i] = static_cast<unsigned char>(is_kept);
   }
+}
+
+/// Pixels that the table does not give: no plain ones, or their phase is bent.
+struct OtherPixels {
+  Mask other;
+  Mask lit;  ///< in some frame
+};
+
+OtherPixels find_others(const Footprints& footprints, const Sensor& sensor, ImageF& width) {
+  const int columns = width.width();
+  const auto* state = reinterpret_cast<const unsigned char*>(footprints.state().values().data());
+  Mask not_plain = Mask::unset(columns, width.height());
+  OtherPixels pixels = {.other = Mask::unset(columns, width.height()),
+                        .lit = Mask::unset(columns, width.height())};
+  mask_kernels::split_states(state,
+                             static_cast<int>(not_plain.size()),
+                             not_plain.values().data(),
+                             pixels.lit.values().data());
+  WidthRows widths(footprints, sensor);
+  // Bends are looked for where the neighbours' phases mean something.
+  RowGrower beside(columns, 1);
+  std::vector<unsigned char> is_linear(static_cast<std::size_t>(columns));
+  std::vector<unsigned char> is_beside(is_linear.size());
+  for (int y = 0; y < width.height(); ++y) {
+    widths.find(y, width.row(y), is_linear.data());
+    beside.grow(not_plain, y, is_beside.data());
+    std::copy_n(not_plain.row(y), columns, pixels.other.row(y));
+    mask_kernels::add_bends(is_linear.data(), is_beside.data(), columns, pixels.other.row(y));
+  }
+  return pixels;
 }
 
 /// The pixels that T(w) gives, and those that need frames.
 void sort_pixels(const Footprints& footprints,
                  const Sensor& sensor,
-                 const Mask& is_linear,
                  const Mask& region,
                  const Mask& watched,
                  ScanPlan& plan) {
-  const int reach = reach_of(sensor, plan.reflectance);
-  const auto count = static_cast<int>(region.size());
-  const auto* state = reinterpret_cast<const unsigned char*>(footprints.state().values().data());
-  Mask other(region.width(), region.height());
-  Mask lit(region.width(), region.height());
-  mask_kernels::split_states(state, count, other.values().data(), lit.values().data());
-  // Bends are looked for where the neighbours' phases mean something.
-  const Mask beside_other = grown(other, 1);
-  mask_kernels::add_bends(
-      is_linear.values().data(), beside_other.values().data(), count, other.values().data());
-  const Mask near_other = grown(other, reach);
-  const Mask near_light = grown(lit, reach);
-  mask_kernels::mark_closed(region.values().data(),
-                            watched.values().data(),
-                            near_other.values().data(),
-                            count,
-                            plan.by_table.values().data());
-  keep_even_widths(
-      even_widths(*plan.table, kLargestPhaseShare * footprints.positions().even_phases()),
-      plan.width,
-      plan.by_table);
-  mask_kernels::mark_frames(region.values().data(),
-                            plan.by_table.values().data(),
-                            near_light.values().data(),
-                            count,
-                            plan.by_frames.values().data());
+  const OtherPixels pixels = find_others(footprints, sensor, plan.width);
+  const int columns = region.width();
+  const double largest_share = kLargestPhaseShare * footprints.positions().even_phases();
+  const std::vector<unsigned char> is_even = even_widths(*plan.table, largest_share);
+  const bool are_even = std::ranges::find(is_even, 0) == is_even.end();
+  RowGrower grower(columns, reach_of(sensor, plan.reflectance));
+  std::vector<unsigned char> near(static_cast<std::size_t>(columns));
+  std::vector<unsigned char> rest(near.size());
+  for (int y = 0; y < region.height(); ++y) {
+    unsigned char* closed = plan.by_table.row(y);
+    grower.grow(pixels.other, y, near.data());
+    mask_kernels::mark_closed(region.row(y), watched.row(y), near.data(), columns, closed);
+    if (!are_even) {
+      keep_even_widths(is_even, plan.width.row(y), columns, closed);
+    }
+    mask_kernels::subtract(region.row(y), closed, columns, rest.data());
+    if (mask_kernels::count_ones(rest.data(), columns) > 0) {
+      grower.grow(pixels.lit, y, near.data());
+      mask_kernels::mark_frames(region.row(y), closed, near.data(), columns, plan.by_frames.row(y));
+    }
+  }
 }
 
 }  // namespace
@@ -248,8 +266,10 @@ ScanPlan plan_scan(const Footprints& footprints,
   ScanPlan plan;
   plan.reflectance = reflectance;
   plan.form.kind = form_of(footprints.positions(), sensor.settings(), reflectance);
-  plan.by_table = Mask(region.width(), region.height());
   plan.by_frames = watched;
+  if (plan.form.kind != ScanForm::Kind::kTable) {
+    plan.by_table = Mask(region.width(), region.height());
+  }
   if (plan.form.kind == ScanForm::Kind::kFrames) {
     for (std::size_t i = 0; i < region.size(); ++i) {
       plan.by_frames.values()[i] =
@@ -257,19 +277,18 @@ ScanPlan plan_scan(const Footprints& footprints,
     }
   }
   if (plan.form.kind == ScanForm::Kind::kFloors) {
-    plan.by_floors = Mask(region.width(), region.height());
+    plan.by_floors = Mask::unset(region.width(), region.height());
     mask_kernels::subtract(region.values().data(),
                            watched.values().data(),
                            static_cast<int>(region.size()),
                            plan.by_floors.values().data());
   }
   if (plan.form.kind == ScanForm::Kind::kTable) {
-    plan.width = ImageF(region.width(), region.height());
-    Mask is_linear(region.width(), region.height());
-    find_widths(footprints, sensor.blur_variance_px2() + kBoxVariance, plan.width, is_linear);
+    plan.width = ImageF::unset(region.width(), region.height());
+    plan.by_table = Mask::unset(region.width(), region.height());
     plan.table = std::make_shared<const ClippedMean>(
         sensor.settings(), stripes_of(footprints.positions(), reflectance));
-    sort_pixels(footprints, sensor, is_linear, region, watched, plan);
+    sort_pixels(footprints, sensor, region, watched, plan);
   }
   plan.form.frame_pixels = count_of(plan.by_frames);
   plan.form.table_pixels = count_of(plan.by_table);
@@ -295,7 +314,7 @@ double share_of(const Spans& spans, int width, int height) {
 
 void fit_size(ImageF& image, int width, int height) {
   if (image.width() != width || image.height() != height) {
-    image = ImageF(width, height);
+    image = ImageF::unset(width, height);
   }
 }
 
@@ -350,9 +369,9 @@ void expose_mean(const Footprints& footprints,
   const int width = result.aspect.width();
   const int height = result.aspect.height();
   const Spans wanted = spans_of(plan.by_floors);
-  const Spans rendered = spans_of(grown(plan.by_floors, sensor.blur_radius_px()), kBridge_px);
+  const Spans rendered = grown_spans(wanted, sensor.blur_radius_px(), kBridge_px, width, height);
   const Mask near = grown(plan.by_floors, reach_of(sensor, plan.reflectance));
-  ImageF mean(width, height);
+  ImageF mean = ImageF::unset(width, height);
   FootprintFrames(footprints, rendered).render_mean(near, mean);
   SensorSettings quiet = sensor.settings();
   const double offset =
@@ -378,26 +397,22 @@ void expose_mean(const Footprints& footprints,
 }
 
 void look_up_means(const ScanPlan& plan, const ClippedMean& table, ClosedScan& result) {
-  const int width = result.aspect.width();
-  const auto per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest);
-  const auto dark_level = static_cast<float>(table.dark_level());
-  const auto dark_deviation = static_cast<float>(table.dark_deviation());
-  result.deviation = ImageF(width, result.aspect.height());
-  for (int y = 0; y < result.aspect.height(); ++y) {
+  const int width = plan.width.width();
+  const int height = plan.width.height();
+  const kernels::PieceTables tables = {
+      .coefficients = table.coefficients().data(),
+      .nodes = table.deviations().data(),
+      .pieces = ClippedMean::kIntervals,
+      .per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest)};
+  const kernels::PieceValues dark = {.cubic = static_cast<float>(table.dark_level()),
+                                     .straight = static_cast<float>(table.dark_deviation())};
+  result.aspect = ImageF::unset(width, height);
+  result.deviation = ImageF::unset(width, height);
+  for (int y = 0; y < height; ++y) {
     const float* w = plan.width.row(y);
     const unsigned char* by_table = plan.by_table.row(y);
-    float* row = result.aspect.row(y);
-    float* deviation = result.deviation.row(y);
-    kernels::look_up_both(w,
-                          width,
-                          table.coefficients().data(),
-                          table.deviations().data(),
-                          ClippedMean::kIntervals,
-                          per_unit,
-                          row,
-                          deviation);
-    mask_kernels::keep_where(by_table, width, dark_level, row);
-    mask_kernels::keep_where(by_table, width, dark_deviation, deviation);
+    kernels::look_up_where(
+        by_table, w, width, tables, dark, result.aspect.row(y), result.deviation.row(y));
     if (table.blind_from() < ClippedMean::kWidest) {
       for (int x = 0; x < width; ++x) {
         const bool is_blind = by_table[x] != 0 && table.is_blind(static_cast<double>(w[x]));
@@ -415,20 +430,20 @@ ClosedScan scan_closed(const Footprints& footprints,
                        const FrameConsumer& consume) {
   const int width = footprints.rays().width_px;
   const int height = footprints.rays().height_px;
-  ClosedScan result = {.aspect = ImageF(width, height),
-                       .clipped_frames = Image<std::uint16_t>(width, height),
-                       .form = plan.form};
-  if (plan.form.kind == ScanForm::Kind::kFloors) {
-    expose_mean(footprints, sensor, plan, result);
-  }
+  ClosedScan result = {.clipped_frames = Image<std::uint16_t>(width, height), .form = plan.form};
   if (plan.form.kind == ScanForm::Kind::kTable) {
     look_up_means(plan, *plan.table, result);
+  } else {
+    result.aspect = ImageF(width, height);
+  }
+  if (plan.form.kind == ScanForm::Kind::kFloors) {
+    expose_mean(footprints, sensor, plan, result);
   }
   const Spans wanted = spans_of(plan.by_frames);
   if (wanted.empty()) {
     return result;
   }
-  const Spans rendered = spans_of(grown(plan.by_frames, sensor.blur_radius_px()), kBridge_px);
+  const Spans rendered = grown_spans(wanted, sensor.blur_radius_px(), kBridge_px, width, height);
   FramePictures own;
   FramePictures* const kept = kept_pictures(rendered, width, height);
   FramePictures& pictures = kept != nullptr ? *kept : own;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "simulator/render/ray_cache.h"
+#include "simulator/render/sparse_rays.h"
 
 namespace glint {
 
@@ -45,6 +46,7 @@ struct CornerRays : SeenPart {
   std::vector<std::int64_t> special;
   /// Weight of the corners of all smooth pixels; < 0: they differ, or it is not known.
   float smooth_weight = -1.0F;
+  SparseRays sparse;  ///< of the corners
 };
 
 /// Derivative of escaped rays by one number: six floats a ray, arrays as in RayCache.

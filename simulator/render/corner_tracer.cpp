@@ -117,6 +117,7 @@ CornerTracer::CornerTracer(const TraceScene& scene,
     : kink_factor_(scene.part.patches.empty() ? 1.0 : kKinkFactorOfDefects),
       scene_(scene),
       camera_(camera),
+      area_(camera.area_of(scene.box)),
       need_(need),
       plan_(plan),
       base_(base),
@@ -146,6 +147,14 @@ CornerRow CornerTracer::trace_corners(int y) {
     while (count < kPacketSize && x + count < columns && plan_.has_corner(x + count, y)) {
       x_px[static_cast<std::size_t>(count)] = x + count;
       ++count;
+    }
+    if (!area_.touches(x, x + count - 1, y, y)) {
+      store_missed(
+          first + static_cast<std::size_t>(x), static_cast<std::size_t>(count), corners_.rays);
+      row.counts.camera += count;
+      row.traced += count;
+      x += count;
+      continue;
     }
     camera_.through(x_px.data(), y_px.data(), count, rays);
     tracer.trace(rays, escapes);
@@ -267,6 +276,9 @@ void CornerTracer::finish() {
   result_.corners.height_px = result_.height_px + 1;
   result_.corners.samples = 1;
   result_.smooth_weight = common_weight(result_);
+  constexpr double kOfDirectionError = 0.01;
+  result_.sparse =
+      sparse_rays(result_.corners, kOfDirectionError * scene_.settings.max_direction_error_rad);
   for (std::size_t i = 0; i < corners_.is_special.size(); ++i) {
     if (corners_.is_special[i] != 0) {
       result_.special.push_back(static_cast<std::int64_t>(i));

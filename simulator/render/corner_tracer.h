@@ -80,6 +80,7 @@ class CornerTracer {
   double kink_factor_ = 1.0;
   const TraceScene& scene_;
   const CameraRays& camera_;
+  ImageArea area_;  ///< outside of which no ray meets the part
   const RefinementNeed& need_;
   const RetracePlan& plan_;
   const CornerRays* base_;

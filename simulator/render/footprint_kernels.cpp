@@ -174,6 +174,30 @@ void classify(const unsigned char* top,
   combine_codes(top, bottom, kind, hidden, count, state);
 }
 
+GLINT_WIDE void even_tiles(const TileRow& tiles,
+                           int count,
+                           const LitLimits& limits,
+                           unsigned char* __restrict is_even) {
+  const TileRow t = tiles;
+  const LitLimits l = limits;
+  for (int i = 0; i < count; ++i) {
+    const bool is_beside_slot = (t.y_low[i] >= l.half_slot_mm) | (t.y_high[i] <= -l.half_slot_mm);
+    const bool is_inside = (t.x_low[i] > l.x_low_mm) & (t.x_high[i] < l.x_high_mm);
+    const bool is_narrow = t.stripes_high[i] - t.stripes_low[i] <= l.widest_mm;
+    const bool is_lit = (t.margin_low[i] >= 0.0F) & is_beside_slot & is_inside & is_narrow;
+    is_even[i] = ((t.kind[i] == 2) | ((t.kind[i] == 1) & is_lit)) ? 1 : 0;
+  }
+}
+
+GLINT_WIDE void plain_states(const unsigned char* __restrict kind,
+                             const unsigned char* __restrict hidden,
+                             int count,
+                             unsigned char* __restrict state) {
+  for (int i = 0; i < count; ++i) {
+    state[i] = hidden[i] != 0 ? 0 : kind[i];
+  }
+}
+
 GLINT_WIDE void trapezoids(const float* __restrict gx,
                            const float* __restrict gy,
                            int count,
@@ -423,6 +447,23 @@ void any_shares_fast(const float* v,
   }
 }
 
+namespace {
+
+/// In pairs, so that additions do not wait for each other.
+inline __attribute__((always_inline)) float sum_of_lanes(const float* lanes) {
+  float half[kLanes / 2];
+  for (int i = 0; i < kLanes / 2; ++i) {
+    half[i] = lanes[i] + lanes[i + kLanes / 2];
+  }
+  float quarter[kLanes / 4];
+  for (int i = 0; i < kLanes / 4; ++i) {
+    quarter[i] = half[i] + half[i + kLanes / 4];
+  }
+  return (quarter[0] + quarter[2]) + (quarter[1] + quarter[3]);
+}
+
+}  // namespace
+
 GLINT_WIDE void sum_box_frames(const float* __restrict v,
                                const Trapezoids& trapezoids,
                                const float* __restrict gain,
@@ -445,10 +486,7 @@ GLINT_WIDE void sum_box_frames(const float* __restrict v,
       lit[lane] += gain[i + lane];
     }
   }
-  double sum_lit = 0.0;
-  for (const float value : lit) {
-    sum_lit += static_cast<double>(value);
-  }
+  const auto sum_lit = static_cast<double>(sum_of_lanes(lit));
   for (int k = 0; k < frames; ++k) {
     const auto by = static_cast<float>(shift[k]);
     const float to_middle = by + 0.5F * width;
@@ -470,11 +508,7 @@ GLINT_WIDE void sum_box_frames(const float* __restrict v,
             two_edge_share(v[at] - by, width, outer[at], inner[at], per_major[at], per_both[at]);
       }
     }
-    double sum_share = 0.0;
-    for (const float value : share) {
-      sum_share += static_cast<double>(value);
-    }
-    out[k] += dark * sum_lit + bright * sum_share;
+    out[k] += dark * sum_lit + bright * static_cast<double>(sum_of_lanes(share));
   }
 }
 

@@ -58,6 +58,27 @@ void classify(const unsigned char* top,
               const LitLimits& limits,
               unsigned char* state);
 
+/// Limits of the hits in tiles, and what is known of them (TileLimits).
+struct TileRow {
+  const float* x_low = nullptr;
+  const float* x_high = nullptr;
+  const float* y_low = nullptr;
+  const float* y_high = nullptr;
+  const float* margin_low = nullptr;
+  const float* stripes_low = nullptr;
+  const float* stripes_high = nullptr;
+  const unsigned char* kind = nullptr;  ///< 0 unknown, 1 known, 2 no rays
+};
+
+/// 1 for tiles whose smooth pixels are all plain, or that have none.
+void even_tiles(const TileRow& tiles, int count, const LitLimits& limits, unsigned char* is_even);
+
+/// The states of pixels between corners that are lit at every position.
+void plain_states(const unsigned char* kind,
+                  const unsigned char* hidden,
+                  int count,
+                  unsigned char* state);
+
 /// The trapezoid of each footprint, ready for add_box_frame.
 struct Trapezoids {
   float* outer = nullptr;
@@ -164,17 +185,6 @@ void look_up(const float* w,
              int pieces,
              float per_unit,
              float* values);
-
-/// The same and, at the same places, a table that is straight between its nodes.
-/// @param nodes  one more than pieces
-void look_up_both(const float* w,
-                  int count,
-                  const float* coefficients,
-                  const float* nodes,
-                  int pieces,
-                  float per_unit,
-                  float* values,
-                  float* straight);
 
 /// Samples of sum_box_frames come in groups of this many, filled up with gain 0.
 inline constexpr int kLanes = 16;

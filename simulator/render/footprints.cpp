@@ -8,44 +8,35 @@
 #include "core/error.h"
 #include "simulator/render/hidden_pixels.h"
 #include "simulator/render/mask_kernels.h"
+#include "simulator/render/sparse_kernels.h"
 
 namespace glint {
 namespace {
 
 namespace kernels = footprint_kernels;
 
-/// Rays that are met together: their arrays stay in the first caches.
-constexpr int kBlock = 1024;
-
 }  // namespace
 
 void meet_light(
     const RayCache& rays, const Tunnel& tunnel, std::int64_t begin, int count, WallHits& hits) {
-  const TunnelSettings& settings = tunnel.settings();
-  const bool has_details = settings.orientation_rad != 0.0 || settings.cosine_law;
-  const auto total = static_cast<std::size_t>(count);
-  for (auto* array : {&hits.x_mm, &hits.y_mm, &hits.margin_mm}) {
-    array->resize(total);
-  }
-  hits.pattern_mm.resize(has_details ? total : 0);
-  hits.cosine.resize(has_details ? total : 0);
-  for (int done = 0; done < count; done += kBlock) {
-    const RayBlock block = rays.block(begin + done, std::min(kBlock, count - done));
-    float* x = hits.x_mm.data() + done;
-    float* y = hits.y_mm.data() + done;
-    float* margin = hits.margin_mm.data() + done;
-    tunnel.meet_block(block, x, y, margin);
-    if (has_details) {
-      tunnel.meet_details(
-          block, x, y, margin, hits.pattern_mm.data() + done, hits.cosine.data() + done);
-    }
-  }
+  hits.resize(static_cast<std::size_t>(count), tunnel.settings());
+  meet_rays(rays.block(begin, count), tunnel, 0, hits);
 }
 
 WallHits meet_light(const RayCache& rays, const Tunnel& tunnel) {
   WallHits hits;
   meet_light(rays, tunnel, 0, static_cast<int>(rays.weight.size()), hits);
   return hits;
+}
+
+bool is_met_sparsely(const CornerRays& rays) {
+  constexpr double kMost = 0.5;
+  return rays.sparse.sparse_share() >= kMost;
+}
+
+WallHits meet_corners(const CornerRays& rays, const Tunnel& tunnel, TileLimits& limits) {
+  return is_met_sparsely(rays) ? meet_sparse(rays.sparse, rays.corners, tunnel, limits)
+                               : meet_light(rays.corners, tunnel);
 }
 
 ScanPositions::ScanPositions(const Tunnel& tunnel, const ScanSettings& scan) {
@@ -105,7 +96,8 @@ ScanPositions ScanPositions::mean_position() const {
 WallView::WallView(const CornerRays& rays,
                    const Tunnel& tunnel,
                    const Eigen::Vector3d& camera_in_world_mm)
-    : WallView(meet_light(rays.corners, tunnel), rays, tunnel, camera_in_world_mm) {}
+    : hits(meet_corners(rays, tunnel, limits)),
+      hidden(hidden_pixels(rays, tunnel, camera_in_world_mm)) {}
 
 WallView::WallView(WallHits met,
                    const CornerRays& rays,
@@ -119,7 +111,11 @@ std::size_t WallView::bytes() const {
        {&hits.x_mm, &hits.y_mm, &hits.margin_mm, &hits.pattern_mm, &hits.cosine}) {
     floats += array->size();
   }
-  return sizeof(float) * floats + hidden.size();
+  for (const auto* array :
+       {&limits.x_low_mm, &limits.y_low_mm, &limits.margin_low_mm, &limits.stripes_low_mm}) {
+    floats += 2 * array->size();
+  }
+  return sizeof(float) * floats + limits.kind.size() + hidden.size();
 }
 
 Footprints::Footprints(const CornerRays& rays,
@@ -138,41 +134,104 @@ Footprints::Footprints(const CornerRays& rays,
   classify();
 }
 
+kernels::LitLimits Footprints::lit_limits() const {
+  const ScanPositions& p = positions_;
+  return {.half_slot_mm = static_cast<float>(p.half_slot_mm),
+          .x_low_mm = static_cast<float>(p.shift_mm.back() - p.half_length_mm),
+          .x_high_mm = static_cast<float>(p.half_length_mm),
+          .widest_mm = static_cast<float>(2.0 * std::min(p.duty, 1.0 - p.duty) * p.period_mm)};
+}
+
 void Footprints::classify() {
   state_ = Image<State>(rays_.width_px, rays_.height_px, State::kDark);
-  const ScanPositions& p = positions_;
-  const auto corner_width = static_cast<std::size_t>(rays_.width_px) + 1;
-  const kernels::LitLimits limits = {
-      .half_slot_mm = static_cast<float>(p.half_slot_mm),
-      .x_low_mm = static_cast<float>(p.shift_mm.back() - p.half_length_mm),
-      .x_high_mm = static_cast<float>(p.half_length_mm),
-      .widest_mm = static_cast<float>(2.0 * std::min(p.duty, 1.0 - p.duty) * p.period_mm)};
+  if (view_->limits.rows > 0) {
+    classify_tiles();
+  } else {
+    classify_pixels(0, rays_.height_px, 0, rays_.width_px);
+  }
+}
+
+/// Tiles that are plain as a whole need no look at their rays.
+void Footprints::classify_tiles() {
+  constexpr int kStep = sparse_kernels::kStep;
+  const TileLimits& limits = view_->limits;
+  const kernels::LitLimits lit = lit_limits();
+  std::vector<unsigned char> is_even(static_cast<std::size_t>(limits.columns));
+  for (int row = 0; row < limits.rows; ++row) {
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(row) * limits.columns;
+    const auto at = [&](const std::vector<float>& values) { return values.data() + first; };
+    const bool has_stripes = !limits.stripes_low_mm.empty();
+    kernels::even_tiles(
+        {.x_low = at(limits.x_low_mm),
+         .x_high = at(limits.x_high_mm),
+         .y_low = at(limits.y_low_mm),
+         .y_high = at(limits.y_high_mm),
+         .margin_low = at(limits.margin_low_mm),
+         .stripes_low = at(has_stripes ? limits.stripes_low_mm : limits.x_low_mm),
+         .stripes_high = at(has_stripes ? limits.stripes_high_mm : limits.x_high_mm),
+         .kind = reinterpret_cast<const unsigned char*>(limits.kind.data()) + first},
+        limits.columns,
+        lit,
+        is_even.data());
+    const int top = row * kStep;
+    const auto is_same = [&](int column, int other) {
+      return is_even[static_cast<std::size_t>(column)] == is_even[static_cast<std::size_t>(other)];
+    };
+    for (int begin = 0, end = 0; begin < limits.columns; begin = end) {
+      for (end = begin + 1; end < limits.columns && is_same(end, begin); ++end) {
+      }
+      if (is_even[static_cast<std::size_t>(begin)] == 0) {
+        classify_pixels(top, top + kStep, begin * kStep, end * kStep);
+        continue;
+      }
+      for (int y = top; y < top + kStep; ++y) {
+        const int left = begin * kStep;
+        kernels::plain_states(reinterpret_cast<const unsigned char*>(rays_.kind.row(y)) + left,
+                              hidden().row(y) + left,
+                              (end - begin) * kStep,
+                              reinterpret_cast<unsigned char*>(state_.row(y)) + left);
+      }
+    }
+    classify_pixels(top, top + kStep, limits.columns * kStep, rays_.width_px);
+  }
+  classify_pixels(limits.rows * kStep, rays_.height_px, 0, rays_.width_px);
+}
+
+/// Pixels [left, right) of rows [top, bottom), by the corners of each.
+void Footprints::classify_pixels(int top, int bottom, int left, int right) {
+  if (left >= right || top >= bottom) {
+    return;
+  }
   static_assert(static_cast<int>(PixelKind::kDark) == static_cast<int>(State::kDark) &&
                 static_cast<int>(PixelKind::kRefined) == static_cast<int>(State::kCells));
-  std::vector<unsigned char> above(corner_width), below(corner_width);
+  const kernels::LitLimits limits = lit_limits();
+  const auto corner_width = static_cast<std::size_t>(rays_.width_px) + 1;
+  const int count = right - left;
+  const auto place = [&](int y) {
+    return static_cast<std::size_t>(y) * corner_width + static_cast<std::size_t>(left);
+  };
+  std::vector<unsigned char> above(static_cast<std::size_t>(count) + 1), below(above.size());
   const auto find_codes = [&](int y, std::vector<unsigned char>& codes) {
-    const std::size_t at = static_cast<std::size_t>(y) * corner_width;
-    kernels::corner_codes(hits().x_mm.data() + at,
-                          hits().y_mm.data() + at,
-                          hits().margin_mm.data() + at,
-                          static_cast<int>(corner_width),
+    kernels::corner_codes(hits().x_mm.data() + place(y),
+                          hits().y_mm.data() + place(y),
+                          hits().margin_mm.data() + place(y),
+                          count + 1,
                           limits,
                           codes.data());
   };
-  find_codes(0, below);
-  for (int y = 0; y < rays_.height_px; ++y) {
+  find_codes(top, below);
+  for (int y = top; y < bottom; ++y) {
     above.swap(below);
     find_codes(y + 1, below);
-    const float* stripes_mm =
-        hits().stripes_mm().data() + static_cast<std::size_t>(y) * corner_width;
+    const float* stripes_mm = hits().stripes_mm().data() + place(y);
     kernels::classify(above.data(),
                       below.data(),
                       {.top = stripes_mm, .bottom = stripes_mm + corner_width},
-                      reinterpret_cast<const unsigned char*>(rays_.kind.row(y)),
-                      hidden().row(y),
-                      rays_.width_px,
+                      reinterpret_cast<const unsigned char*>(rays_.kind.row(y)) + left,
+                      hidden().row(y) + left,
+                      count,
                       limits,
-                      reinterpret_cast<unsigned char*>(state_.row(y)));
+                      reinterpret_cast<unsigned char*>(state_.row(y)) + left);
   }
 }
 

@@ -21,41 +21,20 @@
 #include "core/spans.h"
 #include "simulator/light/tunnel.h"
 #include "simulator/render/corner_rays.h"
+#include "simulator/render/footprint_cells.h"
 #include "simulator/render/footprint_kernels.h"
 #include "simulator/render/scan_settings.h"
+#include "simulator/render/wall_hits.h"
 
 namespace glint {
 
-/// Leaves new elements unset: for arrays that are written right after they are made.
-template <class T>
-struct UnsetAllocator : std::allocator<T> {
-  template <class Other>
-  struct rebind {
-    using other = UnsetAllocator<Other>;
-  };
-
-  void construct(T* place) noexcept { ::new (static_cast<void*>(place)) T; }
-
-  template <class... Arguments>
-  void construct(T* place, Arguments&&... arguments) {
-    ::new (static_cast<void*>(place)) T(std::forward<Arguments>(arguments)...);
-  }
-};
-
-using FloatArray = std::vector<float, UnsetAllocator<float>>;
-
-/// Where rays meet a tunnel (Tunnel::meet_block), arrays as in RayCache.
-struct WallHits {
-  FloatArray x_mm;
-  FloatArray y_mm;
-  FloatArray margin_mm;
-  FloatArray pattern_mm;  ///< empty: equal to x_mm
-  FloatArray cosine;      ///< empty: 1
-
-  const FloatArray& stripes_mm() const { return pattern_mm.empty() ? x_mm : pattern_mm; }
-};
-
 WallHits meet_light(const RayCache& rays, const Tunnel& tunnel);
+
+/// Whether meet_corners() meets most of the corners by sparse_rays.h.
+bool is_met_sparsely(const CornerRays& rays);
+
+/// meet_light() of the corners, by sparse_rays.h where most of them allow it.
+WallHits meet_corners(const CornerRays& rays, const Tunnel& tunnel, TileLimits& limits);
 
 /// The same for rays [begin, begin + count); arrays of hits begin at 0.
 void meet_light(
@@ -64,8 +43,9 @@ void meet_light(
 /// What of a picture depends on the wall and not on its stripes: equal for all tunnels of the same
 /// shape, slot, length and orientation.
 struct WallView {
-  WallHits hits;  ///< of the corner rays
-  Mask hidden;    ///< pixels of the part that the wall hides from the camera
+  TileLimits limits;  ///< of hits in tiles; empty where corners are met one by one
+  WallHits hits;      ///< of the corner rays
+  Mask hidden;        ///< pixels of the part that the wall hides from the camera
 
   WallView(const CornerRays& rays, const Tunnel& tunnel, const Eigen::Vector3d& camera_in_world_mm);
 
@@ -153,6 +133,9 @@ class Footprints {
 
  private:
   void classify();
+  void classify_tiles();
+  void classify_pixels(int top, int bottom, int left, int right);
+  footprint_kernels::LitLimits lit_limits() const;
 
   const CornerRays& rays_;
   const Tunnel& tunnel_;
@@ -178,16 +161,7 @@ class FootprintFrames {
   void render_mean(const Mask& near, ImageF& mean) const;
 
  private:
-  /// Radiance of pixels that are summed from cells, at all positions or their mean.
-  struct Cells {
-    std::vector<std::int32_t> pixels;
-    std::vector<float> values;  ///< as many for each pixel
-
-    void add(std::int32_t pixel, const std::vector<double>& radiance);
-  };
-
   struct Tile;
-  class CellSummer;
 
   void load(const RowSpan& span, int begin, Tile& tile) const;
   void render_span(int first, const RowSpan& span, std::vector<ImageF>& frames) const;
@@ -195,7 +169,7 @@ class FootprintFrames {
   const Footprints& footprints_;
   const Spans& where_;
   /// Summed when first needed, once for all frames: a mean does not need it.
-  mutable std::optional<Cells> cells_;
+  mutable std::optional<PixelCells> cells_;
 };
 
 }  // namespace glint

@@ -112,6 +112,83 @@ class BlurBackwards {
   ImageF result_;
 };
 
+/// How a blurred frame changes with the blur's sigma. A weight w at the distance k changes by
+/// w (k^2 - m) / sigma^3, m the mean of k^2. So the sum with weights w_x w_y (k_x^2 + k_y^2) says it,
+/// to the rounding of a sum; the difference of two blurs would have that over a short step.
+class BlurChange {
+ public:
+  BlurChange(const Sensor& sensor, const Spans& wanted, const Spans& rendered)
+      : weights_(sensor.blur_weights()), wanted_(wanted), rendered_(rendered) {
+    const double sigma = sensor.settings().blur_px;
+    per_cube_ = 1.0 / (sigma * sigma * sigma);
+    mean_square_ = sensor.blur_variance_px2();
+    for (std::size_t k = 0; k < weights_.size(); ++k) {
+      squares_.push_back(static_cast<float>(k * k) * weights_[k]);
+    }
+  }
+
+  /// The change of a number with these slopes by blurred pixels.
+  double slope(const ImageF& radiance, const ImageF& blurred, const ImageF& by_blurred) {
+    blur_rows(radiance);
+    const int radius = static_cast<int>(weights_.size()) - 1;
+    const auto twice_mean = static_cast<float>(2.0 * mean_square_);
+    double sum = 0.0;
+    for (const RowSpan& span : wanted_) {
+      row_.assign(static_cast<std::size_t>(span.size()), 0.0F);
+      for (int k = -radius; k <= radius; ++k) {
+        const auto at = static_cast<std::size_t>(std::abs(k));
+        const int y = std::clamp(span.y + k, 0, radiance.height() - 1);
+        slope_kernels::add_scaled(
+            across_squares_.row(y) + span.begin, span.size(), weights_[at], row_.data());
+        slope_kernels::add_scaled(
+            across_.row(y) + span.begin, span.size(), squares_[at], row_.data());
+      }
+      const float* grey = blurred.row(span.y) + span.begin;
+      const float* by = by_blurred.row(span.y) + span.begin;
+      for (std::size_t i = 0; i < row_.size(); ++i) {
+        sum += static_cast<double>(by[i] * (row_[i] - twice_mean * grey[i]));
+      }
+    }
+    return sum * per_cube_;
+  }
+
+ private:
+  /// Along the rows, with the weights and with their squares of distances.
+  void blur_rows(const ImageF& radiance) {
+    if (across_.empty()) {
+      across_ = ImageF(radiance.width(), radiance.height());
+      across_squares_ = across_;
+    }
+    const int radius = static_cast<int>(weights_.size()) - 1;
+    for (const RowSpan& span : rendered_) {
+      padded_.resize(static_cast<std::size_t>(span.size() + 2 * radius));
+      for (int i = 0; i < span.size() + 2 * radius; ++i) {
+        const int x = std::clamp(span.begin + i - radius, 0, radiance.width() - 1);
+        padded_[static_cast<std::size_t>(i)] = radiance(x, span.y);
+      }
+      float* plain = across_.row(span.y) + span.begin;
+      float* squares = across_squares_.row(span.y) + span.begin;
+      std::fill_n(plain, span.size(), 0.0F);
+      std::fill_n(squares, span.size(), 0.0F);
+      for (int k = -radius; k <= radius; ++k) {
+        const auto at = static_cast<std::size_t>(std::abs(k));
+        const float* from = padded_.data() + radius + k;
+        slope_kernels::add_scaled(from, span.size(), weights_[at], plain);
+        slope_kernels::add_scaled(from, span.size(), squares_[at], squares);
+      }
+    }
+  }
+
+  const std::vector<float>& weights_;
+  const Spans& wanted_;
+  const Spans& rendered_;
+  std::vector<float> squares_;  ///< weights times squares of their distances
+  double mean_square_ = 0.0;
+  double per_cube_ = 0.0;
+  ImageF across_, across_squares_;
+  std::vector<float> padded_, row_;
+};
+
 /// Footprints of the rendered pixels and what is summed for them over the frames.
 struct PlainSums {
   std::vector<float> v, gx, gy, gain, weight;
@@ -268,7 +345,7 @@ class FrameSlopes {
                1.0,
                slopes_.corners);
       cells_.finish(weights_, CellAdder{slopes_.corners});
-      slopes_.held_pixels += cells_.has_held ? 1 : 0;
+      count_held();
     }
     for (std::size_t g = 0; has_refined && g < rays_.refined.size(); ++g) {
       const RefinedGroup& group = rays_.refined[g];
@@ -311,7 +388,7 @@ class FrameSlopes {
                by_hits);
     }
     cells_.finish(weights_, CellAdder{by_hits, offset});
-    slopes_.held_pixels += cells_.has_held ? 1 : 0;
+    count_held();
   }
 
   /// @param offset  of the hits' arrays in those of the slopes
@@ -323,6 +400,12 @@ class FrameSlopes {
                 SlopesByHits& by_hits) {
     cells_.add_smooth(
         CellCorners(hits, weight, at), at, share, weights_, CellAdder{by_hits, offset});
+  }
+
+  /// A pixel that no score looks at, as beside those that do, leaves nothing out.
+  void count_held() {
+    const bool has_weight = std::ranges::any_of(weights_, [](double w) { return w != 0.0; });
+    slopes_.held_pixels += cells_.has_held && has_weight ? 1 : 0;
   }
 
   void load_weights(std::size_t index) {
@@ -360,23 +443,18 @@ void add_frame_slopes(const Footprints& footprints,
   const int width = by_aspect.width();
   const int height = by_aspect.height();
   const SensorSettings& settings = sensor.settings();
-  // One pixel more than the blur reaches: the slightly wider blur of the difference needs it.
-  const Spans rendered = spans_of(dilated(by_frames, sensor.blur_radius_px() + 1), kBridge_px);
+  const Spans rendered = spans_of(dilated(by_frames, sensor.blur_radius_px()), kBridge_px);
   const FootprintFrames frames(footprints, rendered);
   FrameSlopes by_footprints(footprints, rendered, slopes);
   BlurBackwards backwards(sensor, wanted, rendered, width, height);
   const ResponseSlope response(settings);
-  const double step = 1e-3 * settings.blur_px;
   const Sensor blur(blur_only(settings.blur_px), width, height);
-  const Sensor wider(blur_only(settings.blur_px + step), width, height);
-  const Sensor narrower(blur_only(settings.blur_px - step), width, height);
-  const bool has_blur = wants_blur && step > 0.0;
+  const bool has_blur = wants_blur && settings.blur_px > 0.0;
+  BlurChange blur_change(blur, wanted, rendered);
   const int total = footprints.positions().frames();
   std::vector<ImageF> radiance(static_cast<std::size_t>(std::min(kFramesAtOnce, total)),
                                ImageF(width, height));
   ImageF blurred(width, height);
-  ImageF more(has_blur ? width : 1, has_blur ? height : 1);
-  ImageF less = more;
   ImageF by_blurred(width, height);
   for (int k = 0; k < total; ++k) {
     const int slot = k % kFramesAtOnce;
@@ -386,10 +464,6 @@ void add_frame_slopes(const Footprints& footprints,
     }
     const ImageF& frame = radiance[static_cast<std::size_t>(slot)];
     blur.expose(frame, k, wanted, blurred);
-    if (has_blur) {
-      wider.expose(frame, k, wanted, more);
-      narrower.expose(frame, k, wanted, less);
-    }
     for (const RowSpan& span : wanted) {
       const float* grey = blurred.row(span.y) + span.begin;
       float* by = by_blurred.row(span.y) + span.begin;
@@ -401,12 +475,8 @@ void add_frame_slopes(const Footprints& footprints,
                                                          by);
       slopes.gain += by_grey / settings.gain;
       slopes.exposure += by_grey / settings.exposure;
-      for (int x = span.begin; has_blur && x < span.end; ++x) {
-        slopes.blur_px +=
-            static_cast<double>(by_blurred(x, span.y) * (more(x, span.y) - less(x, span.y))) /
-            (2.0 * step);
-      }
     }
+    slopes.blur_px += has_blur ? blur_change.slope(frame, blurred, by_blurred) : 0.0;
     by_footprints.add_frame(k, backwards.apply(by_blurred));
   }
   by_footprints.finish();

@@ -3,19 +3,28 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <limits>
+#include <optional>
 #include <vector>
 
+#include "simulator/light/tunnel_profile.h"
 #include "simulator/render/mask_kernels.h"
+#include "simulator/render/pixel_rays.h"
 
 namespace glint {
 namespace {
 
 using Eigen::Vector3d;
 
-/// Wide and low: the slot, along which most of the work is, runs along the picture's rows.
-constexpr int kTileWidth_px = 32;
-constexpr int kTileHeight_px = 8;
+/// Tiles are wide and low: the slot, along which most of the work is, runs along the picture's
+/// rows. Those that are not decided are cut into the next smaller ones.
+struct TileSize {
+  int width_px = 0;
+  int height_px = 0;
+};
+
+constexpr std::array<TileSize, 2> kTiles = {{{128, 32}, {32, 8}}};
+
 /// Crossings this near a boundary of the wall are looked at one by one.
 constexpr float kClose_mm = 0.1F;
 
@@ -36,94 +45,18 @@ void test_row(const SeenPart& seen,
       scratch.data(), seen.coverage.row(y) + begin, end - begin, hidden.row(y) + begin);
 }
 
-/// Pixels 0, step, 2 step, ... and the last one.
-std::vector<int> grid_places(int size, int step) {
+/// begin, begin + step, ... and end.
+std::vector<int> grid_places(int begin, int end, int step) {
   std::vector<int> places;
-  for (int at = 0; at < size; at += step) {
+  for (int at = begin; at < end; at += step) {
     places.push_back(at);
   }
-  if (places.back() != size - 1) {
-    places.push_back(size - 1);
-  }
+  places.push_back(end);
   return places;
 }
 
-/// Sight lines of the tiles' corners.
-class SightGrid {
- public:
-  SightGrid(const SeenPart& seen, const Tunnel& tunnel, const Vector3d& camera_mm)
-      : columns_(grid_places(seen.width_px, kTileWidth_px)),
-        rows_(grid_places(seen.height_px, kTileHeight_px)) {
-    std::vector<float> x_mm, y_mm, z_mm;
-    for (const int y : rows_) {
-      for (const int x : columns_) {
-        x_mm.push_back(seen.seen_x(x, y));
-        y_mm.push_back(seen.seen_y(x, y));
-        z_mm.push_back(seen.seen_z(x, y));
-        is_on_part_.push_back(seen.coverage(x, y) > 0.0F ? 1 : 0);
-      }
-    }
-    lines_ = tunnel.sight_lines({.origin_x = x_mm.data(),
-                                 .origin_y = y_mm.data(),
-                                 .origin_z = z_mm.data(),
-                                 .count = static_cast<int>(x_mm.size())},
-                                camera_mm);
-  }
-
-  const std::vector<int>& columns() const { return columns_; }
-
-  const std::vector<int>& rows() const { return rows_; }
-
-  enum class Answer { kSeen, kHidden, kMixed, kPartlyOffPart };
-
-  /// Of the tile between grid places (i, j) and (i + 1, j + 1).
-  Answer tile(std::size_t i, std::size_t j) const {
-    const std::size_t at = j * columns_.size() + i;
-    const std::array<std::size_t, 4> corners = {
-        at, at + 1, at + columns_.size(), at + columns_.size() + 1};
-    const auto is_off = [&](std::size_t c) { return is_on_part_[c] == 0; };
-    if (std::ranges::any_of(corners, is_off)) {
-      return Answer::kPartlyOffPart;
-    }
-    const bool is_hidden = lines_.hidden[at] > 0.0F;
-    const bool is_crossing = lines_.x_mm[at] != kNowhere_mm;
-    const auto differs = [&](std::size_t c) {
-      return (lines_.hidden[c] > 0.0F) != is_hidden ||
-             (lines_.x_mm[c] != kNowhere_mm) != is_crossing;
-    };
-    if (std::ranges::any_of(corners, differs)) {
-      return Answer::kMixed;
-    }
-    if (is_crossing) {
-      const float along_mm = spread(lines_.x_mm, corners);
-      const float across_mm = std::max(spread(lines_.y_mm, corners), spread(lines_.z_mm, corners));
-      if (smallest(lines_.to_end_mm, corners) <= along_mm + kClose_mm ||
-          smallest(lines_.to_edge_mm, corners) <= across_mm + kClose_mm) {
-        return Answer::kMixed;
-      }
-    }
-    return is_hidden ? Answer::kHidden : Answer::kSeen;
-  }
-
- private:
-  using Corners = std::array<std::size_t, 4>;
-
-  static float smallest(const std::vector<float>& values, const Corners& c) {
-    return std::min(std::min(values[c[0]], values[c[1]]), std::min(values[c[2]], values[c[3]]));
-  }
-
-  static float spread(const std::vector<float>& values, const Corners& c) {
-    const float largest =
-        std::max(std::max(values[c[0]], values[c[1]]), std::max(values[c[2]], values[c[3]]));
-    return largest - smallest(values, c);
-  }
-
-  std::vector<int> columns_, rows_;
-  std::vector<unsigned char> is_on_part_;
-  Tunnel::SightLines lines_;
-};
-
-/// Pixels of a tile, its first row and column included, the last ones only at the picture's end.
+/// Pixels [left, right) of rows [top, bottom). A tile's corners are pixels: its first ones, and
+/// those behind its last ones or, where the picture ends, the last ones.
 struct TileArea {
   int left = 0, right = 0, top = 0, bottom = 0;
 };
@@ -136,6 +69,211 @@ bool has_part(const SeenPart& seen, const TileArea& area) {
   }
   return false;
 }
+
+/// Ends of a flat tunnel's panels in the y-z plane: where sight lines begin to pass beside them.
+std::vector<Eigen::Vector2d> panel_ends(const TunnelSettings& s) {
+  std::vector<Eigen::Vector2d> ends;
+  if (s.shape != TunnelSettings::Shape::kFlat) {
+    return ends;
+  }
+  for (const FlatWall& wall :
+       flat_walls(s.distance_mm, s.opening_rad, s.panel_height_mm, s.base_mm)) {
+    const Eigen::Vector2d foot(wall.start_y_mm, wall.start_z_mm);
+    ends.push_back(foot);
+    ends.push_back(foot + wall.length_mm * Eigen::Vector2d(wall.along_y, wall.along_z));
+  }
+  return ends;
+}
+
+/// What all grids of a picture share.
+struct View {
+  const SeenPart& seen;
+  const Tunnel& tunnel;
+  Vector3d camera_mm;
+  std::vector<Eigen::Vector2d> ends_mm;  ///< of a flat tunnel's panels
+  std::optional<PixelRays> rays;         ///< where the pixels' sight lines were found to follow it
+};
+
+/// Sight lines of the corners of an area's tiles.
+class SightGrid {
+ public:
+  SightGrid(const View& view, const TileArea& area, const TileSize& tile)
+      : view_(view),
+        columns_(
+            grid_places(area.left, std::min(area.right, view.seen.width_px - 1), tile.width_px)),
+        rows_(
+            grid_places(area.top, std::min(area.bottom, view.seen.height_px - 1), tile.height_px)),
+        is_finest_(tile.width_px == kTiles.back().width_px) {
+    for (const int y : rows_) {
+      for (const int x : columns_) {
+        add_point(x, y);
+      }
+    }
+    lines_ = view.tunnel.sight_lines({.origin_x = x_mm_.data(),
+                                      .origin_y = y_mm_.data(),
+                                      .origin_z = z_mm_.data(),
+                                      .count = static_cast<int>(x_mm_.size())},
+                                     view.camera_mm);
+  }
+
+  std::size_t tiles_along() const { return columns_.size() - 1; }
+
+  std::size_t tiles_down() const { return rows_.size() - 1; }
+
+  TileArea area(std::size_t i, std::size_t j) const {
+    const auto end = [](int place, int size) { return place == size - 1 ? size : place; };
+    return {.left = columns_[i],
+            .right = end(columns_[i + 1], view_.seen.width_px),
+            .top = rows_[j],
+            .bottom = end(rows_[j + 1], view_.seen.height_px)};
+  }
+
+  enum class Answer { kSeen, kHidden, kOpen };
+
+  /// Of the tile between grid places (i, j) and (i + 1, j + 1).
+  Answer tile(std::size_t i, std::size_t j) const {
+    const std::size_t at = j * columns_.size() + i;
+    const Corners corners = {at, at + 1, at + columns_.size(), at + columns_.size() + 1};
+    const auto is_unknown = [&](std::size_t c) { return is_known_[c] == 0; };
+    const bool is_hidden = lines_.hidden[at] > 0.0F;
+    const bool is_crossing = lines_.x_mm[at] != kNowhere_mm;
+    const auto differs = [&](std::size_t c) {
+      return (lines_.hidden[c] > 0.0F) != is_hidden ||
+             (lines_.x_mm[c] != kNowhere_mm) != is_crossing;
+    };
+    if (std::ranges::any_of(corners, is_unknown) || std::ranges::any_of(corners, differs) ||
+        !(is_crossing ? is_far_from_edges(corners) : is_clear_of_panels(corners))) {
+      return Answer::kOpen;
+    }
+    return is_hidden ? Answer::kHidden : Answer::kSeen;
+  }
+
+ private:
+  using Corners = std::array<std::size_t, 4>;
+
+  void add_point(int x, int y) {
+    const SeenPart& seen = view_.seen;
+    const bool is_on_part = seen.coverage(x, y) > 0.0F;
+    Vector3d point = vector_of(seen.seen_x(x, y), seen.seen_y(x, y), seen.seen_z(x, y));
+    if (!is_on_part && view_.rays) {
+      point = view_.rays->point(x, y);
+    }
+    x_mm_.push_back(static_cast<float>(point.x()));
+    y_mm_.push_back(static_cast<float>(point.y()));
+    z_mm_.push_back(static_cast<float>(point.z()));
+    is_known_.push_back(is_on_part || view_.rays ? 1 : 0);
+  }
+
+  bool is_far_from_edges(const Corners& c) const {
+    const float along_mm = spread(lines_.x_mm, c);
+    const float across_mm = std::max(spread(lines_.y_mm, c), spread(lines_.z_mm, c));
+    // Of a flat tunnel, both panels: what is between them is not the wall.
+    const bool is_on_both =
+        !view_.ends_mm.empty() && smallest(lines_.y_mm, c) < 0.0F && largest(lines_.y_mm, c) > 0.0F;
+    return !is_on_both && smallest(lines_.to_end_mm, c) > along_mm + kClose_mm &&
+           smallest(lines_.to_edge_mm, c) > across_mm + kClose_mm;
+  }
+
+  /// Sight lines that pass a flat tunnel's panels, seen along x: no panel begins or ends among
+  /// them.
+  bool is_clear_of_panels(const Corners& corners) const {
+    if (view_.ends_mm.empty()) {
+      return is_finest_;  // other walls have rims, near which tiles must be small
+    }
+    constexpr double kPad = 0.1;
+    const Vector3d& camera_mm = view_.camera_mm;
+    double low = std::numeric_limits<double>::infinity();
+    double high = -low;
+    for (const std::size_t c : corners) {
+      const double drop_mm = camera_mm.z() - static_cast<double>(z_mm_[c]);
+      if (drop_mm <= 0.0) {
+        return false;
+      }
+      const double slope = (static_cast<double>(y_mm_[c]) - camera_mm.y()) / drop_mm;
+      low = std::min(low, slope);
+      high = std::max(high, slope);
+    }
+    const double pad = kPad * (high - low) + 1e-6;
+    return std::ranges::none_of(view_.ends_mm, [&](const Eigen::Vector2d& end_mm) {
+      const double drop_mm = camera_mm.z() - end_mm.y();
+      const double slope = (end_mm.x() - camera_mm.y()) / drop_mm;
+      return drop_mm > 0.0 && slope >= low - pad && slope <= high + pad;
+    });
+  }
+
+  static float smallest(const std::vector<float>& values, const Corners& c) {
+    return std::min(std::min(values[c[0]], values[c[1]]), std::min(values[c[2]], values[c[3]]));
+  }
+
+  static float largest(const std::vector<float>& values, const Corners& c) {
+    return std::max(std::max(values[c[0]], values[c[1]]), std::max(values[c[2]], values[c[3]]));
+  }
+
+  static float spread(const std::vector<float>& values, const Corners& c) {
+    return largest(values, c) - smallest(values, c);
+  }
+
+  const View& view_;
+  std::vector<int> columns_, rows_;
+  bool is_finest_;
+  std::vector<float> x_mm_, y_mm_, z_mm_;  ///< of what the corners see
+  std::vector<unsigned char> is_known_;
+  Tunnel::SightLines lines_;
+};
+
+/// Finds the hidden pixels, tile by tile.
+class HiddenFinder {
+ public:
+  HiddenFinder(const View& view, Mask& hidden) : view_(view), hidden_(hidden) {}
+
+  /// @param level  of kTiles
+  void split(const TileArea& area, std::size_t level) {
+    const SightGrid grid(view_, area, kTiles[level]);
+    for (std::size_t j = 0; j < grid.tiles_down(); ++j) {
+      TileArea open;  // neighbouring tiles that are tested pixel by pixel
+      for (std::size_t i = 0; i < grid.tiles_along(); ++i) {
+        const TileArea tile = grid.area(i, j);
+        const SightGrid::Answer answer = grid.tile(i, j);
+        if (answer == SightGrid::Answer::kHidden) {
+          hide(tile);
+        }
+        if (answer != SightGrid::Answer::kOpen || !has_part(view_.seen, tile)) {
+          continue;
+        }
+        if (level + 1 < kTiles.size()) {
+          split(tile, level + 1);
+        } else if (open.right == tile.left && open.top == tile.top) {
+          open.right = tile.right;
+        } else {
+          test(open);
+          open = tile;
+        }
+      }
+      test(open);
+    }
+  }
+
+ private:
+  void hide(const TileArea& area) {
+    for (int y = area.top; y < area.bottom; ++y) {
+      const float* coverage = view_.seen.coverage.row(y);
+      for (int x = area.left; x < area.right; ++x) {
+        hidden_(x, y) = coverage[x] > 0.0F ? 1 : 0;
+      }
+    }
+  }
+
+  void test(const TileArea& area) {
+    for (int y = area.top; y < area.bottom; ++y) {
+      test_row(
+          view_.seen, view_.tunnel, view_.camera_mm, y, area.left, area.right, scratch_, hidden_);
+    }
+  }
+
+  const View& view_;
+  Mask& hidden_;
+  std::vector<float> scratch_;
+};
 
 }  // namespace
 
@@ -156,43 +294,12 @@ Mask hidden_pixels(const SeenPart& seen, const Tunnel& tunnel, const Vector3d& c
     return hidden_pixels_one_by_one(seen, tunnel, camera_in_world_mm);
   }
   Mask hidden(seen.width_px, seen.height_px);
-  const SightGrid grid(seen, tunnel, camera_in_world_mm);
-  const auto end_of = [](const std::vector<int>& places, std::size_t i) {
-    return places[i + 1] + (i + 2 == places.size() ? 1 : 0);
-  };
-  std::vector<float> scratch;
-  for (std::size_t j = 0; j + 1 < grid.rows().size(); ++j) {
-    const int top = grid.rows()[j];
-    const int bottom = end_of(grid.rows(), j);
-    int begin = -1;  // of the tiles in a row that are tested one by one
-    const auto test_until = [&](int end) {
-      for (int y = top; y < bottom && begin >= 0; ++y) {
-        test_row(seen, tunnel, camera_in_world_mm, y, begin, end, scratch, hidden);
-      }
-      begin = -1;
-    };
-    for (std::size_t i = 0; i + 1 < grid.columns().size(); ++i) {
-      const TileArea area = {.left = grid.columns()[i],
-                             .right = end_of(grid.columns(), i),
-                             .top = top,
-                             .bottom = bottom};
-      const SightGrid::Answer answer = grid.tile(i, j);
-      const bool is_open = answer == SightGrid::Answer::kMixed ||
-                           (answer == SightGrid::Answer::kPartlyOffPart && has_part(seen, area));
-      if (is_open) {
-        begin = begin < 0 ? area.left : begin;
-        continue;
-      }
-      test_until(area.left);
-      for (int y = top; y < bottom && answer == SightGrid::Answer::kHidden; ++y) {
-        const float* coverage = seen.coverage.row(y);
-        for (int x = area.left; x < area.right; ++x) {
-          hidden(x, y) = coverage[x] > 0.0F ? 1 : 0;
-        }
-      }
-    }
-    test_until(seen.width_px);
-  }
+  const View view = {.seen = seen,
+                     .tunnel = tunnel,
+                     .camera_mm = camera_in_world_mm,
+                     .ends_mm = panel_ends(tunnel.settings()),
+                     .rays = PixelRays::through(seen, camera_in_world_mm)};
+  HiddenFinder(view, hidden).split({.right = seen.width_px, .bottom = seen.height_px}, 0);
   return hidden;
 }
 

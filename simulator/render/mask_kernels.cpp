@@ -7,6 +7,61 @@
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
 namespace glint::mask_kernels {
+namespace {
+
+/// to = a | b | c, and what it was if `is_more`
+template <bool is_more>
+__attribute__((always_inline)) inline void join_three(const unsigned char* __restrict a,
+                                                      const unsigned char* __restrict b,
+                                                      const unsigned char* __restrict c,
+                                                      int count,
+                                                      unsigned char* __restrict to) {
+  for (int i = 0; i < count; ++i) {
+    const int before = is_more ? to[i] : 0;
+    to[i] = static_cast<unsigned char>(before | a[i] | b[i] | c[i]);
+  }
+}
+
+}  // namespace
+
+GLINT_WIDE void grow_row(const unsigned char* const* rows,
+                         int num_rows,
+                         int width,
+                         int radius,
+                         unsigned char* __restrict scratch,
+                         unsigned char* __restrict grown) {
+  const int wide = width + 2 * radius;
+  unsigned char* from = scratch;
+  unsigned char* to = scratch + wide;
+  for (int i = 0; i < radius; ++i) {
+    from[i] = 0;
+    from[i + radius + width] = 0;
+  }
+  // Three rows at once, the last of them again where there are fewer.
+  const int last = num_rows - 1;
+  for (int k = 0; k < num_rows; k += 3) {
+    const unsigned char* b = rows[k < last ? k + 1 : last];
+    const unsigned char* c = rows[k + 1 < last ? k + 2 : last];
+    if (k == 0) {
+      join_three<false>(rows[k], b, c, width, from + radius);
+    } else {
+      join_three<true>(rows[k], b, c, width, from + radius);
+    }
+  }
+  // The union of n pixels and the same n further on is one of 2 n.
+  const int reach = 2 * radius + 1;
+  for (int done = 1, step = 1; done < reach; done += step) {
+    step = done < reach - done ? done : reach - done;
+    const unsigned char* further = from + step;
+    join_three<false>(from, further, further, wide - done - step + 1, to);
+    unsigned char* const swapped = from;
+    from = to;
+    to = swapped;
+  }
+  for (int i = 0; i < width; ++i) {
+    grown[i] = from[i];
+  }
+}
 
 GLINT_WIDE void join(const unsigned char* __restrict from,
                      int count,
@@ -87,15 +142,6 @@ GLINT_WIDE float largest_size(const unsigned char* __restrict mask,
     found = bits > found ? bits : found;
   }
   return std::bit_cast<float>(found);
-}
-
-GLINT_WIDE void keep_where(const unsigned char* __restrict mask,
-                           int count,
-                           float other,
-                           float* __restrict values) {
-  for (int i = 0; i < count; ++i) {
-    values[i] = mask[i] != 0 ? values[i] : other;
-  }
 }
 
 GLINT_WIDE void mark_both(const float* __restrict a,

@@ -8,6 +8,15 @@ namespace glint::mask_kernels {
 /// to |= from
 void join(const unsigned char* from, int count, unsigned char* to);
 
+/// The union of `num_rows` >= 1 rows, then of each pixel of it and those up to `radius` beside it.
+/// @param scratch  2 (width + 2 radius) values, overwritten
+void grow_row(const unsigned char* const* rows,
+              int num_rows,
+              int width,
+              int radius,
+              unsigned char* scratch,
+              unsigned char* grown);
+
 /// rest = a and not b
 void subtract(const unsigned char* a, const unsigned char* b, int count, unsigned char* rest);
 
@@ -42,9 +51,6 @@ void mark_frames(const unsigned char* region,
 
 /// Largest |value| in the mask where the margin is >= 0; 0 if there is none.
 float largest_size(const unsigned char* mask, const float* values, const float* margin, int count);
-
-/// Values elsewhere become `other`.
-void keep_where(const unsigned char* mask, int count, float other, float* values);
 
 /// 1 where both values are > 0.
 void mark_both(const float* a, const float* b, int count, unsigned char* flags);

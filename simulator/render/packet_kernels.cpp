@@ -30,7 +30,7 @@ GLINT_WIDE void camera_directions16(const PinholeNumbers& camera,
   }
 }
 
-GLINT_WIDE void meet_planes16(MeetingLanes& lanes) {
+GLINT_WIDE bool meet_planes16(double flat, MeetingLanes& lanes) {
   MeetingLanes* __restrict l = &lanes;
   for (int i = 0; i < kLanes; ++i) {
     const double slope = l->face_x[i] * l->direction_x[i] +
@@ -41,6 +41,43 @@ GLINT_WIDE void meet_planes16(MeetingLanes& lanes) {
     l->slope[i] = slope;
     l->t_mm[i] = height / slope;
   }
+  std::int64_t all_steep = 1;
+  for (int i = 0; i < kLanes; ++i) {
+    all_steep &= std::fabs(l->slope[i]) > flat ? 1 : 0;
+  }
+  return all_steep == 0;
+}
+
+GLINT_WIDE void row_points16(int x, double offset_px, double* __restrict x_px) {
+  for (int i = 0; i < kLanes; ++i) {
+    x_px[i] = static_cast<double>(x + i) + offset_px;
+  }
+}
+
+GLINT_WIDE bool weigh_escapes16(const MeetingLanes& lanes,
+                                const std::int32_t* __restrict triangle,
+                                int count,
+                                double reflectance,
+                                float* __restrict weight) {
+  const MeetingLanes* __restrict l = &lanes;
+  for (int i = 0; i < kLanes; ++i) {
+    weight[i] = static_cast<float>(reflectance * l->reflectance[i]);
+  }
+  std::int64_t others = 0;
+  for (int i = 0; i < kLanes; ++i) {
+    const bool is_plain = (triangle[i] >= 0) & !(l->rise[i] <= 0.0);
+    others |= (i >= count) | is_plain ? 0 : 1;
+  }
+  return others == 0;
+}
+
+GLINT_WIDE bool is_any_unfound16(const std::int32_t* __restrict triangle,
+                                 const double* __restrict is_found) {
+  std::int64_t unfound = 0;
+  for (int i = 0; i < kLanes; ++i) {
+    unfound |= (triangle[i] >= 0) & (is_found[i] == 0.0) ? 1 : 0;
+  }
+  return unfound != 0;
 }
 
 namespace {
@@ -213,37 +250,61 @@ GLINT_WIDE void mean_seen(const SeenSums& sums,
   }
 }
 
-/// Per axis the ray is between the planes from `enter` to `leave`; a division by zero gives
-/// infinities of the right sign; along a plane of the box (0 / 0) it may be either.
-GLINT_WIDE bool is_any_through16(const double* __restrict origin_mm,
-                                 const double* __restrict direction_x,
-                                 const double* __restrict direction_y,
-                                 const double* __restrict direction_z,
-                                 const double* __restrict box_mm) {
-  const double* const direction[3] = {direction_x, direction_y, direction_z};
-  alignas(64) double enter[kLanes] = {};
-  alignas(64) double leave[kLanes];
+namespace {
+
+GLINT_INLINE void round_seen(const double* __restrict from,
+                             const double* __restrict is_seen,
+                             int count,
+                             float* __restrict to) {
+  for (int i = 0; i < count; ++i) {
+    to[i] = static_cast<float>(is_seen[i] * from[i] + 0.0);  // no negative zeros
+  }
+}
+
+GLINT_INLINE void round_all(const double* __restrict from, int count, float* __restrict to) {
+  for (int i = 0; i < count; ++i) {
+    to[i] = static_cast<float>(from[i]);
+  }
+}
+
+}  // namespace
+
+GLINT_WIDE void one_seen(const double* from_x_mm,
+                         const double* from_y_mm,
+                         const double* from_z_mm,
+                         const double* is_seen,
+                         int count,
+                         float* coverage,
+                         float* x_mm,
+                         float* y_mm,
+                         float* z_mm) {
+  const int used = count == kLanes ? kLanes : count;
+  round_all(is_seen, used, coverage);
+  round_seen(from_x_mm, is_seen, used, x_mm);
+  round_seen(from_y_mm, is_seen, used, y_mm);
+  round_seen(from_z_mm, is_seen, used, z_mm);
+}
+
+GLINT_WIDE bool leave_along16(const MeetingLanes& lanes,
+                              const std::int32_t* __restrict triangle,
+                              const double* __restrict low,
+                              const double* __restrict high) {
+  constexpr double kMargin = 1e-6;  // of normals and directions
+  const MeetingLanes* __restrict l = &lanes;
+  std::int64_t others = 0;
   for (int i = 0; i < kLanes; ++i) {
-    leave[i] = 1e300;
+    const double x_low = low[0] * l->leaving_x[i];
+    const double x_high = high[0] * l->leaving_x[i];
+    const double y_low = low[1] * l->leaving_y[i];
+    const double y_high = high[1] * l->leaving_y[i];
+    const double z_low = low[2] * l->leaving_z[i];
+    const double z_high = high[2] * l->leaving_z[i];
+    const double least = (x_low < x_high ? x_low : x_high) + (y_low < y_high ? y_low : y_high) +
+                         (z_low < z_high ? z_low : z_high);
+    const bool leaves = (l->slope[i] < 0.0) & (least > kMargin);
+    others |= (triangle[i] < 0) | leaves ? 0 : 1;
   }
-  for (int k = 0; k < 3; ++k) {
-    const double low = box_mm[k] - origin_mm[k];
-    const double high = box_mm[k + 3] - origin_mm[k];
-    const double* __restrict d = direction[k];
-    for (int i = 0; i < kLanes; ++i) {
-      const double a = low / d[i];
-      const double b = high / d[i];
-      const double near = a < b ? a : b;
-      const double far = a < b ? b : a;
-      enter[i] = near > enter[i] ? near : enter[i];
-      leave[i] = far < leave[i] ? far : leave[i];
-    }
-  }
-  std::int64_t through = 0;
-  for (int i = 0; i < kLanes; ++i) {
-    through |= enter[i] <= leave[i] ? 1 : 0;
-  }
-  return through != 0;
+  return others == 0;
 }
 
 GLINT_WIDE bool is_any_inside16(const double* __restrict x_mm,

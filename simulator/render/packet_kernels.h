@@ -32,6 +32,7 @@ struct alignas(64) MeetingLanes {
   double start_x[kLanes], start_y[kLanes], start_z[kLanes];        ///< of the reflected ray
   double rise[kLanes];         ///< of the reflected ray above the triangle, <= 0: grazing
   double reflectance[kLanes];  ///< of the place, against the clean part
+  std::int32_t patch[kLanes];  ///< exact surface that is met, -1: none
 };
 
 /// Unit directions in the world through points of the image.
@@ -43,7 +44,22 @@ void camera_directions16(const PinholeNumbers& camera,
                          double* direction_z);
 
 /// Where rays cut the planes of their triangles: t_mm and slope.
-void meet_planes16(MeetingLanes& lanes);
+/// @return whether one of them runs almost along its plane: slope of at most `flat`
+bool meet_planes16(double flat, MeetingLanes& lanes);
+
+/// Centres of sixteen pixels of a row, or other points of them: (x + lane) + offset.
+void row_points16(int x, double offset_px, double* x_px);
+
+/// Weights of rays that leave the part where they met it.
+/// @return whether all of the first `count` lanes met it (triangle >= 0) and none grazes
+bool weigh_escapes16(const MeetingLanes& lanes,
+                     const std::int32_t* triangle,
+                     int count,
+                     double reflectance,
+                     float* weight);
+
+/// True when a lane with a hit has not been found (is_found 0).
+bool is_any_unfound16(const std::int32_t* triangle, const double* is_found);
 
 /// Where rays meet triangles without an exact surface: the normals of their corners.
 struct alignas(64) ShadeLanes {
@@ -92,13 +108,23 @@ void mean_seen(const SeenSums& sums,
                float* y_mm,
                float* z_mm);
 
-/// True when one of sixteen rays from a point runs through the box {min x, min y, min z, max x,
-/// max y, max z}. Directions may have zeros.
-bool is_any_through16(const double* origin_mm,
-                      const double* direction_x,
-                      const double* direction_y,
-                      const double* direction_z,
-                      const double* box_mm);
+/// mean_seen() of one sample without sums.
+void one_seen(const double* from_x_mm,
+              const double* from_y_mm,
+              const double* from_z_mm,
+              const double* is_seen,
+              int count,
+              float* coverage,
+              float* x_mm,
+              float* y_mm,
+              float* z_mm);
+
+/// True when all lanes with a hit (triangle >= 0) met the front of their triangle and leave along
+/// every normal whose components are between low and high.
+bool leave_along16(const MeetingLanes& lanes,
+                   const std::int32_t* triangle,
+                   const double* low,
+                   const double* high);
 
 /// True when one of sixteen points is in the box {min x, min y, min z, max x, max y, max z}.
 bool is_any_inside16(const double* x_mm,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <iterator>
 #include <limits>
 #include <utility>
@@ -32,8 +33,18 @@ void set_escape(EscapePacket& escapes,
   escapes.weight[lane] = static_cast<float>(weight);
 }
 
+/// Sixteen numbers; of a size that is known, so that no function is called.
+void copy16(const double* from, Lanes& to) {
+  std::memcpy(to.data(), from, sizeof(to));
+}
+
+/// Misses are below zero, which a bit tells that only they all have in common.
 bool has_hit(const HitPacket& hits) {
-  return std::ranges::any_of(hits.triangle, [](std::int32_t triangle) { return triangle >= 0; });
+  std::int32_t all = -1;
+  for (const std::int32_t triangle : hits.triangle) {
+    all &= triangle;
+  }
+  return all >= 0;
 }
 
 /// All rays of a packet missed the part.
@@ -58,26 +69,28 @@ void set_escapes(const TraceScene& scene,
                  const HitPacket& hits,
                  int count,
                  EscapePacket& escapes) {
-  std::copy_n(lanes.point_x, kPacketSize, escapes.origin_x.begin());
-  std::copy_n(lanes.point_y, kPacketSize, escapes.origin_y.begin());
-  std::copy_n(lanes.point_z, kPacketSize, escapes.origin_z.begin());
-  std::copy_n(lanes.leaving_x, kPacketSize, escapes.direction_x.begin());
-  std::copy_n(lanes.leaving_y, kPacketSize, escapes.direction_y.begin());
-  std::copy_n(lanes.leaving_z, kPacketSize, escapes.direction_z.begin());
-  escapes.seen_x = escapes.origin_x;
-  escapes.seen_y = escapes.origin_y;
-  escapes.seen_z = escapes.origin_z;
+  copy16(lanes.point_x, escapes.origin_x);
+  copy16(lanes.point_y, escapes.origin_y);
+  copy16(lanes.point_z, escapes.origin_z);
+  copy16(lanes.leaving_x, escapes.direction_x);
+  copy16(lanes.leaving_y, escapes.direction_y);
+  copy16(lanes.leaving_z, escapes.direction_z);
+  copy16(lanes.point_x, escapes.seen_x);
+  copy16(lanes.point_y, escapes.seen_y);
+  copy16(lanes.point_z, escapes.seen_z);
+  std::memcpy(escapes.piece.data(), lanes.patch, sizeof(escapes.piece));
   escapes.path.fill(RayPath::kOnce);
   escapes.is_seen.fill(1.0);
-  escapes.is_plain = true;
+  escapes.is_grazing.fill(false);
   escapes.is_missed = false;
+  escapes.is_plain = weigh_escapes16(
+      lanes, hits.triangle.data(), count, scene.settings.reflectance, escapes.weight.data());
+  if (escapes.is_plain) {
+    return;
+  }
   for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane) {
-    const std::int32_t triangle = hits.triangle[lane];
-    escapes.weight[lane] = static_cast<float>(scene.settings.reflectance * lanes.reflectance[lane]);
-    escapes.is_grazing[lane] = triangle >= 0 && lanes.rise[lane] <= 0.0;
-    escapes.is_plain = escapes.is_plain && triangle >= 0 && !escapes.is_grazing[lane];
-    if (triangle >= 0) {
-      escapes.piece[lane] = scene.part.mesh.patch_of(static_cast<std::size_t>(triangle));
+    if (hits.triangle[lane] >= 0) {
+      escapes.is_grazing[lane] = lanes.rise[lane] <= 0.0;
     } else {
       escapes.path[lane] = RayPath::kMissed;
       escapes.is_seen[lane] = 0.0;
@@ -116,6 +129,30 @@ CameraRays::CameraRays(const PinholeCamera& camera, const RigidTransform& camera
       std::ranges::any_of(in.radial, is_set) || std::ranges::any_of(in.tangential, is_set);
 }
 
+ImageArea CameraRays::area_of(const std::array<double, 6>& box_mm) const {
+  ImageArea area;
+  if (is_distorted_) {
+    return area;  // whose outlines bulge
+  }
+  const RigidTransform camera_from_world = inverse(world_from_camera_);
+  ImageArea seen = {
+      .min_x = area.max_x, .max_x = area.min_x, .min_y = area.max_y, .max_y = area.min_y};
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    const Vector3d p_mm(box_mm[(corner & 1U) != 0U ? 3 : 0],
+                        box_mm[(corner & 2U) != 0U ? 4 : 1],
+                        box_mm[(corner & 4U) != 0U ? 5 : 2]);
+    const auto pixel = camera_.project(camera_from_world * p_mm);
+    if (!pixel) {
+      return area;
+    }
+    seen.min_x = std::min(seen.min_x, pixel->x());
+    seen.max_x = std::max(seen.max_x, pixel->x());
+    seen.min_y = std::min(seen.min_y, pixel->y());
+    seen.max_y = std::max(seen.max_y, pixel->y());
+  }
+  return seen;
+}
+
 void CameraRays::through(const double* x_px,
                          const double* y_px,
                          int count,
@@ -125,13 +162,16 @@ void CameraRays::through(const double* x_px,
   if (!is_distorted_) {
     alignas(64) Lanes x;
     alignas(64) Lanes y;
-    x.fill(x_px[0]);
-    y.fill(y_px[0]);
-    std::copy_n(x_px, count, x.begin());
-    std::copy_n(y_px, count, y.begin());
+    const bool is_full = count == kPacketSize;
+    if (!is_full) {
+      x.fill(x_px[0]);
+      y.fill(y_px[0]);
+      std::copy_n(x_px, count, x.begin());
+      std::copy_n(y_px, count, y.begin());
+    }
     camera_directions16(numbers_,
-                        x.data(),
-                        y.data(),
+                        is_full ? x_px : x.data(),
+                        is_full ? y_px : y.data(),
                         rays.direction_x.data(),
                         rays.direction_y.data(),
                         rays.direction_z.data());
@@ -187,15 +227,6 @@ void set_reflected(const MeetingLanes& lanes, const HitPacket& hits, RayPacket& 
 }
 
 void PacketTracer::trace(const CameraPacket& rays, EscapePacket& escapes) {
-  if (!is_any_through16(rays.origin_mm.data(),
-                        rays.direction_x.data(),
-                        rays.direction_y.data(),
-                        rays.direction_z.data(),
-                        scene_.box.data())) {
-    hits_.triangle.fill(-1);
-    set_missed(escapes);
-    return;
-  }
   set_packet(rays, packet_);
   scene_.bvh.intersect16(packet_, hits_, Coherence::kCoherent);
   if (!has_hit(hits_)) {
@@ -204,7 +235,7 @@ void PacketTracer::trace(const CameraPacket& rays, EscapePacket& escapes) {
   }
   meet_part(scene_, rays, hits_, false, lanes_);
   set_escapes(scene_, lanes_, hits_, rays.count, escapes);
-  if (scene_.bvh.is_convex()) {
+  if (scene_.bvh.is_convex() || leaves_for_good()) {
     return;
   }
   // Mirror-like rays stay close together: the coherent traversal is twice as fast for them.
@@ -214,6 +245,13 @@ void PacketTracer::trace(const CameraPacket& rays, EscapePacket& escapes) {
     escapes.is_plain = false;
     follow(escapes);
   }
+}
+
+/// True when all rays that met the part leave it in directions in which nothing is met.
+bool PacketTracer::leaves_for_good() const {
+  const EscapeCone& cone = scene_.escape_cone;
+  return !cone.is_empty &&
+         leave_along16(lanes_, hits_.triangle.data(), cone.low.data(), cone.high.data());
 }
 
 /// Follows the rays that meet the part again until they escape or are given up.
@@ -310,8 +348,16 @@ void store_rays(const EscapePacket& escapes, int count, RayCache& cache, std::si
               cache.direction_x.data() + first,
               cache.direction_y.data() + first,
               cache.direction_z.data() + first);
-  std::copy_n(
-      escapes.weight.begin(), count, cache.weight.begin() + static_cast<std::ptrdiff_t>(first));
+  float* weight = cache.weight.data() + first;
+  if (count == kPacketSize) {
+    std::memcpy(weight, escapes.weight.data(), sizeof(escapes.weight));
+    return;
+  }
+  std::copy_n(escapes.weight.begin(), count, weight);
+}
+
+void store_missed(std::size_t first, std::size_t count, RayCache& cache) {
+  std::fill_n(cache.direction_z.begin() + static_cast<std::ptrdiff_t>(first), count, -1.0F);
 }
 
 void check_ray_memory(double num_rays, const std::string& what) {

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -34,14 +35,27 @@ struct EscapePacket {
   alignas(64) Lanes seen_x = {};
   alignas(64) Lanes seen_y = {};
   alignas(64) Lanes seen_z = {};  ///< first point on the part; not set when it is missed
-  std::array<float, kPacketSize> weight = {};
+  alignas(64) std::array<float, kPacketSize> weight = {};
   alignas(64) Lanes is_seen = {};  ///< 1 for rays that met the part, else 0
   std::array<RayPath, kPacketSize> path = {};
   std::array<bool, kPacketSize> is_grazing = {};
   /// Exact patch that was met first; -1: triangles; not set when the part is missed.
-  std::array<std::int32_t, kPacketSize> piece = {};
+  alignas(64) std::array<std::int32_t, kPacketSize> piece = {};
   bool is_missed = false;  ///< all used lanes missed the part
   bool is_plain = false;   ///< all used lanes escaped after one reflection and none grazes
+};
+
+/// A rectangle of the image [px].
+struct ImageArea {
+  double min_x = -std::numeric_limits<double>::infinity();
+  double max_x = std::numeric_limits<double>::infinity();
+  double min_y = -std::numeric_limits<double>::infinity();
+  double max_y = std::numeric_limits<double>::infinity();
+
+  /// Whether a point of [begin_x, end_x] x [begin_y, end_y] may lie in it.
+  bool touches(double begin_x, double end_x, double begin_y, double end_y) const {
+    return end_x >= min_x && begin_x <= max_x && end_y >= min_y && begin_y <= max_y;
+  }
 };
 
 /// Rays of a camera in the scene frame.
@@ -51,6 +65,9 @@ class CameraRays {
 
   /// Rays through `count` <= 16 points of the image [px], (0, 0) its outer corner.
   void through(const double* x_px, const double* y_px, int count, CameraPacket& rays) const;
+
+  /// Where the rays through a box {min x, min y, min z, max x, ...} pass the image; may be larger.
+  ImageArea area_of(const std::array<double, 6>& box_mm) const;
 
  private:
   const PinholeCamera& camera_;
@@ -78,6 +95,7 @@ class PacketTracer {
  private:
   void follow(EscapePacket& escapes);
   void give_up(EscapePacket& escapes) const;
+  bool leaves_for_good() const;
 
   const TraceScene& scene_;
   RayPacket packet_;
@@ -96,6 +114,9 @@ void resize_rays(RayCache& cache, std::size_t count);
 
 /// Writes lanes [0, count) to rays first, first + 1, ... of the cache.
 void store_rays(const EscapePacket& escapes, int count, RayCache& cache, std::size_t first);
+
+/// The same for rays that missed the part, where nothing has been written since resize_rays().
+void store_missed(std::size_t first, std::size_t count, RayCache& cache);
 
 /// @throws ConfigError when this many rays of 28 bytes do not fit into half of the machine's
 ///         memory; `what` starts the sentence ("render.rays_per_axis: 8 x 8 px with 4 rays each").

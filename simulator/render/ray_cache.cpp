@@ -19,33 +19,32 @@ constexpr std::array<std::string_view, 5> kMethodNames = {
 class RowTracer {
  public:
   RowTracer(const TraceScene& scene, const CameraRays& camera, RayCache& cache)
-      : scene_(scene), camera_(camera), cache_(cache) {}
+      : scene_(scene), camera_(camera), area_(camera.area_of(scene.box)), cache_(cache) {}
 
   RayCounts trace(int y) const {
     RayCounts counts;
     Work work = {.tracer = PacketTracer(scene_)};
     const int per_axis = scene_.settings.rays_per_axis;
-    std::vector<double> memory(4 * static_cast<std::size_t>(cache_.width_px));
-    const std::ptrdiff_t width = cache_.width_px;
-    const SeenSums seen = {.hits = memory.data(),
-                           .x_mm = memory.data() + width,
-                           .y_mm = memory.data() + 2 * width,
-                           .z_mm = memory.data() + 3 * width};
+    if (cache_.samples > 1) {
+      work.sums.resize(4 * static_cast<std::size_t>(cache_.width_px));
+    }
     for (int sample = 0; sample < cache_.samples; ++sample) {
       const int row = sample / per_axis;
       const int column = sample % per_axis;
       const Vector2d offset((column + 0.5) / per_axis, (row + 0.5) / per_axis);
       for (int x = 0; x < cache_.width_px; x += kPacketSize) {
-        trace_pixels({.x = x, .y = y, .sample = sample}, offset, seen, work, counts);
+        trace_pixels({.x = x, .y = y, .sample = sample}, offset, work, counts);
       }
     }
-    mean_seen(seen,
-              cache_.samples,
-              cache_.width_px,
-              cache_.coverage.row(y),
-              cache_.seen_x.row(y),
-              cache_.seen_y.row(y),
-              cache_.seen_z.row(y));
+    if (cache_.samples > 1 && counts.part > 0) {
+      mean_seen(seen_of(work, 0),
+                cache_.samples,
+                cache_.width_px,
+                cache_.coverage.row(y),
+                cache_.seen_x.row(y),
+                cache_.seen_y.row(y),
+                cache_.seen_z.row(y));
+    }
     return counts;
   }
 
@@ -54,6 +53,7 @@ class RowTracer {
     PacketTracer tracer;
     CameraPacket rays = {};
     EscapePacket escapes = {};
+    std::vector<double> sums = {};  ///< of what the samples of each pixel of the row saw
   };
 
   struct Place {
@@ -62,41 +62,60 @@ class RowTracer {
     int sample = 0;
   };
 
-  void trace_pixels(const Place& at,
-                    const Vector2d& offset,
-                    const SeenSums& seen,
-                    Work& work,
-                    RayCounts& counts) const {
+  SeenSums seen_of(Work& work, int x) const {
+    const std::ptrdiff_t width = cache_.width_px;
+    double* first = work.sums.data() + x;
+    return {
+        .hits = first, .x_mm = first + width, .y_mm = first + 2 * width, .z_mm = first + 3 * width};
+  }
+
+  void trace_pixels(const Place& at, const Vector2d& offset, Work& work, RayCounts& counts) const {
     const int count = std::min(kPacketSize, cache_.width_px - at.x);
-    Lanes x_px;
-    Lanes y_px;
-    for (int lane = 0; lane < kPacketSize; ++lane) {
-      x_px[static_cast<std::size_t>(lane)] = at.x + lane + offset.x();
-      y_px[static_cast<std::size_t>(lane)] = at.y + offset.y();
-    }
-    camera_.through(x_px.data(), y_px.data(), count, work.rays);
-    work.tracer.trace(work.rays, work.escapes);
-    const EscapePacket& escapes = work.escapes;
-    add_counts(escapes, count, counts);
     const auto row = static_cast<std::int64_t>(at.y) * cache_.width_px;
     const auto first = static_cast<std::size_t>(at.sample * cache_.num_pixels() + row + at.x);
-    store_rays(escapes, count, cache_, first);
-    if (escapes.is_missed) {
+    if (!area_.touches(at.x, at.x + count, at.y, at.y + 1)) {
+      store_missed(first, static_cast<std::size_t>(count), cache_);
+      counts.camera += count;
       return;
     }
-    add_seen(escapes.seen_x.data(),
+    alignas(64) Lanes x_px;
+    alignas(64) Lanes y_px;
+    row_points16(at.x, offset.x(), x_px.data());
+    y_px.fill(at.y + offset.y());
+    camera_.through(x_px.data(), y_px.data(), count, work.rays);
+    work.tracer.trace(work.rays, work.escapes);
+    add_counts(work.escapes, count, counts);
+    store_rays(work.escapes, count, cache_, first);
+    if (!work.escapes.is_missed) {
+      store_seen(at, count, work);
+    }
+  }
+
+  void store_seen(const Place& at, int count, Work& work) const {
+    const EscapePacket& escapes = work.escapes;
+    if (cache_.samples > 1) {
+      add_seen(escapes.seen_x.data(),
+               escapes.seen_y.data(),
+               escapes.seen_z.data(),
+               escapes.is_seen.data(),
+               count,
+               seen_of(work, at.x));
+      return;
+    }
+    one_seen(escapes.seen_x.data(),
              escapes.seen_y.data(),
              escapes.seen_z.data(),
              escapes.is_seen.data(),
              count,
-             {.hits = seen.hits + at.x,
-              .x_mm = seen.x_mm + at.x,
-              .y_mm = seen.y_mm + at.x,
-              .z_mm = seen.z_mm + at.x});
+             cache_.coverage.row(at.y) + at.x,
+             cache_.seen_x.row(at.y) + at.x,
+             cache_.seen_y.row(at.y) + at.x,
+             cache_.seen_z.row(at.y) + at.x);
   }
 
   const TraceScene& scene_;
   const CameraRays& camera_;
+  ImageArea area_;  ///< outside of which no ray meets the part
   RayCache& cache_;
 };
 

@@ -12,8 +12,9 @@
 namespace glint {
 namespace {
 
-/// Relative steps of the settings between the two tables of a difference.
-constexpr double kTableStep = 1e-4;
+/// Step of a setting between the two tables of a difference. Short: where the last part of a stripe
+/// comes to clip, the table bends as a power of 3/2.
+constexpr double kTableStep = 1e-6;
 
 /// The difference of two tables as one.
 std::vector<float> table_slope(const SensorSettings& sensor,
@@ -125,18 +126,20 @@ class TableSlopes {
             .per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest)};
   }
 
+  /// A weight w at the distance k changes by w (k^2 - variance) / sigma^3 with the blur's sigma.
   double variance_slope() const {
-    SensorSettings settings = sensor_.settings();
-    const double step = 1e-3 * settings.blur_px;
-    if (step == 0.0) {
+    const double sigma = sensor_.settings().blur_px;
+    if (sigma == 0.0) {
       return 0.0;
     }
-    const auto variance_at = [&](double blur_px) {
-      settings.blur_px = blur_px;
-      return Sensor(settings, 1, 1).blur_variance_px2();
-    };
-    const double blur_px = sensor_.settings().blur_px;
-    return (variance_at(blur_px + step) - variance_at(blur_px - step)) / (2.0 * step);
+    const double variance = sensor_.blur_variance_px2();
+    const std::vector<float>& weights = sensor_.blur_weights();
+    double fourth = 0.0;  // mean of k^4
+    for (std::size_t k = 1; k < weights.size(); ++k) {
+      const auto square = static_cast<double>(k * k);
+      fourth += 2.0 * square * square * static_cast<double>(weights[k]);
+    }
+    return (fourth - variance * variance) / (sigma * sigma * sigma);
   }
 
   const Footprints& footprints_;

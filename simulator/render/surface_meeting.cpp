@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <iterator>
 #include <limits>
 
@@ -61,9 +62,10 @@ void gather_planes(const Bvh& bvh, const HitPacket& hits, MeetingLanes& lanes) {
   }
 }
 
+constexpr double kFlat = 1e-2;
+
 /// Rays almost along a plane do not tell well where they cut it: there the hit does.
 void mend_flat_hits(const TriangleMesh& mesh, const HitPacket& hits, MeetingLanes& lanes) {
-  constexpr double kFlat = 1e-2;
   for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
     if (hits.triangle[lane] >= 0 && !(std::abs(lanes.slope[lane]) > kFlat)) {
       lanes.t_mm[lane] = (hit_point(mesh, hit_of(hits, lane)) - origin_of(lanes, lane))
@@ -137,24 +139,19 @@ void polish_lanes(const PatchCoefficients& patch,
             .is_found = is_found.data()});
 }
 
-using PatchLanes = std::array<std::int32_t, kPacketSize>;
-
 /// Packets across several patches: a kernel for each of them.
-void polish_patches(const TraceScene& scene,
-                    const PatchLanes& patch,
-                    MeetingLanes& lanes,
-                    Lanes& is_found) {
+void polish_patches(const TraceScene& scene, MeetingLanes& lanes, Lanes& is_found) {
   MeetingLanes one;
   std::array<bool, kPacketSize> is_tried = {};
   for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
-    const std::int32_t which = patch[lane];
+    const std::int32_t which = lanes.patch[lane];
     if (which < 0 || is_tried[lane]) {
       continue;
     }
     alignas(64) Lanes is_one;
     polish_lanes(scene.patches[static_cast<std::size_t>(which)], lanes, one, is_one);
     for (std::size_t k = lane; k < kPacketSize; ++k) {
-      if (patch[k] == which) {
+      if (lanes.patch[k] == which) {
         is_tried[k] = true;
         is_found[k] = is_one[k];
         set_point(lanes,
@@ -172,29 +169,30 @@ void meet_surface(const TraceScene& scene,
                   bool holds_triangles,
                   MeetingLanes& lanes) {
   const TriangleMesh& mesh = scene.part.mesh;
-  PatchLanes patch;
   std::int32_t lowest = std::numeric_limits<std::int32_t>::max();
   std::int32_t highest = -1;
+  bool has_missed = false;
   for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
     const std::int32_t triangle = hits.triangle[lane];
-    patch[lane] = triangle < 0 ? -1 : mesh.patch_of(static_cast<std::size_t>(triangle));
-    lowest = triangle < 0 ? lowest : std::min(lowest, patch[lane]);
-    highest = std::max(highest, patch[lane]);
+    const std::int32_t patch =
+        triangle < 0 ? -1 : mesh.patch_of(static_cast<std::size_t>(triangle));
+    lanes.patch[lane] = patch;
+    lowest = triangle < 0 ? lowest : std::min(lowest, patch);
+    highest = std::max(highest, patch);
+    has_missed = has_missed || triangle < 0;
   }
   alignas(64) Lanes is_found = {};
   if (highest >= 0 && lowest == highest) {
     polish_lanes(scene.patches[static_cast<std::size_t>(highest)], lanes, lanes, is_found);
   } else if (highest >= 0) {
-    polish_patches(scene, patch, lanes, is_found);
+    polish_patches(scene, lanes, is_found);
   }
-  bool has_triangles = false;
-  for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
+  for (std::size_t lane = 0; has_missed && lane < kPacketSize; ++lane) {
     if (hits.triangle[lane] < 0) {
       set_point(lanes, lane, Vector3d::Zero(), -direction_of(lanes, lane));
     }
-    has_triangles = has_triangles || (hits.triangle[lane] >= 0 && is_found[lane] == 0.0);
   }
-  if (has_triangles) {
+  if (is_any_unfound16(hits.triangle.data(), is_found.data())) {
     meet_triangles(mesh, hits, holds_triangles, is_found, lanes);
   }
 }
@@ -259,8 +257,8 @@ void meet(const TraceScene& scene,
           bool holds_triangles,
           MeetingLanes& lanes) {
   gather_planes(scene.bvh, hits, lanes);
-  meet_planes16(lanes);
-  if (!holds_triangles) {
+  const bool has_flat = meet_planes16(kFlat, lanes);
+  if (has_flat && !holds_triangles) {
     mend_flat_hits(scene.part.mesh, hits, lanes);
   }
   meet_surface(scene, hits, holds_triangles, lanes);
@@ -284,6 +282,9 @@ TraceScene::TraceScene(const Part& traced_part,
     : part(traced_part), bvh(traced_bvh), detail(traced_detail), settings(render_settings) {
   std::ranges::transform(part.patches, std::back_inserter(patches), coefficients_of);
   box = box_around(part.mesh);
+  if (!bvh.is_convex()) {
+    escape_cone = bvh.escape_cone(part.mesh);
+  }
   constexpr std::size_t kMaxBoxes = 32;
   if (detail.features().size() <= kMaxBoxes) {
     std::ranges::transform(detail.features(), std::back_inserter(feature_boxes), box_of);
@@ -298,9 +299,9 @@ void meet_part(const TraceScene& scene,
   std::ranges::fill(lanes.origin_x, rays.origin_mm.x());
   std::ranges::fill(lanes.origin_y, rays.origin_mm.y());
   std::ranges::fill(lanes.origin_z, rays.origin_mm.z());
-  std::ranges::copy(rays.direction_x, lanes.direction_x);
-  std::ranges::copy(rays.direction_y, lanes.direction_y);
-  std::ranges::copy(rays.direction_z, lanes.direction_z);
+  std::memcpy(lanes.direction_x, rays.direction_x.data(), sizeof(lanes.direction_x));
+  std::memcpy(lanes.direction_y, rays.direction_y.data(), sizeof(lanes.direction_y));
+  std::memcpy(lanes.direction_z, rays.direction_z.data(), sizeof(lanes.direction_z));
   meet(scene, hits, holds_triangles, lanes);
 }
 

@@ -6,6 +6,7 @@
 #include <initializer_list>
 
 #include "simulator/render/footprint_kernels.h"
+#include "simulator/render/width_kernels.h"
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
@@ -117,39 +118,86 @@ GLINT_WIDE void look_up(const float* __restrict w,
   }
 }
 
-GLINT_WIDE void look_up_both(const float* __restrict w,
-                             int count,
-                             const float* __restrict coefficients,
-                             const float* __restrict nodes,
-                             int pieces,
-                             float per_unit,
-                             float* __restrict values,
-                             float* __restrict straight) {
+GLINT_WIDE void look_up_where(const unsigned char* __restrict mask,
+                              const float* __restrict w,
+                              int count,
+                              const PieceTables& tables,
+                              const PieceValues& other,
+                              float* __restrict cubic,
+                              float* __restrict straight) {
   constexpr int kChunk = 32;
   std::int32_t piece[kChunk];
   float s[kChunk];
+  const PieceTables t = tables;
+  const PieceValues none = other;
   for (int begin = 0; begin < count; begin += kChunk) {
     const int size = count - begin < kChunk ? count - begin : kChunk;
-    const auto [lowest, highest] = pieces_of(w + begin, size, pieces, per_unit, piece, s);
-    const float* a = coefficients + 4 * lowest;
-    const float* b = coefficients + 4 * highest;
+    const auto [lowest, highest] = pieces_of(w + begin, size, t.pieces, t.per_unit, piece, s);
+    const unsigned char* __restrict is_used = mask + begin;
+    const float* a = t.coefficients + 4 * lowest;
+    const float* b = t.coefficients + 4 * highest;
     const float a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
     const float b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
-    const float low = nodes[lowest], low_rise = nodes[lowest + 1] - nodes[lowest];
-    const float high = nodes[highest], high_rise = nodes[highest + 1] - nodes[highest];
+    const float low = t.nodes[lowest], low_rise = t.nodes[lowest + 1] - t.nodes[lowest];
+    const float high = t.nodes[highest], high_rise = t.nodes[highest + 1] - t.nodes[highest];
     const bool has_two = highest - lowest <= 1;
     for (int i = 0; has_two && i < size; ++i) {
       const bool is_low = piece[i] == lowest;
-      values[begin + i] =
+      const float value =
           (is_low ? a0 : b0) +
           s[i] * ((is_low ? a1 : b1) + s[i] * ((is_low ? a2 : b2) + s[i] * (is_low ? a3 : b3)));
-      straight[begin + i] = (is_low ? low : high) + s[i] * (is_low ? low_rise : high_rise);
+      const float line = (is_low ? low : high) + s[i] * (is_low ? low_rise : high_rise);
+      cubic[begin + i] = is_used[i] != 0 ? value : none.cubic;
+      straight[begin + i] = is_used[i] != 0 ? line : none.straight;
     }
     for (int i = 0; !has_two && i < size; ++i) {
-      const float* c = coefficients + 4 * piece[i];
-      const float* node = nodes + piece[i];
-      values[begin + i] = c[0] + s[i] * (c[1] + s[i] * (c[2] + s[i] * c[3]));
-      straight[begin + i] = node[0] + s[i] * (node[1] - node[0]);
+      const float* c = t.coefficients + 4 * piece[i];
+      const float* node = t.nodes + piece[i];
+      const float value = c[0] + s[i] * (c[1] + s[i] * (c[2] + s[i] * c[3]));
+      const float line = node[0] + s[i] * (node[1] - node[0]);
+      cubic[begin + i] = is_used[i] != 0 ? value : none.cubic;
+      straight[begin + i] = is_used[i] != 0 ? line : none.straight;
+    }
+  }
+}
+
+GLINT_WIDE void phase_slopes(
+    const CornerRows& corners, int count, float scale, float* __restrict gx, float* __restrict gy) {
+  const float* __restrict top = corners.top;
+  const float* __restrict bottom = corners.bottom;
+  const float half = 0.5F * scale;
+  for (int i = 0; i < count; ++i) {
+    const float a = top[i] + bottom[i];
+    const float b = top[i + 1] + bottom[i + 1];
+    const float above = top[i] + top[i + 1];
+    const float below = bottom[i] + bottom[i + 1];
+    gx[i] = (b - a) * half;
+    gy[i] = (below - above) * half;
+  }
+}
+
+/// Clenshaw's recurrence, for some places at once.
+GLINT_WIDE void cosine_series(const double* __restrict terms,
+                              int size,
+                              double mean,
+                              const double* __restrict cosines,
+                              int count,
+                              double* __restrict values) {
+  constexpr int kChunk = 32;
+  for (int begin = 0; begin < count; begin += kChunk) {
+    const int places = count - begin < kChunk ? count - begin : kChunk;
+    const double* __restrict cosine = cosines + begin;
+    double next[kChunk] = {};
+    double after[kChunk] = {};
+    for (int k = size - 1; k >= 0; --k) {
+      for (int i = 0; i < places; ++i) {
+        const double here = terms[k] + 2.0 * cosine[i] * next[i] - after[i];
+        after[i] = next[i];
+        next[i] = here;
+      }
+    }
+    for (int i = 0; i < places; ++i) {
+      values[begin + i] = mean + next[i] * cosine[i] - after[i];
     }
   }
 }

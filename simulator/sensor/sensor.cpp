@@ -16,6 +16,17 @@ namespace kernels = sensor_kernels;
 constexpr double kGaussianFromElectrons = 30.0;
 constexpr double kTruncationSigmas = 4.0;
 
+/// Rows of the vertical blur that stay in the first cache, all of them.
+constexpr int kCachedRows_floats = 6144;
+constexpr int kNarrowestStrip_px = 128;
+
+/// Loops run over whole vectors where there is room behind.
+constexpr int kLanes = 16;
+
+int whole_vectors(int count) {
+  return (count + kLanes - 1) / kLanes * kLanes;
+}
+
 int levels_of(const SensorSettings& settings) {
   return settings.bits == 0 ? 0 : (1 << settings.bits) - 1;
 }
@@ -161,7 +172,8 @@ double Sensor::blur_variance_px2() const {
   return variance;
 }
 
-/// Vertical pass into the padded row, then horizontal pass into the row.
+/// Vertical pass into the padded row, then horizontal pass into the row. What they write behind the
+/// span, up to a whole vector, is not used.
 void Sensor::blur_span(const ImageF& radiance, const RowSpan& span, Scratch& scratch) const {
   const int radius = blur_radius_px();
   const int low = std::max(0, span.begin - radius);
@@ -181,7 +193,11 @@ void Sensor::blur_span(const ImageF& radiance, const RowSpan& span, Scratch& scr
     scratch.high[at] = radiance.row(std::min(span.y + k, height_px_ - 1)) + low;
   }
   float* image_start = scratch.padded.data() + radius;
-  kernels::weigh_rows(taps, high - low, image_start + low);
+  // The last of these rows may be the picture's.
+  const int rows_left = height_px_ - std::min(span.y + radius, height_px_ - 1);
+  const std::ptrdiff_t room = static_cast<std::ptrdiff_t>(rows_left) * width_px_ - low;
+  const auto columns = static_cast<int>(std::min<std::ptrdiff_t>(whole_vectors(high - low), room));
+  kernels::weigh_rows(taps, columns, image_start + low);
   if (low == 0) {
     std::fill_n(image_start - radius, radius, image_start[0]);
   }
@@ -195,7 +211,7 @@ void Sensor::blur_span(const ImageF& radiance, const RowSpan& span, Scratch& scr
     scratch.high[at] = centre + k;
   }
   taps.centre = centre;
-  kernels::weigh_rows(taps, span.size(), scratch.row.data());
+  kernels::weigh_rows(taps, whole_vectors(span.size()), scratch.row.data());
 }
 
 /// Turns the span's blurred radiance into noisy electrons.
@@ -240,7 +256,8 @@ void Sensor::add_noise(const RowSpan& span, int frame_index, Scratch& scratch) c
   }
 }
 
-/// Calls consume(span, grey values) for each span, in order.
+/// Calls consume(span, grey values) for each span. Wide ones come in strips, so that the rows that
+/// one row is blurred from are in the first cache when the next row comes.
 template <class Consume>
 void Sensor::for_each_span(const ImageF& radiance,
                            int frame_index,
@@ -249,9 +266,9 @@ void Sensor::for_each_span(const ImageF& radiance,
   GLINT_CHECK(radiance.width() == width_px_ && radiance.height() == height_px_,
               "radiance and sensor differ in size");
   const bool noisy = settings_.full_well_e > 0.0;
-  const auto width = static_cast<std::size_t>(width_px_);
+  const auto width = static_cast<std::size_t>(whole_vectors(width_px_));
   const std::size_t radius = weights_.size() - 1;
-  Scratch scratch{.padded = std::vector<float>(width + 2 * radius),
+  Scratch scratch{.padded = std::vector<float>(width + 2 * radius + kLanes),
                   .row = std::vector<float>(width),
                   .low = std::vector<const float*>(radius),
                   .high = std::vector<const float*>(radius),
@@ -259,16 +276,26 @@ void Sensor::for_each_span(const ImageF& radiance,
                   .normals = std::vector<float>(noisy ? width : 0)};
   const double scale =
       noisy ? settings_.gain / settings_.full_well_e : settings_.gain * settings_.exposure;
-  for (const RowSpan& span : where) {
-    blur_span(radiance, span, scratch);
-    if (noisy) {
-      add_noise(span, frame_index, scratch);
+  const int widest = std::max(kNarrowestStrip_px, kCachedRows_floats / (2 * blur_radius_px() + 1));
+  const int strips = (width_px_ + widest - 1) / widest;
+  for (int strip = 0; strip < strips; ++strip) {
+    const int left = width_px_ * strip / strips;
+    const int right = width_px_ * (strip + 1) / strips;
+    for (const RowSpan& whole : where) {
+      const RowSpan span = {
+          .y = whole.y, .begin = std::max(whole.begin, left), .end = std::min(whole.end, right)};
+      if (span.size() <= 0) {
+        continue;
+      }
+      blur_span(radiance, span, scratch);
+      if (noisy) {
+        add_noise(span, frame_index, scratch);
+      }
+      const int padded = whole_vectors(span.size());
+      const int levels = levels_of(settings_);
+      kernels::to_grey(static_cast<float>(scale), levels, padded, scratch.row.data());
+      consume(span, static_cast<const float*>(scratch.row.data()));
     }
-    kernels::scale_and_clip(static_cast<float>(scale), span.size(), scratch.row.data());
-    if (settings_.bits > 0) {
-      kernels::quantise(levels_of(settings_), span.size(), scratch.row.data());
-    }
-    consume(span, static_cast<const float*>(scratch.row.data()));
   }
 }
 

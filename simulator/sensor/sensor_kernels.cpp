@@ -56,6 +56,11 @@ GLINT_INLINE void weigh_some(const TapRows& taps, int first, int width, float* _
   }
 }
 
+GLINT_INLINE float clipped_grey(float value) {
+  const float positive = value > 0.0f ? value : 0.0f;
+  return positive < 1.0f ? positive : 1.0f;
+}
+
 /// ln x of a positive normal number, to 1e-7 relative: x = 2^e m, m in [sqrt(1/2), sqrt(2)), and
 /// ln m = 2 artanh((m - 1) / (m + 1)) by its series.
 GLINT_INLINE float natural_log(float x) {
@@ -97,21 +102,20 @@ GLINT_CLONES void weigh_rows(const TapRows& taps, int width, float* __restrict o
   }
 }
 
-GLINT_CLONES void scale_and_clip(float scale, int width, float* __restrict values) {
-  for (int x = 0; x < width; ++x) {
-    const float value = scale * values[x];
-    const float positive = value > 0.0f ? value : 0.0f;
-    values[x] = positive < 1.0f ? positive : 1.0f;
+GLINT_CLONES void to_grey(float scale, int levels, int width, float* __restrict values) {
+  if (levels == 0) {
+    for (int x = 0; x < width; ++x) {
+      values[x] = clipped_grey(scale * values[x]);
+    }
+    return;
   }
-}
-
-GLINT_CLONES void quantise(int levels, int width, float* __restrict values) {
   const auto up = static_cast<float>(levels);
   const float down = 1.0f / up;
   for (int x = 0; x < width; ++x) {
+    const float grey = clipped_grey(scale * values[x]);
     // NOLINTNEXTLINE(bugprone-incorrect-roundings): values lie in [0, 1], and lround is no loop's
     // friend
-    values[x] = static_cast<float>(static_cast<std::int32_t>(values[x] * up + 0.5f)) * down;
+    values[x] = static_cast<float>(static_cast<std::int32_t>(grey * up + 0.5f)) * down;
   }
 }
 

@@ -151,8 +151,13 @@ Homogeneity closed_homogeneity(const SceneSettings& settings, ScanForm* form = n
   if (form != nullptr) {
     *form = scan.form;
   }
-  return homogeneity(
-      scan.aspect, scan.clipped_frames, settings.scan.positions, scene.region, settings.metrics);
+  constexpr bool kWantsPercentiles = false;
+  return homogeneity(scan.aspect,
+                     scan.clipped_frames,
+                     settings.scan.positions,
+                     scene.region,
+                     settings.metrics,
+                     kWantsPercentiles);
 }
 
 void read_pass(benchmark::State& state) {
@@ -246,7 +251,7 @@ void scan_sampled(benchmark::State& state) {
 }
 
 /// What a search for homogeneity wants that keeps defects visible.
-constexpr WantedScores kWanted = {.fringes = false, .defects = true};
+constexpr WantedScores kWanted = {.fringes = false, .defects = true, .robust = false};
 
 /// Candidates of a search: every one has a wall of its own.
 void evaluate_candidate(SceneSettings& settings, int index) {
@@ -282,7 +287,7 @@ void candidate_same_wall(benchmark::State& state) {
 /// h by table with its derivative by eight keys: five control points, slot, period and duty.
 void h_with_gradient(benchmark::State& state) {
   SceneSettings settings = seed_scene(Shape::kFree, Method::kClosed);
-  WantedScores wanted = {.fringes = false, .defects = false, .slot = false};
+  WantedScores wanted = {.fringes = false, .defects = false, .robust = false, .slot = false};
   wanted.gradients.scores = {"homogeneity.h_rms"};
   for (const char* key : {"control_mm.0",
                           "control_mm.1",

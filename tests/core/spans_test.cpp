@@ -110,5 +110,21 @@ TEST(Dilated, IsTheSquareAroundEachPixel) {
   }
 }
 
+TEST(GrownSpans, AreTheSpansOfTheDilatedMask) {
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    const Mask mask = random_mask(i);
+    const int radius = static_cast<int>(i % 4);
+    const int bridge = static_cast<int>(i % 3);
+    const Spans spans = grown_spans(spans_of(mask), radius, bridge, mask.width(), mask.height());
+    const Spans expected = spans_of(dilated(mask, radius), bridge);
+    ASSERT_EQ(spans.size(), expected.size()) << i;
+    for (std::size_t k = 0; k < spans.size(); ++k) {
+      ASSERT_EQ(spans[k].y, expected[k].y) << i;
+      ASSERT_EQ(spans[k].begin, expected[k].begin) << i;
+      ASSERT_EQ(spans[k].end, expected[k].end) << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace glint

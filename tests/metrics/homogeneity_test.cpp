@@ -16,9 +16,9 @@ Homogeneity scored(const ImageF& aspect) {
   return homogeneity(aspect, {}, 0, Mask(aspect.width(), aspect.height(), 1));
 }
 
-ImageF one_row(std::vector<float> values) {
+ImageF one_row(const std::vector<float>& values) {
   ImageF image(static_cast<int>(values.size()), 1);
-  image.values() = std::move(values);
+  std::ranges::copy(values, image.row(0));
   return image;
 }
 
@@ -46,14 +46,14 @@ TEST(Homogeneity, TakesPercentilesByNearestRank) {
   for (int i = 20; i >= 1; --i) {
     values.push_back(0.05f * static_cast<float>(i));
   }
-  EXPECT_NEAR(scored(one_row(values)).robust, 0.1, 1e-6);
+  EXPECT_NEAR(scored(one_row(values)).robust.value(), 0.1, 1e-6);
 }
 
 TEST(Homogeneity, TakesThePercentilesThatSortingGives) {
   Rng rng(2, Stream::kTest, 0);
   for (int trial = 0; trial < 1000; ++trial) {
     const ImageF image = random_aspect(rng);
-    std::vector<float> sorted = image.values();
+    ImageF::Values sorted = image.values();
     std::sort(sorted.begin(), sorted.end());
     const auto at = [&](double share) {
       const auto rank = std::ceil(share * static_cast<double>(sorted.size()));

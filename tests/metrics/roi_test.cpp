@@ -33,7 +33,7 @@ bool all_inside(const Mask& mask, int x, int y, int rim_px) {
 TEST(WholePixels, LeaveOutPixelsThatArePartlyOnThePart) {
   ImageF coverage(3, 1);
   coverage.values() = {1.0f, 0.99f, 0.0f};
-  EXPECT_EQ(whole_pixels(coverage).values(), (std::vector<unsigned char>{1, 0, 0}));
+  EXPECT_EQ(whole_pixels(coverage).values(), (Mask::Values{1, 0, 0}));
 }
 
 // Columns 1-8 and rows 1-6 less 2 on each side: columns 3-6, rows 3-4, 4 x 2 = 8 pixels.

@@ -21,7 +21,7 @@ TEST(Scores, CarryExactlyTheNamesThatAreListed) {
                    {"inspection.threshold", 0.0},
                    {"inspection.region_share", 0.0},
                    {"inspection.rendering_share", 0.0}};
-  add_scores(scores, Homogeneity{});
+  add_scores(scores, Homogeneity{.robust = 0.0});
   add_scores(scores, HomogeneityFamily{.ripple = 0.0});
   add_scores(scores, FringeScores{});
   const std::vector<DefectScores> defects = {{.label = "dent"}, {.label = "group.scratch_2"}};

@@ -274,8 +274,8 @@ DefectivePart made_with(DefectType type) {
 
 TEST(DefectMap, MixesColoursByCoverage) {
   const PathSums sums = two_pixels();
-  EXPECT_EQ(defect_mask(sums).values(), (std::vector<unsigned char>{1, 0}));
-  EXPECT_EQ(whole_part_mask(sums).values(), (std::vector<unsigned char>{0, 1}));
+  EXPECT_EQ(defect_mask(sums).values(), (Mask::Values{1, 0}));
+  EXPECT_EQ(whole_part_mask(sums).values(), (Mask::Values{0, 1}));
   // Blue in linear codes, sRGB (0, 114, 178): ((114/255 + 0.055) / 1.055)^2.4 = 0.1683, times 255
   // = 42.9; likewise 178: 0.4452, 113.5. Beside the part (40, 46, 52): 0.0212, 0.0273, 0.0343: 5,
   // 7, 9. Sound (206, 212, 217): 0.6172, 0.6584, 0.6939: 157, 168, 177.

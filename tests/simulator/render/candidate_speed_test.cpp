@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "simulator/render/hidden_pixels.h"
+#include "simulator/render/pixel_rays.h"
 #include "simulator/render/slope_kernels.h"
 #include "tests/simulator/render/footprint_fixtures.h"
 
@@ -47,6 +48,24 @@ TEST(HiddenPixels, TilesFindWhatEveryPixelByItselfFinds) {
     const Tunnel tunnel(random_wall(rng));
     const Eigen::Vector3d camera_mm(
         rng.uniform(-40.0, 40.0), rng.uniform(-60.0, 60.0), rng.uniform(60.0, 400.0));
+    const Mask hidden = hidden_pixels(rays, tunnel, camera_mm);
+    ASSERT_EQ(hidden, hidden_pixels_one_by_one(rays, tunnel, camera_mm))
+        << "trial " << trial << ", " << shape_name(tunnel.settings().shape);
+    const auto count = std::ranges::count(hidden.values(), 1);
+    partly += count > 0 && count < 5000 ? 1 : 0;
+  }
+  EXPECT_GT(partly, 100);
+}
+
+// The camera that took the picture: its rays beside the part are known, too.
+TEST(HiddenPixels, TilesFindThemAroundThePartsOutline) {
+  const CornerRays& rays = strip_bench().rays;
+  const Eigen::Vector3d& camera_mm = strip_bench().camera_mm;
+  ASSERT_TRUE(PixelRays::through(rays, camera_mm));
+  Rng rng(4, Stream::kTest, 0);
+  int partly = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    const Tunnel tunnel(random_wall(rng));
     const Mask hidden = hidden_pixels(rays, tunnel, camera_mm);
     ASSERT_EQ(hidden, hidden_pixels_one_by_one(rays, tunnel, camera_mm))
         << "trial " << trial << ", " << shape_name(tunnel.settings().shape);

@@ -123,7 +123,8 @@ TEST(ChangedPixels, SurroundTheDent) {
   EXPECT_NEAR(y_px / static_cast<double>(count), at->y(), 1.0);
 }
 
-/// Every pixel whose frames differ is among the changed ones.
+/// Every pixel whose frames differ by more than rays between nodes may (sparse_rays.h) is among the
+/// changed ones.
 TEST(ChangedPixels, AreAllThatFramesShow) {
   const Tunnel tunnel(test::bench_tunnel());
   const ScanSettings scan = {.positions = 6};
@@ -140,7 +141,8 @@ TEST(ChangedPixels, AreAllThatFramesShow) {
   int different = 0;
   for (std::size_t k = 0; k < flawless.size(); ++k) {
     for (std::size_t i = 0; i < changed.size(); ++i) {
-      if (flawless[k].values()[i] != dented[k].values()[i]) {
+      constexpr float kBetweenNodes = 0.004F;
+      if (std::abs(flawless[k].values()[i] - dented[k].values()[i]) > kBetweenNodes) {
         EXPECT_EQ(changed.values()[i], 1) << i;
         ++different;
       }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/render/stripe_integral.h"
+#include "simulator/render/width_kernels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -375,19 +376,34 @@ TEST(LookUp, IsTheTableOfClippedMean) {
   for (std::size_t i = 0; i < w.size(); ++i) {
     ASSERT_NEAR(static_cast<double>(values[i]), table.mean(static_cast<double>(w[i])), 2e-6) << i;
   }
-  std::vector<float> again(w.size()), deviations(w.size());
-  kernels::look_up_both(w.data(),
-                        static_cast<int>(w.size()),
-                        table.coefficients().data(),
-                        table.deviations().data(),
-                        ClippedMean::kIntervals,
-                        static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest),
-                        again.data(),
-                        deviations.data());
-  EXPECT_EQ(again, values);
+}
+
+TEST(LookUpWhere, HasBothTablesInTheMaskAndOtherValuesElsewhere) {
+  const ClippedMean table({.gain = 2.0, .full_well_e = 10000.0}, {.duty = 0.4});
+  std::vector<float> w;
+  std::vector<unsigned char> mask;
+  for (int i = 0; i < 4007; ++i) {
+    w.push_back(static_cast<float>(i < 2003 ? i : i * 977 % 2003) / 2000.0F);
+    mask.push_back(i % 7 != 3 ? 1 : 0);
+  }
+  std::vector<float> values(w.size()), deviations(w.size());
+  kernels::look_up_where(
+      mask.data(),
+      w.data(),
+      static_cast<int>(w.size()),
+      {.coefficients = table.coefficients().data(),
+       .nodes = table.deviations().data(),
+       .pieces = ClippedMean::kIntervals,
+       .per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest)},
+      {.cubic = 7.0F, .straight = 8.0F},
+      values.data(),
+      deviations.data());
   for (std::size_t i = 0; i < w.size(); ++i) {
-    const double expected = table.deviation(static_cast<double>(w[i]));
-    ASSERT_NEAR(static_cast<double>(deviations[i]), expected, 2e-6) << i;
+    const auto width = static_cast<double>(w[i]);
+    const double mean = mask[i] != 0 ? table.mean(width) : 7.0;
+    const double deviation = mask[i] != 0 ? table.deviation(width) : 8.0;
+    ASSERT_NEAR(static_cast<double>(values[i]), mean, 2e-6) << i;
+    ASSERT_NEAR(static_cast<double>(deviations[i]), deviation, 2e-6) << i;
   }
 }
 

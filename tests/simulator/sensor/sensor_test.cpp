@@ -142,7 +142,7 @@ TEST(Sensor, AccumulatesMeanAndClippedFrames) {
   EXPECT_EQ(aspect(0, 0), 1.0f);
   EXPECT_FLOAT_EQ(aspect(1, 0), 0.6f);
   EXPECT_FLOAT_EQ(aspect(2, 0), 0.2f);
-  EXPECT_EQ(sums.clipped_frames.values(), (std::vector<std::uint16_t>{2, 1, 0}));
+  EXPECT_EQ(sums.clipped_frames.values(), (Image<std::uint16_t>::Values{2, 1, 0}));
 }
 
 // What another scan left in the sums does not matter: they hold no frame yet.
@@ -155,8 +155,8 @@ TEST(Sensor, StartsSumsOfNoFramesAnew) {
   sums.clipped_frames.values() = {7, 8, 9};
   sensor.accumulate(radiance, 0, Spans{{.y = 0, .begin = 0, .end = 2}}, sums);
   EXPECT_EQ(sums.frames, 1);
-  EXPECT_EQ(sums.sum.values(), (std::vector<float>{0.5f, 1.0f, 9.0f}));
-  EXPECT_EQ(sums.clipped_frames.values(), (std::vector<std::uint16_t>{0, 1, 9}));
+  EXPECT_EQ(sums.sum.values(), (ImageF::Values{0.5f, 1.0f, 9.0f}));
+  EXPECT_EQ(sums.clipped_frames.values(), (Image<std::uint16_t>::Values{0, 1, 9}));
 }
 
 TEST(Sensor, AccumulatesTheSameFramesThatItExposes) {

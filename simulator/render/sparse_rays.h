@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Every eighth corner ray, and where the others lie between them. Where a smooth part sends
+// neighbouring rays, a smooth wall is met at places that are smooth, too: a quintic through every
+// eighth one gives the others, to a small share of a pixel's footprint
+// (docs/theory/footprints.md). Tiles where rays or wall do not allow that are met ray by ray.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "simulator/light/tunnel.h"
+#include "simulator/render/wall_hits.h"
+
+namespace glint {
+
+struct RayCache;
+
+/// Picked rays, one array per component.
+struct PickedRays {
+  std::vector<float> origin_x, origin_y, origin_z;
+  std::vector<float> direction_x, direction_y, direction_z;
+
+  int count() const { return static_cast<int>(origin_x.size()); }
+
+  RayBlock block() const;
+
+  void add(const RayCache& rays, std::size_t index);
+};
+
+/// What the rays of a tile (kStep x kStep of them, its first row and column nodes) allow.
+enum class TileKind : std::uint8_t {
+  kNone,    ///< no ray has met the part
+  kSmooth,  ///< its rays are the quintic through the nodes around
+  kBent     ///< they are not
+};
+
+struct SparseRays {
+  static constexpr std::size_t kChecks = 3;
+
+  /// A node beyond the part's outline or the picture, where the quintic (or cubic) of others in a
+  /// row goes on: index `to` and steps of `step` in a plane with two nodes more on each side.
+  struct Beyond {
+    std::int32_t to = 0;
+    std::int32_t step = 0;
+    bool is_cubic = false;
+  };
+
+  int columns = 0;  ///< of nodes: at 0, kStep, 2 kStep, ...; 0: too few rays
+  int rows = 0;
+  PickedRays nodes;                        ///< row by row
+  std::array<PickedRays, kChecks> checks;  ///< one in each tile, row by row
+  std::vector<Beyond> beyond;              ///< one after the other
+  std::vector<TileKind> kind;              ///< (columns - 1) x (rows - 1)
+
+  /// Share of tiles that need not be met ray by ray.
+  double sparse_share() const;
+};
+
+/// @param corners               a picture of rays, one sample
+/// @param max_direction_error_rad  by which the rays of smooth tiles may differ from the quintic
+SparseRays sparse_rays(const RayCache& corners, double max_direction_error_rad);
+
+/// Where all hits of a tile and of its lower and right neighbours' nearest rays lie.
+struct TileLimits {
+  enum Kind : unsigned char {
+    kUnknown,
+    kKnown,
+    kNoRays  ///< the tile has none
+  };
+
+  int columns = 0;  ///< of tiles; 0: nothing is known
+  int rows = 0;
+  std::vector<Kind> kind;  ///< row by row; limits are those of kKnown
+  std::vector<float> x_low_mm, x_high_mm, y_low_mm, y_high_mm, margin_low_mm, margin_high_mm;
+  std::vector<float> stripes_low_mm, stripes_high_mm;  ///< empty: those of x
+};
+
+/// meet_light() of all corners, to 1/250 of what a pixel sees of the wall (or 0.001 mm) the same:
+/// checked at three places of each tile, which else is met ray by ray.
+/// @param sparse  of these corners, not empty
+/// @param limits  what is known of the tiles; set
+WallHits meet_sparse(const SparseRays& sparse,
+                     const RayCache& corners,
+                     const Tunnel& tunnel,
+                     TileLimits& limits);
+
+}  // namespace glint

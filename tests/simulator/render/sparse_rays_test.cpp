@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/sparse_rays.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/rng.h"
+#include "simulator/render/footprints.h"
+#include "simulator/render/sparse_kernels.h"
+#include "tests/simulator/render/footprint_fixtures.h"
+
+namespace glint {
+namespace {
+
+using Shape = TunnelSettings::Shape;
+
+TunnelSettings random_wall(Rng& rng) {
+  TunnelSettings s = test::bench_tunnel();
+  s.shape = static_cast<Shape>(static_cast<int>(rng.uniform(0.0, 4.999)));
+  s.base_mm = rng.uniform(-20.0, 5.0);
+  s.radius_mm = rng.uniform(60.0, 250.0);
+  s.half_width_mm = rng.uniform(60.0, 200.0);
+  s.height_mm = rng.uniform(60.0, 250.0);
+  s.exponent = rng.uniform(1.5, 8.0);
+  s.distance_mm = rng.uniform(20.0, 60.0);
+  s.opening_rad = rng.uniform(0.0, 2.0);
+  s.panel_height_mm = rng.uniform(100.0, 400.0);
+  s.control_mm.clear();
+  for (int i = 0; i < 5; ++i) {
+    s.control_mm.push_back(rng.uniform(90.0, 200.0));
+  }
+  if (rng.uniform() < 0.2) {
+    s.orientation_rad = rng.uniform(-0.8, 0.8);
+  }
+  return s;
+}
+
+struct HitErrors {
+  double worst = 0.0;  ///< in units of what a pixel sees of the wall, or of 0.25 mm
+  int above = 0;       ///< twice what the tiles' checks allow
+  int compared = 0;
+};
+
+/// Of lit rays; the footprint is what the neighbour to the right and below see.
+HitErrors compare_hits(const CornerRays& rays, const WallHits& exact, const WallHits& sparse) {
+  HitErrors errors;
+  const auto width = static_cast<std::size_t>(rays.corners.width_px);
+  const std::size_t count = rays.corners.weight.size();
+  for (std::size_t i = 0; i + width + 1 < count; ++i) {
+    const bool is_lit = rays.corners.weight[i] > 0.0F && exact.margin_mm[i] != kNowhere_mm;
+    if (!is_lit) {
+      continue;
+    }
+    const auto difference =
+        [](const FloatArray& a, std::size_t p, const FloatArray& b, std::size_t q) {
+          return std::abs(static_cast<double>(a[p]) - static_cast<double>(b[q]));
+        };
+    double footprint_mm = 0.25;
+    for (const FloatArray* array : {&exact.x_mm, &exact.y_mm}) {
+      footprint_mm = std::max({footprint_mm,
+                               difference(*array, i, *array, i + 1),
+                               difference(*array, i, *array, i + width)});
+    }
+    double error_mm = 0.0;
+    for (const auto& [a, b] : {std::pair{&exact.x_mm, &sparse.x_mm},
+                               std::pair{&exact.y_mm, &sparse.y_mm},
+                               std::pair{&exact.margin_mm, &sparse.margin_mm},
+                               std::pair{&exact.stripes_mm(), &sparse.stripes_mm()}}) {
+      error_mm = std::max(error_mm, difference(*a, i, *b, i));
+    }
+    constexpr double kAllowed = 0.004;
+    errors.worst = std::max(errors.worst, error_mm / footprint_mm);
+    errors.above += error_mm > 2.0 * kAllowed * footprint_mm ? 1 : 0;
+    ++errors.compared;
+  }
+  return errors;
+}
+
+/// Pixels as fine as the tiles want them on so small a radius.
+CameraSettings sparse_camera() {
+  return {.width_px = 400, .height_px = 200, .object_pixel_mm = 0.12, .working_distance_mm = 300.0};
+}
+
+const test::FootprintBench& sparse_bench() {
+  static const test::FootprintBench bench(test::bench_strip(), sparse_camera(), 0.6);
+  return bench;
+}
+
+TEST(SparseRays, MeetTwoHundredTunnelsWhereAllRaysDo) {
+  const CornerRays& rays = sparse_bench().rays;
+  Rng rng(11, Stream::kTest, 0);
+  std::int64_t above = 0;
+  std::int64_t compared = 0;
+  double known = 0.0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Tunnel tunnel(random_wall(rng));
+    TileLimits limits;
+    const WallHits sparse = meet_sparse(rays.sparse, rays.corners, tunnel, limits);
+    const HitErrors errors = compare_hits(rays, meet_light(rays.corners, tunnel), sparse);
+    ASSERT_GT(errors.compared, 10000);
+    ASSERT_LT(errors.worst, 0.03) << trial << " " << shape_name(tunnel.settings().shape);
+    above += errors.above;
+    compared += errors.compared;
+    known += static_cast<double>(std::ranges::count(limits.kind, TileLimits::kKnown)) /
+             static_cast<double>(limits.kind.size());
+  }
+  EXPECT_GT(known / 200.0, 0.4) << "most tiles would be met ray by ray";
+  EXPECT_LT(static_cast<double>(above), 1e-3 * static_cast<double>(compared));
+}
+
+TEST(SparseRays, FindTheDentBent) {
+  const auto bent = [](const CornerRays& rays) {
+    return std::ranges::count(rays.sparse.kind, TileKind::kBent);
+  };
+  const test::FootprintBench flawless(test::bench_strip(), sparse_camera());
+  EXPECT_GT(bent(sparse_bench().rays), bent(flawless.rays));
+}
+
+TEST(SparseRays, FindASingleRayOutOfLine) {
+  const CornerRays& rays = sparse_bench().rays;
+  const auto smooth = std::ranges::find(rays.sparse.kind, TileKind::kSmooth);
+  ASSERT_NE(smooth, rays.sparse.kind.end());
+  const auto tile = static_cast<int>(smooth - rays.sparse.kind.begin());
+  const int tiles = rays.sparse.columns - 1;
+  const int ray = (tile / tiles * 8 + 5) * rays.corners.width_px + tile % tiles * 8 + 3;
+  constexpr double kMaxError_rad = 2e-6;
+  const auto kind_with = [&](float error) {
+    RayCache bent = rays.corners;
+    bent.direction_x[static_cast<std::size_t>(ray)] += error;
+    return sparse_rays(bent, kMaxError_rad).kind[static_cast<std::size_t>(tile)];
+  };
+  EXPECT_EQ(kind_with(0.0F), TileKind::kSmooth);
+  EXPECT_EQ(kind_with(5e-6F), TileKind::kBent);
+}
+
+TEST(SparseRays, KnowWhereTheHitsOfATileLie) {
+  const CornerRays& rays = sparse_bench().rays;
+  Rng rng(12, Stream::kTest, 0);
+  int tiles = 0;
+  for (int trial = 0; trial < 50; ++trial) {
+    const Tunnel tunnel(random_wall(rng));
+    TileLimits limits;
+    const WallHits hits = meet_sparse(rays.sparse, rays.corners, tunnel, limits);
+    for (int i = 0; i < limits.columns * limits.rows; ++i) {
+      const auto tile = static_cast<std::size_t>(i);
+      if (limits.kind[tile] != TileLimits::kKnown) {
+        continue;
+      }
+      ++tiles;
+      constexpr float kRounding = 1e-3F;
+      for (int ray = 0; ray < 64; ++ray) {
+        const int x = i % limits.columns * 8 + ray % 8;
+        const int y = i / limits.columns * 8 + ray / 8;
+        const auto at =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(rays.corners.width_px) +
+            static_cast<std::size_t>(x);
+        ASSERT_GE(hits.x_mm[at], limits.x_low_mm[tile] - kRounding);
+        ASSERT_LE(hits.x_mm[at], limits.x_high_mm[tile] + kRounding);
+        ASSERT_GE(hits.y_mm[at], limits.y_low_mm[tile] - kRounding);
+        ASSERT_LE(hits.y_mm[at], limits.y_high_mm[tile] + kRounding);
+        ASSERT_GE(hits.margin_mm[at], limits.margin_low_mm[tile] - kRounding);
+        ASSERT_LE(hits.margin_mm[at], limits.margin_high_mm[tile] + kRounding);
+      }
+    }
+  }
+  EXPECT_GT(tiles, 5000);
+}
+
+TEST(SparseRays, LeaveThePixelsStatesAsTheyAre) {
+  const CornerRays& rays = sparse_bench().rays;
+  Rng rng(13, Stream::kTest, 0);
+  std::size_t different = 0;
+  for (int trial = 0; trial < 50; ++trial) {
+    const Tunnel tunnel(random_wall(rng));
+    const Footprints tiled(rays, tunnel, ScanSettings{}, sparse_bench().camera_mm);
+    const Footprints plain(rays,
+                           tunnel,
+                           ScanSettings{},
+                           std::make_shared<const WallView>(
+                               WallHits(tiled.hits()), rays, tunnel, sparse_bench().camera_mm));
+    for (std::size_t i = 0; i < tiled.state().size(); ++i) {
+      different += tiled.state().values()[i] != plain.state().values()[i] ? 1U : 0U;
+    }
+  }
+  EXPECT_EQ(different, 0U);
+}
+
+TEST(SparseRays, AreNoneForPicturesOfFewPixels) {
+  RayCache few;
+  few.width_px = 20;
+  few.height_px = 20;
+  few.samples = 1;
+  EXPECT_EQ(sparse_rays(few, 1e-6).columns, 0);
+  EXPECT_EQ(sparse_rays(few, 1e-6).sparse_share(), 0.0);
+}
+
+TEST(NodeWeights, TakeQuinticsAsTheyAre) {
+  // f(u) = u^5 - u^2 + 3 at u = -2 ... 3: -33, 1, 3, 3, 31, 237. At u = 5 / 8: 2.704742.
+  const sparse_kernels::NodeWeights w = sparse_kernels::node_weights(5);
+  const float value =
+      w[0] * -33.0F + w[1] * 1.0F + w[2] * 3.0F + w[3] * 3.0F + w[4] * 31.0F + w[5] * 237.0F;
+  EXPECT_NEAR(value, 2.704742F, 1e-5F);
+}
+
+}  // namespace
+}  // namespace glint

@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "core/spans.h"
+
+#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
 namespace glint {
 namespace {
@@ -34,22 +35,94 @@ double sign_of(double value) {
   return value > 0.0 ? 1.0 : (value < 0.0 ? -1.0 : 0.0);
 }
 
+/// Sums go over eight lanes: independent additions, and the same bits on any machine.
+constexpr int kLanes = 8;
+
+double total_of(const std::array<double, kLanes>& lanes) {
+  return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
+         ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
+}
+
+GLINT_WIDE double sum_of(const float* values, int count) {
+  std::array<double, kLanes> lanes = {};
+  const int whole = count - count % kLanes;
+  for (int i = 0; i < whole; i += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      lanes[static_cast<std::size_t>(lane)] += static_cast<double>(values[i + lane]);
+    }
+  }
+  for (int i = whole; i < count; ++i) {
+    lanes[static_cast<std::size_t>(i - whole)] += static_cast<double>(values[i]);
+  }
+  return total_of(lanes);
+}
+
+struct Rests {
+  double squares = 0.0;
+  double sizes = 0.0;
+  double signs = 0.0;
+};
+
+struct RestLanes {
+  std::array<double, kLanes> squares = {}, sizes = {}, signs = {};
+};
+
+inline __attribute__((always_inline)) void add_rest(double rest, int lane, RestLanes& lanes) {
+  const auto at = static_cast<std::size_t>(lane);
+  lanes.squares[at] += rest * rest;
+  lanes.sizes[at] += rest < 0.0 ? -rest : rest;
+  lanes.signs[at] += (rest > 0.0 ? 1.0 : 0.0) - (rest < 0.0 ? 1.0 : 0.0);
+}
+
+/// Of what values leave after a mean.
+GLINT_WIDE Rests rests_of(const float* values, int count, double mean) {
+  RestLanes lanes;
+  const int whole = count - count % kLanes;
+  for (int i = 0; i < whole; i += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      add_rest(static_cast<double>(values[i + lane]) - mean, lane, lanes);
+    }
+  }
+  for (int i = whole; i < count; ++i) {
+    add_rest(static_cast<double>(values[i]) - mean, i - whole, lanes);
+  }
+  return {.squares = total_of(lanes.squares),
+          .sizes = total_of(lanes.sizes),
+          .signs = total_of(lanes.signs)};
+}
+
+/// A slope that is linear in what a value leaves after the mean, and in the sign of that.
+struct LinearSlope {
+  double mean = 0.0;
+  double constant = 0.0;
+  double by_rest = 0.0;
+  double by_sign = 0.0;
+};
+
+GLINT_WIDE void slopes_at(const float* __restrict values,
+                          int count,
+                          const LinearSlope& slope,
+                          float* __restrict slopes) {
+  const LinearSlope s = slope;
+  for (int i = 0; i < count; ++i) {
+    const double rest = static_cast<double>(values[i]) - s.mean;
+    const double sign = (rest > 0.0 ? s.by_sign : 0.0) - (rest < 0.0 ? s.by_sign : 0.0);
+    slopes[i] = static_cast<float>(s.constant + s.by_rest * rest + sign);
+  }
+}
+
 Moments moments_of(const ImageF& image, const Spans& region) {
   Moments m;
   for (const RowSpan& span : region) {
-    const float* values = image.row(span.y);
     m.count += static_cast<double>(span.size());
-    m.mean += std::accumulate(values + span.begin, values + span.end, 0.0);
+    m.mean += sum_of(image.row(span.y) + span.begin, span.size());
   }
   m.mean /= std::max(1.0, m.count);
   for (const RowSpan& span : region) {
-    const float* values = image.row(span.y);
-    for (int x = span.begin; x < span.end; ++x) {
-      const double rest = static_cast<double>(values[x]) - m.mean;
-      m.deviation += rest * rest;
-      m.absolute += std::abs(rest);
-      m.sign += sign_of(rest);
-    }
+    const Rests rests = rests_of(image.row(span.y) + span.begin, span.size(), m.mean);
+    m.deviation += rests.squares;
+    m.absolute += rests.sizes;
+    m.sign += rests.signs;
   }
   m.deviation = std::sqrt(m.deviation / std::max(1.0, m.count));
   m.absolute /= std::max(1.0, m.count);
@@ -62,28 +135,21 @@ Moments moments_of(const ImageF& image, const Spans& region) {
 ImageF homogeneity_slopes(std::string_view score, const ScoredImage& image) {
   const Spans region = spans_of(image.region);
   const Moments m = moments_of(image.aspect, region);
-  double constant = 1.0;
-  double by_rest = 0.0;
-  double by_sign = 0.0;
+  LinearSlope slope = {.mean = m.mean, .constant = 1.0 / m.count};
   const bool is_even = m.deviation <= kRounding * m.mean;
   if (score != "homogeneity.mean" && is_even) {
-    constant = 0.0;
+    slope.constant = 0.0;
   } else if (score == "homogeneity.h_rms") {
-    constant = m.deviation / (m.mean * m.mean);
-    by_rest = -1.0 / (m.deviation * m.mean);
+    slope.constant = m.deviation / (m.mean * m.mean * m.count);
+    slope.by_rest = -1.0 / (m.deviation * m.mean * m.count);
   } else if (score == "homogeneity.h_abs") {
-    constant = m.absolute / (m.mean * m.mean) + m.sign / m.mean;
-    by_sign = -1.0 / m.mean;
+    slope.constant = (m.absolute / (m.mean * m.mean) + m.sign / m.mean) / m.count;
+    slope.by_sign = -1.0 / (m.mean * m.count);
   }
   ImageF slopes(image.aspect.width(), image.aspect.height());
   for (const RowSpan& span : region) {
-    const float* values = image.aspect.row(span.y);
-    float* row = slopes.row(span.y);
-    for (int x = span.begin; x < span.end; ++x) {
-      const double rest = static_cast<double>(values[x]) - m.mean;
-      const double slope = constant + by_rest * rest + by_sign * sign_of(rest);
-      row[x] = static_cast<float>(slope / m.count);
-    }
+    slopes_at(
+        image.aspect.row(span.y) + span.begin, span.size(), slope, slopes.row(span.y) + span.begin);
   }
   return slopes;
 }

@@ -114,6 +114,7 @@ Scan scan_scene(SceneStore& store,
                              .footprints = footprints,
                              .sensor = sensor,
                              .plan = plan,
+                             .cells = closed.cells,
                              .aspect = closed.aspect,
                              .sigma_floor = sigma_floor(scene.sensor),
                              .slot = task.slot};

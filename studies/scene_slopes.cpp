@@ -147,7 +147,8 @@ class SceneGradients {
                                               .dark = has_dark,
                                               .gain = wants("sensor.gain"),
                                               .exposure = wants("sensor.exposure"),
-                                              .blur = wants("sensor.blur_px")});
+                                              .blur = wants("sensor.blur_px")},
+                                             scan_.cells);
     held_pixels_ = std::max(held_pixels_, slopes.held_pixels);
     WallMotion motion(scan_.footprints.tunnel());
     slopes.collect(scan_.footprints, motion);

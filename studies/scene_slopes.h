@@ -5,6 +5,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct ScanState {
   const Footprints& footprints;
   const Sensor& sensor;
   const ScanPlan& plan;
+  std::shared_ptr<const PixelCells> cells;  ///< of the closed scan
   const ImageF& aspect;
   double sigma_floor = 0.0;
   SlotMargin slot;

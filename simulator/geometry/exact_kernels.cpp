@@ -48,52 +48,54 @@ GLINT_INLINE double angle_of(double x, double y) {
   return y < 0.0 ? -half : half;
 }
 
-/// Value and gradient of F in the patch frame; see exact_surface.cpp.
+/// Value of F for an involute and its gradient in the patch frame; see exact_surface.cpp.
+GLINT_INLINE double involute(
+    const PatchCoefficients& patch, double y, double z, double& gy, double& gz) {
+  // T - (atan T + hand phi): the angle of (y + i hand z) (1 + i T) is both at once.
+  const double base = patch.radius_mm;
+  const double r2 = y * y + z * z;
+  const double above = r2 - base * base;
+  const double tangent = std::sqrt(above > 0.0 ? above : 0.0);
+  const double roll = tangent * (1.0 / base);
+  const double side = patch.hand * z;
+  const double per_r2 = 1.0 / r2;
+  gy = per_r2 * (tangent * y + patch.hand * base * z);
+  gz = per_r2 * (tangent * z - patch.hand * base * y);
+  return base * (roll - angle_of(y - roll * side, side + roll * y));
+}
+
+/// A vector along the gradient of F in the patch frame.
 template <Kind kKind>
-GLINT_INLINE double implicit(const PatchCoefficients& patch,
-                             double x,
-                             double y,
-                             double z,
-                             double& gx,
-                             double& gy,
-                             double& gz) {
+GLINT_INLINE void outwards(const PatchCoefficients& patch,
+                           double x,
+                           double y,
+                           double z,
+                           double& gx,
+                           double& gy,
+                           double& gz) {
   if constexpr (kKind == Kind::kPlane) {
     gx = 0.0;
     gy = 0.0;
     gz = 1.0;
-    return z;
   } else if constexpr (kKind == Kind::kParaboloid) {
     gx = x * patch.curvature_along;
     gy = y * patch.curvature_across;
     gz = 1.0;
-    return z + 0.5 * (x * gx + y * gy);
   } else if constexpr (kKind == Kind::kSphere) {
-    const double r = std::sqrt(x * x + y * y + z * z);
-    gx = x / r;
-    gy = y / r;
-    gz = z / r;
-    return r - patch.radius_mm;
+    gx = x;
+    gy = y;
+    gz = z;
   } else if constexpr (kKind == Kind::kCylinder) {
-    const double r = std::sqrt(y * y + z * z);
     gx = 0.0;
-    gy = patch.outwards * y / r;
-    gz = patch.outwards * z / r;
-    return patch.outwards * (r - patch.radius_mm);
+    gy = patch.outwards * y;
+    gz = patch.outwards * z;
   } else {
-    // T - (atan T + hand phi): the angle of (y + i hand z) (1 + i T) is both at once.
     const double base = patch.radius_mm;
-    const double r2 = y * y + z * z;
-    const double r = std::sqrt(r2);
-    const double above = r2 - base * base;
+    const double above = y * y + z * z - base * base;
     const double tangent = std::sqrt(above > 0.0 ? above : 0.0);
-    const double roll = tangent / base;
-    const double side = patch.hand * z;
-    const double ey = y / r;
-    const double ez = z / r;
     gx = 0.0;
-    gy = tangent / r * ey + patch.hand * base / r * ez;
-    gz = tangent / r * ez - patch.hand * base / r * ey;
-    return base * (roll - angle_of(y - roll * side, side + roll * y));
+    gy = tangent * y + patch.hand * base * z;
+    gz = tangent * z - patch.hand * base * y;
   }
 }
 
@@ -185,30 +187,24 @@ GLINT_INLINE void solve(const PatchCoefficients& patch, double max_move_mm, Sear
   }
 }
 
-/// One step of all open lanes; returns whether any is still open. The error falls from a step to
-/// its square times half the bend over the slope, and the bend is what the last step changed the
-/// slope by: a step is the last when that predicts nothing left, without a further one to see it.
-template <Kind kKind>
+/// One step of Newton's method for all open lanes of an involute; returns whether any is still
+/// open. The error falls from a step to its square times half the bend over the slope, and the bend
+/// is what the last step changed the slope by: a step is the last when that predicts nothing left,
+/// without a further one to see it.
 GLINT_INLINE bool step(const PatchCoefficients& patch, double max_move_mm, Search& s, Newton& n) {
   for (int i = 0; i < kExactLanes; ++i) {
-    double gx = 0.0;
     double gy = 0.0;
     double gz = 0.0;
-    const double value = implicit<kKind>(patch,
-                                         s.sx[i] + s.move[i] * s.dx[i],
-                                         s.sy[i] + s.move[i] * s.dy[i],
-                                         s.sz[i] + s.move[i] * s.dz[i],
-                                         gx,
-                                         gy,
-                                         gz);
-    const double slope = gx * s.dx[i] + gy * s.dy[i] + gz * s.dz[i];
+    const double value =
+        involute(patch, s.sy[i] + s.move[i] * s.dy[i], s.sz[i] + s.move[i] * s.dz[i], gy, gz);
+    const double slope = gy * s.dy[i] + gz * s.dz[i];
     const double step_mm = -value / slope;
     const double moved = s.move[i] + step_mm;
-    const double left_mm = step_mm * step_mm * (slope - n.slope[i]) / (slope * n.step[i]);
+    const double left = std::fabs(step_mm * step_mm * (slope - n.slope[i]));
+    const double allowed = kLeft * s.tolerance[i] * std::fabs(slope * n.step[i]);
     const bool is_open = n.is_open[i] != 0;
     const bool is_near = std::fabs(moved) <= max_move_mm;  // false for a slope of zero, too
-    const bool is_done =
-        (std::fabs(step_mm) <= s.tolerance[i]) | (std::fabs(left_mm) <= kLeft * s.tolerance[i]);
+    const bool is_done = (std::fabs(step_mm) <= s.tolerance[i]) | (left < allowed);
     s.move[i] = is_open && is_near ? moved : s.move[i];
     s.is_found[i] = is_open && is_near && is_done ? 1.0 : s.is_found[i];
     n.is_open[i] = is_open && is_near && !is_done ? 1 : 0;
@@ -231,7 +227,7 @@ GLINT_INLINE void search(const PatchCoefficients& patch, double max_move_mm, Sea
       n.slope[i] = 0.0;
       n.is_open[i] = 1;
     }
-    for (int k = 0; k < kMaxSteps && step<kKind>(patch, max_move_mm, s, n); ++k) {
+    for (int k = 0; k < kMaxSteps && step(patch, max_move_mm, s, n); ++k) {
     }
   } else {
     solve<kKind>(patch, max_move_mm, s);
@@ -266,7 +262,7 @@ GLINT_INLINE void polish(const PatchCoefficients& patch,
     double gx = 0.0;
     double gy = 0.0;
     double gz = 0.0;
-    implicit<kKind>(patch, x, y, z, gx, gy, gz);
+    outwards<kKind>(patch, x, y, z, gx, gy, gz);
     const double scale = 1.0 / std::sqrt(gx * gx + gy * gy + gz * gz);
     const double nx = gx * scale;
     const double ny = gy * scale;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Newton's method of exact_surface.h for sixteen rays at a time, free of Eigen so that it can be
+// polish() of exact_surface.h for sixteen rays at a time, free of Eigen so that it can be
 // compiled for wide instruction sets (docs/decisions/0002-bit-identical-results.md). Without
 // contraction every instruction set gives the same bits, and a ray gets the same bits whatever
 // rays stand beside it.
@@ -34,8 +34,10 @@ struct PolishLanes {
   double* is_found = nullptr;  ///< out: 1 or 0, as polish() gives a hit or none
 };
 
-/// polish() for all lanes of one patch. Lanes may hold anything that is finite; what comes out of
-/// those without a ray means nothing.
+/// polish() for all lanes of one patch: involutes by Newton's method, the others, which are of
+/// second degree, by a root. So roots beside a silhouette are found, too, that Newton's method
+/// leaves. Lanes may hold anything that is finite; what comes out of those without a ray means
+/// nothing.
 void polish16(const PatchCoefficients& patch, double max_move_mm, const PolishLanes& lanes);
 
 }  // namespace glint

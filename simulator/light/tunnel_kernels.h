@@ -134,29 +134,4 @@ void add_stripes(const float* x_mm,
                  float scale,
                  float* out);
 
-/// What hits (Tunnel::meet_block) change, ray by ray.
-struct HitSlopes {
-  const float* x = nullptr;
-  const float* y = nullptr;
-  const float* margin = nullptr;
-};
-
-/// Outward normals of a curved wall at nodes evenly over the diamond angle y / (|y| + z), from -1
-/// to 1: one more than pieces.
-struct WallNormals {
-  const float* y = nullptr;
-  const float* z = nullptr;
-  int pieces = 0;
-};
-
-/// Slopes by a shift of the wall along its normal where rays meet it; 0 for rays without slopes.
-/// @param place  of each hit among the nodes, from 0 to pieces
-void shift_slopes(const RayBlock& rays,
-                  const float* y_mm,
-                  const float* margin_mm,
-                  const HitSlopes& slopes,
-                  const WallNormals& normals,
-                  float* place,
-                  float* by_shift);
-
 }  // namespace glint

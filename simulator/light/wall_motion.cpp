@@ -115,15 +115,6 @@ double value(const float* array, int i) {
   return static_cast<double>(array[i]);
 }
 
-/// Over four sums, so that additions do not wait for each other.
-double sum_of(const float* array, int count) {
-  std::array<double, 4> sums = {};
-  for (int i = 0; i < count; ++i) {
-    sums[static_cast<std::size_t>(i % 4)] += value(array, i);
-  }
-  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
-}
-
 }  // namespace
 
 WallMotion::WallMotion(const Tunnel& tunnel) : settings_(tunnel.settings()) {
@@ -138,6 +129,10 @@ WallMotion::WallMotion(const Tunnel& tunnel) : settings_(tunnel.settings()) {
       build_superellipse();
   }
   by_node_.assign(normals_.size(), 0.0);
+  for (const Vector2d& normal : normals_) {
+    normals_y_.push_back(static_cast<float>(normal.x()));
+    normals_z_.push_back(static_cast<float>(normal.y()));
+  }
 }
 
 void WallMotion::build_superellipse() {
@@ -243,51 +238,14 @@ void WallMotion::collect_flat(const RayBlock& rays, const HitBlock& hits, const 
 void WallMotion::collect_curve(const RayBlock& rays,
                                const HitBlock& hits,
                                const HitSlopes& slopes) {
-  constexpr int kBlock = 512;
-  std::vector<float> normal_y, normal_z;
-  for (const Vector2d& normal : normals_) {
-    normal_y.push_back(static_cast<float>(normal.x()));
-    normal_z.push_back(static_cast<float>(normal.y()));
-  }
-  std::array<float, kBlock> places, by_shift;
-  for (int begin = 0; begin < rays.count; begin += kBlock) {
-    const int count = std::min(kBlock, rays.count - begin);
-    const float* by_margin = slopes.margin + begin;
-    shift_slopes({.direction_x = rays.direction_x + begin,
-                  .direction_y = rays.direction_y + begin,
-                  .direction_z = rays.direction_z + begin,
-                  .count = count},
-                 hits.y_mm + begin,
-                 hits.margin_mm + begin,
-                 {.x = slopes.x + begin, .y = slopes.y + begin, .margin = by_margin},
-                 {.y = normal_y.data(), .z = normal_z.data(), .pieces = static_cast<int>(kNodes)},
-                 places.data(),
-                 by_shift.data());
-    add_to_nodes(places.data(), by_shift.data(), count);
-    by_margin_ += sum_of(by_margin, count);
-  }
-}
-
-/// Neighbours mostly lie between the same nodes: a run of them is summed before it is added.
-void WallMotion::add_to_nodes(const float* places, const float* by_shift, int count) {
-  const auto node_of = [&](int i) {
-    return std::min(static_cast<int>(kNodes) - 1, static_cast<int>(places[i]));
-  };
-  for (int begin = 0, end = 0; begin < count; begin = end) {
-    const int node = node_of(begin);
-    std::array<double, 4> slopes = {};
-    std::array<double, 4> turned = {};  // times the place between the nodes
-    for (end = begin; end < count && node_of(end) == node; ++end) {
-      const auto lane = static_cast<std::size_t>(end % 4);
-      const double slope = value(by_shift, end);
-      slopes[lane] += slope;
-      turned[lane] += slope * (value(places, end) - node);
-    }
-    const double all = (slopes[0] + slopes[1]) + (slopes[2] + slopes[3]);
-    const double next = (turned[0] + turned[1]) + (turned[2] + turned[3]);
-    by_node_[static_cast<std::size_t>(node)] += all - next;
-    by_node_[static_cast<std::size_t>(node) + 1] += next;
-  }
+  add_shift_slopes(
+      rays,
+      hits.y_mm,
+      hits.margin_mm,
+      slopes,
+      {.y = normals_y_.data(), .z = normals_z_.data(), .pieces = static_cast<int>(kNodes)},
+      by_node_.data());
+  by_margin_ += sum_in_lanes(slopes.margin, rays.count);
 }
 
 double WallMotion::superellipse_speed(std::string_view key, std::size_t node) const {

@@ -17,6 +17,7 @@
 #include <Eigen/Core>
 
 #include "simulator/light/tunnel.h"
+#include "simulator/light/wall_motion_kernels.h"
 
 namespace glint {
 
@@ -66,7 +67,6 @@ class WallMotion {
   };
 
   void collect_curve(const RayBlock& rays, const HitBlock& hits, const HitSlopes& slopes);
-  void add_to_nodes(const float* places, const float* by_shift, int count);
   void collect_flat(const RayBlock& rays, const HitBlock& hits, const HitSlopes& slopes);
   void build_superellipse();
   void build_free();
@@ -81,8 +81,9 @@ class WallMotion {
   bool is_flat_ = false;
   // Curves: nodes evenly over the diamond angle y / (|y| + z), from -1 to 1.
   std::vector<Eigen::Vector2d> normals_;
-  std::vector<std::size_t> segments_;  ///< free: the piece that a node lies on ...
-  std::vector<double> places_;         ///< ... and where on it
+  std::vector<float> normals_y_, normals_z_;  ///< the same
+  std::vector<std::size_t> segments_;         ///< free: the piece that a node lies on ...
+  std::vector<double> places_;                ///< ... and where on it
   // Flat: the right wall; the left one mirrors it.
   FlatWall wall_;
   bool meets_at_top_ = false;

@@ -2,7 +2,6 @@
 #include "simulator/render/cell_slopes.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "simulator/render/slope_kernels.h"
 
@@ -54,17 +53,15 @@ void CellSlopes::add_stripes(const LinearFunction& phase,
   add(slopes.x, by_phase, 1.0 / p_.period_mm);
   period_mm -= (by_phase.value * phase.value + by_phase.dx * phase.dx + by_phase.dy * phase.dy) /
                p_.period_mm;
+  offset_mm -= by_phase.value / p_.period_mm;
 }
 
 void CellSlopes::sum_waiting(const std::vector<double>& by_radiance) {
-  for (auto* array :
-       {&v_, &gx_, &gy_, &weight_, &by_v_, &by_gx_, &by_gy_, &by_duty_, &share_, &weights_sum_}) {
+  for (auto* array : {&v_, &gx_, &gy_, &weight_, &by_v_, &by_gx_, &by_gy_, &by_duty_, &by_dark_}) {
     array->assign(waiting_.size(), 0.0F);
   }
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    // Without whole periods, which would take digits that a small cell needs.
-    const double v = waiting_[i].phase.value;
-    v_[i] = static_cast<float>(v - std::floor(v));
+    v_[i] = static_cast<float>(waiting_[i].phase.value);
     gx_[i] = static_cast<float>(waiting_[i].phase.dx);
     gy_[i] = static_cast<float>(waiting_[i].phase.dy);
   }
@@ -83,8 +80,7 @@ void CellSlopes::sum_waiting(const std::vector<double>& by_radiance) {
                                    .gx = by_gx_.data(),
                                    .gy = by_gy_.data(),
                                    .duty = by_duty_.data(),
-                                   .share = share_.data(),
-                                   .weight = weights_sum_.data()});
+                                   .dark = by_dark_.data()});
   }
 }
 
@@ -97,7 +93,7 @@ CornerSlopes CellSlopes::slopes_of_waiting(std::size_t i) {
                .dy = bright * static_cast<double>(by_gy_[i])},
               slopes);
   duty += bright * static_cast<double>(by_duty_[i]);
-  dark += static_cast<double>(weights_sum_[i]) - static_cast<double>(share_[i]);
+  dark += static_cast<double>(by_dark_[i]);
   return slopes;
 }
 

@@ -48,6 +48,7 @@ class CellSlopes {
   double dark = 0.0;
   double slot_mm = 0.0;
   double period_mm = 0.0;
+  double offset_mm = 0.0;
   bool has_held = false;  ///< the tunnel's end or no wall at a corner: taken as fixed
 
  private:
@@ -71,7 +72,7 @@ class CellSlopes {
   const ScanPositions& p_;
   std::vector<Waiting> waiting_;
   std::vector<float> v_, gx_, gy_, weight_;  ///< of the waiting cells
-  std::vector<float> by_v_, by_gx_, by_gy_, by_duty_, share_, weights_sum_;
+  std::vector<float> by_v_, by_gx_, by_gy_, by_duty_, by_dark_;
   std::vector<double> weights_;
 };
 

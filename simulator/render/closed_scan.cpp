@@ -319,13 +319,13 @@ void fit_size(ImageF& image, int width, int height) {
 }
 
 /// Renders and exposes frames where they are wanted; sums and counts only there. What the pictures
-/// held before does not matter.
-void sum_frames(const Footprints& footprints,
-                const Sensor& sensor,
-                const Spans& wanted,
-                const Spans& rendered,
-                const FrameConsumer& consume,
-                FramePictures& pictures) {
+/// held before does not matter. @return the cells of these frames
+std::shared_ptr<const PixelCells> sum_frames(const Footprints& footprints,
+                                             const Sensor& sensor,
+                                             const Spans& wanted,
+                                             const Spans& rendered,
+                                             const FrameConsumer& consume,
+                                             FramePictures& pictures) {
   const int width = footprints.rays().width_px;
   const int height = footprints.rays().height_px;
   const FootprintFrames frames(footprints, rendered);
@@ -351,6 +351,7 @@ void sum_frames(const Footprints& footprints,
       }
     }
   }
+  return frames.cells();
 }
 
 /// The pictures that a thread keeps from one candidate to the next: to clear new ones takes longer
@@ -447,7 +448,7 @@ ClosedScan scan_closed(const Footprints& footprints,
   FramePictures own;
   FramePictures* const kept = kept_pictures(rendered, width, height);
   FramePictures& pictures = kept != nullptr ? *kept : own;
-  sum_frames(footprints, sensor, wanted, rendered, consume, pictures);
+  result.cells = sum_frames(footprints, sensor, wanted, rendered, consume, pictures);
   const ScanSums& sums = pictures.sums;
   for (const RowSpan& span : wanted) {
     for (int x = span.begin; x < span.end; ++x) {

@@ -38,6 +38,7 @@ struct ClosedScan {
   ImageF deviation;  ///< of the mean around it, by noise and few frames; empty: none
   Image<std::uint16_t> clipped_frames;  ///< table: all or none of them
   ScanForm form;
+  std::shared_ptr<const PixelCells> cells;  ///< of the frames; empty: none were rendered
 };
 
 /// The stripes as the table wants them.

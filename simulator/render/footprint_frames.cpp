@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "simulator/render/footprint_cells.h"
 #include "simulator/render/footprints.h"
@@ -15,8 +16,10 @@ constexpr int kTile = 256;
 
 }  // namespace
 
-FootprintFrames::FootprintFrames(const Footprints& footprints, const Spans& where)
-    : footprints_(footprints), where_(where) {}
+FootprintFrames::FootprintFrames(const Footprints& footprints,
+                                 const Spans& where,
+                                 std::shared_ptr<const PixelCells> cells)
+    : footprints_(footprints), where_(where), cells_(std::move(cells)) {}
 
 /// Footprints of some pixels of a row.
 struct FootprintFrames::Tile {
@@ -137,7 +140,7 @@ void FootprintFrames::render_mean(const Mask& near, ImageF& mean) const {
 
 void FootprintFrames::render(int first, std::vector<ImageF>& frames) const {
   if (!cells_) {
-    cells_ = sum_cells(footprints_, where_);
+    cells_ = std::make_shared<const PixelCells>(sum_cells(footprints_, where_));
   }
   for (const RowSpan& span : where_) {
     render_span(first, span, frames);

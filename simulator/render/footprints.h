@@ -149,7 +149,10 @@ class FootprintFrames {
  public:
   /// @param footprints  must outlive this object
   /// @param where       must outlive this object
-  FootprintFrames(const Footprints& footprints, const Spans& where);
+  /// @param cells       of these pixels or more, if known; all of them are rendered
+  FootprintFrames(const Footprints& footprints,
+                  const Spans& where,
+                  std::shared_ptr<const PixelCells> cells = nullptr);
 
   /// Radiance of frames [first, first + frames.size()) at the given pixels; images must have the
   /// size of the picture, their other pixels are left alone.
@@ -160,6 +163,9 @@ class FootprintFrames {
   /// @param near  refined pixels elsewhere may be taken from their four corners and their coverage
   void render_mean(const Mask& near, ImageF& mean) const;
 
+  /// Those of the rendered frames; nullptr before the first.
+  const std::shared_ptr<const PixelCells>& cells() const { return cells_; }
+
  private:
   struct Tile;
 
@@ -169,7 +175,7 @@ class FootprintFrames {
   const Footprints& footprints_;
   const Spans& where_;
   /// Summed when first needed, once for all frames: a mean does not need it.
-  mutable std::optional<PixelCells> cells_;
+  mutable std::shared_ptr<const PixelCells> cells_;
 };
 
 }  // namespace glint

@@ -4,15 +4,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
+#include "core/spans.h"
+#include "simulator/render/blur_backwards.h"
+#include "simulator/render/blur_change.h"
 #include "simulator/render/cell_slopes.h"
+#include "simulator/render/plain_slopes.h"
 #include "simulator/render/slope_kernels.h"
 
 namespace glint {
 namespace {
 
-constexpr int kBridge_px = 8;
-constexpr int kFramesAtOnce = 2;
+/// Frames that are rendered together: footprints are read once for all of them.
+constexpr int kFramesAtOnce = 4;
 
 /// The sensor up to its gain: blur only.
 SensorSettings blur_only(double blur_px) {
@@ -58,151 +63,26 @@ class ResponseSlope {
   std::vector<float> slopes_;
 };
 
-/// The blur backwards: slopes by blurred pixels to slopes by radiances, at the image's border, too,
-/// whose pixels stand for those beyond.
-class BlurBackwards {
- public:
-  BlurBackwards(
-      const Sensor& sensor, const Spans& wanted, const Spans& rendered, int width, int height)
-      : weights_(sensor.blur_weights()),
-        wanted_(wanted),
-        rendered_(rendered),
-        across_(width, height),
-        result_(width, height) {}
-
-  const ImageF& apply(const ImageF& by_blurred) {
-    for (const RowSpan& span : rendered_) {
-      std::fill_n(across_.row(span.y) + span.begin, span.size(), 0.0F);
-      std::fill_n(result_.row(span.y) + span.begin, span.size(), 0.0F);
-    }
-    const int radius = static_cast<int>(weights_.size()) - 1;
-    for (const RowSpan& span : wanted_) {
-      const float* from = by_blurred.row(span.y);
-      float* to = across_.row(span.y);
-      for (int k = -radius; k <= radius; ++k) {
-        const float weight = weights_[static_cast<std::size_t>(std::abs(k))];
-        const int low = std::clamp(-k, span.begin, span.end);
-        const int high = std::clamp(across_.width() - k, low, span.end);
-        for (int x = span.begin; x < low; ++x) {
-          to[0] += weight * from[x];
-        }
-        slope_kernels::add_scaled(from + low, high - low, weight, to + low + k);
-        for (int x = high; x < span.end; ++x) {
-          to[across_.width() - 1] += weight * from[x];
-        }
+/// The pixels that see light.
+Spans lit_pixels(const Footprints& footprints, const Spans& pixels) {
+  constexpr int kBridge_px = 8;  // gaps that are not worth another start
+  Spans result;
+  for (const RowSpan& span : pixels) {
+    const Footprints::State* state = footprints.state().row(span.y);
+    const std::size_t first = result.size();
+    for (int x = span.begin; x < span.end; ++x) {
+      if (state[x] == Footprints::State::kDark) {
+        continue;
       }
-    }
-    for (const RowSpan& span : rendered_) {
-      const float* from = across_.row(span.y) + span.begin;
-      for (int k = -radius; k <= radius; ++k) {
-        const float weight = weights_[static_cast<std::size_t>(std::abs(k))];
-        const int y = std::clamp(span.y + k, 0, across_.height() - 1);
-        float* to = result_.row(y) + span.begin;
-        slope_kernels::add_scaled(from, span.size(), weight, to);
-      }
-    }
-    return result_;
-  }
-
- private:
-  const std::vector<float>& weights_;
-  const Spans& wanted_;
-  const Spans& rendered_;
-  ImageF across_;
-  ImageF result_;
-};
-
-/// How a blurred frame changes with the blur's sigma. A weight w at the distance k changes by
-/// w (k^2 - m) / sigma^3, m the mean of k^2. So the sum with weights w_x w_y (k_x^2 + k_y^2) says it,
-/// to the rounding of a sum; the difference of two blurs would have that over a short step.
-class BlurChange {
- public:
-  BlurChange(const Sensor& sensor, const Spans& wanted, const Spans& rendered)
-      : weights_(sensor.blur_weights()), wanted_(wanted), rendered_(rendered) {
-    const double sigma = sensor.settings().blur_px;
-    per_cube_ = 1.0 / (sigma * sigma * sigma);
-    mean_square_ = sensor.blur_variance_px2();
-    for (std::size_t k = 0; k < weights_.size(); ++k) {
-      squares_.push_back(static_cast<float>(k * k) * weights_[k]);
-    }
-  }
-
-  /// The change of a number with these slopes by blurred pixels.
-  double slope(const ImageF& radiance, const ImageF& blurred, const ImageF& by_blurred) {
-    blur_rows(radiance);
-    const int radius = static_cast<int>(weights_.size()) - 1;
-    const auto twice_mean = static_cast<float>(2.0 * mean_square_);
-    double sum = 0.0;
-    for (const RowSpan& span : wanted_) {
-      row_.assign(static_cast<std::size_t>(span.size()), 0.0F);
-      for (int k = -radius; k <= radius; ++k) {
-        const auto at = static_cast<std::size_t>(std::abs(k));
-        const int y = std::clamp(span.y + k, 0, radiance.height() - 1);
-        slope_kernels::add_scaled(
-            across_squares_.row(y) + span.begin, span.size(), weights_[at], row_.data());
-        slope_kernels::add_scaled(
-            across_.row(y) + span.begin, span.size(), squares_[at], row_.data());
-      }
-      const float* grey = blurred.row(span.y) + span.begin;
-      const float* by = by_blurred.row(span.y) + span.begin;
-      for (std::size_t i = 0; i < row_.size(); ++i) {
-        sum += static_cast<double>(by[i] * (row_[i] - twice_mean * grey[i]));
-      }
-    }
-    return sum * per_cube_;
-  }
-
- private:
-  /// Along the rows, with the weights and with their squares of distances.
-  void blur_rows(const ImageF& radiance) {
-    if (across_.empty()) {
-      across_ = ImageF(radiance.width(), radiance.height());
-      across_squares_ = across_;
-    }
-    const int radius = static_cast<int>(weights_.size()) - 1;
-    for (const RowSpan& span : rendered_) {
-      padded_.resize(static_cast<std::size_t>(span.size() + 2 * radius));
-      for (int i = 0; i < span.size() + 2 * radius; ++i) {
-        const int x = std::clamp(span.begin + i - radius, 0, radiance.width() - 1);
-        padded_[static_cast<std::size_t>(i)] = radiance(x, span.y);
-      }
-      float* plain = across_.row(span.y) + span.begin;
-      float* squares = across_squares_.row(span.y) + span.begin;
-      std::fill_n(plain, span.size(), 0.0F);
-      std::fill_n(squares, span.size(), 0.0F);
-      for (int k = -radius; k <= radius; ++k) {
-        const auto at = static_cast<std::size_t>(std::abs(k));
-        const float* from = padded_.data() + radius + k;
-        slope_kernels::add_scaled(from, span.size(), weights_[at], plain);
-        slope_kernels::add_scaled(from, span.size(), squares_[at], squares);
+      if (result.size() > first && x - result.back().end <= kBridge_px) {
+        result.back().end = x + 1;
+      } else {
+        result.push_back({.y = span.y, .begin = x, .end = x + 1});
       }
     }
   }
-
-  const std::vector<float>& weights_;
-  const Spans& wanted_;
-  const Spans& rendered_;
-  std::vector<float> squares_;  ///< weights times squares of their distances
-  double mean_square_ = 0.0;
-  double per_cube_ = 0.0;
-  ImageF across_, across_squares_;
-  std::vector<float> padded_, row_;
-};
-
-/// Footprints of the rendered pixels and what is summed for them over the frames.
-struct PlainSums {
-  std::vector<float> v, gx, gy, gain, weight;
-  std::vector<float> by_v, by_gx, by_gy, by_duty, share, weights;
-  bool is_narrow = true;  ///< each sees one edge of the stripes at most
-
-  explicit PlainSums(const RowSpan& span) {
-    const auto size = static_cast<std::size_t>(span.size());
-    for (auto* row :
-         {&v, &gx, &gy, &gain, &weight, &by_v, &by_gx, &by_gy, &by_duty, &share, &weights}) {
-      row->resize(size);
-    }
-  }
-};
+  return result;
+}
 
 /// Puts a cell's slopes where they belong.
 struct CellAdder {
@@ -218,80 +98,44 @@ struct CellAdder {
   }
 };
 
-class FrameSlopes {
+/// The pixels that are summed from cells, backwards.
+class CellPixelSlopes {
  public:
-  FrameSlopes(const Footprints& footprints, const Spans& rendered, ScanSlopes& slopes)
+  /// @param pixels  of any state; others than those of cells add nothing
+  CellPixelSlopes(const Footprints& footprints, const Spans& pixels, ScanSlopes& slopes)
       : footprints_(footprints),
         rays_(footprints.rays()),
-        p_(footprints.positions()),
-        rendered_(rendered),
         slopes_(slopes),
-        frames_(static_cast<std::size_t>(p_.frames())),
-        cells_(p_) {
-    constexpr float kNarrowest = 1e-6F;  // footprints are taken as no narrower than this
-    const float limit = footprint_kernels::narrow_limit(static_cast<float>(p_.duty));
-    std::vector<float> v(static_cast<std::size_t>(rays_.width_px)), gx(v), gy(v);
-    for (const RowSpan& span : rendered_) {
-      footprints_.phases(span.y, {.v = v.data(), .gx = gx.data(), .gy = gy.data()});
-      PlainSums& sums = plain_.emplace_back(span);
-      for (int x = span.begin; x < span.end; ++x) {
-        const auto from = static_cast<std::size_t>(x);
-        const auto to = static_cast<std::size_t>(x - span.begin);
-        sums.v[to] = v[from];
-        sums.gx[to] = gx[from];
-        sums.gy[to] = gy[from];
-        const Footprints::State state = footprints_.state()(x, span.y);
-        sums.gain[to] =
-            state == Footprints::State::kPlain ? rays_.corners.weight[corner(x, span.y)] : 0.0F;
-        const float outer = 0.5F * (std::abs(gx[from]) + std::abs(gy[from])) + kNarrowest;
-        sums.is_narrow = sums.is_narrow && (sums.gain[to] == 0.0F || outer <= limit);
-        if (state == Footprints::State::kCells) {
+        frames_(static_cast<std::size_t>(footprints.positions().frames())),
+        cells_(footprints.positions()) {
+    std::size_t place = 0;
+    for (const RowSpan& span : pixels) {
+      const Footprints::State* state = footprints_.state().row(span.y);
+      for (int x = span.begin; x < span.end; ++x, ++place) {
+        if (state[x] == Footprints::State::kCells) {
           cell_pixels_.push_back(span.y * rays_.width_px + x);
+          places_.push_back(place);
         }
       }
     }
     cell_weights_.resize(cell_pixels_.size() * frames_);
   }
 
-  /// @param by_radiance  slope by each pixel's radiance in that frame
-  void add_frame(int frame, const ImageF& by_radiance) {
-    const auto k = static_cast<std::size_t>(frame);
-    for (std::size_t s = 0; s < rendered_.size(); ++s) {
-      const RowSpan& span = rendered_[s];
-      PlainSums& sums = plain_[s];
-      const float* by = by_radiance.row(span.y) + span.begin;
-      slope_kernels::multiply(by, sums.gain.data(), span.size(), sums.weight.data());
-      const auto add_slopes =
-          sums.is_narrow ? slope_kernels::add_narrow_slopes : slope_kernels::add_box_slopes;
-      add_slopes(sums.v.data(),
-                 sums.gx.data(),
-                 sums.gy.data(),
-                 sums.weight.data(),
-                 span.size(),
-                 static_cast<float>(p_.shift_periods[k]),
-                 static_cast<float>(p_.duty),
-                 {.v = sums.by_v.data(),
-                  .gx = sums.by_gx.data(),
-                  .gy = sums.by_gy.data(),
-                  .duty = sums.by_duty.data(),
-                  .share = sums.share.data(),
-                  .weight = sums.weights.data()});
-    }
-    for (std::size_t i = 0; i < cell_pixels_.size(); ++i) {
-      cell_weights_[i * frames_ + k] =
-          static_cast<double>(by_radiance.values()[static_cast<std::size_t>(cell_pixels_[i])]);
+  /// @param by_radiance  slope by each pixel's radiance in that frame, span after span
+  void add_frame(int frame, const std::vector<float>& by_radiance) {
+    double* weights = cell_weights_.data() + frame;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      weights[i * frames_] = static_cast<double>(by_radiance[places_[i]]);
     }
   }
 
   void finish() {
-    for (std::size_t s = 0; s < rendered_.size(); ++s) {
-      finish_span(rendered_[s], plain_[s]);
-    }
     finish_cells();
     slopes_.duty += cells_.duty;
     slopes_.dark += cells_.dark;
     slopes_.slot_mm += cells_.slot_mm;
     slopes_.period_mm += cells_.period_mm;
+    slopes_.offset_mm += cells_.offset_mm;
   }
 
  private:
@@ -300,44 +144,23 @@ class FrameSlopes {
            static_cast<std::size_t>(x);
   }
 
-  void finish_span(const RowSpan& span, const PlainSums& sums) {
-    const double bright = 1.0 - p_.dark;
-    const double per_period = 1.0 / p_.period_mm;
-    const auto corner_width = static_cast<std::size_t>(rays_.width_px) + 1;
-    for (std::size_t i = 0; i < sums.v.size(); ++i) {
-      const double by_v = bright * static_cast<double>(sums.by_v[i]);
-      const double by_gx = bright * static_cast<double>(sums.by_gx[i]);
-      const double by_gy = bright * static_cast<double>(sums.by_gy[i]);
-      const LinearSlopes by_phase = {.value = by_v, .dx = by_gx, .dy = by_gy};
-      const std::array<double, 4> by_corner = by_phase.by_corners();
-      const std::size_t at = corner(span.begin + static_cast<int>(i), span.y);
-      const std::array<std::size_t, 4> corners = {
-          at, at + 1, at + corner_width, at + corner_width + 1};
-      for (std::size_t c = 0; c < 4; ++c) {
-        slopes_.corners.x[corners[c]] += static_cast<float>(per_period * by_corner[c]);
-      }
-      slopes_.period_mm -= per_period * (by_v * static_cast<double>(sums.v[i]) +
-                                         by_gx * static_cast<double>(sums.gx[i]) +
-                                         by_gy * static_cast<double>(sums.gy[i]));
-      slopes_.duty += bright * static_cast<double>(sums.by_duty[i]);
-      slopes_.dark += static_cast<double>(sums.weights[i]) - static_cast<double>(sums.share[i]);
-    }
-  }
-
   void finish_cells() {
-    Image<std::int32_t> index_of(rays_.width_px, rays_.height_px, -1);
-    bool has_refined = false;
+    Image<std::int32_t> index_of;
     for (std::size_t i = 0; i < cell_pixels_.size(); ++i) {
       const auto pixel = static_cast<std::size_t>(cell_pixels_[i]);
+      if (!load_weights(i)) {
+        continue;
+      }
       if (rays_.kind.values()[pixel] == PixelKind::kRefined) {
+        if (index_of.empty()) {
+          index_of = Image<std::int32_t>(rays_.width_px, rays_.height_px, -1);
+        }
         index_of.values()[pixel] = static_cast<std::int32_t>(i);
-        has_refined = true;
         continue;
       }
       const auto corner_width = static_cast<std::size_t>(rays_.width_px) + 1;
       const std::size_t at =
           corner(cell_pixels_[i] % rays_.width_px, cell_pixels_[i] / rays_.width_px);
-      load_weights(i);
       add_cell(footprints_.hits(),
                rays_.corners.weight.data(),
                {at, at + 1, at + corner_width, at + corner_width + 1},
@@ -345,9 +168,9 @@ class FrameSlopes {
                1.0,
                slopes_.corners);
       cells_.finish(weights_, CellAdder{slopes_.corners});
-      count_held();
+      slopes_.held_pixels += cells_.has_held ? 1 : 0;
     }
-    for (std::size_t g = 0; has_refined && g < rays_.refined.size(); ++g) {
+    for (std::size_t g = 0; !index_of.empty() && g < rays_.refined.size(); ++g) {
       const RefinedGroup& group = rays_.refined[g];
       for (std::size_t i = 0; i < group.pixels.size(); ++i) {
         const std::int32_t index = index_of.values()[static_cast<std::size_t>(group.pixels[i])];
@@ -388,7 +211,7 @@ class FrameSlopes {
                by_hits);
     }
     cells_.finish(weights_, CellAdder{by_hits, offset});
-    count_held();
+    slopes_.held_pixels += cells_.has_held ? 1 : 0;
   }
 
   /// @param offset  of the hits' arrays in those of the slopes
@@ -402,84 +225,128 @@ class FrameSlopes {
         CellCorners(hits, weight, at), at, share, weights_, CellAdder{by_hits, offset});
   }
 
-  /// A pixel that no score looks at, as beside those that do, leaves nothing out.
-  void count_held() {
-    const bool has_weight = std::ranges::any_of(weights_, [](double w) { return w != 0.0; });
-    slopes_.held_pixels += cells_.has_held && has_weight ? 1 : 0;
-  }
-
-  void load_weights(std::size_t index) {
+  /// False when the pixel has no slope.
+  bool load_weights(std::size_t index) {
     weights_.assign(cell_weights_.begin() + static_cast<std::ptrdiff_t>(index * frames_),
                     cell_weights_.begin() + static_cast<std::ptrdiff_t>((index + 1) * frames_));
     cells_.has_held = false;
+    return std::ranges::any_of(weights_, [](double weight) { return weight != 0.0; });
   }
 
   const Footprints& footprints_;
   const CornerRays& rays_;
-  const ScanPositions& p_;
-  const Spans& rendered_;
   ScanSlopes& slopes_;
   std::size_t frames_;
-  std::vector<PlainSums> plain_;  ///< one for each rendered span
   std::vector<std::int32_t> cell_pixels_;
+  std::vector<std::size_t> places_;   ///< among the given pixels
   std::vector<double> cell_weights_;  ///< frames_ of each
   std::vector<double> weights_;
   WallHits hits_;
   CellSlopes cells_;
 };
 
+/// From blurred radiances to slopes by them, frame by frame.
+class SensorBackwards {
+ public:
+  SensorBackwards(const Sensor& sensor,
+                  const Spans& wanted,
+                  const Spans& around,
+                  const ImageF& by_aspect,
+                  int frames,
+                  bool wants_blur,
+                  ScanSlopes& slopes)
+      : settings_(sensor.settings()),
+        wanted_(wanted),
+        by_aspect_(by_aspect),
+        per_frame_(1.0F / static_cast<float>(frames)),
+        slopes_(slopes),
+        response_(settings_),
+        has_blur_(wants_blur && settings_.blur_px > 0.0),
+        blur_(blur_only(settings_.blur_px), by_aspect.width(), by_aspect.height()),
+        change_(blur_, wanted, around),
+        blurred_(ImageF::unset(by_aspect.width(), by_aspect.height())),
+        by_blurred_(by_aspect.width(), by_aspect.height()) {}
+
+  /// @return slopes by the blurred radiances, 0 elsewhere
+  const ImageF& apply(int index, const ImageF& radiance) {
+    blur_.expose(radiance, index, wanted_, blurred_);
+    for (const RowSpan& span : wanted_) {
+      const float* grey = blurred_.row(span.y) + span.begin;
+      float* by = by_blurred_.row(span.y) + span.begin;
+      response_.at(grey, span.size(), by);
+      const double by_grey = slope_kernels::weigh_slopes(
+          by_aspect_.row(span.y) + span.begin, grey, span.size(), per_frame_, by);
+      slopes_.gain += by_grey / settings_.gain;
+      slopes_.exposure += by_grey / settings_.exposure;
+    }
+    slopes_.blur_px += has_blur_ ? change_.slope(radiance, blurred_, by_blurred_) : 0.0;
+    return by_blurred_;
+  }
+
+ private:
+  const SensorSettings& settings_;
+  const Spans& wanted_;
+  const ImageF& by_aspect_;
+  float per_frame_;
+  ScanSlopes& slopes_;
+  ResponseSlope response_;
+  bool has_blur_;
+  Sensor blur_;
+  BlurChange change_;
+  ImageF blurred_, by_blurred_;
+};
+
+std::size_t count_of(const Spans& spans) {
+  std::size_t count = 0;
+  for (const RowSpan& span : spans) {
+    count += static_cast<std::size_t>(span.size());
+  }
+  return count;
+}
+
 }  // namespace
 
 void add_frame_slopes(const Footprints& footprints,
                       const Sensor& sensor,
-                      const Mask& by_frames,
+                      const Spans& wanted,
                       const ImageF& by_aspect,
                       bool wants_blur,
+                      std::shared_ptr<const PixelCells> cells,
                       ScanSlopes& slopes) {
-  const Spans wanted = spans_of(by_frames);
   if (wanted.empty()) {
     return;
   }
   const int width = by_aspect.width();
   const int height = by_aspect.height();
-  const SensorSettings& settings = sensor.settings();
-  const Spans rendered = spans_of(dilated(by_frames, sensor.blur_radius_px()), kBridge_px);
-  const FootprintFrames frames(footprints, rendered);
-  FrameSlopes by_footprints(footprints, rendered, slopes);
-  BlurBackwards backwards(sensor, wanted, rendered, width, height);
-  const ResponseSlope response(settings);
-  const Sensor blur(blur_only(settings.blur_px), width, height);
-  const bool has_blur = wants_blur && settings.blur_px > 0.0;
-  BlurChange blur_change(blur, wanted, rendered);
+  const Spans around = grown_spans(wanted, sensor.blur_radius_px(), 0, width, height);
+  const Spans lit = lit_pixels(footprints, around);
+  const FootprintFrames frames(footprints, lit, std::move(cells));
   const int total = footprints.positions().frames();
+  SensorBackwards through_sensor(sensor, wanted, around, by_aspect, total, wants_blur, slopes);
+  BlurBackwards through_blur(sensor, width, height);
+  PlainSlopes plain(footprints, lit);
+  CellPixelSlopes summed(footprints, lit, slopes);
   std::vector<ImageF> radiance(static_cast<std::size_t>(std::min(kFramesAtOnce, total)),
                                ImageF(width, height));
-  ImageF blurred(width, height);
-  ImageF by_blurred(width, height);
-  for (int k = 0; k < total; ++k) {
-    const int slot = k % kFramesAtOnce;
-    if (slot == 0) {
-      radiance.resize(static_cast<std::size_t>(std::min(kFramesAtOnce, total - k)));
-      frames.render(k, radiance);
+  std::vector<std::vector<float>> by_radiance(radiance.size(), std::vector<float>(count_of(lit)));
+  for (int first = 0; first < total; first += kFramesAtOnce) {
+    radiance.resize(static_cast<std::size_t>(std::min(kFramesAtOnce, total - first)));
+    by_radiance.resize(radiance.size());
+    frames.render(first, radiance);
+    for (std::size_t k = 0; k < radiance.size(); ++k) {
+      const int index = first + static_cast<int>(k);
+      const ImageF& by_blurred = through_sensor.apply(index, radiance[k]);
+      float* out = by_radiance[k].data();
+      for (const RowSpan& span : lit) {
+        through_blur.apply(by_blurred, span, out);
+        out += span.size();
+      }
+      summed.add_frame(index, by_radiance[k]);
     }
-    const ImageF& frame = radiance[static_cast<std::size_t>(slot)];
-    blur.expose(frame, k, wanted, blurred);
-    for (const RowSpan& span : wanted) {
-      const float* grey = blurred.row(span.y) + span.begin;
-      float* by = by_blurred.row(span.y) + span.begin;
-      response.at(grey, span.size(), by);
-      const double by_grey = slope_kernels::weigh_slopes(by_aspect.row(span.y) + span.begin,
-                                                         grey,
-                                                         span.size(),
-                                                         1.0F / static_cast<float>(total),
-                                                         by);
-      slopes.gain += by_grey / settings.gain;
-      slopes.exposure += by_grey / settings.exposure;
-    }
-    slopes.blur_px += has_blur ? blur_change.slope(frame, blurred, by_blurred) : 0.0;
-    by_footprints.add_frame(k, backwards.apply(by_blurred));
+    plain.add_frames(first, by_radiance);
   }
-  by_footprints.finish();
+  plain.finish(slopes);
+  summed.finish();
 }
 
 }  // namespace glint

@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
+
 #include "simulator/render/scan_slopes.h"
 
 namespace glint {
 
 /// Adds the slopes of the pixels whose mean is that of rendered frames: backwards through clipping,
 /// blur and footprints, frame by frame.
-/// @param by_frames  these pixels
+/// @param wanted  these pixels
+/// @param cells   of the frames around them, if known
 void add_frame_slopes(const Footprints& footprints,
                       const Sensor& sensor,
-                      const Mask& by_frames,
+                      const Spans& wanted,
                       const ImageF& by_aspect,
                       bool wants_blur,
+                      std::shared_ptr<const PixelCells> cells,
                       ScanSlopes& slopes);
 
 }  // namespace glint

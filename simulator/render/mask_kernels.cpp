@@ -80,10 +80,27 @@ GLINT_WIDE void subtract(const unsigned char* __restrict a,
   }
 }
 
+/// Bytes add up to 255 before they are widened.
 GLINT_WIDE int count_ones(const unsigned char* __restrict values, int count) {
+  constexpr int kLanes = 64;
+  constexpr int kRounds = 255;
   int ones = 0;
-  for (int i = 0; i < count; ++i) {
-    ones += values[i];
+  int done = 0;
+  while (count - done >= kLanes) {
+    const int left = (count - done) / kLanes;
+    const int rounds = left < kRounds ? left : kRounds;
+    unsigned char sums[kLanes] = {};
+    for (int round = 0; round < rounds; ++round, done += kLanes) {
+      for (int i = 0; i < kLanes; ++i) {
+        sums[i] = static_cast<unsigned char>(sums[i] + values[done + i]);
+      }
+    }
+    for (int i = 0; i < kLanes; ++i) {
+      ones += sums[i];
+    }
+  }
+  for (; done < count; ++done) {
+    ones += values[done];
   }
   return ones;
 }

@@ -48,9 +48,35 @@ GLINT_WIDE bool meet_planes16(double flat, MeetingLanes& lanes) {
   return all_steep == 0;
 }
 
-GLINT_WIDE void row_points16(int x, double offset_px, double* __restrict x_px) {
+GLINT_WIDE void row_points16(int x,
+                             int y,
+                             const double* __restrict offset_px,
+                             double* __restrict x_px,
+                             double* __restrict y_px) {
+  const double y_of_all = static_cast<double>(y) + offset_px[1];
   for (int i = 0; i < kLanes; ++i) {
-    x_px[i] = static_cast<double>(x + i) + offset_px;
+    x_px[i] = static_cast<double>(x + i) + offset_px[0];
+    y_px[i] = y_of_all;
+  }
+}
+
+GLINT_WIDE void arrive16(const double* __restrict origin_mm,
+                         const double* __restrict direction_x,
+                         const double* __restrict direction_y,
+                         const double* __restrict direction_z,
+                         MeetingLanes& lanes) {
+  MeetingLanes* __restrict l = &lanes;
+  const double x_mm = origin_mm[0];
+  const double y_mm = origin_mm[1];
+  const double z_mm = origin_mm[2];
+  for (int i = 0; i < kLanes; ++i) {
+    l->origin_x[i] = x_mm;
+    l->origin_y[i] = y_mm;
+    l->origin_z[i] = z_mm;
+    l->direction_x[i] = direction_x[i];
+    l->direction_y[i] = direction_y[i];
+    l->direction_z[i] = direction_z[i];
+    l->reflectance[i] = 1.0;
   }
 }
 
@@ -66,7 +92,7 @@ GLINT_WIDE bool weigh_escapes16(const MeetingLanes& lanes,
   std::int64_t others = 0;
   for (int i = 0; i < kLanes; ++i) {
     const bool is_plain = (triangle[i] >= 0) & !(l->rise[i] <= 0.0);
-    others |= (i >= count) | is_plain ? 0 : 1;
+    others |= ((i >= count) | is_plain) ? 0 : 1;
   }
   return others == 0;
 }
@@ -75,7 +101,7 @@ GLINT_WIDE bool is_any_unfound16(const std::int32_t* __restrict triangle,
                                  const double* __restrict is_found) {
   std::int64_t unfound = 0;
   for (int i = 0; i < kLanes; ++i) {
-    unfound |= (triangle[i] >= 0) & (is_found[i] == 0.0) ? 1 : 0;
+    unfound |= ((triangle[i] >= 0) & (is_found[i] == 0.0)) ? 1 : 0;
   }
   return unfound != 0;
 }
@@ -186,6 +212,7 @@ GLINT_WIDE void follow16(const MeetingLanes& from, MeetingLanes& to) {
     t->direction_x[i] = f->leaving_x[i];
     t->direction_y[i] = f->leaving_y[i];
     t->direction_z[i] = f->leaving_z[i];
+    t->reflectance[i] = 1.0;
   }
 }
 
@@ -302,7 +329,7 @@ GLINT_WIDE bool leave_along16(const MeetingLanes& lanes,
     const double least = (x_low < x_high ? x_low : x_high) + (y_low < y_high ? y_low : y_high) +
                          (z_low < z_high ? z_low : z_high);
     const bool leaves = (l->slope[i] < 0.0) & (least > kMargin);
-    others |= (triangle[i] < 0) | leaves ? 0 : 1;
+    others |= ((triangle[i] < 0) | leaves) ? 0 : 1;
   }
   return others == 0;
 }

@@ -47,8 +47,15 @@ void camera_directions16(const PinholeNumbers& camera,
 /// @return whether one of them runs almost along its plane: slope of at most `flat`
 bool meet_planes16(double flat, MeetingLanes& lanes);
 
-/// Centres of sixteen pixels of a row, or other points of them: (x + lane) + offset.
-void row_points16(int x, double offset_px, double* x_px);
+/// Points of sixteen pixels of a row of the image: (x + lane) + offset, y + offset.
+void row_points16(int x, int y, const double* offset_px, double* x_px, double* y_px);
+
+/// Rays that arrive from one point.
+void arrive16(const double* origin_mm,
+              const double* direction_x,
+              const double* direction_y,
+              const double* direction_z,
+              MeetingLanes& lanes);
 
 /// Weights of rays that leave the part where they met it.
 /// @return whether all of the first `count` lanes met it (triangle >= 0) and none grazes
@@ -80,7 +87,7 @@ void orient16(MeetingLanes& lanes);
 /// at t_mm, lifted by lift_mm along the face normal.
 void reflect16(double lift_mm, MeetingLanes& lanes);
 
-/// Sends the reflected rays on: they become the arriving ones.
+/// Sends the reflected rays on: they become the arriving ones, on a part without stains so far.
 void follow16(const MeetingLanes& from, MeetingLanes& to);
 
 /// Adds points that were seen (is_seen 1, else 0) to sums, for count numbers. The others must be

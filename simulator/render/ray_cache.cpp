@@ -80,8 +80,7 @@ class RowTracer {
     }
     alignas(64) Lanes x_px;
     alignas(64) Lanes y_px;
-    row_points16(at.x, offset.x(), x_px.data());
-    y_px.fill(at.y + offset.y());
+    row_points16(at.x, at.y, offset.data(), x_px.data(), y_px.data());
     camera_.through(x_px.data(), y_px.data(), count, work.rays);
     work.tracer.trace(work.rays, work.escapes);
     add_counts(work.escapes, count, counts);

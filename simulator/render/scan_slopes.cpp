@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <utility>
 
 #include "core/error.h"
 #include "simulator/render/cell_slopes.h"
@@ -60,70 +62,91 @@ class TableSlopes {
       : footprints_(footprints),
         sensor_(sensor),
         plan_(plan),
-        slopes_(slopes),
-        weight_(by_aspect),
-        width_(by_aspect.width()) {
-    for (int y = 0; y < weight_.height(); ++y) {
-      const unsigned char* by_table = plan.by_table.row(y);
-      float* weight = weight_.row(y);
-      bool has_any = false;
-      for (int x = 0; x < width_; ++x) {
-        weight[x] = by_table[x] != 0 ? weight[x] : 0.0F;
-        has_any |= weight[x] != 0.0F;
-      }
-      if (has_any) {
-        rows_.push_back(y);
-      }
-    }
+        by_aspect_(by_aspect),
+        slopes_(slopes) {}
+
+  /// Also gets the sum of slopes times what a table of another quantity has.
+  void add_weighted(std::vector<float> coefficients, double& sum) {
+    others_.push_back({.coefficients = std::move(coefficients), .sum = &sum});
   }
 
-  /// Slopes by the hits, the period and the blur.
-  void add_widths(const ClippedMean& table) {
-    const std::vector<float> coefficients = width_slope(table);
+  /// Slopes by the hits, the period and the blur, and the sums.
+  void run(const ClippedMean& table) {
+    const std::vector<float> by_w = width_slope(table);
     const double variance = sensor_.blur_variance_px2() + 1.0 / 12.0;
     const double per_period = 1.0 / footprints_.positions().period_mm;
-    const auto corner_width = static_cast<std::size_t>(width_) + 1;
-    std::vector<float> v(static_cast<std::size_t>(width_)), gx(v), gy(v), by_gx(v), by_gy(v);
+    const auto scale = static_cast<float>(variance * per_period * per_period);
     double by_gradient = 0.0;  // sum of slopes times gx and gy
-    for (const int y : rows_) {
-      footprints_.phases(y, {.v = v.data(), .gx = gx.data(), .gy = gy.data()});
-      by_gradient += slope_kernels::width_slopes(plan_.width.row(y),
-                                                 gx.data(),
-                                                 gy.data(),
-                                                 weight_.row(y),
-                                                 width_,
-                                                 pieces(coefficients),
-                                                 static_cast<float>(variance),
-                                                 by_gx.data(),
-                                                 by_gy.data());
-      float* top = slopes_.corners.x.data() + static_cast<std::size_t>(y) * corner_width;
-      slope_kernels::add_to_corners(by_gx.data(),
-                                    by_gy.data(),
-                                    width_,
-                                    static_cast<float>(0.5 * per_period),
-                                    top,
-                                    top + corner_width);
+    Row row(by_aspect_.width());
+    for (int y = 0; y < by_aspect_.height(); ++y) {
+      by_gradient += add_row(y, by_w, scale, row);
     }
     // gx and gy go with 1 / period, and w with the root of the variance.
     slopes_.period_mm -= by_gradient * per_period;
     slopes_.blur_px += by_gradient / (2.0 * variance) * variance_slope();
   }
 
-  /// Sum of slopes times what a table of another quantity has.
-  double weighted(const std::vector<float>& coefficients) const {
-    double sum = 0.0;
-    for (const int y : rows_) {
-      sum += slope_kernels::weighted_look_up(
-          plan_.width.row(y), weight_.row(y), width_, pieces(coefficients));
+ private:
+  struct Other {
+    std::vector<float> coefficients;
+    double* sum;
+  };
+
+  /// Of a row of pixels; the slopes by gx and gy stand between two zeros.
+  struct Row {
+    explicit Row(int width)
+        : weight(static_cast<std::size_t>(width)),
+          values(weight),
+          products(weight),
+          by_gx(weight.size() + 2),
+          by_gy(by_gx) {}
+
+    std::vector<float> weight, values, products, by_gx, by_gy;
+  };
+
+  double add_row(int y, const std::vector<float>& by_w, float scale, Row& row) {
+    const int width = by_aspect_.width();
+    const float* w = plan_.width.row(y);
+    const unsigned char* by_table = plan_.by_table.row(y);
+    if (std::memchr(by_table, 1, static_cast<std::size_t>(width)) == nullptr) {
+      return 0.0;
     }
-    return sum;
+    slope_kernels::keep_where(by_table, by_aspect_.row(y), width, row.weight.data());
+    for (const Other& other : others_) {
+      look_up(other.coefficients, w, width, row.values.data());
+      *other.sum += slope_kernels::weighted_sum(row.values.data(), row.weight.data(), width);
+    }
+    look_up(by_w, w, width, row.values.data());
+    const auto corner_width = static_cast<std::size_t>(width) + 1;
+    const std::size_t corner = static_cast<std::size_t>(y) * corner_width;
+    const float* stripes_mm = footprints_.hits().stripes_mm().data() + corner;
+    float* by_gx = row.by_gx.data() + 1;
+    float* by_gy = row.by_gy.data() + 1;
+    const double by_gradient =
+        slope_kernels::width_slopes({.top = stripes_mm, .bottom = stripes_mm + corner_width},
+                                    w,
+                                    row.weight.data(),
+                                    row.values.data(),
+                                    width,
+                                    scale,
+                                    by_gx,
+                                    by_gy,
+                                    row.products.data());
+    float* top = slopes_.corners.x.data() + corner;
+    slope_kernels::add_gradients_to_corners(by_gx, by_gy, width, top, top + corner_width);
+    return by_gradient;
   }
 
- private:
-  static slope_kernels::Pieces pieces(const std::vector<float>& coefficients) {
-    return {.coefficients = coefficients.data(),
-            .count = ClippedMean::kIntervals,
-            .per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest)};
+  static void look_up(const std::vector<float>& coefficients,
+                      const float* w,
+                      int width,
+                      float* values) {
+    footprint_kernels::look_up(w,
+                               width,
+                               coefficients.data(),
+                               ClippedMean::kIntervals,
+                               static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest),
+                               values);
   }
 
   /// A weight w at the distance k changes by w (k^2 - variance) / sigma^3 with the blur's sigma.
@@ -145,10 +168,9 @@ class TableSlopes {
   const Footprints& footprints_;
   const Sensor& sensor_;
   const ScanPlan& plan_;
+  const ImageF& by_aspect_;
   ScanSlopes& slopes_;
-  ImageF weight_;  ///< slope by the aspect image where it is from the table, else 0
-  int width_;
-  std::vector<int> rows_;  ///< with any weight
+  std::vector<Other> others_;
 };
 
 void add_table(const Footprints& footprints,
@@ -161,14 +183,42 @@ void add_table(const Footprints& footprints,
   const SensorSettings& settings = sensor.settings();
   const StripeSettings stripes = stripes_of(footprints.positions(), reflectance);
   TableSlopes table(footprints, sensor, plan, by_aspect, slopes);
-  table.add_widths(*plan.table);
-  const auto add = [&](double SensorSettings::*of_sensor, double StripeSettings::*of_stripes) {
-    return table.weighted(table_slope(settings, stripes, of_sensor, of_stripes));
+  const auto add = [&](bool is_wanted,
+                       double SensorSettings::*of_sensor,
+                       double StripeSettings::*of_stripes,
+                       double& slope) {
+    if (is_wanted) {
+      table.add_weighted(table_slope(settings, stripes, of_sensor, of_stripes), slope);
+    }
   };
-  slopes.gain += wanted.gain ? add(&SensorSettings::gain, nullptr) : 0.0;
-  slopes.exposure += wanted.exposure ? add(&SensorSettings::exposure, nullptr) : 0.0;
-  slopes.duty += wanted.duty ? add(nullptr, &StripeSettings::duty) : 0.0;
-  slopes.dark += wanted.dark ? add(nullptr, &StripeSettings::dark) : 0.0;
+  add(wanted.gain, &SensorSettings::gain, nullptr, slopes.gain);
+  add(wanted.exposure, &SensorSettings::exposure, nullptr, slopes.exposure);
+  add(wanted.duty, nullptr, &StripeSettings::duty, slopes.duty);
+  add(wanted.dark, nullptr, &StripeSettings::dark, slopes.dark);
+  table.run(*plan.table);
+}
+
+/// The pixels that frames give and that have slopes.
+Spans weighted_pixels(const ScanPlan& plan, const ImageF& by_aspect) {
+  const bool is_by_table = plan.form.kind == ScanForm::Kind::kTable;
+  const Spans pixels =
+      is_by_table ? spans_of(plan.by_frames) : whole_image(by_aspect.width(), by_aspect.height());
+  Spans weighted;
+  for (const RowSpan& span : pixels) {
+    const float* by = by_aspect.row(span.y);
+    const auto next_where = [&](int x, bool wanted) {
+      while (x < span.end && (by[x] != 0.0F) != wanted) {
+        ++x;
+      }
+      return x;
+    };
+    for (int begin = next_where(span.begin, true); begin < span.end;) {
+      const int end = next_where(begin, false);
+      weighted.push_back({.y = span.y, .begin = begin, .end = end});
+      begin = next_where(end, true);
+    }
+  }
+  return weighted;
 }
 
 }  // namespace
@@ -206,7 +256,8 @@ ScanSlopes slopes_of_scan(const Footprints& footprints,
                           const ScanPlan& plan,
                           double reflectance,
                           const ImageF& by_aspect,
-                          const WantedSlopes& wanted) {
+                          const WantedSlopes& wanted,
+                          const std::shared_ptr<const PixelCells>& cells) {
   if (!footprints.positions().is_even) {
     throw ConfigError(
         "search.algorithm: there are no derivatives under an uneven light (led_ripple, "
@@ -215,25 +266,16 @@ ScanSlopes slopes_of_scan(const Footprints& footprints,
   ScanSlopes slopes;
   slopes.corners.resize(footprints.rays().corners.weight.size());
   slopes.refined.resize(footprints.rays().refined.size());
-  Mask by_frames = plan.by_frames;
   if (plan.form.kind == ScanForm::Kind::kTable) {
     add_table(footprints, sensor, plan, reflectance, by_aspect, wanted, slopes);
-  } else {
-    std::ranges::fill(by_frames.values(), static_cast<unsigned char>(1));
   }
-  for (std::size_t i = 0; i < by_frames.size(); ++i) {
-    by_frames.values()[i] = by_frames.values()[i] != 0 && by_aspect.values()[i] != 0.0F ? 1 : 0;
-  }
-  add_frame_slopes(footprints, sensor, by_frames, by_aspect, wanted.blur, slopes);
-  double by_x = 0.0;
-  const auto add_sum = [&](const std::vector<float>& x) {
-    by_x += slope_kernels::exact_sum(x.data(), x.size());
-  };
-  add_sum(slopes.corners.x);
-  for (const RefinedSlopes& group : slopes.refined) {
-    add_sum(group.by_hits.x);
-  }
-  slopes.offset_mm = -by_x;
+  add_frame_slopes(footprints,
+                   sensor,
+                   weighted_pixels(plan, by_aspect),
+                   by_aspect,
+                   wanted.blur,
+                   plan.form.kind == ScanForm::Kind::kFloors ? nullptr : cells,
+                   slopes);
   return slopes;
 }
 

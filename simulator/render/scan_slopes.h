@@ -11,6 +11,7 @@
 // other, the region, which pixels the wall hides, and the tunnel's ends.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "simulator/light/wall_motion.h"
@@ -66,13 +67,15 @@ struct WantedSlopes {
 /// @param by_aspect  slope of the number by each pixel of the aspect image; 0 outside the region
 ///                   and the watched pixels of the plan
 /// @param plan       of these footprints
+/// @param cells      that the scan by this plan was made with (ClosedScan), if known
 /// @throws ConfigError under an uneven light
 ScanSlopes slopes_of_scan(const Footprints& footprints,
                           const Sensor& sensor,
                           const ScanPlan& plan,
                           double reflectance,
                           const ImageF& by_aspect,
-                          const WantedSlopes& wanted = {});
+                          const WantedSlopes& wanted = {},
+                          const std::shared_ptr<const PixelCells>& cells = nullptr);
 
 /// The same pixels by table and by frames, for footprints nearby: what a central difference needs.
 ScanPlan with_same_pixels(const ScanPlan& plan, const Footprints& footprints, const Sensor& sensor);

@@ -11,6 +11,7 @@ namespace glint::slope_kernels {
 namespace {
 
 constexpr float kNarrow = 1e-6F;
+constexpr std::size_t kDoubleLanes = 8;
 
 inline __attribute__((always_inline)) float absolute(float x) {
   return x < 0.0F ? -x : x;
@@ -30,8 +31,7 @@ GLINT_WIDE static void add_slopes(const float* __restrict v,
                                   float* __restrict by_gx,
                                   float* __restrict by_gy,
                                   float* __restrict by_duty,
-                                  float* __restrict share,
-                                  float* __restrict weights) {
+                                  float* __restrict dark) {
   // Everything is spelt out three times, for the rising, the falling and the next edge: the share
   // beyond an edge at distance d and its slopes by d, the larger and the smaller width.
   for (int i = 0; i < count; ++i) {
@@ -88,42 +88,13 @@ GLINT_WIDE static void add_slopes(const float* __restrict v,
     by_gx[i] += weight[i] * x_sign * by_x;
     by_gy[i] += weight[i] * y_sign * by_y;
     by_duty[i] += weight[i] * per_major * fall_by_d;
-    share[i] += weight[i] * bright;
-    weights[i] += weight[i];
+    dark[i] += weight[i] * (1.0F - bright);
   }
 }
 
 namespace {
 
 constexpr int kLanes = 16;
-
-GLINT_WIDE void multiply_by(const float* __restrict weight, int count, float* __restrict values) {
-  for (int i = 0; i < count; ++i) {
-    values[i] = weight[i] * values[i];
-  }
-}
-
-/// Values of a table, weighted.
-void multiply_look_up(
-    const float* w, const float* weight, int count, const Pieces& table, float* products) {
-  footprint_kernels::look_up(w, count, table.coefficients, table.count, table.per_unit, products);
-  multiply_by(weight, count, products);
-}
-
-GLINT_WIDE void slopes_of_widths(const float* __restrict w,
-                                 const float* __restrict gx,
-                                 const float* __restrict gy,
-                                 float variance_px2,
-                                 int count,
-                                 float* __restrict by_gx,
-                                 float* __restrict by_gy) {
-  for (int i = 0; i < count; ++i) {
-    const float by_width = by_gx[i];
-    const float factor = w[i] > 0.0F ? by_width * variance_px2 / w[i] : 0.0F;
-    by_gx[i] = factor * gx[i];
-    by_gy[i] = factor * gy[i];
-  }
-}
 
 /// Over lanes that are added at the end: the same bits for any instruction set.
 GLINT_WIDE double sum_of(const float* __restrict values, int count) {
@@ -162,63 +133,88 @@ GLINT_WIDE double sum_of_products(const float* __restrict a, const float* __rest
   return sum;
 }
 
-GLINT_WIDE void add_left_corners(const float* __restrict by_gx,
-                                 const float* __restrict by_gy,
+/// In units of the corners' coordinate; `products` gets by_gx gx + by_gy gy.
+GLINT_WIDE void slopes_of_widths(const float* __restrict top,
+                                 const float* __restrict bottom,
+                                 const float* __restrict w,
+                                 const float* __restrict weight,
+                                 const float* __restrict by_w,
                                  int count,
-                                 float half,
-                                 float* __restrict top,
-                                 float* __restrict bottom) {
+                                 float scale,
+                                 float* __restrict by_gx,
+                                 float* __restrict by_gy,
+                                 float* __restrict products) {
   for (int i = 0; i < count; ++i) {
-    top[i] -= half * (by_gx[i] + by_gy[i]);
-    bottom[i] += half * (by_gy[i] - by_gx[i]);
+    const float gx = 0.5F * ((top[i + 1] + bottom[i + 1]) - (top[i] + bottom[i]));
+    const float gy = 0.5F * ((bottom[i] + bottom[i + 1]) - (top[i] + top[i + 1]));
+    const float factor = weight[i] * by_w[i] * scale / (w[i] > 0.0F ? w[i] : 1.0F);
+    const bool counts = (weight[i] != 0.0F) & (w[i] > 0.0F);
+    by_gx[i] = counts ? factor * gx : 0.0F;
+    by_gy[i] = counts ? factor * gy : 0.0F;
+    products[i] = counts ? factor * (gx * gx + gy * gy) : 0.0F;
   }
 }
 
-GLINT_WIDE void add_right_corners(const float* __restrict by_gx,
-                                  const float* __restrict by_gy,
-                                  int count,
-                                  float half,
-                                  float* __restrict top,
-                                  float* __restrict bottom) {
-  for (int i = 0; i < count; ++i) {
-    top[i] += half * (by_gx[i] - by_gy[i]);
-    bottom[i] += half * (by_gx[i] + by_gy[i]);
+GLINT_WIDE void add_gradients(const float* __restrict by_gx,
+                              const float* __restrict by_gy,
+                              int corners,
+                              float* __restrict top,
+                              float* __restrict bottom) {
+  for (int i = 0; i < corners; ++i) {
+    const float across = 0.5F * (by_gx[i - 1] - by_gx[i]);
+    const float down = 0.5F * (by_gy[i - 1] + by_gy[i]);
+    top[i] += across - down;
+    bottom[i] += across + down;
   }
 }
 
-constexpr int kTile = 1024;
+GLINT_WIDE void add_means(const float* __restrict by_v,
+                          int corners,
+                          float* __restrict top,
+                          float* __restrict bottom) {
+  for (int i = 0; i < corners; ++i) {
+    const float mean = 0.25F * (by_v[i - 1] + by_v[i]);
+    top[i] += mean;
+    bottom[i] += mean;
+  }
+}
 
 }  // namespace
 
-double weighted_look_up(const float* w, const float* weight, int count, const Pieces& table) {
-  float products[kTile];
-  double sum = 0.0;
-  for (int begin = 0; begin < count; begin += kTile) {
-    const int size = count - begin < kTile ? count - begin : kTile;
-    multiply_look_up(w + begin, weight + begin, size, table, products);
-    sum += sum_of(products, size);
+GLINT_WIDE void keep_where(const unsigned char* __restrict mask,
+                           const float* __restrict values,
+                           int count,
+                           float* __restrict out) {
+  for (int i = 0; i < count; ++i) {
+    out[i] = mask[i] != 0 ? values[i] : 0.0F;
   }
-  return sum;
 }
 
-double width_slopes(const float* w,
-                    const float* gx,
-                    const float* gy,
+double weighted_sum(const float* values, const float* weight, int count) {
+  return sum_of_products(values, weight, count);
+}
+
+double width_slopes(const footprint_kernels::CornerRows& corners,
+                    const float* w,
                     const float* weight,
+                    const float* by_w,
                     int count,
-                    const Pieces& slope,
-                    float variance_px2,
+                    float scale,
                     float* by_gx,
-                    float* by_gy) {
-  multiply_look_up(w, weight, count, slope, by_gx);
-  slopes_of_widths(w, gx, gy, variance_px2, count, by_gx, by_gy);
-  return sum_of_products(by_gx, gx, count) + sum_of_products(by_gy, gy, count);
+                    float* by_gy,
+                    float* products) {
+  slopes_of_widths(
+      corners.top, corners.bottom, w, weight, by_w, count, scale, by_gx, by_gy, products);
+  return sum_of(products, count);
 }
 
-void add_to_corners(
-    const float* by_gx, const float* by_gy, int count, float half, float* top, float* bottom) {
-  add_left_corners(by_gx, by_gy, count, half, top, bottom);
-  add_right_corners(by_gx, by_gy, count, half, top + 1, bottom + 1);
+void add_gradients_to_corners(
+    const float* by_gx, const float* by_gy, int count, float* top, float* bottom) {
+  add_gradients(by_gx, by_gy, count + 1, top, bottom);
+}
+
+void add_means_to_corners(const float* by_v, int count, float* top, float* bottom) {
+  add_means(by_v, count + 1, top, bottom);
 }
 
 void add_box_slopes(const float* v,
@@ -229,37 +225,17 @@ void add_box_slopes(const float* v,
                     float shift,
                     float duty,
                     const BoxSlopes& out) {
-  add_slopes(v,
-             gx,
-             gy,
-             weight,
-             count,
-             shift,
-             duty,
-             out.v,
-             out.gx,
-             out.gy,
-             out.duty,
-             out.share,
-             out.weight);
+  add_slopes(v, gx, gy, weight, count, shift, duty, out.v, out.gx, out.gy, out.duty, out.dark);
 }
 
-/// As add_slopes(), folded around the middle of the bright stripe.
-GLINT_WIDE static void add_folded_slopes(const float* __restrict v,
-                                         const float* __restrict gx,
-                                         const float* __restrict gy,
-                                         const float* __restrict weight,
-                                         int count,
-                                         float shift,
-                                         float duty,
-                                         float* __restrict by_v,
-                                         float* __restrict by_gx,
-                                         float* __restrict by_gy,
-                                         float* __restrict by_duty,
-                                         float* __restrict share,
-                                         float* __restrict weights) {
-  const float half_duty = 0.5F * duty;
-  const float to_middle = shift + half_duty;
+GLINT_WIDE static void find_shapes(const float* __restrict gx,
+                                   const float* __restrict gy,
+                                   int count,
+                                   float* __restrict outer,
+                                   float* __restrict inner,
+                                   float* __restrict per_major,
+                                   float* __restrict per_minor,
+                                   float* __restrict flatness) {
   for (int i = 0; i < count; ++i) {
     const float a = absolute(gx[i]);
     const float b = absolute(gy[i]);
@@ -267,55 +243,134 @@ GLINT_WIDE static void add_folded_slopes(const float* __restrict v,
     const float small = a < b ? a : b;
     const float major = large > kNarrow ? large : kNarrow;
     const float minor = small > kNarrow ? small : kNarrow;
-    const float outer = 0.5F * (major + minor);
-    const float inner = 0.5F * (major - minor);
-    const float per_major = 1.0F / major;
-    const float per_minor = 1.0F / minor;
+    outer[i] = 0.5F * (major + minor);
+    inner[i] = 0.5F * (major - minor);
+    per_major[i] = 1.0F / major;
+    per_minor[i] = 1.0F / minor;
+    flatness[i] = 0.5F * minor * per_major[i];
+  }
+}
+
+void box_shapes(const float* gx, const float* gy, int count, const BoxShapes& shapes) {
+  find_shapes(gx,
+              gy,
+              count,
+              shapes.outer,
+              shapes.inner,
+              shapes.per_major,
+              shapes.per_minor,
+              shapes.flatness);
+}
+
+/// As add_slopes(), folded around the middle of the bright stripe.
+GLINT_WIDE static void add_folded_slopes(const float* __restrict v,
+                                         const float* __restrict outer,
+                                         const float* __restrict inner,
+                                         const float* __restrict per_major,
+                                         const float* __restrict per_minor,
+                                         const float* __restrict flatness,
+                                         const float* __restrict weight,
+                                         int count,
+                                         float shift,
+                                         float duty,
+                                         float* __restrict rising,
+                                         float* __restrict falling,
+                                         float* __restrict by_major,
+                                         float* __restrict by_minor,
+                                         float* __restrict dark) {
+  const float half_duty = 0.5F * duty;
+  const float to_middle = shift + half_duty;
+  for (int i = 0; i < count; ++i) {
     const float moved = v[i] - to_middle;
     const float turn = moved - std::floor(moved + 0.5F);
     const float inside = half_duty - absolute(turn);  // how far in the bright stripe
     const float size = absolute(inside);
-    const float sign = inside < 0.0F ? -1.0F : 1.0F;
-    const float is_near = size < outer ? 1.0F : 0.0F;
-    const float t = size < outer ? size : outer;
-    const float over = (t > inner ? t - inner : 0.0F) * per_minor;
-    const float half = 0.5F * over * over * minor * per_major;
-    const float near_weight = weight[i] * is_near;
-    const float by_inside = near_weight * per_major * (1.0F - over);
-    const float by_major = sign * near_weight * per_major * (half - t * per_major + 0.5F * over);
-    const float by_minor = sign * near_weight * (per_minor * half - 0.5F * over * per_major);
-    const float x_sign = gx[i] < 0.0F ? -1.0F : 1.0F;
-    const float y_sign = gy[i] < 0.0F ? -1.0F : 1.0F;
-    by_v[i] += turn > 0.0F ? -by_inside : by_inside;
-    by_gx[i] += x_sign * (a < b ? by_minor : by_major);
-    by_gy[i] += y_sign * (a < b ? by_major : by_minor);
-    by_duty[i] += turn > 0.0F ? by_inside : 0.0F;
-    share[i] += weight[i] * (0.5F + sign * (t * per_major - half));
-    weights[i] += weight[i];
+    const float t = size < outer[i] ? size : outer[i];
+    const float over = (t > inner[i] ? t - inner[i] : 0.0F) * per_minor[i];
+    const float share = t * per_major[i] - flatness[i] * over * over;
+    const float near_weight = size < outer[i] ? weight[i] : 0.0F;
+    const float signed_weight = inside < 0.0F ? -near_weight : near_weight;
+    const float edge = near_weight * (1.0F - over);
+    rising[i] += turn > 0.0F ? 0.0F : edge;
+    falling[i] += turn > 0.0F ? edge : 0.0F;
+    by_major[i] += signed_weight * (0.5F * over - share);
+    by_minor[i] += signed_weight * (over * (over - 1.0F));
+    dark[i] += weight[i] * (0.5F - (inside < 0.0F ? -share : share));
   }
 }
 
-void add_narrow_slopes(const float* v,
-                       const float* gx,
-                       const float* gy,
-                       const float* weight,
-                       int count,
-                       float shift,
-                       float duty,
-                       const BoxSlopes& out) {
+void add_narrow_frame(const float* v,
+                      const BoxShapes& shapes,
+                      const float* weight,
+                      int count,
+                      float shift,
+                      float duty,
+                      const NarrowSums& sums) {
   add_folded_slopes(v,
-                    gx,
-                    gy,
+                    shapes.outer,
+                    shapes.inner,
+                    shapes.per_major,
+                    shapes.per_minor,
+                    shapes.flatness,
                     weight,
                     count,
                     shift,
                     duty,
-                    out.v,
-                    out.gx,
-                    out.gy,
-                    out.duty,
-                    out.share,
-                    out.weight);
+                    sums.rising,
+                    sums.falling,
+                    sums.major,
+                    sums.minor,
+                    sums.dark);
+}
+
+GLINT_WIDE static void unfold(const float* __restrict gx,
+                              const float* __restrict gy,
+                              const float* __restrict per_major,
+                              const float* __restrict rising,
+                              const float* __restrict falling,
+                              const float* __restrict major,
+                              const float* __restrict minor,
+                              const float* __restrict dark,
+                              int count,
+                              float* __restrict by_v,
+                              float* __restrict by_gx,
+                              float* __restrict by_gy,
+                              float* __restrict by_duty,
+                              float* __restrict by_dark) {
+  for (int i = 0; i < count; ++i) {
+    const bool is_steep = absolute(gx[i]) < absolute(gy[i]);
+    const float by_major = per_major[i] * major[i];
+    const float by_minor = 0.5F * per_major[i] * minor[i];
+    const float by_x = is_steep ? by_minor : by_major;
+    const float by_y = is_steep ? by_major : by_minor;
+    by_v[i] += per_major[i] * (rising[i] - falling[i]);
+    by_gx[i] += gx[i] < 0.0F ? -by_x : by_x;
+    by_gy[i] += gy[i] < 0.0F ? -by_y : by_y;
+    by_duty[i] += per_major[i] * falling[i];
+    by_dark[i] += dark[i];
+  }
+}
+
+void add_narrow_sums(const float* gx,
+                     const float* gy,
+                     const BoxShapes& shapes,
+                     const NarrowSums& sums,
+                     int count,
+                     const BoxSlopes& out) {
+  unfold(gx,
+         gy,
+         shapes.per_major,
+         sums.rising,
+         sums.falling,
+         sums.major,
+         sums.minor,
+         sums.dark,
+         count,
+         out.v,
+         out.gx,
+         out.gy,
+         out.duty,
+         out.dark);
 }
 
 GLINT_WIDE void multiply(const float* __restrict a,
@@ -355,17 +410,34 @@ GLINT_WIDE static void weigh(const float* __restrict by_aspect,
 }
 
 GLINT_WIDE double exact_sum(const float* values, std::size_t count) {
-  constexpr std::size_t kSums = 8;
-  double sums[kSums] = {};
+  double sums[kDoubleLanes] = {};
   std::size_t i = 0;
-  for (; i + kSums <= count; i += kSums) {
-    for (std::size_t lane = 0; lane < kSums; ++lane) {
+  for (; i + kDoubleLanes <= count; i += kDoubleLanes) {
+    for (std::size_t lane = 0; lane < kDoubleLanes; ++lane) {
       sums[lane] += static_cast<double>(values[i + lane]);
     }
   }
   double sum = 0.0;
   for (; i < count; ++i) {
     sum += static_cast<double>(values[i]);
+  }
+  for (const double lane : sums) {
+    sum += lane;
+  }
+  return sum;
+}
+
+GLINT_WIDE double exact_dot(const float* a, const float* b, std::size_t count) {
+  double sums[kDoubleLanes] = {};
+  std::size_t i = 0;
+  for (; i + kDoubleLanes <= count; i += kDoubleLanes) {
+    for (std::size_t lane = 0; lane < kDoubleLanes; ++lane) {
+      sums[lane] += static_cast<double>(a[i + lane]) * static_cast<double>(b[i + lane]);
+    }
+  }
+  double sum = 0.0;
+  for (; i < count; ++i) {
+    sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
   }
   for (const double lane : sums) {
     sum += lane;

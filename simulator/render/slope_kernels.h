@@ -16,8 +16,7 @@ struct BoxSlopes {
   float* gx = nullptr;  ///< by |gx|, |gy|: see box_slopes
   float* gy = nullptr;
   float* duty = nullptr;
-  float* share = nullptr;   ///< sum of weight * bright share
-  float* weight = nullptr;  ///< sum of weights
+  float* dark = nullptr;  ///< sum of weight * (1 - bright share)
 };
 
 /// Adds weight * d(bright share) for a frame. Slopes by gx and gy are those by the larger and the
@@ -31,22 +30,52 @@ void add_box_slopes(const float* v,
                     float duty,
                     const BoxSlopes& out);
 
-/// The same, but for rounding, for footprints that all are narrow (footprint_kernels.h) where their
-/// weight is not 0: one edge at most is near.
-void add_narrow_slopes(const float* v,
-                       const float* gx,
-                       const float* gy,
-                       const float* weight,
-                       int count,
-                       float shift,
-                       float duty,
-                       const BoxSlopes& out);
+/// What a footprint needs in every frame.
+struct BoxShapes {
+  float* outer = nullptr;  ///< half of |gx| + |gy|: no edge beyond is seen
+  float* inner = nullptr;  ///< half of their difference
+  float* per_major = nullptr;
+  float* per_minor = nullptr;
+  float* flatness = nullptr;  ///< half of the smaller over the larger
+};
+
+void box_shapes(const float* gx, const float* gy, int count, const BoxShapes& shapes);
+
+/// Sums over frames by the edge that is near, without the factors that all frames share.
+struct NarrowSums {
+  float* rising = nullptr;
+  float* falling = nullptr;
+  float* major = nullptr;  ///< by the larger of |gx|, |gy|
+  float* minor = nullptr;
+  float* dark = nullptr;
+};
+
+/// Adds a frame for footprints that all are narrow (footprint_kernels.h) where their weight is not
+/// 0: one edge at most is near.
+void add_narrow_frame(const float* v,
+                      const BoxShapes& shapes,
+                      const float* weight,
+                      int count,
+                      float shift,
+                      float duty,
+                      const NarrowSums& sums);
+
+/// Adds what add_box_slopes() would have added, but for rounding, in all these frames.
+void add_narrow_sums(const float* gx,
+                     const float* gy,
+                     const BoxShapes& shapes,
+                     const NarrowSums& sums,
+                     int count,
+                     const BoxSlopes& out);
 
 /// out = a * b
 void multiply(const float* a, const float* b, int count, float* out);
 
 /// In double, lane by lane: the same bits for any instruction set.
 double exact_sum(const float* values, std::size_t count);
+
+/// The same of a * b.
+double exact_dot(const float* a, const float* b, std::size_t count);
 
 /// to += factor * from
 void add_scaled(const float* from, int count, float factor, float* to);
@@ -57,32 +86,35 @@ void unclipped_slopes(const float* radiance, int count, float linear, float* slo
 /// by *= by_aspect * factor. @return the sum of by * grey
 double weigh_slopes(const float* by_aspect, const float* grey, int count, float factor, float* by);
 
-/// A table of cubic pieces, as look_up() of footprint_kernels.h takes it.
-struct Pieces {
-  const float* coefficients = nullptr;
-  int count = 0;
-  float per_unit = 1.0F;
-};
+/// out = values where the mask is not 0, else 0
+void keep_where(const unsigned char* mask, const float* values, int count, float* out);
 
-/// weight[i] * table(w[i]), summed.
-double weighted_look_up(const float* w, const float* weight, int count, const Pieces& table);
+double weighted_sum(const float* values, const float* weight, int count);
 
-/// Slopes by gx and gy of pixels whose value is a table's at w = sqrt(variance (gx^2 + gy^2)).
-/// @param slope  the table's derivative by w
-/// @return the sum of by_gx gx + by_gy gy
-double width_slopes(const float* w,
-                    const float* gx,
-                    const float* gy,
+/// Slopes by gx and gy of pixels whose value is a table's at w = sqrt(variance (gx^2 + gy^2)), both
+/// in units of the corners' coordinate.
+/// @param weight  0: the pixel's value is no table's
+/// @param by_w    the table's derivative by w
+/// @param scale   the variance, over the square of a period
+/// @param products  by_gx gx + by_gy gy
+/// @return their sum
+double width_slopes(const footprint_kernels::CornerRows& corners,
+                    const float* w,
                     const float* weight,
+                    const float* by_w,
                     int count,
-                    const Pieces& slope,
-                    float variance_px2,
+                    float scale,
                     float* by_gx,
-                    float* by_gy);
+                    float* by_gy,
+                    float* products);
 
-/// Slopes by gx and gy of a row of pixels to those by its corners, times `half`.
-void add_to_corners(
-    const float* by_gx, const float* by_gy, int count, float half, float* top, float* bottom);
+/// Slopes by gx and gy of a row of pixels to those by its corners. Before and after the row's there
+/// must be a 0.
+void add_gradients_to_corners(
+    const float* by_gx, const float* by_gy, int count, float* top, float* bottom);
+
+/// The same for slopes by the mean of the corners.
+void add_means_to_corners(const float* by_v, int count, float* top, float* bottom);
 
 /// Weighted sums over frames at a vertex: of the square wave less its mean, its first and second
 /// integral, and the second integral's derivative by the duty.

@@ -124,31 +124,66 @@ __attribute__((always_inline)) inline float bend(float a, float b, float c) {
 
 }  // namespace
 
+GLINT_WIDE void allow_more(const AcrossLimits& limits,
+                           int tiles,
+                           float half_slot_mm,
+                           float times,
+                           float* __restrict allowed) {
+  const float* __restrict y_low = limits.y_low;
+  const float* __restrict y_high = limits.y_high;
+  const float* __restrict margin_low = limits.margin_low;
+  const float* __restrict margin_high = limits.margin_high;
+  for (int i = 0; i < tiles; ++i) {
+    const float more = times * allowed[i];
+    const float low = y_low[i] - more;
+    const float high = y_high[i] + more;
+    const bool is_beside = (low > half_slot_mm) | (high < -half_slot_mm);
+    const bool is_in_slot = (low > -half_slot_mm) & (high < half_slot_mm);
+    const bool is_off_rim = (margin_low[i] - more > 0.0F) | (margin_high[i] + more < 0.0F);
+    allowed[i] = ((is_beside | is_in_slot) & is_off_rim) ? more : allowed[i];
+  }
+}
+
+GLINT_WIDE void keep_allowed(const float* __restrict errors,
+                             const float* __restrict allowed,
+                             int tiles,
+                             unsigned char* __restrict flags) {
+  for (int i = 0; i < tiles; ++i) {
+    flags[i] = static_cast<unsigned char>(flags[i] & (errors[i] <= allowed[i] ? 1 : 0));
+  }
+}
+
 /// In the middle between nodes 0 and 1 the quintic is the straight line less 19/256 of the second
 /// differences there and plus 3/256 of the next ones: 44/256 of the largest at most. Those down the
 /// columns are themselves taken from six nodes, whose weights sum to 356/256 in size.
 GLINT_WIDE void find_limits(const NodeRows& rows,
                             int tiles,
                             float* __restrict low,
-                            float* __restrict high) {
+                            float* __restrict high,
+                            float* __restrict scratch) {
   const float* __restrict a = rows[0];
   const float* __restrict b = rows[1];
   const float* __restrict c = rows[2];
   const float* __restrict d = rows[3];
   const float* __restrict e = rows[4];
   const float* __restrict f = rows[5];
+  const int nodes = tiles + kNodes - 1;
+  for (int k = 0; k < nodes; ++k) {
+    const float upper = larger(bend(a[k], b[k], c[k]), bend(b[k], c[k], d[k]));
+    const float lower = larger(bend(c[k], d[k], e[k]), bend(d[k], e[k], f[k]));
+    scratch[k] = larger(upper, lower);
+  }
   for (int i = 0; i < tiles; ++i) {
-    float across = 0.0F;
-    for (int k = i; k < i + 4; ++k) {
-      across =
-          larger(across, larger(bend(c[k], c[k + 1], c[k + 2]), bend(d[k], d[k + 1], d[k + 2])));
-    }
-    float down = 0.0F;
-    for (int k = i; k < i + 6; ++k) {
-      down = larger(down, larger(bend(a[k], b[k], c[k]), bend(b[k], c[k], d[k])));
-      down = larger(down, larger(bend(c[k], d[k], e[k]), bend(d[k], e[k], f[k])));
-    }
-    const float bulge = 0.18F * across + 0.25F * down;
+    const float* down = scratch + i;
+    const float most_down = larger(larger(larger(down[0], down[1]), larger(down[2], down[3])),
+                                   larger(down[4], down[5]));
+    const float upper =
+        larger(larger(bend(c[i], c[i + 1], c[i + 2]), bend(c[i + 1], c[i + 2], c[i + 3])),
+               larger(bend(c[i + 2], c[i + 3], c[i + 4]), bend(c[i + 3], c[i + 4], c[i + 5])));
+    const float lower =
+        larger(larger(bend(d[i], d[i + 1], d[i + 2]), bend(d[i + 1], d[i + 2], d[i + 3])),
+               larger(bend(d[i + 2], d[i + 3], d[i + 4]), bend(d[i + 3], d[i + 4], d[i + 5])));
+    const float bulge = 0.18F * larger(upper, lower) + 0.25F * most_down;
     const float least = smaller(smaller(c[i + 2], c[i + 3]), smaller(d[i + 2], d[i + 3]));
     const float most = larger(larger(c[i + 2], c[i + 3]), larger(d[i + 2], d[i + 3]));
     low[i] = least - bulge;

@@ -55,9 +55,25 @@ void find_errors_of_all(const float* spread_values, const float* values, int til
 /// @param top, bottom  first node of the first tile in two rows
 void allow_errors(const float* top, const float* bottom, int tiles, float share, float* allowed);
 
+/// Limits of hits across a tunnel, tile by tile.
+struct AcrossLimits {
+  const float* y_low = nullptr;
+  const float* y_high = nullptr;
+  const float* margin_low = nullptr;
+  const float* margin_high = nullptr;
+};
+
+/// Makes allowed[i] so many times what it was where neither slot edge nor rim is near the tile.
+void allow_more(
+    const AcrossLimits& limits, int tiles, float half_slot_mm, float times, float* allowed);
+
+/// Clears flags of tiles with errors that are not allowed.
+void keep_allowed(const float* errors, const float* allowed, int tiles, unsigned char* flags);
+
 /// Limits of the quintics over whole tiles, the first nodes of the next ones included: those of the
 /// four nodes around, and a share of the second differences that bend them.
-/// @param rows  the first node of the first tile's stencil, as blend_rows() takes them
-void find_limits(const NodeRows& rows, int tiles, float* low, float* high);
+/// @param rows     the first node of the first tile's stencil, as blend_rows() takes them
+/// @param scratch  tiles + kNodes - 1
+void find_limits(const NodeRows& rows, int tiles, float* low, float* high, float* scratch);
 
 }  // namespace glint::sparse_kernels

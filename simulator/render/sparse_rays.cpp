@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -20,10 +21,13 @@ using kernels::kStep;
 constexpr float kLargestOriginError_mm = 2e-4F;
 
 /// Of what a pixel sees of the wall, by which a tile's hits may be wrong ...
-constexpr float kLargestShare = 0.004F;
+constexpr float kLargestShare = 0.005F;
 /// ... and what floats cannot do better.
 constexpr float kLeastError_mm = 1e-3F;
-/// Of pattern and cosine, which have no footprint of their own.
+/// Across the tunnel hits only decide about the light's boundaries: so many times as much where
+/// none is near.
+constexpr float kFarFromBoundaries = 5.0F;
+/// Of the cosine, which has no footprint.
 constexpr float kLargestCosineError = 1e-4F;
 
 struct CheckPlace {
@@ -310,8 +314,9 @@ class SparseMeeting {
   WallHits meet(TileLimits& limits) {
     begin(limits);
     for (int row = 0; row + 1 < sparse_.rows; ++row) {
-      check(row);
       find_limits(row, limits);
+      check(row, limits);
+      set_kinds(row, limits);
       spread(row);
       meet_others(row);
     }
@@ -340,8 +345,11 @@ class SparseMeeting {
   }
 
   void begin(TileLimits& limits) const;
-  void check(int row);
-  void find_limits(int row, TileLimits& limits) const;
+  void check(int row, const TileLimits& limits);
+  void find_errors(std::size_t array, int row);
+  void allow_errors(std::size_t array, int row, const TileLimits& limits);
+  void set_kinds(int row, TileLimits& limits) const;
+  void find_limits(int row, TileLimits& limits);
   void spread(int row);
   void meet_others(int row);
   void meet_tiles(int row, int begin, int end);
@@ -361,40 +369,61 @@ class SparseMeeting {
 };
 
 /// Where the quintics are near enough to the hits at the places that are checked.
-void SparseMeeting::check(int row) {
-  constexpr float kPerPixel = kLargestShare / kStep;
-  std::ranges::fill(allowed_, kLeastError_mm);
-  for (std::size_t i = 0; i < 2; ++i) {  // x and y: what a pixel sees of the wall
-    kernels::allow_errors(planes_[i].row(row) + kMargin,
-                          planes_[i].row(row + 1) + kMargin,
-                          tiles_,
-                          kPerPixel,
-                          allowed_.data());
-  }
+void SparseMeeting::check(int row, const TileLimits& limits) {
   for (std::size_t i = 0; i < is_sparse_.size(); ++i) {
     is_sparse_[i] = kinds(row)[i] == TileKind::kSmooth ? 1 : 0;
   }
-  constexpr std::size_t kCosine = 4;
   for (std::size_t array = 0; array < planes_.size(); ++array) {
-    std::ranges::fill(errors_, 0.0F);
-    for (std::size_t k = 0; k < SparseRays::kChecks; ++k) {
-      const CheckPlace at = kCheckPlaces[k];
-      kernels::blend_rows(planes_[array].around(row),
-                          kernels::node_weights(at.row),
-                          planes_[array].width(),
-                          blended_.data());
-      kernels::find_errors(
-          blended_.data(),
-          checks_[k].arrays()[array]->data() + static_cast<std::ptrdiff_t>(row) * tiles_,
-          kernels::node_weights(at.column),
-          tiles_,
-          errors_.data());
-    }
-    for (std::size_t i = 0; i < is_sparse_.size(); ++i) {
-      const float allowed = array == kCosine ? kLargestCosineError : allowed_[i];
-      is_sparse_[i] = is_sparse_[i] != 0 && errors_[i] <= allowed ? 1 : 0;
-    }
+    find_errors(array, row);
+    allow_errors(array, row, limits);
+    kernels::keep_allowed(errors_.data(), allowed_.data(), tiles_, is_sparse_.data());
   }
+}
+
+void SparseMeeting::find_errors(std::size_t array, int row) {
+  std::ranges::fill(errors_, 0.0F);
+  for (std::size_t k = 0; k < SparseRays::kChecks; ++k) {
+    const CheckPlace at = kCheckPlaces[k];
+    kernels::blend_rows(planes_[array].around(row),
+                        kernels::node_weights(at.row),
+                        planes_[array].width(),
+                        blended_.data());
+    kernels::find_errors(
+        blended_.data(),
+        checks_[k].arrays()[array]->data() + static_cast<std::ptrdiff_t>(row) * tiles_,
+        kernels::node_weights(at.column),
+        tiles_,
+        errors_.data());
+  }
+}
+
+/// Along the stripes a share of the footprint there; across the tunnel a share of that, and more
+/// where no boundary of the light is near.
+void SparseMeeting::allow_errors(std::size_t array, int row, const TileLimits& limits) {
+  enum : std::size_t { kX, kY, kMargin_, kPattern, kCosine };
+
+  constexpr float kPerPixel = kLargestShare / kStep;
+  std::ranges::fill(allowed_, array == kCosine ? kLargestCosineError : kLeastError_mm);
+  if (array == kCosine) {
+    return;
+  }
+  const bool is_across = array == kY || array == kMargin_;
+  const NodePlane& seen = planes_[is_across ? kY : array];
+  kernels::allow_errors(
+      seen.row(row) + kMargin, seen.row(row + 1) + kMargin, tiles_, kPerPixel, allowed_.data());
+  if (!is_across) {
+    return;
+  }
+  const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(row) * tiles_;
+  const double slot_mm = tunnel_.settings().slot_mm;
+  kernels::allow_more({.y_low = limits.y_low_mm.data() + first,
+                       .y_high = limits.y_high_mm.data() + first,
+                       .margin_low = limits.margin_low_mm.data() + first,
+                       .margin_high = limits.margin_high_mm.data() + first},
+                      tiles_,
+                      slot_mm > 0.0 ? static_cast<float>(0.5 * slot_mm) : -1e30F,
+                      kFarFromBoundaries,
+                      allowed_.data());
 }
 
 /// In the order of the hits' arrays.
@@ -417,15 +446,20 @@ void SparseMeeting::begin(TileLimits& limits) const {
   }
 }
 
-void SparseMeeting::find_limits(int row, TileLimits& limits) const {
+void SparseMeeting::find_limits(int row, TileLimits& limits) {
   const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(row) * tiles_;
   const auto arrays = limit_arrays(limits);
   for (std::size_t i = 0; i < std::min(arrays.size(), planes_.size()); ++i) {
     kernels::find_limits(planes_[i].around(row),
                          tiles_,
                          arrays[i].first->data() + first,
-                         arrays[i].second->data() + first);
+                         arrays[i].second->data() + first,
+                         blended_.data());
   }
+}
+
+void SparseMeeting::set_kinds(int row, TileLimits& limits) const {
+  const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(row) * tiles_;
   for (std::size_t i = 0; i < is_sparse_.size(); ++i) {
     limits.kind[static_cast<std::size_t>(first) + i] = kinds(row)[i] == TileKind::kNone
                                                            ? TileLimits::kNoRays
@@ -479,6 +513,17 @@ void SparseMeeting::clear_tile(int row, int column) {
   }
 }
 
+/// Short stretches, mostly of whole tiles: a call for each would take longer than to copy it.
+void copy_stretch(const float* from, std::size_t count, float* to) {
+  std::size_t done = 0;
+  for (; done + kStep <= count; done += kStep) {
+    std::memcpy(to + done, from + done, kStep * sizeof(float));
+  }
+  for (; done < count; ++done) {
+    to[done] = from[done];
+  }
+}
+
 /// Ray by ray, all rows of the tiles together.
 void SparseMeeting::meet_tiles(int row, int begin, int end) {
   const int left = begin * kStep;
@@ -494,9 +539,9 @@ void SparseMeeting::meet_tiles(int row, int begin, int end) {
   for (std::size_t i = 0; i < to.size(); ++i) {
     to[i]->resize(width * kStep);
     for (std::size_t y = 0; y < kStep; ++y) {
-      std::copy_n(from[i]->data() + place(left, row * kStep + static_cast<int>(y)),
-                  width,
-                  to[i]->data() + y * width);
+      copy_stretch(from[i]->data() + place(left, row * kStep + static_cast<int>(y)),
+                   width,
+                   to[i]->data() + y * width);
     }
   }
   meet(others_, met_);
@@ -504,9 +549,9 @@ void SparseMeeting::meet_tiles(int row, int begin, int end) {
   const std::vector<FloatArray*> found = met_.arrays();
   for (std::size_t i = 0; i < results.size(); ++i) {
     for (std::size_t y = 0; y < kStep; ++y) {
-      std::copy_n(found[i]->data() + y * width,
-                  width,
-                  results[i]->data() + place(left, row * kStep + static_cast<int>(y)));
+      copy_stretch(found[i]->data() + y * width,
+                   width,
+                   results[i]->data() + place(left, row * kStep + static_cast<int>(y)));
     }
   }
 }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <iterator>
 #include <limits>
 
@@ -263,7 +262,6 @@ void meet(const TraceScene& scene,
   }
   meet_surface(scene, hits, holds_triangles, lanes);
   orient16(lanes);
-  std::ranges::fill(lanes.reflectance, 1.0);
   if (!scene.detail.empty() && is_near_detail(scene, lanes)) {
     add_detail(scene.detail,
                hits,
@@ -296,12 +294,11 @@ void meet_part(const TraceScene& scene,
                const HitPacket& hits,
                bool holds_triangles,
                MeetingLanes& lanes) {
-  std::ranges::fill(lanes.origin_x, rays.origin_mm.x());
-  std::ranges::fill(lanes.origin_y, rays.origin_mm.y());
-  std::ranges::fill(lanes.origin_z, rays.origin_mm.z());
-  std::memcpy(lanes.direction_x, rays.direction_x.data(), sizeof(lanes.direction_x));
-  std::memcpy(lanes.direction_y, rays.direction_y.data(), sizeof(lanes.direction_y));
-  std::memcpy(lanes.direction_z, rays.direction_z.data(), sizeof(lanes.direction_z));
+  arrive16(rays.origin_mm.data(),
+           rays.direction_x.data(),
+           rays.direction_y.data(),
+           rays.direction_z.data(),
+           lanes);
   meet(scene, hits, holds_triangles, lanes);
 }
 

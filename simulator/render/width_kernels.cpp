@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Inner loops of the table T(w): how wide a pixel's stripes are, and values of the table.
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
+#include <limits>
 
 #include "simulator/render/footprint_kernels.h"
 #include "simulator/render/width_kernels.h"
@@ -56,6 +58,47 @@ __attribute__((always_inline)) inline PieceRange pieces_of(const float* __restri
     highest = piece[i] > highest ? piece[i] : highest;
   }
   return {.lowest = lowest, .highest = highest};
+}
+
+__attribute__((always_inline)) inline int piece_of(float w, const PieceTables& t) {
+  const auto last = static_cast<float>(t.pieces - 1);
+  const float place = w * t.per_unit;
+  return static_cast<int>(place < last ? place : last);
+}
+
+/// Places of the mask in one piece, or in it and the next: no coefficients to be gathered.
+template <bool has_two>
+__attribute__((always_inline)) inline void look_up_near(const unsigned char* __restrict mask,
+                                                        const float* __restrict w,
+                                                        int count,
+                                                        const PieceTables& t,
+                                                        int piece,
+                                                        const PieceValues& none,
+                                                        float* __restrict cubic,
+                                                        float* __restrict straight) {
+  const float* a = t.coefficients + 4 * piece;
+  const float* b = has_two ? a + 4 : a;
+  const float* node = t.nodes + piece;
+  const float a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
+  const float b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
+  const float low = node[0], low_rise = node[1] - node[0];
+  const float high = node[1], high_rise = has_two ? node[2] - node[1] : 0.0F;
+  const float other = none.cubic, other_straight = none.straight;
+  const auto begin = static_cast<float>(piece);
+  const float next = begin + 1.0F;
+  const auto end = static_cast<float>(t.pieces);
+  for (int i = 0; i < count; ++i) {
+    const float place = w[i] * t.per_unit;
+    const float at = place < end ? place : end;
+    const bool is_low = !has_two | (at < next);
+    const float s = at - (is_low ? begin : next);
+    const float value =
+        (is_low ? a0 : b0) +
+        s * ((is_low ? a1 : b1) + s * ((is_low ? a2 : b2) + s * (is_low ? a3 : b3)));
+    const float line = (is_low ? low : high) + s * (is_low ? low_rise : high_rise);
+    cubic[i] = mask[i] != 0 ? value : other;
+    straight[i] = mask[i] != 0 ? line : other_straight;
+  }
 }
 
 }  // namespace
@@ -126,37 +169,40 @@ GLINT_WIDE void look_up_where(const unsigned char* __restrict mask,
                               float* __restrict cubic,
                               float* __restrict straight) {
   constexpr int kChunk = 32;
-  std::int32_t piece[kChunk];
-  float s[kChunk];
   const PieceTables t = tables;
   const PieceValues none = other;
   for (int begin = 0; begin < count; begin += kChunk) {
     const int size = count - begin < kChunk ? count - begin : kChunk;
-    const auto [lowest, highest] = pieces_of(w + begin, size, t.pieces, t.per_unit, piece, s);
+    const float* __restrict widths = w + begin;
     const unsigned char* __restrict is_used = mask + begin;
-    const float* a = t.coefficients + 4 * lowest;
-    const float* b = t.coefficients + 4 * highest;
-    const float a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
-    const float b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
-    const float low = t.nodes[lowest], low_rise = t.nodes[lowest + 1] - t.nodes[lowest];
-    const float high = t.nodes[highest], high_rise = t.nodes[highest + 1] - t.nodes[highest];
-    const bool has_two = highest - lowest <= 1;
-    for (int i = 0; has_two && i < size; ++i) {
-      const bool is_low = piece[i] == lowest;
-      const float value =
-          (is_low ? a0 : b0) +
-          s[i] * ((is_low ? a1 : b1) + s[i] * ((is_low ? a2 : b2) + s[i] * (is_low ? a3 : b3)));
-      const float line = (is_low ? low : high) + s[i] * (is_low ? low_rise : high_rise);
-      cubic[begin + i] = is_used[i] != 0 ? value : none.cubic;
-      straight[begin + i] = is_used[i] != 0 ? line : none.straight;
+    float* __restrict values = cubic + begin;
+    float* __restrict lines = straight + begin;
+    // Numbers that are not negative are ordered as their bits are.
+    std::int32_t least = std::numeric_limits<std::int32_t>::max();
+    std::int32_t most = 0;
+    for (int i = 0; i < size; ++i) {
+      const auto bits = std::bit_cast<std::int32_t>(widths[i]);
+      least = bits < least ? bits : least;
+      most = bits > most ? bits : most;
     }
-    for (int i = 0; !has_two && i < size; ++i) {
-      const float* c = t.coefficients + 4 * piece[i];
-      const float* node = t.nodes + piece[i];
-      const float value = c[0] + s[i] * (c[1] + s[i] * (c[2] + s[i] * c[3]));
-      const float line = node[0] + s[i] * (node[1] - node[0]);
-      cubic[begin + i] = is_used[i] != 0 ? value : none.cubic;
-      straight[begin + i] = is_used[i] != 0 ? line : none.straight;
+    const int lowest = piece_of(std::bit_cast<float>(least), t);
+    const int highest = piece_of(std::bit_cast<float>(most), t);
+    if (lowest == highest) {
+      look_up_near<false>(is_used, widths, size, t, lowest, none, values, lines);
+    } else if (lowest + 1 == highest) {
+      look_up_near<true>(is_used, widths, size, t, lowest, none, values, lines);
+    } else {
+      std::int32_t piece[kChunk];
+      float s[kChunk];
+      pieces_of(widths, size, t.pieces, t.per_unit, piece, s);
+      for (int i = 0; i < size; ++i) {
+        const float* c = t.coefficients + 4 * piece[i];
+        const float* node = t.nodes + piece[i];
+        const float value = c[0] + s[i] * (c[1] + s[i] * (c[2] + s[i] * c[3]));
+        const float line = node[0] + s[i] * (node[1] - node[0]);
+        values[i] = is_used[i] != 0 ? value : none.cubic;
+        lines[i] = is_used[i] != 0 ? line : none.straight;
+      }
     }
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "metrics/score_slopes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -115,6 +116,33 @@ TEST(SlopesByAspect, MatchTwoHandWorkedPixels) {
   EXPECT_NEAR(static_cast<double>(h(1, 0)), -0.8, 1e-5);
   const auto mean = slopes_by_aspect("homogeneity.mean", {aspect, region, {}, 0.1}).value();
   EXPECT_FLOAT_EQ(mean(0, 0), 0.5F);
+}
+
+// Two pixels that differ by the last digit of a float are even; 1e-4 apart they are not.
+TEST(SlopesByAspect, RoundingIsNoUnevenness) {
+  ImageF aspect(2, 1);
+  aspect(0, 0) = 0.5F;
+  const Mask region(2, 1, 1);
+  for (const char* score : {"homogeneity.h_rms", "homogeneity.h_abs"}) {
+    aspect(1, 0) = std::nextafter(0.5F, 1.0F);
+    const auto even = slopes_by_aspect(score, {aspect, region, {}, 0.1}).value();
+    EXPECT_EQ(even(0, 0), 0.0F) << score;
+    EXPECT_EQ(even(1, 0), 0.0F) << score;
+    aspect(1, 0) = 0.5001F;
+    EXPECT_GT(slopes_by_aspect(score, {aspect, region, {}, 0.1}).value()(0, 0), 0.5F) << score;
+  }
+  aspect(1, 0) = std::nextafter(0.5F, 1.0F);
+  EXPECT_EQ(slopes_by_aspect("homogeneity.mean", {aspect, region, {}, 0.1}).value()(0, 0), 0.5F);
+}
+
+TEST(SlopesByAspect, ADefectThatIsNotSeenHasNoSlope) {
+  TwoDents scene;
+  std::ranges::fill(scene.aspect.values(), 0.4F);
+  scene.aspect.values()[scene.defects[0].inside[0]] = std::nextafter(0.4F, 1.0F);
+  const auto slopes = slopes_by_aspect("defects.dent_1.cnr",
+                                       {scene.aspect, scene.region, scene.defects, kSlopesFloor});
+  EXPECT_EQ(*std::ranges::max_element(slopes->values()), 0.0F);
+  EXPECT_EQ(*std::ranges::min_element(slopes->values()), 0.0F);
 }
 
 TEST(SlopesByAspect, TheSmallestIsThatOfTheDefectAtFault) {

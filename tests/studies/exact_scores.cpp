@@ -5,170 +5,12 @@
 #include <cmath>
 #include <optional>
 
-#include "simulator/light/tunnel_profile.h"
-#include "simulator/render/packet_tracer.h"
 #include "simulator/render/stripe_integral.h"
 
 namespace glint {
 namespace {
 
-using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Shape = TunnelSettings::Shape;
-
-constexpr double kNowhere = -1e30;
-
-/// Where a ray meets the wall.
-struct Place {
-  double x_mm = 0.0;
-  double y_mm = 0.0;
-  double margin_mm = kNowhere;
-};
-
-/// Meets the wall of a tunnel in double, in the coordinates of Tunnel::meet_block().
-class ExactWall {
- public:
-  explicit ExactWall(const TunnelSettings& settings)
-      : s_(settings),
-        walls_(
-            flat_walls(s_.distance_mm, s_.opening_rad, s_.panel_height_mm, s_.base_mm)) {
-    if (s_.shape == Shape::kFree) {
-      segments_ = with_straight_ends(free_segments(s_.control_mm, s_.base_mm));
-    }
-  }
-
-  Place meet(const Vector3d& origin, const Vector3d& direction) const {
-    const Vector2d from = origin.tail<2>();
-    const Vector2d along = direction.tail<2>();
-    const std::optional<double> t = distance(from, along);
-    if (!t) {
-      return {};
-    }
-    const Vector2d point = from + *t * along;
-    const double margin = s_.shape == Shape::kFlat ? flat_margin(point) : point.y() - s_.base_mm;
-    return {.x_mm = origin.x() + *t * direction.x(), .y_mm = point.x(), .margin_mm = margin};
-  }
-
- private:
-  static constexpr double kNearest_mm = 1e-3;
-
-  std::optional<double> distance(const Vector2d& from, const Vector2d& along) const {
-    switch (s_.shape) {
-      case Shape::kFlat:
-        return to_panels(from, along);
-      case Shape::kFree:
-        return hit_segments(segments_, from, along, kNearest_mm);
-      case Shape::kSemicylinder:
-        return to_curve({s_.radius_mm, s_.radius_mm}, 2.0, from, along);
-      case Shape::kEllipse:
-        return to_curve({s_.half_width_mm, s_.height_mm}, 2.0, from, along);
-      default:
-        return to_curve({s_.half_width_mm, s_.height_mm}, s_.exponent, from, along);
-    }
-  }
-
-  std::optional<double> to_panels(const Vector2d& from, const Vector2d& along) const {
-    std::optional<double> nearest;
-    for (const FlatWall& wall : walls_) {
-      const Vector2d normal(wall.normal_y, wall.normal_z);
-      const double slope = normal.dot(along);
-      const double t = (wall.offset_mm - normal.dot(from)) / slope;
-      if (slope > 0.0 && t > kNearest_mm && (!nearest || t < *nearest)) {
-        nearest = t;
-      }
-    }
-    return nearest;
-  }
-
-  double flat_margin(const Vector2d& point) const {
-    const FlatWall& wall = walls_[1];
-    const double sine = std::sin(0.5 * s_.opening_rad);
-    const bool meets_at_top = s_.panel_height_mm * sine >= s_.distance_mm * (1.0 - 1e-9);
-    const double along = (std::abs(point.x()) - wall.start_y_mm) * wall.along_y +
-                         (point.y() - wall.start_z_mm) * wall.along_z;
-    return meets_at_top ? along : std::min(along, wall.length_mm - along);
-  }
-
-  /// By bisection in the first steps and Newton's method in the others; rays start inside.
-  std::optional<double> to_curve(const Vector2d& axes,
-                                 double exponent,
-                                 const Vector2d& from,
-                                 const Vector2d& along) const {
-    const Vector2d p = (from - Vector2d(0.0, s_.base_mm)).cwiseQuotient(axes);
-    const Vector2d v = along.cwiseQuotient(axes);
-    const double a = v.squaredNorm();
-    const double b = p.dot(v);
-    const double c = p.squaredNorm() - 1.0;
-    if (!(b * b - a * c > 0.0) || !(a > 0.0)) {
-      return std::nullopt;
-    }
-    double t = (std::sqrt(b * b - a * c) - b) / a;
-    constexpr int kMostSteps = 50;
-    for (int step = 0; exponent != 2.0 && step < kMostSteps; ++step) {
-      const Vector2d q = (p + t * v).cwiseAbs();
-      const Vector2d w(p.x() + t * v.x() < 0.0 ? -v.x() : v.x(),
-                       p.y() + t * v.y() < 0.0 ? -v.y() : v.y());
-      const Vector2d g(std::pow(q.x(), exponent - 1.0), std::pow(q.y(), exponent - 1.0));
-      // The norm (sum of powers)^(1 / exponent) is convex along the ray.
-      const double sum = g.dot(q);
-      const double norm = std::pow(sum, 1.0 / exponent);
-      const double change = (norm - 1.0) * sum / (norm * g.dot(w));
-      t -= change;
-      if (std::abs(change) < 1e-15 * t) {
-        break;
-      }
-    }
-    const bool is_hit = t > kNearest_mm && p.y() + t * v.y() >= -2.0;
-    return is_hit ? std::optional(t) : std::nullopt;
-  }
-
-  const TunnelSettings& s_;
-  std::vector<FlatWall> walls_;
-  std::vector<SplineSegment> segments_;
-};
-
-ExactRays rays_of(const RayCache& cache) {
-  ExactRays rays;
-  for (std::size_t i = 0; i < cache.weight.size(); ++i) {
-    rays.origin_mm.push_back(
-        vector_of(cache.origin_x[i], cache.origin_y[i], cache.origin_z[i]));
-    rays.direction.push_back(
-        vector_of(cache.direction_x[i], cache.direction_y[i], cache.direction_z[i]));
-  }
-  return rays;
-}
-
-/// Traces rays anew through places of the image; place_of(i) is that of ray i.
-template <class PlaceOf>
-void trace_anew(const TraceScene& scene,
-                const CameraRays& camera,
-                const PlaceOf& place_of,
-                ExactRays& rays) {
-  PacketTracer tracer(scene);
-  const std::size_t total = rays.origin_mm.size();
-  for (std::size_t first = 0; first < total; first += kPacketSize) {
-    const std::size_t count = std::min<std::size_t>(kPacketSize, total - first);
-    Lanes x = {};
-    Lanes y = {};
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      const Vector2d place = place_of(first + lane);
-      x[lane] = place.x();
-      y[lane] = place.y();
-    }
-    CameraPacket packet;
-    EscapePacket escapes;
-    camera.through(x.data(), y.data(), static_cast<int>(count), packet);
-    tracer.trace(packet, escapes);
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      if (escapes.path[lane] == RayPath::kOnce) {
-        rays.origin_mm[first + lane] = {
-            escapes.origin_x[lane], escapes.origin_y[lane], escapes.origin_z[lane]};
-        rays.direction[first + lane] = {
-            escapes.direction_x[lane], escapes.direction_y[lane], escapes.direction_z[lane]};
-      }
-    }
-  }
-}
 
 /// Frames of some pixels, in double.
 class ExactFrames {
@@ -217,8 +59,7 @@ class ExactFrames {
     for (std::size_t g = 0; g < rays_.refined.size(); ++g) {
       for (std::size_t i = 0; i < rays_.refined[g].pixels.size(); ++i) {
         if (where.values()[static_cast<std::size_t>(rays_.refined[g].pixels[i])] != 0) {
-          add_held_of_refined(
-              rays_.refined[g], picture_.refined[g], errors_.refined[g], i, images);
+          add_held_of_refined(rays_.refined[g], picture_.refined[g], errors_.refined[g], i, images);
         }
       }
     }
@@ -259,7 +100,7 @@ class ExactFrames {
   }
 
  private:
-  using Corners = std::array<Place, 4>;
+  using Corners = std::array<ExactPlace, 4>;
 
   std::size_t index_of(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(rays_.width_px) +
@@ -271,8 +112,8 @@ class ExactFrames {
            static_cast<std::size_t>(x);
   }
 
-  Place meet(const ExactRays& rays, const std::vector<Vector3d>& errors, std::size_t i) const {
-    Place place = wall_.meet(rays.origin_mm[i], rays.direction[i]);
+  ExactPlace meet(const ExactRays& rays, const std::vector<Vector3d>& errors, std::size_t i) const {
+    ExactPlace place = wall_.meet(rays.origin_mm[i], rays.direction[i]);
     place.x_mm += errors[i].x();
     place.y_mm += errors[i].y();
     place.margin_mm += errors[i].z();
@@ -313,12 +154,12 @@ class ExactFrames {
   /// Without a corner that meets light.
   bool is_dark(const Corners& corners) const {
     const double half_slot = positions_.half_slot_mm;
-    return std::ranges::all_of(corners, [](const Place& p) { return p.margin_mm < 0.0; }) ||
+    return std::ranges::all_of(corners, [](const ExactPlace& p) { return p.margin_mm < 0.0; }) ||
            std::ranges::all_of(corners,
-                               [&](const Place& p) { return std::abs(p.y_mm) < half_slot; });
+                               [&](const ExactPlace& p) { return std::abs(p.y_mm) < half_slot; });
   }
 
-  void add_place(const Place& place,
+  void add_place(const ExactPlace& place,
                  double gain,
                  std::size_t pixel,
                  std::vector<std::vector<double>>& images) const {
@@ -346,7 +187,7 @@ class ExactFrames {
     for (std::size_t cell = 0; cell < n * n; ++cell) {
       const std::size_t a = first + cell / n * (n + 1) + cell % n;
       const std::size_t b = a + n + 1;
-      std::array<Place, 4> met;
+      std::array<ExactPlace, 4> met;
       const std::array<std::size_t, 4> at = {a, a + 1, b, b + 1};
       for (std::size_t i = 0; i < 4; ++i) {
         met[i] = meet(rays, errors, at[i]);
@@ -370,8 +211,8 @@ class ExactFrames {
     const LinearFunction phase = phase_of(c);
     PixelPolygon wall;
     if (lowest < 0.0) {
-      wall.clip(
-          linear_through({c[0].margin_mm, c[1].margin_mm, c[2].margin_mm, c[3].margin_mm}), 0);
+      wall.clip(linear_through({c[0].margin_mm, c[1].margin_mm, c[2].margin_mm, c[3].margin_mm}),
+                0);
     }
     sum_.clear();
     const double half_slot = positions_.half_slot_mm;
@@ -438,8 +279,8 @@ class ExactFrames {
   bool wants_mean_;
   std::size_t frames_;
   double dark_ = 0.0;
-  std::vector<Place> places_;  ///< of the corners
-  std::vector<Place> met_;     ///< of a refined pixel
+  std::vector<ExactPlace> places_;  ///< of the corners
+  std::vector<ExactPlace> met_;     ///< of a refined pixel
   StripeSum sum_;
   std::vector<double> shares_;
 };
@@ -532,10 +373,12 @@ class ExactTable {
   std::vector<double> f_;
 };
 
-std::vector<Vector3d> errors_of(const ExactWall& wall, const ExactRays& rays, const WallHits& hits) {
+std::vector<Vector3d> errors_of(const ExactWall& wall,
+                                const ExactRays& rays,
+                                const WallHits& hits) {
   std::vector<Vector3d> errors;
   for (std::size_t i = 0; i < rays.origin_mm.size(); ++i) {
-    const Place exact = wall.meet(rays.origin_mm[i], rays.direction[i]);
+    const ExactPlace exact = wall.meet(rays.origin_mm[i], rays.direction[i]);
     const auto margin = static_cast<double>(hits.margin_mm[i]);
     const bool is_nowhere = exact.margin_mm < -1e20 || margin < -1e20;
     errors.push_back(is_nowhere ? Vector3d::Zero()
@@ -547,50 +390,6 @@ std::vector<Vector3d> errors_of(const ExactWall& wall, const ExactRays& rays, co
 }
 
 }  // namespace
-
-ExactPicture picture_of(const CornerRays& rays) {
-  ExactPicture picture = {.corners = rays_of(rays.corners), .refined = {}};
-  for (const RefinedGroup& group : rays.refined) {
-    picture.refined.push_back(rays_of(group.rays));
-  }
-  return picture;
-}
-
-ExactPicture picture_from(const TracedScene& traced,
-                          const SceneSettings& scene,
-                          const RigidTransform& camera_from_world) {
-  const PinholeCamera camera(intrinsics_of(scene.camera));
-  const CameraRays through(camera, camera_from_world);
-  const TraceScene world(
-      traced.built().part, *traced.built().bvh, traced.detail(), scene.render);
-  ExactPicture picture = picture_of(traced.corners);
-  const auto columns = static_cast<std::size_t>(traced.corners.width_px) + 1;
-  trace_anew(
-      world,
-      through,
-      [&](std::size_t i) {
-        return Vector2d(static_cast<double>(i % columns), static_cast<double>(i / columns));
-      },
-      picture.corners);
-  for (std::size_t g = 0; g < picture.refined.size(); ++g) {
-    const RefinedGroup& group = traced.corners.refined[g];
-    const auto n = static_cast<std::size_t>(group.cells_per_axis);
-    const auto width = static_cast<std::size_t>(traced.corners.width_px);
-    trace_anew(
-        world,
-        through,
-        [&](std::size_t i) {
-          const auto pixel = static_cast<std::size_t>(group.pixels[i / ((n + 1) * (n + 1))]);
-          const std::size_t corner = i % ((n + 1) * (n + 1));
-          const auto cells = static_cast<double>(n);
-          return Vector2d(
-              static_cast<double>(pixel % width) + static_cast<double>(corner % (n + 1)) / cells,
-              static_cast<double>(pixel / width) + static_cast<double>(corner / (n + 1)) / cells);
-        },
-        picture.refined[g]);
-  }
-  return picture;
-}
 
 ExactScores::ExactScores(const SceneSettings& scene,
                          const TracedScene& traced,
@@ -607,10 +406,8 @@ ExactScores::ExactScores(const SceneSettings& scene,
   const ExactWall wall(scene.tunnel);
   errors_.corners = errors_of(wall, picture.corners, footprints.hits());
   for (std::size_t g = 0; g < picture.refined.size(); ++g) {
-    errors_.refined.push_back(
-        errors_of(wall,
-                  picture.refined[g],
-                  meet_light(traced.corners.refined[g].rays, footprints.tunnel())));
+    errors_.refined.push_back(errors_of(
+        wall, picture.refined[g], meet_light(traced.corners.refined[g].rays, footprints.tunnel())));
   }
   const ExactFrames frames(
       traced.corners, scene, picture, errors_, plan.form.kind == ScanForm::Kind::kFloors);
@@ -659,8 +456,7 @@ std::vector<double> ExactScores::aspect_of(const SceneSettings& scene,
       for (std::size_t i = 0; i < aspect.size(); ++i) {
         if (plan_.by_table.values()[i] != 0 && wanted_.values()[i] == 0) {
           const auto at = static_cast<int>(i);
-          const LinearFunction phase =
-              frames.phase_at(at % wanted_.width(), at / wanted_.width());
+          const LinearFunction phase = frames.phase_at(at % wanted_.width(), at / wanted_.width());
           aspect[i] = table.at(std::sqrt(variance) * std::hypot(phase.dx, phase.dy));
         }
       }

@@ -12,43 +12,24 @@
 #include <vector>
 
 #include "simulator/render/closed_scan.h"
-#include "studies/traced_scene.h"
+#include "tests/studies/exact_wall.h"
 
 namespace glint {
 
-/// Escaped rays, in the order of a RayCache.
-struct ExactRays {
-  std::vector<Eigen::Vector3d> origin_mm, direction;
-};
-
-/// Rays of the corners and of each refined group.
-struct ExactPicture {
-  ExactRays corners;
-  std::vector<ExactRays> refined;
-};
-
-/// The rays that the scene was traced with.
-ExactPicture picture_of(const CornerRays& rays);
-
-/// The rays through the same places of the image by another camera. Rays that do not escape after
-/// one reflection stay as they were.
-ExactPicture picture_from(const TracedScene& traced,
-                          const SceneSettings& scene,
-                          const RigidTransform& camera_from_world);
-
-/// h_rms (with its scatter), mean and min_cnr.
+/// h_rms, mean and min_cnr.
 using ExactValues = std::array<double, 3>;
 
-/// By how much the program's hits, in float and partly interpolated, differ from exact ones: x, y and
-/// margin of each ray.
+/// By how much the program's hits, in float and partly interpolated, differ from exact ones: x, y
+/// and margin of each ray.
 struct HitErrors {
   std::vector<Eigen::Vector3d> corners;
   std::vector<std::vector<Eigen::Vector3d>> refined;
 };
 
 /// Scores near a scene, with hits that are the program's there and move exactly from there: where a
-/// pixel clips in one frame and not in the other, both sides must see the same. Held are which pixels are made how, the region, the defects' pixels, and
-/// what single places of cells see that are not smooth.
+/// pixel clips in one frame and not in the other, both sides must see the same. Held are which
+/// pixels are made how, the region, the defects' pixels, and what single places of cells see that
+/// are not smooth.
 class ExactScores {
  public:
   /// @param traced, footprints, plan  of this scene; must outlive this object
@@ -75,8 +56,8 @@ class ExactScores {
   const ScanPlan& plan_;
   double sigma_floor_;
   HitErrors errors_;
-  Mask wanted_;    ///< pixels whose frames are needed
-  Mask rendered_;  ///< and what blurs into them
+  Mask wanted_;                            ///< pixels whose frames are needed
+  Mask rendered_;                          ///< and what blurs into them
   std::vector<std::vector<double>> held_;  ///< radiance of single places, frame by frame
 };
 

@@ -284,5 +284,36 @@ TEST(WallMotion, MatchesAHandWorkedMotionOfARay) {
   EXPECT_NEAR(slope(one, none), 1.0, 1e-6);
 }
 
+// Panels at 45 degrees meet at z = 60: a ray along (3, 0, 4) / 5 reaches the ridge at t = 75. Moved
+// by 1 mm along y it meets a panel 1.25 mm earlier, on one side as on the other, and x is 0.75 mm
+// less; moved back as well. So x does not change on average over both ways.
+TEST(WallMotion, ARayOnARidgeMovesByTheMeanOfBothPanels) {
+  const Tunnel roof({.shape = Shape::kFlat,
+                     .distance_mm = 60.0,
+                     .opening_rad = 0.5 * kPi,
+                     .panel_height_mm = 100.0,
+                     .slot_mm = 0.0});
+  const WallMotion motion(roof);
+  const float none = 0.0F;
+  const float one = 1.0F;
+  const auto slope_at = [&](float y_mm) {
+    MovedHit ray;
+    ray.ray = {0.0F, y_mm, 0.0F, 0.6F, 0.0F, 0.8F};
+    roof.meet_block(ray.block(), &ray.hit[0], &ray.hit[1], &ray.hit[2]);
+    return motion.slope_by_rays(ray.block(),
+                                {.origin_x = &none,
+                                 .origin_y = &one,
+                                 .origin_z = &none,
+                                 .direction_x = &none,
+                                 .direction_y = &none,
+                                 .direction_z = &none},
+                                ray.hits(),
+                                slopes_of(kByX, none));
+  };
+  EXPECT_NEAR(slope_at(0.01F), -0.75, 1e-6);
+  EXPECT_NEAR(slope_at(-0.01F), 0.75, 1e-6);
+  EXPECT_NEAR(slope_at(0.0F), 0.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace glint

@@ -237,18 +237,13 @@ TEST(AnySharesFast, AFootprintGetsTheSameWhateverStandsBesideIt) {
 
 /// What add_box_slopes() and its like sum up.
 struct SlopeSums {
-  std::vector<float> v, gx, gy, duty, share, weight;
+  std::vector<float> v, gx, gy, duty, dark;
 
-  explicit SlopeSums(std::size_t size)
-      : v(size), gx(size), gy(size), duty(size), share(size), weight(size) {}
+  explicit SlopeSums(std::size_t size) : v(size), gx(size), gy(size), duty(size), dark(size) {}
 
   slope_kernels::BoxSlopes out() {
-    return {.v = v.data(),
-            .gx = gx.data(),
-            .gy = gy.data(),
-            .duty = duty.data(),
-            .share = share.data(),
-            .weight = weight.data()};
+    return {
+        .v = v.data(), .gx = gx.data(), .gy = gy.data(), .duty = duty.data(), .dark = dark.data()};
   }
 };
 
@@ -258,6 +253,22 @@ TEST(NarrowSlopes, AreTheSlopesOfOneEdge) {
   const std::size_t size = prints.v.size();
   SlopeSums any(size);
   SlopeSums narrow(size);
+  std::array<std::vector<float>, 5> shape, sum;
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    shape[i].resize(size);
+    sum[i].resize(size);
+  }
+  const slope_kernels::BoxShapes shapes = {.outer = shape[0].data(),
+                                           .inner = shape[1].data(),
+                                           .per_major = shape[2].data(),
+                                           .per_minor = shape[3].data(),
+                                           .flatness = shape[4].data()};
+  const slope_kernels::NarrowSums sums = {.rising = sum[0].data(),
+                                          .falling = sum[1].data(),
+                                          .major = sum[2].data(),
+                                          .minor = sum[3].data(),
+                                          .dark = sum[4].data()};
+  slope_kernels::box_shapes(prints.gx.data(), prints.gy.data(), prints.count(), shapes);
   for (const float shift : {0.0F, 0.37F, 0.81F}) {
     slope_kernels::add_box_slopes(prints.v.data(),
                                   prints.gx.data(),
@@ -267,15 +278,11 @@ TEST(NarrowSlopes, AreTheSlopesOfOneEdge) {
                                   shift,
                                   0.3F,
                                   any.out());
-    slope_kernels::add_narrow_slopes(prints.v.data(),
-                                     prints.gx.data(),
-                                     prints.gy.data(),
-                                     prints.gain.data(),
-                                     prints.count(),
-                                     shift,
-                                     0.3F,
-                                     narrow.out());
+    slope_kernels::add_narrow_frame(
+        prints.v.data(), shapes, prints.gain.data(), prints.count(), shift, 0.3F, sums);
   }
+  slope_kernels::add_narrow_sums(
+      prints.gx.data(), prints.gy.data(), shapes, sums, prints.count(), narrow.out());
   int lit = 0;
   for (std::size_t i = 0; i < size; ++i) {
     if (std::min(std::abs(prints.gx[i]), std::abs(prints.gy[i])) < 2e-3F) {
@@ -287,8 +294,7 @@ TEST(NarrowSlopes, AreTheSlopesOfOneEdge) {
     EXPECT_NEAR(any.duty[i], narrow.duty[i], 4e-5F * largest * per_minor) << i;
     EXPECT_NEAR(any.gx[i], narrow.gx[i], 4e-5F * largest * per_minor) << i;
     EXPECT_NEAR(any.gy[i], narrow.gy[i], 4e-5F * largest * per_minor) << i;
-    EXPECT_NEAR(any.share[i], narrow.share[i], 4e-5F * largest) << i;
-    EXPECT_EQ(any.weight[i], narrow.weight[i]) << i;
+    EXPECT_NEAR(any.dark[i], narrow.dark[i], 4e-5F * largest) << i;
     lit += any.v[i] != 0.0F ? 1 : 0;
   }
   EXPECT_GT(lit, 500);

@@ -3,9 +3,11 @@
 // Derivatives of footprints and scans against central differences of what they differentiate.
 #include "simulator/render/scan_slopes.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -204,14 +206,29 @@ Mask middle_region(const SeenPart& seen) {
   return region;
 }
 
+/// Pixels of the part further than the blur reaches from every refined one.
+Mask smooth_region(const CornerRays& rays, int reach_px) {
+  Mask other(rays.width_px, rays.height_px);
+  for (std::size_t i = 0; i < other.size(); ++i) {
+    other.values()[i] = rays.kind.values()[i] == PixelKind::kSmooth ? 0 : 1;
+  }
+  Mask region = dilated(other, reach_px);
+  for (unsigned char& value : region.values()) {
+    value = value == 0 ? 1 : 0;
+  }
+  return region;
+}
+
 /// The sum of the region's aspect, pixels sorted as at first.
 class SmallScanSum {
  public:
-  explicit SmallScanSum(const SmallScan& at)
+  explicit SmallScanSum(const SmallScan& at) : SmallScanSum(at, middle_region(rays())) {}
+
+  SmallScanSum(const SmallScan& at, Mask region)
       : tunnel_(at.tunnel),
         footprints_(rays(), tunnel_, at.scan, SmallScan::bench().camera_mm),
         sensor_(at.sensor, rays().width_px, rays().height_px),
-        region_(middle_region(rays())),
+        region_(std::move(region)),
         plan_(plan_scan(
             footprints_, sensor_, region_, Mask(rays().width_px, rays().height_px), 1.0)) {}
 
@@ -289,6 +306,30 @@ TEST(SlopesOfScan, AgreeWithDifferencesOfASmallScene) {
   expect("radius", motion.slope_by("radius_mm").value(), 1e-2, [](SmallScan& s) -> double& {
     return s.tunnel.radius_mm;
   });
+}
+
+// Without clipping the mean of all frames is even, and so it is blurred. Differences of two blurred
+// frames, over a step as short as one needs, are 1e-5 a pixel of rounding.
+TEST(SlopesOfScan, ABlurDoesNotChangeAnEvenMean) {
+  SmallScan scene;
+  scene.tunnel.slot_mm = 0.0;
+  scene.sensor.gain = 0.8;
+  const SmallScanSum sum(scene);
+  ASSERT_EQ(sum.plan().form.kind, ScanForm::Kind::kFloors);
+  WallMotion motion{Tunnel(scene.tunnel)};
+  const double pixels = 1e-3 * static_cast<double>(std::ranges::count(
+                                   middle_region(SmallScan::bench().rays).values(), 1));
+  ASSERT_GT(pixels, 1.0);
+  EXPECT_NEAR(sum.slopes(motion).blur_px / pixels, 0.0, 2e-6);
+}
+
+// Stretches of pixels are rendered in one with what lies between them, which nobody looks at.
+TEST(SlopesOfScan, PixelsThatNoScoreLooksAtAreNotHeld) {
+  SmallScan scene;
+  scene.sensor.gain = 0.8;
+  const SmallScanSum sum(scene, smooth_region(SmallScan::bench().rays, 6));
+  WallMotion motion{Tunnel(scene.tunnel)};
+  EXPECT_EQ(sum.slopes(motion).held_pixels, 0);
 }
 
 TEST(SlopesOfScan, RefuseAScanOfBrokenPeriods) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/render/stripe_integral.h"
-#include "simulator/render/width_kernels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include "core/units.h"
 #include "simulator/render/clipped_mean.h"
 #include "simulator/render/footprint_kernels.h"
+#include "simulator/render/width_kernels.h"
 
 namespace glint {
 namespace {

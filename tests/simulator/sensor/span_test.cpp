@@ -115,5 +115,28 @@ TEST(Sensor, BlurVarianceIsThatOfItsWeights) {
   EXPECT_EQ(Sensor({.blur_px = 0.0}, 9, 9).blur_variance_px2(), 0.0);
 }
 
+// Wide pictures are blurred in strips; short spans end in the middle of vectors, the last at the
+// picture's last pixel.
+TEST(Expose, HasTheSameBytesInStripsAndInShortSpans) {
+  constexpr int kWidth_px = 1511;
+  constexpr int kHeight_px = 13;
+  const Sensor sensor({.gain = 1.3, .blur_px = 1.0}, kWidth_px, kHeight_px);
+  ImageF radiance(kWidth_px, kHeight_px);
+  Rng rng(77, Stream::kTest, 0);
+  for (float& value : radiance.values()) {
+    value = static_cast<float>(rng.uniform());
+  }
+  ImageF whole, pieces(kWidth_px, kHeight_px);
+  sensor.expose(radiance, 0, whole);
+  Spans spans;
+  for (int y = 0; y < kHeight_px; ++y) {
+    for (int begin = 0; begin < kWidth_px; begin += 37) {
+      spans.push_back({.y = y, .begin = begin, .end = std::min(begin + 37, kWidth_px)});
+    }
+  }
+  sensor.expose(radiance, 0, spans, pieces);
+  EXPECT_EQ(pieces, whole);
+}
+
 }  // namespace
 }  // namespace glint

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Inner loops of wall_motion.h, compiled for wide instruction sets as tunnel_kernels.h.
+#pragma once
+
+#include "simulator/light/tunnel_kernels.h"
+
+namespace glint {
+
+/// What hits (Tunnel::meet_block) change, ray by ray.
+struct HitSlopes {
+  const float* x = nullptr;
+  const float* y = nullptr;
+  const float* margin = nullptr;
+};
+
+/// Outward normals of a curved wall at nodes evenly over the diamond angle y / (|y| + z), from -1
+/// to 1: one more than pieces.
+struct WallNormals {
+  const float* y = nullptr;
+  const float* z = nullptr;
+  int pieces = 0;
+};
+
+/// Adds the slopes by a shift of the wall along its normal, where rays meet it, to the nodes on
+/// both sides. Rays without slopes add nothing, whatever they meet.
+/// @param by_node  one more than pieces
+void add_shift_slopes(const RayBlock& rays,
+                      const float* y_mm,
+                      const float* margin_mm,
+                      const HitSlopes& slopes,
+                      const WallNormals& normals,
+                      double* by_node);
+
+/// In double, lane by lane: the same bits for any instruction set.
+double sum_in_lanes(const float* values, int count);
+
+}  // namespace glint

@@ -368,7 +368,7 @@ std::shared_ptr<const WallView> SceneStore::meet(const std::shared_ptr<const Tra
     }
   }
   const std::shared_ptr<const RevolvedRays> ready =
-      is_revolved(tunnel.settings()) && !is_met_sparsely(rays)
+      is_revolved(tunnel.settings()) && rays.sparse.is_empty()
           ? revolved(traced, rays, tunnel.settings().base_mm)
           : nullptr;
   const Eigen::Vector3d& camera_mm = traced->camera_in_world_mm;

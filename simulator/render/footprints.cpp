@@ -29,14 +29,9 @@ WallHits meet_light(const RayCache& rays, const Tunnel& tunnel) {
   return hits;
 }
 
-bool is_met_sparsely(const CornerRays& rays) {
-  constexpr double kMost = 0.5;
-  return rays.sparse.sparse_share() >= kMost;
-}
-
 WallHits meet_corners(const CornerRays& rays, const Tunnel& tunnel, TileLimits& limits) {
-  return is_met_sparsely(rays) ? meet_sparse(rays.sparse, rays.corners, tunnel, limits)
-                               : meet_light(rays.corners, tunnel);
+  return rays.sparse.is_empty() ? meet_light(rays.corners, tunnel)
+                                : meet_sparse(rays.sparse, rays.corners, tunnel, limits);
 }
 
 ScanPositions::ScanPositions(const Tunnel& tunnel, const ScanSettings& scan) {

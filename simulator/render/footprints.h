@@ -30,10 +30,7 @@ namespace glint {
 
 WallHits meet_light(const RayCache& rays, const Tunnel& tunnel);
 
-/// Whether meet_corners() meets most of the corners by sparse_rays.h.
-bool is_met_sparsely(const CornerRays& rays);
-
-/// meet_light() of the corners, by sparse_rays.h where most of them allow it.
+/// meet_light() of the corners, by sparse_rays.h where these are worth it.
 WallHits meet_corners(const CornerRays& rays, const Tunnel& tunnel, TileLimits& limits);
 
 /// The same for rays [begin, begin + count); arrays of hits begin at 0.

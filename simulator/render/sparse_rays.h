@@ -17,6 +17,12 @@ namespace glint {
 
 struct RayCache;
 
+/// A row of rays one after the other in a cache.
+struct RayStretch {
+  std::int32_t first = 0;
+  std::int32_t count = 0;
+};
+
 /// Picked rays, one array per component.
 struct PickedRays {
   std::vector<float> origin_x, origin_y, origin_z;
@@ -27,6 +33,9 @@ struct PickedRays {
   RayBlock block() const;
 
   void add(const RayCache& rays, std::size_t index);
+
+  /// These rays and no others.
+  void take(const RayCache& rays, const std::vector<RayStretch>& stretches);
 };
 
 /// What the rays of a tile (kStep x kStep of them, its first row and column nodes) allow.
@@ -36,8 +45,16 @@ enum class TileKind : std::uint8_t {
   kBent     ///< they are not
 };
 
+/// About 1.5 bytes for each ray of the cache, and 24 for each that is left over.
 struct SparseRays {
-  static constexpr std::size_t kChecks = 3;
+  /// In a tile.
+  struct Place {
+    int column, row;
+  };
+
+  /// Where a quintic is wrong most, and two places on either side.
+  static constexpr std::array<Place, 3> kCheckPlaces = {{{4, 4}, {6, 2}, {1, 6}}};
+  static constexpr std::size_t kChecks = kCheckPlaces.size();
 
   /// A node beyond the part's outline or the picture, where the quintic (or cubic) of others in a
   /// row goes on: index `to` and steps of `step` in a plane with two nodes more on each side.
@@ -47,19 +64,21 @@ struct SparseRays {
     bool is_cubic = false;
   };
 
-  int columns = 0;  ///< of nodes: at 0, kStep, 2 kStep, ...; 0: too few rays
+  int columns = 0;  ///< of nodes: at 0, kStep, 2 kStep, ...; 0: not worth it
   int rows = 0;
   PickedRays nodes;                        ///< row by row
   std::array<PickedRays, kChecks> checks;  ///< one in each tile, row by row
   std::vector<Beyond> beyond;              ///< one after the other
   std::vector<TileKind> kind;              ///< (columns - 1) x (rows - 1)
+  std::vector<RayStretch> rest_stretches;  ///< rays of bent tiles and beyond the last nodes
+  PickedRays rest;
 
-  /// Share of tiles that need not be met ray by ray.
-  double sparse_share() const;
+  bool is_empty() const { return columns == 0; }
 };
 
-/// @param corners               a picture of rays, one sample
+/// @param corners                  a picture of rays, one sample
 /// @param max_direction_error_rad  by which the rays of smooth tiles may differ from the quintic
+/// @return empty for pictures that are small or bent in more than a quarter of their tiles
 SparseRays sparse_rays(const RayCache& corners, double max_direction_error_rad);
 
 /// Where all hits of a tile and of its lower and right neighbours' nearest rays lie.

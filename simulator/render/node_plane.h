@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "simulator/render/sparse_kernels.h"
+#include "simulator/render/sparse_rays.h"
+
+namespace glint {
+
+/// Nodes that a plane has more on each side.
+inline constexpr int kNodeMargin = sparse_kernels::kBefore;
+
+/// Numbers at nodes and around them, as quintics go on there.
+class NodePlane {
+ public:
+  explicit NodePlane(const SparseRays& sparse)
+      : sparse_(sparse),
+        width_(sparse.columns + 2 * kNodeMargin),
+        values_(static_cast<std::size_t>(width_) *
+                static_cast<std::size_t>(sparse.rows + 2 * kNodeMargin)) {}
+
+  /// @param nodes  row by row
+  void set(const float* nodes) {
+    for (int row = 0; row < sparse_.rows; ++row) {
+      std::copy_n(
+          nodes + static_cast<std::ptrdiff_t>(row) * sparse_.columns,
+          sparse_.columns,
+          values_.data() + static_cast<std::ptrdiff_t>(row + kNodeMargin) * width_ + kNodeMargin);
+    }
+    for (const auto& [to, step, is_cubic] : sparse_.beyond) {
+      float* at = values_.data() + to;
+      const auto next = [&, by = step](int k) { return at[k * by]; };
+      at[0] = is_cubic ? 4.0F * (next(1) + next(3)) - 6.0F * next(2) - next(4)
+                       : 6.0F * (next(1) + next(5)) - 15.0F * (next(2) + next(4)) +
+                             20.0F * next(3) - next(6);
+    }
+  }
+
+  /// The first of `columns + 2 kNodeMargin`. @param index  from -kNodeMargin to rows + kNodeMargin
+  /// - 1
+  const float* row(int index) const {
+    return values_.data() + static_cast<std::ptrdiff_t>(index + kNodeMargin) * width_;
+  }
+
+  /// The rows around tiles.
+  sparse_kernels::NodeRows around(int tile_row) const {
+    sparse_kernels::NodeRows rows;
+    for (int i = 0; i < sparse_kernels::kNodes; ++i) {
+      rows[static_cast<std::size_t>(i)] = row(tile_row + i - sparse_kernels::kBefore);
+    }
+    return rows;
+  }
+
+  int width() const { return width_; }
+
+ private:
+  const SparseRays& sparse_;
+  int width_;
+  std::vector<float> values_;
+};
+
+}  // namespace glint

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector2d;
 using Shape = TunnelSettings::Shape;
 
-constexpr std::size_t kNodes = 1024;
+constexpr std::size_t kNodes = 2048;
 
 /// A camera in the middle plane of a roof sees its ridge with a whole row of rays. They leave it to
 /// either side when the camera moves: their derivative is the mean of both, as a central difference
@@ -31,10 +31,14 @@ constexpr std::array<std::string_view, 8> kKeys = {"base_mm",
                                                    "opening_deg",
                                                    "panel_height_mm"};
 
-/// The direction of a node from the base line; y / (|y| + z) runs evenly.
+/// The direction of a node from the base line (WallNormals).
 Vector2d direction_of(std::size_t node) {
-  const double y = -1.0 + 2.0 * static_cast<double>(node) / static_cast<double>(kNodes);
-  return {y, 1.0 - std::abs(y)};
+  const double side = -1.0 + 2.0 * static_cast<double>(node) / static_cast<double>(kNodes);
+  const double from_top = std::abs(side);
+  const double root = std::min(from_top, 1.0 - from_top);
+  const double least = 2.0 * root * root;
+  const bool is_upper = from_top < 0.5;
+  return {std::copysign(is_upper ? least : 1.0 - least, side), is_upper ? 1.0 - least : least};
 }
 
 /// Which control point a key like "control_mm.2" names; -1: none.
@@ -198,8 +202,10 @@ WallMotion::Place WallMotion::place_of(double y_mm, double margin_mm, double z_m
     return place;
   }
   const double height = std::max(0.0, margin_mm);
-  const double angle = y_mm / std::max(1e-9, std::abs(y_mm) + height);
-  const double at = std::clamp(0.5 * (angle + 1.0), 0.0, 1.0) * static_cast<double>(kNodes);
+  const double beside = std::abs(y_mm);
+  const double root = std::sqrt(0.5 * std::min(beside, height) / std::max(1e-9, beside + height));
+  const double side = std::copysign(beside < height ? root : 1.0 - root, y_mm);
+  const double at = 0.5 * (side + 1.0) * static_cast<double>(kNodes);
   place.node = std::min(kNodes - 1, static_cast<std::size_t>(at));
   place.part = at - static_cast<double>(place.node);
   place.normal = (1.0 - place.part) * normals_[place.node] + place.part * normals_[place.node + 1];

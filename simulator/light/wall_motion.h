@@ -79,7 +79,7 @@ class WallMotion {
 
   TunnelSettings settings_;
   bool is_flat_ = false;
-  // Curves: nodes evenly over the diamond angle y / (|y| + z), from -1 to 1.
+  // Curves, at the nodes of WallNormals:
   std::vector<Eigen::Vector2d> normals_;
   std::vector<float> normals_y_, normals_z_;  ///< the same
   std::vector<std::size_t> segments_;         ///< free: the piece that a node lies on ...

@@ -2,6 +2,7 @@
 #include "simulator/light/wall_motion_kernels.h"
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
@@ -69,9 +70,13 @@ GLINT_WIDE static void find_nodes(const float* __restrict y_mm,
   for (int i = 0; i < count; ++i) {
     const float y = y_mm[i];
     const float beside = y < 0.0F ? -y : y;
-    const float span = beside + (margin_mm[i] > 0.0F ? margin_mm[i] : 0.0F);
-    const float angle = y / (span > 1e-9F ? span : 1e-9F);
-    const float at = 0.5F * (angle + 1.0F) * static_cast<float>(pieces);
+    const float height = margin_mm[i] > 0.0F ? margin_mm[i] : 0.0F;
+    const float span = beside + height;
+    const float least = beside < height ? beside : height;
+    const float root = std::sqrt(0.5F * least / (span > 1e-9F ? span : 1e-9F));
+    const float from_top = beside < height ? root : 1.0F - root;
+    const float side = y < 0.0F ? -from_top : from_top;
+    const float at = 0.5F * (side + 1.0F) * static_cast<float>(pieces);
     const auto whole = static_cast<std::int32_t>(at);
     const std::int32_t below = whole < pieces ? whole : pieces - 1;
     const std::int32_t node = below > 0 ? below : 0;

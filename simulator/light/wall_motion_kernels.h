@@ -14,8 +14,10 @@ struct HitSlopes {
   const float* margin = nullptr;
 };
 
-/// Outward normals of a curved wall at nodes evenly over the diamond angle y / (|y| + z), from -1
-/// to 1: one more than pieces.
+/// Outward normals of a curved wall at nodes from one foot to the other over its top: one more than
+/// pieces, half of them each side. With s from 0 at the top to 1 at a foot, evenly, a node's |y| to
+/// z is as 2 s^2 to 1 - 2 s^2 in the upper half, and as the reverse for 1 - s in the lower one:
+/// there a superellipse's normal and speeds go as powers, which straight lines follow badly.
 struct WallNormals {
   const float* y = nullptr;
   const float* z = nullptr;

@@ -2,6 +2,7 @@
 #include "simulator/render/cell_slopes.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "simulator/render/slope_kernels.h"
 
@@ -61,7 +62,9 @@ void CellSlopes::sum_waiting(const std::vector<double>& by_radiance) {
     array->assign(waiting_.size(), 0.0F);
   }
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    v_[i] = static_cast<float>(waiting_[i].phase.value);
+    // Whole periods change nothing and would take the digits of a float.
+    const double phase = waiting_[i].phase.value;
+    v_[i] = static_cast<float>(phase - std::floor(phase));
     gx_[i] = static_cast<float>(waiting_[i].phase.dx);
     gy_[i] = static_cast<float>(waiting_[i].phase.dy);
   }

@@ -67,7 +67,6 @@ void FootprintFrames::load(const RowSpan& span, int begin, Tile& tile) const {
     kernels::plain_gains(
         state, rays.corners.weight.data() + top, cosine, tile.count, tile.gain.data());
   }
-  kernels::trapezoids(tile.gx.data(), tile.gy.data(), tile.count, tile.shape());
 }
 
 void FootprintFrames::render_span(int first,
@@ -77,6 +76,7 @@ void FootprintFrames::render_span(int first,
   Tile tile;
   for (int begin = span.begin; begin < span.end; begin += kTile) {
     load(span, begin, tile);
+    kernels::trapezoids(tile.gx.data(), tile.gy.data(), tile.count, tile.shape());
     const bool is_narrow = kernels::largest_lit(tile.outer.data(), tile.gain.data(), tile.count) <=
                            kernels::narrow_limit(static_cast<float>(p.duty));
     const auto box_frame = is_narrow ? kernels::narrow_box_frame : kernels::box_frame;
@@ -114,8 +114,11 @@ void FootprintFrames::render_mean(const Mask& near, ImageF& mean) const {
       load(span, begin, tile);
       float* shares = tile.x_mm.data();
       if (is_fast) {
+        kernels::half_widths(
+            tile.gx.data(), tile.gy.data(), tile.count, tile.outer.data(), tile.inner.data());
         kernels::any_shares_fast(tile.v.data(),
-                                 tile.shape(),
+                                 tile.outer.data(),
+                                 tile.inner.data(),
                                  tile.count,
                                  static_cast<float>(phases),
                                  static_cast<float>(p.duty),

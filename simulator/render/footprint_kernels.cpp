@@ -198,6 +198,23 @@ GLINT_WIDE void plain_states(const unsigned char* __restrict kind,
   }
 }
 
+GLINT_WIDE void half_widths(const float* __restrict gx,
+                            const float* __restrict gy,
+                            int count,
+                            float* __restrict outer,
+                            float* __restrict inner) {
+  for (int i = 0; i < count; ++i) {
+    const float a = absolute(gx[i]);
+    const float b = absolute(gy[i]);
+    const float large = a < b ? b : a;
+    const float small = a < b ? a : b;
+    const float major = large > kNarrow ? large : kNarrow;
+    const float minor = small > kNarrow ? small : kNarrow;
+    outer[i] = 0.5F * (major + minor);
+    inner[i] = 0.5F * (major - minor);
+  }
+}
+
 GLINT_WIDE void trapezoids(const float* __restrict gx,
                            const float* __restrict gy,
                            int count,
@@ -368,16 +385,22 @@ __attribute__((always_inline)) inline float wide_share(float f,
   return duty + difference / (major * minor);
 }
 
-}  // namespace
+struct WidthCounts {
+  int narrow = 0;         ///< up to the limit, or hardly above
+  int surely_narrow = 0;  ///< clearly below
+};
 
-namespace {
-
-GLINT_WIDE int count_up_to(const float* __restrict values, int count, float limit) {
-  int found = 0;
+GLINT_WIDE WidthCounts count_widths(const float* __restrict outer, int count, float limit) {
+  constexpr float kRounding = 1e-6F;
+  const float above = (1.0F + kRounding) * limit;
+  const float below = (1.0F - kRounding) * limit;
+  int narrow = 0;
+  int surely_narrow = 0;
   for (int i = 0; i < count; ++i) {
-    found += values[i] <= limit ? 1 : 0;
+    narrow += outer[i] <= above ? 1 : 0;
+    surely_narrow += outer[i] <= below ? 1 : 0;
   }
-  return found;
+  return {.narrow = narrow, .surely_narrow = surely_narrow};
 }
 
 GLINT_WIDE void wide_shares(const float* __restrict v,
@@ -395,24 +418,24 @@ GLINT_WIDE void wide_shares(const float* __restrict v,
 
 /// Leaves wide footprints alone.
 GLINT_WIDE void trapezoid_shares(const float* __restrict v,
-                                 const Trapezoids& trapezoids,
+                                 const float* __restrict outers,
+                                 const float* __restrict inners,
                                  int count,
                                  float scale,
                                  float duty,
                                  float* __restrict shares) {
-  const float* __restrict outers = trapezoids.outer;
-  const float* __restrict inners = trapezoids.inner;
-  const float* __restrict per_major = trapezoids.per_major;
-  const float* __restrict per_both = trapezoids.per_both;
-  const float per_scale = 1.0F / scale;
   const float limit = duty < 1.0F - duty ? duty : 1.0F - duty;
+  const float narrowest = scale * kNarrow;
   for (int i = 0; i < count; ++i) {
     const float moved = scale * v[i];
     const float f = moved - std::floor(moved);
     const float outer = scale * outers[i];
     const float inner = scale * inners[i];
-    const float trapezoid = two_edge_share(
-        f, duty, outer, inner, per_scale * per_major[i], per_scale * per_scale * per_both[i]);
+    const float major = outer + inner;
+    const float minor = outer - inner > narrowest ? outer - inner : narrowest;
+    const float per_major = 1.0F / major;
+    const float trapezoid =
+        two_edge_share(f, duty, outer, inner, per_major, 0.5F * per_major / minor);
     shares[i] = outer <= limit ? trapezoid : shares[i];
   }
 }
@@ -423,26 +446,22 @@ GLINT_WIDE void trapezoid_shares(const float* __restrict v,
 /// they are; others the second difference of the second integral, taken near phase 0. Where all of
 /// a chunk take the same, only that is computed.
 void any_shares_fast(const float* v,
-                     const Trapezoids& trapezoids,
+                     const float* outer,
+                     const float* inner,
                      int count,
                      float scale,
                      float duty,
                      float* shares) {
   constexpr int kChunk = 64;
   const float limit = (duty < 1.0F - duty ? duty : 1.0F - duty) / scale;
-  constexpr float kRounding = 1e-6F;
   for (int begin = 0; begin < count; begin += kChunk) {
     const int size = begin + kChunk < count ? kChunk : count - begin;
-    const Trapezoids chunk = {.outer = trapezoids.outer + begin,
-                              .inner = trapezoids.inner + begin,
-                              .per_major = trapezoids.per_major + begin,
-                              .per_both = trapezoids.per_both + begin};
-    const bool has_narrow = count_up_to(chunk.outer, size, (1.0F + kRounding) * limit) > 0;
-    if (!has_narrow || count_up_to(chunk.outer, size, (1.0F - kRounding) * limit) < size) {
-      wide_shares(v + begin, chunk.outer, chunk.inner, size, scale, duty, shares + begin);
+    const WidthCounts widths = count_widths(outer + begin, size, limit);
+    if (widths.surely_narrow < size) {
+      wide_shares(v + begin, outer + begin, inner + begin, size, scale, duty, shares + begin);
     }
-    if (has_narrow) {
-      trapezoid_shares(v + begin, chunk, size, scale, duty, shares + begin);
+    if (widths.narrow > 0) {
+      trapezoid_shares(v + begin, outer + begin, inner + begin, size, scale, duty, shares + begin);
     }
   }
 }

@@ -144,10 +144,14 @@ void any_shares(const float* v,
                 double duty,
                 float* shares);
 
-/// The same in float, for trapezoids of phases and differences that are `scale` times v's: wrong by
-/// up to 1e-3 where a footprint wider than the stripes is almost a line.
+/// Half widths of each footprint's trapezoid (Trapezoids).
+void half_widths(const float* gx, const float* gy, int count, float* outer, float* inner);
+
+/// The same in float, for half widths and phases that are `scale` times v's: wrong by up to 1e-3
+/// where a footprint wider than the stripes is almost a line.
 void any_shares_fast(const float* v,
-                     const Trapezoids& trapezoids,
+                     const float* outer,
+                     const float* inner,
                      int count,
                      float scale,
                      float duty,

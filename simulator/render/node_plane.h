@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstring>
 #include <vector>
 
 #include "simulator/render/sparse_kernels.h"
@@ -61,5 +63,16 @@ class NodePlane {
   int width_;
   std::vector<float> values_;
 };
+
+/// Short stretches: a call for each would take longer than to copy it.
+inline void copy_stretch(const float* from, std::size_t count, float* to) {
+  std::size_t done = 0;
+  for (; done + sparse_kernels::kStep <= count; done += sparse_kernels::kStep) {
+    std::memcpy(to + done, from + done, sparse_kernels::kStep * sizeof(float));
+  }
+  for (; done < count; ++done) {
+    to[done] = from[done];
+  }
+}
 
 }  // namespace glint

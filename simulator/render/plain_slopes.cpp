@@ -67,7 +67,7 @@ PlainSlopes::PlainSlopes(const Footprints& footprints, const Spans& pixels)
   for (const RowSpan& span : pixels) {
     count += static_cast<std::size_t>(span.size());
   }
-  for (auto* array : {&v_, &gx_, &gy_, &gain_, &by_v_, &by_gx_, &by_gy_}) {
+  for (auto* array : {&v_, &whole_, &gx_, &gy_, &gain_, &by_v_, &by_gx_, &by_gy_}) {
     array->resize(count);
   }
   const ScanPositions& p = footprints.positions();
@@ -76,12 +76,14 @@ PlainSlopes::PlainSlopes(const Footprints& footprints, const Spans& pixels)
   for (const RowSpan& span : pixels) {
     const std::size_t corner = static_cast<std::size_t>(span.y) * corner_width;
     const float* top = footprints.hits().stripes_mm().data() + corner + span.begin;
-    footprint_kernels::phases_of_corners(
-        {.top = top, .bottom = top + corner_width},
-        span.size(),
-        static_cast<float>(p.offset_mm),
-        static_cast<float>(1.0 / p.period_mm),
-        {.v = v_.data() + at, .gx = gx_.data() + at, .gy = gy_.data() + at});
+    slope_kernels::exact_phases({.top = top, .bottom = top + corner_width},
+                                span.size(),
+                                p.offset_mm,
+                                1.0 / p.period_mm,
+                                {.v = v_.data() + at,
+                                 .whole = whole_.data() + at,
+                                 .gx = gx_.data() + at,
+                                 .gy = gy_.data() + at});
     const Footprints::State* state = footprints.state().row(span.y);
     for (int x = span.begin; x < span.end; ++x, ++at) {
       const bool is_plain = state[x] == Footprints::State::kPlain;
@@ -194,6 +196,7 @@ void PlainSlopes::finish(ScanSlopes& slopes) const {
   }
   const std::size_t count = v_.size();
   slopes.period_mm -= scale * (slope_kernels::exact_dot(by_v_.data(), v_.data(), count) +
+                               slope_kernels::exact_dot(by_v_.data(), whole_.data(), count) +
                                slope_kernels::exact_dot(by_gx_.data(), gx_.data(), count) +
                                slope_kernels::exact_dot(by_gy_.data(), gy_.data(), count));
   slopes.offset_mm -= scale * slope_kernels::exact_sum(by_v_.data(), count);

@@ -35,7 +35,7 @@ class PlainSlopes {
 
   const Footprints& footprints_;
   const Spans& pixels_;
-  std::vector<float> v_, gx_, gy_, gain_;  ///< pixel by pixel, span after span
+  std::vector<float> v_, whole_, gx_, gy_, gain_;  ///< pixel by pixel, span after span
   std::vector<float> by_v_, by_gx_, by_gy_;
   std::vector<unsigned char> is_narrow_;  ///< tile by tile: each sees one edge at most
   double duty_ = 0.0;

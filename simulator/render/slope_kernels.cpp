@@ -228,6 +228,38 @@ void add_box_slopes(const float* v,
   add_slopes(v, gx, gy, weight, count, shift, duty, out.v, out.gx, out.gy, out.duty, out.dark);
 }
 
+GLINT_WIDE static void find_phases(const float* __restrict top,
+                                   const float* __restrict bottom,
+                                   int count,
+                                   double offset_mm,
+                                   double per_period,
+                                   float* __restrict v,
+                                   float* __restrict whole,
+                                   float* __restrict gx,
+                                   float* __restrict gy) {
+  for (int i = 0; i < count; ++i) {
+    const auto a = static_cast<double>(top[i]);
+    const auto b = static_cast<double>(top[i + 1]);
+    const auto c = static_cast<double>(bottom[i]);
+    const auto d = static_cast<double>(bottom[i + 1]);
+    const double phase = (0.25 * ((a + b) + (c + d)) - offset_mm) * per_period;
+    const double below = std::floor(phase);
+    v[i] = static_cast<float>(phase - below);
+    whole[i] = static_cast<float>(below);
+    gx[i] = static_cast<float>(0.5 * ((b + d) - (a + c)) * per_period);
+    gy[i] = static_cast<float>(0.5 * ((c + d) - (a + b)) * per_period);
+  }
+}
+
+void exact_phases(const footprint_kernels::CornerRows& corners,
+                  int count,
+                  double offset_mm,
+                  double per_period,
+                  const ExactPhases& out) {
+  find_phases(
+      corners.top, corners.bottom, count, offset_mm, per_period, out.v, out.whole, out.gx, out.gy);
+}
+
 GLINT_WIDE static void find_shapes(const float* __restrict gx,
                                    const float* __restrict gy,
                                    int count,

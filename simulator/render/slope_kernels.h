@@ -30,6 +30,22 @@ void add_box_slopes(const float* v,
                     float duty,
                     const BoxSlopes& out);
 
+/// A row's phases in periods, less their whole part, and their slopes.
+struct ExactPhases {
+  float* v = nullptr;      ///< in [0, 1]
+  float* whole = nullptr;  ///< the phase less v
+  float* gx = nullptr;
+  float* gy = nullptr;
+};
+
+/// As footprint_kernels::phases_of_corners(), in double: the slopes of frames on both sides of an
+/// edge cancel, and a phase many periods away would leave a float too few digits for the rest.
+void exact_phases(const footprint_kernels::CornerRows& corners,
+                  int count,
+                  double offset_mm,
+                  double per_period,
+                  const ExactPhases& out);
+
 /// What a footprint needs in every frame.
 struct BoxShapes {
   float* outer = nullptr;  ///< half of |gx| + |gy|: no edge beyond is seen

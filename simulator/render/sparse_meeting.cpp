@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -249,17 +248,6 @@ void SparseMeeting::clear_tile(int row, int column) {
     for (int y = row * kStep; y < (row + 1) * kStep; ++y) {
       std::fill_n(results_[i]->data() + place(column * kStep, y), kStep, none);
     }
-  }
-}
-
-/// Short stretches: a call for each would take longer than to copy it.
-void copy_stretch(const float* from, std::size_t count, float* to) {
-  std::size_t done = 0;
-  for (; done + kStep <= count; done += kStep) {
-    std::memcpy(to + done, from + done, kStep * sizeof(float));
-  }
-  for (; done < count; ++done) {
-    to[done] = from[done];
   }
 }
 

@@ -178,7 +178,8 @@ void PickedRays::take(const RayCache& rays, const std::vector<RayStretch>& stret
     to[i]->resize(count);
     float* next = to[i]->data();
     for (const RayStretch& stretch : stretches) {
-      next = std::copy_n(from[i]->data() + stretch.first, stretch.count, next);
+      copy_stretch(from[i]->data() + stretch.first, static_cast<std::size_t>(stretch.count), next);
+      next += stretch.count;
     }
   }
 }

@@ -221,15 +221,17 @@ TEST(AnySharesFast, AFootprintGetsTheSameWhateverStandsBesideIt) {
     RandomFootprints prints(8, 777, widest);
     const std::size_t size = prints.v.size();
     std::vector<float> together(size);
-    kernels::any_shares_fast(
-        prints.v.data(), prints.shape(), prints.count(), 3.0F, 0.4F, together.data());
+    kernels::any_shares_fast(prints.v.data(),
+                             prints.outer.data(),
+                             prints.inner.data(),
+                             prints.count(),
+                             3.0F,
+                             0.4F,
+                             together.data());
     for (std::size_t i = 0; i < size; ++i) {
-      const kernels::Trapezoids one = {.outer = &prints.outer[i],
-                                       .inner = &prints.inner[i],
-                                       .per_major = &prints.per_major[i],
-                                       .per_both = &prints.per_both[i]};
       float alone = 0.0F;
-      kernels::any_shares_fast(&prints.v[i], one, 1, 3.0F, 0.4F, &alone);
+      kernels::any_shares_fast(
+          &prints.v[i], &prints.outer[i], &prints.inner[i], 1, 3.0F, 0.4F, &alone);
       EXPECT_EQ(alone, together[i]) << i;
     }
   }
@@ -324,7 +326,8 @@ TEST(AnySharesFast, IsTheExactShareForFootprintsOfAnyWidth) {
       std::vector<float> fast(prints.v.size());
       std::vector<float> exact(prints.v.size());
       kernels::any_shares_fast(prints.v.data(),
-                               prints.shape(),
+                               prints.outer.data(),
+                               prints.inner.data(),
                                prints.count(),
                                static_cast<float>(scale),
                                static_cast<float>(duty),

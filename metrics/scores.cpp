@@ -25,7 +25,8 @@ constexpr std::array kDocs = {
     ScoreDoc{"homogeneity.h_abs",
              "1 - mean absolute deviation / mean of the aspect image over the flawless region"},
     ScoreDoc{"homogeneity.robust",
-             "1 - (P95 - P5) / (P95 + P5) of the aspect image over the flawless region"},
+             "1 - (P95 - P5) / (P95 + P5) of the aspect image over the flawless region; a search "
+             "takes percentiles only where its objective or a limit needs them"},
     ScoreDoc{"homogeneity.mean", "mean aspect value of the flawless region, share of full scale"},
     ScoreDoc{"homogeneity.clipped_share",
              "share of the flawless region at full scale in every frame, where nothing can show"},

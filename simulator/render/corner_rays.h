@@ -36,7 +36,7 @@ struct RefinedGroup {
   std::vector<std::int64_t> special;  ///< as CornerRays::special, among `rays`
 };
 
-/// Rays through the corners of all pixels; 28 bytes a ray.
+/// Rays through the corners of all pixels; 28 bytes a ray, and those of sparse_rays.h.
 struct CornerRays : SeenPart {
   RayCache corners;  ///< (width_px + 1) x (height_px + 1) rays: (0, 0) is the image's outer corner
   Image<PixelKind> kind;

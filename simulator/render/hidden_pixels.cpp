@@ -242,7 +242,7 @@ class HiddenFinder {
         }
         if (level + 1 < kTiles.size()) {
           split(tile, level + 1);
-        } else if (open.right == tile.left && open.top == tile.top) {
+        } else if (open.right == tile.left && open.top == tile.top && open.bottom == tile.bottom) {
           open.right = tile.right;
         } else {
           test(open);

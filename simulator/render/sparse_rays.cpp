@@ -95,16 +95,16 @@ std::vector<SparseRays::Beyond> nodes_beyond(const SparseRays& sparse,
   return all;
 }
 
-using Components = std::array<const std::vector<float>*, 6>;
+using Components = std::array<const float*, 6>;
 
 template <class Rays>
 Components components_of(const Rays& rays) {
-  return {&rays.origin_x,
-          &rays.origin_y,
-          &rays.origin_z,
-          &rays.direction_x,
-          &rays.direction_y,
-          &rays.direction_z};
+  return {rays.origin_x.data(),
+          rays.origin_y.data(),
+          rays.origin_z.data(),
+          rays.direction_x.data(),
+          rays.direction_y.data(),
+          rays.direction_z.data()};
 }
 
 /// For each tile the largest error of its quintics by what is allowed.
@@ -123,16 +123,14 @@ std::vector<float> ray_errors(const SparseRays& sparse,
   const Components all = components_of(corners);
   for (std::size_t component = 0; component < all.size(); ++component) {
     const float allowed = component < 3 ? kLargestOriginError_mm : max_direction_error_rad;
-    plane.set(nodes[component]->data());
+    plane.set(nodes[component]);
     for (int y = 0; y < (sparse.rows - 1) * kStep; ++y) {
       kernels::blend_rows(
           plane.around(y / kStep), kernels::node_weights(y % kStep), plane.width(), blended.data());
       kernels::spread(blended.data(), tiles, row.data());
       std::ranges::fill(of_row, 0.0F);
-      kernels::find_errors_of_all(row.data(),
-                                  all[component]->data() + static_cast<std::size_t>(y) * width,
-                                  tiles,
-                                  of_row.data());
+      kernels::find_errors_of_all(
+          row.data(), all[component] + static_cast<std::size_t>(y) * width, tiles, of_row.data());
       float* to = errors.data() + static_cast<std::ptrdiff_t>(y / kStep) * tiles;
       for (std::size_t i = 0; i < of_row.size(); ++i) {
         to[i] = std::max(to[i], of_row[i] / allowed);
@@ -178,7 +176,7 @@ void PickedRays::take(const RayCache& rays, const std::vector<RayStretch>& stret
     to[i]->resize(count);
     float* next = to[i]->data();
     for (const RayStretch& stretch : stretches) {
-      copy_stretch(from[i]->data() + stretch.first, static_cast<std::size_t>(stretch.count), next);
+      copy_stretch(from[i] + stretch.first, static_cast<std::size_t>(stretch.count), next);
       next += stretch.count;
     }
   }

@@ -160,6 +160,16 @@ Homogeneity closed_homogeneity(const SceneSettings& settings, ScanForm* form = n
                      kWantsPercentiles);
 }
 
+/// Share of the tiles with rays that are met by their nodes (sparse_rays.h).
+double tiles_by_nodes(const SceneSettings& settings) {
+  const TracedScene& scene = corner_rays();
+  const WallView view(scene.corners, Tunnel(settings.tunnel), scene.camera_in_world_mm);
+  const auto known = std::ranges::count(view.limits.kind, TileLimits::kKnown);
+  const auto others = std::ranges::count(view.limits.kind, TileLimits::kUnknown);
+  return static_cast<double>(known) /
+         static_cast<double>(std::max<std::ptrdiff_t>(known + others, 1));
+}
+
 void read_pass(benchmark::State& state) {
   for (auto _ : state) {
     benchmark::DoNotOptimize(read_all(plain_rays().rays));
@@ -178,6 +188,7 @@ void closed_form(benchmark::State& state, const SceneSettings& settings) {
   state.counters["of_plain"] = in_units(
       state, best_seconds(3, [&] { benchmark::DoNotOptimize(plain_homogeneity(settings)); }));
   state.counters["frame_pixels"] = form.frame_pixels;
+  state.counters["tiles_by_nodes"] = tiles_by_nodes(settings);
 }
 
 void mean_by_floors(benchmark::State& state) {

@@ -53,6 +53,15 @@ TEST(Evaluate, HasBoundsOfTheFamily) {
   EXPECT_LT(scores.at("homogeneity.ripple.low"), scores.at("homogeneity.ripple.high"));
 }
 
+TEST(Evaluate, TakesPercentilesOnlyWhereTheyAreAskedFor) {
+  const SceneSettings scene = small_line(0.5, 1.0);
+  EXPECT_FALSE(scores_of(scene, {.robust = false}).contains("homogeneity.robust"));
+  const Scores scores = scores_of(scene, {.trials = {"homogeneity.robust.low"}});
+  EXPECT_LT(scores.at("homogeneity.robust.low"), scores.at("homogeneity.robust.high"));
+  EXPECT_FALSE(wanted_by({.objective = {.name = "homogeneity.h_rms"}}).robust);
+  EXPECT_TRUE(wanted_by({.objective = {.name = "homogeneity.robust.low"}}).robust);
+}
+
 TEST(WantedBy, AsksForTheFamilyAndForStripesWhereTheRippleNeedsThem) {
   const Goal residual = {.objective = {.name = "homogeneity.residual"}};
   EXPECT_TRUE(wanted_by(residual).family);

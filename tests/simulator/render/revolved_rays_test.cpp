@@ -12,9 +12,7 @@ namespace {
 RayCache revolved_test_rays(std::size_t count, double base_mm) {
   RayCache rays;
   Rng rng(3, Stream::kTest, 17);
-  const auto add = [](std::vector<float>& array, double value) {
-    array.push_back(static_cast<float>(value));
-  };
+  const auto add = [](auto& array, double value) { array.push_back(static_cast<float>(value)); };
   for (std::size_t i = 0; i < count; ++i) {
     add(rays.origin_x, rng.uniform(-90.0, 90.0));
     add(rays.origin_y, rng.uniform(-30.0, 30.0));

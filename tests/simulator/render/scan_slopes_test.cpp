@@ -323,6 +323,35 @@ TEST(SlopesOfScan, ABlurDoesNotChangeAnEvenMean) {
   EXPECT_NEAR(sum.slopes(motion).blur_px / pixels, 0.0, 2e-6);
 }
 
+// A pixel a thousand periods away has the slopes of one nearby, in plain pixels as in cells.
+TEST(SlopesOfScan, WholePeriodsOfOffsetChangeNoSlope) {
+  SmallScan scene;
+  scene.sensor.gain = 0.8;
+  WallMotion motion{Tunnel(scene.tunnel)};
+  const ScanSlopes near = SmallScanSum(scene).slopes(motion);
+  scene.tunnel.offset_mm += 1000.0 * scene.tunnel.period_mm;
+  const ScanSlopes far = SmallScanSum(scene).slopes(motion);
+  const auto expect_same = [](const std::vector<float>& a, const std::vector<float>& b) {
+    ASSERT_EQ(a.size(), b.size());
+    double largest = 0.0;
+    double worst = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      const auto value = static_cast<double>(a[i]);
+      largest = std::max(largest, std::abs(value));
+      worst = std::max(worst, std::abs(static_cast<double>(b[i]) - value));
+    }
+    EXPECT_GT(largest, 0.0);
+    EXPECT_LT(worst, 1e-4 * largest);
+  };
+  expect_same(near.corners.x, far.corners.x);
+  ASSERT_EQ(near.refined.size(), far.refined.size());
+  for (std::size_t g = 0; g < near.refined.size(); ++g) {
+    if (!near.refined[g].by_hits.empty()) {
+      expect_same(near.refined[g].by_hits.x, far.refined[g].by_hits.x);
+    }
+  }
+}
+
 // Stretches of pixels are rendered in one with what lies between them, which nobody looks at.
 TEST(SlopesOfScan, PixelsThatNoScoreLooksAtAreNotHeld) {
   SmallScan scene;

@@ -134,7 +134,9 @@ bool is_solid(const TriangleMesh& mesh) {
 }  // namespace
 
 EscapeCone find_escape_cone(const TriangleMesh& mesh) {
-  if (mesh.triangles.empty()) {
+  // To see whether a larger mesh is closed takes longer than the rays that it saves.
+  constexpr std::size_t kMostTriangles = 200'000;
+  if (mesh.triangles.empty() || mesh.triangles.size() > kMostTriangles) {
     return {};
   }
   EscapeCone cone = normals_between(mesh);

@@ -18,7 +18,8 @@ struct EscapeCone {
   std::array<double, 3> high = {};
 };
 
-/// Empty for an open mesh, and for most parts: their triangles look into all directions.
+/// Empty for an open mesh, for one of more than 200,000 triangles, and for most parts: their
+/// triangles look into all directions.
 EscapeCone find_escape_cone(const TriangleMesh& mesh);
 
 }  // namespace glint

@@ -340,15 +340,6 @@ Homogeneity homogeneity(const ImageF& aspect,
   return result;
 }
 
-double always_clipped_share(const Image<std::uint16_t>& clipped_frames,
-                            int frames,
-                            const Mask& region) {
-  GLINT_CHECK(clipped_frames.size() == region.size(), "counts and region differ in size");
-  const Spans stretches = spans_of(region);
-  GLINT_CHECK(!stretches.empty(), "the region has no pixel");
-  return blind_share(clipped_frames, frames, stretches, pixels_of(stretches));
-}
-
 double smallest_over_mean(const ImageF& aspect, const Mask& region) {
   const Spans stretches = stretches_of(aspect, region);
   const double mean =

@@ -41,11 +41,6 @@ Homogeneity homogeneity(const ImageF& aspect,
                         const MetricsSettings& settings = {},
                         bool wants_robust = true);
 
-/// Share of the region's pixels that are at full scale in every frame.
-double always_clipped_share(const Image<std::uint16_t>& clipped_frames,
-                            int frames,
-                            const Mask& region);
-
 /// U0 of lighting practice: the smallest mean of a 3 x 3 square (its pixels in the region) over the
 /// mean of the region, in [0, 1]; 0 for a black region. Smoothed, because noise drives a minimum.
 double smallest_over_mean(const ImageF& aspect, const Mask& region);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "simulator/render/footprint_lane.h"
 #include "simulator/render/stripe_integral.h"
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
@@ -11,9 +12,9 @@
 namespace glint::cut_kernels {
 namespace {
 
-GLINT_INLINE double absolute(double x) {
-  return x < 0.0 ? -x : x;
-}
+using footprint_lane::absolute;
+using footprint_lane::first_integral;
+using footprint_lane::second_integral;
 
 /// Least squares through four corners.
 struct Linear {
@@ -268,41 +269,27 @@ GLINT_WIDE void cut(const CornerBatch& __restrict pixels,
 
 namespace {
 
-/// share += second * J(moved) of one vertex, with J the second integral of the stripes less their
-/// mean (footprint_kernels.h).
+/// share += second * J of one vertex.
 GLINT_WIDE void add_second(const double* __restrict phase,
                            const double* __restrict second,
                            int count,
                            double shift,
                            double duty,
                            double* __restrict share) {
-  const double rest = 1.0 - duty;
-  const double mean = 0.5 * duty * rest;
   for (int i = 0; i < count; ++i) {
-    const double moved = phase[i] - shift;
-    const double f = moved - std::floor(moved);
-    const double to_end = 1.0 - f;
-    const double rising = (0.5 * rest * f - mean) * f;
-    const double falling = -(0.5 * duty * to_end - mean) * to_end;
-    share[i] += second[i] * (f < duty ? rising : falling);
+    share[i] += second[i] * second_integral(phase[i] - shift, duty);
   }
 }
 
-/// The same with the first integral.
+/// The same with I.
 GLINT_WIDE void add_first(const double* __restrict phase,
                           const double* __restrict first,
                           int count,
                           double shift,
                           double duty,
                           double* __restrict share) {
-  const double rest = 1.0 - duty;
-  const double mean = 0.5 * duty * rest;
   for (int i = 0; i < count; ++i) {
-    const double moved = phase[i] - shift;
-    const double f = moved - std::floor(moved);
-    const double up = rest * f;
-    const double down = duty * (1.0 - f);
-    share[i] += first[i] * ((up < down ? up : down) - mean);
+    share[i] += first[i] * first_integral(phase[i] - shift, duty);
   }
 }
 

@@ -6,18 +6,19 @@
 #include <cstdint>
 
 #include "simulator/light/cos_turns.h"
+#include "simulator/render/footprint_lane.h"
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
 namespace glint::footprint_kernels {
 namespace {
 
-/// Footprints narrower than this (in periods) are taken as this wide.
-constexpr float kNarrow = 1e-6F;
-
-inline __attribute__((always_inline)) float absolute(float x) {
-  return x < 0.0F ? -x : x;
-}
+using footprint_lane::absolute;
+using footprint_lane::first_integral;
+using footprint_lane::kNarrow;
+using footprint_lane::second_integral;
+using footprint_lane::Widths;
+using footprint_lane::widths_of;
 
 /// Share of a trapezoid beyond 0 at distance d from its middle, less one half; odd in d.
 inline __attribute__((always_inline)) float beyond(
@@ -44,19 +45,6 @@ inline __attribute__((always_inline)) float two_edge_share(
   const float fall = beyond(f - duty, outer, inner, per_major, per_both);
   const float next = beyond(f - 1.0F, outer, inner, per_major, per_both);
   return 0.5F + rise - fall + next;
-}
-
-/// J: the second integral of the square wave less its mean, periodic and 0 at whole phases.
-template <class Real>
-inline __attribute__((always_inline)) Real second_integral(Real phase, Real duty) {
-  constexpr auto kOne = static_cast<Real>(1.0);
-  constexpr auto kHalf = static_cast<Real>(0.5);
-  const Real f = phase - std::floor(phase);
-  const Real mean = kHalf * duty * (kOne - duty);
-  const Real to_end = kOne - f;
-  const Real rising = (kHalf * (kOne - duty) * f - mean) * f;
-  const Real falling = -(kHalf * duty * to_end - mean) * to_end;
-  return f < duty ? rising : falling;
 }
 
 /// What corner_codes() says of a corner.
@@ -204,14 +192,9 @@ GLINT_WIDE void half_widths(const float* __restrict gx,
                             float* __restrict outer,
                             float* __restrict inner) {
   for (int i = 0; i < count; ++i) {
-    const float a = absolute(gx[i]);
-    const float b = absolute(gy[i]);
-    const float large = a < b ? b : a;
-    const float small = a < b ? a : b;
-    const float major = large > kNarrow ? large : kNarrow;
-    const float minor = small > kNarrow ? small : kNarrow;
-    outer[i] = 0.5F * (major + minor);
-    inner[i] = 0.5F * (major - minor);
+    const Widths widths = widths_of(gx[i], gy[i]);
+    outer[i] = widths.outer();
+    inner[i] = widths.inner();
   }
 }
 
@@ -224,16 +207,11 @@ GLINT_WIDE void trapezoids(const float* __restrict gx,
   float* __restrict per_major = out.per_major;
   float* __restrict per_both = out.per_both;
   for (int i = 0; i < count; ++i) {
-    const float a = absolute(gx[i]);
-    const float b = absolute(gy[i]);
-    const float large = a < b ? b : a;
-    const float small = a < b ? a : b;
-    const float major = large > kNarrow ? large : kNarrow;
-    const float minor = small > kNarrow ? small : kNarrow;
-    outer[i] = 0.5F * (major + minor);
-    inner[i] = 0.5F * (major - minor);
-    per_major[i] = 1.0F / major;
-    per_both[i] = 0.5F / (major * minor);
+    const Widths widths = widths_of(gx[i], gy[i]);
+    outer[i] = widths.outer();
+    inner[i] = widths.inner();
+    per_major[i] = 1.0F / widths.major;
+    per_both[i] = 0.5F / (widths.major * widths.minor);
   }
 }
 
@@ -531,6 +509,7 @@ GLINT_WIDE void sum_box_frames(const float* __restrict v,
   }
 }
 
+/// The second integral has mean zero up to the constant that the sum of c takes out.
 GLINT_WIDE void sum_vertices(const double* v,
                              const double* c,
                              const double* e,
@@ -539,45 +518,13 @@ GLINT_WIDE void sum_vertices(const double* v,
                              int frames,
                              double duty,
                              double* __restrict out) {
-  const double rest = 1.0 - duty;
-  const double mean = 0.5 * duty * rest;  // of the first integral that starts at 0
-  // The second integral has mean zero up to the constant that the sum of c takes out.
   for (int j = 0; j < vertices; ++j) {
     const double vj = v[j];
     const double cj = c[j];
     const double ej = e[j];
     for (int k = 0; k < frames; ++k) {
       const double moved = vj - shift[k];
-      const double f = moved - std::floor(moved);
-      const double up = rest * f;
-      const double down = duty * (1.0 - f);
-      const double first = (up < down ? up : down) - mean;
-      out[k] += cj * second_integral(moved, duty) + ej * first;
-    }
-  }
-}
-
-GLINT_WIDE void sum_vertex_slopes(const double* v,
-                                  const double* c,
-                                  const double* e,
-                                  int vertices,
-                                  const double* __restrict shift,
-                                  int frames,
-                                  double duty,
-                                  double* __restrict out) {
-  const double rest = 1.0 - duty;
-  const double mean = 0.5 * duty * rest;
-  for (int j = 0; j < vertices; ++j) {
-    const double vj = v[j];
-    const double cj = c[j];
-    const double ej = e[j];
-    for (int k = 0; k < frames; ++k) {
-      const double moved = vj - shift[k];
-      const double f = moved - std::floor(moved);
-      const double up = rest * f;
-      const double down = duty * (1.0 - f);
-      const double first = (up < down ? up : down) - mean;
-      out[k] += cj * first + ej * (f < duty ? rest : -duty);
+      out[k] += cj * second_integral(moved, duty) + ej * first_integral(moved, duty);
     }
   }
 }

@@ -219,16 +219,6 @@ void sum_vertices(const double* v,
                   double duty,
                   double* out);
 
-/// The same with one order less: out[k] += sum c * I + e * (square wave less its mean).
-void sum_vertex_slopes(const double* v,
-                       const double* c,
-                       const double* e,
-                       int vertices,
-                       const double* shift,
-                       int frames,
-                       double duty,
-                       double* out);
-
 /// out *= (1 + ripple cos(2 pi u per_mm)) / (1 + ripple) * (1 - falloff (u / half_length)^2) with
 /// u = x - shift.
 struct Unevenness {

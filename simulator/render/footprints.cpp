@@ -230,16 +230,6 @@ void Footprints::classify_pixels(int top, int bottom, int left, int right) {
   }
 }
 
-void Footprints::phases(int y, const kernels::PhaseRow& row) const {
-  const auto corner_width = static_cast<std::size_t>(rays_.width_px) + 1;
-  const float* top = hits().stripes_mm().data() + static_cast<std::size_t>(y) * corner_width;
-  kernels::phases_of_corners({.top = top, .bottom = top + corner_width},
-                             rays_.width_px,
-                             static_cast<float>(positions_.offset_mm),
-                             static_cast<float>(1.0 / positions_.period_mm),
-                             row);
-}
-
 double Footprints::hidden_share() const {
   const auto count = static_cast<int>(hidden().size());
   const int num_hidden = mask_kernels::count_ones(hidden().values().data(), count);

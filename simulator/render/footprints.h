@@ -122,9 +122,6 @@ class Footprints {
 
   const Tunnel& tunnel() const { return tunnel_; }
 
-  /// Phases of a row of pixels by their corners.
-  void phases(int y, const footprint_kernels::PhaseRow& row) const;
-
   /// Share of the part's pixels that the wall hides from the camera.
   double hidden_share() const;
 

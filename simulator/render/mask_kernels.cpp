@@ -63,14 +63,6 @@ GLINT_WIDE void grow_row(const unsigned char* const* rows,
   }
 }
 
-GLINT_WIDE void join(const unsigned char* __restrict from,
-                     int count,
-                     unsigned char* __restrict to) {
-  for (int i = 0; i < count; ++i) {
-    to[i] = static_cast<unsigned char>(to[i] | from[i]);
-  }
-}
-
 GLINT_WIDE void subtract(const unsigned char* __restrict a,
                          const unsigned char* __restrict b,
                          int count,

@@ -5,9 +5,6 @@
 
 namespace glint::mask_kernels {
 
-/// to |= from
-void join(const unsigned char* from, int count, unsigned char* to);
-
 /// The union of `num_rows` >= 1 rows, then of each pixel of it and those up to `radius` beside it.
 /// @param scratch  2 (width + 2 radius) values, overwritten
 void grow_row(const unsigned char* const* rows,

@@ -4,18 +4,18 @@
 #include <cmath>
 
 #include "simulator/render/footprint_kernels.h"
+#include "simulator/render/footprint_lane.h"
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
 namespace glint::slope_kernels {
 namespace {
 
-constexpr float kNarrow = 1e-6F;
-constexpr std::size_t kDoubleLanes = 8;
+using footprint_lane::absolute;
+using footprint_lane::Widths;
+using footprint_lane::widths_of;
 
-inline __attribute__((always_inline)) float absolute(float x) {
-  return x < 0.0F ? -x : x;
-}
+constexpr std::size_t kDoubleLanes = 8;
 
 }  // namespace
 
@@ -35,14 +35,11 @@ GLINT_WIDE static void add_slopes(const float* __restrict v,
   // Everything is spelt out three times, for the rising, the falling and the next edge: the share
   // beyond an edge at distance d and its slopes by d, the larger and the smaller width.
   for (int i = 0; i < count; ++i) {
-    const float a = absolute(gx[i]);
-    const float b = absolute(gy[i]);
-    const float large = a < b ? b : a;
-    const float small = a < b ? a : b;
-    const float major = large > kNarrow ? large : kNarrow;
-    const float minor = small > kNarrow ? small : kNarrow;
-    const float outer = 0.5F * (major + minor);
-    const float inner = 0.5F * (major - minor);
+    const Widths widths = widths_of(gx[i], gy[i]);
+    const float major = widths.major;
+    const float minor = widths.minor;
+    const float outer = widths.outer();
+    const float inner = widths.inner();
     const float per_major = 1.0F / major;
     const float per_minor = 1.0F / minor;
     const float moved = v[i] - shift;
@@ -82,8 +79,9 @@ GLINT_WIDE static void add_slopes(const float* __restrict v,
                          (next_t * per_major - next_half);
     const float x_sign = gx[i] < 0.0F ? -1.0F : 1.0F;
     const float y_sign = gy[i] < 0.0F ? -1.0F : 1.0F;
-    const float by_x = a < b ? by_minor : by_major;
-    const float by_y = a < b ? by_major : by_minor;
+    const bool is_y_larger = absolute(gx[i]) < absolute(gy[i]);
+    const float by_x = is_y_larger ? by_minor : by_major;
+    const float by_y = is_y_larger ? by_major : by_minor;
     by_v[i] += weight[i] * per_major * (rise_by_d - fall_by_d + next_by_d);
     by_gx[i] += weight[i] * x_sign * by_x;
     by_gy[i] += weight[i] * y_sign * by_y;
@@ -269,17 +267,12 @@ GLINT_WIDE static void find_shapes(const float* __restrict gx,
                                    float* __restrict per_minor,
                                    float* __restrict flatness) {
   for (int i = 0; i < count; ++i) {
-    const float a = absolute(gx[i]);
-    const float b = absolute(gy[i]);
-    const float large = a < b ? b : a;
-    const float small = a < b ? a : b;
-    const float major = large > kNarrow ? large : kNarrow;
-    const float minor = small > kNarrow ? small : kNarrow;
-    outer[i] = 0.5F * (major + minor);
-    inner[i] = 0.5F * (major - minor);
-    per_major[i] = 1.0F / major;
-    per_minor[i] = 1.0F / minor;
-    flatness[i] = 0.5F * minor * per_major[i];
+    const Widths widths = widths_of(gx[i], gy[i]);
+    outer[i] = widths.outer();
+    inner[i] = widths.inner();
+    per_major[i] = 1.0F / widths.major;
+    per_minor[i] = 1.0F / widths.minor;
+    flatness[i] = 0.5F * widths.minor * per_major[i];
   }
 }
 

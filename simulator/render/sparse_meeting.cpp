@@ -136,15 +136,13 @@ void SparseMeeting::find_errors(std::size_t array, int row) {
 /// Along the stripes a share of the footprint there; across the tunnel a share of that, and more
 /// where no boundary of the light is near.
 void SparseMeeting::allow_errors(std::size_t array, int row, const TileLimits& limits) {
-  enum : std::size_t { kX, kY, kAcross, kPattern, kCosine };
-
   constexpr float kPerPixel = kLargestShare / kStep;
-  std::ranges::fill(allowed_, array == kCosine ? kLargestCosineError : kLeastError_mm);
-  if (array == kCosine) {
+  std::ranges::fill(allowed_, array == WallHits::kCosine ? kLargestCosineError : kLeastError_mm);
+  if (array == WallHits::kCosine) {
     return;
   }
-  const bool is_across = array == kY || array == kAcross;
-  const NodePlane& seen = planes_[is_across ? kY : array];
+  const bool is_across = array == WallHits::kY || array == WallHits::kMargin;
+  const NodePlane& seen = planes_[is_across ? WallHits::kY : array];
   kernels::allow_errors(seen.row(row) + kNodeMargin,
                         seen.row(row + 1) + kNodeMargin,
                         tiles_,
@@ -241,10 +239,9 @@ void SparseMeeting::sort_others(int row) {
 }
 
 void SparseMeeting::clear_tile(int row, int column) {
-  constexpr std::size_t kMarginArray = 2;
-  constexpr std::size_t kCosine = 4;
   for (std::size_t i = 0; i < results_.size(); ++i) {
-    const float none = i == kMarginArray ? kNowhere_mm : (i == kCosine ? 1.0F : 0.0F);
+    const float none =
+        i == WallHits::kMargin ? kNowhere_mm : (i == WallHits::kCosine ? 1.0F : 0.0F);
     for (int y = row * kStep; y < (row + 1) * kStep; ++y) {
       std::fill_n(results_[i]->data() + place(column * kStep, y), kStep, none);
     }

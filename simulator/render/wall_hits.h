@@ -25,7 +25,10 @@ struct WallHits {
   /// For so many rays on a tunnel: only arrays that it needs.
   void resize(std::size_t count, const TunnelSettings& tunnel);
 
-  /// Those that are not empty.
+  /// Places in arrays().
+  enum : std::size_t { kX, kY, kMargin, kPattern, kCosine };
+
+  /// Those that are not empty: the first three or all.
   std::vector<FloatArray*> arrays();
 };
 

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "simulator/render/footprint_kernels.h"
+#include "simulator/render/footprint_lane.h"
 #include "simulator/render/width_kernels.h"
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
@@ -15,9 +16,7 @@
 namespace glint::footprint_kernels {
 namespace {
 
-inline __attribute__((always_inline)) float absolute(float x) {
-  return x < 0.0F ? -x : x;
-}
+using footprint_lane::absolute;
 
 __attribute__((always_inline)) inline float width_of(float x, float y, const LinearPhase& r) {
   return std::sqrt(r.variance_px2 * (x * x + y * y));

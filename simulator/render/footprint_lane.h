@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a single lane of the kernels does that work on footprints. Always inlined, so that each
+// kernel is compiled for its own instruction set.
+#pragma once
+
+#include <cmath>
+
+namespace glint::footprint_lane {
+
+/// Footprints narrower than this (in periods) are taken as this wide.
+inline constexpr float kNarrow = 1e-6F;
+
+template <class Real>
+inline __attribute__((always_inline)) Real absolute(Real x) {
+  return x < static_cast<Real>(0.0) ? -x : x;
+}
+
+/// Sizes of a footprint's two differences [periods a pixel], at least kNarrow.
+struct Widths {
+  float major = 0.0F;
+  float minor = 0.0F;
+
+  /// Half widths of its trapezoid, outer and inner.
+  float outer() const { return 0.5F * (major + minor); }
+
+  float inner() const { return 0.5F * (major - minor); }
+};
+
+inline __attribute__((always_inline)) Widths widths_of(float gx, float gy) {
+  const float a = absolute(gx);
+  const float b = absolute(gy);
+  const float large = a < b ? b : a;
+  const float small = a < b ? a : b;
+  return {.major = large > kNarrow ? large : kNarrow, .minor = small > kNarrow ? small : kNarrow};
+}
+
+/// I: the first integral of the square wave less its mean, periodic and of mean zero.
+template <class Real>
+inline __attribute__((always_inline)) Real first_integral(Real phase, Real duty) {
+  constexpr auto kOne = static_cast<Real>(1.0);
+  const Real rest = kOne - duty;
+  const Real f = phase - std::floor(phase);
+  const Real up = rest * f;
+  const Real down = duty * (kOne - f);
+  return (up < down ? up : down) - static_cast<Real>(0.5) * duty * rest;
+}
+
+/// J: the second integral, periodic and 0 at whole phases.
+template <class Real>
+inline __attribute__((always_inline)) Real second_integral(Real phase, Real duty) {
+  constexpr auto kOne = static_cast<Real>(1.0);
+  constexpr auto kHalf = static_cast<Real>(0.5);
+  const Real f = phase - std::floor(phase);
+  const Real mean = kHalf * duty * (kOne - duty);
+  const Real to_end = kOne - f;
+  const Real rising = (kHalf * (kOne - duty) * f - mean) * f;
+  const Real falling = -(kHalf * duty * to_end - mean) * to_end;
+  return f < duty ? rising : falling;
+}
+
+}  // namespace glint::footprint_lane

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <mutex>
@@ -107,57 +108,58 @@ void copy16(const std::array<float, kPacketSize>& from, float* to) {
   std::memcpy(to, from.data(), sizeof(from));
 }
 
-RTCRayHit16 to_embree(const RayPacket& rays) {
-  RTCRayHit16 packet;
-  copy16(rays.origin_x, packet.ray.org_x);
-  copy16(rays.origin_y, packet.ray.org_y);
-  copy16(rays.origin_z, packet.ray.org_z);
-  copy16(rays.direction_x, packet.ray.dir_x);
-  copy16(rays.direction_y, packet.ray.dir_y);
-  copy16(rays.direction_z, packet.ray.dir_z);
-  copy16(rays.t_min, packet.ray.tnear);
-  copy16(rays.t_max, packet.ray.tfar);
-  std::ranges::fill(packet.ray.time, 0.0F);
-  std::ranges::fill(packet.ray.mask, ~0U);
-  std::ranges::fill(packet.ray.id, 0U);
-  std::ranges::fill(packet.ray.flags, 0U);
-  std::ranges::fill(packet.hit.geomID, RTC_INVALID_GEOMETRY_ID);
-  std::ranges::fill(packet.hit.primID, RTC_INVALID_GEOMETRY_ID);
-  std::ranges::fill(packet.hit.instID[0], RTC_INVALID_GEOMETRY_ID);
-  std::ranges::fill(packet.hit.u, 0.0F);
-  std::ranges::fill(packet.hit.v, 0.0F);
-  return packet;
+static_assert(offsetof(RayQuery, origin_x) == offsetof(RTCRayHit16, ray.org_x));
+static_assert(offsetof(RayQuery, t_min) == offsetof(RTCRayHit16, ray.tnear));
+static_assert(offsetof(RayQuery, direction_x) == offsetof(RTCRayHit16, ray.dir_x));
+static_assert(offsetof(RayQuery, time) == offsetof(RTCRayHit16, ray.time));
+static_assert(offsetof(RayQuery, t_max) == offsetof(RTCRayHit16, ray.tfar));
+static_assert(offsetof(RayQuery, mask) == offsetof(RTCRayHit16, ray.mask));
+static_assert(offsetof(RayQuery, flags) == offsetof(RTCRayHit16, ray.flags));
+static_assert(offsetof(RayQuery, normal_x) == offsetof(RTCRayHit16, hit.Ng_x));
+static_assert(offsetof(RayQuery, u) == offsetof(RTCRayHit16, hit.u));
+static_assert(offsetof(RayQuery, triangle) == offsetof(RTCRayHit16, hit.primID));
+static_assert(offsetof(RayQuery, geometry) == offsetof(RTCRayHit16, hit.geomID));
+static_assert(offsetof(RayQuery, instance) == offsetof(RTCRayHit16, hit.instID));
+static_assert(offsetof(RayQuery, valid) == sizeof(RTCRayHit16));
+
+// Rays that meet nothing, and those left out, keep the number that is -1 with a sign.
+static_assert(static_cast<std::int32_t>(RTC_INVALID_GEOMETRY_ID) == -1);
+
+void copy_rays(const RayPacket& rays, RayQuery& query) {
+  copy16(rays.origin_x, query.origin_x.data());
+  copy16(rays.origin_y, query.origin_y.data());
+  copy16(rays.origin_z, query.origin_z.data());
+  copy16(rays.direction_x, query.direction_x.data());
+  copy16(rays.direction_y, query.direction_y.data());
+  copy16(rays.direction_z, query.direction_z.data());
+  copy16(rays.t_min, query.t_min.data());
+  copy16(rays.t_max, query.t_max.data());
+  query.valid = rays.valid;
 }
 
 /// Quicker than looking for them one by one.
-bool has_miss(const RayPacket& rays, const RTCRayHit16& packet) {
-  std::uint32_t missed = 0;
+bool has_miss(const RayQuery& query) {
+  std::int32_t missed = 0;
   for (std::size_t k = 0; k < kPacketSize; ++k) {
-    const bool is_missed = packet.hit.primID[k] == RTC_INVALID_GEOMETRY_ID;
-    missed |= is_missed ? static_cast<std::uint32_t>(rays.valid[k]) : 0U;
+    missed |= query.valid[k] & query.triangle[k];  // -1 and -1
   }
-  return missed != 0;
+  return missed < 0;
 }
 
-/// Turns the rays that missed a little; false when none did.
-bool nudge_misses(const RayPacket& rays,
-                  RTCRayHit16& packet,
-                  std::array<std::int32_t, kPacketSize>& again) {
-  bool has_miss = false;
+/// Turns the rays that missed a little.
+void nudge_misses(RayQuery& query, RayQuery::Integers& again) {
   for (std::size_t k = 0; k < kPacketSize; ++k) {
-    if (rays.valid[k] == 0 || packet.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID) {
+    if (query.valid[k] == 0 || query.triangle[k] >= 0) {
       continue;
     }
-    const float length = std::sqrt(
-        rays.direction_x[k] * rays.direction_x[k] +
-        (rays.direction_y[k] * rays.direction_y[k] + rays.direction_z[k] * rays.direction_z[k]));
-    packet.ray.dir_x[k] += length * static_cast<float>(kNudge[0]);
-    packet.ray.dir_y[k] += length * static_cast<float>(kNudge[1]);
-    packet.ray.dir_z[k] += length * static_cast<float>(kNudge[2]);
+    const float length = std::sqrt(query.direction_x[k] * query.direction_x[k] +
+                                   (query.direction_y[k] * query.direction_y[k] +
+                                    query.direction_z[k] * query.direction_z[k]));
+    query.direction_x[k] += length * static_cast<float>(kNudge[0]);
+    query.direction_y[k] += length * static_cast<float>(kNudge[1]);
+    query.direction_z[k] += length * static_cast<float>(kNudge[2]);
     again[k] = -1;
-    has_miss = true;
   }
-  return has_miss;
 }
 
 std::size_t index(std::int32_t i) {
@@ -335,24 +337,28 @@ const std::vector<std::uint8_t>& Bvh::flat_triangles(const TriangleMesh& mesh) c
   return scene_->flat_triangles;
 }
 
-void Bvh::intersect16(const RayPacket& rays, HitPacket& hits, Coherence coherence) const {
-  RTCRayHit16 packet = to_embree(rays);
+void Bvh::trace16(RayQuery& query, Coherence coherence) const {
+  auto* const packet = reinterpret_cast<RTCRayHit16*>(&query);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = coherence == Coherence::kIncoherent ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT
                                                       : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect16(rays.valid.data(), scene_->scene.get(), &context, &packet);
-  alignas(64) std::array<std::int32_t, kPacketSize> again = {};
-  if (coherence == Coherence::kCoherent && has_miss(rays, packet) &&
-      nudge_misses(rays, packet, again)) {
-    rtcIntersect16(again.data(), scene_->scene.get(), &context, &packet);
+  rtcIntersect16(query.valid.data(), scene_->scene.get(), &context, packet);
+  if (coherence == Coherence::kCoherent && has_miss(query)) {
+    alignas(64) RayQuery::Integers again = {};
+    nudge_misses(query, again);
+    rtcIntersect16(again.data(), scene_->scene.get(), &context, packet);
   }
-  // Rays that meet nothing, and those left out, keep the number that is -1 with a sign.
-  static_assert(static_cast<std::int32_t>(RTC_INVALID_GEOMETRY_ID) == -1);
-  std::memcpy(hits.t_mm.data(), packet.ray.tfar, sizeof(hits.t_mm));
-  std::memcpy(hits.triangle.data(), packet.hit.primID, sizeof(hits.triangle));
-  std::memcpy(hits.u.data(), packet.hit.u, sizeof(hits.u));
-  std::memcpy(hits.v.data(), packet.hit.v, sizeof(hits.v));
+}
+
+void Bvh::intersect16(const RayPacket& rays, HitPacket& hits, Coherence coherence) const {
+  RayQuery query;
+  copy_rays(rays, query);
+  trace16(query, coherence);
+  hits.t_mm = query.t_max;
+  hits.triangle = query.triangle;
+  hits.u = query.u;
+  hits.v = query.v;
 }
 
 void Bvh::occluded16(RayPacket& rays, Coherence coherence) const {

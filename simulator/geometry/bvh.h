@@ -61,6 +61,9 @@ class Bvh {
 
   void intersect16(const RayPacket& rays, HitPacket& hits, Coherence coherence) const;
 
+  /// The same without copies. A ray that was tried a second time keeps the direction of that try.
+  void trace16(RayQuery& query, Coherence coherence) const;
+
   /// Lanes that anything stands in the way of, between t_min and t_max, become invalid (0). Quicker
   /// than intersect16().
   void occluded16(RayPacket& rays, Coherence coherence) const;
@@ -90,7 +93,7 @@ class Bvh {
   /// above their triangle. Found at the first call. @param mesh  the one this was built from
   const OpenSides& open_sides(const TriangleMesh& mesh) const;
 
-  /// Directions in which a ray that has left the part meets it no more.
+  /// How rays that have left the part can be known to meet it no more.
   /// Found at the first call. @param mesh  the one this was built from
   const EscapeCone& escape_cone(const TriangleMesh& mesh) const;
 

@@ -2,10 +2,12 @@
 #include "simulator/geometry/escape_cone.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -35,16 +37,63 @@ std::vector<Vector3d> outermost(const TriangleMesh& mesh) {
   return outermost_mm;
 }
 
-/// Tells the triangles that nothing rises above. Looks at all vertices for few planes only; others
-/// count as overlooked, which makes the cone smaller and no less right.
+/// The vertices in groups of neighbours with boxes around them, to see quickly whether any lies in
+/// front of a plane.
+class VertexGroups {
+ public:
+  explicit VertexGroups(const std::vector<Vector3d>& vertices_mm) : vertices_mm_(vertices_mm) {
+    for (std::size_t first = 0; first < vertices_mm.size(); first += kGroup) {
+      Vector3d low = vertices_mm[first];
+      Vector3d high = low;
+      for (std::size_t i = first; i < std::min(first + kGroup, vertices_mm.size()); ++i) {
+        low = low.cwiseMin(vertices_mm[i]);
+        high = high.cwiseMax(vertices_mm[i]);
+      }
+      boxes_.push_back({.centre_mm = 0.5 * (low + high), .half_mm = 0.5 * (high - low)});
+    }
+  }
+
+  /// @param num_tests  counts boxes and vertices that were looked at
+  bool has_one_in_front(const Vector3d& normal, double offset_mm, std::size_t& num_tests) const {
+    const Vector3d size = normal.cwiseAbs();
+    num_tests += boxes_.size();
+    for (std::size_t k = 0; k < boxes_.size(); ++k) {
+      if (normal.dot(boxes_[k].centre_mm) + size.dot(boxes_[k].half_mm) <= offset_mm) {
+        continue;
+      }
+      const std::size_t end = std::min((k + 1) * kGroup, vertices_mm_.size());
+      num_tests += end - k * kGroup;
+      for (std::size_t i = k * kGroup; i < end; ++i) {
+        if (normal.dot(vertices_mm_[i]) > offset_mm) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+ private:
+  static constexpr std::size_t kGroup = 64;
+
+  struct Box {
+    Vector3d centre_mm;
+    Vector3d half_mm;
+  };
+
+  const std::vector<Vector3d>& vertices_mm_;
+  std::vector<Box> boxes_;
+};
+
+/// Tells the triangles that nothing rises above, as long as that takes little time; later ones
+/// count as overlooked, which costs rays and is no less right.
 class OpenPlanes {
  public:
-  explicit OpenPlanes(const TriangleMesh& mesh) : mesh_(mesh), outermost_mm_(outermost(mesh)) {}
+  explicit OpenPlanes(const TriangleMesh& mesh)
+      : groups_(mesh.vertices_mm), outermost_mm_(outermost(mesh)) {}
 
   bool is_open(const Vector3d& normal, double offset_mm) {
-    const auto is_in_front = [&](const Vector3d& p_mm) {
-      return normal.dot(p_mm) > offset_mm + kFlat_mm;
-    };
+    const double reach_mm = offset_mm + kFlat_mm;
+    const auto is_in_front = [&](const Vector3d& p_mm) { return normal.dot(p_mm) > reach_mm; };
     if (std::ranges::any_of(outermost_mm_, is_in_front)) {
       return false;
     }
@@ -54,49 +103,62 @@ class OpenPlanes {
         return known.is_open;
       }
     }
-    if (known_.size() >= kMostPlanes) {
+    if (num_tests_ >= kMostTests) {
       return false;
     }
-    known_.push_back({.normal = normal,
-                      .offset_mm = offset_mm,
-                      .is_open = std::ranges::none_of(mesh_.vertices_mm, is_in_front)});
-    return known_.back().is_open;
+    const bool is_open = !groups_.has_one_in_front(normal, reach_mm, num_tests_);
+    known_[oldest_] = {.normal = normal, .offset_mm = offset_mm, .is_open = is_open};
+    oldest_ = (oldest_ + 1) % known_.size();
+    return is_open;
   }
 
  private:
-  static constexpr std::size_t kMostPlanes = 16;
-  static constexpr double kFlat_mm = 1e-7;      ///< rounding of coordinates
-  static constexpr double kSameNormal = 1e-12;  ///< rounding of normals
+  static constexpr std::size_t kKnownPlanes = 16;
+  static constexpr std::size_t kMostTests = std::size_t{1} << 20U;  ///< a few ms
+  static constexpr double kFlat_mm = 1e-7;                          ///< rounding of coordinates
+  static constexpr double kSameNormal = 1e-12;                      ///< rounding of normals
 
   struct Plane {
-    Vector3d normal;
+    Vector3d normal = Vector3d::Zero();
     double offset_mm = 0.0;
     bool is_open = false;
   };
 
-  const TriangleMesh& mesh_;
+  VertexGroups groups_;
   std::vector<Vector3d> outermost_mm_;
-  std::vector<Plane> known_;
+  std::array<Plane, kKnownPlanes> known_;  ///< the latest: flat faces have many triangles
+  std::size_t oldest_ = 0;
+  std::size_t num_tests_ = 0;
 };
 
-/// Bounds of the normals of triangles that something rises above.
+/// The triangles that nothing rises above, and bounds of the normals of the others.
 EscapeCone normals_between(const TriangleMesh& mesh) {
+  std::vector<std::uint8_t> is_open(mesh.num_triangles(), 0);
   Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity());
   Vector3d high = -low;
   OpenPlanes planes(mesh);
   for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
     const Vector3d normal = face_normal(mesh, i);
-    if (normal.squaredNorm() > 0.0 && !planes.is_open(normal, normal.dot(mesh.vertex(i, 0)))) {
+    if (!(normal.squaredNorm() > 0.0)) {
+      continue;
+    }
+    if (planes.is_open(normal, normal.dot(mesh.vertex(i, 0)))) {
+      is_open[i] = 1;
+    } else {
       low = low.cwiseMin(normal);
       high = high.cwiseMax(normal);
     }
+  }
+  if (std::ranges::find(is_open, 1) == is_open.end()) {
+    is_open.clear();
   }
   // The middle of the bounds sees most of them from in front.
   const Vector3d middle = low + high;
   const double least = low.cwiseProduct(middle).cwiseMin(high.cwiseProduct(middle)).sum();
   return {.is_empty = !(least > 0.0),
           .low = {low.x(), low.y(), low.z()},
-          .high = {high.x(), high.y(), high.z()}};
+          .high = {high.x(), high.y(), high.z()},
+          .is_open = std::move(is_open)};
 }
 
 /// Six times the volume between a triangle and the origin.

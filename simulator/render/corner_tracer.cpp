@@ -345,7 +345,7 @@ void CornerTracer::classify(int x, int y, std::vector<Candidate>& open) {
 void CornerTracer::set_smooth(int x, int y) {
   const std::size_t columns = static_cast<std::size_t>(result_.width_px) + 1;
   const std::size_t first = static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x);
-  const auto mean = [&](const std::vector<float>& v) {
+  const auto mean = [&](const RayCache::Floats& v) {
     const double sum = static_cast<double>(v[first]) + static_cast<double>(v[first + 1]) +
                        static_cast<double>(v[first + columns]) +
                        static_cast<double>(v[first + columns + 1]);

@@ -2,6 +2,7 @@
 #include "simulator/render/packet_kernels.h"
 
 #include <cmath>
+#include <limits>
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 #define GLINT_INLINE __attribute__((always_inline)) inline
@@ -80,6 +81,174 @@ GLINT_WIDE void arrive16(const double* __restrict origin_mm,
   }
 }
 
+namespace {
+
+GLINT_INLINE void forget_hits(RayQuery* __restrict q) {
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    q->t_max[i] = std::numeric_limits<float>::infinity();
+    q->triangle[i] = -1;
+    q->geometry[i] = -1;
+  }
+}
+
+GLINT_INLINE void copy(const double* __restrict from, double* __restrict to) {
+  for (int i = 0; i < kLanes; ++i) {
+    to[i] = from[i];
+  }
+}
+
+/// In a loop of its own: beside the arithmetic the compiler would branch and not vectorise.
+GLINT_INLINE void set_wanted(const double* __restrict is_wanted,
+                             const double* __restrict from,
+                             double* __restrict to) {
+  for (int i = 0; i < kLanes; ++i) {
+    const double before = to[i];
+    const double now = from[i];
+    to[i] = is_wanted[i] != 0.0 ? now : before;
+  }
+}
+
+}  // namespace
+
+GLINT_WIDE void ask_from_point16(const double* __restrict origin_mm,
+                                 const double* __restrict direction_x,
+                                 const double* __restrict direction_y,
+                                 const double* __restrict direction_z,
+                                 int count,
+                                 RayQuery& query) {
+  RayQuery* __restrict q = &query;
+  const auto x_mm = static_cast<float>(origin_mm[0]);
+  const auto y_mm = static_cast<float>(origin_mm[1]);
+  const auto z_mm = static_cast<float>(origin_mm[2]);
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    q->origin_x[i] = x_mm;
+    q->origin_y[i] = y_mm;
+    q->origin_z[i] = z_mm;
+    q->direction_x[i] = static_cast<float>(direction_x[i]);
+    q->direction_y[i] = static_cast<float>(direction_y[i]);
+    q->direction_z[i] = static_cast<float>(direction_z[i]);
+  }
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    q->valid[i] = static_cast<int>(i) < count ? -1 : 0;
+  }
+  forget_hits(q);
+}
+
+GLINT_WIDE void ask_reflected16(const MeetingLanes& lanes,
+                                const std::int32_t* __restrict triangle,
+                                RayQuery& query) {
+  const MeetingLanes* __restrict l = &lanes;
+  RayQuery* __restrict q = &query;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    q->origin_x[i] = static_cast<float>(l->start_x[i]);
+    q->origin_y[i] = static_cast<float>(l->start_y[i]);
+    q->origin_z[i] = static_cast<float>(l->start_z[i]);
+    q->direction_x[i] = static_cast<float>(l->leaving_x[i]);
+    q->direction_y[i] = static_cast<float>(l->leaving_y[i]);
+    q->direction_z[i] = static_cast<float>(l->leaving_z[i]);
+  }
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    q->valid[i] = ((triangle[i] >= 0) & (l->rise[i] > 0.0)) ? -1 : 0;
+  }
+  forget_hits(q);
+}
+
+GLINT_WIDE bool take_hits16(const RayQuery& query, HitPacket& hits) {
+  const RayQuery* __restrict q = &query;
+  HitPacket* __restrict h = &hits;
+  std::int32_t all = -1;  // misses are below zero, which a bit tells that only they all share
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    h->t_mm[i] = q->t_max[i];
+    h->triangle[i] = q->triangle[i];
+    h->u[i] = q->u[i];
+    h->v[i] = q->v[i];
+    all &= q->triangle[i];
+  }
+  return all >= 0;
+}
+
+GLINT_WIDE std::int32_t common_triangle16(const HitPacket& hits) {
+  const std::int32_t* __restrict triangle = hits.triangle.data();
+  const std::int32_t first = triangle[0];
+  std::int32_t differing = 0;
+  for (int i = 0; i < kLanes; ++i) {
+    differing |= triangle[i] ^ first;
+  }
+  return differing == 0 ? first : -1;
+}
+
+GLINT_WIDE void set_plane16(
+    double normal_x, double normal_y, double normal_z, double offset_mm, MeetingLanes& lanes) {
+  MeetingLanes* __restrict l = &lanes;
+  for (int i = 0; i < kLanes; ++i) {
+    l->face_x[i] = normal_x;
+    l->face_y[i] = normal_y;
+    l->face_z[i] = normal_z;
+    l->offset_mm[i] = offset_mm;
+  }
+}
+
+GLINT_WIDE void escape16(const MeetingLanes& lanes, const EscapeArrays& escapes) {
+  const MeetingLanes* __restrict l = &lanes;
+  const double* const from[] = {l->point_x,
+                                l->point_y,
+                                l->point_z,
+                                l->point_x,
+                                l->point_y,
+                                l->point_z,
+                                l->leaving_x,
+                                l->leaving_y,
+                                l->leaving_z};
+  double* const to[] = {escapes.seen_x,
+                        escapes.seen_y,
+                        escapes.seen_z,
+                        escapes.origin_x,
+                        escapes.origin_y,
+                        escapes.origin_z,
+                        escapes.direction_x,
+                        escapes.direction_y,
+                        escapes.direction_z};
+  for (int k = 0; k < 9; ++k) {
+    copy(from[k], to[k]);
+  }
+}
+
+GLINT_WIDE void escape_again16(const MeetingLanes& lanes,
+                               const std::int32_t* __restrict triangle,
+                               double reflectance,
+                               double* __restrict path_reflectance,
+                               const EscapeArrays& escapes,
+                               float* __restrict weight) {
+  const MeetingLanes* __restrict l = &lanes;
+  const double* const from[] = {
+      l->point_x, l->point_y, l->point_z, l->leaving_x, l->leaving_y, l->leaving_z};
+  double* const to[] = {escapes.origin_x,
+                        escapes.origin_y,
+                        escapes.origin_z,
+                        escapes.direction_x,
+                        escapes.direction_y,
+                        escapes.direction_z};
+  alignas(64) double is_met[kLanes];
+  for (int i = 0; i < kLanes; ++i) {
+    is_met[i] = triangle[i] >= 0 ? 1.0 : 0.0;
+  }
+  for (int k = 0; k < 6; ++k) {
+    set_wanted(is_met, from[k], to[k]);
+  }
+  for (int i = 0; i < kLanes; ++i) {
+    const double factor = reflectance * l->reflectance[i];
+    path_reflectance[i] *= is_met[i] != 0.0 ? factor : 1.0;
+  }
+  alignas(64) float of_path[kLanes];
+  for (int i = 0; i < kLanes; ++i) {
+    of_path[i] = static_cast<float>(path_reflectance[i]);
+  }
+  for (int i = 0; i < kLanes; ++i) {
+    const float before = weight[i];
+    weight[i] = triangle[i] >= 0 ? of_path[i] : before;
+  }
+}
+
 GLINT_WIDE bool weigh_escapes16(const MeetingLanes& lanes,
                                 const std::int32_t* __restrict triangle,
                                 int count,
@@ -107,16 +276,6 @@ GLINT_WIDE bool is_any_unfound16(const std::int32_t* __restrict triangle,
 }
 
 namespace {
-
-/// In a loop of its own: beside the arithmetic the compiler would branch and not vectorise.
-GLINT_INLINE void set_wanted(const double* __restrict is_wanted,
-                             const double* __restrict from,
-                             double* __restrict to) {
-  for (int i = 0; i < kLanes; ++i) {
-    const double before = to[i];
-    to[i] = is_wanted[i] != 0.0 ? from[i] : before;
-  }
-}
 
 struct alignas(64) ShadedLanes {
   double px[kLanes], py[kLanes], pz[kLanes];

@@ -7,9 +7,11 @@
 
 #include <cstdint>
 
+#include "simulator/geometry/ray_packet.h"
+
 namespace glint {
 
-inline constexpr int kLanes = 16;
+inline constexpr int kLanes = kPacketSize;
 
 /// An undistorted camera.
 struct PinholeNumbers {
@@ -50,6 +52,27 @@ bool meet_planes16(double flat, MeetingLanes& lanes);
 /// Points of sixteen pixels of a row of the image: (x + lane) + offset, y + offset.
 void row_points16(int x, int y, const double* offset_px, double* x_px, double* y_px);
 
+/// Rays from one point, to be traced; lanes from `count` on are left out.
+void ask_from_point16(const double* origin_mm,
+                      const double* direction_x,
+                      const double* direction_y,
+                      const double* direction_z,
+                      int count,
+                      RayQuery& query);
+
+/// The reflected rays of lanes with a hit (triangle >= 0) that do not graze, to be traced.
+void ask_reflected16(const MeetingLanes& lanes, const std::int32_t* triangle, RayQuery& query);
+
+/// What traced rays met. @return whether any met something
+bool take_hits16(const RayQuery& query, HitPacket& hits);
+
+/// The triangle that all lanes met; -1 when there are several, or a miss.
+std::int32_t common_triangle16(const HitPacket& hits);
+
+/// One plane for all lanes.
+void set_plane16(
+    double normal_x, double normal_y, double normal_z, double offset_mm, MeetingLanes& lanes);
+
 /// Rays that arrive from one point.
 void arrive16(const double* origin_mm,
               const double* direction_x,
@@ -64,6 +87,25 @@ bool weigh_escapes16(const MeetingLanes& lanes,
                      int count,
                      double reflectance,
                      float* weight);
+
+/// How rays leave the part, one array per component, and where they met it first.
+struct EscapeArrays {
+  double *seen_x = nullptr, *seen_y = nullptr, *seen_z = nullptr;
+  double *origin_x = nullptr, *origin_y = nullptr, *origin_z = nullptr;
+  double *direction_x = nullptr, *direction_y = nullptr, *direction_z = nullptr;
+};
+
+/// Rays leave the part where they met it first.
+void escape16(const MeetingLanes& lanes, const EscapeArrays& escapes);
+
+/// The same for lanes that met it again (triangle >= 0): their path's reflectance is multiplied by
+/// that of this reflection and becomes the weight.
+void escape_again16(const MeetingLanes& lanes,
+                    const std::int32_t* triangle,
+                    double reflectance,
+                    double* path_reflectance,
+                    const EscapeArrays& escapes,
+                    float* weight);
 
 /// True when a lane with a hit has not been found (is_found 0).
 bool is_any_unfound16(const std::int32_t* triangle, const double* is_found);

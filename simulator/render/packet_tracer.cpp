@@ -33,18 +33,16 @@ void set_escape(EscapePacket& escapes,
   escapes.weight[lane] = static_cast<float>(weight);
 }
 
-/// Sixteen numbers; of a size that is known, so that no function is called.
-void copy16(const double* from, Lanes& to) {
-  std::memcpy(to.data(), from, sizeof(to));
-}
-
-/// Misses are below zero, which a bit tells that only they all have in common.
-bool has_hit(const HitPacket& hits) {
-  std::int32_t all = -1;
-  for (const std::int32_t triangle : hits.triangle) {
-    all &= triangle;
-  }
-  return all >= 0;
+EscapeArrays arrays_of(EscapePacket& escapes) {
+  return {.seen_x = escapes.seen_x.data(),
+          .seen_y = escapes.seen_y.data(),
+          .seen_z = escapes.seen_z.data(),
+          .origin_x = escapes.origin_x.data(),
+          .origin_y = escapes.origin_y.data(),
+          .origin_z = escapes.origin_z.data(),
+          .direction_x = escapes.direction_x.data(),
+          .direction_y = escapes.direction_y.data(),
+          .direction_z = escapes.direction_z.data()};
 }
 
 /// All rays of a packet missed the part.
@@ -69,15 +67,7 @@ void set_escapes(const TraceScene& scene,
                  const HitPacket& hits,
                  int count,
                  EscapePacket& escapes) {
-  copy16(lanes.point_x, escapes.origin_x);
-  copy16(lanes.point_y, escapes.origin_y);
-  copy16(lanes.point_z, escapes.origin_z);
-  copy16(lanes.leaving_x, escapes.direction_x);
-  copy16(lanes.leaving_y, escapes.direction_y);
-  copy16(lanes.leaving_z, escapes.direction_z);
-  copy16(lanes.point_x, escapes.seen_x);
-  copy16(lanes.point_y, escapes.seen_y);
-  copy16(lanes.point_z, escapes.seen_z);
+  escape16(lanes, arrays_of(escapes));
   std::memcpy(escapes.piece.data(), lanes.patch, sizeof(escapes.piece));
   escapes.path.fill(RayPath::kOnce);
   escapes.is_seen.fill(1.0);
@@ -97,6 +87,27 @@ void set_escapes(const TraceScene& scene,
       set_escape(escapes, lane, Vector3d::Zero(), -Vector3d::UnitZ(), 0.0);
     }
   }
+}
+
+/// True when all rays that met the part leave the front of triangles that nothing rises above.
+bool leave_open(const std::vector<std::uint8_t>& is_open,
+                const MeetingLanes& lanes,
+                const HitPacket& hits) {
+  constexpr double kMargin = 1e-6;  // of normals and directions
+  if (is_open.empty()) {
+    return false;
+  }
+  for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
+    const std::int32_t triangle = hits.triangle[lane];
+    if (triangle < 0) {
+      continue;
+    }
+    if (is_open[static_cast<std::size_t>(triangle)] == 0 || !(lanes.slope[lane] < 0.0) ||
+        !(lanes.rise[lane] > kMargin)) {
+      return false;
+    }
+  }
+  return true;
 }
 
 /// Three arrays as to_float() takes them.
@@ -188,48 +199,15 @@ void CameraRays::through(const double* x_px,
   }
 }
 
-void set_packet(const CameraPacket& rays, RayPacket& packet) {
-  packet.origin_x.fill(static_cast<float>(rays.origin_mm.x()));
-  packet.origin_y.fill(static_cast<float>(rays.origin_mm.y()));
-  packet.origin_z.fill(static_cast<float>(rays.origin_mm.z()));
-  round_three(rays.direction_x.data(),
-              rays.direction_y.data(),
-              rays.direction_z.data(),
-              kPacketSize,
-              packet.direction_x.data(),
-              packet.direction_y.data(),
-              packet.direction_z.data());
-  packet.t_max.fill(std::numeric_limits<float>::infinity());
-  for (int lane = 0; lane < kPacketSize; ++lane) {
-    packet.valid[static_cast<std::size_t>(lane)] = lane < rays.count ? -1 : 0;
-  }
-}
-
-void set_reflected(const MeetingLanes& lanes, const HitPacket& hits, RayPacket& packet) {
-  round_three(lanes.start_x,
-              lanes.start_y,
-              lanes.start_z,
-              kPacketSize,
-              packet.origin_x.data(),
-              packet.origin_y.data(),
-              packet.origin_z.data());
-  round_three(lanes.leaving_x,
-              lanes.leaving_y,
-              lanes.leaving_z,
-              kPacketSize,
-              packet.direction_x.data(),
-              packet.direction_y.data(),
-              packet.direction_z.data());
-  packet.t_max.fill(std::numeric_limits<float>::infinity());
-  for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
-    packet.valid[lane] = hits.triangle[lane] >= 0 && lanes.rise[lane] > 0.0 ? -1 : 0;
-  }
-}
-
 void PacketTracer::trace(const CameraPacket& rays, EscapePacket& escapes) {
-  set_packet(rays, packet_);
-  scene_.bvh.intersect16(packet_, hits_, Coherence::kCoherent);
-  if (!has_hit(hits_)) {
+  ask_from_point16(rays.origin_mm.data(),
+                   rays.direction_x.data(),
+                   rays.direction_y.data(),
+                   rays.direction_z.data(),
+                   rays.count,
+                   query_);
+  scene_.bvh.trace16(query_, Coherence::kCoherent);
+  if (!take_hits16(query_, hits_)) {
     set_missed(escapes);
     return;
   }
@@ -239,50 +217,52 @@ void PacketTracer::trace(const CameraPacket& rays, EscapePacket& escapes) {
     return;
   }
   // Mirror-like rays stay close together: the coherent traversal is twice as fast for them.
-  set_reflected(lanes_, hits_, packet_);
-  scene_.bvh.intersect16(packet_, again_, Coherence::kCoherentOnce);
-  if (has_hit(again_)) {
+  ask_reflected16(lanes_, hits_.triangle.data(), query_);
+  scene_.bvh.trace16(query_, Coherence::kCoherentOnce);
+  if (take_hits16(query_, again_)) {
     escapes.is_plain = false;
     follow(escapes);
   }
 }
 
-/// True when all rays that met the part leave it in directions in which nothing is met.
+/// True when all rays that met the part leave it in directions in which nothing is met, or all of
+/// them triangles that nothing rises above.
 bool PacketTracer::leaves_for_good() const {
-  const EscapeCone& cone = scene_.escape_cone;
-  return !cone.is_empty &&
-         leave_along16(lanes_, hits_.triangle.data(), cone.low.data(), cone.high.data());
+  const EscapeCone& cone = *scene_.escape_cone;
+  return (!cone.is_empty &&
+          leave_along16(lanes_, hits_.triangle.data(), cone.low.data(), cone.high.data())) ||
+         leave_open(cone.is_open, lanes_, hits_);
 }
 
 /// Follows the rays that meet the part again until they escape or are given up.
 void PacketTracer::follow(EscapePacket& escapes) {
   const double reflectance = scene_.settings.reflectance;
-  Lanes weight;
+  alignas(64) Lanes weight;
   std::ranges::transform(
       lanes_.reflectance, weight.begin(), [&](double of_place) { return reflectance * of_place; });
   MeetingLanes* from = &lanes_;
   MeetingLanes* to = &followed_;
-  for (int bounce = 1; has_hit(again_); ++bounce) {
+  bool has_hit = true;
+  for (int bounce = 1; has_hit; ++bounce) {
     if (bounce >= scene_.settings.max_bounces) {
       give_up(escapes);
       return;
     }
     meet_again(scene_, *from, again_, *to);
+    escape_again16(*to,
+                   again_.triangle.data(),
+                   reflectance,
+                   weight.data(),
+                   arrays_of(escapes),
+                   escapes.weight.data());
     for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
-      if (again_.triangle[lane] < 0) {
-        continue;
-      }
-      weight[lane] *= reflectance * to->reflectance[lane];
-      escapes.path[lane] = RayPath::kFollowed;
-      escapes.is_grazing[lane] = escapes.is_grazing[lane] || to->rise[lane] <= 0.0;
-      set_escape(escapes,
-                 lane,
-                 {to->point_x[lane], to->point_y[lane], to->point_z[lane]},
-                 {to->leaving_x[lane], to->leaving_y[lane], to->leaving_z[lane]},
-                 weight[lane]);
+      const bool is_met = again_.triangle[lane] >= 0;
+      escapes.path[lane] = is_met ? RayPath::kFollowed : escapes.path[lane];
+      escapes.is_grazing[lane] = escapes.is_grazing[lane] || (is_met && to->rise[lane] <= 0.0);
     }
-    set_reflected(*to, again_, packet_);
-    scene_.bvh.intersect16(packet_, again_, Coherence::kCoherentOnce);
+    ask_reflected16(*to, again_.triangle.data(), query_);
+    scene_.bvh.trace16(query_, Coherence::kCoherentOnce);
+    has_hit = take_hits16(query_, again_);
     std::swap(from, to);
   }
 }
@@ -357,7 +337,16 @@ void store_rays(const EscapePacket& escapes, int count, RayCache& cache, std::si
 }
 
 void store_missed(std::size_t first, std::size_t count, RayCache& cache) {
-  std::fill_n(cache.direction_z.begin() + static_cast<std::ptrdiff_t>(first), count, -1.0F);
+  const auto place = static_cast<std::ptrdiff_t>(first);
+  for (auto* component : {&cache.origin_x,
+                          &cache.origin_y,
+                          &cache.origin_z,
+                          &cache.direction_x,
+                          &cache.direction_y,
+                          &cache.weight}) {
+    std::fill_n(component->begin() + place, count, 0.0F);
+  }
+  std::fill_n(cache.direction_z.begin() + place, count, -1.0F);
 }
 
 void check_ray_memory(double num_rays, const std::string& what) {

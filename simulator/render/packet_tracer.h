@@ -76,12 +76,6 @@ class CameraRays {
   bool is_distorted_ = false;
 };
 
-/// A camera packet as Embree takes it.
-void set_packet(const CameraPacket& rays, RayPacket& packet);
-
-/// The reflected rays of lanes with a hit that do not graze.
-void set_reflected(const MeetingLanes& lanes, const HitPacket& hits, RayPacket& packet);
-
 /// Traces packets one after the other; one tracer a thread.
 class PacketTracer {
  public:
@@ -98,7 +92,7 @@ class PacketTracer {
   bool leaves_for_good() const;
 
   const TraceScene& scene_;
-  RayPacket packet_;
+  RayQuery query_;
   HitPacket hits_;
   HitPacket again_;             ///< of the reflected rays
   MeetingLanes lanes_ = {};     ///< of the camera rays
@@ -109,13 +103,13 @@ class PacketTracer {
 void add_counts(const EscapePacket& escapes, int count, RayCounts& counts);
 RayCounts& operator+=(RayCounts& sum, const RayCounts& counts);
 
-/// Rays only; the images of SeenPart stay empty.
+/// Rays only, left unset; the images of SeenPart stay empty.
 void resize_rays(RayCache& cache, std::size_t count);
 
 /// Writes lanes [0, count) to rays first, first + 1, ... of the cache.
 void store_rays(const EscapePacket& escapes, int count, RayCache& cache, std::size_t first);
 
-/// The same for rays that missed the part, where nothing has been written since resize_rays().
+/// The same for rays that missed the part.
 void store_missed(std::size_t first, std::size_t count, RayCache& cache);
 
 /// @throws ConfigError when this many rays of 28 bytes do not fit into half of the machine's

@@ -9,10 +9,12 @@
 namespace glint {
 namespace {
 
-template <class T>
-void append(const std::vector<T>& from, std::size_t first, std::size_t count, std::vector<T>& to) {
-  const auto begin = from.begin() + static_cast<std::ptrdiff_t>(first);
-  to.insert(to.end(), begin, begin + static_cast<std::ptrdiff_t>(count));
+/// Not insert(), which takes one number after the other into an array with unset numbers.
+template <class Array>
+void append(const Array& from, std::size_t first, std::size_t count, Array& to) {
+  const std::size_t size = to.size();
+  to.resize(size + count);
+  std::copy_n(from.data() + first, count, to.data() + size);
 }
 
 void append_components(const RayCache& from, std::size_t first, std::size_t count, RayCache& to) {
@@ -25,10 +27,27 @@ void append_components(const RayCache& from, std::size_t first, std::size_t coun
   append(from.weight, first, count, to.weight);
 }
 
+void reserve_rays(const std::vector<RowGroups>& rows, std::size_t k, RayCache& rays) {
+  std::size_t count = 0;
+  for (const RowGroups& row : rows) {
+    count += row[k].group.rays.weight.size();
+  }
+  for (auto* component : {&rays.origin_x,
+                          &rays.origin_y,
+                          &rays.origin_z,
+                          &rays.direction_x,
+                          &rays.direction_y,
+                          &rays.direction_z,
+                          &rays.weight}) {
+    component->reserve(count);
+  }
+}
+
 /// All rows' pixels of one number of cells.
 RefinedGroup join(const std::vector<RowGroups>& rows, std::size_t k) {
   RefinedGroup joined;
   joined.cells_per_axis = kCellCounts[k];
+  reserve_rays(rows, k, joined.rays);
   for (const RowGroups& row : rows) {
     const RefinedGroup& part = row[k].group;
     const auto num_rays = static_cast<std::int64_t>(joined.rays.weight.size());

@@ -47,7 +47,16 @@ void set_point(MeetingLanes& lanes, std::size_t lane, const Vector3d& p, const V
 }
 
 /// The planes of the triangles that were hit; lanes without a hit get one across the ray.
-void gather_planes(const Bvh& bvh, const HitPacket& hits, MeetingLanes& lanes) {
+/// @param common  the triangle that all lanes hit, or -1
+void gather_planes(const Bvh& bvh,
+                   const HitPacket& hits,
+                   std::int32_t common,
+                   MeetingLanes& lanes) {
+  if (common >= 0) {
+    const TrianglePlane& plane = bvh.plane(common);
+    set_plane16(plane.normal_x, plane.normal_y, plane.normal_z, plane.offset_mm, lanes);
+    return;
+  }
   for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
     const TrianglePlane plane = hits.triangle[lane] >= 0
                                     ? bvh.plane(hits.triangle[lane])
@@ -162,31 +171,51 @@ void polish_patches(const TraceScene& scene, MeetingLanes& lanes, Lanes& is_foun
   }
 }
 
-/// Points and normals of all lanes: by the exact surfaces among them, the rest by triangles.
-void meet_surface(const TraceScene& scene,
-                  const HitPacket& hits,
-                  bool holds_triangles,
-                  MeetingLanes& lanes) {
-  const TriangleMesh& mesh = scene.part.mesh;
-  std::int32_t lowest = std::numeric_limits<std::int32_t>::max();
+/// The exact surfaces that lanes meet.
+struct MetPatches {
+  std::int32_t lowest = -1;  ///< of lanes with a hit; -1: a triangle without an exact surface
   std::int32_t highest = -1;
   bool has_missed = false;
+};
+
+/// Sets lanes.patch. @param common  the triangle that all lanes hit, or -1
+MetPatches gather_patches(const TriangleMesh& mesh,
+                          const HitPacket& hits,
+                          std::int32_t common,
+                          MeetingLanes& lanes) {
+  if (common >= 0) {
+    const std::int32_t patch = mesh.patch_of(static_cast<std::size_t>(common));
+    std::ranges::fill(lanes.patch, patch);
+    return {.lowest = patch, .highest = patch};
+  }
+  MetPatches met = {.lowest = std::numeric_limits<std::int32_t>::max()};
   for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
     const std::int32_t triangle = hits.triangle[lane];
     const std::int32_t patch =
         triangle < 0 ? -1 : mesh.patch_of(static_cast<std::size_t>(triangle));
     lanes.patch[lane] = patch;
-    lowest = triangle < 0 ? lowest : std::min(lowest, patch);
-    highest = std::max(highest, patch);
-    has_missed = has_missed || triangle < 0;
+    met.lowest = triangle < 0 ? met.lowest : std::min(met.lowest, patch);
+    met.highest = std::max(met.highest, patch);
+    met.has_missed = met.has_missed || triangle < 0;
   }
+  return met;
+}
+
+/// Points and normals of all lanes: by the exact surfaces among them, the rest by triangles.
+void meet_surface(const TraceScene& scene,
+                  const HitPacket& hits,
+                  std::int32_t common,
+                  bool holds_triangles,
+                  MeetingLanes& lanes) {
+  const TriangleMesh& mesh = scene.part.mesh;
+  const MetPatches met = gather_patches(mesh, hits, common, lanes);
   alignas(64) Lanes is_found = {};
-  if (highest >= 0 && lowest == highest) {
-    polish_lanes(scene.patches[static_cast<std::size_t>(highest)], lanes, lanes, is_found);
-  } else if (highest >= 0) {
+  if (met.highest >= 0 && met.lowest == met.highest) {
+    polish_lanes(scene.patches[static_cast<std::size_t>(met.highest)], lanes, lanes, is_found);
+  } else if (met.highest >= 0) {
     polish_patches(scene, lanes, is_found);
   }
-  for (std::size_t lane = 0; has_missed && lane < kPacketSize; ++lane) {
+  for (std::size_t lane = 0; met.has_missed && lane < kPacketSize; ++lane) {
     if (hits.triangle[lane] < 0) {
       set_point(lanes, lane, Vector3d::Zero(), -direction_of(lanes, lane));
     }
@@ -255,12 +284,13 @@ void meet(const TraceScene& scene,
           const HitPacket& hits,
           bool holds_triangles,
           MeetingLanes& lanes) {
-  gather_planes(scene.bvh, hits, lanes);
+  const std::int32_t common = common_triangle16(hits);
+  gather_planes(scene.bvh, hits, common, lanes);
   const bool has_flat = meet_planes16(kFlat, lanes);
   if (has_flat && !holds_triangles) {
     mend_flat_hits(scene.part.mesh, hits, lanes);
   }
-  meet_surface(scene, hits, holds_triangles, lanes);
+  meet_surface(scene, hits, common, holds_triangles, lanes);
   orient16(lanes);
   if (!scene.detail.empty() && is_near_detail(scene, lanes)) {
     add_detail(scene.detail,
@@ -281,7 +311,7 @@ TraceScene::TraceScene(const Part& traced_part,
   std::ranges::transform(part.patches, std::back_inserter(patches), coefficients_of);
   box = box_around(part.mesh);
   if (!bvh.is_convex()) {
-    escape_cone = bvh.escape_cone(part.mesh);
+    escape_cone = &bvh.escape_cone(part.mesh);
   }
   constexpr std::size_t kMaxBoxes = 32;
   if (detail.features().size() <= kMaxBoxes) {

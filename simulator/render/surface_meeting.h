@@ -36,9 +36,9 @@ class TraceScene {
   const Bvh& bvh;
   const SurfaceDetail& detail;
   const RenderSettings& settings;
-  std::vector<PatchCoefficients> patches;  ///< of part.patches
-  std::array<double, 6> box = {};          ///< around the part, min and max, a little too large
-  EscapeCone escape_cone;                  ///< of the part; empty for a convex one
+  std::vector<PatchCoefficients> patches;   ///< of part.patches
+  std::array<double, 6> box = {};           ///< around the part, min and max, a little too large
+  const EscapeCone* escape_cone = nullptr;  ///< of the part; not set for a convex one
   /// Where features reach; empty when there are so many that SurfaceDetail's grid is quicker.
   std::vector<std::array<double, 6>> feature_boxes;
 };

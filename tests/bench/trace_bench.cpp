@@ -179,10 +179,16 @@ class RawEmbree {
         camera.through(x_px.data(), y_px.data(), count, rays);
         num_camera_rays_ += count;
         HitPacket hits;
-        RayPacket packet;
-        set_packet(rays, packet);
-        bench.bvh.intersect16(packet, hits, Coherence::kCoherent);
-        record_packet(packet);
+        RayQuery query;
+        ask_from_point16(rays.origin_mm.data(),
+                         rays.direction_x.data(),
+                         rays.direction_y.data(),
+                         rays.direction_z.data(),
+                         count,
+                         query);
+        record_packet(query);
+        bench.bvh.trace16(query, Coherence::kCoherent);
+        take_hits16(query, hits);
         record_reflections(traced, rays, hits);
       }
     }
@@ -192,12 +198,11 @@ class RawEmbree {
     MeetingLanes lanes = {};
     meet_part(traced, rays, hits, false, lanes);
     for (int bounce = 1;; ++bounce) {
-      RayPacket packet;
-      set_reflected(lanes, hits, packet);
-      record_packet(packet);
-      traced.bvh.intersect16(packet, hits, Coherence::kCoherentOnce);
-      const bool has_hit = std::ranges::any_of(hits.triangle, [](int i) { return i >= 0; });
-      if (!has_hit || bounce >= traced.settings.max_bounces) {
+      RayQuery query;
+      ask_reflected16(lanes, hits.triangle.data(), query);
+      record_packet(query);
+      traced.bvh.trace16(query, Coherence::kCoherentOnce);
+      if (!take_hits16(query, hits) || bounce >= traced.settings.max_bounces) {
         return;
       }
       MeetingLanes next = {};
@@ -206,7 +211,7 @@ class RawEmbree {
     }
   }
 
-  void record_packet(const RayPacket& rays) {
+  void record_packet(const RayQuery& rays) {
     if (std::ranges::none_of(rays.valid, [](int valid) { return valid != 0; })) {
       return;
     }

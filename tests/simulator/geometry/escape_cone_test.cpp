@@ -84,5 +84,96 @@ TEST(EscapeCone, IsEmptyForMeshesThatAreNotSolid) {
   EXPECT_TRUE(find_escape_cone(inside_out).is_empty);
 }
 
+/// Whether no vertex lies in front of a triangle, one after the other.
+bool is_open_plainly(const TriangleMesh& mesh, std::size_t triangle) {
+  const Vector3d normal = face_normal(mesh, triangle);
+  const double offset_mm = normal.dot(mesh.vertex(triangle, 0));
+  return normal.squaredNorm() > 0.0 &&
+         std::ranges::none_of(mesh.vertices_mm,
+                              [&](const Vector3d& p) { return normal.dot(p) > offset_mm + 1e-7; });
+}
+
+/// Number of open triangles, after a comparison of all with the plain way.
+int expect_open_as_plainly(const TriangleMesh& mesh) {
+  const EscapeCone cone = find_escape_cone(mesh);
+  int open = 0;
+  for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
+    const bool is_open = !cone.is_open.empty() && cone.is_open[i] != 0;
+    EXPECT_EQ(is_open, is_open_plainly(mesh, i)) << i;
+    open += is_open ? 1 : 0;
+  }
+  EXPECT_EQ(cone.is_open.empty(), open == 0);
+  return open;
+}
+
+TriangleMesh toothed_mesh() {
+  return build_part({.shape = PartSettings::Shape::kSpurGear,
+                     .gear = {.teeth = 12, .face_width_mm = 8.0},
+                     .facets_mm = 0.02})
+      .mesh;
+}
+
+TEST(EscapeCone, OpenTrianglesAreThoseThatNoVertexLiesInFrontOf) {
+  const TriangleMesh gear = toothed_mesh();
+  const int open = expect_open_as_plainly(gear);
+  EXPECT_GT(open, 100);
+  EXPECT_LT(open, static_cast<int>(gear.num_triangles()) - 100);
+  EXPECT_GT(expect_open_as_plainly(bowl()), 100);
+}
+
+TEST(EscapeCone, TrianglesOfAConvexMeshAreOpen) {
+  EXPECT_EQ(expect_open_as_plainly(cube_mesh(3.0)), 12);
+  const TriangleMesh sphere = build_part({.shape = PartSettings::Shape::kSphereCap,
+                                          .radius_mm = 5.0,
+                                          .height_mm = 10.0,
+                                          .facets_mm = 0.05})
+                                  .mesh;
+  const auto num_triangles = static_cast<int>(sphere.num_triangles());
+  EXPECT_GT(expect_open_as_plainly(sphere), num_triangles * 9 / 10);  // some edges are hollow
+}
+
+// To know them all would take longer than what they save.
+TEST(EscapeCone, OpenTrianglesOfAFineMeshMayBeOverlookedButNotInvented) {
+  TriangleMesh mesh = sphere_part(20.0).mesh;
+  for (Vector3d& vertex : mesh.vertices_mm) {  // a dent
+    vertex.z() = vertex.z() > 15.0 ? 30.0 - vertex.z() : vertex.z();
+  }
+  const EscapeCone cone = find_escape_cone(mesh);
+  ASSERT_EQ(cone.is_open.size(), mesh.num_triangles());
+  EXPECT_GT(std::ranges::count(cone.is_open, 1), 100);
+  for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
+    EXPECT_TRUE(cone.is_open[i] == 0 || is_open_plainly(mesh, i)) << i;
+  }
+}
+
+// The side of an open mesh that looks inwards has the rest of it in front.
+TEST(EscapeCone, OpenTrianglesAreKnownForMeshesThatAreNotSolid) {
+  TriangleMesh mesh = cube_mesh(3.0);
+  mesh.triangles.pop_back();
+  mesh.triangles.push_back({0, 0, 1});                    // no area
+  mesh.triangles.push_back(mesh.triangles[4]);            // twice
+  std::swap(mesh.triangles[0][1], mesh.triangles[0][2]);  // looks inwards
+  EXPECT_EQ(expect_open_as_plainly(mesh), 11);
+}
+
+TEST(EscapeCone, RaysThatLeaveTheFrontOfAnOpenTriangleMeetNothing) {
+  const TriangleMesh mesh = toothed_mesh();
+  const EscapeCone cone = find_escape_cone(mesh);
+  const Bvh bvh(mesh);
+  Rng rng(8, Stream::kTest, 0);
+  int left = 0;
+  for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
+    const Vector3d normal = face_normal(mesh, i);
+    const Vector3d direction = random_direction(rng);
+    if (cone.is_open[i] == 0 || direction.dot(normal) <= 0.0) {
+      continue;
+    }
+    const Vector3d centre = (mesh.vertex(i, 0) + mesh.vertex(i, 1) + mesh.vertex(i, 2)) / 3.0;
+    ASSERT_FALSE(bvh.intersect(centre + 1e-3 * normal, direction, 0.0, 1e6)) << i;
+    ++left;
+  }
+  EXPECT_GT(left, 50);
+}
+
 }  // namespace
 }  // namespace glint

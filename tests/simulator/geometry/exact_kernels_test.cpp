@@ -151,6 +151,38 @@ TEST(Polish16, ARayGetsTheSameBitsWhateverStandsBesideIt) {
   }
 }
 
+// However far off it starts, and at the foot of the flank, where the curvature grows.
+TEST(Polish16, FindsThePointOfAFlankItWasAimedAtFromAnyStart) {
+  constexpr double kBase_mm = 28.0;
+  const ExactPatch patch = {.shape = InvolutePatch{.base_radius_mm = kBase_mm}};
+  Rng rng(53, Stream::kTest, 0);
+  for (int round = 0; round < 2000; ++round) {
+    const double roll = round % 4 == 0 ? 0.1 * rng.uniform() : rng.uniform(0.1, 0.7);
+    const double c = std::cos(roll);
+    const double s = std::sin(roll);
+    const Vector3d at(0.0, kBase_mm * (c + roll * s), kBase_mm * (s - roll * c));
+    const Vector3d normal(0.0, s, -c);
+    const Vector3d across(0.0, c, s);
+    const Vector3d arriving =
+        (-normal + rng.uniform(-1.5, 1.5) * across + rng.uniform(-0.5, 0.5) * Vector3d::UnitX())
+            .normalized();
+    KernelArrays lanes;
+    for (std::size_t lane = 0; lane < kExactLanes; ++lane) {
+      const double off_mm = std::pow(10.0, -7.0 + 0.38 * static_cast<double>(lane));
+      lanes.set(lane, arriving, 50.0 + (lane % 2 == 0 ? off_mm : -off_mm));
+    }
+    lanes.polish(patch, at - 50.0 * arriving, 1.0);
+    for (std::size_t lane = 0; lane < kExactLanes; ++lane) {
+      if (kBase_mm * roll < 1.0 && lanes.found[lane] == 0.0) {
+        continue;  // from within the base circle the root of the flank need not be found
+      }
+      ASSERT_EQ(lanes.found[lane], 1.0) << roll << ' ' << lane;
+      const double off_mm = (Vector3d(lanes.px[lane], lanes.py[lane], lanes.pz[lane]) - at).norm();
+      ASSERT_LT(off_mm, kBase_mm * roll < 1.0 ? 1e-9 : 3e-12) << roll << ' ' << lane;
+    }
+  }
+}
+
 TEST(Polish16, GivesUpBeyondTheAllowedMoveAndOnRaysThatNeverMeet) {
   KernelArrays lanes;
   for (std::size_t lane = 0; lane < kExactLanes; ++lane) {

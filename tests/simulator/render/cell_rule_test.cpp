@@ -22,6 +22,7 @@ struct GridOfRays {
 
   GridOfRays() : path(kColumns * kRows, RayPath::kOnce), piece(kColumns * kRows, 3) {
     resize_rays(rays, kColumns * kRows);
+    store_missed(0, kColumns * kRows, rays);
     for (int y = 0; y < kRows; ++y) {
       for (int x = 0; x < kColumns; ++x) {
         const std::size_t i = at(x, y);

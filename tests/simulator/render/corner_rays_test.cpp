@@ -94,9 +94,9 @@ std::vector<HeightFeature> some_dents(const PartSettings& settings) {
   return dents;
 }
 
-Vector3d bilinear(const std::vector<float>& x,
-                  const std::vector<float>& y,
-                  const std::vector<float>& z,
+Vector3d bilinear(const RayCache::Floats& x,
+                  const RayCache::Floats& y,
+                  const RayCache::Floats& z,
                   const std::array<std::size_t, 4>& corner,
                   const Vector2d& at) {
   const auto value = [&](std::size_t i) { return vector_of(x[i], y[i], z[i]); };

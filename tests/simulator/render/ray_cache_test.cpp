@@ -9,6 +9,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <tbb/global_control.h>
 
 #include "tests/simulator/render/render_fixtures.h"
@@ -71,6 +72,40 @@ TEST(RayCache, TakesTwentyEightBytesARay) {
                        rays.direction_x.size() + rays.direction_y.size() + rays.direction_z.size() +
                        rays.weight.size());
   EXPECT_EQ(bytes, 28U * 4U * static_cast<std::size_t>(rays.num_pixels()));
+}
+
+// Memory is not cleared beforehand: small parts, where all rays are set as missed first, and large
+// ones, where rays are set one by one, leave nothing of what was in it.
+TEST(RayCache, RaysBesideThePartAreSet) {
+  constexpr int kGarbage = 0xA5;
+  mallopt(M_PERTURB, kGarbage);
+  for (const double pixel_mm : {0.4, 2.0}) {
+    for (const int per_axis : {1, 2}) {
+      const test::Bench bench(
+          test::plate(), test::far_camera(157, 90, pixel_mm), {.rays_per_axis = per_axis});
+      const RayCache& rays = bench.rays;
+      std::int64_t missed = 0;
+      for (std::size_t i = 0; i < rays.weight.size(); ++i) {
+        if (rays.weight[i] == 0.0F) {
+          ASSERT_EQ(origin_of(rays, i), Vector3d::Zero()) << i;
+          ASSERT_EQ(direction_of(rays, i), -Vector3d::UnitZ()) << i;
+          ++missed;
+        } else {
+          ASSERT_EQ(rays.weight[i], 1.0F) << i;
+        }
+      }
+      EXPECT_EQ(missed, rays.counts.camera - rays.counts.part);
+      EXPECT_GT(missed, 100);
+      double covered = 0.0;
+      for (std::size_t p = 0; p < rays.coverage.size(); ++p) {
+        const auto coverage = static_cast<double>(rays.coverage.values()[p]);
+        covered += coverage;
+        ASSERT_EQ(rays.seen_z.values()[p] == 0.0F, coverage == 0.0) << p;
+      }
+      EXPECT_EQ(covered * per_axis * per_axis, static_cast<double>(rays.counts.part));
+    }
+  }
+  mallopt(M_PERTURB, 0);
 }
 
 /// A groove of two planes at 45 degrees, 60 mm long and 30 mm wide.

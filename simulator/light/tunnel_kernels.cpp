@@ -25,6 +25,16 @@ __attribute__((always_inline)) inline float log2_fast(float x) {
   return static_cast<float>(exponent) + series * 1.44269504F;
 }
 
+/// The same to 3e-4.
+__attribute__((always_inline)) inline float log2_rough(float x) {
+  const auto bits = std::bit_cast<std::int32_t>(x);
+  const std::int32_t shifted = bits - 0x3F3504F3;
+  const std::int32_t exponent = shifted >> 23;
+  const float f = std::bit_cast<float>(bits - (exponent << 23)) - 1.0F;
+  const float series = f * (1.4423071F + f * (-0.7246998F + f * (0.5101832F + f * -0.3226236F)));
+  return static_cast<float>(exponent) + series;
+}
+
 /// 2^x to 2e-7 for |x| < 126.
 __attribute__((always_inline)) inline float exp2_fast(float x) {
   const float clamped = x < -125.0F ? -125.0F : (x > 125.0F ? 125.0F : x);
@@ -38,8 +48,20 @@ __attribute__((always_inline)) inline float exp2_fast(float x) {
   return series * power;
 }
 
+/// The same to 1e-4.
+__attribute__((always_inline)) inline float exp2_rough(float x) {
+  const float clamped = x < -125.0F ? -125.0F : (x > 125.0F ? 125.0F : x);
+  const float whole = std::floor(clamped + 0.5F);
+  const float f = clamped - whole;
+  const float series = 0.9999246F + f * (0.6931367F + f * (0.2426395F + f * 0.0558383F));
+  const auto power = std::bit_cast<float>((static_cast<std::int32_t>(whole) + 127) << 23);
+  return series * power;
+}
+
+/// x^exponent for x > 0; rough: as good as a first guess needs.
+template <bool kIsRough>
 __attribute__((always_inline)) inline float pow_fast(float x, float exponent) {
-  return exp2_fast(exponent * log2_fast(x > 1e-12F ? x : 1e-12F));
+  return kIsRough ? exp2_rough(exponent * log2_rough(x)) : exp2_fast(exponent * log2_fast(x));
 }
 
 }  // namespace
@@ -234,6 +256,7 @@ __attribute__((always_inline)) inline float superellipse_start(
 /// straight along a ray: two steps come nearer than three of Newton's on s. With s = 1 + e, slope
 /// and bend of s, p = 1 - 1/n and q = n s^p N = e + p e^2 / 2 - ... the step is
 /// q slope s / (slope^2 s - q (bend s - p slope^2) / 2).
+template <bool kIsRough>
 __attribute__((always_inline)) inline float superellipse_step(
     float t, float y0, float z0, float vy, float vz, float n) {
   constexpr float kSmallest = 1e-12F;
@@ -244,8 +267,8 @@ __attribute__((always_inline)) inline float superellipse_step(
   const float size_z = z < 0.0F ? -z : z;
   const float ay = size_y > kSmallest ? size_y : kSmallest;
   const float az = size_z > kSmallest ? size_z : kSmallest;
-  const float hy = pow_fast(ay, n - 2.0F);
-  const float hz = pow_fast(az, n - 2.0F);
+  const float hy = pow_fast<kIsRough>(ay, n - 2.0F);
+  const float hz = pow_fast<kIsRough>(az, n - 2.0F);
   const float gy = hy * ay;
   const float gz = hz * az;
   const float s = ay * gy + az * gz;
@@ -283,9 +306,10 @@ GLINT_WIDE void start_at_octagon(const RayBlock& rays,
   }
 }
 
-GLINT_WIDE void step_to_curve(const RayBlock& rays,
-                              const Superellipse& curve,
-                              float* __restrict t_mm) {
+template <bool kIsRough>
+__attribute__((always_inline)) inline void step(const RayBlock& rays,
+                                                const Superellipse& curve,
+                                                float* __restrict t_mm) {
   const float* __restrict oy = rays.origin_y;
   const float* __restrict oz = rays.origin_z;
   const float* __restrict dy = rays.direction_y;
@@ -293,13 +317,26 @@ GLINT_WIDE void step_to_curve(const RayBlock& rays,
   const Superellipse s = curve;
   const int count = rays.count;
   for (int i = 0; i < count; ++i) {
-    t_mm[i] = superellipse_step(t_mm[i],
-                                oy[i] * s.per_width,
-                                (oz[i] - s.base_mm) * s.per_height,
-                                dy[i] * s.per_width,
-                                dz[i] * s.per_height,
-                                s.exponent);
+    t_mm[i] = superellipse_step<kIsRough>(t_mm[i],
+                                          oy[i] * s.per_width,
+                                          (oz[i] - s.base_mm) * s.per_height,
+                                          dy[i] * s.per_width,
+                                          dz[i] * s.per_height,
+                                          s.exponent);
   }
+}
+
+/// The first step errs by more than the powers in it do.
+GLINT_WIDE void step_near_curve(const RayBlock& rays,
+                                const Superellipse& curve,
+                                float* __restrict t_mm) {
+  step<true>(rays, curve, t_mm);
+}
+
+GLINT_WIDE void step_to_curve(const RayBlock& rays,
+                              const Superellipse& curve,
+                              float* __restrict t_mm) {
+  step<false>(rays, curve, t_mm);
 }
 
 GLINT_WIDE void check_curve(const RayBlock& rays, float lowest_mm, float* __restrict t_mm) {
@@ -326,7 +363,7 @@ void hit_superellipse(const RayBlock& rays,
                       float* t_mm) {
   const Superellipse curve(base_mm, half_width_mm, height_mm, exponent);
   start_at_octagon(rays, curve, t_mm);
-  step_to_curve(rays, curve, t_mm);
+  step_near_curve(rays, curve, t_mm);
   step_to_curve(rays, curve, t_mm);
   check_curve(rays, is_whole ? base_mm - 2.0F * height_mm : base_mm, t_mm);
 }

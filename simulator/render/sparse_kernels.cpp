@@ -14,7 +14,7 @@ struct SpreadWeights {
 
   constexpr SpreadWeights() : of{} {
     for (int place = 0; place < kStep; ++place) {
-      const NodeWeights weights = node_weights(place);
+      const NodeWeights weights = kNodeWeights[static_cast<unsigned>(place)];
       for (int node = 0; node < kNodes; ++node) {
         of[node][place] = weights[static_cast<unsigned>(node)];
       }

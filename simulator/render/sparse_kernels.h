@@ -32,6 +32,15 @@ constexpr NodeWeights node_weights(int place) {
   return weights;
 }
 
+/// node_weights() of each place.
+inline constexpr std::array<NodeWeights, kStep> kNodeWeights = [] {
+  std::array<NodeWeights, kStep> weights = {};
+  for (int place = 0; place < kStep; ++place) {
+    weights[static_cast<unsigned>(place)] = node_weights(place);
+  }
+  return weights;
+}();
+
 /// Rows of nodes, one below the other.
 using NodeRows = std::array<const float*, kNodes>;
 

@@ -24,6 +24,8 @@ constexpr float kLeastError_mm = 1e-3F;
 constexpr float kFarFromBoundaries = 5.0F;
 /// Of the cosine, which has no footprint.
 constexpr float kLargestCosineError = 1e-4F;
+/// So many rays are met where they lie, fewer together with others.
+constexpr int kLongStretch = 128;
 
 /// Meets a picture of rays tile by tile.
 class SparseMeeting {
@@ -55,6 +57,7 @@ class SparseMeeting {
       spread(row);
       sort_others(row);
     }
+    clear_dark();
     meet(sparse_.rest, met_);
     store(sparse_.rest_stretches);
     meet_others();
@@ -86,7 +89,7 @@ class SparseMeeting {
   void find_limits(int row, TileLimits& limits);
   void spread(int row);
   void sort_others(int row);
-  void clear_tile(int row, int column);
+  void clear_dark();
   void meet_others();
   void store(const Stretches& stretches);
 
@@ -101,7 +104,7 @@ class SparseMeeting {
   std::vector<NodePlane> planes_;  ///< of the hits' arrays
   std::vector<float> blended_, allowed_, errors_;
   std::vector<unsigned char> is_sparse_;
-  Stretches others_;  ///< of smooth tiles that fail the checks
+  Stretches others_;  ///< of smooth tiles that fail the checks, the short ones
   WallHits met_;      ///< some of the rays met one by one
 };
 
@@ -122,12 +125,12 @@ void SparseMeeting::find_errors(std::size_t array, int row) {
   for (std::size_t k = 0; k < SparseRays::kChecks; ++k) {
     const SparseRays::Place at = SparseRays::kCheckPlaces[k];
     kernels::blend_rows(planes_[array].around(row),
-                        kernels::node_weights(at.row),
+                        kernels::kNodeWeights[static_cast<std::size_t>(at.row)],
                         planes_[array].width(),
                         blended_.data());
     kernels::find_errors(blended_.data(),
                          at_checks_[k][array]->data() + static_cast<std::ptrdiff_t>(row) * tiles_,
-                         kernels::node_weights(at.column),
+                         kernels::kNodeWeights[static_cast<std::size_t>(at.column)],
                          tiles_,
                          errors_.data());
   }
@@ -208,8 +211,10 @@ void SparseMeeting::set_kinds(int row, TileLimits& limits) const {
 void SparseMeeting::spread(int row) {
   for (std::size_t i = 0; i < results_.size(); ++i) {
     for (int y = 0; y < kStep; ++y) {
-      kernels::blend_rows(
-          planes_[i].around(row), kernels::node_weights(y), planes_[i].width(), blended_.data());
+      kernels::blend_rows(planes_[i].around(row),
+                          kernels::kNodeWeights[static_cast<std::size_t>(y)],
+                          planes_[i].width(),
+                          blended_.data());
       kernels::spread(blended_.data(), tiles_, results_[i]->data() + place(0, row * kStep + y));
     }
   }
@@ -222,28 +227,30 @@ void SparseMeeting::sort_others(int row) {
   };
   for (int column = 0, end = 0; column < tiles_; column = end) {
     end = column + 1;
-    if (kinds(row)[column] == TileKind::kNone) {
-      clear_tile(row, column);
-    }
     if (!fails(column)) {
       continue;
     }
     while (end < tiles_ && fails(end)) {
       ++end;
     }
+    const int count = (end - column) * kStep;
     for (int y = row * kStep; y < (row + 1) * kStep; ++y) {
-      others_.push_back({.first = static_cast<std::int32_t>(place(column * kStep, y)),
-                         .count = (end - column) * kStep});
+      const std::size_t first = place(column * kStep, y);
+      if (count >= kLongStretch) {
+        meet_rays(corners_.block(static_cast<std::int64_t>(first), count), tunnel_, first, hits_);
+      } else {
+        others_.push_back({.first = static_cast<std::int32_t>(first), .count = count});
+      }
     }
   }
 }
 
-void SparseMeeting::clear_tile(int row, int column) {
+void SparseMeeting::clear_dark() {
   for (std::size_t i = 0; i < results_.size(); ++i) {
     const float none =
         i == WallHits::kMargin ? kNowhere_mm : (i == WallHits::kCosine ? 1.0F : 0.0F);
-    for (int y = row * kStep; y < (row + 1) * kStep; ++y) {
-      std::fill_n(results_[i]->data() + place(column * kStep, y), kStep, none);
+    for (const auto& [first, count] : sparse_.dark_stretches) {
+      std::fill_n(results_[i]->data() + first, count, none);
     }
   }
 }

@@ -125,8 +125,10 @@ std::vector<float> ray_errors(const SparseRays& sparse,
     const float allowed = component < 3 ? kLargestOriginError_mm : max_direction_error_rad;
     plane.set(nodes[component]);
     for (int y = 0; y < (sparse.rows - 1) * kStep; ++y) {
-      kernels::blend_rows(
-          plane.around(y / kStep), kernels::node_weights(y % kStep), plane.width(), blended.data());
+      kernels::blend_rows(plane.around(y / kStep),
+                          kernels::kNodeWeights[static_cast<std::size_t>(y % kStep)],
+                          plane.width(),
+                          blended.data());
       kernels::spread(blended.data(), tiles, row.data());
       std::ranges::fill(of_row, 0.0F);
       kernels::find_errors_of_all(
@@ -193,22 +195,27 @@ void PickedRays::add(const RayCache& rays, std::size_t index) {
 
 namespace {
 
-/// What tiles leave: bent ones, and beyond the last nodes.
-std::vector<RayStretch> stretches_left(const SparseRays& sparse, const RayCache& corners) {
+/// Lit or dark rays that no smooth tile has: of bent ones, and beyond the last nodes.
+std::vector<RayStretch> stretches_left(const SparseRays& sparse,
+                                       const RayCache& corners,
+                                       bool is_lit) {
   std::vector<RayStretch> stretches;
   const int tiles = sparse.columns - 1;
   for (int y = 0; y < corners.height_px; ++y) {
     const int row = y / kStep;
+    const int first = y * corners.width_px;
     const auto is_left = [&](int x) {
       const int column = x / kStep;
-      return row >= sparse.rows - 1 || column >= tiles ||
-             sparse.kind[static_cast<std::size_t>(row * tiles + column)] == TileKind::kBent;
+      const bool is_smooth =
+          row < sparse.rows - 1 && column < tiles &&
+          sparse.kind[static_cast<std::size_t>(row * tiles + column)] == TileKind::kSmooth;
+      return !is_smooth && (corners.weight[static_cast<std::size_t>(first + x)] > 0.0F) == is_lit;
     };
     for (int x = 0, end = 0; x < corners.width_px; x = end) {
       for (end = x + 1; end < corners.width_px && is_left(end) == is_left(x); ++end) {
       }
       if (is_left(x)) {
-        stretches.push_back({.first = y * corners.width_px + x, .count = end - x});
+        stretches.push_back({.first = first + x, .count = end - x});
       }
     }
   }
@@ -265,7 +272,8 @@ SparseRays sparse_rays(const RayCache& corners, double max_direction_error_rad) 
   if (bent_share(sparse) > kLargestBentShare) {
     return {};
   }
-  sparse.rest_stretches = stretches_left(sparse, corners);
+  sparse.dark_stretches = stretches_left(sparse, corners, false);
+  sparse.rest_stretches = stretches_left(sparse, corners, true);
   sparse.rest.take(corners, sparse.rest_stretches);
   return sparse;
 }

@@ -70,7 +70,8 @@ struct SparseRays {
   std::array<PickedRays, kChecks> checks;  ///< one in each tile, row by row
   std::vector<Beyond> beyond;              ///< one after the other
   std::vector<TileKind> kind;              ///< (columns - 1) x (rows - 1)
-  std::vector<RayStretch> rest_stretches;  ///< rays of bent tiles and beyond the last nodes
+  std::vector<RayStretch> dark_stretches;  ///< rays that have not met the part or are given up
+  std::vector<RayStretch> rest_stretches;  ///< other rays of bent tiles and beyond the last nodes
   PickedRays rest;
 
   bool is_empty() const { return columns == 0; }

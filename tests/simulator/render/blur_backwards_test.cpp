@@ -2,11 +2,14 @@
 #include "simulator/render/blur_backwards.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <gtest/gtest.h>
 
 #include "core/rng.h"
+#include "core/spans.h"
+#include "simulator/render/blur_change.h"
 
 namespace glint {
 namespace {
@@ -69,6 +72,43 @@ TEST(BlurBackwards, TheCornerCollectsWhatLiesBeyondIt) {
   const float centre = sensor.blur_weights()[0];
   const float to_corner = 0.5F + 0.5F * centre;  // along each axis
   EXPECT_NEAR(backwards(sensor, by_blurred)(0, 0), to_corner * to_corner, 1e-6);
+}
+
+/// Derivative by the blur of the sum of by * blurred over the whole image.
+double change_of(const ImageF& radiance, const ImageF& by, double sigma_px) {
+  const Sensor sensor = blur_of(sigma_px, by.width(), by.height());
+  ImageF blurred;
+  sensor.expose(radiance, 0, blurred);
+  const Spans all = whole_image(by.width(), by.height());
+  return BlurChange(sensor, all, all).slope(radiance, blurred, by);
+}
+
+// d/ds of the mean of cos(a x) is -s a^2 times itself, the blur a (cut off) Gaussian of sigma s.
+TEST(BlurChange, IsThatOfAWave) {
+  constexpr double kPerPixel = 0.35;
+  constexpr int kSize = 101;
+  for (const double sigma_px : {1.3, 2.5}) {
+    ImageF wave(kSize, kSize), by(kSize, kSize);
+    double expected = 0.0;
+    for (int y = 15; y < kSize - 15; ++y) {
+      by(kSize / 2, y) = 1.0F;
+    }
+    for (int y = 0; y < kSize; ++y) {
+      for (int x = 0; x < kSize; ++x) {
+        const double angle = kPerPixel * (0.6 * x + 0.8 * y);
+        wave(x, y) = static_cast<float>(0.5 + 0.4 * std::cos(angle));
+        expected -= 0.4 * static_cast<double>(by(x, y)) * sigma_px * kPerPixel * kPerPixel *
+                    std::exp(-0.5 * std::pow(sigma_px * kPerPixel, 2)) * std::cos(angle);
+      }
+    }
+    EXPECT_GT(std::abs(expected), 0.01);
+    EXPECT_NEAR(change_of(wave, by, sigma_px), expected, 5e-3 * std::abs(expected)) << sigma_px;
+  }
+}
+
+TEST(BlurChange, AnEvenPictureHasNone) {
+  const ImageF even(40, 30, 0.7F);
+  EXPECT_NEAR(change_of(even, random_image(3, 40, 30), 1.3) / (40 * 30), 0.0, 1e-6);
 }
 
 }  // namespace

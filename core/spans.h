@@ -23,6 +23,22 @@ using Spans = std::vector<RowSpan>;
 
 Spans whole_image(int width_px, int height_px);
 
+/// Whether pixels are in spans, asked row by row and in each row from left to right.
+class SpanWalk {
+ public:
+  explicit SpanWalk(const Spans& spans) : next_(spans.begin()), end_(spans.end()) {}
+
+  bool has(int x, int y) {
+    while (next_ != end_ && (next_->y < y || (next_->y == y && next_->end <= x))) {
+      ++next_;
+    }
+    return next_ != end_ && next_->y == y && next_->begin <= x;
+  }
+
+ private:
+  Spans::const_iterator next_, end_;
+};
+
 /// The stretches of non-zero pixels. Gaps of up to `bridge` pixels are included.
 Spans spans_of(const Mask& mask, int bridge = 0);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "core/spans.h"
 
@@ -29,6 +30,10 @@ struct Moments {
   double deviation = 0.0;  ///< root mean square
   double absolute = 0.0;   ///< mean
   double sign = 0.0;       ///< mean sign of what is left after the mean
+  double scatter = 0.0;    ///< mean variance of the pixels' scatter
+
+  /// Root mean square with the scatter.
+  double spread() const { return std::sqrt(deviation * deviation + scatter); }
 };
 
 double sign_of(double value) {
@@ -111,7 +116,8 @@ GLINT_WIDE void slopes_at(const float* __restrict values,
   }
 }
 
-Moments moments_of(const ImageF& image, const Spans& region) {
+Moments moments_of(const ScoredImage& scored, const Spans& region) {
+  const ImageF& image = scored.aspect;
   Moments m;
   for (const RowSpan& span : region) {
     m.count += static_cast<double>(span.size());
@@ -123,25 +129,77 @@ Moments moments_of(const ImageF& image, const Spans& region) {
     m.deviation += rests.squares;
     m.absolute += rests.sizes;
     m.sign += rests.signs;
+    if (scored.deviation != nullptr) {
+      m.scatter += rests_of(scored.deviation->row(span.y) + span.begin, span.size(), 0.0).squares;
+    }
   }
+  m.scatter /= std::max(1.0, m.count);
   m.deviation = std::sqrt(m.deviation / std::max(1.0, m.count));
   m.absolute /= std::max(1.0, m.count);
   m.sign /= std::max(1.0, m.count);
   return m;
 }
 
+/// Of a normal number of a mean and a deviation: the mean of its size, and that of its sign.
+struct FoldedNormal {
+  double size = 0.0;
+  double sign = 0.0;
+};
+
+FoldedNormal folded_normal(double mean, double deviation) {
+  if (deviation <= 0.0) {
+    return {.size = std::abs(mean), .sign = sign_of(mean)};
+  }
+  const double z = mean / deviation;
+  const double sign = std::erf(z * std::sqrt(0.5));
+  const double at_zero = std::sqrt(2.0 / std::numbers::pi) * std::exp(-0.5 * z * z);
+  return {.size = deviation * at_zero + mean * sign, .sign = sign};
+}
+
+/// h_abs with scatter: the sign of what is left of a pixel after the mean is that of a normal
+/// number.
+ImageF scattered_absolute_slopes(const ScoredImage& image, const Spans& region, Moments m) {
+  const auto folded = [&](int x, int y) {
+    return folded_normal(static_cast<double>(image.aspect(x, y)) - m.mean,
+                         static_cast<double>((*image.deviation)(x, y)));
+  };
+  const auto for_each_pixel = [&](const auto& use) {
+    for (const RowSpan& span : region) {
+      for (int x = span.begin; x < span.end; ++x) {
+        use(x, span.y);
+      }
+    }
+  };
+  m.absolute = 0.0;
+  m.sign = 0.0;
+  for_each_pixel([&](int x, int y) {
+    const FoldedNormal pixel = folded(x, y);
+    m.absolute += pixel.size / m.count;
+    m.sign += pixel.sign / m.count;
+  });
+  ImageF slopes(image.aspect.width(), image.aspect.height());
+  for_each_pixel([&](int x, int y) {
+    const double by_rest = m.sign - folded(x, y).sign;
+    slopes(x, y) = static_cast<float>((m.absolute / m.mean + by_rest) / (m.mean * m.count));
+  });
+  return slopes;
+}
+
 /// h_rms = 1 - sigma / mu and h_abs = 1 - a / mu: the slope by a pixel is linear in what is left of
-/// it after the mean, and in the sign of that.
+/// it after the mean, and in the sign of that. Scatter is in sigma and a.
 ImageF homogeneity_slopes(std::string_view score, const ScoredImage& image) {
   const Spans region = spans_of(image.region);
-  const Moments m = moments_of(image.aspect, region);
+  const Moments m = moments_of(image, region);
   LinearSlope slope = {.mean = m.mean, .constant = 1.0 / m.count};
-  const bool is_even = m.deviation <= kRounding * m.mean;
+  const bool is_even = m.spread() <= kRounding * m.mean;
+  if (score == "homogeneity.h_abs" && m.scatter > 0.0 && !is_even) {
+    return scattered_absolute_slopes(image, region, m);
+  }
   if (score != "homogeneity.mean" && is_even) {
     slope.constant = 0.0;
   } else if (score == "homogeneity.h_rms") {
-    slope.constant = m.deviation / (m.mean * m.mean * m.count);
-    slope.by_rest = -1.0 / (m.deviation * m.mean * m.count);
+    slope.constant = m.spread() / (m.mean * m.mean * m.count);
+    slope.by_rest = -1.0 / (m.spread() * m.mean * m.count);
   } else if (score == "homogeneity.h_abs") {
     slope.constant = (m.absolute / (m.mean * m.mean) + m.sign / m.mean) / m.count;
     slope.by_sign = -1.0 / (m.mean * m.count);
@@ -162,10 +220,22 @@ double mean_of(const ImageF& image, const std::vector<std::size_t>& pixels) {
   return sum / static_cast<double>(pixels.size());
 }
 
-void add(ImageF& slopes, const std::vector<std::size_t>& pixels, double slope) {
+/// Adds slope(pixel) to pixels. What rounding takes from one pixel the next one gets: pixels of a
+/// defect weigh the same, would all err by the same, and their sum cancels against the ring's.
+template <class Slope>
+void add_each(ImageF& slopes, const std::vector<std::size_t>& pixels, const Slope& slope) {
+  double rest = 0.0;
   for (const std::size_t pixel : pixels) {
-    slopes.values()[pixel] += static_cast<float>(slope / static_cast<double>(pixels.size()));
+    float& to = slopes.values()[pixel];
+    const double wanted = static_cast<double>(to) + slope(pixel) + rest;
+    to = static_cast<float>(wanted);
+    rest = wanted - static_cast<double>(to);
   }
+}
+
+void add(ImageF& slopes, const std::vector<std::size_t>& pixels, double slope) {
+  const double share = slope / static_cast<double>(pixels.size());
+  add_each(slopes, pixels, [share](std::size_t) { return share; });
 }
 
 /// |mean_D - mean_B| / max(sigma_B, floor)
@@ -188,10 +258,10 @@ void add_cnr(const ScoredImage& image, const DefectPixels& defect, double factor
   add(slopes, defect.ring, -by_difference);
   if (ring_sigma > image.sigma_floor) {
     const double by_sigma = -factor * std::abs(difference) / (sigma * sigma);
-    for (const std::size_t pixel : defect.ring) {
+    add_each(slopes, defect.ring, [&](std::size_t pixel) {
       const double rest = static_cast<double>(image.aspect.values()[pixel]) - background;
-      slopes.values()[pixel] += static_cast<float>(by_sigma * rest / (count * ring_sigma));
-    }
+      return by_sigma * rest / (count * ring_sigma);
+    });
   }
 }
 
@@ -248,6 +318,14 @@ bool has_slopes(std::string_view score) {
   const bool is_whole = std::ranges::find(kWholeScores, score) != kWholeScores.end();
   return is_whole ||
          (score.starts_with("defects.") && (score.ends_with(".cnr") || score.ends_with(".weber")));
+}
+
+double scatter_share(const ScoredImage& image) {
+  if (image.deviation == nullptr) {
+    return 0.0;
+  }
+  const Moments m = moments_of(image, spans_of(image.region));
+  return m.scatter > 0.0 ? m.scatter / (m.deviation * m.deviation + m.scatter) : 0.0;
 }
 
 std::optional<ImageF> slopes_by_aspect(std::string_view score, const ScoredImage& image) {

@@ -14,8 +14,12 @@ struct ScoredImage {
   const ImageF& aspect;
   const Mask& region;
   std::span<const DefectPixels> defects;
-  double sigma_floor = 0.0;  ///< of defect_scores()
+  double sigma_floor = 0.0;           ///< of defect_scores()
+  const ImageF* deviation = nullptr;  ///< of the pixels' scatter, if it counts: with_scatter()
 };
+
+/// The share that scatter has in the square of what h_rms is 1 less; 0 without.
+double scatter_share(const ScoredImage& image);
 
 /// Derivative of a score by each pixel of the aspect image: homogeneity.h_rms, h_abs and mean;
 /// defects.min_cnr, min_weber, mean_weber and each defect's cnr and weber. Of a smallest or largest

@@ -101,11 +101,10 @@ Scan scan_scene(SceneStore& store,
   if (task.needs_frames) {
     return as_scan(scan_integrated(footprints, sensor, task.watch));
   }
-  const Mask none(seen.width_px, seen.height_px);
   const ScanPlan plan = plan_scan(footprints,
                                   sensor,
                                   traced.region,
-                                  task.watch ? traced.watched : none,
+                                  task.watch ? traced.watched : Mask(),
                                   scene.render.reflectance);
   ClosedScan closed = scan_closed(footprints, sensor, plan, task.watch);
   Gradients gradients;
@@ -117,7 +116,8 @@ Scan scan_scene(SceneStore& store,
                              .cells = closed.cells,
                              .aspect = closed.aspect,
                              .sigma_floor = sigma_floor(scene.sensor),
-                             .slot = task.slot};
+                             .slot = task.slot,
+                             .deviation = closed.deviation.empty() ? nullptr : &closed.deviation};
     gradients = gradients_of(scene, state, task.gradients, store.pool());
   }
   return {.aspect = std::move(closed.aspect),

@@ -23,6 +23,9 @@ using Eigen::Vector3d;
 
 constexpr std::string_view kPose = "viewpoint.0.";
 
+/// A share of scatter in the unevenness (squares) that is worth a remark.
+constexpr double kLargeScatter = 0.01;
+
 /// The key of the tunnel that a path names; empty for another path.
 std::string tunnel_key(const SceneSettings& scene, const std::string& path) {
   const std::string prefix = "lighting." + scene.tunnel_name + ".";
@@ -123,8 +126,7 @@ class SceneGradients {
         result_.by_score[score] = slopes_of_slot();
         continue;
       }
-      const std::optional<ImageF> by_aspect = slopes_by_aspect(
-          score, {scan_.aspect, scan_.traced.region, scan_.traced.defects, scan_.sigma_floor});
+      const std::optional<ImageF> by_aspect = slopes_by_aspect(score, scored_image());
       if (by_aspect) {
         result_.by_score[score] = slopes_of(*by_aspect);
       }
@@ -134,6 +136,14 @@ class SceneGradients {
   }
 
  private:
+  ScoredImage scored_image() const {
+    return {.aspect = scan_.aspect,
+            .region = scan_.traced.region,
+            .defects = scan_.traced.defects,
+            .sigma_floor = scan_.sigma_floor,
+            .deviation = scan_.deviation};
+  }
+
   std::vector<double> slopes_of(const ImageF& by_aspect) {
     const auto wants = [&](std::string_view path) { return is_one_of(wanted_.paths, path); };
     const bool has_dark = scene_.tunnel.dark_reflectance > 0.0;
@@ -317,6 +327,15 @@ class SceneGradients {
       result_.remarks.push_back(
           "the edge of what the wall hides from the camera is held: no term for it by the keys of "
           "slot, shape and camera");
+    }
+    const auto is_evenness = [](const std::string& score) {
+      return score == "homogeneity.h_rms" || score == "homogeneity.h_abs";
+    };
+    if (std::ranges::any_of(wanted_.scores, is_evenness) &&
+        scatter_share(scored_image()) > kLargeScatter) {
+      result_.remarks.push_back(
+          "the scatter of pixels by noise and few frames is held: the evenness has it, but no term "
+          "for how it changes");
     }
     if (std::ranges::any_of(wanted_.paths, is_pose)) {
       result_.remarks.push_back(

@@ -39,6 +39,7 @@ struct ScanState {
   const ImageF& aspect;
   double sigma_floor = 0.0;
   SlotMargin slot;
+  const ImageF* deviation = nullptr;  ///< of the pixels' scatter, if it is part of h
 };
 
 /// @throws ConfigError when the scan has no closed form

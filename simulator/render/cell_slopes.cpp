@@ -2,9 +2,6 @@
 #include "simulator/render/cell_slopes.h"
 
 #include <algorithm>
-#include <cmath>
-
-#include "simulator/render/slope_kernels.h"
 
 namespace glint {
 namespace {
@@ -58,13 +55,12 @@ void CellSlopes::add_stripes(const LinearFunction& phase,
 }
 
 void CellSlopes::sum_waiting(const std::vector<double>& by_radiance) {
-  for (auto* array : {&v_, &gx_, &gy_, &weight_, &by_v_, &by_gx_, &by_gy_, &by_duty_, &by_dark_}) {
+  v_.resize(waiting_.size());
+  for (auto* array : {&gx_, &gy_, &weight_, &by_v_, &by_gx_, &by_gy_, &by_duty_, &by_dark_}) {
     array->assign(waiting_.size(), 0.0F);
   }
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    // Whole periods change nothing and would take the digits of a float.
-    const double phase = waiting_[i].phase.value;
-    v_[i] = static_cast<float>(phase - std::floor(phase));
+    v_[i] = slope_kernels::turn_of(waiting_[i].phase.value);
     gx_[i] = static_cast<float>(waiting_[i].phase.dx);
     gy_[i] = static_cast<float>(waiting_[i].phase.dy);
   }
@@ -77,8 +73,8 @@ void CellSlopes::sum_waiting(const std::vector<double>& by_radiance) {
                                   gy_.data(),
                                   weight_.data(),
                                   static_cast<int>(waiting_.size()),
-                                  static_cast<float>(p_.shift_periods[k]),
-                                  static_cast<float>(p_.duty),
+                                  p_.shift_periods[k],
+                                  p_.duty,
                                   {.v = by_v_.data(),
                                    .gx = by_gx_.data(),
                                    .gy = by_gy_.data(),

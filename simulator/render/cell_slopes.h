@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simulator/render/cell_sum.h"
+#include "simulator/render/slope_kernels.h"
 
 namespace glint {
 
@@ -71,7 +72,8 @@ class CellSlopes {
 
   const ScanPositions& p_;
   std::vector<Waiting> waiting_;
-  std::vector<float> v_, gx_, gy_, weight_;  ///< of the waiting cells
+  std::vector<slope_kernels::Turn> v_;  ///< of the waiting cells, as all of them
+  std::vector<float> gx_, gy_, weight_;
   std::vector<float> by_v_, by_gx_, by_gy_, by_duty_, by_dark_;
   std::vector<double> weights_;
 };

@@ -227,11 +227,10 @@ OtherPixels find_others(const Footprints& footprints, const Sensor& sensor, Imag
   return pixels;
 }
 
-/// The pixels that T(w) gives, and those that need frames.
+/// The pixels that T(w) gives, and those that need frames beside the watched ones.
 void sort_pixels(const Footprints& footprints,
                  const Sensor& sensor,
                  const Mask& region,
-                 const Mask& watched,
                  ScanPlan& plan) {
   const OtherPixels pixels = find_others(footprints, sensor, plan.width);
   const int columns = region.width();
@@ -244,7 +243,7 @@ void sort_pixels(const Footprints& footprints,
   for (int y = 0; y < region.height(); ++y) {
     unsigned char* closed = plan.by_table.row(y);
     grower.grow(pixels.other, y, near.data());
-    mask_kernels::mark_closed(region.row(y), watched.row(y), near.data(), columns, closed);
+    mask_kernels::mark_closed(region.row(y), plan.by_frames.row(y), near.data(), columns, closed);
     if (!are_even) {
       keep_even_widths(is_even, plan.width.row(y), columns, closed);
     }
@@ -254,6 +253,15 @@ void sort_pixels(const Footprints& footprints,
       mask_kernels::mark_frames(region.row(y), closed, near.data(), columns, plan.by_frames.row(y));
     }
   }
+}
+
+Mask without(const Mask& mask, const Mask& taken) {
+  Mask rest = Mask::unset(mask.width(), mask.height());
+  mask_kernels::subtract(mask.values().data(),
+                         taken.values().data(),
+                         static_cast<int>(mask.size()),
+                         rest.values().data());
+  return rest;
 }
 
 }  // namespace
@@ -267,28 +275,24 @@ ScanPlan plan_scan(const Footprints& footprints,
   plan.reflectance = reflectance;
   plan.form.kind = form_of(footprints.positions(), sensor.settings(), reflectance);
   plan.by_frames = watched;
-  if (plan.form.kind != ScanForm::Kind::kTable) {
-    plan.by_table = Mask(region.width(), region.height());
-  }
   if (plan.form.kind == ScanForm::Kind::kFrames) {
-    for (std::size_t i = 0; i < region.size(); ++i) {
-      plan.by_frames.values()[i] =
-          static_cast<unsigned char>(watched.values()[i] | region.values()[i]);
+    plan.by_frames = region;
+    for (std::size_t i = 0; i < watched.size(); ++i) {
+      plan.by_frames.values()[i] |= watched.values()[i];
     }
   }
   if (plan.form.kind == ScanForm::Kind::kFloors) {
-    plan.by_floors = Mask::unset(region.width(), region.height());
-    mask_kernels::subtract(region.values().data(),
-                           watched.values().data(),
-                           static_cast<int>(region.size()),
-                           plan.by_floors.values().data());
+    plan.by_floors = spans_of(watched.empty() ? region : without(region, watched));
   }
   if (plan.form.kind == ScanForm::Kind::kTable) {
     plan.width = ImageF::unset(region.width(), region.height());
     plan.by_table = Mask::unset(region.width(), region.height());
     plan.table = std::make_shared<const ClippedMean>(
         sensor.settings(), stripes_of(footprints.positions(), reflectance));
-    sort_pixels(footprints, sensor, region, watched, plan);
+    if (watched.empty()) {
+      plan.by_frames = Mask(region.width(), region.height());
+    }
+    sort_pixels(footprints, sensor, region, plan);
   }
   plan.form.frame_pixels = count_of(plan.by_frames);
   plan.form.table_pixels = count_of(plan.by_table);
@@ -362,6 +366,18 @@ FramePictures* kept_pictures(const Spans& rendered, int width, int height) {
   return share_of(rendered, width, height) <= kSmallShare ? &pictures : nullptr;
 }
 
+/// 0 but for pixels that are yet to be set.
+ImageF dark_beside(const Spans& spans, int width, int height) {
+  ImageF image = ImageF::unset(width, height);
+  float* next = image.values().data();
+  for (const RowSpan& span : spans) {
+    std::fill(next, image.row(span.y) + span.begin, 0.0F);
+    next = image.row(span.y) + span.end;
+  }
+  std::fill(next, image.values().data() + image.size(), 0.0F);
+  return image;
+}
+
 /// The exposed mean radiance: for a linear sensor the mean of the exposed frames.
 void expose_mean(const Footprints& footprints,
                  const Sensor& sensor,
@@ -369,9 +385,9 @@ void expose_mean(const Footprints& footprints,
                  ClosedScan& result) {
   const int width = result.aspect.width();
   const int height = result.aspect.height();
-  const Spans wanted = spans_of(plan.by_floors);
+  const Spans& wanted = plan.by_floors;
   const Spans rendered = grown_spans(wanted, sensor.blur_radius_px(), kBridge_px, width, height);
-  const Mask near = grown(plan.by_floors, reach_of(sensor, plan.reflectance));
+  const Spans near = grown_spans(wanted, reach_of(sensor, plan.reflectance), 0, width, height);
   ImageF mean = ImageF::unset(width, height);
   FootprintFrames(footprints, rendered).render_mean(near, mean);
   SensorSettings quiet = sensor.settings();
@@ -431,16 +447,19 @@ ClosedScan scan_closed(const Footprints& footprints,
                        const FrameConsumer& consume) {
   const int width = footprints.rays().width_px;
   const int height = footprints.rays().height_px;
-  ClosedScan result = {.clipped_frames = Image<std::uint16_t>(width, height), .form = plan.form};
+  ClosedScan result = {.form = plan.form};
+  const Spans wanted = spans_of(plan.by_frames);
+  if (plan.form.kind == ScanForm::Kind::kTable || !wanted.empty()) {
+    result.clipped_frames = Image<std::uint16_t>(width, height);
+  }
   if (plan.form.kind == ScanForm::Kind::kTable) {
     look_up_means(plan, *plan.table, result);
+  } else if (plan.form.kind == ScanForm::Kind::kFloors) {
+    result.aspect = dark_beside(plan.by_floors, width, height);
+    expose_mean(footprints, sensor, plan, result);
   } else {
     result.aspect = ImageF(width, height);
   }
-  if (plan.form.kind == ScanForm::Kind::kFloors) {
-    expose_mean(footprints, sensor, plan, result);
-  }
-  const Spans wanted = spans_of(plan.by_frames);
   if (wanted.empty()) {
     return result;
   }

@@ -36,7 +36,7 @@ std::string_view form_name(ScanForm::Kind kind);
 struct ClosedScan {
   ImageF aspect;     ///< expected mean of the frames; as taken where they were rendered
   ImageF deviation;  ///< of the mean around it, by noise and few frames; empty: none
-  Image<std::uint16_t> clipped_frames;  ///< table: all or none of them
+  Image<std::uint16_t> clipped_frames;  ///< table: all or none of them; floors alone: empty
   ScanForm form;
   std::shared_ptr<const PixelCells> cells;  ///< of the frames; empty: none were rendered
 };
@@ -52,16 +52,16 @@ ScanForm::Kind form_of(const ScanPositions& positions,
 /// Pixels sorted by what their mean needs. What remains of the region is dark in every frame.
 struct ScanPlan {
   ScanForm form;
-  Mask by_floors;  ///< from the mean radiance; empty where it is not used
-  Mask by_table;   ///< from T(w)
-  Mask by_frames;  ///< and the watched pixels
-  ImageF width;    ///< w of T(w) [periods], where by_table
+  Spans by_floors;  ///< from the mean radiance
+  Mask by_table;    ///< from T(w); empty where it is not used
+  Mask by_frames;   ///< and the watched pixels; empty: none
+  ImageF width;     ///< w of T(w) [periods], where by_table
   double reflectance = 1.0;
   std::shared_ptr<const ClippedMean> table;  ///< T; empty where it is not used
 };
 
 /// @param region       pixels whose mean is wanted
-/// @param watched      pixels that are wanted frame by frame; of the picture's size
+/// @param watched      pixels that are wanted frame by frame; empty: none
 /// @param reflectance  of the part
 ScanPlan plan_scan(const Footprints& footprints,
                    const Sensor& sensor,

@@ -40,7 +40,7 @@ struct Refined {
 class CellSummer {
  public:
   /// @param near  of a mean: refined pixels elsewhere are taken from their corners
-  CellSummer(const Footprints& footprints, bool wants_mean, const Mask* near = nullptr);
+  CellSummer(const Footprints& footprints, bool wants_mean, const Spans* near = nullptr);
 
   PixelCells sum(const Spans& where);
 
@@ -76,7 +76,7 @@ class CellSummer {
   CellSum frames_;
   CellSum mean_;
   bool wants_mean_;
-  const Mask* near_;
+  const Spans* near_;
   kernels::CutLimits limits_;
   Places unrefined_, far_;             ///< far: refined, far from where a mean is wanted
   std::vector<std::int32_t> refined_;  ///< other refined pixels, increasing
@@ -92,7 +92,7 @@ class CellSummer {
   std::vector<float> weight_;  ///< what of the pixel its corners stand for by themselves
 };
 
-CellSummer::CellSummer(const Footprints& footprints, bool wants_mean, const Mask* near)
+CellSummer::CellSummer(const Footprints& footprints, bool wants_mean, const Spans* near)
     : footprints_(footprints),
       positions_(footprints.positions()),
       mean_position_(wants_mean ? positions_.mean_position() : positions_),
@@ -122,6 +122,7 @@ PixelCells CellSummer::sum(const Spans& where) {
 void CellSummer::sort_pixels(const Spans& where) {
   static_assert(sizeof(Footprints::State) == 1);
   const CornerRays& rays = footprints_.rays();
+  SpanWalk near(near_ != nullptr ? *near_ : where);
   for (const RowSpan& span : where) {
     const Footprints::State* row = footprints_.state().row(span.y);
     const auto next_cells = [&](int from) {
@@ -134,7 +135,7 @@ void CellSummer::sort_pixels(const Spans& where) {
       const std::int32_t pixel = span.y * rays.width_px + x;
       if (rays.kind(x, span.y) != PixelKind::kRefined) {
         unrefined_.add(pixel, span.y);
-      } else if (near_ != nullptr && (*near_)(x, span.y) == 0) {
+      } else if (!near.has(x, span.y)) {
         far_.add(pixel, span.y);
       } else {
         refined_.push_back(pixel);
@@ -426,7 +427,7 @@ PixelCells sum_cells(const Footprints& footprints, const Spans& where) {
   return CellSummer(footprints, false).sum(where);
 }
 
-PixelCells mean_of_cells(const Footprints& footprints, const Spans& where, const Mask& near) {
+PixelCells mean_of_cells(const Footprints& footprints, const Spans& where, const Spans& near) {
   return CellSummer(footprints, true, &near).sum(where);
 }
 

@@ -27,6 +27,6 @@ PixelCells sum_cells(const Footprints& footprints, const Spans& where);
 
 /// Their mean over a scan of whole periods: one value a pixel.
 /// @param near  refined pixels elsewhere may be taken from their four corners and their coverage
-PixelCells mean_of_cells(const Footprints& footprints, const Spans& where, const Mask& near);
+PixelCells mean_of_cells(const Footprints& footprints, const Spans& where, const Spans& near);
 
 }  // namespace glint

@@ -52,11 +52,8 @@ void FootprintFrames::load(const RowSpan& span, int begin, Tile& tile) const {
     kernels::phases_of_corners(rows(hits.x_mm), tile.count, 0.0F, 1.0F, phases);
     std::copy_n(tile.v.data(), tile.count, tile.x_mm.data());
   }
-  kernels::phases_of_corners(rows(hits.stripes_mm()),
-                             tile.count,
-                             static_cast<float>(p.offset_mm),
-                             static_cast<float>(1.0 / p.period_mm),
-                             phases);
+  kernels::phases_in_period(
+      rows(hits.stripes_mm()), tile.count, p.offset_mm, 1.0 / p.period_mm, phases);
   const auto* state =
       reinterpret_cast<const unsigned char*>(footprints_.state().row(span.y) + begin);
   static_assert(static_cast<int>(Footprints::State::kPlain) == 1);
@@ -100,7 +97,7 @@ void FootprintFrames::render_span(int first,
   }
 }
 
-void FootprintFrames::render_mean(const Mask& near, ImageF& mean) const {
+void FootprintFrames::render_mean(const Spans& near, ImageF& mean) const {
   // The fast form errs where stripes are thin, and by less the more phases share the error.
   constexpr int kFastPhases = 8;
   constexpr double kFastDuty = 0.1;

@@ -92,6 +92,37 @@ GLINT_WIDE void phases_of_corners(
   }
 }
 
+/// Places are first moved by whole periods, without rounding: by multiples of a period of 12 bits,
+/// and then by what that lacks of the true one.
+GLINT_WIDE void phases_in_period(
+    const CornerRows& corners, int count, double offset, double scale, const PhaseRow& out) {
+  const float* __restrict top = corners.top;
+  const float* __restrict bottom = corners.bottom;
+  float* __restrict v = out.v;
+  float* __restrict gx = out.gx;
+  float* __restrict gy = out.gy;
+  const double period = 1.0 / scale;
+  const auto period_bits = std::bit_cast<std::uint32_t>(static_cast<float>(period));
+  const auto short_period = std::bit_cast<float>(period_bits & 0xFFFFF000U);
+  const auto lacking = static_cast<float>(period - static_cast<double>(short_period));
+  const auto begin = static_cast<float>((offset * scale - std::floor(offset * scale)) * period);
+  const auto per_mm = static_cast<float>(scale);
+  const float half = 0.5F * per_mm;
+  for (int i = 0; i < count; ++i) {
+    const float whole = std::floor(top[i] * per_mm);
+    const float base = whole * short_period;
+    const float left_top = top[i] - base;
+    const float left_bottom = bottom[i] - base;
+    const float right_top = top[i + 1] - base;
+    const float right_bottom = bottom[i + 1] - base;
+    const float left = left_top + left_bottom;
+    const float right = right_top + right_bottom;
+    v[i] = (0.25F * (left + right) - (whole * lacking + begin)) * per_mm;
+    gx[i] = (right - left) * half;
+    gy[i] = ((left_bottom + right_bottom) - (left_top + right_top)) * half;
+  }
+}
+
 GLINT_WIDE void corner_codes(const float* __restrict x_mm,
                              const float* __restrict y_mm,
                              const float* __restrict margin_mm,
@@ -430,7 +461,7 @@ void any_shares_fast(const float* v,
                      float scale,
                      float duty,
                      float* shares) {
-  constexpr int kChunk = 64;
+  constexpr int kChunk = 128;
   const float limit = (duty < 1.0F - duty ? duty : 1.0F - duty) / scale;
   for (int begin = 0; begin < count; begin += kChunk) {
     const int size = begin + kChunk < count ? kChunk : count - begin;

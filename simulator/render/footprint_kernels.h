@@ -28,6 +28,11 @@ struct PhaseRow {
 void phases_of_corners(
     const CornerRows& corners, int count, float offset, float scale, const PhaseRow& out);
 
+/// The same with v less whole periods, near 0: far from the middle a float keeps too few digits of
+/// an edge's place.
+void phases_in_period(
+    const CornerRows& corners, int count, double offset, double scale, const PhaseRow& out);
+
 /// Where corners are lit at every position of a scan.
 struct LitLimits {
   float half_slot_mm = 0.0F;

@@ -155,7 +155,7 @@ class FootprintFrames {
   /// Mean radiance over a scan of whole periods, by floors: a square wave of as many times the
   /// frequency as there are different positions.
   /// @param near  refined pixels elsewhere may be taken from their four corners and their coverage
-  void render_mean(const Mask& near, ImageF& mean) const;
+  void render_mean(const Spans& near, ImageF& mean) const;
 
   /// Those of the rendered frames; nullptr before the first.
   const std::shared_ptr<const PixelCells>& cells() const { return cells_; }

@@ -24,26 +24,27 @@ SensorSettings blur_only(double blur_px) {
   return {.exposure = 1.0, .gain = 1.0, .blur_px = blur_px, .bits = 0};
 }
 
-/// Slope of the expected grey value by the blurred radiance: the gain, until it clips.
+/// Slope of the expected grey value by the blurred radiance, as a share of the gain: 1 until it
+/// clips. Of pixels that do not clip all weigh the same to the last bit; the gain would round, and
+/// pixels that weigh the same would err by the same: their sum cancels against others'.
 class ResponseSlope {
  public:
   explicit ResponseSlope(const SensorSettings& sensor)
-      : linear_(static_cast<float>(sensor.gain * sensor.exposure)),
-        has_noise_(sensor.full_well_e > 0.0) {
+      : linear_(sensor.gain * sensor.exposure), has_noise_(sensor.full_well_e > 0.0) {
     constexpr double kStep = 0.5 / kSteps;
     for (int i = 0; has_noise_ && i <= kSteps; ++i) {
       const double radiance = static_cast<double>(i) / kSteps;
       const double high = grey_response(sensor, radiance + kStep).mean;
       const double low = grey_response(sensor, std::max(0.0, radiance - kStep)).mean;
-      slopes_.push_back(
-          static_cast<float>((high - low) / (radiance + kStep - std::max(0.0, radiance - kStep))));
+      slopes_.push_back(static_cast<float>(
+          (high - low) / (radiance + kStep - std::max(0.0, radiance - kStep)) / linear_));
     }
   }
 
   /// @param slopes  as many as radiances
   void at(const float* radiance, int count, float* slopes) const {
     if (!has_noise_) {
-      slope_kernels::unclipped_slopes(radiance, count, linear_, slopes);
+      slope_kernels::mark_unclipped(radiance, count, static_cast<float>(linear_), slopes);
       return;
     }
     std::transform(radiance, radiance + count, slopes, [this](float r) { return noisy_at(r); });
@@ -58,7 +59,7 @@ class ResponseSlope {
   }
 
   static constexpr int kSteps = 1024;
-  float linear_;
+  double linear_;
   bool has_noise_;
   std::vector<float> slopes_;
 };
@@ -101,10 +102,15 @@ struct CellAdder {
 /// The pixels that are summed from cells, backwards.
 class CellPixelSlopes {
  public:
-  /// @param pixels  of any state; others than those of cells add nothing
-  CellPixelSlopes(const Footprints& footprints, const Spans& pixels, ScanSlopes& slopes)
+  /// @param pixels      of any state; others than those of cells add nothing
+  /// @param per_weight  what a slope by a pixel's radiance is in units of
+  CellPixelSlopes(const Footprints& footprints,
+                  const Spans& pixels,
+                  double per_weight,
+                  ScanSlopes& slopes)
       : footprints_(footprints),
         rays_(footprints.rays()),
+        per_weight_(per_weight),
         slopes_(slopes),
         frames_(static_cast<std::size_t>(footprints.positions().frames())),
         cells_(footprints.positions()) {
@@ -125,7 +131,7 @@ class CellPixelSlopes {
   void add_frame(int frame, const std::vector<float>& by_radiance) {
     double* weights = cell_weights_.data() + frame;
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      weights[i * frames_] = static_cast<double>(by_radiance[places_[i]]);
+      weights[i * frames_] = per_weight_ * static_cast<double>(by_radiance[places_[i]]);
     }
   }
 
@@ -235,6 +241,7 @@ class CellPixelSlopes {
 
   const Footprints& footprints_;
   const CornerRays& rays_;
+  double per_weight_;
   ScanSlopes& slopes_;
   std::size_t frames_;
   std::vector<std::int32_t> cell_pixels_;
@@ -253,19 +260,23 @@ class SensorBackwards {
                   const Spans& around,
                   const ImageF& by_aspect,
                   int frames,
-                  bool wants_blur,
+                  const WantedSlopes& wants,
                   ScanSlopes& slopes)
       : settings_(sensor.settings()),
         wanted_(wanted),
         by_aspect_(by_aspect),
-        per_frame_(1.0F / static_cast<float>(frames)),
+        per_weight_(settings_.gain * settings_.exposure / frames),
         slopes_(slopes),
         response_(settings_),
-        has_blur_(wants_blur && settings_.blur_px > 0.0),
+        has_gain_(wants.gain || wants.exposure),
+        has_blur_(wants.blur && settings_.blur_px > 0.0),
         blur_(blur_only(settings_.blur_px), by_aspect.width(), by_aspect.height()),
         change_(blur_, wanted, around),
         blurred_(ImageF::unset(by_aspect.width(), by_aspect.height())),
         by_blurred_(by_aspect.width(), by_aspect.height()) {}
+
+  /// What the slopes by radiances are in units of.
+  double per_weight() const { return per_weight_; }
 
   /// @return slopes by the blurred radiances, 0 elsewhere
   const ImageF& apply(int index, const ImageF& radiance) {
@@ -274,12 +285,17 @@ class SensorBackwards {
       const float* grey = blurred_.row(span.y) + span.begin;
       float* by = by_blurred_.row(span.y) + span.begin;
       response_.at(grey, span.size(), by);
-      const double by_grey = slope_kernels::weigh_slopes(
-          by_aspect_.row(span.y) + span.begin, grey, span.size(), per_frame_, by);
-      slopes_.gain += by_grey / settings_.gain;
-      slopes_.exposure += by_grey / settings_.exposure;
+      slope_kernels::multiply_by(by_aspect_.row(span.y) + span.begin, span.size(), by);
+      if (has_gain_) {
+        const auto count = static_cast<std::size_t>(span.size());
+        const double by_grey = per_weight_ * slope_kernels::exact_dot(by, grey, count);
+        slopes_.gain += by_grey / settings_.gain;
+        slopes_.exposure += by_grey / settings_.exposure;
+      }
     }
-    slopes_.blur_px += has_blur_ ? change_.slope(radiance, blurred_, by_blurred_) : 0.0;
+    if (has_blur_) {
+      slopes_.blur_px += per_weight_ * change_.slope(radiance, blurred_, by_blurred_);
+    }
     return by_blurred_;
   }
 
@@ -287,10 +303,10 @@ class SensorBackwards {
   const SensorSettings& settings_;
   const Spans& wanted_;
   const ImageF& by_aspect_;
-  float per_frame_;
+  double per_weight_;
   ScanSlopes& slopes_;
   ResponseSlope response_;
-  bool has_blur_;
+  bool has_gain_, has_blur_;
   Sensor blur_;
   BlurChange change_;
   ImageF blurred_, by_blurred_;
@@ -310,7 +326,7 @@ void add_frame_slopes(const Footprints& footprints,
                       const Sensor& sensor,
                       const Spans& wanted,
                       const ImageF& by_aspect,
-                      bool wants_blur,
+                      const WantedSlopes& wants,
                       std::shared_ptr<const PixelCells> cells,
                       ScanSlopes& slopes) {
   if (wanted.empty()) {
@@ -322,10 +338,10 @@ void add_frame_slopes(const Footprints& footprints,
   const Spans lit = lit_pixels(footprints, around);
   const FootprintFrames frames(footprints, lit, std::move(cells));
   const int total = footprints.positions().frames();
-  SensorBackwards through_sensor(sensor, wanted, around, by_aspect, total, wants_blur, slopes);
+  SensorBackwards through_sensor(sensor, wanted, around, by_aspect, total, wants, slopes);
   BlurBackwards through_blur(sensor, width, height);
   PlainSlopes plain(footprints, lit);
-  CellPixelSlopes summed(footprints, lit, slopes);
+  CellPixelSlopes summed(footprints, lit, through_sensor.per_weight(), slopes);
   std::vector<ImageF> radiance(static_cast<std::size_t>(std::min(kFramesAtOnce, total)),
                                ImageF(width, height));
   std::vector<std::vector<float>> by_radiance(radiance.size(), std::vector<float>(count_of(lit)));
@@ -345,7 +361,7 @@ void add_frame_slopes(const Footprints& footprints,
     }
     plain.add_frames(first, by_radiance);
   }
-  plain.finish(slopes);
+  plain.finish(through_sensor.per_weight(), slopes);
   summed.finish();
 }
 

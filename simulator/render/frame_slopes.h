@@ -10,12 +10,13 @@ namespace glint {
 /// Adds the slopes of the pixels whose mean is that of rendered frames: backwards through clipping,
 /// blur and footprints, frame by frame.
 /// @param wanted  these pixels
+/// @param wants   sums that cost extra
 /// @param cells   of the frames around them, if known
 void add_frame_slopes(const Footprints& footprints,
                       const Sensor& sensor,
                       const Spans& wanted,
                       const ImageF& by_aspect,
-                      bool wants_blur,
+                      const WantedSlopes& wants,
                       std::shared_ptr<const PixelCells> cells,
                       ScanSlopes& slopes);
 

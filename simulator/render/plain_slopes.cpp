@@ -5,8 +5,6 @@
 #include <array>
 #include <cmath>
 
-#include "simulator/render/slope_kernels.h"
-
 namespace glint {
 namespace {
 
@@ -67,7 +65,9 @@ PlainSlopes::PlainSlopes(const Footprints& footprints, const Spans& pixels)
   for (const RowSpan& span : pixels) {
     count += static_cast<std::size_t>(span.size());
   }
-  for (auto* array : {&v_, &whole_, &gx_, &gy_, &gain_, &by_v_, &by_gx_, &by_gy_}) {
+  phase_.resize(count);
+  v_.resize(count);
+  for (auto* array : {&gx_, &gy_, &gain_, &by_v_, &by_gx_, &by_gy_}) {
     array->resize(count);
   }
   const ScanPositions& p = footprints.positions();
@@ -80,8 +80,8 @@ PlainSlopes::PlainSlopes(const Footprints& footprints, const Spans& pixels)
                                 span.size(),
                                 p.offset_mm,
                                 1.0 / p.period_mm,
-                                {.v = v_.data() + at,
-                                 .whole = whole_.data() + at,
+                                {.phase = phase_.data() + at,
+                                 .v = v_.data() + at,
                                  .gx = gx_.data() + at,
                                  .gy = gy_.data() + at});
     const Footprints::State* state = footprints.state().row(span.y);
@@ -129,14 +129,13 @@ void PlainSlopes::add_narrow(int first,
   for (std::size_t k = 0; k < by_radiance.size(); ++k) {
     slope_kernels::multiply(
         by_radiance[k].data() + begin, gain_.data() + begin, tile.size(), tile.weight.data());
-    slope_kernels::add_narrow_frame(
-        v_.data() + begin,
-        tile.shapes(),
-        tile.weight.data(),
-        tile.size(),
-        static_cast<float>(p.shift_periods[static_cast<std::size_t>(first) + k]),
-        static_cast<float>(p.duty),
-        tile.sums());
+    slope_kernels::add_narrow_frame(v_.data() + begin,
+                                    tile.shapes(),
+                                    tile.weight.data(),
+                                    tile.size(),
+                                    p.shift_periods[static_cast<std::size_t>(first) + k],
+                                    p.duty,
+                                    tile.sums());
   }
   slope_kernels::add_narrow_sums(gx_.data() + begin,
                                  gy_.data() + begin,
@@ -158,25 +157,24 @@ void PlainSlopes::add_wide(int first,
   for (std::size_t k = 0; k < by_radiance.size(); ++k) {
     slope_kernels::multiply(
         by_radiance[k].data() + begin, gain_.data() + begin, tile.size(), tile.weight.data());
-    slope_kernels::add_box_slopes(
-        v_.data() + begin,
-        gx_.data() + begin,
-        gy_.data() + begin,
-        tile.weight.data(),
-        tile.size(),
-        static_cast<float>(p.shift_periods[static_cast<std::size_t>(first) + k]),
-        static_cast<float>(p.duty),
-        {.v = by_v_.data() + begin,
-         .gx = by_gx_.data() + begin,
-         .gy = by_gy_.data() + begin,
-         .duty = tile.by_duty.data(),
-         .dark = tile.by_dark.data()});
+    slope_kernels::add_box_slopes(v_.data() + begin,
+                                  gx_.data() + begin,
+                                  gy_.data() + begin,
+                                  tile.weight.data(),
+                                  tile.size(),
+                                  p.shift_periods[static_cast<std::size_t>(first) + k],
+                                  p.duty,
+                                  {.v = by_v_.data() + begin,
+                                   .gx = by_gx_.data() + begin,
+                                   .gy = by_gy_.data() + begin,
+                                   .duty = tile.by_duty.data(),
+                                   .dark = tile.by_dark.data()});
   }
 }
 
-void PlainSlopes::finish(ScanSlopes& slopes) const {
+void PlainSlopes::finish(double per_weight, ScanSlopes& slopes) const {
   const ScanPositions& p = footprints_.positions();
-  const double bright = 1.0 - p.dark;
+  const double bright = per_weight * (1.0 - p.dark);
   const double scale = bright / p.period_mm;
   const auto corner_width = static_cast<std::size_t>(footprints_.rays().width_px) + 1;
   const int longest = footprints_.rays().width_px;
@@ -195,13 +193,12 @@ void PlainSlopes::finish(ScanSlopes& slopes) const {
     from += static_cast<std::size_t>(size);
   }
   const std::size_t count = v_.size();
-  slopes.period_mm -= scale * (slope_kernels::exact_dot(by_v_.data(), v_.data(), count) +
-                               slope_kernels::exact_dot(by_v_.data(), whole_.data(), count) +
+  slopes.period_mm -= scale * (slope_kernels::exact_dot(by_v_.data(), phase_.data(), count) +
                                slope_kernels::exact_dot(by_gx_.data(), gx_.data(), count) +
                                slope_kernels::exact_dot(by_gy_.data(), gy_.data(), count));
   slopes.offset_mm -= scale * slope_kernels::exact_sum(by_v_.data(), count);
   slopes.duty += bright * duty_;
-  slopes.dark += dark_;
+  slopes.dark += per_weight * dark_;
 }
 
 }  // namespace glint

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "simulator/render/scan_slopes.h"
+#include "simulator/render/slope_kernels.h"
 
 namespace glint {
 
@@ -18,8 +19,8 @@ class PlainSlopes {
   /// @param by_radiance  of frame first, first + 1, ...: slope by each pixel, span after span
   void add_frames(int first, const std::vector<std::vector<float>>& by_radiance);
 
-  /// Adds what was collected.
-  void finish(ScanSlopes& slopes) const;
+  /// Adds what was collected. @param per_weight  what a slope by a pixel's radiance is in units of
+  void finish(double per_weight, ScanSlopes& slopes) const;
 
  private:
   struct Tile;
@@ -35,7 +36,9 @@ class PlainSlopes {
 
   const Footprints& footprints_;
   const Spans& pixels_;
-  std::vector<float> v_, whole_, gx_, gy_, gain_;  ///< pixel by pixel, span after span
+  std::vector<double> phase_;  ///< pixel by pixel, span after span, as all of them
+  std::vector<slope_kernels::Turn> v_;
+  std::vector<float> gx_, gy_, gain_;
   std::vector<float> by_v_, by_gx_, by_gy_;
   std::vector<unsigned char> is_narrow_;  ///< tile by tile: each sees one edge at most
   double duty_ = 0.0;

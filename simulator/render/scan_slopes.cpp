@@ -273,7 +273,7 @@ ScanSlopes slopes_of_scan(const Footprints& footprints,
                    sensor,
                    weighted_pixels(plan, by_aspect),
                    by_aspect,
-                   wanted.blur,
+                   wanted,
                    plan.form.kind == ScanForm::Kind::kFloors ? nullptr : cells,
                    slopes);
   return slopes;

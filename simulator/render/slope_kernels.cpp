@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/render/slope_kernels.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "simulator/render/footprint_kernels.h"
@@ -17,16 +19,25 @@ using footprint_lane::widths_of;
 
 constexpr std::size_t kDoubleLanes = 8;
 
+/// Half turns, so that differences of two in [0, 1] fit a signed number.
+constexpr float kPerHalfTurn = 1.0F / 2147483648.0F;
+constexpr float kPerTurn = 1.0F / 4294967296.0F;
+
+std::int32_t half_turns_of(double periods) {
+  constexpr double kMost = 2147483647.0;
+  return static_cast<std::int32_t>(std::clamp(periods * 2147483648.0, 0.0, kMost));
+}
+
 }  // namespace
 
 /// Restricted pointers must be parameters: the compiler believes them only there.
-GLINT_WIDE static void add_slopes(const float* __restrict v,
+GLINT_WIDE static void add_slopes(const Turn* __restrict v,
                                   const float* __restrict gx,
                                   const float* __restrict gy,
                                   const float* __restrict weight,
                                   int count,
-                                  float shift,
-                                  float duty,
+                                  Turn shift,
+                                  std::int32_t duty,
                                   float* __restrict by_v,
                                   float* __restrict by_gx,
                                   float* __restrict by_gy,
@@ -42,10 +53,13 @@ GLINT_WIDE static void add_slopes(const float* __restrict v,
     const float inner = widths.inner();
     const float per_major = 1.0F / major;
     const float per_minor = 1.0F / minor;
-    const float moved = v[i] - shift;
-    const float rise = moved - std::floor(moved);
-    const float fall = rise - duty;
-    const float next = 1.0F - rise;  // the next rising edge, seen from its other side
+    const Turn moved = v[i] - shift;
+    const auto half_turns = static_cast<std::int32_t>(moved >> 1U);
+    const auto to_next = static_cast<std::int32_t>(~moved >> 1U);
+    const float rise = kPerHalfTurn * static_cast<float>(half_turns);
+    const float fall = kPerHalfTurn * static_cast<float>(half_turns - duty);
+    // The next rising edge, seen from its other side.
+    const float next = kPerHalfTurn * static_cast<float>(to_next);
 
     const float rise_in = rise < outer ? 1.0F : 0.0F;
     const float rise_t = rise < outer ? rise : outer;
@@ -215,15 +229,26 @@ void add_means_to_corners(const float* by_v, int count, float* top, float* botto
   add_means(by_v, count + 1, top, bottom);
 }
 
-void add_box_slopes(const float* v,
+void add_box_slopes(const Turn* v,
                     const float* gx,
                     const float* gy,
                     const float* weight,
                     int count,
-                    float shift,
-                    float duty,
+                    double shift,
+                    double duty,
                     const BoxSlopes& out) {
-  add_slopes(v, gx, gy, weight, count, shift, duty, out.v, out.gx, out.gy, out.duty, out.dark);
+  add_slopes(v,
+             gx,
+             gy,
+             weight,
+             count,
+             turn_of(shift),
+             half_turns_of(duty),
+             out.v,
+             out.gx,
+             out.gy,
+             out.duty,
+             out.dark);
 }
 
 GLINT_WIDE static void find_phases(const float* __restrict top,
@@ -231,19 +256,21 @@ GLINT_WIDE static void find_phases(const float* __restrict top,
                                    int count,
                                    double offset_mm,
                                    double per_period,
-                                   float* __restrict v,
-                                   float* __restrict whole,
+                                   double* __restrict phases,
+                                   Turn* __restrict v,
                                    float* __restrict gx,
                                    float* __restrict gy) {
+  // The last digit of a double of this size is a turn's: its lower half is what is left of the
+  // phase after whole periods.
+  constexpr double kTurnsAreLast = 1572864.0;  // 1.5 * 2^20
   for (int i = 0; i < count; ++i) {
     const auto a = static_cast<double>(top[i]);
     const auto b = static_cast<double>(top[i + 1]);
     const auto c = static_cast<double>(bottom[i]);
     const auto d = static_cast<double>(bottom[i + 1]);
     const double phase = (0.25 * ((a + b) + (c + d)) - offset_mm) * per_period;
-    const double below = std::floor(phase);
-    v[i] = static_cast<float>(phase - below);
-    whole[i] = static_cast<float>(below);
+    phases[i] = phase;
+    v[i] = static_cast<Turn>(std::bit_cast<std::uint64_t>(phase + kTurnsAreLast));
     gx[i] = static_cast<float>(0.5 * ((b + d) - (a + c)) * per_period);
     gy[i] = static_cast<float>(0.5 * ((c + d) - (a + b)) * per_period);
   }
@@ -255,7 +282,7 @@ void exact_phases(const footprint_kernels::CornerRows& corners,
                   double per_period,
                   const ExactPhases& out) {
   find_phases(
-      corners.top, corners.bottom, count, offset_mm, per_period, out.v, out.whole, out.gx, out.gy);
+      corners.top, corners.bottom, count, offset_mm, per_period, out.phase, out.v, out.gx, out.gy);
 }
 
 GLINT_WIDE static void find_shapes(const float* __restrict gx,
@@ -288,7 +315,7 @@ void box_shapes(const float* gx, const float* gy, int count, const BoxShapes& sh
 }
 
 /// As add_slopes(), folded around the middle of the bright stripe.
-GLINT_WIDE static void add_folded_slopes(const float* __restrict v,
+GLINT_WIDE static void add_folded_slopes(const Turn* __restrict v,
                                          const float* __restrict outer,
                                          const float* __restrict inner,
                                          const float* __restrict per_major,
@@ -296,19 +323,18 @@ GLINT_WIDE static void add_folded_slopes(const float* __restrict v,
                                          const float* __restrict flatness,
                                          const float* __restrict weight,
                                          int count,
-                                         float shift,
-                                         float duty,
+                                         Turn to_middle,
+                                         Turn half_duty,
                                          float* __restrict rising,
                                          float* __restrict falling,
                                          float* __restrict by_major,
                                          float* __restrict by_minor,
                                          float* __restrict dark) {
-  const float half_duty = 0.5F * duty;
-  const float to_middle = shift + half_duty;
   for (int i = 0; i < count; ++i) {
-    const float moved = v[i] - to_middle;
-    const float turn = moved - std::floor(moved + 0.5F);
-    const float inside = half_duty - absolute(turn);  // how far in the bright stripe
+    const auto turn = static_cast<std::int32_t>(v[i] - to_middle);
+    const Turn away = turn < 0 ? to_middle - v[i] : v[i] - to_middle;
+    // How far in the bright stripe.
+    const float inside = kPerTurn * static_cast<float>(static_cast<std::int32_t>(half_duty - away));
     const float size = absolute(inside);
     const float t = size < outer[i] ? size : outer[i];
     const float over = (t > inner[i] ? t - inner[i] : 0.0F) * per_minor[i];
@@ -316,20 +342,20 @@ GLINT_WIDE static void add_folded_slopes(const float* __restrict v,
     const float near_weight = size < outer[i] ? weight[i] : 0.0F;
     const float signed_weight = inside < 0.0F ? -near_weight : near_weight;
     const float edge = near_weight * (1.0F - over);
-    rising[i] += turn > 0.0F ? 0.0F : edge;
-    falling[i] += turn > 0.0F ? edge : 0.0F;
+    rising[i] += turn > 0 ? 0.0F : edge;
+    falling[i] += turn > 0 ? edge : 0.0F;
     by_major[i] += signed_weight * (0.5F * over - share);
     by_minor[i] += signed_weight * (over * (over - 1.0F));
     dark[i] += weight[i] * (0.5F - (inside < 0.0F ? -share : share));
   }
 }
 
-void add_narrow_frame(const float* v,
+void add_narrow_frame(const Turn* v,
                       const BoxShapes& shapes,
                       const float* weight,
                       int count,
-                      float shift,
-                      float duty,
+                      double shift,
+                      double duty,
                       const NarrowSums& sums) {
   add_folded_slopes(v,
                     shapes.outer,
@@ -339,8 +365,8 @@ void add_narrow_frame(const float* v,
                     shapes.flatness,
                     weight,
                     count,
-                    shift,
-                    duty,
+                    turn_of(shift + 0.5 * duty),
+                    turn_of(0.5 * duty),
                     sums.rising,
                     sums.falling,
                     sums.major,
@@ -407,6 +433,12 @@ GLINT_WIDE void multiply(const float* __restrict a,
   }
 }
 
+GLINT_WIDE void multiply_by(const float* __restrict by, int count, float* __restrict to) {
+  for (int i = 0; i < count; ++i) {
+    to[i] *= by[i];
+  }
+}
+
 GLINT_WIDE void add_scaled(const float* __restrict from,
                            int count,
                            float factor,
@@ -416,21 +448,12 @@ GLINT_WIDE void add_scaled(const float* __restrict from,
   }
 }
 
-GLINT_WIDE void unclipped_slopes(const float* __restrict radiance,
-                                 int count,
-                                 float linear,
-                                 float* __restrict slopes) {
+GLINT_WIDE void mark_unclipped(const float* __restrict radiance,
+                               int count,
+                               float linear,
+                               float* __restrict marks) {
   for (int i = 0; i < count; ++i) {
-    slopes[i] = linear * radiance[i] < 1.0F ? linear : 0.0F;
-  }
-}
-
-GLINT_WIDE static void weigh(const float* __restrict by_aspect,
-                             int count,
-                             float factor,
-                             float* __restrict by) {
-  for (int i = 0; i < count; ++i) {
-    by[i] *= by_aspect[i] * factor;
+    marks[i] = linear * radiance[i] < 1.0F ? 1.0F : 0.0F;
   }
 }
 
@@ -452,7 +475,12 @@ GLINT_WIDE double exact_sum(const float* values, std::size_t count) {
   return sum;
 }
 
-GLINT_WIDE double exact_dot(const float* a, const float* b, std::size_t count) {
+namespace {
+
+template <class Real>
+__attribute__((always_inline)) inline double dot_of(const float* a,
+                                                    const Real* b,
+                                                    std::size_t count) {
   double sums[kDoubleLanes] = {};
   std::size_t i = 0;
   for (; i + kDoubleLanes <= count; i += kDoubleLanes) {
@@ -470,9 +498,14 @@ GLINT_WIDE double exact_dot(const float* a, const float* b, std::size_t count) {
   return sum;
 }
 
-double weigh_slopes(const float* by_aspect, const float* grey, int count, float factor, float* by) {
-  weigh(by_aspect, count, factor, by);
-  return sum_of_products(by, grey, count);
+}  // namespace
+
+GLINT_WIDE double exact_dot(const float* a, const float* b, std::size_t count) {
+  return dot_of(a, b, count);
+}
+
+GLINT_WIDE double exact_dot(const float* a, const double* b, std::size_t count) {
+  return dot_of(a, b, count);
 }
 
 namespace {

@@ -4,11 +4,23 @@
 // quantity of a footprint changes, summed over the frames with a weight for each.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include "simulator/render/footprint_kernels.h"
 
 namespace glint::slope_kernels {
+
+/// A phase in units of 2^-32 periods. Whole periods wrap by themselves, and the difference of two
+/// is exact: in float, places of edges err by 6e-8 periods, which a narrow footprint sees as a
+/// change of its slope that the frames on both sides of an edge do not share.
+using Turn = std::uint32_t;
+
+inline Turn turn_of(double periods) {
+  constexpr double kTurns = 4294967296.0;
+  return static_cast<Turn>(static_cast<std::uint64_t>((periods - std::floor(periods)) * kTurns));
+}
 
 /// Sums over frames, one value a pixel; all arrays as long as the row.
 struct BoxSlopes {
@@ -21,19 +33,19 @@ struct BoxSlopes {
 
 /// Adds weight * d(bright share) for a frame. Slopes by gx and gy are those by the larger and the
 /// smaller of |gx|, |gy|, put where they belong, with the sign of gx and gy.
-void add_box_slopes(const float* v,
+void add_box_slopes(const Turn* v,
                     const float* gx,
                     const float* gy,
                     const float* weight,
                     int count,
-                    float shift,
-                    float duty,
+                    double shift,
+                    double duty,
                     const BoxSlopes& out);
 
-/// A row's phases in periods, less their whole part, and their slopes.
+/// A row's phases and their slopes [periods].
 struct ExactPhases {
-  float* v = nullptr;      ///< in [0, 1]
-  float* whole = nullptr;  ///< the phase less v
+  double* phase = nullptr;
+  Turn* v = nullptr;  ///< the same less whole periods
   float* gx = nullptr;
   float* gy = nullptr;
 };
@@ -68,12 +80,12 @@ struct NarrowSums {
 
 /// Adds a frame for footprints that all are narrow (footprint_kernels.h) where their weight is not
 /// 0: one edge at most is near.
-void add_narrow_frame(const float* v,
+void add_narrow_frame(const Turn* v,
                       const BoxShapes& shapes,
                       const float* weight,
                       int count,
-                      float shift,
-                      float duty,
+                      double shift,
+                      double duty,
                       const NarrowSums& sums);
 
 /// Adds what add_box_slopes() would have added, but for rounding, in all these frames.
@@ -87,20 +99,21 @@ void add_narrow_sums(const float* gx,
 /// out = a * b
 void multiply(const float* a, const float* b, int count, float* out);
 
+/// to *= by
+void multiply_by(const float* by, int count, float* to);
+
 /// In double, lane by lane: the same bits for any instruction set.
 double exact_sum(const float* values, std::size_t count);
 
 /// The same of a * b.
 double exact_dot(const float* a, const float* b, std::size_t count);
+double exact_dot(const float* a, const double* b, std::size_t count);
 
 /// to += factor * from
 void add_scaled(const float* from, int count, float factor, float* to);
 
-/// The slope of min(1, linear * radiance).
-void unclipped_slopes(const float* radiance, int count, float linear, float* slopes);
-
-/// by *= by_aspect * factor. @return the sum of by * grey
-double weigh_slopes(const float* by_aspect, const float* grey, int count, float factor, float* by);
+/// 1 where linear * radiance does not clip, else 0.
+void mark_unclipped(const float* radiance, int count, float linear, float* marks);
 
 /// out = values where the mask is not 0, else 0
 void keep_where(const unsigned char* mask, const float* values, int count, float* out);

@@ -144,9 +144,8 @@ Homogeneity closed_homogeneity(const SceneSettings& settings, ScanForm* form = n
   const Tunnel tunnel(settings.tunnel);
   const Sensor sensor(settings.sensor, scene.corners.width_px, scene.corners.height_px);
   const Footprints footprints(scene.corners, tunnel, settings.scan, scene.camera_in_world_mm);
-  const Mask none(scene.corners.width_px, scene.corners.height_px);
   const double reflectance = settings.render.reflectance;
-  const ScanPlan plan = plan_scan(footprints, sensor, scene.region, none, reflectance);
+  const ScanPlan plan = plan_scan(footprints, sensor, scene.region, {}, reflectance);
   const ClosedScan scan = scan_closed(footprints, sensor, plan);
   if (form != nullptr) {
     *form = scan.form;

@@ -82,6 +82,22 @@ TEST(SpansOf, AreSortedApartAndBridgeNoMoreThanAsked) {
   }
 }
 
+TEST(SpanWalk, FindsThePixelsOfTheMask) {
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    const Mask mask = random_mask(i);
+    const Spans spans = spans_of(mask);
+    SpanWalk all(spans), some(spans);
+    for (int y = 0; y < mask.height(); ++y) {
+      for (int x = 0; x < mask.width(); ++x) {
+        ASSERT_EQ(all.has(x, y), mask(x, y) != 0) << i;
+        if ((x + 3 * y) % 7 == 0) {
+          ASSERT_EQ(some.has(x, y), mask(x, y) != 0) << i;
+        }
+      }
+    }
+  }
+}
+
 TEST(WholeImage, IsOneSpanARow) {
   const Spans spans = whole_image(5, 3);
   ASSERT_EQ(spans.size(), 3U);

@@ -9,6 +9,7 @@
 
 #include "core/rng.h"
 #include "metrics/homogeneity.h"
+#include "metrics/scatter.h"
 
 namespace glint {
 namespace {
@@ -116,6 +117,82 @@ TEST(SlopesByAspect, MatchTwoHandWorkedPixels) {
   EXPECT_NEAR(static_cast<double>(h(1, 0)), -0.8, 1e-5);
   const auto mean = slopes_by_aspect("homogeneity.mean", {aspect, region, {}, 0.1}).value();
   EXPECT_FLOAT_EQ(mean(0, 0), 0.5F);
+}
+
+// Scatter of 0.24 makes sqrt(0.01 + 0.0576) = 0.26 of the deviation: d h_rms by f_i =
+// (0.26 / mu^2 - (f_i - mu) / (0.26 mu)) / 2 = (1.04 + 0.76923) / 2 and (1.04 - 0.76923) / 2.
+TEST(SlopesByAspect, ScatterIsPartOfTheDeviation) {
+  ImageF aspect(2, 1);
+  aspect(0, 0) = 0.4F;
+  aspect(1, 0) = 0.6F;
+  const Mask region(2, 1, 1);
+  const ImageF deviation(2, 1, 0.24F);
+  const ScoredImage image = {aspect, region, {}, 0.1, &deviation};
+  const auto h = slopes_by_aspect("homogeneity.h_rms", image).value();
+  EXPECT_NEAR(static_cast<double>(h(0, 0)), 0.904615, 1e-5);
+  EXPECT_NEAR(static_cast<double>(h(1, 0)), 0.135385, 1e-5);
+  EXPECT_NEAR(scatter_share(image), 0.0576 / 0.0676, 1e-6);
+  EXPECT_EQ(scatter_share({aspect, region, {}, 0.1}), 0.0);
+}
+
+// Some pixels scatter more than they stand out, some less, some not at all.
+TEST(SlopesByAspect, AgreeWithDifferencesUnderScatter) {
+  const TwoDents scene;
+  ImageF deviation(kSlopesSide, kSlopesSide);
+  for (std::size_t i = 0; i < deviation.size(); ++i) {
+    Rng rng(108, Stream::kTest, i);
+    deviation.values()[i] = i % 3 == 0 ? 0.0F : static_cast<float>(rng.uniform(0.01, 0.15));
+  }
+  const auto score = [&](const std::string& name, const ImageF& aspect) {
+    const Homogeneity h =
+        with_scatter(homogeneity(aspect, {}, 24, scene.region), aspect, deviation, scene.region);
+    return name == "homogeneity.h_rms" ? h.h_rms : h.h_abs;
+  };
+  for (const std::string name : {"homogeneity.h_rms", "homogeneity.h_abs"}) {
+    const ScoredImage image = {scene.aspect, scene.region, scene.defects, kSlopesFloor, &deviation};
+    const ImageF slopes = slopes_by_aspect(name, image).value();
+    // All pixels at once, each by its own share of a step: scores in float leave 1e-6 of it.
+    ImageF high = scene.aspect;
+    ImageF low = scene.aspect;
+    double expected = 0.0;
+    for (std::size_t i = 0; i < high.size(); ++i) {
+      Rng rng(109, Stream::kTest, i);
+      const bool scatters = deviation.values()[i] > 0.0F;  // the others have a kink at the mean
+      const float step = scatters || name.ends_with("rms")
+                             ? static_cast<float>(rng.uniform(0.0, 2e-3)) *
+                                   (scene.aspect.values()[i] > 0.4F ? 1.0F : -1.0F)
+                             : 0.0F;
+      high.values()[i] += step;
+      low.values()[i] -= step;
+      expected += static_cast<double>(slopes.values()[i]) *
+                  (static_cast<double>(high.values()[i]) - static_cast<double>(low.values()[i]));
+    }
+    EXPECT_GT(std::abs(expected), 1e-3) << name;
+    EXPECT_NEAR(score(name, high) - score(name, low), expected, 2e-3 * std::abs(expected)) << name;
+  }
+}
+
+// Pixels of a dent weigh the same. In float each would err by the same; together they do not.
+TEST(SlopesByAspect, RoundingOfManyEqualPixelsDoesNotAddUp) {
+  constexpr int kSide = 64;
+  ImageF aspect(kSide, kSide, 0.4F);
+  const Mask region(kSide, kSide, 1);
+  const std::vector<DefectView> views = {disc_view("dent", 32.0, 32.0, 6.0, kSide, kSide)};
+  const std::vector<DefectPixels> defects = defect_pixels(views, region);
+  for (const std::size_t pixel : defects[0].inside) {
+    aspect.values()[pixel] = 0.5F;
+  }
+  const ImageF slopes =
+      slopes_by_aspect("defects.dent.cnr", {aspect, region, defects, 1e-3}).value();
+  double sum = 0.0;
+  for (const std::size_t pixel : defects[0].inside) {
+    sum += static_cast<double>(slopes.values()[pixel]);
+  }
+  EXPECT_NEAR(sum, 1e3, 1e3 * 1e-9);
+  for (const std::size_t pixel : defects[0].ring) {
+    sum += static_cast<double>(slopes.values()[pixel]);
+  }
+  EXPECT_NEAR(sum, 0.0, 1e3 * 1e-9);
 }
 
 // Two pixels that differ by the last digit of a float are even; 1e-4 apart they are not.

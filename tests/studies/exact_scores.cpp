@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "simulator/render/stripe_integral.h"
+#include "tests/studies/exact_stripes.h"
 
 namespace glint {
 namespace {
@@ -27,7 +27,8 @@ class ExactFrames {
         wall_(settings_),
         positions_(Tunnel(settings_), scene.scan),
         wants_mean_(wants_mean),
-        frames_(wants_mean ? 1 : static_cast<std::size_t>(positions_.frames())) {
+        frames_(wants_mean ? 1 : static_cast<std::size_t>(positions_.frames())),
+        sum_(settings_.duty) {
     dark_ = Tunnel(settings_).dark_radiance();
     for (std::size_t i = 0; i < picture.corners.origin_mm.size(); ++i) {
       places_.push_back(meet(picture.corners, errors.corners, i));
@@ -227,8 +228,10 @@ class ExactFrames {
       wall.clip({.value = y.value - half_slot, .dx = y.dx, .dy = y.dy}, 4);
       sum_.add(wall, phase);
     }
-    shares_.resize(positions_.shift_periods.size());
-    sum_.evaluate(positions_.shift_periods, settings_.duty, shares_.data());
+    shares_.clear();
+    for (const double shift : positions_.shift_periods) {
+      shares_.push_back(sum_.share(shift));
+    }
     const double bright = 1.0 - dark_;
     if (wants_mean_) {
       double mean = 0.0;
@@ -236,11 +239,11 @@ class ExactFrames {
         mean += share;
       }
       mean /= static_cast<double>(shares_.size());
-      radiance[0] += gain * (dark_ * sum_.area + bright * mean);
+      radiance[0] += gain * (dark_ * sum_.area() + bright * mean);
       return;
     }
     for (std::size_t k = 0; k < radiance.size(); ++k) {
-      radiance[k] += gain * (dark_ * sum_.area + bright * shares_[k]);
+      radiance[k] += gain * (dark_ * sum_.area() + bright * shares_[k]);
     }
   }
 
@@ -281,7 +284,7 @@ class ExactFrames {
   double dark_ = 0.0;
   std::vector<ExactPlace> places_;  ///< of the corners
   std::vector<ExactPlace> met_;     ///< of a refined pixel
-  StripeSum sum_;
+  ExactStripes sum_;
   std::vector<double> shares_;
 };
 
@@ -396,9 +399,13 @@ ExactScores::ExactScores(const SceneSettings& scene,
                          const Footprints& footprints,
                          const ScanPlan& plan,
                          double sigma_floor)
-    : traced_(traced), plan_(plan), sigma_floor_(sigma_floor), wanted_(plan.by_frames) {
-  for (std::size_t i = 0; i < plan.by_floors.size(); ++i) {
-    wanted_.values()[i] |= plan.by_floors.values()[i];
+    : traced_(traced),
+      plan_(plan),
+      sigma_floor_(sigma_floor),
+      wanted_(plan.by_frames.empty() ? Mask(traced.corners.width_px, traced.corners.height_px)
+                                     : plan.by_frames) {
+  for (const RowSpan& span : plan.by_floors) {
+    std::fill_n(wanted_.row(span.y) + span.begin, span.size(), static_cast<unsigned char>(1));
   }
   const Sensor sensor(scene.sensor, wanted_.width(), wanted_.height());
   rendered_ = dilated(wanted_, sensor.blur_radius_px());
@@ -413,6 +420,12 @@ ExactScores::ExactScores(const SceneSettings& scene,
       traced.corners, scene, picture, errors_, plan.form.kind == ScanForm::Kind::kFloors);
   held_.assign(frames.frames(), std::vector<double>(wanted_.size(), 0.0));
   frames.add_held(rendered_, held_);
+  for_each_grey(scene, picture, [&](const ExactFrames&, const std::vector<double>& grey) {
+    std::vector<char>& is_full = is_full_.emplace_back();
+    for (const double value : grey) {
+      is_full.push_back(value > 1.0 ? 1 : 0);
+    }
+  });
 }
 
 /// Calls use(frames, grey) with the grey values of each frame before they are clipped.
@@ -442,10 +455,13 @@ std::vector<double> ExactScores::aspect_of(const SceneSettings& scene,
   std::vector<double> aspect(wanted_.size(), 0.0);
   const Sensor sensor(scene.sensor, wanted_.width(), wanted_.height());
   bool is_first = true;
+  std::size_t frame = 0;
   for_each_grey(scene, picture, [&](const ExactFrames& frames, const std::vector<double>& grey) {
     const auto share = 1.0 / static_cast<double>(frames.frames());
+    const std::vector<char>& is_full = is_full_[frame];
+    ++frame;
     for (std::size_t i = 0; i < aspect.size(); ++i) {
-      aspect[i] += wanted_.values()[i] != 0 ? share * std::min(1.0, grey[i]) : 0.0;
+      aspect[i] += wanted_.values()[i] != 0 ? share * (is_full[i] != 0 ? 1.0 : grey[i]) : 0.0;
     }
     if (is_first && plan_.form.kind == ScanForm::Kind::kTable) {
       StripeSettings stripes = stripes_of(frames.positions(), scene.render.reflectance);

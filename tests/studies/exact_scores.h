@@ -26,10 +26,10 @@ struct HitErrors {
   std::vector<std::vector<Eigen::Vector3d>> refined;
 };
 
-/// Scores near a scene, with hits that are the program's there and move exactly from there: where a
-/// pixel clips in one frame and not in the other, both sides must see the same. Held are which
-/// pixels are made how, the region, the defects' pixels, and what single places of cells see that
-/// are not smooth.
+/// Scores near a scene, with hits that are the program's there and move exactly from there. Held
+/// are which grey values clip (the derivative at the scene is that of the branch it lies on, and a
+/// step across the bend would mix two), which pixels are made how, the region, the defects' pixels,
+/// and what single places of cells see that are not smooth.
 class ExactScores {
  public:
   /// @param traced, footprints, plan  of this scene; must outlive this object
@@ -56,9 +56,10 @@ class ExactScores {
   const ScanPlan& plan_;
   double sigma_floor_;
   HitErrors errors_;
-  Mask wanted_;                            ///< pixels whose frames are needed
-  Mask rendered_;                          ///< and what blurs into them
-  std::vector<std::vector<double>> held_;  ///< radiance of single places, frame by frame
+  Mask wanted_;                             ///< pixels whose frames are needed
+  Mask rendered_;                           ///< and what blurs into them
+  std::vector<std::vector<double>> held_;   ///< radiance of single places, frame by frame
+  std::vector<std::vector<char>> is_full_;  ///< pixels that clip, frame by frame
 };
 
 }  // namespace glint

@@ -283,6 +283,18 @@ TEST(ScanClosed, GivesTheSameBytesAgain) {
   }
 }
 
+TEST(PlanScan, AnEmptyMaskWatchesNoPixel) {
+  const ScanSettings broken = {.positions = 23, .step_mm = 0.5};
+  for (const auto& [gain, scan] :
+       {std::pair{0.9, ScanSettings{}}, {2.0, ScanSettings{}}, {0.9, broken}}) {
+    const BothScans scans(test::bench_tunnel(), {.gain = gain}, scan);
+    const ScanPlan plan = plan_scan(scans.footprints, scans.sensor, scans.region, {}, 1.0);
+    EXPECT_EQ(plan.form.frame_pixels, scans.plan.form.frame_pixels);
+    EXPECT_EQ(plan.form.table_pixels, scans.plan.form.table_pixels);
+    EXPECT_EQ(scan_closed(scans.footprints, scans.sensor, plan).aspect, scans.closed().aspect);
+  }
+}
+
 TEST(ScanClosed, WatchedPixelsSeeTheFramesOfTheFullScan) {
   for (const double gain : {0.9, 2.0}) {
     const SensorSettings sensor = {

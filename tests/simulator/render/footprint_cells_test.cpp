@@ -141,15 +141,13 @@ TEST(MeanOfCells, IsTheMeanOfAllPositions) {
       means[cells.pixels[i]] += static_cast<double>(cells.values[6 * i + k]) / 6.0;
     }
   }
-  const Mask near(bench.rays.width_px, bench.rays.height_px, 1);
-  const PixelCells mean = mean_of_cells(footprints, all, near);
+  const PixelCells mean = mean_of_cells(footprints, all, all);
   ASSERT_EQ(mean.pixels.size(), means.size());
   for (std::size_t i = 0; i < mean.pixels.size(); ++i) {
     EXPECT_NEAR(static_cast<double>(mean.values[i]), means[mean.pixels[i]], 1e-4);
   }
   // Far from where the mean is wanted the outline may be its coverage times what it sees.
-  const Mask nowhere(bench.rays.width_px, bench.rays.height_px);
-  const PixelCells far = mean_of_cells(footprints, all, nowhere);
+  const PixelCells far = mean_of_cells(footprints, all, {});
   ASSERT_EQ(far.pixels.size(), means.size());
   double error = 0.0;
   for (std::size_t i = 0; i < far.pixels.size(); ++i) {

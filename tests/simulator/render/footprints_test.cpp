@@ -220,8 +220,7 @@ double floors_error(double duty, int positions, double step_mm) {
   const std::vector<ImageF> frames = test::integrated_frames(footprints);
   const Spans all = whole_image(footprints.rays().width_px, footprints.rays().height_px);
   ImageF mean(footprints.rays().width_px, footprints.rays().height_px);
-  const Mask near(mean.width(), mean.height(), 1);
-  FootprintFrames(footprints, all).render_mean(near, mean);
+  FootprintFrames(footprints, all).render_mean(all, mean);
   double largest = 0.0;
   for (std::size_t i = 0; i < mean.size(); ++i) {
     double sum = 0.0;

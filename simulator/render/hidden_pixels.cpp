@@ -230,7 +230,7 @@ class HiddenFinder {
   void split(const TileArea& area, std::size_t level) {
     const SightGrid grid(view_, area, kTiles[level]);
     for (std::size_t j = 0; j < grid.tiles_down(); ++j) {
-      TileArea open;  // neighbouring tiles that are tested pixel by pixel
+      TileArea open;  // neighbouring tiles that are tested pixel by pixel; none at first
       for (std::size_t i = 0; i < grid.tiles_along(); ++i) {
         const TileArea tile = grid.area(i, j);
         const SightGrid::Answer answer = grid.tile(i, j);
@@ -242,7 +242,7 @@ class HiddenFinder {
         }
         if (level + 1 < kTiles.size()) {
           split(tile, level + 1);
-        } else if (open.right == tile.left && open.top == tile.top && open.bottom == tile.bottom) {
+        } else if (open.right > open.left && open.right == tile.left) {
           open.right = tile.right;
         } else {
           test(open);

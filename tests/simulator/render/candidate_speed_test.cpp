@@ -57,6 +57,27 @@ TEST(HiddenPixels, TilesFindWhatEveryPixelByItselfFinds) {
   EXPECT_GT(partly, 100);
 }
 
+// A part that fills the picture: its first tile has no neighbour.
+TEST(HiddenPixels, TilesFindThemInThePicturesCorner) {
+  PartSettings large = test::bench_strip();
+  large.length_mm = 90.0;
+  large.width_mm = 60.0;
+  const test::FootprintBench bench(large, test::bench_camera());
+  const CornerRays& rays = bench.rays;
+  ASSERT_GT(rays.coverage(0, 0), 0.0F);
+  Rng rng(6, Stream::kTest, 0);
+  int in_corner = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const Tunnel tunnel(random_wall(rng));
+    const Mask hidden = hidden_pixels(rays, tunnel, bench.camera_mm);
+    ASSERT_EQ(hidden, hidden_pixels_one_by_one(rays, tunnel, bench.camera_mm))
+        << "trial " << trial << ", " << shape_name(tunnel.settings().shape);
+    in_corner += hidden(0, 0);
+  }
+  EXPECT_GT(in_corner, 10);
+  EXPECT_LT(in_corner, 290);
+}
+
 // The camera that took the picture: its rays beside the part are known, too.
 TEST(HiddenPixels, TilesFindThemAroundThePartsOutline) {
   const CornerRays& rays = strip_bench().rays;

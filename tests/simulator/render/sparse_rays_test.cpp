@@ -108,6 +108,21 @@ TEST(SparseRays, MeetTwoHundredTunnelsWhereAllRaysDo) {
   EXPECT_LT(static_cast<double>(above), 1e-3 * static_cast<double>(compared));
 }
 
+TEST(SparseRays, DarkRaysMeetNothing) {
+  const CornerRays& rays = sparse_bench().rays;
+  TileLimits limits;
+  const WallHits hits =
+      meet_sparse(rays.sparse, rays.corners, Tunnel(test::bench_tunnel()), limits);
+  int dark = 0;
+  for (std::size_t i = 0; i < rays.corners.weight.size(); ++i) {
+    if (rays.corners.weight[i] == 0.0F) {
+      ASSERT_EQ(hits.margin_mm[i], kNowhere_mm) << i;
+      ++dark;
+    }
+  }
+  EXPECT_GT(dark, 1000);
+}
+
 TEST(SparseRays, FindTheDentBent) {
   const auto bent = [](const CornerRays& rays) {
     return std::ranges::count(rays.sparse.kind, TileKind::kBent);
@@ -170,8 +185,11 @@ TEST(SparseRays, LeaveThePixelsStatesAsTheyAre) {
   const CornerRays& rays = sparse_bench().rays;
   Rng rng(13, Stream::kTest, 0);
   std::size_t different = 0;
-  for (int trial = 0; trial < 50; ++trial) {
-    const Tunnel tunnel(random_wall(rng));
+  for (int trial = 0; trial < 100; ++trial) {
+    TunnelSettings wall = random_wall(rng);
+    wall.length_mm = rng.uniform() < 0.5 ? rng.uniform(20.0, 200.0) : wall.length_mm;
+    wall.period_mm = rng.uniform() < 0.5 ? rng.uniform(0.2, 2.0) : wall.period_mm;
+    const Tunnel tunnel(wall);
     const Footprints tiled(rays, tunnel, ScanSettings{}, sparse_bench().camera_mm);
     const Footprints plain(rays,
                            tunnel,

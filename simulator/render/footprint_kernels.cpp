@@ -105,11 +105,12 @@ GLINT_WIDE void phases_in_period(
   const auto period_bits = std::bit_cast<std::uint32_t>(static_cast<float>(period));
   const auto short_period = std::bit_cast<float>(period_bits & 0xFFFFF000U);
   const auto lacking = static_cast<float>(period - static_cast<double>(short_period));
-  const auto begin = static_cast<float>((offset * scale - std::floor(offset * scale)) * period);
+  const auto begin = static_cast<float>((offset * scale - std::round(offset * scale)) * period);
   const auto per_mm = static_cast<float>(scale);
+  const auto per_mm_rest = static_cast<float>(scale - static_cast<double>(per_mm));
   const float half = 0.5F * per_mm;
   for (int i = 0; i < count; ++i) {
-    const float whole = std::floor(top[i] * per_mm);
+    const float whole = std::floor(top[i] * per_mm + 0.5F);
     const float base = whole * short_period;
     const float left_top = top[i] - base;
     const float left_bottom = bottom[i] - base;
@@ -117,7 +118,8 @@ GLINT_WIDE void phases_in_period(
     const float right_bottom = bottom[i + 1] - base;
     const float left = left_top + left_bottom;
     const float right = right_top + right_bottom;
-    v[i] = (0.25F * (left + right) - (whole * lacking + begin)) * per_mm;
+    const float place = 0.25F * (left + right) - (whole * lacking + begin);
+    v[i] = place * per_mm + place * per_mm_rest;
     gx[i] = (right - left) * half;
     gy[i] = ((left_bottom + right_bottom) - (left_top + right_top)) * half;
   }

@@ -28,6 +28,8 @@ class SpanWalk {
  public:
   explicit SpanWalk(const Spans& spans) : next_(spans.begin()), end_(spans.end()) {}
 
+  explicit SpanWalk(Spans&&) = delete;
+
   bool has(int x, int y) {
     while (next_ != end_ && (next_->y < y || (next_->y == y && next_->end <= x))) {
       ++next_;

@@ -101,10 +101,11 @@ Scan scan_scene(SceneStore& store,
   if (task.needs_frames) {
     return as_scan(scan_integrated(footprints, sensor, task.watch));
   }
+  const Mask none;
   const ScanPlan plan = plan_scan(footprints,
                                   sensor,
                                   traced.region,
-                                  task.watch ? traced.watched : Mask(),
+                                  task.watch ? traced.watched : none,
                                   scene.render.reflectance);
   ClosedScan closed = scan_closed(footprints, sensor, plan, task.watch);
   Gradients gradients;

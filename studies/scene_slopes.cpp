@@ -24,7 +24,7 @@ using Eigen::Vector3d;
 constexpr std::string_view kPose = "viewpoint.0.";
 
 /// A share of scatter in the unevenness (squares) that is worth a remark.
-constexpr double kLargeScatter = 0.01;
+constexpr double kLargeScatter = 1e-3;
 
 /// The key of the tunnel that a path names; empty for another path.
 std::string tunnel_key(const SceneSettings& scene, const std::string& path) {

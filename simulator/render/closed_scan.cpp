@@ -271,6 +271,7 @@ ScanPlan plan_scan(const Footprints& footprints,
                    const Mask& region,
                    const Mask& watched,
                    double reflectance) {
+  GLINT_CHECK(watched.empty() || watched.size() == region.size(), "watched pixels of this picture");
   ScanPlan plan;
   plan.reflectance = reflectance;
   plan.form.kind = form_of(footprints.positions(), sensor.settings(), reflectance);
@@ -413,6 +414,16 @@ void expose_mean(const Footprints& footprints,
   }
 }
 
+/// A mean at full scale is one of frames that all are.
+void count_full(const Spans& spans, ClosedScan& result) {
+  constexpr float kFullScale = 1.0F - 1e-6F;
+  for (const RowSpan& span : spans) {
+    for (int x = span.begin; x < span.end; ++x) {
+      result.clipped_frames(x, span.y) = result.aspect(x, span.y) >= kFullScale ? 0xFFFF : 0;
+    }
+  }
+}
+
 void look_up_means(const ScanPlan& plan, const ClippedMean& table, ClosedScan& result) {
   const int width = plan.width.width();
   const int height = plan.width.height();
@@ -457,6 +468,9 @@ ClosedScan scan_closed(const Footprints& footprints,
   } else if (plan.form.kind == ScanForm::Kind::kFloors) {
     result.aspect = dark_beside(plan.by_floors, width, height);
     expose_mean(footprints, sensor, plan, result);
+    if (!result.clipped_frames.empty()) {
+      count_full(plan.by_floors, result);
+    }
   } else {
     result.aspect = ImageF(width, height);
   }

@@ -36,7 +36,7 @@ std::string_view form_name(ScanForm::Kind kind);
 struct ClosedScan {
   ImageF aspect;     ///< expected mean of the frames; as taken where they were rendered
   ImageF deviation;  ///< of the mean around it, by noise and few frames; empty: none
-  Image<std::uint16_t> clipped_frames;  ///< table: all or none of them; floors alone: empty
+  Image<std::uint16_t> clipped_frames;  ///< closed forms: all or none; floors alone: empty
   ScanForm form;
   std::shared_ptr<const PixelCells> cells;  ///< of the frames; empty: none were rendered
 };
@@ -61,7 +61,7 @@ struct ScanPlan {
 };
 
 /// @param region       pixels whose mean is wanted
-/// @param watched      pixels that are wanted frame by frame; empty: none
+/// @param watched      pixels that are wanted frame by frame, of the picture's size; empty: none
 /// @param reflectance  of the part
 ScanPlan plan_scan(const Footprints& footprints,
                    const Sensor& sensor,

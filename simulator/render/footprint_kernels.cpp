@@ -26,25 +26,25 @@ inline __attribute__((always_inline)) float beyond(
   const float size = absolute(d);
   const float t = size < outer ? size : outer;
   const float over = t > inner ? t - inner : 0.0F;
-  const float share = t * per_major - over * over * per_both;
-  return d < 0.0F ? -share : share;
+  return std::copysign(t * per_major - over * over * per_both, d);
 }
 
-/// The bright share where at most one edge is near: folded around the middle of the bright stripe.
-inline __attribute__((always_inline)) float one_edge_share(
+/// The bright share less one half where at most one edge is near: folded around the middle of the
+/// bright stripe.
+inline __attribute__((always_inline)) float one_edge_rest(
     float from_middle, float half_duty, float outer, float inner, float per_major, float per_both) {
   const float turn = from_middle - std::floor(from_middle + 0.5F);
-  return 0.5F + beyond(half_duty - absolute(turn), outer, inner, per_major, per_both);
+  return beyond(half_duty - absolute(turn), outer, inner, per_major, per_both);
 }
 
-/// The bright share where both edges of a stripe may be near.
-inline __attribute__((always_inline)) float two_edge_share(
+/// The same where both edges of a stripe may be near.
+inline __attribute__((always_inline)) float two_edge_rest(
     float moved, float duty, float outer, float inner, float per_major, float per_both) {
   const float f = moved - std::floor(moved);
   const float rise = beyond(f, outer, inner, per_major, per_both);
   const float fall = beyond(f - duty, outer, inner, per_major, per_both);
   const float next = beyond(f - 1.0F, outer, inner, per_major, per_both);
-  return 0.5F + rise - fall + next;
+  return rise - fall + next;
 }
 
 /// What corner_codes() says of a corner.
@@ -263,15 +263,15 @@ GLINT_WIDE void box_frame(const float* __restrict v,
   const float duty = frame.duty;
   const float half_duty = 0.5F * duty;
   const float to_middle = shift + half_duty;
-  const float dark = frame.dark;
   const float bright = 1.0F - frame.dark;
+  const float middle = frame.dark + 0.5F * bright;
   const float limit = narrow_limit(duty);
   for (int i = 0; i < count; ++i) {
     const float wide =
-        two_edge_share(v[i] - shift, duty, outer[i], inner[i], per_major[i], per_both[i]);
+        two_edge_rest(v[i] - shift, duty, outer[i], inner[i], per_major[i], per_both[i]);
     const float narrow =
-        one_edge_share(v[i] - to_middle, half_duty, outer[i], inner[i], per_major[i], per_both[i]);
-    out[i] = gain[i] * (dark + bright * (outer[i] <= limit ? narrow : wide));
+        one_edge_rest(v[i] - to_middle, half_duty, outer[i], inner[i], per_major[i], per_both[i]);
+    out[i] = gain[i] * (middle + bright * (outer[i] <= limit ? narrow : wide));
   }
 }
 
@@ -287,12 +287,12 @@ GLINT_WIDE void narrow_box_frame(const float* __restrict v,
   const float* __restrict per_both = trapezoids.per_both;
   const float half_duty = 0.5F * frame.duty;
   const float to_middle = frame.shift + half_duty;
-  const float dark = frame.dark;
   const float bright = 1.0F - frame.dark;
+  const float middle = frame.dark + 0.5F * bright;
   for (int i = 0; i < count; ++i) {
-    const float share =
-        one_edge_share(v[i] - to_middle, half_duty, outer[i], inner[i], per_major[i], per_both[i]);
-    out[i] = gain[i] * (dark + bright * share);
+    const float rest =
+        one_edge_rest(v[i] - to_middle, half_duty, outer[i], inner[i], per_major[i], per_both[i]);
+    out[i] = gain[i] * (middle + bright * rest);
   }
 }
 
@@ -446,7 +446,7 @@ GLINT_WIDE void trapezoid_shares(const float* __restrict v,
     const float minor = outer - inner > narrowest ? outer - inner : narrowest;
     const float per_major = 1.0F / major;
     const float trapezoid =
-        two_edge_share(f, duty, outer, inner, per_major, 0.5F * per_major / minor);
+        0.5F + two_edge_rest(f, duty, outer, inner, per_major, 0.5F * per_major / minor);
     shares[i] = outer <= limit ? trapezoid : shares[i];
   }
 }
@@ -520,25 +520,25 @@ GLINT_WIDE void sum_box_frames(const float* __restrict v,
   for (int k = 0; k < frames; ++k) {
     const auto by = static_cast<float>(shift[k]);
     const float to_middle = by + 0.5F * width;
-    float share[kLanes] = {};
+    float rest[kLanes] = {};
     for (int i = 0; is_narrow && i < count; i += kLanes) {
       for (int lane = 0; lane < kLanes; ++lane) {
         const int at = i + lane;
-        share[lane] +=
+        rest[lane] +=
             gain[at] *
-            one_edge_share(
+            one_edge_rest(
                 v[at] - to_middle, 0.5F * width, outer[at], inner[at], per_major[at], per_both[at]);
       }
     }
     for (int i = 0; !is_narrow && i < count; i += kLanes) {
       for (int lane = 0; lane < kLanes; ++lane) {
         const int at = i + lane;
-        share[lane] +=
+        rest[lane] +=
             gain[at] *
-            two_edge_share(v[at] - by, width, outer[at], inner[at], per_major[at], per_both[at]);
+            two_edge_rest(v[at] - by, width, outer[at], inner[at], per_major[at], per_both[at]);
       }
     }
-    out[k] += dark * sum_lit + bright * static_cast<double>(sum_of_lanes(share));
+    out[k] += (dark + 0.5 * bright) * sum_lit + bright * static_cast<double>(sum_of_lanes(rest));
   }
 }
 

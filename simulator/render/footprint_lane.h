@@ -13,7 +13,7 @@ inline constexpr float kNarrow = 1e-6F;
 
 template <class Real>
 inline __attribute__((always_inline)) Real absolute(Real x) {
-  return x < static_cast<Real>(0.0) ? -x : x;
+  return std::fabs(x);
 }
 
 /// Sizes of a footprint's two differences [periods a pixel], at least kNarrow.

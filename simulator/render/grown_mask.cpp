@@ -22,13 +22,4 @@ void RowGrower::grow(const Mask& mask, int y, unsigned char* row) {
       rows_.data(), static_cast<int>(rows_.size()), width_px_, radius_px_, scratch_.data(), row);
 }
 
-Mask grown(const Mask& mask, int radius_px) {
-  Mask result = Mask::unset(mask.width(), mask.height());
-  RowGrower grower(mask.width(), radius_px);
-  for (int y = 0; y < mask.height(); ++y) {
-    grower.grow(mask, y, result.row(y));
-  }
-  return result;
-}
-
 }  // namespace glint

@@ -260,8 +260,7 @@ GLINT_WIDE static void find_phases(const float* __restrict top,
                                    Turn* __restrict v,
                                    float* __restrict gx,
                                    float* __restrict gy) {
-  // The last digit of a double of this size is a turn's: its lower half is what is left of the
-  // phase after whole periods.
+  // The last digit of a double of this size is a turn's: its lower half is the phase.
   constexpr double kTurnsAreLast = 1572864.0;  // 1.5 * 2^20
   for (int i = 0; i < count; ++i) {
     const auto a = static_cast<double>(top[i]);
@@ -270,7 +269,8 @@ GLINT_WIDE static void find_phases(const float* __restrict top,
     const auto d = static_cast<double>(bottom[i + 1]);
     const double phase = (0.25 * ((a + b) + (c + d)) - offset_mm) * per_period;
     phases[i] = phase;
-    v[i] = static_cast<Turn>(std::bit_cast<std::uint64_t>(phase + kTurnsAreLast));
+    const double in_period = phase - std::floor(phase);
+    v[i] = static_cast<Turn>(std::bit_cast<std::uint64_t>(in_period + kTurnsAreLast));
     gx[i] = static_cast<float>(0.5 * ((b + d) - (a + c)) * per_period);
     gy[i] = static_cast<float>(0.5 * ((c + d) - (a + b)) * per_period);
   }

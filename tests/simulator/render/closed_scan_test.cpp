@@ -295,6 +295,25 @@ TEST(PlanScan, AnEmptyMaskWatchesNoPixel) {
   }
 }
 
+// 4 positions of duty 0.9: most pixels are bright in all of them, and gain 1 just reaches full
+// scale. Pixels are counted as homogeneity() does it by the aspect where nobody watches.
+TEST(ScanClosed, FloorsKnowFullPixelsBesideWatchedOnes) {
+  TunnelSettings light = test::bench_tunnel();
+  light.duty = 0.9;
+  const BothScans scans(light, {.gain = 1.0, .blur_px = 0.0, .bits = 0}, {.positions = 4}, 0.02);
+  ASSERT_EQ(scans.plan.form.kind, Kind::kFloors);
+  const ClosedScan closed = scans.closed();
+  int full = 0;
+  for (std::size_t i = 0; i < closed.aspect.size(); ++i) {
+    if (scans.region.values()[i] != 0 && scans.watched.values()[i] == 0) {
+      const bool is_full = closed.aspect.values()[i] >= 1.0F - 1e-6F;
+      ASSERT_EQ(closed.clipped_frames.values()[i] >= 4, is_full) << i;
+      full += is_full ? 1 : 0;
+    }
+  }
+  EXPECT_GT(full, 1000);
+}
+
 TEST(ScanClosed, WatchedPixelsSeeTheFramesOfTheFullScan) {
   for (const double gain : {0.9, 2.0}) {
     const SensorSettings sensor = {

@@ -166,5 +166,22 @@ TEST(ExactPhases, AreThoseOfTheCornersInTurns) {
   }
 }
 
+TEST(ExactPhases, WrapHoweverFarTheyAre) {
+  const std::array<float, 2> corners = {0.0F, 0.0F};
+  for (const double periods : {0.25, 1000.25, 524288.25, -524287.75, 4e6 + 0.25}) {
+    double phase = 0.0;
+    Turn v = 0;
+    float gx = 0.0F;
+    float gy = 0.0F;
+    exact_phases({.top = corners.data(), .bottom = corners.data()},
+                 1,
+                 -periods,
+                 1.0,
+                 {.phase = &phase, .v = &v, .gx = &gx, .gy = &gy});
+    EXPECT_EQ(phase, periods);
+    EXPECT_EQ(v, turn_of(0.25)) << periods;
+  }
+}
+
 }  // namespace
 }  // namespace glint::slope_kernels

@@ -14,8 +14,8 @@
 namespace glint {
 namespace {
 
-/// Sums go over eight lanes: independent additions, and the same bits on any machine.
-constexpr std::size_t kLanes = 8;
+/// Sums go over so many lanes: independent additions, and the same bits on any machine.
+constexpr std::size_t kLanes = 32;
 
 double total_of(const std::array<double, kLanes>& lanes) {
   double sum = 0.0;

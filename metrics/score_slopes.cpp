@@ -40,60 +40,73 @@ double sign_of(double value) {
   return value > 0.0 ? 1.0 : (value < 0.0 ? -1.0 : 0.0);
 }
 
-/// Sums go over eight lanes: independent additions, and the same bits on any machine.
-constexpr int kLanes = 8;
+/// Sums go over lanes: independent additions, and the same bits on any machine.
+constexpr std::size_t kLanes = 32;
 
-double total_of(const std::array<double, kLanes>& lanes) {
-  return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
-         ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
-}
+using Lanes = std::array<double, kLanes>;
 
-GLINT_WIDE double sum_of(const float* values, int count) {
-  std::array<double, kLanes> lanes = {};
-  const int whole = count - count % kLanes;
-  for (int i = 0; i < whole; i += kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) {
-      lanes[static_cast<std::size_t>(lane)] += static_cast<double>(values[i + lane]);
+/// In halves.
+double total_of(Lanes lanes) {
+  for (std::size_t half = kLanes / 2; half > 0; half /= 2) {
+    for (std::size_t lane = 0; lane < half; ++lane) {
+      lanes[lane] += lanes[lane + half];
     }
   }
-  for (int i = whole; i < count; ++i) {
-    lanes[static_cast<std::size_t>(i - whole)] += static_cast<double>(values[i]);
-  }
-  return total_of(lanes);
+  return lanes[0];
 }
 
-struct Rests {
+struct Sums {
+  double plain = 0.0;
   double squares = 0.0;
+};
+
+/// Of what values leave after a number near their mean: one sweep, and no digit is lost.
+GLINT_WIDE Sums sums_beside(double near, const float* values, std::size_t count) {
+  Lanes plain = {};
+  Lanes squares = {};
+  const std::size_t whole = count - count % kLanes;
+  for (std::size_t i = 0; i < whole; i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const double rest = static_cast<double>(values[i + lane]) - near;
+      plain[lane] += rest;
+      squares[lane] += rest * rest;
+    }
+  }
+  for (std::size_t i = whole; i < count; ++i) {
+    const double rest = static_cast<double>(values[i]) - near;
+    plain[i - whole] += rest;
+    squares[i - whole] += rest * rest;
+  }
+  return {.plain = total_of(plain), .squares = total_of(squares)};
+}
+
+struct Sizes {
   double sizes = 0.0;
   double signs = 0.0;
 };
 
-struct RestLanes {
-  std::array<double, kLanes> squares = {}, sizes = {}, signs = {};
-};
-
-inline __attribute__((always_inline)) void add_rest(double rest, int lane, RestLanes& lanes) {
-  const auto at = static_cast<std::size_t>(lane);
-  lanes.squares[at] += rest * rest;
-  lanes.sizes[at] += rest < 0.0 ? -rest : rest;
-  lanes.signs[at] += (rest > 0.0 ? 1.0 : 0.0) - (rest < 0.0 ? 1.0 : 0.0);
+inline __attribute__((always_inline)) void add_size(double rest,
+                                                    std::size_t lane,
+                                                    Lanes& sizes,
+                                                    Lanes& signs) {
+  sizes[lane] += rest < 0.0 ? -rest : rest;
+  signs[lane] += (rest > 0.0 ? 1.0 : 0.0) - (rest < 0.0 ? 1.0 : 0.0);
 }
 
 /// Of what values leave after a mean.
-GLINT_WIDE Rests rests_of(const float* values, int count, double mean) {
-  RestLanes lanes;
-  const int whole = count - count % kLanes;
-  for (int i = 0; i < whole; i += kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) {
-      add_rest(static_cast<double>(values[i + lane]) - mean, lane, lanes);
+GLINT_WIDE Sizes sizes_beside(double mean, const float* values, std::size_t count) {
+  Lanes sizes = {};
+  Lanes signs = {};
+  const std::size_t whole = count - count % kLanes;
+  for (std::size_t i = 0; i < whole; i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      add_size(static_cast<double>(values[i + lane]) - mean, lane, sizes, signs);
     }
   }
-  for (int i = whole; i < count; ++i) {
-    add_rest(static_cast<double>(values[i]) - mean, i - whole, lanes);
+  for (std::size_t i = whole; i < count; ++i) {
+    add_size(static_cast<double>(values[i]) - mean, i - whole, sizes, signs);
   }
-  return {.squares = total_of(lanes.squares),
-          .sizes = total_of(lanes.sizes),
-          .signs = total_of(lanes.signs)};
+  return {.sizes = total_of(sizes), .signs = total_of(signs)};
 }
 
 /// A slope that is linear in what a value leaves after the mean, and in the sign of that.
@@ -116,28 +129,47 @@ GLINT_WIDE void slopes_at(const float* __restrict values,
   }
 }
 
+const float* start_of(const ImageF& image, const RowSpan& span) {
+  return image.row(span.y) + span.begin;
+}
+
+std::size_t size_of(const RowSpan& span) {
+  return static_cast<std::size_t>(span.size());
+}
+
 Moments moments_of(const ScoredImage& scored, const Spans& region) {
-  const ImageF& image = scored.aspect;
   Moments m;
+  Sums all;
+  double variances = 0.0;
+  const double near =
+      region.empty() ? 0.0 : static_cast<double>(*start_of(scored.aspect, region.front()));
   for (const RowSpan& span : region) {
+    const Sums sums = sums_beside(near, start_of(scored.aspect, span), size_of(span));
     m.count += static_cast<double>(span.size());
-    m.mean += sum_of(image.row(span.y) + span.begin, span.size());
-  }
-  m.mean /= std::max(1.0, m.count);
-  for (const RowSpan& span : region) {
-    const Rests rests = rests_of(image.row(span.y) + span.begin, span.size(), m.mean);
-    m.deviation += rests.squares;
-    m.absolute += rests.sizes;
-    m.sign += rests.signs;
+    all.plain += sums.plain;
+    all.squares += sums.squares;
     if (scored.deviation != nullptr) {
-      m.scatter += rests_of(scored.deviation->row(span.y) + span.begin, span.size(), 0.0).squares;
+      variances += sums_beside(0.0, start_of(*scored.deviation, span), size_of(span)).squares;
     }
   }
-  m.scatter /= std::max(1.0, m.count);
-  m.deviation = std::sqrt(m.deviation / std::max(1.0, m.count));
-  m.absolute /= std::max(1.0, m.count);
-  m.sign /= std::max(1.0, m.count);
+  const double count = std::max(1.0, m.count);
+  const double beside = all.plain / count;
+  m.mean = near + beside;
+  m.deviation = std::sqrt(std::max(0.0, all.squares / count - beside * beside));
+  m.scatter = variances / count;
   return m;
+}
+
+/// Adds what h_abs is made of; the mean must be known.
+void add_sizes(const ImageF& image, const Spans& region, Moments& m) {
+  Sizes all;
+  for (const RowSpan& span : region) {
+    const Sizes sizes = sizes_beside(m.mean, start_of(image, span), size_of(span));
+    all.sizes += sizes.sizes;
+    all.signs += sizes.signs;
+  }
+  m.absolute = all.sizes / std::max(1.0, m.count);
+  m.sign = all.signs / std::max(1.0, m.count);
 }
 
 /// Of a normal number of a mean and a deviation: the mean of its size, and that of its sign.
@@ -185,11 +217,23 @@ ImageF scattered_absolute_slopes(const ScoredImage& image, const Spans& region, 
   return slopes;
 }
 
+/// 0 but for pixels that are yet to be set.
+ImageF zero_beside(const Spans& spans, int width, int height) {
+  ImageF image = ImageF::unset(width, height);
+  float* next = image.values().data();
+  for (const RowSpan& span : spans) {
+    std::fill(next, image.row(span.y) + span.begin, 0.0F);
+    next = image.row(span.y) + span.end;
+  }
+  std::fill(next, image.values().data() + image.size(), 0.0F);
+  return image;
+}
+
 /// h_rms = 1 - sigma / mu and h_abs = 1 - a / mu: the slope by a pixel is linear in what is left of
 /// it after the mean, and in the sign of that. Scatter is in sigma and a.
 ImageF homogeneity_slopes(std::string_view score, const ScoredImage& image) {
   const Spans region = spans_of(image.region);
-  const Moments m = moments_of(image, region);
+  Moments m = moments_of(image, region);
   LinearSlope slope = {.mean = m.mean, .constant = 1.0 / m.count};
   const bool is_even = m.spread() <= kRounding * m.mean;
   if (score == "homogeneity.h_abs" && m.scatter > 0.0 && !is_even) {
@@ -201,13 +245,13 @@ ImageF homogeneity_slopes(std::string_view score, const ScoredImage& image) {
     slope.constant = m.spread() / (m.mean * m.mean * m.count);
     slope.by_rest = -1.0 / (m.spread() * m.mean * m.count);
   } else if (score == "homogeneity.h_abs") {
+    add_sizes(image.aspect, region, m);
     slope.constant = (m.absolute / (m.mean * m.mean) + m.sign / m.mean) / m.count;
     slope.by_sign = -1.0 / (m.mean * m.count);
   }
-  ImageF slopes(image.aspect.width(), image.aspect.height());
+  ImageF slopes = zero_beside(region, image.aspect.width(), image.aspect.height());
   for (const RowSpan& span : region) {
-    slopes_at(
-        image.aspect.row(span.y) + span.begin, span.size(), slope, slopes.row(span.y) + span.begin);
+    slopes_at(start_of(image.aspect, span), span.size(), slope, slopes.row(span.y) + span.begin);
   }
   return slopes;
 }

@@ -110,7 +110,7 @@ ImageF add_colour(GreyFrame frame, ScanSums& sums) {
     sums = ScanSums(frame.grey.width(), frame.grey.height());
   }
   for (std::size_t i = 0; i < frame.grey.size(); ++i) {
-    sums.sum.values()[i] += frame.grey.values()[i];
+    sums.sum.values()[i] += static_cast<double>(frame.grey.values()[i]);
     std::uint16_t& clipped = sums.clipped_frames.values()[i];
     clipped = static_cast<std::uint16_t>(clipped + frame.is_clipped.values()[i]);
   }

@@ -101,6 +101,12 @@ std::array<float, 3> components(const Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
+HitBlock hits_from(const WallHits& hits, std::size_t ray) {
+  return {.x_mm = hits.x_mm.data() + ray,
+          .y_mm = hits.y_mm.data() + ray,
+          .margin_mm = hits.margin_mm.data() + ray};
+}
+
 template <class List>
 bool is_one_of(const List& list, std::string_view key) {
   return std::ranges::find(list, key) != list.end();
@@ -242,14 +248,16 @@ class SceneGradients {
     const auto at = std::ranges::find(pose_paths_, path) - pose_paths_.begin();
     const auto index = static_cast<std::size_t>(at);
     const CornerRays& rays = scan_.traced.corners;
-    const auto all = static_cast<int>(rays.corners.weight.size());
-    double sum = by_rays(rays.corners,
-                         0,
-                         all,
-                         scan_.footprints.hits(),
-                         slopes.corners.from(0),
-                         poses_->corners[index],
-                         motion);
+    double sum = 0.0;
+    slopes.corners.for_each_run([&](std::size_t first, int count, const HitSlopes& run) {
+      sum += by_rays(rays.corners,
+                     first,
+                     count,
+                     hits_from(scan_.footprints.hits(), first),
+                     run,
+                     poses_->corners[index],
+                     motion);
+    });
     WallHits met;
     for (std::size_t g = 0; g < slopes.refined.size(); ++g) {
       const RefinedGroup& group = rays.refined[g];
@@ -261,7 +269,7 @@ class SceneGradients {
         sum += by_rays(group.rays,
                        first,
                        count,
-                       met,
+                       hits_from(met, 0),
                        slopes.refined[g].by_hits.from(i * static_cast<std::size_t>(count)),
                        poses_->refined[g][index],
                        motion);
@@ -274,20 +282,19 @@ class SceneGradients {
   static double by_rays(const RayCache& rays,
                         std::size_t first,
                         int count,
-                        const WallHits& hits,
+                        const HitBlock& hits,
                         const HitSlopes& slopes,
                         const RayDerivative& d,
                         const WallMotion& motion) {
-    return motion.slope_by_rays(
-        rays.block(static_cast<std::int64_t>(first), count),
-        {.origin_x = d.origin_x.data() + first,
-         .origin_y = d.origin_y.data() + first,
-         .origin_z = d.origin_z.data() + first,
-         .direction_x = d.direction_x.data() + first,
-         .direction_y = d.direction_y.data() + first,
-         .direction_z = d.direction_z.data() + first},
-        {.x_mm = hits.x_mm.data(), .y_mm = hits.y_mm.data(), .margin_mm = hits.margin_mm.data()},
-        slopes);
+    return motion.slope_by_rays(rays.block(static_cast<std::int64_t>(first), count),
+                                {.origin_x = d.origin_x.data() + first,
+                                 .origin_y = d.origin_y.data() + first,
+                                 .origin_z = d.origin_z.data() + first,
+                                 .direction_x = d.direction_x.data() + first,
+                                 .direction_y = d.direction_y.data() + first,
+                                 .direction_z = d.direction_z.data() + first},
+                                hits,
+                                slopes);
   }
 
   void trace_poses() {

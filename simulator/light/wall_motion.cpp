@@ -115,8 +115,27 @@ double rising_root(const Function& f) {
   return 0.5 * (low + high);
 }
 
+/// The same for a cubic, by Newton's method from a place nearby.
+double rising_root(const std::array<double, 4>& c, double near) {
+  const auto f = [&](double u) { return cubic(c.data(), u); };
+  if (f(0.0) >= 0.0 || f(1.0) <= 0.0) {
+    return f(0.0) >= 0.0 ? 0.0 : 1.0;
+  }
+  constexpr int kMostSteps = 8;
+  constexpr double kLastStep = 1e-7;  // the error after a step goes as its square
+  double u = near;
+  for (int step = 0; step < kMostSteps && u >= 0.0 && u <= 1.0; ++step) {
+    const double move = -f(u) / cubic_slope(c.data(), u);
+    u += move;
+    if (std::abs(move) < kLastStep && u >= 0.0 && u <= 1.0) {
+      return u;
+    }
+  }
+  return rising_root(f);
+}
+
 double value(const float* array, int i) {
-  return static_cast<double>(array[i]);
+  return array != nullptr ? static_cast<double>(array[i]) : 0.0;
 }
 
 }  // namespace
@@ -151,16 +170,23 @@ void WallMotion::build_free() {
   const std::vector<SplineSegment> segments =
       free_segments(settings_.control_mm, settings_.base_mm);
   std::size_t segment = 0;
+  double u = 0.0;
   for (std::size_t i = 0; i <= kNodes; ++i) {
     const Vector2d along = direction_of(i);
-    const auto side = [&](double u) {
+    const auto side = [&] {
       const SplineSegment& s = segments[segment];
-      return cubic(s.y, u) * along.y() - (cubic(s.z, u) - settings_.base_mm) * along.x();
+      std::array<double, 4> c;
+      for (std::size_t power = 0; power < c.size(); ++power) {
+        c[power] = s.y[power] * along.y() - s.z[power] * along.x();
+      }
+      c[0] += settings_.base_mm * along.x();
+      return c;
     };
-    while (segment + 1 < segments.size() && side(1.0) < 0.0) {
+    while (segment + 1 < segments.size() && cubic(side().data(), 1.0) < 0.0) {
       ++segment;
+      u = 0.0;
     }
-    const double u = rising_root(side);
+    u = rising_root(side(), u);
     const Vector2d tangent =
         Vector2d(cubic_slope(segments[segment].y, u), cubic_slope(segments[segment].z, u))
             .normalized();
@@ -251,7 +277,9 @@ void WallMotion::collect_curve(const RayBlock& rays,
       slopes,
       {.y = normals_y_.data(), .z = normals_z_.data(), .pieces = static_cast<int>(kNodes)},
       by_node_.data());
-  by_margin_ += sum_in_lanes(slopes.margin, rays.count);
+  if (slopes.margin != nullptr) {
+    by_margin_ += sum_in_lanes(slopes.margin, rays.count);
+  }
 }
 
 double WallMotion::superellipse_speed(std::string_view key, std::size_t node) const {

@@ -4,15 +4,28 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
 namespace glint {
 namespace {
 
-/// Rays that are looked at together: neighbours mostly share one or two pieces of the wall.
+/// Rays that are looked at together: neighbours meet neighbouring pieces of the wall.
 constexpr int kChunk = 32;
+
 constexpr int kDoubleLanes = 8;
+using Doubles = double __attribute__((vector_size(kDoubleLanes * sizeof(double))));
+using Floats = float __attribute__((vector_size(kDoubleLanes * sizeof(float))));
+
+/// Some nodes that chunk after chunk lies between, and what is yet to be added to them, in lanes.
+struct Window {
+  static constexpr int kNodes = 16;
+  static constexpr int kBefore = 4;  ///< the first chunk: of the next ones some lie lower
+  int first = 0;
+  bool is_used = false;
+  Doubles sums[kNodes];
+};
 
 /// Where the rays of a chunk meet the wall.
 struct Chunk {
@@ -31,18 +44,36 @@ __attribute__((always_inline)) inline float by_shift_of(
   return has_slope ? along_ray / through : 0.0F;
 }
 
-/// In pairs, the same on any machine.
-__attribute__((always_inline)) inline double total_of(float* values) {
-  for (int i = 0; i < 16; ++i) {
-    values[i] += values[i + 16];
+/// Adds the lanes in pairs, the same on any machine, and empties the window.
+void flush(Window& window, double* by_node) {
+  for (int node = 0; window.is_used && node < Window::kNodes; ++node) {
+    const Doubles& v = window.sums[node];
+    by_node[window.first + node] +=
+        ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
   }
-  for (int i = 0; i < 8; ++i) {
-    values[i] += values[i + 8];
+  window.is_used = false;
+}
+
+/// Whether a chunk lies in the window, which is moved there if it can be.
+bool fit(const Chunk& chunk, int pieces, Window& window, double* by_node) {
+  const auto is_inside = [&] {
+    return chunk.lowest >= window.first && chunk.highest + 1 < window.first + Window::kNodes;
+  };
+  if (window.is_used && is_inside()) {
+    return true;
   }
-  for (int i = 0; i < 4; ++i) {
-    values[i] += values[i + 4];
+  if (chunk.highest - chunk.lowest > Window::kNodes - Window::kBefore - 2) {
+    return false;
   }
-  return static_cast<double>((values[0] + values[1]) + (values[2] + values[3]));
+  flush(window, by_node);
+  const int highest = pieces + 1 - Window::kNodes;
+  const int wanted = chunk.lowest - Window::kBefore;
+  window.first = wanted < 0 ? 0 : (wanted > highest ? highest : wanted);
+  for (Doubles& sum : window.sums) {
+    sum = Doubles{};
+  }
+  window.is_used = true;
+  return true;
 }
 
 }  // namespace
@@ -89,7 +120,8 @@ GLINT_WIDE static void find_nodes(const float* __restrict y_mm,
   chunk.highest = highest;
 }
 
-/// Of a whole chunk between three nodes: no normal is looked up, and the sums run over lanes.
+/// Of a whole chunk in the window: each node has its share of all rays, mostly none, so that no
+/// normal is looked up and the sums run over lanes.
 GLINT_WIDE static void add_near_nodes(const float* __restrict by_x,
                                       const float* __restrict by_y,
                                       const float* __restrict by_margin,
@@ -98,52 +130,56 @@ GLINT_WIDE static void add_near_nodes(const float* __restrict by_x,
                                       const float* __restrict dz,
                                       const WallNormals& normals,
                                       const Chunk& chunk,
-                                      double* __restrict by_node) {
+                                      Window& window) {
   const std::int32_t lowest = chunk.lowest;
-  const float* normal_y = normals.y + lowest;
-  const float* normal_z = normals.z + lowest;
-  const std::int32_t last = chunk.highest + 1 - lowest;
-  const float y0 = normal_y[0], y1 = normal_y[1], y2 = normal_y[last];
-  const float z0 = normal_z[0], z1 = normal_z[1], z2 = normal_z[last];
-  float first[kChunk], third[kChunk], all[kChunk];
-  for (int i = 0; i < kChunk; ++i) {
-    const bool is_low = chunk.node[i] == lowest;
-    const float part = chunk.part[i];
-    const float ny = (is_low ? y0 : y1) + part * (is_low ? y1 - y0 : y2 - y1);
-    const float nz = (is_low ? z0 : z1) + part * (is_low ? z1 - z0 : z2 - z1);
-    const float slope = by_shift_of(by_x[i], by_y[i], by_margin[i], dx[i], dy[i], dz[i], ny, nz);
-    first[i] = is_low ? slope * (1.0F - part) : 0.0F;
-    third[i] = is_low ? 0.0F : slope * part;
-    all[i] = slope;
+  const int nodes = chunk.highest - lowest + 2;
+  float shares[Window::kNodes][kChunk];
+  float ny[kChunk] = {}, nz[kChunk] = {};
+  for (int node = 0; node < nodes; ++node) {
+    const float normal_y = normals.y[lowest + node];
+    const float normal_z = normals.z[lowest + node];
+    for (int i = 0; i < kChunk; ++i) {
+      const float from_node = static_cast<float>(chunk.node[i] - lowest - node) + chunk.part[i];
+      const float away = from_node < 0.0F ? -from_node : from_node;
+      const float share = away < 1.0F ? 1.0F - away : 0.0F;
+      shares[node][i] = share;
+      ny[i] += share * normal_y;
+      nz[i] += share * normal_z;
+    }
   }
-  static_assert(kChunk == 32);
-  const double at_first = total_of(first);
-  const double at_third = total_of(third);
-  by_node[lowest] += at_first;
-  by_node[lowest + 1] += total_of(all) - at_first - at_third;
-  by_node[lowest + last] += at_third;
+  float slopes[kChunk];
+  for (int i = 0; i < kChunk; ++i) {
+    slopes[i] = by_shift_of(by_x[i], by_y[i], by_margin[i], dx[i], dy[i], dz[i], ny[i], nz[i]);
+  }
+  for (int node = 0; node < nodes; ++node) {
+    Doubles sum = window.sums[lowest - window.first + node];
+    for (int i = 0; i < kChunk; i += kDoubleLanes) {
+      Floats slope, share;
+      std::memcpy(&slope, slopes + i, sizeof(slope));
+      std::memcpy(&share, shares[node] + i, sizeof(share));
+      sum += __builtin_convertvector(slope * share, Doubles);
+    }
+    window.sums[lowest - window.first + node] = sum;
+  }
 }
 
 /// Of any rays.
 static void add_one_by_one(const RayBlock& rays,
-                           int begin,
-                           int count,
                            const HitSlopes& slopes,
                            const WallNormals& normals,
                            const Chunk& chunk,
                            double* by_node) {
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < rays.count; ++i) {
     const std::int32_t node = chunk.node[i];
     const float part = chunk.part[i];
     const float ny = normals.y[node] + part * (normals.y[node + 1] - normals.y[node]);
     const float nz = normals.z[node] + part * (normals.z[node + 1] - normals.z[node]);
-    const int j = begin + i;
-    const auto slope = static_cast<double>(by_shift_of(slopes.x[j],
-                                                       slopes.y[j],
-                                                       slopes.margin[j],
-                                                       rays.direction_x[j],
-                                                       rays.direction_y[j],
-                                                       rays.direction_z[j],
+    const auto slope = static_cast<double>(by_shift_of(slopes.x[i],
+                                                       slopes.y[i],
+                                                       slopes.margin[i],
+                                                       rays.direction_x[i],
+                                                       rays.direction_y[i],
+                                                       rays.direction_z[i],
                                                        ny,
                                                        nz));
     by_node[node] += slope * (1.0 - static_cast<double>(part));
@@ -157,30 +193,36 @@ void add_shift_slopes(const RayBlock& rays,
                       const HitSlopes& slopes,
                       const WallNormals& normals,
                       double* by_node) {
+  constexpr float kNone[kChunk] = {};
   Chunk chunk;
+  Window window;
   for (int begin = 0; begin < rays.count; begin += kChunk) {
-    const int count = rays.count - begin < kChunk ? rays.count - begin : kChunk;
-    const float* x = slopes.x + begin;
-    const float* y = slopes.y + begin;
-    const float* margin = slopes.margin + begin;
-    if (!has_slopes(x, y, margin, count)) {
+    const RayBlock some = {.direction_x = rays.direction_x + begin,
+                           .direction_y = rays.direction_y + begin,
+                           .direction_z = rays.direction_z + begin,
+                           .count = rays.count - begin < kChunk ? rays.count - begin : kChunk};
+    const HitSlopes by = {.x = slopes.x + begin,
+                          .y = slopes.y != nullptr ? slopes.y + begin : kNone,
+                          .margin = slopes.margin != nullptr ? slopes.margin + begin : kNone};
+    if (!has_slopes(by.x, by.y, by.margin, some.count)) {
       continue;
     }
-    find_nodes(y_mm + begin, margin_mm + begin, count, normals.pieces, chunk);
-    if (count == kChunk && chunk.highest - chunk.lowest <= 1) {
-      add_near_nodes(x,
-                     y,
-                     margin,
-                     rays.direction_x + begin,
-                     rays.direction_y + begin,
-                     rays.direction_z + begin,
+    find_nodes(y_mm + begin, margin_mm + begin, some.count, normals.pieces, chunk);
+    if (some.count == kChunk && fit(chunk, normals.pieces, window, by_node)) {
+      add_near_nodes(by.x,
+                     by.y,
+                     by.margin,
+                     some.direction_x,
+                     some.direction_y,
+                     some.direction_z,
                      normals,
                      chunk,
-                     by_node);
+                     window);
     } else {
-      add_one_by_one(rays, begin, count, slopes, normals, chunk, by_node);
+      add_one_by_one(some, by, normals, chunk, by_node);
     }
   }
+  flush(window, by_node);
 }
 
 GLINT_WIDE double sum_in_lanes(const float* values, int count) {

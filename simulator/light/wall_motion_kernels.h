@@ -10,8 +10,8 @@ namespace glint {
 /// What hits (Tunnel::meet_block) change, ray by ray.
 struct HitSlopes {
   const float* x = nullptr;
-  const float* y = nullptr;
-  const float* margin = nullptr;
+  const float* y = nullptr;       ///< null: 0 for all rays ...
+  const float* margin = nullptr;  ///< ... and this one too
 };
 
 /// Outward normals of a curved wall at nodes from one foot to the other over its top: one more than

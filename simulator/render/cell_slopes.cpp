@@ -20,7 +20,17 @@ void add(std::array<double, 4>& to, const LinearSlopes& slopes, double factor) {
 
 }  // namespace
 
-CellSlopes::CellSlopes(const ScanPositions& positions) : p_(positions) {}
+CellSlopes::CellSlopes(const ScanPositions& positions) : p_(positions) {
+  constexpr std::size_t kVector = 16;
+  for (const double shift : p_.shift_periods) {
+    shifts_.push_back(slope_kernels::turn_of(shift));
+  }
+  shifts_.resize((shifts_.size() + kVector - 1) / kVector * kVector);
+  v_.resize(shifts_.size());
+  for (auto* array : {&gx_, &gy_, &weight_, &by_v_, &by_gx_, &by_gy_, &by_duty_, &by_dark_}) {
+    array->resize(shifts_.size());
+  }
+}
 
 LinearFunction CellSlopes::phase_of(const CellCorners& corners) const {
   const LinearFunction x = linear_through(corners.stripes_mm);
@@ -54,45 +64,36 @@ void CellSlopes::add_stripes(const LinearFunction& phase,
   offset_mm -= by_phase.value / p_.period_mm;
 }
 
-void CellSlopes::sum_waiting(const std::vector<double>& by_radiance) {
-  v_.resize(waiting_.size());
-  for (auto* array : {&gx_, &gy_, &weight_, &by_v_, &by_gx_, &by_gy_, &by_duty_, &by_dark_}) {
-    array->assign(waiting_.size(), 0.0F);
+CornerSlopes CellSlopes::slopes_of_waiting(const Waiting& cell,
+                                           const std::vector<double>& by_radiance) {
+  const slope_kernels::Turn turn = slope_kernels::turn_of(cell.phase.value);
+  for (std::size_t k = 0; k < shifts_.size(); ++k) {
+    v_[k] = turn - shifts_[k];
   }
-  for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    v_[i] = slope_kernels::turn_of(waiting_[i].phase.value);
-    gx_[i] = static_cast<float>(waiting_[i].phase.dx);
-    gy_[i] = static_cast<float>(waiting_[i].phase.dy);
+  for (std::size_t k = 0; k < by_radiance.size(); ++k) {
+    weight_[k] = static_cast<float>(cell.gain * by_radiance[k]);
   }
-  for (std::size_t k = 0; k < by_radiance.size() && !waiting_.empty(); ++k) {
-    for (std::size_t i = 0; i < waiting_.size(); ++i) {
-      weight_[i] = static_cast<float>(waiting_[i].gain * by_radiance[k]);
-    }
-    slope_kernels::add_box_slopes(v_.data(),
-                                  gx_.data(),
-                                  gy_.data(),
-                                  weight_.data(),
-                                  static_cast<int>(waiting_.size()),
-                                  p_.shift_periods[k],
-                                  p_.duty,
-                                  {.v = by_v_.data(),
-                                   .gx = by_gx_.data(),
-                                   .gy = by_gy_.data(),
-                                   .duty = by_duty_.data(),
-                                   .dark = by_dark_.data()});
+  std::ranges::fill(gx_, static_cast<float>(cell.phase.dx));
+  std::ranges::fill(gy_, static_cast<float>(cell.phase.dy));
+  for (auto* array : {&by_v_, &by_gx_, &by_gy_, &by_duty_, &by_dark_}) {
+    std::ranges::fill(*array, 0.0F);
   }
-}
-
-CornerSlopes CellSlopes::slopes_of_waiting(std::size_t i) {
+  const slope_kernels::BoxSlopes by_frame = {.v = by_v_.data(),
+                                             .gx = by_gx_.data(),
+                                             .gy = by_gy_.data(),
+                                             .duty = by_duty_.data(),
+                                             .dark = by_dark_.data()};
+  const auto frames = static_cast<int>(v_.size());
+  slope_kernels::add_box_slopes(
+      v_.data(), gx_.data(), gy_.data(), weight_.data(), frames, 0.0, p_.duty, by_frame);
+  const slope_kernels::BoxSums sums = slope_kernels::totals_of(by_frame, frames);
   const double bright = 1.0 - p_.dark;
+  const LinearSlopes by_phase = {
+      .value = bright * sums.v, .dx = bright * sums.gx, .dy = bright * sums.gy};
+  duty += bright * sums.duty;
+  dark += sums.dark;
   CornerSlopes slopes;
-  add_stripes(waiting_[i].phase,
-              {.value = bright * static_cast<double>(by_v_[i]),
-               .dx = bright * static_cast<double>(by_gx_[i]),
-               .dy = bright * static_cast<double>(by_gy_[i])},
-              slopes);
-  duty += bright * static_cast<double>(by_duty_[i]);
-  dark += static_cast<double>(by_dark_[i]);
+  add_stripes(cell.phase, by_phase, slopes);
   return slopes;
 }
 

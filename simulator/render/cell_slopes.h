@@ -38,9 +38,8 @@ class CellSlopes {
   /// The waiting cells of a pixel.
   template <class Add>
   void finish(const std::vector<double>& by_radiance, const Add& add) {
-    sum_waiting(by_radiance);
-    for (std::size_t i = 0; i < waiting_.size(); ++i) {
-      add(waiting_[i].at, slopes_of_waiting(i));
+    for (const Waiting& cell : waiting_) {
+      add(cell.at, slopes_of_waiting(cell, by_radiance));
     }
     waiting_.clear();
   }
@@ -65,14 +64,14 @@ class CellSlopes {
                    double share,
                    const std::vector<double>& by_radiance,
                    CornerSlopes& slopes);
-  void sum_waiting(const std::vector<double>& by_radiance);
-  CornerSlopes slopes_of_waiting(std::size_t i);
+  CornerSlopes slopes_of_waiting(const Waiting& cell, const std::vector<double>& by_radiance);
   LinearFunction phase_of(const CellCorners& corners) const;
   void add_stripes(const LinearFunction& phase, const LinearSlopes& by_phase, CornerSlopes& slopes);
 
   const ScanPositions& p_;
   std::vector<Waiting> waiting_;
-  std::vector<slope_kernels::Turn> v_;  ///< of the waiting cells, as all of them
+  // A waiting cell, frame by frame, as many as fill whole vectors:
+  std::vector<slope_kernels::Turn> shifts_, v_;
   std::vector<float> gx_, gy_, weight_;
   std::vector<float> by_v_, by_gx_, by_gy_, by_duty_, by_dark_;
   std::vector<double> weights_;

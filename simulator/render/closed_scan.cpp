@@ -485,7 +485,7 @@ ClosedScan scan_closed(const Footprints& footprints,
   const ScanSums& sums = pictures.sums;
   for (const RowSpan& span : wanted) {
     for (int x = span.begin; x < span.end; ++x) {
-      result.aspect(x, span.y) = sums.sum(x, span.y) / static_cast<float>(sums.frames);
+      result.aspect(x, span.y) = static_cast<float>(sums.sum(x, span.y) / sums.frames);
       result.clipped_frames(x, span.y) = sums.clipped_frames(x, span.y);
       if (!result.deviation.empty()) {
         result.deviation(x, span.y) = 0.0F;

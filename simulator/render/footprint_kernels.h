@@ -185,16 +185,6 @@ void stripe_widths(const ThreeRows& gx,
                    float* w,
                    unsigned char* is_linear);
 
-/// Cubic pieces: value of the piece at w * per_unit, the last one beyond the end. Neighbours that
-/// share a piece or two, as they mostly do, cost no gathering of coefficients.
-/// @param coefficients  four for each of `pieces` pieces
-void look_up(const float* w,
-             int count,
-             const float* coefficients,
-             int pieces,
-             float per_unit,
-             float* values);
-
 /// Samples of sum_box_frames come in groups of this many, filled up with gain 0.
 inline constexpr int kLanes = 16;
 

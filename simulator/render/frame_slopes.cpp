@@ -64,6 +64,16 @@ class ResponseSlope {
   std::vector<float> slopes_;
 };
 
+/// 0 in these pixels, whatever was in memory elsewhere: to clear all of a picture takes longer than
+/// to work on a few of its pixels.
+ImageF blank(const Spans& pixels, int width, int height) {
+  ImageF image = ImageF::unset(width, height);
+  for (const RowSpan& span : pixels) {
+    std::fill_n(image.row(span.y) + span.begin, span.size(), 0.0F);
+  }
+  return image;
+}
+
 /// The pixels that see light.
 Spans lit_pixels(const Footprints& footprints, const Spans& pixels) {
   constexpr int kBridge_px = 8;  // gaps that are not worth another start
@@ -167,6 +177,9 @@ class CellPixelSlopes {
       const auto corner_width = static_cast<std::size_t>(rays_.width_px) + 1;
       const std::size_t at =
           corner(cell_pixels_[i] % rays_.width_px, cell_pixels_[i] / rays_.width_px);
+      const auto row = static_cast<std::size_t>(cell_pixels_[i] / rays_.width_px);
+      slopes_.corners.open(row);
+      slopes_.corners.open(row + 1);
       add_cell(footprints_.hits(),
                rays_.corners.weight.data(),
                {at, at + 1, at + corner_width, at + corner_width + 1},
@@ -196,7 +209,8 @@ class CellPixelSlopes {
     const std::size_t offset = slopes.pixels.size() * (n + 1) * (n + 1);
     SlopesByHits& by_hits = slopes.by_hits;
     slopes.pixels.push_back(pixel);
-    by_hits.resize(offset + (n + 1) * (n + 1));
+    by_hits.resize(slopes.pixels.size(), (n + 1) * (n + 1));
+    by_hits.open(slopes.pixels.size() - 1);
     meet_light(group.rays,
                footprints_.tunnel(),
                static_cast<std::int64_t>(first),
@@ -273,12 +287,15 @@ class SensorBackwards {
         blur_(blur_only(settings_.blur_px), by_aspect.width(), by_aspect.height()),
         change_(blur_, wanted, around),
         blurred_(ImageF::unset(by_aspect.width(), by_aspect.height())),
-        by_blurred_(by_aspect.width(), by_aspect.height()) {}
+        by_blurred_(blank(
+            grown_spans(around, blur_.blur_radius_px(), 0, by_aspect.width(), by_aspect.height()),
+            by_aspect.width(),
+            by_aspect.height())) {}
 
   /// What the slopes by radiances are in units of.
   double per_weight() const { return per_weight_; }
 
-  /// @return slopes by the blurred radiances, 0 elsewhere
+  /// @return slopes by the blurred radiances, 0 elsewhere within the blur of pixels around
   const ImageF& apply(int index, const ImageF& radiance) {
     blur_.expose(radiance, index, wanted_, blurred_);
     for (const RowSpan& span : wanted_) {
@@ -342,8 +359,10 @@ void add_frame_slopes(const Footprints& footprints,
   BlurBackwards through_blur(sensor, width, height);
   PlainSlopes plain(footprints, lit);
   CellPixelSlopes summed(footprints, lit, through_sensor.per_weight(), slopes);
-  std::vector<ImageF> radiance(static_cast<std::size_t>(std::min(kFramesAtOnce, total)),
-                               ImageF(width, height));
+  std::vector<ImageF> radiance;
+  for (int k = 0; k < std::min(kFramesAtOnce, total); ++k) {
+    radiance.push_back(blank(around, width, height));
+  }
   std::vector<std::vector<float>> by_radiance(radiance.size(), std::vector<float>(count_of(lit)));
   for (int first = 0; first < total; first += kFramesAtOnce) {
     radiance.resize(static_cast<std::size_t>(std::min(kFramesAtOnce, total - first)));

@@ -10,6 +10,7 @@
 #include "simulator/render/cell_slopes.h"
 #include "simulator/render/frame_slopes.h"
 #include "simulator/render/slope_kernels.h"
+#include "simulator/render/table_kernels.h"
 
 namespace glint {
 namespace {
@@ -72,15 +73,10 @@ class TableSlopes {
 
   /// Slopes by the hits, the period and the blur, and the sums.
   void run(const ClippedMean& table) {
-    const std::vector<float> by_w = width_slope(table);
     const double variance = sensor_.blur_variance_px2() + 1.0 / 12.0;
     const double per_period = 1.0 / footprints_.positions().period_mm;
     const auto scale = static_cast<float>(variance * per_period * per_period);
-    double by_gradient = 0.0;  // sum of slopes times gx and gy
-    Row row(by_aspect_.width());
-    for (int y = 0; y < by_aspect_.height(); ++y) {
-      by_gradient += add_row(y, by_w, scale, row);
-    }
+    const double by_gradient = add_rows(width_slope(table), scale);
     // gx and gy go with 1 / period, and w with the root of the variance.
     slopes_.period_mm -= by_gradient * per_period;
     slopes_.blur_px += by_gradient / (2.0 * variance) * variance_slope();
@@ -92,61 +88,47 @@ class TableSlopes {
     double* sum;
   };
 
-  /// Of a row of pixels; the slopes by gx and gy stand between two zeros.
-  struct Row {
-    explicit Row(int width)
-        : weight(static_cast<std::size_t>(width)),
-          values(weight),
-          products(weight),
-          by_gx(weight.size() + 2),
-          by_gy(by_gx) {}
-
-    std::vector<float> weight, values, products, by_gx, by_gy;
-  };
-
-  double add_row(int y, const std::vector<float>& by_w, float scale, Row& row) {
+  /// @return sum of slopes times gx and gy
+  double add_rows(const std::vector<float>& by_w, float scale) {
     const int width = by_aspect_.width();
-    const float* w = plan_.width.row(y);
-    const unsigned char* by_table = plan_.by_table.row(y);
-    if (std::memchr(by_table, 1, static_cast<std::size_t>(width)) == nullptr) {
-      return 0.0;
-    }
-    slope_kernels::keep_where(by_table, by_aspect_.row(y), width, row.weight.data());
-    for (const Other& other : others_) {
-      look_up(other.coefficients, w, width, row.values.data());
-      *other.sum += slope_kernels::weighted_sum(row.values.data(), row.weight.data(), width);
-    }
-    look_up(by_w, w, width, row.values.data());
     const auto corner_width = static_cast<std::size_t>(width) + 1;
-    const std::size_t corner = static_cast<std::size_t>(y) * corner_width;
-    const float* stripes_mm = footprints_.hits().stripes_mm().data() + corner;
-    float* by_gx = row.by_gx.data() + 1;
-    float* by_gy = row.by_gy.data() + 1;
-    const double by_gradient =
-        slope_kernels::width_slopes({.top = stripes_mm, .bottom = stripes_mm + corner_width},
-                                    w,
-                                    row.weight.data(),
-                                    row.values.data(),
-                                    width,
-                                    scale,
-                                    by_gx,
-                                    by_gy,
-                                    row.products.data());
-    float* top = slopes_.corners.x.data() + corner;
-    slope_kernels::add_gradients_to_corners(by_gx, by_gy, width, top, top + corner_width);
+    std::vector<const float*> others;
+    for (const Other& other : others_) {
+      others.push_back(other.coefficients.data());
+    }
+    std::vector<double> sums(others.size());
+    // A row's, between two zeros.
+    std::vector<float> by_gx(static_cast<std::size_t>(width) + 2), by_gy(by_gx);
+    double by_gradient = 0.0;
+    for (int y = 0; y < by_aspect_.height(); ++y) {
+      const unsigned char* by_table = plan_.by_table.row(y);
+      if (std::memchr(by_table, 1, static_cast<std::size_t>(width)) == nullptr) {
+        continue;
+      }
+      const std::size_t corner = static_cast<std::size_t>(y) * corner_width;
+      const float* stripes_mm = footprints_.hits().stripes_mm().data() + corner;
+      by_gradient += slope_kernels::table_slopes(
+          {.by_table = by_table,
+           .slope = by_aspect_.row(y),
+           .w = plan_.width.row(y),
+           .corners = {.top = stripes_mm, .bottom = stripes_mm + corner_width},
+           .count = width,
+           .scale = scale},
+          {.coefficients = by_w.data(),
+           .count = ClippedMean::kIntervals,
+           .per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest)},
+          others,
+          sums.data(),
+          by_gx.data() + 1,
+          by_gy.data() + 1);
+      float* top = slopes_.corners.x.data() + corner;
+      slope_kernels::add_gradients_to_corners(
+          by_gx.data() + 1, by_gy.data() + 1, width, top, top + corner_width);
+    }
+    for (std::size_t i = 0; i < others_.size(); ++i) {
+      *others_[i].sum += sums[i];
+    }
     return by_gradient;
-  }
-
-  static void look_up(const std::vector<float>& coefficients,
-                      const float* w,
-                      int width,
-                      float* values) {
-    footprint_kernels::look_up(w,
-                               width,
-                               coefficients.data(),
-                               ClippedMean::kIntervals,
-                               static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest),
-                               values);
   }
 
   /// A weight w at the distance k changes by w (k^2 - variance) / sigma^3 with the blur's sigma.
@@ -223,19 +205,32 @@ Spans weighted_pixels(const ScanPlan& plan, const ImageF& by_aspect) {
 
 }  // namespace
 
-void SlopesByHits::resize(std::size_t rays) {
-  for (auto* array : {&x, &y, &margin}) {
-    array->resize(rays);
+void SlopesByHits::resize(std::size_t rows, std::size_t row) {
+  row_ = row;
+  is_open_.resize(rows);
+  x.resize(rows * row);
+  y.resize(rows * row);
+  margin.resize(rows * row);
+}
+
+void SlopesByHits::open(std::size_t row) {
+  if (is_open_[row] == 0) {
+    is_open_[row] = 1;
+    std::fill_n(y.data() + row * row_, row_, 0.0F);
+    std::fill_n(margin.data() + row * row_, row_, 0.0F);
   }
 }
 
 void ScanSlopes::collect(const Footprints& footprints, WallMotion& motion) const {
   const RayCache& rays = footprints.rays().corners;
   const WallHits& hits = footprints.hits();
-  motion.collect(
-      rays.block(0, static_cast<int>(rays.weight.size())),
-      {.x_mm = hits.x_mm.data(), .y_mm = hits.y_mm.data(), .margin_mm = hits.margin_mm.data()},
-      corners.from(0));
+  corners.for_each_run([&](std::size_t first, int count, const HitSlopes& slopes) {
+    motion.collect(rays.block(static_cast<std::int64_t>(first), count),
+                   {.x_mm = hits.x_mm.data() + first,
+                    .y_mm = hits.y_mm.data() + first,
+                    .margin_mm = hits.margin_mm.data() + first},
+                   slopes);
+  });
   WallHits met;
   for (std::size_t g = 0; g < refined.size(); ++g) {
     const RefinedGroup& group = footprints.rays().refined[g];
@@ -264,7 +259,8 @@ ScanSlopes slopes_of_scan(const Footprints& footprints,
         "end_falloff)");
   }
   ScanSlopes slopes;
-  slopes.corners.resize(footprints.rays().corners.weight.size());
+  slopes.corners.resize(static_cast<std::size_t>(footprints.rays().height_px) + 1,
+                        static_cast<std::size_t>(footprints.rays().width_px) + 1);
   slopes.refined.resize(footprints.rays().refined.size());
   if (plan.form.kind == ScanForm::Kind::kTable) {
     add_table(footprints, sensor, plan, reflectance, by_aspect, wanted, slopes);

@@ -19,17 +19,44 @@
 
 namespace glint {
 
-/// Slopes by the hits of a set of rays; empty: none.
-struct SlopesByHits {
-  std::vector<float> x, y, margin;  ///< [1 / mm]
+/// Slopes by the hits of a set of rays; empty: none. Few rays change anything by y and margin,
+/// those at boundaries of the light: rows of them are opened for that.
+class SlopesByHits {
+ public:
+  std::vector<float> x;  ///< [1 / mm]
+  FloatArray y, margin;  ///< [1 / mm]; of open rows, elsewhere whatever was in memory
 
-  void resize(std::size_t rays);
+  /// Slopes of rays that were there stay.
+  /// @param row  length of a row, the same whenever this is called
+  void resize(std::size_t rows, std::size_t row);
+
+  /// Sets y and margin of a row to 0 if it is not open.
+  void open(std::size_t row);
 
   bool empty() const { return x.empty(); }
 
+  /// Right up to the next row that is not as open as this ray's.
   HitSlopes from(std::size_t ray) const {
-    return {.x = x.data() + ray, .y = y.data() + ray, .margin = margin.data() + ray};
+    const bool has_edges = is_open_[ray / row_] != 0;
+    return {.x = x.data() + ray,
+            .y = has_edges ? y.data() + ray : nullptr,
+            .margin = has_edges ? margin.data() + ray : nullptr};
   }
+
+  /// Calls use(first ray, count, slopes from it) for rows that are alike, all of them.
+  template <class Use>
+  void for_each_run(const Use& use) const {
+    for (std::size_t begin = 0, end = 0; begin < is_open_.size(); begin = end) {
+      while (end < is_open_.size() && is_open_[end] == is_open_[begin]) {
+        ++end;
+      }
+      use(begin * row_, static_cast<int>((end - begin) * row_), from(begin * row_));
+    }
+  }
+
+ private:
+  std::size_t row_ = 0;
+  std::vector<unsigned char> is_open_;  ///< row by row
 };
 
 /// Slopes by the rays of some pixels of a RefinedGroup.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "simulator/render/footprint_kernels.h"
 #include "simulator/render/footprint_lane.h"
@@ -106,67 +107,6 @@ GLINT_WIDE static void add_slopes(const Turn* __restrict v,
 
 namespace {
 
-constexpr int kLanes = 16;
-
-/// Over lanes that are added at the end: the same bits for any instruction set.
-GLINT_WIDE double sum_of(const float* __restrict values, int count) {
-  float lanes[kLanes] = {};
-  int i = 0;
-  for (; i + kLanes <= count; i += kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) {
-      lanes[lane] += values[i + lane];
-    }
-  }
-  double sum = 0.0;
-  for (; i < count; ++i) {
-    sum += static_cast<double>(values[i]);
-  }
-  for (const float lane : lanes) {
-    sum += static_cast<double>(lane);
-  }
-  return sum;
-}
-
-GLINT_WIDE double sum_of_products(const float* __restrict a, const float* __restrict b, int count) {
-  float lanes[kLanes] = {};
-  int i = 0;
-  for (; i + kLanes <= count; i += kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) {
-      lanes[lane] += a[i + lane] * b[i + lane];
-    }
-  }
-  double sum = 0.0;
-  for (; i < count; ++i) {
-    sum += static_cast<double>(a[i] * b[i]);
-  }
-  for (const float lane : lanes) {
-    sum += static_cast<double>(lane);
-  }
-  return sum;
-}
-
-/// In units of the corners' coordinate; `products` gets by_gx gx + by_gy gy.
-GLINT_WIDE void slopes_of_widths(const float* __restrict top,
-                                 const float* __restrict bottom,
-                                 const float* __restrict w,
-                                 const float* __restrict weight,
-                                 const float* __restrict by_w,
-                                 int count,
-                                 float scale,
-                                 float* __restrict by_gx,
-                                 float* __restrict by_gy,
-                                 float* __restrict products) {
-  for (int i = 0; i < count; ++i) {
-    const float gx = 0.5F * ((top[i + 1] + bottom[i + 1]) - (top[i] + bottom[i]));
-    const float gy = 0.5F * ((bottom[i] + bottom[i + 1]) - (top[i] + top[i + 1]));
-    const float factor = weight[i] * by_w[i] * scale / (w[i] > 0.0F ? w[i] : 1.0F);
-    const bool counts = (weight[i] != 0.0F) & (w[i] > 0.0F);
-    by_gx[i] = counts ? factor * gx : 0.0F;
-    by_gy[i] = counts ? factor * gy : 0.0F;
-    products[i] = counts ? factor * (gx * gx + gy * gy) : 0.0F;
-  }
-}
-
 GLINT_WIDE void add_gradients(const float* __restrict by_gx,
                               const float* __restrict by_gy,
                               int corners,
@@ -192,33 +132,6 @@ GLINT_WIDE void add_means(const float* __restrict by_v,
 }
 
 }  // namespace
-
-GLINT_WIDE void keep_where(const unsigned char* __restrict mask,
-                           const float* __restrict values,
-                           int count,
-                           float* __restrict out) {
-  for (int i = 0; i < count; ++i) {
-    out[i] = mask[i] != 0 ? values[i] : 0.0F;
-  }
-}
-
-double weighted_sum(const float* values, const float* weight, int count) {
-  return sum_of_products(values, weight, count);
-}
-
-double width_slopes(const footprint_kernels::CornerRows& corners,
-                    const float* w,
-                    const float* weight,
-                    const float* by_w,
-                    int count,
-                    float scale,
-                    float* by_gx,
-                    float* by_gy,
-                    float* products) {
-  slopes_of_widths(
-      corners.top, corners.bottom, w, weight, by_w, count, scale, by_gx, by_gy, products);
-  return sum_of(products, count);
-}
 
 void add_gradients_to_corners(
     const float* by_gx, const float* by_gy, int count, float* top, float* bottom) {
@@ -249,6 +162,32 @@ void add_box_slopes(const Turn* v,
              out.gy,
              out.duty,
              out.dark);
+}
+
+namespace {
+
+using Eight = double __attribute__((vector_size(kDoubleLanes * sizeof(double))));
+
+__attribute__((always_inline)) inline double total_of(const float* values, int count) {
+  using Floats = float __attribute__((vector_size(kDoubleLanes * sizeof(float))));
+  Eight lanes = {};
+  for (int i = 0; i < count; i += static_cast<int>(kDoubleLanes)) {
+    Floats some;
+    std::memcpy(&some, values + i, sizeof(some));
+    lanes += __builtin_convertvector(some, Eight);
+  }
+  return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) +
+         ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
+}
+
+}  // namespace
+
+GLINT_WIDE BoxSums totals_of(const BoxSlopes& slopes, int count) {
+  return {.v = total_of(slopes.v, count),
+          .gx = total_of(slopes.gx, count),
+          .gy = total_of(slopes.gy, count),
+          .duty = total_of(slopes.duty, count),
+          .dark = total_of(slopes.dark, count)};
 }
 
 GLINT_WIDE static void find_phases(const float* __restrict top,
@@ -506,73 +445,6 @@ GLINT_WIDE double exact_dot(const float* a, const float* b, std::size_t count) {
 
 GLINT_WIDE double exact_dot(const float* a, const double* b, std::size_t count) {
   return dot_of(a, b, count);
-}
-
-namespace {
-
-/// Frames that are added side by side.
-constexpr int kFrameLanes = 8;
-
-struct VertexLanes {
-  double wave[kFrameLanes] = {};
-  double first[kFrameLanes] = {};
-  double second[kFrameLanes] = {};
-  double first_by_duty[kFrameLanes] = {};
-  double second_by_duty[kFrameLanes] = {};
-};
-
-__attribute__((always_inline)) inline void add_to_lane(
-    double moved, double weight, double duty, int lane, VertexLanes& lanes) {
-  const double rest = 1.0 - duty;
-  const double mean = 0.5 * duty * rest;
-  const double mean_by_duty = 0.5 - duty;
-  const double f = moved - std::floor(moved);
-  const double to_end = 1.0 - f;
-  const bool is_bright = f < duty;
-  lanes.wave[lane] += weight * (is_bright ? rest : -duty);
-  lanes.first[lane] += weight * ((is_bright ? rest * f : duty * to_end) - mean);
-  lanes.second[lane] +=
-      weight * (is_bright ? (0.5 * rest * f - mean) * f : -(0.5 * duty * to_end - mean) * to_end);
-  lanes.first_by_duty[lane] += weight * ((is_bright ? -f : to_end) - mean_by_duty);
-  lanes.second_by_duty[lane] += weight * (is_bright ? (-0.5 * f - mean_by_duty) * f
-                                                    : -(0.5 * to_end - mean_by_duty) * to_end);
-}
-
-GLINT_WIDE void add_to_lanes(double phase,
-                             const double* __restrict shift,
-                             const double* __restrict weight,
-                             int frames,
-                             double duty,
-                             VertexLanes& lanes) {
-  VertexLanes sums;
-  int k = 0;
-  for (; k + kFrameLanes <= frames; k += kFrameLanes) {
-    for (int lane = 0; lane < kFrameLanes; ++lane) {
-      add_to_lane(phase - shift[k + lane], weight[k + lane], duty, lane, sums);
-    }
-  }
-  for (int lane = 0; k + lane < frames; ++lane) {
-    add_to_lane(phase - shift[k + lane], weight[k + lane], duty, lane, sums);
-  }
-  lanes = sums;
-}
-
-double total_of(const double* lanes) {
-  return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
-         ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
-}
-
-}  // namespace
-
-VertexSums weigh_vertex(
-    double phase, const double* shift, const double* weight, int frames, double duty) {
-  VertexLanes lanes;
-  add_to_lanes(phase, shift, weight, frames, duty, lanes);
-  return {.wave = total_of(lanes.wave),
-          .first = total_of(lanes.first),
-          .second = total_of(lanes.second),
-          .first_by_duty = total_of(lanes.first_by_duty),
-          .second_by_duty = total_of(lanes.second_by_duty)};
 }
 
 }  // namespace glint::slope_kernels

@@ -42,6 +42,18 @@ void add_box_slopes(const Turn* v,
                     double duty,
                     const BoxSlopes& out);
 
+/// The same, summed.
+struct BoxSums {
+  double v = 0.0;
+  double gx = 0.0;
+  double gy = 0.0;
+  double duty = 0.0;
+  double dark = 0.0;
+};
+
+/// In double. @param count  a multiple of 8
+BoxSums totals_of(const BoxSlopes& slopes, int count);
+
 /// A row's phases and their slopes [periods].
 struct ExactPhases {
   double* phase = nullptr;
@@ -115,28 +127,6 @@ void add_scaled(const float* from, int count, float factor, float* to);
 /// 1 where linear * radiance does not clip, else 0.
 void mark_unclipped(const float* radiance, int count, float linear, float* marks);
 
-/// out = values where the mask is not 0, else 0
-void keep_where(const unsigned char* mask, const float* values, int count, float* out);
-
-double weighted_sum(const float* values, const float* weight, int count);
-
-/// Slopes by gx and gy of pixels whose value is a table's at w = sqrt(variance (gx^2 + gy^2)), both
-/// in units of the corners' coordinate.
-/// @param weight  0: the pixel's value is no table's
-/// @param by_w    the table's derivative by w
-/// @param scale   the variance, over the square of a period
-/// @param products  by_gx gx + by_gy gy
-/// @return their sum
-double width_slopes(const footprint_kernels::CornerRows& corners,
-                    const float* w,
-                    const float* weight,
-                    const float* by_w,
-                    int count,
-                    float scale,
-                    float* by_gx,
-                    float* by_gy,
-                    float* products);
-
 /// Slopes by gx and gy of a row of pixels to those by its corners. Before and after the row's there
 /// must be a 0.
 void add_gradients_to_corners(
@@ -144,18 +134,5 @@ void add_gradients_to_corners(
 
 /// The same for slopes by the mean of the corners.
 void add_means_to_corners(const float* by_v, int count, float* top, float* bottom);
-
-/// Weighted sums over frames at a vertex: of the square wave less its mean, its first and second
-/// integral, and the second integral's derivative by the duty.
-struct VertexSums {
-  double wave = 0.0;
-  double first = 0.0;
-  double second = 0.0;
-  double first_by_duty = 0.0;
-  double second_by_duty = 0.0;
-};
-
-VertexSums weigh_vertex(
-    double phase, const double* shift, const double* weight, int frames, double duty);
 
 }  // namespace glint::slope_kernels

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
-#include <numeric>
 
-#include "simulator/render/slope_kernels.h"
 #include "simulator/render/stripe_integral.h"
+#include "simulator/render/vertex_sums.h"
 
 namespace glint {
 namespace {
@@ -62,15 +61,19 @@ void StripeSlopes::add(const PixelPolygon& polygon,
     g.dy = 0.0;
     squared = kFlatPhase * kFlatPhase;
   }
-  const double weight = std::accumulate(weights.begin(), weights.end(), 0.0);
   std::array<VertexSums, PixelPolygon::kMaxVertices> sums;
   std::array<double, PixelPolygon::kMaxVertices> phases = {};
   for (int i = 0; i < polygon.size(); ++i) {
     const auto at = static_cast<std::size_t>(i);
     phases[at] = g.at(polygon.vertex(i).x, polygon.vertex(i).y);
-    sums[at] = slope_kernels::weigh_vertex(
-        phases[at], shifts.data(), weights.data(), static_cast<int>(shifts.size()), stripe_duty);
   }
+  const double weight = slope_kernels::weigh_vertices(phases.data(),
+                                                      polygon.size(),
+                                                      shifts.data(),
+                                                      weights.data(),
+                                                      static_cast<int>(shifts.size()),
+                                                      stripe_duty,
+                                                      sums.data());
   const double lit = polygon.area() * weight;
   double polygon_share = stripe_duty * lit;
   double by_duty = lit;

@@ -31,32 +31,21 @@ __attribute__((always_inline)) inline unsigned char is_straight(
   return static_cast<unsigned char>(is_small ? 1 : 0);
 }
 
-/// Which pieces of a table some widths fall into.
-struct PieceRange {
-  std::int32_t lowest;
-  std::int32_t highest;
-};
-
 /// @param piece  of each width @param s  how far into it, in pieces
-__attribute__((always_inline)) inline PieceRange pieces_of(const float* __restrict w,
-                                                           int count,
-                                                           int pieces,
-                                                           float per_unit,
-                                                           std::int32_t* __restrict piece,
-                                                           float* __restrict s) {
+__attribute__((always_inline)) inline void pieces_of(const float* __restrict w,
+                                                     int count,
+                                                     int pieces,
+                                                     float per_unit,
+                                                     std::int32_t* __restrict piece,
+                                                     float* __restrict s) {
   const auto last = static_cast<float>(pieces);
-  std::int32_t lowest = pieces;
-  std::int32_t highest = 0;
   for (int i = 0; i < count; ++i) {
     const float place = w[i] * per_unit;
     const float at = place < last ? place : last;
     const auto whole = static_cast<std::int32_t>(at);
     piece[i] = whole < pieces ? whole : pieces - 1;
     s[i] = at - static_cast<float>(piece[i]);
-    lowest = piece[i] < lowest ? piece[i] : lowest;
-    highest = piece[i] > highest ? piece[i] : highest;
   }
-  return {.lowest = lowest, .highest = highest};
 }
 
 __attribute__((always_inline)) inline int piece_of(float w, const PieceTables& t) {
@@ -127,36 +116,6 @@ GLINT_WIDE void stripe_widths(const ThreeRows& gx,
   for (const int i : {0, last}) {
     const float xx = x_here[i < last ? i + 1 : last] - x_here[i > 0 ? i - 1 : 0];
     is_linear[i] = is_straight(xx, x_below[i] - x_above[i], y_below[i] - y_above[i], w[i], r);
-  }
-}
-
-GLINT_WIDE void look_up(const float* __restrict w,
-                        int count,
-                        const float* __restrict coefficients,
-                        int pieces,
-                        float per_unit,
-                        float* __restrict values) {
-  constexpr int kChunk = 32;
-  std::int32_t piece[kChunk];
-  float s[kChunk];
-  for (int begin = 0; begin < count; begin += kChunk) {
-    const int size = count - begin < kChunk ? count - begin : kChunk;
-    const auto [lowest, highest] = pieces_of(w + begin, size, pieces, per_unit, piece, s);
-    const float* a = coefficients + 4 * lowest;
-    const float* b = coefficients + 4 * highest;
-    const float a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
-    const float b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
-    const bool has_two = highest - lowest <= 1;
-    for (int i = 0; has_two && i < size; ++i) {
-      const bool is_low = piece[i] == lowest;
-      values[begin + i] =
-          (is_low ? a0 : b0) +
-          s[i] * ((is_low ? a1 : b1) + s[i] * ((is_low ? a2 : b2) + s[i] * (is_low ? a3 : b3)));
-    }
-    for (int i = 0; !has_two && i < size; ++i) {
-      const float* c = coefficients + 4 * piece[i];
-      values[begin + i] = c[0] + s[i] * (c[1] + s[i] * (c[2] + s[i] * c[3]));
-    }
   }
 }
 

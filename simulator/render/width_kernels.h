@@ -15,7 +15,7 @@ void cosine_series(
 /// @param scale  periods for each mm
 void phase_slopes(const CornerRows& corners, int count, float scale, float* gx, float* gy);
 
-/// Tables of the same pieces, one of cubics (look_up) and one that is straight between its nodes.
+/// Tables of the same pieces, one of cubics and one that is straight between its nodes.
 struct PieceTables {
   const float* coefficients = nullptr;  ///< four for each piece
   const float* nodes = nullptr;         ///< one more than pieces
@@ -29,7 +29,9 @@ struct PieceValues {
   float straight = 0.0F;
 };
 
-/// Values of both tables at w * per_unit where the mask is set, `other` elsewhere.
+/// Values of both tables at w * per_unit where the mask is set, those of the last piece's end
+/// beyond it, `other` elsewhere. Neighbours that share a piece or two, as they mostly do, cost no
+/// gathering of coefficients.
 void look_up_where(const unsigned char* mask,
                    const float* w,
                    int count,

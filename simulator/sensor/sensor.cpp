@@ -125,10 +125,10 @@ double noise_floor(const SensorSettings& settings) {
 
 ImageF ScanSums::aspect() const {
   GLINT_CHECK(frames > 0, "the mean of no frames");
-  ImageF mean = sum;
-  for (float& value : mean.values()) {
-    value /= static_cast<float>(frames);
-  }
+  ImageF mean = ImageF::unset(sum.width(), sum.height());
+  std::ranges::transform(sum.values(), mean.values().begin(), [this](double total) {
+    return static_cast<float>(total / frames);
+  });
   return mean;
 }
 
@@ -332,7 +332,7 @@ void Sensor::accumulate(const ImageF& radiance,
     sums = ScanSums(width_px_, height_px_);
   } else if (sums.frames == 0) {
     for (const RowSpan& span : where) {
-      std::fill_n(sums.sum.row(span.y) + span.begin, span.size(), 0.0f);
+      std::fill_n(sums.sum.row(span.y) + span.begin, span.size(), 0.0);
       std::fill_n(sums.clipped_frames.row(span.y) + span.begin, span.size(), std::uint16_t{0});
     }
   }

@@ -43,7 +43,9 @@ double noise_floor(const SensorSettings& settings);
 
 /// What a scan leaves behind: enough for the aspect image and for where it is blind.
 struct ScanSums {
-  ImageF sum;                           ///< of the grey values over the frames
+  /// Of the grey values over the frames. In double: of an even picture float would round away what
+  /// h is made of.
+  Image<double> sum;
   Image<std::uint16_t> clipped_frames;  ///< frames in which the pixel is at full scale
   int frames = 0;
 
@@ -73,8 +75,7 @@ class Sensor {
   void expose(const ImageF& radiance, int frame_index, const Spans& where, ImageF& frame) const;
 
   /// The same frame, added to the sums in one sweep over memory; also kept when `frame` is given.
-  /// Float sums round: for the same bytes, add the frames in the same order. Sums of no frames are
-  /// started anew, whatever they hold.
+  /// Sums of no frames are started anew, whatever they hold.
   void accumulate(const ImageF& radiance,
                   int frame_index,
                   ScanSums& sums,

@@ -121,10 +121,10 @@ GLINT_CLONES void to_grey(float scale, int levels, int width, float* __restrict 
 
 GLINT_CLONES void accumulate(const float* __restrict values,
                              int width,
-                             float* __restrict sum,
+                             double* __restrict sum,
                              std::uint16_t* __restrict clipped) {
   for (int x = 0; x < width; ++x) {
-    sum[x] += values[x];
+    sum[x] += static_cast<double>(values[x]);
   }
   for (int x = 0; x < width; ++x) {
     const std::uint16_t full = values[x] >= 1.0f ? 1 : 0;

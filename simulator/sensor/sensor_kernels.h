@@ -26,7 +26,7 @@ void weigh_rows(const TapRows& taps, int width, float* out);
 void to_grey(float scale, int levels, int width, float* values);
 
 /// sum += values; clipped += 1 where a value is 1 or more.
-void accumulate(const float* values, int width, float* sum, std::uint16_t* clipped);
+void accumulate(const float* values, int width, double* sum, std::uint16_t* clipped);
 
 /// values = factor x values + offset
 void scale_and_shift(float factor, float offset, int width, float* values);

@@ -212,6 +212,43 @@ TEST(SlopesByAspect, RoundingIsNoUnevenness) {
   EXPECT_EQ(slopes_by_aspect("homogeneity.mean", {aspect, region, {}, 0.1}).value()(0, 0), 0.5F);
 }
 
+// Sums are taken beside the region's first value: here it is dark, and the others differ by 1e-5.
+TEST(SlopesByAspect, AFarFirstPixelCostsNoDigits) {
+  constexpr int kWidth = 331;
+  constexpr int kHeight = 40;
+  ImageF aspect(kWidth, kHeight);
+  double mean = 0.0;
+  for (std::size_t i = 1; i < aspect.size(); ++i) {
+    Rng rng(110, Stream::kTest, i);
+    aspect.values()[i] = static_cast<float>(rng.uniform(0.5, 0.50001));
+    mean += static_cast<double>(aspect.values()[i]) / static_cast<double>(aspect.size());
+  }
+  double variance = 0.0;
+  double size = 0.0;
+  double sign = 0.0;
+  const auto count = static_cast<double>(aspect.size());
+  for (const float value : aspect.values()) {
+    const double rest = static_cast<double>(value) - mean;
+    variance += rest * rest / count;
+    size += std::abs(rest) / count;
+    sign += (rest > 0.0 ? 1.0 : -1.0) / count;
+  }
+  const double sigma = std::sqrt(variance);
+  // Slopes are in float, and those of h_abs may cancel.
+  const auto tolerance = [&](double slope) { return 1e-7 * std::abs(slope) + 1e-8 / count; };
+  const Mask region(kWidth, kHeight, 1);
+  const auto rms = slopes_by_aspect("homogeneity.h_rms", {aspect, region, {}, 0.1}).value();
+  const auto abs = slopes_by_aspect("homogeneity.h_abs", {aspect, region, {}, 0.1}).value();
+  for (std::size_t i = 0; i < aspect.size(); ++i) {
+    const double rest = static_cast<double>(aspect.values()[i]) - mean;
+    const double by_rms = (sigma / (mean * mean) - rest / (sigma * mean)) / count;
+    const double by_abs =
+        (size / (mean * mean) + (sign - (rest > 0.0 ? 1.0 : -1.0)) / mean) / count;
+    ASSERT_NEAR(static_cast<double>(rms.values()[i]), by_rms, tolerance(by_rms)) << i;
+    ASSERT_NEAR(static_cast<double>(abs.values()[i]), by_abs, tolerance(by_abs)) << i;
+  }
+}
+
 TEST(SlopesByAspect, ADefectThatIsNotSeenHasNoSlope) {
   TwoDents scene;
   std::ranges::fill(scene.aspect.values(), 0.4F);

@@ -337,5 +337,75 @@ TEST(WallMotion, ARayOnARidgeMovesByTheMeanOfBothPanels) {
   EXPECT_NEAR(slope_at(0.0F), 0.0, 1e-12);
 }
 
+/// Rays that meet a wall of 256 pieces anywhere between two angles from its foot.
+struct StrewnRays {
+  static constexpr int kPieces = 256;
+  std::vector<float> y_mm, margin_mm, x, y, margin, dx, dy, dz, normal_y, normal_z;
+
+  StrewnRays(int count, double low_rad, double high_rad, double jitter_rad) {
+    for (int i = 0; i <= kPieces; ++i) {
+      normal_y.push_back(static_cast<float>(std::sin(0.01 * i - 1.3)));
+      normal_z.push_back(static_cast<float>(std::cos(0.01 * i - 1.3)));
+    }
+    for (int i = 0; i < count; ++i) {
+      Rng rng(151, Stream::kTest, static_cast<std::uint64_t>(i));
+      const double angle =
+          low_rad + (high_rad - low_rad) * i / count + rng.uniform(-jitter_rad, jitter_rad);
+      y_mm.push_back(static_cast<float>(100.0 * std::cos(angle)));
+      margin_mm.push_back(static_cast<float>(100.0 * std::sin(angle)));
+      x.push_back(static_cast<float>(rng.uniform(-1.0, 1.0)));
+      y.push_back(i % 5 == 0 ? static_cast<float>(rng.uniform(-1.0, 1.0)) : 0.0F);
+      margin.push_back(i % 7 == 0 ? static_cast<float>(rng.uniform(-1.0, 1.0)) : 0.0F);
+      dx.push_back(static_cast<float>(rng.uniform(-0.5, 0.5)));
+      dy.push_back(static_cast<float>(0.1 * rng.uniform(-1.0, 1.0)));
+      dz.push_back(0.8F);
+    }
+  }
+
+  /// Rays [first, first + count), added to nodes.
+  void add(std::size_t first, int count, bool has_edges, std::vector<double>& by_node) const {
+    add_shift_slopes({.direction_x = &dx[first],
+                      .direction_y = &dy[first],
+                      .direction_z = &dz[first],
+                      .count = count},
+                     &y_mm[first],
+                     &margin_mm[first],
+                     {.x = &x[first],
+                      .y = has_edges ? &y[first] : nullptr,
+                      .margin = has_edges ? &margin[first] : nullptr},
+                     {.y = normal_y.data(), .z = normal_z.data(), .pieces = kPieces},
+                     by_node.data());
+  }
+};
+
+// Few nodes and many, a drift that leaves the window of nodes again and again, rays all over the
+// wall and at its feet: together as one by one.
+TEST(AddShiftSlopes, RaysTogetherAreRaysOneByOne) {
+  const std::array<std::array<double, 3>, 5> ranges = {
+      {{1.0, 1.001, 0.0}, {0.3, 2.9, 0.0}, {0.3, 2.9, 0.03}, {0.1, 3.0, 2.0}, {0.0, 0.1, 0.0}}};
+  for (const auto& [low, high, jitter] : ranges) {
+    const StrewnRays rays(2011, low, high, jitter);
+    std::vector<double> together(StrewnRays::kPieces + 1), alone(together);
+    rays.add(0, 2011, true, together);
+    for (std::size_t i = 0; i < rays.x.size(); ++i) {
+      rays.add(i, 1, true, alone);
+    }
+    for (std::size_t node = 0; node < alone.size(); ++node) {
+      ASSERT_NEAR(together[node], alone[node], 3e-4) << low << " " << node;
+    }
+  }
+}
+
+TEST(AddShiftSlopes, NoSlopesByEdgesAreNoughts) {
+  StrewnRays rays(500, 0.3, 2.9, 0.02);
+  std::vector<double> without(StrewnRays::kPieces + 1), noughts(without);
+  rays.add(0, 500, false, without);
+  std::ranges::fill(rays.y, 0.0F);
+  std::ranges::fill(rays.margin, 0.0F);
+  rays.add(0, 500, true, noughts);
+  EXPECT_EQ(without, noughts);
+  EXPECT_NE(*std::ranges::max_element(without), 0.0);
+}
+
 }  // namespace
 }  // namespace glint

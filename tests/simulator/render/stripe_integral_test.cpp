@@ -357,27 +357,6 @@ TEST(SumBoxFrames, IsTheSumOfSingleFrames) {
 }
 
 // Neighbours share a piece at first, and are strewn over the whole table after that.
-TEST(LookUp, IsTheTableOfClippedMean) {
-  const ClippedMean table({.gain = 2.0, .full_well_e = 10000.0}, {.duty = 0.4});
-  std::vector<float> w;
-  for (int i = 0; i < 2003; ++i) {
-    w.push_back(static_cast<float>(i) / 2000.0F);
-  }
-  for (int i = 0; i < 2003; ++i) {
-    w.push_back(static_cast<float>(i * 977 % 2003) / 2000.0F);
-  }
-  std::vector<float> values(w.size());
-  kernels::look_up(w.data(),
-                   static_cast<int>(w.size()),
-                   table.coefficients().data(),
-                   ClippedMean::kIntervals,
-                   static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest),
-                   values.data());
-  for (std::size_t i = 0; i < w.size(); ++i) {
-    ASSERT_NEAR(static_cast<double>(values[i]), table.mean(static_cast<double>(w[i])), 2e-6) << i;
-  }
-}
-
 TEST(LookUpWhere, HasBothTablesInTheMaskAndOtherValuesElsewhere) {
   const ClippedMean table({.gain = 2.0, .full_well_e = 10000.0}, {.duty = 0.4});
   std::vector<float> w;

@@ -151,18 +151,32 @@ TEST(Sensor, StartsSumsOfNoFramesAnew) {
   ImageF radiance(3, 1);
   radiance.values() = {0.25f, 0.5f, 0.125f};
   ScanSums sums(3, 1);
-  sums.sum.values() = {7.0f, 8.0f, 9.0f};
+  sums.sum.values() = {7.0, 8.0, 9.0};
   sums.clipped_frames.values() = {7, 8, 9};
   sensor.accumulate(radiance, 0, Spans{{.y = 0, .begin = 0, .end = 2}}, sums);
   EXPECT_EQ(sums.frames, 1);
-  EXPECT_EQ(sums.sum.values(), (ImageF::Values{0.5f, 1.0f, 9.0f}));
+  EXPECT_EQ(sums.sum.values(), (Image<double>::Values{0.5, 1.0, 9.0}));
   EXPECT_EQ(sums.clipped_frames.values(), (Image<std::uint16_t>::Values{0, 1, 9}));
+}
+
+// An even picture's h lives in the last digits of its mean: two grey values that differ by 2^-22
+// still do after 99 frames, where a sum in float (99 x 0.7 has steps of 2^-17) would have merged
+// them.
+TEST(Sensor, KeepsTheLastDigitOfTheMeanOfManyFrames) {
+  const Sensor sensor({.gain = 1.0, .blur_px = 0.0, .bits = 0}, 2, 1);
+  ImageF radiance(2, 1);
+  radiance.values() = {0.7f, 0.7f + 0x1p-22f};
+  ScanSums sums;
+  for (int frame = 0; frame < 99; ++frame) {
+    sensor.accumulate(radiance, frame, sums);
+  }
+  EXPECT_EQ(sums.aspect(), radiance);
 }
 
 TEST(Sensor, AccumulatesTheSameFramesThatItExposes) {
   const Sensor sensor({.gain = 1.5, .full_well_e = 5000.0, .read_noise_e = 4.0}, 61, 23);
   ScanSums sums;
-  ImageF total_of_frames(61, 23);
+  Image<double> total_of_frames(61, 23);
   for (int frame = 0; frame < 5; ++frame) {
     const ImageF radiance = random_radiance(61, 23, static_cast<std::uint64_t>(frame));
     ImageF alone;
@@ -171,7 +185,7 @@ TEST(Sensor, AccumulatesTheSameFramesThatItExposes) {
     sensor.accumulate(radiance, frame, sums, &kept);
     EXPECT_EQ(alone, kept);
     for (std::size_t i = 0; i < alone.size(); ++i) {
-      total_of_frames.values()[i] += alone.values()[i];
+      total_of_frames.values()[i] += static_cast<double>(alone.values()[i]);
     }
   }
   EXPECT_EQ(sums.sum, total_of_frames);

@@ -66,7 +66,7 @@ TEST(SensorSpans, EqualTheWholePictureBitForBit) {
     EXPECT_EQ(some.frames, 2);
     for (std::size_t p = 0; p < frame.size(); ++p) {
       const bool is_wanted = c.wanted.values()[p] != 0;
-      ASSERT_EQ(some.sum.values()[p], is_wanted ? whole.sum.values()[p] : 0.0F) << i;
+      ASSERT_EQ(some.sum.values()[p], is_wanted ? whole.sum.values()[p] : 0.0) << i;
       ASSERT_EQ(some.clipped_frames.values()[p], is_wanted ? whole.clipped_frames.values()[p] : 0)
           << i;
     }

@@ -120,6 +120,12 @@ struct alignas(64) Newton {
   std::int64_t is_open[kExactLanes];  ///< 1 while neither converged nor given up
 };
 
+/// Surfaces drawn along the x axis of their frame: where on it a ray meets them does not matter.
+constexpr bool is_straight(Kind kind) {
+  return kind == Kind::kCylinder || kind == Kind::kInvolute;
+}
+
+template <Kind kKind>
 GLINT_INLINE void begin(const PatchCoefficients& patch, const PolishLanes& lanes, Search& s) {
   const double* r = patch.rotation;
   const double* __restrict origin_x = lanes.origin_x;
@@ -136,10 +142,10 @@ GLINT_INLINE void begin(const PatchCoefficients& patch, const PolishLanes& lanes
     const double px = origin_x[i] - patch.translation[0] + t_mm[i] * dx;
     const double py = origin_y[i] - patch.translation[1] + t_mm[i] * dy;
     const double pz = origin_z[i] - patch.translation[2] + t_mm[i] * dz;
-    s.dx[i] = r[0] * dx + r[3] * dy + r[6] * dz;
+    s.dx[i] = is_straight(kKind) ? 0.0 : r[0] * dx + r[3] * dy + r[6] * dz;
     s.dy[i] = r[1] * dx + r[4] * dy + r[7] * dz;
     s.dz[i] = r[2] * dx + r[5] * dy + r[8] * dz;
-    s.sx[i] = r[0] * px + r[3] * py + r[6] * pz;
+    s.sx[i] = is_straight(kKind) ? 0.0 : r[0] * px + r[3] * py + r[6] * pz;
     s.sy[i] = r[1] * px + r[4] * py + r[7] * pz;
     s.sz[i] = r[2] * px + r[5] * py + r[8] * pz;
     const double length = std::sqrt(px * px + py * py + pz * pz);
@@ -289,28 +295,45 @@ GLINT_INLINE void polish(const PatchCoefficients& patch,
                          double max_move_mm,
                          const PolishLanes& lanes) {
   Search s;
-  begin(patch, lanes, s);
+  begin<kKind>(patch, lanes, s);
   search<kKind>(patch, max_move_mm, s);
   const double* r = patch.rotation;
+  const double* __restrict origin_x = lanes.origin_x;
+  const double* __restrict origin_y = lanes.origin_y;
+  const double* __restrict origin_z = lanes.origin_z;
+  const double* __restrict direction_x = lanes.direction_x;
+  const double* __restrict direction_y = lanes.direction_y;
+  const double* __restrict direction_z = lanes.direction_z;
+  const double* __restrict start_t_mm = lanes.start_t_mm;
   Result at;
   for (int i = 0; i < kExactLanes; ++i) {
-    const double x = s.sx[i] + s.move[i] * s.dx[i];
+    const double x = is_straight(kKind) ? 0.0 : s.sx[i] + s.move[i] * s.dx[i];
     const double y = s.sy[i] + s.move[i] * s.dy[i];
     const double z = s.sz[i] + s.move[i] * s.dz[i];
     double gx = 0.0;
     double gy = 0.0;
     double gz = 0.0;
     outwards<kKind>(patch, x, y, z, gx, gy, gz);
-    const double scale = 1.0 / std::sqrt(gx * gx + gy * gy + gz * gz);
-    const double nx = gx * scale;
-    const double ny = gy * scale;
-    const double nz = gz * scale;
-    at.point_x[i] = r[0] * x + r[1] * y + r[2] * z + patch.translation[0];
-    at.point_y[i] = r[3] * x + r[4] * y + r[5] * z + patch.translation[1];
-    at.point_z[i] = r[6] * x + r[7] * y + r[8] * z + patch.translation[2];
-    at.normal_x[i] = r[0] * nx + r[1] * ny + r[2] * nz;
-    at.normal_y[i] = r[3] * nx + r[4] * ny + r[5] * nz;
-    at.normal_z[i] = r[6] * nx + r[7] * ny + r[8] * nz;
+    const double t_mm = start_t_mm[i] + s.move[i];
+    at.point_x[i] = origin_x[i] + t_mm * direction_x[i];
+    at.point_y[i] = origin_y[i] + t_mm * direction_y[i];
+    at.point_z[i] = origin_z[i] + t_mm * direction_z[i];
+    if constexpr (is_straight(kKind)) {
+      const double scale = 1.0 / std::sqrt(gy * gy + gz * gz);
+      const double ny = gy * scale;
+      const double nz = gz * scale;
+      at.normal_x[i] = r[1] * ny + r[2] * nz;
+      at.normal_y[i] = r[4] * ny + r[5] * nz;
+      at.normal_z[i] = r[7] * ny + r[8] * nz;
+    } else {
+      const double scale = 1.0 / std::sqrt(gx * gx + gy * gy + gz * gz);
+      const double nx = gx * scale;
+      const double ny = gy * scale;
+      const double nz = gz * scale;
+      at.normal_x[i] = r[0] * nx + r[1] * ny + r[2] * nz;
+      at.normal_y[i] = r[3] * nx + r[4] * ny + r[5] * nz;
+      at.normal_z[i] = r[6] * nx + r[7] * ny + r[8] * nz;
+    }
   }
   copy(at.point_x, lanes.point_x);
   copy(at.point_y, lanes.point_y);

@@ -32,18 +32,6 @@ void set_escape(EscapePacket& escapes,
   escapes.weight[lane] = static_cast<float>(weight);
 }
 
-EscapeArrays arrays_of(EscapePacket& escapes) {
-  return {.seen_x = escapes.seen_x.data(),
-          .seen_y = escapes.seen_y.data(),
-          .seen_z = escapes.seen_z.data(),
-          .origin_x = escapes.origin_x.data(),
-          .origin_y = escapes.origin_y.data(),
-          .origin_z = escapes.origin_z.data(),
-          .direction_x = escapes.direction_x.data(),
-          .direction_y = escapes.direction_y.data(),
-          .direction_z = escapes.direction_z.data()};
-}
-
 /// All rays of a packet missed the part.
 void set_missed(EscapePacket& escapes) {
   escapes.is_plain = false;
@@ -123,6 +111,18 @@ void round_three(const double* x,
 }
 
 }  // namespace
+
+EscapeArrays arrays_of(EscapePacket& escapes) {
+  return {.seen_x = escapes.seen_x.data(),
+          .seen_y = escapes.seen_y.data(),
+          .seen_z = escapes.seen_z.data(),
+          .origin_x = escapes.origin_x.data(),
+          .origin_y = escapes.origin_y.data(),
+          .origin_z = escapes.origin_z.data(),
+          .direction_x = escapes.direction_x.data(),
+          .direction_y = escapes.direction_y.data(),
+          .direction_z = escapes.direction_z.data()};
+}
 
 CameraRays::CameraRays(const PinholeCamera& camera, const RigidTransform& camera_from_world)
     : camera_(camera), world_from_camera_(inverse(camera_from_world)) {

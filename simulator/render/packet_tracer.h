@@ -45,6 +45,9 @@ struct EscapePacket {
   bool is_plain = false;   ///< all used lanes escaped after one reflection and none grazes
 };
 
+/// The arrays of a packet that kernels write.
+EscapeArrays arrays_of(EscapePacket& escapes);
+
 /// A rectangle of the image [px].
 struct ImageArea {
   double min_x = -std::numeric_limits<double>::infinity();

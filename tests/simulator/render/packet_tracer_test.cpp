@@ -207,15 +207,7 @@ TEST(EscapeAgain16, ChangesOnlyLanesThatMetThePartAgain) {
   const MeetingLanes second = random_lanes(rng);
   const HitPacket hits = some_hits();
   EscapePacket escapes;
-  const EscapeArrays arrays = {.seen_x = escapes.seen_x.data(),
-                               .seen_y = escapes.seen_y.data(),
-                               .seen_z = escapes.seen_z.data(),
-                               .origin_x = escapes.origin_x.data(),
-                               .origin_y = escapes.origin_y.data(),
-                               .origin_z = escapes.origin_z.data(),
-                               .direction_x = escapes.direction_x.data(),
-                               .direction_y = escapes.direction_y.data(),
-                               .direction_z = escapes.direction_z.data()};
+  const EscapeArrays arrays = arrays_of(escapes);
   Lanes of_path;
   of_path.fill(0.5);
   escapes.weight.fill(0.25F);

@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "simulator/light/tunnel_kernels.h"
 
@@ -18,6 +17,20 @@ constexpr int kMaxSegments = 32;
 /// Neighbouring rays mostly meet one segment: the others are skipped a chunk at a time.
 constexpr int kChunk = 128;
 constexpr float kThird = 1.0F / 3.0F;
+
+struct Place {
+  float y, z;
+};
+
+/// Where a segment begins, and the last one ends: neighbours share it to the bit, so that no line
+/// slips through between them.
+Place knot_at(const float* coefficients, int segment, int num_segments) {
+  if (segment < num_segments) {
+    return {coefficients[8 * segment], coefficients[8 * segment + 4]};
+  }
+  const float* c = coefficients + 8 * (num_segments - 1);
+  return {c[0] + c[1] + c[2] + c[3], c[4] + c[5] + c[6] + c[7]};
+}
 
 /// One step of Newton's method for f(u) = f0 + f1 u + f2 u^2 + f3 u^3, kept in a bracket.
 __attribute__((always_inline)) inline void newton_step(
@@ -43,6 +56,7 @@ struct Crossings {
 template <int kSteps, bool kIsFirst>
 __attribute__((always_inline)) inline void step_crossings(const RayBlock& rays,
                                                           const float* c,
+                                                          const Place& end,
                                                           float at_rest,
                                                           float* __restrict places,
                                                           float* __restrict lows,
@@ -54,8 +68,8 @@ __attribute__((always_inline)) inline void step_crossings(const RayBlock& rays,
   const float* __restrict dz = rays.direction_z;
   const float y0 = c[0], y1 = c[1], y2 = c[2], y3 = c[3];
   const float z0 = c[4], z1 = c[5], z2 = c[6], z3 = c[7];
-  const float end_y = y0 + y1 + y2 + y3;
-  const float end_z = z0 + z1 + z2 + z3;
+  const float end_y = end.y;
+  const float end_z = end.z;
   const int count = rays.count;
   for (int i = 0; i < count; ++i) {
     const float ny = dz[i];
@@ -84,15 +98,16 @@ __attribute__((always_inline)) inline void step_crossings(const RayBlock& rays,
   }
 }
 
-GLINT_WIDE void find_crossings(const RayBlock& rays, const float* c, Crossings& found) {
-  step_crossings<3, true>(rays, c, 0.0F, found.u, found.low, found.high, found.moved);
+GLINT_WIDE void find_crossings(const RayBlock& rays,
+                               const float* c,
+                               const Place& end,
+                               Crossings& found) {
+  step_crossings<3, true>(rays, c, end, 0.0F, found.u, found.low, found.high, found.moved);
 }
 
-GLINT_WIDE void finish_crossings(const RayBlock& rays,
-                                 const float* c,
-                                 float at_rest,
-                                 Crossings& found) {
-  step_crossings<2, false>(rays, c, at_rest, found.u, found.low, found.high, found.moved);
+GLINT_WIDE void finish_crossings(
+    const RayBlock& rays, const float* c, const Place& end, float at_rest, Crossings& found) {
+  step_crossings<2, false>(rays, c, end, at_rest, found.u, found.low, found.high, found.moved);
 }
 
 GLINT_WIDE int count_above(const float* __restrict values, int count, float limit) {
@@ -125,12 +140,12 @@ GLINT_WIDE void keep_nearest(const RayBlock& rays,
 }
 
 /// What a ray gets does not depend on its neighbours.
-void cross_segment(const RayBlock& rays, const float* coefficients, float* t_mm) {
+void cross_segment(const RayBlock& rays, const float* coefficients, const Place& end, float* t_mm) {
   constexpr float kAtRest = 2e-4F;  // another step would change less than a float holds
   Crossings found;
-  find_crossings(rays, coefficients, found);
+  find_crossings(rays, coefficients, end, found);
   if (count_above(found.moved, rays.count, kAtRest) > 0) {
-    finish_crossings(rays, coefficients, kAtRest, found);
+    finish_crossings(rays, coefficients, end, kAtRest, found);
   }
   keep_nearest(rays, coefficients, found, t_mm);
 }
@@ -159,75 +174,30 @@ GLINT_WIDE int count_ahead(const RayBlock& rays, const float* c) {
   return ahead;
 }
 
-/// Rays whose line has the segment's ends on different sides.
-GLINT_WIDE int count_crossing(const RayBlock& rays, float y0, float z0, float end_y, float end_z) {
+/// Bit s where at least one of the rays' lines has the ends of segment s on different sides: as
+/// step_crossings() sees them.
+GLINT_WIDE std::uint32_t find_crossed(const RayBlock& rays,
+                                      const float* coefficients,
+                                      int segments) {
   const float* __restrict oy = rays.origin_y;
   const float* __restrict oz = rays.origin_z;
   const float* __restrict dy = rays.direction_y;
   const float* __restrict dz = rays.direction_z;
   const int count = rays.count;
-  int crossings = 0;
-  for (int i = 0; i < count; ++i) {
-    const bool starts_left = dz[i] * (y0 - oy[i]) - dy[i] * (z0 - oz[i]) <= 0.0F;
-    const bool ends_left = dz[i] * (end_y - oy[i]) - dy[i] * (end_z - oz[i]) <= 0.0F;
-    crossings += starts_left != ends_left ? 1 : 0;
+  std::int32_t is_left[kChunk] = {};
+  std::uint32_t crossed = 0;
+  for (int s = 0; s <= segments; ++s) {
+    const Place knot = knot_at(coefficients, s, segments);
+    std::int32_t any = 0;
+    for (int i = 0; i < count; ++i) {
+      const float side = dz[i] * (knot.y - oy[i]) - dy[i] * (knot.z - oz[i]);
+      const std::int32_t is_now = side <= 0.0F ? 1 : 0;
+      any |= is_now ^ is_left[i];
+      is_left[i] = is_now;
+    }
+    crossed |= s > 0 && any != 0 ? std::uint32_t{1} << (s - 1) : 0U;
   }
-  return crossings;
-}
-
-/// Limits of a chunk's directions and of their lines' moments around (0, 0).
-struct LineLimits {
-  float low_y, high_y, low_z, high_z, low_moment, high_moment;
-};
-
-/// Bits of floats that are ordered as they are, and back.
-__attribute__((always_inline)) inline std::int32_t ordered(std::int32_t bits) {
-  return bits ^ ((bits >> 31) & 0x7FFFFFFF);
-}
-
-GLINT_WIDE void find_limits(const RayBlock& rays, LineLimits& limits) {
-  const float* __restrict oy = rays.origin_y;
-  const float* __restrict oz = rays.origin_z;
-  const float* __restrict dy = rays.direction_y;
-  const float* __restrict dz = rays.direction_z;
-  constexpr std::int32_t kLowest = std::numeric_limits<std::int32_t>::min();
-  constexpr std::int32_t kHighest = std::numeric_limits<std::int32_t>::max();
-  std::int32_t low_y = kHighest, low_z = kHighest, low_moment = kHighest;
-  std::int32_t high_y = kLowest, high_z = kLowest, high_moment = kLowest;
-  const int count = rays.count;
-  for (int i = 0; i < count; ++i) {
-    const std::int32_t y = ordered(std::bit_cast<std::int32_t>(dy[i]));
-    const std::int32_t z = ordered(std::bit_cast<std::int32_t>(dz[i]));
-    const std::int32_t moment = ordered(std::bit_cast<std::int32_t>(dz[i] * oy[i] - dy[i] * oz[i]));
-    low_y = y < low_y ? y : low_y;
-    high_y = y > high_y ? y : high_y;
-    low_z = z < low_z ? z : low_z;
-    high_z = z > high_z ? z : high_z;
-    low_moment = moment < low_moment ? moment : low_moment;
-    high_moment = moment > high_moment ? moment : high_moment;
-  }
-  limits = {.low_y = std::bit_cast<float>(ordered(low_y)),
-            .high_y = std::bit_cast<float>(ordered(high_y)),
-            .low_z = std::bit_cast<float>(ordered(low_z)),
-            .high_z = std::bit_cast<float>(ordered(high_z)),
-            .low_moment = std::bit_cast<float>(ordered(low_moment)),
-            .high_moment = std::bit_cast<float>(ordered(high_moment))};
-}
-
-/// The side of all lines of a chunk that a point is on: 1, -1, or 0 where it is not surely one.
-int side_of(const LineLimits& l, float y, float z) {
-  constexpr float kRounding = 1e-5F;
-  const float low_a = y >= 0.0F ? y * l.low_z : y * l.high_z;
-  const float high_a = y >= 0.0F ? y * l.high_z : y * l.low_z;
-  const float low_b = z >= 0.0F ? z * l.low_y : z * l.high_y;
-  const float high_b = z >= 0.0F ? z * l.high_y : z * l.low_y;
-  const float size = std::max(std::abs(low_a), std::abs(high_a)) +
-                     std::max(std::abs(low_b), std::abs(high_b)) +
-                     std::max(std::abs(l.low_moment), std::abs(l.high_moment));
-  if (low_a - high_b - l.high_moment > kRounding * size) {
-    return 1;
-  }
-  return high_a - low_b - l.low_moment < -kRounding * size ? -1 : 0;
+  return crossed;
 }
 
 void hit_spline_chunk(const RayBlock& rays,
@@ -235,17 +205,12 @@ void hit_spline_chunk(const RayBlock& rays,
                       int num_segments,
                       float* t_mm) {
   std::fill_n(t_mm, rays.count, kNoHit_mm);
-  LineLimits limits;
-  find_limits(rays, limits);
-  for (int s = 0; s < num_segments; ++s) {
-    const float* c = coefficients + 8 * s;
-    const float end_y = c[0] + c[1] + c[2] + c[3];
-    const float end_z = c[4] + c[5] + c[6] + c[7];
-    const int side = side_of(limits, c[0], c[4]);
-    const bool is_beside = side != 0 && side == side_of(limits, end_y, end_z);
-    if (!is_beside && count_crossing(rays, c[0], c[4], end_y, end_z) > 0 &&
-        count_ahead(rays, c) > 0) {
-      cross_segment(rays, c, t_mm);
+  const std::uint32_t crossed = find_crossed(rays, coefficients, num_segments);
+  for (std::uint32_t left = crossed; left != 0; left &= left - 1) {
+    const int segment = std::countr_zero(left);
+    const float* c = coefficients + 8 * segment;
+    if (count_ahead(rays, c) > 0) {
+      cross_segment(rays, c, knot_at(coefficients, segment + 1, num_segments), t_mm);
     }
   }
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/render/cut_kernels.h"
 
+#include <bit>
 #include <cmath>
+#include <cstddef>
 
 #include "simulator/render/footprint_lane.h"
 #include "simulator/render/stripe_integral.h"
@@ -33,17 +35,21 @@ struct Range {
   float low, high;
 };
 
+GLINT_INLINE float smaller(float a, float b) {
+  return a < b ? a : b;
+}
+
+GLINT_INLINE float larger(float a, float b) {
+  return a < b ? b : a;
+}
+
 GLINT_INLINE Range range_at(const Corners& corners, int i) {
   const float* a = corners.at[0];
   const float* b = corners.at[1];
   const float* c = corners.at[2];
   const float* d = corners.at[3];
-  const float low_top = a[i] < b[i] ? a[i] : b[i];
-  const float low_bottom = c[i] < d[i] ? c[i] : d[i];
-  const float high_top = a[i] < b[i] ? b[i] : a[i];
-  const float high_bottom = c[i] < d[i] ? d[i] : c[i];
-  return {low_top < low_bottom ? low_top : low_bottom,
-          high_top < high_bottom ? high_bottom : high_top};
+  return {smaller(smaller(a[i], b[i]), smaller(c[i], d[i])),
+          larger(larger(a[i], b[i]), larger(c[i], d[i]))};
 }
 
 /// How far a linear function goes from its middle; rounding errors allowed for.
@@ -434,10 +440,18 @@ GLINT_WIDE PlaceLimits find_limits(const float* __restrict x_mm,
     x.lanes[lane] = to_x.lanes[lane] = y.lanes[lane] = to_y.lanes[lane] = kHuge;
     margin.lanes[lane] = kHuge;
   }
-  for (int i = 0; i < count; i += kLanes) {
-    const int size = count - i < kLanes ? count - i : kLanes;
-    for (int lane = 0; lane < size; ++lane) {
-      const int at = i + lane;
+  const int whole = count < kLanes ? 0 : count;
+  for (int at = 0; at < count - whole; ++at) {
+    x.add(at, x_mm[at], weight[at]);
+    to_x.add(at, -x_mm[at], weight[at]);
+    y.add(at, y_mm[at], weight[at]);
+    to_y.add(at, -y_mm[at], weight[at]);
+    margin.add(at, margin_mm[at], weight[at]);
+  }
+  for (int i = 0; i < whole; i += kLanes) {
+    const int first = i < count - kLanes ? i : count - kLanes;  // the last ones may count twice
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int at = first + lane;
       x.add(lane, x_mm[at], weight[at]);
       to_x.add(lane, -x_mm[at], weight[at]);
       y.add(lane, y_mm[at], weight[at]);
@@ -454,46 +468,67 @@ GLINT_WIDE PlaceLimits find_limits(const float* __restrict x_mm,
 
 namespace {
 
-/// One row of cells. @return as sample_cells()
-GLINT_INLINE float sample_row(const CellGrid& cells,
-                              int row,
-                              float share,
-                              float offset_mm,
-                              float per_mm,
-                              const CellSamples& out) {
-  const int n = cells.cells_per_axis;
-  const float* __restrict top = cells.stripes_mm + row * (n + 1);
-  const float* __restrict bottom = top + n + 1;
-  const float* __restrict gain_top = cells.gain + row * (n + 1);
-  const float* __restrict gain_bottom = gain_top + n + 1;
-  const unsigned char* __restrict is_smooth = cells.is_smooth + row * n;
-  float* __restrict v = out.v + row * n;
-  float* __restrict gx = out.gx + row * n;
-  float* __restrict gy = out.gy + row * n;
-  float* __restrict gain = out.gain + row * n;
-  float widths[kLanes];
-  for (int i = 0; i < n; ++i) {
-    const bool is_used = is_smooth[i] != 0;
+/// The value, or 0 for a mask of 0: without a branch.
+GLINT_INLINE float kept(float value, std::int32_t mask) {
+  return std::bit_cast<float>(std::bit_cast<std::int32_t>(value) & mask);
+}
+
+/// A row of cells. @tparam kCells  per axis; known to the compiler, a row is a vector or less
+template <int kCells>
+GLINT_INLINE void sample_row(const float* __restrict top,
+                             const float* __restrict gain_top,
+                             const std::int32_t* __restrict used,
+                             float offset_mm,
+                             float per_mm,
+                             float* __restrict v,
+                             float* __restrict gx,
+                             float* __restrict gy,
+                             float* __restrict gain,
+                             float* __restrict widest) {
+  constexpr float kQuarterShare = 0.25F / static_cast<float>(kCells * kCells);
+  const float* __restrict bottom = top + kCells + 1;
+  const float* __restrict gain_bottom = gain_top + kCells + 1;
+  for (int i = 0; i < kCells; ++i) {
     const float a = top[i];
     const float b = top[i + 1];
     const float c = bottom[i];
     const float d = bottom[i + 1];
-    const float low_top = a < b ? a : b;
-    const float low_bottom = c < d ? c : d;
-    const float high_top = a < b ? b : a;
-    const float high_bottom = c < d ? d : c;
-    const float low = low_top < low_bottom ? low_top : low_bottom;
-    const float high = high_top < high_bottom ? high_bottom : high_top;
+    const float width = larger(larger(a, b), larger(c, d)) - smaller(smaller(a, b), smaller(c, d));
     const float sum = gain_top[i] + gain_top[i + 1] + gain_bottom[i] + gain_bottom[i + 1];
-    v[i] = is_used ? (0.25F * (a + b + c + d) - offset_mm) * per_mm : 0.0F;
-    gx[i] = is_used ? 0.5F * (b + d - a - c) * per_mm : 0.0F;
-    gy[i] = is_used ? 0.5F * (c + d - a - b) * per_mm : 0.0F;
-    gain[i] = is_used ? 0.25F * share * sum : 0.0F;
-    widths[i] = is_used ? high - low : 0.0F;
+    v[i] = kept((0.25F * (a + b + c + d) - offset_mm) * per_mm, used[i]);
+    gx[i] = kept(0.5F * (b + d - a - c) * per_mm, used[i]);
+    gy[i] = kept(0.5F * (c + d - a - b) * per_mm, used[i]);
+    gain[i] = kept(kQuarterShare * sum, used[i]);
+    widest[i] = larger(widest[i], kept(width, used[i]));
+  }
+}
+
+template <int kCells>
+GLINT_INLINE float sample_rows(const CellGrid& cells,
+                               float offset_mm,
+                               float per_mm,
+                               const CellSamples& out) {
+  std::int32_t used[static_cast<std::size_t>(kCells * kCells)];
+  for (int i = 0; i < kCells * kCells; ++i) {
+    used[i] = -static_cast<std::int32_t>(cells.is_smooth[i]);
+  }
+  float widths[static_cast<std::size_t>(kCells)] = {};
+  for (int row = 0; row < kCells; ++row) {
+    const std::ptrdiff_t first = row * kCells;
+    sample_row<kCells>(cells.stripes_mm + first + row,
+                       cells.gain + first + row,
+                       used + first,
+                       offset_mm,
+                       per_mm,
+                       out.v + first,
+                       out.gx + first,
+                       out.gy + first,
+                       out.gain + first,
+                       widths);
   }
   float widest = 0.0F;
-  for (int i = 0; i < n; ++i) {
-    widest = widths[i] > widest ? widths[i] : widest;
+  for (const float width : widths) {
+    widest = larger(widest, width);
   }
   return widest;
 }
@@ -504,14 +539,42 @@ GLINT_WIDE float sample_cells(const CellGrid& cells,
                               float offset_mm,
                               float per_mm,
                               const CellSamples& out) {
-  const int n = cells.cells_per_axis;
-  const float share = 1.0F / static_cast<float>(n * n);
-  float widest = 0.0F;
-  for (int row = 0; row < n; ++row) {
-    const float width = sample_row(cells, row, share, offset_mm, per_mm, out);
-    widest = width > widest ? width : widest;
+  switch (cells.cells_per_axis) {
+    case 2:
+      return sample_rows<2>(cells, offset_mm, per_mm, out);
+    case 4:
+      return sample_rows<4>(cells, offset_mm, per_mm, out);
+    case 8:
+      return sample_rows<8>(cells, offset_mm, per_mm, out);
+    default:
+      return sample_rows<16>(cells, offset_mm, per_mm, out);
   }
-  return widest;
+}
+
+GLINT_WIDE void corner_weights(const unsigned char* __restrict is_smooth,
+                               int cells_per_axis,
+                               float* __restrict weight) {
+  constexpr int kMostCells = 16;
+  const int n = cells_per_axis;
+  const float quarter = 0.25F / static_cast<float>(n * n);
+  // Quarters of the cells in a row of them, with nothing on both sides.
+  float above[kMostCells + 2] = {};
+  float below[kMostCells + 2] = {};
+  for (int row = 0; row <= n; ++row) {
+    const bool is_last = row == n;
+    const float full = is_last ? 0.0F : quarter;
+    const unsigned char* __restrict cells = is_smooth + (is_last ? 0 : row) * n;
+    for (int i = 0; i < n; ++i) {
+      below[i + 1] = full * static_cast<float>(1 - static_cast<std::int32_t>(cells[i]));
+    }
+    float* __restrict out = weight + row * (n + 1);
+    for (int i = 0; i <= n; ++i) {
+      out[i] = (above[i] + above[i + 1]) + (below[i] + below[i + 1]);
+    }
+    for (int i = 1; i <= n; ++i) {
+      above[i] = below[i];
+    }
+  }
 }
 
 }  // namespace glint::cut_kernels

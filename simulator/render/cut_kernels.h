@@ -110,9 +110,9 @@ PlaceLimits find_limits(
 /// The cells of a refined pixel, (n + 1)^2 corners around n x n cells.
 struct CellGrid {
   const float* stripes_mm = nullptr;
-  const float* gain = nullptr;  ///< of the light at the corners
-  const unsigned char* is_smooth = nullptr;
-  int cells_per_axis = 0;
+  const float* gain = nullptr;               ///< of the light at the corners
+  const unsigned char* is_smooth = nullptr;  ///< 1 or 0
+  int cells_per_axis = 0;                    ///< 2, 4, 8 or 16
 };
 
 /// Footprints as sum_box_frames() takes them; cells that are not smooth have gain 0.
@@ -125,5 +125,10 @@ struct CellSamples {
 
 /// @return by how much the stripes differ between corners of a smooth cell at most [mm]
 float sample_cells(const CellGrid& cells, float offset_mm, float per_mm, const CellSamples& out);
+
+/// What of a refined pixel the corners of cells that are not smooth stand for: a quarter of each.
+/// @param is_smooth  1 or 0, row by row
+/// @param weight     of (n + 1)^2 corners
+void corner_weights(const unsigned char* is_smooth, int cells_per_axis, float* weight);
 
 }  // namespace glint::cut_kernels

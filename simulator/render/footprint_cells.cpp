@@ -378,16 +378,8 @@ void CellSummer::add_corners(const Refined& pixel, CellSum& sum) {
   if (std::memchr(pixel.is_smooth, 0, n * n) == nullptr) {
     return;
   }
-  const float quarter = 0.25F / static_cast<float>(n * n);
-  weight_.assign(gain_.size(), 0.0F);
-  for (std::size_t cell = 0; cell < n * n; ++cell) {
-    if (pixel.is_smooth[cell] == 0) {
-      const std::size_t a = cell / n * (n + 1) + cell % n;
-      for (const std::size_t place : {a, a + 1, a + n + 1, a + n + 2}) {
-        weight_[place] += quarter;
-      }
-    }
-  }
+  weight_.resize(gain_.size());
+  kernels::corner_weights(pixel.is_smooth, pixel.cells_per_axis, weight_.data());
   for (std::size_t i = 0; i < weight_.size(); ++i) {
     const float gain = weight_[i] * gain_[i];
     if (gain > 0.0F) {

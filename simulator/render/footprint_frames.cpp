@@ -25,7 +25,7 @@ FootprintFrames::FootprintFrames(const Footprints& footprints,
 struct FootprintFrames::Tile {
   using Values = std::array<float, kTile>;
   int count = 0;
-  Values v, gx, gy, outer, inner, per_major, per_both, gain, x_mm;
+  alignas(64) Values v, gx, gy, outer, inner, per_major, per_both, gain, x_mm;
 
   kernels::Trapezoids shape() {
     return {.outer = outer.data(),
@@ -71,7 +71,7 @@ void FootprintFrames::render_span(int first,
                                   std::vector<ImageF>& frames) const {
   const ScanPositions& p = footprints_.positions();
   Tile tile;
-  for (int begin = span.begin; begin < span.end; begin += kTile) {
+  for (int begin = span.begin; begin < span.end; begin += tile.count) {
     load(span, begin, tile);
     kernels::trapezoids(tile.gx.data(), tile.gy.data(), tile.count, tile.shape());
     const bool is_narrow = kernels::largest_lit(tile.outer.data(), tile.gain.data(), tile.count) <=
@@ -107,7 +107,7 @@ void FootprintFrames::render_mean(const Spans& near, ImageF& mean) const {
   Tile tile;
   tile.x_mm.fill(0.0F);
   for (const RowSpan& span : where_) {
-    for (int begin = span.begin; begin < span.end; begin += kTile) {
+    for (int begin = span.begin; begin < span.end; begin += tile.count) {
       load(span, begin, tile);
       float* shares = tile.x_mm.data();
       if (is_fast) {

@@ -52,11 +52,11 @@ inline __attribute__((always_inline)) Real second_integral(Real phase, Real duty
   constexpr auto kOne = static_cast<Real>(1.0);
   constexpr auto kHalf = static_cast<Real>(0.5);
   const Real f = phase - std::floor(phase);
+  const bool is_rising = f < duty;
+  const Real from_end = is_rising ? f : f - kOne;  // of the nearer whole phase, with its sign
+  const Real bend = is_rising ? kHalf * (kOne - duty) : kHalf * duty;
   const Real mean = kHalf * duty * (kOne - duty);
-  const Real to_end = kOne - f;
-  const Real rising = (kHalf * (kOne - duty) * f - mean) * f;
-  const Real falling = -(kHalf * duty * to_end - mean) * to_end;
-  return f < duty ? rising : falling;
+  return from_end * (bend * absolute(from_end) - mean);
 }
 
 }  // namespace glint::footprint_lane

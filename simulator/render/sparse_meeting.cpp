@@ -15,8 +15,10 @@ namespace {
 namespace kernels = sparse_kernels;
 using kernels::kStep;
 
-/// Of what a pixel sees of the wall, by which a tile's hits may be wrong ...
-constexpr float kLargestShare = 0.005F;
+/// Of what a pixel sees of the wall, by which a tile's hits may be wrong: along the stripes' order,
+/// and across the tunnel ...
+constexpr float kLargestShareAlong = 0.01F;
+constexpr float kLargestShareAcross = 0.005F;
 /// ... and what floats cannot do better.
 constexpr float kLeastError_mm = 1e-3F;
 /// Across the tunnel hits only decide about the light's boundaries: so many times as much where
@@ -139,7 +141,6 @@ void SparseMeeting::find_errors(std::size_t array, int row) {
 /// Along the stripes a share of the footprint there; across the tunnel a share of that, and more
 /// where no boundary of the light is near.
 void SparseMeeting::allow_errors(std::size_t array, int row, const TileLimits& limits) {
-  constexpr float kPerPixel = kLargestShare / kStep;
   std::ranges::fill(allowed_, array == WallHits::kCosine ? kLargestCosineError : kLeastError_mm);
   if (array == WallHits::kCosine) {
     return;
@@ -149,7 +150,7 @@ void SparseMeeting::allow_errors(std::size_t array, int row, const TileLimits& l
   kernels::allow_errors(seen.row(row) + kNodeMargin,
                         seen.row(row + 1) + kNodeMargin,
                         tiles_,
-                        kPerPixel,
+                        (is_across ? kLargestShareAcross : kLargestShareAlong) / kStep,
                         allowed_.data());
   if (!is_across) {
     return;

@@ -97,9 +97,10 @@ struct TileLimits {
   std::vector<float> stripes_low_mm, stripes_high_mm;  ///< empty: those of x
 };
 
-/// meet_light() of all lit corners, dark ones meet nothing: to 1/200 of what a pixel sees of the
-/// wall (or 0.001 mm) the same, and across the tunnel to five times that where no boundary of the
-/// light is near: checked at three places of each tile, which else is met ray by ray.
+/// meet_light() of all lit corners, dark ones meet nothing: to 1/100 of what a pixel sees of the
+/// wall (or 0.001 mm) the same along the stripes' order, across the tunnel to 1/200, and to five
+/// times that where no boundary of the light is near: checked at three places of each tile, which
+/// else is met ray by ray.
 /// @param sparse  of these corners, not empty
 /// @param limits  what is known of the tiles; set
 WallHits meet_sparse(const SparseRays& sparse,

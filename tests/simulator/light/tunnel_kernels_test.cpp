@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -234,6 +235,46 @@ TEST(AddStripes, LedRippleAndFalloffByHand) {
   out.assign(3, 0.0F);
   add_stripes(x.data(), x.data(), gain.data(), 3, pattern, 1.0F, out.data());
   EXPECT_NEAR(out[2], 0.95F, 1e-6F);
+}
+
+// Straight segments along a half circle, and rays from all over to each knot and a few floats
+// beside it.
+TEST(HitSpline, LetsNoRayThroughBetweenSegments) {
+  constexpr int kSegments = 9;
+  constexpr double kRadius_mm = 137.0;
+  const auto knot = [](int s) {
+    const double angle = kPi * s / kSegments;
+    return std::pair(kRadius_mm * std::cos(angle), kRadius_mm * std::sin(angle));
+  };
+  std::vector<SplineSegment> segments;
+  for (int s = 0; s < kSegments; ++s) {
+    const auto [y0, z0] = knot(s);
+    const auto [y1, z1] = knot(s + 1);
+    segments.push_back({.y = {y0, y1 - y0, 0.0, 0.0}, .z = {z0, z1 - z0, 0.0, 0.0}});
+  }
+  RandomRays rays(0);
+  Rng rng(17, Stream::kTest, 0);
+  for (int s = 1; s < kSegments; ++s) {
+    const auto [y, z] = knot(s);
+    for (int i = 0; i < 400; ++i) {
+      const auto from_y = static_cast<float>(rng.uniform(-30.0, 30.0));
+      const auto from_z = static_cast<float>(rng.uniform(0.0, 10.0));
+      auto to_y = static_cast<float>(y) - from_y;
+      for (int step = i % 7; step > 0; --step) {
+        to_y = std::nextafter(to_y, i % 2 == 0 ? 1e9F : -1e9F);
+      }
+      const std::array<float, 6> ray = {
+          0.0F, from_y, from_z, 0.0F, to_y, static_cast<float>(z) - from_z};
+      for (std::size_t k = 0; k < ray.size(); ++k) {
+        rays.arrays[k].push_back(ray[k]);
+      }
+    }
+  }
+  std::vector<float> t_mm(rays.arrays[0].size());
+  hit_spline(rays.block(), segments.data(), kSegments, t_mm.data());
+  for (std::size_t i = 0; i < t_mm.size(); ++i) {
+    ASSERT_NEAR(t_mm[i], 1.0F, 1e-4F) << i;  // in units of the directions, which reach the knots
+  }
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ HitErrors compare_hits(const CornerRays& rays, const WallHits& exact, const Wall
           std::max({0.25, difference(a, i, a, i + 1), difference(a, i, a, i + width)});
       return difference(a, i, b, i) / footprint_mm;
     };
-    constexpr double kAllowed = 0.005;
+    constexpr double kAllowed = 0.01;
     const double along =
         std::max(error(exact.x_mm, sparse.x_mm), error(exact.stripes_mm(), sparse.stripes_mm()));
     errors.along = std::max(errors.along, along);
@@ -97,7 +97,7 @@ TEST(SparseRays, MeetTwoHundredTunnelsWhereAllRaysDo) {
     const WallHits sparse = meet_sparse(rays.sparse, rays.corners, tunnel, limits);
     const HitErrors errors = compare_hits(rays, meet_light(rays.corners, tunnel), sparse);
     ASSERT_GT(errors.compared, 10000);
-    ASSERT_LT(errors.along, 0.03) << trial << " " << shape_name(tunnel.settings().shape);
+    ASSERT_LT(errors.along, 0.04) << trial << " " << shape_name(tunnel.settings().shape);
     ASSERT_LT(errors.across, 0.3) << trial << " " << shape_name(tunnel.settings().shape);
     above += errors.above;
     compared += errors.compared;

@@ -142,4 +142,23 @@ Mask dilated(const Mask& mask, int radius) {
   return result;
 }
 
+ImageF zero_beside(const Spans& spans, int width_px, int height_px) {
+  ImageF image = ImageF::unset(width_px, height_px);
+  float* next = image.values().data();
+  for (const RowSpan& span : spans) {
+    std::fill(next, image.row(span.y) + span.begin, 0.0F);
+    next = image.row(span.y) + span.end;
+  }
+  std::fill(next, image.values().data() + image.size(), 0.0F);
+  return image;
+}
+
+ImageF zero_in(const Spans& spans, int width_px, int height_px) {
+  ImageF image = ImageF::unset(width_px, height_px);
+  for (const RowSpan& span : spans) {
+    std::fill_n(image.row(span.y) + span.begin, span.size(), 0.0F);
+  }
+  return image;
+}
+
 }  // namespace glint

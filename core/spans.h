@@ -47,6 +47,13 @@ Spans spans_of(const Mask& mask, int bridge = 0);
 /// spans_of() of a mask of these spans after dilated(): quick for few spans.
 Spans grown_spans(const Spans& spans, int radius, int bridge, int width_px, int height_px);
 
+/// 0 but for these pixels, which are yet to be set. To clear all of a picture takes longer than to
+/// work on a few of its pixels.
+ImageF zero_beside(const Spans& spans, int width_px, int height_px);
+
+/// 0 in these pixels; all others are yet to be set.
+ImageF zero_in(const Spans& spans, int width_px, int height_px);
+
 /// Non-zero where a pixel of the square of +-radius around is.
 Mask dilated(const Mask& mask, int radius);
 

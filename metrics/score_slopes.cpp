@@ -28,8 +28,8 @@ struct Moments {
   double count = 0.0;
   double mean = 0.0;
   double deviation = 0.0;  ///< root mean square
-  double absolute = 0.0;   ///< mean
-  double sign = 0.0;       ///< mean sign of what is left after the mean
+  double absolute = 0.0;   ///< mean size of what is left after the mean; add_sizes() sets it ...
+  double sign = 0.0;       ///< ... and its mean sign
   double scatter = 0.0;    ///< mean variance of the pixels' scatter
 
   /// Root mean square with the scatter.
@@ -60,7 +60,9 @@ struct Sums {
   double squares = 0.0;
 };
 
-/// Of what values leave after a number near their mean: one sweep, and no digit is lost.
+/// Of what values leave after a number, one of them or nought: one sweep. The square of how far
+/// that one is from the mean is at most as many times their variance as there are values, which
+/// double holds.
 GLINT_WIDE Sums sums_beside(double near, const float* values, std::size_t count) {
   Lanes plain = {};
   Lanes squares = {};
@@ -215,18 +217,6 @@ ImageF scattered_absolute_slopes(const ScoredImage& image, const Spans& region, 
     slopes(x, y) = static_cast<float>((m.absolute / m.mean + by_rest) / (m.mean * m.count));
   });
   return slopes;
-}
-
-/// 0 but for pixels that are yet to be set.
-ImageF zero_beside(const Spans& spans, int width, int height) {
-  ImageF image = ImageF::unset(width, height);
-  float* next = image.values().data();
-  for (const RowSpan& span : spans) {
-    std::fill(next, image.row(span.y) + span.begin, 0.0F);
-    next = image.row(span.y) + span.end;
-  }
-  std::fill(next, image.values().data() + image.size(), 0.0F);
-  return image;
 }
 
 /// h_rms = 1 - sigma / mu and h_abs = 1 - a / mu: the slope by a pixel is linear in what is left of

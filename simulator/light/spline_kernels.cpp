@@ -3,7 +3,6 @@
 // Where rays meet a chain of cubic segments.
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 
 #include "simulator/light/tunnel_kernels.h"
@@ -186,7 +185,7 @@ GLINT_WIDE std::uint32_t find_crossed(const RayBlock& rays,
   const int count = rays.count;
   std::int32_t is_left[kChunk] = {};
   std::uint32_t crossed = 0;
-  for (int s = 0; s <= segments; ++s) {
+  for (int s = 0; segments > 0 && s <= segments; ++s) {
     const Place knot = knot_at(coefficients, s, segments);
     std::int32_t any = 0;
     for (int i = 0; i < count; ++i) {

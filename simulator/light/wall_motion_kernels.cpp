@@ -91,8 +91,12 @@ GLINT_WIDE static bool has_slopes(const float* __restrict x,
   return (bits & 0x7FFFFFFFU) != 0;
 }
 
+/// Where all rays are, and between which nodes those that have a slope.
 GLINT_WIDE static void find_nodes(const float* __restrict y_mm,
                                   const float* __restrict margin_mm,
+                                  const float* __restrict by_x,
+                                  const float* __restrict by_y,
+                                  const float* __restrict by_margin,
                                   int count,
                                   int pieces,
                                   Chunk& chunk) {
@@ -113,8 +117,9 @@ GLINT_WIDE static void find_nodes(const float* __restrict y_mm,
     const std::int32_t node = below > 0 ? below : 0;
     chunk.node[i] = node;
     chunk.part[i] = at - static_cast<float>(node);
-    lowest = node < lowest ? node : lowest;
-    highest = node > highest ? node : highest;
+    const bool counts = (by_x[i] != 0.0F) | (by_y[i] != 0.0F) | (by_margin[i] != 0.0F);
+    lowest = (counts & (node < lowest)) ? node : lowest;
+    highest = (counts & (node > highest)) ? node : highest;
   }
   chunk.lowest = lowest;
   chunk.highest = highest;
@@ -207,7 +212,8 @@ void add_shift_slopes(const RayBlock& rays,
     if (!has_slopes(by.x, by.y, by.margin, some.count)) {
       continue;
     }
-    find_nodes(y_mm + begin, margin_mm + begin, some.count, normals.pieces, chunk);
+    find_nodes(
+        y_mm + begin, margin_mm + begin, by.x, by.y, by.margin, some.count, normals.pieces, chunk);
     if (some.count == kChunk && fit(chunk, normals.pieces, window, by_node)) {
       add_near_nodes(by.x,
                      by.y,

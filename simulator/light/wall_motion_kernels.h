@@ -21,7 +21,7 @@ struct HitSlopes {
 struct WallNormals {
   const float* y = nullptr;
   const float* z = nullptr;
-  int pieces = 0;
+  int pieces = 0;  ///< 15 at least
 };
 
 /// Adds the slopes by a shift of the wall along its normal, where rays meet it, to the nodes on

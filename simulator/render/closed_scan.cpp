@@ -367,18 +367,6 @@ FramePictures* kept_pictures(const Spans& rendered, int width, int height) {
   return share_of(rendered, width, height) <= kSmallShare ? &pictures : nullptr;
 }
 
-/// 0 but for pixels that are yet to be set.
-ImageF dark_beside(const Spans& spans, int width, int height) {
-  ImageF image = ImageF::unset(width, height);
-  float* next = image.values().data();
-  for (const RowSpan& span : spans) {
-    std::fill(next, image.row(span.y) + span.begin, 0.0F);
-    next = image.row(span.y) + span.end;
-  }
-  std::fill(next, image.values().data() + image.size(), 0.0F);
-  return image;
-}
-
 /// The exposed mean radiance: for a linear sensor the mean of the exposed frames.
 void expose_mean(const Footprints& footprints,
                  const Sensor& sensor,
@@ -466,7 +454,7 @@ ClosedScan scan_closed(const Footprints& footprints,
   if (plan.form.kind == ScanForm::Kind::kTable) {
     look_up_means(plan, *plan.table, result);
   } else if (plan.form.kind == ScanForm::Kind::kFloors) {
-    result.aspect = dark_beside(plan.by_floors, width, height);
+    result.aspect = zero_beside(plan.by_floors, width, height);
     expose_mean(footprints, sensor, plan, result);
     if (!result.clipped_frames.empty()) {
       count_full(plan.by_floors, result);

@@ -2,7 +2,6 @@
 #include "simulator/render/cut_kernels.h"
 
 #include <bit>
-#include <cmath>
 #include <cstddef>
 
 #include "simulator/render/footprint_lane.h"
@@ -546,15 +545,16 @@ GLINT_WIDE float sample_cells(const CellGrid& cells,
       return sample_rows<4>(cells, offset_mm, per_mm, out);
     case 8:
       return sample_rows<8>(cells, offset_mm, per_mm, out);
-    default:
+    case 16:
       return sample_rows<16>(cells, offset_mm, per_mm, out);
+    default:
+      return __builtin_inff();
   }
 }
 
 GLINT_WIDE void corner_weights(const unsigned char* __restrict is_smooth,
                                int cells_per_axis,
                                float* __restrict weight) {
-  constexpr int kMostCells = 16;
   const int n = cells_per_axis;
   const float quarter = 0.25F / static_cast<float>(n * n);
   // Quarters of the cells in a row of them, with nothing on both sides.

@@ -112,7 +112,7 @@ struct CellGrid {
   const float* stripes_mm = nullptr;
   const float* gain = nullptr;               ///< of the light at the corners
   const unsigned char* is_smooth = nullptr;  ///< 1 or 0
-  int cells_per_axis = 0;                    ///< 2, 4, 8 or 16
+  int cells_per_axis = 0;
 };
 
 /// Footprints as sum_box_frames() takes them; cells that are not smooth have gain 0.
@@ -123,8 +123,12 @@ struct CellSamples {
   float* gain = nullptr;
 };
 
-/// @return by how much the stripes differ between corners of a smooth cell at most [mm]
+/// Of 2, 4, 8 or 16 cells per axis.
+/// @return by how much the stripes differ between corners of a smooth cell at most [mm]; infinity
+///         for other numbers of cells, which are not sampled
 float sample_cells(const CellGrid& cells, float offset_mm, float per_mm, const CellSamples& out);
+
+inline constexpr int kMostCells = 16;  ///< per axis
 
 /// What of a refined pixel the corners of cells that are not smooth stand for: a quarter of each.
 /// @param is_smooth  1 or 0, row by row

@@ -10,6 +10,7 @@
 #include "simulator/render/cell_sum.h"
 #include "simulator/render/cut_kernels.h"
 #include "simulator/render/footprints.h"
+#include "simulator/render/refined_groups.h"
 
 namespace glint {
 namespace {
@@ -378,6 +379,7 @@ void CellSummer::add_corners(const Refined& pixel, CellSum& sum) {
   if (std::memchr(pixel.is_smooth, 0, n * n) == nullptr) {
     return;
   }
+  static_assert(kCellCounts.back() <= kernels::kMostCells);
   weight_.resize(gain_.size());
   kernels::corner_weights(pixel.is_smooth, pixel.cells_per_axis, weight_.data());
   for (std::size_t i = 0; i < weight_.size(); ++i) {

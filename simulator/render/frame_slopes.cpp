@@ -64,16 +64,6 @@ class ResponseSlope {
   std::vector<float> slopes_;
 };
 
-/// 0 in these pixels, whatever was in memory elsewhere: to clear all of a picture takes longer than
-/// to work on a few of its pixels.
-ImageF blank(const Spans& pixels, int width, int height) {
-  ImageF image = ImageF::unset(width, height);
-  for (const RowSpan& span : pixels) {
-    std::fill_n(image.row(span.y) + span.begin, span.size(), 0.0F);
-  }
-  return image;
-}
-
 /// The pixels that see light.
 Spans lit_pixels(const Footprints& footprints, const Spans& pixels) {
   constexpr int kBridge_px = 8;  // gaps that are not worth another start
@@ -287,7 +277,7 @@ class SensorBackwards {
         blur_(blur_only(settings_.blur_px), by_aspect.width(), by_aspect.height()),
         change_(blur_, wanted, around),
         blurred_(ImageF::unset(by_aspect.width(), by_aspect.height())),
-        by_blurred_(blank(
+        by_blurred_(zero_in(
             grown_spans(around, blur_.blur_radius_px(), 0, by_aspect.width(), by_aspect.height()),
             by_aspect.width(),
             by_aspect.height())) {}
@@ -359,9 +349,11 @@ void add_frame_slopes(const Footprints& footprints,
   BlurBackwards through_blur(sensor, width, height);
   PlainSlopes plain(footprints, lit);
   CellPixelSlopes summed(footprints, lit, through_sensor.per_weight(), slopes);
+  // The blur of the pixels around reads so far, and does not use it.
+  const Spans beside = grown_spans(around, sensor.blur_radius_px(), 0, width, height);
   std::vector<ImageF> radiance;
   for (int k = 0; k < std::min(kFramesAtOnce, total); ++k) {
-    radiance.push_back(blank(around, width, height));
+    radiance.push_back(zero_in(beside, width, height));
   }
   std::vector<std::vector<float>> by_radiance(radiance.size(), std::vector<float>(count_of(lit)));
   for (int first = 0; first < total; first += kFramesAtOnce) {

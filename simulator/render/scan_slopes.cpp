@@ -206,6 +206,7 @@ Spans weighted_pixels(const ScanPlan& plan, const ImageF& by_aspect) {
 }  // namespace
 
 void SlopesByHits::resize(std::size_t rows, std::size_t row) {
+  GLINT_CHECK(row_ == 0 || row_ == row, "rows of one length");
   row_ = row;
   is_open_.resize(rows);
   x.resize(rows * row);

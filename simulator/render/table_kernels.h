@@ -26,9 +26,10 @@ struct Pieces {
   float per_unit = 1.0F;
 };
 
-/// Slopes by gx and gy, in units of the corners' coordinate.
+/// Slopes by gx and gy, in units of the corners' coordinate, for all pixels of the row: 0 for those
+/// that are no table's.
 /// @param by_w    the table's derivative by w
-/// @param others  other tables of as many pieces ...
+/// @param others  at most four other tables of as many pieces ...
 /// @param sums    ... and for each, to which the sum of its values times the slopes is added
 /// @return the sum of by_gx gx + by_gy gy
 double table_slopes(const TableRow& row,

@@ -75,7 +75,8 @@ class Sensor {
   void expose(const ImageF& radiance, int frame_index, const Spans& where, ImageF& frame) const;
 
   /// The same frame, added to the sums in one sweep over memory; also kept when `frame` is given.
-  /// Sums of no frames are started anew, whatever they hold.
+  /// Sums of no frames are started anew, whatever they hold. They are in double, which hardly ever
+  /// rounds: for the same bytes add frames in the same order all the same.
   void accumulate(const ImageF& radiance,
                   int frame_index,
                   ScanSums& sums,

@@ -142,5 +142,17 @@ TEST(GrownSpans, AreTheSpansOfTheDilatedMask) {
   }
 }
 
+TEST(Pictures, AreZeroBesideSpansOrInThem) {
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    const Mask mask = random_mask(i);
+    const Spans spans = spans_of(mask);
+    const ImageF beside = zero_beside(spans, mask.width(), mask.height());
+    const ImageF in = zero_in(spans, mask.width(), mask.height());
+    for (std::size_t k = 0; k < mask.size(); ++k) {
+      ASSERT_EQ((mask.values()[k] != 0 ? in : beside).values()[k], 0.0F) << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace glint

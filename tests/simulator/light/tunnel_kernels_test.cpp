@@ -237,43 +237,55 @@ TEST(AddStripes, LedRippleAndFalloffByHand) {
   EXPECT_NEAR(out[2], 0.95F, 1e-6F);
 }
 
-// Straight segments along a half circle, and rays from all over to each knot and a few floats
-// beside it.
-TEST(HitSpline, LetsNoRayThroughBetweenSegments) {
-  constexpr int kSegments = 9;
-  constexpr double kRadius_mm = 137.0;
-  const auto knot = [](int s) {
-    const double angle = kPi * s / kSegments;
-    return std::pair(kRadius_mm * std::cos(angle), kRadius_mm * std::sin(angle));
-  };
-  std::vector<SplineSegment> segments;
-  for (int s = 0; s < kSegments; ++s) {
-    const auto [y0, z0] = knot(s);
-    const auto [y1, z1] = knot(s + 1);
-    segments.push_back({.y = {y0, y1 - y0, 0.0, 0.0}, .z = {z0, z1 - z0, 0.0, 0.0}});
+/// A half circle of segments whose middles bulge, in Hermite's form, ends at the knots.
+std::vector<SplineSegment> half_circle(int segments, double radius_mm, double bulge) {
+  std::vector<SplineSegment> result;
+  for (int s = 0; s < segments; ++s) {
+    const double from = kPi * s / segments;
+    const double to = kPi * (s + 1) / segments;
+    const auto cubic = [&](double p0, double p1, double slope0, double slope1) {
+      return std::array{
+          p0, slope0, 3.0 * (p1 - p0) - 2.0 * slope0 - slope1, 2.0 * (p0 - p1) + slope0 + slope1};
+    };
+    const double size = bulge * radius_mm * (to - from);
+    const auto y = cubic(radius_mm * std::cos(from),
+                         radius_mm * std::cos(to),
+                         -size * std::sin(from),
+                         -size * std::sin(to));
+    const auto z = cubic(radius_mm * std::sin(from),
+                         radius_mm * std::sin(to),
+                         size * std::cos(from),
+                         size * std::cos(to));
+    result.push_back({.y = {y[0], y[1], y[2], y[3]}, .z = {z[0], z[1], z[2], z[3]}});
   }
-  RandomRays rays(0);
-  Rng rng(17, Stream::kTest, 0);
-  for (int s = 1; s < kSegments; ++s) {
-    const auto [y, z] = knot(s);
-    for (int i = 0; i < 400; ++i) {
+  return result;
+}
+
+// Rays from all over to each knot and a few floats beside it.
+TEST(HitSpline, LetsNoRayThroughBetweenSegments) {
+  for (const double bulge : {1.0, 1.1}) {
+    const std::vector<SplineSegment> segments = half_circle(9, 137.0, bulge);
+    RandomRays rays(0);
+    Rng rng(17, Stream::kTest, 0);
+    for (int i = 0; i < 3200; ++i) {
+      const SplineSegment& segment = segments[static_cast<std::size_t>(1 + i % 8)];
       const auto from_y = static_cast<float>(rng.uniform(-30.0, 30.0));
       const auto from_z = static_cast<float>(rng.uniform(0.0, 10.0));
-      auto to_y = static_cast<float>(y) - from_y;
+      auto to_y = static_cast<float>(segment.y[0]) - from_y;
       for (int step = i % 7; step > 0; --step) {
         to_y = std::nextafter(to_y, i % 2 == 0 ? 1e9F : -1e9F);
       }
       const std::array<float, 6> ray = {
-          0.0F, from_y, from_z, 0.0F, to_y, static_cast<float>(z) - from_z};
+          0.0F, from_y, from_z, 0.0F, to_y, static_cast<float>(segment.z[0]) - from_z};
       for (std::size_t k = 0; k < ray.size(); ++k) {
         rays.arrays[k].push_back(ray[k]);
       }
     }
-  }
-  std::vector<float> t_mm(rays.arrays[0].size());
-  hit_spline(rays.block(), segments.data(), kSegments, t_mm.data());
-  for (std::size_t i = 0; i < t_mm.size(); ++i) {
-    ASSERT_NEAR(t_mm[i], 1.0F, 1e-4F) << i;  // in units of the directions, which reach the knots
+    std::vector<float> t_mm(rays.arrays[0].size());
+    hit_spline(rays.block(), segments.data(), 9, t_mm.data());
+    for (std::size_t i = 0; i < t_mm.size(); ++i) {
+      ASSERT_NEAR(t_mm[i], 1.0F, 1e-4F) << i;  // in units of the directions, which reach the knots
+    }
   }
 }
 

@@ -55,31 +55,45 @@ double total_of(Lanes lanes) {
   return lanes[0];
 }
 
+/// Sums lane by lane of what values leave after a number.
+template <class LaneSums>
+inline __attribute__((always_inline)) LaneSums in_lanes(double number,
+                                                        const float* values,
+                                                        std::size_t count) {
+  LaneSums sums;
+  const std::size_t whole = count - count % kLanes;
+  for (std::size_t i = 0; i < whole; i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      sums.add(static_cast<double>(values[i + lane]) - number, lane);
+    }
+  }
+  for (std::size_t i = whole; i < count; ++i) {
+    sums.add(static_cast<double>(values[i]) - number, i - whole);
+  }
+  return sums;
+}
+
 struct Sums {
   double plain = 0.0;
   double squares = 0.0;
+};
+
+struct LanesOfSums {
+  Lanes plain = {};
+  Lanes squares = {};
+
+  inline __attribute__((always_inline)) void add(double rest, std::size_t lane) {
+    plain[lane] += rest;
+    squares[lane] += rest * rest;
+  }
 };
 
 /// Of what values leave after a number, one of them or nought: one sweep. The square of how far
 /// that one is from the mean is at most as many times their variance as there are values, which
 /// double holds.
 GLINT_WIDE Sums sums_beside(double near, const float* values, std::size_t count) {
-  Lanes plain = {};
-  Lanes squares = {};
-  const std::size_t whole = count - count % kLanes;
-  for (std::size_t i = 0; i < whole; i += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const double rest = static_cast<double>(values[i + lane]) - near;
-      plain[lane] += rest;
-      squares[lane] += rest * rest;
-    }
-  }
-  for (std::size_t i = whole; i < count; ++i) {
-    const double rest = static_cast<double>(values[i]) - near;
-    plain[i - whole] += rest;
-    squares[i - whole] += rest * rest;
-  }
-  return {.plain = total_of(plain), .squares = total_of(squares)};
+  const auto lanes = in_lanes<LanesOfSums>(near, values, count);
+  return {.plain = total_of(lanes.plain), .squares = total_of(lanes.squares)};
 }
 
 struct Sizes {
@@ -87,28 +101,20 @@ struct Sizes {
   double signs = 0.0;
 };
 
-inline __attribute__((always_inline)) void add_size(double rest,
-                                                    std::size_t lane,
-                                                    Lanes& sizes,
-                                                    Lanes& signs) {
-  sizes[lane] += rest < 0.0 ? -rest : rest;
-  signs[lane] += (rest > 0.0 ? 1.0 : 0.0) - (rest < 0.0 ? 1.0 : 0.0);
-}
+struct LanesOfSizes {
+  Lanes sizes = {};
+  Lanes signs = {};
+
+  inline __attribute__((always_inline)) void add(double rest, std::size_t lane) {
+    sizes[lane] += rest < 0.0 ? -rest : rest;
+    signs[lane] += (rest > 0.0 ? 1.0 : 0.0) - (rest < 0.0 ? 1.0 : 0.0);
+  }
+};
 
 /// Of what values leave after a mean.
 GLINT_WIDE Sizes sizes_beside(double mean, const float* values, std::size_t count) {
-  Lanes sizes = {};
-  Lanes signs = {};
-  const std::size_t whole = count - count % kLanes;
-  for (std::size_t i = 0; i < whole; i += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      add_size(static_cast<double>(values[i + lane]) - mean, lane, sizes, signs);
-    }
-  }
-  for (std::size_t i = whole; i < count; ++i) {
-    add_size(static_cast<double>(values[i]) - mean, i - whole, sizes, signs);
-  }
-  return {.sizes = total_of(sizes), .signs = total_of(signs)};
+  const auto lanes = in_lanes<LanesOfSizes>(mean, values, count);
+  return {.sizes = total_of(lanes.sizes), .signs = total_of(lanes.signs)};
 }
 
 /// A slope that is linear in what a value leaves after the mean, and in the sign of that.

@@ -81,9 +81,9 @@ GLINT_INLINE double total_of(const float* values) {
   return lanes[0];
 }
 
-/// Sums over a row, lane by lane.
 constexpr int kMostOthers = 4;
 
+/// Over a row, lane by lane.
 struct Sums {
   float products[kChunk] = {};
   float others[kMostOthers][kChunk] = {};

@@ -3,6 +3,7 @@
 // A set of pixels as stretches of rows: what is worked on where a whole picture is not needed.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "core/image.h"
@@ -43,6 +44,17 @@ class SpanWalk {
 
 /// The stretches of non-zero pixels. Gaps of up to `bridge` pixels are included.
 Spans spans_of(const Mask& mask, int bridge = 0);
+
+/// Pixels that are asked for again and again: their stretches are found once.
+struct Region {
+  Mask mask;
+  Spans spans;
+
+  Region() = default;
+
+  Region(Mask pixels)  // NOLINT(google-explicit-constructor): the same pixels
+      : mask(std::move(pixels)), spans(spans_of(mask)) {}
+};
 
 /// spans_of() of a mask of these spans after dilated(): quick for few spans.
 Spans grown_spans(const Spans& spans, int radius, int bridge, int width_px, int height_px);

@@ -25,13 +25,10 @@ double total_of(const std::array<double, kLanes>& lanes) {
   return sum;
 }
 
-/// The region's stretches.
-Spans stretches_of(const ImageF& image, const Mask& region) {
-  GLINT_CHECK(image.width() == region.width() && image.height() == region.height(),
+void check_region(const ImageF& image, const Region& region) {
+  GLINT_CHECK(image.width() == region.mask.width() && image.height() == region.mask.height(),
               "image and region differ in size");
-  Spans stretches = spans_of(region);
-  GLINT_CHECK(!stretches.empty(), "the region has no pixel");
-  return stretches;
+  GLINT_CHECK(!region.spans.empty(), "the region has no pixel");
 }
 
 const float* start_of(const ImageF& image, const RowSpan& span) {
@@ -306,10 +303,11 @@ Deviations deviations_from(double mean, const ImageF& image, const Spans& stretc
 Homogeneity homogeneity(const ImageF& aspect,
                         const Image<std::uint16_t>& clipped_frames,
                         int frames,
-                        const Mask& region,
+                        const Region& region,
                         const MetricsSettings& settings,
                         bool wants_robust) {
-  const Spans stretches = stretches_of(aspect, region);
+  check_region(aspect, region);
+  const Spans& stretches = region.spans;
   const std::int64_t pixels = pixels_of(stretches);
   const auto count = static_cast<double>(pixels);
   constexpr double kBelowFullScale = 1.0 - 1e-6;
@@ -341,7 +339,8 @@ Homogeneity homogeneity(const ImageF& aspect,
 }
 
 double smallest_over_mean(const ImageF& aspect, const Mask& region) {
-  const Spans stretches = stretches_of(aspect, region);
+  const Spans stretches = spans_of(region);
+  GLINT_CHECK(!stretches.empty(), "the region has no pixel");
   const double mean =
       levels_of(aspect, stretches, {}).sum / static_cast<double>(pixels_of(stretches));
   double smallest = mean;

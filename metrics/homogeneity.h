@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/image.h"
+#include "core/spans.h"
 #include "metrics/settings.h"
 
 namespace glint {
@@ -37,7 +38,7 @@ struct Homogeneity {
 Homogeneity homogeneity(const ImageF& aspect,
                         const Image<std::uint16_t>& clipped_frames,
                         int frames,
-                        const Mask& region,
+                        const Region& region,
                         const MetricsSettings& settings = {},
                         bool wants_robust = true);
 

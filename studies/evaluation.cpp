@@ -250,7 +250,7 @@ Evaluation evaluate(SceneStore& store,
   }
   const auto watch = [&](int index, const ImageF& grey) {
     if (index == 0 && has_fringes) {
-      fringes = fringe_scores(grey, traced.region, {.nominal_duty = scene.tunnel.duty});
+      fringes = fringe_scores(grey, traced.region.mask, {.nominal_duty = scene.tunnel.duty});
     }
     if (wanted.defects) {
       best.add(grey, flawless[static_cast<std::size_t>(index)]);
@@ -262,7 +262,7 @@ Evaluation evaluate(SceneStore& store,
   const bool is_watching = has_fringes || wanted.defects || consume;
   SlotMargin slot;
   if (wanted.slot) {
-    slot = slot_margin(traced.seen(), traced.region, tunnel, traced.camera_in_world_mm);
+    slot = slot_margin(traced.seen(), traced.region.mask, tunnel, traced.camera_in_world_mm);
     result.scores["view.slot_margin_mm"] = slot.margin_mm;
   }
   Scan scan = scan_scene(store,
@@ -282,13 +282,13 @@ Evaluation evaluate(SceneStore& store,
                                      scene.metrics,
                                      wanted.robust);
   if (!scan.deviation.empty()) {
-    evenness = with_scatter(evenness, scan.aspect, scan.deviation, traced.region);
+    evenness = with_scatter(evenness, scan.aspect, scan.deviation, traced.region.mask);
   }
   add_scores(result.scores, evenness);
   if (wanted.family) {
     const FamilyScales scales = scales_of(scene, traced.defects, fringes);
     add_scores(result.scores,
-               homogeneity_family(scan.aspect, traced.region, scales, scene.metrics));
+               homogeneity_family(scan.aspect, traced.region.mask, scales, scene.metrics));
   }
   if (fringes) {
     add_scores(result.scores, *fringes);

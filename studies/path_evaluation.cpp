@@ -268,7 +268,7 @@ Scored PathScoring::score(std::optional<std::size_t> without, const FrameConsume
       sensor_.accumulate(radiance, index, sums, is_watched ? &grey : nullptr);
     }
     if (k == 0 && has_fringes) {
-      fringes = fringe_scores(grey, traced_.region, {.nominal_duty = scene_.tunnel.duty});
+      fringes = fringe_scores(grey, traced_.region.mask, {.nominal_duty = scene_.tunnel.duty});
     }
     if (flawless_) {
       best.add(grey, flawless_->values(index, frames_[k], without));
@@ -284,7 +284,7 @@ Scored PathScoring::score(std::optional<std::size_t> without, const FrameConsume
   if (wanted_.family) {
     const FamilyScales scales = scales_of(scene_, traced_.defects, fringes);
     add_scores(result.scores,
-               homogeneity_family(result.aspect, traced_.region, scales, scene_.metrics));
+               homogeneity_family(result.aspect, traced_.region.mask, scales, scene_.metrics));
   }
   if (fringes) {
     add_scores(result.scores, *fringes);
@@ -327,7 +327,7 @@ void add_view_scores(const SceneSettings& scene,
   const SeenPart& seen = traced.seen();
   if (with_slot) {
     scores["view.slot_margin_mm"] =
-        slot_margin(seen, traced.region, tunnel, traced.camera_in_world_mm).margin_mm;
+        slot_margin(seen, traced.region.mask, tunnel, traced.camera_in_world_mm).margin_mm;
   }
   const Mask hidden = hidden_pixels(seen, tunnel, traced.camera_in_world_mm);
   std::int64_t num_hidden = 0;

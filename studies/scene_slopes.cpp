@@ -144,7 +144,7 @@ class SceneGradients {
  private:
   ScoredImage scored_image() const {
     return {.aspect = scan_.aspect,
-            .region = scan_.traced.region,
+            .region = scan_.traced.region.mask,
             .defects = scan_.traced.defects,
             .sigma_floor = scan_.sigma_floor,
             .deviation = scan_.deviation};

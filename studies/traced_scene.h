@@ -41,7 +41,7 @@ struct TracedScene {
   std::vector<RayCache> flawless;
   std::vector<CornerRays> flawless_corners;  ///< the same for all other methods
   Mask part_mask;                            ///< pixels wholly on the part
-  Mask region;                               ///< of interest for homogeneity
+  Region region;                             ///< of interest for homogeneity
   Mask watched;                              ///< pixels of the defects and their backgrounds
 
   /// What rays meet.

@@ -268,9 +268,10 @@ Mask without(const Mask& mask, const Mask& taken) {
 
 ScanPlan plan_scan(const Footprints& footprints,
                    const Sensor& sensor,
-                   const Mask& region,
+                   const Region& wanted,
                    const Mask& watched,
                    double reflectance) {
+  const Mask& region = wanted.mask;
   GLINT_CHECK(watched.empty() || watched.size() == region.size(), "watched pixels of this picture");
   ScanPlan plan;
   plan.reflectance = reflectance;
@@ -283,7 +284,7 @@ ScanPlan plan_scan(const Footprints& footprints,
     }
   }
   if (plan.form.kind == ScanForm::Kind::kFloors) {
-    plan.by_floors = spans_of(watched.empty() ? region : without(region, watched));
+    plan.by_floors = watched.empty() ? wanted.spans : spans_of(without(region, watched));
   }
   if (plan.form.kind == ScanForm::Kind::kTable) {
     plan.width = ImageF::unset(region.width(), region.height());

@@ -65,7 +65,7 @@ struct ScanPlan {
 /// @param reflectance  of the part
 ScanPlan plan_scan(const Footprints& footprints,
                    const Sensor& sensor,
-                   const Mask& region,
+                   const Region& region,
                    const Mask& watched,
                    double reflectance);
 

@@ -165,7 +165,11 @@ void CellSummer::load(const WallHits& hits,
     read(hits.cosine.data() + first, batch_.stripes_mm);
     kernels::scale(batch_.stripes_mm, batch_.count, batch_.gain);
   }
-  read(hits.stripes_mm().data() + first, batch_.stripes_mm);
+  if (hits.pattern_mm.empty()) {
+    batch_.stripes_mm = batch_.x_mm;
+  } else {
+    read(hits.pattern_mm.data() + first, batch_.stripes_mm);
+  }
 }
 
 /// Those of some pixels.

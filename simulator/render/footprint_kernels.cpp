@@ -17,6 +17,7 @@ using footprint_lane::absolute;
 using footprint_lane::first_integral;
 using footprint_lane::kNarrow;
 using footprint_lane::second_integral;
+using footprint_lane::second_integral_shifted;
 using footprint_lane::Widths;
 using footprint_lane::widths_of;
 
@@ -391,27 +392,27 @@ __attribute__((always_inline)) inline float wide_share(float f,
   const float minor = outer - inner > kNarrowest ? outer - inner : kNarrowest;
   const float far = 0.5F * (major + minor);
   const float near = 0.5F * (major - minor);
-  const float difference = second_integral(f + far, duty) - second_integral(f + near, duty) -
-                           second_integral(f - near, duty) + second_integral(f - far, duty);
+  const float shifted = f + (1.0F - duty);
+  const auto integral_at = [&](float moved) {
+    return second_integral_shifted(shifted + moved, duty);
+  };
+  const float difference =
+      (integral_at(far) - integral_at(near)) - (integral_at(-near) - integral_at(-far));
   return duty + difference / (major * minor);
 }
 
-struct WidthCounts {
-  int narrow = 0;         ///< up to the limit, or hardly above
-  int surely_narrow = 0;  ///< clearly below
+struct WidthRange {
+  float least;
+  float largest;
 };
 
-GLINT_WIDE WidthCounts count_widths(const float* __restrict outer, int count, float limit) {
-  constexpr float kRounding = 1e-6F;
-  const float above = (1.0F + kRounding) * limit;
-  const float below = (1.0F - kRounding) * limit;
-  int narrow = 0;
-  int surely_narrow = 0;
+GLINT_WIDE WidthRange range_of_widths(const float* __restrict outer, int count) {
+  WidthRange range = {.least = outer[0], .largest = outer[0]};
   for (int i = 0; i < count; ++i) {
-    narrow += outer[i] <= above ? 1 : 0;
-    surely_narrow += outer[i] <= below ? 1 : 0;
+    range.least = outer[i] < range.least ? outer[i] : range.least;
+    range.largest = outer[i] > range.largest ? outer[i] : range.largest;
   }
-  return {.narrow = narrow, .surely_narrow = surely_narrow};
+  return range;
 }
 
 GLINT_WIDE void wide_shares(const float* __restrict v,
@@ -463,15 +464,16 @@ void any_shares_fast(const float* v,
                      float scale,
                      float duty,
                      float* shares) {
-  constexpr int kChunk = 128;
+  constexpr int kChunk = 64;
+  constexpr float kRounding = 1e-6F;  // of the limit times the scale
   const float limit = (duty < 1.0F - duty ? duty : 1.0F - duty) / scale;
   for (int begin = 0; begin < count; begin += kChunk) {
     const int size = begin + kChunk < count ? kChunk : count - begin;
-    const WidthCounts widths = count_widths(outer + begin, size, limit);
-    if (widths.surely_narrow < size) {
+    const WidthRange widths = range_of_widths(outer + begin, size);
+    if (widths.largest > (1.0F - kRounding) * limit) {
       wide_shares(v + begin, outer + begin, inner + begin, size, scale, duty, shares + begin);
     }
-    if (widths.narrow > 0) {
+    if (widths.least <= (1.0F + kRounding) * limit) {
       trapezoid_shares(v + begin, outer + begin, inner + begin, size, scale, duty, shares + begin);
     }
   }

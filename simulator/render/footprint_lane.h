@@ -47,16 +47,21 @@ inline __attribute__((always_inline)) Real first_integral(Real phase, Real duty)
 }
 
 /// J: the second integral, periodic and 0 at whole phases.
+/// @param shifted  the phase and the rest 1 - duty
+template <class Real>
+inline __attribute__((always_inline)) Real second_integral_shifted(Real shifted, Real duty) {
+  constexpr auto kHalf = static_cast<Real>(0.5);
+  const Real rest = static_cast<Real>(1.0) - duty;
+  // From the nearest whole phase: bright ahead of it, dark behind it.
+  const Real t = (shifted - std::floor(shifted)) - rest;
+  const Real ahead = kHalf * rest * t;
+  const Real behind = -kHalf * duty * t;
+  return t * ((ahead > behind ? ahead : behind) - kHalf * duty * rest);
+}
+
 template <class Real>
 inline __attribute__((always_inline)) Real second_integral(Real phase, Real duty) {
-  constexpr auto kOne = static_cast<Real>(1.0);
-  constexpr auto kHalf = static_cast<Real>(0.5);
-  const Real f = phase - std::floor(phase);
-  const bool is_rising = f < duty;
-  const Real from_end = is_rising ? f : f - kOne;  // of the nearer whole phase, with its sign
-  const Real bend = is_rising ? kHalf * (kOne - duty) : kHalf * duty;
-  const Real mean = kHalf * duty * (kOne - duty);
-  return from_end * (bend * absolute(from_end) - mean);
+  return second_integral_shifted(phase + (static_cast<Real>(1.0) - duty), duty);
 }
 
 }  // namespace glint::footprint_lane

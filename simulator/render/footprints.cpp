@@ -138,7 +138,7 @@ kernels::LitLimits Footprints::lit_limits() const {
 }
 
 void Footprints::classify() {
-  state_ = Image<State>(rays_.width_px, rays_.height_px, State::kDark);
+  state_ = Image<State>::unset(rays_.width_px, rays_.height_px);
   if (view_->limits.rows > 0) {
     classify_tiles();
   } else {

@@ -144,6 +144,17 @@ GLINT_WIDE void allow_more(const AcrossLimits& limits,
   }
 }
 
+GLINT_WIDE void allow_share(const float* __restrict low,
+                            const float* __restrict high,
+                            int tiles,
+                            float share,
+                            float* __restrict allowed) {
+  for (int i = 0; i < tiles; ++i) {
+    const float distance = larger(low[i], -high[i]);
+    allowed[i] = larger(allowed[i], share * distance);
+  }
+}
+
 GLINT_WIDE void keep_allowed(const float* __restrict errors,
                              const float* __restrict allowed,
                              int tiles,

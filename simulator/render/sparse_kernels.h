@@ -76,6 +76,10 @@ struct AcrossLimits {
 void allow_more(
     const AcrossLimits& limits, int tiles, float half_slot_mm, float times, float* allowed);
 
+/// Allows a tile's distances to a boundary, where it crosses none, to err by a share of the least
+/// of them: only their sign matters.
+void allow_share(const float* low, const float* high, int tiles, float share, float* allowed);
+
 /// Clears flags of tiles with errors that are not allowed.
 void keep_allowed(const float* errors, const float* allowed, int tiles, unsigned char* flags);
 

@@ -24,6 +24,8 @@ constexpr float kLeastError_mm = 1e-3F;
 /// Across the tunnel hits only decide about the light's boundaries: so many times as much where
 /// none is near.
 constexpr float kFarFromBoundaries = 5.0F;
+/// Of the distance from the rim: by which side of it a hit lies, nothing else depends on it.
+constexpr float kLargestShareOfMargin = 0.01F;
 /// Of the cosine, which has no footprint.
 constexpr float kLargestCosineError = 1e-4F;
 /// So many rays are met where they lie, fewer together with others.
@@ -165,6 +167,13 @@ void SparseMeeting::allow_errors(std::size_t array, int row, const TileLimits& l
                       slot_mm > 0.0 ? static_cast<float>(0.5 * slot_mm) : -1e30F,
                       kFarFromBoundaries,
                       allowed_.data());
+  if (array == WallHits::kMargin) {
+    kernels::allow_share(limits.margin_low_mm.data() + first,
+                         limits.margin_high_mm.data() + first,
+                         tiles_,
+                         kLargestShareOfMargin,
+                         allowed_.data());
+  }
 }
 
 /// In the order of the hits' arrays.

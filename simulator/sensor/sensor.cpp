@@ -136,6 +136,7 @@ struct Sensor::Scratch {
   std::vector<float>
       padded;  ///< a row after the vertical pass, with the blur's radius on each side
   std::vector<float> row;
+  std::vector<float> grey;  ///< of the row where no frame takes it
   std::vector<const float*> low;
   std::vector<const float*> high;
   std::vector<std::uint32_t> words;
@@ -256,12 +257,14 @@ void Sensor::add_noise(const RowSpan& span, int frame_index, Scratch& scratch) c
   }
 }
 
-/// Calls consume(span, grey values) for each span. Wide ones come in strips, so that the rows that
-/// one row is blurred from are in the first cache when the next row comes.
+/// Writes grey values to the frame, if there is one, and calls consume(span, grey values) for each
+/// span. Wide ones come in strips, so that the rows that one row is blurred from are in the first
+/// cache when the next row comes.
 template <class Consume>
 void Sensor::for_each_span(const ImageF& radiance,
                            int frame_index,
                            const Spans& where,
+                           ImageF* frame,
                            const Consume& consume) const {
   GLINT_CHECK(radiance.width() == width_px_ && radiance.height() == height_px_,
               "radiance and sensor differ in size");
@@ -270,6 +273,7 @@ void Sensor::for_each_span(const ImageF& radiance,
   const std::size_t radius = weights_.size() - 1;
   Scratch scratch{.padded = std::vector<float>(width + 2 * radius + kLanes),
                   .row = std::vector<float>(width),
+                  .grey = std::vector<float>(frame != nullptr ? 0 : width),
                   .low = std::vector<const float*>(radius),
                   .high = std::vector<const float*>(radius),
                   .words = std::vector<std::uint32_t>(noisy ? width + 10 : 0),
@@ -291,10 +295,10 @@ void Sensor::for_each_span(const ImageF& radiance,
       if (noisy) {
         add_noise(span, frame_index, scratch);
       }
-      const int padded = whole_vectors(span.size());
-      const int levels = levels_of(settings_);
-      kernels::to_grey(static_cast<float>(scale), levels, padded, scratch.row.data());
-      consume(span, static_cast<const float*>(scratch.row.data()));
+      float* grey = frame != nullptr ? frame->row(span.y) + span.begin : scratch.grey.data();
+      kernels::to_grey(
+          scratch.row.data(), static_cast<float>(scale), levels_of(settings_), span.size(), grey);
+      consume(span, static_cast<const float*>(grey));
     }
   }
 }
@@ -310,9 +314,7 @@ void Sensor::expose(const ImageF& radiance,
                     int frame_index,
                     const Spans& where,
                     ImageF& frame) const {
-  for_each_span(radiance, frame_index, where, [&](const RowSpan& span, const float* grey) {
-    std::copy_n(grey, span.size(), frame.row(span.y) + span.begin);
-  });
+  for_each_span(radiance, frame_index, where, &frame, [](const RowSpan&, const float*) {});
 }
 
 void Sensor::accumulate(const ImageF& radiance,
@@ -341,14 +343,11 @@ void Sensor::accumulate(const ImageF& radiance,
   if (frame != nullptr && (frame->width() != width_px_ || frame->height() != height_px_)) {
     *frame = ImageF(width_px_, height_px_);
   }
-  for_each_span(radiance, frame_index, where, [&](const RowSpan& span, const float* grey) {
+  for_each_span(radiance, frame_index, where, frame, [&](const RowSpan& span, const float* grey) {
     kernels::accumulate(grey,
                         span.size(),
                         sums.sum.row(span.y) + span.begin,
                         sums.clipped_frames.row(span.y) + span.begin);
-    if (frame != nullptr) {
-      std::copy_n(grey, span.size(), frame->row(span.y) + span.begin);
-    }
   });
   ++sums.frames;
 }

@@ -111,6 +111,7 @@ class Sensor {
   void for_each_span(const ImageF& radiance,
                      int frame_index,
                      const Spans& where,
+                     ImageF* frame,
                      const Consume& consume) const;
   void blur_span(const ImageF& radiance, const RowSpan& span, Scratch& scratch) const;
   void add_noise(const RowSpan& span, int frame_index, Scratch& scratch) const;

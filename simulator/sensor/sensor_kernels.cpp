@@ -102,20 +102,21 @@ GLINT_CLONES void weigh_rows(const TapRows& taps, int width, float* __restrict o
   }
 }
 
-GLINT_CLONES void to_grey(float scale, int levels, int width, float* __restrict values) {
+GLINT_CLONES void to_grey(
+    const float* __restrict values, float scale, int levels, int width, float* __restrict grey) {
   if (levels == 0) {
     for (int x = 0; x < width; ++x) {
-      values[x] = clipped_grey(scale * values[x]);
+      grey[x] = clipped_grey(scale * values[x]);
     }
     return;
   }
   const auto up = static_cast<float>(levels);
   const float down = 1.0f / up;
   for (int x = 0; x < width; ++x) {
-    const float grey = clipped_grey(scale * values[x]);
+    const float level = clipped_grey(scale * values[x]) * up;
     // NOLINTNEXTLINE(bugprone-incorrect-roundings): values lie in [0, 1], and lround is no loop's
     // friend
-    values[x] = static_cast<float>(static_cast<std::int32_t>(grey * up + 0.5f)) * down;
+    grey[x] = static_cast<float>(static_cast<std::int32_t>(level + 0.5f)) * down;
   }
 }
 

@@ -21,9 +21,9 @@ struct TapRows {
 /// out = w0 centre + sum_k wk (low_k + high_k), summed from the centre outwards.
 void weigh_rows(const TapRows& taps, int width, float* out);
 
-/// values = min(max(scale x values, 0), 1), rounded to multiples of 1 / levels; 0 levels: not
+/// grey = min(max(scale x values, 0), 1), rounded to multiples of 1 / levels; 0 levels: not
 /// rounded.
-void to_grey(float scale, int levels, int width, float* values);
+void to_grey(const float* values, float scale, int levels, int width, float* grey);
 
 /// sum += values; clipped += 1 where a value is 1 or more.
 void accumulate(const float* values, int width, double* sum, std::uint16_t* clipped);

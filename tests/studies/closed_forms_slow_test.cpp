@@ -56,12 +56,12 @@ FormComparison compare_forms(const std::string& name,
   found.closed =
       homogeneity(closed.aspect, closed.clipped_frames, frames, traced.region, scene.metrics);
   if (!closed.deviation.empty()) {
-    found.closed = with_scatter(found.closed, closed.aspect, closed.deviation, traced.region);
+    found.closed = with_scatter(found.closed, closed.aspect, closed.deviation, traced.region.mask);
   }
   found.full =
       homogeneity(full.aspect, full.sums.clipped_frames, frames, traced.region, scene.metrics);
   found.frame_share = static_cast<double>(plan.form.frame_pixels) /
-                      static_cast<double>(count_inside(traced.region));
+                      static_cast<double>(count_inside(traced.region.mask));
   return found;
 }
 

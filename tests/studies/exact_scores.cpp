@@ -498,7 +498,7 @@ ExactValues ExactScores::at(const SceneSettings& scene, const ExactPicture& pict
 
 ExactValues ExactScores::scores_of(const std::vector<double>& aspect) const {
   double count = 0.0, sum = 0.0, squares = 0.0;
-  const auto& region = traced_.region.values();
+  const auto& region = traced_.region.mask.values();
   for (std::size_t i = 0; i < aspect.size(); ++i) {
     count += region[i] != 0 ? 1.0 : 0.0;
     sum += region[i] != 0 ? aspect[i] : 0.0;

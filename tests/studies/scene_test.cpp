@@ -126,7 +126,7 @@ TEST(Evaluation, TheAspectImageIsThatOfAllFramesWhereTheyAreTaken) {
     for (std::size_t i = 0; i < sum.size(); ++i) {
       const float mean = sum.values()[i] / static_cast<float>(scene.scan.positions);
       ASSERT_NEAR(evaluation.aspect.values()[i], mean, 1e-5F) << i;
-      outside += evaluation.traced->region.values()[i] == 0 && mean > 0.1F ? 1 : 0;
+      outside += evaluation.traced->region.mask.values()[i] == 0 && mean > 0.1F ? 1 : 0;
     }
     EXPECT_GT(outside, 0);
   }

@@ -40,7 +40,7 @@ TunnelSettings random_wall(Rng& rng) {
 /// In units of what a pixel sees of the wall (0.25 mm at least).
 struct HitErrors {
   double along = 0.0;   ///< worst of x and the stripes' coordinate
-  double across = 0.0;  ///< worst of y and margin
+  double across = 0.0;  ///< worst of y, and of the margin where a share of it is not smaller
   int above = 0;        ///< along: twice what the tiles' checks allow
   int compared = 0;
 };
@@ -68,8 +68,12 @@ HitErrors compare_hits(const CornerRays& rays, const WallHits& exact, const Wall
         std::max(error(exact.x_mm, sparse.x_mm), error(exact.stripes_mm(), sparse.stripes_mm()));
     errors.along = std::max(errors.along, along);
     errors.above += along > 2.0 * kAllowed ? 1 : 0;
-    errors.across = std::max(
-        {errors.across, error(exact.y_mm, sparse.y_mm), error(exact.margin_mm, sparse.margin_mm)});
+    // Far from the rim only the margin's sign matters.
+    constexpr double kOfMargin = 3.0;
+    const double of_margin = kOfMargin * difference(exact.margin_mm, i, sparse.margin_mm, i) /
+                             std::abs(static_cast<double>(exact.margin_mm[i]));
+    const double margin = std::min(error(exact.margin_mm, sparse.margin_mm), of_margin);
+    errors.across = std::max({errors.across, error(exact.y_mm, sparse.y_mm), margin});
     ++errors.compared;
   }
   return errors;

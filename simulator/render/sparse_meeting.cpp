@@ -25,7 +25,7 @@ constexpr float kLeastError_mm = 1e-3F;
 /// none is near.
 constexpr float kFarFromBoundaries = 5.0F;
 /// Of the distance from the rim: by which side of it a hit lies, nothing else depends on it.
-constexpr float kLargestShareOfMargin = 0.01F;
+constexpr float kLargestShareOfMargin = 1e-3F;
 /// Of the cosine, which has no footprint.
 constexpr float kLargestCosineError = 1e-4F;
 /// So many rays are met where they lie, fewer together with others.

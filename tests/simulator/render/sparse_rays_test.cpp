@@ -69,7 +69,7 @@ HitErrors compare_hits(const CornerRays& rays, const WallHits& exact, const Wall
     errors.along = std::max(errors.along, along);
     errors.above += along > 2.0 * kAllowed ? 1 : 0;
     // Far from the rim only the margin's sign matters.
-    constexpr double kOfMargin = 3.0;
+    constexpr double kOfMargin = 30.0;
     const double of_margin = kOfMargin * difference(exact.margin_mm, i, sparse.margin_mm, i) /
                              std::abs(static_cast<double>(exact.margin_mm[i]));
     const double margin = std::min(error(exact.margin_mm, sparse.margin_mm), of_margin);
@@ -101,7 +101,7 @@ TEST(SparseRays, MeetTwoHundredTunnelsWhereAllRaysDo) {
     const WallHits sparse = meet_sparse(rays.sparse, rays.corners, tunnel, limits);
     const HitErrors errors = compare_hits(rays, meet_light(rays.corners, tunnel), sparse);
     ASSERT_GT(errors.compared, 10000);
-    ASSERT_LT(errors.along, 0.04) << trial << " " << shape_name(tunnel.settings().shape);
+    ASSERT_LT(errors.along, 0.08) << trial << " " << shape_name(tunnel.settings().shape);
     ASSERT_LT(errors.across, 0.3) << trial << " " << shape_name(tunnel.settings().shape);
     above += errors.above;
     compared += errors.compared;

@@ -52,8 +52,8 @@ struct SparseRays {
     int column, row;
   };
 
-  /// Where a quintic is wrong most, and two places on either side.
-  static constexpr std::array<Place, 3> kCheckPlaces = {{{4, 4}, {6, 2}, {1, 6}}};
+  /// To either side of the middle, where a quintic is wrong most.
+  static constexpr std::array<Place, 2> kCheckPlaces = {{{6, 2}, {2, 5}}};
   static constexpr std::size_t kChecks = kCheckPlaces.size();
 
   /// A node beyond the part's outline or the picture, where the quintic (or cubic) of others in a

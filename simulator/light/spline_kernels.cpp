@@ -31,26 +31,27 @@ Place knot_at(const float* coefficients, int segment, int num_segments) {
   return {c[0] + c[1] + c[2] + c[3], c[4] + c[5] + c[6] + c[7]};
 }
 
-/// One step of Newton's method for f(u) = f0 + f1 u + f2 u^2 + f3 u^3, kept in a bracket.
-__attribute__((always_inline)) inline void newton_step(
+/// One step of Halley's method for f(u) = f0 + f1 u + f2 u^2 + f3 u^3, kept in a bracket.
+__attribute__((always_inline)) inline void halley_step(
     float f0, float f1, float f2, float f3, float& u, float& low, float& high) {
   const float f = f0 + u * (f1 + u * (f2 + u * f3));
   const float slope = f1 + u * (2.0F * f2 + u * 3.0F * f3);
   const bool is_left = (f <= 0.0F) == (f0 <= 0.0F);
   low = is_left ? u : low;
   high = is_left ? high : u;
-  const float newton = u - f / slope;
-  const bool is_inside = (newton >= low) & (newton <= high);
-  u = is_inside ? newton : 0.5F * (low + high);
+  const float half_bend = f2 + u * 3.0F * f3;
+  const float next = u - f * slope / (slope * slope - f * half_bend);
+  const bool is_inside = (next >= low) & (next <= high);
+  u = is_inside ? next : 0.5F * (low + high);
 }
 
-/// The crossings of a chunk of lines with a segment; most are at rest after three steps.
+/// The crossings of a chunk of lines with a segment; most are at rest after two steps.
 struct Crossings {
   float u[kChunk];  ///< -1: none
   float low[kChunk], high[kChunk], moved[kChunk];
 };
 
-/// Steps of Newton's method on f(u), the side of the segment's points relative to a ray's line.
+/// Steps of Halley's method on f(u), the side of the segment's points relative to a ray's line.
 /// The first steps start from the chord; later ones go on where the last still moved `at_rest`.
 template <int kSteps, bool kIsFirst>
 __attribute__((always_inline)) inline void step_crossings(const RayBlock& rays,
@@ -86,7 +87,7 @@ __attribute__((always_inline)) inline void step_crossings(const RayBlock& rays,
     float before = u;
     for (int step = 0; step < kSteps; ++step) {
       before = u;
-      newton_step(f0, f1, f2, f3, u, low, high);
+      halley_step(f0, f1, f2, f3, u, low, high);
     }
     const bool is_kept = !kIsFirst && !(moves[i] > at_rest);
     const float moved = u < before ? before - u : u - before;
@@ -101,12 +102,12 @@ GLINT_WIDE void find_crossings(const RayBlock& rays,
                                const float* c,
                                const Place& end,
                                Crossings& found) {
-  step_crossings<3, true>(rays, c, end, 0.0F, found.u, found.low, found.high, found.moved);
+  step_crossings<2, true>(rays, c, end, 0.0F, found.u, found.low, found.high, found.moved);
 }
 
 GLINT_WIDE void finish_crossings(
     const RayBlock& rays, const float* c, const Place& end, float at_rest, Crossings& found) {
-  step_crossings<2, false>(rays, c, end, at_rest, found.u, found.low, found.high, found.moved);
+  step_crossings<3, false>(rays, c, end, at_rest, found.u, found.low, found.high, found.moved);
 }
 
 GLINT_WIDE int count_above(const float* __restrict values, int count, float limit) {
@@ -140,7 +141,7 @@ GLINT_WIDE void keep_nearest(const RayBlock& rays,
 
 /// What a ray gets does not depend on its neighbours.
 void cross_segment(const RayBlock& rays, const float* coefficients, const Place& end, float* t_mm) {
-  constexpr float kAtRest = 2e-4F;  // another step would change less than a float holds
+  constexpr float kAtRest = 2e-3F;  // another step would change less than a float holds
   Crossings found;
   find_crossings(rays, coefficients, end, found);
   if (count_above(found.moved, rays.count, kAtRest) > 0) {

@@ -332,8 +332,8 @@ void add_view_scores(const SceneSettings& scene,
   const Mask hidden = hidden_pixels(seen, tunnel, traced.camera_in_world_mm);
   std::int64_t num_hidden = 0;
   std::int64_t on_part = 0;
-  for (std::size_t i = 0; i < hidden.size(); ++i) {
-    num_hidden += hidden.values()[i];
+  for (std::size_t i = 0; i < seen.coverage.size(); ++i) {
+    num_hidden += hidden.empty() ? 0 : hidden.values()[i];
     on_part += seen.coverage.values()[i] > 0.0F ? 1 : 0;
   }
   scores["view.hidden_share"] =

@@ -140,16 +140,16 @@ std::vector<Vector2d> sample_spline(const std::vector<SplineSegment>& segments, 
 
 namespace {
 
-/// The upper half of the unit circle at equal angles, its ends exact.
-std::vector<Vector2d> half_circle() {
-  std::vector<Vector2d> points;
-  for (int i = 0; i < kProfilePoints; ++i) {
-    const double angle = kPi * (static_cast<double>(i) / (kProfilePoints - 1) - 0.5);
-    const double sine = i == 0 ? -1.0 : i + 1 == kProfilePoints ? 1.0 : std::sin(angle);
-    const double cosine = i == 0 || i + 1 == kProfilePoints ? 0.0 : std::cos(angle);
-    points.emplace_back(sine, cosine);
+constexpr int kQuarter = (kProfilePoints - 1) / 2;
+static_assert(2 * kQuarter + 1 == kProfilePoints);
+
+/// Sines at equal angles of the first quarter of a circle, its ends exact.
+std::vector<double> quarter_sines() {
+  std::vector<double> sines;
+  for (int i = 0; i <= kQuarter; ++i) {
+    sines.push_back(std::sin(0.5 * kPi * i / kQuarter));
   }
-  return points;
+  return sines;
 }
 
 }  // namespace
@@ -157,14 +157,19 @@ std::vector<Vector2d> half_circle() {
 std::vector<Vector2d> sample_superellipse(const EllipseAxes& axes,
                                           double exponent,
                                           double base_mm) {
-  static const std::vector<Vector2d> kHalfCircle = half_circle();
+  static const std::vector<double> kSines = quarter_sines();
   const double power = 2.0 / exponent;
-  const auto raised = [&](double size) { return power == 1.0 ? size : std::pow(size, power); };
+  std::vector<double> raised;
+  for (const double sine : kSines) {
+    raised.push_back(power == 1.0 ? sine : std::pow(sine, power));
+  }
+  const auto of_quarter = [&](int i) { return raised[static_cast<std::size_t>(i)]; };
   std::vector<Vector2d> points;
-  points.reserve(kHalfCircle.size());
-  for (const Vector2d& unit : kHalfCircle) {
-    const double y = std::copysign(raised(std::abs(unit.x())), unit.x());
-    const double z = raised(unit.y());
+  points.reserve(kProfilePoints);
+  for (int i = 0; i < kProfilePoints; ++i) {
+    const int from_end = std::min(i, kProfilePoints - 1 - i);
+    const double y = std::copysign(of_quarter(kQuarter - from_end), i - kQuarter);
+    const double z = of_quarter(from_end);
     points.emplace_back(axes.half_width_mm * y, base_mm + axes.height_mm * z);
   }
   return points;

@@ -139,11 +139,16 @@ kernels::LitLimits Footprints::lit_limits() const {
 
 void Footprints::classify() {
   state_ = Image<State>::unset(rays_.width_px, rays_.height_px);
+  none_hidden_.resize(static_cast<std::size_t>(rays_.width_px));
   if (view_->limits.rows > 0) {
     classify_tiles();
   } else {
     classify_pixels(0, rays_.height_px, 0, rays_.width_px);
   }
+}
+
+const unsigned char* Footprints::hidden_row(int y) const {
+  return hidden().empty() ? none_hidden_.data() : hidden().row(y);
 }
 
 /// Tiles that are plain as a whole need no look at their rays.
@@ -182,7 +187,7 @@ void Footprints::classify_tiles() {
       for (int y = top; y < top + kStep; ++y) {
         const int left = begin * kStep;
         kernels::plain_states(reinterpret_cast<const unsigned char*>(rays_.kind.row(y)) + left,
-                              hidden().row(y) + left,
+                              hidden_row(y) + left,
                               (end - begin) * kStep,
                               reinterpret_cast<unsigned char*>(state_.row(y)) + left);
       }
@@ -223,7 +228,7 @@ void Footprints::classify_pixels(int top, int bottom, int left, int right) {
                       below.data(),
                       {.top = stripes_mm, .bottom = stripes_mm + corner_width},
                       reinterpret_cast<const unsigned char*>(rays_.kind.row(y)) + left,
-                      hidden().row(y) + left,
+                      hidden_row(y) + left,
                       count,
                       limits,
                       reinterpret_cast<unsigned char*>(state_.row(y)) + left);
@@ -231,6 +236,9 @@ void Footprints::classify_pixels(int top, int bottom, int left, int right) {
 }
 
 double Footprints::hidden_share() const {
+  if (hidden().empty()) {
+    return 0.0;
+  }
   const auto count = static_cast<int>(hidden().size());
   const int num_hidden = mask_kernels::count_ones(hidden().values().data(), count);
   const int on_part = mask_kernels::count_positive(rays_.coverage.values().data(), count);

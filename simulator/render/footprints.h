@@ -42,7 +42,7 @@ void meet_light(
 struct WallView {
   TileLimits limits;  ///< of hits in tiles; empty where corners are met one by one
   WallHits hits;      ///< of the corner rays
-  Mask hidden;        ///< pixels of the part that the wall hides from the camera
+  Mask hidden;        ///< pixels of the part that the wall hides from the camera; empty: none
 
   WallView(const CornerRays& rays, const Tunnel& tunnel, const Eigen::Vector3d& camera_in_world_mm);
 
@@ -116,6 +116,7 @@ class Footprints {
 
   const Image<State>& state() const { return state_; }
 
+  /// Empty: none.
   const Mask& hidden() const { return view_->hidden; }
 
   const WallHits& hits() const { return view_->hits; }
@@ -128,6 +129,7 @@ class Footprints {
  private:
   void classify();
   void classify_tiles();
+  const unsigned char* hidden_row(int y) const;
   void classify_pixels(int top, int bottom, int left, int right);
   footprint_kernels::LitLimits lit_limits() const;
 
@@ -136,6 +138,7 @@ class Footprints {
   ScanPositions positions_;
   std::shared_ptr<const WallView> view_;
   Image<State> state_;
+  std::vector<unsigned char> none_hidden_;  ///< in a row
 };
 
 /// Renders frames of a scan on some pixels. Not to be shared between threads.

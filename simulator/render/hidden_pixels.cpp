@@ -224,7 +224,10 @@ class SightGrid {
 /// Finds the hidden pixels, tile by tile.
 class HiddenFinder {
  public:
-  HiddenFinder(const View& view, Mask& hidden) : view_(view), hidden_(hidden) {}
+  explicit HiddenFinder(const View& view) : view_(view) {}
+
+  /// Empty where no tile was hidden or had to be tested.
+  Mask take() { return std::move(hidden_); }
 
   /// @param level  of kTiles
   void split(const TileArea& area, std::size_t level) {
@@ -254,7 +257,14 @@ class HiddenFinder {
   }
 
  private:
+  void need_mask() {
+    if (hidden_.empty()) {
+      hidden_ = Mask(view_.seen.width_px, view_.seen.height_px);
+    }
+  }
+
   void hide(const TileArea& area) {
+    need_mask();
     for (int y = area.top; y < area.bottom; ++y) {
       const float* coverage = view_.seen.coverage.row(y);
       for (int x = area.left; x < area.right; ++x) {
@@ -264,6 +274,10 @@ class HiddenFinder {
   }
 
   void test(const TileArea& area) {
+    if (area.left >= area.right) {
+      return;
+    }
+    need_mask();
     for (int y = area.top; y < area.bottom; ++y) {
       test_row(
           view_.seen, view_.tunnel, view_.camera_mm, y, area.left, area.right, scratch_, hidden_);
@@ -271,7 +285,7 @@ class HiddenFinder {
   }
 
   const View& view_;
-  Mask& hidden_;
+  Mask hidden_;
   std::vector<float> scratch_;
 };
 
@@ -289,18 +303,21 @@ Mask hidden_pixels_one_by_one(const SeenPart& seen,
 }
 
 Mask hidden_pixels(const SeenPart& seen, const Tunnel& tunnel, const Vector3d& camera_in_world_mm) {
+  if (!tunnel.settings().blocks_view) {
+    return {};
+  }
   const bool is_tiled = seen.width_px > 1 && seen.height_px > 1;
-  if (!tunnel.settings().blocks_view || !is_tiled) {
+  if (!is_tiled) {
     return hidden_pixels_one_by_one(seen, tunnel, camera_in_world_mm);
   }
-  Mask hidden(seen.width_px, seen.height_px);
   const View view = {.seen = seen,
                      .tunnel = tunnel,
                      .camera_mm = camera_in_world_mm,
                      .ends_mm = panel_ends(tunnel.settings()),
                      .rays = PixelRays::through(seen, camera_in_world_mm)};
-  HiddenFinder(view, hidden).split({.right = seen.width_px, .bottom = seen.height_px}, 0);
-  return hidden;
+  HiddenFinder finder(view);
+  finder.split({.right = seen.width_px, .bottom = seen.height_px}, 0);
+  return finder.take();
 }
 
 }  // namespace glint

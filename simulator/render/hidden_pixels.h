@@ -18,6 +18,7 @@ Mask hidden_pixels_one_by_one(const SeenPart& seen,
 /// The same from a coarse grid. A sight line is a ray of the camera, so where it crosses the wall
 /// changes smoothly over the picture whatever the part looks like: pixels are only tested one by
 /// one where the four corners of their tile differ or cross the wall near a boundary of it.
+/// Empty where it is plain that nothing is hidden.
 Mask hidden_pixels(const SeenPart& seen,
                    const Tunnel& tunnel,
                    const Eigen::Vector3d& camera_in_world_mm);

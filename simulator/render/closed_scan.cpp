@@ -378,14 +378,24 @@ void expose_mean(const Footprints& footprints,
   const Spans& wanted = plan.by_floors;
   const Spans rendered = grown_spans(wanted, sensor.blur_radius_px(), kBridge_px, width, height);
   const Spans near = grown_spans(wanted, reach_of(sensor, plan.reflectance), 0, width, height);
-  ImageF mean = ImageF::unset(width, height);
-  FootprintFrames(footprints, rendered).render_mean(near, mean);
   SensorSettings quiet = sensor.settings();
   const double offset =
       quiet.full_well_e > 0.0 ? quiet.gain * quiet.dark_e / quiet.full_well_e : 0.0;
   quiet.full_well_e = quiet.read_noise_e = quiet.dark_e = 0.0;
   quiet.bits = 0;
-  Sensor(quiet, width, height).expose(mean, 0, wanted, result.aspect);
+  const Sensor quiet_sensor(quiet, width, height);
+  ImageF mean = ImageF::unset(width, height);
+  // Rows are exposed as soon as all are there that their light comes from.
+  auto next = wanted.begin();
+  const auto expose_with = [&](int rows) {
+    const int known = rows < height ? rows - sensor.blur_radius_px() : height;
+    const auto first = next;
+    while (next != wanted.end() && next->y < known) {
+      ++next;
+    }
+    quiet_sensor.expose(mean, 0, Spans(first, next), result.aspect);
+  };
+  FootprintFrames(footprints, rendered).render_mean(near, mean, expose_with);
   if (sensor.settings().full_well_e == 0.0) {
     return;
   }

@@ -14,6 +14,9 @@ namespace kernels = footprint_kernels;
 /// Pixels that are worked on together.
 constexpr int kTile = 256;
 
+/// Rows of a mean after which it is told that they are there: still in a near cache.
+constexpr int kRowsAtOnce = 32;
+
 }  // namespace
 
 FootprintFrames::FootprintFrames(const Footprints& footprints,
@@ -35,7 +38,8 @@ struct FootprintFrames::Tile {
   }
 };
 
-void FootprintFrames::load(const RowSpan& span, int begin, Tile& tile) const {
+/// @return the pixels' states
+const unsigned char* FootprintFrames::load(const RowSpan& span, int begin, Tile& tile) const {
   const CornerRays& rays = footprints_.rays();
   const ScanPositions& p = footprints_.positions();
   const WallHits& hits = footprints_.hits();
@@ -64,6 +68,7 @@ void FootprintFrames::load(const RowSpan& span, int begin, Tile& tile) const {
     kernels::plain_gains(
         state, rays.corners.weight.data() + top, cosine, tile.count, tile.gain.data());
   }
+  return state;
 }
 
 void FootprintFrames::render_span(int first,
@@ -97,18 +102,29 @@ void FootprintFrames::render_span(int first,
   }
 }
 
-void FootprintFrames::render_mean(const Spans& near, ImageF& mean) const {
+void FootprintFrames::render_mean(const Spans& near,
+                                  ImageF& mean,
+                                  const std::function<void(int)>& done) const {
   // The fast form errs where stripes are thin, and by less the more phases share the error.
   constexpr int kFastPhases = 8;
   constexpr double kFastDuty = 0.1;
   const ScanPositions p = footprints_.positions().mean_position();
   const int phases = footprints_.positions().even_phases();
   const bool is_fast = phases >= kFastPhases && std::min(p.duty, 1.0 - p.duty) >= kFastDuty;
+  const PixelCells cells = mean_of_cells(footprints_, where_, near);
+  for (std::size_t i = 0; i < cells.pixels.size(); ++i) {
+    mean.values()[static_cast<std::size_t>(cells.pixels[i])] = cells.values[i];
+  }
   Tile tile;
   tile.x_mm.fill(0.0F);
+  int told = 0;
   for (const RowSpan& span : where_) {
+    if (done && span.y >= told + kRowsAtOnce) {
+      told = span.y;
+      done(told);
+    }
     for (int begin = span.begin; begin < span.end; begin += tile.count) {
-      load(span, begin, tile);
+      const unsigned char* state = load(span, begin, tile);
       float* shares = tile.x_mm.data();
       if (is_fast) {
         kernels::half_widths(
@@ -124,17 +140,17 @@ void FootprintFrames::render_mean(const Spans& near, ImageF& mean) const {
         kernels::any_shares(
             tile.v.data(), tile.gx.data(), tile.gy.data(), tile.count, phases, p.duty, shares);
       }
-      kernels::mix(tile.gain.data(),
-                   shares,
-                   tile.count,
-                   static_cast<float>(p.dark),
-                   static_cast<float>(p.bright),
-                   mean.row(span.y) + begin);
+      kernels::mix_beside_cells(state,
+                                tile.gain.data(),
+                                shares,
+                                tile.count,
+                                static_cast<float>(p.dark),
+                                static_cast<float>(p.bright),
+                                mean.row(span.y) + begin);
     }
   }
-  const PixelCells cells = mean_of_cells(footprints_, where_, near);
-  for (std::size_t i = 0; i < cells.pixels.size(); ++i) {
-    mean.values()[static_cast<std::size_t>(cells.pixels[i])] = cells.values[i];
+  if (done) {
+    done(mean.height());
   }
 }
 

@@ -345,14 +345,16 @@ GLINT_WIDE void even_gains(const unsigned char* __restrict state,
   }
 }
 
-GLINT_WIDE void mix(const float* __restrict gain,
-                    const float* __restrict share,
-                    int count,
-                    float dark,
-                    float bright,
-                    float* __restrict out) {
+GLINT_WIDE void mix_beside_cells(const unsigned char* __restrict state,
+                                 const float* __restrict gain,
+                                 const float* __restrict share,
+                                 int count,
+                                 float dark,
+                                 float bright,
+                                 float* __restrict out) {
   for (int i = 0; i < count; ++i) {
-    out[i] = gain[i] * (dark + bright * share[i]);
+    const float mixed = gain[i] * (dark + bright * share[i]);
+    out[i] = state[i] == 2 ? out[i] : mixed;
   }
 }
 

@@ -137,8 +137,14 @@ void plain_gains(
 void even_gains(
     const unsigned char* state, float weight, const float* cosine, int count, float* gain);
 
-/// out = gain * (dark + bright * share)
-void mix(const float* gain, const float* share, int count, float dark, float bright, float* out);
+/// out = gain * (dark + bright * share) where the state is not 2 (cells)
+void mix_beside_cells(const unsigned char* state,
+                      const float* gain,
+                      const float* share,
+                      int count,
+                      float dark,
+                      float bright,
+                      float* out);
 
 /// Bright share of footprints of any width, phase and differences times `scale`.
 void any_shares(const float* v,

@@ -9,6 +9,7 @@
 // See docs/theory/footprints.md.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <new>
 #include <optional>
@@ -158,7 +159,11 @@ class FootprintFrames {
   /// Mean radiance over a scan of whole periods, by floors: a square wave of as many times the
   /// frequency as there are different positions.
   /// @param near  refined pixels elsewhere may be taken from their four corners and their coverage
-  void render_mean(const Spans& near, ImageF& mean) const;
+  /// @param done  called now and then with how many rows from the top are rendered, at last with
+  /// all
+  void render_mean(const Spans& near,
+                   ImageF& mean,
+                   const std::function<void(int rows)>& done = {}) const;
 
   /// Those of the rendered frames; nullptr before the first.
   const std::shared_ptr<const PixelCells>& cells() const { return cells_; }
@@ -166,7 +171,7 @@ class FootprintFrames {
  private:
   struct Tile;
 
-  void load(const RowSpan& span, int begin, Tile& tile) const;
+  const unsigned char* load(const RowSpan& span, int begin, Tile& tile) const;
   void render_span(int first, const RowSpan& span, std::vector<ImageF>& frames) const;
 
   const Footprints& footprints_;

@@ -15,7 +15,7 @@ namespace kernels = footprint_kernels;
 constexpr int kTile = 256;
 
 /// Rows of a mean after which it is told that they are there: still in a near cache.
-constexpr int kRowsAtOnce = 32;
+constexpr int kRowsAtOnce = 12;
 
 }  // namespace
 

@@ -268,33 +268,33 @@ Mask without(const Mask& mask, const Mask& taken) {
 
 ScanPlan plan_scan(const Footprints& footprints,
                    const Sensor& sensor,
-                   const Region& wanted,
+                   const Region& region,
                    const Mask& watched,
                    double reflectance) {
-  const Mask& region = wanted.mask;
-  GLINT_CHECK(watched.empty() || watched.size() == region.size(), "watched pixels of this picture");
+  const Mask& mask = region.mask;
+  GLINT_CHECK(watched.empty() || watched.size() == mask.size(), "watched pixels of this picture");
   ScanPlan plan;
   plan.reflectance = reflectance;
   plan.form.kind = form_of(footprints.positions(), sensor.settings(), reflectance);
   plan.by_frames = watched;
   if (plan.form.kind == ScanForm::Kind::kFrames) {
-    plan.by_frames = region;
+    plan.by_frames = mask;
     for (std::size_t i = 0; i < watched.size(); ++i) {
       plan.by_frames.values()[i] |= watched.values()[i];
     }
   }
   if (plan.form.kind == ScanForm::Kind::kFloors) {
-    plan.by_floors = watched.empty() ? wanted.spans : spans_of(without(region, watched));
+    plan.by_floors = watched.empty() ? region.spans : spans_of(without(mask, watched));
   }
   if (plan.form.kind == ScanForm::Kind::kTable) {
-    plan.width = ImageF::unset(region.width(), region.height());
-    plan.by_table = Mask::unset(region.width(), region.height());
+    plan.width = ImageF::unset(mask.width(), mask.height());
+    plan.by_table = Mask::unset(mask.width(), mask.height());
     plan.table = std::make_shared<const ClippedMean>(
         sensor.settings(), stripes_of(footprints.positions(), reflectance));
     if (watched.empty()) {
-      plan.by_frames = Mask(region.width(), region.height());
+      plan.by_frames = Mask(mask.width(), mask.height());
     }
-    sort_pixels(footprints, sensor, region, plan);
+    sort_pixels(footprints, sensor, mask, plan);
   }
   plan.form.frame_pixels = count_of(plan.by_frames);
   plan.form.table_pixels = count_of(plan.by_table);

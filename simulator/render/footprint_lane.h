@@ -59,6 +59,7 @@ inline __attribute__((always_inline)) Real second_integral_shifted(Real shifted,
   return t * ((ahead > behind ? ahead : behind) - kHalf * duty * rest);
 }
 
+/// The same at a phase.
 template <class Real>
 inline __attribute__((always_inline)) Real second_integral(Real phase, Real duty) {
   return second_integral_shifted(phase + (static_cast<Real>(1.0) - duty), duty);

@@ -289,5 +289,29 @@ TEST(HitSpline, LetsNoRayThroughBetweenSegments) {
   }
 }
 
+// Rays to known places of a piece that runs slowly at first and sixty times as fast at last, so
+// that the chord is a poor start.
+TEST(HitSpline, MeetsAPieceOfUnevenSpeedWhereItIs) {
+  const SplineSegment segment = {.y = {-50.0, 5.0, 0.0, 95.0}, .z = {100.0, 40.0, 0.0, 0.0}};
+  RandomRays rays(0);
+  for (int i = 1; i < 1000; ++i) {
+    const double u = i / 1000.0;
+    const std::array<float, 6> ray = {0.0F,
+                                      0.0F,
+                                      0.0F,
+                                      0.0F,
+                                      static_cast<float>(-50.0 + 5.0 * u + 95.0 * u * u * u),
+                                      static_cast<float>(100.0 + 40.0 * u)};
+    for (std::size_t k = 0; k < ray.size(); ++k) {
+      rays.arrays[k].push_back(ray[k]);
+    }
+  }
+  std::vector<float> t_mm(rays.arrays[0].size());
+  hit_spline(rays.block(), &segment, 1, t_mm.data());
+  for (std::size_t i = 0; i < t_mm.size(); ++i) {
+    ASSERT_NEAR(t_mm[i], 1.0F, 2e-6F) << i;  // in units of the directions, which reach the places
+  }
+}
+
 }  // namespace
 }  // namespace glint

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <iterator>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -64,18 +66,19 @@ class CellSummer {
   void add_corners(const Refined& pixel, CellSum& sum);
   void store(std::int32_t pixel, CellSum& sum);
 
-  /// The ends pass none of these places: the mean is one position.
+  /// Of places that the ends do not pass not every position is needed.
   CellSum& sum_for(double low_mm, double high_mm) {
-    CellSum& sum = wants_mean_ && positions_.is_inside_ends(low_mm, high_mm) ? mean_ : frames_;
+    CellSum& sum = positions_.is_inside_ends(low_mm, high_mm) ? between_ends_ : frames_;
     sum.clear();
     return sum;
   }
 
   const Footprints& footprints_;
   const ScanPositions& positions_;
-  const ScanPositions mean_position_;  ///< positions_ where no mean is wanted
+  const DistinctStripes stripes_;         ///< of the frames, or of their mean
+  const ScanPositions inside_positions_;  ///< of these stripes
   CellSum frames_;
-  CellSum mean_;
+  CellSum between_ends_;
   bool wants_mean_;
   const Spans* near_;
   kernels::CutLimits limits_;
@@ -86,6 +89,7 @@ class CellSummer {
   kernels::CutSums sums_;
   std::array<unsigned char, kernels::kBatch> is_simple_ = {};
   std::vector<std::size_t> simple_;         ///< of the batch
+  std::vector<double> of_sources_;          ///< radiance of simple pixels, pixel by pixel
   std::vector<std::int32_t> cell_corners_;  ///< first corners of a pixel's smooth cells
   PixelCells cells_;
   WallHits hits_;              ///< of some refined pixels, corner by corner
@@ -96,9 +100,11 @@ class CellSummer {
 CellSummer::CellSummer(const Footprints& footprints, bool wants_mean, const Spans* near)
     : footprints_(footprints),
       positions_(footprints.positions()),
-      mean_position_(wants_mean ? positions_.mean_position() : positions_),
+      stripes_(wants_mean ? DistinctStripes() : positions_.distinct_stripes()),
+      inside_positions_(wants_mean ? positions_.mean_position()
+                                   : positions_.with_stripes_at(stripes_.shift_periods)),
       frames_(positions_),
-      mean_(mean_position_),
+      between_ends_(inside_positions_),
       wants_mean_(wants_mean),
       near_(near),
       limits_{
@@ -111,7 +117,7 @@ PixelCells CellSummer::sum(const Spans& where) {
   sort_pixels(where);
   const std::size_t count = unrefined_.size() + far_.size() + refined_.size();
   cells_.pixels.reserve(count);
-  cells_.values.reserve(count * mean_position_.shift_periods.size());
+  cells_.values.reserve(count * stripes_.frames.size());
   add_far();
   add_unrefined();
   for (const RefinedGroup& group : footprints_.rays().refined) {
@@ -187,8 +193,8 @@ void CellSummer::load_pixels(const Places& places, std::size_t first) {
 /// these corners are to each other they are refined as others are.
 void CellSummer::add_far() {
   const ImageF& coverage = footprints_.rays().coverage;
-  const auto mean =
-      static_cast<float>(mean_position_.dark + mean_position_.bright * mean_position_.duty);
+  const auto mean = static_cast<float>(inside_positions_.dark +
+                                       inside_positions_.bright * inside_positions_.duty);
   std::array<float, kernels::kBatch> gain = {};
   std::array<unsigned char, kernels::kBatch> is_clear = {};
   const std::size_t num_near = refined_.size();
@@ -229,26 +235,24 @@ void CellSummer::add_unrefined() {
 
 /// The simple ones among the pixels of the batch.
 void CellSummer::add_simple(const std::int32_t* pixels) {
-  const ScanPositions& p = mean_position_;
-  const std::size_t frames = p.shift_periods.size();
-  const std::size_t first = cells_.values.size();
-  cells_.values.resize(first + simple_.size() * frames);
-  for (const std::size_t i : simple_) {
-    cells_.pixels.push_back(pixels[i]);
-  }
+  const ScanPositions& p = inside_positions_;
+  const std::size_t sources = p.shift_periods.size();
   kernels::cut(batch_, inside_, p.offset_mm, 1.0 / p.period_mm, sums_);
   std::array<float, kernels::kBatch> radiance = {};
-  for (std::size_t k = 0; k < frames; ++k) {
+  of_sources_.resize(simple_.size() * sources);
+  for (std::size_t k = 0; k < sources; ++k) {
     kernels::integrate(
         batch_,
         sums_,
         {.shift = p.shift_periods[k], .duty = p.duty, .dark = p.dark, .bright = p.bright},
         radiance.data());
-    float* values = cells_.values.data() + first + k;
-    for (const std::size_t i : simple_) {
-      *values = radiance[i];
-      values += frames;
+    for (std::size_t j = 0; j < simple_.size(); ++j) {
+      of_sources_[j * sources + k] = static_cast<double>(radiance[simple_[j]]);
     }
+  }
+  for (std::size_t j = 0; j < simple_.size(); ++j) {
+    cells_.pixels.push_back(pixels[simple_[j]]);
+    stripes_.expand(of_sources_.data() + j * sources, cells_.values);
   }
 }
 
@@ -401,25 +405,20 @@ void CellSummer::add_corners(const Refined& pixel, CellSum& sum) {
 
 void CellSummer::store(std::int32_t pixel, CellSum& sum) {
   const std::vector<double>& radiance = sum.radiance();
-  if (wants_mean_ && &sum == &frames_) {
-    double total = 0.0;
-    for (const double value : radiance) {
-      total += value;
-    }
-    cells_.add(pixel, {total / static_cast<double>(radiance.size())});
+  cells_.pixels.push_back(pixel);
+  if (&sum == &between_ends_) {
+    stripes_.expand(radiance.data(), cells_.values);
+  } else if (wants_mean_) {
+    const double total = std::accumulate(radiance.begin(), radiance.end(), 0.0);
+    cells_.values.push_back(static_cast<float>(total / static_cast<double>(radiance.size())));
   } else {
-    cells_.add(pixel, radiance);
+    std::ranges::transform(radiance, std::back_inserter(cells_.values), [](double value) {
+      return static_cast<float>(value);
+    });
   }
 }
 
 }  // namespace
-
-void PixelCells::add(std::int32_t pixel, const std::vector<double>& radiance) {
-  pixels.push_back(pixel);
-  for (const double value : radiance) {
-    values.push_back(static_cast<float>(value));
-  }
-}
 
 PixelCells sum_cells(const Footprints& footprints, const Spans& where) {
   return CellSummer(footprints, false).sum(where);

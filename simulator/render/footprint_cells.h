@@ -18,8 +18,6 @@ class Footprints;
 struct PixelCells {
   std::vector<std::int32_t> pixels;  ///< index y * width + x
   std::vector<float> values;         ///< as many for each pixel
-
-  void add(std::int32_t pixel, const std::vector<double>& radiance);
 };
 
 /// The pixels of State::kCells among the given ones, at all positions.

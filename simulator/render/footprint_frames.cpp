@@ -71,10 +71,13 @@ const unsigned char* FootprintFrames::load(const RowSpan& span, int begin, Tile&
   return state;
 }
 
+/// A frame that follows from another one gets the same bits whether that one is rendered or not.
 void FootprintFrames::render_span(int first,
                                   const RowSpan& span,
+                                  const DistinctStripes& stripes,
                                   std::vector<ImageF>& frames) const {
   const ScanPositions& p = footprints_.positions();
+  std::vector<const float*> rendered(stripes.shift_periods.size());
   Tile tile;
   for (int begin = span.begin; begin < span.end; begin += tile.count) {
     load(span, begin, tile);
@@ -82,17 +85,31 @@ void FootprintFrames::render_span(int first,
     const bool is_narrow = kernels::largest_lit(tile.outer.data(), tile.gain.data(), tile.count) <=
                            kernels::narrow_limit(static_cast<float>(p.duty));
     const auto box_frame = is_narrow ? kernels::narrow_box_frame : kernels::box_frame;
+    std::ranges::fill(rendered, nullptr);
     for (std::size_t k = 0; k < frames.size(); ++k) {
       const std::size_t frame = static_cast<std::size_t>(first) + k;
+      const auto [source, is_opposite] = stripes.frames[frame];
       float* out = frames[k].row(span.y) + begin;
-      box_frame(tile.v.data(),
-                tile.shape(),
-                tile.gain.data(),
-                tile.count,
-                {.shift = static_cast<float>(p.shift_periods[frame]),
-                 .duty = static_cast<float>(p.duty),
-                 .dark = static_cast<float>(p.dark)},
-                out);
+      const float* of_source = rendered[source];
+      if (of_source == nullptr) {
+        float* to = is_opposite ? tile.x_mm.data() : out;
+        box_frame(tile.v.data(),
+                  tile.shape(),
+                  tile.gain.data(),
+                  tile.count,
+                  {.shift = static_cast<float>(stripes.shift_periods[source]),
+                   .duty = static_cast<float>(p.duty),
+                   .dark = static_cast<float>(p.dark)},
+                  to);
+        of_source = to;
+        rendered[source] = is_opposite ? nullptr : out;
+      }
+      if (is_opposite) {
+        kernels::opposite_frame(
+            of_source, tile.gain.data(), tile.count, static_cast<float>(p.dark), out);
+      } else if (of_source != out) {
+        std::copy_n(of_source, tile.count, out);
+      }
       if (!p.is_even) {
         kernels::Unevenness uneven = p.unevenness;
         uneven.shift_mm = static_cast<float>(p.shift_mm[frame]);
@@ -158,8 +175,9 @@ void FootprintFrames::render(int first, std::vector<ImageF>& frames) const {
   if (!cells_) {
     cells_ = std::make_shared<const PixelCells>(sum_cells(footprints_, where_));
   }
+  const DistinctStripes stripes = footprints_.positions().distinct_stripes();
   for (const RowSpan& span : where_) {
-    render_span(first, span, frames);
+    render_span(first, span, stripes, frames);
   }
   const auto total = static_cast<std::size_t>(footprints_.positions().frames());
   for (std::size_t i = 0; i < cells_->pixels.size(); ++i) {

@@ -297,6 +297,17 @@ GLINT_WIDE void narrow_box_frame(const float* __restrict v,
   }
 }
 
+GLINT_WIDE void opposite_frame(const float* __restrict frame,
+                               const float* __restrict gain,
+                               int count,
+                               float dark,
+                               float* __restrict out) {
+  const float both = 1.0F + dark;
+  for (int i = 0; i < count; ++i) {
+    out[i] = both * gain[i] - frame[i];
+  }
+}
+
 /// Numbers that are not negative are ordered as their bits are.
 GLINT_WIDE float largest(const float* __restrict values, int count) {
   std::int32_t found = 0;

@@ -123,6 +123,10 @@ void narrow_box_frame(const float* v,
                       const BoxFrame& frame,
                       float* out);
 
+/// The frame whose stripes are bright where those of another frame are dark:
+/// out = gain * (1 + dark) - frame
+void opposite_frame(const float* frame, const float* gain, int count, float dark, float* out);
+
 /// Of values >= 0.
 float largest(const float* values, int count);
 

@@ -88,6 +88,16 @@ ScanPositions ScanPositions::mean_position() const {
   return mean;
 }
 
+ScanPositions ScanPositions::with_stripes_at(const std::vector<double>& places) const {
+  ScanPositions moved = *this;
+  moved.shift_periods = places;
+  return moved;
+}
+
+DistinctStripes ScanPositions::distinct_stripes() const {
+  return is_even ? DistinctStripes(shift_periods, duty) : DistinctStripes(shift_periods);
+}
+
 WallView::WallView(const CornerRays& rays,
                    const Tunnel& tunnel,
                    const Eigen::Vector3d& camera_in_world_mm)

@@ -22,6 +22,7 @@
 #include "core/spans.h"
 #include "simulator/light/tunnel.h"
 #include "simulator/render/corner_rays.h"
+#include "simulator/render/distinct_stripes.h"
 #include "simulator/render/footprint_cells.h"
 #include "simulator/render/footprint_kernels.h"
 #include "simulator/render/scan_settings.h"
@@ -70,6 +71,13 @@ struct ScanPositions {
   /// many times the frequency as there are different positions. Needs even_phases() and even light,
   /// and places that the tunnel's ends never pass.
   ScanPositions mean_position() const;
+
+  /// The same tunnel with its stripes at other places.
+  /// @param shift_periods  each in [0, 1)
+  ScanPositions with_stripes_at(const std::vector<double>& shift_periods) const;
+
+  /// Under uneven light, which moves with the stripes, each frame has its own.
+  DistinctStripes distinct_stripes() const;
 
   /// True when the tunnel's ends pass no place of [low, high] in the scene.
   bool is_inside_ends(double low_mm, double high_mm) const {
@@ -172,7 +180,10 @@ class FootprintFrames {
   struct Tile;
 
   const unsigned char* load(const RowSpan& span, int begin, Tile& tile) const;
-  void render_span(int first, const RowSpan& span, std::vector<ImageF>& frames) const;
+  void render_span(int first,
+                   const RowSpan& span,
+                   const DistinctStripes& stripes,
+                   std::vector<ImageF>& frames) const;
 
   const Footprints& footprints_;
   const Spans& where_;

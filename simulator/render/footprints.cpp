@@ -184,27 +184,27 @@ void Footprints::classify_tiles() {
         lit,
         is_even.data());
     const int top = row * kStep;
+    const int bottom = std::min(top + kStep, rays_.height_px);
     const auto is_same = [&](int column, int other) {
       return is_even[static_cast<std::size_t>(column)] == is_even[static_cast<std::size_t>(other)];
     };
     for (int begin = 0, end = 0; begin < limits.columns; begin = end) {
       for (end = begin + 1; end < limits.columns && is_same(end, begin); ++end) {
       }
+      const int left = begin * kStep;
+      const int right = std::min(end * kStep, rays_.width_px);
       if (is_even[static_cast<std::size_t>(begin)] == 0) {
-        classify_pixels(top, top + kStep, begin * kStep, end * kStep);
+        classify_pixels(top, bottom, left, right);
         continue;
       }
-      for (int y = top; y < top + kStep; ++y) {
-        const int left = begin * kStep;
+      for (int y = top; y < bottom; ++y) {
         kernels::plain_states(reinterpret_cast<const unsigned char*>(rays_.kind.row(y)) + left,
                               hidden_row(y) + left,
-                              (end - begin) * kStep,
+                              right - left,
                               reinterpret_cast<unsigned char*>(state_.row(y)) + left);
       }
     }
-    classify_pixels(top, top + kStep, limits.columns * kStep, rays_.width_px);
   }
-  classify_pixels(limits.rows * kStep, rays_.height_px, 0, rays_.width_px);
 }
 
 /// Pixels [left, right) of rows [top, bottom), by the corners of each.

@@ -12,8 +12,8 @@
 
 namespace glint {
 
-/// Nodes that a plane has more on each side.
-inline constexpr int kNodeMargin = sparse_kernels::kBefore;
+/// Nodes that a plane has more on each side: a tile at the picture's end has no real one behind it.
+inline constexpr int kNodeMargin = sparse_kernels::kNodes - sparse_kernels::kBefore - 1;
 
 /// Numbers at nodes and around them, as quintics go on there.
 class NodePlane {
@@ -47,16 +47,18 @@ class NodePlane {
     return values_.data() + static_cast<std::ptrdiff_t>(index + kNodeMargin) * width_;
   }
 
-  /// The rows around tiles.
+  /// The rows around tiles, from the first node that the first tile needs.
   sparse_kernels::NodeRows around(int tile_row) const {
     sparse_kernels::NodeRows rows;
     for (int i = 0; i < sparse_kernels::kNodes; ++i) {
-      rows[static_cast<std::size_t>(i)] = row(tile_row + i - sparse_kernels::kBefore);
+      rows[static_cast<std::size_t>(i)] =
+          row(tile_row + i - sparse_kernels::kBefore) + kNodeMargin - sparse_kernels::kBefore;
     }
     return rows;
   }
 
-  int width() const { return width_; }
+  /// Nodes of these rows that the tiles need.
+  int width_around() const { return sparse_.columns + sparse_kernels::kNodes - 1; }
 
  private:
   const SparseRays& sparse_;

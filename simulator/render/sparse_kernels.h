@@ -11,6 +11,12 @@ namespace glint::sparse_kernels {
 /// Places from one node to the next.
 inline constexpr int kStep = 8;
 
+/// Places of a tile along a side of a picture: fewer in the last one, where the picture ends.
+inline int places_of(int tile, int places) {
+  const int left = places - tile * kStep;
+  return left < kStep ? left : kStep;
+}
+
 /// Nodes of a quintic, and those of them before the place.
 inline constexpr int kNodes = 6;
 inline constexpr int kBefore = 2;

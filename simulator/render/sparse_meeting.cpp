@@ -35,7 +35,11 @@ constexpr int kLongStretch = 128;
 class SparseMeeting {
  public:
   SparseMeeting(const SparseRays& sparse, const RayCache& corners, const Tunnel& tunnel)
-      : sparse_(sparse), corners_(corners), tunnel_(tunnel), tiles_(sparse.columns - 1) {
+      : sparse_(sparse),
+        corners_(corners),
+        tunnel_(tunnel),
+        tiles_(sparse.columns),
+        last_width_(kernels::places_of(sparse.columns - 1, corners.width_px)) {
     hits_.resize(corners.weight.size(), tunnel.settings());
     results_ = hits_.arrays();
     meet(sparse.nodes, nodes_);
@@ -46,7 +50,7 @@ class SparseMeeting {
     for (const FloatArray* values : nodes_.arrays()) {
       planes_.emplace_back(sparse).set(values->data());
     }
-    blended_.resize(static_cast<std::size_t>(sparse.columns + 2 * kNodeMargin));
+    blended_.resize(static_cast<std::size_t>(planes_.front().width_around()));
     allowed_.resize(static_cast<std::size_t>(tiles_));
     errors_.resize(allowed_.size());
     is_sparse_.resize(allowed_.size());
@@ -54,22 +58,25 @@ class SparseMeeting {
 
   WallHits meet(TileLimits& limits) {
     begin(limits);
-    for (int row = 0; row + 1 < sparse_.rows; ++row) {
+    for (int row = 0; row < sparse_.rows; ++row) {
       find_limits(row, limits);
       check(row, limits);
       set_kinds(row, limits);
       spread(row);
       sort_others(row);
     }
-    clear_dark();
     meet(sparse_.rest, met_);
     store(sparse_.rest_stretches);
     meet_others();
+    clear_dark();
     return std::move(hits_);
   }
 
  private:
   using Stretches = std::vector<RayStretch>;
+
+  /// Of a row of tiles.
+  int height_of(int row) const { return kernels::places_of(row, corners_.height_px); }
 
   void meet(const PickedRays& rays, WallHits& hits) const {
     hits.resize(static_cast<std::size_t>(rays.count()), tunnel_.settings());
@@ -100,7 +107,8 @@ class SparseMeeting {
   const SparseRays& sparse_;
   const RayCache& corners_;
   const Tunnel& tunnel_;
-  int tiles_;  ///< in a row
+  int tiles_;       ///< in a row
+  int last_width_;  ///< rays in a row of the last one
   WallHits hits_, nodes_;
   std::vector<FloatArray*> results_;  ///< the hits' arrays
   std::array<WallHits, SparseRays::kChecks> checks_;
@@ -127,16 +135,21 @@ void SparseMeeting::check(int row, const TileLimits& limits) {
 void SparseMeeting::find_errors(std::size_t array, int row) {
   std::ranges::fill(errors_, 0.0F);
   for (std::size_t k = 0; k < SparseRays::kChecks; ++k) {
-    const SparseRays::Place at = SparseRays::kCheckPlaces[k];
+    const float* values = at_checks_[k][array]->data() + static_cast<std::ptrdiff_t>(row) * tiles_;
+    const auto compare = [&](int first, int count, int place) {
+      kernels::find_errors(blended_.data() + first,
+                           values + first,
+                           kernels::kNodeWeights[static_cast<std::size_t>(place)],
+                           count,
+                           errors_.data() + first);
+    };
+    const SparseRays::Place at = sparse_.check_place(k, 0, row, corners_);
     kernels::blend_rows(planes_[array].around(row),
                         kernels::kNodeWeights[static_cast<std::size_t>(at.row)],
-                        planes_[array].width(),
+                        planes_[array].width_around(),
                         blended_.data());
-    kernels::find_errors(blended_.data(),
-                         at_checks_[k][array]->data() + static_cast<std::ptrdiff_t>(row) * tiles_,
-                         kernels::kNodeWeights[static_cast<std::size_t>(at.column)],
-                         tiles_,
-                         errors_.data());
+    compare(0, tiles_ - 1, at.column);
+    compare(tiles_ - 1, 1, sparse_.check_place(k, tiles_ - 1, row, corners_).column);
   }
 }
 
@@ -187,7 +200,7 @@ std::array<std::pair<std::vector<float>*, std::vector<float>*>, 4> limit_arrays(
 
 void SparseMeeting::begin(TileLimits& limits) const {
   limits.columns = tiles_;
-  limits.rows = sparse_.rows - 1;
+  limits.rows = sparse_.rows;
   limits.kind.resize(sparse_.kind.size());
   const auto arrays = limit_arrays(limits);
   for (std::size_t i = 0; i < std::min(arrays.size(), planes_.size()); ++i) {
@@ -218,14 +231,24 @@ void SparseMeeting::set_kinds(int row, TileLimits& limits) const {
   }
 }
 
+/// What the last tile writes behind the end of a row of rays is overwritten by the next row.
 void SparseMeeting::spread(int row) {
   for (std::size_t i = 0; i < results_.size(); ++i) {
-    for (int y = 0; y < kStep; ++y) {
+    for (int y = 0; y < height_of(row); ++y) {
       kernels::blend_rows(planes_[i].around(row),
                           kernels::kNodeWeights[static_cast<std::size_t>(y)],
-                          planes_[i].width(),
+                          planes_[i].width_around(),
                           blended_.data());
-      kernels::spread(blended_.data(), tiles_, results_[i]->data() + place(0, row * kStep + y));
+      float* to = results_[i]->data() + place(0, row * kStep + y);
+      if (row * kStep + y + 1 < corners_.height_px) {
+        kernels::spread(blended_.data(), tiles_, to);
+        continue;
+      }
+      const int before = tiles_ - 1;
+      std::array<float, kStep> last;
+      kernels::spread(blended_.data(), before, to);
+      kernels::spread(blended_.data() + before, 1, last.data());
+      std::copy_n(last.data(), last_width_, to + before * kStep);
     }
   }
 }
@@ -243,8 +266,8 @@ void SparseMeeting::sort_others(int row) {
     while (end < tiles_ && fails(end)) {
       ++end;
     }
-    const int count = (end - column) * kStep;
-    for (int y = row * kStep; y < (row + 1) * kStep; ++y) {
+    const int count = std::min(end * kStep, corners_.width_px) - column * kStep;
+    for (int y = row * kStep; y < row * kStep + height_of(row); ++y) {
       const std::size_t first = place(column * kStep, y);
       if (count >= kLongStretch) {
         meet_rays(corners_.block(static_cast<std::int64_t>(first), count), tunnel_, first, hits_);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "core/error.h"
@@ -85,7 +86,7 @@ class KnownNodes {
 /// As far as the quintics of tiles at an outline reach.
 std::vector<SparseRays::Beyond> nodes_beyond(const SparseRays& sparse,
                                              const std::vector<unsigned char>& is_lit) {
-  constexpr int kRounds = 5;  // three steps, and a corner's diagonal
+  constexpr int kRounds = 2 * kNodeMargin;  // as many steps in both directions at a corner
   KnownNodes known(sparse, is_lit);
   std::vector<SparseRays::Beyond> all;
   for (int round = 0; round < kRounds; ++round) {
@@ -107,32 +108,36 @@ Components components_of(const Rays& rays) {
           rays.direction_z.data()};
 }
 
-/// For each tile the largest error of its quintics by what is allowed.
+/// For each tile the largest error of its quintics at lit rays by what is allowed.
 std::vector<float> ray_errors(const SparseRays& sparse,
                               const RayCache& corners,
                               float max_direction_error_rad) {
-  const int tiles = sparse.columns - 1;
+  const int tiles = sparse.columns;
   const auto width = static_cast<std::size_t>(corners.width_px);
   std::vector<float> errors(static_cast<std::size_t>(tiles) *
-                            static_cast<std::size_t>(sparse.rows - 1));
+                            static_cast<std::size_t>(sparse.rows));
   NodePlane plane(sparse);
-  std::vector<float> blended(static_cast<std::size_t>(plane.width()));
-  std::vector<float> row(static_cast<std::size_t>(tiles * kStep));
+  std::vector<float> blended(static_cast<std::size_t>(plane.width_around()));
+  std::vector<float> row(static_cast<std::size_t>(tiles * kStep)), values(row.size());
   std::vector<float> of_row(static_cast<std::size_t>(tiles));
   const Components nodes = components_of(sparse.nodes);
   const Components all = components_of(corners);
   for (std::size_t component = 0; component < all.size(); ++component) {
     const float allowed = component < 3 ? kLargestOriginError_mm : max_direction_error_rad;
     plane.set(nodes[component]);
-    for (int y = 0; y < (sparse.rows - 1) * kStep; ++y) {
+    for (int y = 0; y < corners.height_px; ++y) {
       kernels::blend_rows(plane.around(y / kStep),
                           kernels::kNodeWeights[static_cast<std::size_t>(y % kStep)],
-                          plane.width(),
+                          plane.width_around(),
                           blended.data());
       kernels::spread(blended.data(), tiles, row.data());
+      values = row;
+      const std::size_t first = static_cast<std::size_t>(y) * width;
+      for (std::size_t x = 0; x < width; ++x) {
+        values[x] = corners.weight[first + x] > 0.0F ? all[component][first + x] : row[x];
+      }
       std::ranges::fill(of_row, 0.0F);
-      kernels::find_errors_of_all(
-          row.data(), all[component] + static_cast<std::size_t>(y) * width, tiles, of_row.data());
+      kernels::find_errors_of_all(row.data(), values.data(), tiles, of_row.data());
       float* to = errors.data() + static_cast<std::ptrdiff_t>(y / kStep) * tiles;
       for (std::size_t i = 0; i < of_row.size(); ++i) {
         to[i] = std::max(to[i], of_row[i] / allowed);
@@ -142,19 +147,70 @@ std::vector<float> ray_errors(const SparseRays& sparse,
   return errors;
 }
 
-/// Rays of a tile that have met the part and are not given up.
-int lit_rays(const RayCache& corners, int column, int row) {
-  int lit = 0;
-  for (int y = row * kStep; y < (row + 1) * kStep; ++y) {
+bool has_lit_ray(const RayCache& corners, int column, int row) {
+  const int width = kernels::places_of(column, corners.width_px);
+  const int height = kernels::places_of(row, corners.height_px);
+  for (int y = row * kStep; y < row * kStep + height; ++y) {
     const float* weight =
         corners.weight.data() + static_cast<std::ptrdiff_t>(y) * corners.width_px + column * kStep;
-    lit +=
-        static_cast<int>(std::count_if(weight, weight + kStep, [](float w) { return w > 0.0F; }));
+    if (std::any_of(weight, weight + width, [](float w) { return w > 0.0F; })) {
+      return true;
+    }
   }
-  return lit;
+  return false;
+}
+
+/// The rays that are checked, one of each tile: dark ones as the lit ones beside them go on.
+PickedRays check_rays(const SparseRays& sparse, const RayCache& corners, std::size_t check) {
+  PickedRays rays;
+  const std::array<std::vector<float>*, 6> to = {&rays.origin_x,
+                                                 &rays.origin_y,
+                                                 &rays.origin_z,
+                                                 &rays.direction_x,
+                                                 &rays.direction_y,
+                                                 &rays.direction_z};
+  NodePlane plane(sparse);
+  std::vector<float> blended(static_cast<std::size_t>(plane.width_around()));
+  const Components nodes = components_of(sparse.nodes);
+  const Components all = components_of(corners);
+  for (std::size_t component = 0; component < all.size(); ++component) {
+    plane.set(nodes[component]);
+    for (int row = 0; row < sparse.rows; ++row) {
+      for (int column = 0; column < sparse.columns; ++column) {
+        const SparseRays::Place at = sparse.check_place(check, column, row, corners);
+        if (column == 0) {
+          kernels::blend_rows(plane.around(row),
+                              kernels::kNodeWeights[static_cast<std::size_t>(at.row)],
+                              plane.width_around(),
+                              blended.data());
+        }
+        const auto index = static_cast<std::size_t>(row * kStep + at.row) *
+                               static_cast<std::size_t>(corners.width_px) +
+                           static_cast<std::size_t>(column * kStep + at.column);
+        const auto& weights = kernels::kNodeWeights[static_cast<std::size_t>(at.column)];
+        to[component]->push_back(
+            corners.weight[index] > 0.0F
+                ? all[component][index]
+                : std::inner_product(
+                      weights.begin(), weights.end(), blended.begin() + column, 0.0F));
+      }
+    }
+  }
+  return rays;
 }
 
 }  // namespace
+
+SparseRays::Place SparseRays::check_place(std::size_t check,
+                                          int column,
+                                          int row,
+                                          const RayCache& corners) const {
+  const Place at = kCheckPlaces[check];
+  const int last_column = kernels::places_of(column, corners.width_px) - 1;
+  const int last_row = kernels::places_of(row, corners.height_px) - 1;
+  return {.column = column + 1 < columns ? at.column : last_column,
+          .row = row + 1 < rows ? at.row : last_row};
+}
 
 RayBlock PickedRays::block() const {
   return {.origin_x = origin_x.data(),
@@ -195,21 +251,18 @@ void PickedRays::add(const RayCache& rays, std::size_t index) {
 
 namespace {
 
-/// Lit or dark rays that no smooth tile has: of bent ones, and beyond the last nodes.
+/// Dark rays, or lit ones of tiles that are not smooth.
 std::vector<RayStretch> stretches_left(const SparseRays& sparse,
                                        const RayCache& corners,
                                        bool is_lit) {
   std::vector<RayStretch> stretches;
-  const int tiles = sparse.columns - 1;
   for (int y = 0; y < corners.height_px; ++y) {
-    const int row = y / kStep;
     const int first = y * corners.width_px;
+    const int first_tile = y / kStep * sparse.columns;
     const auto is_left = [&](int x) {
-      const int column = x / kStep;
-      const bool is_smooth =
-          row < sparse.rows - 1 && column < tiles &&
-          sparse.kind[static_cast<std::size_t>(row * tiles + column)] == TileKind::kSmooth;
-      return !is_smooth && (corners.weight[static_cast<std::size_t>(first + x)] > 0.0F) == is_lit;
+      const auto tile = static_cast<std::size_t>(first_tile + x / kStep);
+      const bool is_ray_lit = corners.weight[static_cast<std::size_t>(first + x)] > 0.0F;
+      return is_ray_lit == is_lit && !(is_lit && sparse.kind[tile] == TileKind::kSmooth);
     };
     for (int x = 0, end = 0; x < corners.width_px; x = end) {
       for (end = x + 1; end < corners.width_px && is_left(end) == is_left(x); ++end) {
@@ -256,21 +309,17 @@ SparseRays sparse_rays(const RayCache& corners, double max_direction_error_rad) 
   sparse.beyond = nodes_beyond(sparse, is_lit);
   const std::vector<float> errors =
       ray_errors(sparse, corners, static_cast<float>(max_direction_error_rad));
-  for (int row = 0; row + 1 < rows; ++row) {
-    for (int column = 0; column + 1 < columns; ++column) {
-      for (std::size_t k = 0; k < SparseRays::kChecks; ++k) {
-        const SparseRays::Place at = SparseRays::kCheckPlaces[k];
-        sparse.checks[k].add(corners, index(column * kStep + at.column, row * kStep + at.row));
-      }
-      const int lit = lit_rays(corners, column, row);
-      const bool is_smooth = lit == kStep * kStep && errors[sparse.kind.size()] <= 1.0F;
-      sparse.kind.push_back(is_smooth ? TileKind::kSmooth
-                            : lit > 0 ? TileKind::kBent
-                                      : TileKind::kNone);
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const TileKind lit = errors[sparse.kind.size()] <= 1.0F ? TileKind::kSmooth : TileKind::kBent;
+      sparse.kind.push_back(has_lit_ray(corners, column, row) ? lit : TileKind::kNone);
     }
   }
   if (bent_share(sparse) > kLargestBentShare) {
     return {};
+  }
+  for (std::size_t k = 0; k < SparseRays::kChecks; ++k) {
+    sparse.checks[k] = check_rays(sparse, corners, k);
   }
   sparse.dark_stretches = stretches_left(sparse, corners, false);
   sparse.rest_stretches = stretches_left(sparse, corners, true);

@@ -38,10 +38,11 @@ struct PickedRays {
   void take(const RayCache& rays, const std::vector<RayStretch>& stretches);
 };
 
-/// What the rays of a tile (kStep x kStep of them, its first row and column nodes) allow.
+/// What the rays of a tile allow: kStep x kStep of them, fewer where the picture ends, of which the
+/// first one is a node.
 enum class TileKind : std::uint8_t {
   kNone,    ///< no ray has met the part
-  kSmooth,  ///< its rays are the quintic through the nodes around
+  kSmooth,  ///< those of its rays that have are the quintic through the nodes around
   kBent     ///< they are not
 };
 
@@ -56,22 +57,25 @@ struct SparseRays {
   static constexpr std::array<Place, 2> kCheckPlaces = {{{6, 2}, {2, 5}}};
   static constexpr std::size_t kChecks = kCheckPlaces.size();
 
+  /// In the last tiles of the picture, which no node follows, at their end.
+  Place check_place(std::size_t check, int column, int row, const RayCache& corners) const;
+
   /// A node beyond the part's outline or the picture, where the quintic (or cubic) of others in a
-  /// row goes on: index `to` and steps of `step` in a plane with two nodes more on each side.
+  /// row goes on: index `to` and steps of `step` in a plane with three nodes more on each side.
   struct Beyond {
     std::int32_t to = 0;
     std::int32_t step = 0;
     bool is_cubic = false;
   };
 
-  int columns = 0;  ///< of nodes: at 0, kStep, 2 kStep, ...; 0: not worth it
+  int columns = 0;  ///< of nodes, at 0, kStep, 2 kStep ..., and of tiles; 0: not worth it
   int rows = 0;
   PickedRays nodes;                        ///< row by row
-  std::array<PickedRays, kChecks> checks;  ///< one in each tile, row by row
+  std::array<PickedRays, kChecks> checks;  ///< one in each tile, row by row; dark ones extrapolated
   std::vector<Beyond> beyond;              ///< one after the other
-  std::vector<TileKind> kind;              ///< (columns - 1) x (rows - 1)
+  std::vector<TileKind> kind;              ///< row by row
   std::vector<RayStretch> dark_stretches;  ///< rays that have not met the part or are given up
-  std::vector<RayStretch> rest_stretches;  ///< other rays of bent tiles and beyond the last nodes
+  std::vector<RayStretch> rest_stretches;  ///< other rays of bent tiles
   PickedRays rest;
 
   bool is_empty() const { return columns == 0; }
@@ -99,7 +103,7 @@ struct TileLimits {
 
 /// meet_light() of all lit corners, dark ones meet nothing: to 1/100 of what a pixel sees of the
 /// wall (or 0.001 mm) the same along the stripes' order, across the tunnel to 1/200, and to five
-/// times that where no boundary of the light is near: checked at three places of each tile, which
+/// times that where no boundary of the light is near: checked at two places of each tile, which
 /// else is met ray by ray.
 /// @param sparse  of these corners, not empty
 /// @param limits  what is known of the tiles; set

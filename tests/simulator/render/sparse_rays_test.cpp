@@ -45,12 +45,13 @@ struct HitErrors {
   int compared = 0;
 };
 
-/// Of lit rays; the footprint is what the neighbours to the right and below see.
+/// Of lit rays; the footprint is what the neighbours to the right and below see, at the picture's
+/// end those on the other side.
 HitErrors compare_hits(const CornerRays& rays, const WallHits& exact, const WallHits& sparse) {
   HitErrors errors;
   const auto width = static_cast<std::size_t>(rays.corners.width_px);
   const std::size_t count = rays.corners.weight.size();
-  for (std::size_t i = 0; i + width + 1 < count; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     if (rays.corners.weight[i] == 0.0F || exact.margin_mm[i] == kNowhere_mm) {
       continue;
     }
@@ -58,9 +59,11 @@ HitErrors compare_hits(const CornerRays& rays, const WallHits& exact, const Wall
         [](const FloatArray& a, std::size_t p, const FloatArray& b, std::size_t q) {
           return std::abs(static_cast<double>(a[p]) - static_cast<double>(b[q]));
         };
+    const std::size_t beside = i % width + 1 < width ? i + 1 : i - 1;
+    const std::size_t below = i + width < count ? i + width : i - width;
     const auto error = [&](const FloatArray& a, const FloatArray& b) {
       const double footprint_mm =
-          std::max({0.25, difference(a, i, a, i + 1), difference(a, i, a, i + width)});
+          std::max({0.25, difference(a, i, a, beside), difference(a, i, a, below)});
       return difference(a, i, b, i) / footprint_mm;
     };
     constexpr double kAllowed = 0.01;
@@ -89,27 +92,77 @@ const test::FootprintBench& sparse_bench() {
   return bench;
 }
 
-TEST(SparseRays, MeetTwoHundredTunnelsWhereAllRaysDo) {
-  const CornerRays& rays = sparse_bench().rays;
+/// Compares the hits on random tunnels. @return the mean share of tiles that are met by their nodes
+double compare_tunnels(const CornerRays& rays, int trials) {
   Rng rng(11, Stream::kTest, 0);
   std::int64_t above = 0;
   std::int64_t compared = 0;
   double known = 0.0;
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int trial = 0; trial < trials; ++trial) {
     const Tunnel tunnel(random_wall(rng));
     TileLimits limits;
     const WallHits sparse = meet_sparse(rays.sparse, rays.corners, tunnel, limits);
     const HitErrors errors = compare_hits(rays, meet_light(rays.corners, tunnel), sparse);
-    ASSERT_GT(errors.compared, 10000);
-    ASSERT_LT(errors.along, 0.08) << trial << " " << shape_name(tunnel.settings().shape);
-    ASSERT_LT(errors.across, 0.3) << trial << " " << shape_name(tunnel.settings().shape);
+    EXPECT_GT(errors.compared, 10000);
+    EXPECT_LT(errors.along, 0.08) << trial << " " << shape_name(tunnel.settings().shape);
+    EXPECT_LT(errors.across, 0.3) << trial << " " << shape_name(tunnel.settings().shape);
     above += errors.above;
     compared += errors.compared;
     known += static_cast<double>(std::ranges::count(limits.kind, TileLimits::kKnown)) /
              static_cast<double>(limits.kind.size());
   }
-  EXPECT_GT(known / 200.0, 0.4) << "most tiles would be met ray by ray";
   EXPECT_LT(static_cast<double>(above), 1e-3 * static_cast<double>(compared));
+  return known / trials;
+}
+
+TEST(SparseRays, MeetTwoHundredTunnelsWhereAllRaysDo) {
+  EXPECT_GT(compare_tunnels(sparse_bench().rays, 200), 0.4) << "most would be met ray by ray";
+}
+
+// 251 x 71 corners: the last tiles have 3 columns and 7 rows of rays.
+TEST(SparseRays, MeetTheLastRowsAndColumnsOfAFullPicture) {
+  const test::FootprintBench full(
+      test::bench_strip(),
+      {.width_px = 250, .height_px = 70, .object_pixel_mm = 0.12, .working_distance_mm = 300.0});
+  const SparseRays& sparse = full.rays.sparse;
+  ASSERT_EQ(sparse.columns, 32);
+  ASSERT_EQ(sparse.rows, 9);
+  EXPECT_TRUE(sparse.dark_stretches.empty());
+  EXPECT_EQ(sparse.rest.count(), 0);
+  EXPECT_GT(compare_tunnels(full.rays, 100), 0.5) << "most would be met ray by ray";
+}
+
+// Where nodes beyond the outline go on well enough, lit rays of the tiles that it crosses are met
+// by nodes, too.
+TEST(SparseRays, GoOnToThePartsOutline) {
+  const test::FootprintBench flawless(test::bench_strip(), sparse_camera());
+  const RayCache& corners = flawless.rays.corners;
+  const SparseRays& sparse = flawless.rays.sparse;
+  std::vector<int> lit(sparse.kind.size()), dark(sparse.kind.size());
+  for (int y = 0; y < corners.height_px; ++y) {
+    for (int x = 0; x < corners.width_px; ++x) {
+      const auto tile = static_cast<std::size_t>(y / 8 * sparse.columns + x / 8);
+      const auto ray = static_cast<std::size_t>(y * corners.width_px + x);
+      ++(corners.weight[ray] > 0.0F ? lit : dark)[tile];
+    }
+  }
+  int at_outline = 0;
+  for (std::size_t i = 0; i < lit.size(); ++i) {
+    at_outline += dark[i] > 0 ? lit[i] : 0;
+    EXPECT_EQ(sparse.kind[i] == TileKind::kNone, lit[i] == 0);
+  }
+  TileLimits limits;
+  meet_sparse(sparse, corners, Tunnel(test::bench_tunnel()), limits);
+  int smooth = 0, known = 0;
+  for (std::size_t i = 0; i < lit.size(); ++i) {
+    const bool is_smooth_at_outline = dark[i] > 0 && sparse.kind[i] == TileKind::kSmooth;
+    smooth += is_smooth_at_outline ? 1 : 0;
+    known += is_smooth_at_outline && limits.kind[i] == TileLimits::kKnown ? 1 : 0;
+  }
+  EXPECT_GT(smooth, 20);
+  EXPECT_GT(known, 0.8 * smooth);
+  EXPECT_GT(at_outline, 3000);
+  EXPECT_LT(sparse.rest.count(), 0.85 * at_outline);
 }
 
 TEST(SparseRays, DarkRaysMeetNothing) {
@@ -137,11 +190,19 @@ TEST(SparseRays, FindTheDentBent) {
 
 TEST(SparseRays, FindASingleRayOutOfLine) {
   const CornerRays& rays = sparse_bench().rays;
-  const auto smooth = std::ranges::find(rays.sparse.kind, TileKind::kSmooth);
-  ASSERT_NE(smooth, rays.sparse.kind.end());
-  const auto tile = static_cast<int>(smooth - rays.sparse.kind.begin());
-  const int tiles = rays.sparse.columns - 1;
-  const int ray = (tile / tiles * 8 + 5) * rays.corners.width_px + tile % tiles * 8 + 3;
+  const int tiles = rays.sparse.columns;
+  const auto ray_of = [&](int tile) {
+    return (tile / tiles * 8 + 5) * rays.corners.width_px + tile % tiles * 8 + 3;
+  };
+  const auto is_wanted = [&](int tile) {
+    return rays.sparse.kind[static_cast<std::size_t>(tile)] == TileKind::kSmooth &&
+           rays.corners.weight[static_cast<std::size_t>(ray_of(tile))] > 0.0F;
+  };
+  int tile = 0;
+  while (!is_wanted(tile)) {
+    ++tile;
+  }
+  const int ray = ray_of(tile);
   constexpr double kLargestError_rad = 2e-6;
   const auto kind_with = [&](float error) {
     RayCache bent = rays.corners;
@@ -170,9 +231,15 @@ TEST(SparseRays, KnowWhereTheHitsOfATileLie) {
       for (int ray = 0; ray < 64; ++ray) {
         const int x = i % limits.columns * 8 + ray % 8;
         const int y = i / limits.columns * 8 + ray / 8;
+        if (x >= rays.corners.width_px || y >= rays.corners.height_px) {
+          continue;
+        }
         const auto at =
             static_cast<std::size_t>(y) * static_cast<std::size_t>(rays.corners.width_px) +
             static_cast<std::size_t>(x);
+        if (rays.corners.weight[at] == 0.0F) {
+          continue;
+        }
         ASSERT_GE(hits.x_mm[at], limits.x_low_mm[tile] - kRounding);
         ASSERT_LE(hits.x_mm[at], limits.x_high_mm[tile] + kRounding);
         ASSERT_GE(hits.y_mm[at], limits.y_low_mm[tile] - kRounding);

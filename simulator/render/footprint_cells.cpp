@@ -12,6 +12,7 @@
 #include "simulator/render/cell_sum.h"
 #include "simulator/render/cut_kernels.h"
 #include "simulator/render/footprints.h"
+#include "simulator/render/lit_cells.h"
 #include "simulator/render/refined_groups.h"
 
 namespace glint {
@@ -61,6 +62,7 @@ class CellSummer {
   void add_by_polygons(std::int32_t pixel, std::int32_t corner);
   void add_group(const RefinedGroup& group);
   void add_refined(const RefinedGroup& group, std::size_t index, std::size_t first);
+  const unsigned char* find_cut_cells(const Refined& pixel, CellSum& sum);
   void add_smooth_cells(const Refined& pixel, CellSum& sum);
   void add_cut_cells(double share, CellSum& sum);
   void add_corners(const Refined& pixel, CellSum& sum);
@@ -88,9 +90,11 @@ class CellSummer {
   kernels::LinearBatch inside_;
   kernels::CutSums sums_;
   std::array<unsigned char, kernels::kBatch> is_simple_ = {};
-  std::vector<std::size_t> simple_;         ///< of the batch
-  std::vector<double> of_sources_;          ///< radiance of simple pixels, pixel by pixel
-  std::vector<std::int32_t> cell_corners_;  ///< first corners of a pixel's smooth cells
+  std::vector<std::size_t> simple_;  ///< of the batch
+  std::vector<double> of_sources_;   ///< radiance of simple pixels, pixel by pixel
+  std::array<unsigned char, kernels::kMostCells* kernels::kMostCells> is_lit_ = {};  ///< cells
+  std::array<unsigned char, kernels::kMostCells* kernels::kMostCells> is_cut_ = {};
+  std::vector<std::int32_t> cell_corners_;  ///< first corners of a pixel's cut cells
   PixelCells cells_;
   WallHits hits_;              ///< of some refined pixels, corner by corner
   std::vector<float> gain_;    ///< of the light at the corners of the pixel in work
@@ -337,12 +341,37 @@ void CellSummer::add_refined(const RefinedGroup& group, std::size_t index, std::
   store(group.pixels[index], sum);
 }
 
-/// Cells that one straight boundary cuts are cut together, others one by one.
+/// Adds those of the smooth cells that are lit throughout. @return 1 for those that may be cut
+const unsigned char* CellSummer::find_cut_cells(const Refined& pixel, CellSum& sum) {
+  if (!positions_.is_even) {
+    return pixel.is_smooth;
+  }
+  const int n = pixel.cells_per_axis;
+  kernels::sort_cells({.x_mm = hits_.x_mm.data() + pixel.first,
+                       .y_mm = hits_.y_mm.data() + pixel.first,
+                       .margin_mm = hits_.margin_mm.data() + pixel.first},
+                      pixel.is_smooth,
+                      n,
+                      limits_,
+                      is_lit_.data(),
+                      is_cut_.data());
+  const bool has_lit = std::memchr(is_lit_.data(), 1, static_cast<std::size_t>(n * n)) != nullptr;
+  const bool is_added =
+      !has_lit || sum.add_lit_cells({.stripes_mm = hits_.stripes_mm().data() + pixel.first,
+                                     .gain = gain_.data(),
+                                     .is_smooth = is_lit_.data(),
+                                     .cells_per_axis = n});
+  return is_added ? is_cut_.data() : pixel.is_smooth;
+}
+
+/// Cells that lie on the light as a whole are summed as samples. Of the others those that one
+/// straight boundary cuts are cut together, the rest one by one.
 void CellSummer::add_smooth_cells(const Refined& pixel, CellSum& sum) {
   const int n = pixel.cells_per_axis;
+  const unsigned char* is_cut = find_cut_cells(pixel, sum);
   cell_corners_.clear();
   for (int cell = 0; cell < n * n; ++cell) {
-    if (pixel.is_smooth[cell] != 0) {
+    if (is_cut[cell] != 0) {
       cell_corners_.push_back(cell / n * (n + 1) + cell % n);
     }
   }

@@ -16,6 +16,8 @@ namespace {
 using footprint_lane::absolute;
 using footprint_lane::first_integral;
 using footprint_lane::kNarrow;
+using footprint_lane::Range;
+using footprint_lane::range_of;
 using footprint_lane::second_integral;
 using footprint_lane::second_integral_shifted;
 using footprint_lane::Widths;
@@ -57,20 +59,6 @@ enum CornerCode : unsigned char {
   kInSlot = 16,
   kInsideEnds = 32
 };
-
-struct Range {
-  float low;
-  float high;
-};
-
-/// Of the four corners of pixel i.
-inline __attribute__((always_inline)) Range range_of(const float* top, const float* bottom, int i) {
-  const float a = top[i] < bottom[i] ? top[i] : bottom[i];
-  const float b = top[i + 1] < bottom[i + 1] ? top[i + 1] : bottom[i + 1];
-  const float c = top[i] < bottom[i] ? bottom[i] : top[i];
-  const float d = top[i + 1] < bottom[i + 1] ? bottom[i + 1] : top[i + 1];
-  return {a < b ? a : b, c < d ? d : c};
-}
 
 }  // namespace
 

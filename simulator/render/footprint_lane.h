@@ -35,6 +35,20 @@ inline __attribute__((always_inline)) Widths widths_of(float gx, float gy) {
   return {.major = large > kNarrow ? large : kNarrow, .minor = small > kNarrow ? small : kNarrow};
 }
 
+struct Range {
+  float low;
+  float high;
+};
+
+/// Of the four corners of pixel or cell i.
+inline __attribute__((always_inline)) Range range_of(const float* top, const float* bottom, int i) {
+  const float a = top[i] < bottom[i] ? top[i] : bottom[i];
+  const float b = top[i + 1] < bottom[i + 1] ? top[i + 1] : bottom[i + 1];
+  const float c = top[i] < bottom[i] ? bottom[i] : top[i];
+  const float d = top[i + 1] < bottom[i + 1] ? bottom[i + 1] : top[i + 1];
+  return {a < b ? a : b, c < d ? d : c};
+}
+
 /// I: the first integral of the square wave less its mean, periodic and of mean zero.
 template <class Real>
 inline __attribute__((always_inline)) Real first_integral(Real phase, Real duty) {

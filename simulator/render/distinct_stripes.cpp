@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/render/distinct_stripes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -9,10 +10,17 @@ namespace {
 
 constexpr double kTolerance = 1e-9;  // periods
 
-/// True when stripes have moved by the same part of a period.
-bool is_same_place(double a_periods, double b_periods) {
-  const double apart = a_periods - b_periods;
-  return std::abs(apart - std::round(apart)) < kTolerance;
+/// The first frame whose stripes lie `apart` of a period from those of frame 0; none: their number.
+std::size_t first_at(const std::vector<double>& shifts, double apart_periods) {
+  std::size_t k = 1;
+  const auto is_there = [&](double shift) {
+    const double off = shift - shifts.front() - apart_periods;
+    return std::abs(off - std::round(off)) < kTolerance;
+  };
+  while (k < shifts.size() && !is_there(shifts[k])) {
+    ++k;
+  }
+  return k;
 }
 
 }  // namespace
@@ -23,29 +31,19 @@ DistinctStripes::DistinctStripes(std::vector<double> shifts) : shift_periods(std
   }
 }
 
-/// In even steps the first frame that is opposite to another one is opposite to the first of all.
+/// In even steps frames repeat themselves after as many as it takes to come back to frame 0, and
+/// are opposite to those as long before them as it takes to frame 0's opposite.
 DistinctStripes::DistinctStripes(const std::vector<double>& shifts, double duty) {
+  const std::size_t period = first_at(shifts, 0.0);
   const bool has_opposites = std::abs(duty - 0.5) < kTolerance;
-  const auto find = [&](double shift) {
-    std::size_t source = 0;
-    while (source < shift_periods.size() && !is_same_place(shift_periods[source], shift)) {
-      ++source;
-    }
-    return source;
-  };
-  for (const double shift : shifts) {
-    const std::size_t next = shift_periods.size();
-    const std::size_t same = find(shift);
-    const std::size_t opposite = has_opposites ? find(shift + 0.5) : next;
-    if (same < next) {
-      frames.push_back({.source = same});
-    } else if (opposite < next && opposite_of_first > 0) {
-      frames.push_back({.source = opposite, .is_opposite = true});
-    } else {
-      opposite_of_first = opposite == 0 && next > 0 ? next : opposite_of_first;
-      frames.push_back({.source = next});
-      shift_periods.push_back(shift);
-    }
+  const std::size_t half = has_opposites ? first_at(shifts, 0.5) : shifts.size();
+  opposite_of_first = half < shifts.size() ? half : 0;
+  const std::size_t sources = std::min({shifts.size(), period, half + 1});
+  shift_periods.assign(shifts.begin(), shifts.begin() + static_cast<std::ptrdiff_t>(sources));
+  for (std::size_t k = 0; k < shifts.size(); ++k) {
+    const std::size_t place = k % period;
+    const bool is_opposite = place > half;
+    frames.push_back({.source = is_opposite ? place - half : place, .is_opposite = is_opposite});
   }
 }
 

@@ -27,7 +27,7 @@ struct DistinctStripes {
   /// Each frame of its own stripes.
   explicit DistinctStripes(std::vector<double> shift_periods);
 
-  /// @param shift_periods  frame by frame, in even steps, each in [0, 1)
+  /// @param shift_periods  frame by frame, in even steps, each in [0, 1); at least one
   DistinctStripes(const std::vector<double>& shift_periods, double duty);
 
   /// Appends the radiance of a place in each frame.

@@ -17,6 +17,20 @@ constexpr int kTile = 256;
 /// Rows of a mean after which it is told that they are there: still in a near cache.
 constexpr int kRowsAtOnce = 12;
 
+/// For each of some frames an earlier one of them whose stripes are its source; -1: none.
+std::vector<int> find_sources(const DistinctStripes& stripes, int first, std::size_t count) {
+  std::vector<int> rendered(stripes.shift_periods.size(), -1);
+  std::vector<int> sources;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto [source, is_opposite] = stripes.frames[static_cast<std::size_t>(first) + k];
+    sources.push_back(rendered[source]);
+    if (rendered[source] < 0 && !is_opposite) {
+      rendered[source] = static_cast<int>(k);
+    }
+  }
+  return sources;
+}
+
 }  // namespace
 
 FootprintFrames::FootprintFrames(const Footprints& footprints,
@@ -28,7 +42,7 @@ FootprintFrames::FootprintFrames(const Footprints& footprints,
 struct FootprintFrames::Tile {
   using Values = std::array<float, kTile>;
   int count = 0;
-  alignas(64) Values v, gx, gy, outer, inner, per_major, per_both, gain, x_mm;
+  alignas(64) Values v, gx, gy, outer, inner, per_major, per_both, gain, x_mm, other_frame;
 
   kernels::Trapezoids shape() {
     return {.outer = outer.data(),
@@ -72,12 +86,13 @@ const unsigned char* FootprintFrames::load(const RowSpan& span, int begin, Tile&
 }
 
 /// A frame that follows from another one gets the same bits whether that one is rendered or not.
+/// @param sources  find_sources() of these frames
 void FootprintFrames::render_span(int first,
                                   const RowSpan& span,
                                   const DistinctStripes& stripes,
+                                  const std::vector<int>& sources,
                                   std::vector<ImageF>& frames) const {
   const ScanPositions& p = footprints_.positions();
-  std::vector<const float*> rendered(stripes.shift_periods.size());
   Tile tile;
   for (int begin = span.begin; begin < span.end; begin += tile.count) {
     load(span, begin, tile);
@@ -85,14 +100,15 @@ void FootprintFrames::render_span(int first,
     const bool is_narrow = kernels::largest_lit(tile.outer.data(), tile.gain.data(), tile.count) <=
                            kernels::narrow_limit(static_cast<float>(p.duty));
     const auto box_frame = is_narrow ? kernels::narrow_box_frame : kernels::box_frame;
-    std::ranges::fill(rendered, nullptr);
     for (std::size_t k = 0; k < frames.size(); ++k) {
       const std::size_t frame = static_cast<std::size_t>(first) + k;
       const auto [source, is_opposite] = stripes.frames[frame];
       float* out = frames[k].row(span.y) + begin;
-      const float* of_source = rendered[source];
-      if (of_source == nullptr) {
-        float* to = is_opposite ? tile.x_mm.data() : out;
+      const float* of_source = nullptr;
+      if (sources[k] >= 0) {
+        of_source = frames[static_cast<std::size_t>(sources[k])].row(span.y) + begin;
+      } else {
+        float* to = is_opposite ? tile.other_frame.data() : out;
         box_frame(tile.v.data(),
                   tile.shape(),
                   tile.gain.data(),
@@ -102,7 +118,6 @@ void FootprintFrames::render_span(int first,
                    .dark = static_cast<float>(p.dark)},
                   to);
         of_source = to;
-        rendered[source] = is_opposite ? nullptr : out;
       }
       if (is_opposite) {
         kernels::opposite_frame(
@@ -176,8 +191,9 @@ void FootprintFrames::render(int first, std::vector<ImageF>& frames) const {
     cells_ = std::make_shared<const PixelCells>(sum_cells(footprints_, where_));
   }
   const DistinctStripes stripes = footprints_.positions().distinct_stripes();
+  const std::vector<int> sources = find_sources(stripes, first, frames.size());
   for (const RowSpan& span : where_) {
-    render_span(first, span, stripes, frames);
+    render_span(first, span, stripes, sources, frames);
   }
   const auto total = static_cast<std::size_t>(footprints_.positions().frames());
   for (std::size_t i = 0; i < cells_->pixels.size(); ++i) {

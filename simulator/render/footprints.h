@@ -183,6 +183,7 @@ class FootprintFrames {
   void render_span(int first,
                    const RowSpan& span,
                    const DistinctStripes& stripes,
+                   const std::vector<int>& sources,
                    std::vector<ImageF>& frames) const;
 
   const Footprints& footprints_;

@@ -108,6 +108,16 @@ Components components_of(const Rays& rays) {
           rays.direction_z.data()};
 }
 
+/// In the same order.
+std::array<std::vector<float>*, 6> arrays_of(PickedRays& rays) {
+  return {&rays.origin_x,
+          &rays.origin_y,
+          &rays.origin_z,
+          &rays.direction_x,
+          &rays.direction_y,
+          &rays.direction_z};
+}
+
 /// For each tile the largest error of its quintics at lit rays by what is allowed.
 std::vector<float> ray_errors(const SparseRays& sparse,
                               const RayCache& corners,
@@ -163,12 +173,7 @@ bool has_lit_ray(const RayCache& corners, int column, int row) {
 /// The rays that are checked, one of each tile: dark ones as the lit ones beside them go on.
 PickedRays check_rays(const SparseRays& sparse, const RayCache& corners, std::size_t check) {
   PickedRays rays;
-  const std::array<std::vector<float>*, 6> to = {&rays.origin_x,
-                                                 &rays.origin_y,
-                                                 &rays.origin_z,
-                                                 &rays.direction_x,
-                                                 &rays.direction_y,
-                                                 &rays.direction_z};
+  const auto to = arrays_of(rays);
   NodePlane plane(sparse);
   std::vector<float> blended(static_cast<std::size_t>(plane.width_around()));
   const Components nodes = components_of(sparse.nodes);
@@ -176,14 +181,13 @@ PickedRays check_rays(const SparseRays& sparse, const RayCache& corners, std::si
   for (std::size_t component = 0; component < all.size(); ++component) {
     plane.set(nodes[component]);
     for (int row = 0; row < sparse.rows; ++row) {
+      const int row_in_tile = sparse.check_place(check, 0, row, corners).row;
+      kernels::blend_rows(plane.around(row),
+                          kernels::kNodeWeights[static_cast<std::size_t>(row_in_tile)],
+                          plane.width_around(),
+                          blended.data());
       for (int column = 0; column < sparse.columns; ++column) {
         const SparseRays::Place at = sparse.check_place(check, column, row, corners);
-        if (column == 0) {
-          kernels::blend_rows(plane.around(row),
-                              kernels::kNodeWeights[static_cast<std::size_t>(at.row)],
-                              plane.width_around(),
-                              blended.data());
-        }
         const auto index = static_cast<std::size_t>(row * kStep + at.row) *
                                static_cast<std::size_t>(corners.width_px) +
                            static_cast<std::size_t>(column * kStep + at.column);
@@ -228,8 +232,7 @@ void PickedRays::take(const RayCache& rays, const std::vector<RayStretch>& stret
     count += static_cast<std::size_t>(stretch.count);
   }
   const Components from = components_of(rays);
-  const std::array<std::vector<float>*, 6> to = {
-      &origin_x, &origin_y, &origin_z, &direction_x, &direction_y, &direction_z};
+  const auto to = arrays_of(*this);
   for (std::size_t i = 0; i < to.size(); ++i) {
     to[i]->resize(count);
     float* next = to[i]->data();

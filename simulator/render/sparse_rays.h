@@ -42,7 +42,7 @@ struct PickedRays {
 /// first one is a node.
 enum class TileKind : std::uint8_t {
   kNone,    ///< no ray has met the part
-  kSmooth,  ///< those of its rays that have are the quintic through the nodes around
+  kSmooth,  ///< those that have are the quintic through the nodes around
   kBent     ///< they are not
 };
 

@@ -41,6 +41,13 @@ TEST(DistinctStripes, AreHalfOfThoseOfAnEvenScanAndOneMore) {
   }
 }
 
+TEST(DistinctStripes, AreFoundAmongAsManyAsAScanMayHave) {
+  const DistinctStripes stripes = stripes_of(0.5, 4096);
+  EXPECT_EQ(stripes.shift_periods.size(), 2049U);
+  EXPECT_EQ(stripes.frames.back().source, 2047U);
+  EXPECT_TRUE(stripes.frames.back().is_opposite);
+}
+
 TEST(DistinctStripes, RepeatThemselvesOverSeveralPeriods) {
   const DistinctStripes two_periods = stripes_of(0.3, 24, 1.0);
   EXPECT_EQ(two_periods.shift_periods.size(), 12U);

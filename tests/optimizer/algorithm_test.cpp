@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <set>
 
 #include "core/error.h"
@@ -150,21 +149,21 @@ TEST_P(AnyAlgorithm, TriesEveryChoice) {
   EXPECT_EQ(shapes, (std::set<double>{0.0, 1.0, 2.0}));
 }
 
+// With a watchdog of an hour: who waited for it would still be here when the test runner gives up.
 TEST_P(AnyAlgorithm, GoesAwayAtOnceWhenAbandonedInTheMiddle) {
-  const auto start = std::chrono::steady_clock::now();
+  SearchSettings patient = settings(2);
+  patient.watchdog_s = 3600.0;
   for (const int count : {0, 1, 7, 30}) {
     const SearchSpace space = box(4, 0, 1);
-    const std::unique_ptr<Algorithm> algorithm = make_algorithm(space, settings(2), {});
+    const std::unique_ptr<Algorithm> algorithm = make_algorithm(space, patient, {});
     for (int i = 0; i < count; ++i) {
       const Point a = *algorithm->ask();
       const Point b = *algorithm->ask();
       algorithm->tell(a, told_answer(space, a, told_merit(space, a, i), false));
       algorithm->tell(b, told_answer(space, b, told_merit(space, b, i), false));
     }
-    algorithm->ask();
+    EXPECT_TRUE(algorithm->ask().has_value()) << count;
   }
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  EXPECT_LT(elapsed.count(), 5.0);
 }
 
 TEST_P(AnyAlgorithm, CopesWithConstantValuesAndConstantVariables) {

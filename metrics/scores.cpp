@@ -329,6 +329,10 @@ bool is_of_family(std::string_view name) {
   return scores.contains(std::string(without_bound(name)));
 }
 
+bool needs_fringes(std::string_view name) {
+  return name.starts_with("fringe") || name.starts_with("homogeneity.ripple");
+}
+
 void add_scores(Scores& scores, const FringeScores& fringes) {
   scores["fringe.regularity"] = fringes.regularity;
   scores["fringe.period_px"] = fringes.period_px;

@@ -76,6 +76,10 @@ void add_scores(Scores& scores, const FringeScores& fringes);
 /// Whether the score, or the bound of one, is of the homogeneity family.
 bool is_of_family(std::string_view name);
 
+/// Whether the score, or the bound of one, needs the stripes: the ripple is sought at their own
+/// spacing.
+bool needs_fringes(std::string_view name);
+
 /// What a part's defects are, however they show.
 struct DefectTotals {
   int made = 0;

@@ -72,7 +72,4 @@ SceneSettings finer(SceneSettings scene);
 /// The line's first part for re-scoring: parts and noise that no search has seen.
 inline constexpr std::int64_t kFreshParts = 1000003;
 
-/// Labels of the scene's defects, in order.
-std::vector<std::string> defect_labels(const SceneSettings& scene);
-
 }  // namespace glint

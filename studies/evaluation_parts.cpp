@@ -34,10 +34,6 @@ DefectTotals totals_of(const DefectivePart& part) {
   return totals;
 }
 
-bool needs_fringes(std::string_view name) {
-  return name.starts_with("fringe") || name.starts_with("homogeneity.ripple");
-}
-
 double least_change(const SceneSettings& scene) {
   const SensorSettings& sensor = scene.sensor;
   constexpr double kSigmas = 5.0;

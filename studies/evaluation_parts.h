@@ -26,9 +26,6 @@ double dark_grey(const SensorSettings& sensor);
 
 DefectTotals totals_of(const DefectivePart& part);
 
-/// The ripple is sought at the stripes' own spacing.
-bool needs_fringes(std::string_view name);
-
 /// Change of a pixel in one frame that is neither noise nor rounding: five standard deviations at
 /// full scale, where shot noise is largest.
 double least_change(const SceneSettings& scene);

@@ -342,17 +342,6 @@ void add_view_scores(const SceneSettings& scene,
 
 }  // namespace
 
-std::string missing_by_paths(const SceneSettings& scene, std::string_view score) {
-  if (!needs_paths(scene)) {
-    return "";
-  }
-  if (score.starts_with("rays.")) {
-    return "counts the rays of a mirror-like part; this scene is path-traced and has no such score";
-  }
-  const bool is_of_tunnel = score.starts_with("view.") || needs_fringes(score);
-  return is_of_tunnel && !scene.has_tunnel ? "needs a tunnel, this scene has none" : "";
-}
-
 double jackknife_error(std::span<const double> without_one) {
   const auto count = static_cast<double>(without_one.size());
   double mean = 0.0;

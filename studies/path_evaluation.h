@@ -17,10 +17,6 @@ Evaluation evaluate_paths(SceneStore& store,
                           const FrameConsumer& consume,
                           const WantedScores& wanted);
 
-/// Why a scene with needs_paths() has no score of that name, for users who ask for it; empty when
-/// it may have it, and for all other scenes.
-std::string missing_by_paths(const SceneSettings& scene, std::string_view score);
-
 /// Standard error of a figure from its values without one batch each (delete-one jackknife):
 /// sqrt((B - 1) / B sum of (value - mean)^2).
 /// Source: B. Efron, C. Stein, "The jackknife estimate of variance", Annals of Statistics 9(3),

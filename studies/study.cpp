@@ -10,10 +10,8 @@
 #include "core/file.h"
 #include "core/text.h"
 #include "metrics/scores.h"
-#include "studies/evaluation.h"
-#include "studies/path_evaluation.h"
+#include "studies/scene_scores.h"
 #include "studies/study_tables.h"
-#include "studies/visibility.h"
 
 namespace glint {
 namespace fs = std::filesystem;

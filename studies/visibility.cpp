@@ -251,14 +251,6 @@ bool is_of_line(std::string_view score) {
   return score.starts_with(kFamily);
 }
 
-std::vector<std::string> group_names(const SceneSettings& scene) {
-  std::vector<std::string> names;
-  for (const auto& [name, group] : scene.defects) {
-    names.push_back(name);
-  }
-  return names;
-}
-
 Scores visibility_scores(SceneStore& store,
                          const SceneSettings& scene,
                          std::span<const std::string> wanted,

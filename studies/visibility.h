@@ -28,7 +28,4 @@ Scores visibility_scores(SceneStore& store,
                          std::span<const std::string> wanted,
                          std::int64_t first = 0);
 
-/// Names of the scene's groups of defects, in order.
-std::vector<std::string> group_names(const SceneSettings& scene);
-
 }  // namespace glint

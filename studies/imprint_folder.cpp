@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/imprint_folder.h"
 
-#include <algorithm>
 #include <array>
-#include <cerrno>
-#include <csignal>
 #include <system_error>
-#include <vector>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "core/file.h"
 #include "core/text.h"
@@ -23,16 +18,6 @@ namespace {
 /// What a part's files are called that other programs have, too.
 constexpr std::array<const char*, 5> kCommonNames = {
     "part.stl", "part.ply", "defect_map.obj", "defect_map.mtl", "defects.json"};
-
-std::vector<fs::path> sorted_entries(const fs::path& folder) {
-  std::vector<fs::path> entries;
-  std::error_code ignored;
-  for (fs::directory_iterator at(folder, ignored), end; at != end; at.increment(ignored)) {
-    entries.push_back(at->path());
-  }
-  std::ranges::sort(entries);
-  return entries;
-}
 
 /// Everything in a file or a folder's files; what cannot be read is told by who needs it.
 std::string bytes_of(const fs::path& path) {
@@ -54,38 +39,6 @@ std::string first_line(const std::string& text) {
   return text.substr(0, text.find('\n'));
 }
 
-/// ".name.PID.part": the process; 0 for other names.
-pid_t process_of(const std::string& name) {
-  const std::vector<std::string> parts = split(name, '.');
-  if (parts.size() != 4 || !parts.front().empty() || parts[3] != "part" || parts[2].empty() ||
-      parts[2].size() > 9 || parts[2].find_first_not_of("0123456789") != std::string::npos) {
-    return 0;
-  }
-  return static_cast<pid_t>(std::stol(parts[2]));
-}
-
-/// Moves what is in a folder into another one that may hold files already; folders are merged.
-void move_entries(const fs::path& from, const fs::path& to) {
-  std::vector<fs::path> entries = sorted_entries(from);
-  // What tells whose files these are comes first.
-  std::stable_partition(entries.begin(), entries.end(), [](const fs::path& entry) {
-    return entry.filename() == kResolvedScene;
-  });
-  for (const fs::path& entry : entries) {
-    const fs::path goal = to / entry.filename();
-    std::error_code error;
-    if (fs::is_directory(entry, error)) {
-      make_folder(goal);
-      move_entries(entry, goal);
-      continue;
-    }
-    fs::rename(entry, goal, error);
-    if (error) {
-      throw IoError(fmt::format("{}: cannot be written: {}", goal.string(), error.message()));
-    }
-  }
-}
-
 /// The folder may be the scene's own, with the user's part in it.
 void check_no_foreign_part(const fs::path& out) {
   std::error_code ignored;
@@ -97,10 +50,6 @@ void check_no_foreign_part(const fs::path& out) {
                       name));
     }
   }
-}
-
-bool has_ended(pid_t process) {
-  return ::kill(process, 0) != 0 && errno == ESRCH;
 }
 
 }  // namespace
@@ -131,44 +80,6 @@ void check_imprint_folder(const fs::path& out, const std::string& marked_scene) 
                     "remove this one",
                     out.string()));
   }
-}
-
-void remove_stale_stages(const fs::path& out) {
-  std::error_code ignored;
-  for (const fs::path& entry : sorted_entries(out)) {
-    const pid_t process = process_of(entry.filename().string());
-    if (process > 0 && fs::is_directory(entry, ignored) && has_ended(process)) {
-      fs::remove_all(entry, ignored);
-    }
-  }
-}
-
-StagedFolder::StagedFolder(fs::path out, std::string name)
-    : out_(std::move(out)),
-      name_(std::move(name)),
-      path_(out_ / fmt::format(".{}.{}.part", name_.empty() ? "whole" : name_, ::getpid())) {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-  make_folder(path_);
-}
-
-StagedFolder::~StagedFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
-void StagedFolder::commit() {
-  std::error_code error;
-  if (!name_.empty()) {
-    fs::rename(path_, out_ / name_, error);
-    std::error_code ignored;
-    if (error && !fs::is_directory(out_ / name_, ignored)) {
-      throw IoError(fmt::format(
-          "{}: the folder cannot be made: {}", (out_ / name_).string(), error.message()));
-    }
-    return;
-  }
-  move_entries(path_, out_);
 }
 
 }  // namespace glint

@@ -11,7 +11,6 @@
 
 #include "core/file.h"
 #include "core/wall_clock.h"
-#include "studies/imprint_folder.h"
 #include "studies/inspect_files.h"
 #include "studies/inspect_page.h"
 #include "studies/inspect_rules.h"
@@ -19,6 +18,7 @@
 #include "studies/output_folder.h"
 #include "studies/provenance.h"
 #include "studies/simulated_line.h"
+#include "studies/staged_folder.h"
 
 namespace glint {
 namespace fs = std::filesystem;

@@ -26,7 +26,7 @@
 #include "simulator/render/footprint_cells.h"
 #include "simulator/render/footprint_kernels.h"
 #include "simulator/render/scan_settings.h"
-#include "simulator/render/wall_hits.h"
+#include "simulator/render/sparse_meeting.h"
 
 namespace glint {
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/sparse_meeting.h"
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -7,7 +9,6 @@
 #include "simulator/render/node_plane.h"
 #include "simulator/render/ray_cache.h"
 #include "simulator/render/sparse_kernels.h"
-#include "simulator/render/sparse_rays.h"
 
 namespace glint {
 namespace {

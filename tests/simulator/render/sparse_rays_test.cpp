@@ -9,6 +9,7 @@
 #include "core/rng.h"
 #include "simulator/render/footprints.h"
 #include "simulator/render/sparse_kernels.h"
+#include "simulator/render/sparse_meeting.h"
 #include "tests/simulator/render/footprint_fixtures.h"
 
 namespace glint {

@@ -8,7 +8,8 @@
 //     x = a + m s,   y = h ez + s ey,   z = -h ey + s ez.
 #pragma once
 
-#include "simulator/render/footprints.h"
+#include "simulator/render/ray_cache.h"
+#include "simulator/render/wall_hits.h"
 
 namespace glint {
 

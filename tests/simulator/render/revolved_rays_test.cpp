@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/rng.h"
+#include "simulator/render/footprints.h"
 
 namespace glint {
 namespace {

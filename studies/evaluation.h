@@ -11,6 +11,7 @@
 #include "optimizer/space.h"
 #include "simulator/render/closed_scan.h"
 #include "studies/scene_slopes.h"
+#include "studies/scene_store.h"
 #include "studies/traced_scene.h"
 
 namespace glint {

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "studies/traced_scene.h"
+#include "studies/scene_store.h"
 
 namespace glint {
 

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "studies/line_camera.h"
+#include "studies/scene_store.h"
 
 namespace glint {
 

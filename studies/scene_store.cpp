@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/scene_store.h"
+
 #include <algorithm>
 #include <variant>
 
@@ -6,7 +8,6 @@
 
 #include "core/file.h"
 #include "core/text.h"
-#include "studies/traced_scene.h"
 
 namespace glint {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "metrics/inspection/inspector.h"
-#include "studies/traced_scene.h"
+#include "studies/scene_store.h"
 
 namespace glint {
 

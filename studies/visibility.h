@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "metrics/scores.h"
-#include "studies/traced_scene.h"
+#include "studies/scene_store.h"
 
 namespace glint {
 

@@ -14,6 +14,7 @@
 #include "core/units.h"
 #include "metrics/scatter.h"
 #include "simulator/render/closed_scan.h"
+#include "studies/scene_store.h"
 #include "studies/study.h"
 #include "studies/traced_scene.h"
 

@@ -24,6 +24,7 @@
 #include "metrics/homogeneity.h"
 #include "simulator/render/scan_slopes.h"
 #include "studies/scene_slopes.h"
+#include "studies/scene_store.h"
 #include "tests/studies/exact_scores.h"
 
 namespace glint {

@@ -9,7 +9,7 @@
 #include "core/units.h"
 #include "studies/light_section.h"
 #include "studies/path_picture.h"
-#include "studies/traced_scene.h"
+#include "studies/scene_store.h"
 
 namespace glint {
 namespace {

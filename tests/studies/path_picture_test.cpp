@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/rng.h"
+#include "studies/scene_store.h"
 #include "tests/studies/path_support.h"
 
 namespace glint {

@@ -7,6 +7,7 @@
 
 #include "simulator/render/cell_sum.h"
 #include "simulator/render/slope_kernels.h"
+#include "simulator/render/stripe_slopes.h"
 
 namespace glint {
 

@@ -104,7 +104,4 @@ ScanSlopes slopes_of_scan(const Footprints& footprints,
                           const WantedSlopes& wanted = {},
                           const std::shared_ptr<const PixelCells>& cells = nullptr);
 
-/// The same pixels by table and by frames, for footprints nearby: what a central difference needs.
-ScanPlan with_same_pixels(const ScanPlan& plan, const Footprints& footprints, const Sensor& sensor);
-
 }  // namespace glint

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/stripe_slopes.h"
+
 #include <cmath>
 
-#include "simulator/render/stripe_integral.h"
 #include "simulator/render/vertex_sums.h"
 
 namespace glint {

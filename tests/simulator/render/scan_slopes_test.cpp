@@ -14,10 +14,29 @@
 
 #include "simulator/render/slope_kernels.h"
 #include "simulator/render/stripe_integral.h"
+#include "simulator/render/stripe_slopes.h"
+#include "simulator/render/width_rows.h"
 #include "tests/simulator/render/footprint_fixtures.h"
 
 namespace glint {
 namespace {
+
+/// The same pixels by table and by frames, for footprints nearby: what a central difference needs.
+ScanPlan with_same_pixels(const ScanPlan& plan,
+                          const Footprints& footprints,
+                          const Sensor& sensor) {
+  ScanPlan same = plan;
+  if (plan.form.kind == ScanForm::Kind::kTable) {
+    same.table = std::make_shared<const ClippedMean>(
+        sensor.settings(), stripes_of(footprints.positions(), plan.reflectance));
+    WidthRows widths(footprints, sensor);
+    std::vector<unsigned char> unused(static_cast<std::size_t>(same.width.width()));
+    for (int y = 0; y < same.width.height(); ++y) {
+      widths.find(y, same.width.row(y), unused.data());
+    }
+  }
+  return same;
+}
 
 constexpr int kRimLabel = 0;
 constexpr int kSlotLabel = 4;

@@ -9,7 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "studies/check_study.h"
 #include "studies/population_report.h"
+#include "studies/render_study.h"
 #include "studies/render_views.h"
 
 namespace glint {

@@ -21,7 +21,6 @@
 #include "studies/render_files.h"
 #include "studies/render_maps.h"
 #include "studies/render_page.h"
-#include "studies/run.h"
 
 namespace glint {
 namespace fs = std::filesystem;

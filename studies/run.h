@@ -29,19 +29,4 @@ struct RunOptions {
 /// @throws ConfigError, IoError
 nlohmann::ordered_json run_study(const Study& study, const RunOptions& options);
 
-/// One evaluation of the baseline and of each prototype, and two for each variable to see whether
-/// it acts; nothing written.
-/// @return { schema, status, name, variables, idle_variables, baseline, prototypes, evaluations,
-///         seconds_per_evaluation, predicted_s }
-nlohmann::ordered_json check_study(const Study& study, int threads, int jobs);
-
-/// The study's own scene and nothing to search: what a rendered folder describes.
-Study scene_study(Study study);
-
-/// Renders the study's own scene into a folder; no search. Scenes that need paths go to
-/// render_views().
-nlohmann::ordered_json render_study(const Study& study,
-                                    const std::filesystem::path& out,
-                                    int threads);
-
 }  // namespace glint

@@ -306,6 +306,25 @@ Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
   return study;
 }
 
+Study scene_study(Study study) {
+  for (const char* table :
+       {"variables", "prototypes", "objective", "constraints", "sorting", "pod"}) {
+    for (std::size_t i = study.root.names.size(); i-- > 0;) {
+      if (study.root.names[i] == table) {
+        study.root.names.erase(study.root.names.begin() + static_cast<std::ptrdiff_t>(i));
+        study.root.items.erase(study.root.items.begin() + static_cast<std::ptrdiff_t>(i));
+      }
+    }
+  }
+  study.space = {};
+  study.goal = {};
+  study.has_objective = false;
+  study.prototypes.clear();
+  study.sorting.reset();
+  study.pod.reset();
+  return study;
+}
+
 std::string prototype_problem(const Prototype& prototype, const std::string& message) {
   const std::string key = message.substr(0, message.find(':'));
   Place place = prototype.place;

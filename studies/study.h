@@ -59,6 +59,9 @@ Study load_study(const std::filesystem::path& path, const std::vector<KeyValue>&
 /// The study's scene with other values. @throws ConfigError naming path and what is allowed
 SceneSettings scene_with(const Study& study, const Overrides& overrides);
 
+/// The study's own scene and nothing to search: what a rendered folder describes.
+Study scene_study(Study study);
+
 /// A problem of the scene with a prototype's values, with the place of the value or of the
 /// prototype that causes it. @param message  begins with the key at fault, has no place
 std::string prototype_problem(const Prototype& prototype, const std::string& message);

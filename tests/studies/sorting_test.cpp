@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "core/rng.h"
+#include "studies/check_study.h"
 #include "tests/studies/population_support.h"
 
 namespace glint {

@@ -12,7 +12,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "core/progress.h"
-#include "studies/study.h"
+#include "studies/definition/study.h"
 
 namespace glint {
 

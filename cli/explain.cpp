@@ -7,7 +7,7 @@
 #include "cli/commands.h"
 #include "core/text.h"
 #include "metrics/scores.h"
-#include "studies/scene.h"
+#include "studies/definition/scene.h"
 
 namespace glint {
 namespace {

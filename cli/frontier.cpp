@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "studies/frontier_page.h"
+#include "studies/frontier/frontier_page.h"
 
 namespace glint {
 namespace {

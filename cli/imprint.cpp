@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "studies/imprint_run.h"
+#include "studies/imprint/imprint_run.h"
 
 namespace glint {
 namespace {

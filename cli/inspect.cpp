@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "studies/inspect_run.h"
+#include "studies/inspect/inspect_run.h"
 
 namespace glint {
 namespace {

@@ -14,7 +14,7 @@
 #include "core/log.h"
 #include "core/text.h"
 #include "core/thread_pool.h"
-#include "studies/provenance.h"
+#include "studies/output/provenance.h"
 
 namespace glint {
 namespace {

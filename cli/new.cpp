@@ -9,7 +9,7 @@
 #include "cli/commands.h"
 #include "core/file.h"
 #include "core/text.h"
-#include "studies/lit_place.h"
+#include "studies/imaging/lit_place.h"
 
 namespace glint {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "cli/commands.h"
 #include "core/units.h"
-#include "simulator/geometry/mesh_io.h"
-#include "simulator/geometry/mesh_report.h"
+#include "simulator/geometry/mesh_file/mesh_io.h"
+#include "simulator/geometry/part/mesh_report.h"
 
 namespace glint {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "cli/commands.h"
 #include "core/file.h"
-#include "studies/run_report.h"
+#include "studies/run/run_report.h"
 
 namespace glint {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/run.h"
+#include "studies/run/run.h"
 
 #include <atomic>
 #include <csignal>
@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "studies/check_study.h"
-#include "studies/population_report.h"
-#include "studies/render_study.h"
-#include "studies/render_views.h"
+#include "studies/population/population_report.h"
+#include "studies/run/check_study.h"
+#include "studies/run/render_study.h"
+#include "studies/run/render_views.h"
 
 namespace glint {
 namespace {

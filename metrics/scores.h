@@ -10,10 +10,10 @@
 #include <string_view>
 #include <vector>
 
-#include "metrics/defect_scores.h"
-#include "metrics/fringe.h"
-#include "metrics/homogeneity.h"
-#include "metrics/homogeneity_family.h"
+#include "metrics/aspect_image/defect_scores.h"
+#include "metrics/aspect_image/fringe.h"
+#include "metrics/aspect_image/homogeneity.h"
+#include "metrics/aspect_image/homogeneity_family.h"
 
 namespace glint {
 

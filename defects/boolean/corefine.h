@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "simulator/geometry/triangle_mesh.h"
+#include "simulator/geometry/mesh/triangle_mesh.h"
 
 namespace glint {
 

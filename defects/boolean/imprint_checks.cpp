@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "defects/boolean/imprint.h"
 #include "defects/boolean/patch_crossings.h"
 #include "defects/boolean/patch_edges.h"
-#include "defects/imprint.h"
 
 namespace glint {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "defects/boolean/box_tree.h"
+#include "defects/boolean/imprint.h"
 #include "defects/boolean/patch_crossings.h"
-#include "defects/imprint.h"
 
 namespace glint {
 

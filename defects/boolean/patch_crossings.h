@@ -10,7 +10,7 @@
 
 #include "defects/boolean/box_tree.h"
 #include "defects/boolean/corefine.h"
-#include "simulator/geometry/triangle_mesh.h"
+#include "simulator/geometry/mesh/triangle_mesh.h"
 
 namespace glint {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "simulator/geometry/triangle_mesh.h"
+#include "simulator/geometry/mesh/triangle_mesh.h"
 
 namespace glint {
 

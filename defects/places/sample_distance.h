@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "defects/defect.h"
-#include "simulator/geometry/triangle_mesh.h"
+#include "defects/definition/defect.h"
+#include "simulator/geometry/mesh/triangle_mesh.h"
 
 namespace glint {
 

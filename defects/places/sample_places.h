@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "defects/defect_settings.h"
-#include "simulator/geometry/bvh.h"
-#include "simulator/geometry/part.h"
-#include "simulator/geometry/surface_sampling.h"
+#include "defects/definition/defect_settings.h"
+#include "simulator/geometry/bvh/bvh.h"
+#include "simulator/geometry/part/part.h"
+#include "simulator/geometry/surface/surface_sampling.h"
 
 namespace glint {
 

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "simulator/geometry/mesh_io.h"
+#include "simulator/geometry/mesh_file/mesh_io.h"
 
 namespace glint {
 namespace {

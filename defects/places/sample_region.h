@@ -8,9 +8,9 @@
 #include <string>
 
 #include "core/rng.h"
-#include "defects/defect_settings.h"
-#include "simulator/geometry/part.h"
-#include "simulator/geometry/surface_sampling.h"
+#include "defects/definition/defect_settings.h"
+#include "simulator/geometry/part/part.h"
+#include "simulator/geometry/surface/surface_sampling.h"
 
 namespace glint {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "simulator/geometry/surface_path.h"
+#include "simulator/geometry/surface/surface_path.h"
 
 namespace glint {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <Eigen/Core>
 
-#include "defects/defect.h"
-#include "simulator/geometry/bvh.h"
-#include "simulator/geometry/part.h"
+#include "defects/definition/defect.h"
+#include "simulator/geometry/bvh/bvh.h"
+#include "simulator/geometry/part/part.h"
 
 namespace glint {
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "defects/surface/half_edges.h"
-#include "simulator/geometry/exact_surface.h"
-#include "simulator/geometry/triangle_mesh.h"
+#include "simulator/geometry/mesh/triangle_mesh.h"
+#include "simulator/geometry/part/exact_surface.h"
 
 namespace glint {
 

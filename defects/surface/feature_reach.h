@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "simulator/geometry/surface_detail.h"
+#include "simulator/geometry/surface/surface_detail.h"
 
 namespace glint {
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "simulator/geometry/exact_surface.h"
-#include "simulator/geometry/triangle_mesh.h"
+#include "simulator/geometry/mesh/triangle_mesh.h"
+#include "simulator/geometry/part/exact_surface.h"
 
 namespace glint {
 

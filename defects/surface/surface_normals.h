@@ -5,8 +5,8 @@
 #include <optional>
 #include <span>
 
-#include "simulator/geometry/exact_surface.h"
-#include "simulator/geometry/triangle_mesh.h"
+#include "simulator/geometry/mesh/triangle_mesh.h"
+#include "simulator/geometry/part/exact_surface.h"
 
 namespace glint {
 

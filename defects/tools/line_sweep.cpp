@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "defects/imprint.h"
+#include "defects/boolean/imprint.h"
 #include "defects/tools/tool_noise.h"
 
 namespace glint {

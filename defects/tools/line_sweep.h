@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "simulator/geometry/surface_detail.h"
-#include "simulator/geometry/surface_path.h"
-#include "simulator/geometry/triangle_mesh.h"
+#include "simulator/geometry/mesh/triangle_mesh.h"
+#include "simulator/geometry/surface/surface_detail.h"
+#include "simulator/geometry/surface/surface_path.h"
 
 namespace glint {
 

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "defects/imprint.h"
-#include "simulator/geometry/mesh_io.h"
+#include "defects/boolean/imprint.h"
+#include "simulator/geometry/mesh_file/mesh_io.h"
 
 namespace glint {
 namespace {

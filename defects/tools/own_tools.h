@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "simulator/geometry/triangle_mesh.h"
+#include "simulator/geometry/mesh/triangle_mesh.h"
 
 namespace glint {
 

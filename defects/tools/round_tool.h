@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "simulator/geometry/triangle_mesh.h"
+#include "simulator/geometry/mesh/triangle_mesh.h"
 
 namespace glint {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/image.h"
+#include "core/image/image.h"
 #include "core/thread_pool.h"
 
 namespace glint {

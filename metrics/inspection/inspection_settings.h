@@ -4,7 +4,7 @@
 // 2.2) is the default: aspect image, minus its Gaussian, threshold, blobs, moments, classes.
 #pragma once
 
-#include "core/keys.h"
+#include "core/config/keys.h"
 
 namespace glint {
 

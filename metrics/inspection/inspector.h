@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/image.h"
-#include "core/spans.h"
+#include "core/image/image.h"
+#include "core/image/spans.h"
 #include "core/thread_pool.h"
 #include "metrics/inspection/inspection_settings.h"
 #include "metrics/inspection/masked_filter.h"

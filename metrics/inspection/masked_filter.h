@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "core/image.h"
+#include "core/image/image.h"
 #include "core/thread_pool.h"
 #include "metrics/inspection/inspection_settings.h"
 

@@ -8,7 +8,7 @@
 
 #include <span>
 
-#include "core/image.h"
+#include "core/image/image.h"
 #include "core/thread_pool.h"
 
 namespace glint {

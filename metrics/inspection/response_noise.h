@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "core/image.h"
-#include "core/spans.h"
+#include "core/image/image.h"
+#include "core/image/spans.h"
 #include "core/thread_pool.h"
 
 namespace glint {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/keys.h"
+#include "core/config/keys.h"
 #include "core/pose.h"
 #include "simulator/camera/pinhole_camera.h"
 

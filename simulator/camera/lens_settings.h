@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "core/keys.h"
+#include "core/config/keys.h"
 #include "simulator/camera/camera_settings.h"
 #include "simulator/camera/thin_lens_camera.h"
 

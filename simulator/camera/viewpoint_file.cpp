@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "core/config/placed_json.h"
 #include "core/file.h"
 #include "core/text.h"
-#include "simulator/camera/placed_json.h"
 
 namespace glint {
 namespace {

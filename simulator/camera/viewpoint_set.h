@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "core/keys.h"
+#include "core/config/keys.h"
 #include "simulator/camera/viewpoint_file.h"
 
 namespace glint {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "core/keys.h"
+#include "core/config/keys.h"
 #include "simulator/material/local.h"
 
 namespace glint {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/keys.h"
+#include "core/config/keys.h"
 #include "simulator/material/lay.h"
 #include "simulator/material/material.h"
 #include "simulator/material/pattern.h"

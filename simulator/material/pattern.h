@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "core/keys.h"
+#include "core/config/keys.h"
 #include "simulator/material/material.h"
 
 namespace glint {

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/keys.h"
+#include "core/config/keys.h"
 #include "simulator/material/lay.h"
 #include "simulator/material/material.h"
 #include "simulator/material/texture_picture.h"

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "core/image_io.h"
+#include "core/image/image_io.h"
 #include "simulator/material/fresnel.h"
 
 namespace glint {

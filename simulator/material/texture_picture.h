@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "core/image.h"
+#include "core/image/image.h"
 
 namespace glint {
 

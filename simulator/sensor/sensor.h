@@ -15,9 +15,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/image.h"
-#include "core/keys.h"
-#include "core/spans.h"
+#include "core/config/keys.h"
+#include "core/image/image.h"
+#include "core/image/spans.h"
 
 namespace glint {
 

@@ -14,8 +14,8 @@
 #include <benchmark/benchmark.h>
 
 #include "core/wall_clock.h"
-#include "metrics/homogeneity.h"
-#include "studies/evaluation.h"
+#include "metrics/aspect_image/homogeneity.h"
+#include "studies/evaluation/evaluation.h"
 
 namespace glint {
 namespace {

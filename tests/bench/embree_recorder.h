@@ -35,7 +35,7 @@ struct EmbreeRecord {
 
 /// From construction to destruction everything this program asks of Embree sixteen at a time goes
 /// into the record; one thread only. A packet that repeats the misses of the one before a
-/// millionth of a radian aside (simulator/geometry/bvh.h) is left out and counted.
+/// millionth of a radian aside (simulator/geometry/bvh/bvh.h) is left out and counted.
 class EmbreeRecording {
  public:
   explicit EmbreeRecording(EmbreeRecord& record);

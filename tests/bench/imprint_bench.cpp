@@ -12,9 +12,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "defects/imprint.h"
+#include "defects/boolean/imprint.h"
 #include "tests/bench/whole_mesh_boolean.h"
-#include "tests/defects/imprint_support.h"
+#include "tests/defects/boolean/imprint_support.h"
 
 namespace glint {
 namespace {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/image.h"
+#include "core/image/image.h"
 
 namespace glint {
 

@@ -10,9 +10,9 @@
 #include <CLI/CLI.hpp>
 
 #include "core/file.h"
-#include "core/image_io.h"
+#include "core/image/image_io.h"
 #include "core/text.h"
-#include "simulator/geometry/mesh_io.h"
+#include "simulator/geometry/mesh_file/mesh_io.h"
 #include "tests/bench/peers/candidate.h"
 #include "tests/bench/peers/cycles.h"
 #include "tests/bench/peers/part_mesh.h"

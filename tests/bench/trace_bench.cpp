@@ -21,8 +21,8 @@
 #include <malloc.h>
 
 #include "simulator/camera/camera_settings.h"
-#include "simulator/render/corner_rays.h"
-#include "simulator/render/packet_tracer.h"
+#include "simulator/render/corner_rays/corner_rays.h"
+#include "simulator/render/ray_cache/packet_tracer.h"
 #include "tests/bench/embree_recorder.h"
 
 namespace glint {

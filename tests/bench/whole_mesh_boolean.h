@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "simulator/geometry/triangle_mesh.h"
+#include "simulator/geometry/mesh/triangle_mesh.h"
 
 namespace glint {
 

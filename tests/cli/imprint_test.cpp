@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "core/image_io.h"
-#include "simulator/geometry/mesh_io.h"
+#include "core/image/image_io.h"
+#include "simulator/geometry/mesh_file/mesh_io.h"
 #include "tests/cli/program.h"
 
 namespace glint::test {

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "core/image_io.h"
+#include "core/image/image_io.h"
 #include "core/rng.h"
 #include "core/units.h"
 #include "tests/cli/program.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/cli/record.h"
 
-#include "optimizer/storage.h"
+#include "optimizer/storage/storage.h"
 
 namespace glint::test {
 

@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "optimizer/trial.h"
+#include "optimizer/problem/trial.h"
 #include "tests/cli/program.h"
 
 namespace glint::test {

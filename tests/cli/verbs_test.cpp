@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "metrics/scores.h"
-#include "studies/study.h"
+#include "studies/definition/study.h"
 #include "tests/cli/program.h"
 
 namespace glint::test {

@@ -9,8 +9,8 @@
 #include <string_view>
 
 #include "core/error.h"
-#include "simulator/geometry/mesh_io.h"
-#include "simulator/geometry/mesh_soup.h"
+#include "simulator/geometry/mesh_file/mesh_io.h"
+#include "simulator/geometry/mesh_file/mesh_soup.h"
 
 namespace {
 

@@ -16,8 +16,8 @@
 #include <unistd.h>
 
 #include "core/error.h"
-#include "core/image_io.h"
-#include "studies/picture_sequence.h"
+#include "core/image/image_io.h"
+#include "studies/inspect/picture_sequence.h"
 
 namespace fs = std::filesystem;
 

@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/keys.h"
+#include "core/config/keys.h"
 #include "core/units.h"
 
 namespace glint {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "core/image_io.h"
+#include "core/image/image_io.h"
 #include "simulator/light/area/environment.h"
 
 namespace glint {

@@ -24,7 +24,7 @@
 #include <vector>
 
 #include "simulator/light/area/lights.h"
-#include "simulator/light/tunnel.h"
+#include "simulator/light/tunnel/tunnel.h"
 
 namespace glint {
 

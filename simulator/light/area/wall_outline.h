@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "simulator/light/tunnel.h"
+#include "simulator/light/tunnel/tunnel.h"
 
 namespace glint {
 

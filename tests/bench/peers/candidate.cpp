@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
-#include "simulator/render/corner_rays.h"
-#include "simulator/render/footprints.h"
+#include "simulator/render/corner_rays/corner_rays.h"
+#include "simulator/render/footprint/footprints.h"
 #include "tests/bench/peers/process.h"
 
 namespace glint::peers {

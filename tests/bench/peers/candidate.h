@@ -3,7 +3,7 @@
 // Glint's side of the comparison.
 #pragma once
 
-#include "studies/scene.h"
+#include "studies/definition/scene.h"
 #include "tests/bench/peers/results.h"
 
 namespace glint::peers {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
-#include "core/image_io.h"
+#include "core/image/image_io.h"
 #include "tests/bench/peers/process.h"
 
 namespace glint::peers {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/image.h"
+#include "core/image/image.h"
 #include "tests/bench/peers/gear_pictures.h"
 
 namespace glint::peers {

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
-#include "core/image_io.h"
+#include "core/image/image_io.h"
 #include "tests/bench/peers/gear_errors.h"
 #include "tests/bench/peers/process.h"
 

@@ -10,10 +10,10 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "defects/imprint.h"
+#include "defects/boolean/imprint.h"
 #include "tests/bench/peers/part_mesh.h"
 #include "tests/bench/peers/process.h"
-#include "tests/defects/imprint_support.h"
+#include "tests/defects/boolean/imprint_support.h"
 
 namespace glint::peers {
 namespace {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <span>
 
-#include "simulator/geometry/part.h"
+#include "simulator/geometry/part/part.h"
 
 namespace glint::peers {
 

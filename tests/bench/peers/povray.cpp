@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "core/image_io.h"
+#include "core/image/image_io.h"
 #include "core/text.h"
 #include "tests/bench/peers/process.h"
 

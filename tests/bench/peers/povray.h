@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "studies/scene.h"
+#include "studies/definition/scene.h"
 #include "tests/bench/peers/results.h"
 
 namespace glint::peers {

@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "core/image_io.h"
+#include "core/image/image_io.h"
 #include "metrics/inspection/inspector.h"
 
 namespace glint {

@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/config/placed_json.h"
 #include "core/file.h"
 #include "core/rng.h"
-#include "simulator/camera/placed_json.h"
 
 namespace glint {
 namespace {

@@ -8,8 +8,8 @@
 #include <Eigen/Geometry>
 
 #include "core/rng.h"
-#include "simulator/geometry/part.h"
-#include "simulator/geometry/triangle_mesh.h"
+#include "simulator/geometry/mesh/triangle_mesh.h"
+#include "simulator/geometry/part/part.h"
 
 namespace glint {
 

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "core/image_io.h"
+#include "core/image/image_io.h"
 #include "core/rng.h"
 #include "simulator/material/material_settings.h"
 #include "tests/simulator/material/material_cases.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "simulator/camera/camera_settings.h"
-#include "simulator/render/scan.h"
+#include "simulator/render/scan/scan.h"
 
 namespace glint::test {
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/image/spans.h"
 #include "core/rng.h"
-#include "core/spans.h"
 #include "simulator/sensor/sensor.h"
 
 namespace glint {

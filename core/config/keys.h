@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The key table. Each settings struct has one function
+//
+//     void visit_keys(KeyVisitor& keys, TunnelSettings& settings);
+//
+// that names every key with its range, default (the struct's own value) and one-line doc. Reading a
+// file, listing the table for `glint explain` and the docs, and writing the resolved configuration
+// are three visitors over that one function, so they cannot disagree. Units are converted here and
+// nowhere else, from the key's suffix (core/units.h).
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/config/config.h"
+
+namespace glint {
+
+/// Allowed range of a number, in the unit the key is written in.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool min_excluded = false;
+
+  static Range positive() { return {.min = 0.0, .min_excluded = true}; }
+
+  static Range at_least(double min) { return {.min = min}; }
+
+  static Range between(double min, double max) { return {.min = min, .max = max}; }
+
+  bool contains(double value) const {
+    return value <= max && (min_excluded ? value > min : value >= min);
+  }
+
+  std::string text() const;  ///< "> 0", "in [0, 1]", "any"
+};
+
+/// A fixed number (min = max), or a range that a number is drawn from.
+struct Interval {
+  double min = 0.0;
+  double max = 0.0;
+
+  constexpr Interval() = default;
+
+  constexpr Interval(double value) : min(value), max(value) {}  // NOLINT(*-explicit-*): is one
+
+  constexpr Interval(double low, double high) : min(low), max(high) {}
+
+  bool is_fixed() const { return min == max; }
+
+  /// @param share  in [0, 1]: from min to max
+  double at(double share) const { return min + (max - min) * share; }
+};
+
+/// How many numbers an array may hold.
+struct Count {
+  int min = 0;
+  int max = std::numeric_limits<int>::max();
+};
+
+/// Walks the keys of a settings struct; see the head of this file.
+class KeyVisitor {
+ public:
+  KeyVisitor() = default;
+  virtual ~KeyVisitor() = default;
+  KeyVisitor(const KeyVisitor&) = delete;
+  KeyVisitor& operator=(const KeyVisitor&) = delete;
+
+  /// The value is held in the internal unit, the range is in the written one.
+  virtual void number(std::string_view key,
+                      double& value,
+                      const Range& range,
+                      std::string_view doc) = 0;
+  virtual void integer(std::string_view key,
+                       int& value,
+                       const Range& range,
+                       std::string_view doc) = 0;
+  virtual void boolean(std::string_view key, bool& value, std::string_view doc) = 0;
+  virtual void text(std::string_view key, std::string& value, std::string_view doc) = 0;
+  virtual void file(std::string_view key, std::filesystem::path& value, std::string_view doc) = 0;
+  virtual void numbers(std::string_view key,
+                       std::vector<double>& values,
+                       Count count,
+                       const Range& range,
+                       std::string_view doc) = 0;
+  /// A number, or [min, max] with min <= max.
+  virtual void interval(std::string_view key,
+                        Interval& value,
+                        const Range& range,
+                        std::string_view doc) = 0;
+  virtual void choice_index(std::string_view key,
+                            int& index,
+                            std::span<const std::string_view> names,
+                            std::string_view doc) = 0;
+  /// A nested table.
+  virtual void table(std::string_view key,
+                     const std::function<void(KeyVisitor&)>& visit,
+                     std::string_view doc) = 0;
+  /// A condition between keys; the message says what is wrong and what is allowed.
+  virtual void require(bool holds, std::string_view key, const std::string& message) = 0;
+  /// True when the user wrote that key (always false outside reading).
+  virtual bool is_given(std::string_view key) const = 0;
+
+  /// A choice held as an enum whose values count from 0 in the order of the names.
+  template <class Enum>
+  void choice(std::string_view key,
+              Enum& value,
+              std::span<const std::string_view> names,
+              std::string_view doc) {
+    int index = static_cast<int>(value);
+    choice_index(key, index, names, doc);
+    value = static_cast<Enum>(index);
+  }
+};
+
+/// A row of the key table.
+struct KeyRow {
+  std::string path;  ///< "lighting.tunnel.radius_mm"
+  std::string kind;  ///< number, integer, boolean, choice, text, file, numbers
+  std::string unit;  ///< empty when dimensionless
+  std::string allowed;
+  std::string default_text;
+  std::string doc;
+};
+
+/// Reads one table into settings and collects every problem instead of stopping at the first.
+class KeyReader final : public KeyVisitor {
+ public:
+  /// @param table   nullptr: the table is absent, every key keeps its default
+  /// @param path    dotted path of the table, for messages
+  /// @param errors  grows by one line per problem
+  KeyReader(const ConfigNode* table, std::string path, std::vector<std::string>& errors);
+
+  void number(std::string_view key, double& value, const Range& range, std::string_view) override;
+  void integer(std::string_view key, int& value, const Range& range, std::string_view) override;
+  void boolean(std::string_view key, bool& value, std::string_view) override;
+  void text(std::string_view key, std::string& value, std::string_view) override;
+  void file(std::string_view key, std::filesystem::path& value, std::string_view) override;
+  void numbers(std::string_view key,
+               std::vector<double>& values,
+               Count count,
+               const Range& range,
+               std::string_view) override;
+  void interval(std::string_view key,
+                Interval& value,
+                const Range& range,
+                std::string_view) override;
+  void choice_index(std::string_view key,
+                    int& index,
+                    std::span<const std::string_view> names,
+                    std::string_view) override;
+  void table(std::string_view key,
+             const std::function<void(KeyVisitor&)>& visit,
+             std::string_view) override;
+  void require(bool holds, std::string_view key, const std::string& message) override;
+  bool is_given(std::string_view key) const override;
+
+  /// Reports every key of the table that nobody asked for, with the nearest known one.
+  void report_unknown();
+
+  /// The item, marked as known; nullptr when absent.
+  const ConfigNode* take(std::string_view key);
+  void error(const ConfigNode* where, std::string_view key, const std::string& message);
+
+ private:
+  bool number_in_range(const ConfigNode& node,
+                       std::string_view key,
+                       const Range& range,
+                       double* written);
+
+  const ConfigNode* table_;
+  std::string path_;
+  std::vector<std::string>& errors_;
+  std::vector<std::string> known_;
+};
+
+/// Lists rows of the key table under a path.
+class KeyLister final : public KeyVisitor {
+ public:
+  KeyLister(std::string path, std::vector<KeyRow>& rows);
+
+  void number(std::string_view, double&, const Range&, std::string_view) override;
+  void integer(std::string_view, int&, const Range&, std::string_view) override;
+  void boolean(std::string_view, bool&, std::string_view) override;
+  void text(std::string_view, std::string&, std::string_view) override;
+  void file(std::string_view, std::filesystem::path&, std::string_view) override;
+  void numbers(
+      std::string_view, std::vector<double>&, Count, const Range&, std::string_view) override;
+  void interval(std::string_view, Interval&, const Range&, std::string_view) override;
+  void choice_index(std::string_view,
+                    int&,
+                    std::span<const std::string_view>,
+                    std::string_view) override;
+  void table(std::string_view, const std::function<void(KeyVisitor&)>&, std::string_view) override;
+
+  void require(bool, std::string_view, const std::string&) override {}
+
+  bool is_given(std::string_view) const override { return false; }
+
+ private:
+  void add(std::string_view key, KeyRow row);
+
+  std::string path_;
+  std::vector<KeyRow>& rows_;
+};
+
+/// Writes settings back as a table, in written units and with every key present.
+class KeyWriter final : public KeyVisitor {
+ public:
+  explicit KeyWriter(ConfigNode& table) : table_(table) {}
+
+  void number(std::string_view, double&, const Range&, std::string_view) override;
+  void integer(std::string_view, int&, const Range&, std::string_view) override;
+  void boolean(std::string_view, bool&, std::string_view) override;
+  void text(std::string_view, std::string&, std::string_view) override;
+  void file(std::string_view, std::filesystem::path&, std::string_view) override;
+  void numbers(
+      std::string_view, std::vector<double>&, Count, const Range&, std::string_view) override;
+  void interval(std::string_view, Interval&, const Range&, std::string_view) override;
+  void choice_index(std::string_view,
+                    int&,
+                    std::span<const std::string_view>,
+                    std::string_view) override;
+  void table(std::string_view, const std::function<void(KeyVisitor&)>&, std::string_view) override;
+
+  void require(bool, std::string_view, const std::string&) override {}
+
+  bool is_given(std::string_view) const override { return false; }
+
+ private:
+  void put(std::string_view key, ConfigNode node);
+
+  ConfigNode& table_;
+};
+
+/// Appends the values of settings to a string: equal strings mean equal settings of the same kind.
+/// For finding earlier results again; not for files.
+class KeyDigest final : public KeyVisitor {
+ public:
+  explicit KeyDigest(std::string& bytes) : bytes_(bytes) {}
+
+  void number(std::string_view, double& value, const Range&, std::string_view) override;
+  void integer(std::string_view, int& value, const Range&, std::string_view) override;
+  void boolean(std::string_view, bool& value, std::string_view) override;
+  void text(std::string_view, std::string& value, std::string_view) override;
+  void file(std::string_view, std::filesystem::path& value, std::string_view) override;
+  void numbers(std::string_view,
+               std::vector<double>& values,
+               Count,
+               const Range&,
+               std::string_view) override;
+  void interval(std::string_view, Interval& value, const Range&, std::string_view) override;
+  void choice_index(std::string_view,
+                    int& index,
+                    std::span<const std::string_view>,
+                    std::string_view) override;
+  void table(std::string_view,
+             const std::function<void(KeyVisitor&)>& visit,
+             std::string_view) override;
+
+  void require(bool, std::string_view, const std::string&) override {}
+
+  bool is_given(std::string_view) const override { return false; }
+
+ private:
+  std::string& bytes_;
+};
+
+/// Throws ConfigError with all lines when there are any.
+void throw_if_any(const std::vector<std::string>& errors);
+
+}  // namespace glint

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/image/exr_layers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/file.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using OIIO::ImageOutput;
+using OIIO::ImageSpec;
+using OIIO::TypeDesc;
+
+/// Rows that are interleaved at a time; OpenEXR packs 16 of them together.
+constexpr int kRows = 64;
+
+constexpr float kLargestCode = 65535.0F;
+
+ImageSpec stable_spec(int width, int height, std::size_t channels, const TypeDesc& type) {
+  ImageSpec spec(width, height, static_cast<int>(channels), type);
+  spec.attribute("DateTime", "2000:01:01 00:00:00");
+  spec.attribute("capDate", "2000:01:01 00:00:00");
+  spec.attribute("oiio:ColorSpace", "Linear");
+  spec.attribute("compression", "zip");
+  return spec;
+}
+
+/// An open file, or why there is none.
+void check_written(bool is_written, const ImageOutput& output, const fs::path& path) {
+  if (!is_written) {
+    throw IoError(fmt::format("{}: cannot be written: {}", path.string(), output.geterror()));
+  }
+}
+
+void check_channels(std::span<const ImageF> channels) {
+  GLINT_CHECK(channels.size() == 1 || channels.size() == 3, "pictures have 1 or 3 channels");
+  GLINT_CHECK(std::ranges::all_of(channels,
+                                  [&](const ImageF& channel) {
+                                    return channel.width() == channels[0].width() &&
+                                           channel.height() == channels[0].height();
+                                  }),
+              "channels have one size");
+}
+
+/// NaN becomes 0.
+float clamped(float value) {
+  return value > 0.0F ? std::min(value, 1.0F) : 0.0F;
+}
+
+}  // namespace
+
+ExrChannel exr_channel(std::string name, const ImageF& image) {
+  return {.name = std::move(name),
+          .fill = [&image](int y, float* row) { std::copy_n(image.row(y), image.width(), row); }};
+}
+
+void write_exr_channels(const fs::path& path,
+                        int width_px,
+                        int height_px,
+                        std::span<const ExrChannel> channels) {
+  ImageSpec spec = stable_spec(width_px, height_px, channels.size(), TypeDesc::FLOAT);
+  spec.channelnames.clear();
+  for (const ExrChannel& channel : channels) {
+    spec.channelnames.push_back(channel.name);
+  }
+  const std::set<std::string> names(spec.channelnames.begin(), spec.channelnames.end());
+  GLINT_CHECK(!channels.empty() && names.size() == channels.size(), "channels have own names");
+  // Through memory, so that the disk's own words are told when it is full.
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput memory(bytes);
+  const auto output = ImageOutput::create("memory.exr");
+  GLINT_CHECK(output && output->supports("ioproxy") && output->set_ioproxy(&memory),
+              "OpenImageIO writes OpenEXR to memory");
+  check_written(output->open("memory.exr", spec), *output, path);
+  const std::size_t count = channels.size();
+  std::vector<float> row(static_cast<std::size_t>(width_px));
+  std::vector<float> rows(row.size() * kRows * count);
+  for (int top = 0; top < height_px; top += kRows) {
+    const int bottom = std::min(height_px, top + kRows);
+    for (std::size_t c = 0; c < count; ++c) {
+      float* to = rows.data() + c;
+      for (int y = top; y < bottom; ++y) {
+        channels[c].fill(y, row.data());
+        for (const float value : row) {
+          *to = value;
+          to += count;
+        }
+      }
+    }
+    check_written(
+        output->write_scanlines(top, bottom, 0, TypeDesc::FLOAT, rows.data()), *output, path);
+  }
+  check_written(output->close(), *output, path);
+  // As bytes that lie there already: pictures of many channels fill much memory.
+  write_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
+void write_tiff(const fs::path& path, std::span<const ImageF> channels) {
+  check_channels(channels);
+  const ImageF& first = channels[0];
+  std::vector<std::uint16_t> codes(first.size() * channels.size());
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      codes[channels.size() * i + c] =
+          static_cast<std::uint16_t>(std::lround(clamped(channels[c].values()[i]) * kLargestCode));
+    }
+  }
+  AtomicFile file(path);
+  const auto output = ImageOutput::create("tiff");
+  GLINT_CHECK(output != nullptr, "OpenImageIO writes TIFF");
+  const ImageSpec spec =
+      stable_spec(first.width(), first.height(), channels.size(), TypeDesc::UINT16);
+  check_written(output->open(file.temporary_path().string(), spec), *output, path);
+  check_written(output->write_image(TypeDesc::UINT16, codes.data()), *output, path);
+  check_written(output->close(), *output, path);
+  file.commit();
+}
+
+std::uint8_t code_of(float value) {
+  return static_cast<std::uint8_t>(std::lround(clamped(value) * 255.0F));
+}
+
+ImageRgb rgb_of(std::span<const ImageF> channels) {
+  check_channels(channels);
+  ImageRgb rgb(channels[0].width(), channels[0].height());
+  for (std::size_t i = 0; i < rgb.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      rgb.values()[i][c] = code_of(channels[std::min(c, channels.size() - 1)].values()[i]);
+    }
+  }
+  return rgb;
+}
+
+void write_png(const fs::path& path, const ImageRgb& image) {
+  write_file(path, png_bytes(image));
+}
+
+}  // namespace glint

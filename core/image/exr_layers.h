@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Pictures of many channels as OpenEXR, colour as PNG and TIFF. Files appear by rename and carry no
+// time stamp: equal pixels give equal bytes.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+
+#include "core/image/image_io.h"
+
+namespace glint {
+
+/// One channel of an OpenEXR file.
+struct ExrChannel {
+  std::string name;  ///< "R", "normal.x": what stands before the last dot is the layer
+  /// Writes the values of one row of the picture, from left to right.
+  std::function<void(int y, float* row)> fill;
+};
+
+/// A channel that shows an image, which must outlive it.
+ExrChannel exr_channel(std::string name, const ImageF& image);
+
+/// Writes 32-bit float channels of one picture. Rows are asked for as they are written, so that
+/// channels need not exist as images.
+/// @param channels  at least one; names differ
+/// @throws IoError when the file cannot be written
+void write_exr_channels(const std::filesystem::path& path,
+                        int width_px,
+                        int height_px,
+                        std::span<const ExrChannel> channels);
+
+/// Writes linear values as TIFF of 16 bits, clamped to [0, 1].
+/// @param channels  1 (grey) or 3 (red, green, blue) images of one size
+/// @throws IoError
+void write_tiff(const std::filesystem::path& path, std::span<const ImageF> channels);
+
+/// One linear value, clamped to [0, 1], as code of 8 bits; no number becomes 0.
+std::uint8_t code_of(float value);
+
+/// Three linear images of one size as 8-bit colour, clamped to [0, 1]; one image becomes grey.
+ImageRgb rgb_of(std::span<const ImageF> channels);
+
+/// Writes 8-bit colour. @throws IoError
+void write_png(const std::filesystem::path& path, const ImageRgb& image);
+
+}  // namespace glint

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimizer/algorithm/algorithm.h"
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <set>
+#include <utility>
+
+#include "core/config/keys.h"
+#include "core/error.h"
+#include "core/rng.h"
+#include "core/text.h"
+#include "optimizer/algorithm/multi_start.h"
+#include "optimizer/algorithm/nlopt_methods.h"
+#include "optimizer/algorithm/sobol.h"
+
+namespace glint {
+
+namespace {
+
+constexpr std::array<std::string_view, 13> kNames = {"auto",
+                                                     "sobol",
+                                                     "random",
+                                                     "direct_l",
+                                                     "crs2",
+                                                     "isres",
+                                                     "mlsl",
+                                                     "bobyqa",
+                                                     "sbplx",
+                                                     "cobyla",
+                                                     "slsqp",
+                                                     "mma",
+                                                     "lbfgs"};
+
+constexpr int kPointsPerCombination = 4;
+constexpr double kMaxMixedDesign = 64.0;
+
+/// Repeated points in a row after which a space counts as fully sampled.
+constexpr int kMaxRepeats = 5000;
+
+bool has_discrete(const SearchSpace& space) {
+  return !std::ranges::all_of(space.variables, is_continuous);
+}
+
+/// Samples the whole space; never the same point twice.
+class Sampling final : public Algorithm {
+ public:
+  Sampling(const SearchSpace& space,
+           const SearchSettings& settings,
+           std::vector<Point> start_points)
+      : space_(space),
+        is_random_(settings.algorithm == "random"),
+        seed_(settings.seed),
+        sobol_(settings.seed, static_cast<int>(space.variables.size())),
+        start_points_(start_points.begin(), start_points.end()) {}
+
+  std::optional<Point> ask() override {
+    for (int repeats = 0; repeats < kMaxRepeats; ++repeats) {
+      Point point = next_point();
+      if (asked_.insert(point).second) {
+        return point;
+      }
+    }
+    return std::nullopt;
+  }
+
+  void tell(const Point& /*point*/, const Answer& /*answer*/) override {}
+
+ private:
+  Point next_point() {
+    if (!start_points_.empty()) {
+      Point point = std::move(start_points_.front());
+      start_points_.pop_front();
+      return point;
+    }
+    if (!is_random_) {
+      return point_from_unit(space_, sobol_.point(next_index_++));
+    }
+    Rng rng(seed_, Stream::kSearch, next_index_++);
+    std::vector<double> unit(space_.variables.size());
+    for (double& value : unit) {
+      value = rng.uniform();
+    }
+    return point_from_unit(space_, unit);
+  }
+
+  SearchSpace space_;
+  bool is_random_;
+  std::uint64_t seed_;
+  Sobol sobol_;
+  std::deque<Point> start_points_;
+  std::set<Point> asked_;
+  std::uint32_t next_index_ = 0;
+};
+
+void check_settings(const SearchSettings& settings) {
+  std::vector<std::string> errors;
+  const std::vector<std::string> names(kNames.begin(), kNames.end());
+  if (std::ranges::find(names, settings.algorithm) == names.end()) {
+    errors.emplace_back("search.algorithm: unknown algorithm \"" + settings.algorithm +
+                        "\", did you mean \"" + nearest(settings.algorithm, names) +
+                        "\"? Allowed: " + join(names, ", "));
+  }
+  if (settings.batch < 1) {
+    errors.emplace_back("search.batch: must be at least 1");
+  }
+  if (settings.design < 0) {
+    errors.emplace_back("search.design: must not be negative");
+  }
+  if (!(settings.tolerance > 0.0 && settings.tolerance < 1.0)) {
+    errors.emplace_back("search.tolerance: must be above 0 and below 1");
+  }
+  if (!(settings.watchdog_s > 0.0)) {
+    errors.emplace_back("search.watchdog_s: must be above 0");
+  }
+  throw_if_any(errors);
+}
+
+/// Rounding has no derivative.
+void check_smooth(const SearchSpace& space, const std::string& algorithm) {
+  std::vector<std::string> errors;
+  for (const Variable& variable : space.variables) {
+    if (is_continuous(variable) && variable.step > 0.0 && num_values(variable) > 1.0) {
+      errors.emplace_back("variable \"" + variable.name + "\": has a step of " +
+                          shortest(variable.step) + ", but search.algorithm " + algorithm +
+                          " needs derivatives; allowed: no step, or an algorithm without them");
+    }
+  }
+  throw_if_any(errors);
+}
+
+}  // namespace
+
+std::vector<Event> Algorithm::take_events() {
+  return std::exchange(events_, {});
+}
+
+void Algorithm::add_event(EventKind kind, int run, std::string text) {
+  events_.push_back({.kind = kind, .value = static_cast<double>(run), .text = std::move(text)});
+}
+
+std::span<const std::string_view> algorithm_names() {
+  return kNames;
+}
+
+bool needs_gradient(std::string_view algorithm) {
+  return is_gradient_method(algorithm);
+}
+
+int design_size(const SearchSpace& space, const SearchSettings& settings) {
+  int size = settings.design;
+  if (size == 0) {
+    double combinations = 1.0;
+    for (const Variable& variable : space.variables) {
+      combinations *= is_continuous(variable) ? 1.0 : num_values(variable);
+    }
+    size = std::max(8, 2 * static_cast<int>(space.variables.size()) + 2);
+    if (has_discrete(space)) {
+      const double mixed = std::min(kMaxMixedDesign, kPointsPerCombination * combinations);
+      size = std::max(size, static_cast<int>(mixed));
+    }
+  }
+  return (size + settings.batch - 1) / settings.batch * settings.batch;
+}
+
+std::string resolved_algorithm(const SearchSpace& space, const SearchSettings& settings) {
+  if (settings.algorithm != "auto") {
+    return settings.algorithm;
+  }
+  if (space.variables.size() <= 2 && !has_discrete(space)) {
+    return "direct_l";
+  }
+  return settings.is_noisy ? "cobyla" : "bobyqa";
+}
+
+FailurePolicy failure_policy(const SearchSpace& space, const SearchSettings& settings) {
+  const std::string name = resolved_algorithm(space, settings);
+  const bool fits_model = name == "bobyqa" || name == "cobyla" || name == "mlsl";
+  return fits_model ? FailurePolicy::kNearest : FailurePolicy::kWorst;
+}
+
+std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
+                                          const SearchSettings& settings,
+                                          std::vector<Point> start_points,
+                                          int num_limits) {
+  check(space);
+  check_settings(settings);
+  if (space.variables.empty()) {
+    throw ConfigError("variables: a search needs at least one variable");
+  }
+  for (Point& point : start_points) {
+    point = canonical(space, point);
+  }
+  const std::string name = resolved_algorithm(space, settings);
+  if (!is_nlopt_method(name)) {
+    return std::make_unique<Sampling>(space, settings, std::move(start_points));
+  }
+  if (needs_gradient(name)) {
+    check_smooth(space, name);
+  }
+  const bool needs_design = settings.design > 0 || has_discrete(space) ||
+                            (settings.algorithm == "auto" && is_local_method(name));
+  MultiStartPlan plan{.method = name,
+                      .seed = settings.seed,
+                      .batch = settings.batch,
+                      .num_design = needs_design ? design_size(space, settings) : 0,
+                      .num_limits = is_gradient_method(name) ? num_limits : 0,
+                      .tolerance = settings.tolerance,
+                      .patience_s = settings.watchdog_s};
+  return std::make_unique<MultiStart>(space, plan, std::move(start_points), nlopt_body);
+}
+
+}  // namespace glint

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What an algorithm is told about a point: numbers and, for gradient methods, how they change.
+#pragma once
+
+#include <vector>
+
+namespace glint {
+
+/// A number and its derivative by each coordinate of the unit cube.
+struct Sloped {
+  double value = 0.0;
+  std::vector<double> slopes;  ///< empty: not known
+};
+
+/// Smaller is better everywhere; all numbers are finite. Slopes have one entry per coordinate, 0
+/// for those that cannot be varied continuously.
+struct Answer {
+  double merit = 0.0;      ///< penalties included: all that derivative-free methods look at
+  bool is_failed = false;  ///< merit is made up then, and the rest is empty
+  Sloped objective;        ///< without penalties
+  /// One per limit of the goal (optimizer/algorithm/merit.h), at most 0 where it holds. A limit
+  /// that holds and whose derivative is not known counts as constant.
+  std::vector<Sloped> limits;
+};
+
+}  // namespace glint

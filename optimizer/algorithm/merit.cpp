@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimizer/algorithm/merit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "core/config/keys.h"
+#include "core/error.h"
+#include "core/text.h"
+
+namespace glint {
+
+namespace {
+
+constexpr double kMaxViolation = 1e6;
+constexpr double kMaxMerit = 1e100;
+
+double minimised(const Objective& objective, const Scores& scores) {
+  const double value = scores.at(objective.name);
+  return (objective.is_maximised ? -value : value) + 0.0;
+}
+
+/// What a violation is a part of.
+double unit_of(double limit) {
+  return limit == 0.0 ? 1.0 : std::abs(limit);
+}
+
+/// How far `excess` beyond a limit is, as a part of the limit.
+double relative(double excess, double limit) {
+  return std::min(excess / unit_of(limit), kMaxViolation);
+}
+
+/// One border of a constraint; its sign times the score must stay below sign times the border.
+struct Limit {
+  double border = 0.0;
+  double sign = 1.0;
+  double margin = 0.0;
+};
+
+std::vector<Limit> limits_of(const Constraint& constraint) {
+  std::vector<Limit> limits;
+  if (constraint.min) {
+    limits.push_back({*constraint.min, -1.0, MeritFunction::kLimitMargin});
+  }
+  if (constraint.max) {
+    limits.push_back({*constraint.max, 1.0, MeritFunction::kLimitMargin});
+  }
+  if (constraint.min && constraint.max) {
+    // Room must remain between the two.
+    for (Limit& limit : limits) {
+      const double room = (*constraint.max - *constraint.min) / unit_of(limit.border);
+      limit.margin = std::min(limit.margin, 0.25 * room);
+    }
+  }
+  return limits;
+}
+
+/// factor * d(score) / d(unit coordinate); empty when not known by all that can be varied.
+std::vector<double> slopes_of(const SearchSpace& space,
+                              const Point& point,
+                              const Outcome& outcome,
+                              const std::string& score,
+                              double factor) {
+  const auto it = outcome.gradients.find(score);
+  if (it == outcome.gradients.end() || it->second.size() != point.size()) {
+    return {};
+  }
+  std::vector<double> slopes(point.size(), 0.0);
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    const double scale = slope_at(space, point, i);
+    if (scale == 0.0) {
+      continue;
+    }
+    if (!std::isfinite(it->second[i])) {
+      return {};
+    }
+    slopes[i] = std::clamp(factor * it->second[i] * scale, -kMaxMerit, kMaxMerit);
+  }
+  return slopes;
+}
+
+/// Names of the variables by which a derivative is needed and missing.
+std::vector<std::string> missing_derivatives(const SearchSpace& space,
+                                             const Point& point,
+                                             const Outcome& outcome,
+                                             const std::string& score) {
+  const auto it = outcome.gradients.find(score);
+  const bool has_gradient =
+      it != outcome.gradients.end() && it->second.size() == space.variables.size();
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    const bool is_known = has_gradient && std::isfinite(it->second[i]);
+    if (!is_known && slope_at(space, point, i) != 0.0) {
+      names.push_back(space.variables[i].name);
+    }
+  }
+  return names;
+}
+
+std::string problem_with_score(const Scores& scores,
+                               const std::string& name,
+                               bool may_be_infinite) {
+  const auto it = scores.find(name);
+  if (it == scores.end()) {
+    return "there is no score \"" + name + "\"";
+  }
+  const bool is_good = may_be_infinite ? !std::isnan(it->second) : std::isfinite(it->second);
+  return is_good ? ""
+                 : "score \"" + name + "\" is " + (std::isnan(it->second) ? "NaN" : "infinite");
+}
+
+}  // namespace
+
+void check(const Goal& goal) {
+  std::vector<std::string> errors;
+  if (goal.objective.name.empty()) {
+    errors.emplace_back("objective: a score to maximise or minimise is needed");
+  }
+  for (const Constraint& constraint : goal.constraints) {
+    const std::string where = "constraint on \"" + constraint.name + "\": ";
+    if (!constraint.min && !constraint.max) {
+      errors.emplace_back(where + "needs min, max or both");
+    }
+    if (constraint.min && constraint.max && *constraint.min > *constraint.max) {
+      errors.emplace_back(where + "min " + shortest(*constraint.min) + " is above max " +
+                          shortest(*constraint.max));
+    }
+    if (!std::isfinite(constraint.min.value_or(0.0)) ||
+        !std::isfinite(constraint.max.value_or(0.0))) {
+      errors.emplace_back(where + "limits must be finite");
+    }
+    if (!(constraint.weight > 0.0) || !std::isfinite(constraint.weight)) {
+      errors.emplace_back(where + "weight must be above 0");
+    }
+  }
+  throw_if_any(errors);
+}
+
+std::string problem_with(const Goal& goal, const Scores& scores) {
+  std::string problem = problem_with_score(scores, goal.objective.name, false);
+  for (const Constraint& constraint : goal.constraints) {
+    if (problem.empty()) {
+      problem = problem_with_score(scores, constraint.name, true);
+    }
+  }
+  return problem;
+}
+
+std::string problem_with_gradients(const SearchSpace& space,
+                                   const Goal& goal,
+                                   const Point& point,
+                                   const Outcome& outcome) {
+  std::vector<std::string> scores = {goal.objective.name};
+  for (const Constraint& constraint : goal.constraints) {
+    if (violation(constraint, outcome.scores.at(constraint.name)) > 0.0) {
+      scores.push_back(constraint.name);
+    }
+  }
+  for (const std::string& score : scores) {
+    const std::vector<std::string> names = missing_derivatives(space, point, outcome, score);
+    if (!names.empty()) {
+      return "no derivative of " + score + " by " + join(names, ", ");
+    }
+  }
+  return "";
+}
+
+int num_limits(const Goal& goal) {
+  int count = 0;
+  for (const Constraint& constraint : goal.constraints) {
+    count += (constraint.min ? 1 : 0) + (constraint.max ? 1 : 0);
+  }
+  return count;
+}
+
+double violation(const Constraint& constraint, double score) {
+  if (constraint.min && score < *constraint.min) {
+    return relative(*constraint.min - score, *constraint.min);
+  }
+  if (constraint.max && score > *constraint.max) {
+    return relative(score - *constraint.max, *constraint.max);
+  }
+  return 0.0;
+}
+
+double violation(const Goal& goal, const Scores& scores) {
+  double sum = 0.0;
+  for (const Constraint& constraint : goal.constraints) {
+    sum += constraint.weight * violation(constraint, scores.at(constraint.name));
+  }
+  return sum;
+}
+
+bool is_feasible(const Goal& goal, const Scores& scores) {
+  return std::ranges::all_of(goal.constraints, [&scores](const Constraint& constraint) {
+    return violation(constraint, scores.at(constraint.name)) <= 0.0;
+  });
+}
+
+bool is_better(const Goal& goal, const Scores& a, const Scores& b) {
+  const double violation_a = violation(goal, a);
+  const double violation_b = violation(goal, b);
+  if (violation_a > 0.0 || violation_b > 0.0) {
+    return violation_a < violation_b;
+  }
+  return minimised(goal.objective, a) < minimised(goal.objective, b);
+}
+
+double objective_noise(const Objective& objective, const Scores& scores) {
+  constexpr double kErrorsPerHalf = 2.0;  // an interval of 95 %, as others are
+  std::string name = objective.name;
+  for (const std::string_view end : {".low", ".high"}) {
+    if (name.ends_with(end)) {
+      name.resize(name.size() - end.size());
+      break;
+    }
+  }
+  const auto of = [&](const char* end) {
+    const auto found = scores.find(name + end);
+    return found == scores.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
+  };
+  const double half_width = 0.5 * (of(".high") - of(".low"));
+  const double error = kErrorsPerHalf * of(".error");
+  return std::hypot(std::isfinite(half_width) ? std::max(0.0, half_width) : 0.0,
+                    std::isfinite(error) ? std::max(0.0, error) : 0.0);
+}
+
+double difference_noise(const Objective& objective, const Scores& a, const Scores& b) {
+  return std::hypot(objective_noise(objective, a), objective_noise(objective, b));
+}
+
+bool is_surely_better(const Goal& goal, const Scores& a, const Scores& b) {
+  if (!is_better(goal, a, b) || !is_feasible(goal, a) || !is_feasible(goal, b)) {
+    return is_better(goal, a, b);
+  }
+  const double lead = minimised(goal.objective, b) - minimised(goal.objective, a);
+  return lead > difference_noise(goal.objective, a, b);
+}
+
+MeritFunction::MeritFunction(SearchSpace space, Goal goal, FailurePolicy policy, int num_scale)
+    : space_(std::move(space)), goal_(std::move(goal)), policy_(policy), num_scale_(num_scale) {}
+
+Answer MeritFunction::next(const Point& point, const Outcome& outcome) {
+  std::vector<double> unit = unit_from_point(space_, point);
+  ++num_told_;
+  if (outcome.is_failed) {
+    return {.merit = failed_merit(unit), .is_failed = true};
+  }
+  const double objective = minimised(goal_.objective, outcome.scores);
+  if (num_told_ <= num_scale_ || !smallest_) {
+    widen_spread(objective);
+  }
+  double penalty = 0.0;
+  for (const Constraint& constraint : goal_.constraints) {
+    const double part = violation(constraint, outcome.scores.at(constraint.name));
+    penalty += constraint.weight * std::log1p(part);
+  }
+  const double merit = objective + penalty_scale() * penalty;
+  told_.push_back({std::move(unit), std::clamp(merit, -kMaxMerit, kMaxMerit)});
+  Answer answer{.merit = told_.back().merit,
+                .objective = {.value = std::clamp(objective, -kMaxMerit, kMaxMerit)}};
+  if (!outcome.gradients.empty()) {
+    const double sign = goal_.objective.is_maximised ? -1.0 : 1.0;
+    answer.objective.slopes = slopes_of(space_, point, outcome, goal_.objective.name, sign);
+    add_limits(point, outcome, answer);
+  }
+  return answer;
+}
+
+void MeritFunction::add_limits(const Point& point, const Outcome& outcome, Answer& answer) const {
+  for (const Constraint& constraint : goal_.constraints) {
+    const double score = outcome.scores.at(constraint.name);
+    for (const Limit& limit : limits_of(constraint)) {
+      const double factor = limit.sign / unit_of(limit.border);
+      const double excess = factor * (score - limit.border) + limit.margin;
+      Sloped told{.value = std::clamp(excess, -kMaxViolation, kMaxViolation),
+                  .slopes = slopes_of(space_, point, outcome, constraint.name, factor)};
+      if (told.slopes.empty()) {
+        told.slopes.assign(point.size(), 0.0);
+        told.value = std::min(told.value, 0.0);
+      }
+      answer.limits.push_back(std::move(told));
+    }
+  }
+}
+
+void MeritFunction::widen_spread(double objective) {
+  if (!smallest_) {
+    smallest_ = objective;
+    largest_ = objective;
+  }
+  smallest_ = std::min(*smallest_, objective);
+  largest_ = std::max(largest_, objective);
+}
+
+double MeritFunction::penalty_scale() const {
+  const double spread = smallest_ ? largest_ - *smallest_ : 0.0;
+  // One value alone has no spread; its size is the best guess then.
+  const double fallback = smallest_ && *smallest_ != 0.0 ? std::abs(*smallest_) : 1.0;
+  return kPenaltyFactor * (spread > 0.0 ? spread : fallback);
+}
+
+double MeritFunction::failed_merit(const std::vector<double>& unit) const {
+  if (told_.empty()) {
+    return kUnknownMerit;
+  }
+  if (policy_ == FailurePolicy::kWorst) {
+    return std::ranges::max_element(told_, {}, &Told::merit)->merit;
+  }
+  double nearest = std::numeric_limits<double>::infinity();
+  double merit = 0.0;
+  for (const Told& told : told_) {
+    double squared = 0.0;
+    for (std::size_t i = 0; i < unit.size(); ++i) {
+      squared += (told.unit[i] - unit[i]) * (told.unit[i] - unit[i]);
+    }
+    if (squared < nearest) {
+      nearest = squared;
+      merit = told.merit;
+    }
+  }
+  return merit;
+}
+
+}  // namespace glint

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// From named scores to the one finite number an algorithm minimises.
+//
+// merit = objective (negated when maximised) + scale * sum of weight * log(1 + violation), where a
+// violation is how far a score is outside its limit, as a part of the limit. The logarithm has
+// slope 1 at the limit, so the border is as steep as without it, while designs far outside do not
+// drown the model of a local method.
+//
+// The scale is kPenaltyFactor times the spread (largest minus smallest objective) of the first
+// evaluations told, as many as the initial design has; then it stays. It depends on nothing but
+// told outcomes in their order, so a replay finds the same one. See docs/theory/search.md.
+//
+// Gradient methods are told objective and limits apart, with their derivatives by the unit
+// coordinates, wherever an outcome holds derivatives.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "optimizer/algorithm/algorithm.h"
+#include "optimizer/algorithm/answer.h"
+#include "optimizer/problem/space.h"
+#include "optimizer/problem/trial.h"
+
+namespace glint {
+
+/// The score to optimise.
+struct Objective {
+  std::string name;
+  bool is_maximised = true;
+};
+
+/// Limits of a score, both inclusive.
+struct Constraint {
+  std::string name;
+  std::optional<double> min;
+  std::optional<double> max;
+  double weight = 1.0;  ///< > 0, of the penalty
+};
+
+struct Goal {
+  Objective objective;
+  std::vector<Constraint> constraints;
+};
+
+/// @throws ConfigError: no objective, a constraint without limits, min above max, weight <= 0
+void check(const Goal& goal);
+
+/// Why these scores cannot be judged (a missing score, a NaN, an infinite objective); empty when
+/// they can.
+std::string problem_with(const Goal& goal, const Scores& scores);
+
+/// Why a gradient method cannot go on from this judgeable outcome: no derivative of the objective,
+/// or of a score outside its limits, by a variable that is continuous and active at this point.
+/// Empty when it can.
+std::string problem_with_gradients(const SearchSpace& space,
+                                   const Goal& goal,
+                                   const Point& point,
+                                   const Outcome& outcome);
+
+/// Limits of all constraints: a min and a max count apart.
+int num_limits(const Goal& goal);
+
+/// How far a score is outside its limits, as a part of the limit (of 1 where the limit is 0);
+/// 0 inside, at most 1e6.
+double violation(const Constraint& constraint, double score);
+/// The weighted sum over all constraints; 0 exactly when feasible.
+double violation(const Goal& goal, const Scores& scores);
+bool is_feasible(const Goal& goal, const Scores& scores);
+
+/// A feasible outcome beats an infeasible one; two feasible ones compare by objective, two
+/// infeasible ones by violation. Equal: false. Both must be judgeable.
+bool is_better(const Goal& goal, const Scores& a, const Scores& b);
+
+/// Half the width of the objective's interval: half of "<objective>.high" - "<objective>.low",
+/// where both are among the scores and finite, and twice "<objective>.error", the standard error of
+/// path-traced scores; root of the sum of squares where there are both, 0 where there is neither.
+/// An objective that is itself a bound has the interval of its score.
+double objective_noise(const Objective& objective, const Scores& scores);
+
+/// Half the width of the interval of the difference of two objectives, as if their noise were
+/// independent: sqrt(noise_a^2 + noise_b^2). Designs that share their random numbers differ by less
+/// noise, so what is beyond it is beyond noise in any case.
+double difference_noise(const Objective& objective, const Scores& a, const Scores& b);
+
+/// is_better(), and of two feasible designs by more than the noise of their difference. The same as
+/// is_better() for scores without intervals.
+bool is_surely_better(const Goal& goal, const Scores& a, const Scores& b);
+
+/// Keeps what has been told and turns the next outcome into a finite merit.
+class MeritFunction {
+ public:
+  static constexpr double kPenaltyFactor = 3.0;
+  /// Told for failures before anything has succeeded.
+  static constexpr double kUnknownMerit = 1e6;
+  /// How far inside a limit (as a part of it) methods that are told limits should end: they stop
+  /// within rounding of their border, on either side of it.
+  static constexpr double kLimitMargin = 1e-6;
+
+  /// @param num_scale  outcomes that fix the penalty's scale, >= 1
+  MeritFunction(SearchSpace space, Goal goal, FailurePolicy policy, int num_scale);
+
+  /// What to tell of the next outcome in the order of telling. Its limits are, for each constraint,
+  /// first of min, then of max: (excess beyond the limit) / |limit| + kLimitMargin.
+  Answer next(const Point& point, const Outcome& outcome);
+
+  double penalty_scale() const;
+
+ private:
+  struct Told {
+    std::vector<double> unit;
+    double merit = 0.0;
+  };
+
+  void widen_spread(double objective);
+  void add_limits(const Point& point, const Outcome& outcome, Answer& answer) const;
+  double failed_merit(const std::vector<double>& unit) const;
+
+  SearchSpace space_;
+  Goal goal_;
+  FailurePolicy policy_;
+  int num_scale_;
+  int num_told_ = 0;
+  std::optional<double> smallest_;
+  double largest_ = 0.0;
+  std::vector<Told> told_;  ///< successes only
+};
+
+}  // namespace glint

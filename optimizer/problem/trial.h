@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The plain values a search leaves behind: trials, their outcomes, and the ordered events.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "optimizer/problem/space.h"
+
+namespace glint {
+
+/// Named scores of one evaluation, in the order of their names.
+using Scores = std::map<std::string, double>;
+
+/// What one evaluation gave.
+struct Outcome {
+  Scores scores;
+  bool is_failed = false;
+  std::string message;   ///< why it failed; may also hold a remark on a success
+  double seconds = 0.0;  ///< wall clock of the evaluation; for budgets and reports only
+  /// Score name -> its derivative by each variable of the space, in the variable's own unit, in the
+  /// order of Point; NaN: not known. Of objective and limited scores, where needs_gradient() asks
+  /// for it; all of it is recorded.
+  std::map<std::string, std::vector<double>> gradients;
+};
+
+/// Why a design was evaluated; kPart: one inspected part of a population, its figures as scores.
+enum class TrialKind { kSearch, kBaseline, kPrototype, kFinal, kPart };
+
+/// A design and, once it was evaluated, its outcome.
+struct Trial {
+  TrialKind kind = TrialKind::kSearch;
+  int number = 0;    ///< counts from 1 within its kind, in the order of asking
+  std::string name;  ///< of a prototype or a re-scored design; empty in the search
+  Point point;
+  std::optional<Outcome> outcome;  ///< empty: asked, not evaluated yet
+};
+
+/// Steps of a search in the order they happened. Asks and tells alone rebuild the algorithm.
+enum class EventKind {
+  kAsk,      ///< the algorithm asked for this trial's point; again for a trial that it knows
+  kTell,     ///< this trial's merit was told; `value` is the merit
+  kRestart,  ///< a run of the algorithm ended and another took its place
+  kAbandon,  ///< run number `value` did not answer and was left behind
+  kNote      ///< for people
+};
+
+struct Event {
+  EventKind kind = EventKind::kNote;
+  int trial = 0;  ///< search trial number; 0: none
+  double value = 0.0;
+  std::string text;
+};
+
+}  // namespace glint

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimizer/search/replay.h"
+
+#include <bit>
+#include <string>
+
+#include "core/text.h"
+
+namespace glint {
+
+namespace {
+
+bool same_bits(const Point& a, const Point& b) {
+  if (a.size() != b.size()) {
+    return false;
+  }
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::bit_cast<std::uint64_t>(a[i]) != std::bit_cast<std::uint64_t>(b[i])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::string point_text(const Point& point) {
+  std::vector<std::string> values;
+  for (const double value : point) {
+    values.push_back(shortest(value));
+  }
+  return "(" + join(values, ", ") + ")";
+}
+
+[[noreturn]] void fail_changed(int trial, const std::string& recorded, const std::string& now) {
+  throw ConfigError(
+      "this study cannot be resumed: trial " + std::to_string(trial) + " was recorded as " +
+      recorded + ", but now it would be " + now +
+      "; the program, a library or the machine changed since. Run into a new folder; the old best "
+      "design can be given as a start point");
+}
+
+[[noreturn]] void fail_damaged(const std::string& what) {
+  throw IoError("the study database is damaged: " + what);
+}
+
+void replay_ask(const Event& event, SearchMemory& memory) {
+  if (event.trial < 1 || static_cast<std::size_t>(event.trial) > memory.trials.size()) {
+    fail_damaged("it asks for trial " + std::to_string(event.trial) + ", which it does not hold");
+  }
+  const Point& recorded = memory.trial(event.trial).point;
+  const std::optional<Point> asked = memory.algorithm->ask();
+  memory.algorithm->take_events();
+  if (!asked || !same_bits(*asked, recorded)) {
+    fail_changed(event.trial, point_text(recorded), asked ? point_text(*asked) : "the end");
+  }
+  memory.note_ask(event.trial);
+}
+
+void replay_tell(const Goal& goal, const Event& event, SearchMemory& memory) {
+  if (memory.in_flight.empty() || memory.in_flight.front() != event.trial ||
+      !memory.trial(event.trial).outcome) {
+    fail_damaged("it tells trial " + std::to_string(event.trial) + " out of order");
+  }
+  const double merit = memory.tell_next(goal);
+  if (!same_bits({merit}, {event.value})) {
+    fail_changed(event.trial, "merit " + shortest(event.value), "merit " + shortest(merit));
+  }
+}
+
+}  // namespace
+
+void SearchMemory::note_ask(int number) {
+  if (number > num_known) {
+    num_known = number;
+    num_idle = 0;
+  } else {
+    ++num_reused;
+    ++num_idle;
+  }
+  in_flight.push_back(number);
+}
+
+double SearchMemory::tell_next(const Goal& goal) {
+  const int number = in_flight.front();
+  in_flight.pop_front();
+  const Trial& told = trial(number);
+  const Outcome& outcome = *told.outcome;
+  const Answer answer = merit.next(told.point, outcome);
+  algorithm->tell(told.point, answer);
+  if (number <= num_told) {
+    return answer.merit;
+  }
+  num_told = number;
+  ++since_better;
+  if (outcome.is_failed) {
+    ++num_failed;
+    return answer.merit;
+  }
+  if (!best || is_better(goal, outcome.scores, trial(*best).outcome->scores)) {
+    best = number;
+  }
+  if (!surely_best || is_surely_better(goal, outcome.scores, trial(*surely_best).outcome->scores)) {
+    surely_best = number;
+    since_better = 0;
+  }
+  return answer.merit;
+}
+
+SearchMemory make_memory(const SearchTask& task) {
+  check(task.goal);
+  std::unique_ptr<Algorithm> algorithm =
+      make_algorithm(task.space, task.settings, task.start_points, num_limits(task.goal));
+  return {.algorithm = std::move(algorithm),
+          .merit = MeritFunction(task.space,
+                                 task.goal,
+                                 failure_policy(task.space, task.settings),
+                                 design_size(task.space, task.settings))};
+}
+
+void replay(const SearchTask& task, const Storage& storage, SearchMemory& memory) {
+  memory.trials = storage.trials(TrialKind::kSearch);
+  for (std::size_t i = 0; i < memory.trials.size(); ++i) {
+    const Trial& trial = memory.trials[i];
+    if (trial.number != static_cast<int>(i) + 1 ||
+        trial.point.size() != task.space.variables.size()) {
+      fail_damaged("trial " + std::to_string(i + 1) + " is missing or has another shape");
+    }
+    memory.number_of[trial.point] = trial.number;
+  }
+  for (const Event& event : storage.events()) {
+    switch (event.kind) {
+      case EventKind::kAsk:
+        replay_ask(event, memory);
+        break;
+      case EventKind::kTell:
+        replay_tell(task.goal, event, memory);
+        break;
+      case EventKind::kAbandon:
+        memory.algorithm->abandon_run(static_cast<int>(event.value));
+        break;
+      case EventKind::kRestart:
+      case EventKind::kNote:
+        break;
+    }
+  }
+}
+
+}  // namespace glint

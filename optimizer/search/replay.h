@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a running search keeps in memory, and how the recorded events rebuild it. Private to the
+// module.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "optimizer/search/search.h"
+
+namespace glint {
+
+struct SearchMemory {
+  std::unique_ptr<Algorithm> algorithm;
+  MeritFunction merit;
+  std::vector<Trial> trials;       ///< trial number n at index n - 1
+  std::map<Point, int> number_of;  ///< of every point asked
+  std::deque<int> in_flight;       ///< trial numbers asked and not told, in order
+  int num_known = 0;               ///< trials that an ask has named
+  int num_told = 0;                ///< distinct trials told; they are the first ones
+  int num_failed = 0;              ///< of those told
+  int num_reused = 0;              ///< asks for a known trial
+  int num_idle = 0;                ///< the same, since the last ask for a new one
+  int since_better = 0;            ///< told trials since `surely_best`
+  std::optional<int> best;         ///< number of the best told trial
+  std::optional<int>
+      surely_best;  ///< the last told one that beat the one before by more than noise
+
+  Trial& trial(int number) { return trials[static_cast<std::size_t>(number - 1)]; }
+
+  /// Counts an ask of this trial and puts it in flight.
+  void note_ask(int number);
+  /// Tells the oldest trial in flight its merit, which is returned.
+  double tell_next(const Goal& goal);
+};
+
+/// A search that has not asked anything yet. @throws ConfigError for a wrong task
+SearchMemory make_memory(const SearchTask& task);
+
+/// Repeats the recorded asks and tells.
+/// @throws ConfigError when the algorithm now asks or judges otherwise than recorded
+/// @throws IoError     when the record contradicts itself
+void replay(const SearchTask& task, const Storage& storage, SearchMemory& memory);
+
+}  // namespace glint

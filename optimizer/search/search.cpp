@@ -1,0 +1,385 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimizer/search/search.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "core/config/keys.h"
+#include "core/wall_clock.h"
+#include "optimizer/search/replay.h"
+
+namespace glint {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Asks for known designs in a row after which nothing new is to be expected.
+constexpr int kMaxIdleAsks = 1000;
+/// A study whose first evaluations all fail is set up wrongly.
+constexpr int kMaxFirstFailures = 10;
+
+void check_task(const SearchTask& task) {
+  const Budget& budget = task.budget;
+  std::vector<std::string> errors;
+  if (budget.evaluations < 0 || budget.stall < 0 || !(budget.wall_clock_s >= 0.0)) {
+    errors.emplace_back("budget: limits must not be negative, 0 means no limit");
+  }
+  if (budget.evaluations == 0 && budget.stall == 0 && budget.wall_clock_s <= 0.0 &&
+      !budget.target) {
+    errors.emplace_back(
+        "budget: at least one of evaluations, wall clock, stall and target is needed");
+  }
+  if (task.jobs < 1) {
+    errors.emplace_back("jobs: must be at least 1");
+  }
+  for (const Point& point : task.start_points) {
+    if (point.size() != task.space.variables.size()) {
+      errors.emplace_back("start point: needs one value per variable");
+    }
+  }
+  throw_if_any(errors);
+}
+
+class Search {
+ public:
+  Search(const SearchTask& task,
+         Storage& storage,
+         const Evaluate& evaluate,
+         const std::atomic<int>* interrupt,
+         const OnEvaluation& on_evaluation)
+      : task_(task),
+        storage_(storage),
+        evaluate_(evaluate),
+        interrupt_(interrupt),
+        on_evaluation_(on_evaluation),
+        memory_(make_memory(task)) {}
+
+  SearchResult run() {
+    replay(task_, storage_, memory_);
+    for (const Event& event : storage_.events()) {
+      if (event.kind == EventKind::kAbandon) {
+        result_.warnings.push_back(event.text);
+      }
+    }
+    seconds_before_ = storage_.total_seconds();
+    for (const Trial& trial : memory_.trials) {
+      count(trial);
+    }
+    result_.replayed = result_.evaluations;
+    result_.termination = loop();
+    storage_.set_session_seconds(seconds_since(start_));
+    return finished_result();
+  }
+
+ private:
+  Termination loop() {
+    while (true) {
+      if (memory_.in_flight.empty()) {
+        if (const std::optional<Termination> end = ended()) {
+          return *end;
+        }
+        if (!ask_batch()) {
+          return Termination::kExhausted;
+        }
+      }
+      if (const std::optional<Termination> end = evaluate_in_flight()) {
+        return *end;
+      }
+      tell_in_flight();
+    }
+  }
+
+  bool is_interrupted() const { return interrupt_ != nullptr && interrupt_->load() > 0; }
+
+  bool is_out_of_time() const {
+    const double limit = task_.budget.wall_clock_s;
+    return limit > 0.0 && seconds_before_ + seconds_since(start_) >= limit;
+  }
+
+  bool has_reached_target() const {
+    if (!task_.budget.target || !memory_.best) {
+      return false;
+    }
+    const Scores& scores = trial(*memory_.best).outcome->scores;
+    const double value = scores.at(task_.goal.objective.name);
+    const double target = *task_.budget.target;
+    return is_feasible(task_.goal, scores) &&
+           (task_.goal.objective.is_maximised ? value >= target : value <= target);
+  }
+
+  /// Looked at between batches only, so that it does not depend on jobs or interruptions.
+  std::optional<Termination> ended() const {
+    const Budget& budget = task_.budget;
+    if (has_reached_target()) {
+      return Termination::kTarget;
+    }
+    if (memory_.num_told >= kMaxFirstFailures && memory_.num_failed == memory_.num_told) {
+      return Termination::kFailures;
+    }
+    if (budget.evaluations > 0 && memory_.num_told >= budget.evaluations) {
+      return Termination::kEvaluations;
+    }
+    if (budget.stall > 0 && memory_.since_better >= budget.stall) {
+      return Termination::kStall;
+    }
+    if (memory_.num_idle >= kMaxIdleAsks) {
+      return Termination::kExhausted;
+    }
+    if (is_interrupted()) {
+      return Termination::kInterrupted;
+    }
+    if (is_out_of_time()) {
+      return Termination::kWallClock;
+    }
+    return std::nullopt;
+  }
+
+  /// Always a whole batch, also when the budget holds fewer evaluations: a search that is given a
+  /// larger budget later must have asked the same.
+  bool ask_batch() {
+    std::vector<Event> events;
+    std::vector<Trial> new_trials;
+    for (int i = 0; i < task_.settings.batch; ++i) {
+      const std::optional<Point> point = memory_.algorithm->ask();
+      for (Event& event : memory_.algorithm->take_events()) {
+        if (event.kind == EventKind::kAbandon) {
+          result_.warnings.push_back(event.text);
+        }
+        events.push_back(std::move(event));
+      }
+      if (!point) {
+        break;
+      }
+      const auto next = static_cast<int>(memory_.trials.size()) + 1;
+      const auto [it, is_new] = memory_.number_of.try_emplace(*point, next);
+      if (is_new) {
+        memory_.trials.push_back({.number = next, .point = *point});
+        new_trials.push_back(memory_.trials.back());
+      }
+      memory_.note_ask(it->second);
+      events.push_back({.kind = EventKind::kAsk, .trial = it->second});
+    }
+    storage_.append(events, new_trials);
+    return !memory_.in_flight.empty();
+  }
+
+  /// Evaluates what is asked and has no outcome. Empty when all of it has one afterwards.
+  std::optional<Termination> evaluate_in_flight() {
+    std::vector<int> missing;
+    for (const int number : memory_.in_flight) {
+      if (!trial(number).outcome && std::ranges::find(missing, number) == missing.end()) {
+        missing.push_back(number);
+      }
+    }
+    const std::size_t num_missing = missing.size();
+    const int limit = task_.budget.evaluations;
+    if (limit > 0) {
+      const int left = std::max(0, limit - result_.evaluations);
+      missing.resize(std::min(num_missing, static_cast<std::size_t>(left)));
+    }
+    evaluate_all(missing);
+    if (!std::ranges::all_of(missing, [this](int n) { return trial(n).outcome.has_value(); })) {
+      return is_interrupted() || !is_out_of_time() ? Termination::kInterrupted
+                                                   : Termination::kWallClock;
+    }
+    return missing.size() < num_missing ? std::optional(Termination::kEvaluations) : std::nullopt;
+  }
+
+  void evaluate_all(const std::vector<int>& numbers) {
+    std::atomic<std::size_t> next = 0;
+    std::vector<std::exception_ptr> errors(numbers.size());
+    std::atomic<bool> has_error = false;
+    const auto work = [&] {
+      while (!has_error && !is_interrupted() && !is_out_of_time()) {
+        const std::size_t i = next++;
+        if (i >= numbers.size()) {
+          return;
+        }
+        try {
+          evaluate_one(numbers[i]);
+        } catch (...) {
+          errors[i] = std::current_exception();
+          has_error = true;
+        }
+      }
+    };
+    const std::size_t num_workers = std::min(numbers.size(), static_cast<std::size_t>(task_.jobs));
+    {
+      std::vector<std::jthread> helpers;
+      for (std::size_t i = 1; i < num_workers; ++i) {
+        helpers.emplace_back(work);
+      }
+      work();
+    }
+    for (const std::exception_ptr& error : errors) {
+      if (error) {
+        std::rethrow_exception(error);
+      }
+    }
+  }
+
+  void evaluate_one(int number) {
+    const auto start = Clock::now();
+    Outcome outcome;
+    try {
+      outcome = evaluate_(trial(number).point, number);
+    } catch (const EvaluationAborted&) {
+      return;
+    } catch (const IoError&) {
+      throw;  // a full disk or a file that went away says nothing about the design
+    } catch (const Error& error) {
+      outcome = {.is_failed = true, .message = error.what()};
+    }
+    outcome.seconds = seconds_since(start);
+    make_storable(outcome);
+    fail_unusable(trial(number).point, outcome);
+    storage_.record(TrialKind::kSearch, number, outcome);
+    const std::lock_guard lock(mutex_);
+    trial(number).outcome = std::move(outcome);
+    count(trial(number));
+    report(trial(number));
+  }
+
+  /// What the database does not keep: negative zeros, and gradients without an entry.
+  static void make_storable(Outcome& outcome) {
+    for (auto& [name, value] : outcome.scores) {
+      value += 0.0;
+    }
+    std::erase_if(outcome.gradients, [](const auto& entry) { return entry.second.empty(); });
+    for (auto& [name, gradient] : outcome.gradients) {
+      for (double& value : gradient) {
+        value += 0.0;
+      }
+    }
+  }
+
+  void fail_unusable(const Point& point, Outcome& outcome) const {
+    if (outcome.is_failed) {
+      return;
+    }
+    std::string problem = problem_with(task_.goal, outcome.scores);
+    const std::string algorithm = resolved_algorithm(task_.space, task_.settings);
+    if (problem.empty() && needs_gradient(algorithm)) {
+      problem = problem_with_gradients(task_.space, task_.goal, point, outcome);
+      if (!problem.empty()) {
+        problem += ", which " + algorithm + " needs; other algorithms do without";
+        problem += outcome.message.empty() ? "" : " (" + outcome.message + ")";
+      }
+    }
+    if (!problem.empty()) {
+      outcome.is_failed = true;
+      outcome.message = problem;
+    }
+  }
+
+  void count(const Trial& evaluated) {
+    if (!evaluated.outcome) {
+      return;
+    }
+    ++result_.evaluations;
+    result_.failed += evaluated.outcome->is_failed ? 1 : 0;
+    if (!evaluated.outcome->is_failed &&
+        (!shown_best_ ||
+         is_better(task_.goal, evaluated.outcome->scores, trial(*shown_best_).outcome->scores))) {
+      shown_best_ = evaluated.number;
+    }
+  }
+
+  void report(const Trial& last) const {
+    if (!on_evaluation_) {
+      return;
+    }
+    SearchProgress state{.evaluations = result_.evaluations,
+                         .failed = result_.failed,
+                         .seconds = seconds_before_ + seconds_since(start_),
+                         .last = last};
+    if (shown_best_) {
+      state.best = trial(*shown_best_);
+    }
+    on_evaluation_(state);
+  }
+
+  void tell_in_flight() {
+    std::vector<Event> events;
+    while (!memory_.in_flight.empty()) {
+      const int number = memory_.in_flight.front();
+      const double merit = memory_.tell_next(task_.goal);
+      events.push_back({.kind = EventKind::kTell, .trial = number, .value = merit});
+    }
+    storage_.append(events);
+    storage_.set_session_seconds(seconds_since(start_));
+  }
+
+  SearchResult finished_result() {
+    SearchResult result = std::move(result_);
+    result.algorithm = resolved_algorithm(task_.space, task_.settings);
+    result.reused = memory_.num_reused;
+    result.seconds = seconds_before_ + seconds_since(start_);
+    for (const Trial& trial : memory_.trials) {
+      if (trial.outcome && !trial.outcome->is_failed &&
+          (!result.best ||
+           is_better(task_.goal, trial.outcome->scores, result.best->outcome->scores))) {
+        result.best = trial;
+      }
+    }
+    result.is_feasible = result.best && is_feasible(task_.goal, result.best->outcome->scores);
+    return result;
+  }
+
+  Trial& trial(int number) { return memory_.trial(number); }
+
+  const Trial& trial(int number) const {
+    return memory_.trials[static_cast<std::size_t>(number - 1)];
+  }
+
+  const SearchTask& task_;
+  Storage& storage_;
+  const Evaluate& evaluate_;
+  const std::atomic<int>* interrupt_;
+  const OnEvaluation& on_evaluation_;
+  SearchMemory memory_;
+  std::mutex mutex_;
+  SearchResult result_;
+  std::optional<int> shown_best_;  ///< best of all evaluated, told or not
+  double seconds_before_ = 0.0;
+  Clock::time_point start_ = Clock::now();
+};
+
+}  // namespace
+
+std::string_view termination_name(Termination termination) {
+  switch (termination) {
+    case Termination::kEvaluations:
+      return "evaluations";
+    case Termination::kWallClock:
+      return "wall_clock";
+    case Termination::kStall:
+      return "stall";
+    case Termination::kTarget:
+      return "target";
+    case Termination::kInterrupted:
+      return "interrupted";
+    case Termination::kExhausted:
+      return "exhausted";
+    case Termination::kFailures:
+      break;
+  }
+  return "failures";
+}
+
+SearchResult run_search(const SearchTask& task,
+                        Storage& storage,
+                        const Evaluate& evaluate,
+                        const std::atomic<int>* interrupt,
+                        const OnEvaluation& on_evaluation) {
+  check_task(task);
+  return Search(task, storage, evaluate, interrupt, on_evaluation).run();
+}
+
+}  // namespace glint

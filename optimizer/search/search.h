@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The loop of a study: ask, evaluate, record, tell, until the budget is spent.
+//
+// Everything that matters is in the storage before the next step depends on it, so a search killed
+// at any moment goes on to the same result, bit for bit: the recorded events are replayed, each
+// asked point is compared with the record, recorded outcomes are told again and only what is
+// missing is evaluated. Outcomes are told in the order of asking, so results do not depend on how
+// many evaluations run at once.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/error.h"
+#include "optimizer/algorithm/algorithm.h"
+#include "optimizer/algorithm/merit.h"
+#include "optimizer/problem/space.h"
+#include "optimizer/problem/trial.h"
+#include "optimizer/storage/storage.h"
+
+namespace glint {
+
+/// When to stop; whatever comes first. All of it counts over resumes. At least one must be set.
+struct Budget {
+  int evaluations = 300;      ///< 0: no limit. Designs asked again cost nothing.
+  double wall_clock_s = 0.0;  ///< of searching, without the time between runs; 0: no limit
+  /// Evaluations without a design that is better by more than its noise (is_surely_better());
+  /// 0: no limit.
+  int stall = 0;
+  std::optional<double> target;  ///< objective that a feasible design has to reach
+};
+
+enum class Termination {
+  kEvaluations,
+  kWallClock,
+  kStall,
+  kTarget,
+  kInterrupted,
+  kExhausted,  ///< every design of a finite space has been evaluated
+  kFailures    ///< the first ten evaluations all failed
+};
+
+/// "evaluations", "wall_clock", "stall", "target", "interrupted", "exhausted", "failures"
+std::string_view termination_name(Termination termination);
+
+/// What is searched, and how. All but budget and jobs belong into the study's config hash.
+struct SearchTask {
+  SearchSpace space;
+  SearchSettings settings;
+  Goal goal;
+  Budget budget;
+  std::vector<Point> start_points;  ///< evaluated first, in order
+  int jobs = 1;                     ///< evaluations at once; more than settings.batch has no use
+};
+
+/// Evaluates one design. Called from several threads when jobs > 1. What it throws as glint::Error
+/// becomes a failed trial with that message, except IoError, which ends the run (resumable); scores
+/// that cannot be judged do so too, and, where needs_gradient(algorithm), outcomes without the
+/// derivatives that problem_with_gradients() asks for. The seconds of the outcome are filled in by
+/// the search.
+using Evaluate = std::function<Outcome(const Point& point, int trial)>;
+
+/// Thrown by an Evaluate that gives up because of a second interrupt: nothing is recorded and the
+/// design is evaluated again when the search is resumed.
+class EvaluationAborted : public Error {
+ public:
+  EvaluationAborted() : Error("evaluation aborted") {}
+};
+
+/// State after an evaluation was recorded, for display.
+struct SearchProgress {
+  int evaluations = 0;  ///< so far, over all runs
+  int failed = 0;
+  double seconds = 0.0;  ///< searched so far, over all runs
+  Trial last;
+  std::optional<Trial> best;
+};
+
+/// Called after each evaluation, one call at a time, possibly from another thread.
+using OnEvaluation = std::function<void(const SearchProgress&)>;
+
+struct SearchResult {
+  Termination termination = Termination::kEvaluations;
+  /// The best feasible design; else the one with the least violation; empty: none succeeded.
+  std::optional<Trial> best;
+  bool is_feasible = false;
+  int evaluations = 0;  ///< over all runs, failed ones included
+  int failed = 0;
+  int reused = 0;    ///< times the algorithm asked for a design it already knew
+  int replayed = 0;  ///< evaluations that were found recorded when this run began
+  double seconds = 0.0;
+  std::string algorithm;              ///< the name that `auto` stood for
+  std::vector<std::string> warnings;  ///< runs of the algorithm that had to be abandoned
+};
+
+/// @param interrupt  nullptr, or how often the user interrupted: at 1 the running evaluations
+///                   finish and no more begin; at 2 an Evaluate should throw EvaluationAborted
+/// @throws ConfigError  for a wrong task; when the record cannot be replayed because program,
+///                      library or machine changed
+/// @throws IoError      when the storage cannot be written or is damaged
+SearchResult run_search(const SearchTask& task,
+                        Storage& storage,
+                        const Evaluate& evaluate,
+                        const std::atomic<int>* interrupt = nullptr,
+                        const OnEvaluation& on_evaluation = {});
+
+}  // namespace glint

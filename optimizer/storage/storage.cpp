@@ -1,0 +1,472 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimizer/storage/storage.h"
+
+#include <sqlite3.h>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <fstream>
+#include <mutex>
+#include <string_view>
+#include <utility>
+
+#include "core/error.h"
+#include "optimizer/storage/sqlite.h"
+
+namespace glint {
+
+namespace {
+
+/// "GLNT": marks our databases among other programs' SQLite files.
+constexpr std::int64_t kApplicationId = 0x474C4E54;
+
+constexpr std::array<std::string_view, 5> kTrialKinds = {
+    "search", "baseline", "prototype", "final", "part"};
+constexpr std::array<std::string_view, 5> kEventKinds = {
+    "ask", "tell", "restart", "abandon", "note"};
+
+constexpr const char* kTables = R"sql(
+CREATE TABLE study(
+  id INTEGER PRIMARY KEY CHECK (id = 1),
+  config_hash TEXT NOT NULL, config_text TEXT NOT NULL, code_version TEXT NOT NULL,
+  seed INTEGER NOT NULL);
+CREATE TABLE session(number INTEGER PRIMARY KEY, seconds REAL NOT NULL);
+CREATE TABLE trial(
+  kind TEXT NOT NULL, number INTEGER NOT NULL, name TEXT NOT NULL,
+  point BLOB NOT NULL, -- little-endian doubles
+  PRIMARY KEY (kind, number)) WITHOUT ROWID;
+CREATE TABLE evaluation(
+  kind TEXT NOT NULL, number INTEGER NOT NULL,
+  status TEXT NOT NULL CHECK (status IN ('done', 'failed')),
+  message TEXT NOT NULL, seconds REAL NOT NULL,
+  PRIMARY KEY (kind, number)) WITHOUT ROWID;
+CREATE TABLE value(
+  kind TEXT NOT NULL, number INTEGER NOT NULL, name TEXT NOT NULL,
+  value REAL, -- NULL is NaN
+  PRIMARY KEY (kind, number, name)) WITHOUT ROWID;
+CREATE TABLE event(
+  seq INTEGER PRIMARY KEY, kind TEXT NOT NULL, trial INTEGER NOT NULL, value REAL,
+  text TEXT NOT NULL);
+)sql";
+
+/// Since schema 2; `variable` counts from 0 in the order of the point.
+constexpr const char* kGradientTable = R"sql(
+CREATE TABLE gradient(
+  kind TEXT NOT NULL, number INTEGER NOT NULL, score TEXT NOT NULL,
+  variable INTEGER NOT NULL,
+  value REAL, -- NULL is NaN
+  PRIMARY KEY (kind, number, score, variable)) WITHOUT ROWID;
+)sql";
+constexpr std::int64_t kFirstSchemaWithGradients = 2;
+
+template <class Enum, std::size_t N>
+std::string_view name_of(Enum value, const std::array<std::string_view, N>& names) {
+  return names[static_cast<std::size_t>(value)];
+}
+
+template <class Enum, std::size_t N>
+Enum value_of(const std::string& name,
+              const std::array<std::string_view, N>& names,
+              const std::filesystem::path& path) {
+  for (std::size_t i = 0; i < N; ++i) {
+    if (names[i] == name) {
+      return static_cast<Enum>(i);
+    }
+  }
+  throw IoError(path.string() + ": unknown kind \"" + name + "\", the study database is damaged");
+}
+
+/// A lock that the system drops when the process ends, however it ends. The file goes with it.
+class LockFile {
+ public:
+  explicit LockFile(std::filesystem::path path) : path_(std::move(path)) {
+    while (!try_lock()) {
+    }
+  }
+
+  ~LockFile() {
+    ::unlink(path_.c_str());
+    ::close(file_);
+  }
+
+  LockFile(const LockFile&) = delete;
+  LockFile& operator=(const LockFile&) = delete;
+
+ private:
+  /// False when the former owner removed the file between our opening and locking it.
+  bool try_lock() {
+    file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (file_ < 0) {
+      throw IoError(path_.string() + ": cannot be written: " + last_system_error());
+    }
+    if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+      const bool is_held = errno == EWOULDBLOCK;
+      const std::string reason = last_system_error();
+      ::close(file_);
+      throw IoError(path_.string() + ": " +
+                    (is_held ? "another process is running this study" : reason));
+    }
+    struct stat ours = {};
+    struct stat named = {};
+    const bool is_same = ::fstat(file_, &ours) == 0 && ::stat(path_.c_str(), &named) == 0 &&
+                         ours.st_ino == named.st_ino && ours.st_dev == named.st_dev;
+    if (!is_same) {
+      ::close(file_);
+    }
+    return is_same;
+  }
+
+  std::filesystem::path path_;
+  int file_ = -1;
+};
+
+std::uint64_t big_endian(std::string_view bytes) {
+  std::uint64_t value = 0;
+  for (const char byte : bytes) {
+    value = (value << 8) | static_cast<unsigned char>(byte);
+  }
+  return value;
+}
+
+/// SQLite reads a page that is cut short as if zeros followed, so the size is compared with what
+/// the header says (bytes 16-17: page size, 1 means 65536; bytes 28-31: number of pages). A
+/// database with a write-ahead log may be shorter: the rest is in the log.
+void check_complete(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::path log = path.string() + "-wal";
+  if (std::filesystem::exists(log, error) && std::filesystem::file_size(log, error) > 0) {
+    return;
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, 100> header = {};
+  file.read(header.data(), header.size());
+  const std::string_view bytes(header.data(), header.size());
+  if (!file || !bytes.starts_with("SQLite format 3")) {
+    return;  // SQLite itself has a word for that
+  }
+  const std::uint64_t page_size = big_endian(bytes.substr(16, 2));
+  const std::uint64_t size = big_endian(bytes.substr(28, 4)) * (page_size == 1 ? 65536 : page_size);
+  if (std::filesystem::file_size(path) < size) {
+    throw IoError(path.string() + ": the study database is truncated");
+  }
+}
+
+void check_readable(Database& database) {
+  const std::string name = database.path().string();
+  if (std::filesystem::file_size(database.path()) == 0) {
+    throw IoError(name + ": the study database is damaged or truncated: it is empty");
+  }
+  if (database.integer("PRAGMA application_id") != kApplicationId) {
+    throw IoError(name + ": is a database of another program, not of a study");
+  }
+  const std::int64_t schema = database.integer("PRAGMA user_version");
+  if (schema > Storage::kSchema) {
+    throw IoError(name + ": was written by a newer Glint (schema " + std::to_string(schema) +
+                  ", this program knows " + std::to_string(Storage::kSchema) + ")");
+  }
+  const std::string health = database.text("PRAGMA quick_check(1)");
+  if (health != "ok") {
+    throw IoError(name + ": the study database is damaged or truncated: " + health);
+  }
+}
+
+StudyIdentity read_identity(Database& database) {
+  Statement row(database, "SELECT config_hash, config_text, code_version, seed FROM study");
+  if (!row.step()) {
+    throw IoError(database.path().string() + ": the study database is damaged: it names no study");
+  }
+  return {.config_hash = row.text(0),
+          .config_text = row.text(1),
+          .code_version = row.text(2),
+          .seed = std::bit_cast<std::uint64_t>(row.integer(3))};
+}
+
+/// Written under another name and renamed when whole, so that a kill in between leaves no database
+/// instead of half a one.
+void create(const std::filesystem::path& path, const StudyIdentity& identity) {
+  const std::filesystem::path unfinished = path.string() + ".new";
+  std::error_code ignored;
+  std::filesystem::remove(unfinished, ignored);
+  std::filesystem::remove(unfinished.string() + "-journal", ignored);
+  {
+    Database database(unfinished, Database::Access::kCreate);
+    database.run("PRAGMA application_id = " + std::to_string(kApplicationId));
+    database.run("PRAGMA user_version = " + std::to_string(Storage::kSchema));
+    database.run(kTables);
+    database.run(kGradientTable);
+    Statement(database, "INSERT INTO study VALUES(1, ?, ?, ?, ?)")
+        .bind(std::string_view(identity.config_hash))
+        .bind(std::string_view(identity.config_text))
+        .bind(std::string_view(identity.code_version))
+        .bind(std::bit_cast<std::int64_t>(identity.seed))
+        .run();
+  }
+  std::error_code error;
+  std::filesystem::rename(unfinished, path, error);
+  if (error) {
+    throw IoError(path.string() + ": cannot be created: " + error.message());
+  }
+}
+
+bool has_gradients(Database& database) {
+  return database.integer("PRAGMA user_version") >= kFirstSchemaWithGradients;
+}
+
+/// From schema 1 to 2, wholly or not at all.
+void upgrade(Database& database) {
+  if (has_gradients(database)) {
+    return;
+  }
+  Transaction transaction(database);
+  database.run(kGradientTable);
+  database.run("PRAGMA user_version = " + std::to_string(Storage::kSchema));
+  transaction.commit();
+}
+
+std::int64_t begin_session(Database& database) {
+  Transaction transaction(database);
+  database.run("INSERT INTO session(seconds) VALUES(0)");
+  const std::int64_t number = sqlite3_last_insert_rowid(database.handle());
+  transaction.commit();
+  return number;
+}
+
+void insert_trial(Database& database, const Trial& trial) {
+  Statement(database, "INSERT OR REPLACE INTO trial VALUES(?, ?, ?, ?)")
+      .bind(name_of(trial.kind, kTrialKinds))
+      .bind(std::int64_t{trial.number})
+      .bind(std::string_view(trial.name))
+      .bind_doubles(trial.point)
+      .run();
+}
+
+void delete_outcome(Database& database, TrialKind kind, int number) {
+  for (const char* table : {"gradient", "value", "evaluation"}) {
+    Statement(database, std::string("DELETE FROM ") + table + " WHERE kind = ? AND number = ?")
+        .bind(name_of(kind, kTrialKinds))
+        .bind(std::int64_t{number})
+        .run();
+  }
+}
+
+void insert_outcome(Database& database, TrialKind kind, int number, const Outcome& outcome) {
+  delete_outcome(database, kind, number);
+  Statement(database, "INSERT INTO evaluation VALUES(?, ?, ?, ?, ?)")
+      .bind(name_of(kind, kTrialKinds))
+      .bind(std::int64_t{number})
+      .bind(std::string_view(outcome.is_failed ? "failed" : "done"))
+      .bind(std::string_view(outcome.message))
+      .bind(outcome.seconds)
+      .run();
+  for (const auto& [name, value] : outcome.scores) {
+    Statement(database, "INSERT INTO value VALUES(?, ?, ?, ?)")
+        .bind(name_of(kind, kTrialKinds))
+        .bind(std::int64_t{number})
+        .bind(std::string_view(name))
+        .bind(value + 0.0)
+        .run();
+  }
+  for (const auto& [score, gradient] : outcome.gradients) {
+    for (std::size_t i = 0; i < gradient.size(); ++i) {
+      Statement(database, "INSERT INTO gradient VALUES(?, ?, ?, ?, ?)")
+          .bind(name_of(kind, kTrialKinds))
+          .bind(std::int64_t{number})
+          .bind(std::string_view(score))
+          .bind(static_cast<std::int64_t>(i))
+          .bind(gradient[i] + 0.0)
+          .run();
+    }
+  }
+}
+
+/// Adds the recorded gradients to the trials that have an outcome.
+void read_gradients(Database& database,
+                    std::string_view kind,
+                    const std::map<int, std::size_t>& index_of,
+                    std::vector<Trial>& trials) {
+  Statement row(database,
+                "SELECT number, score, variable, value FROM gradient WHERE kind = ? "
+                "ORDER BY number, score, variable");
+  row.bind(kind);
+  while (row.step()) {
+    const auto it = index_of.find(static_cast<int>(row.integer(0)));
+    if (it == index_of.end() || !trials[it->second].outcome) {
+      continue;
+    }
+    std::vector<double>& gradient = trials[it->second].outcome->gradients[row.text(1)];
+    if (row.integer(2) != static_cast<std::int64_t>(gradient.size())) {
+      throw IoError(database.path().string() + ": a gradient of trial " +
+                    std::to_string(row.integer(0)) + " has holes, the study database is damaged");
+    }
+    gradient.push_back(row.real(3));
+  }
+}
+
+}  // namespace
+
+struct Storage::State {
+  State(const std::filesystem::path& path, Database::Access access) : database(path, access) {}
+
+  // The lock is declared first, so that it is dropped last.
+  std::unique_ptr<LockFile> lock;
+  mutable std::mutex mutex;
+  mutable Database database;
+  StudyIdentity identity;
+  std::int64_t session = 0;
+};
+
+Storage::Storage(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+Storage::Storage(Storage&&) noexcept = default;
+Storage& Storage::operator=(Storage&&) noexcept = default;
+Storage::~Storage() = default;
+
+Storage Storage::open(const std::filesystem::path& path,
+                      const StudyIdentity& identity,
+                      const StorageOptions& options) {
+  auto lock = std::make_unique<LockFile>(path.string() + ".lock");
+  if (!std::filesystem::exists(path)) {
+    create(path, identity);
+  }
+  check_complete(path);
+  auto state = std::make_unique<State>(path, Database::Access::kReadWrite);
+  state->lock = std::move(lock);
+  check_readable(state->database);
+  state->identity = read_identity(state->database);
+  if (state->identity.config_hash != identity.config_hash) {
+    throw ConfigError(path.string() +
+                      ": holds another study; choose another output folder, or remove this one");
+  }
+  state->database.run("PRAGMA journal_mode = WAL");
+  state->database.run(options.is_synced ? "PRAGMA synchronous = FULL"
+                                        : "PRAGMA synchronous = NORMAL");
+  upgrade(state->database);
+  state->session = begin_session(state->database);
+  return Storage(std::move(state));
+}
+
+Storage Storage::read(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) {
+    throw IoError(path.string() + ": there is no study database");
+  }
+  check_complete(path);
+  // Whoever runs a study keeps a write-ahead log beside the database.
+  const bool is_running = std::filesystem::exists(path.string() + "-wal");
+  auto state = std::make_unique<State>(
+      path, is_running ? Database::Access::kReadOnly : Database::Access::kFrozen);
+  check_readable(state->database);
+  state->identity = read_identity(state->database);
+  return Storage(std::move(state));
+}
+
+const StudyIdentity& Storage::identity() const {
+  return state_->identity;
+}
+
+void Storage::append(std::span<const Event> events, std::span<const Trial> new_trials) {
+  const std::lock_guard lock(state_->mutex);
+  Transaction transaction(state_->database);
+  for (const Trial& trial : new_trials) {
+    insert_trial(state_->database, trial);
+  }
+  for (const Event& event : events) {
+    Statement(state_->database, "INSERT INTO event(kind, trial, value, text) VALUES(?, ?, ?, ?)")
+        .bind(name_of(event.kind, kEventKinds))
+        .bind(std::int64_t{event.trial})
+        .bind(event.value + 0.0)
+        .bind(std::string_view(event.text))
+        .run();
+  }
+  transaction.commit();
+}
+
+void Storage::put_trial(const Trial& trial) {
+  const std::lock_guard lock(state_->mutex);
+  Transaction transaction(state_->database);
+  insert_trial(state_->database, trial);
+  if (trial.outcome) {
+    insert_outcome(state_->database, trial.kind, trial.number, *trial.outcome);
+  } else {
+    delete_outcome(state_->database, trial.kind, trial.number);
+  }
+  transaction.commit();
+}
+
+void Storage::record(TrialKind kind, int number, const Outcome& outcome) {
+  const std::lock_guard lock(state_->mutex);
+  Transaction transaction(state_->database);
+  insert_outcome(state_->database, kind, number, outcome);
+  transaction.commit();
+}
+
+void Storage::set_session_seconds(double seconds) {
+  const std::lock_guard lock(state_->mutex);
+  Statement(state_->database, "UPDATE session SET seconds = ? WHERE number = ?")
+      .bind(seconds)
+      .bind(state_->session)
+      .run();
+}
+
+double Storage::total_seconds() const {
+  const std::lock_guard lock(state_->mutex);
+  Statement sum(state_->database, "SELECT total(seconds) FROM session");
+  return sum.step() ? sum.real(0) : 0.0;
+}
+
+std::vector<Event> Storage::events() const {
+  const std::lock_guard lock(state_->mutex);
+  std::vector<Event> events;
+  Statement row(state_->database, "SELECT kind, trial, value, text FROM event ORDER BY seq");
+  while (row.step()) {
+    events.push_back(
+        {.kind = value_of<EventKind>(row.text(0), kEventKinds, state_->database.path()),
+         .trial = static_cast<int>(row.integer(1)),
+         .value = row.real(2),
+         .text = row.text(3)});
+  }
+  return events;
+}
+
+std::vector<Trial> Storage::trials(TrialKind kind) const {
+  const std::lock_guard lock(state_->mutex);
+  std::vector<Trial> trials;
+  std::map<int, std::size_t> index_of;
+  const std::string_view kind_name = name_of(kind, kTrialKinds);
+  Statement row(state_->database,
+                "SELECT t.number, t.name, t.point, e.status, e.message, e.seconds FROM trial t "
+                "LEFT JOIN evaluation e ON e.kind = t.kind AND e.number = t.number "
+                "WHERE t.kind = ? ORDER BY t.number");
+  row.bind(kind_name);
+  while (row.step()) {
+    Trial trial{.kind = kind,
+                .number = static_cast<int>(row.integer(0)),
+                .name = row.text(1),
+                .point = row.doubles(2)};
+    if (!row.is_null(3)) {
+      trial.outcome = Outcome{
+          .is_failed = row.text(3) == "failed", .message = row.text(4), .seconds = row.real(5)};
+    }
+    index_of[trial.number] = trials.size();
+    trials.push_back(std::move(trial));
+  }
+  Statement value(state_->database, "SELECT number, name, value FROM value WHERE kind = ?");
+  value.bind(kind_name);
+  while (value.step()) {
+    const auto it = index_of.find(static_cast<int>(value.integer(0)));
+    if (it != index_of.end() && trials[it->second].outcome) {
+      trials[it->second].outcome->scores[value.text(1)] = value.real(2);
+    }
+  }
+  if (has_gradients(state_->database)) {
+    read_gradients(state_->database, kind_name, index_of, trials);
+  }
+  return trials;
+}
+
+}  // namespace glint

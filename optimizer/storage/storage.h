@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// One study in one SQLite file: its trials, their outcomes and the ordered events.
+//
+// The events are the state of a search: nothing else is needed to go on after kill -9, because
+// every algorithm is deterministic (optimizer/search/search.h replays them). Each change is one
+// transaction. Numbers come back bit for bit.
+//
+// Tables: study (one row), session (one row per process that ran it), trial, evaluation, value,
+// gradient, event. Schema 1 had no gradients; such a database is read as it is and upgraded when it
+// is opened for running. They are for reading with other tools too; the schema number is SQLite's
+// user_version.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "optimizer/problem/trial.h"
+
+namespace glint {
+
+/// What makes a study the same study.
+struct StudyIdentity {
+  std::string config_hash;   ///< of everything that changes results; decides what may be resumed
+  std::string config_text;   ///< for people
+  std::string code_version;  ///< for people
+  std::uint64_t seed = 1;
+};
+
+struct StorageOptions {
+  /// Also safe against power loss, at some 7 ms a transaction; without it against kill -9 only.
+  bool is_synced = false;
+};
+
+/// Safe to use from several threads.
+class Storage {
+ public:
+  static constexpr int kSchema = 2;
+
+  /// Opens the study's database for running, or creates it; the folder must exist. Only one process
+  /// may hold it; the lock ends with the process, however that ends.
+  /// @throws ConfigError when it holds another study (another config_hash)
+  /// @throws IoError     when it is locked by another process, damaged, truncated, no database, of
+  ///                     another program or of a newer schema, or cannot be written
+  static Storage open(const std::filesystem::path& path,
+                      const StudyIdentity& identity,
+                      const StorageOptions& options = {});
+
+  /// Opens an existing database for reading, also while another process runs it.
+  /// @throws IoError
+  static Storage read(const std::filesystem::path& path);
+
+  Storage(Storage&&) noexcept;
+  Storage& operator=(Storage&&) noexcept;
+  ~Storage();
+
+  const StudyIdentity& identity() const;
+
+  /// Appends events, and trials that the asks among them name for the first time, in one
+  /// transaction: either all of it survives a crash or nothing.
+  void append(std::span<const Event> events, std::span<const Trial> new_trials = {});
+
+  /// Records a trial that needs no event (baseline, prototype, final), or replaces it.
+  void put_trial(const Trial& trial);
+
+  /// Records the outcome of a trial that exists.
+  void record(TrialKind kind, int number, const Outcome& outcome);
+
+  /// Notes how long this process has been searching.
+  void set_session_seconds(double seconds);
+  /// Over all processes that ran this study.
+  double total_seconds() const;
+
+  std::vector<Event> events() const;                ///< in order
+  std::vector<Trial> trials(TrialKind kind) const;  ///< by number
+
+ private:
+  struct State;
+
+  explicit Storage(std::unique_ptr<State> state);
+
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace glint

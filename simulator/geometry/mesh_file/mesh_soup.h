@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Inner header of glint::geometry: what the readers of the mesh formats share.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "simulator/geometry/mesh/triangle_mesh.h"
+#include "simulator/geometry/mesh_file/text_cursor.h"
+
+namespace glint::mesh_file {
+
+/// Collects vertices and polygons and checks them as they come.
+class Soup {
+ public:
+  /// @param place  where a fault is reported: the cursor's place, or only the file for binaries
+  void add_vertex(const Eigen::Vector3d& vertex, const Place& place);
+  /// Corners count from 0 and may come before their vertices.
+  void add_polygon(std::span<const std::int64_t> corners, const Place& place);
+
+  std::int64_t num_vertices() const { return static_cast<std::int64_t>(mesh_.vertices_mm.size()); }
+
+  std::size_t num_triangles() const { return mesh_.triangles.size(); }
+
+  void reserve(std::size_t vertices, std::size_t triangles);
+
+  /// The mesh; reports an index beyond the last vertex at the place where it stood.
+  TriangleMesh take();
+
+ private:
+  TriangleMesh mesh_;
+  std::int64_t num_polygons_ = 0;
+  std::int64_t largest_corner_ = -1;
+  std::int64_t largest_corner_face_ = 0;
+  Place largest_corner_place_;
+};
+
+/// Refuses a count that the bytes left in the file cannot hold, before memory is asked for.
+void check_count(std::int64_t count,
+                 std::size_t bytes_each,
+                 std::size_t bytes_left,
+                 std::string_view what,
+                 const Place& place);
+
+TriangleMesh read_stl(std::string_view bytes, const std::string& file);
+TriangleMesh read_ply(std::string_view bytes, const std::string& file);
+/// The same, with the colour of each triangle's face.
+TriangleMesh read_ply(std::string_view bytes,
+                      const std::string& file,
+                      std::vector<std::array<std::uint8_t, 3>>& colours);
+/// The same, with a property of each triangle's face.
+TriangleMesh read_ply(std::string_view bytes,
+                      const std::string& file,
+                      std::string_view property,
+                      std::vector<std::int32_t>& values);
+TriangleMesh read_obj(std::string_view bytes, const std::string& file);
+TriangleMesh read_off(std::string_view bytes, const std::string& file);
+
+/// True for a binary STL by its size, or for a text that begins like an ASCII STL.
+bool looks_like_stl(std::string_view bytes);
+
+/// True when the first word is OFF or one of its variants (COFF, NOFF, STOFF, ...).
+bool looks_like_off(std::string_view bytes);
+
+}  // namespace glint::mesh_file

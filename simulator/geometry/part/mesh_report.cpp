@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/geometry/part/mesh_report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/units.h"
+
+namespace glint {
+namespace {
+
+/// Neighbours that meet at less count as one plane: below what float coordinates resolve.
+constexpr double kFlat_rad = 1e-5;
+
+std::size_t index(std::int32_t i) {
+  return static_cast<std::size_t>(i);
+}
+
+bool stands_for_itself(const TriangleMesh& mesh, std::int32_t triangle) {
+  return mesh.patch_of(index(triangle)) < 0;
+}
+
+void count_edges(const std::vector<MeshEdge>& edges, MeshReport& report) {
+  for (const MeshEdge& edge : edges) {
+    report.open_edges += edge.num_faces == 1 ? 1U : 0U;
+    report.nonmanifold_edges += edge.num_faces > 2 ? 1U : 0U;
+    report.flipped_edges += edge.num_faces == 2 && !edge.is_consistent ? 1U : 0U;
+  }
+  report.is_watertight =
+      report.open_edges == 0 && report.nonmanifold_edges == 0 && report.flipped_edges == 0;
+}
+
+/// Facet angles of the bent edges that are shaded as smooth and are not exact.
+void measure_facets(const TriangleMesh& mesh,
+                    const std::vector<MeshEdge>& edges,
+                    double crease_rad,
+                    MeshReport& report) {
+  std::vector<double> angles_rad;
+  for (const MeshEdge& edge : edges) {
+    if (!edge.is_consistent ||
+        (!stands_for_itself(mesh, edge.triangle_a) && !stands_for_itself(mesh, edge.triangle_b))) {
+      continue;
+    }
+    const double angle = angle_between_faces(mesh, index(edge.triangle_a), index(edge.triangle_b));
+    if (angle > kFlat_rad && angle <= crease_rad) {
+      angles_rad.push_back(angle);
+    }
+  }
+  if (angles_rad.empty()) {
+    return;
+  }
+  report.largest_facet_angle_rad = *std::ranges::max_element(angles_rad);
+  const auto rank = static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(angles_rad.size() - 1));
+  std::ranges::nth_element(angles_rad, angles_rad.begin() + rank);
+  report.facet_angle_95_rad = angles_rad[static_cast<std::size_t>(rank)];
+}
+
+void judge_facets(MeshReport& report) {
+  const double allowed_rad = kFacetShare * report.smallest_slope_rad;
+  report.is_fine_enough = report.has_exact_surface || report.facet_angle_95_rad <= allowed_rad;
+  if (report.has_exact_surface) {
+    report.verdict = "normals are exact: facets cannot show up under fringes";
+    return;
+  }
+  const std::string measured = fmt::format(
+      "95 % of the bent edges turn by less than {:.3g} mrad (largest {:.3g}), {:.3g} mrad are "
+      "allowed (0.1 of the smallest slope of {:.3g} mrad)",
+      1e3 * report.facet_angle_95_rad,
+      1e3 * report.largest_facet_angle_rad,
+      1e3 * allowed_rad,
+      1e3 * report.smallest_slope_rad);
+  if (report.is_fine_enough) {
+    report.verdict = "the mesh is fine enough: " + measured;
+    return;
+  }
+  report.verdict = "facets show up as defects under fringes: " + measured;
+  report.action = fmt::format(
+      "export the part with edges {0:.2g} times shorter (a facet angle below {1:.2g} deg), use a "
+      "parametric part, or trust defects steeper than {2:.3g} mrad only",
+      report.facet_angle_95_rad / allowed_rad,
+      allowed_rad * kDegPerRad,
+      1e3 * report.facet_angle_95_rad / kFacetShare);
+}
+
+void add_warnings(MeshReport& report) {
+  const auto add = [&](std::size_t count, std::string_view what) {
+    if (count > 0) {
+      report.warnings.push_back(fmt::format("{} {}", count, what));
+    }
+  };
+  add(report.open_edges, "open edges: the mesh has holes (reflections may enter it there)");
+  add(report.nonmanifold_edges, "edges with more than two faces");
+  add(report.flipped_edges, "edges whose two faces are turned against each other");
+  add(report.degenerate_triangles, "triangles without area");
+  if (report.is_inside_out) {
+    report.warnings.emplace_back("the faces point inwards: turn the mesh inside out");
+  }
+}
+
+}  // namespace
+
+MeshReport report(const Part& part, double smallest_slope_rad, double crease_rad) {
+  GLINT_CHECK(smallest_slope_rad > 0.0, "a slope of interest is positive");
+  const TriangleMesh& mesh = part.mesh;
+  MeshReport report = {.name = part.name,
+                       .unit = std::string(unit_name(part.unit)),
+                       .size_mm = part.box_in_part_mm.size_mm(),
+                       .area_mm2 = surface_area_mm2(mesh),
+                       .num_triangles = mesh.num_triangles(),
+                       .num_vertices = mesh.vertices_mm.size(),
+                       .smallest_slope_rad = smallest_slope_rad,
+                       .scene_from_part = part.scene_from_part};
+  const std::vector<MeshEdge> edges = mesh_edges(mesh);
+  count_edges(edges, report);
+  if (report.is_watertight) {
+    const double volume_mm3 = enclosed_volume_mm3(mesh);
+    report.volume_mm3 = std::abs(volume_mm3);
+    report.is_inside_out = volume_mm3 < 0.0;
+  }
+  for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
+    report.degenerate_triangles += area_vector(mesh, i).isZero(0.0) ? 1U : 0U;
+  }
+  report.has_exact_surface =
+      !mesh.patch.empty() && std::ranges::all_of(mesh.patch, [](auto p) { return p >= 0; });
+  measure_facets(mesh, edges, crease_rad, report);
+  judge_facets(report);
+  add_warnings(report);
+  return report;
+}
+
+}  // namespace glint

@@ -1,0 +1,542 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/light/tunnel/tunnel.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "core/units.h"
+#include "simulator/light/tunnel/tunnel_profile.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Shape = TunnelSettings::Shape;
+
+constexpr std::array<std::string_view, 5> kShapeNames = {
+    "flat", "semicylinder", "ellipse", "superellipse", "free"};
+
+/// Hits nearer than this belong to the surface the ray leaves.
+constexpr double kMinT_mm = 1e-3;
+
+EllipseAxes axes_of(const TunnelSettings& s) {
+  return s.shape == Shape::kSemicylinder
+             ? EllipseAxes{.half_width_mm = s.radius_mm, .height_mm = s.radius_mm}
+             : EllipseAxes{.half_width_mm = s.half_width_mm, .height_mm = s.height_mm};
+}
+
+/// At most `most` rays from `begin` on.
+RayBlock part_of(const RayBlock& rays, int begin, int most) {
+  RayBlock part = rays;
+  for (const float** array : {&part.origin_x,
+                              &part.origin_y,
+                              &part.origin_z,
+                              &part.direction_x,
+                              &part.direction_y,
+                              &part.direction_z}) {
+    *array = *array != nullptr ? *array + begin : nullptr;
+  }
+  part.count = std::min(most, rays.count - begin);
+  return part;
+}
+
+}  // namespace
+
+std::string_view shape_name(Shape shape) {
+  return kShapeNames[static_cast<std::size_t>(shape)];
+}
+
+void visit_keys(KeyVisitor& keys, TunnelSettings& s) {
+  const Range size = {.min = 1, .max = 1e5};
+  keys.choice("shape", s.shape, kShapeNames, "cross-section of the luminous wall");
+  keys.number("base_mm",
+              s.base_mm,
+              Range::between(-1e4, 1e4),
+              "height of the cross-section's lower line above the scene's origin");
+  keys.number("radius_mm", s.radius_mm, size, "semicylinder: radius");
+  keys.number("half_width_mm", s.half_width_mm, size, "ellipse, superellipse: half axis along y");
+  keys.number("height_mm", s.height_mm, size, "ellipse, superellipse: half axis along z");
+  keys.number("exponent",
+              s.exponent,
+              Range::between(1, 20),
+              "superellipse: 2 = ellipse, larger = closer to a rectangle");
+  keys.number(
+      "distance_mm", s.distance_mm, size, "flat: from the middle plane to the foot of each panel");
+  keys.number("opening_deg",
+              s.opening_rad,
+              Range::between(0, 180),
+              "flat: full angle between the panels, 0 = parallel upright, 180 = a ceiling");
+  keys.number("panel_height_mm", s.panel_height_mm, size, "flat: size of a panel across x");
+  keys.numbers("control_mm",
+               s.control_mm,
+               {.min = 3, .max = 16},
+               size,
+               "free: distances of the B-spline's control points from the base line, at equal "
+               "angles from the rim to the top");
+  keys.number("length_mm", s.length_mm, size, "size along the tunnel axis");
+  keys.number("slot_mm",
+              s.slot_mm,
+              Range::between(0, 1e5),
+              "width of the camera slot along the top, 0 = none");
+  keys.number("period_mm", s.period_mm, Range{.min = 1e-3, .max = 1e5}, "of the stripes");
+  keys.number("duty", s.duty, Range::between(0, 1), "bright share of a period");
+  keys.number("orientation_deg",
+              s.orientation_rad,
+              Range::between(-90, 90),
+              "of the stripes on the unrolled wall, 0 = across the tunnel axis");
+  keys.number("offset_mm", s.offset_mm, Range{}, "shift of the stripes along their normal");
+  keys.number("dark_reflectance",
+              s.dark_reflectance,
+              Range::between(0, 0.99),
+              "diffuse reflectance of dark stripes, lit by the bright ones");
+  keys.number("led_ripple",
+              s.led_ripple,
+              Range::between(0, 1),
+              "relative ripple of the radiance along x from the spacing of LEDs or tubes");
+  keys.number("led_pitch_mm", s.led_pitch_mm, size, "spacing of LEDs or tubes along x");
+  keys.number("end_falloff",
+              s.end_falloff,
+              Range::between(0, 1),
+              "relative loss of radiance at the tunnel's ends, quadratic along x");
+  keys.boolean("blocks_view",
+               s.blocks_view,
+               "whether the wall hides the part from the camera except through the slot");
+  keys.boolean("cosine_law",
+               s.cosine_law,
+               "compatibility: multiplies the radiance by the cosine at the wall, which counts it "
+               "twice for a Lambertian wall");
+  const double half_width = s.shape == Shape::kFlat ? s.distance_mm
+                            : s.shape == Shape::kFree
+                                ? *std::max_element(s.control_mm.begin(), s.control_mm.end())
+                                : axes_of(s).half_width_mm;
+  keys.require(s.slot_mm < 2.0 * half_width,
+               "slot_mm",
+               fmt::format("is {:g}, must be smaller than the tunnel, which is {:g} mm wide",
+                           s.slot_mm,
+                           2.0 * half_width));
+}
+
+Tunnel::Tunnel(const TunnelSettings& settings) : settings_(settings) {
+  build_profile();
+}
+
+void Tunnel::build_profile() {
+  const TunnelSettings& s = settings_;
+  switch (s.shape) {
+    case Shape::kFlat:
+      walls_ = flat_walls(s.distance_mm, s.opening_rad, s.panel_height_mm, s.base_mm);
+      for (const double side : {-1.0, 1.0}) {
+        const FlatWall& wall = walls_[side < 0 ? 0 : 1];
+        const Vector2d foot(wall.start_y_mm, wall.start_z_mm);
+        const Vector2d top = foot + wall.length_mm * Vector2d(wall.along_y, wall.along_z);
+        profile_yz_mm_.push_back(side < 0 ? foot : top);
+        profile_yz_mm_.push_back(side < 0 ? top : foot);
+      }
+      break;
+    case Shape::kFree:
+      segments_ = free_segments(s.control_mm, s.base_mm);
+      extended_segments_ = with_straight_ends(segments_);
+      profile_yz_mm_ = sample_spline(segments_, kProfilePoints);
+      break;
+    default:
+      profile_yz_mm_ = sample_superellipse(
+          axes_of(s), s.shape == Shape::kSuperellipse ? s.exponent : 2.0, s.base_mm);
+  }
+  arc_mm_.assign(profile_yz_mm_.size(), 0.0);
+  for (std::size_t i = 1; i < arc_mm_.size(); ++i) {
+    arc_mm_[i] = arc_mm_[i - 1] + (profile_yz_mm_[i] - profile_yz_mm_[i - 1]).norm();
+  }
+  for (double& arc : arc_mm_) {
+    arc -= 0.5 * arc_mm_.back();
+  }
+  // A little below, so that a level ceiling is above its own slot's floor in float, too.
+  slot_floor_mm_ = 0.5 * (s.base_mm + top_mm()) - 1e-3 - 1e-5 * std::abs(top_mm());
+  const double slot_rad = 2.0 * std::atan2(0.5 * s.slot_mm, std::max(1e-9, top_mm() - s.base_mm));
+  const double reflected = s.dark_reflectance * s.duty;
+  const double slot_share = s.shape == Shape::kFlat ? 0.0 : slot_rad / (2.0 * kPi);
+  const double fill =
+      reflected > 0.0
+          ? reflected * std::max(0.0, wall_share(profile_yz_mm_, s.base_mm) - slot_share)
+          : 0.0;
+  dark_radiance_ = fill / (1.0 - fill);
+}
+
+double Tunnel::half_width_mm() const {
+  double width = 0.0;
+  for (const Vector2d& point : profile_yz_mm_) {
+    width = std::max(width, std::abs(point.x()));
+  }
+  return width;
+}
+
+double Tunnel::top_mm() const {
+  double top = -std::numeric_limits<double>::infinity();
+  for (const Vector2d& point : profile_yz_mm_) {
+    top = std::max(top, point.y());
+  }
+  return top;
+}
+
+bool Tunnel::in_slot(const Vector2d& point) const {
+  return std::abs(point.x()) < 0.5 * settings_.slot_mm && point.y() > slot_floor_mm_;
+}
+
+std::optional<double> Tunnel::hit_profile(const Vector2d& origin, const Vector2d& direction) const {
+  const TunnelSettings& s = settings_;
+  switch (s.shape) {
+    case Shape::kFlat:
+      return hit_walls(walls_, origin, direction, kMinT_mm);
+    case Shape::kFree:
+      return hit_segments(segments_, origin, direction, kMinT_mm);
+    default:
+      return hit_superellipse_exact(axes_of(s),
+                                    s.shape == Shape::kSuperellipse ? s.exponent : 2.0,
+                                    s.base_mm,
+                                    origin,
+                                    direction,
+                                    kMinT_mm);
+  }
+}
+
+std::size_t Tunnel::profile_piece(const Vector2d& point) const {
+  if (settings_.shape == Shape::kFlat) {
+    return point.x() < 0.0 ? 0 : 2;
+  }
+  // Seen from (0, base) the cross-section runs in one direction: control points stand at growing
+  // angles, and a B-spline crosses a line no more often than its control polygon.
+  const double base = settings_.base_mm;
+  const double height = point.y() - base;
+  const auto is_before = [&](const Vector2d& node, const Vector2d&) {
+    // A point below the base line lies beyond one of the rims.
+    return height < 0.0 ? point.x() > 0.0 : point.x() * (node.y() - base) - height * node.x() > 0.0;
+  };
+  const auto after =
+      std::lower_bound(profile_yz_mm_.begin() + 1, profile_yz_mm_.end() - 1, point, is_before);
+  return static_cast<std::size_t>(after - profile_yz_mm_.begin()) - 1;
+}
+
+std::optional<WallHit> Tunnel::hit(const Ray& ray) const {
+  const Vector2d origin = ray.origin_mm.tail<2>();
+  const Vector2d direction = ray.direction.tail<2>();
+  const std::optional<double> t = hit_profile(origin, direction);
+  if (!t) {
+    return std::nullopt;
+  }
+  const Vector2d point = origin + *t * direction;
+  if (in_slot(point)) {
+    return std::nullopt;
+  }
+  return wall_hit(ray, *t);
+}
+
+WallHit Tunnel::wall_hit(const Ray& ray, double t_mm) const {
+  const Vector3d point_mm = ray.origin_mm + t_mm * ray.direction;
+  const Vector2d point = point_mm.tail<2>();
+  const std::size_t piece = profile_piece(point);
+  // The profile runs from y < 0 over the top to y > 0: the inside is on its right.
+  const Vector2d along = (profile_yz_mm_[piece + 1] - profile_yz_mm_[piece]).normalized();
+  return {.t_mm = t_mm,
+          .point_mm = point_mm,
+          .normal = {0.0, along.y(), -along.x()},
+          .arc_mm = arc_mm_[piece] + (point - profile_yz_mm_[piece]).norm()};
+}
+
+void Tunnel::hit_profile(const RayBlock& rays, bool is_whole, float* t_mm) const {
+  const TunnelSettings& s = settings_;
+  const auto base = static_cast<float>(s.base_mm);
+  const auto width = static_cast<float>(axes_of(s).half_width_mm);
+  const auto height = static_cast<float>(axes_of(s).height_mm);
+  switch (s.shape) {
+    case Shape::kFlat:
+      hit_flat(rays, walls_.data(), static_cast<int>(walls_.size()), t_mm);
+      break;
+    case Shape::kFree:
+      hit_spline(rays,
+                 is_whole ? extended_segments_.data() : segments_.data(),
+                 static_cast<int>(is_whole ? extended_segments_.size() : segments_.size()),
+                 t_mm);
+      break;
+    case Shape::kSuperellipse:
+      hit_superellipse(rays, base, width, height, static_cast<float>(s.exponent), is_whole, t_mm);
+      break;
+    default:
+      hit_ellipse(rays, base, width, height, is_whole, t_mm);
+  }
+}
+
+void Tunnel::hit_block(const RayBlock& rays, float* x_mm, float* pattern_mm, float* gain) const {
+  const auto count = static_cast<std::size_t>(rays.count);
+  hit_profile(rays, false, pattern_mm);  // the array holds t until it holds the pattern coordinate
+  finish_hits(rays,
+              pattern_mm,
+              static_cast<float>(0.5 * settings_.slot_mm),
+              static_cast<float>(slot_floor_mm_),
+              x_mm,
+              gain);
+  if (settings_.orientation_rad == 0.0 && !settings_.cosine_law) {
+    std::copy(x_mm, x_mm + count, pattern_mm);
+    return;
+  }
+  const double cosine = std::cos(settings_.orientation_rad);
+  const double sine = std::sin(settings_.orientation_rad);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector3d direction =
+        vector_of(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
+    if (gain[i] == 0.0F) {
+      pattern_mm[i] = x_mm[i];
+      continue;
+    }
+    const WallHit found =
+        wall_hit({.origin_mm = vector_of(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]),
+                  .direction = direction},
+                 static_cast<double>(pattern_mm[i]));
+    pattern_mm[i] = static_cast<float>(found.point_mm.x() * cosine + found.arc_mm * sine);
+    if (settings_.cosine_law) {
+      gain[i] = static_cast<float>(std::abs(found.normal.dot(direction)) / direction.norm());
+    }
+  }
+}
+
+void Tunnel::meet_block(const RayBlock& rays, float* x_mm, float* y_mm, float* margin_mm) const {
+  if (settings_.shape == Shape::kSemicylinder || settings_.shape == Shape::kEllipse) {
+    const EllipseAxes axes = axes_of(settings_);
+    meet_ellipse(rays,
+                 static_cast<float>(settings_.base_mm),
+                 static_cast<float>(axes.half_width_mm),
+                 static_cast<float>(axes.height_mm),
+                 x_mm,
+                 y_mm,
+                 margin_mm);
+    return;
+  }
+  const auto base = static_cast<float>(settings_.base_mm);
+  if (settings_.shape == Shape::kFlat) {
+    meet_flat(rays, walls_.data(), panels_meet(), x_mm, y_mm, margin_mm);
+    return;
+  }
+  // A few at a time: what is read again stays in the first cache.
+  constexpr int kTogether = 256;
+  std::array<float, kTogether> t_mm;
+  for (int begin = 0; begin < rays.count; begin += kTogether) {
+    const RayBlock part = part_of(rays, begin, kTogether);
+    hit_profile(part, true, t_mm.data());
+    points_of_hits(part, t_mm.data(), base, x_mm + begin, y_mm + begin, margin_mm + begin);
+  }
+}
+
+void Tunnel::meet_details(const RayBlock& rays,
+                          const float* x_mm,
+                          const float* y_mm,
+                          const float* margin_mm,
+                          float* pattern_mm,
+                          float* cosine) const {
+  const double along = std::cos(settings_.orientation_rad);
+  const double across = std::sin(settings_.orientation_rad);
+  for (int i = 0; i < rays.count; ++i) {
+    pattern_mm[i] = x_mm[i];
+    cosine[i] = 1.0F;
+    if (margin_mm[i] == kNowhere_mm) {
+      continue;
+    }
+    const Ray ray = {
+        .origin_mm = vector_of(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]),
+        .direction = vector_of(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i])};
+    const Vector2d direction = ray.direction.tail<2>();
+    const Vector2d way = Vector2d(static_cast<double>(y_mm[i]), height_of(margin_mm[i], y_mm[i])) -
+                         ray.origin_mm.tail<2>();
+    const WallHit found = wall_hit(ray, way.dot(direction) / direction.squaredNorm());
+    pattern_mm[i] =
+        static_cast<float>(static_cast<double>(x_mm[i]) * along + found.arc_mm * across);
+    if (settings_.cosine_law) {
+      cosine[i] =
+          static_cast<float>(std::abs(found.normal.dot(ray.direction)) / ray.direction.norm());
+    }
+  }
+}
+
+double Tunnel::height_of(float margin_mm, float y_mm) const {
+  if (settings_.shape != Shape::kFlat) {
+    return settings_.base_mm + static_cast<double>(margin_mm);
+  }
+  const FlatWall& wall = walls_[y_mm < 0.0F ? 0 : 1];
+  const double along = std::abs(wall.along_y) > 1e-6
+                           ? (static_cast<double>(y_mm) - wall.start_y_mm) / wall.along_y
+                           : static_cast<double>(margin_mm);
+  return wall.start_z_mm + along * wall.along_z;
+}
+
+bool Tunnel::panels_meet() const {
+  const double sine = std::sin(0.5 * settings_.opening_rad);
+  return settings_.panel_height_mm * sine >= settings_.distance_mm * (1.0 - 1e-9);
+}
+
+namespace {
+
+/// Sight lines that are looked at together: their arrays stay in the first cache.
+constexpr int kSightLines = 512;
+
+}  // namespace
+
+/// Some sight lines from points to the camera and where they cross the wall; t = 1 at the camera.
+struct Tunnel::Sight {
+  std::array<float, kSightLines> to_x, to_y, to_z, t, x_mm;
+};
+
+/// @param points  no more than kSightLines
+void Tunnel::look(const RayBlock& points,
+                  const Vector3d& camera_mm,
+                  Sight& s,
+                  float* hidden) const {
+  aim_at(points,
+         static_cast<float>(camera_mm.x()),
+         static_cast<float>(camera_mm.y()),
+         static_cast<float>(camera_mm.z()),
+         s.to_x.data(),
+         s.to_y.data(),
+         s.to_z.data());
+  RayBlock sight = points;
+  sight.direction_x = s.to_x.data();
+  sight.direction_y = s.to_y.data();
+  sight.direction_z = s.to_z.data();
+  hit_profile(sight, false, s.t.data());
+  finish_hits(sight,
+              s.t.data(),
+              static_cast<float>(0.5 * settings_.slot_mm),
+              static_cast<float>(slot_floor_mm_),
+              s.x_mm.data(),
+              hidden);
+  keep_sight(s.t.data(),
+             s.x_mm.data(),
+             points.count,
+             static_cast<float>(0.5 * settings_.length_mm),
+             hidden);
+}
+
+void Tunnel::hidden_block(const RayBlock& points, const Vector3d& camera_mm, float* hidden) const {
+  if (!settings_.blocks_view) {
+    std::fill_n(hidden, points.count, 0.0F);
+    return;
+  }
+  Sight sight;
+  for (int begin = 0; begin < points.count; begin += kSightLines) {
+    look(part_of(points, begin, kSightLines), camera_mm, sight, hidden + begin);
+  }
+}
+
+Tunnel::SightLines Tunnel::sight_lines(const RayBlock& points, const Vector3d& camera_mm) const {
+  const auto count = static_cast<std::size_t>(points.count);
+  SightLines lines;
+  lines.hidden.resize(count);
+  for (auto* array : {&lines.x_mm, &lines.y_mm, &lines.z_mm, &lines.to_end_mm, &lines.to_edge_mm}) {
+    array->assign(count, kNowhere_mm);
+  }
+  Sight sight;
+  for (int begin = 0; begin < points.count; begin += kSightLines) {
+    const RayBlock part = part_of(points, begin, kSightLines);
+    look(part, camera_mm, sight, lines.hidden.data() + begin);
+    for (int i = 0; i < part.count; ++i) {
+      set_crossing(part, sight, i, begin, lines);
+    }
+  }
+  return lines;
+}
+
+/// @param first  of the block among the lines
+void Tunnel::set_crossing(
+    const RayBlock& points, const Sight& sight, int index, int first, SightLines& lines) const {
+  const auto i = static_cast<std::size_t>(index);
+  if (sight.t[i] >= kNoHit_mm) {
+    return;
+  }
+  const auto t = static_cast<double>(sight.t[i]);
+  const Vector3d to = vector_of(sight.to_x[i], sight.to_y[i], sight.to_z[i]);
+  const Vector3d at =
+      vector_of(points.origin_x[i], points.origin_y[i], points.origin_z[i]) + t * to;
+  // Positive beside the slot.
+  const double to_slot =
+      std::max(std::abs(at.y()) - 0.5 * settings_.slot_mm, slot_floor_mm_ - at.z());
+  const double to_end = std::abs(0.5 * settings_.length_mm - std::abs(at.x()));
+  const double to_camera = std::abs(1.0 - t) * to.norm();
+  const double to_edge = std::min(std::abs(to_slot), std::abs(to_rim_mm(at.tail<2>())));
+  const std::size_t place = static_cast<std::size_t>(first) + i;
+  lines.x_mm[place] = static_cast<float>(at.x());
+  lines.y_mm[place] = static_cast<float>(at.y());
+  lines.z_mm[place] = static_cast<float>(at.z());
+  lines.to_end_mm[place] = static_cast<float>(std::min(to_end, to_camera));
+  lines.to_edge_mm[place] = static_cast<float>(std::min(to_edge, to_camera));
+}
+
+/// From a point of the wall to where its cross-section ends, the slot left aside.
+double Tunnel::to_rim_mm(const Vector2d& point) const {
+  if (settings_.shape != Shape::kFlat) {
+    return point.y() - settings_.base_mm;
+  }
+  const FlatWall& wall = walls_[point.x() < 0.0 ? 0 : 1];
+  const Vector2d from_foot = point - Vector2d(wall.start_y_mm, wall.start_z_mm);
+  const double along = from_foot.dot(Vector2d(wall.along_y, wall.along_z));
+  return panels_meet() ? along : std::min(along, wall.length_mm - along);
+}
+
+StripePattern Tunnel::pattern(double shift_mm) const {
+  const TunnelSettings& s = settings_;
+  return {.shift_x_mm = static_cast<float>(shift_mm),
+          // Whole periods are taken off in double: a float keeps too few digits of a long way.
+          .shift_pattern_mm = static_cast<float>(
+              std::remainder(shift_mm * std::cos(s.orientation_rad) + s.offset_mm, s.period_mm)),
+          .periods_per_mm = static_cast<float>(1.0 / s.period_mm),
+          .duty = static_cast<float>(s.duty),
+          .dark = static_cast<float>(dark_radiance_),
+          .half_length_mm = static_cast<float>(0.5 * s.length_mm),
+          .led_ripple = static_cast<float>(s.led_ripple),
+          .led_per_mm = static_cast<float>(1.0 / s.led_pitch_mm),
+          .end_falloff = static_cast<float>(s.end_falloff)};
+}
+
+bool Tunnel::contains(double y_mm, double z_mm) const {
+  const Vector2d point(y_mm, z_mm);
+  if (settings_.shape == Shape::kFlat) {
+    return std::ranges::all_of(walls_, [&](const FlatWall& wall) {
+      return wall.normal_y * y_mm + wall.normal_z * z_mm < wall.offset_mm;
+    });
+  }
+  const Vector2d centre(0.0, settings_.base_mm);
+  if (z_mm <= settings_.base_mm) {
+    return std::abs(y_mm) < std::abs(profile_yz_mm_.front().x());
+  }
+  const Vector2d offset = point - centre;
+  const std::optional<double> t = hit_profile(centre, offset);
+  return offset.norm() < kMinT_mm || (t && *t > 1.0);
+}
+
+std::vector<std::vector<Vector2d>> Tunnel::outline(double max_step_mm) const {
+  std::vector<std::vector<Vector2d>> lines(1);
+  Vector2d last = profile_yz_mm_.front();
+  for (std::size_t i = 0; i < profile_yz_mm_.size(); ++i) {
+    const Vector2d& point = profile_yz_mm_[i];
+    const bool starts_second_panel = settings_.shape == Shape::kFlat && i == 2;
+    if (in_slot(point) || starts_second_panel) {
+      if (!lines.back().empty()) {
+        lines.emplace_back();
+      }
+      if (in_slot(point)) {
+        continue;
+      }
+    }
+    const bool is_end = i == 0 || i + 1 == profile_yz_mm_.size() ||
+                        settings_.shape == Shape::kFlat || in_slot(profile_yz_mm_[i + 1]) ||
+                        lines.back().empty();
+    if (is_end || (point - last).norm() >= max_step_mm) {
+      lines.back().push_back(point);
+      last = point;
+    }
+  }
+  std::erase_if(lines, [](const auto& line) { return line.size() < 2; });
+  return lines;
+}
+
+}  // namespace glint

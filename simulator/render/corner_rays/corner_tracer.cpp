@@ -1,0 +1,484 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/corner_rays/corner_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace glint {
+namespace {
+
+using Eigen::Vector3d;
+
+/// For pixels that hold a silhouette or several kinds of paths: no number makes them smooth.
+constexpr int kCellsOfBroken = 8;
+
+/// Free triangles of a part with exact surfaces are its defects, often flat ones: their pixels are
+/// to be so much more exact.
+constexpr double kKinkFactorOfDefects = 4.0;
+
+void resize(Classified& rays, std::size_t count) {
+  resize_rays(rays.rays, count);
+  rays.path.resize(count);
+  rays.piece.resize(count);
+  rays.is_special.resize(count);
+}
+
+/// Writes lanes [0, count) to rays first, first + 1, ...
+void store(const EscapePacket& escapes, int count, Classified& to, std::size_t first) {
+  store_rays(escapes, count, to.rays, first);
+  for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane) {
+    const RayPath path = escapes.path[lane];
+    to.path[first + lane] = path;
+    to.piece[first + lane] = escapes.piece[lane];
+    to.is_special[first + lane] =
+        path == RayPath::kFollowed || path == RayPath::kBlocked || escapes.is_grazing[lane] ? 1 : 0;
+  }
+}
+
+void copy_ray(const RayCache& from, std::size_t i, RayCache& to, std::size_t j) {
+  to.origin_x[j] = from.origin_x[i];
+  to.origin_y[j] = from.origin_y[i];
+  to.origin_z[j] = from.origin_z[i];
+  to.direction_x[j] = from.direction_x[i];
+  to.direction_y[j] = from.direction_y[i];
+  to.direction_z[j] = from.direction_z[i];
+  to.weight[j] = from.weight[i];
+}
+
+/// Rays that missed the part are kept as no ray that met it can be: at (0, 0, 0) straight down.
+bool has_missed(const RayCache& rays, std::size_t i) {
+  return rays.weight[i] == 0.0F && rays.direction_z[i] == -1.0F && rays.origin_x[i] == 0.0F &&
+         rays.origin_y[i] == 0.0F && rays.origin_z[i] == 0.0F;
+}
+
+/// Cells by which an error falling as 1/n^2 comes below the limit.
+int predicted_cells(const CellCheck& check, double max_error_rad) {
+  if (!check.is_whole) {
+    return kCellsOfBroken;
+  }
+  if (!std::isfinite(check.error_rad)) {
+    return kCellCounts.front();
+  }
+  for (const int cells : kCellCounts) {
+    if (check.error_rad <= max_error_rad * cells * cells) {
+      return cells;
+    }
+  }
+  return kCellsOfBroken;  // a neighbour's jump rather than curvature
+}
+
+/// True when all rays of a cut pixel agree with its four corners and none is weakened by a stain:
+/// closed forms take uncut pixels for clean.
+bool is_described_by_corners(const RayGrid& grid, double max_error_rad, float clean_weight) {
+  const int n = grid.columns - 1;
+  const auto direction = [&](int x, int y) {
+    const std::size_t i = grid.first + static_cast<std::size_t>(y * grid.columns + x);
+    return vector_of(
+        grid.rays->direction_x[i], grid.rays->direction_y[i], grid.rays->direction_z[i]);
+  };
+  for (int y = 0; y <= n; ++y) {
+    for (int x = 0; x <= n; ++x) {
+      const double u = static_cast<double>(x) / n;
+      const double v = static_cast<double>(y) / n;
+      const Vector3d bilinear = (1 - v) * ((1 - u) * direction(0, 0) + u * direction(n, 0)) +
+                                v * ((1 - u) * direction(0, n) + u * direction(n, n));
+      const std::size_t i = grid.first + static_cast<std::size_t>(y * grid.columns + x);
+      if (grid.rays->weight[i] != clean_weight ||
+          (bilinear - direction(x, y)).norm() > max_error_rad) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+/// Sub-corner rays of pixels of a row that are cut into the same number of cells.
+struct CornerTracer::Batch : Classified {
+  std::vector<float> seen_x, seen_y, seen_z;
+  std::vector<std::uint8_t> is_grazing;
+};
+
+/// What the cells of a cut pixel are like.
+struct CornerTracer::Cells {
+  std::vector<std::uint8_t> is_smooth;
+  bool has_bent = false;    ///< whole, but with too large an error
+  bool has_broken = false;  ///< not whole
+};
+
+CornerTracer::CornerTracer(const TraceScene& scene,
+                           const CameraRays& camera,
+                           const RefinementNeed& need,
+                           const RetracePlan& plan,
+                           const CornerRays* base,
+                           CornerRays& result)
+    : kink_factor_(scene.part.patches.empty() ? 1.0 : kKinkFactorOfDefects),
+      scene_(scene),
+      camera_(camera),
+      area_(camera.area_of(scene.box)),
+      need_(need),
+      plan_(plan),
+      base_(base),
+      result_(result) {
+  resize(corners_,
+         (static_cast<std::size_t>(result.width_px) + 1) *
+             (static_cast<std::size_t>(result.height_px) + 1));
+}
+
+CornerRow CornerTracer::trace_corners(int y) {
+  CornerRow row;
+  const int columns = result_.width_px + 1;
+  const std::size_t first = static_cast<std::size_t>(y) * static_cast<std::size_t>(columns);
+  Lanes x_px = {};
+  Lanes y_px;
+  y_px.fill(y);
+  PacketTracer tracer(scene_);
+  CameraPacket rays;
+  EscapePacket escapes;
+  for (int x = 0; x < columns;) {
+    if (!plan_.has_corner(x, y)) {
+      copy_corner(first + static_cast<std::size_t>(x), row.counts);
+      ++x;
+      continue;
+    }
+    int count = 0;
+    while (count < kPacketSize && x + count < columns && plan_.has_corner(x + count, y)) {
+      x_px[static_cast<std::size_t>(count)] = x + count;
+      ++count;
+    }
+    if (!area_.touches(x, x + count - 1, y, y)) {
+      store_missed(
+          first + static_cast<std::size_t>(x), static_cast<std::size_t>(count), corners_.rays);
+      row.counts.camera += count;
+      row.traced += count;
+      x += count;
+      continue;
+    }
+    camera_.through(x_px.data(), y_px.data(), count, rays);
+    tracer.trace(rays, escapes);
+    add_counts(escapes, count, row.counts);
+    row.traced += count;
+    store(escapes, count, corners_, first + static_cast<std::size_t>(x));
+    x += count;
+  }
+  return row;
+}
+
+void CornerTracer::copy_corner(std::size_t i, RayCounts& counts) {
+  copy_ray(base_->corners, i, corners_.rays, i);
+  ++counts.camera;
+  counts.part += has_missed(corners_.rays, i) ? 0 : 1;
+}
+
+CornerRow CornerTracer::refine(int y) {
+  CornerRow row;
+  std::vector<Candidate> open;
+  std::vector<std::uint8_t> is_smooth(static_cast<std::size_t>(result_.width_px));
+  mark_smooth_row(corner_grid(), y, scene_.settings.max_direction_error_rad, is_smooth.data());
+  for (int x = 0; x < result_.width_px; ++x) {
+    if (!plan_.has_pixel(x, y)) {
+      continue;
+    }
+    if (is_smooth[static_cast<std::size_t>(x)] != 0 && need_.cells(x, y) == 0) {
+      set_smooth(x, y);
+    } else {
+      classify(x, y, open);
+    }
+  }
+  while (!open.empty()) {
+    std::vector<Candidate> more;
+    for (const int cells : kCellCounts) {
+      std::vector<Candidate> same;
+      std::ranges::copy_if(
+          open, std::back_inserter(same), [&](const Candidate& c) { return c.cells == cells; });
+      if (!same.empty()) {
+        refine_batch(same, y, row, more);
+      }
+    }
+    open = std::move(more);
+  }
+  if (base_ != nullptr) {
+    copy_pixels(y, row);
+  }
+  for (RowGroup& group : row.groups) {
+    sort_by_pixel(group);
+  }
+  return row;
+}
+
+/// Takes what the plan leaves out of a row from the base.
+void CornerTracer::copy_pixels(int y, CornerRow& row) {
+  for (int x = 0; x < result_.width_px; ++x) {
+    if (!plan_.has_pixel(x, y)) {
+      result_.kind(x, y) = base_->kind(x, y);
+      result_.coverage(x, y) = base_->coverage(x, y);
+      result_.seen_x(x, y) = base_->seen_x(x, y);
+      result_.seen_y(x, y) = base_->seen_y(x, y);
+      result_.seen_z(x, y) = base_->seen_z(x, y);
+    }
+  }
+  for (const RefinedGroup& from : base_->refined) {
+    const std::size_t num_rays = corners_of(from.cells_per_axis);
+    const auto num_cells = static_cast<std::ptrdiff_t>(from.cells_per_axis * from.cells_per_axis);
+    const std::vector<std::uint8_t> plain(num_rays, 0);
+    RowGroup& to = group_of(row.groups, from.cells_per_axis);
+    const std::int32_t begin = y * result_.width_px;
+    auto p = std::ranges::lower_bound(from.pixels, begin) - from.pixels.begin();
+    for (; p < std::ssize(from.pixels) &&
+           from.pixels[static_cast<std::size_t>(p)] < begin + result_.width_px;
+         ++p) {
+      const std::int32_t pixel = from.pixels[static_cast<std::size_t>(p)];
+      if (plan_.has_pixel(pixel - begin, y)) {
+        continue;
+      }
+      const std::size_t first = static_cast<std::size_t>(p) * num_rays;
+      append_rays(from.rays, plain.data(), first, num_rays, to);
+      to.group.pixels.push_back(pixel);
+      to.group.is_smooth.insert(to.group.is_smooth.end(),
+                                from.is_smooth.begin() + p * num_cells,
+                                from.is_smooth.begin() + (p + 1) * num_cells);
+      for (std::size_t i = first; i < first + num_rays; ++i) {
+        ++to.group.rays.counts.camera;
+        to.group.rays.counts.part += has_missed(from.rays, i) ? 0 : 1;
+      }
+    }
+  }
+}
+
+namespace {
+
+/// The weight of the smooth pixels' first corners, -1 where they differ.
+float common_weight(const CornerRays& rays) {
+  float common = -1.0F;
+  for (int y = 0; y < rays.height_px; ++y) {
+    const float* weight = rays.corners.weight.data() +
+                          static_cast<std::size_t>(y) * static_cast<std::size_t>(rays.width_px + 1);
+    const PixelKind* kind = rays.kind.row(y);
+    for (int x = 0; x < rays.width_px; ++x) {
+      if (kind[x] == PixelKind::kSmooth && weight[x] != common) {
+        if (common >= 0.0F) {
+          return -1.0F;
+        }
+        common = weight[x];
+      }
+    }
+  }
+  return common;
+}
+
+}  // namespace
+
+void CornerTracer::finish() {
+  result_.corners = std::move(corners_.rays);
+  result_.corners.width_px = result_.width_px + 1;
+  result_.corners.height_px = result_.height_px + 1;
+  result_.corners.samples = 1;
+  result_.smooth_weight = common_weight(result_);
+  constexpr double kOfDirectionError = 0.01;
+  result_.sparse =
+      sparse_rays(result_.corners, kOfDirectionError * scene_.settings.max_direction_error_rad);
+  for (std::size_t i = 0; i < corners_.is_special.size(); ++i) {
+    if (corners_.is_special[i] != 0) {
+      result_.special.push_back(static_cast<std::int64_t>(i));
+    }
+  }
+}
+
+CornerTracer::Cells CornerTracer::check_cells(const RayGrid& grid, double max_error_rad) {
+  Cells cells;
+  for (int y = 0; y + 1 < grid.rows; ++y) {
+    for (int x = 0; x + 1 < grid.columns; ++x) {
+      const CellCheck check = check_cell(grid, x, y);
+      const bool is_smooth = check.is_whole && check.error_rad <= max_error_rad;
+      cells.is_smooth.push_back(is_smooth ? 1 : 0);
+      cells.has_broken = cells.has_broken || !check.is_whole;
+      cells.has_bent = cells.has_bent || (check.is_whole && !is_smooth);
+    }
+  }
+  return cells;
+}
+
+/// The number of cells to try next; 0: the pixel is done.
+int CornerTracer::next_cells(const Cells& cells, int n) {
+  if (cells.has_broken) {
+    return n < kCellsOfBroken ? kCellsOfBroken : 0;
+  }
+  return cells.has_bent && n < kCellCounts.back() ? 2 * n : 0;
+}
+
+RayGrid CornerTracer::corner_grid() const {
+  return {.rays = &corners_.rays,
+          .path = corners_.path.data(),
+          .piece = corners_.piece.data(),
+          .first = 0,
+          .columns = result_.width_px + 1,
+          .rows = result_.height_px + 1,
+          .kink_factor = kink_factor_};
+}
+
+/// Decides from the four corners; pixels to be cut go to `open`.
+void CornerTracer::classify(int x, int y, std::vector<Candidate>& open) {
+  const double max_error_rad = need_.max_error_rad(x, y, scene_.settings.max_direction_error_rad);
+  const RayGrid grid = corner_grid();
+  const auto columns = static_cast<std::size_t>(grid.columns);
+  const std::size_t i = static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x);
+  const auto is_missed = [&](std::size_t k) { return corners_.path[k] == RayPath::kMissed; };
+  if (is_missed(i) && is_missed(i + 1) && is_missed(i + columns) && is_missed(i + columns + 1)) {
+    if (need_.has_vertex(x, y)) {  // a corner of the part pokes into the pixel
+      open.push_back({.x = x, .cells = kCellsOfBroken});
+    }
+    return;
+  }
+  const CellCheck check = check_cell(grid, x, y);
+  const int needed = need_.cells(x, y);
+  if (!check.is_whole || check.error_rad > max_error_rad) {
+    open.push_back({.x = x, .cells = std::max(needed, predicted_cells(check, max_error_rad))});
+  } else if (needed > 0) {
+    open.push_back({.x = x, .cells = needed, .is_examined = true});
+  } else {
+    set_smooth(x, y);
+  }
+}
+
+void CornerTracer::set_smooth(int x, int y) {
+  const std::size_t columns = static_cast<std::size_t>(result_.width_px) + 1;
+  const std::size_t first = static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x);
+  const auto mean = [&](const RayCache::Floats& v) {
+    const double sum = static_cast<double>(v[first]) + static_cast<double>(v[first + 1]) +
+                       static_cast<double>(v[first + columns]) +
+                       static_cast<double>(v[first + columns + 1]);
+    return static_cast<float>(0.25 * sum);
+  };
+  result_.kind(x, y) = PixelKind::kSmooth;
+  result_.coverage(x, y) = 1.0F;
+  result_.seen_x(x, y) = mean(corners_.rays.origin_x);
+  result_.seen_y(x, y) = mean(corners_.rays.origin_y);
+  result_.seen_z(x, y) = mean(corners_.rays.origin_z);
+}
+
+/// Traces the sub-corners of pixels cut into the same number of cells.
+void CornerTracer::trace_batch(const std::vector<Candidate>& pixels, int y, Batch& batch) const {
+  const int n = pixels.front().cells;
+  const std::size_t count = corners_of(n) * pixels.size();
+  resize(batch, count);
+  for (auto* seen : {&batch.seen_x, &batch.seen_y, &batch.seen_z}) {
+    seen->resize(count);
+  }
+  batch.is_grazing.resize(count);
+  Lanes x_px = {};
+  Lanes y_px = {};
+  PacketTracer tracer(scene_);
+  CameraPacket rays;
+  EscapePacket escapes;
+  for (std::size_t first = 0; first < count; first += kPacketSize) {
+    const std::size_t lanes = std::min<std::size_t>(kPacketSize, count - first);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const std::size_t pixel = (first + lane) / corners_of(n);
+      const auto corner = static_cast<int>((first + lane) % corners_of(n));
+      x_px[lane] = pixels[pixel].x + static_cast<double>(corner % (n + 1)) / n;
+      y_px[lane] = y + static_cast<double>(corner / (n + 1)) / n;
+    }
+    camera_.through(x_px.data(), y_px.data(), static_cast<int>(lanes), rays);
+    tracer.trace(rays, escapes);
+    store(escapes, static_cast<int>(lanes), batch, first);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      batch.seen_x[first + lane] = static_cast<float>(escapes.seen_x[lane]);
+      batch.seen_y[first + lane] = static_cast<float>(escapes.seen_y[lane]);
+      batch.seen_z[first + lane] = static_cast<float>(escapes.seen_z[lane]);
+      batch.is_grazing[first + lane] = escapes.is_grazing[lane] ? 1 : 0;
+    }
+  }
+}
+
+void CornerTracer::refine_batch(const std::vector<Candidate>& pixels,
+                                int y,
+                                CornerRow& row,
+                                std::vector<Candidate>& more) {
+  const int n = pixels.front().cells;
+  const auto clean_weight = static_cast<float>(scene_.settings.reflectance);
+  Batch batch;
+  trace_batch(pixels, y, batch);
+  row.traced += static_cast<std::int64_t>(batch.path.size());
+  for (std::size_t p = 0; p < pixels.size(); ++p) {
+    const std::size_t first = p * corners_of(n);
+    const RayGrid grid = {.rays = &batch.rays,
+                          .path = batch.path.data(),
+                          .piece = batch.piece.data(),
+                          .first = first,
+                          .columns = n + 1,
+                          .rows = n + 1,
+                          .kink_factor = kink_factor_};
+    const double max_error_rad =
+        need_.max_error_rad(pixels[p].x, y, scene_.settings.max_direction_error_rad);
+    const Cells cells = check_cells(grid, max_error_rad);
+    const bool is_smooth = !cells.has_broken && !cells.has_bent;
+    if (const int next = next_cells(cells, n); next > 0) {
+      more.push_back({.x = pixels[p].x, .cells = next});
+    } else if (pixels[p].is_examined && is_smooth &&
+               is_described_by_corners(grid, max_error_rad, clean_weight)) {
+      set_smooth(pixels[p].x, y);
+    } else {
+      keep(batch, first, pixels[p], y, cells, row);
+    }
+  }
+}
+
+/// Puts a cut pixel into its group.
+void CornerTracer::keep(const Batch& batch,
+                        std::size_t first,
+                        const Candidate& pixel,
+                        int y,
+                        const Cells& cells,
+                        CornerRow& row) {
+  const int n = pixel.cells;
+  if (!set_coverage(batch, first, n, pixel.x, y)) {
+    return;  // no ray met the part: it stays dark
+  }
+  RowGroup& to = group_of(row.groups, n);
+  RefinedGroup& group = to.group;
+  group.pixels.push_back(y * result_.width_px + pixel.x);
+  group.is_smooth.insert(group.is_smooth.end(), cells.is_smooth.begin(), cells.is_smooth.end());
+  append_rays(batch.rays, batch.is_special.data() + first, first, corners_of(n), to);
+  RayCounts& counts = group.rays.counts;
+  for (std::size_t i = first; i < first + corners_of(n); ++i) {
+    ++counts.camera;
+    counts.part += batch.path[i] != RayPath::kMissed ? 1 : 0;
+    counts.followed += batch.path[i] == RayPath::kFollowed ? 1 : 0;
+    counts.blocked += batch.path[i] == RayPath::kBlocked ? 1 : 0;
+    counts.grazing += batch.is_grazing[i];
+  }
+  result_.kind(pixel.x, y) = PixelKind::kRefined;
+}
+
+/// Mean over the corners of all cells: inner corners count four times, those on an edge twice.
+bool CornerTracer::set_coverage(const Batch& batch, std::size_t first, int n, int x, int y) {
+  int hits = 0;
+  double sum_x = 0.0;
+  double sum_y = 0.0;
+  double sum_z = 0.0;
+  for (int row = 0; row <= n; ++row) {
+    for (int column = 0; column <= n; ++column) {
+      const std::size_t i = first + static_cast<std::size_t>(row * (n + 1) + column);
+      if (batch.path[i] == RayPath::kMissed) {
+        continue;
+      }
+      const int weight = (row == 0 || row == n ? 1 : 2) * (column == 0 || column == n ? 1 : 2);
+      hits += weight;
+      sum_x += weight * static_cast<double>(batch.seen_x[i]);
+      sum_y += weight * static_cast<double>(batch.seen_y[i]);
+      sum_z += weight * static_cast<double>(batch.seen_z[i]);
+    }
+  }
+  if (hits == 0) {
+    return false;
+  }
+  result_.coverage(x, y) = static_cast<float>(hits) / static_cast<float>(4 * n * n);
+  result_.seen_x(x, y) = static_cast<float>(sum_x / hits);
+  result_.seen_y(x, y) = static_cast<float>(sum_y / hits);
+  result_.seen_z(x, y) = static_cast<float>(sum_z / hits);
+  return true;
+}
+
+}  // namespace glint

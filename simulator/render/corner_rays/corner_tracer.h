@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "simulator/render/corner_rays/cell_rule.h"
+#include "simulator/render/corner_rays/detail_reach.h"
+#include "simulator/render/corner_rays/refined_groups.h"
+#include "simulator/render/corner_rays/retrace_plan.h"
+#include "simulator/render/ray_cache/packet_tracer.h"
+
+namespace glint {
+
+/// Traced rays with what is needed only until pixels are classified.
+struct Classified {
+  RayCache rays;
+  std::vector<RayPath> path;
+  std::vector<std::int32_t> piece;
+  std::vector<std::uint8_t> is_special;  ///< met the part more than once, or grazes it
+};
+
+/// A pixel on its way to enough cells.
+struct Candidate {
+  int x = 0;
+  int cells = 0;
+  bool is_examined = false;  ///< described by its corners unless a defect hides between them
+};
+
+/// What came of one row.
+struct CornerRow {
+  RayCounts counts;         ///< of the kept rays
+  std::int64_t traced = 0;  ///< rays that were really traced
+  RowGroups groups;
+};
+
+/// Traces, classifies and refines; rows are independent of each other. All corners must be traced
+/// before the first row is refined.
+class CornerTracer {
+ public:
+  /// @param base  rays without detail, from which everything is taken that the plan leaves out;
+  ///              nullptr: everything is traced
+  CornerTracer(const TraceScene& scene,
+               const CameraRays& camera,
+               const RefinementNeed& need,
+               const RetracePlan& plan,
+               const CornerRays* base,
+               CornerRays& result);
+
+  CornerRow trace_corners(int y);
+  CornerRow refine(int y);
+
+  /// Moves the corners to the result.
+  void finish();
+
+ private:
+  struct Batch;
+  struct Cells;
+
+  static Cells check_cells(const RayGrid& grid, double max_error_rad);
+  static int next_cells(const Cells& cells, int n);
+  RayGrid corner_grid() const;
+  void copy_corner(std::size_t i, RayCounts& counts);
+  void copy_pixels(int y, CornerRow& row);
+  void classify(int x, int y, std::vector<Candidate>& open);
+  void set_smooth(int x, int y);
+  void trace_batch(const std::vector<Candidate>& pixels, int y, Batch& batch) const;
+  void refine_batch(const std::vector<Candidate>& pixels,
+                    int y,
+                    CornerRow& row,
+                    std::vector<Candidate>& more);
+  void keep(const Batch& batch,
+            std::size_t first,
+            const Candidate& pixel,
+            int y,
+            const Cells& cells,
+            CornerRow& row);
+  bool set_coverage(const Batch& batch, std::size_t first, int n, int x, int y);
+
+  double kink_factor_ = 1.0;
+  const TraceScene& scene_;
+  const CameraRays& camera_;
+  ImageArea area_;  ///< outside of which no ray meets the part
+  const RefinementNeed& need_;
+  const RetracePlan& plan_;
+  const CornerRays* base_;
+  CornerRays& result_;
+  Classified corners_;
+};
+
+}  // namespace glint

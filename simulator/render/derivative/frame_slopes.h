@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include "simulator/render/derivative/scan_slopes.h"
+
+namespace glint {
+
+/// Adds the slopes of the pixels whose mean is that of rendered frames: backwards through clipping,
+/// blur and footprints, frame by frame.
+/// @param wanted  these pixels
+/// @param wants   sums that cost extra
+/// @param cells   of the frames around them, if known
+void add_frame_slopes(const Footprints& footprints,
+                      const Sensor& sensor,
+                      const Spans& wanted,
+                      const ImageF& by_aspect,
+                      const WantedSlopes& wants,
+                      std::shared_ptr<const PixelCells> cells,
+                      ScanSlopes& slopes);
+
+}  // namespace glint

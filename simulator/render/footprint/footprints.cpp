@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/footprint/footprints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/error.h"
+#include "core/image/mask_kernels.h"
+#include "simulator/render/corner_rays/sparse_kernels.h"
+#include "simulator/render/wall/hidden_pixels.h"
+
+namespace glint {
+namespace {
+
+namespace kernels = footprint_kernels;
+
+}  // namespace
+
+void meet_light(
+    const RayCache& rays, const Tunnel& tunnel, std::int64_t begin, int count, WallHits& hits) {
+  hits.resize(static_cast<std::size_t>(count), tunnel.settings());
+  meet_rays(rays.block(begin, count), tunnel, 0, hits);
+}
+
+WallHits meet_light(const RayCache& rays, const Tunnel& tunnel) {
+  WallHits hits;
+  meet_light(rays, tunnel, 0, static_cast<int>(rays.weight.size()), hits);
+  return hits;
+}
+
+WallHits meet_corners(const CornerRays& rays, const Tunnel& tunnel, TileLimits& limits) {
+  return rays.sparse.is_empty() ? meet_light(rays.corners, tunnel)
+                                : meet_sparse(rays.sparse, rays.corners, tunnel, limits);
+}
+
+ScanPositions::ScanPositions(const Tunnel& tunnel, const ScanSettings& scan) {
+  const TunnelSettings& s = tunnel.settings();
+  const StripePattern pattern = tunnel.pattern(0.0);
+  period_mm = s.period_mm;
+  offset_mm = s.offset_mm;
+  duty = s.duty;
+  dark = static_cast<double>(pattern.dark);
+  bright = 1.0 - dark;
+  // Without a slot every y is beside it.
+  half_slot_mm = s.slot_mm > 0.0 ? 0.5 * s.slot_mm : -1e30;
+  half_length_mm = 0.5 * s.length_mm;
+  is_even = s.led_ripple == 0.0 && s.end_falloff == 0.0;
+  unevenness = {.ripple = pattern.led_ripple,
+                .per_mm = pattern.led_per_mm,
+                .falloff = pattern.end_falloff,
+                .half_length_mm = pattern.half_length_mm};
+  const double step_mm = scan_step_mm(scan, s);
+  for (int k = 0; k < scan.positions; ++k) {
+    shift_mm.push_back(k * step_mm);
+    const double periods = k * step_mm * std::cos(s.orientation_rad) / s.period_mm;
+    shift_periods.push_back(periods - std::floor(periods));
+  }
+}
+
+int ScanPositions::even_phases() const {
+  constexpr double kTolerance = 1e-9;
+  const double step = frames() > 1 ? shift_periods[1] : 0.0;
+  for (int phases = 1; phases <= frames(); ++phases) {
+    const double turns = step * phases;
+    if (frames() % phases == 0 && std::abs(turns - std::round(turns)) < kTolerance * phases) {
+      return phases;
+    }
+  }
+  return 0;
+}
+
+/// The share of `phases` evenly shifted stripes that are bright is floor(phases duty) / phases, and
+/// one more for a part of each phases-th of a period.
+ScanPositions ScanPositions::mean_position() const {
+  constexpr double kRounding = 1e-9;
+  const int phases = even_phases();
+  GLINT_CHECK(phases > 0 && is_even, "a scan of whole periods under even light");
+  const double times_duty = phases * duty + kRounding;
+  const double whole = std::floor(times_duty);
+  ScanPositions mean = *this;
+  mean.period_mm = period_mm / phases;
+  const bool is_whole = times_duty - whole < 2.0 * kRounding;
+  mean.duty = is_whole ? 0.0 : times_duty - whole - kRounding;
+  mean.dark = dark + bright * whole / phases;
+  mean.bright = is_whole ? 0.0 : bright / phases;
+  mean.shift_periods = {0.0};
+  return mean;
+}
+
+ScanPositions ScanPositions::with_stripes_at(const std::vector<double>& places) const {
+  ScanPositions moved = *this;
+  moved.shift_periods = places;
+  return moved;
+}
+
+DistinctStripes ScanPositions::distinct_stripes() const {
+  return is_even ? DistinctStripes(shift_periods, duty) : DistinctStripes(shift_periods);
+}
+
+WallView::WallView(const CornerRays& rays,
+                   const Tunnel& tunnel,
+                   const Eigen::Vector3d& camera_in_world_mm)
+    : hits(meet_corners(rays, tunnel, limits)),
+      hidden(hidden_pixels(rays, tunnel, camera_in_world_mm)) {}
+
+WallView::WallView(WallHits met,
+                   const CornerRays& rays,
+                   const Tunnel& tunnel,
+                   const Eigen::Vector3d& camera_in_world_mm)
+    : hits(std::move(met)), hidden(hidden_pixels(rays, tunnel, camera_in_world_mm)) {}
+
+std::size_t WallView::bytes() const {
+  std::size_t floats = 0;
+  for (const auto* array :
+       {&hits.x_mm, &hits.y_mm, &hits.margin_mm, &hits.pattern_mm, &hits.cosine}) {
+    floats += array->size();
+  }
+  for (const auto* array :
+       {&limits.x_low_mm, &limits.y_low_mm, &limits.margin_low_mm, &limits.stripes_low_mm}) {
+    floats += 2 * array->size();
+  }
+  return sizeof(float) * floats + limits.kind.size() + hidden.size();
+}
+
+Footprints::Footprints(const CornerRays& rays,
+                       const Tunnel& tunnel,
+                       const ScanSettings& scan,
+                       const Eigen::Vector3d& camera_in_world_mm)
+    : Footprints(
+          rays, tunnel, scan, std::make_shared<const WallView>(rays, tunnel, camera_in_world_mm)) {}
+
+Footprints::Footprints(const CornerRays& rays,
+                       const Tunnel& tunnel,
+                       const ScanSettings& scan,
+                       std::shared_ptr<const WallView> view)
+    : rays_(rays), tunnel_(tunnel), positions_(tunnel, scan), view_(std::move(view)) {
+  GLINT_CHECK(view_->hits.x_mm.size() == rays.corners.weight.size(), "a view of these rays");
+  classify();
+}
+
+kernels::LitLimits Footprints::lit_limits() const {
+  const ScanPositions& p = positions_;
+  return {.half_slot_mm = static_cast<float>(p.half_slot_mm),
+          .x_low_mm = static_cast<float>(p.shift_mm.back() - p.half_length_mm),
+          .x_high_mm = static_cast<float>(p.half_length_mm),
+          .widest_mm = static_cast<float>(2.0 * std::min(p.duty, 1.0 - p.duty) * p.period_mm)};
+}
+
+void Footprints::classify() {
+  state_ = Image<State>::unset(rays_.width_px, rays_.height_px);
+  none_hidden_.resize(static_cast<std::size_t>(rays_.width_px));
+  if (view_->limits.rows > 0) {
+    classify_tiles();
+  } else {
+    classify_pixels(0, rays_.height_px, 0, rays_.width_px);
+  }
+}
+
+const unsigned char* Footprints::hidden_row(int y) const {
+  return hidden().empty() ? none_hidden_.data() : hidden().row(y);
+}
+
+/// Tiles that are plain as a whole need no look at their rays.
+void Footprints::classify_tiles() {
+  constexpr int kStep = sparse_kernels::kStep;
+  const TileLimits& limits = view_->limits;
+  const kernels::LitLimits lit = lit_limits();
+  std::vector<unsigned char> is_even(static_cast<std::size_t>(limits.columns));
+  for (int row = 0; row < limits.rows; ++row) {
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(row) * limits.columns;
+    const auto at = [&](const std::vector<float>& values) { return values.data() + first; };
+    const bool has_stripes = !limits.stripes_low_mm.empty();
+    kernels::even_tiles(
+        {.x_low = at(limits.x_low_mm),
+         .x_high = at(limits.x_high_mm),
+         .y_low = at(limits.y_low_mm),
+         .y_high = at(limits.y_high_mm),
+         .margin_low = at(limits.margin_low_mm),
+         .stripes_low = at(has_stripes ? limits.stripes_low_mm : limits.x_low_mm),
+         .stripes_high = at(has_stripes ? limits.stripes_high_mm : limits.x_high_mm),
+         .kind = reinterpret_cast<const unsigned char*>(limits.kind.data()) + first},
+        limits.columns,
+        lit,
+        is_even.data());
+    const int top = row * kStep;
+    const int bottom = std::min(top + kStep, rays_.height_px);
+    const auto is_same = [&](int column, int other) {
+      return is_even[static_cast<std::size_t>(column)] == is_even[static_cast<std::size_t>(other)];
+    };
+    for (int begin = 0, end = 0; begin < limits.columns; begin = end) {
+      for (end = begin + 1; end < limits.columns && is_same(end, begin); ++end) {
+      }
+      const int left = begin * kStep;
+      const int right = std::min(end * kStep, rays_.width_px);
+      if (is_even[static_cast<std::size_t>(begin)] == 0) {
+        classify_pixels(top, bottom, left, right);
+        continue;
+      }
+      for (int y = top; y < bottom; ++y) {
+        kernels::plain_states(reinterpret_cast<const unsigned char*>(rays_.kind.row(y)) + left,
+                              hidden_row(y) + left,
+                              right - left,
+                              reinterpret_cast<unsigned char*>(state_.row(y)) + left);
+      }
+    }
+  }
+}
+
+/// Pixels [left, right) of rows [top, bottom), by the corners of each.
+void Footprints::classify_pixels(int top, int bottom, int left, int right) {
+  if (left >= right || top >= bottom) {
+    return;
+  }
+  static_assert(static_cast<int>(PixelKind::kDark) == static_cast<int>(State::kDark) &&
+                static_cast<int>(PixelKind::kRefined) == static_cast<int>(State::kCells));
+  const kernels::LitLimits limits = lit_limits();
+  const auto corner_width = static_cast<std::size_t>(rays_.width_px) + 1;
+  const int count = right - left;
+  const auto place = [&](int y) {
+    return static_cast<std::size_t>(y) * corner_width + static_cast<std::size_t>(left);
+  };
+  std::vector<unsigned char> above(static_cast<std::size_t>(count) + 1), below(above.size());
+  const auto find_codes = [&](int y, std::vector<unsigned char>& codes) {
+    kernels::corner_codes(hits().x_mm.data() + place(y),
+                          hits().y_mm.data() + place(y),
+                          hits().margin_mm.data() + place(y),
+                          count + 1,
+                          limits,
+                          codes.data());
+  };
+  find_codes(top, below);
+  for (int y = top; y < bottom; ++y) {
+    above.swap(below);
+    find_codes(y + 1, below);
+    const float* stripes_mm = hits().stripes_mm().data() + place(y);
+    kernels::classify(above.data(),
+                      below.data(),
+                      {.top = stripes_mm, .bottom = stripes_mm + corner_width},
+                      reinterpret_cast<const unsigned char*>(rays_.kind.row(y)) + left,
+                      hidden_row(y) + left,
+                      count,
+                      limits,
+                      reinterpret_cast<unsigned char*>(state_.row(y)) + left);
+  }
+}
+
+double Footprints::hidden_share() const {
+  if (hidden().empty()) {
+    return 0.0;
+  }
+  const auto count = static_cast<int>(hidden().size());
+  const int num_hidden = mask_kernels::count_ones(hidden().values().data(), count);
+  const int on_part = mask_kernels::count_positive(rays_.coverage.values().data(), count);
+  return on_part > 0 ? static_cast<double>(num_hidden) / on_part : 0.0;
+}
+
+}  // namespace glint

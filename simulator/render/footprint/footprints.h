@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Pixel footprints on a tunnel, and the frames of a scan integrated over them in closed form.
+//
+// Each corner ray is met with the tunnel's wall once. A pixel whose four corners lie on the lit
+// wall at every position of the scan is plain: its frames follow from one phase and two
+// differences. Pixels on a boundary of the light (slot, rim, ends), with footprints wider than the
+// stripes, or refined because the part is bent there, are summed from cells (stripe_integral.h).
+// See docs/theory/footprints.md.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <new>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/image/image.h"
+#include "core/image/spans.h"
+#include "simulator/light/tunnel/scan_settings.h"
+#include "simulator/light/tunnel/tunnel.h"
+#include "simulator/render/corner_rays/corner_rays.h"
+#include "simulator/render/footprint/distinct_stripes.h"
+#include "simulator/render/footprint/footprint_cells.h"
+#include "simulator/render/footprint/footprint_kernels.h"
+#include "simulator/render/wall/sparse_meeting.h"
+
+namespace glint {
+
+WallHits meet_light(const RayCache& rays, const Tunnel& tunnel);
+
+/// meet_light() of the corners, by sparse_rays.h where these are worth it.
+WallHits meet_corners(const CornerRays& rays, const Tunnel& tunnel, TileLimits& limits);
+
+/// The same for rays [begin, begin + count); arrays of hits begin at 0.
+void meet_light(
+    const RayCache& rays, const Tunnel& tunnel, std::int64_t begin, int count, WallHits& hits);
+
+/// What of a picture depends on the wall and not on its stripes: equal for all tunnels of the same
+/// shape, slot, length and orientation.
+struct WallView {
+  TileLimits limits;  ///< of hits in tiles; empty where corners are met one by one
+  WallHits hits;      ///< of the corner rays
+  Mask hidden;        ///< pixels of the part that the wall hides from the camera; empty: none
+
+  WallView(const CornerRays& rays, const Tunnel& tunnel, const Eigen::Vector3d& camera_in_world_mm);
+
+  /// @param met  where the corner rays meet the tunnel, found some other way
+  WallView(WallHits met,
+           const CornerRays& rays,
+           const Tunnel& tunnel,
+           const Eigen::Vector3d& camera_in_world_mm);
+
+  std::size_t bytes() const;
+};
+
+/// Stripes and boundaries of a tunnel at all positions of a scan.
+struct ScanPositions {
+  ScanPositions(const Tunnel& tunnel, const ScanSettings& scan);
+
+  int frames() const { return static_cast<int>(shift_mm.size()); }
+
+  /// How many different phases the frames have if together they take the stripes through whole
+  /// periods, each as often as the others; 0 if they do not.
+  int even_phases() const;
+
+  /// A single position whose radiance is the mean over all of them (by floors): a square wave of as
+  /// many times the frequency as there are different positions. Needs even_phases() and even light,
+  /// and places that the tunnel's ends never pass.
+  ScanPositions mean_position() const;
+
+  /// The same tunnel with its stripes at other places.
+  /// @param shift_periods  each in [0, 1)
+  ScanPositions with_stripes_at(const std::vector<double>& shift_periods) const;
+
+  /// Under uneven light, which moves with the stripes, each frame has its own.
+  DistinctStripes distinct_stripes() const;
+
+  /// True when the tunnel's ends pass no place of [low, high] in the scene.
+  bool is_inside_ends(double low_mm, double high_mm) const {
+    return low_mm - shift_mm.back() > -half_length_mm &&
+           high_mm - shift_mm.front() < half_length_mm;
+  }
+
+  double period_mm = 1.0;
+  double offset_mm = 0.0;
+  double duty = 0.5;
+  double dark = 0.0;    ///< radiance of dark stripes
+  double bright = 1.0;  ///< what bright ones add to it
+  double half_slot_mm = 0.0;
+  double half_length_mm = 0.0;
+  footprint_kernels::Unevenness unevenness;  ///< at shift 0
+  bool is_even = true;
+  std::vector<double> shift_mm;       ///< of the tunnel, frame by frame
+  std::vector<double> shift_periods;  ///< of the stripes, in [0, 1)
+};
+
+class Footprints {
+ public:
+  enum class State : unsigned char {
+    kDark,   ///< no light at any position
+    kPlain,  ///< all of it lit at every position
+    kCells   ///< summed from cells
+  };
+
+  /// @param rays, tunnel  must outlive this object
+  Footprints(const CornerRays& rays,
+             const Tunnel& tunnel,
+             const ScanSettings& scan,
+             const Eigen::Vector3d& camera_in_world_mm);
+
+  /// The same with the wall met before.
+  /// @param view  of these rays and a tunnel that differs in its stripes at most
+  Footprints(const CornerRays& rays,
+             const Tunnel& tunnel,
+             const ScanSettings& scan,
+             std::shared_ptr<const WallView> view);
+
+  const CornerRays& rays() const { return rays_; }
+
+  const ScanPositions& positions() const { return positions_; }
+
+  const Image<State>& state() const { return state_; }
+
+  /// Empty: none.
+  const Mask& hidden() const { return view_->hidden; }
+
+  const WallHits& hits() const { return view_->hits; }
+
+  const Tunnel& tunnel() const { return tunnel_; }
+
+  /// Share of the part's pixels that the wall hides from the camera.
+  double hidden_share() const;
+
+ private:
+  void classify();
+  void classify_tiles();
+  const unsigned char* hidden_row(int y) const;
+  void classify_pixels(int top, int bottom, int left, int right);
+  footprint_kernels::LitLimits lit_limits() const;
+
+  const CornerRays& rays_;
+  const Tunnel& tunnel_;
+  ScanPositions positions_;
+  std::shared_ptr<const WallView> view_;
+  Image<State> state_;
+  std::vector<unsigned char> none_hidden_;  ///< in a row
+};
+
+/// Renders frames of a scan on some pixels. Not to be shared between threads.
+class FootprintFrames {
+ public:
+  /// @param footprints  must outlive this object
+  /// @param where       must outlive this object
+  /// @param cells       of these pixels or more, if known; all of them are rendered
+  FootprintFrames(const Footprints& footprints,
+                  const Spans& where,
+                  std::shared_ptr<const PixelCells> cells = nullptr);
+
+  /// Radiance of frames [first, first + frames.size()) at the given pixels; images must have the
+  /// size of the picture, their other pixels are left alone.
+  void render(int first, std::vector<ImageF>& frames) const;
+
+  /// Mean radiance over a scan of whole periods, by floors: a square wave of as many times the
+  /// frequency as there are different positions.
+  /// @param near  refined pixels elsewhere may be taken from their four corners and their coverage
+  /// @param done  called now and then with how many rows from the top are rendered, at last with
+  /// all
+  void render_mean(const Spans& near,
+                   ImageF& mean,
+                   const std::function<void(int rows)>& done = {}) const;
+
+  /// Those of the rendered frames; nullptr before the first.
+  const std::shared_ptr<const PixelCells>& cells() const { return cells_; }
+
+ private:
+  struct Tile;
+
+  const unsigned char* load(const RowSpan& span, int begin, Tile& tile) const;
+  void render_span(int first,
+                   const RowSpan& span,
+                   const DistinctStripes& stripes,
+                   const std::vector<int>& sources,
+                   std::vector<ImageF>& frames) const;
+
+  const Footprints& footprints_;
+  const Spans& where_;
+  /// Summed when first needed, once for all frames: a mean does not need it.
+  mutable std::shared_ptr<const PixelCells> cells_;
+};
+
+}  // namespace glint

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/path_tracing/render_paths.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "simulator/render/path_tracing/cell_tracer.h"
+
+namespace glint {
+namespace {
+
+/// Cells that one call of the thread pool's body renders, one after the other.
+constexpr std::size_t kCellsPerJob = 8;
+constexpr int kFirstPass = 4;
+constexpr int kMostSamplesWithDefects = 65535;
+
+void check_at_least(const char* key, int value, int least) {
+  if (value < least) {
+    throw ConfigError(
+        fmt::format("{}: {} given, allowed are whole numbers from {}", key, value, least));
+  }
+}
+
+void check(const PhysicalScene& scene, const PathSettings& settings) {
+  check_at_least("samples", settings.samples, 1);
+  check_at_least("min_samples", settings.min_samples, 2);
+  check_at_least("samples_per_pass", settings.samples_per_pass, 1);
+  check_at_least("max_reflections", settings.max_reflections, 1);
+  if (settings.channels != 1 && settings.channels != 3) {
+    throw ConfigError(fmt::format("channels: {} given, allowed are 1 and 3", settings.channels));
+  }
+  if (!(settings.relative_error >= 0.0) || !(settings.dark_share >= 0.0)) {
+    throw ConfigError("relative_error, dark_share: allowed are numbers from 0");
+  }
+  if (settings.samples > kMostSamplesWithDefects) {
+    throw ConfigError(fmt::format(
+        "samples: {} given, allowed are at most {}", settings.samples, kMostSamplesWithDefects));
+  }
+  GLINT_CHECK(
+      scene.face_labels.empty() || scene.face_labels.size() == scene.part.mesh.num_triangles(),
+      "a label for each triangle");
+}
+
+/// Grey radiance of a pixel at the scene's factors, and the variance of that mean.
+struct PixelEstimate {
+  double mean = 0.0;
+  double variance = 0.0;
+};
+
+PixelEstimate estimate_at(const PathSums& sums, const std::vector<double>& factors, int x, int y) {
+  double total = 0.0;
+  for (std::size_t g = 0; g < sums.groups.size(); ++g) {
+    const std::vector<ImageF>& channels = sums.groups[g].channels;
+    for (const ImageF& channel : channels) {
+      total +=
+          factors[g] * static_cast<double>(channel(x, y)) / static_cast<double>(channels.size());
+    }
+  }
+  const double n = sums.samples(x, y);
+  const double mean = total / n;
+  const double spread = static_cast<double>(sums.squares(x, y)) / n - mean * mean;
+  return {.mean = mean, .variance = std::max(0.0, spread) / (n - 1.0)};
+}
+
+/// Means over the pixels of a cell.
+PixelEstimate cell_estimate(const PathSums& sums,
+                            const std::vector<double>& factors,
+                            const Cell& cell) {
+  PixelEstimate of_cell;
+  for (int y = cell.y_px; y < cell.y_px + cell.height_px; ++y) {
+    for (int x = cell.x_px; x < cell.x_px + cell.width_px; ++x) {
+      const PixelEstimate pixel = estimate_at(sums, factors, x, y);
+      of_cell.mean += pixel.mean;
+      of_cell.variance += pixel.variance;
+    }
+  }
+  const double pixels = cell.width_px * cell.height_px;
+  return {.mean = of_cell.mean / pixels, .variance = of_cell.variance / pixels};
+}
+
+/// The cells whose root mean square error is still too large.
+///
+/// Whole cells are judged, as the spread of a single pixel's few samples says little: a pixel that
+/// has found no light yet seems to know it exactly.
+std::vector<Cell> unfinished(const std::vector<Cell>& all,
+                             const std::vector<Cell>& active,
+                             const std::vector<double>& factors,
+                             const PathSettings& settings,
+                             const PathSums& sums) {
+  double mean = 0.0;
+  for (const Cell& cell : all) {
+    mean += cell_estimate(sums, factors, cell).mean / static_cast<double>(all.size());
+  }
+  std::vector<Cell> left;
+  for (const Cell& cell : active) {
+    const PixelEstimate estimate = cell_estimate(sums, factors, cell);
+    const double allowed =
+        settings.relative_error * std::max(estimate.mean, settings.dark_share * mean);
+    if (estimate.variance > allowed * allowed) {
+      left.push_back(cell);
+    }
+  }
+  return left;
+}
+
+/// The cells that touch one of the windows; all without any.
+std::vector<Cell> wanted_cells(std::vector<Cell> cells, std::span<const PixelWindow> windows) {
+  const auto touches = [](const Cell& cell, const PixelWindow& window) {
+    return window.left_px < cell.x_px + cell.width_px &&
+           cell.x_px < window.left_px + window.width_px &&
+           window.top_px < cell.y_px + cell.height_px &&
+           cell.y_px < window.top_px + window.height_px;
+  };
+  if (!windows.empty()) {
+    std::erase_if(cells, [&](const Cell& cell) {
+      return std::ranges::none_of(windows,
+                                  [&](const PixelWindow& window) { return touches(cell, window); });
+    });
+  }
+  return cells;
+}
+
+int pass_length(int done, const PathSettings& settings) {
+  const int wanted = std::min(std::max(kFirstPass, done), settings.samples_per_pass);
+  return std::min(wanted, settings.samples - done);
+}
+
+/// One pass over the given cells; counts are added in the order of the jobs.
+void render_pass(const PathTask& task,
+                 const std::vector<Cell>& cells,
+                 int first,
+                 int count,
+                 ThreadPool& pool,
+                 PathSums& sums) {
+  const std::size_t num_jobs = (cells.size() + kCellsPerJob - 1) / kCellsPerJob;
+  const auto counts =
+      pool.map<PathCounts>(static_cast<std::int64_t>(num_jobs), [&](std::int64_t job) {
+        const auto tracer = std::make_unique<CellTracer>(task);
+        const std::size_t begin = kCellsPerJob * static_cast<std::size_t>(job);
+        const std::size_t end = std::min(cells.size(), begin + kCellsPerJob);
+        for (std::size_t i = begin; i < end; ++i) {
+          tracer->trace(cells[i], first, count, sums);
+        }
+        return tracer->counts();
+      });
+  for (const PathCounts& of_job : counts) {
+    sums.counts += of_job;
+  }
+}
+
+}  // namespace
+
+std::vector<double> group_factors(const Lights& lights) {
+  std::vector<double> factors;
+  for (const LightGroup& group : lights.groups) {
+    factors.push_back(group.factor);
+  }
+  return factors;
+}
+
+PathSums render_paths(const PhysicalScene& scene,
+                      const PathSettings& settings,
+                      ThreadPool& pool,
+                      const PathPreview& preview) {
+  check(scene, settings);
+  const PathTask task(scene, settings);
+  const PinholeIntrinsics& in = scene.camera.intrinsics();
+  const std::vector<Cell> all = wanted_cells(cells_of(in.width_px, in.height_px), settings.windows);
+  PathSums sums =
+      empty_sums(in.width_px, in.height_px, task.factors.size(), settings.channels, task.ids);
+  std::vector<Cell> active = all;
+  int done = 0;
+  for (int pass = 1; done < settings.samples && !active.empty(); ++pass) {
+    const int count = pass_length(done, settings);
+    render_pass(task, active, done, count, pool, sums);
+    done += count;
+    if (settings.has_light && settings.relative_error > 0.0 && done >= settings.min_samples) {
+      active = unfinished(all, active, task.factors, settings, sums);
+    }
+    const std::int64_t left =
+        done < settings.samples ? static_cast<std::int64_t>(active.size()) : 0;
+    const PathProgress progress = {
+        .pass = pass, .samples = done, .cells_left = left, .sums = &sums};
+    if (preview && !preview(progress)) {
+      break;
+    }
+  }
+  return sums;
+}
+
+}  // namespace glint

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/scan/closed_scan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulator/render/scan/width_kernels.h"
+
+namespace glint {
+namespace {
+
+namespace kernels = footprint_kernels;
+
+/// Frames that are rendered together: footprints are read once for all of them.
+constexpr int kFramesAtOnce = 8;
+
+/// Gaps between rendered pixels that are not worth another start.
+constexpr int kBridge_px = 8;
+
+/// Pictures that frames are made in.
+struct FramePictures {
+  std::vector<ImageF> radiance;
+  ImageF grey;
+  ScanSums sums;
+};
+
+double share_of(const Spans& spans, int width, int height) {
+  double pixels = 0.0;
+  for (const RowSpan& span : spans) {
+    pixels += static_cast<double>(span.size());
+  }
+  return pixels / width / height;
+}
+
+void fit_size(ImageF& image, int width, int height) {
+  if (image.width() != width || image.height() != height) {
+    image = ImageF::unset(width, height);
+  }
+}
+
+/// Renders and exposes frames where they are wanted; sums and counts only there. What the pictures
+/// held before does not matter. @return the cells of these frames
+std::shared_ptr<const PixelCells> sum_frames(const Footprints& footprints,
+                                             const Sensor& sensor,
+                                             const Spans& wanted,
+                                             const Spans& rendered,
+                                             const FrameConsumer& consume,
+                                             FramePictures& pictures) {
+  const int width = footprints.rays().width_px;
+  const int height = footprints.rays().height_px;
+  const FootprintFrames frames(footprints, rendered);
+  const int total = footprints.positions().frames();
+  // Fewer at once where few of their pixels are rendered: pictures are kept as a whole.
+  const double share = share_of(rendered, width, height);
+  const int at_once = std::clamp(static_cast<int>(2.0 + kFramesAtOnce * share), 1, kFramesAtOnce);
+  pictures.radiance.resize(static_cast<std::size_t>(std::min(at_once, total)));
+  for (ImageF& radiance : pictures.radiance) {
+    fit_size(radiance, width, height);
+  }
+  fit_size(pictures.grey, consume ? width : 0, consume ? height : 0);
+  pictures.sums.frames = 0;
+  for (int first = 0; first < total; first += at_once) {
+    pictures.radiance.resize(static_cast<std::size_t>(std::min(at_once, total - first)));
+    frames.render(first, pictures.radiance);
+    for (std::size_t k = 0; k < pictures.radiance.size(); ++k) {
+      const int index = first + static_cast<int>(k);
+      sensor.accumulate(
+          pictures.radiance[k], index, wanted, pictures.sums, consume ? &pictures.grey : nullptr);
+      if (consume) {
+        consume(index, pictures.grey);
+      }
+    }
+  }
+  return frames.cells();
+}
+
+/// The pictures that a thread keeps from one candidate to the next: to clear new ones takes longer
+/// than to render a small share of their pixels. nullptr for a large share: they would be many.
+FramePictures* kept_pictures(const Spans& rendered, int width, int height) {
+  constexpr double kSmallShare = 0.25;
+  thread_local FramePictures pictures;
+  return share_of(rendered, width, height) <= kSmallShare ? &pictures : nullptr;
+}
+
+/// The exposed mean radiance: for a linear sensor the mean of the exposed frames.
+void expose_mean(const Footprints& footprints,
+                 const Sensor& sensor,
+                 const ScanPlan& plan,
+                 ClosedScan& result) {
+  const int width = result.aspect.width();
+  const int height = result.aspect.height();
+  const Spans& wanted = plan.by_floors;
+  const Spans rendered = grown_spans(wanted, sensor.blur_radius_px(), kBridge_px, width, height);
+  const Spans near = grown_spans(wanted, reach_of(sensor, plan.reflectance), 0, width, height);
+  SensorSettings quiet = sensor.settings();
+  const double offset =
+      quiet.full_well_e > 0.0 ? quiet.gain * quiet.dark_e / quiet.full_well_e : 0.0;
+  quiet.full_well_e = quiet.read_noise_e = quiet.dark_e = 0.0;
+  quiet.bits = 0;
+  const Sensor quiet_sensor(quiet, width, height);
+  ImageF mean = ImageF::unset(width, height);
+  // Rows are exposed as soon as all are there that their light comes from.
+  auto next = wanted.begin();
+  const auto expose_with = [&](int rows) {
+    const int known = rows < height ? rows - sensor.blur_radius_px() : height;
+    const auto first = next;
+    while (next != wanted.end() && next->y < known) {
+      ++next;
+    }
+    quiet_sensor.expose(mean, 0, Spans(first, next), result.aspect);
+  };
+  FootprintFrames(footprints, rendered).render_mean(near, mean, expose_with);
+  if (sensor.settings().full_well_e == 0.0) {
+    return;
+  }
+  const int frames = footprints.positions().frames();
+  result.deviation = ImageF(width, height);
+  const double linear = quiet.gain * quiet.exposure;
+  for (const RowSpan& span : wanted) {
+    float* row = result.aspect.row(span.y);
+    for (int x = span.begin; x < span.end; ++x) {
+      const double radiance = static_cast<double>(row[x]) / linear;
+      result.deviation(x, span.y) = static_cast<float>(
+          std::sqrt(grey_response(sensor.settings(), radiance).variance / frames));
+      row[x] += static_cast<float>(offset);
+    }
+  }
+}
+
+/// A mean at full scale is one of frames that all are.
+void count_full(const Spans& spans, ClosedScan& result) {
+  constexpr float kFullScale = 1.0F - 1e-6F;
+  for (const RowSpan& span : spans) {
+    for (int x = span.begin; x < span.end; ++x) {
+      result.clipped_frames(x, span.y) = result.aspect(x, span.y) >= kFullScale ? 0xFFFF : 0;
+    }
+  }
+}
+
+void look_up_means(const ScanPlan& plan, const ClippedMean& table, ClosedScan& result) {
+  const int width = plan.width.width();
+  const int height = plan.width.height();
+  const kernels::PieceTables tables = {
+      .coefficients = table.coefficients().data(),
+      .nodes = table.deviations().data(),
+      .pieces = ClippedMean::kIntervals,
+      .per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest)};
+  const kernels::PieceValues dark = {.cubic = static_cast<float>(table.dark_level()),
+                                     .straight = static_cast<float>(table.dark_deviation())};
+  result.aspect = ImageF::unset(width, height);
+  result.deviation = ImageF::unset(width, height);
+  for (int y = 0; y < height; ++y) {
+    const float* w = plan.width.row(y);
+    const unsigned char* by_table = plan.by_table.row(y);
+    kernels::look_up_where(
+        by_table, w, width, tables, dark, result.aspect.row(y), result.deviation.row(y));
+    if (table.blind_from() < ClippedMean::kWidest) {
+      for (int x = 0; x < width; ++x) {
+        const bool is_blind = by_table[x] != 0 && table.is_blind(static_cast<double>(w[x]));
+        result.clipped_frames(x, y) = is_blind ? 0xFFFF : 0;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+ClosedScan scan_closed(const Footprints& footprints,
+                       const Sensor& sensor,
+                       const ScanPlan& plan,
+                       const FrameConsumer& consume) {
+  const int width = footprints.rays().width_px;
+  const int height = footprints.rays().height_px;
+  ClosedScan result = {.form = plan.form};
+  const Spans wanted = spans_of(plan.by_frames);
+  if (plan.form.kind == ScanForm::Kind::kTable || !wanted.empty()) {
+    result.clipped_frames = Image<std::uint16_t>(width, height);
+  }
+  if (plan.form.kind == ScanForm::Kind::kTable) {
+    look_up_means(plan, *plan.table, result);
+  } else if (plan.form.kind == ScanForm::Kind::kFloors) {
+    result.aspect = zero_beside(plan.by_floors, width, height);
+    expose_mean(footprints, sensor, plan, result);
+    if (!result.clipped_frames.empty()) {
+      count_full(plan.by_floors, result);
+    }
+  } else {
+    result.aspect = ImageF(width, height);
+  }
+  if (wanted.empty()) {
+    return result;
+  }
+  const Spans rendered = grown_spans(wanted, sensor.blur_radius_px(), kBridge_px, width, height);
+  FramePictures own;
+  FramePictures* const kept = kept_pictures(rendered, width, height);
+  FramePictures& pictures = kept != nullptr ? *kept : own;
+  result.cells = sum_frames(footprints, sensor, wanted, rendered, consume, pictures);
+  const ScanSums& sums = pictures.sums;
+  for (const RowSpan& span : wanted) {
+    for (int x = span.begin; x < span.end; ++x) {
+      result.aspect(x, span.y) = static_cast<float>(sums.sum(x, span.y) / sums.frames);
+      result.clipped_frames(x, span.y) = sums.clipped_frames(x, span.y);
+      if (!result.deviation.empty()) {
+        result.deviation(x, span.y) = 0.0F;
+      }
+    }
+  }
+  return result;
+}
+
+ScanResult scan_integrated(const Footprints& footprints,
+                           const Sensor& sensor,
+                           const FrameConsumer& consume) {
+  const Spans all = whole_image(footprints.rays().width_px, footprints.rays().height_px);
+  ScanResult result;
+  FramePictures pictures;
+  sum_frames(footprints, sensor, all, all, consume, pictures);
+  result.sums = std::move(pictures.sums);
+  result.aspect = result.sums.aspect();
+  result.hidden_share = footprints.hidden_share();
+  return result;
+}
+
+}  // namespace glint

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/scan/scan.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace glint {
+namespace {
+
+/// Rays that are worked on together: their arrays stay in the first caches.
+constexpr std::int64_t kBlock = 4096;
+
+/// Frames that are rendered together: rays are read once for all of them.
+constexpr std::size_t kFramesAtOnce = 8;
+
+void multiply_gains(const float* __restrict weight,
+                    const float* __restrict seen,
+                    int count,
+                    float* __restrict gain) {
+  for (int i = 0; i < count; ++i) {
+    gain[i] *= weight[i] * seen[i];
+  }
+}
+
+int block_size(std::int64_t begin, std::int64_t count) {
+  return static_cast<int>(std::min(kBlock, count - begin));
+}
+
+}  // namespace
+
+WallRays meet_wall(const RayCache& cache,
+                   const Tunnel& tunnel,
+                   const Eigen::Vector3d& camera_in_world_mm) {
+  const std::int64_t pixels = cache.num_pixels();
+  const std::size_t total = cache.weight.size();
+  WallRays rays;
+  rays.x_mm.resize(total);
+  rays.gain.resize(total);
+  const bool is_straight = tunnel.settings().orientation_rad == 0.0;
+  rays.pattern_mm.resize(is_straight ? 0 : total);
+  rays.hidden = Image<unsigned char>(cache.width_px, cache.height_px);
+  std::vector<float> scratch(static_cast<std::size_t>(kBlock));
+  std::vector<float> hidden(static_cast<std::size_t>(kBlock));
+  for (std::int64_t pixel = 0; pixel < pixels; pixel += kBlock) {
+    const int count = block_size(pixel, pixels);
+    tunnel.hidden_block(cache.seen_block(pixel, count), camera_in_world_mm, hidden.data());
+    for (int i = 0; i < count; ++i) {
+      const auto at = static_cast<std::size_t>(pixel + i);
+      const bool is_hidden =
+          hidden[static_cast<std::size_t>(i)] > 0.0F && cache.coverage.values()[at] > 0.0F;
+      hidden[static_cast<std::size_t>(i)] = is_hidden ? 0.0F : 1.0F;
+      rays.hidden.values()[at] = is_hidden ? 1 : 0;
+    }
+    for (std::int64_t sample = 0; sample < cache.samples; ++sample) {
+      const std::int64_t begin = sample * pixels + pixel;
+      float* pattern = is_straight ? scratch.data() : rays.pattern_mm.data() + begin;
+      float* gain = rays.gain.data() + begin;
+      tunnel.hit_block(cache.block(begin, count), rays.x_mm.data() + begin, pattern, gain);
+      multiply_gains(cache.weight.data() + begin, hidden.data(), count, gain);
+    }
+  }
+  return rays;
+}
+
+void render_frames(const RayCache& cache,
+                   const WallRays& rays,
+                   std::span<const StripePattern> patterns,
+                   std::span<ImageF> frames) {
+  GLINT_CHECK(patterns.size() == frames.size(), "a picture for each position");
+  // Small enough that a block's rays stay in the first caches from one frame to the next.
+  constexpr int kBlockOfFrames = 1024;
+  const std::int64_t pixels = cache.num_pixels();
+  for (ImageF& frame : frames) {
+    if (frame.width() != cache.width_px || frame.height() != cache.height_px) {
+      frame = ImageF(cache.width_px, cache.height_px);
+    }
+  }
+  const std::vector<float>& pattern_mm = rays.pattern_mm.empty() ? rays.x_mm : rays.pattern_mm;
+  const float share = 1.0F / static_cast<float>(cache.samples);
+  for (std::int64_t pixel = 0; pixel < pixels; pixel += kBlockOfFrames) {
+    const int count = static_cast<int>(std::min<std::int64_t>(kBlockOfFrames, pixels - pixel));
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      float* out = frames[k].values().data() + pixel;
+      std::fill_n(out, count, 0.0F);
+      for (std::int64_t sample = 0; sample < cache.samples; ++sample) {
+        const std::int64_t begin = sample * pixels + pixel;
+        add_stripes(rays.x_mm.data() + begin,
+                    pattern_mm.data() + begin,
+                    rays.gain.data() + begin,
+                    count,
+                    patterns[k],
+                    share,
+                    out);
+      }
+    }
+  }
+}
+
+void render_frame(const RayCache& cache,
+                  const WallRays& rays,
+                  const StripePattern& pattern,
+                  ImageF& radiance) {
+  render_frames(cache, rays, {&pattern, 1}, {&radiance, 1});
+}
+
+ScanResult take_scan(const RayCache& cache,
+                     const Tunnel& tunnel,
+                     const Sensor& sensor,
+                     const ScanSettings& scan,
+                     const Eigen::Vector3d& camera_in_world_mm,
+                     const FrameConsumer& consume) {
+  const WallRays rays = meet_wall(cache, tunnel, camera_in_world_mm);
+  const double step_mm = scan_step_mm(scan, tunnel.settings());
+  ScanResult result;
+  result.sums = ScanSums(cache.width_px, cache.height_px);
+  std::vector<StripePattern> patterns;
+  for (int k = 0; k < scan.positions; ++k) {
+    patterns.push_back(tunnel.pattern(k * step_mm));
+  }
+  std::vector<ImageF> radiance(std::min(kFramesAtOnce, patterns.size()));
+  ImageF grey;
+  for (std::size_t first = 0; first < patterns.size(); first += kFramesAtOnce) {
+    const std::size_t count = std::min(kFramesAtOnce, patterns.size() - first);
+    render_frames(cache, rays, {patterns.data() + first, count}, {radiance.data(), count});
+    for (std::size_t i = 0; i < count; ++i) {
+      const int index = static_cast<int>(first + i);
+      sensor.accumulate(radiance[i], index, result.sums, consume ? &grey : nullptr);
+      if (consume) {
+        consume(index, grey);
+      }
+    }
+  }
+  result.aspect = result.sums.aspect();
+  std::int64_t hidden = 0;
+  std::int64_t on_part = 0;
+  for (std::size_t i = 0; i < rays.hidden.size(); ++i) {
+    hidden += rays.hidden.values()[i];
+    on_part += cache.coverage.values()[i] > 0.0F ? 1 : 0;
+  }
+  result.hidden_share =
+      static_cast<double>(hidden) / static_cast<double>(std::max<std::int64_t>(1, on_part));
+  return result;
+}
+
+}  // namespace glint

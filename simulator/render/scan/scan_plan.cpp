@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/scan/scan_plan.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/image/grown_mask.h"
+#include "core/image/mask_kernels.h"
+#include "simulator/render/scan/width_rows.h"
+
+namespace glint {
+namespace {
+
+constexpr std::array<std::string_view, 3> kFormNames = {"floors", "table", "frames"};
+
+/// A pixel beyond this share of the blur, on one side and times the gain, does not count.
+constexpr double kSmallestTail = 7e-3;
+
+/// A sampled blur narrower than this is no Gaussian any more.
+constexpr double kNarrowestBlur_px = 0.7;
+
+/// What the phase of few frames may move a pixel's mean by, as a share of it and for each phase:
+/// its scatter is in the deviation, but the fewer the phases the less it is that of a normal
+/// number.
+constexpr double kLargestPhaseShare = 8e-4;
+
+/// Noise may shift the mean by this much where it is cut off.
+constexpr double kLargestBias = 1e-4;
+
+int count_of(const Mask& mask) {
+  return mask_kernels::count_ones(mask.values().data(), static_cast<int>(mask.size()));
+}
+
+/// For each interval of the table 1 where the phase of few frames moves the mean by no more than a
+/// share of it.
+std::vector<unsigned char> even_widths(const ClippedMean& table, double largest_share) {
+  std::vector<unsigned char> is_even;
+  for (int i = 0; i < ClippedMean::kIntervals; ++i) {
+    const double w = ClippedMean::kWidest * (i + 0.5) / ClippedMean::kIntervals;
+    is_even.push_back(table.phase_deviation(w) <= largest_share * table.mean(w) ? 1 : 0);
+  }
+  return is_even;
+}
+
+/// Clears the pixels of a row whose width lies in an interval of the table that is not even.
+void keep_even_widths(const std::vector<unsigned char>& is_even,
+                      const float* width,
+                      int count,
+                      unsigned char* mask) {
+  constexpr auto kPerUnit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest);
+  constexpr auto kLast = static_cast<float>(ClippedMean::kIntervals - 1);
+  for (int i = 0; i < count; ++i) {
+    const float place = std::min(width[i] * kPerUnit, kLast);
+    const int is_kept = mask[i] & is_even[static_cast<std::size_t>(place)];
+    mask[i] = static_cast<unsigned char>(is_kept);
+  }
+}
+
+/// Pixels that the table does not give: no plain ones, or their phase is bent.
+struct OtherPixels {
+  Mask other;
+  Mask lit;  ///< in some frame
+};
+
+OtherPixels find_others(const Footprints& footprints, const Sensor& sensor, ImageF& width) {
+  const int columns = width.width();
+  const auto* state = reinterpret_cast<const unsigned char*>(footprints.state().values().data());
+  Mask not_plain = Mask::unset(columns, width.height());
+  OtherPixels pixels = {.other = Mask::unset(columns, width.height()),
+                        .lit = Mask::unset(columns, width.height())};
+  mask_kernels::split_states(state,
+                             static_cast<int>(not_plain.size()),
+                             not_plain.values().data(),
+                             pixels.lit.values().data());
+  WidthRows widths(footprints, sensor);
+  // Bends are looked for where the neighbours' phases mean something.
+  RowGrower beside(columns, 1);
+  std::vector<unsigned char> is_linear(static_cast<std::size_t>(columns));
+  std::vector<unsigned char> is_beside(is_linear.size());
+  for (int y = 0; y < width.height(); ++y) {
+    widths.find(y, width.row(y), is_linear.data());
+    beside.grow(not_plain, y, is_beside.data());
+    std::copy_n(not_plain.row(y), columns, pixels.other.row(y));
+    mask_kernels::add_bends(is_linear.data(), is_beside.data(), columns, pixels.other.row(y));
+  }
+  return pixels;
+}
+
+/// The pixels that T(w) gives, and those that need frames beside the watched ones.
+void sort_pixels(const Footprints& footprints,
+                 const Sensor& sensor,
+                 const Mask& region,
+                 ScanPlan& plan) {
+  const OtherPixels pixels = find_others(footprints, sensor, plan.width);
+  const int columns = region.width();
+  const double largest_share = kLargestPhaseShare * footprints.positions().even_phases();
+  const std::vector<unsigned char> is_even = even_widths(*plan.table, largest_share);
+  const bool are_even = std::ranges::find(is_even, 0) == is_even.end();
+  RowGrower grower(columns, reach_of(sensor, plan.reflectance));
+  std::vector<unsigned char> near(static_cast<std::size_t>(columns));
+  std::vector<unsigned char> rest(near.size());
+  for (int y = 0; y < region.height(); ++y) {
+    unsigned char* closed = plan.by_table.row(y);
+    grower.grow(pixels.other, y, near.data());
+    mask_kernels::mark_closed(region.row(y), plan.by_frames.row(y), near.data(), columns, closed);
+    if (!are_even) {
+      keep_even_widths(is_even, plan.width.row(y), columns, closed);
+    }
+    mask_kernels::subtract(region.row(y), closed, columns, rest.data());
+    if (mask_kernels::count_ones(rest.data(), columns) > 0) {
+      grower.grow(pixels.lit, y, near.data());
+      mask_kernels::mark_frames(region.row(y), closed, near.data(), columns, plan.by_frames.row(y));
+    }
+  }
+}
+
+Mask without(const Mask& mask, const Mask& taken) {
+  Mask rest = Mask::unset(mask.width(), mask.height());
+  mask_kernels::subtract(mask.values().data(),
+                         taken.values().data(),
+                         static_cast<int>(mask.size()),
+                         rest.values().data());
+  return rest;
+}
+
+}  // namespace
+
+StripeSettings stripes_of(const ScanPositions& positions, double reflectance) {
+  return {.duty = positions.duty,
+          .dark = positions.dark,
+          .gain = reflectance,
+          .frames = positions.frames(),
+          .phases = positions.even_phases()};
+}
+
+std::string_view form_name(ScanForm::Kind kind) {
+  return kFormNames[static_cast<std::size_t>(kind)];
+}
+
+ScanForm::Kind form_of(const ScanPositions& positions,
+                       const SensorSettings& sensor,
+                       double reflectance) {
+  if (!positions.is_even || positions.even_phases() == 0) {
+    return ScanForm::Kind::kFrames;
+  }
+  const double brightest = reflectance * std::max(1.0, positions.dark);
+  const GreyResponse bright = grey_response(sensor, brightest);
+  const GreyResponse dark = grey_response(sensor, reflectance * positions.dark);
+  const double slope = sensor.gain * sensor.exposure;
+  const double offset =
+      sensor.full_well_e > 0.0 ? sensor.gain * sensor.dark_e / sensor.full_well_e : 0.0;
+  // Where even the dark stripes reach full scale every frame is blind; the table knows that.
+  const double darkest = reflectance * (positions.duty < 1.0 ? std::min(1.0, positions.dark) : 1.0);
+  const double step = sensor.bits > 0 ? 1.0 / ((1 << sensor.bits) - 1) : 0.0;
+  const bool is_linear =
+      slope * brightest + offset <= 1.0 && slope * darkest + offset < 1.0 - 0.5 * step &&
+      std::abs(bright.mean - slope * brightest - offset) <= kLargestBias &&
+      std::abs(dark.mean - slope * reflectance * positions.dark - offset) <= kLargestBias;
+  if (is_linear) {
+    return ScanForm::Kind::kFloors;
+  }
+  return sensor.blur_px < kNarrowestBlur_px ? ScanForm::Kind::kFrames : ScanForm::Kind::kTable;
+}
+
+int reach_of(const Sensor& sensor, double reflectance) {
+  const SensorSettings& settings = sensor.settings();
+  const double gain = std::max(1.0, settings.gain * settings.exposure * reflectance);
+  return sensor.blur_reach_px(kSmallestTail / gain);
+}
+
+ScanPlan plan_scan(const Footprints& footprints,
+                   const Sensor& sensor,
+                   const Region& region,
+                   const Mask& watched,
+                   double reflectance) {
+  const Mask& mask = region.mask;
+  GLINT_CHECK(watched.empty() || watched.size() == mask.size(), "watched pixels of this picture");
+  ScanPlan plan;
+  plan.reflectance = reflectance;
+  plan.form.kind = form_of(footprints.positions(), sensor.settings(), reflectance);
+  plan.by_frames = watched;
+  if (plan.form.kind == ScanForm::Kind::kFrames) {
+    plan.by_frames = mask;
+    for (std::size_t i = 0; i < watched.size(); ++i) {
+      plan.by_frames.values()[i] |= watched.values()[i];
+    }
+  }
+  if (plan.form.kind == ScanForm::Kind::kFloors) {
+    plan.by_floors = watched.empty() ? region.spans : spans_of(without(mask, watched));
+  }
+  if (plan.form.kind == ScanForm::Kind::kTable) {
+    plan.width = ImageF::unset(mask.width(), mask.height());
+    plan.by_table = Mask::unset(mask.width(), mask.height());
+    plan.table = std::make_shared<const ClippedMean>(
+        sensor.settings(), stripes_of(footprints.positions(), reflectance));
+    if (watched.empty()) {
+      plan.by_frames = Mask(mask.width(), mask.height());
+    }
+    sort_pixels(footprints, sensor, mask, plan);
+  }
+  plan.form.frame_pixels = count_of(plan.by_frames);
+  plan.form.table_pixels = count_of(plan.by_table);
+  return plan;
+}
+
+}  // namespace glint

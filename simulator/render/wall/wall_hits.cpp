@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/wall/wall_hits.h"
+
+#include <algorithm>
+
+namespace glint {
+namespace {
+
+/// Rays that are met together: their arrays stay in the first caches.
+constexpr int kBlock = 1024;
+
+bool has_details(const TunnelSettings& tunnel) {
+  return tunnel.orientation_rad != 0.0 || tunnel.cosine_law;
+}
+
+/// Rays [begin, begin + count) of a block.
+RayBlock part_of(const RayBlock& rays, int begin, int count) {
+  return {.origin_x = rays.origin_x + begin,
+          .origin_y = rays.origin_y + begin,
+          .origin_z = rays.origin_z + begin,
+          .direction_x = rays.direction_x + begin,
+          .direction_y = rays.direction_y + begin,
+          .direction_z = rays.direction_z + begin,
+          .count = count};
+}
+
+}  // namespace
+
+void WallHits::resize(std::size_t count, const TunnelSettings& tunnel) {
+  for (auto* array : {&x_mm, &y_mm, &margin_mm}) {
+    array->resize(count);
+  }
+  for (auto* array : {&pattern_mm, &cosine}) {
+    array->resize(has_details(tunnel) ? count : 0);
+  }
+}
+
+std::vector<FloatArray*> WallHits::arrays() {
+  std::vector<FloatArray*> used;
+  for (FloatArray* array : {&x_mm, &y_mm, &margin_mm, &pattern_mm, &cosine}) {
+    if (!array->empty()) {
+      used.push_back(array);
+    }
+  }
+  return used;
+}
+
+void meet_rays(const RayBlock& rays, const Tunnel& tunnel, std::size_t first, WallHits& hits) {
+  for (int done = 0; done < rays.count; done += kBlock) {
+    const RayBlock block = part_of(rays, done, std::min(kBlock, rays.count - done));
+    const std::size_t at = first + static_cast<std::size_t>(done);
+    float* x = hits.x_mm.data() + at;
+    float* y = hits.y_mm.data() + at;
+    float* margin = hits.margin_mm.data() + at;
+    tunnel.meet_block(block, x, y, margin);
+    if (!hits.pattern_mm.empty()) {
+      tunnel.meet_details(
+          block, x, y, margin, hits.pattern_mm.data() + at, hits.cosine.data() + at);
+    }
+  }
+}
+
+}  // namespace glint

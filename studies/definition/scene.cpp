@@ -1,0 +1,446 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/scene.h"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "core/rng.h"
+#include "core/text.h"
+#include "simulator/geometry/surface/surface_sampling.h"
+
+namespace glint {
+namespace {
+
+template <class Settings>
+void read_table(const ConfigNode& root,
+                const std::string& path,
+                Settings& settings,
+                std::vector<std::string>& errors) {
+  KeyReader reader(root.find(path), path, errors);
+  visit_keys(reader, settings);
+  reader.report_unknown();
+}
+
+template <class Settings>
+void write_table(ConfigNode& root, const std::string& name, Settings settings) {
+  ConfigNode table = ConfigNode::table();
+  KeyWriter writer(table);
+  visit_keys(writer, settings);
+  root.names.push_back(name);
+  root.items.push_back(std::move(table));
+}
+
+template <class Settings>
+void list_table(const std::string& path, Settings settings, std::vector<KeyRow>& rows) {
+  KeyLister lister(path, rows);
+  visit_keys(lister, settings);
+}
+
+void read_viewpoint(const ConfigNode& root,
+                    SceneSettings& scene,
+                    std::vector<std::string>& errors) {
+  scene.viewpoint() = default_viewpoint(scene.camera);
+  const ConfigNode* list = root.find("viewpoint");
+  if (list == nullptr) {
+    return;
+  }
+  if (!list->is_array() || list->items.empty()) {
+    errors.push_back(list->place.prefix() +
+                     "viewpoint: must be one or more [[viewpoint]]; position_mm, direction, up");
+    return;
+  }
+  scene.viewpoints.assign(list->items.size(), default_viewpoint(scene.camera));
+  for (std::size_t i = 0; i < list->items.size(); ++i) {
+    KeyReader reader(&list->items[i], fmt::format("viewpoint.{}", i), errors);
+    visit_keys(reader, scene.viewpoints[i]);
+    reader.report_unknown();
+  }
+}
+
+/// Whose light a table below [lighting] is: its `type`, else its name, else a tunnel.
+std::string light_type_of(const ConfigNode& table, const std::string& name) {
+  const ConfigNode* type = table.find("type");
+  if (type != nullptr && type->kind == ConfigNode::Kind::kText) {
+    return type->text;
+  }
+  return default_light(name) ? name : "tunnel";
+}
+
+void read_tunnel(KeyReader& reader,
+                 const std::string& name,
+                 const ConfigNode& table,
+                 SceneSettings& scene,
+                 std::vector<std::string>& errors) {
+  if (scene.has_tunnel) {
+    errors.push_back(table.place.prefix() + "lighting." + name +
+                     ": is a second tunnel; at most one is allowed");
+  }
+  scene.has_tunnel = true;
+  scene.tunnel_name = name;
+  visit_keys(reader, scene.tunnel);
+}
+
+void read_light(const ConfigNode& table,
+                const std::string& name,
+                SceneSettings& scene,
+                std::vector<std::string>& errors) {
+  KeyReader reader(&table, "lighting." + name, errors);
+  std::string type;
+  reader.text("type", type, "");
+  type = light_type_of(table, name);
+  if (type == "tunnel") {
+    read_tunnel(reader, name, table, scene, errors);
+  } else if (std::optional<LightSettings> light = default_light(type)) {
+    visit_keys(reader, *light);
+    scene.lights.push_back({.name = name, .settings = *std::move(light)});
+  } else {
+    reader.require(
+        false,
+        "type",
+        fmt::format(
+            "is \"{}\", must be \"tunnel\", \"{}\"", type, fmt::join(light_types(), "\", \"")));
+    return;  // without the type no key can be judged
+  }
+  reader.report_unknown();
+}
+
+/// [render] and what it holds.
+struct RenderTable {
+  RenderSettings render;
+  PathSettings paths;
+};
+
+void visit_keys(KeyVisitor& keys, RenderTable& table) {
+  visit_keys(keys, table.render);
+  keys.table(
+      "paths",
+      [&](KeyVisitor& inner) { visit_keys(inner, table.paths); },
+      "of pictures by path tracing");
+}
+
+void read_render(const ConfigNode& root, SceneSettings& scene, std::vector<std::string>& errors) {
+  RenderTable table = {.render = scene.render, .paths = scene.paths};
+  read_table(root, "render", table, errors);
+  scene.render = table.render;
+  scene.paths = table.paths;
+  scene.paths.channels = static_cast<int>(scene.sensor.wavelengths_nm.size());
+}
+
+void write_light(ConfigNode& lighting,
+                 const std::string& name,
+                 const auto& settings,
+                 std::string_view type) {
+  write_table(lighting, name, settings);
+  lighting.items.back().names.emplace_back("type");
+  lighting.items.back().items.push_back(ConfigNode::from_text(std::string(type)));
+}
+
+ConfigNode write_lighting(const SceneSettings& scene) {
+  ConfigNode lighting = ConfigNode::table();
+  if (scene.has_tunnel) {
+    write_light(lighting, scene.tunnel_name, scene.tunnel, "tunnel");
+  }
+  for (const NamedLight& light : scene.lights) {
+    write_light(lighting, light.name, light.settings, light_type(light.settings));
+  }
+  return lighting;
+}
+
+void read_lighting(const ConfigNode& root, SceneSettings& scene, std::vector<std::string>& errors) {
+  const ConfigNode* lighting = root.find("lighting");
+  if (lighting == nullptr) {
+    return;
+  }
+  const bool are_tables =
+      lighting->is_table() && !lighting->items.empty() &&
+      std::ranges::all_of(lighting->items, [](const ConfigNode& item) { return item.is_table(); });
+  if (!are_tables) {
+    errors.push_back(lighting->place.prefix() +
+                     "lighting: must hold a table for each light, like [lighting.tunnel]");
+    return;
+  }
+  scene.has_tunnel = false;
+  for (std::size_t i = 0; i < lighting->items.size(); ++i) {
+    read_light(lighting->items[i], lighting->names[i], scene, errors);
+  }
+}
+
+bool is_plain_mirror(const MaterialSettings& material) {
+  return material.type == MaterialSettings::Type::kMirror && material.nk_file.empty() &&
+         material.reflectance.size() == 1 && material.colour_srgb.empty() &&
+         material.coat.index == 1.0 && material.texture.is_empty() &&
+         material.pattern.kind == PatternSettings::Kind::kNone;
+}
+
+/// What of the scene goes together, told with the key that does not.
+void check_level(const ConfigNode& root,
+                 const SceneSettings& scene,
+                 std::vector<std::string>& errors) {
+  using Method = RenderSettings::Method;
+  const auto fail = [&](const std::string& message) {
+    errors.push_back(with_place(root, message));
+  };
+  const Method method = scene.render.method;
+  if (needs_paths(scene)) {
+    if (method != Method::kAuto && method != Method::kPaths) {
+      fail(
+          fmt::format("render.method: is \"{}\", which knows a plain mirror under one tunnel only; "
+                      "this scene needs \"auto\" or \"paths\"",
+                      method_name(method)));
+    }
+    return;
+  }
+  if (scene.viewpoints.size() != 1) {
+    fail("viewpoint: a scan has exactly one [[viewpoint]]; position_mm, direction, up");
+  }
+  if (scene.viewpoint_set.source != ViewpointSource::kListed) {
+    fail("viewpoints.source: a scan has the one [[viewpoint]] of the list; allowed is \"listed\"");
+  }
+}
+
+/// Of some random points the one farthest from all others so far.
+AreaSampler::Sample far_point(const TriangleMesh& mesh,
+                              const AreaSampler& sampler,
+                              std::span<const Eigen::Vector3d> others_mm,
+                              Rng& rng) {
+  constexpr int kCandidates = 32;
+  AreaSampler::Sample best;
+  double most_mm2 = -1.0;
+  for (int k = 0; k < kCandidates; ++k) {
+    const AreaSampler::Sample candidate = sampler.draw(mesh, rng);
+    double nearest_mm2 = std::numeric_limits<double>::max();
+    for (const Eigen::Vector3d& other_mm : others_mm) {
+      nearest_mm2 = std::min(nearest_mm2, (candidate.point_mm - other_mm).squaredNorm());
+    }
+    if (nearest_mm2 > most_mm2) {
+      most_mm2 = nearest_mm2;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+/// Points spread over the part's surface, seen from outside.
+std::vector<Viewpoint> along_surface(const SceneSettings& scene, const Part& part) {
+  const AreaSampler sampler(part.mesh);
+  Rng rng(0, Stream::kViewpoints, 0);
+  std::vector<Eigen::Vector3d> points_mm;
+  std::vector<Eigen::Vector3d> normals;
+  for (int i = 0; i < scene.viewpoint_set.count; ++i) {
+    const AreaSampler::Sample at = far_point(part.mesh, sampler, points_mm, rng);
+    const SurfacePoint smooth = smooth_point(part, at.triangle, at.point_mm);
+    points_mm.push_back(smooth.point_mm);
+    normals.push_back(smooth.normal);
+  }
+  return surface_viewpoints(
+      points_mm, normals, scene.camera.working_distance_mm, scene.viewpoint_set);
+}
+
+void read_defects(const ConfigNode& root, SceneSettings& scene, std::vector<std::string>& errors) {
+  const ConfigNode* defects = root.find("defects");
+  if (defects == nullptr) {
+    return;
+  }
+  if (!defects->is_table()) {
+    errors.push_back(defects->place.prefix() + "defects: must hold tables, like [defects.dent]");
+    return;
+  }
+  for (std::size_t i = 0; i < defects->names.size(); ++i) {
+    const std::string& name = defects->names[i];
+    DefectGroup group;
+    group.type = type_from_name(name);
+    KeyReader reader(&defects->items[i], "defects." + name, errors);
+    visit_keys(reader, group);
+    reader.report_unknown();
+    scene.defects.emplace_back(name, group);
+  }
+}
+
+/// Length of the place a message begins with: "study.toml:4:1: " or "--set: "; 0 without one.
+std::size_t place_size(const std::string& message) {
+  const std::string set = "--set: ";
+  if (message.starts_with(set)) {
+    return set.size();
+  }
+  // The first ": " ends the place when a line and a column stand before it.
+  const auto end = message.find(": ");
+  const std::vector<std::string> parts = split(message.substr(0, end), ':');
+  const auto is_number = [](const std::string& text) {
+    return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  };
+  const bool is_place = end != std::string::npos && parts.size() >= 3 && is_number(parts.back()) &&
+                        is_number(parts[parts.size() - 2]);
+  return is_place ? end + 2 : 0;
+}
+
+}  // namespace
+
+bool needs_paths(const SceneSettings& scene) {
+  return scene.render.method == RenderSettings::Method::kPaths || !scene.has_tunnel ||
+         !scene.lights.empty() || !is_plain_mirror(scene.material);
+}
+
+std::vector<std::filesystem::path> input_files(const SceneSettings& scene) {
+  std::vector<std::filesystem::path> files = {scene.part.file,
+                                              scene.material.nk_file,
+                                              scene.material.texture.colour_file,
+                                              scene.material.texture.roughness_file};
+  if (scene.viewpoint_set.source == ViewpointSource::kFile) {
+    files.push_back(scene.viewpoint_set.file);
+  }
+  for (const NamedLight& light : scene.lights) {
+    std::visit(
+        [&](const auto& settings) {
+          if constexpr (requires { settings.file; }) {
+            files.push_back(settings.file);
+          }
+        },
+        light.settings);
+  }
+  std::erase_if(files, [](const std::filesystem::path& file) { return file.empty(); });
+  return files;
+}
+
+PinholeIntrinsics intrinsics_of(const SceneSettings& scene) {
+  return intrinsics_of(scene.camera, scene.lens);
+}
+
+std::vector<Viewpoint> viewpoints_of(const SceneSettings& scene, const Part& part) {
+  switch (scene.viewpoint_set.source) {
+    case ViewpointSource::kListed:
+      return scene.viewpoints;
+    case ViewpointSource::kSurface:
+      return along_surface(scene, part);
+    case ViewpointSource::kFile:
+    case ViewpointSource::kSphere:
+      break;
+  }
+  return make_viewpoints(scene.viewpoint_set, scene.camera.working_distance_mm);
+}
+
+const std::vector<std::string>& scene_tables() {
+  static const std::vector<std::string> names = {"part",
+                                                 "material",
+                                                 "camera",
+                                                 "lens",
+                                                 "viewpoint",
+                                                 "viewpoints",
+                                                 "sensor",
+                                                 "scan",
+                                                 "render",
+                                                 "lighting",
+                                                 "defects",
+                                                 "imprint",
+                                                 "metrics",
+                                                 "inspection"};
+  return names;
+}
+
+SceneSettings read_scene(const ConfigNode& root, std::vector<std::string>& errors) {
+  SceneSettings scene;
+  read_table(root, "part", scene.part, errors);
+  read_table(root, "material", scene.material, errors);
+  scene.render.reflectance = scene.material.reflectance.front();
+  read_table(root, "camera", scene.camera, errors);
+  read_table(root, "lens", scene.lens, errors);
+  read_viewpoint(root, scene, errors);
+  read_table(root, "viewpoints", scene.viewpoint_set, errors);
+  read_table(root, "sensor", scene.sensor, errors);
+  read_table(root, "scan", scene.scan, errors);
+  read_render(root, scene, errors);
+  read_lighting(root, scene, errors);
+  read_defects(root, scene, errors);
+  read_table(root, "imprint", scene.imprint, errors);
+  read_table(root, "metrics", scene.metrics, errors);
+  read_table(root, "inspection", scene.inspection, errors);
+  if (errors.empty()) {
+    check_level(root, scene, errors);
+  }
+  return scene;
+}
+
+ConfigNode write_scene(const SceneSettings& scene) {
+  ConfigNode root = ConfigNode::table();
+  write_table(root, "part", scene.part);
+  write_table(root, "material", scene.material);
+  write_table(root, "camera", scene.camera);
+  write_table(root, "lens", scene.lens);
+  ConfigNode viewpoints = ConfigNode::array();
+  for (const Viewpoint& viewpoint : scene.viewpoints) {
+    ConfigNode holder = ConfigNode::table();
+    write_table(holder, "", viewpoint);
+    viewpoints.items.push_back(std::move(holder.items.front()));
+  }
+  root.names.emplace_back("viewpoint");
+  root.items.push_back(std::move(viewpoints));
+  write_table(root, "viewpoints", scene.viewpoint_set);
+  write_table(root, "sensor", scene.sensor);
+  write_table(root, "scan", scene.scan);
+  RenderTable render = {.render = scene.render, .paths = scene.paths};
+  write_table(root, "render", render);
+  root.names.emplace_back("lighting");
+  root.items.push_back(write_lighting(scene));
+  ConfigNode defects = ConfigNode::table();
+  for (const auto& [name, group] : scene.defects) {
+    write_table(defects, name, group);
+  }
+  root.names.emplace_back("defects");
+  root.items.push_back(std::move(defects));
+  write_table(root, "imprint", scene.imprint);
+  write_table(root, "metrics", scene.metrics);
+  write_table(root, "inspection", scene.inspection);
+  return root;
+}
+
+std::vector<KeyRow> scene_keys() {
+  std::vector<KeyRow> rows;
+  list_table("part", PartSettings{}, rows);
+  list_table("material", MaterialSettings{}, rows);
+  list_table("camera", CameraSettings{}, rows);
+  list_table("lens", LensSettings{}, rows);
+  list_table("viewpoint.0", Viewpoint{}, rows);
+  list_table("viewpoints", ViewpointSettings{}, rows);
+  list_table("sensor", SensorSettings{}, rows);
+  list_table("scan", ScanSettings{}, rows);
+  list_table("render", RenderTable{}, rows);
+  list_table("lighting.tunnel", TunnelSettings{}, rows);
+  for (const std::string_view type : light_types()) {
+    list_table(fmt::format("lighting.{}", type), default_light(type).value(), rows);
+  }
+  list_table("defects.dent", DefectGroup{}, rows);
+  list_table("imprint", ImprintSettings{}, rows);
+  list_table("metrics", MetricsSettings{}, rows);
+  list_table("inspection", InspectionSettings{}, rows);
+  return rows;
+}
+
+std::string with_place(const ConfigNode& root, const std::string& message) {
+  std::string key = message.substr(0, message.find(':'));
+  const std::string table = key.substr(0, key.find('.'));
+  if (std::ranges::find(scene_tables(), table) == scene_tables().end()) {
+    return message;
+  }
+  // The key may have kept its default; then the table around it, or the file, is the place.
+  while (!key.empty()) {
+    const ConfigNode* node = root.at_path(key);
+    if (node != nullptr && !node->place.file.empty()) {
+      return node->place.prefix() + message;
+    }
+    const auto dot = key.rfind('.');
+    key = dot == std::string::npos ? "" : key.substr(0, dot);
+  }
+  return root.place.file.empty() ? message : root.place.file + ": " + message;
+}
+
+std::string in_context(const std::string& message, const std::string& context) {
+  std::vector<std::string> lines = split(message, '\n');
+  for (std::string& line : lines) {
+    line.insert(place_size(line), context + ": ");
+  }
+  return join(lines, "\n");
+}
+
+}  // namespace glint

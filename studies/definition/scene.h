@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A scene as its file describes it: part, material, camera, lens, viewpoints, sensor, scan, render,
+// lighting, defects, imprint, metrics, inspection. Plain settings; traced_scene.h and
+// path_picture.h turn them into something that can be rendered.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/config/config.h"
+#include "core/config/keys.h"
+#include "defects/definition/defect_settings.h"
+#include "metrics/aspect_image/settings.h"
+#include "metrics/inspection/inspection_settings.h"
+#include "simulator/camera/lens_settings.h"
+#include "simulator/camera/viewpoint_set.h"
+#include "simulator/geometry/part/part.h"
+#include "simulator/light/area/build_lights.h"
+#include "simulator/light/tunnel/tunnel.h"
+#include "simulator/material/material_settings.h"
+#include "simulator/render/path_tracing/physical_scene.h"
+#include "simulator/render/ray_cache/ray_cache.h"
+#include "simulator/render/scan/scan.h"
+#include "simulator/sensor/sensor.h"
+
+namespace glint {
+
+struct SceneSettings {
+  PartSettings part;
+  MaterialSettings material;
+  CameraSettings camera;
+  LensSettings lens;
+  std::vector<Viewpoint> viewpoints = {Viewpoint{}};  ///< as listed; at least one
+  ViewpointSettings viewpoint_set;                    ///< where all of them come from
+  SensorSettings sensor;
+  ScanSettings scan;
+  RenderSettings render;
+  PathSettings paths;
+  bool has_tunnel = true;
+  std::string tunnel_name = "tunnel";  ///< of its table below [lighting]
+  TunnelSettings tunnel;
+  std::vector<NamedLight> lights;   ///< all others, in file order
+  std::vector<NamedGroup> defects;  ///< in file order
+  ImprintSettings imprint;          ///< what holds for all of them
+  MetricsSettings metrics;
+  InspectionSettings inspection;
+
+  /// The first of the list: the one that is scanned and scored.
+  const Viewpoint& viewpoint() const { return viewpoints.front(); }
+
+  Viewpoint& viewpoint() { return viewpoints.front(); }
+};
+
+/// Whether the path tracer makes the pictures: any other light than one tunnel, any other material
+/// than a plain mirror, or because [render] asks for it. All else is level 0.
+bool needs_paths(const SceneSettings& scene);
+
+/// All files that the scene reads, but for those that are empty.
+std::vector<std::filesystem::path> input_files(const SceneSettings& scene);
+
+/// The pinhole of [camera] and [lens]. @throws ConfigError as lens_geometry()
+PinholeIntrinsics intrinsics_of(const SceneSettings& scene);
+
+/// All viewpoints of the scene: listed, from a file, on a sphere, or along the part's surface.
+/// @throws ConfigError beginning with the key at fault, IoError
+std::vector<Viewpoint> viewpoints_of(const SceneSettings& scene, const Part& part);
+
+/// Names of the top-level tables of a scene.
+const std::vector<std::string>& scene_tables();
+
+/// Reads a scene. Tables that are no scene's are left to the caller.
+/// @param errors  grows by one line per problem
+SceneSettings read_scene(const ConfigNode& root, std::vector<std::string>& errors);
+
+/// The scene with every key present; read_scene() of it gives the same scene.
+ConfigNode write_scene(const SceneSettings& scene);
+
+/// The key table of a scene, for `glint explain` and the docs.
+std::vector<KeyRow> scene_keys();
+
+/// Puts the place of the key a message begins with before the message: "camera.x: is 3" becomes
+/// "study.toml:4:1: camera.x: is 3". Messages that begin with no key of the file stay as they are.
+std::string with_place(const ConfigNode& root, const std::string& message);
+
+/// Puts where a problem arose behind the place of each line: "study.toml:4:1: camera.x: is 3"
+/// becomes "study.toml:4:1: prototypes.flat: camera.x: is 3".
+std::string in_context(const std::string& message, const std::string& context);
+
+}  // namespace glint

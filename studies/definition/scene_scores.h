@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Which scores a scene has, known from its text alone: nothing is rendered for it.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "studies/definition/scene.h"
+
+namespace glint {
+
+/// Labels of the scene's defects, in order.
+std::vector<std::string> defect_labels(const SceneSettings& scene);
+
+/// Names of the scene's groups of defects, in order.
+std::vector<std::string> group_names(const SceneSettings& scene);
+
+/// Why a scene with needs_paths() has no score of that name, for users who ask for it; empty when
+/// it may have it, and for all other scenes.
+std::string missing_by_paths(const SceneSettings& scene, std::string_view score);
+
+}  // namespace glint

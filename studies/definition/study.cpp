@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/study.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/file.h"
+#include "core/text.h"
+#include "metrics/scores.h"
+#include "studies/definition/scene_scores.h"
+#include "studies/definition/study_tables.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Kind = ConfigNode::Kind;
+
+constexpr int kSchema = 1;
+
+const std::vector<std::string>& study_tables() {
+  static const std::vector<std::string> names = {"schema",
+                                                 "title",
+                                                 "variables",
+                                                 "prototypes",
+                                                 "objective",
+                                                 "constraints",
+                                                 "search",
+                                                 "budget",
+                                                 "sorting",
+                                                 "pod"};
+  return names;
+}
+
+void check_tables(const ConfigNode& root, std::vector<std::string>& errors) {
+  std::vector<std::string> known = scene_tables();
+  known.insert(known.end(), study_tables().begin(), study_tables().end());
+  for (const char* name : {"variables", "prototypes", "objective", "constraints"}) {
+    const ConfigNode* table = root.find(name);
+    if (table != nullptr && !table->is_table()) {
+      errors.push_back(
+          fmt::format("{}{}: must be a table, like [{}]", table->place.prefix(), name, name));
+    }
+  }
+  for (std::size_t i = 0; i < root.names.size(); ++i) {
+    if (std::ranges::find(known, root.names[i]) == known.end()) {
+      errors.push_back(fmt::format("{}{}: unknown table, the nearest known one is \"{}\"",
+                                   root.items[i].place.prefix(),
+                                   root.names[i],
+                                   nearest(root.names[i], known)));
+    }
+  }
+}
+
+/// Copies what a path runs through from the resolved scene when the file leaves it to its default:
+/// an array element cannot be set in an array that is not there.
+void make_way(ConfigNode& root, const ConfigNode& resolved, const std::string& path) {
+  std::string prefix;
+  for (const std::string& part : split(path, '.')) {
+    prefix += (prefix.empty() ? "" : ".") + part;
+    const ConfigNode* known = resolved.at_path(prefix);
+    if (known == nullptr) {
+      return;
+    }
+    if (known->is_array() && root.at_path(prefix) == nullptr) {
+      set_path(root, prefix, *known);
+      return;
+    }
+  }
+}
+
+void put_override(ConfigNode& root,
+                  const ConfigNode& resolved,
+                  const std::string& path,
+                  const ConfigNode& value) {
+  make_way(root, resolved, path);
+  set_path(root, path, value);
+}
+
+ConfigNode value_node(const Variable& variable, double value, const ConfigNode& like) {
+  ConfigNode node;
+  switch (variable.kind) {
+    case Variable::Kind::kFloat:
+      node = ConfigNode::from_number(value);
+      break;
+    case Variable::Kind::kInteger:
+      node = ConfigNode::from_integer(static_cast<std::int64_t>(std::llround(value)));
+      break;
+    case Variable::Kind::kChoice: {
+      const std::string& choice = variable.choices[static_cast<std::size_t>(std::llround(value))];
+      node = like.kind == Kind::kBoolean ? ConfigNode::from_boolean(choice == "true")
+                                         : ConfigNode::from_text(choice);
+      break;
+    }
+  }
+  node.place = like.place;
+  return node;
+}
+
+SceneSettings read_checked(const ConfigNode& root) {
+  std::vector<std::string> errors;
+  SceneSettings scene = read_scene(root, errors);
+  throw_if_any(errors);
+  return scene;
+}
+
+void check_goal(const Study& study, std::vector<std::string>& errors) {
+  const std::vector<std::string> labels = defect_labels(study.scene);
+  const std::vector<std::string> groups = group_names(study.scene);
+  const auto check_name =
+      [&](const std::string& path, const std::string& name, const Place& place) {
+        std::string problem = unknown_score(name, labels, groups);
+        problem += problem.empty() ? missing_by_paths(study.scene, name) : "";
+        if (!problem.empty()) {
+          errors.push_back(fmt::format("{}{}: \"{}\" {}", place.prefix(), path, name, problem));
+        }
+      };
+  if (study.has_objective) {
+    const ConfigNode& table = *study.root.find("objective");
+    check_name("objective." + table.names[0], table.items[0].text, table.items[0].place);
+  }
+  const ConfigNode* constraints = study.root.find("constraints");
+  for (std::size_t i = 0; constraints != nullptr && i < constraints->names.size(); ++i) {
+    check_name("constraints", constraints->names[i], constraints->items[i].place);
+  }
+}
+
+/// What a search needs and path-traced scenes do not have.
+void check_algorithm(const Study& study, std::vector<std::string>& errors) {
+  if (study.has_search() && needs_paths(study.scene) && needs_gradient(study.search.algorithm)) {
+    errors.push_back(with_place(
+        study.root,
+        fmt::format("search.algorithm: \"{}\" needs derivatives, which path-traced scenes do not "
+                    "have; allowed are algorithms that do without, such as \"auto\"",
+                    study.search.algorithm)));
+  }
+}
+
+/// Both ends of every variable must be values the scene accepts.
+void check_variable_limits(const Study& study, std::vector<std::string>& errors) {
+  for (const Variable& variable : study.space.variables) {
+    const ConfigNode* where = study.root.find("variables")->find(variable.name);
+    if (variable.name.starts_with("viewpoint.") &&
+        study.scene.viewpoint_set.source != ViewpointSource::kListed) {
+      errors.push_back(fmt::format(
+          "{}variables: {}: is not looked at, as [viewpoints] makes the poses; allowed with source "
+          "= \"listed\"",
+          where->place.prefix(),
+          variable.name));
+    }
+    const auto count =
+        variable.kind == Variable::Kind::kChoice ? variable.choices.size() : std::size_t{2};
+    for (std::size_t i = 0; i < count; ++i) {
+      const double value = variable.kind == Variable::Kind::kChoice ? static_cast<double>(i)
+                           : i == 0                                 ? variable.low
+                                                                    : variable.high;
+      ConfigNode root = study.root;
+      const ConfigNode node = value_node(variable, value, *study.resolved.at_path(variable.name));
+      put_override(root, study.resolved, variable.name, node);
+      std::vector<std::string> problems;
+      read_scene(root, problems);
+      for (const std::string& problem : problems) {
+        // Conditions between keys depend on the other variables; a key's own range does not.
+        const bool is_own = problem.find(variable.name + ": is ") != std::string::npos &&
+                            problem.find("must be ") != std::string::npos;
+        if (is_own && problem.find("smaller than") == std::string::npos) {
+          errors.push_back(fmt::format("{}variables: {}",
+                                       where->place.prefix(),
+                                       problem.substr(problem.find(variable.name))));
+        }
+      }
+    }
+  }
+}
+
+/// A prototype's name is the name of its folder beside baseline/ and winner/.
+bool is_prototype_name(const std::string& name) {
+  const auto is_plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  };
+  return !name.empty() && std::ranges::all_of(name, is_plain) && name != "baseline" &&
+         name != "winner";
+}
+
+void read_prototypes(Study& study, std::vector<std::string>& errors) {
+  const ConfigNode* prototypes = study.root.find("prototypes");
+  if (prototypes == nullptr) {
+    return;
+  }
+  for (std::size_t i = 0; i < prototypes->names.size(); ++i) {
+    const ConfigNode& table = prototypes->items[i];
+    const std::string path = "prototypes." + prototypes->names[i];
+    if (!table.is_table()) {
+      errors.push_back(fmt::format(
+          "{}{}: must be a table of \"path.to.key\" = value", table.place.prefix(), path));
+      continue;
+    }
+    if (!is_prototype_name(prototypes->names[i])) {
+      errors.push_back(
+          fmt::format("{}prototypes: \"{}\" is to be the name of a folder; allowed are letters, "
+                      "digits, _ and -, "
+                      "but not baseline and winner",
+                      table.place.prefix(),
+                      prototypes->names[i]));
+      continue;
+    }
+    Prototype prototype{.name = prototypes->names[i],
+                        .title = prototypes->names[i],
+                        .overrides = {},
+                        .place = table.place};
+    for (std::size_t k = 0; k < table.names.size(); ++k) {
+      if (table.names[k] == "title") {
+        prototype.title = table.items[k].text;
+        if (table.items[k].kind != Kind::kText) {
+          errors.push_back(fmt::format(
+              "{}{}.title: must be a text in quotes", table.items[k].place.prefix(), path));
+        }
+      } else {
+        prototype.overrides.emplace_back(table.names[k], table.items[k]);
+      }
+    }
+    try {
+      scene_with(study, prototype.overrides);
+    } catch (const ConfigError& error) {
+      errors.push_back(in_context(error.what(), path));
+    }
+    study.prototypes.push_back(std::move(prototype));
+  }
+}
+
+/// The parts of a dotted path; a part in quotes may hold dots:
+/// variables."lighting.tunnel.radius_mm".min
+std::vector<std::string> quoted_parts(const std::string& path) {
+  std::vector<std::string> parts(1);
+  bool is_quoted = false;
+  for (const char c : path) {
+    if (c == '"') {
+      is_quoted = !is_quoted;
+    } else if (c == '.' && !is_quoted) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  if (is_quoted || std::ranges::any_of(parts, &std::string::empty)) {
+    throw ConfigError(fmt::format("--set: {} is no key path", path));
+  }
+  return parts;
+}
+
+/// Puts a --set value where its path says; a path with quotes runs through tables only.
+void put_set(ConfigNode& root, const KeyValue& set) {
+  ConfigNode value = parse_override(set.value);
+  value.place = {.file = "--set"};
+  if (set.path.find('"') == std::string::npos) {
+    // An element of an array that the file leaves to its default needs the array first. What is
+    // wrong with the file is said when the whole of it is read.
+    std::vector<std::string> ignored;
+    put_override(root, write_scene(read_scene(root, ignored)), set.path, value);
+    return;
+  }
+  ConfigNode* node = &root;
+  for (const std::string& part : quoted_parts(set.path)) {
+    if (!node->is_table()) {
+      throw ConfigError(fmt::format("--set: {}: \"{}\" stands in no table", set.path, part));
+    }
+    if (node->find(part) == nullptr) {
+      node->names.push_back(part);
+      node->items.push_back(ConfigNode::table());
+      node->items.back().place = value.place;
+    }
+    node = node->find(part);
+  }
+  *node = std::move(value);
+}
+
+}  // namespace
+
+Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
+  Study study;
+  study.root = load_toml(path);
+  study.root.place.file = path.string();
+  for (const KeyValue& set : sets) {
+    put_set(study.root, set);
+  }
+  const std::string stem = path.stem().string();
+  const std::string folder = fs::absolute(path).parent_path().filename().string();
+  study.name = stem == "study" || stem == "scene" ? folder : stem;
+  std::vector<std::string> errors;
+  check_tables(study.root, errors);
+  study.scene = read_scene(study.root, errors);
+  throw_if_any(errors);  // what follows builds on a scene that can be read
+  study.resolved = write_scene(study.scene);
+  read_study_tables(study, errors);
+  throw_if_any(errors);
+  check_goal(study, errors);
+  check_algorithm(study, errors);
+  check_variable_limits(study, errors);
+  read_prototypes(study, errors);
+  throw_if_any(errors);
+  return study;
+}
+
+Study scene_study(Study study) {
+  for (const char* table :
+       {"variables", "prototypes", "objective", "constraints", "sorting", "pod"}) {
+    for (std::size_t i = study.root.names.size(); i-- > 0;) {
+      if (study.root.names[i] == table) {
+        study.root.names.erase(study.root.names.begin() + static_cast<std::ptrdiff_t>(i));
+        study.root.items.erase(study.root.items.begin() + static_cast<std::ptrdiff_t>(i));
+      }
+    }
+  }
+  study.space = {};
+  study.goal = {};
+  study.has_objective = false;
+  study.prototypes.clear();
+  study.sorting.reset();
+  study.pod.reset();
+  return study;
+}
+
+std::string prototype_problem(const Prototype& prototype, const std::string& message) {
+  const std::string key = message.substr(0, message.find(':'));
+  Place place = prototype.place;
+  for (const auto& [path, value] : prototype.overrides) {
+    if (path == key) {
+      place = value.place;
+    }
+  }
+  return fmt::format("{}prototypes.{}: {}", place.prefix(), prototype.name, message);
+}
+
+SceneSettings scene_with(const Study& study, const Overrides& overrides) {
+  ConfigNode root = study.root;
+  for (const auto& [path, value] : overrides) {
+    if (study.resolved.at_path(path) == nullptr) {
+      throw ConfigError(unknown_path(study, path, value.place));
+    }
+    put_override(root, study.resolved, path, value);
+  }
+  return read_checked(root);
+}
+
+Overrides overrides_of(const Study& study, const Point& point) {
+  Overrides overrides;
+  for (std::size_t i = 0; i < study.space.variables.size(); ++i) {
+    const Variable& variable = study.space.variables[i];
+    if (is_active(study.space, point, i)) {
+      overrides.emplace_back(
+          variable.name, value_node(variable, point[i], *study.resolved.at_path(variable.name)));
+    }
+  }
+  return overrides;
+}
+
+Point baseline_point(const Study& study) {
+  Point point;
+  for (const Variable& variable : study.space.variables) {
+    const ConfigNode& node = *study.resolved.at_path(variable.name);
+    if (variable.kind == Variable::Kind::kChoice) {
+      const std::string text =
+          node.kind == Kind::kBoolean ? (node.boolean ? "true" : "false") : node.text;
+      const auto found = std::ranges::find(variable.choices, text);
+      point.push_back(found == variable.choices.end()
+                          ? 0.0
+                          : static_cast<double>(found - variable.choices.begin()));
+    } else {
+      point.push_back(node.number);
+    }
+  }
+  return canonical(study.space, point);
+}
+
+std::string resolved_text(const Study& study) {
+  ConfigNode root = ConfigNode::table();
+  root.names.emplace_back("schema");
+  root.items.push_back(ConfigNode::from_integer(kSchema));
+  root.names.emplace_back("title");
+  root.items.push_back(ConfigNode::from_text(study.title));
+  merge(root, study.resolved);
+  for (const char* table : {"variables", "prototypes", "objective", "constraints"}) {
+    if (const ConfigNode* node = study.root.find(table)) {
+      root.names.emplace_back(table);
+      root.items.push_back(*node);
+    }
+  }
+  write_study_tables(study, root);
+  return to_toml(root);
+}
+
+std::string config_hash(const Study& study) {
+  Study without_budget = study;
+  without_budget.budget = {};
+  std::string text = resolved_text(without_budget);
+  for (const std::filesystem::path& file : input_files(study.scene)) {
+    text += read_file(file);
+  }
+  return sha256_hex(text);
+}
+
+std::optional<double> parse_duration_s(const std::string& text) {
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  double total_s = 0.0;
+  if (at == end) {
+    return std::nullopt;
+  }
+  while (at != end) {
+    double value = 0.0;
+    const auto [next, error] = std::from_chars(at, end, value);
+    if (error != std::errc() || value < 0.0 || !std::isfinite(value)) {
+      return std::nullopt;
+    }
+    const char unit = next == end ? 's' : *next;
+    const double factor = unit == 's' ? 1.0 : unit == 'm' ? 60.0 : unit == 'h' ? 3600.0 : 0.0;
+    if (factor == 0.0) {
+      return std::nullopt;
+    }
+    total_s += value * factor;
+    at = next == end ? end : next + 1;
+  }
+  return total_s;
+}
+
+}  // namespace glint

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A study: a scene whose keys may be declared variables, with an objective, constraints, named
+// prototypes and a budget. Everything is checked when it is read, and all problems are reported at
+// once.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "optimizer/search/search.h"
+#include "studies/definition/population_settings.h"
+#include "studies/definition/scene.h"
+
+namespace glint {
+
+/// Values put at dotted paths of a scene.
+using Overrides = std::vector<std::pair<std::string, ConfigNode>>;
+
+/// A lighting someone wants to see beside the search.
+struct Prototype {
+  std::string name;
+  std::string title;
+  Overrides overrides;
+  Place place;  ///< of its table
+};
+
+struct Study {
+  std::string name;   ///< of its folder, or of its file without extension
+  std::string title;  ///< for people
+  ConfigNode root;    ///< as written, with --set values
+  SceneSettings scene;
+  ConfigNode resolved;  ///< write_scene() of the scene
+  SearchSpace space;    ///< may be empty: then there is nothing to search
+  Goal goal;
+  bool has_objective = false;
+  SearchSettings search;
+  Budget budget;
+  std::vector<Prototype> prototypes;
+  std::optional<SortingSettings> sorting;  ///< never beside variables
+  std::optional<PodSettings> pod;          ///< the same
+
+  bool has_population() const { return sorting.has_value() || pod.has_value(); }
+
+  bool has_search() const { return !space.variables.empty(); }
+};
+
+/// A `--set key=value` argument.
+struct KeyValue {
+  std::string path;
+  std::string value;
+};
+
+/// Reads and checks a study. @throws ConfigError with every problem, IoError
+Study load_study(const std::filesystem::path& path, const std::vector<KeyValue>& sets);
+
+/// The study's scene with other values. @throws ConfigError naming path and what is allowed
+SceneSettings scene_with(const Study& study, const Overrides& overrides);
+
+/// The study's own scene and nothing to search: what a rendered folder describes.
+Study scene_study(Study study);
+
+/// A problem of the scene with a prototype's values, with the place of the value or of the
+/// prototype that causes it. @param message  begins with the key at fault, has no place
+std::string prototype_problem(const Prototype& prototype, const std::string& message);
+
+/// What a point of the search space means: the active variables' values.
+Overrides overrides_of(const Study& study, const Point& point);
+
+/// The point that the study's own scene stands at, moved into the variables' limits.
+Point baseline_point(const Study& study);
+
+/// The whole study with every key present, as TOML; load_study() of it gives the same study.
+std::string resolved_text(const Study& study);
+
+/// Hash of everything that changes results; the budget is left out.
+std::string config_hash(const Study& study);
+
+/// Rows of the key table for the tables that only a study has.
+std::vector<KeyRow> study_keys();
+
+/// "40s", "30m", "8h", "1h30m" or a number of seconds; empty when it is none of these.
+std::optional<double> parse_duration_s(const std::string& text);
+
+}  // namespace glint

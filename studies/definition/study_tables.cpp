@@ -1,0 +1,408 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/study_tables.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/text.h"
+
+namespace glint {
+namespace {
+
+using Kind = ConfigNode::Kind;
+
+/// Dotted paths of all plain values below a node.
+void collect_paths(const ConfigNode& node, const std::string& path, std::vector<std::string>& out) {
+  if (!node.is_table() && !node.is_array()) {
+    out.push_back(path);
+    return;
+  }
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    const std::string name = node.is_table() ? node.names[i] : fmt::format("{}", i);
+    collect_paths(node.items[i], path.empty() ? name : path + "." + name, out);
+  }
+}
+
+void visit_search(KeyVisitor& keys, SearchSettings& s) {
+  std::vector<std::string_view> names(algorithm_names().begin(), algorithm_names().end());
+  const auto position = std::ranges::find(names, std::string_view(s.algorithm));
+  int index = position == names.end() ? 0 : static_cast<int>(position - names.begin());
+  keys.choice_index("algorithm", index, names, "how designs are chosen; docs/theory/search.md");
+  s.algorithm = names[static_cast<std::size_t>(index)];
+  int seed = static_cast<int>(s.seed);
+  keys.integer("seed", seed, Range::at_least(0), "of the search; noise has its own in [sensor]");
+  s.seed = static_cast<std::uint64_t>(seed);
+  keys.integer(
+      "batch",
+      s.batch,
+      Range::between(1, 1024),
+      "designs asked before the first of them is told; results depend on it, not on --jobs");
+  keys.integer("design",
+               s.design,
+               Range::between(0, 100000),
+               "size of the Sobol design before the local search; 0 = chosen by the program");
+  keys.boolean("noisy", s.is_noisy, "scores of one design vary from evaluation to evaluation");
+}
+
+void visit_budget(KeyVisitor& keys, Budget& b) {
+  keys.integer("evaluations", b.evaluations, Range::between(0, 100000000), "0 = no limit");
+  std::string text = b.wall_clock_s > 0.0 ? shortest(b.wall_clock_s) + "s" : "0s";
+  keys.text("wall_clock", text, "like \"40s\", \"30m\", \"8h\"; \"0s\" = no limit");
+  const auto seconds = parse_duration_s(text);
+  keys.require(seconds.has_value(),
+               "wall_clock",
+               fmt::format("is \"{}\", must be a duration like \"40s\", \"30m\" or \"8h\"", text));
+  b.wall_clock_s = seconds.value_or(0.0);
+  keys.integer("stall",
+               b.stall,
+               Range::between(0, 100000000),
+               "evaluations without a design that is better by more than the objective's noise; 0 "
+               "= no limit");
+  double target = b.target.value_or(0.0);
+  if (keys.is_given("target") || b.target) {
+    keys.number("target", target, Range{}, "value of the objective that is good enough");
+    b.target = target;
+  }
+  keys.require(b.evaluations > 0 || b.wall_clock_s > 0.0 || b.stall > 0 || b.target,
+               "evaluations",
+               "no limit is set: give evaluations, wall_clock, stall or target");
+}
+
+/// `when = "path == value"`.
+void read_condition(const ConfigNode& node, Variable& variable, std::vector<std::string>& errors) {
+  const auto trimmed = [](std::string text) {
+    const auto first = text.find_first_not_of(" \"");
+    const auto last = text.find_last_not_of(" \"");
+    return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
+  };
+  const auto equals = node.text.find("==");
+  if (node.kind != Kind::kText || equals == std::string::npos) {
+    errors.push_back(fmt::format(
+        "{}variables: {}: when must be \"path == value\"", node.place.prefix(), variable.name));
+    return;
+  }
+  variable.when_name = trimmed(node.text.substr(0, equals));
+  variable.when_value = trimmed(node.text.substr(equals + 2));
+}
+
+class VariableReader {
+ public:
+  VariableReader(const Study& study, std::vector<std::string>& errors)
+      : study_(study), errors_(errors) {}
+
+  std::optional<Variable> read(const std::string& path, const ConfigNode& table) {
+    const ConfigNode* key = study_.resolved.at_path(path);
+    if (key == nullptr) {
+      errors_.push_back(unknown_path(study_, path, table.place));
+      return std::nullopt;
+    }
+    if (!table.is_table() || key->is_table() || key->is_array()) {
+      fail(table, path, "must be { min = .., max = .. } or { choices = [..] } of one value");
+      return std::nullopt;
+    }
+    Variable variable{.name = path};
+    variable.kind = key->kind == Kind::kInteger  ? Variable::Kind::kInteger
+                    : key->kind == Kind::kNumber ? Variable::Kind::kFloat
+                                                 : Variable::Kind::kChoice;
+    const bool is_read = variable.kind == Variable::Kind::kChoice
+                             ? read_choices(path, table, *key, variable)
+                             : read_range(path, table, variable);
+    return is_read ? std::optional(variable) : std::nullopt;
+  }
+
+ private:
+  void fail(const ConfigNode& where, const std::string& path, const std::string& message) {
+    errors_.push_back(fmt::format("{}variables: {}: {}", where.place.prefix(), path, message));
+  }
+
+  bool read_range(const std::string& path, const ConfigNode& table, Variable& variable) {
+    bool is_good = true;
+    bool has_min = false;
+    bool has_max = false;
+    for (std::size_t i = 0; i < table.names.size(); ++i) {
+      const std::string& name = table.names[i];
+      const ConfigNode& item = table.items[i];
+      if (name == "when") {
+        read_condition(item, variable, errors_);
+      } else if (name == "log" && item.kind == Kind::kBoolean) {
+        variable.is_log = item.boolean;
+      } else if ((name == "min" || name == "max" || name == "step") && item.is_number()) {
+        (name == "min"   ? variable.low
+         : name == "max" ? variable.high
+                         : variable.step) = item.number;
+        has_min = has_min || name == "min";
+        has_max = has_max || name == "max";
+      } else {
+        fail(
+            item, path, fmt::format("{} is not allowed here; min, max, step, log, when are", name));
+        is_good = false;
+      }
+    }
+    if (!has_min || !has_max) {
+      if (is_good) {
+        fail(table, path, "needs min and max");
+      }
+      return false;
+    }
+    if (variable.low > variable.high) {
+      fail(table,
+           path,
+           fmt::format("min {} is above max {}", shortest(variable.low), shortest(variable.high)));
+      return false;
+    }
+    return is_good;
+  }
+
+  bool read_choices(const std::string& path,
+                    const ConfigNode& table,
+                    const ConfigNode& key,
+                    Variable& variable) {
+    if (const ConfigNode* when = table.find("when")) {
+      read_condition(*when, variable, errors_);
+    }
+    const ConfigNode* choices = table.find("choices");
+    if (choices == nullptr || !choices->is_array() || choices->items.empty()) {
+      if (key.kind == Kind::kBoolean && choices == nullptr) {
+        variable.choices = {"false", "true"};
+        return true;
+      }
+      fail(table, path, "needs choices = [\"..\", ..]");
+      return false;
+    }
+    for (const ConfigNode& choice : choices->items) {
+      if (choice.kind != key.kind) {
+        fail(choice, path, "a choice must be of the key's own kind");
+        return false;
+      }
+      variable.choices.push_back(choice.kind == Kind::kBoolean ? (choice.boolean ? "true" : "false")
+                                                               : choice.text);
+    }
+    return true;
+  }
+
+  const Study& study_;
+  std::vector<std::string>& errors_;
+};
+
+void read_variables(Study& study, std::vector<std::string>& errors) {
+  const ConfigNode* table = study.root.find("variables");
+  if (table == nullptr) {
+    return;
+  }
+  const std::size_t before = errors.size();
+  VariableReader reader(study, errors);
+  for (std::size_t i = 0; i < table->names.size(); ++i) {
+    if (auto variable = reader.read(table->names[i], table->items[i])) {
+      study.space.variables.push_back(std::move(*variable));
+    }
+  }
+  if (errors.size() == before && !study.space.variables.empty()) {
+    try {
+      check(study.space);
+    } catch (const ConfigError& error) {
+      errors.push_back(table->place.prefix() + "variables: " + error.what());
+    }
+  }
+}
+
+void read_objective(Study& study, std::vector<std::string>& errors) {
+  const ConfigNode* table = study.root.find("objective");
+  if (table == nullptr) {
+    if (study.has_search()) {
+      errors.push_back(
+          study.root.find("variables")->place.prefix() +
+          "objective: a search needs [objective] with maximise or minimise = \"score\"");
+    }
+    return;
+  }
+  const bool is_good = table->is_table() && table->items.size() == 1 &&
+                       (table->names[0] == "maximise" || table->names[0] == "minimise") &&
+                       table->items[0].kind == Kind::kText;
+  if (!is_good) {
+    errors.push_back(table->place.prefix() +
+                     "objective: must hold either maximise or minimise = \"name of a score\"");
+    return;
+  }
+  study.goal.objective = {.name = table->items[0].text,
+                          .is_maximised = table->names[0] == "maximise"};
+  study.has_objective = true;
+}
+
+void read_constraints(Study& study, std::vector<std::string>& errors) {
+  const ConfigNode* table = study.root.find("constraints");
+  if (table == nullptr) {
+    return;
+  }
+  for (std::size_t i = 0; i < table->names.size(); ++i) {
+    const ConfigNode& item = table->items[i];
+    Constraint constraint{.name = table->names[i]};
+    bool is_good = item.is_table();
+    for (std::size_t k = 0; is_good && k < item.names.size(); ++k) {
+      const std::string& name = item.names[k];
+      is_good = item.items[k].is_number() && std::isfinite(item.items[k].number);
+      const double value = item.items[k].number;
+      if (name == "min") {
+        constraint.min = value;
+      } else if (name == "max") {
+        constraint.max = value;
+      } else if (name == "weight") {
+        constraint.weight = value;
+      } else {
+        is_good = false;
+      }
+    }
+    is_good = is_good && (constraint.min || constraint.max) && constraint.weight > 0.0 &&
+              !(constraint.min && constraint.max && *constraint.min > *constraint.max);
+    if (!is_good) {
+      errors.push_back(fmt::format(
+          "{}constraints: {}: must be {{ min = .. }} or {{ max = .. }} (min <= max, weight > 0)",
+          item.place.prefix(),
+          constraint.name));
+      continue;
+    }
+    study.goal.constraints.push_back(std::move(constraint));
+  }
+}
+
+/// An evenly white picture is perfectly homogeneous and shows nothing: a study that maximises
+/// homogeneity gets the limits that keep it from winning, unless it sets its own.
+void add_default_constraints(Study& study) {
+  constexpr double kMaxClippedShare = 0.01;
+  constexpr double kMinCnr = 3.0;
+  const auto begins = [](const std::string& name, const char* prefix) {
+    return name.rfind(prefix, 0) == 0;
+  };
+  const auto has = [&](const char* prefix) {
+    return std::ranges::any_of(study.goal.constraints, [&](const Constraint& constraint) {
+      return begins(constraint.name, prefix);
+    });
+  };
+  if (!study.has_objective || !begins(study.goal.objective.name, "homogeneity.")) {
+    return;
+  }
+  if (!has("homogeneity.clipped_share")) {
+    study.goal.constraints.push_back(
+        {.name = "homogeneity.clipped_share", .max = kMaxClippedShare});
+  }
+  if (!study.scene.defects.empty() && !has("defects.")) {
+    study.goal.constraints.push_back({.name = "defects.min_cnr", .min = kMinCnr});
+  }
+}
+
+/// A study either searches designs or inspects a population with the designs it names.
+void read_populations(Study& study, std::vector<std::string>& errors) {
+  study.sorting = read_sorting(study.root, study.scene.defects, errors);
+  study.pod = read_pod(study.root, study.scene.defects, errors);
+  for (const char* name : {"sorting", "pod"}) {
+    const ConfigNode* table = study.root.find(name);
+    if (table != nullptr && study.root.find("variables") != nullptr) {
+      errors.push_back(fmt::format(
+          "{}{}: cannot stand beside [variables]: a study either searches or inspects a "
+          "population; name the designs to be compared as [prototypes]",
+          table->place.prefix(),
+          name));
+    }
+  }
+}
+
+}  // namespace
+
+void read_study_tables(Study& study, std::vector<std::string>& errors) {
+  study.title = study.name;
+  if (const ConfigNode* title = study.root.find("title")) {
+    if (title->kind != Kind::kText) {
+      errors.push_back(title->place.prefix() + "title: must be a text in quotes");
+    }
+    study.title = title->text;
+  }
+  if (const ConfigNode* schema = study.root.find("schema")) {
+    if (schema->kind != Kind::kInteger || schema->integer != 1) {
+      errors.push_back(schema->place.prefix() + "schema: this program reads schema 1");
+    }
+  }
+  read_variables(study, errors);
+  read_objective(study, errors);
+  read_constraints(study, errors);
+  add_default_constraints(study);
+  KeyReader search(study.root.find("search"), "search", errors);
+  visit_search(search, study.search);
+  search.report_unknown();
+  KeyReader budget(study.root.find("budget"), "budget", errors);
+  visit_budget(budget, study.budget);
+  budget.take("target");  // known also where it is not given
+  budget.report_unknown();
+  read_populations(study, errors);
+}
+
+void write_study_tables(const Study& study, ConfigNode& root) {
+  const auto add = [&](const char* name, const auto& visit) {
+    ConfigNode table = ConfigNode::table();
+    KeyWriter writer(table);
+    visit(writer);
+    root.names.emplace_back(name);
+    root.items.push_back(std::move(table));
+  };
+  add("search", [&](KeyVisitor& keys) {
+    SearchSettings settings = study.search;
+    visit_search(keys, settings);
+  });
+  add("budget", [&](KeyVisitor& keys) {
+    Budget budget = study.budget;
+    visit_budget(keys, budget);
+  });
+  if (study.sorting) {
+    root.names.emplace_back("sorting");
+    root.items.push_back(write_sorting(*study.sorting));
+  }
+  if (study.pod) {
+    root.names.emplace_back("pod");
+    root.items.push_back(write_pod(*study.pod));
+  }
+}
+
+std::vector<KeyRow> study_keys() {
+  std::vector<KeyRow> rows;
+  SearchSettings search;
+  KeyLister search_lister("search", rows);
+  visit_search(search_lister, search);
+  Budget budget;
+  budget.target = 0.0;
+  KeyLister budget_lister("budget", rows);
+  visit_budget(budget_lister, budget);
+  const std::vector<KeyRow> populations = population_keys();
+  rows.insert(rows.end(), populations.begin(), populations.end());
+  const auto add = [&](const char* path, const char* kind, const char* allowed, const char* doc) {
+    rows.push_back(
+        {.path = path, .kind = kind, .allowed = allowed, .default_text = "none", .doc = doc});
+  };
+  add("variables.\"path.to.key\"",
+      "table",
+      "{ min, max, step, log } or { choices }, and when = \"path == value\"",
+      "a numeric, boolean or choice key of the scene that the search may change");
+  add("prototypes.<name>.\"path.to.key\"",
+      "any",
+      "a value of that key",
+      "a named design that is scored beside the search");
+  add("objective.maximise", "text", "the name of a score", "what the search makes large");
+  add("objective.minimise", "text", "the name of a score", "what the search makes small");
+  add("constraints.\"score\"",
+      "table",
+      "{ min, max, weight }",
+      "limits that a score of a feasible design keeps; a study that optimises homogeneity has "
+      "homogeneity.clipped_share <= 0.01 and, with defects, defects.min_cnr >= 3 unless it sets "
+      "its own");
+  return rows;
+}
+
+std::string unknown_path(const Study& study, const std::string& path, const Place& place) {
+  std::vector<std::string> paths;
+  collect_paths(study.resolved, "", paths);
+  return fmt::format("{}{}: the scene has no such key, the nearest one is \"{}\"",
+                     place.prefix(),
+                     path,
+                     nearest(path, paths));
+}
+
+}  // namespace glint

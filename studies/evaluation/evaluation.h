@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "metrics/scores.h"
+#include "optimizer/algorithm/merit.h"
+#include "optimizer/problem/space.h"
+#include "simulator/render/scan/closed_scan.h"
+#include "studies/evaluation/scene_slopes.h"
+#include "studies/imaging/scene_store.h"
+#include "studies/imaging/traced_scene.h"
+
+namespace glint {
+
+/// One scene, scanned and scored.
+struct Evaluation {
+  Scores scores;
+  ImageF aspect;  ///< mean of the frames; closed forms: right in the region and around the defects
+  ScanForm form;  ///< how it came about; frames for the plain way
+  std::shared_ptr<const TracedScene> traced;
+  std::vector<DefectScores> defects;
+  Gradients gradients;  ///< of the scores that were asked for
+};
+
+/// Which scores are wanted, beside homogeneity.
+struct WantedScores {
+  bool fringes = true;             ///< of the first frame; needs all of it
+  bool defects = true;             ///< need the frames around the defects
+  bool robust = true;              ///< homogeneity.robust: percentiles
+  bool slot = true;                ///< view.slot_margin_mm: a sight line for each pixel
+  bool family = false;             ///< homogeneity.residual and its like: passes of their own
+  WantedGradients gradients = {};  ///< need closed forms
+  bool errors = true;              ///< "<score>.error" of path-traced scenes: the metrics once more
+                                   ///< for each batch
+
+  /// Scores that need more than this one scan: those of an inspection line ("inspection.") and
+  /// bounds of intervals (".low", ".high"), which need scans with other noise.
+  std::vector<std::string> trials = {};
+  std::int64_t first_part = 0;  ///< of the line; others are other parts with other noise
+
+  /// These trials alone, with everything that one scan gives.
+  WantedScores with_whole_scan(std::int64_t first = 0) const {
+    return {.family = true, .trials = trials, .first_part = first};
+  }
+
+  /// All but the trials.
+  WantedScores of_one_scan() const;
+};
+
+/// What a search needs for its objective and constraints.
+WantedScores wanted_by(const Goal& goal);
+
+/// The same with their derivatives by each variable.
+WantedScores wanted_with_gradients(const Goal& goal, const SearchSpace& space);
+
+/// Scans a scene and scores it. Single-threaded but for tracing rays. How pictures come about is
+/// decided by scene.render.method; `auto` takes closed forms when no whole frame is wanted. Scenes
+/// that need paths go to evaluate_paths().
+/// @param consume  sees each frame's grey values in order; may be empty
+/// @throws ConfigError beginning with the key at fault, IoError
+Evaluation evaluate(SceneStore& store,
+                    const SceneSettings& scene,
+                    const FrameConsumer& consume = {},
+                    const WantedScores& wanted = {});
+
+/// The scene for re-scoring a finalist: other noise, every frame, and finer rays.
+SceneSettings finer(SceneSettings scene);
+
+/// The line's first part for re-scoring: parts and noise that no search has seen.
+inline constexpr std::int64_t kFreshParts = 1000003;
+
+}  // namespace glint

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What scans of a tunnel and path-traced pictures have in common when they are scored.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "defects/part/defective_part.h"
+#include "metrics/scores.h"
+#include "simulator/sensor/sensor.h"
+#include "studies/definition/scene.h"
+
+namespace glint {
+
+/// Grey levels per full scale decide what can be told apart when the sensor adds no noise.
+double sigma_floor(const SensorSettings& sensor);
+
+/// The sensor without noise, as it sees a flawless window.
+Sensor quiet_sensor(SensorSettings settings, int width_px, int height_px);
+
+/// Mean grey value that the dark signal adds.
+double dark_grey(const SensorSettings& sensor);
+
+DefectTotals totals_of(const DefectivePart& part);
+
+/// Change of a pixel in one frame that is neither noise nor rounding: five standard deviations at
+/// full scale, where shot noise is largest.
+double least_change(const SceneSettings& scene);
+
+/// Scores of all defects, in the aspect image and in the frame that shows each best.
+std::vector<DefectScores> scored_defects(const ImageF& aspect,
+                                         std::span<const DefectPixels> defects,
+                                         const BestFrames& best,
+                                         const SceneSettings& scene);
+
+/// What parts fine from coarse in this scene.
+FamilyScales scales_of(const SceneSettings& scene,
+                       std::span<const DefectPixels> defects,
+                       const std::optional<FringeScores>& fringes);
+
+}  // namespace glint

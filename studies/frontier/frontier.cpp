@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/frontier/frontier.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "core/cpu_clock.h"
+#include "studies/evaluation/evaluation.h"
+#include "studies/frontier/banded_scan.h"
+
+namespace glint {
+namespace {
+
+using Method = RenderSettings::Method;
+
+constexpr double kLeastContrast = 0.01;  ///< smaller ones are not worth a relative error
+constexpr double kTimedTotal_s = 0.3;
+
+/// More rays at once are rendered in bands: 36 bytes each.
+constexpr std::int64_t kMostRays = std::int64_t{1} << 25;
+
+/// The sensor without what no method of rendering can change.
+SceneSettings quiet(SceneSettings scene) {
+  scene.sensor.full_well_e = scene.sensor.read_noise_e = scene.sensor.dark_e = 0.0;
+  scene.sensor.bits = 0;
+  return scene;
+}
+
+/// A sensor whose grey values are radiances times the gain.
+SceneSettings linear(SceneSettings scene, double gain) {
+  scene.sensor = {.exposure = 1.0, .gain = gain, .blur_px = 0.0, .bits = 0};
+  return scene;
+}
+
+SceneSettings scene_of(const FrontierPoint& point, SceneSettings scene) {
+  scene.render.method = point.method;
+  if (point.rays_per_px > 0) {
+    scene.render.rays_per_axis =
+        static_cast<int>(std::lround(std::sqrt(static_cast<double>(point.rays_per_px))));
+  }
+  if (point.direction_mrad > 0.0) {
+    scene.render.max_direction_error_rad = point.direction_mrad * 1e-3;
+  }
+  constexpr std::string_view kFacetWord = "facets ";
+  if (point.tessellation.starts_with(kFacetWord)) {
+    scene.part.facets_mm = std::stod(point.tessellation.substr(kFacetWord.size())) * 1e-3;
+  }
+  return point.reduction == 1 ? scene : half_resolution(std::move(scene));
+}
+
+/// Root of the mean square of what is added.
+class Rmse {
+ public:
+  void add(double error) {
+    sum_ += error * error;
+    ++count_;
+  }
+
+  double value() const { return std::sqrt(sum_ / std::max(1.0, static_cast<double>(count_))); }
+
+ private:
+  double sum_ = 0.0;
+  std::int64_t count_ = 0;
+};
+
+/// The frames all others are compared with.
+struct ReferenceFrames {
+  BandedScan scan;
+  Mask smooth;  ///< pixels without edge of the light, rim of the part, defect
+};
+
+/// Compares frames with the reference on all pixels that see the part, in order.
+class FrameErrors {
+ public:
+  FrameErrors(const ReferenceFrames& reference, double gain) : reference_(reference), gain_(gain) {}
+
+  void add(int index, const ImageF& grey) {
+    const ImageF& right = reference_.scan.radiance[static_cast<std::size_t>(index)];
+    const bool is_same = grey.width() == right.width() && grey.height() == right.height();
+    const ImageF full = is_same ? ImageF() : enlarged(grey, right.width(), right.height());
+    const ImageF::Values& values = (is_same ? grey : full).values();
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (reference_.scan.seen.coverage.values()[i] > 0.0F) {
+        const double error =
+            static_cast<double>(values[i]) / gain_ - static_cast<double>(right.values()[i]);
+        all_.add(error);
+        if (reference_.smooth.values()[i] != 0) {
+          smooth_.add(error);
+        }
+      }
+    }
+  }
+
+  void store(FrontierPoint& point) const {
+    point.frame_rmse = all_.value();
+    point.smooth_frame_rmse = smooth_.value();
+  }
+
+ private:
+  const ReferenceFrames& reference_;
+  double gain_;
+  Rmse all_;
+  Rmse smooth_;
+};
+
+double relative_percent(double value, double right) {
+  return 100.0 * std::abs(value - right) / std::max(std::abs(right), kLeastContrast);
+}
+
+/// The frames of the reference are kept; a scan of thousands of large ones does not fit.
+void check_memory(const SceneSettings& scene) {
+  const double needed = 4.0 * scene.camera.width_px * scene.camera.height_px * scene.scan.positions;
+  const double available =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  if (needed > 0.25 * available) {
+    throw ConfigError(fmt::format(
+        "scan.positions: {} pictures of {} x {} px need {:.1f} GB to be compared with, this "
+        "machine has {:.1f} GB; allowed is a quarter of it",
+        scene.scan.positions,
+        scene.camera.width_px,
+        scene.camera.height_px,
+        needed * 1e-9,
+        available * 1e-9));
+  }
+}
+
+/// Measures one method after the other.
+class Measuring {
+ public:
+  Measuring(const SceneSettings& scene, const FrontierOptions& options)
+      : scene_(quiet(scene)), options_(options), pool_(options.threads) {
+    frontier_.points = frontier_methods(scene_);
+    for (const FrontierPoint& point : frontier_.points) {
+      total_work_ += work_of(point);
+    }
+  }
+
+  Frontier run() {
+    measure_reference();
+    for (FrontierPoint& point : frontier_.points) {
+      if (!point.is_reference) {
+        report(point.label);
+        try {
+          measure(point);
+        } catch (const ConfigError& error) {
+          point.problem = error.what();
+        }
+        done_work_ += work_of(point);
+      }
+    }
+    estimate_own_error();
+    mark_front(frontier_.points);
+    return std::move(frontier_);
+  }
+
+ private:
+  /// Rays are what takes time, roughly.
+  double work_of(const FrontierPoint& point) const {
+    const double pixels = 1.0 / (point.reduction * point.reduction);
+    return pixels * (16.0 + (point.rays_per_px > 0 ? point.rays_per_px : 16));
+  }
+
+  void report(const std::string& next, double more = 0.0) const {
+    if (options_.on_progress) {
+      options_.on_progress(std::min(1.0, (done_work_ + more) / total_work_), next);
+    }
+  }
+
+  void measure_reference() {
+    const auto at = std::ranges::find_if(
+        frontier_.points, [](const FrontierPoint& point) { return point.is_reference; });
+    FrontierPoint& point = *at;
+    const SceneSettings scene = scene_of(point, scene_);
+    const double work = work_of(point);
+    const int height_px = scene.camera.height_px;
+    const auto on_band = [&](int rows) { report("reference", work * rows / height_px); };
+    on_band(0);
+    SceneStore store(pool_);
+    const double start = process_cpu_s();
+    const SceneSettings plain = scene_of(frontier_.points.front(), scene_);
+    const auto traced = store.trace(plain);
+    const double build_s = process_cpu_s() - start;
+    ScoredScan scored =
+        evaluate_in_bands(*traced->part, scene, pool_, {.repeats = 2, .on_band = on_band});
+    point.cpu_s = scored.cpu_s;
+    point.cold_s = build_s + scored.cold_cpu_s;
+    set_plain_form(point, scene);
+    point.frame_rmse = point.smooth_frame_rmse = 0.0;
+    FrontierReference& reference = frontier_.reference;
+    reference.rays_per_px = point.rays_per_px;
+    reference.h_rms = scored.h_rms;
+    for (const DefectScores& defect : scored.defects) {
+      reference.weber[defect.label] = defect.weber;
+      reference.change[defect.label] = defect.change;
+      point.defects[defect.label] = {};
+    }
+    frames_ = {.scan = std::move(scored.scan), .smooth = std::move(scored.region)};
+    for (std::size_t i = 0; i < frames_.smooth.size(); ++i) {
+      frames_.smooth.values()[i] &= frames_.scan.lit.values()[i];
+    }
+    float largest = 1.0F;
+    for (const ImageF& frame : frames_.scan.radiance) {
+      largest = std::max(largest, *std::ranges::max_element(frame.values()));
+    }
+    gain_ = largest > 1.0F ? 0.99 / static_cast<double>(largest) : 1.0;
+    done_work_ += work;
+  }
+
+  /// The one function that knows how a method is run.
+  void measure(FrontierPoint& point) {
+    const SceneSettings scene = scene_of(point, scene_);
+    const auto rays = std::int64_t{scene.camera.width_px} * scene.camera.height_px *
+                      std::max(1, point.rays_per_px);
+    if (point.method == Method::kSampled && rays > kMostRays) {
+      measure_in_bands(point, scene);
+    } else {
+      measure_at_once(point, scene);
+    }
+  }
+
+  void measure_in_bands(FrontierPoint& point, const SceneSettings& scene) {
+    SceneStore store(pool_);
+    SceneSettings one_ray = scene;
+    one_ray.render.rays_per_axis = 1;
+    const auto traced = store.trace(one_ray);
+    const ScoredScan scored =
+        evaluate_in_bands(*traced->part, scene, pool_, {.repeats = options_.repeats});
+    point.cpu_s = scored.cpu_s;
+    point.cold_s = scored.cold_cpu_s;
+    set_plain_form(point, scene);
+    FrameErrors errors(frames_, 1.0);
+    for (std::size_t i = 0; i < scored.scan.radiance.size(); ++i) {
+      errors.add(static_cast<int>(i), scored.scan.radiance[i]);
+    }
+    errors.store(point);
+    set_score_errors(point, scored.h_rms, scored.defects);
+  }
+
+  static void set_plain_form(FrontierPoint& point, const SceneSettings& scene) {
+    point.traced_per_px = point.rays_per_px;
+    point.form = form_name(ScanForm::Kind::kFrames);
+    point.frame_pixels = scene.camera.width_px * scene.camera.height_px;
+  }
+
+  void measure_at_once(FrontierPoint& point, const SceneSettings& scene) {
+    ThreadPool alone(1);
+    SceneStore store(alone);
+    const double start = process_cpu_s();
+    const FrameConsumer look = [](int /*index*/, const ImageF& /*grey*/) {};
+    const FrameConsumer consume = point.has_frames ? look : FrameConsumer();
+    const WantedScores wanted = {.fringes = false};  // they ask for a whole frame
+    const Evaluation evaluation = evaluate(store, scene, consume, wanted);
+    point.cold_s = process_cpu_s() - start;
+    point.cpu_s = least_cpu_s(
+        options_.repeats, kTimedTotal_s, [&] { evaluate(store, scene, consume, wanted); });
+    point.traced_per_px = static_cast<double>(evaluation.traced->counts().camera) /
+                          (static_cast<double>(scene.camera.width_px) * scene.camera.height_px);
+    point.form = form_name(evaluation.form.kind);
+    point.frame_pixels = evaluation.form.frame_pixels;
+    set_score_errors(point, evaluation.scores.at("homogeneity.h_rms"), evaluation.defects);
+    if (point.has_frames) {
+      FrameErrors errors(frames_, gain_);
+      evaluate(store, linear(scene, gain_), [&](int index, const ImageF& grey) {
+        errors.add(index, grey);
+      });
+      errors.store(point);
+    }
+  }
+
+  void set_score_errors(FrontierPoint& point,
+                        double h_rms,
+                        const std::vector<DefectScores>& defects) const {
+    point.h_error_points = 100.0 * std::abs(h_rms - frontier_.reference.h_rms);
+    for (const DefectScores& defect : defects) {
+      point.defects[defect.label] = {
+          .weber_percent =
+              relative_percent(defect.weber, frontier_.reference.weber.at(defect.label)),
+          .change_percent =
+              relative_percent(defect.change, frontier_.reference.change.at(defect.label))};
+    }
+  }
+
+  void estimate_own_error() {
+    std::map<int, double> rmse;
+    for (const FrontierPoint& point : frontier_.points) {
+      const bool is_plain = point.method == Method::kSampled && point.reduction == 1 &&
+                            point.tessellation == frontier_.points.front().tessellation;
+      if (is_plain && point.frame_rmse) {
+        rmse[point.rays_per_px] = *point.frame_rmse;
+      }
+    }
+    frontier_.reference.own_frame_rmse = glint::own_frame_rmse(rmse[16], rmse[64]);
+  }
+
+  SceneSettings scene_;
+  const FrontierOptions& options_;
+  ThreadPool pool_;
+  ReferenceFrames frames_;
+  double gain_ = 1.0;  ///< brings the brightest radiance to full scale
+  double total_work_ = 0.0;
+  double done_work_ = 0.0;
+  Frontier frontier_;
+};
+
+}  // namespace
+
+Frontier measure_frontier(const SceneSettings& scene, const FrontierOptions& options) {
+  if (needs_paths(scene)) {
+    throw ConfigError(
+        "render.method: a frontier compares the methods for a plain mirror under one tunnel; this "
+        "scene is path-traced");
+  }
+  check_memory(scene);
+  return Measuring(scene, options).run();
+}
+
+}  // namespace glint

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "core/units.h"
+#include "studies/drawing/svg_page.h"
+#include "studies/frontier/frontier_page.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector2d;
+using Method = RenderSettings::Method;
+
+constexpr double kWidth = 760.0;
+constexpr double kHeight = 492.0;
+constexpr double kLeft = 74.0;
+constexpr double kRight = 736.0;
+constexpr double kTop = 96.0;
+constexpr double kBottom = 434.0;
+constexpr double kMarker = 5.5;
+
+/// The look of one kind of point.
+struct Family {
+  std::string name;
+  std::string colour;
+  bool is_hollow = false;
+  int corners = 24;  ///< of its marker
+  double turn_rad = 0.0;
+};
+
+bool is_faceted(const FrontierPoint& point, const Frontier& frontier) {
+  return point.tessellation != frontier.points.front().tessellation;
+}
+
+Family family_of(const FrontierPoint& point, const Frontier& frontier) {
+  Family family;
+  switch (point.method) {
+    case Method::kSampled:
+      family = {.name = "plain sampling", .colour = "#0072b2"};
+      break;
+    case Method::kIntegrated:
+      family = {.name = "integrated", .colour = "#d55e00", .corners = 4};
+      break;
+    case Method::kClosed:
+      family = {.name = "closed forms", .colour = "#009e73", .corners = 4, .turn_rad = 0.25 * kPi};
+      break;
+    case Method::kPaths:
+      family = {.name = "path tracing", .colour = "#cc79a7"};
+      break;
+    case Method::kAuto:
+      return {.name = "own choice",
+              .colour = std::string(kDrawingInk),
+              .is_hollow = true,
+              .corners = 24};
+  }
+  if (point.reduction > 1) {
+    family.name += ", half resolution";
+    family.is_hollow = true;
+  }
+  if (is_faceted(point, frontier)) {
+    family.name += ", facets";
+    family.colour = point.method == Method::kSampled ? "#56b4e9" : "#cc79a7";
+    family.corners = 3;
+    family.turn_rad = -0.5 * kPi;
+  }
+  return family;
+}
+
+/// Powers of ten along both axes.
+struct Scale {
+  Vector2d low = Vector2d::Constant(std::numeric_limits<double>::infinity());  ///< log10
+  Vector2d high = Vector2d::Constant(-std::numeric_limits<double>::infinity());
+
+  void add(const Vector2d& value) {
+    const Vector2d power(std::log10(value.x()), std::log10(value.y()));
+    low = low.cwiseMin(power);
+    high = high.cwiseMax(power);
+  }
+
+  void round() {
+    low = (low.array() - 0.08).floor();
+    high = (high.array() + 0.08).ceil();
+  }
+
+  Vector2d place(const Vector2d& value) const {
+    const Vector2d share =
+        (Vector2d(std::log10(value.x()), std::log10(value.y())) - low).cwiseQuotient(high - low);
+    return {kLeft + share.x() * (kRight - kLeft), kBottom - share.y() * (kBottom - kTop)};
+  }
+};
+
+/// CPU milliseconds and frame error, where both can stand on axes of powers of ten.
+std::optional<Vector2d> value_of(const FrontierPoint& point) {
+  const auto error = error_of(point, kFrameRmse);
+  if (!error || !(*error > 0.0) || !(point.cpu_s > 0.0)) {
+    return std::nullopt;
+  }
+  return Vector2d(point.cpu_s * 1e3, *error);
+}
+
+std::string power_text(double power) {
+  return fmt::format("{:g}", std::pow(10.0, power));
+}
+
+class Chart {
+ public:
+  explicit Chart(const Frontier& frontier) : frontier_(frontier) {
+    for (const FrontierPoint& point : frontier.points) {
+      if (const auto value = value_of(point)) {
+        scale_.add(*value);
+        has_points_ = true;
+      }
+    }
+    if (!has_points_) {
+      scale_ = {.low = Vector2d(0.0, -3.0), .high = Vector2d(3.0, 0.0)};
+    }
+    scale_.round();
+  }
+
+  std::string draw(const std::string& title) {
+    page_.text({kLeft, 22.0}, title, "start", 0.0, R"(font-weight="bold")");
+    axes();
+    reference();
+    front();
+    for (const FrontierPoint& point : frontier_.points) {
+      if (const auto value = value_of(point)) {
+        label(point, scale_.place(*value));
+      }
+    }
+    for (const FrontierPoint& point : frontier_.points) {  // over the white rims of the letters
+      if (const auto value = value_of(point)) {
+        marker(scale_.place(*value), family_of(point, frontier_), point.is_choice);
+      }
+    }
+    legend();
+    return page_.document(kWidth, kHeight, title);
+  }
+
+ private:
+  void axes() {
+    const std::string_view grid = R"(stroke="#dde2e6" stroke-width="1")";
+    for (double power = scale_.low.x(); power <= scale_.high.x() + 0.5; power += 1.0) {
+      const double x = scale_.place({std::pow(10.0, power), 1.0}).x();
+      page_.line({x, kTop}, {x, kBottom}, grid);
+      page_.text({x, kBottom + 18.0}, power_text(power));
+    }
+    for (double power = scale_.low.y(); power <= scale_.high.y() + 0.5; power += 1.0) {
+      const double y = scale_.place({1.0, std::pow(10.0, power)}).y();
+      page_.line({kLeft, y}, {kRight, y}, grid);
+      page_.text({kLeft - 8.0, y + 4.0}, power_text(power), "end");
+    }
+    page_.text({0.5 * (kLeft + kRight), kBottom + 42.0},
+               "CPU time of one more candidate, one thread (ms)");
+    page_.text({20.0, 0.5 * (kTop + kBottom)}, "frame error (RMSE, full scale 1)", "middle", -90.0);
+  }
+
+  /// Below the reference's own error nothing can be told apart.
+  void reference() {
+    const auto own = frontier_.reference.own_frame_rmse;
+    if (!own || !(*own > 0.0)) {
+      return;
+    }
+    const double y = scale_.place({1.0, *own}).y();
+    if (y < kBottom && y > kTop) {
+      page_.line({kLeft, y}, {kRight, y}, R"(stroke="#8a949e" stroke-dasharray="2 3")");
+      page_.text({kRight, y - 4.0}, "error of the reference itself, about", "end");
+    }
+  }
+
+  void front() {
+    std::vector<Vector2d> values;
+    for (const FrontierPoint& point : frontier_.points) {
+      const auto value = value_of(point);
+      if (value && std::ranges::count(point.on_front, kFrameRmse) > 0) {
+        values.push_back(*value);
+      }
+    }
+    std::ranges::sort(values, {}, [](const Vector2d& value) { return value.x(); });
+    std::vector<Vector2d> steps;
+    for (const Vector2d& value : values) {
+      const Vector2d at = scale_.place(value);
+      if (!steps.empty()) {
+        steps.emplace_back(at.x(), steps.back().y());
+      }
+      steps.push_back(at);
+    }
+    if (steps.size() > 1) {
+      page_.shape("polyline",
+                  steps,
+                  R"(fill="none" stroke="#6b7680" stroke-width="1.2" stroke-dasharray="5 4")");
+    }
+  }
+
+  void marker(const Vector2d& at, const Family& family, bool is_choice) {
+    const double radius = is_choice ? 1.9 * kMarker : kMarker;
+    std::vector<Vector2d> corners;
+    for (int i = 0; i < family.corners; ++i) {
+      const double angle_rad = family.turn_rad + 2.0 * kPi * i / family.corners;
+      corners.emplace_back(at + radius * Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
+    }
+    const char* fill = is_choice ? "none" : family.is_hollow ? "#ffffff" : family.colour.c_str();
+    page_.shape("polygon",
+                corners,
+                fmt::format(R"(fill="{}" stroke="{}" stroke-width="{}")",
+                            fill,
+                            family.colour,
+                            is_choice ? 2.0 : 1.4));
+  }
+
+  /// What a point is: rays a pixel, or the allowed error of directions; where there is room.
+  void label(const FrontierPoint& point, const Vector2d& at) {
+    if (is_faceted(point, frontier_) || point.is_choice) {
+      return;
+    }
+    const bool is_sampled = point.method == Method::kSampled;
+    const Vector2d corner = at + (is_sampled ? Vector2d(8.0, -6.0) : Vector2d(9.0, 15.0));
+    const bool is_crowded = std::ranges::any_of(labels_, [&](const Vector2d& other) {
+      return std::abs(other.x() - corner.x()) < 32.0 && std::abs(other.y() - corner.y()) < 11.0;
+    });
+    if (!is_crowded) {
+      page_.text(corner,
+                 is_sampled ? fmt::format("{}", point.rays_per_px)
+                            : fmt::format("{:g} mrad", point.direction_mrad),
+                 "start",
+                 0.0,
+                 R"(font-size="10.5")");
+      labels_.push_back(corner);
+    }
+  }
+
+  void legend() {
+    std::vector<std::string> known;
+    for (const FrontierPoint& point : frontier_.points) {
+      const Family family = family_of(point, frontier_);
+      if (!value_of(point) || std::ranges::count(known, family.name) > 0) {
+        continue;
+      }
+      const auto index = static_cast<double>(known.size());
+      const double column = std::fmod(index, 3.0);
+      const Vector2d at(kLeft + 6.0 + 225.0 * column, 40.0 + 18.0 * std::floor(index / 3.0));
+      marker(at, family, false);
+      page_.text(at + Vector2d(12.0, 4.0), family.name, "start");
+      known.push_back(family.name);
+    }
+  }
+
+  const Frontier& frontier_;
+  SvgPage page_;
+  std::vector<Vector2d> labels_;
+  Scale scale_;
+  bool has_points_ = false;
+};
+
+}  // namespace
+
+std::string frontier_svg(const Frontier& frontier, const std::string& title) {
+  return Chart(frontier).draw(title);
+}
+
+}  // namespace glint

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/frontier/frontier_page.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "studies/evaluation/evaluation.h"
+#include "studies/output/output_folder.h"
+#include "studies/output/provenance.h"
+#include "studies/report/report.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+using Method = RenderSettings::Method;
+
+constexpr int kProgressSteps = 1000;
+
+Json optional_json(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json point_json(const FrontierPoint& point) {
+  Json json = {{"method", method_name(point.method)},
+               {"label", point.label},
+               {"rays_per_px", point.rays_per_px > 0 ? Json(point.rays_per_px) : Json(nullptr)},
+               {"traced_per_px", point.traced_per_px},
+               {"form", point.form},
+               {"frame_pixels", point.frame_pixels},
+               {"max_direction_error_mrad",
+                point.direction_mrad > 0.0 ? Json(point.direction_mrad) : Json(nullptr)},
+               {"resolution", point.reduction == 1 ? "full" : "half"},
+               {"tessellation", point.tessellation},
+               {"frames", point.has_frames}};
+  if (!point.problem.empty()) {
+    json["problem"] = point.problem;
+  } else {
+    json["cpu_s"] = point.cpu_s;
+    json["cold_s"] = point.cold_s;
+    json["frame_rmse"] = optional_json(point.frame_rmse);
+    json["smooth_frame_rmse"] = optional_json(point.smooth_frame_rmse);
+    json["h_error_points"] = point.h_error_points;
+    json["contrast_error_percent"] = optional_json(point.contrast_error_percent());
+    json["defects"] = Json::object();
+    for (const auto& [label, errors] : point.defects) {
+      json["defects"][label] = {{"weber_error_percent", errors.weber_percent},
+                                {"change_error_percent", errors.change_percent}};
+    }
+  }
+  json["on_front"] = point.on_front;
+  json["is_choice"] = point.is_choice;
+  json["is_reference"] = point.is_reference;
+  return json;
+}
+
+Json reference_json(const FrontierReference& reference) {
+  Json defects = Json::object();
+  for (const auto& [label, weber] : reference.weber) {
+    defects[label] = {{"weber", weber}, {"change", reference.change.at(label)}};
+  }
+  return {{"method", method_name(Method::kSampled)},
+          {"rays_per_px", reference.rays_per_px},
+          {"h_rms", reference.h_rms},
+          {"defects", defects},
+          {"own_frame_rmse", optional_json(reference.own_frame_rmse)}};
+}
+
+std::string time_text(double seconds) {
+  return fmt::format("{:.3g} ms", seconds * 1e3);
+}
+
+bool is_full_plain(const FrontierPoint& point, const Frontier& frontier) {
+  return point.method == Method::kSampled && point.reduction == 1 && point.problem.empty() &&
+         point.tessellation == frontier.points.front().tessellation && point.frame_rmse;
+}
+
+/// Everything that would be refused, before a folder is made.
+void check_study_scene(const Study& study, int threads) {
+  try {
+    ThreadPool pool(threads);
+    SceneStore store(pool);
+    SceneSettings quick = study.scene;
+    quick.render.method = Method::kSampled;
+    quick.render.rays_per_axis = 1;
+    evaluate(store, quick);
+  } catch (const ConfigError& error) {
+    throw ConfigError(with_place(study.root, error.what()));
+  }
+}
+
+Json measure(const Study& study, const FrontierRun& run, Frontier& frontier) {
+  Progress bar(study.name, kProgressSteps, run.progress);
+  const auto show = [&](double done, const std::string& next) {
+    bar.update(static_cast<std::int64_t>(done * kProgressSteps), next);
+  };
+  try {
+    frontier = measure_frontier(study.scene, {.threads = run.threads, .on_progress = show});
+  } catch (const ConfigError& error) {
+    throw ConfigError(with_place(study.root, error.what()));
+  }
+  bar.update(kProgressSteps);
+  return frontier_json(study, frontier);
+}
+
+std::vector<std::string> method_notes(const Frontier& frontier) {
+  std::vector<std::string> notes = {
+      fmt::format("Every method is compared with {} rays a pixel by plain sampling at full "
+                  "resolution, without noise and quantisation.",
+                  frontier.reference.rays_per_px),
+      "CPU time is that of one thread for one more candidate lighting, rays kept: the best of "
+      "several repeats. The first candidate also pays for building the part and tracing.",
+      "Frame error: root of the mean square of radiance over all frames and all pixels that see "
+      "the "
+      "part; pictures of half resolution are enlarged linearly for it. Full scale is 1.",
+      "Contrast error: the worst defect, in the aspect image (Weber) or in its best frame "
+      "(change), "
+      "in per cent of its value but of at least 1 % of full contrast."};
+  if (frontier.reference.own_frame_rmse) {
+    notes.push_back(fmt::format(
+        "The reference's own frame error is about {:.2g}, extrapolated from 16 and 64 rays; below "
+        "that the chart tells no differences.",
+        *frontier.reference.own_frame_rmse));
+  }
+  return notes;
+}
+
+std::string page_html(const Study& study, const Frontier& frontier, const Json& json) {
+  Json source = provenance();
+  source.erase("cores");
+  return render_report({{"title", study.title},
+                        {"subtitle", "What each method of rendering costs, and how wrong it is"},
+                        {"verdict",
+                         {{"sentence", frontier_sentence(frontier)},
+                          {"tone", "neutral"},
+                          {"details", Json::array()}}},
+                        {"frontier", json},
+                        {"methods", method_notes(frontier)},
+                        {"config_toml", resolved_text(study)},
+                        {"provenance", source}});
+}
+
+}  // namespace
+
+std::string frontier_sentence(const Frontier& frontier) {
+  const auto choice = std::ranges::find_if(frontier.points, [](const FrontierPoint& point) {
+    return point.is_choice && point.problem.empty() && point.frame_rmse;
+  });
+  if (choice == frontier.points.end()) {
+    return "The program's own choice could not be measured.";
+  }
+  const std::string own = fmt::format(
+      "Glint's own choice takes {} for {}, with a frame error of "
+      "{:.2g}",
+      time_text(choice->cpu_s),
+      "all pictures of a candidate",
+      *choice->frame_rmse);
+  const FrontierPoint* equal = nullptr;
+  const FrontierPoint* finest = nullptr;
+  for (const FrontierPoint& point : frontier.points) {
+    if (!is_full_plain(point, frontier) || point.is_reference) {
+      continue;
+    }
+    finest = &point;
+    if (*point.frame_rmse <= *choice->frame_rmse &&
+        (equal == nullptr || point.cpu_s < equal->cpu_s)) {
+      equal = &point;
+    }
+  }
+  if (equal != nullptr) {
+    return fmt::format("{}; plain sampling needs {} and {} for no larger one.",
+                       own,
+                       equal->label,
+                       time_text(equal->cpu_s));
+  }
+  return finest == nullptr
+             ? own + "."
+             : fmt::format("{}; plain sampling with {} takes {} and is off by {:.2g}.",
+                           own,
+                           finest->label,
+                           time_text(finest->cpu_s),
+                           *finest->frame_rmse);
+}
+
+Json frontier_json(const Study& study, const Frontier& frontier) {
+  Json points = Json::array();
+  for (const FrontierPoint& point : frontier.points) {
+    points.push_back(point_json(point));
+  }
+  return {{"schema", 1},
+          {"status", "done"},
+          {"study", study.name},
+          {"title", study.title},
+          {"reference", reference_json(frontier.reference)},
+          {"points", points},
+          {"report", "frontier.html"},
+          {"drawing", "frontier.svg"}};
+}
+
+Json frontier_study(const Study& study, const FrontierRun& run) {
+  const auto start = Clock::now();
+  check_study_scene(study, run.threads);
+  { const OutputFolder probe(run.out); }  // refused now rather than after all the work
+  Frontier frontier;
+  Json json = measure(study, run, frontier);
+  OutputFolder folder(run.out);
+  remove_unfinished_files(run.out);
+  write_file(run.out / "frontier.json", json.dump(2) + "\n");
+  write_file(run.out / "frontier.svg", frontier_svg(frontier, study.title));
+  write_file(run.out / "frontier.html", page_html(study, frontier, json));
+  std::error_code ignored;
+  if (!fs::exists(run.out / "result.json", ignored)) {
+    Json origin = provenance();
+    origin["study"] = study.name;
+    origin["threads"] = run.threads;
+    origin["timings"] = {
+        {"this_run_s", std::chrono::duration<double>(Clock::now() - start).count()}};
+    origin["configuration"] = resolved_text(study);
+    write_file(run.out / "run.json", origin.dump(2) + "\n");
+  }
+  folder.keep();
+  json["report"] = (run.out / "frontier.html").string();
+  json["drawing"] = (run.out / "frontier.svg").string();
+  return json;
+}
+
+}  // namespace glint

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Scenes made ready and kept: what the lighting does not change is found again by the content of
+// the tables it depends on.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+
+#include "core/thread_pool.h"
+#include "simulator/render/footprint/footprints.h"
+#include "simulator/render/wall/revolved_rays.h"
+#include "studies/imaging/line_store.h"
+#include "studies/imaging/picture_store.h"
+#include "studies/imaging/traced_scene.h"
+
+namespace glint {
+
+/// Builds scenes and keeps the last few. Safe to use from several threads.
+class SceneStore {
+ public:
+  /// @param most_bytes  what traced scenes and wall views that are kept may take together (the last
+  ///                    scene is kept in any case), or traced scenes and pictures by path tracing;
+  ///                    0: a quarter of the machine's memory
+  explicit SceneStore(ThreadPool& pool, std::size_t most_bytes = 0);
+
+  /// @throws ConfigError beginning with the key at fault, IoError
+  std::shared_ptr<const TracedScene> trace(const SceneSettings& scene);
+  std::shared_ptr<const BuiltPart> build(const SceneSettings& scene);
+
+  /// The scene's part with its defects; made once for the same part, groups and seed.
+  std::shared_ptr<const BuiltDefects> build_defects(const SceneSettings& scene);
+
+  /// The picture of the scene's first viewpoint by path tracing, all lights at power 1.
+  /// @param preview  of a picture that is not there yet; one that it stops is kept as it is
+  /// @throws ConfigError beginning with the key at fault, IoError
+  std::shared_ptr<const PathPicture> picture(const SceneSettings& scene,
+                                             const PathPreview& preview = {});
+
+  /// The same without the scene's defects, and only in some windows; empty: everywhere. With the
+  /// same random numbers, so that the two differ by the defects alone.
+  std::shared_ptr<const PathPicture> flawless_picture(const SceneSettings& scene,
+                                                      std::span<const PixelWindow> windows);
+
+  /// What simulated lines of path-traced parts have rendered.
+  LineStore& lines() { return lines_; }
+
+  ThreadPool& pool() const { return pool_; }
+
+  /// Where rays meet the tunnel's wall. Views that are asked for again are kept from the second
+  /// time on, so that candidates that differ in their stripes alone meet the wall once, and others
+  /// do not fill the memory.
+  /// @param rays  one of the scene's CornerRays
+  std::shared_ptr<const WallView> meet(const std::shared_ptr<const TracedScene>& traced,
+                                       const CornerRays& rays,
+                                       const Tunnel& tunnel);
+
+  int num_traced() const { return num_traced_; }  ///< how often rays were traced
+
+  /// How often of these only the rays around the defects were.
+  int num_retraced() const { return num_retraced_; }
+
+  /// How often paths were traced: once for designs that differ in the powers of their lights.
+  int num_rendered() const { return pictures_.num_rendered(); }
+
+  int num_met() const { return num_met_; }  ///< how often a wall was met
+
+  /// How often the defects of a part were made.
+  int num_defects_made() const { return num_defects_made_; }
+
+  std::size_t kept_bytes() const;
+
+ private:
+  template <class Value>
+  struct Entry {
+    std::string key;
+    std::shared_ptr<const Value> value;
+  };
+
+  struct MetWall {
+    std::string key;
+    const CornerRays* rays = nullptr;
+    std::weak_ptr<const TracedScene> traced;  ///< that the rays belong to
+    std::shared_ptr<const WallView> value;    ///< empty: was asked for once
+  };
+
+  /// Rays made ready for semicylinders about one base line.
+  struct Revolved {
+    const CornerRays* rays = nullptr;
+    double base_mm = 0.0;
+    std::weak_ptr<const TracedScene> traced;  ///< that the rays belong to
+    std::shared_ptr<const RevolvedRays> value;
+  };
+
+  void drop_beyond_limit();
+
+  /// The camera's rays without defects, if the last scene had the same camera; else empty.
+  std::shared_ptr<const CornerRays> bare_rays(const SceneSettings& scene, const BuiltDefects& part);
+
+  std::size_t revolved_bytes() const;  ///< walls_mutex_ must be held
+
+  /// Rays of a scene made ready for semicylinders, kept or made.
+  std::shared_ptr<const RevolvedRays> revolved(const std::shared_ptr<const TracedScene>& traced,
+                                               const CornerRays& rays,
+                                               double base_mm);
+
+  /// @throws IoError when the file cannot be read, or is another one than at first
+  void check_file(const std::filesystem::path& file);
+  void check_files(const SceneSettings& scene);
+
+  ThreadPool& pool_;
+  mutable std::mutex mutex_;
+  std::map<std::string, std::string> digests_;  ///< of part files, by path
+  std::list<Entry<BuiltPart>> parts_;           ///< most recently used first
+  std::mutex defects_mutex_;                    ///< taken alone
+  std::list<Entry<BuiltDefects>> defects_;      ///< most recently used first
+  std::list<Entry<DefectMaker>> makers_;        ///< most recently used first
+  std::list<Entry<TracedScene>> traced_;        ///< most recently used first
+  std::string bare_key_;                        ///< of the last camera that was traced
+  std::shared_ptr<const CornerRays> bare_;      ///< its rays without defects
+  mutable std::mutex walls_mutex_;              ///< taken after mutex_ where both are
+  std::list<MetWall> walls_;                    ///< most recently used first
+  std::list<Revolved> revolved_;                ///< most recently used first
+  std::size_t most_bytes_ = 0;
+  PictureStore pictures_;
+  LineStore lines_;
+  std::atomic<int> num_traced_ = 0;
+  std::atomic<int> num_retraced_ = 0;
+  std::atomic<int> num_met_ = 0;
+  std::atomic<int> num_defects_made_ = 0;
+};
+
+/// The scene from the first viewpoint of its set: the one that is scored.
+/// @throws ConfigError beginning with the key at fault, IoError
+SceneSettings first_view(SceneStore& store, SceneSettings scene);
+
+}  // namespace glint

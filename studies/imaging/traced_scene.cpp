@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/imaging/traced_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "simulator/render/path_tracing/render_paths.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+/// True when the point is inside the closed surface: an odd number of crossings on two of three
+/// unrelated lines, so that one line through an edge does not decide.
+bool is_inside(const Bvh& bvh, const Vector3d& point_mm) {
+  int votes = 0;
+  for (const Vector3d& direction :
+       {Vector3d(0.31, 0.52, 0.79), Vector3d(-0.62, 0.17, 0.77), Vector3d(0.13, -0.71, -0.69)}) {
+    const Vector3d unit = direction.normalized();
+    int crossings = 0;
+    double from_mm = 0.0;
+    while (crossings < 1000) {
+      const Hit hit =
+          bvh.intersect(point_mm, unit, from_mm, std::numeric_limits<double>::infinity());
+      if (!hit) {
+        break;
+      }
+      ++crossings;
+      from_mm = static_cast<double>(hit.t_mm) * (1.0 + 1e-6) + 1e-6;
+    }
+    votes += crossings % 2;
+  }
+  return votes >= 2;
+}
+
+/// Distance of a surface point from a feature, in feature radii (2 sigma of its cross-section).
+double distance_in_radii(const HeightFeature& feature, const Vector3d& point_mm) {
+  const Vector3d offset = point_mm - feature.centre_mm;
+  const double along = std::abs(offset.dot(feature.u_axis)) - feature.half_line_mm();
+  const double across = offset.dot(feature.v_axis);
+  return std::hypot(std::max(0.0, along), across) / (2.0 * feature.cross_sigma_mm());
+}
+
+/// Pixels per square millimetre of the surface around a point, as the camera sees it.
+double pixels_per_mm2(const HeightFeature& feature,
+                      const PinholeCamera& camera,
+                      const RigidTransform& camera_from_world) {
+  constexpr double kStep_mm = 1e-3;
+  const auto at = [&](const Vector3d& point_mm) {
+    return camera.project(camera_from_world * point_mm).value_or(Vector2d::Zero());
+  };
+  const Vector2d centre = at(feature.centre_mm);
+  const Vector2d du = (at(feature.centre_mm + kStep_mm * feature.u_axis) - centre) / kStep_mm;
+  const Vector2d dv = (at(feature.centre_mm + kStep_mm * feature.v_axis) - centre) / kStep_mm;
+  return std::abs(du.x() * dv.y() - du.y() * dv.x());
+}
+
+/// A disc, or a line with round ends.
+double feature_area_mm2(const HeightFeature& feature) {
+  const double radius = 2.0 * feature.cross_sigma_mm();
+  return kPi * radius * radius + 4.0 * radius * feature.half_line_mm();
+}
+
+DefectView view_defect(const HeightFeature& feature,
+                       const SeenPart& rays,
+                       const PinholeCamera& camera,
+                       const RigidTransform& camera_from_world,
+                       double window_radii) {
+  const double density = pixels_per_mm2(feature, camera, camera_from_world);
+  const auto centre = camera.project(camera_from_world * feature.centre_mm);
+  if (!centre) {
+    throw ConfigError(fmt::format("defects: {} is behind the camera", feature.label));
+  }
+  const double reach_mm = 2.0 * feature.cross_sigma_mm() * window_radii + feature.half_line_mm();
+  const double reach_px = 2.0 * std::sqrt(density) * reach_mm + 3.0;
+  const auto clamp_to = [](double value, int size) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
+  };
+  const int left = clamp_to(centre->x() - reach_px, rays.width_px);
+  const int right = clamp_to(centre->x() + reach_px + 1.0, rays.width_px);
+  const int top = clamp_to(centre->y() - reach_px, rays.height_px);
+  const int bottom = clamp_to(centre->y() + reach_px + 1.0, rays.height_px);
+  if (left >= right || top >= bottom) {
+    throw ConfigError(fmt::format("defects: {} is outside the image", feature.label));
+  }
+  DefectView view;
+  view.label = feature.label;
+  view.left_px = left;
+  view.top_px = top;
+  view.area_px = density * feature_area_mm2(feature);
+  view.distance = ImageF(right - left, bottom - top, DefectView::kFar);
+  for (int y = top; y < bottom; ++y) {
+    for (int x = left; x < right; ++x) {
+      if (rays.coverage(x, y) > 0.999F) {
+        view.distance(x - left, y - top) = static_cast<float>(distance_in_radii(
+            feature, vector_of(rays.seen_x(x, y), rays.seen_y(x, y), rays.seen_z(x, y))));
+      }
+    }
+  }
+  return view;
+}
+
+/// The camera that sees one window of the picture, pixel by pixel the same.
+PinholeIntrinsics window_of(PinholeIntrinsics intrinsics, const DefectView& view) {
+  intrinsics.width_px = view.distance.width();
+  intrinsics.height_px = view.distance.height();
+  intrinsics.center_px -= Vector2d(view.left_px, view.top_px);
+  return intrinsics;
+}
+
+/// What the camera sees of the part, by camera rays alone: all that scores of path-traced pictures
+/// need to know of it.
+SeenPart look_at(const BuiltPart& built,
+                 const SurfaceDetail& detail,
+                 const PinholeCamera& camera,
+                 const RigidTransform& camera_from_world,
+                 ThreadPool& pool) {
+  constexpr int kRaysPerPixel = 16;
+  constexpr double kAnyWavelength_nm = 550.0;
+  const SurfaceMaterial material({}, std::span(&kAnyWavelength_nm, 1));
+  const Lights none;
+  const PhysicalScene scene = {.part = built.part,
+                               .bvh = *built.bvh,
+                               .detail = detail,
+                               .material = material,
+                               .lights = none,
+                               .camera = camera,
+                               .camera_from_world = camera_from_world};
+  PathSums sums =
+      render_paths(scene, {.samples = kRaysPerPixel, .channels = 1, .has_light = false}, pool);
+  SeenPart seen;
+  seen.width_px = sums.width_px;
+  seen.height_px = sums.height_px;
+  seen.coverage = ImageF(sums.width_px, sums.height_px);
+  for (std::size_t i = 0; i < seen.coverage.size(); ++i) {
+    const auto rays = static_cast<float>(sums.part.values()[i]);
+    seen.coverage.values()[i] = rays / static_cast<float>(sums.samples.values()[i]);
+    for (ImageF* place : {&sums.x_mm, &sums.y_mm, &sums.z_mm}) {
+      place->values()[i] /= std::max(1.0F, rays);
+    }
+  }
+  seen.seen_x = std::move(sums.x_mm);
+  seen.seen_y = std::move(sums.y_mm);
+  seen.seen_z = std::move(sums.z_mm);
+  return seen;
+}
+
+/// @param bare  the camera's rays without defects; nullptr: not known
+void trace_camera(const SceneSettings& scene,
+                  const PinholeCamera& camera,
+                  const CornerRays* bare,
+                  ThreadPool& pool,
+                  TracedScene& traced) {
+  const BuiltPart& built = traced.built();
+  if (needs_paths(scene)) {
+    static_cast<SeenPart&>(traced.corners) =
+        look_at(built, traced.detail(), camera, traced.camera_from_world, pool);
+  } else if (scene.render.method == RenderSettings::Method::kSampled) {
+    traced.rays = trace_rays(built.part,
+                             *built.bvh,
+                             traced.detail(),
+                             camera,
+                             traced.camera_from_world,
+                             scene.render,
+                             pool);
+  } else if (bare != nullptr) {
+    traced.corners = retrace_detail(*bare,
+                                    built.part,
+                                    *built.bvh,
+                                    traced.detail(),
+                                    camera,
+                                    traced.camera_from_world,
+                                    scene.render,
+                                    pool)
+                         .rays;
+  } else {
+    traced.corners = trace_corner_rays(built.part,
+                                       *built.bvh,
+                                       traced.detail(),
+                                       camera,
+                                       traced.camera_from_world,
+                                       scene.render,
+                                       pool);
+  }
+}
+
+void trace_flawless_windows(const SceneSettings& scene,
+                            const PinholeCamera& camera,
+                            ThreadPool& pool,
+                            TracedScene& traced) {
+  const BuiltPart& built = *traced.part->clean;
+  for (const DefectView& view : traced.views) {
+    const PinholeCamera window(window_of(camera.intrinsics(), view));
+    const SurfaceDetail none;
+    if (traced.is_sampled()) {
+      traced.flawless.push_back(trace_rays(
+          built.part, *built.bvh, none, window, traced.camera_from_world, scene.render, pool));
+    } else {
+      traced.flawless_corners.push_back(trace_corner_rays(
+          built.part, *built.bvh, none, window, traced.camera_from_world, scene.render, pool));
+    }
+  }
+}
+
+}  // namespace
+
+TracedScene trace_scene(const SceneSettings& scene,
+                        std::shared_ptr<const BuiltDefects> part,
+                        const CornerRays* bare,
+                        ThreadPool& pool) {
+  TracedScene traced;
+  traced.part = std::move(part);
+  traced.camera_from_world = camera_from_world(scene.viewpoint());
+  traced.camera_in_world_mm = inverse(traced.camera_from_world).translation_mm;
+  if (is_inside(*traced.built().bvh, traced.camera_in_world_mm)) {
+    const std::vector<double>& at_mm = scene.viewpoint().position_mm;
+    const bool is_default = at_mm == default_viewpoint(scene.camera).position_mm;
+    throw ConfigError(fmt::format(
+        "{}: the camera at ({:g}, {:g}, {:g}) mm is inside the part; it must stand outside, at a "
+        "working distance",
+        is_default ? "camera.working_distance_mm" : "viewpoint.0.position_mm",
+        at_mm[0],
+        at_mm[1],
+        at_mm[2]));
+  }
+  const PinholeCamera camera(intrinsics_of(scene));
+  trace_camera(scene, camera, bare, pool, traced);
+  const SeenPart& seen = traced.seen();
+  traced.views = view_defects(traced.part->made.outlines,
+                              seen,
+                              camera,
+                              traced.camera_from_world,
+                              scene.metrics.ring_outer_radii);
+  traced.part_mask = whole_pixels(seen.coverage);
+  traced.region = region_of_interest(seen.coverage, traced.views, scene.metrics);
+  traced.defects = defect_pixels(traced.views, traced.part_mask, scene.metrics);
+  traced.watched = Mask(seen.width_px, seen.height_px);
+  for (const DefectPixels& defect : traced.defects) {
+    for (const auto* pixels : {&defect.inside, &defect.ring, &defect.window}) {
+      for (const std::size_t pixel : *pixels) {
+        traced.watched.values()[pixel] = 1;
+      }
+    }
+  }
+  if (!needs_paths(scene)) {
+    trace_flawless_windows(scene, camera, pool, traced);
+  }
+  return traced;
+}
+
+std::vector<DefectView> view_defects(std::span<const HeightFeature> outlines,
+                                     const SeenPart& seen,
+                                     const PinholeCamera& camera,
+                                     const RigidTransform& camera_from_world,
+                                     double window_radii) {
+  std::vector<DefectView> views;
+  for (const HeightFeature& feature : outlines) {
+    views.push_back(view_defect(feature, seen, camera, camera_from_world, window_radii));
+  }
+  return views;
+}
+
+void check_part_in_tunnel(const BuiltPart& built,
+                          const Tunnel& tunnel,
+                          const ScanSettings& scan,
+                          const std::string& name) {
+  for (const Vector2d& point : built.outline_yz_mm) {
+    if (!tunnel.contains(point.x(), point.y())) {
+      throw ConfigError(
+          fmt::format("lighting.{}.shape: the tunnel is smaller than the part: the part's point at "
+                      "y {:.1f} mm, z {:.1f} mm lies outside the cross-section",
+                      name,
+                      point.x(),
+                      point.y()));
+    }
+  }
+  const double half_length = 0.5 * tunnel.settings().length_mm;
+  if (built.max_x_mm > half_length || built.min_x_mm < -half_length) {
+    throw ConfigError(
+        fmt::format("lighting.{}.length_mm: the tunnel is {:g} mm long and smaller than the part, "
+                    "which reaches from x {:.1f} to {:.1f} mm",
+                    name,
+                    tunnel.settings().length_mm,
+                    built.min_x_mm,
+                    built.max_x_mm));
+  }
+  const double travel_mm = (scan.positions - 1) * scan_step_mm(scan, tunnel.settings());
+  if (travel_mm - half_length > built.min_x_mm) {
+    throw ConfigError(fmt::format(
+        "scan.step_mm: the tunnel travels {:g} mm and its end leaves the part, which begins at x "
+        "{:.1f} mm; allowed is a travel of {:g} mm, or a longer tunnel",
+        travel_mm,
+        built.min_x_mm,
+        half_length + built.min_x_mm));
+  }
+}
+
+}  // namespace glint

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A scene made ready: part built, rays traced, defects seen by the camera, region of interest.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/thread_pool.h"
+#include "metrics/aspect_image/defect_scores.h"
+#include "metrics/aspect_image/roi.h"
+#include "simulator/render/corner_rays/corner_rays.h"
+#include "studies/definition/scene.h"
+#include "studies/imaging/built_part.h"
+
+namespace glint {
+
+/// Everything about a scene that does not depend on its lighting and sensor.
+struct TracedScene {
+  std::shared_ptr<const BuiltDefects> part;
+  RigidTransform camera_from_world;
+  Eigen::Vector3d camera_in_world_mm = Eigen::Vector3d::Zero();
+  RayCache rays;       ///< of the plain way (render.method = "sampled"); else empty
+  CornerRays corners;  ///< of all other methods, where paths are traced only its SeenPart
+  std::vector<DefectView> views;
+  std::vector<DefectPixels> defects;
+  /// For each view its window without defects, sampled; none where paths are traced.
+  std::vector<RayCache> flawless;
+  std::vector<CornerRays> flawless_corners;  ///< the same for all other methods
+  Mask part_mask;                            ///< pixels wholly on the part
+  Region region;                             ///< of interest for homogeneity
+  Mask watched;                              ///< pixels of the defects and their backgrounds
+
+  /// What rays meet.
+  const BuiltPart& built() const { return *part->built; }
+
+  const SurfaceDetail& detail() const { return part->detail; }
+
+  bool is_sampled() const { return corners.width_px == 0; }
+
+  const SeenPart& seen() const {
+    return is_sampled() ? static_cast<const SeenPart&>(rays) : corners;
+  }
+
+  const RayCounts& counts() const { return is_sampled() ? rays.counts : corners.counts; }
+};
+
+/// Memory that the rays of a scene take, about.
+std::size_t bytes_of(const TracedScene& traced);
+
+/// Traces a scene anew, or only around its defects.
+/// @param bare  the camera's rays without defects; nullptr: not known
+/// @throws ConfigError beginning with the key at fault
+TracedScene trace_scene(const SceneSettings& scene,
+                        std::shared_ptr<const BuiltDefects> part,
+                        const CornerRays* bare,
+                        ThreadPool& pool);
+
+/// How the camera sees each defect: windows of distances in defect radii.
+std::vector<DefectView> view_defects(std::span<const HeightFeature> outlines,
+                                     const SeenPart& seen,
+                                     const PinholeCamera& camera,
+                                     const RigidTransform& camera_from_world,
+                                     double window_radii);
+
+/// @throws ConfigError when the part does not fit into the tunnel at every position of the scan.
+void check_part_in_tunnel(const BuiltPart& built,
+                          const Tunnel& tunnel,
+                          const ScanSettings& scan,
+                          const std::string& name);
+
+}  // namespace glint

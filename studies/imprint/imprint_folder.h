@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Where `glint imprint` writes: parts appear in their folder when they are whole, and a folder
+// takes parts of one configuration only.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "studies/definition/study.h"
+#include "studies/output/staged_folder.h"
+
+namespace glint {
+
+/// The resolved scene below a line that names everything its parts depend on: the configuration,
+/// the part's file, the own tools and painted regions, and the program's version.
+/// @param is_many  whether the folder holds numbered parts or one
+std::string marked_scene_text(const Study& study, bool is_many);
+
+/// @throws ConfigError when the folder holds parts of another configuration, files of those names
+///         that are of nobody known, or a study's run
+void check_imprint_folder(const std::filesystem::path& out, const std::string& marked_scene);
+
+}  // namespace glint

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Pieces of the page of `glint inspect`.
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "studies/inspect/inspect_page.h"
+
+namespace glint::inspect_html {
+
+/// "1 part", "2 parts"
+std::string plural(std::int64_t count, std::string_view word);
+
+std::string badge(const std::optional<Grade>& grade);
+
+/// Numbers stand to the right.
+std::string cell(std::string_view text, bool is_number = true);
+
+/// The head of a table; names of columns of texts begin with "!".
+std::string heads(std::initializer_list<std::string_view> words);
+
+/// Four digits.
+std::string number(double value);
+
+/// One part: picture with its marks, list of defects, histogram.
+/// @param index  from 1, for links
+std::string part_section(const InspectedPart& part, const PagePicture& picture, std::size_t index);
+
+}  // namespace glint::inspect_html

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The page of `glint inspect`: one HTML file that needs neither network nor scripts.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "studies/inspect/inspected_part.h"
+
+namespace glint {
+
+/// A part's picture for the page: base64 of an 8-bit PNG.
+struct PagePicture {
+  std::string png;
+  int width_px = 0;  ///< of the part's own picture: marks are drawn in its pixels
+  int height_px = 0;
+};
+
+PagePicture page_picture(const ImageF& shown);
+
+/// More parts are in the table only.
+inline constexpr std::size_t kMostPagePictures = 100;
+
+/// @param result    the object of result.json
+/// @param pictures  of the first parts
+/// @param toml      the settings
+std::string inspect_page(const nlohmann::ordered_json& result,
+                         std::span<const InspectedPart> parts,
+                         std::span<const PagePicture> pictures,
+                         const InspectionSettings& settings,
+                         const std::string& toml);
+
+}  // namespace glint

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/inspect/inspect_truth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/units.h"
+#include "simulator/camera/pinhole_camera.h"
+#include "studies/definition/scene.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Json = nlohmann::json;
+
+constexpr double kSlackPx = 1.5;  ///< a blob's middle is no better known
+
+SceneSettings scene_of(const fs::path& path) {
+  const ConfigNode root = load_toml(path);
+  std::vector<std::string> errors;
+  SceneSettings scene = read_scene(root, errors);
+  throw_if_any(errors);
+  return scene;
+}
+
+/// Radius of a line with round ends from its area: pi r^2 + 2 r length = area.
+double radius_of(double area_px, double length_px) {
+  return (std::sqrt(length_px * length_px + kPi * area_px) - length_px) / kPi;
+}
+
+/// The nearest defect, in radii, whose line is that near; -1: none.
+int nearest_to(const Vector2d& at,
+               std::span<const KnownDefect> known,
+               double hit_radii,
+               double slack_px) {
+  int nearest = -1;
+  double least = 0.0;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    const double distance_px = known[i].distance_px(at);
+    const double radii = distance_px / known[i].radius_px;
+    if (distance_px <= hit_radii * known[i].radius_px + slack_px &&
+        (nearest < 0 || radii < least)) {
+      nearest = static_cast<int>(i);
+      least = radii;
+    }
+  }
+  return nearest;
+}
+
+class Reader {
+ public:
+  explicit Reader(const SceneSettings& scene)
+      : camera_(intrinsics_of(scene)), pose_(camera_from_world(scene.viewpoint())) {}
+
+  /// Empty when the defect is behind the camera or outside the picture.
+  std::optional<KnownDefect> read(const Json& json) const {
+    KnownDefect known{.id = json.at("id").get<int>(),
+                      .label = json.at("label").get<std::string>(),
+                      .kind = json.at("kind").get<std::string>()};
+    const Vector3d centre_mm = vector_of(json.at("centre_mm"));
+    Vector3d half_mm = Vector3d::Zero();
+    if (json.contains("direction")) {
+      half_mm = half_line_mm(json) * vector_of(json["direction"]);
+    }
+    const auto middle = camera_.project(pose_ * centre_mm);
+    const auto from = camera_.project(pose_ * (centre_mm - half_mm));
+    const auto to = camera_.project(pose_ * (centre_mm + half_mm));
+    if (!middle || !from || !to || !is_inside(*middle)) {
+      return std::nullopt;
+    }
+    known.from_px = *from;
+    known.to_px = *to;
+    known.radius_px = radius_of(json.at("area_px").get<double>(), (*to - *from).norm());
+    return known;
+  }
+
+ private:
+  static Vector3d vector_of(const Json& json) {
+    return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
+  }
+
+  /// The line that a scratch's width is measured from ends half a width before its ends.
+  static double half_line_mm(const Json& json) {
+    return std::max(0.0,
+                    0.5 * (json.at("length_mm").get<double>() - json.at("width_mm").get<double>()));
+  }
+
+  bool is_inside(const Vector2d& at_px) const {
+    return at_px.x() >= 0.0 && at_px.y() >= 0.0 && at_px.x() < camera_.intrinsics().width_px &&
+           at_px.y() < camera_.intrinsics().height_px;
+  }
+
+  PinholeCamera camera_;
+  RigidTransform pose_;
+};
+
+}  // namespace
+
+bool KnownDefect::is_line() const {
+  return kind == type_name(DefectType::kScratch) || kind == type_name(DefectType::kGouge);
+}
+
+double KnownDefect::distance_px(const Vector2d& point) const {
+  const Vector2d along = to_px - from_px;
+  const double length2 = along.squaredNorm();
+  const double share =
+      length2 > 0.0 ? std::clamp((point - from_px).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (point - from_px - share * along).norm();
+}
+
+std::vector<KnownDefect> read_known_defects(const fs::path& defects, const fs::path& scene) {
+  const Reader reader(scene_of(scene));
+  std::vector<KnownDefect> known;
+  try {
+    const Json list = Json::parse(read_file(defects));
+    for (const Json& json : list.at("defects")) {
+      if (auto defect = reader.read(json)) {
+        known.push_back(std::move(*defect));
+      }
+    }
+  } catch (const Json::exception& error) {
+    throw ConfigError(fmt::format("{}: is no list of defects as `glint render` writes it: {}",
+                                  defects.string(),
+                                  error.what()));
+  }
+  return known;
+}
+
+int Comparison::found() const {
+  return static_cast<int>(std::ranges::count_if(blob_of_defect, [](int i) { return i >= 0; }));
+}
+
+int Comparison::false_alarms() const {
+  return static_cast<int>(std::ranges::count(defect_of_blob, -1));
+}
+
+Comparison compare(std::span<const FoundDefect> found,
+                   std::span<const KnownDefect> known,
+                   const TrialSettings& settings) {
+  Comparison result{.blob_of_defect = std::vector<int>(known.size(), -1), .defect_of_blob = {}};
+  std::vector<double> nearest(known.size());  // blob to defect, in radii
+  for (std::size_t blob = 0; blob < found.size(); ++blob) {
+    const Vector2d at(found[blob].x_px, found[blob].y_px);
+    const int hit = nearest_to(at, known, settings.hit_radii, kSlackPx);
+    result.defect_of_blob.push_back(
+        hit >= 0 ? hit : nearest_to(at, known, settings.hit_radii, kSlackPx + settings.echo_px));
+    if (hit < 0) {
+      continue;
+    }
+    const auto i = static_cast<std::size_t>(hit);
+    const double radii = known[i].distance_px(at) / known[i].radius_px;
+    if (result.blob_of_defect[i] < 0 || radii < nearest[i]) {
+      result.blob_of_defect[i] = static_cast<int>(blob);
+      nearest[i] = radii;
+    }
+  }
+  return result;
+}
+
+}  // namespace glint

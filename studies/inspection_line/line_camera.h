@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a simulated line needs of a camera: scans of the flawless part and of parts with defects.
+// Inside of simulated_line.h; mirrors under a tunnel (mirror_line.h) and everything else by path
+// tracing (path_line.h) are two of it.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/image/image.h"
+#include "simulator/sensor/sensor.h"
+#include "studies/imaging/built_part.h"
+#include "studies/imaging/traced_scene.h"
+
+namespace glint {
+
+/// One scan of a part. Grey values; what lies outside the part is of no meaning.
+struct LineScan {
+  ImageF aspect;                         ///< mean of the frames
+  std::vector<ImageF> frames;            ///< of a line whose inspector looks at phases, else empty
+  std::shared_ptr<const SeenPart> seen;  ///< what of the part each pixel sees
+  /// Two independent renderings of the radiance that the defects add, mean of the frames; empty
+  /// where rendering has no noise, and on flawless parts.
+  std::vector<ImageF> changes;
+};
+
+/// The flawless part without the sensor's noise.
+struct ExpectedLine {
+  LineScan quiet;
+  ImageF aspect;  ///< what noisy scans are on average, rounding included where that is known
+  /// Two independent renderings whose mean is `quiet`; empty where rendering has no noise.
+  std::vector<LineScan> renderings;
+};
+
+/// Safe to call from several threads; the same bytes for any number of them.
+class LineCamera {
+ public:
+  LineCamera() = default;
+  virtual ~LineCamera() = default;
+  LineCamera(const LineCamera&) = delete;
+  LineCamera& operator=(const LineCamera&) = delete;
+
+  virtual ExpectedLine expected() const = 0;
+
+  /// @param sensor  the scene's, with the seed of this scan's noise
+  virtual LineScan flawless(const SensorSettings& sensor) const = 0;
+  virtual LineScan part(const BuiltDefects& part, const SensorSettings& sensor) const = 0;
+};
+
+/// The same sensor without shot, read and dark noise.
+SensorSettings without_noise(SensorSettings settings);
+
+}  // namespace glint

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A simulated line of level 0: mirror-like parts under one tunnel. A scan costs what the defects
+// change (docs/theory/simulated_line.md).
+#pragma once
+
+#include <memory>
+
+#include "studies/inspection_line/line_camera.h"
+
+namespace glint {
+
+/// @param traced  the flawless part, which fits into the tunnel
+/// @param pool    must outlive the line
+std::unique_ptr<LineCamera> mirror_line(const SceneSettings& scene,
+                                        std::shared_ptr<const TracedScene> traced,
+                                        ThreadPool& pool);
+
+}  // namespace glint

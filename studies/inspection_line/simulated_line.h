@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A simulated inspection line: parts with defects drawn anew, and flawless ones, pass under one
+// lighting; each is scanned once, with its own noise. Part and noise of one number are the same for
+// every lighting, so that candidates differ in nothing else.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "metrics/inspection/inspector.h"
+#include "studies/imaging/scene_store.h"
+
+namespace glint {
+
+/// What a defect adds to the radiance, squared and summed over its pixels, and how much of that is
+/// noise of the rendering; both 0 where rendering has none.
+struct RenderedEnergy {
+  double total = 0.0;
+  double noise = 0.0;  ///< right on average
+};
+
+/// A defect as it was made, and as the camera sees it.
+struct TrueDefect {
+  Defect defect;
+  HeightFeature outline;
+  DefectView view;         ///< empty picture: the camera does not see its place
+  bool is_masked = false;  ///< its middle lies outside the line's region
+  RenderedEnergy rendering;
+};
+
+struct ScannedPart {
+  ImageF aspect;    ///< one scan's; 0 outside the part
+  ImageF response;  ///< the inspector's, 0 outside the line's region
+  std::vector<TrueDefect> defects;
+};
+
+/// Which defects were found, and what was found where there is none.
+struct Verdict {
+  std::vector<unsigned char> is_found;  ///< one for each true defect
+  int false_alarms = 0;                 ///< blobs near no defect
+  std::vector<int> defect_of_blob;      ///< -1: none, a false alarm
+};
+
+/// A blob belongs to the nearest defect whose middle lies within hit_radii (plus 1.5 px) of the
+/// blob's, which finds it. A blob that lies farther from a defect by at most echo_px is a side lobe
+/// of its signature: it belongs to the defect, but finds nothing. Masked defects count as missed.
+Verdict judge(std::span<const FoundDefect> found,
+              std::span<const TrueDefect> truth,
+              const TrialSettings& settings);
+
+class SimulatedLine {
+ public:
+  /// Builds the part and traces its flawless surface. The defects are those of scene.defects, drawn
+  /// with scene.imprint.seed + number.
+  /// @param store, scene  store must outlive this object
+  /// @throws ConfigError beginning with the key at fault, IoError
+  SimulatedLine(SceneStore& store, const SceneSettings& scene);
+  ~SimulatedLine();
+  SimulatedLine(const SimulatedLine&) = delete;
+  SimulatedLine& operator=(const SimulatedLine&) = delete;
+
+  const SceneSettings& scene() const;
+  const Inspector& inspector() const;
+
+  /// Where it looks: the part without its rim, without dark pixels and those whose flawless
+  /// response without noise is larger than inspection.trials.mask_grey.
+  const Mask& region() const;
+
+  /// Share of the part (without its rim) that the region covers.
+  double region_share() const;
+
+  /// Share of the rendering's noise in the variance of a flawless scan's response over the region:
+  /// 0 for level 0, which has none. It is the same on all scans, as if it belonged to the part.
+  double rendering_share() const;
+
+  /// The flawless part without noise.
+  const ImageF& expected_aspect() const;
+
+  /// Scan of a flawless part. Safe to call from several threads, as are the others.
+  ScannedPart flawless(std::int64_t number) const;
+
+  /// Scan of part `number`.
+  ScannedPart part(std::int64_t number) const;
+
+  /// Scan of a part with given defects instead (of scene.defects' names); noise of `number`.
+  ScannedPart part_with(const std::vector<NamedGroup>& defects, std::int64_t number) const;
+
+  /// The inspector's list inside the line's region. @param threshold  of |response|
+  std::vector<FoundDefect> inspect(const ScannedPart& part, double threshold) const;
+
+  /// The threshold that the settings ask for; of false_alarms: from inspection.trials.flawless
+  /// scans.
+  double threshold() const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace glint

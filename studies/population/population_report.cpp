@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/population/population_report.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string share_text(const Json& estimate) {
+  return fmt::format("{:.1f} % ({:.1f} to {:.1f} %)",
+                     100.0 * estimate["value"].get<double>(),
+                     100.0 * estimate["low"].get<double>(),
+                     100.0 * estimate["high"].get<double>());
+}
+
+std::string rate_text(const Json& alarms) {
+  const Json& rate = alarms["per_part"];
+  return fmt::format("{:.3g} ({:.2g} to {:.3g})",
+                     rate["value"].get<double>(),
+                     rate["low"].get<double>(),
+                     rate["high"].get<double>());
+}
+
+/// Drawings of the run's folder that are there.
+Json drawings_of(const fs::path& run, const std::vector<const char*>& names) {
+  Json drawings = Json::array();
+  for (const char* name : names) {
+    if (fs::exists(run / name)) {
+      drawings.push_back(read_file(run / name));
+    }
+  }
+  return drawings;
+}
+
+Json confusion_table(const Json& baseline) {
+  Json head = {"the expert says"};
+  Json rows = Json::array();
+  for (const auto& [expert, row] : baseline["confusion"].items()) {
+    Json cells = {expert};
+    for (const auto& [sorted, count] : row.items()) {
+      if (rows.empty()) {
+        head.push_back("sorted " + sorted);
+      }
+      cells.push_back(fmt::format("{}", count.get<int>()));
+    }
+    rows.push_back(cells);
+  }
+  return {{"caption",
+           fmt::format("The {} tested parts: {} in the expert's class, {}.",
+                       baseline["tested"].get<int>(),
+                       baseline["right"].get<int>(),
+                       share_text(baseline["share_right"]))},
+          {"head", head},
+          {"rows", rows}};
+}
+
+Json wrong_table(const Json& baseline) {
+  Json rows = Json::array();
+  for (const Json& part : baseline["wrong_parts"]) {
+    rows.push_back({fmt::format("{}", part["part"].get<int>()),
+                    part["expert"],
+                    part["sorted"],
+                    fmt::format("{:.3f}", part["widest_hole_mm"].get<double>()),
+                    fmt::format("{}", part["holes"].get<int>()),
+                    fmt::format("{:.3f}", part["longest_scratch_mm"].get<double>()),
+                    part["imprinted"].get<bool>() ? "yes" : "no"});
+  }
+  const Json& border = baseline["near_border"];
+  return {{"caption",
+           fmt::format("Parts in another class than the expert's. {} of the {} tested parts lie "
+                       "within {:g} % of one of the expert's limits of size; {} of the {} wrong "
+                       "ones are among them.",
+                       border["parts"].get<int>(),
+                       baseline["tested"].get<int>(),
+                       100.0 * border["within"].get<double>(),
+                       border["wrong_near_border"].get<int>(),
+                       border["wrong"].get<int>())},
+          {"head",
+           {"part",
+            "expert",
+            "sorted",
+            "widest hole (mm)",
+            "holes",
+            "longest scratch (mm)",
+            "imprinted"}},
+          {"rows", rows}};
+}
+
+Json lightings_table(const Json& designs) {
+  Json rows = Json::array();
+  for (const auto& [key, design] : designs.items()) {
+    rows.push_back({design["title"],
+                    fmt::format("{}", design["tested"].get<int>()),
+                    share_text(design["share_right"]),
+                    share_text(design["share_right_with_own_limits"]),
+                    design.contains("share_found") ? share_text(design["share_found"]) : "-",
+                    fmt::format("{}", design["other_kind"].get<int>()),
+                    rate_text(design["false_alarms"]),
+                    fmt::format("{:.1f} %", 100.0 * design["region_share"].get<double>())});
+  }
+  return {{"caption",
+           "Each lighting sees the same parts. Limits learned there, and those of the study's own "
+           "lighting; false alarms on flawless parts."},
+          {"head",
+           {"lighting",
+            "tested parts",
+            "in the expert's class",
+            "with the own lighting's limits",
+            "defects found",
+            "as the other kind",
+            "false alarms a part",
+            "looked at"}},
+          {"rows", rows}};
+}
+
+Json sorting_panel(const fs::path& run, const Json& sorting) {
+  const Json& baseline = sorting["designs"]["baseline"];
+  return {
+      {"id", "sorting"},
+      {"title", "Sorting"},
+      {"lead",
+       fmt::format("Limits are learned from {} of {} parts and tested on the other {}. "
+                   "Intervals hold the truth with {:g} % confidence (shares: Wilson; rates: "
+                   "Garwood).",
+                   baseline["learned_from"].get<int>(),
+                   baseline["parts"].get<int>(),
+                   baseline["tested"].get<int>(),
+                   100.0 * sorting["confidence"].get<double>())},
+      {"drawings",
+       drawings_of(run, {"sorting_holes.svg", "sorting_scratches.svg", "sorting_lightings.svg"})},
+      {"tables",
+       {confusion_table(baseline), wrong_table(baseline), lightings_table(sorting["designs"])}}};
+}
+
+double largest_size(const Json& design) {
+  return design["levels"].back()["size"].get<double>();
+}
+
+/// "-" for no size, "> 30" for one beyond the largest that was tried: a curve says little there.
+std::string size_text(const Json& size, double largest) {
+  if (size.is_null()) {
+    return "-";
+  }
+  const auto value = size.get<double>();
+  return value > largest ? fmt::format("> {:.3g}", largest) : fmt::format("{:.3g}", value);
+}
+
+/// a90 with its interval, "-" for what has none.
+std::string a90_text(const Json& fit, double largest) {
+  if (fit.is_null()) {
+    return "-";
+  }
+  const Json& a90 = fit["a90"];
+  const std::string value = size_text(a90["value"], largest);
+  return value.starts_with('>') ? value
+                                : fmt::format("{} ({} to {})",
+                                              value,
+                                              size_text(a90["low"], largest),
+                                              size_text(a90["high"], largest));
+}
+
+Json pod_table(const Json& pod) {
+  const std::string unit = pod["unit"];
+  Json rows = Json::array();
+  for (const auto& [key, design] : pod["designs"].items()) {
+    const Json& fit = design["fit"];
+    const double largest = largest_size(design);
+    rows.push_back({design["title"],
+                    fmt::format("{}", design["defects"].get<int>()),
+                    fmt::format("{}", design["masked"].get<int>()),
+                    fit.is_null() ? "-" : size_text(fit["a50"], largest),
+                    a90_text(fit, largest),
+                    fit.is_null() ? "-" : size_text(fit["a90_95"], largest),
+                    a90_text(design["fit_all_places"], largest),
+                    rate_text(design["false_alarms"])});
+  }
+  return {
+      {"caption",
+       fmt::format("Sizes in {}. Curves are of defects where the line looks; where it does not, "
+                   "a defect is missed whatever its size. The last a90 counts these as misses.",
+                   unit)},
+      {"head",
+       {"lighting",
+        "defects",
+        "not looked at",
+        "a50",
+        "a90",
+        "a90/95",
+        "a90 of all places",
+        "false alarms a part"}},
+      {"rows", rows}};
+}
+
+Json levels_table(const Json& pod) {
+  Json head = {
+      fmt::format("{} ({})", pod["size"].get<std::string>(), pod["unit"].get<std::string>())};
+  std::vector<Json> rows;
+  for (const auto& [key, design] : pod["designs"].items()) {
+    head.push_back(design["title"]);
+    std::size_t i = 0;
+    for (const Json& level : design["levels"]) {
+      if (rows.size() <= i) {
+        rows.push_back({fmt::format("{:.3g}", level["size"].get<double>())});
+      }
+      rows[i++].push_back(fmt::format("{} of {}",
+                                      level["hits"].get<int>(),
+                                      level["defects"].get<int>() - level["masked"].get<int>()));
+    }
+  }
+  return {{"caption", "Defects found of those where the line looks, as they were counted."},
+          {"head", head},
+          {"rows", rows}};
+}
+
+Json pod_panel(const fs::path& run, const Json& pod) {
+  return {{"id", "pod"},
+          {"title", "Probability of detection"},
+          {"lead",
+           "Each lighting sees the same parts, at the threshold that [inspection] asks for there. "
+           "Curves are logistic in the logarithm of size (MIL-HDBK-1823A); a90 is found nine times "
+           "of ten, a90/95 with 95 % confidence."},
+          {"drawings", drawings_of(run, {"pod.svg"})},
+          {"tables", {pod_table(pod), levels_table(pod)}}};
+}
+
+std::string sorting_sentence(const Json& sorting) {
+  const Json& baseline = sorting["designs"]["baseline"];
+  const Json& alarms = baseline["false_alarms"];
+  return fmt::format(
+      "{} of {} tested parts are in the expert's class, {}; a flawless part has at most {:.3g} "
+      "false alarms ({} on {} scans).",
+      baseline["right"].get<int>(),
+      baseline["tested"].get<int>(),
+      share_text(baseline["share_right"]),
+      alarms["per_part"]["high"].get<double>(),
+      alarms["blobs"].get<int>(),
+      alarms["scans"].get<int>());
+}
+
+std::string pod_line(const Json& design, const std::string& unit) {
+  const Json& fit = design["fit"];
+  if (fit.is_null()) {
+    return fmt::format("{}: no curve can be fitted", design["title"].get<std::string>());
+  }
+  return fmt::format("{}: a90 {} {}, a90/95 {} {}",
+                     design["title"].get<std::string>(),
+                     a90_text(fit, largest_size(design)),
+                     unit,
+                     size_text(fit["a90_95"], largest_size(design)),
+                     unit);
+}
+
+}  // namespace
+
+Json population_panels(const fs::path& run, const Json& result) {
+  Json panels = Json::array();
+  if (result.contains("sorting")) {
+    panels.push_back(sorting_panel(run, result["sorting"]));
+  }
+  if (result.contains("pod")) {
+    panels.push_back(pod_panel(run, result["pod"]));
+  }
+  return panels;
+}
+
+Json population_verdict(const Json& result) {
+  if (result.contains("sorting")) {
+    return {{"sentence", sorting_sentence(result["sorting"])},
+            {"tone", "neutral"},
+            {"details", Json::array()}};
+  }
+  if (!result.contains("pod")) {
+    return nullptr;
+  }
+  const Json& pod = result["pod"];
+  Json details = Json::array();
+  for (const auto& [key, design] : pod["designs"].items()) {
+    if (key != "baseline") {
+      details.push_back(pod_line(design, pod["unit"]));
+    }
+  }
+  return {{"sentence", pod_line(pod["designs"]["baseline"], pod["unit"])},
+          {"tone", "neutral"},
+          {"details", details}};
+}
+
+std::string population_summary(const Json& result) {
+  std::string text;
+  if (result.contains("sorting")) {
+    text += "  sorting: " + sorting_sentence(result["sorting"]) + "\n";
+    for (const auto& [key, design] : result["sorting"]["designs"].items()) {
+      text += fmt::format("  {:<24} {} in the expert's class, {} false alarms a part\n",
+                          key,
+                          share_text(design["share_right"]),
+                          rate_text(design["false_alarms"]));
+    }
+  }
+  if (result.contains("pod")) {
+    for (const auto& [key, design] : result["pod"]["designs"].items()) {
+      text += "  pod: " + pod_line(design, result["pod"]["unit"]) + "\n";
+    }
+  }
+  return text;
+}
+
+}  // namespace glint

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/population/population_run.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/wall_clock.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+}  // namespace
+
+std::vector<PopulationDesign> population_designs(const Study& study) {
+  const ConfigNode* shape =
+      study.resolved.at_path("lighting." + study.scene.tunnel_name + ".shape");
+  const std::string title =
+      shape == nullptr ? "Own lighting" : fmt::format("Own lighting ({})", shape->text);
+  std::vector<PopulationDesign> designs = {{.key = "baseline", .title = title}};
+  for (const Prototype& prototype : study.prototypes) {
+    designs.push_back({.key = prototype.name, .title = prototype.title, .prototype = &prototype});
+  }
+  return designs;
+}
+
+SceneSettings population_scene(const Study& study, const PopulationDesign& design) {
+  return design.prototype == nullptr ? study.scene : scene_with(study, design.prototype->overrides);
+}
+
+std::unique_ptr<SimulatedLine> line_of(const PopulationTask& task, const PopulationDesign& design) {
+  try {
+    return std::make_unique<SimulatedLine>(task.store, population_scene(task.study, design));
+  } catch (const ConfigError& error) {
+    throw ConfigError(design.prototype == nullptr
+                          ? with_place(task.study.root, error.what())
+                          : prototype_problem(*design.prototype, error.what()));
+  }
+}
+
+PartRecords::PartRecords(Storage& storage) : storage_(storage) {
+  for (Trial& trial : storage_.trials(TrialKind::kPart)) {
+    last_number_ = std::max(last_number_, trial.number);
+    if (trial.outcome) {
+      known_[trial.name] = std::move(trial.outcome->scores);
+    }
+  }
+}
+
+const Scores* PartRecords::find(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = known_.find(name);
+  return found == known_.end() ? nullptr : &found->second;
+}
+
+void PartRecords::keep(const std::string& name, Scores figures) {
+  const std::lock_guard lock(mutex_);
+  storage_.put_trial({.kind = TrialKind::kPart,
+                      .number = ++last_number_,
+                      .name = name,
+                      .point = {},
+                      .outcome = Outcome{.scores = figures, .message = {}, .gradients = {}}});
+  known_[name] = std::move(figures);
+}
+
+PopulationProgress::PopulationProgress(const PopulationTask& task, std::int64_t total)
+    : task_(task), bar_(task.study.name, total, task.progress) {}
+
+bool PopulationProgress::is_interrupted() const {
+  return task_.interrupt != nullptr && *task_.interrupt > 0;
+}
+
+void PopulationProgress::add(std::int64_t steps, std::string_view note) {
+  const std::lock_guard lock(mutex_);
+  done_ += steps;
+  bar_.update(done_, note);
+}
+
+std::optional<std::vector<Scores>> record_all(
+    const PopulationTask& task,
+    PartRecords& records,
+    PopulationProgress& progress,
+    const std::string& name,
+    int count,
+    const std::function<Scores(std::int64_t number)>& make) {
+  const auto record_name = [&](int number) { return fmt::format("{}/{}", name, number); };
+  std::vector<int> missing;
+  for (int number = 0; number < count; ++number) {
+    if (records.find(record_name(number)) == nullptr) {
+      missing.push_back(number);
+    }
+  }
+  const auto kept = count - static_cast<std::int64_t>(missing.size());
+  progress.add(kept, name);
+  task.folder.keep();
+  task.store.pool().for_each(static_cast<std::int64_t>(missing.size()), [&](std::int64_t i) {
+    if (progress.is_interrupted()) {
+      return;
+    }
+    const int number = missing[static_cast<std::size_t>(i)];
+    try {
+      records.keep(record_name(number), make(number));
+    } catch (const ConfigError& error) {
+      throw ConfigError(in_context(with_place(task.study.root, error.what()), record_name(number)));
+    }
+    progress.add(1, name);
+  });
+  std::vector<Scores> all;
+  for (int number = 0; number < count; ++number) {
+    const Scores* figures = records.find(record_name(number));
+    if (figures == nullptr) {
+      return std::nullopt;
+    }
+    all.push_back(*figures);
+  }
+  return all;
+}
+
+double recorded_threshold(PartRecords& records,
+                          const SimulatedLine& line,
+                          const std::string& name) {
+  if (const Scores* kept = records.find(name)) {
+    return kept->at("threshold");
+  }
+  const double threshold = line.threshold();
+  records.keep(name, {{"threshold", threshold}});
+  return threshold;
+}
+
+Scores inspect_flawless(const SimulatedLine& line, double threshold, std::int64_t number) {
+  const std::int64_t first = line.scene().inspection.trials.flawless;
+  const ScannedPart part = line.flawless(first + number);
+  return {{"blobs", static_cast<double>(line.inspect(part, threshold).size())}};
+}
+
+Json estimate_json(const Estimate& estimate) {
+  return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
+}
+
+Json false_alarms_json(std::int64_t blobs, std::int64_t scans, double confidence) {
+  return {{"scans", scans},
+          {"blobs", blobs},
+          {"per_part", estimate_json(poisson_rate(blobs, static_cast<double>(scans), confidence))}};
+}
+
+PopulationPace measure_pace(const SimulatedLine& line,
+                            ThreadPool& pool,
+                            const std::function<void(std::int64_t number)>& inspect) {
+  constexpr std::int64_t kRounds = 2;
+  const std::int64_t count = kRounds * pool.num_threads();
+  const auto seconds_each = [&](const std::function<void(std::int64_t)>& work) {
+    const auto start = Clock::now();
+    pool.for_each(count, work);
+    return seconds_since(start) / static_cast<double>(count);
+  };
+  PopulationPace pace;
+  pace.part_s = seconds_each(inspect);
+  const double threshold = line.scene().inspection.threshold_grey;
+  pace.flawless_s =
+      seconds_each([&](std::int64_t number) { inspect_flawless(line, threshold, number); });
+  return pace;
+}
+
+}  // namespace glint

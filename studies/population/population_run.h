@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What studies of many simulated parts have in common: lightings that see the same parts, results
+// that are kept part by part, and numbers with their intervals as JSON.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/progress.h"
+#include "metrics/statistics/estimate.h"
+#include "optimizer/storage/storage.h"
+#include "studies/definition/study.h"
+#include "studies/inspection_line/simulated_line.h"
+#include "studies/output/output_folder.h"
+
+namespace glint {
+
+/// Where a population study gets its parts from and puts its results.
+struct PopulationTask {
+  const Study& study;
+  SceneStore& store;
+  Storage& storage;
+  OutputFolder& folder;       ///< kept as soon as parts are inspected
+  std::filesystem::path out;  ///< the folder's path
+  Progress::Style progress = Progress::Style::kAuto;
+  const std::atomic<int>* interrupt = nullptr;  ///< how often the user interrupted
+};
+
+/// A lighting that a population passes under: the study's own, then its prototypes.
+struct PopulationDesign {
+  std::string key;    ///< "baseline" or the prototype's name
+  std::string title;  ///< for people
+  const Prototype* prototype = nullptr;
+};
+
+std::vector<PopulationDesign> population_designs(const Study& study);
+
+/// @throws ConfigError with the place of the value at fault
+SceneSettings population_scene(const Study& study, const PopulationDesign& design);
+
+/// Its simulated line. @throws ConfigError with the place of the value at fault
+std::unique_ptr<SimulatedLine> line_of(const PopulationTask& task, const PopulationDesign& design);
+
+/// Figures of parts that were inspected, by name, each kept in the study's database as soon as it
+/// is there: a killed process loses what was being made and nothing else.
+class PartRecords {
+ public:
+  explicit PartRecords(Storage& storage);
+
+  /// The figures of that name; nullptr: not made yet. The pointer stays good.
+  const Scores* find(const std::string& name) const;
+
+  /// Safe to call from several threads.
+  void keep(const std::string& name, Scores figures);
+
+ private:
+  Storage& storage_;
+  mutable std::mutex mutex_;
+  std::map<std::string, Scores> known_;
+  int last_number_ = 0;
+};
+
+/// The progress of all steps of a study, which may be made by several threads.
+class PopulationProgress {
+ public:
+  /// @param total  >= 1
+  PopulationProgress(const PopulationTask& task, std::int64_t total);
+
+  bool is_interrupted() const;
+  void add(std::int64_t steps, std::string_view note);
+
+ private:
+  const PopulationTask& task_;
+  Progress bar_;
+  std::mutex mutex_;
+  std::int64_t done_ = 0;
+};
+
+/// Figures of the numbers 0, 1, ... in that order; those without a record are made, several at
+/// once. Empty when it was interrupted.
+/// @param name  of the records: "<name>/<number>"
+std::optional<std::vector<Scores>> record_all(
+    const PopulationTask& task,
+    PartRecords& records,
+    PopulationProgress& progress,
+    const std::string& name,
+    int count,
+    const std::function<Scores(std::int64_t number)>& make);
+
+/// The line's threshold of |response|, kept like the parts. @param name  of the record
+double recorded_threshold(PartRecords& records, const SimulatedLine& line, const std::string& name);
+
+/// Blobs on scans of the flawless part, which are all false alarms: {"blobs"} of one scan.
+/// Numbers begin where those of the threshold's own scans end.
+Scores inspect_flawless(const SimulatedLine& line, double threshold, std::int64_t number);
+
+/// { value, low, high }
+nlohmann::ordered_json estimate_json(const Estimate& estimate);
+
+/// { scans, blobs, per_part: { value, low, high } } with Garwood's interval
+nlohmann::ordered_json false_alarms_json(std::int64_t blobs, std::int64_t scans, double confidence);
+
+/// Seconds one inspected part and one flawless scan take at the study's own lighting, with all
+/// threads at work.
+struct PopulationPace {
+  double part_s = 0.0;
+  double flawless_s = 0.0;
+};
+
+/// @param inspect  one part of that number
+PopulationPace measure_pace(const SimulatedLine& line,
+                            ThreadPool& pool,
+                            const std::function<void(std::int64_t number)>& inspect);
+
+}  // namespace glint

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/report/report.h"
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/image/image_io.h"
+#include "core/text.h"
+#include "metrics/scores.h"
+#include "studies/report/report_page.h"
+#include "studies/report/report_verdict.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using report_detail::member;
+using report_detail::text_of;
+
+bool ends_with_any(std::string_view text, std::initializer_list<std::string_view> ends) {
+  return std::ranges::any_of(ends, [&](std::string_view end) { return text.ends_with(end); });
+}
+
+/// "homogeneity.h_rms" -> "h (rms)", "defects.cnr_min" -> "smallest CNR",
+/// "view.slot_margin_mm" -> "slot margin (mm)", others by their last word.
+std::string default_label(const std::string& score) {
+  if (is_bound(score)) {
+    return fmt::format("{}, {} bound",
+                       default_label(std::string(without_bound(score))),
+                       score.ends_with(".low") ? "lower" : "upper");
+  }
+  if (is_error(score)) {
+    return fmt::format("{}, standard error", default_label(std::string(without_error(score))));
+  }
+  const std::vector<std::string> parts = split(score, '.');
+  std::string label = parts.back();
+  if (label == "h_rms" || label == "h_abs") {
+    return fmt::format("h ({})", label.substr(2));
+  }
+  for (const auto& [end, word] : {std::pair{"_min", "smallest "}, {"_max", "largest "}}) {
+    if (label.ends_with(end)) {
+      label = word + label.substr(0, label.size() - 4);
+    }
+  }
+  for (const std::string_view unit : {"_mm", "_px", "_um", "_mrad"}) {
+    if (label.ends_with(unit)) {
+      label = fmt::format("{} ({})", label.substr(0, label.size() - unit.size()), unit.substr(1));
+    }
+  }
+  std::ranges::replace(label, '_', ' ');
+  for (const std::string_view word : {"cnr", "snr", "auc"}) {
+    for (auto at = label.find(word); at != std::string::npos; at = label.find(word, at + 1)) {
+      std::ranges::transform(word, label.begin() + static_cast<std::ptrdiff_t>(at), [](char c) {
+        return static_cast<char>(c - 'a' + 'A');
+      });
+    }
+  }
+  const bool is_of_one_defect =
+      parts.size() > 2 && (parts.front() == "defects" || parts.front() == "inspection");
+  return is_of_one_defect ? parts[parts.size() - 2] + ": " + label : label;
+}
+
+bool is_share(std::string_view score) {
+  return ends_with_any(without_bound(without_error(score)),
+                       {"h_rms", "h_abs", "share", "contrast", "fraction", "coverage", "rate"});
+}
+
+void describe_scores(const Json& scores, Json& info) {
+  if (!scores.is_object()) {
+    return;
+  }
+  for (const auto& [name, value] : scores.items()) {
+    if (!info.contains(name)) {
+      info[name] = {{"label", default_label(name)},
+                    {"format", is_share(name) ? "percent" : "number"}};
+    }
+  }
+}
+
+void describe_all_scores(Json& data) {
+  Json info = member(data, "score_info").is_object() ? data["score_info"] : Json::object();
+  Json named = Json::object();
+  named[text_of(member(data, "objective"), "name")] = nullptr;
+  for (const Json& constraint : member(data, "constraints")) {
+    named[text_of(constraint, "name")] = nullptr;
+  }
+  named.erase("");
+  describe_scores(named, info);
+  for (const char* list : {"designs", "trials", "runs"}) {
+    for (const Json& entry : member(data, list)) {
+      describe_scores(member(entry, "scores"), info);
+      describe_scores(member(entry, "rescored"), info);
+      for (const Json& defect : member(entry, "closeups")) {
+        describe_scores(member(defect, "scores"), info);
+      }
+    }
+  }
+  data["score_info"] = std::move(info);
+}
+
+/// JSON that may stand in a script element: there `<` could end the element or open a comment.
+std::string script_json(const Json& data) {
+  const std::string plain = data.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string safe;
+  safe.reserve(plain.size() + plain.size() / 64);
+  for (const char c : plain) {
+    c == '<' ? safe += "\\u003c" : safe += c;
+  }
+  return safe;
+}
+
+void replace_mark(std::string& page, std::string_view mark, std::string_view text) {
+  const auto at = page.find(mark);
+  GLINT_CHECK(at != std::string::npos, "the embedded page lacks a mark");
+  page.replace(at, mark.size(), text);
+}
+
+}  // namespace
+
+nlohmann::ordered_json complete_report(nlohmann::ordered_json data) {
+  describe_all_scores(data);
+  if (!member(data, "verdict").is_object()) {
+    data["verdict"] = report_verdict(data);
+  }
+  return data;
+}
+
+std::string render_report(const nlohmann::ordered_json& data) {
+  const Json complete = complete_report(data);
+  std::string page = report_page();
+  const std::string title = text_of(complete, "title");
+  // The title comes last: whatever it says cannot be taken for a mark.
+  replace_mark(page, "@GLINT_DATA@", script_json(complete));
+  replace_mark(
+      page,
+      "@GLINT_TITLE@",
+      markup_text(title.empty() ? std::string("Glint report") : title + " - Glint report"));
+  return page;
+}
+
+std::string report_png(const ImageF& image, int max_width_px) {
+  GLINT_CHECK(max_width_px >= 1, "a picture needs a width");
+  const int factor = std::max(1, (image.width() + max_width_px - 1) / max_width_px);
+  return base64(png_bytes(factor == 1 ? image : reduce(image, std::min(factor, image.height()))));
+}
+
+ImageF closeup(const ImageF& image, int center_x, int center_y, int half_px) {
+  const int width = std::min(2 * half_px + 1, image.width());
+  const int height = std::min(2 * half_px + 1, image.height());
+  const int left = std::clamp(center_x - half_px, 0, image.width() - width);
+  const int top = std::clamp(center_y - half_px, 0, image.height() - height);
+  ImageF part(width, height);
+  for (int y = 0; y < height; ++y) {
+    std::copy_n(image.row(top + y) + left, width, part.row(y));
+  }
+  return part;
+}
+
+ImageF stretched(const ImageF& image, float low, float high) {
+  if (!(high > low)) {
+    return image;
+  }
+  ImageF result = image;
+  for (float& value : result.values()) {
+    value = std::clamp((value - low) / (high - low), 0.0F, 1.0F);
+  }
+  return result;
+}
+
+}  // namespace glint

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The report of a run: one HTML file that needs no network (web/ holds its page). The caller
+// describes the run as one JSON object. All fields may be left out; what is absent is not drawn.
+//
+//   title, subtitle   texts
+//   status            "done" | "budget" | "interrupted" | "no_feasible"; absent: not a search
+//   objective         { name: a score's name, sense: "maximise" | "minimise" }
+//   constraints       [ { name: a score's name, min?, max? } ]
+//   variables         [ { name: a dotted path, kind: "float" | "integer" | "choice" | "boolean",
+//                         low, high, log, unit, choices: [..] } ]
+//   designs           cards: winner, baseline, then the others in this order; [ {
+//       key, title    unique short name; heading (absent: the key)
+//       role          "baseline" | "prototype" | "winner"; absent: from the key
+//       run           in a comparison, the title of the run it comes from
+//       trial         number of its evaluation
+//       feasible      true, false, or absent when there are no constraints
+//       scores        { score: number } with the seeds of the search
+//       rescored      the same with fresh seeds and finer sampling
+//       variables     { path: number | text | boolean }
+//       frames        base64 PNGs, see report_png()
+//       aspect        base64 PNG
+//       closeups      [ { label, image: base64 PNG, scores: { score: number } } ]
+//       drawing       SVG text, see studies/drawing/drawing.h
+//       notes         [ texts ] } ]
+//   trials            in the order of their numbers; [ {
+//       number, kind  kind is where it came from ("sobol", "bobyqa", "prototype")
+//       feasible, failed, message
+//       objective     absent or null when it failed
+//       values        one per variable, null where a condition switches it off
+//       scores        at least those of the constraints } ]
+//   runs              only in a comparison of runs; [ { title, status, evaluations, failed,
+//                     feasible, scores, rescored, best_so_far: [number | null] } ]
+//   panels            sections of a population; [ {
+//       id, title     of the section; lead: the sentence below
+//       drawings      [ SVG texts ]
+//       tables        [ { caption, head: [texts], rows: [ [texts] ] } ] } ]
+//   frontier          the object of frontier.json, see docs/frontier.md
+//   methods           [ sentences on method and accuracy ]
+//   config_toml       the resolved configuration
+//   provenance        { version, seed, compiler, machine, ... }: shown in the order given
+//   score_info        { score: { label, format: "percent" | "number" } }; see complete_report()
+//   verdict           { sentence, tone: "good" | "neutral" | "bad", details: [texts] }; see there
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/image/image.h"
+
+namespace glint {
+
+/// Fills in what is missing: `score_info` for every score in the data (shares, contrasts and both h
+/// as per cent, other scores as numbers) and the `verdict`, worked out from the designs: winner
+/// against baseline and best prototype, with the fresh-seed numbers where there are any.
+nlohmann::ordered_json complete_report(nlohmann::ordered_json data);
+
+/// The page with the completed data in it. Equal data give equal bytes; numbers that are not finite
+/// appear as gaps, broken UTF-8 is replaced.
+std::string render_report(const nlohmann::ordered_json& data);
+
+/// A picture for the report: base64 of an 8-bit PNG, reduced by the smallest integer factor that
+/// makes it at most max_width_px wide (>= 1).
+std::string report_png(const ImageF& image, int max_width_px);
+
+/// The square of 2 half_px + 1 pixels about a pixel, moved inwards where it would leave the image
+/// and cut down where the image is smaller.
+ImageF closeup(const ImageF& image, int center_x, int center_y, int half_px);
+
+/// Grey values so that low becomes 0 and high becomes 1, clamped; for pictures of faint contrast.
+/// An empty range gives the image unchanged.
+ImageF stretched(const ImageF& image, float low, float high);
+
+}  // namespace glint

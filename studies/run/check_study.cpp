@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/run/check_study.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include <nlohmann/json.hpp>
+
+#include "core/wall_clock.h"
+#include "studies/imaging/path_picture.h"
+#include "studies/population/pod_study.h"
+#include "studies/population/sorting.h"
+#include "studies/run/design_files.h"
+
+namespace glint {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+/// Everything about a scene that can be refused before anything is written.
+void check_scene(SceneStore& store, const SceneSettings& scene) {
+  if (scene.has_tunnel) {
+    check_part_in_tunnel(*store.build(scene), Tunnel(scene.tunnel), scene.scan, scene.tunnel_name);
+  }
+  store.trace(first_view(store, scene));
+}
+
+/// Variables that change no score between the ends of their range, the others at the baseline: a
+/// key of another shape, most often.
+std::vector<std::string> idle_variables(SceneStore& store, const Study& study) {
+  const WantedScores wanted = wanted_by(study.goal).with_whole_scan();
+  std::vector<std::string> idle;
+  const Point start = baseline_point(study);
+  for (std::size_t i = 0; i < study.space.variables.size(); ++i) {
+    const Variable& variable = study.space.variables[i];
+    const auto scores_at = [&](double value) {
+      Point point = start;
+      point[i] = value;
+      const Overrides overrides = overrides_of(study, canonical(study.space, point));
+      return evaluate(store, scene_with(study, overrides), {}, wanted).scores;
+    };
+    const bool is_choice = variable.kind == Variable::Kind::kChoice;
+    const double last = static_cast<double>(variable.choices.size()) - 1.0;
+    try {
+      if (is_active(study.space, start, i) && scores_at(is_choice ? 0.0 : variable.low) ==
+                                                  scores_at(is_choice ? last : variable.high)) {
+        idle.push_back(variable.name);
+      }
+    } catch (const ConfigError&) {
+      continue;  // an end that cannot be built: the variable does act
+    }
+  }
+  return idle;
+}
+
+/// The study's own scene as costly as a candidate of the search: its picture is not known yet where
+/// a variable changes pictures.
+SceneSettings as_searched(const Study& study) {
+  SceneSettings scene = study.scene;
+  if (!needs_paths(scene)) {
+    return scene;
+  }
+  const Point start = baseline_point(study);
+  const auto key_at = [&](std::size_t variable, double value) {
+    Point point = start;
+    point[variable] = value;
+    const Overrides overrides = overrides_of(study, canonical(study.space, point));
+    const SceneSettings at = scene_with(study, overrides);
+    return picture_key(at, at.viewpoint());
+  };
+  for (std::size_t i = 0; i < study.space.variables.size(); ++i) {
+    const Variable& variable = study.space.variables[i];
+    const bool is_choice = variable.kind == Variable::Kind::kChoice;
+    const double last = static_cast<double>(variable.choices.size()) - 1.0;
+    if (key_at(i, is_choice ? 0.0 : variable.low) != key_at(i, is_choice ? last : variable.high)) {
+      ++scene.paths.seed;
+      break;
+    }
+  }
+  return scene;
+}
+
+/// Seconds for the parts of the study's populations; 0 without any.
+double predicted_population_s(const Study& study, SceneStore& store) {
+  return (study.sorting ? predicted_sorting_s(study, store) : 0.0) +
+         (study.pod ? predicted_pod_s(study, store) : 0.0);
+}
+
+}  // namespace
+
+void check_everything(SceneStore& store, const Study& study) {
+  try {
+    check_scene(store, study.scene);
+  } catch (const ConfigError& error) {
+    throw ConfigError(with_place(study.root, error.what()));
+  }
+  for (const Prototype& prototype : study.prototypes) {
+    try {
+      check_scene(store, scene_with(study, prototype.overrides));
+    } catch (const ConfigError& error) {
+      throw ConfigError(prototype_problem(prototype, error.what()));
+    }
+  }
+}
+
+Json check_study(const Study& study, int threads, int jobs) {
+  ThreadPool pool(threads);
+  SceneStore store(pool);
+  check_everything(store, study);
+  Json designs = Json::object();
+  const WantedScores wanted = wanted_by(study.goal).with_whole_scan();
+  evaluate(store, study.scene);  // the first one pays for tracing and cold caches
+  const auto start = Clock::now();
+  const Evaluation baseline = evaluate(store, as_searched(study), {}, wanted);
+  const double per_evaluation_s = seconds_since(start);
+  for (const Prototype& prototype : study.prototypes) {
+    const Evaluation evaluation =
+        evaluate(store, scene_with(study, prototype.overrides), {}, wanted);
+    designs[prototype.name] = {{"scores", scores_json(evaluation.scores)}};
+  }
+  const int at_once = std::max(1, std::min(jobs, study.search.batch));
+  double predicted_s = per_evaluation_s * study.budget.evaluations / at_once;
+  if (study.budget.wall_clock_s > 0.0 &&
+      (study.budget.evaluations == 0 || study.budget.wall_clock_s < predicted_s)) {
+    predicted_s = study.budget.wall_clock_s;
+  }
+  return {{"schema", 1},
+          {"status", "done"},
+          {"name", study.name},
+          {"variables", study.space.variables.size()},
+          {"objective", study.goal.objective.name},
+          {"idle_variables", idle_variables(store, study)},
+          {"baseline",
+           {{"scores", scores_json(baseline.scores)},
+            {"notes", scene_notes(study.scene, baseline.scores)}}},
+          {"prototypes", designs},
+          {"evaluations", study.has_search() ? study.budget.evaluations : 0},
+          {"seconds_per_evaluation", per_evaluation_s},
+          {"predicted_s", study.has_search() ? predicted_s : predicted_population_s(study, store)}};
+}
+
+}  // namespace glint

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/run/design_files.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/image/image_io.h"
+#include "studies/drawing/drawing.h"
+#include "studies/drawing/light_drawing.h"
+#include "studies/imaging/path_picture.h"
+#include "studies/output/output_folder.h"
+#include "studies/run/render_files.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+PixelDepth depth_of(const SensorSettings& sensor) {
+  return sensor.bits == 8 ? PixelDepth::k8Bit : PixelDepth::k16Bit;
+}
+
+Json view_json(const DefectView& view, const DefectScores& scores) {
+  return {{"area_px", view.area_px},
+          {"window_px", {view.left_px, view.top_px, view.distance.width(), view.distance.height()}},
+          {"scores",
+           {{"weber", scores.weber},
+            {"peak", scores.peak},
+            {"cnr", scores.cnr},
+            {"dprime", scores.dprime},
+            {"signature", scores.signature}}}};
+}
+
+Json defects_json(const Evaluation& evaluation) {
+  Json list = Json::array();
+  const DefectivePart& part = evaluation.traced->part->made;
+  std::size_t i = 0;  // among the defects that were made
+  for (const MadeDefect& made : part.defects) {
+    if (made.is_made && i < evaluation.defects.size()) {
+      const Json view = view_json(evaluation.traced->views[i], evaluation.defects[i]);
+      list.push_back(defect_in_view_json(made.defect, part.outlines[i], view));
+      ++i;
+    }
+  }
+  return {{"schema", 1}, {"defects", list}};
+}
+
+/// Half the angle of view across the tunnel, from the image's height or width.
+double view_half_angle_rad(const SceneSettings& scene) {
+  const PinholeIntrinsics in = intrinsics_of(scene);
+  const RigidTransform pose = camera_from_world(scene.viewpoint());
+  const bool rows_run_across = std::abs(pose.rotation(1, 1)) > std::abs(pose.rotation(0, 1));
+  return rows_run_across ? std::atan(0.5 * in.height_px / in.focal_px.y())
+                         : std::atan(0.5 * in.width_px / in.focal_px.x());
+}
+
+/// Whether the scan gives every lit pixel the same number of bright positions, and what that means.
+std::string scan_note(const SceneSettings& scene) {
+  const TunnelSettings& tunnel = scene.tunnel;
+  const double bright = scene.scan.positions * tunnel.duty;
+  const double periods = scene.scan.positions * scan_step_mm(scene.scan, tunnel) *
+                         std::cos(tunnel.orientation_rad) / tunnel.period_mm;
+  const auto is_whole = [](double value) { return std::abs(value - std::round(value)) < 1e-9; };
+  if (!is_whole(periods) || !is_whole(bright)) {
+    return fmt::format(
+        "{} positions x duty {:g} over {:g} periods is not a whole number of bright positions over "
+        "whole periods: the flawless surface shows a ripple of its own.",
+        scene.scan.positions,
+        tunnel.duty,
+        periods);
+  }
+  std::string note = fmt::format(
+      "{} positions x duty {:g} is a whole number of bright positions over whole periods: where "
+      "the "
+      "wall is lit all along, the mean of a linear sensor is the same everywhere; what the aspect "
+      "image shows, it shows through clipping",
+      scene.scan.positions,
+      tunnel.duty);
+  if (tunnel.led_ripple > 0.0 || tunnel.end_falloff > 0.0 || tunnel.cosine_law) {
+    note += ", and through the unevenness of the wall that this scene gives it";
+  }
+  return note + ".";
+}
+
+/// How a path-traced scene is lit and rendered.
+std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& scores) {
+  std::vector<std::string> notes;
+  for (const std::string& line : light_lines(scene)) {
+    notes.push_back("Light " + line + ".");
+  }
+  notes.push_back(fmt::format(
+      "Path tracing: {} samples a pixel, {} reflections on the part at most; powers of lights are "
+      "factors of pictures that are rendered once.",
+      scene.paths.samples,
+      scene.paths.max_reflections));
+  const auto mean = scores.find("homogeneity.mean");
+  if (mean != scores.end() && mean->second <= 0.0) {
+    notes.push_back(
+        "No light reaches the part in this picture: look at the lights' places, "
+        "directions and powers.");
+  }
+  if (scene.viewpoints.size() > 1) {
+    notes.push_back("Scores are those of the first viewpoint.");
+  }
+  const auto value = scores.find("homogeneity.h_rms");
+  const auto error = scores.find("homogeneity.h_rms.error");
+  if (value != scores.end() && error != scores.end()) {
+    notes.push_back(
+        fmt::format("Standard errors of the scores, by the scatter of independent pictures, are "
+                    "scores of their own that end in .error: h (rms) is {:.3f} +- {:.3f} %.",
+                    100.0 * value->second,
+                    100.0 * error->second));
+  }
+  return notes;
+}
+
+/// The lights of a path-traced scene: their drawing, and what is to be said about them.
+struct LightingOfPaths {
+  std::string drawing;
+  std::vector<std::string> warnings;
+};
+
+LightingOfPaths lighting_of_paths(const SceneSettings& scene,
+                                  const std::shared_ptr<const BuiltDefects>& part,
+                                  const std::string& title) {
+  const PathView view(scene, part, scene.viewpoint());
+  return {.drawing = scene.has_tunnel ? draw_lighting(scene, *part->built, title)
+                                      : area_lights_svg(scene, view.physical(), title),
+          .warnings = view.warnings()};
+}
+
+/// The scene scanned once more, as a search does it, beside its full sequence.
+Json rendering_json(SceneStore& store,
+                    const SceneSettings& scene,
+                    const WantedScores& wanted,
+                    const Scores& full) {
+  using Method = RenderSettings::Method;
+  const Method method = scene.render.method;
+  if (needs_paths(scene)) {
+    return {{"frames", "paths"},
+            {"samples", scene.paths.samples},
+            {"batches", scene.paths.batches},
+            {"max_reflections", scene.paths.max_reflections}};
+  }
+  Json json = {{"frames", method == Method::kSampled ? "sampled" : "integrated"}};
+  if (method != Method::kAuto && method != Method::kClosed) {
+    return json;
+  }
+  const Evaluation closed = evaluate(store, scene, {}, wanted.of_one_scan());
+  const std::string h = "homogeneity.h_rms";
+  json["search_form"] = std::string(form_name(closed.form.kind));
+  json["table_pixels"] = closed.form.table_pixels;
+  json["frame_pixels"] = closed.form.frame_pixels;
+  json["h_rms_difference_points"] = 100.0 * (closed.scores.at(h) - full.at(h));
+  return json;
+}
+
+}  // namespace
+
+Json scores_json(const Scores& scores) {
+  Json json = Json::object();
+  for (const auto& [name, value] : scores) {
+    json[name] = value;
+  }
+  return json;
+}
+
+std::string draw_lighting(const SceneSettings& scene,
+                          const BuiltPart& built,
+                          const std::string& title) {
+  const Tunnel tunnel(scene.tunnel);
+  const Eigen::Vector3d camera = inverse(camera_from_world(scene.viewpoint())).translation_mm;
+  return cross_section_svg({.panels_yz_mm = tunnel.outline(1.0),
+                            .part_yz_mm = built.outline_yz_mm,
+                            .camera_mm = camera,
+                            .view_half_angle_rad = view_half_angle_rad(scene),
+                            .slot_mm = scene.tunnel.slot_mm,
+                            .length_mm = scene.tunnel.length_mm,
+                            .part_length_mm = built.max_x_mm - built.min_x_mm,
+                            .period_mm = scene.tunnel.period_mm,
+                            .duty = scene.tunnel.duty,
+                            .orientation_rad = scene.tunnel.orientation_rad,
+                            .step_mm = scan_step_mm(scene.scan, scene.tunnel),
+                            .positions = scene.scan.positions,
+                            .title = title});
+}
+
+std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores) {
+  std::vector<std::string> notes =
+      needs_paths(scene) ? path_notes(scene, scores) : std::vector<std::string>{scan_note(scene)};
+  const auto share_of = [&](const char* name) {
+    const auto found = scores.find(name);
+    return found == scores.end() ? 0.0 : found->second;
+  };
+  if (share_of("view.hidden_share") > 0.0) {
+    notes.push_back(
+        fmt::format("The wall hides {:.2f} % of the part from the camera: the slot is too narrow "
+                    "there; hidden pixels are dark.",
+                    100.0 * share_of("view.hidden_share")));
+  }
+  if (share_of("rays.followed_share") + share_of("rays.blocked_share") > 0.0) {
+    notes.push_back(
+        fmt::format("{:.3f} % of the rays met the part again and were followed, {:.3f} % were "
+                    "given up as dark.",
+                    100.0 * share_of("rays.followed_share"),
+                    100.0 * share_of("rays.blocked_share")));
+  }
+  if (scene.tunnel.cosine_law) {
+    notes.emplace_back("The cosine law is applied to the wall's radiance (compatibility option).");
+  }
+  return notes;
+}
+
+std::string rendering_note(const Json& rendering) {
+  if (!rendering.contains("search_form")) {
+    return "";
+  }
+  const std::string form = rendering["search_form"];
+  if (form == form_name(ScanForm::Kind::kFrames)) {
+    return "A search renders all frames of this scan: no closed form holds for its mean, or the "
+           "search looks at single frames.";
+  }
+  const int by_table = rendering["table_pixels"].get<int>();
+  const int by_frames = rendering["frame_pixels"].get<int>();
+  const double difference = rendering["h_rms_difference_points"].get<double>();
+  const bool is_linear = form == form_name(ScanForm::Kind::kFloors);
+  return fmt::format(
+      "A search takes the mean of this scan from a closed form ({}), with {} pixels rendered frame "
+      "by frame ({}); h (rms) is {:.3f} points {} than from the full sequence.",
+      is_linear ? "floors: the sensor does not clip"
+                : fmt::format("table: the sensor clips; {} pixels", by_table),
+      by_frames,
+      is_linear ? "around the defects where these are scored"
+                : "near edges of the light, on bent surface, and around the defects where these "
+                  "are scored",
+      std::abs(difference),
+      difference < 0.0 ? "lower" : "higher");
+}
+
+Json write_design(SceneStore& store,
+                  const SceneSettings& wanted_scene,
+                  const Json& head,
+                  const fs::path& folder,
+                  bool is_rescored,
+                  const WantedScores& wanted) {
+  const SceneSettings scene = first_view(store, wanted_scene);
+  make_folder(folder / "sequence");
+  remove_unfinished_files(folder);
+  remove_unfinished_files(folder / "sequence");
+  const auto frame_path = [&](int index) {
+    return folder / "sequence" / fmt::format("frame_{:03}.png", index);
+  };
+  int num_frames = 0;
+  const auto write_frame = [&](int index, const ImageF& grey) {
+    num_frames = std::max(num_frames, index + 1);
+    write_png(frame_path(index), grey, depth_of(scene.sensor));
+  };
+  const Evaluation evaluation = evaluate(store, scene, write_frame, wanted.with_whole_scan());
+  // A longer sequence rendered into this folder before must not follow this one.
+  for (int index = num_frames; fs::remove(frame_path(index)); ++index) {
+  }
+  write_png(folder / "aspect.png", evaluation.aspect, depth_of(scene.sensor));
+  write_exr(folder / "aspect.exr", evaluation.aspect);
+  write_mask_png(folder / "part_mask.png", evaluation.traced->part_mask);
+  write_file(folder / "defects.json", defects_json(evaluation).dump(2) + "\n");
+  write_file(folder / "scene.toml", to_toml(write_scene(scene)));
+  const std::string title = head.value("title", "");
+  std::vector<std::string> notes = scene_notes(scene, evaluation.scores);
+  if (needs_paths(scene)) {
+    const LightingOfPaths lighting = lighting_of_paths(scene, evaluation.traced->part, title);
+    write_file(folder / "cross_section.svg", lighting.drawing);
+    notes.insert(notes.end(), lighting.warnings.begin(), lighting.warnings.end());
+  } else {
+    write_file(folder / "cross_section.svg",
+               draw_lighting(scene, evaluation.traced->built(), title));
+  }
+  Json json = head;
+  json["scores"] = scores_json(evaluation.scores);
+  json["rendering"] = rendering_json(store, scene, wanted, evaluation.scores);
+  if (const std::string note = rendering_note(json["rendering"]); !note.empty()) {
+    notes.push_back(note);
+  }
+  if (is_rescored) {
+    try {
+      json["rescored"] = scores_json(
+          evaluate(store, finer(scene), {}, wanted.with_whole_scan(kFreshParts)).scores);
+    } catch (const ConfigError& error) {  // the finer picture may not fit into memory
+      json["rescored"] = nullptr;
+      notes.push_back(fmt::format("Not re-scored: {}", error.what()));
+    }
+  }
+  json["notes"] = notes;
+  write_file(folder / "scores.json", json.dump(2) + "\n");
+  return json;
+}
+
+}  // namespace glint

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The folder of one design in a run directory:
+//
+//   scene.toml  sequence/frame_000.png ...  aspect.png  aspect.exr  part_mask.png  defects.json
+//   scores.json  cross_section.svg
+//
+// scores.json holds { title, role, trial, feasible, scores, rescored, rendering, variables, notes
+// }. rendering tells how pictures and scores came about:
+//
+//   frames                    "integrated" | "sampled" | "paths": the written sequence
+//   samples, batches,         of "paths": a pixel, independent pictures they are divided into,
+//   max_reflections           on the part
+//   search_form               "floors" | "table" | "frames": how a search gets the mean of this
+//   scan;
+//                             this and what follows only where render.method is auto or closed
+//   table_pixels              of the region: by formula, or dark in every frame
+//   frame_pixels              rendered frame by frame, around the defects too where they are scored
+//   h_rms_difference_points   closed form minus full sequence, hundredths of homogeneity.h_rms
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "studies/evaluation/evaluation.h"
+
+namespace glint {
+
+/// Renders and scores a design, re-scores it with fresh seeds and finer sampling, and writes its
+/// folder. @throws IoError, ConfigError
+/// @param head    title, role, trial, feasible, variables: what only the caller knows
+/// @param wanted  the scores that a search of this study looks at
+/// @return the object of scores.json
+nlohmann::ordered_json write_design(SceneStore& store,
+                                    const SceneSettings& scene,
+                                    const nlohmann::ordered_json& head,
+                                    const std::filesystem::path& folder,
+                                    bool is_rescored,
+                                    const WantedScores& wanted);
+
+/// The tunnel, drawn to scale; area lights: area_lights_svg().
+std::string draw_lighting(const SceneSettings& scene,
+                          const BuiltPart& built,
+                          const std::string& title);
+
+/// Remarks on a scene that a reader of its numbers must know.
+std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores);
+
+/// How a search gets the mean of this scan, as one sentence; empty when it renders all frames.
+std::string rendering_note(const nlohmann::ordered_json& rendering);
+
+/// Scores as a JSON object, in alphabetical order.
+nlohmann::ordered_json scores_json(const Scores& scores);
+
+}  // namespace glint

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The folder of one view of a path-traced scene:
+//
+//   image.exr            linear radiance R, G, B or Y, W / (m^2 sr), mean of the frames; with
+//   several
+//                        light groups also each of them at power 1: "ring.3.R"
+//   image.png image.tif  what the sensor shows, linear grey values in 8 and 16 bits; mean of frames
+//   sequence/frame_000.png ...   where a tunnel makes several frames
+//   standard_error.exr   of the radiance, mean of its channels (Y)
+//   part_mask.png        255: the whole pixel is on the part
+//   mask.png             255: defects cover at least half of the pixel
+//   coverage.exr         background, sound, defect.<id>: shares of the pixel, together 1
+//   geometry.exr         depth_mm, normal.x ..., position_mm.x ..., incidence_deg: means over the
+//                        pixel's samples on the part, 0 beside it; triangle, defect: of the first
+//                        of these samples, -1: none. Whole numbers up to 2^24 are exact.
+//   defects.png          defect map in colours, side_by_side.png: picture and map
+//   defects.json         each defect and how many pixels show it
+//   scene.toml           the scene with this viewpoint alone
+//
+// Masks and geometry are written without light too.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/image/image_io.h"
+#include "studies/imaging/path_picture.h"
+
+namespace glint {
+
+/// One view as it was rendered. What it refers to must outlive it.
+struct RenderedView {
+  const SceneSettings& scene;  ///< with this viewpoint alone
+  const BuiltDefects& part;
+  const PathPicture& picture;            ///< without groups: rendered without light
+  std::vector<std::string> groups = {};  ///< names
+
+  bool has_light() const { return !picture.sums.groups.empty(); }
+};
+
+/// Mean of the frames' factors.
+FrameFactors mean_factors(std::span<const FrameFactors> frames);
+
+/// Standard error of the mean of the frames' radiance, mean of the channels: by the scatter of the
+/// picture's batches (of which there are few: right on average, rough in each pixel), or without
+/// batches a bound by the spread of single samples with the lights at equal powers.
+ImageF standard_error_of(const PathPicture& picture);
+
+/// What the sensor makes of one frame: the grey values of each channel. Noise differs from channel
+/// to channel and is none of the radiance's.
+std::vector<ImageF> exposed_frame(const SensorSettings& sensor,
+                                  const PathSums& sums,
+                                  const FrameFactors& factors,
+                                  int frame_index);
+
+/// Mean standard error of the part's pixels, share of their mean radiance; 0 where all is dark.
+double relative_error(const PathPicture& picture, const ImageF& standard_error);
+
+/// An entry of defects.json: what a defect is and where, and how a view shows it.
+nlohmann::ordered_json defect_in_view_json(const Defect& defect,
+                                           const HeightFeature& outline,
+                                           const nlohmann::ordered_json& view);
+
+/// What write_view_files() made, for pages that show it.
+struct ViewPictures {
+  ImageRgb image;  ///< empty without light
+  ImageRgb map;
+  double relative_error = 0.0;
+};
+
+/// Writes the files above. @param has_design  write_design() has put frames and defects.json there
+/// @throws IoError
+ViewPictures write_view_files(const RenderedView& view,
+                              const std::filesystem::path& folder,
+                              bool has_design);
+
+}  // namespace glint

@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/run/run.h"
+
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/log.h"
+#include "core/text.h"
+#include "core/wall_clock.h"
+#include "studies/output/output_folder.h"
+#include "studies/output/provenance.h"
+#include "studies/population/pod_study.h"
+#include "studies/population/sorting.h"
+#include "studies/run/check_study.h"
+#include "studies/run/design_files.h"
+#include "studies/run/run_report.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+Json variables_json(const Study& study, const Point& point) {
+  Json json = Json::object();
+  for (const auto& [path, value] : overrides_of(study, point)) {
+    switch (value.kind) {
+      case ConfigNode::Kind::kBoolean:
+        json[path] = value.boolean;
+        break;
+      case ConfigNode::Kind::kInteger:
+        json[path] = value.integer;
+        break;
+      case ConfigNode::Kind::kNumber:
+        json[path] = value.number;
+        break;
+      default:
+        json[path] = value.text;
+    }
+  }
+  return json;
+}
+
+/// The values the study's own scene has for its variables.
+Json baseline_variables(const Study& study) {
+  Json json = Json::object();
+  for (const Variable& variable : study.space.variables) {
+    const ConfigNode& node = *study.resolved.at_path(variable.name);
+    if (node.is_number()) {
+      json[variable.name] = node.number;
+    } else if (node.kind == ConfigNode::Kind::kBoolean) {
+      json[variable.name] = node.boolean;
+    } else {
+      json[variable.name] = node.text;
+    }
+  }
+  return json;
+}
+
+/// A run directory that is being worked on.
+class Run {
+ public:
+  Run(const Study& study, const RunOptions& options)
+      : study_(study), options_(options), pool_(options.threads), store_(pool_) {}
+
+  Json execute() {
+    check_everything(store_, study_);
+    OutputFolder folder(options_.out);
+    Storage storage = open_storage();
+    remove_unfinished_files(options_.out);
+    configure_run_log();
+    write_file(options_.out / "study.resolved.toml", resolved_text(study_));
+    SearchResult search;
+    if (study_.has_search()) {
+      search = search_designs(storage, folder);
+      if (search.termination == Termination::kInterrupted) {
+        log(LogLevel::kWarning,
+            "interrupted after {} evaluations, which are kept; writing what there is (a second "
+            "interrupt stops at once)",
+            search.evaluations);
+      }
+    }
+    Json result = finish(storage, search, folder);
+    write_run_json(search, storage);
+    folder.keep();
+    return result;
+  }
+
+ private:
+  void configure_run_log() {
+    LogSettings settings = {.to_stderr = options_.progress != Progress::Style::kNone,
+                            .files = {options_.out / "log.txt"}};
+    if (!options_.log_file.empty()) {
+      settings.files.push_back(options_.log_file);
+    }
+    configure_log(settings);
+    log(LogLevel::kInfo,
+        "study {} with {} threads, {} jobs",
+        study_.name,
+        options_.threads,
+        options_.jobs);
+  }
+
+  Storage open_storage() {
+    return Storage::open(options_.out / "study.sqlite",
+                         {.config_hash = config_hash(study_),
+                          .config_text = resolved_text(study_),
+                          .code_version = program_version(),
+                          .seed = study_.search.seed});
+  }
+
+  SearchResult search_designs(Storage& storage, OutputFolder& folder) {
+    const SearchTask task = {.space = study_.space,
+                             .settings = study_.search,
+                             .goal = study_.goal,
+                             .budget = study_.budget,
+                             .start_points = {baseline_point(study_)},
+                             .jobs = options_.jobs};
+    const WantedScores wanted = needs_gradient(study_.search.algorithm)
+                                    ? wanted_with_gradients(study_.goal, study_.space)
+                                    : wanted_by(study_.goal);
+    const auto evaluate_point = [&](const Point& point, int /*trial*/) {
+      const fs::path& file = study_.scene.part.file;
+      if (!file.empty() && !fs::exists(file)) {
+        throw IoError(file.string() + ": has gone while the study was running");
+      }
+      Outcome outcome;
+      Evaluation found =
+          evaluate(store_, scene_with(study_, overrides_of(study_, point)), {}, wanted);
+      outcome.scores = std::move(found.scores);
+      outcome.gradients = std::move(found.gradients.by_score);
+      outcome.message = join(found.gradients.remarks, kRemarkSeparator);
+      return outcome;
+    };
+    Progress bar(study_.name, std::max(1, study_.budget.evaluations), options_.progress);
+    const auto show = [&](const SearchProgress& progress) {
+      folder.keep();  // what is evaluated is not thrown away
+      std::string note = "best -";
+      if (progress.best && progress.best->outcome) {
+        const Scores& scores = progress.best->outcome->scores;
+        const auto found = scores.find(study_.goal.objective.name);
+        if (found != scores.end()) {
+          note = fmt::format("best {:.4f}", found->second);
+        }
+      }
+      if (progress.failed > 0) {
+        note += fmt::format(", {} failed", progress.failed);
+      }
+      bar.update(progress.evaluations, note);
+    };
+    return run_search(task, storage, evaluate_point, options_.interrupt, show);
+  }
+
+  Json head(const std::string& title, const char* role, const Json& variables) const {
+    return {{"title", title}, {"role", role}, {"variables", variables}};
+  }
+
+  Json write(const std::string& key, const SceneSettings& scene, const Json& head) {
+    log(LogLevel::kInfo, "writing {}", key);
+    Json json;
+    try {
+      json = write_design(store_, scene, head, options_.out / key, true, wanted_by(study_.goal));
+    } catch (const ConfigError& error) {
+      throw ConfigError(with_place(study_.root, error.what()));
+    }
+    if (study_.goal.constraints.empty()) {
+      return json;
+    }
+    json["feasible"] = is_feasible(study_.goal, scores_of(json["scores"]));
+    write_file(options_.out / key / "scores.json", json.dump(2) + "\n");
+    return json;
+  }
+
+  static Scores scores_of(const Json& json) {
+    Scores scores;
+    for (const auto& [name, value] : json.items()) {
+      if (value.is_number()) {
+        scores[name] = value.get<double>();
+      }
+    }
+    return scores;
+  }
+
+  static std::string status_of(const SearchResult& search, bool has_search) {
+    if (!has_search) {
+      return "done";
+    }
+    if (search.termination == Termination::kInterrupted) {
+      return "interrupted";
+    }
+    if (!search.best || !search.is_feasible) {
+      return "no_feasible";
+    }
+    return search.termination == Termination::kWallClock ? "budget" : "done";
+  }
+
+  /// Adds what the study's populations give. @return false when interrupted
+  bool inspect_populations(Storage& storage, OutputFolder& folder, Json& result) {
+    const PopulationTask task = {.study = study_,
+                                 .store = store_,
+                                 .storage = storage,
+                                 .folder = folder,
+                                 .out = options_.out,
+                                 .progress = options_.progress,
+                                 .interrupt = options_.interrupt};
+    const auto add = [&](const char* name, const std::optional<Json>& found) {
+      if (found) {
+        result[name] = *found;
+      }
+      return found.has_value();
+    };
+    return (!study_.sorting || add("sorting", run_sorting(task))) &&
+           (!study_.pod || add("pod", run_pod(task)));
+  }
+
+  Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
+    const Json baseline =
+        write("baseline", study_.scene, head("Baseline", "baseline", baseline_variables(study_)));
+    for (const Prototype& prototype : study_.prototypes) {
+      write(prototype.name,
+            scene_with(study_, prototype.overrides),
+            head(prototype.title, "prototype", Json::object()));
+    }
+    Json result = {{"schema", 1},
+                   {"status", status_of(search, study_.has_search())},
+                   {"evaluations", search.evaluations},
+                   {"failed", search.failed}};
+    if (study_.has_objective) {
+      result["objective"] = study_.goal.objective.name;
+    }
+    Json rescored = Json::object();
+    result["best"] = nullptr;
+    if (search.best) {
+      const Json variables = variables_json(study_, search.best->point);
+      Json winner_head = head("Winner of the search", "winner", variables);
+      winner_head["trial"] = search.best->number;
+      const Json winner = write(
+          "winner", scene_with(study_, overrides_of(study_, search.best->point)), winner_head);
+      result["best"] = {
+          {"trial", search.best->number}, {"variables", variables}, {"scores", winner["scores"]}};
+      rescored["best"] = winner["rescored"];
+    }
+    result["baseline"] = {{"variables", baseline["variables"]}, {"scores", baseline["scores"]}};
+    rescored["baseline"] = baseline["rescored"];
+    result["rescored"] = rescored;
+    result["prototypes"] = prototypes_json();
+    if (!inspect_populations(storage, folder, result)) {
+      log(LogLevel::kWarning, "interrupted; the inspected parts are kept, the same call goes on");
+      result["status"] = "interrupted";
+    }
+    write_file(options_.out / "trials.csv", trials_csv(study_, storage));
+    const fs::path report = options_.out / "report.html";
+    result["report"] = "report.html";
+    write_file(options_.out / "result.json", result.dump(2) + "\n");
+    write_file(report, report_html({options_.out}));
+    result["report"] = report.string();
+    return result;
+  }
+
+  Json prototypes_json() const {
+    Json prototypes = Json::object();
+    for (const Prototype& prototype : study_.prototypes) {
+      const Json json = Json::parse(read_file(options_.out / prototype.name / "scores.json"));
+      prototypes[prototype.name] = {{"scores", json["scores"]}, {"rescored", json["rescored"]}};
+    }
+    return prototypes;
+  }
+
+  void write_run_json(const SearchResult& search, const Storage& storage) const {
+    Json json = provenance();
+    json["study"] = study_.name;
+    json["seed"] = study_.search.seed;
+    json["threads"] = options_.threads;
+    json["jobs"] = options_.jobs;
+    json["algorithm"] = search.algorithm;
+    json["termination"] =
+        study_.has_search() ? std::string(termination_name(search.termination)) : "none";
+    json["timings"] = {{"search_s", search.seconds},
+                       {"this_run_s", seconds_since(start_)},
+                       {"replayed_evaluations", search.replayed},
+                       {"reused_designs", search.reused},
+                       {"traced_scenes", store_.num_traced()},
+                       {"retraced_scenes", store_.num_retraced()}};
+    json["warnings"] = search.warnings;
+    json["derivatives"] = derivative_remarks(storage);
+    json["configuration"] = resolved_text(study_);
+    write_file(options_.out / "run.json", json.dump(2) + "\n");
+  }
+
+  const Study& study_;
+  const RunOptions& options_;
+  ThreadPool pool_;
+  SceneStore store_;
+  Clock::time_point start_ = Clock::now();
+};
+
+}  // namespace
+
+Json run_study(const Study& study, const RunOptions& options) {
+  return Run(study, options).execute();
+}
+
+}  // namespace glint

@@ -1,0 +1,435 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/run/run_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/image/image_io.h"
+#include "core/text.h"
+#include "core/units.h"
+#include "studies/output/provenance.h"
+#include "studies/population/population_report.h"
+#include "studies/report/report.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kFrameWidth_px = 650;
+constexpr int kCloseupHalf_px = 20;
+constexpr std::size_t kMaxCloseups = 8;
+
+Json read_json(const fs::path& path) {
+  try {
+    return Json::parse(read_file(path));
+  } catch (const Json::parse_error& error) {
+    throw IoError(fmt::format("{}: is damaged: {}", path.string(), error.what()));
+  }
+}
+
+Json closeups(const fs::path& folder, const ImageF& aspect) {
+  // Of many defects the hardest to see are shown; the rest stands in defects.json.
+  Json list = Json::array();
+  const Json file = read_json(folder / "defects.json");
+  std::vector<Json> defects(file["defects"].begin(), file["defects"].end());
+  if (defects.size() > kMaxCloseups) {
+    std::ranges::stable_sort(
+        defects, {}, [](const Json& defect) { return defect["scores"]["cnr"].get<double>(); });
+    defects.resize(kMaxCloseups);
+  }
+  for (const Json& defect : defects) {
+    const Json& window = defect["window_px"];
+    const int x = window[0].get<int>() + window[2].get<int>() / 2;
+    const int y = window[1].get<int>() + window[3].get<int>() / 2;
+    const ImageF square = closeup(aspect, x, y, kCloseupHalf_px);
+    list.push_back({{"label", defect["label"]},
+                    {"image", report_png(square, 2 * kCloseupHalf_px + 1)},
+                    {"scores", defect["scores"]}});
+  }
+  return list;
+}
+
+Json frames(const fs::path& folder) {
+  Json list = Json::array();
+  for (int k = 0;; ++k) {
+    const fs::path file = folder / "sequence" / fmt::format("frame_{:03}.png", k);
+    if (!fs::exists(file)) {
+      return list;
+    }
+    list.push_back(report_png(read_image(file), kFrameWidth_px));
+  }
+}
+
+Json design_json(const fs::path& folder, const std::string& key, bool has_frames) {
+  Json json = read_json(folder / "scores.json");
+  json["key"] = key;
+  const ImageF aspect = read_image(folder / "aspect.exr");
+  const bool is_one_picture = has_frames && json.contains("rendering") &&
+                              json["rendering"].value("frames", "") == "paths" &&
+                              !fs::exists(folder / "sequence/frame_001.png");
+  if (!is_one_picture) {  // of which there is no mean beside it
+    json["aspect"] = report_png(aspect, 2 * kFrameWidth_px);
+  }
+  json["drawing"] = read_file(folder / "cross_section.svg");
+  json["closeups"] = closeups(folder, aspect);
+  if (has_frames) {
+    json["frames"] = frames(folder);
+  }
+  return json;
+}
+
+std::string_view kind_text(Variable::Kind kind) {
+  switch (kind) {
+    case Variable::Kind::kFloat:
+      return "float";
+    case Variable::Kind::kInteger:
+      return "integer";
+    default:
+      return "choice";
+  }
+}
+
+Json variables_json(const Study& study) {
+  Json list = Json::array();
+  for (const Variable& variable : study.space.variables) {
+    // "control_mm.2": the unit stands in the last named part.
+    std::string key = variable.name;
+    while (!key.empty() && key.find_last_not_of("0123456789.") + 1 != key.size()) {
+      key.resize(key.find_last_not_of("0123456789.") + 1);
+    }
+    list.push_back({{"name", variable.name},
+                    {"kind", kind_text(variable.kind)},
+                    {"low", variable.low},
+                    {"high", variable.high},
+                    {"log", variable.is_log},
+                    {"unit", std::string(written_unit(key))},
+                    {"choices", variable.choices}});
+  }
+  return list;
+}
+
+Json trial_json(const Study& study, const Trial& trial, const std::string& algorithm) {
+  Json values = Json::array();
+  for (std::size_t i = 0; i < trial.point.size(); ++i) {
+    const Variable& variable = study.space.variables[i];
+    if (!is_active(study.space, trial.point, i)) {
+      values.push_back(nullptr);
+    } else if (variable.kind == Variable::Kind::kChoice) {
+      values.push_back(variable.choices[static_cast<std::size_t>(trial.point[i])]);
+    } else {
+      values.push_back(trial.point[i]);
+    }
+  }
+  Json json = {{"number", trial.number}, {"kind", algorithm}, {"values", values}};
+  const Outcome& outcome = *trial.outcome;
+  json["failed"] = outcome.is_failed;
+  if (outcome.is_failed) {
+    json["message"] = outcome.message;
+    return json;
+  }
+  json["feasible"] = is_feasible(study.goal, outcome.scores);
+  json["objective"] = outcome.scores.at(study.goal.objective.name);
+  Json scores = Json::object();
+  for (const auto& [name, value] : outcome.scores) {
+    const bool is_summary = name.find("defects.") != 0 || name.find('.', 8) == std::string::npos;
+    const bool is_limited = std::ranges::any_of(
+        study.goal.constraints, [&, score = name](const Constraint& c) { return c.name == score; });
+    if (is_summary || is_limited) {
+      scores[name] = value;
+    }
+  }
+  json["scores"] = scores;
+  return json;
+}
+
+void add_search(const Study& study, const fs::path& run, Json& data) {
+  data["objective"] = {{"name", study.goal.objective.name},
+                       {"sense", study.goal.objective.is_maximised ? "maximise" : "minimise"}};
+  Json constraints = Json::array();
+  for (const Constraint& constraint : study.goal.constraints) {
+    Json json = {{"name", constraint.name}};
+    if (constraint.min) {
+      json["min"] = *constraint.min;
+    }
+    if (constraint.max) {
+      json["max"] = *constraint.max;
+    }
+    constraints.push_back(json);
+  }
+  data["constraints"] = constraints;
+  data["variables"] = variables_json(study);
+  const std::string algorithm = resolved_algorithm(study.space, study.search);
+  Json trials = Json::array();
+  const Storage storage = Storage::read(run / "study.sqlite");
+  for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
+    if (trial.outcome) {
+      trials.push_back(trial_json(study, trial, algorithm));
+    }
+  }
+  data["trials"] = trials;
+}
+
+std::vector<std::string> design_keys(const Study& study, const fs::path& run) {
+  std::vector<std::string> keys = {"baseline"};
+  for (const Prototype& prototype : study.prototypes) {
+    keys.push_back(prototype.name);
+  }
+  keys.emplace_back("winner");
+  std::erase_if(keys,
+                [&](const std::string& key) { return !fs::exists(run / key / "scores.json"); });
+  return keys;
+}
+
+Study study_of(const fs::path& run) {
+  if (!fs::exists(run / "study.resolved.toml")) {
+    throw IoError(
+        fmt::format("{}: is no run directory: study.resolved.toml is missing", run.string()));
+  }
+  return load_study(run / "study.resolved.toml", {});
+}
+
+/// The same for path-traced scenes.
+std::vector<std::string> path_method_notes(const PathSettings& paths) {
+  return {
+      fmt::format("Light transport: path tracing with {} samples a pixel and {} reflections on the "
+                  "part at most; pictures of all lights at power 1 are made once per part, camera "
+                  "and place of the lights, powers are factors.",
+                  paths.samples,
+                  paths.max_reflections),
+      "Homogeneity is scored on pixels wholly on the part, eroded, without the surroundings of the "
+      "defects; h_rms = 1 - standard deviation / mean, h_abs = 1 - mean absolute deviation / mean.",
+      fmt::format("Standard errors (scores that end in .error) come from the scatter of {} "
+                  "independent pictures. All designs share the same random numbers.",
+                  paths.batches)};
+}
+
+std::vector<std::string> method_notes(const Study& study) {
+  if (needs_paths(study.scene)) {
+    return path_method_notes(study.scene.paths);
+  }
+  const RenderSettings& render = study.scene.render;
+  const bool is_sampled = render.method == RenderSettings::Method::kSampled;
+  const int rays = render.rays_per_axis * render.rays_per_axis;
+  const std::string how =
+      is_sampled ? fmt::format("{} rays a pixel", rays)
+                 : fmt::format(
+                       "one ray a pixel and the footprint of the pixel about it, with more "
+                       "rays where directions bend by more than {:g} mrad,",
+                       render.max_direction_error_rad * 1e3);
+  const std::string finer_rays = is_sampled ? fmt::format("{} rays a pixel", 4 * rays)
+                                            : "all frames, with directions four times as exact";
+  return {
+      fmt::format("Light transport: perfect mirror, {} traced once per part, camera and defects; "
+                  "every lighting is evaluated along the kept rays{}.",
+                  how,
+                  is_sampled ? "" : ", stripes and edges of the light integrated in closed form"),
+      "Homogeneity is scored on pixels wholly on the part, eroded, without the surroundings of the "
+      "defects; h_rms = 1 - standard deviation / mean, h_abs = 1 - mean absolute deviation / mean.",
+      fmt::format("All designs share the same noise (common random numbers). Re-scored numbers use "
+                  "fresh noise and {}.",
+                  finer_rays)};
+}
+
+/// How often and with which numbers of pixels a remark was made.
+struct RemarkCount {
+  int evaluations = 0;
+  long fewest = 0;
+  long most = 0;
+};
+
+Json single_run(const fs::path& run) {
+  const Study study = study_of(run);
+  const Json result = read_json(run / "result.json");
+  if (result.contains("views")) {
+    throw ConfigError(
+        run.string() +
+        ": holds rendered views, whose page is report.html; there is no run to report");
+  }
+  Json data = {{"title", study.title}, {"subtitle", "Lighting study for surface inspection"}};
+  if (study.has_search()) {
+    data["status"] = result["status"];
+    add_search(study, run, data);
+  }
+  Json designs = Json::array();
+  for (const std::string& key : design_keys(study, run)) {
+    designs.push_back(design_json(run / key, key, true));
+  }
+  data["designs"] = designs;
+  if (study.has_population()) {
+    data["panels"] = population_panels(run, result);
+    data["verdict"] = population_verdict(result);
+  }
+  if (fs::exists(run / "frontier.json")) {
+    data["frontier"] = read_json(run / "frontier.json");
+  }
+  std::vector<std::string> methods = method_notes(study);
+  if (study.has_search()) {
+    for (const std::string& remark : derivative_remarks(Storage::read(run / "study.sqlite"))) {
+      methods.push_back("Derivatives of the search, what is left out: " + remark + ".");
+    }
+  }
+  data["methods"] = methods;
+  data["config_toml"] = resolved_text(study);
+  Json source = provenance();
+  source["seed"] = study.search.seed;
+  source.erase("cores");
+  data["provenance"] = source;
+  return data;
+}
+
+Json best_so_far(const Json& single) {
+  Json curve = Json::array();
+  const bool is_maximised = single["objective"]["sense"] == "maximise";
+  std::optional<double> best;
+  for (const Json& trial : single["trials"]) {
+    if (!trial["failed"].get<bool>() && trial["feasible"].get<bool>()) {
+      const auto value = trial["objective"].get<double>();
+      const bool is_better = !best || (is_maximised ? value > *best : value < *best);
+      best = is_better ? value : *best;
+    }
+    curve.push_back(best ? Json(*best) : Json(nullptr));
+  }
+  return curve;
+}
+
+Json several_runs(const std::vector<fs::path>& paths) {
+  Json data = {{"title", "Comparison of runs"}};
+  Json designs = Json::array();
+  Json runs = Json::array();
+  for (const fs::path& path : paths) {
+    const Json single = single_run(path);
+    const Json result = read_json(path / "result.json");
+    Json run = {{"title", single["title"]}};
+    if (single.contains("status")) {
+      run["status"] = single["status"];
+      run["evaluations"] = result["evaluations"];
+      run["failed"] = result["failed"];
+      run["best_so_far"] = best_so_far(single);
+      data["objective"] = single["objective"];
+    }
+    for (Json design : single["designs"]) {
+      design["run"] = single["title"];
+      design["key"] = path.filename().string() + " " + design["key"].get<std::string>();
+      if (design["role"] != "prototype") {
+        run["scores"] = design["scores"];
+        run["rescored"] = design.value("rescored", Json::object());
+        run["feasible"] = design.value("feasible", true);
+      }
+      designs.push_back(std::move(design));
+    }
+    runs.push_back(run);
+  }
+  data["designs"] = designs;
+  data["runs"] = runs;
+  return data;
+}
+
+/// A field in quotes where it needs them.
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) {
+    return text;
+  }
+  std::string quoted = "\"";
+  for (const char c : text) {
+    quoted += c;
+    if (c == '"') {
+      quoted += '"';
+    }
+  }
+  return quoted + "\"";
+}
+
+}  // namespace
+
+std::string report_html(const std::vector<fs::path>& runs) {
+  const Json data = runs.size() == 1 ? single_run(runs.front()) : several_runs(runs);
+  return render_report(data);
+}
+
+std::vector<std::string> derivative_remarks(const Storage& storage) {
+  std::map<std::string, RemarkCount> counts;
+  int evaluations = 0;
+  for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
+    if (!trial.outcome || trial.outcome->is_failed || trial.outcome->gradients.empty()) {
+      continue;
+    }
+    ++evaluations;
+    std::string_view rest = trial.outcome->message;
+    while (!rest.empty()) {
+      const std::size_t end = std::min(rest.find(kRemarkSeparator), rest.size());
+      const std::string_view remark = rest.substr(0, end);
+      rest.remove_prefix(std::min(end + kRemarkSeparator.size(), rest.size()));
+      const std::size_t digits = std::min(remark.find_first_not_of("0123456789"), remark.size());
+      const long pixels = digits > 0 ? std::stol(std::string(remark.substr(0, digits))) : 0;
+      RemarkCount& count = counts[std::string(remark.substr(digits))];
+      count.fewest = count.evaluations == 0 ? pixels : std::min(count.fewest, pixels);
+      count.most = std::max(count.most, pixels);
+      ++count.evaluations;
+    }
+  }
+  std::vector<std::string> remarks;
+  for (const auto& [text, count] : counts) {
+    const std::string pixels = count.most == 0 ? ""
+                               : count.fewest == count.most
+                                   ? fmt::format("{}", count.most)
+                                   : fmt::format("{} to {}", count.fewest, count.most);
+    remarks.push_back(
+        fmt::format("{}{} ({} of {} evaluations)", pixels, text, count.evaluations, evaluations));
+  }
+  return remarks;
+}
+
+std::string trials_csv(const Study& study, const Storage& storage) {
+  const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
+  std::set<std::string> names;
+  for (const Trial& trial : trials) {
+    if (trial.outcome) {
+      for (const auto& [name, value] : trial.outcome->scores) {
+        names.insert(name);
+      }
+    }
+  }
+  std::string csv = "trial,state,feasible";
+  for (const Variable& variable : study.space.variables) {
+    csv += "," + csv_field(variable.name);
+  }
+  for (const std::string& name : names) {
+    csv += "," + csv_field(name);
+  }
+  csv += ",message\n";
+  for (const Trial& trial : trials) {
+    const Outcome outcome = trial.outcome.value_or(Outcome{});
+    const bool has_scores = trial.outcome && !outcome.is_failed;
+    csv += fmt::format("{},{},{}",
+                       trial.number,
+                       !trial.outcome      ? "asked"
+                       : outcome.is_failed ? "failed"
+                                           : "done",
+                       !has_scores                               ? ""
+                       : is_feasible(study.goal, outcome.scores) ? "true"
+                                                                 : "false");
+    for (std::size_t i = 0; i < trial.point.size(); ++i) {
+      const Variable& variable = study.space.variables[i];
+      csv += "," + (variable.kind == Variable::Kind::kChoice
+                        ? csv_field(variable.choices[static_cast<std::size_t>(trial.point[i])])
+                        : shortest(trial.point[i]));
+    }
+    for (const std::string& name : names) {
+      const auto found = outcome.scores.find(name);
+      csv += "," + (has_scores && found != outcome.scores.end() ? shortest(found->second) : "");
+    }
+    csv += "," + csv_field(outcome.message) + "\n";
+  }
+  return csv;
+}
+
+}  // namespace glint

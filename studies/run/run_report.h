@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "optimizer/storage/storage.h"
+#include "studies/definition/study.h"
+
+namespace glint {
+
+/// The report of one run directory in depth, or of several side by side, made from their files.
+/// @throws IoError when a folder is no run directory
+std::string report_html(const std::vector<std::filesystem::path>& runs);
+
+/// Between the remarks of one evaluation, in its trial's message.
+inline constexpr std::string_view kRemarkSeparator = " | ";
+
+/// What the derivatives of a search leave out: the distinct remarks of its trials, each with the
+/// range of its pixel count and the number of evaluations it was made in. Empty without
+/// derivatives.
+std::vector<std::string> derivative_remarks(const Storage& storage);
+
+/// All trials of a search with variables and scores, as CSV.
+std::string trials_csv(const Study& study, const Storage& storage);
+
+}  // namespace glint

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimizer/algorithm/sobol.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace glint {
+namespace {
+
+using Vector = std::vector<double>;
+
+// Dimension 1 has directions 1/2, 1/4, 1/8; dimension 2 (polynomial x + 1) has 1/2, 3/4, 5/8;
+// dimension 3 (x^2 + x + 1, first numbers 1 and 3) has 1/2, 3/4, 1/8 ^ 1/2 ^ 3/4 = 3/8 by the
+// recurrence v3 = v2 ^ v1 ^ (v1 >> 2) = .110 ^ .100 ^ .001 = .011. Point i is the exclusive or of
+// the directions that the bits of i ^ (i >> 1) select: 1 -> v1, 2 -> v1^v2, 3 -> v2, 4 -> v2^v3.
+TEST(Sobol, FirstPointsAreAsWorkedByHand) {
+  EXPECT_EQ(plain_sobol_point(0, 3), (Vector{0.0, 0.0, 0.0}));
+  EXPECT_EQ(plain_sobol_point(1, 3), (Vector{0.5, 0.5, 0.5}));
+  EXPECT_EQ(plain_sobol_point(2, 3), (Vector{0.75, 0.25, 0.25}));
+  EXPECT_EQ(plain_sobol_point(3, 3), (Vector{0.25, 0.75, 0.75}));
+  EXPECT_EQ(plain_sobol_point(4, 3), (Vector{0.375, 0.375, 0.625}));
+}
+
+TEST(Sobol, EveryDimensionHasOnePointInEachOf256Cells) {
+  const Sobol shifted(3, kMaxSobolDimension);
+  std::vector<std::set<int>> cells(kMaxSobolDimension);
+  for (std::uint32_t i = 0; i < 256; ++i) {
+    const Vector point = shifted.point(i);
+    for (std::size_t d = 0; d < point.size(); ++d) {
+      cells[d].insert(static_cast<int>(point[d] * 256.0));
+    }
+  }
+  for (const std::set<int>& cell : cells) {
+    EXPECT_EQ(cell.size(), 256U);
+  }
+}
+
+TEST(Sobol, SeedsGiveOtherPointsAndTheSameSeedTheSame) {
+  EXPECT_EQ(Sobol(1, 5).point(17), Sobol(1, 5).point(17));
+  EXPECT_NE(Sobol(1, 5).point(17), Sobol(2, 5).point(17));
+}
+
+TEST(Sobol, GoesOnBeyondItsTable) {
+  const Vector point = Sobol(1, 60).point(3);
+  ASSERT_EQ(point.size(), 60U);
+  EXPECT_THAT(point, testing::Each(testing::AllOf(testing::Ge(0.0), testing::Lt(1.0))));
+  EXPECT_NE(point, Sobol(1, 60).point(4));
+}
+
+}  // namespace
+}  // namespace glint

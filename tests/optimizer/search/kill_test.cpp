@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// kill -9 at random moments: no recorded evaluation is lost or repeated, and the result is the one
+// of an uninterrupted search, bit for bit.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <map>
+#include <set>
+#include <thread>
+
+#include "optimizer/search/search.h"
+#include "tests/optimizer/algorithm/problems.h"
+
+namespace glint {
+namespace {
+
+SearchTask killable_task(const std::string& algorithm) {
+  return {.space = test::mixed_space_for(algorithm),
+          .settings = {.algorithm = algorithm, .batch = 2},
+          .goal = {.objective = {.name = "loss", .is_maximised = false},
+                   .constraints = {{.name = "length", .max = 0.8}}},
+          .budget = {.evaluations = 250},
+          .jobs = 2};
+}
+
+Outcome killable_outcome(const Point& point, int trial) {
+  if (trial % 11 == 4) {
+    throw Error("every eleventh fails");
+  }
+  return {.scores = {{"loss", test::mixed_value(point) + test::noise(trial)}, {"length", point[0]}},
+          .gradients = {{"loss", test::mixed_gradient(point)},
+                        {"length", {1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}}}};
+}
+
+/// One line per started and per recorded evaluation, written at once so that a kill cannot lose it.
+class Diary {
+ public:
+  explicit Diary(const std::filesystem::path& path)
+      : file_(::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600)) {}
+
+  ~Diary() { ::close(file_); }
+
+  Diary(const Diary&) = delete;
+  Diary& operator=(const Diary&) = delete;
+
+  void note(char what, int trial) const {
+    const std::string line = fmt::format("{} {}\n", what, trial);
+    ASSERT_EQ(::write(file_, line.data(), line.size()), static_cast<ssize_t>(line.size()));
+  }
+
+ private:
+  int file_;
+};
+
+SearchResult search_in(const TemporaryFolder& folder, const std::string& algorithm) {
+  const Diary diary(folder / "diary");
+  Storage storage = Storage::open(folder / "s.sqlite", test::identity());
+  return run_search(
+      killable_task(algorithm),
+      storage,
+      [&diary](const Point& point, int trial) {
+        diary.note('s', trial);
+        std::this_thread::sleep_for(std::chrono::microseconds(1000));
+        return killable_outcome(point, trial);
+      },
+      nullptr,
+      [&diary](const SearchProgress& progress) { diary.note('r', progress.last.number); });
+}
+
+/// True when the child ended by itself.
+bool run_and_kill(const TemporaryFolder& folder, const std::string& algorithm, int delay_us) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    int code = 1;
+    try {
+      search_in(folder, algorithm);
+      code = 0;
+    } catch (const std::exception& error) {
+      static_cast<void>(fprintf(stderr, "child: %s\n", error.what()));
+    }
+    ::_exit(code);
+  }
+  std::this_thread::sleep_for(std::chrono::microseconds(delay_us));
+  ::kill(child, SIGKILL);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  if (WIFEXITED(status)) {
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+    return true;
+  }
+  return false;
+}
+
+/// Everything but times.
+std::string contents_of(const TemporaryFolder& folder) {
+  const Storage storage = Storage::read(folder / "s.sqlite");
+  std::string text;
+  for (const Event& event : storage.events()) {
+    text += fmt::format(
+        "{} {} {:a} {}\n", static_cast<int>(event.kind), event.trial, event.value, event.text);
+  }
+  for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
+    text += fmt::format("{} {:a}", trial.number, fmt::join(trial.point, " "));
+    if (trial.outcome) {
+      text += " " + trial.outcome->message;
+      for (const auto& [name, value] : trial.outcome->scores) {
+        text += fmt::format(" {} {:a}", name, value);
+      }
+      for (const auto& [name, gradient] : trial.outcome->gradients) {
+        text += fmt::format(" d{} {:a}", name, fmt::join(gradient, " "));
+      }
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+/// No evaluation was started again after it had been reported as recorded.
+void expect_nothing_repeated(const TemporaryFolder& folder, std::size_t num_kills) {
+  std::ifstream diary(folder / "diary");
+  std::set<int> recorded;
+  char what = 0;
+  int trial = 0;
+  while (diary >> what >> trial) {
+    if (what == 's') {
+      EXPECT_FALSE(recorded.contains(trial)) << "trial " << trial << " was evaluated again";
+    } else {
+      recorded.insert(trial);
+    }
+  }
+  // A kill between recording and writing the line loses the line, at most one per kill and job.
+  EXPECT_GE(recorded.size(), 250U - 2U * num_kills);
+}
+
+void expect_survival(const std::string& algorithm, std::size_t num_kills) {
+  const TemporaryFolder reference;
+  const SearchResult expected = search_in(reference, algorithm);
+  const std::string expected_contents = contents_of(reference);
+  EXPECT_EQ(expected.evaluations, 250);
+  EXPECT_NE(expected_contents.find("dloss"), std::string::npos);
+
+  Rng rng(8, Stream::kTest, 0);
+  std::size_t kills = 0;
+  while (kills < num_kills) {
+    const TemporaryFolder folder;
+    while (!run_and_kill(folder, algorithm, static_cast<int>(rng.uniform(0.0, 40000.0)))) {
+      ++kills;
+    }
+    EXPECT_EQ(contents_of(folder), expected_contents) << algorithm;
+    expect_nothing_repeated(folder, num_kills);
+  }
+}
+
+TEST(RunSearch, SurvivesKillsAtRandomMoments) {
+#ifdef __SANITIZE_THREAD__
+  GTEST_SKIP() << "the thread sanitizer cannot follow threads begun after fork()";
+#endif
+  expect_survival("auto", 50);
+  for (const char* algorithm : {"slsqp", "mma", "lbfgs"}) {
+    expect_survival(algorithm, 15);
+  }
+}
+
+}  // namespace
+}  // namespace glint

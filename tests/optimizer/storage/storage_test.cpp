@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimizer/storage/storage.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "tests/optimizer/algorithm/problems.h"
+
+namespace glint {
+namespace {
+
+using test::identity;
+using testing::HasSubstr;
+
+std::string open_error(const std::filesystem::path& path, const std::string& hash = "abc") {
+  try {
+    Storage::open(path, identity(hash));
+  } catch (const IoError& error) {
+    return std::string("IoError ") + error.what();
+  } catch (const ConfigError& error) {
+    return std::string("ConfigError ") + error.what();
+  }
+  return "";
+}
+
+void write_some_trials(Storage& storage, int count) {
+  for (int n = 1; n <= count; ++n) {
+    const std::vector<Trial> trials = {{.number = n, .point = {1.0 / n, 2.0 * n}}};
+    storage.append(std::vector<Event>{{.kind = EventKind::kAsk, .trial = n}}, trials);
+    storage.record(TrialKind::kSearch, n, {.scores = {{"h", 1.0 / n}}, .seconds = 0.5});
+    storage.append(std::vector<Event>{{.kind = EventKind::kTell, .trial = n, .value = -1.0 / n}});
+  }
+}
+
+TEST(Storage, GivesBackNumbersBitForBit) {
+  const TemporaryFolder folder;
+  std::vector<Trial> written;
+  std::vector<Event> events;
+  {
+    Storage storage = Storage::open(folder / "s.sqlite", identity());
+    for (int n = 1; n <= 1000; ++n) {
+      Rng rng(4, Stream::kTest, static_cast<std::uint64_t>(n));
+      const double scale = std::pow(10.0, rng.uniform(-300, 300));
+      written.push_back(
+          {.number = n,
+           .point = {scale * rng.normal(), rng.uniform(), 3.0},
+           .outcome = Outcome{
+               .scores = {{"a", rng.normal() * scale}, {"b", 2.0}},
+               .gradients = {{"a", {rng.normal() / scale, rng.normal(), 1.0}}, {"b", {scale}}}}});
+      events.push_back({.kind = EventKind::kTell, .trial = n, .value = rng.normal() / scale});
+    }
+    storage.append(events, written);
+    for (const Trial& trial : written) {
+      if (trial.number % 10 == 0) {
+        storage.record(TrialKind::kSearch, trial.number, *trial.outcome);
+      }
+    }
+  }
+  const Storage storage = Storage::read(folder / "s.sqlite");
+  const std::vector<Trial> read = storage.trials(TrialKind::kSearch);
+  const std::vector<Event> read_events = storage.events();
+  ASSERT_EQ(read.size(), written.size());
+  ASSERT_EQ(read_events.size(), events.size());
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    ASSERT_EQ(read[i].point, written[i].point);
+    ASSERT_EQ(read_events[i].value, events[i].value);
+    ASSERT_EQ(read[i].outcome.has_value(), read[i].number % 10 == 0);
+    if (read[i].outcome) {
+      ASSERT_EQ(read[i].outcome->scores, written[i].outcome->scores);
+      ASSERT_EQ(read[i].outcome->gradients, written[i].outcome->gradients);
+    }
+  }
+}
+
+TEST(Storage, KeepsNaNInfinityTextsAndFailures) {
+  const TemporaryFolder folder;
+  const double infinity = std::numeric_limits<double>::infinity();
+  {
+    Storage storage = Storage::open(folder / "s.sqlite", identity());
+    storage.put_trial({.kind = TrialKind::kPrototype,
+                       .number = 1,
+                       .name = "semi\"cylinder'",
+                       .point = {1.0},
+                       .outcome = Outcome{.scores = {{"nan", std::nan("")}, {"inf", -infinity}},
+                                          .gradients = {{"inf", {1.5, std::nan(""), infinity}}}}});
+    storage.put_trial({.kind = TrialKind::kBaseline,
+                       .number = 1,
+                       .point = {},
+                       .outcome = Outcome{.is_failed = true, .message = "slot wider than tunnel"}});
+  }
+  const Storage storage = Storage::read(folder / "s.sqlite");
+  const Trial prototype = storage.trials(TrialKind::kPrototype).at(0);
+  EXPECT_EQ(prototype.name, "semi\"cylinder'");
+  EXPECT_TRUE(std::isnan(prototype.outcome->scores.at("nan")));
+  EXPECT_EQ(prototype.outcome->scores.at("inf"), -infinity);
+  const std::vector<double> gradient = prototype.outcome->gradients.at("inf");
+  ASSERT_EQ(gradient.size(), 3U);
+  EXPECT_EQ(gradient[0], 1.5);
+  EXPECT_TRUE(std::isnan(gradient[1]));
+  EXPECT_EQ(gradient[2], infinity);
+  const Trial baseline = storage.trials(TrialKind::kBaseline).at(0);
+  EXPECT_TRUE(baseline.outcome->is_failed);
+  EXPECT_EQ(baseline.outcome->message, "slot wider than tunnel");
+  EXPECT_TRUE(storage.trials(TrialKind::kSearch).empty());
+}
+
+TEST(Storage, PutTrialReplacesTheFormerOne) {
+  const TemporaryFolder folder;
+  Storage storage = Storage::open(folder / "s.sqlite", identity());
+  Trial trial = {.kind = TrialKind::kFinal,
+                 .number = 1,
+                 .outcome = Outcome{.scores = {{"a", 1.0}}, .gradients = {{"a", {1.0, 2.0}}}}};
+  storage.put_trial(trial);
+  trial.outcome = Outcome{.scores = {{"b", 2.0}}};
+  storage.put_trial(trial);
+  const std::vector<Trial> trials = storage.trials(TrialKind::kFinal);
+  ASSERT_EQ(trials.size(), 1U);
+  EXPECT_EQ(trials[0].outcome->scores, (Scores{{"b", 2.0}}));
+  EXPECT_TRUE(trials[0].outcome->gradients.empty());
+}
+
+TEST(Storage, RemembersTheStudyAndItsSessions) {
+  const TemporaryFolder folder;
+  StudyIdentity study = identity();
+  study.seed = 0xFFFFFFFFFFFFFFFFULL;
+  for (int i = 0; i < 3; ++i) {
+    Storage storage = Storage::open(folder / "s.sqlite", study, {.is_synced = i == 1});
+    EXPECT_EQ(storage.identity().seed, study.seed);
+    EXPECT_EQ(storage.identity().config_text, "[part]\n");
+    EXPECT_DOUBLE_EQ(storage.total_seconds(), 1.5 * i);
+    storage.set_session_seconds(1.0);
+    storage.set_session_seconds(1.5);
+  }
+}
+
+TEST(Storage, LeavesNothingButTheDatabaseWhenClosed) {
+  const TemporaryFolder folder;
+  { Storage::open(folder / "s.sqlite", identity()); }
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "")) {
+    EXPECT_EQ(entry.path().filename(), "s.sqlite");
+    ++files;
+  }
+  EXPECT_EQ(files, 1);
+}
+
+TEST(Storage, RefusesAnotherStudy) {
+  const TemporaryFolder folder;
+  { Storage::open(folder / "s.sqlite", identity("abc")); }
+  EXPECT_THAT(open_error(folder / "s.sqlite", "xyz"), HasSubstr("ConfigError"));
+  EXPECT_THAT(open_error(folder / "s.sqlite", "xyz"), HasSubstr("holds another study"));
+  EXPECT_EQ(open_error(folder / "s.sqlite", "abc"), "");
+}
+
+TEST(Storage, RefusesWhatIsNoDatabase) {
+  const TemporaryFolder folder;
+  write_file(folder / "text", std::string(5000, 'x'));
+  EXPECT_THAT(open_error(folder / "text"), HasSubstr("is not a study database"));
+  write_file(folder / "short", "hello");
+  EXPECT_THAT(open_error(folder / "short"), HasSubstr("IoError"));
+  write_file(folder / "empty", "");
+  EXPECT_THAT(open_error(folder / "empty"), HasSubstr("truncated"));
+  EXPECT_THAT(open_error(folder / "no_folder" / "s.sqlite"), HasSubstr("No such file"));
+  EXPECT_THROW(Storage::read(folder / "nothing"), IoError);
+}
+
+TEST(Storage, RefusesATruncatedDatabaseWhateverIsLeft) {
+  const TemporaryFolder folder;
+  {
+    Storage storage = Storage::open(folder / "s.sqlite", identity());
+    write_some_trials(storage, 200);
+  }
+  const std::string bytes = read_file(folder / "s.sqlite");
+  ASSERT_GT(bytes.size(), 20000U);
+  for (const std::size_t size : {std::size_t{50},
+                                 std::size_t{100},
+                                 std::size_t{2000},
+                                 std::size_t{4096},
+                                 std::size_t{10000},
+                                 bytes.size() / 2,
+                                 bytes.size() - 4096,
+                                 bytes.size() - 1}) {
+    write_file(folder / "cut", bytes.substr(0, size));
+    EXPECT_THAT(open_error(folder / "cut"), HasSubstr("IoError")) << size;
+    EXPECT_THROW(Storage::read(folder / "cut"), IoError) << size;
+  }
+}
+
+TEST(Storage, RefusesADamagedPage) {
+  const TemporaryFolder folder;
+  {
+    Storage storage = Storage::open(folder / "s.sqlite", identity());
+    write_some_trials(storage, 200);
+  }
+  std::string bytes = read_file(folder / "s.sqlite");
+  for (std::size_t i = 0; i < 4096; ++i) {
+    bytes[bytes.size() / 2 / 4096 * 4096 + i] = static_cast<char>(i);
+  }
+  write_file(folder / "s.sqlite", bytes);
+  EXPECT_THAT(open_error(folder / "s.sqlite"), HasSubstr("damaged"));
+}
+
+/// Byte 60 of the header is the user version, byte 68 the application id, both big-endian.
+TEST(Storage, RefusesNewerSchemasAndOtherPrograms) {
+  const TemporaryFolder folder;
+  { Storage::open(folder / "s.sqlite", identity()); }
+  const std::string bytes = read_file(folder / "s.sqlite");
+  std::string newer = bytes;
+  newer[63] = 9;
+  write_file(folder / "newer", newer);
+  EXPECT_THAT(open_error(folder / "newer"), HasSubstr("newer Glint (schema 9"));
+  std::string other = bytes;
+  other[68] = 0;
+  write_file(folder / "other", other);
+  EXPECT_THAT(open_error(folder / "other"), HasSubstr("another program"));
+}
+
+/// A database as schema 1 made it: no table of gradients.
+void write_schema_1(const std::filesystem::path& path, const StudyIdentity& study) {
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
+  const std::string sql = R"sql(
+PRAGMA application_id = 1196183124;
+PRAGMA user_version = 1;
+CREATE TABLE study(
+  id INTEGER PRIMARY KEY CHECK (id = 1),
+  config_hash TEXT NOT NULL, config_text TEXT NOT NULL, code_version TEXT NOT NULL,
+  seed INTEGER NOT NULL);
+CREATE TABLE session(number INTEGER PRIMARY KEY, seconds REAL NOT NULL);
+CREATE TABLE trial(
+  kind TEXT NOT NULL, number INTEGER NOT NULL, name TEXT NOT NULL,
+  point BLOB NOT NULL,
+  PRIMARY KEY (kind, number)) WITHOUT ROWID;
+CREATE TABLE evaluation(
+  kind TEXT NOT NULL, number INTEGER NOT NULL,
+  status TEXT NOT NULL CHECK (status IN ('done', 'failed')),
+  message TEXT NOT NULL, seconds REAL NOT NULL,
+  PRIMARY KEY (kind, number)) WITHOUT ROWID;
+CREATE TABLE value(
+  kind TEXT NOT NULL, number INTEGER NOT NULL, name TEXT NOT NULL,
+  value REAL,
+  PRIMARY KEY (kind, number, name)) WITHOUT ROWID;
+CREATE TABLE event(
+  seq INTEGER PRIMARY KEY, kind TEXT NOT NULL, trial INTEGER NOT NULL, value REAL,
+  text TEXT NOT NULL);
+INSERT INTO session(seconds) VALUES(2.5);
+INSERT INTO trial VALUES('search', 1, '', X'000000000000E03F000000000000D03F');
+INSERT INTO evaluation VALUES('search', 1, 'done', '', 0.5);
+INSERT INTO value VALUES('search', 1, 'loss', 0.75);
+INSERT INTO event(kind, trial, value, text) VALUES('ask', 1, 0.0, ''), ('tell', 1, 0.75, '');
+INSERT INTO study VALUES(1, ')sql" +
+                          study.config_hash + "', '" + study.config_text + "', 'old', 7);";
+  EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(database);
+}
+
+std::int64_t schema_of(const std::filesystem::path& path) {
+  return static_cast<unsigned char>(read_file(path).at(63));
+}
+
+TEST(Storage, ReadsSchema1AsItIs) {
+  const TemporaryFolder folder;
+  write_schema_1(folder / "s.sqlite", identity());
+  const std::string bytes = read_file(folder / "s.sqlite");
+  {
+    const Storage storage = Storage::read(folder / "s.sqlite");
+    const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
+    ASSERT_EQ(trials.size(), 1U);
+    EXPECT_EQ(trials[0].point, (Point{0.5, 0.25}));
+    EXPECT_EQ(trials[0].outcome->scores.at("loss"), 0.75);
+    EXPECT_TRUE(trials[0].outcome->gradients.empty());
+    EXPECT_EQ(storage.events().size(), 2U);
+  }
+  EXPECT_EQ(read_file(folder / "s.sqlite"), bytes);
+}
+
+TEST(Storage, UpgradesSchema1WhenOpenedAndKeepsWhatItHolds) {
+  const TemporaryFolder folder;
+  write_schema_1(folder / "s.sqlite", identity());
+  EXPECT_THAT(open_error(folder / "s.sqlite", "xyz"), HasSubstr("holds another study"));
+  EXPECT_EQ(schema_of(folder / "s.sqlite"), 1);
+  const Outcome outcome = {.scores = {{"loss", 0.5}}, .gradients = {{"loss", {1.0, -0.1}}}};
+  for (int i = 0; i < 2; ++i) {
+    Storage storage = Storage::open(folder / "s.sqlite", identity());
+    EXPECT_EQ(storage.identity().code_version, "old");
+    EXPECT_DOUBLE_EQ(storage.total_seconds(), 2.5);
+    EXPECT_EQ(storage.events().size(), 2U);
+    storage.put_trial({.number = 2, .point = {1.0, 2.0}, .outcome = outcome});
+  }
+  EXPECT_EQ(schema_of(folder / "s.sqlite"), 2);
+  const std::vector<Trial> trials = Storage::read(folder / "s.sqlite").trials(TrialKind::kSearch);
+  ASSERT_EQ(trials.size(), 2U);
+  EXPECT_EQ(trials[0].outcome->scores.at("loss"), 0.75);
+  EXPECT_TRUE(trials[0].outcome->gradients.empty());
+  EXPECT_EQ(trials[1].outcome->gradients, outcome.gradients);
+}
+
+/// What schema 1 recorded is replayed: trial 1 is the start point that it was.
+TEST(Storage, ASearchBegunUnderSchema1GoesOn) {
+  const TemporaryFolder folder;
+  write_schema_1(folder / "s.sqlite", identity());
+  Storage storage = Storage::open(folder / "s.sqlite", identity());
+  int calls = 0;
+  const SearchResult result =
+      run_search({.space = test::box(2, 0, 1),
+                  .settings = {.algorithm = "bobyqa"},
+                  .goal = {.objective = {.name = "loss", .is_maximised = false}},
+                  .budget = {.evaluations = 20},
+                  .start_points = {{0.5, 0.25}}},
+                 storage,
+                 [&calls](const Point& p, int) {
+                   ++calls;
+                   return Outcome{.scores = {{"loss", p[0] + 2.0 * p[1]}}};
+                 });
+  EXPECT_EQ(result.replayed, 1);
+  EXPECT_EQ(calls, 19);
+  EXPECT_EQ(result.evaluations, 20);
+}
+
+TEST(Storage, OnlyOneProcessMayHoldIt) {
+  const TemporaryFolder folder;
+  const Storage storage = Storage::open(folder / "s.sqlite", identity());
+  EXPECT_THAT(open_error(folder / "s.sqlite"), HasSubstr("another process is running this study"));
+  EXPECT_NO_THROW(Storage::read(folder / "s.sqlite"));
+}
+
+TEST(Storage, ALockDiesWithItsProcess) {
+  const TemporaryFolder folder;
+  int ready[2];
+  ASSERT_EQ(::pipe(ready), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    Storage storage = Storage::open(folder / "s.sqlite", identity());
+    write_some_trials(storage, 3);
+    const bool is_written = ::write(ready[1], "x", 1) == 1;
+    ::pause();
+    ::_exit(is_written ? 0 : 1);
+  }
+  char byte = 0;
+  ASSERT_EQ(::read(ready[0], &byte, 1), 1);
+  EXPECT_THAT(open_error(folder / "s.sqlite"), HasSubstr("another process"));
+  EXPECT_EQ(Storage::read(folder / "s.sqlite").trials(TrialKind::kSearch).size(), 3U);
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  ::close(ready[0]);
+  ::close(ready[1]);
+  EXPECT_EQ(open_error(folder / "s.sqlite"), "");
+  EXPECT_EQ(Storage::read(folder / "s.sqlite").events().size(), 6U);
+}
+
+}  // namespace
+}  // namespace glint

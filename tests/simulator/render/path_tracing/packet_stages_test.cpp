@@ -1,0 +1,580 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Every kernel against the functions in double it stands for, lane by lane.
+#include <gtest/gtest.h>
+
+#include "core/rng.h"
+#include "simulator/render/path_tracing/cell_tracer.h"
+#include "tests/simulator/render/path_tracing/path_bench.h"
+
+namespace glint::path_test {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::size_t kLanes = kPacketSize;
+constexpr int kPackets = 1000;  // of 16
+
+float uniform(Rng& rng) {
+  return static_cast<float>(static_cast<std::int32_t>(rng.uniform() * 0x1p24)) * 0x1p-24F;
+}
+
+/// Every fourth one grazes: cosines down to 1e-4.
+Eigen::Vector3f direction_above(Rng& rng) {
+  const double turns = rng.uniform();
+  const double share = rng.uniform();
+  const double z = rng.uniform() < 0.25 ? 1e-4 + 0.05 * share * share : 1e-4 + 0.9999 * share;
+  const double radius = std::sqrt(std::max(0.0, 1.0 - z * z));
+  return Vector3d(radius * std::cos(2.0 * kPi * turns), radius * std::sin(2.0 * kPi * turns), z)
+      .cast<float>();
+}
+
+VectorLanes directions_above(Rng& rng) {
+  VectorLanes lanes;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const Eigen::Vector3f d = direction_above(rng);
+    lanes.x[i] = d.x();
+    lanes.y[i] = d.y();
+    lanes.z[i] = d.z();
+  }
+  return lanes;
+}
+
+RandomLanes random_lanes(Rng& rng) {
+  RandomLanes lanes;
+  for (float* numbers :
+       {lanes.light_u, lanes.light_v, lanes.lobe_u, lanes.lobe_v, lanes.choice, lanes.roulette}) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      numbers[i] = uniform(rng);
+    }
+  }
+  return lanes;
+}
+
+LocalDirection local_of(const VectorLanes& lanes, std::size_t i) {
+  return {static_cast<double>(lanes.x[i]),
+          static_cast<double>(lanes.y[i]),
+          static_cast<double>(lanes.z[i])};
+}
+
+double relative(double found, double expected) {
+  return std::abs(found - expected) / std::max(std::abs(expected), 1e-30);
+}
+
+/// Largest relative deviations of the metal kernels.
+struct MetalErrors {
+  double value = 0.0;
+  double density = 0.0;
+  double direction = 0.0;  ///< absolute
+  double weight = 0.0;
+};
+
+void compare_evaluation(const Material& metal,
+                        const ConductorNumbers& numbers,
+                        Rng& rng,
+                        MetalErrors& errors) {
+  const VectorLanes viewer = directions_above(rng);
+  const VectorLanes light = directions_above(rng);
+  LobeLanes lobes;
+  ReflectionLanes found;
+  choose_lobes16(numbers, viewer, lobes);
+  evaluate16(numbers, lobes, viewer, light, found);
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const Reflection expected = evaluate(metal, local_of(viewer, i), local_of(light, i));
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double value = expected.value[static_cast<Eigen::Index>(c)];
+      errors.value =
+          std::max(errors.value, relative(static_cast<double>(found.value.c[c][i]), value));
+    }
+    errors.density =
+        std::max(errors.density, relative(static_cast<double>(found.density[i]), expected.density));
+  }
+}
+
+void compare_samples(const Material& metal,
+                     const ConductorNumbers& numbers,
+                     Rng& rng,
+                     MetalErrors& errors) {
+  const VectorLanes viewer = directions_above(rng);
+  const RandomLanes random = random_lanes(rng);
+  LobeLanes lobes;
+  LeavingLanes found;
+  choose_lobes16(numbers, viewer, lobes);
+  sample16(numbers, lobes, viewer, random, found);
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const auto expected = sample(metal,
+                                 local_of(viewer, i),
+                                 {static_cast<double>(random.lobe_u[i]),
+                                  static_cast<double>(random.lobe_v[i]),
+                                  static_cast<double>(random.choice[i])});
+    const LocalDirection to = local_of(found.to_light, i);
+    if (!expected || std::abs(expected->to_light.z) < 1e-4) {  // below, or too near to tell
+      EXPECT_LT(to.z, 2e-4);
+      continue;
+    }
+    const LocalDirection& e = expected->to_light;
+    errors.direction = std::max(errors.direction,
+                                Vector3d(to.x - e.x, to.y - e.y, to.z - e.z).cwiseAbs().maxCoeff());
+    const Reflection there = evaluate(metal, local_of(viewer, i), to);
+    errors.weight = std::max(
+        errors.weight,
+        relative(static_cast<double>(found.weight.c[0][i]), there.value[0] / there.density));
+    errors.density =
+        std::max(errors.density, relative(static_cast<double>(found.density[i]), there.density));
+  }
+}
+
+MetalErrors errors_of(const MaterialSettings& settings) {
+  const SurfaceMaterial material(settings, kGreen_nm);
+  const auto numbers = conductor_numbers(material.plain());
+  EXPECT_TRUE(numbers.has_value());
+  MetalErrors errors;
+  Rng rng(7, Stream::kTest, 0);
+  for (int i = 0; i < kPackets; ++i) {
+    compare_evaluation(material.plain(), *numbers, rng, errors);
+    compare_samples(material.plain(), *numbers, rng, errors);
+  }
+  return errors;
+}
+
+MaterialSettings metal_of(std::vector<double> alpha, bool schlick, bool several) {
+  return {.type = MaterialSettings::Type::kConductor,
+          .reflectance = {0.55},
+          .alpha = std::move(alpha),
+          .schlick = schlick,
+          .multiple_reflections = several};
+}
+
+TEST(PacketStages, MetalOfOneReflectionIsThatOfTheScalarCode) {
+  for (const auto& alpha : {std::vector{0.1027, 0.038}, std::vector{0.4}, std::vector{0.01}}) {
+    for (const bool schlick : {true, false}) {
+      const MetalErrors errors = errors_of(metal_of(alpha, schlick, false));
+      EXPECT_LT(errors.value, 1e-5) << alpha[0];
+      EXPECT_LT(errors.density, 1e-5) << alpha[0];
+      EXPECT_LT(errors.weight, 1e-5) << alpha[0];
+      EXPECT_LT(errors.direction, 1e-4) << alpha[0];  // facets seen at grazing
+    }
+  }
+}
+
+/// What several reflections return is 1 - albedo, which is good to some 1e-7 of 1, not of itself;
+/// their directions are looked up in cells that hold as little as 1e-4 of the random numbers.
+TEST(PacketStages, MetalOfSeveralReflectionsIsThatOfTheScalarCode) {
+  for (const auto& alpha : {std::vector{0.1027, 0.038}, std::vector{0.4}, std::vector{0.6, 0.2}}) {
+    const MetalErrors errors = errors_of(metal_of(alpha, true, true));
+    EXPECT_LT(errors.value, 1e-3) << alpha[0];
+    EXPECT_LT(errors.weight, 1e-3) << alpha[0];
+    EXPECT_LT(errors.direction, 1e-3) << alpha[0];
+  }
+}
+
+PartSettings faceted_gear() {
+  return {.shape = PartSettings::Shape::kSpurGear,
+          .facets_mm = 0.02,
+          .position_mm = {1.0, -2.0, 3.0},
+          .rotation_rad = {1.2, 0.4, 0.3}};
+}
+
+std::vector<NamedLight> three_rings() {
+  NamedLight low = ring_at(90.0, "low");
+  std::get<RingSettings>(low.settings).emission.radiance = {2.0};
+  NamedLight high = ring_at(140.0, "high");
+  auto& aside = std::get<RingSettings>(high.settings);
+  aside.placement.direction = {0.2, -0.3, -1.0};
+  NamedLight part = ring_at(120.0, "sectors");
+  std::get<RingSettings>(part.settings).segments = {.segments = 3, .separate = true};
+  std::get<RingSettings>(part.settings).outer_radius_mm = 60.0;
+  return {low, high, part};
+}
+
+PathBench gear_bench(const MaterialSettings& material, const std::vector<NamedLight>& lights) {
+  CameraSettings camera = small_camera(1.0, 72, 72);
+  return PathBench(faceted_gear(), material, lights, camera);
+}
+
+/// Rays from above onto the part, as a tracer would have them.
+PathPacket camera_packet(const PathBench& bench, Rng& rng) {
+  PathPacket paths = {};
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const Vector3d to(60.0 * rng.uniform() - 30.0, 60.0 * rng.uniform() - 30.0, 0.0);
+    const Vector3d from(80.0 * rng.uniform() - 40.0, 80.0 * rng.uniform() - 40.0, 250.0);
+    const Eigen::Vector3f d = (to - from).normalized().cast<float>();
+    paths.ray.origin_x[i] = static_cast<float>(from.x());
+    paths.ray.origin_y[i] = static_cast<float>(from.y());
+    paths.ray.origin_z[i] = static_cast<float>(from.z());
+    paths.ray.direction_x[i] = d.x();
+    paths.ray.direction_y[i] = d.y();
+    paths.ray.direction_z[i] = d.z();
+    paths.ray.t_max[i] = 1e4F;
+    paths.ray.valid[i] = -1;
+    paths.density[i] = 1.0F;
+  }
+  bench.bvh.intersect16(paths.ray, paths.hit, Coherence::kIncoherent);
+  return paths;
+}
+
+/// The largest difference of lanes that hit the part.
+double difference(const VectorLanes& a, const VectorLanes& b, const HitPacket& hits) {
+  float largest = 0.0F;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if (hits.triangle[i] >= 0) {
+      largest = std::max({largest,
+                          std::abs(a.x[i] - b.x[i]),
+                          std::abs(a.y[i] - b.y[i]),
+                          std::abs(a.z[i] - b.z[i])});
+    }
+  }
+  return static_cast<double>(largest);
+}
+
+/// Distances between points, as seen along their rays: rounding moves points of slanted triangles
+/// to and fro along the ray.
+double seen_difference(const VectorLanes& a, const SurfaceLanes& surface, const PathPacket& paths) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if (paths.hit.triangle[i] < 0) {
+      continue;
+    }
+    const Vector3d d(static_cast<double>(a.x[i] - surface.point.x[i]),
+                     static_cast<double>(a.y[i] - surface.point.y[i]),
+                     static_cast<double>(a.z[i] - surface.point.z[i]));
+    const Vector3d side(static_cast<double>(surface.side.x[i]),
+                        static_cast<double>(surface.side.y[i]),
+                        static_cast<double>(surface.side.z[i]));
+    const Vector3d ray(static_cast<double>(paths.ray.direction_x[i]),
+                       static_cast<double>(paths.ray.direction_y[i]),
+                       static_cast<double>(paths.ray.direction_z[i]));
+    largest = std::max(largest, d.norm() * std::abs(side.dot(ray)));
+    EXPECT_LT(std::abs(d.dot(side)), 1.5e-5);  // on the plane
+  }
+  return largest;
+}
+
+void expect_same_surface(const SurfaceLanes& a, const SurfaceLanes& b, const PathPacket& paths) {
+  const HitPacket& hits = paths.hit;
+  EXPECT_LT(seen_difference(a.point, b, paths), 8e-5);  // of rays of 250 mm
+  EXPECT_LT(difference(a.side, b.side, hits), 1e-6);
+  EXPECT_LT(difference(a.tangent, b.tangent, hits), 1e-4);  // near the axis of a turned face
+  EXPECT_LT(difference(a.bitangent, b.bitangent, hits), 1e-4);
+  EXPECT_LT(difference(a.normal, b.normal, hits), 3e-6);
+  EXPECT_LT(difference(a.viewer, b.viewer, hits), 1e-4);
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if (hits.triangle[i] >= 0) {
+      EXPECT_NEAR(a.tilt[i], b.tilt[i], 3e-6F);
+      EXPECT_EQ(a.defect[i], b.defect[i]);
+    }
+  }
+}
+
+TEST(PacketStages, TrianglesAreMetAsByTheScalarCode) {
+  using Kind = LaySettings::Kind;
+  for (const Kind kind : {Kind::kNone, Kind::kTurned, Kind::kBrushed, Kind::kMilled}) {
+    MaterialSettings material = metal_of({0.1}, true, false);
+    material.lay.kind = kind;
+    material.lay.axis = {1.0, 0.1, 0.0};
+    material.lay.direction = {0.3, 1.0, 0.2};
+    const PathBench bench = gear_bench(material, {ring_at(100.0)});
+    const PhysicalScene scene = bench.scene();
+    const PathSettings settings;
+    PathTask task(scene, settings);
+    ASSERT_TRUE(task.meets_by_kernel);
+    PathTask scalar(scene, settings);
+    scalar.meets_by_kernel = false;
+    Rng rng(3, Stream::kTest, 0);
+    int hits = 0;
+    for (int i = 0; i < kPackets / 4; ++i) {
+      const PathPacket paths = camera_packet(bench, rng);
+      SurfaceLanes found = {};
+      SurfaceLanes expected = {};
+      PacketStages(task).meet(paths, found);
+      PacketStages(scalar).meet(paths, expected);
+      expect_same_surface(found, expected, paths);
+      hits += static_cast<int>(
+          std::ranges::count_if(paths.hit.triangle, [](auto t) { return t >= 0; }));
+    }
+    EXPECT_GT(hits, 1000);
+  }
+}
+
+/// Deviations of drawn and of met lights.
+struct LightErrors {
+  int lanes = 0;
+  int others = 0;  ///< another light, or none: rounding at an edge
+  double direction = 0.0;
+  double radiance = 0.0;
+  double density = 0.0;
+};
+
+void compare_drawn(const LightLanes& found,
+                   const LightLanes& expected,
+                   const PathPacket& paths,
+                   LightErrors& errors) {
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if (paths.hit.triangle[i] < 0) {
+      continue;
+    }
+    ++errors.lanes;
+    if (!(expected.density[i] > 0.0F) || !(found.density[i] > 0.0F) ||
+        found.group[i] != expected.group[i]) {
+      errors.others += (expected.density[i] > 0.0F) != (found.density[i] > 0.0F) ||
+                       (found.density[i] > 0.0F && found.group[i] != expected.group[i]);
+      continue;
+    }
+    errors.direction =
+        std::max({errors.direction,
+                  std::abs(static_cast<double>(found.direction.x[i] - expected.direction.x[i])),
+                  std::abs(static_cast<double>(found.direction.z[i] - expected.direction.z[i]))});
+    errors.density = std::max(
+        errors.density,
+        relative(static_cast<double>(found.density[i]), static_cast<double>(expected.density[i])));
+    errors.radiance = std::max(errors.radiance,
+                               relative(static_cast<double>(found.radiance.c[1][i]),
+                                        static_cast<double>(expected.radiance.c[1][i])));
+  }
+}
+
+void compare_met(const LightHitLanes& found,
+                 const LightHitLanes& expected,
+                 const PathPacket& paths,
+                 LightErrors& errors) {
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if (paths.ray.valid[i] == 0) {
+      continue;
+    }
+    ++errors.lanes;
+    const bool is_same = (found.is_met[i] != 0) == (expected.is_met[i] != 0) &&
+                         (found.is_met[i] == 0 || found.group[i] == expected.group[i]);
+    errors.others += is_same ? 0 : 1;
+    if (!is_same || found.is_met[i] == 0 || expected.cosine[i] < 1e-3F) {
+      continue;
+    }
+    errors.density = std::max(
+        errors.density,
+        relative(static_cast<double>(found.density[i]), static_cast<double>(expected.density[i])));
+    errors.radiance = std::max(errors.radiance,
+                               relative(static_cast<double>(found.radiance.c[1][i]),
+                                        static_cast<double>(expected.radiance.c[1][i])));
+  }
+}
+
+/// Turns the rays of a packet to where they met the part, upwards.
+void turn_up(const SurfaceLanes& surface, Rng& rng, PathPacket& paths) {
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const bool is_hit = paths.hit.triangle[i] >= 0;
+    const Eigen::Vector3f d = direction_above(rng);
+    paths.ray.origin_x[i] = is_hit ? surface.start.x[i] : 0.0F;
+    paths.ray.origin_y[i] = is_hit ? surface.start.y[i] : 0.0F;
+    paths.ray.origin_z[i] = is_hit ? surface.start.z[i] : 0.0F;
+    paths.ray.direction_x[i] = 0.5F * d.x();
+    paths.ray.direction_y[i] = 0.5F * d.y();
+    paths.ray.direction_z[i] = std::sqrt(1.0F - 0.25F * (d.x() * d.x() + d.y() * d.y()));
+    paths.hit.triangle[i] = -1;
+  }
+}
+
+void compare_hits(const PathTask& task,
+                  const PathTask& scalar,
+                  const PathPacket& paths,
+                  LightErrors& errors) {
+  LightHitLanes found;
+  LightHitLanes expected;
+  PacketStages(task).hit_lights(paths, false, found);
+  PacketStages(scalar).hit_lights(paths, false, expected);
+  compare_met(found, expected, paths, errors);
+}
+
+/// @param drawn  of sample_rings16() @param met  of hit_rings16()
+void compare_lights(const std::vector<NamedLight>& lights, LightErrors& drawn, LightErrors& met) {
+  const PathBench bench = gear_bench(metal_of({0.1}, true, false), lights);
+  const PhysicalScene scene = bench.scene();
+  const PathSettings settings;
+  PathTask task(scene, settings);
+  ASSERT_TRUE(task.rings.has_value());
+  PathTask scalar(scene, settings);
+  scalar.rings.reset();
+  Rng rng(5, Stream::kTest, 0);
+  for (int i = 0; i < kPackets; ++i) {
+    PathPacket paths = camera_packet(bench, rng);
+    SurfaceLanes surface = {};
+    PacketStages(task).meet(paths, surface);
+    for (std::size_t k = 0; k < kLanes; ++k) {  // the scalar code drops what is below
+      surface.side.x[k] = 0.0F;
+      surface.side.y[k] = 0.0F;
+      surface.side.z[k] = 1.0F;
+    }
+    const RandomLanes random = random_lanes(rng);
+    LightLanes found;
+    LightLanes expected;
+    PacketStages(task).ask_lights(paths, surface, random, found);
+    PacketStages(scalar).ask_lights(paths, surface, random, expected);
+    compare_drawn(found, expected, paths, drawn);
+    compare_hits(task, scalar, paths, met);  // backs, from above
+    turn_up(surface, rng, paths);
+    compare_hits(task, scalar, paths, met);
+  }
+}
+
+/// A tilted ring, whole or in sectors.
+NamedLight tilted_ring(double height_mm, double tilt_rad, int segments, const std::string& name) {
+  NamedLight light = ring_at(height_mm, name);
+  auto& ring = std::get<RingSettings>(light.settings);
+  ring.outer_radius_mm = 60.0;
+  ring.tilt_rad = tilt_rad;
+  ring.segments = {.segments = segments, .separate = segments > 1};
+  return light;
+}
+
+std::vector<std::vector<NamedLight>> tilted_rings() {
+  return {{tilted_ring(110.0, 0.3, 1, "cone")},
+          {tilted_ring(110.0, -0.5, 4, "outwards")},
+          {tilted_ring(100.0, 0.01, 4, "almost flat")},
+          {tilted_ring(120.0, 1.2, 4, "steep"), tilted_ring(90.0, 0.0, 1, "flat"), ring_at(140.0)},
+          {tilted_ring(110.0, 0.5 * kPi, 3, "cylinder"), tilted_ring(150.0, 0.7, 1, "above")}};
+}
+
+TEST(PacketStages, RingsAreDrawnAndMetAsByTheScalarCode) {
+  NamedLight narrow = ring_at(100.0);
+  std::get<RingSettings>(narrow.settings).emission.half_angle_rad = 0.4;
+  std::vector<std::vector<NamedLight>> all = tilted_rings();
+  all.insert(all.end(), {{ring_at(100.0)}, {narrow}, three_rings()});
+  for (const auto& lights : all) {
+    SCOPED_TRACE(lights[0].name);
+    LightErrors drawn;
+    LightErrors met;
+    compare_lights(lights, drawn, met);
+    EXPECT_GT(drawn.lanes, 3000);
+    EXPECT_GT(met.lanes, 10000);
+    EXPECT_LE(drawn.others, drawn.lanes / 1000);
+    EXPECT_LE(met.others, met.lanes / 1000);
+    EXPECT_LT(drawn.direction, 2e-6);
+    EXPECT_LT(drawn.radiance, 1e-5);
+    EXPECT_LT(drawn.density, 1e-4);  // distances from rounded places, divided by cosines
+    EXPECT_LT(met.radiance, 1e-5);
+    EXPECT_LT(met.density, 1e-4);
+  }
+}
+
+/// What is done in double, ray by ray.
+struct Scalar {
+  bool camera = false;
+  bool metal = false;
+  bool rings = false;
+  bool meeting = false;
+};
+
+/// A whole picture by a tracer of its own.
+ImageF picture_by(const PathBench& bench, const Scalar& scalar) {
+  const PhysicalScene scene = bench.scene();
+  const PathSettings settings = {.samples = 16, .max_reflections = 4, .roulette_from = 2};
+  PathTask task(scene, settings);
+  if (scalar.camera) {
+    task.camera_numbers.reset();
+  }
+  if (scalar.metal) {
+    task.metal.reset();
+    task.needs_choice = true;
+  }
+  if (scalar.rings) {
+    task.rings.reset();
+  }
+  task.meets_by_kernel = !scalar.meeting;
+  const PinholeIntrinsics& in = bench.camera.intrinsics();
+  PathSums sums = empty_sums(in.width_px, in.height_px, task.factors.size(), 3, task.ids);
+  CellTracer tracer(task);
+  for (const Cell& cell : cells_of(in.width_px, in.height_px)) {
+    tracer.trace(cell, 0, settings.samples, sums);
+  }
+  EXPECT_EQ(tracer.counts().dropped, 0);
+  return total_image(sums, task.factors, 1);
+}
+
+/// The same paths but for rounding, which now and then decides an edge otherwise.
+void expect_same_pictures(const PathBench& bench) {
+  const ImageF expected =
+      picture_by(bench, {.camera = true, .metal = true, .rings = true, .meeting = true});
+  EXPECT_GT(mean_of(expected), 1e-3);
+  const auto expect_same = [&](const Scalar& scalar, const char* what) {
+    const ImageF found = picture_by(bench, scalar);
+    EXPECT_NEAR(mean_of(found) / mean_of(expected), 1.0, 5e-3) << what;
+    EXPECT_LT(rms_difference(found, expected), 0.1 * mean_of(expected)) << what;
+  };
+  expect_same({}, "all kernels");
+  expect_same({.metal = true, .rings = true, .meeting = true}, "camera");
+  expect_same({.camera = true, .rings = true, .meeting = true}, "metal");
+  expect_same({.camera = true, .metal = true, .meeting = true}, "rings");
+  expect_same({.camera = true, .metal = true, .rings = true}, "meeting");
+}
+
+TEST(PacketStages, PicturesByKernelsAreThoseOfTheScalarCode) {
+  expect_same_pictures(gear_bench(metal_of({0.3, 0.1}, true, false), {ring_at(120.0)}));
+  PathBench bench = gear_bench(metal_of({0.3, 0.1}, true, true), three_rings());
+  bench.lens = {.aperture_mm = 10.0, .focus_mm = 300.0};
+  expect_same_pictures(bench);
+  expect_same_pictures(
+      gear_bench(metal_of({0.3, 0.1}, true, false), {tilted_ring(110.0, 0.4, 4, "cone")}));
+}
+
+/// A plate and a cylinder of exact surfaces, with a dent, a scratch and a stain on them.
+PathBench detailed_bench(PartSettings::Shape shape) {
+  MaterialSettings material = metal_of({0.3, 0.1}, true, false);
+  material.lay.kind = LaySettings::Kind::kBrushed;
+  material.lay.direction = {0.3, 1.0, 0.2};  // along no face's normal
+  CameraSettings camera = small_camera(0.5, 80, 64);
+  PathBench bench(
+      {.shape = shape, .length_mm = 40.0, .width_mm = 30.0, .rotation_rad = {0.2, 0.1, 0.0}},
+      material,
+      {tilted_ring(110.0, 0.4, 4, "cone")},
+      camera);
+  std::vector<HeightFeature> features = {
+      {.id = 1, .height_mm = -0.06, .sigma_mm = 0.8},
+      {.kind = HeightFeature::Kind::kScratch,
+       .id = 2,
+       .height_mm = -0.05,
+       .length_mm = 8.0,
+       .width_mm = 0.8},
+      {.id = 3, .height_mm = 0.02, .sigma_mm = 1.0, .moves_position = true, .reflectance = 0.5}};
+  const double at_mm[3][2] = {{-8.0, 3.0}, {2.0, -4.0}, {9.0, 4.0}};
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const auto place = place_on_surface(bench.part, bench.bvh, at_mm[i][0], at_mm[i][1], 0.5);
+    EXPECT_TRUE(place.has_value());
+    features[i].centre_mm = place->centre_mm;
+    features[i].u_axis = place->u_axis;
+    features[i].v_axis = place->v_axis;
+    features[i].normal = place->normal;
+  }
+  bench.detail = SurfaceDetail(features);
+  return bench;
+}
+
+TEST(PacketStages, ExactSurfacesWithDetailAreMetAsByTheScalarCode) {
+  for (const auto shape : {PartSettings::Shape::kPlate, PartSettings::Shape::kCylinder}) {
+    const PathBench bench = detailed_bench(shape);
+    const PhysicalScene scene = bench.scene();
+    const PathSettings settings;
+    const PathTask task(scene, settings);
+    PathTask scalar(scene, settings);
+    scalar.meets_by_kernel = false;
+    Rng rng(4, Stream::kTest, 0);
+    std::array<int, 4> met = {};
+    for (int i = 0; i < kPackets; ++i) {
+      const PathPacket paths = camera_packet(bench, rng);
+      SurfaceLanes found = {};
+      SurfaceLanes expected = {};
+      PacketStages(task).meet(paths, found);
+      PacketStages(scalar).meet(paths, expected);
+      expect_same_surface(found, expected, paths);
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        if (paths.hit.triangle[k] >= 0) {
+          EXPECT_EQ(found.reflectance[k], expected.reflectance[k]);
+          ++met[static_cast<std::size_t>(std::max(0, found.defect[k]))];
+        }
+      }
+    }
+    EXPECT_GT(met[0], 1000);
+    EXPECT_GT(std::min({met[1], met[2], met[3]}), 10);
+    expect_same_pictures(bench);
+  }
+}
+
+}  // namespace
+}  // namespace glint::path_test

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "studies/evaluation/evaluation.h"
+
+namespace glint {
+namespace {
+
+SceneSettings read_scene_text(const std::string& text, std::vector<std::string>& errors) {
+  return read_scene(parse_toml(text, "scene.toml"), errors);
+}
+
+/// A strip under a semicylinder, small enough to trace in milliseconds.
+SceneSettings small_scene() {
+  std::vector<std::string> errors;
+  SceneSettings scene = read_scene_text(R"(
+[part]
+length_mm = 60
+width_mm = 30
+radius_along_mm = 300
+radius_across_mm = 40
+[camera]
+width_px = 200
+height_px = 100
+object_pixel_mm = 0.3
+working_distance_mm = 300
+[sensor]
+gain = 1.5
+[lighting.tunnel]
+radius_mm = 120
+slot_mm = 24
+[defects.dent]
+x_mm = [-12, 12]
+y_mm = [8, -8]
+height_um = 8
+diameter_mm = 1.6
+)",
+                                        errors);
+  EXPECT_TRUE(errors.empty()) << (errors.empty() ? "" : errors.front());
+  return scene;
+}
+
+TEST(Scene, WritingAndReadingBackGivesTheSameScene) {
+  const ConfigNode written = write_scene(small_scene());
+  std::vector<std::string> errors;
+  const ConfigNode again = write_scene(read_scene_text(to_toml(written), errors));
+  EXPECT_TRUE(errors.empty()) << (errors.empty() ? "" : errors.front());
+  EXPECT_EQ(to_toml(written), to_toml(again));
+}
+
+TEST(Scene, EveryKeyOfTheTableIsWritten) {
+  SceneSettings scene = small_scene();
+  scene.defects.clear();
+  for (const char* name : {"dent", "bump", "scratch", "pit", "gouge", "stain"}) {
+    scene.defects.emplace_back(name, DefectGroup{});
+  }
+  for (const std::string_view type : light_types()) {
+    scene.lights.push_back({.name = std::string(type), .settings = default_light(type).value()});
+  }
+  const ConfigNode written = write_scene(scene);
+  for (const KeyRow& row : scene_keys()) {
+    EXPECT_NE(written.at_path(row.path), nullptr) << row.path;
+    EXPECT_FALSE(row.doc.empty()) << row.path;
+  }
+}
+
+TEST(Scene, TwoTunnelsAreAnErrorWithItsPlace) {
+  std::vector<std::string> errors;
+  read_scene_text("[lighting.a]\n[lighting.b]\n", errors);
+  ASSERT_EQ(errors.size(), 1U);
+  EXPECT_THAT(errors[0], ::testing::HasSubstr("scene.toml:2:11: lighting.b: is a second tunnel"));
+}
+
+TEST(WithPlace, FindsTheKeyTheTableOrTheFile) {
+  ConfigNode root = parse_toml("[part]\nlength_mm = 3\n", "s.toml");
+  root.place.file = "s.toml";
+  EXPECT_EQ(with_place(root, "part.length_mm: is 3"), "s.toml:2:1: part.length_mm: is 3");
+  EXPECT_EQ(with_place(root, "part.width_mm: is 3"), "s.toml:1:2: part.width_mm: is 3");
+  EXPECT_EQ(with_place(root, "camera: is away"), "s.toml: camera: is away");
+  EXPECT_EQ(with_place(root, "gear.stl: is empty"), "gear.stl: is empty");
+}
+
+TEST(Evaluation, ScoresAreTheSameForAnyNumberOfThreads) {
+  const SceneSettings scene = small_scene();
+  ThreadPool one(1);
+  ThreadPool two(2);
+  SceneStore first(one);
+  SceneStore second(two);
+  EXPECT_EQ(evaluate(first, scene).scores, evaluate(second, scene).scores);
+}
+
+TEST(Evaluation, LightingAloneTracesNothingAgain) {
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  SceneSettings scene = small_scene();
+  evaluate(store, scene);
+  scene.tunnel.radius_mm = 130.0;
+  scene.sensor.gain = 2.0;
+  evaluate(store, scene);
+  EXPECT_EQ(store.num_traced(), 1);
+  scene.defects[0].second.height_mm = 2.0 * scene.defects[0].second.height_mm.max;
+  evaluate(store, scene);
+  EXPECT_EQ(store.num_traced(), 2);
+}
+
+// A closed scan's aspect image is right in the region alone; who takes frames gets their mean
+// everywhere: what is written to disk shows the whole picture.
+TEST(Evaluation, TheAspectImageIsThatOfAllFramesWhereTheyAreTaken) {
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  for (const auto method : {RenderSettings::Method::kAuto, RenderSettings::Method::kClosed}) {
+    SceneSettings scene = small_scene();
+    scene.render.method = method;
+    ImageF sum(scene.camera.width_px, scene.camera.height_px);
+    const Evaluation evaluation = evaluate(store, scene, [&](int, const ImageF& grey) {
+      std::ranges::transform(sum.values(), grey.values(), sum.values().begin(), std::plus<float>());
+    });
+    int outside = 0;
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+      const float mean = sum.values()[i] / static_cast<float>(scene.scan.positions);
+      ASSERT_NEAR(evaluation.aspect.values()[i], mean, 1e-5F) << i;
+      outside += evaluation.traced->region.mask.values()[i] == 0 && mean > 0.1F ? 1 : 0;
+    }
+    EXPECT_GT(outside, 0);
+  }
+}
+
+TEST(Evaluation, DentsStandOutUnderAClippingSensorOnly) {
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  SceneSettings scene = small_scene();
+  const double clipped = evaluate(store, scene).scores.at("defects.min_weber");
+  scene.sensor.gain = 1.0;
+  const double linear = evaluate(store, scene).scores.at("defects.min_weber");
+  EXPECT_GT(clipped, 0.02);
+  EXPECT_LT(linear, 0.005);
+}
+
+TEST(Evaluation, AnAllWhiteImageIsCaughtByItsClippedShare) {
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  SceneSettings scene = small_scene();
+  scene.tunnel.duty = 1.0;
+  scene.tunnel.slot_mm = 0.0;
+  scene.tunnel.blocks_view = false;
+  const Scores scores = evaluate(store, scene).scores;
+  EXPECT_DOUBLE_EQ(scores.at("homogeneity.h_rms"), 1.0);
+  EXPECT_DOUBLE_EQ(scores.at("homogeneity.clipped_share"), 1.0);
+  EXPECT_DOUBLE_EQ(scores.at("defects.min_cnr"), 0.0);
+}
+
+TEST(Evaluation, APartThatDoesNotFitIntoTheTunnelIsAnError) {
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  SceneSettings scene = small_scene();
+  scene.tunnel.radius_mm = 14.0;
+  EXPECT_THAT([&] { evaluate(store, scene); },
+              ::testing::ThrowsMessage<ConfigError>(
+                  ::testing::HasSubstr("the tunnel is smaller than the part")));
+}
+
+TEST(Evaluation, ATunnelThatTravelsOffThePartIsAnError) {
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  SceneSettings scene = small_scene();
+  scene.scan.step_mm = 100.0;
+  EXPECT_THAT([&] { evaluate(store, scene); },
+              ::testing::ThrowsMessage<ConfigError>(::testing::StartsWith("scan.step_mm: ")));
+}
+
+// Image x runs along world x and image y against world y: the dent at (-12, 8) is seen left of and
+// above the middle, at about (100 - 12 / 0.3, 50 - 8 / 0.3) = (60, 23).
+TEST(ViewDefects, WindowsLieWhereTheDefectsAre) {
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  const auto traced = store.trace(small_scene());
+  const DefectView& view = traced->views[0];
+  double best = 1e9;
+  int at_x = 0;
+  int at_y = 0;
+  for (int y = 0; y < view.distance.height(); ++y) {
+    for (int x = 0; x < view.distance.width(); ++x) {
+      if (static_cast<double>(view.distance(x, y)) < best) {
+        best = static_cast<double>(view.distance(x, y));
+        at_x = view.left_px + x;
+        at_y = view.top_px + y;
+      }
+    }
+  }
+  EXPECT_NEAR(at_x, 60, 2);
+  EXPECT_NEAR(at_y, 23, 2);
+  // A disc of radius 0.8 mm in pixels of 0.3 mm, seen a little larger and a little oblique.
+  EXPECT_NEAR(view.area_px, kPi * 0.64 / 0.09, 2.0);
+}
+
+}  // namespace
+}  // namespace glint

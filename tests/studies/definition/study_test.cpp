@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/study.h"
+
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A study file that is removed again.
+class StudyFile {
+ public:
+  explicit StudyFile(const std::string& text) { write_file(path(), text); }
+
+  fs::path path() const { return folder_ / "s.toml"; }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+std::string error_of(const std::string& text, const std::vector<KeyValue>& sets = {}) {
+  const StudyFile file(text);
+  try {
+    load_study(file.path(), sets);
+  } catch (const ConfigError& error) {
+    std::string message = error.what();
+    const auto folder = message.find(file.path().string());
+    return folder == 0 ? "s.toml" + message.substr(file.path().string().size()) : message;
+  }
+  return "";
+}
+
+constexpr const char* kSound = R"([lighting.tunnel]
+shape = "free"
+[defects.dent]
+x_mm = [5]
+y_mm = [10]
+[variables]
+"lighting.tunnel.control_mm.1" = { min = 60, max = 200 }
+"scan.positions" = { min = 8, max = 24 }
+"lighting.tunnel.shape" = { choices = ["semicylinder", "free"] }
+"lighting.tunnel.radius_mm" = { min = 60, max = 200, when = "lighting.tunnel.shape == semicylinder" }
+"lighting.tunnel.blocks_view" = {}
+[objective]
+maximise = "homogeneity.h_rms"
+[constraints]
+"defects.dent_1.cnr" = { min = 3 }
+[prototypes.round]
+title = "Round"
+"lighting.tunnel.shape" = "semicylinder"
+[budget]
+evaluations = 10
+wall_clock = "1h30m"
+)";
+
+TEST(Study, ReadsVariablesOfEveryKind) {
+  const StudyFile file(kSound);
+  const Study study = load_study(file.path(), {});
+  ASSERT_EQ(study.space.variables.size(), 5U);
+  EXPECT_EQ(study.space.variables[0].kind, Variable::Kind::kFloat);
+  EXPECT_EQ(study.space.variables[1].kind, Variable::Kind::kInteger);
+  EXPECT_EQ(study.space.variables[2].kind, Variable::Kind::kChoice);
+  EXPECT_EQ(study.space.variables[3].when_value, "semicylinder");
+  EXPECT_EQ(study.space.variables[4].choices, (std::vector<std::string>{"false", "true"}));
+  EXPECT_DOUBLE_EQ(study.budget.wall_clock_s, 5400.0);
+  EXPECT_EQ(study.prototypes.at(0).title, "Round");
+}
+
+TEST(Study, APointBecomesTheSceneItStandsFor) {
+  const StudyFile file(kSound);
+  const Study study = load_study(file.path(), {});
+  const SceneSettings round =
+      scene_with(study, overrides_of(study, canonical(study.space, Point{77, 12, 0, 90, 0})));
+  EXPECT_EQ(round.tunnel.shape, TunnelSettings::Shape::kSemicylinder);
+  EXPECT_DOUBLE_EQ(round.tunnel.radius_mm, 90.0);
+  EXPECT_DOUBLE_EQ(round.tunnel.control_mm[1], 77.0);
+  EXPECT_EQ(round.scan.positions, 12);
+  EXPECT_FALSE(round.tunnel.blocks_view);
+  // The radius is not active for a free cross-section: it keeps the file's value.
+  const SceneSettings free =
+      scene_with(study, overrides_of(study, canonical(study.space, Point{77, 12, 1, 90, 1})));
+  EXPECT_DOUBLE_EQ(free.tunnel.radius_mm, TunnelSettings{}.radius_mm);
+}
+
+TEST(Study, TheBaselineIsTheSceneItself) {
+  const StudyFile file(kSound);
+  const Study study = load_study(file.path(), {});
+  const Point point = baseline_point(study);
+  EXPECT_DOUBLE_EQ(point[0], 100.0);
+  EXPECT_DOUBLE_EQ(point[1], 24.0);
+  EXPECT_DOUBLE_EQ(point[2], 1.0);
+}
+
+TEST(Study, TheResolvedTextIsTheSameStudy) {
+  const StudyFile file(kSound);
+  const Study study = load_study(file.path(), {});
+  const StudyFile resolved(resolved_text(study));
+  const Study again = load_study(resolved.path(), {});
+  EXPECT_EQ(resolved_text(study), resolved_text(again));
+  EXPECT_EQ(config_hash(study), config_hash(again));
+}
+
+TEST(Study, TheHashLeavesOutTheBudgetOnly) {
+  const StudyFile file(kSound);
+  const Study study = load_study(file.path(), {});
+  const Study longer = load_study(file.path(), {{"budget.evaluations", "500"}});
+  const Study other = load_study(file.path(), {{"sensor.gain", "1.7"}});
+  EXPECT_EQ(config_hash(study), config_hash(longer));
+  EXPECT_NE(config_hash(study), config_hash(other));
+}
+
+TEST(Study, TheHashChangesWithEveryFileOfTheScene) {
+  const TemporaryFolder folder;
+  const fs::path table = folder / "metal.csv";
+  const StudyFile file(kSound);
+  Study study = load_study(file.path(), {});
+  study.scene.material.nk_file = table;
+  write_file(table, "one");
+  const std::string hash = config_hash(study);
+  EXPECT_EQ(config_hash(study), hash);
+  write_file(table, "two");
+  EXPECT_NE(config_hash(study), hash);
+}
+
+TEST(Study, APoseThatASetMakesIsNoVariable) {
+  const std::string message = error_of(R"(
+[lighting.ring]
+[viewpoints]
+source = "sphere"
+[variables]
+"viewpoint.0.position_mm.2" = { min = 500, max = 700 }
+[objective]
+maximise = "homogeneity.h_rms"
+[budget]
+evaluations = 10
+)");
+  EXPECT_THAT(
+      message,
+      ::testing::HasSubstr("s.toml:6:1: variables: viewpoint.0.position_mm.2: is not looked"));
+}
+
+TEST(Study, OverridesReachEveryKey) {
+  const StudyFile file(kSound);
+  const Study study = load_study(file.path(),
+                                 {{"lighting.tunnel.control_mm.2", "123"},
+                                  {"sensor.gain", "2.5"},
+                                  {"lighting.tunnel.shape", "ellipse"}});
+  EXPECT_DOUBLE_EQ(study.scene.sensor.gain, 2.5);
+  EXPECT_EQ(study.scene.tunnel.shape, TunnelSettings::Shape::kEllipse);
+}
+
+TEST(StudyErrors, NameTheirPlaceAndTheNearestKey) {
+  EXPECT_THAT(error_of("[sensor]\ngian = 2\n"),
+              ::testing::StartsWith("s.toml:2:1: sensor.gian: unknown key, the nearest known one "
+                                    "is \"gain\""));
+  EXPECT_THAT(error_of("[sensr]\ngain = 2\n"),
+              ::testing::HasSubstr("unknown table, the nearest known one is \"sensor\""));
+  EXPECT_THAT(error_of("[variables]\n\"sensor.gian\" = { min = 1, max = 2 }\n"
+                       "[objective]\nmaximise = \"homogeneity.h_rms\"\n"),
+              ::testing::HasSubstr("sensor.gian: the scene has no such key, the nearest one is "
+                                   "\"sensor.gain\""));
+  EXPECT_THAT(error_of("[variables]\n\"sensor.gain\" = { min = 3, max = 2 }\n"
+                       "[objective]\nmaximise = \"homogeneity.h_rms\"\n"),
+              ::testing::HasSubstr("s.toml:2:1: variables: sensor.gain: min 3 is above max 2"));
+  EXPECT_THAT(error_of("[objective]\nmaximise = \"homogeneity.h_rsm\"\n"),
+              ::testing::HasSubstr("homogeneity.h_rms"));
+  EXPECT_THAT(error_of("[budget]\nwall_clock = \"tomorrow\"\n"),
+              ::testing::HasSubstr("must be a duration"));
+}
+
+TEST(StudyErrors, AllOfThemComeInOnePass) {
+  const std::string errors = error_of("[sensor]\ngain = -1\nbits = 9\n[part]\nlenght_mm = 3\n");
+  EXPECT_THAT(errors, ::testing::HasSubstr("sensor.gain"));
+  EXPECT_THAT(errors, ::testing::HasSubstr("sensor.bits"));
+  EXPECT_THAT(errors, ::testing::HasSubstr("length_mm"));
+}
+
+TEST(StudyErrors, VariableLimitsBeyondTheKeysRangeAreRefused) {
+  EXPECT_THAT(error_of("[variables]\n\"lighting.tunnel.duty\" = { min = 0.2, max = 1.5 }\n"
+                       "[objective]\nmaximise = \"homogeneity.h_rms\"\n"),
+              ::testing::HasSubstr("lighting.tunnel.duty: is 1.5, must be in [0, 1]"));
+}
+
+TEST(Study, HomogeneityNeverComesWithoutLimitsAgainstAWhitePicture) {
+  const std::string head = "[objective]\nmaximise = \"homogeneity.h_rms\"\n";
+  const StudyFile bare(head);
+  const Study without = load_study(bare.path(), {});
+  ASSERT_EQ(without.goal.constraints.size(), 1U);
+  EXPECT_EQ(without.goal.constraints[0].name, "homogeneity.clipped_share");
+  const StudyFile dented(head + "[defects.dent]\nx_mm = [5]\ny_mm = [5]\n");
+  EXPECT_EQ(load_study(dented.path(), {}).goal.constraints.back().name, "defects.min_cnr");
+  const StudyFile own(head + "[constraints]\n\"homogeneity.clipped_share\" = { max = 0.5 }\n");
+  const Study kept = load_study(own.path(), {});
+  ASSERT_EQ(kept.goal.constraints.size(), 1U);
+  EXPECT_DOUBLE_EQ(*kept.goal.constraints[0].max, 0.5);
+}
+
+TEST(Duration, IsReadAsPeopleWriteIt) {
+  EXPECT_EQ(parse_duration_s("40s"), 40.0);
+  EXPECT_EQ(parse_duration_s("8h"), 28800.0);
+  EXPECT_EQ(parse_duration_s("1h30m"), 5400.0);
+  EXPECT_EQ(parse_duration_s("12.5"), 12.5);
+  EXPECT_FALSE(parse_duration_s("8 hours").has_value());
+  EXPECT_FALSE(parse_duration_s("").has_value());
+  EXPECT_FALSE(parse_duration_s("-3s").has_value());
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/run/render_views.h"
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/rng.h"
+#include "simulator/render/path_tracing/cell_sums.h"
+#include "studies/run/render_files.h"
+#include "studies/run/render_maps.h"
+#include "tests/support/exr_reader.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+namespace fs = std::filesystem;
+
+using Json = nlohmann::ordered_json;
+using test::channels_of;
+
+/// A plate with a dent, 100 mm below the camera, between a ring and a bar.
+constexpr const char* kScene = R"(schema = 1
+title = "Plate"
+[part]
+shape = "plate"
+length_mm = 16
+width_mm = 12
+[material]
+type = "conductor"
+roughness = 0.3
+[camera]
+width_px = 60
+height_px = 45
+object_pixel_mm = 0.3
+working_distance_mm = 100
+[sensor]
+exposure = 0.7
+blur_px = 0
+bits = 0
+[render.paths]
+samples = 8
+max_reflections = 2
+[lighting.ring]
+type = "ring"
+mount = "camera"
+[lighting.bar]
+type = "bar"
+position_mm = [0, 60, 60]
+direction = [0, -1, -1]
+radiance = [0.5]
+[defects.dent]
+diameter_mm = 3
+height_um = 100
+)";
+
+Json render(const fs::path& folder, const std::string& text, RenderOptions options = {}) {
+  write_file(folder / "scene.toml", text);
+  options.out = folder / "out";
+  options.progress = Progress::Style::kNone;
+  return render_views(load_study(folder / "scene.toml", {}), options);
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  text.replace(text.find(from), from.size(), to);
+  return text;
+}
+
+TEST(RenderViews, WriteAScoredViewWithAllItsFiles) {
+  const TemporaryFolder folder;
+  const Json result = render(folder.path(), kScene);
+  EXPECT_EQ(result["status"], "done");
+  ASSERT_EQ(result["views"].size(), 1U);
+  const Json& view = result["views"][0];
+  EXPECT_EQ(view["samples"], 8);
+  EXPECT_EQ(view["rays"]["camera"], 60 * 45 * 8);
+  EXPECT_EQ(view["defects_seen"], 1);
+  EXPECT_GT(view["relative_error"], 0.0);
+  EXPECT_LT(view["relative_error"], 1.0);
+  EXPECT_GT(result["scores"]["homogeneity.h_rms"], 0.1);
+  EXPECT_TRUE(result["scores"].contains("homogeneity.h_rms.error"));
+  for (const char* name : {"baseline/image.exr",
+                           "baseline/image.png",
+                           "baseline/image.tif",
+                           "baseline/standard_error.exr",
+                           "baseline/part_mask.png",
+                           "baseline/mask.png",
+                           "baseline/coverage.exr",
+                           "baseline/geometry.exr",
+                           "baseline/defects.png",
+                           "baseline/side_by_side.png",
+                           "baseline/defects.json",
+                           "baseline/scene.toml",
+                           "baseline/scores.json",
+                           "baseline/aspect.exr",
+                           "baseline/cross_section.svg",
+                           "preview.png",
+                           "result.json",
+                           "run.json",
+                           "report.html",
+                           "study.resolved.toml"}) {
+    EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;
+  }
+  const Json written = Json::parse(read_file(folder / "out/result.json"));
+  EXPECT_EQ(written["views"][0]["folder"], "baseline");
+  EXPECT_FALSE(written["views"][0].contains("cpu_s")) << "times are in run.json alone";
+}
+
+TEST(RenderViews, KeepGroupsAtPowerOneThatAddUpToThePicture) {
+  const TemporaryFolder folder;
+  render(folder.path(), kScene);
+  const auto image = channels_of(folder / "out/baseline/image.exr");
+  ASSERT_EQ(image.size(), 3U);
+  const auto shown = channels_of(folder / "out/baseline/image.tif");
+  double most = 0.0;
+  for (int y = 0; y < 45; ++y) {
+    for (int x = 0; x < 60; ++x) {
+      // The ring's radiance is 1, the bar's 0.5; exposure 0.7 without blur and noise.
+      const float sum = image.at("ring.Y")(x, y) + 0.5F * image.at("bar.Y")(x, y);
+      EXPECT_NEAR(image.at("Y")(x, y), sum, 1e-5F * sum);
+      EXPECT_NEAR(shown.begin()->second(x, y), std::min(1.0F, 0.7F * sum), 1.0F / 65535.0F);
+      most = std::max(most, static_cast<double>(sum));
+    }
+  }
+  EXPECT_GT(most, 0.01);
+}
+
+TEST(RenderViews, MaskEveryPixelOnce) {
+  const TemporaryFolder folder;
+  render(folder.path(), kScene);
+  const auto coverage = channels_of(folder / "out/baseline/coverage.exr");
+  const auto mask = channels_of(folder / "out/baseline/part_mask.png").begin()->second;
+  const auto defects = channels_of(folder / "out/baseline/mask.png").begin()->second;
+  ASSERT_EQ(coverage.size(), 3U);
+  double dent_px = 0.0;
+  for (int y = 0; y < 45; ++y) {
+    for (int x = 0; x < 60; ++x) {
+      const float dent = coverage.at("defect.1")(x, y);
+      const float background = coverage.at("background")(x, y);
+      EXPECT_EQ(background + coverage.at("sound")(x, y) + dent, 1.0F);
+      EXPECT_EQ(mask(x, y) > 0.5F, background == 0.0F);
+      EXPECT_EQ(defects(x, y) > 0.5F, dent >= 0.5F);
+      dent_px += static_cast<double>(dent);
+    }
+  }
+  // A disc of 3 mm on pixels of 0.3 mm: pi 5^2 = 78.5 pixels.
+  EXPECT_NEAR(dent_px, 78.5, 3.0);
+}
+
+TEST(RenderViews, TellDepthAndPositionOfEachPixel) {
+  const TemporaryFolder folder;
+  render(folder.path(), kScene, {.has_light = false});
+  const auto geometry = channels_of(folder / "out/baseline/geometry.exr");
+  ASSERT_EQ(geometry.size(), 10U);
+  const auto& depth = geometry.at("depth_mm");
+  // The camera stands 100 mm above the origin and looks down.
+  EXPECT_NEAR(depth(20, 15) + geometry.at("position_mm.z")(20, 15), 100.0F, 1e-4F);
+  // Pixel 45 is 15.5 pixels right of the middle: 15.5 * 0.3 mm at 100 mm.
+  const float x_mm = geometry.at("position_mm.x")(45, 22);
+  EXPECT_NEAR(x_mm, 4.65F * depth(45, 22) / 100.0F, 0.05F);
+  // The incidence there is atan(x / depth), for the normal stands upright.
+  EXPECT_NEAR(geometry.at("incidence_deg")(45, 22),
+              std::atan(x_mm / depth(45, 22)) * 180.0F / 3.14159265F,
+              0.3F);
+  EXPECT_NEAR(geometry.at("normal.z")(45, 22), 1.0F, 1e-5F);
+  EXPECT_EQ(geometry.at("defect")(30, 22), 1.0F);
+  EXPECT_EQ(geometry.at("defect")(45, 22), -1.0F);
+  EXPECT_EQ(depth(0, 0), 0.0F) << "beside the part";
+  EXPECT_EQ(geometry.at("triangle")(0, 0), -1.0F);
+}
+
+TEST(RenderViews, OfMasksCostNoLight) {
+  const TemporaryFolder folder;
+  render(folder.path(), kScene);
+  const Json result = render(folder.path(), kScene, {.has_light = false});
+  EXPECT_EQ(result["views"][0]["rays"]["shadow"], 0);
+  EXPECT_EQ(result["views"][0]["rays"]["bounce"], 0);
+  EXPECT_FALSE(result.contains("scores"));
+  const fs::path view = folder / "out/baseline";
+  EXPECT_TRUE(fs::exists(view / "mask.png"));
+  for (const char* stale : {"image.png",
+                            "image.exr",
+                            "image.tif",
+                            "standard_error.exr",
+                            "scores.json",
+                            "aspect.png",
+                            "side_by_side.png"}) {
+    EXPECT_FALSE(fs::exists(view / stale)) << stale << " of the rendering with light";
+  }
+}
+
+TEST(RenderViews, NumberTheFoldersOfSeveral) {
+  const TemporaryFolder folder;
+  const std::string text =
+      std::string(kScene) + "[viewpoints]\nsource = \"sphere\"\ncount = 3\npolar_max_deg = 30\n";
+  const Json result = render(folder.path(), text);
+  ASSERT_EQ(result["views"].size(), 3U);
+  for (const char* name : {"view_01", "view_02", "view_03"}) {
+    EXPECT_TRUE(fs::exists(folder / "out" / name / "image.exr")) << name;
+    const Study again = load_study(folder / "out" / name / "scene.toml", {});
+    EXPECT_EQ(again.scene.viewpoints.size(), 1U);
+  }
+  EXPECT_TRUE(fs::exists(folder / "out/contact_sheet.png"));
+  EXPECT_TRUE(fs::exists(folder / "out/view_01/scores.json"));
+  EXPECT_FALSE(fs::exists(folder / "out/view_02/scores.json"));
+}
+
+TEST(RenderViews, WriteTheSameBytesForAnyNumberOfThreads) {
+  const TemporaryFolder one;
+  const TemporaryFolder three;
+  render(one.path(), kScene, {.threads = 1});
+  render(three.path(), kScene, {.threads = 3});
+  int files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(one / "out")) {
+    const fs::path name = fs::relative(entry.path(), one / "out");
+    if (entry.is_regular_file() && name != "run.json") {
+      EXPECT_EQ(read_file(entry.path()), read_file(three / "out" / name)) << name;
+      ++files;
+    }
+  }
+  EXPECT_GT(files, 15);
+}
+
+TEST(RenderViews, ThatAreInterruptedKeepWhatThereIs) {
+  const TemporaryFolder folder;
+  std::atomic<int> interrupt = 0;
+  // Interrupted after the first pass, which shows in the preview.
+  std::jthread user([&](const std::stop_token& stop) {
+    while (!stop.stop_requested() && !fs::exists(folder / "out/preview.png")) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    interrupt = 1;
+  });
+  const Json result = render(
+      folder.path(), replaced(kScene, "samples = 8", "samples = 60000"), {.interrupt = &interrupt});
+  EXPECT_EQ(result["status"], "interrupted");
+  ASSERT_EQ(result["views"].size(), 1U);
+  EXPECT_LT(result["views"][0]["samples"], 60000);
+  EXPECT_FALSE(result.contains("scores"));
+  EXPECT_TRUE(fs::exists(folder / "out/baseline/image.exr"));
+  EXPECT_TRUE(fs::exists(folder / "out/report.html"));
+}
+
+TEST(RenderViews, OfARefusedSceneLeaveNothingBehind) {
+  const TemporaryFolder folder;
+  const auto message = text_thrown_by<ConfigError>(
+      [&] { render(folder.path(), replaced(kScene, "width_px = 60", "width_px = 60\nk1 = -90")); });
+  EXPECT_THAT(message, ::testing::HasSubstr("scene.toml:"));
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+/// 2 x 1 pixels of 4 samples: the left sees 3 on the part, 2 of them on defect 5.
+PathSums two_pixels() {
+  PathSums sums = empty_sums(2, 1, 0, 1, {5});
+  sums.samples.values() = {4, 4};
+  sums.part.values() = {3, 4};
+  sums.defects[0].samples.values() = {2, 0};
+  return sums;
+}
+
+DefectivePart made_with(DefectType type) {
+  DefectivePart made;
+  MadeDefect defect;
+  defect.defect.id = 5;
+  defect.defect.type = type;
+  defect.is_made = true;
+  made.defects.push_back(defect);
+  return made;
+}
+
+TEST(DefectMap, MixesColoursByCoverage) {
+  const PathSums sums = two_pixels();
+  EXPECT_EQ(defect_mask(sums).values(), (Mask::Values{1, 0}));
+  EXPECT_EQ(whole_part_mask(sums).values(), (Mask::Values{0, 1}));
+  // Blue in linear codes, sRGB (0, 114, 178): ((114/255 + 0.055) / 1.055)^2.4 = 0.1683, times 255
+  // = 42.9; likewise 178: 0.4452, 113.5. Beside the part (40, 46, 52): 0.0212, 0.0273, 0.0343: 5,
+  // 7, 9. Sound (206, 212, 217): 0.6172, 0.6584, 0.6939: 157, 168, 177.
+  // Left pixel: 1/4 beside + 2/4 blue + 1/4 sound = (40.5, 65.25, 103.5) with blue's rounded code
+  // (0, 43, 114).
+  const ImageRgb map = defect_map(sums, made_with(DefectType::kBump));
+  EXPECT_NEAR(map(0, 0)[0], 40.5, 0.6);
+  EXPECT_NEAR(map(0, 0)[1], 65.25, 0.6);
+  EXPECT_NEAR(map(0, 0)[2], 103.5, 0.6);
+  EXPECT_EQ(map(1, 0), (std::array<std::uint8_t, 3>{157, 168, 177}));
+}
+
+TEST(Shrunk, KeepsTheMeanOfRandomPictures) {
+  Rng rng(3, Stream::kTest, 0);
+  for (int round = 0; round < 1000; ++round) {
+    const int width = 1 + static_cast<int>(rng.next_u32() % 40);
+    const int height = 1 + static_cast<int>(rng.next_u32() % 40);
+    ImageRgb image(width, height);
+    double mean = 0.0;
+    for (auto& pixel : image.values()) {
+      pixel = {static_cast<std::uint8_t>(rng.next_u32() % 256), 7, 255};
+      mean += pixel[0] / static_cast<double>(image.size());
+    }
+    const int most = 1 + static_cast<int>(rng.next_u32() % 20);
+    const ImageRgb small = shrunk(image, most);
+    ASSERT_EQ(std::max(small.width(), small.height()), std::min(most, std::max(width, height)));
+    double small_mean = 0.0;
+    for (const auto& pixel : small.values()) {
+      small_mean += pixel[0] / static_cast<double>(small.size());
+      ASSERT_EQ(pixel[1], 7);
+      ASSERT_EQ(pixel[2], 255);
+    }
+    ASSERT_NEAR(small_mean, mean, 0.51);
+  }
+}
+
+TEST(SideBySide, LeavesAGapBetweenPicturesOfEqualSize) {
+  const ImageRgb left(100, 40, {10, 20, 30});
+  const ImageRgb right(100, 40, {200, 0, 0});
+  const ImageRgb both = side_by_side(left, right, 50);
+  EXPECT_EQ(both.height(), 20);
+  EXPECT_EQ(both.width(), 104);  // two of 50 and the least gap of 4
+  EXPECT_EQ(both(49, 19), left(0, 0));
+  EXPECT_EQ(both(51, 5), (std::array<std::uint8_t, 3>{255, 255, 255}));
+  EXPECT_EQ(both(54, 0), right(0, 0));
+}
+
+}  // namespace
+}  // namespace glint

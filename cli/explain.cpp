@@ -8,6 +8,7 @@
 #include "core/text.h"
 #include "metrics/scores.h"
 #include "studies/definition/scene.h"
+#include "studies/definition/study_tables.h"
 
 namespace glint {
 namespace {

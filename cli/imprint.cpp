@@ -8,6 +8,7 @@
 
 #include "cli/commands.h"
 #include "studies/imprint/imprint_run.h"
+#include "studies/imprint/imprint_tools.h"
 
 namespace glint {
 namespace {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "core/config/toml.h"
 #include "core/file.h"
 #include "core/text.h"
 #include "studies/imaging/lit_place.h"

@@ -6,8 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "core/config/toml.h"
 #include "core/units.h"
-#include "simulator/geometry/mesh_file/mesh_io.h"
+#include "simulator/geometry/mesh_file/mesh_write.h"
 #include "simulator/geometry/part/mesh_report.h"
 
 namespace glint {

@@ -45,16 +45,6 @@ struct ConfigNode {
   static ConfigNode table();
 };
 
-/// Parses TOML. @throws ConfigError with file:line:column.
-ConfigNode parse_toml(std::string_view text, const std::string& file);
-
-/// Reads a TOML file and what it includes (`include = ["base.toml"]`, relative to the file); later
-/// keys win. @throws IoError, ConfigError (also for a file that includes itself).
-ConfigNode load_toml(const std::filesystem::path& path);
-
-/// The value of a `--set key=value` argument: TOML, or plain text when it is no TOML value.
-ConfigNode parse_override(std::string_view text);
-
 /// Puts a value at a dotted path, making tables on the way.
 /// @throws ConfigError when the path runs through a plain value or beyond an array's end.
 void set_path(ConfigNode& root, std::string_view path, ConfigNode value);

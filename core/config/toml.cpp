@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/config/toml.h"
+
 #include <set>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
-#include "core/config/config.h"
 #include "core/file.h"
 
 namespace glint {

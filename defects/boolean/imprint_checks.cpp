@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "defects/boolean/imprint_checks.h"
+
 #include <limits>
+#include <vector>
 
 #include <fmt/format.h>
 
-#include "defects/boolean/imprint.h"
 #include "defects/boolean/patch_crossings.h"
 #include "defects/boolean/patch_edges.h"
 

@@ -2,8 +2,19 @@
 #include "defects/boolean/patch.h"
 
 #include <algorithm>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
 
+#include "defects/boolean/corefine.h"
 #include "defects/boolean/corefine_general.h"
+#include "defects/boolean/patch_assemble.h"
+#include "defects/boolean/patch_crossings.h"
+#include "defects/boolean/patch_judge.h"
+#include "defects/boolean/patch_pieces.h"
+#include "defects/boolean/patch_ring.h"
+#include "defects/boolean/patch_tool.h"
 
 namespace glint {
 namespace {

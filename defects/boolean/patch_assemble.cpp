@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "defects/boolean/patch_assemble.h"
+
 #include <algorithm>
+#include <utility>
 
 #include <Eigen/Geometry>
-
-#include "defects/boolean/patch.h"
 
 namespace glint {
 namespace {

@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
+#include "defects/boolean/patch_judge.h"
 
-#include "defects/boolean/patch.h"
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "defects/boolean/box_tree.h"
+#include "defects/boolean/patch_crossings.h"
+#include "defects/boolean/patch_edges.h"
 
 namespace glint {
 namespace {

@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
+#include "simulator/geometry/mesh_file/mesh_write.h"
 
 namespace glint {
 namespace {

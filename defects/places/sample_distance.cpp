@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "simulator/geometry/mesh/mesh_edges.h"
+
 namespace glint {
 namespace {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "defects/tools/line_frames.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
-
-#include "defects/tools/line_sweep.h"
 
 namespace glint {
 namespace {

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
-#include "defects/boolean/imprint.h"
+#include "defects/boolean/imprint_checks.h"
 #include "defects/tools/tool_noise.h"
 
 namespace glint {

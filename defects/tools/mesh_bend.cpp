@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "defects/tools/mesh_bend.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <utility>
 #include <vector>
-
-#include "defects/tools/line_sweep.h"
 
 namespace glint {
 namespace {

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "defects/boolean/imprint.h"
+#include "defects/boolean/imprint_checks.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
 
 namespace glint {

@@ -9,8 +9,10 @@
 
 #include "core/error.h"
 #include "core/rng.h"
-#include "defects/boolean/imprint.h"
+#include "defects/boolean/imprint_checks.h"
+#include "defects/tools/line_frames.h"
 #include "defects/tools/line_sweep.h"
+#include "defects/tools/mesh_bend.h"
 #include "defects/tools/round_tool.h"
 
 namespace glint {

@@ -9,6 +9,12 @@
 
 namespace glint {
 
+/// The mean of a sequence: integers divided by the largest code of their type.
+/// @param frames  at least one, all of one size @throws ConfigError otherwise, or for NaN
+ImageF aspect_of(std::span<const Image<std::uint8_t>> frames, ThreadPool& pool);
+ImageF aspect_of(std::span<const Image<std::uint16_t>> frames, ThreadPool& pool);
+ImageF aspect_of(std::span<const ImageF> frames, ThreadPool& pool);
+
 /// aspect_of(), 0 outside the mask.
 /// @param mask    of the frames' size
 /// @param aspect  of that size; anything may be in it

@@ -2,6 +2,8 @@
 //
 // The threshold that flawless pictures ask for: from the largest response down, pixels are added
 // one by one and the blobs they make are counted, until there are too many.
+#include "metrics/inspection/calibration.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,7 +12,6 @@
 
 #include "core/error.h"
 #include "metrics/inspection/blobs.h"
-#include "metrics/inspection/inspector.h"
 
 namespace glint {
 namespace {

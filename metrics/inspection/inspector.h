@@ -52,12 +52,6 @@ struct Inspection {
   std::vector<FoundDefect> defects;  ///< by their first pixel, row by row
 };
 
-/// The mean of a sequence: integers divided by the largest code of their type.
-/// @param frames  at least one, all of one size @throws ConfigError otherwise, or for NaN
-ImageF aspect_of(std::span<const Image<std::uint8_t>> frames, ThreadPool& pool);
-ImageF aspect_of(std::span<const Image<std::uint16_t>> frames, ThreadPool& pool);
-ImageF aspect_of(std::span<const ImageF> frames, ThreadPool& pool);
-
 /// Larger greys are refused as no picture's: sums of their products could overflow.
 inline constexpr float kLargestGrey = 1e20F;
 
@@ -122,14 +116,5 @@ class Inspector {
   MaskedFilter filter_;
   std::shared_ptr<PicturePool> scratch_;
 };
-
-/// The smallest threshold from which on flawless pictures have at most so many blobs each, on
-/// average: exact to the last bit of a float. At least the inspector's least_threshold().
-/// @param responses  of flawless pictures, at least one
-/// @throws ConfigError for none
-double threshold_for(const Inspector& inspector,
-                     std::span<const ImageF> responses,
-                     double false_alarms_per_picture,
-                     ThreadPool& pool);
 
 }  // namespace glint

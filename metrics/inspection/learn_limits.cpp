@@ -7,6 +7,8 @@
 // so each box is searched with its own parts; only P <= A ties them. Limits need only be tried at
 // the values of the parts that belong inside. Branch and bound over the four limits, exact unless
 // the budget ends; docs/theory/inspection_masks.md.
+#include "metrics/inspection/learn_limits.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +18,6 @@
 #include <vector>
 
 #include "core/error.h"
-#include "metrics/inspection/grading.h"
 
 namespace glint {
 namespace {

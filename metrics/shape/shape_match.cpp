@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
-// Laying one shape onto another by their moments.
+#include "metrics/shape/shape_match.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/rng.h"
+#include "metrics/statistics/quantiles.h"
 
 namespace glint {
 namespace {

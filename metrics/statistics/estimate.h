@@ -17,17 +17,6 @@ struct Estimate {
   double high = 0.0;
 };
 
-/// Standard normal distribution. @param probability  in (0, 1)
-double normal_cdf(double x);
-double normal_quantile(double probability);
-
-/// Of Student's t with so many degrees of freedom (>= 1). @param probability  in (0, 1)
-double t_quantile(double probability, double freedom);
-
-/// Of the gamma distribution with scale 1 (twice it: chi-square with twice the shape degrees of
-/// freedom). @param probability  in (0, 1)  @param shape  > 0
-double gamma_quantile(double probability, double shape);
-
 /// A rate of hits, with Wilson's score interval. @param trials  >= 1
 Estimate wilson(std::int64_t hits, std::int64_t trials, double confidence = 0.95);
 

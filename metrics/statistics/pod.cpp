@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "metrics/statistics/quantiles.h"
 
 namespace glint {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "metrics/statistics/quantiles.h"
+
 #include <cmath>
 #include <numbers>
 
@@ -7,7 +9,6 @@
 #include <boost/math/special_functions/gamma.hpp>
 
 #include "core/error.h"
-#include "metrics/statistics/estimate.h"
 
 namespace glint {
 namespace {

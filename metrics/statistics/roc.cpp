@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "metrics/statistics/quantiles.h"
 
 namespace glint {
 namespace {

@@ -22,32 +22,11 @@
 
 #include "optimizer/algorithm/algorithm.h"
 #include "optimizer/algorithm/answer.h"
+#include "optimizer/problem/goal.h"
 #include "optimizer/problem/space.h"
 #include "optimizer/problem/trial.h"
 
 namespace glint {
-
-/// The score to optimise.
-struct Objective {
-  std::string name;
-  bool is_maximised = true;
-};
-
-/// Limits of a score, both inclusive.
-struct Constraint {
-  std::string name;
-  std::optional<double> min;
-  std::optional<double> max;
-  double weight = 1.0;  ///< > 0, of the penalty
-};
-
-struct Goal {
-  Objective objective;
-  std::vector<Constraint> constraints;
-};
-
-/// @throws ConfigError: no objective, a constraint without limits, min above max, weight <= 0
-void check(const Goal& goal);
 
 /// Why these scores cannot be judged (a missing score, a NaN, an infinite objective); empty when
 /// they can.

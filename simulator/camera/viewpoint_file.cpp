@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "core/config/placed_json.h"
+#include "core/config/toml.h"
 #include "core/file.h"
 #include "core/text.h"
 

@@ -19,11 +19,11 @@
 #include "simulator/camera/viewpoint_set.h"
 #include "simulator/geometry/part/part.h"
 #include "simulator/light/area/build_lights.h"
+#include "simulator/light/tunnel/scan_settings.h"
 #include "simulator/light/tunnel/tunnel.h"
 #include "simulator/material/material_settings.h"
-#include "simulator/render/path_tracing/physical_scene.h"
-#include "simulator/render/ray_cache/ray_cache.h"
-#include "simulator/render/scan/scan.h"
+#include "simulator/render/path_tracing/path_settings.h"
+#include "simulator/render/ray_cache/render_settings.h"
 #include "simulator/sensor/sensor.h"
 
 namespace glint {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/config/toml.h"
 #include "core/file.h"
 #include "core/text.h"
 #include "metrics/scores.h"

@@ -78,9 +78,6 @@ std::string resolved_text(const Study& study);
 /// Hash of everything that changes results; the budget is left out.
 std::string config_hash(const Study& study);
 
-/// Rows of the key table for the tables that only a study has.
-std::vector<KeyRow> study_keys();
-
 /// "40s", "30m", "8h", "1h30m" or a number of seconds; empty when it is none of these.
 std::optional<double> parse_duration_s(const std::string& text);
 

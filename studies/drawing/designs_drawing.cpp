@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/drawing/designs_drawing.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "studies/drawing/chart.h"
-#include "studies/drawing/population_drawing.h"
 
 namespace glint {
 namespace {

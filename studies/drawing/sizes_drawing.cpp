@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/drawing/sizes_drawing.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,7 +9,6 @@
 
 #include "core/units.h"
 #include "studies/drawing/chart.h"
-#include "studies/drawing/population_drawing.h"
 
 namespace glint {
 namespace {

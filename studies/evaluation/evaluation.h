@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "metrics/scores.h"
-#include "optimizer/algorithm/merit.h"
+#include "optimizer/problem/goal.h"
 #include "optimizer/problem/space.h"
 #include "simulator/render/scan/closed_scan.h"
 #include "studies/evaluation/scene_slopes.h"

@@ -10,6 +10,7 @@
 #include "core/image/spans.h"
 #include "simulator/render/wall/hidden_pixels.h"
 #include "studies/evaluation/evaluation_parts.h"
+#include "studies/imaging/path_lights.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/inspection_line/visibility.h"
 

@@ -5,6 +5,7 @@
 
 #include "core/cpu_clock.h"
 #include "metrics/aspect_image/homogeneity.h"
+#include "simulator/render/scan/scan.h"
 
 namespace glint {
 namespace {

@@ -11,6 +11,8 @@
 #include "core/cpu_clock.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/frontier/banded_scan.h"
+#include "studies/frontier/frontier_errors.h"
+#include "studies/frontier/frontier_methods.h"
 
 namespace glint {
 namespace {

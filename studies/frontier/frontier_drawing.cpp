@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/frontier/frontier_drawing.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,7 +9,7 @@
 
 #include "core/units.h"
 #include "studies/drawing/svg_page.h"
-#include "studies/frontier/frontier_page.h"
+#include "studies/frontier/frontier_errors.h"
 
 namespace glint {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/frontier/frontier_errors.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "studies/frontier/frontier.h"
 
 namespace glint {
 namespace {

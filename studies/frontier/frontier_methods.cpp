@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/frontier/frontier_methods.h"
+
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
-
-#include "studies/frontier/frontier.h"
 
 namespace glint {
 namespace {

@@ -10,6 +10,8 @@
 
 #include "core/file.h"
 #include "studies/evaluation/evaluation.h"
+#include "studies/frontier/frontier_drawing.h"
+#include "studies/frontier/frontier_errors.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/report/report.h"

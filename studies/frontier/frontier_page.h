@@ -20,9 +20,6 @@ nlohmann::ordered_json frontier_json(const Study& study, const Frontier& frontie
 /// One sentence on the program's own choice against plain sampling.
 std::string frontier_sentence(const Frontier& frontier);
 
-/// Error of the frames against CPU time, both by powers of ten.
-std::string frontier_svg(const Frontier& frontier, const std::string& title);
-
 struct FrontierRun {
   std::filesystem::path out;
   int threads = 1;

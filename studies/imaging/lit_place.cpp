@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/imaging/lit_place.h"
+#include "simulator/render/scan/scan.h"
 
 #include <algorithm>
 #include <array>

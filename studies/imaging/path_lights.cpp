@@ -3,14 +3,12 @@
 
 #include <algorithm>
 #include <optional>
-#include <span>
 #include <type_traits>
 #include <variant>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "studies/imaging/path_picture.h"
 
 namespace glint {
 namespace {

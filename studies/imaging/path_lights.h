@@ -3,7 +3,7 @@
 // The lights of a scene at power 1, and what the powers of the scene make of them.
 #pragma once
 
-#include <string>
+#include <span>
 #include <vector>
 
 #include "simulator/light/area/build_lights.h"
@@ -30,5 +30,16 @@ TunnelSettings without_powers(TunnelSettings tunnel);
 UnitLights unit_lights(const SceneSettings& scene,
                        const RigidTransform& scene_from_camera,
                        const MeshLoader& load_mesh);
+
+/// What each light group contributes to one frame: a factor for each group, of its three channels
+/// (equal for a grey sensor).
+using FrameFactors = std::vector<Colour>;
+
+/// The exposures of one evaluation: one under area lights alone, as many as scan.positions under a
+/// tunnel. Each frame's factors for all groups: radiance or power of the lights, their separate
+/// segments and the stripes of the tunnel.
+/// @param unit_power_w  of each group of the scene's PathView, or of its picture
+std::vector<FrameFactors> frame_factors(const SceneSettings& scene,
+                                        std::span<const Colour> unit_power_w);
 
 }  // namespace glint

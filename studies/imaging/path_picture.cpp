@@ -10,7 +10,6 @@
 #include "simulator/geometry/mesh_file/mesh_io.h"
 #include "simulator/render/path_tracing/cell_sums.h"
 #include "simulator/render/path_tracing/sobol.h"
-#include "studies/imaging/path_lights.h"
 
 namespace glint {
 namespace {

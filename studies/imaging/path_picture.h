@@ -12,15 +12,13 @@
 
 #include "core/image/spans.h"
 #include "core/thread_pool.h"
+#include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/path_tracing/render_paths.h"
 #include "studies/definition/scene.h"
 #include "studies/imaging/built_part.h"
+#include "studies/imaging/path_lights.h"
 
 namespace glint {
-
-/// What each light group contributes to one frame: a factor for each group, of its three channels
-/// (equal for a grey sensor).
-using FrameFactors = std::vector<Colour>;
 
 /// Everything that the path tracer looks at for one view, ready.
 class PathView {
@@ -55,13 +53,6 @@ class PathView {
   struct Data;
   std::unique_ptr<const Data> data_;
 };
-
-/// The exposures of one evaluation: one under area lights alone, as many as scan.positions under a
-/// tunnel. Each frame's factors for all groups: radiance or power of the lights, their separate
-/// segments and the stripes of the tunnel.
-/// @param unit_power_w  of each group of the scene's PathView, or of its picture
-std::vector<FrameFactors> frame_factors(const SceneSettings& scene,
-                                        std::span<const Colour> unit_power_w);
 
 /// An independent share of a picture's samples.
 struct PathBatch {

@@ -15,6 +15,7 @@
 
 #include "core/thread_pool.h"
 #include "simulator/render/footprint/footprints.h"
+#include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/wall/revolved_rays.h"
 #include "studies/imaging/line_store.h"
 #include "studies/imaging/picture_store.h"
@@ -135,6 +136,9 @@ class SceneStore {
   std::atomic<int> num_met_ = 0;
   std::atomic<int> num_defects_made_ = 0;
 };
+
+/// Memory that the rays of a scene take, about.
+std::size_t bytes_of(const TracedScene& traced);
 
 /// The scene from the first viewpoint of its set: the one that is scored.
 /// @throws ConfigError beginning with the key at fault, IoError

@@ -47,9 +47,6 @@ struct TracedScene {
   const RayCounts& counts() const { return is_sampled() ? rays.counts : corners.counts; }
 };
 
-/// Memory that the rays of a scene take, about.
-std::size_t bytes_of(const TracedScene& traced);
-
 /// Traces a scene anew, or only around its defects.
 /// @param bare  the camera's rays without defects; nullptr: not known
 /// @throws ConfigError beginning with the key at fault

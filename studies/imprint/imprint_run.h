@@ -33,9 +33,4 @@ std::uint64_t part_seed(std::uint64_t seed, int part);
 /// @throws ConfigError, IoError; nothing half-written is left behind
 nlohmann::ordered_json imprint_scene(const Study& study, const ImprintOptions& options);
 
-/// Draws the tools of a scene's groups into tools.png, tools.json and tools/NAME.stl.
-/// @return { schema, status, name, tools[], files[] }
-/// @throws ConfigError, IoError
-nlohmann::ordered_json preview_tools(const Study& study, const ImprintOptions& options);
-
 }  // namespace glint

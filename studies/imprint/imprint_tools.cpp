@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
-// The collection of tools that a scene's groups imprint with, as a drawing and as files.
+#include "studies/imprint/imprint_tools.h"
+
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -9,10 +9,9 @@
 #include "core/file.h"
 #include "core/image/image_io.h"
 #include "defects/tools/tools.h"
-#include "simulator/geometry/mesh_file/mesh_io.h"
+#include "simulator/geometry/mesh_file/mesh_write.h"
 #include "simulator/render/preview/preview.h"
 #include "studies/imprint/imprint_folder.h"
-#include "studies/imprint/imprint_run.h"
 #include "studies/output/output_folder.h"
 
 namespace glint {

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "studies/inspect/inspect_page.h"
+#include "metrics/inspection/grading.h"
 
 namespace glint::inspect_html {
 
@@ -26,9 +26,5 @@ std::string heads(std::initializer_list<std::string_view> words);
 
 /// Four digits.
 std::string number(double value);
-
-/// One part: picture with its marks, list of defects, histogram.
-/// @param index  from 1, for links
-std::string part_section(const InspectedPart& part, const PagePicture& picture, std::size_t index);
 
 }  // namespace glint::inspect_html

@@ -7,8 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text.h"
-#include "studies/drawing/population_drawing.h"
+#include "studies/drawing/sizes_drawing.h"
 #include "studies/inspect/inspect_html.h"
+#include "studies/inspect/inspect_page_part.h"
 #include "studies/output/provenance.h"
 #include "studies/report/report.h"
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/inspect/inspect_page_part.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>

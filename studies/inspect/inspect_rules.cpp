@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/config/toml.h"
 #include "core/file.h"
 #include "core/text.h"
 

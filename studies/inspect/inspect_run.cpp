@@ -9,8 +9,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/config/toml.h"
 #include "core/file.h"
 #include "core/wall_clock.h"
+#include "metrics/inspection/calibration.h"
+#include "metrics/inspection/learn_limits.h"
 #include "studies/inspect/inspect_files.h"
 #include "studies/inspect/inspect_page.h"
 #include "studies/inspect/inspect_rules.h"

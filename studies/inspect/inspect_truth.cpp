@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/config/toml.h"
 #include "core/file.h"
 #include "core/units.h"
 #include "simulator/camera/pinhole_camera.h"

@@ -8,6 +8,7 @@
 
 #include "metrics/aspect_image/roi.h"
 #include "metrics/shape/equivalent_ellipse.h"
+#include "metrics/shape/shape_match.h"
 #include "metrics/shape/silhouette.h"
 
 namespace glint {

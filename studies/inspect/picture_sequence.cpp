@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/image/image_io.h"
-#include "metrics/inspection/inspector.h"
+#include "metrics/inspection/aspect.h"
 
 namespace glint {
 namespace fs = std::filesystem;

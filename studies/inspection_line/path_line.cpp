@@ -9,9 +9,11 @@
 #include <utility>
 
 #include "core/error.h"
+#include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/path_tracing/path_sums.h"
 #include "simulator/render/path_tracing/smooth_picture.h"
 #include "studies/imaging/line_store.h"
+#include "studies/imaging/path_lights.h"
 #include "studies/imaging/path_picture.h"
 
 namespace glint {

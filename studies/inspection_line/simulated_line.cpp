@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/rng.h"
+#include "metrics/inspection/calibration.h"
 #include "studies/inspection_line/mirror_line.h"
 #include "studies/inspection_line/path_line.h"
 
@@ -104,11 +105,6 @@ RenderedEnergy energy_of(const std::vector<ImageF>& changes, const DefectView& v
 }
 
 }  // namespace
-
-SensorSettings without_noise(SensorSettings settings) {
-  settings.full_well_e = settings.read_noise_e = settings.dark_e = 0.0;
-  return settings;
-}
 
 struct SimulatedLine::Data {
   Data(SceneStore& scene_store, const SceneSettings& settings)

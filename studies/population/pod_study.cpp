@@ -10,7 +10,7 @@
 #include "core/file.h"
 #include "core/text.h"
 #include "metrics/statistics/pod.h"
-#include "studies/drawing/population_drawing.h"
+#include "studies/drawing/pod_drawing.h"
 
 namespace glint {
 namespace {

@@ -9,7 +9,10 @@
 
 #include "core/file.h"
 #include "core/text.h"
-#include "studies/drawing/population_drawing.h"
+#include "metrics/inspection/learn_limits.h"
+#include "studies/drawing/designs_drawing.h"
+#include "studies/drawing/sizes_drawing.h"
+#include "studies/population/sorting_parts.h"
 
 namespace glint {
 namespace {

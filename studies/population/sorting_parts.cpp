@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/population/sorting_parts.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "core/rng.h"
-#include "studies/population/sorting.h"
 
 namespace glint {
 namespace {

@@ -29,6 +29,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "core/image/image_io.h"
+#include "studies/imaging/path_lights.h"
 #include "studies/imaging/path_picture.h"
 
 namespace glint {

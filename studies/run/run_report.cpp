@@ -13,6 +13,7 @@
 #include "core/image/image_io.h"
 #include "core/text.h"
 #include "core/units.h"
+#include "simulator/render/path_tracing/path_settings.h"
 #include "studies/output/provenance.h"
 #include "studies/population/population_report.h"
 #include "studies/report/report.h"

@@ -15,6 +15,7 @@
 
 #include "core/wall_clock.h"
 #include "metrics/aspect_image/homogeneity.h"
+#include "simulator/render/footprint/footprint_frames.h"
 #include "studies/evaluation/evaluation.h"
 
 namespace glint {

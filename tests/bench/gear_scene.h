@@ -6,6 +6,7 @@
 
 #include "core/units.h"
 #include "simulator/light/area/lights.h"
+#include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/path_tracing/render_paths.h"
 
 namespace glint::bench {

@@ -9,10 +9,11 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "core/config/toml.h"
 #include "core/file.h"
 #include "core/image/image_io.h"
 #include "core/text.h"
-#include "simulator/geometry/mesh_file/mesh_io.h"
+#include "simulator/geometry/mesh_file/mesh_write.h"
 #include "tests/bench/peers/candidate.h"
 #include "tests/bench/peers/cycles.h"
 #include "tests/bench/peers/part_mesh.h"

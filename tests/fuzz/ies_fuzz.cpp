@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "simulator/light/area/ies_table.h"
+#include "simulator/light/area/read_ies.h"
 
 namespace {
 

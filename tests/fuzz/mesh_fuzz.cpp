@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
-#include "simulator/geometry/mesh_file/mesh_soup.h"
+#include "simulator/geometry/mesh_file/read_ply.h"
 
 namespace {
 

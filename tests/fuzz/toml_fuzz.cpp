@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/config/config.h"
+#include "core/config/toml.h"
 #include "core/error.h"
 
 namespace {

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "simulator/geometry/mesh/mesh_edges.h"
 
 namespace glint {
 namespace {

@@ -12,6 +12,8 @@
 
 #include <Eigen/Geometry>
 
+#include "simulator/geometry/mesh/mesh_edges.h"
+
 namespace glint {
 namespace {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/geometry/mesh/mesh_edges.h"
+
 #include <algorithm>
 #include <tuple>
-
-#include "simulator/geometry/mesh/triangle_mesh.h"
 
 namespace glint {
 namespace {

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "simulator/geometry/mesh/mesh_edges.h"
+
 namespace glint {
 namespace {
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Triangle meshes from and to files: STL (binary, ASCII), PLY (ASCII, binary of either byte
-// order), OBJ, OFF. Own readers, so that an error names its line and garbage cannot crash.
+// Triangle meshes from files: STL (binary, ASCII), PLY (ASCII, binary of either byte order), OBJ,
+// OFF. Own readers, so that an error names its line and garbage cannot crash.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,25 +29,6 @@ TriangleMesh parse_mesh(std::string_view bytes, const std::string& name);
 /// of it; numbers in [0, 1] of float properties count as [0, 255].
 /// @throws IoError, ConfigError as read_mesh(), and when it is no PLY or its faces have no colours
 std::vector<std::array<std::uint8_t, 3>> read_face_colours(const std::filesystem::path& path);
-
-/// Writes vertices and triangles by extension: .stl (binary, float), .ply (binary, double), .obj,
-/// .off (shortest text that reads back the same). The file appears by rename.
-/// @throws ConfigError for another extension, IoError when it cannot be written.
-void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
-
-/// A whole number for every face, as a further property of a PLY.
-struct FaceValues {
-  std::string_view name = {};
-  std::span<const std::int32_t> values = {};  ///< one a face; empty: no such property
-};
-
-/// The bytes of write_mesh() for .stl, and for .ply with a property more.
-std::string stl_bytes(const TriangleMesh& mesh);
-std::string ply_bytes(const TriangleMesh& mesh, const FaceValues& values = {});
-
-/// Lines of an OBJ file: all vertices; one face.
-void append_obj_vertices(std::string& text, const TriangleMesh& mesh);
-void append_obj_face(std::string& text, const Triangle& triangle);
 
 /// Reads a PLY and a property of its faces, unlike read_mesh() without welding, so that vertices
 /// and triangles are those of the file.

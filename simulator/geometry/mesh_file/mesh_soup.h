@@ -3,15 +3,15 @@
 // Inner header of glint::geometry: what the readers of the mesh formats share.
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
+#include <Eigen/Core>
+
+#include "core/error.h"
 #include "simulator/geometry/mesh/triangle_mesh.h"
-#include "simulator/geometry/mesh_file/text_cursor.h"
 
 namespace glint::mesh_file {
 
@@ -46,25 +46,5 @@ void check_count(std::int64_t count,
                  std::size_t bytes_left,
                  std::string_view what,
                  const Place& place);
-
-TriangleMesh read_stl(std::string_view bytes, const std::string& file);
-TriangleMesh read_ply(std::string_view bytes, const std::string& file);
-/// The same, with the colour of each triangle's face.
-TriangleMesh read_ply(std::string_view bytes,
-                      const std::string& file,
-                      std::vector<std::array<std::uint8_t, 3>>& colours);
-/// The same, with a property of each triangle's face.
-TriangleMesh read_ply(std::string_view bytes,
-                      const std::string& file,
-                      std::string_view property,
-                      std::vector<std::int32_t>& values);
-TriangleMesh read_obj(std::string_view bytes, const std::string& file);
-TriangleMesh read_off(std::string_view bytes, const std::string& file);
-
-/// True for a binary STL by its size, or for a text that begins like an ASCII STL.
-bool looks_like_stl(std::string_view bytes);
-
-/// True when the first word is OFF or one of its variants (COFF, NOFF, STOFF, ...).
-bool looks_like_off(std::string_view bytes);
 
 }  // namespace glint::mesh_file

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/geometry/mesh_file/mesh_write.h"
+
 #include <algorithm>
 #include <array>
 
@@ -7,7 +9,6 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/text.h"
-#include "simulator/geometry/mesh_file/mesh_io.h"
 
 namespace glint {
 namespace {

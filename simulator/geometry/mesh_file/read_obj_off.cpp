@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/geometry/mesh_file/read_obj_off.h"
+
 #include <fmt/format.h>
 
 #include "simulator/geometry/mesh_file/mesh_soup.h"
+#include "simulator/geometry/mesh_file/text_cursor.h"
 
 namespace glint::mesh_file {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/geometry/mesh_file/read_stl.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -7,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "simulator/geometry/mesh_file/mesh_soup.h"
+#include "simulator/geometry/mesh_file/text_cursor.h"
 
 namespace glint::mesh_file {
 namespace {

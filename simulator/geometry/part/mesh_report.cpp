@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/units.h"
+#include "simulator/geometry/mesh/mesh_edges.h"
 
 namespace glint {
 namespace {

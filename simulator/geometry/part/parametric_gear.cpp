@@ -1,8 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/geometry/part/parametric_gear.h"
+
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
 
-#include "simulator/geometry/part/parametric.h"
+#include <Eigen/Core>
+
+#include "core/units.h"
+#include "simulator/geometry/part/exact_surface.h"
+#include "simulator/geometry/part/parametric_builder.h"
 
 namespace glint::parametric {
 namespace {

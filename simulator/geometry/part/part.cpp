@@ -11,7 +11,8 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
-#include "simulator/geometry/part/parametric.h"
+#include "simulator/geometry/part/parametric_gear.h"
+#include "simulator/geometry/part/parametric_part.h"
 
 namespace glint {
 namespace {

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "simulator/light/area/read_environment.h"
+#include "simulator/light/area/read_ies.h"
 
 namespace glint {
 namespace {

@@ -83,14 +83,6 @@ struct ShapeCrossing {
   double cosine = 0.0;  ///< between normal and the way back; > 0: the front is met
 };
 
-/// A direction towards a surface.
-struct ShapeSample {
-  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
-  double distance_mm = 0.0;
-  double cosine = 0.0;   ///< > 0
-  double density = 0.0;  ///< per steradian, > 0
-};
-
 /// All normals lie within half_angle_rad of the axis.
 struct NormalCone {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
@@ -113,18 +105,5 @@ std::optional<ShapeCrossing> cross(const EmitterShape& shape,
 
 /// False when no point of the surface shows its front to that point.
 bool shows_front(const EmitterShape& shape, const Eigen::Vector3d& point_mm);
-
-/// A direction from the point to the surface's front: uniform over the solid angle for near
-/// rectangles and triangles, else uniform over the area. Empty when the drawn point shows its back
-/// or its edge. @param u, v  in [0, 1)
-std::optional<ShapeSample> sample_shape(const EmitterShape& shape,
-                                        const Eigen::Vector3d& point_mm,
-                                        double u,
-                                        double v);
-
-/// The density with which sample_shape() draws the direction that meets the surface like that.
-double shape_density(const EmitterShape& shape,
-                     const Eigen::Vector3d& point_mm,
-                     const ShapeCrossing& crossing);
 
 }  // namespace glint

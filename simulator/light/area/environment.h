@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <vector>
 
 #include <Eigen/Core>
@@ -50,10 +49,5 @@ class Environment {
   std::vector<double> row_sums_;  ///< of the rows
   double mean_radiance_ = 0.0;
 };
-
-/// Reads red, green and blue (or grey) of any picture OpenImageIO knows; EXR and Radiance HDR are
-/// linear, others are taken as if they were.
-/// @throws IoError, ConfigError when a value is negative or no number
-Environment read_environment(const std::filesystem::path& path, const Eigen::Array3f& scale);
 
 }  // namespace glint

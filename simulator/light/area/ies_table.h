@@ -7,9 +7,7 @@
 // the measured angles the intensity is bilinear in both. docs/theory/lights.md
 #pragma once
 
-#include <filesystem>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -37,12 +35,5 @@ struct IesTable {
 
   double highest() const;
 };
-
-/// @throws ConfigError with file:line:column: damaged, photometry of type A or B, TILT in another
-/// file, angles that no symmetry allows
-IesTable parse_ies(std::string_view text, const std::string& file);
-
-/// @throws IoError, ConfigError
-IesTable read_ies(const std::filesystem::path& path);
 
 }  // namespace glint

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "simulator/light/area/shape_sampling.h"
+
 namespace glint {
 namespace {
 

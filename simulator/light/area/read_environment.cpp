@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/light/area/read_environment.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,7 +9,6 @@
 
 #include "core/error.h"
 #include "core/image/image_io.h"
-#include "simulator/light/area/environment.h"
 
 namespace glint {
 namespace {

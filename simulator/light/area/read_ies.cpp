@@ -2,6 +2,8 @@
 //
 // The file: lines of text up to the one that begins with TILT=, then numbers only, which may stand
 // on any number of lines, separated by blanks or commas.
+#include "simulator/light/area/read_ies.h"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -11,7 +13,6 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/units.h"
-#include "simulator/light/area/ies_table.h"
 
 namespace glint {
 namespace {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/light/area/shape_sampling.h"
+
 #include <cmath>
 #include <limits>
 
-#include "simulator/light/area/emitter_shape.h"
 #include "simulator/light/area/spherical_sampling.h"
 
 namespace glint {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
-// Where rays meet a chain of cubic segments.
+#include "simulator/light/tunnel/spline_kernels.h"
+
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-
-#include "simulator/light/tunnel/tunnel_kernels.h"
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 

@@ -24,6 +24,7 @@
 
 #include "core/config/keys.h"
 #include "core/pose.h"
+#include "simulator/light/tunnel/spline_kernels.h"
 #include "simulator/light/tunnel/tunnel_kernels.h"
 
 namespace glint {

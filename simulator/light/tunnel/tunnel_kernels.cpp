@@ -99,6 +99,8 @@ GLINT_WIDE void hit_flat(const RayBlock& rays,
   }
 }
 
+namespace {
+
 /// The nearer of t and where a ray leaves through a wall's line.
 __attribute__((always_inline)) inline float nearer_of_line(
     float t, float ny, float nz, float offset, float oy, float oz, float dy, float dz) {
@@ -107,6 +109,8 @@ __attribute__((always_inline)) inline float nearer_of_line(
   const bool is_hit = (slope > 0.0F) & (to_line > kNearestHit_mm) & (to_line < t);
   return is_hit ? to_line : t;
 }
+
+}  // namespace
 
 GLINT_WIDE void meet_flat(const RayBlock& rays,
                           const FlatWall* walls,

@@ -33,12 +33,6 @@ struct FlatWall {
   double length_mm = 0;
 };
 
-/// A cubic piece of the free cross-section: y(u), z(u) in powers of u in [0, 1].
-struct SplineSegment {
-  double y[4] = {0, 0, 0, 0};
-  double z[4] = {0, 0, 0, 0};
-};
-
 /// Bright and dark stripes along a coordinate q, with the tunnel moved along x.
 struct StripePattern {
   float shift_x_mm = 0.0F;
@@ -90,9 +84,6 @@ void hit_superellipse(const RayBlock& rays,
                       float exponent,
                       bool is_whole,
                       float* t_mm);
-
-/// A chain of cubic segments; the nearest crossing in front of the ray.
-void hit_spline(const RayBlock& rays, const SplineSegment* segments, int num_segments, float* t_mm);
 
 /// From t to position along x and gain: 0 for no hit and in the slot (|y| < half_slot above floor).
 void finish_hits(const RayBlock& rays,

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "simulator/light/tunnel/spline_kernels.h"
 #include "simulator/light/tunnel/tunnel_kernels.h"
 
 namespace glint {

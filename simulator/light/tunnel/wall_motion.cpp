@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "simulator/light/tunnel/spline_kernels.h"
 #include "simulator/light/tunnel/tunnel_profile.h"
 
 namespace glint {

@@ -12,6 +12,7 @@
 #include "simulator/render/derivative/cell_slopes.h"
 #include "simulator/render/derivative/plain_slopes.h"
 #include "simulator/render/derivative/slope_kernels.h"
+#include "simulator/render/footprint/footprint_frames.h"
 
 namespace glint {
 namespace {

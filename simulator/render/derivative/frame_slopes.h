@@ -3,7 +3,9 @@
 
 #include <memory>
 
+#include "core/image/spans.h"
 #include "simulator/render/derivative/scan_slopes.h"
+#include "simulator/render/footprint/footprint_cells.h"
 
 namespace glint {
 

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "core/image/spans.h"
 #include "simulator/render/derivative/scan_slopes.h"
 #include "simulator/render/derivative/slope_kernels.h"
 

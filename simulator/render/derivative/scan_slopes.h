@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "simulator/light/tunnel/wall_motion.h"
+#include "simulator/render/footprint/footprint_cells.h"
 #include "simulator/render/scan/closed_scan.h"
 
 namespace glint {

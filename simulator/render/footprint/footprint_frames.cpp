@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/footprint/footprint_frames.h"
+
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "simulator/render/footprint/footprint_cells.h"
-#include "simulator/render/footprint/footprints.h"
+#include "simulator/render/footprint/footprint_kernels.h"
 
 namespace glint {
 namespace {

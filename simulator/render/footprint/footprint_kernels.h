@@ -172,29 +172,6 @@ void any_shares_fast(const float* v,
                      float duty,
                      float* shares);
 
-/// Rows of one quantity: the row itself and its neighbours.
-struct ThreeRows {
-  const float* above = nullptr;
-  const float* here = nullptr;
-  const float* below = nullptr;
-};
-
-/// When the phase counts as linear over the blur: its second difference over the blur's variance is
-/// below `absolute` periods or below `relative` times the stripes' width w.
-struct LinearPhase {
-  float variance_px2 = 1.0F;
-  float absolute = 0.0F;
-  float relative = 0.0F;
-};
-
-/// w of T(w) for a row of pixels, and 1 where the phase is linear over the blur.
-void stripe_widths(const ThreeRows& gx,
-                   const ThreeRows& gy,
-                   int count,
-                   const LinearPhase& rule,
-                   float* w,
-                   unsigned char* is_linear);
-
 /// Samples of sum_box_frames come in groups of this many, filled up with gain 0.
 inline constexpr int kLanes = 16;
 

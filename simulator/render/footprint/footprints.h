@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Pixel footprints on a tunnel, and the frames of a scan integrated over them in closed form.
+// Pixel footprints on a tunnel, over which footprint_frames.h integrates the frames of a scan.
 //
 // Each corner ray is met with the tunnel's wall once. A pixel whose four corners lie on the lit
 // wall at every position of the scan is plain: its frames follow from one phase and two
@@ -9,7 +9,6 @@
 // See docs/theory/footprints.md.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <new>
 #include <optional>
@@ -19,12 +18,10 @@
 #include <Eigen/Core>
 
 #include "core/image/image.h"
-#include "core/image/spans.h"
 #include "simulator/light/tunnel/scan_settings.h"
 #include "simulator/light/tunnel/tunnel.h"
 #include "simulator/render/corner_rays/corner_rays.h"
 #include "simulator/render/footprint/distinct_stripes.h"
-#include "simulator/render/footprint/footprint_cells.h"
 #include "simulator/render/footprint/footprint_kernels.h"
 #include "simulator/render/wall/sparse_meeting.h"
 
@@ -148,48 +145,6 @@ class Footprints {
   std::shared_ptr<const WallView> view_;
   Image<State> state_;
   std::vector<unsigned char> none_hidden_;  ///< in a row
-};
-
-/// Renders frames of a scan on some pixels. Not to be shared between threads.
-class FootprintFrames {
- public:
-  /// @param footprints  must outlive this object
-  /// @param where       must outlive this object
-  /// @param cells       of these pixels or more, if known; all of them are rendered
-  FootprintFrames(const Footprints& footprints,
-                  const Spans& where,
-                  std::shared_ptr<const PixelCells> cells = nullptr);
-
-  /// Radiance of frames [first, first + frames.size()) at the given pixels; images must have the
-  /// size of the picture, their other pixels are left alone.
-  void render(int first, std::vector<ImageF>& frames) const;
-
-  /// Mean radiance over a scan of whole periods, by floors: a square wave of as many times the
-  /// frequency as there are different positions.
-  /// @param near  refined pixels elsewhere may be taken from their four corners and their coverage
-  /// @param done  called now and then with how many rows from the top are rendered, at last with
-  /// all
-  void render_mean(const Spans& near,
-                   ImageF& mean,
-                   const std::function<void(int rows)>& done = {}) const;
-
-  /// Those of the rendered frames; nullptr before the first.
-  const std::shared_ptr<const PixelCells>& cells() const { return cells_; }
-
- private:
-  struct Tile;
-
-  const unsigned char* load(const RowSpan& span, int begin, Tile& tile) const;
-  void render_span(int first,
-                   const RowSpan& span,
-                   const DistinctStripes& stripes,
-                   const std::vector<int>& sources,
-                   std::vector<ImageF>& frames) const;
-
-  const Footprints& footprints_;
-  const Spans& where_;
-  /// Summed when first needed, once for all frames: a mean does not need it.
-  mutable std::shared_ptr<const PixelCells> cells_;
 };
 
 }  // namespace glint

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "simulator/render/path_tracing/physical_scene.h"
+#include "simulator/render/path_tracing/path_settings.h"
 
 namespace glint {
 

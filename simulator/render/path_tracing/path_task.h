@@ -8,6 +8,7 @@
 #include "core/pose.h"
 #include "simulator/geometry/bvh/bvh.h"
 #include "simulator/render/path_tracing/packet_numbers.h"
+#include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/path_tracing/physical_scene.h"
 #include "simulator/render/path_tracing/sobol.h"
 

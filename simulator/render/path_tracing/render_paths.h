@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "core/thread_pool.h"
+#include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/path_tracing/path_sums.h"
 #include "simulator/render/path_tracing/physical_scene.h"
 

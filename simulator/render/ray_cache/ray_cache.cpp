@@ -13,9 +13,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::array<std::string_view, 5> kMethodNames = {
-    "auto", "sampled", "integrated", "closed", "paths"};
-
 /// Traces one row of the image, all samples.
 class RowTracer {
  public:
@@ -215,32 +212,6 @@ RayCache unset_cache(const PinholeIntrinsics& in, int samples) {
 }
 
 }  // namespace
-
-std::string_view method_name(RenderSettings::Method method) {
-  return kMethodNames[static_cast<std::size_t>(method)];
-}
-
-void visit_keys(KeyVisitor& keys, RenderSettings& s) {
-  keys.choice("method",
-              s.method,
-              kMethodNames,
-              "how pictures come about: auto = closed forms in a search, integrated footprints for "
-              "pictures, paths where light or material need it; sampled = rays_per_axis^2 point "
-              "samples a pixel; paths = path tracing");
-  keys.integer("rays_per_axis",
-               s.rays_per_axis,
-               Range::between(1, 16),
-               "sampled: rays along each side of a pixel; their square is the number of rays");
-  keys.number("max_direction_error_mrad",
-              s.max_direction_error_rad,
-              Range::between(1e-3, 100),
-              "not sampled: largest error of reflected rays taken as linear across a cell of a "
-              "pixel; smaller = more cells where the surface is bent");
-  keys.integer("max_bounces",
-               s.max_bounces,
-               Range::between(1, 64),
-               "reflections on the part before a ray is given up as dark (and counted)");
-}
 
 RayBlock RayCache::block(std::int64_t begin, int count) const {
   return {.origin_x = origin_x.data() + begin,

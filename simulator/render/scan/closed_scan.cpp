@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulator/render/footprint/footprint_frames.h"
 #include "simulator/render/scan/width_kernels.h"
 
 namespace glint {

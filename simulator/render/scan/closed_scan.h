@@ -14,6 +14,7 @@
 #include <memory>
 
 #include "core/image/image.h"
+#include "simulator/render/footprint/footprint_cells.h"
 #include "simulator/render/scan/scan.h"
 #include "simulator/render/scan/scan_plan.h"
 

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/image/image.h"
+#include "core/image/spans.h"
 #include "simulator/render/footprint/footprints.h"
 #include "simulator/render/scan/clipped_mean.h"
 

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//
-// Inner loops of the table T(w): how wide a pixel's stripes are, and values of the table.
+#include "simulator/render/scan/width_kernels.h"
+
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
 
-#include "simulator/render/footprint/footprint_kernels.h"
 #include "simulator/render/footprint/footprint_lane.h"
-#include "simulator/render/scan/width_kernels.h"
 
 #define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 

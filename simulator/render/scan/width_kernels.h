@@ -1,11 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Inner loops of the table T(w): over its phases, and over a picture's pixels.
+// Inner loops of the table T(w): how wide a pixel's stripes are, and values of the table.
 #pragma once
 
 #include "simulator/render/footprint/footprint_kernels.h"
 
 namespace glint::footprint_kernels {
+
+/// Rows of one quantity: the row itself and its neighbours.
+struct ThreeRows {
+  const float* above = nullptr;
+  const float* here = nullptr;
+  const float* below = nullptr;
+};
+
+/// When the phase counts as linear over the blur: its second difference over the blur's variance is
+/// below `absolute` periods or below `relative` times the stripes' width w.
+struct LinearPhase {
+  float variance_px2 = 1.0F;
+  float absolute = 0.0F;
+  float relative = 0.0F;
+};
+
+/// w of T(w) for a row of pixels, and 1 where the phase is linear over the blur.
+void stripe_widths(const ThreeRows& gx,
+                   const ThreeRows& gy,
+                   int count,
+                   const LinearPhase& rule,
+                   float* w,
+                   unsigned char* is_linear);
 
 /// values = mean + sum_k terms[k] cos((k + 1) angle), from the cosines of the angles.
 void cosine_series(

@@ -7,6 +7,7 @@
 #include <tbb/global_control.h>
 
 #include "simulator/render/corner_rays/corner_rays.h"
+#include "simulator/render/footprint/footprint_frames.h"
 #include "simulator/render/footprint/footprints.h"
 #include "tests/bench/peers/process.h"
 

@@ -13,6 +13,7 @@
 
 #include "core/file.h"
 #include "core/image/image_io.h"
+#include "simulator/render/path_tracing/path_settings.h"
 #include "tests/bench/peers/gear_errors.h"
 #include "tests/bench/peers/process.h"
 

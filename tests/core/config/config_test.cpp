@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/config/toml.h"
 #include "core/rng.h"
 #include "tests/support/temporary_folder.h"
 

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/config/toml.h"
 #include "core/file.h"
 #include "core/rng.h"
 #include "core/units.h"

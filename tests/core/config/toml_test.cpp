@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/config/config.h"
+#include "core/config/toml.h"
 #include "core/file.h"
 #include "tests/support/temporary_folder.h"
 

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "defects/boolean/imprint.h"
+#include "defects/boolean/imprint_checks.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
 #include "tests/defects/boolean/imprint_support.h"
 

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "defects/boolean/box_tree.h"
 #include "defects/boolean/corefine_polygon.h"
+#include "defects/boolean/imprint_checks.h"
 #include "defects/boolean/patch_crossings.h"
 #include "defects/boolean/patch_tool.h"
 #include "tests/defects/boolean/imprint_support.h"

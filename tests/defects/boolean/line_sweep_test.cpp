@@ -9,7 +9,9 @@
 
 #include "core/rng.h"
 #include "core/units.h"
-#include "defects/boolean/imprint.h"
+#include "defects/boolean/imprint_checks.h"
+#include "defects/tools/line_frames.h"
+#include "defects/tools/mesh_bend.h"
 #include "defects/tools/tools.h"
 #include "tests/defects/tools/tool_volume.h"
 

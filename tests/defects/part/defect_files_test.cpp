@@ -10,6 +10,7 @@
 #include "core/file.h"
 #include "core/rng.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
+#include "simulator/geometry/mesh_file/mesh_write.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
 #include "tests/support/temporary_folder.h"
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "defects/boolean/imprint.h"
+#include "defects/boolean/imprint_checks.h"
 
 namespace glint {
 namespace {

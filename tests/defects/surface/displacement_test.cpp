@@ -10,6 +10,7 @@
 #include "core/rng.h"
 #include "core/units.h"
 #include "defects/surface/surface_normals.h"
+#include "simulator/geometry/mesh/mesh_edges.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
 
 namespace glint {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/units.h"
-#include "defects/boolean/imprint.h"
+#include "defects/boolean/imprint_checks.h"
 #include "defects/surface/safe_moves.h"
 #include "defects/surface/subdivision.h"
 #include "defects/surface/surface_normals.h"

@@ -8,6 +8,7 @@
 
 #include "core/units.h"
 #include "defects/surface/surface_normals.h"
+#include "simulator/geometry/mesh/mesh_edges.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
 
 namespace glint {

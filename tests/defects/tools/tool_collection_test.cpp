@@ -12,11 +12,11 @@
 #include "core/file.h"
 #include "core/rng.h"
 #include "core/units.h"
-#include "defects/boolean/imprint.h"
+#include "defects/boolean/imprint_checks.h"
 #include "defects/tools/own_tools.h"
 #include "defects/tools/round_tool.h"
 #include "defects/tools/tools.h"
-#include "simulator/geometry/mesh_file/mesh_io.h"
+#include "simulator/geometry/mesh_file/mesh_write.h"
 #include "tests/defects/tools/tool_volume.h"
 
 namespace glint {

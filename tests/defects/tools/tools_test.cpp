@@ -10,6 +10,7 @@
 #include "core/rng.h"
 #include "core/units.h"
 #include "defects/boolean/imprint.h"
+#include "defects/boolean/imprint_checks.h"
 #include "defects/tools/round_tool.h"
 #include "defects/tools/tool_noise.h"
 #include "tests/defects/tools/tool_volume.h"

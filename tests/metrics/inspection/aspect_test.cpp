@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "core/rng.h"
-#include "metrics/inspection/inspector.h"
+#include "metrics/inspection/aspect.h"
 
 namespace glint {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "core/rng.h"
 #include "metrics/inspection/blobs.h"
+#include "metrics/inspection/calibration.h"
 #include "metrics/inspection/inspector.h"
 
 namespace glint {

@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/rng.h"
+#include "metrics/inspection/learn_limits.h"
 
 namespace glint {
 namespace {

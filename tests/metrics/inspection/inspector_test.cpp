@@ -16,6 +16,8 @@
 #include "core/error.h"
 #include "core/rng.h"
 #include "core/units.h"
+#include "metrics/inspection/aspect.h"
+#include "metrics/inspection/calibration.h"
 
 namespace glint {
 namespace {

@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/rng.h"
 #include "core/units.h"
+#include "metrics/shape/shape_match.h"
 
 namespace glint {
 namespace {

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "metrics/statistics/quantiles.h"
 #include "tests/metrics/statistics/coverage.h"
 
 namespace glint {

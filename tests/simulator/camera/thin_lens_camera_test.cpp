@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/config/toml.h"
 #include "core/error.h"
 #include "core/rng.h"
 #include "core/units.h"

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/config/placed_json.h"
+#include "core/config/toml.h"
 #include "core/file.h"
 #include "core/rng.h"
 

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/config/toml.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/image/image_io.h"

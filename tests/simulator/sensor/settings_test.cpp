@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gmock/gmock.h>
 
+#include "core/config/toml.h"
 #include "simulator/sensor/sensor.h"
 
 namespace glint {

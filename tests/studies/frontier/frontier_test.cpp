@@ -9,9 +9,13 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/config/toml.h"
 #include "core/rng.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/frontier/banded_scan.h"
+#include "studies/frontier/frontier_drawing.h"
+#include "studies/frontier/frontier_errors.h"
+#include "studies/frontier/frontier_methods.h"
 #include "studies/frontier/frontier_page.h"
 #include "tests/support/temporary_folder.h"
 

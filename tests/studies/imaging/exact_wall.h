@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "simulator/light/tunnel/spline_kernels.h"
 #include "studies/imaging/traced_scene.h"
 
 namespace glint {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/rng.h"
+#include "simulator/render/path_tracing/path_settings.h"
 #include "studies/imaging/scene_store.h"
 #include "tests/studies/imaging/path_support.h"
 

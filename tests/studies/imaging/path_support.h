@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/config/toml.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/imaging/traced_scene.h"
 

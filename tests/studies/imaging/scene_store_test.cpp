@@ -6,6 +6,7 @@
 #include "simulator/render/wall/hidden_pixels.h"
 #include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
+#include "studies/imaging/scene_store.h"
 
 namespace glint {
 namespace {

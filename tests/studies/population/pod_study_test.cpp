@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "studies/drawing/chart.h"
-#include "studies/drawing/population_drawing.h"
+#include "studies/drawing/pod_drawing.h"
 #include "tests/studies/population/population_support.h"
 
 namespace glint {

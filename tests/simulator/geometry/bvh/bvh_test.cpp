@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "simulator/geometry/mesh/mesh_edges.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
 
 namespace glint {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/units.h"
+#include "simulator/geometry/mesh/mesh_edges.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
 
 namespace glint {

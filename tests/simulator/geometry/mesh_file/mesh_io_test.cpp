@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "simulator/geometry/mesh_file/mesh_write.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "simulator/geometry/part/parametric.h"
+#include "simulator/geometry/part/parametric_part.h"
 
 #include <limits>
 
@@ -8,6 +8,8 @@
 
 #include "core/error.h"
 #include "core/units.h"
+#include "simulator/geometry/mesh/mesh_edges.h"
+#include "simulator/geometry/part/parametric_gear.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
 
 namespace glint {

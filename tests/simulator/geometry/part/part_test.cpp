@@ -5,9 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "core/config/config.h"
+#include "core/config/toml.h"
 #include "core/error.h"
 #include "core/units.h"
-#include "simulator/geometry/mesh_file/mesh_io.h"
+#include "simulator/geometry/mesh_file/mesh_write.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
 #include "tests/support/temporary_folder.h"
 

@@ -10,6 +10,7 @@
 #include "core/image/image_io.h"
 #include "core/rng.h"
 #include "core/units.h"
+#include "simulator/light/area/read_environment.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "simulator/light/area/read_ies.h"
 #include "tests/simulator/light/area/light_scenes.h"
 #include "tests/support/temporary_folder.h"
 

@@ -10,6 +10,7 @@
 
 #include "core/rng.h"
 #include "core/units.h"
+#include "simulator/light/tunnel/spline_kernels.h"
 #include "simulator/light/tunnel/tunnel.h"
 
 namespace glint {

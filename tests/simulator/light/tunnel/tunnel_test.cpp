@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/config/toml.h"
 #include "core/rng.h"
 #include "core/units.h"
 

@@ -8,6 +8,7 @@
 #include "core/rng.h"
 #include "core/units.h"
 #include "simulator/camera/camera_settings.h"
+#include "simulator/render/footprint/footprint_frames.h"
 #include "simulator/render/scan/closed_scan.h"
 #include "simulator/render/scan/scan.h"
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "simulator/render/footprint/footprint_frames.h"
 #include "tests/simulator/render/footprint/footprint_fixtures.h"
 
 namespace glint {

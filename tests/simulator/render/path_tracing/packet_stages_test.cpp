@@ -5,6 +5,7 @@
 
 #include "core/rng.h"
 #include "simulator/render/path_tracing/cell_tracer.h"
+#include "simulator/render/path_tracing/path_settings.h"
 #include "tests/simulator/render/path_tracing/path_bench.h"
 
 namespace glint::path_test {

@@ -9,6 +9,7 @@
 
 #include "simulator/camera/camera_settings.h"
 #include "simulator/light/area/build_lights.h"
+#include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/path_tracing/render_paths.h"
 
 namespace glint::path_test {

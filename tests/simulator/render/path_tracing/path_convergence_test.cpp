@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "simulator/render/path_tracing/path_settings.h"
 #include "tests/simulator/render/path_tracing/path_bench.h"
 
 namespace glint::path_test {

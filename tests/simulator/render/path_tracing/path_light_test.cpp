@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/ray_cache/ray_cache.h"
 #include "tests/simulator/render/path_tracing/path_bench.h"
 

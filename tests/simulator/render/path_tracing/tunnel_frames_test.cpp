@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "simulator/render/footprint/footprint_frames.h"
+#include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/scan/closed_scan.h"
 #include "simulator/render/scan/scan.h"
 #include "tests/simulator/render/path_tracing/path_bench.h"

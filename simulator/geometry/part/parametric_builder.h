@@ -3,6 +3,8 @@
 // Inner header of glint::geometry: how parametric parts are put together.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <utility>
@@ -10,6 +12,8 @@
 
 #include <Eigen/Core>
 
+#include "simulator/geometry/mesh/triangle_mesh.h"
+#include "simulator/geometry/part/exact_surface.h"
 #include "simulator/geometry/part/part.h"
 
 namespace glint::parametric {
@@ -60,6 +64,9 @@ Loop reversed(const Loop& loop);
 /// The segments a circle's arc needs to stay within chord_mm; >= 1.
 int arc_segments(double radius_mm, double angle_rad, double chord_mm);
 
+/// The pieces of at most step_mm that a length needs; >= 1.
+int pieces(double length_mm, double step_mm);
+
 /// The pieces a length needs so that cells along it are at most 16 times longer than step_mm.
 int slices(double length_mm, double step_mm);
 
@@ -73,25 +80,5 @@ struct Profile {
 /// at +x) without angles. @param is_hole turns the faces around
 std::pair<Loop, Loop> extrude(
     Builder& builder, const Profile& profile, double length_mm, int num_slices, bool is_hole);
-
-void build_strip(const PartSettings& settings, Part& part);
-void build_plate(const PartSettings& settings, Part& part);
-void build_sphere_cap(const PartSettings& settings, Part& part);
-void build_cylinder(const PartSettings& settings, Part& part);
-void build_spur_gear(const GearSettings& settings, double chord_mm, Part& part);
-
-/// Radii and angles of a spur gear; see docs/theory/parts.md.
-struct GearGeometry {
-  double base_radius_mm = 0.0;
-  double tip_radius_mm = 0.0;
-  double root_radius_mm = 0.0;
-  double half_tooth_rad = 0.0;  ///< half the angle of a tooth on the base circle
-  double root_roll_rad = 0.0;   ///< roll angle where the involute starts
-  double tip_roll_rad = 0.0;
-  double half_tip_rad = 0.0;  ///< half the angle of a tooth at its tip, <= 0: pointed
-  double half_gap_rad = 0.0;  ///< half the angle of the gap at the root, <= 0: none
-};
-
-GearGeometry gear_geometry(const GearSettings& settings);
 
 }  // namespace glint::parametric

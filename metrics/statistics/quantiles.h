@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Distributions that intervals are made from. Formulas and sources: docs/theory/statistics.md.
+#pragma once
+
+namespace glint {
+
+/// Standard normal distribution. @param probability  in (0, 1)
+double normal_cdf(double x);
+double normal_quantile(double probability);
+
+/// Of Student's t with so many degrees of freedom (>= 1). @param probability  in (0, 1)
+double t_quantile(double probability, double freedom);
+
+/// Of the gamma distribution with scale 1 (twice it: chi-square with twice the shape degrees of
+/// freedom). @param probability  in (0, 1)  @param shape  > 0
+double gamma_quantile(double probability, double shape);
+
+}  // namespace glint

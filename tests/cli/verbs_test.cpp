@@ -6,7 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "metrics/scores.h"
-#include "studies/definition/study.h"
+#include "studies/definition/scene.h"
+#include "studies/definition/study_tables.h"
 #include "tests/cli/program.h"
 
 namespace glint::test {

@@ -46,24 +46,6 @@ if ! output=$(bash "$check" "$tree"); then
   failures=$((failures + 1))
 fi
 
-forbidden_arrow() { # file, included header, the arrow
-  add "$1" "#include \"$2\""
-  expect_found "$1:4: includes \"$2\": $3"
-}
-forbidden_arrow core/error.cpp metrics/a.h "core must not see metrics"
-forbidden_arrow simulator/light/a.h simulator/geometry/a.h "light must not see geometry"
-forbidden_arrow simulator/light/a.h simulator/render/a.h "light must not see render"
-forbidden_arrow simulator/render/a.h optimizer/a.h "render must not see optimizer"
-clean_tree
-printf '%s\n#include "simulator/light/a.h"\n' "$spdx" >"$tree/metrics/a.cpp"
-expect_found "metrics/a.cpp:2: includes \"simulator/light/a.h\": metrics must not see light"
-clean_tree
-printf '%s\n  # include <studies/a.h>\n' "$spdx" >"$tree/optimizer/a.cpp"
-expect_found "optimizer/a.cpp:2: includes \"studies/a.h\": optimizer must not see studies"
-clean_tree
-printf '%s\n#include "simulator/camera/a.h"\n' "$spdx" >"$tree/defects/b.cpp"
-expect_found "defects must not see camera"
-
 add core/error.cpp '#include "error.h"'
 expect_found "core/error.cpp:4: includes \"error.h\": write it relative to the root"
 add core/error.h '#include <opencv2/core.hpp>'

@@ -4,18 +4,18 @@
 #include <bit>
 #include <cstdint>
 
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#include "core/simd.h"
 
 namespace glint::mask_kernels {
 namespace {
 
 /// to = a | b | c, and what it was if `is_more`
 template <bool is_more>
-__attribute__((always_inline)) inline void join_three(const unsigned char* __restrict a,
-                                                      const unsigned char* __restrict b,
-                                                      const unsigned char* __restrict c,
-                                                      int count,
-                                                      unsigned char* __restrict to) {
+GLINT_INLINE void join_three(const unsigned char* __restrict a,
+                             const unsigned char* __restrict b,
+                             const unsigned char* __restrict c,
+                             int count,
+                             unsigned char* __restrict to) {
   for (int i = 0; i < count; ++i) {
     const int before = is_more ? to[i] : 0;
     to[i] = static_cast<unsigned char>(before | a[i] | b[i] | c[i]);

@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "core/image/spans.h"
-
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#include "core/simd.h"
 
 namespace glint {
 namespace {

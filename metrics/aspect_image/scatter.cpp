@@ -8,14 +8,13 @@
 #include <cstdint>
 
 #include "core/image/spans.h"
-
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#include "core/simd.h"
 
 namespace glint {
 namespace {
 
 /// e^-x for x in [0, 80], to 3e-7 of it.
-inline __attribute__((always_inline)) float exp_minus(float x) {
+GLINT_INLINE float exp_minus(float x) {
   const float turns = x * 1.44269504F;
   const float whole = std::floor(turns + 0.5F);
   const float f = (whole - turns) * 0.69314718F;
@@ -26,7 +25,7 @@ inline __attribute__((always_inline)) float exp_minus(float x) {
 
 /// Mean of |x| for a normal number of deviation 1 and mean z in [0, kFar], less z: sqrt(2 / pi)
 /// e^(-z^2 / 2) - z erfc(z / sqrt 2), to 1e-6. Source of erfc: Abramowitz and Stegun, 7.1.26.
-inline __attribute__((always_inline)) float excess_at(float z) {
+GLINT_INLINE float excess_at(float z) {
   const float t = 1.0F / (1.0F + 0.3275911F * 0.70710678F * z);
   const float erfc_part =
       t * (0.254829592F +

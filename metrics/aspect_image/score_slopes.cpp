@@ -7,8 +7,7 @@
 #include <numbers>
 
 #include "core/image/spans.h"
-
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#include "core/simd.h"
 
 namespace glint {
 namespace {
@@ -57,9 +56,7 @@ double total_of(Lanes lanes) {
 
 /// Sums lane by lane of what values leave after a number.
 template <class LaneSums>
-inline __attribute__((always_inline)) LaneSums in_lanes(double number,
-                                                        const float* values,
-                                                        std::size_t count) {
+GLINT_INLINE LaneSums in_lanes(double number, const float* values, std::size_t count) {
   LaneSums sums;
   const std::size_t whole = count - count % kLanes;
   for (std::size_t i = 0; i < whole; i += kLanes) {
@@ -82,7 +79,7 @@ struct LanesOfSums {
   Lanes plain = {};
   Lanes squares = {};
 
-  inline __attribute__((always_inline)) void add(double rest, std::size_t lane) {
+  GLINT_INLINE void add(double rest, std::size_t lane) {
     plain[lane] += rest;
     squares[lane] += rest * rest;
   }
@@ -105,7 +102,7 @@ struct LanesOfSizes {
   Lanes sizes = {};
   Lanes signs = {};
 
-  inline __attribute__((always_inline)) void add(double rest, std::size_t lane) {
+  GLINT_INLINE void add(double rest, std::size_t lane) {
     sizes[lane] += rest < 0.0 ? -rest : rest;
     signs[lane] += (rest > 0.0 ? 1.0 : 0.0) - (rest < 0.0 ? 1.0 : 0.0);
   }

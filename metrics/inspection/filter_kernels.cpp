@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#include "core/simd.h"
 
 namespace glint::inspection_kernels {
 namespace {
@@ -19,10 +19,10 @@ constexpr int kSumBlock = 64;
 using Words = std::uint16_t __attribute__((vector_size(kSumBlock)));
 
 /// sum = that of all frames at kSumBlock pixels from column `begin` on.
-__attribute__((always_inline)) inline void sum_block(const std::uint8_t* const* rows,
-                                                     int frames,
-                                                     int begin,
-                                                     std::uint32_t* __restrict sum) {
+GLINT_INLINE void sum_block(const std::uint8_t* const* rows,
+                            int frames,
+                            int begin,
+                            std::uint32_t* __restrict sum) {
   std::fill_n(sum, kSumBlock, 0U);
   for (int first = 0; first < frames; first += kFramesOf16Bits) {
     const int last = std::min(frames, first + kFramesOf16Bits);
@@ -46,7 +46,7 @@ __attribute__((always_inline)) inline void sum_block(const std::uint8_t* const* 
 }
 
 /// out += taps[k] (rows[-k] + rows[k]) for k to k + 3.
-__attribute__((always_inline)) inline void add_four_pairs(
+GLINT_INLINE void add_four_pairs(
     const float* const* rows, const float* taps, int k, int count, float* __restrict out) {
   const float* a = rows[-k];
   const float* b = rows[k];

@@ -5,13 +5,14 @@
 #include <bit>
 #include <cmath>
 
+#include "core/simd.h"
+
 // A thread sanitizer cannot run in the resolvers that choose a clone before main().
 #if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
 #define GLINT_CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 #else
 #define GLINT_CLONES
 #endif
-#define GLINT_INLINE inline __attribute__((always_inline))
 
 namespace glint::sensor_kernels {
 namespace {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "core/simd.h"
 
 #include <cmath>
 
 namespace glint {
 
 /// cos(2 pi x) to 1e-6 for any x of moderate size.
-inline __attribute__((always_inline)) float cos_turns(float x) {
+GLINT_INLINE float cos_turns(float x) {
   const float turn = x - std::floor(x + 0.5F);  // [-0.5, 0.5)
   const float a = turn < 0.0F ? -turn : turn;
   const float folded = a > 0.25F ? 0.5F - a : a;

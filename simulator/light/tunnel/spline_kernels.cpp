@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstdint>
 
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#include "core/simd.h"
 
 namespace glint {
 namespace {
@@ -30,7 +30,7 @@ Place knot_at(const float* coefficients, int segment, int num_segments) {
 }
 
 /// One step of Halley's method for f(u) = f0 + f1 u + f2 u^2 + f3 u^3, kept in a bracket.
-__attribute__((always_inline)) inline void halley_step(
+GLINT_INLINE void halley_step(
     float f0, float f1, float f2, float f3, float& u, float& low, float& high) {
   const float f = f0 + u * (f1 + u * (f2 + u * f3));
   const float slope = f1 + u * (2.0F * f2 + u * 3.0F * f3);
@@ -52,14 +52,14 @@ struct Crossings {
 /// Steps of Halley's method on f(u), the side of the segment's points relative to a ray's line.
 /// The first steps start from the chord; later ones go on where the last still moved `at_rest`.
 template <int kSteps, bool kIsFirst>
-__attribute__((always_inline)) inline void step_crossings(const RayBlock& rays,
-                                                          const float* c,
-                                                          const Place& end,
-                                                          float at_rest,
-                                                          float* __restrict places,
-                                                          float* __restrict lows,
-                                                          float* __restrict highs,
-                                                          float* __restrict moves) {
+GLINT_INLINE void step_crossings(const RayBlock& rays,
+                                 const float* c,
+                                 const Place& end,
+                                 float at_rest,
+                                 float* __restrict places,
+                                 float* __restrict lows,
+                                 float* __restrict highs,
+                                 float* __restrict moves) {
   const float* __restrict oy = rays.origin_y;
   const float* __restrict oz = rays.origin_z;
   const float* __restrict dy = rays.direction_y;

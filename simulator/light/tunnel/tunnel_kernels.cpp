@@ -5,15 +5,14 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/simd.h"
 #include "simulator/light/tunnel/cos_turns.h"
-
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
 namespace glint {
 namespace {
 
 /// 2-logarithm of x > 0 to 2e-7, by the exponent and a series in (m - 1) / (m + 1).
-__attribute__((always_inline)) inline float log2_fast(float x) {
+GLINT_INLINE float log2_fast(float x) {
   const auto bits = std::bit_cast<std::int32_t>(x);
   const std::int32_t shifted = bits - 0x3F3504F3;  // mantissa in [sqrt(1/2), sqrt(2))
   const std::int32_t exponent = shifted >> 23;
@@ -26,7 +25,7 @@ __attribute__((always_inline)) inline float log2_fast(float x) {
 }
 
 /// The same to 3e-4.
-__attribute__((always_inline)) inline float log2_rough(float x) {
+GLINT_INLINE float log2_rough(float x) {
   const auto bits = std::bit_cast<std::int32_t>(x);
   const std::int32_t shifted = bits - 0x3F3504F3;
   const std::int32_t exponent = shifted >> 23;
@@ -36,7 +35,7 @@ __attribute__((always_inline)) inline float log2_rough(float x) {
 }
 
 /// 2^x to 2e-7 for |x| < 126.
-__attribute__((always_inline)) inline float exp2_fast(float x) {
+GLINT_INLINE float exp2_fast(float x) {
   const float clamped = x < -125.0F ? -125.0F : (x > 125.0F ? 125.0F : x);
   const float whole = std::floor(clamped + 0.5F);
   const float f = (clamped - whole) * 0.69314718F;
@@ -49,7 +48,7 @@ __attribute__((always_inline)) inline float exp2_fast(float x) {
 }
 
 /// The same to 1e-4.
-__attribute__((always_inline)) inline float exp2_rough(float x) {
+GLINT_INLINE float exp2_rough(float x) {
   const float clamped = x < -125.0F ? -125.0F : (x > 125.0F ? 125.0F : x);
   const float whole = std::floor(clamped + 0.5F);
   const float f = clamped - whole;
@@ -60,7 +59,7 @@ __attribute__((always_inline)) inline float exp2_rough(float x) {
 
 /// x^exponent for x > 0; rough: as good as a first guess needs.
 template <bool kIsRough>
-__attribute__((always_inline)) inline float pow_fast(float x, float exponent) {
+GLINT_INLINE float pow_fast(float x, float exponent) {
   return kIsRough ? exp2_rough(exponent * log2_rough(x)) : exp2_fast(exponent * log2_fast(x));
 }
 
@@ -102,7 +101,7 @@ GLINT_WIDE void hit_flat(const RayBlock& rays,
 namespace {
 
 /// The nearer of t and where a ray leaves through a wall's line.
-__attribute__((always_inline)) inline float nearer_of_line(
+GLINT_INLINE float nearer_of_line(
     float t, float ny, float nz, float offset, float oy, float oz, float dy, float dz) {
   const float slope = ny * dy + nz * dz;
   const float to_line = (offset - ny * oy - nz * oz) / slope;
@@ -241,8 +240,7 @@ struct Superellipse {
 /// The curve lies within the square |y|, |z| <= 1 of its half axes and within the tangents of its
 /// diagonal points, |y| + |z| <= diagonal. A ray's exit from the octagon is outside the curve by a
 /// few hundredths.
-__attribute__((always_inline)) inline float superellipse_start(
-    float y, float z, float vy, float vz, float diagonal) {
+GLINT_INLINE float superellipse_start(float y, float z, float vy, float vz, float diagonal) {
   // Mirrored so that the ray runs towards positive y and z.
   const float speed_y = vy < 0.0F ? -vy : vy;
   const float speed_z = vz < 0.0F ? -vz : vz;
@@ -261,8 +259,7 @@ __attribute__((always_inline)) inline float superellipse_start(
 /// and bend of s, p = 1 - 1/n and q = n s^p N = e + p e^2 / 2 - ... the step is
 /// q slope s / (slope^2 s - q (bend s - p slope^2) / 2).
 template <bool kIsRough>
-__attribute__((always_inline)) inline float superellipse_step(
-    float t, float y0, float z0, float vy, float vz, float n) {
+GLINT_INLINE float superellipse_step(float t, float y0, float z0, float vy, float vz, float n) {
   constexpr float kSmallest = 1e-12F;
   constexpr float kMostBent = 0.75F;  // far off, where the curve bends within a step
   const float y = y0 + t * vy;
@@ -311,9 +308,7 @@ GLINT_WIDE void start_at_octagon(const RayBlock& rays,
 }
 
 template <bool kIsRough>
-__attribute__((always_inline)) inline void step(const RayBlock& rays,
-                                                const Superellipse& curve,
-                                                float* __restrict t_mm) {
+GLINT_INLINE void step(const RayBlock& rays, const Superellipse& curve, float* __restrict t_mm) {
   const float* __restrict oy = rays.origin_y;
   const float* __restrict oz = rays.origin_z;
   const float* __restrict dy = rays.direction_y;

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#include "core/simd.h"
 
 namespace glint {
 namespace {
@@ -36,7 +36,7 @@ struct Chunk {
 };
 
 /// Of one ray, by the wall's normal where it is met.
-__attribute__((always_inline)) inline float by_shift_of(
+GLINT_INLINE float by_shift_of(
     float by_x, float by_y, float by_margin, float dx, float dy, float dz, float ny, float nz) {
   const float along_ray = by_x * dx + by_y * dy + by_margin * dz;
   const float through = ny * dy + nz * dz;

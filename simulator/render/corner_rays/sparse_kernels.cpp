@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/render/corner_rays/sparse_kernels.h"
 
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#include "core/simd.h"
 
 namespace glint::sparse_kernels {
 namespace {
@@ -24,7 +24,7 @@ struct SpreadWeights {
 
 constexpr SpreadWeights kSpread;
 
-__attribute__((always_inline)) inline float distance(float a, float b) {
+GLINT_INLINE float distance(float a, float b) {
   const float difference = a < b ? b - a : a - b;
   return difference <= kInfinity ? difference : kInfinity;  // not a number: infinity
 }
@@ -108,16 +108,16 @@ GLINT_WIDE void allow_errors(const float* __restrict top,
 
 namespace {
 
-__attribute__((always_inline)) inline float smaller(float a, float b) {
+GLINT_INLINE float smaller(float a, float b) {
   return a < b ? a : b;
 }
 
-__attribute__((always_inline)) inline float larger(float a, float b) {
+GLINT_INLINE float larger(float a, float b) {
   return a < b ? b : a;
 }
 
 /// Size of the second difference at the middle one of three nodes.
-__attribute__((always_inline)) inline float bend(float a, float b, float c) {
+GLINT_INLINE float bend(float a, float b, float c) {
   const float twice = (a - b) - (b - c);
   return twice < 0.0F ? -twice : twice;
 }

@@ -6,10 +6,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/simd.h"
 #include "simulator/render/footprint/footprint_kernels.h"
 #include "simulator/render/footprint/footprint_lane.h"
-
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
 namespace glint::slope_kernels {
 namespace {
@@ -168,7 +167,7 @@ namespace {
 
 using Eight = double __attribute__((vector_size(kDoubleLanes * sizeof(double))));
 
-__attribute__((always_inline)) inline double total_of(const float* values, int count) {
+GLINT_INLINE double total_of(const float* values, int count) {
   using Floats = float __attribute__((vector_size(kDoubleLanes * sizeof(float))));
   Eight lanes = {};
   for (int i = 0; i < count; i += static_cast<int>(kDoubleLanes)) {
@@ -417,9 +416,7 @@ GLINT_WIDE double exact_sum(const float* values, std::size_t count) {
 namespace {
 
 template <class Real>
-__attribute__((always_inline)) inline double dot_of(const float* a,
-                                                    const Real* b,
-                                                    std::size_t count) {
+GLINT_INLINE double dot_of(const float* a, const Real* b, std::size_t count) {
   double sums[kDoubleLanes] = {};
   std::size_t i = 0;
   for (; i + kDoubleLanes <= count; i += kDoubleLanes) {

@@ -5,9 +5,7 @@
 #include <cstdint>
 
 #include "core/error.h"
-
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#define GLINT_INLINE inline __attribute__((always_inline))
+#include "core/simd.h"
 
 namespace glint::slope_kernels {
 namespace {

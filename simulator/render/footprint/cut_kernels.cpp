@@ -4,11 +4,9 @@
 #include <bit>
 #include <cstddef>
 
+#include "core/simd.h"
 #include "simulator/render/footprint/footprint_lane.h"
 #include "simulator/render/footprint/stripe_integral.h"
-
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#define GLINT_INLINE __attribute__((always_inline)) inline
 
 namespace glint::cut_kernels {
 namespace {

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/simd.h"
 #include "simulator/light/tunnel/cos_turns.h"
 #include "simulator/render/footprint/footprint_lane.h"
-
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
 namespace glint::footprint_kernels {
 namespace {
@@ -24,8 +23,7 @@ using footprint_lane::Widths;
 using footprint_lane::widths_of;
 
 /// Share of a trapezoid beyond 0 at distance d from its middle, less one half; odd in d.
-inline __attribute__((always_inline)) float beyond(
-    float d, float outer, float inner, float per_major, float per_both) {
+GLINT_INLINE float beyond(float d, float outer, float inner, float per_major, float per_both) {
   const float size = absolute(d);
   const float t = size < outer ? size : outer;
   const float over = t > inner ? t - inner : 0.0F;
@@ -34,14 +32,14 @@ inline __attribute__((always_inline)) float beyond(
 
 /// The bright share less one half where at most one edge is near: folded around the middle of the
 /// bright stripe.
-inline __attribute__((always_inline)) float one_edge_rest(
+GLINT_INLINE float one_edge_rest(
     float from_middle, float half_duty, float outer, float inner, float per_major, float per_both) {
   const float turn = from_middle - std::floor(from_middle + 0.5F);
   return beyond(half_duty - absolute(turn), outer, inner, per_major, per_both);
 }
 
 /// The same where both edges of a stripe may be near.
-inline __attribute__((always_inline)) float two_edge_rest(
+GLINT_INLINE float two_edge_rest(
     float moved, float duty, float outer, float inner, float per_major, float per_both) {
   const float f = moved - std::floor(moved);
   const float rise = beyond(f, outer, inner, per_major, per_both);
@@ -384,10 +382,7 @@ GLINT_WIDE void any_shares(const float* __restrict v,
 namespace {
 
 /// Of one footprint, phases and widths already times the scale.
-__attribute__((always_inline)) inline float wide_share(float f,
-                                                       float duty,
-                                                       float outer,
-                                                       float inner) {
+GLINT_INLINE float wide_share(float f, float duty, float outer, float inner) {
   constexpr float kNarrowest = 1e-3F;
   const float major = outer + inner;
   const float minor = outer - inner > kNarrowest ? outer - inner : kNarrowest;
@@ -483,7 +478,7 @@ void any_shares_fast(const float* v,
 namespace {
 
 /// In pairs, so that additions do not wait for each other.
-inline __attribute__((always_inline)) float sum_of_lanes(const float* lanes) {
+GLINT_INLINE float sum_of_lanes(const float* lanes) {
   float half[kLanes / 2];
   for (int i = 0; i < kLanes / 2; ++i) {
     half[i] = lanes[i] + lanes[i + kLanes / 2];

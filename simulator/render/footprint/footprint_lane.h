@@ -6,13 +6,15 @@
 
 #include <cmath>
 
+#include "core/simd.h"
+
 namespace glint::footprint_lane {
 
 /// Footprints narrower than this (in periods) are taken as this wide.
 inline constexpr float kNarrow = 1e-6F;
 
 template <class Real>
-inline __attribute__((always_inline)) Real absolute(Real x) {
+GLINT_INLINE Real absolute(Real x) {
   return std::fabs(x);
 }
 
@@ -27,7 +29,7 @@ struct Widths {
   float inner() const { return 0.5F * (major - minor); }
 };
 
-inline __attribute__((always_inline)) Widths widths_of(float gx, float gy) {
+GLINT_INLINE Widths widths_of(float gx, float gy) {
   const float a = absolute(gx);
   const float b = absolute(gy);
   const float large = a < b ? b : a;
@@ -41,7 +43,7 @@ struct Range {
 };
 
 /// Of the four corners of pixel or cell i.
-inline __attribute__((always_inline)) Range range_of(const float* top, const float* bottom, int i) {
+GLINT_INLINE Range range_of(const float* top, const float* bottom, int i) {
   const float a = top[i] < bottom[i] ? top[i] : bottom[i];
   const float b = top[i + 1] < bottom[i + 1] ? top[i + 1] : bottom[i + 1];
   const float c = top[i] < bottom[i] ? bottom[i] : top[i];
@@ -51,7 +53,7 @@ inline __attribute__((always_inline)) Range range_of(const float* top, const flo
 
 /// I: the first integral of the square wave less its mean, periodic and of mean zero.
 template <class Real>
-inline __attribute__((always_inline)) Real first_integral(Real phase, Real duty) {
+GLINT_INLINE Real first_integral(Real phase, Real duty) {
   constexpr auto kOne = static_cast<Real>(1.0);
   const Real rest = kOne - duty;
   const Real f = phase - std::floor(phase);
@@ -63,7 +65,7 @@ inline __attribute__((always_inline)) Real first_integral(Real phase, Real duty)
 /// J: the second integral, periodic and 0 at whole phases.
 /// @param shifted  the phase and the rest 1 - duty
 template <class Real>
-inline __attribute__((always_inline)) Real second_integral_shifted(Real shifted, Real duty) {
+GLINT_INLINE Real second_integral_shifted(Real shifted, Real duty) {
   constexpr auto kHalf = static_cast<Real>(0.5);
   const Real rest = static_cast<Real>(1.0) - duty;
   // From the nearest whole phase: bright ahead of it, dark behind it.
@@ -75,7 +77,7 @@ inline __attribute__((always_inline)) Real second_integral_shifted(Real shifted,
 
 /// The same at a phase.
 template <class Real>
-inline __attribute__((always_inline)) Real second_integral(Real phase, Real duty) {
+GLINT_INLINE Real second_integral(Real phase, Real duty) {
   return second_integral_shifted(phase + (static_cast<Real>(1.0) - duty), duty);
 }
 

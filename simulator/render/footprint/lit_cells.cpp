@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/render/footprint/lit_cells.h"
 
+#include "core/simd.h"
 #include "simulator/render/footprint/footprint_lane.h"
-
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
 namespace glint::cut_kernels {
 namespace {
@@ -12,7 +11,7 @@ using footprint_lane::Range;
 using footprint_lane::range_of;
 
 /// By which a plane through the four corners of cell i misses them.
-inline __attribute__((always_inline)) float twist_of(const float* top, const float* bottom, int i) {
+GLINT_INLINE float twist_of(const float* top, const float* bottom, int i) {
   const float twist = 0.25F * ((top[i] - top[i + 1]) - (bottom[i] - bottom[i + 1]));
   return twist < 0.0F ? -twist : twist;
 }

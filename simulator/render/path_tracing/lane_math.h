@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/simd.h"
+
 /// A function in versions for narrow and wide instruction sets; the machine's is taken.
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#define GLINT_INLINE __attribute__((always_inline)) inline
 
 namespace glint {
 

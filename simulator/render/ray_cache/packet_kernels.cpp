@@ -4,8 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#define GLINT_INLINE __attribute__((always_inline)) inline
+#include "core/simd.h"
 
 namespace glint {
 

@@ -7,21 +7,20 @@
 #include <initializer_list>
 #include <limits>
 
+#include "core/simd.h"
 #include "simulator/render/footprint/footprint_lane.h"
-
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 
 namespace glint::footprint_kernels {
 namespace {
 
 using footprint_lane::absolute;
 
-__attribute__((always_inline)) inline float width_of(float x, float y, const LinearPhase& r) {
+GLINT_INLINE float width_of(float x, float y, const LinearPhase& r) {
   return std::sqrt(r.variance_px2 * (x * x + y * y));
 }
 
 /// @param xx, xy, yy  differences over two pixels
-__attribute__((always_inline)) inline unsigned char is_straight(
+GLINT_INLINE unsigned char is_straight(
     float xx, float xy, float yy, float width, const LinearPhase& r) {
   const float mixed = absolute(xx) > absolute(xy) ? absolute(xx) : absolute(xy);
   const float bend = 0.5F * (mixed > absolute(yy) ? mixed : absolute(yy)) * r.variance_px2;
@@ -30,12 +29,12 @@ __attribute__((always_inline)) inline unsigned char is_straight(
 }
 
 /// @param piece  of each width @param s  how far into it, in pieces
-__attribute__((always_inline)) inline void pieces_of(const float* __restrict w,
-                                                     int count,
-                                                     int pieces,
-                                                     float per_unit,
-                                                     std::int32_t* __restrict piece,
-                                                     float* __restrict s) {
+GLINT_INLINE void pieces_of(const float* __restrict w,
+                            int count,
+                            int pieces,
+                            float per_unit,
+                            std::int32_t* __restrict piece,
+                            float* __restrict s) {
   const auto last = static_cast<float>(pieces);
   for (int i = 0; i < count; ++i) {
     const float place = w[i] * per_unit;
@@ -46,7 +45,7 @@ __attribute__((always_inline)) inline void pieces_of(const float* __restrict w,
   }
 }
 
-__attribute__((always_inline)) inline int piece_of(float w, const PieceTables& t) {
+GLINT_INLINE int piece_of(float w, const PieceTables& t) {
   const auto last = static_cast<float>(t.pieces - 1);
   const float place = w * t.per_unit;
   return static_cast<int>(place < last ? place : last);
@@ -54,14 +53,14 @@ __attribute__((always_inline)) inline int piece_of(float w, const PieceTables& t
 
 /// Places of the mask in one piece, or in it and the next: no coefficients to be gathered.
 template <bool has_two>
-__attribute__((always_inline)) inline void look_up_near(const unsigned char* __restrict mask,
-                                                        const float* __restrict w,
-                                                        int count,
-                                                        const PieceTables& t,
-                                                        int piece,
-                                                        const PieceValues& none,
-                                                        float* __restrict cubic,
-                                                        float* __restrict straight) {
+GLINT_INLINE void look_up_near(const unsigned char* __restrict mask,
+                               const float* __restrict w,
+                               int count,
+                               const PieceTables& t,
+                               int piece,
+                               const PieceValues& none,
+                               float* __restrict cubic,
+                               float* __restrict straight) {
   const float* a = t.coefficients + 4 * piece;
   const float* b = has_two ? a + 4 : a;
   const float* node = t.nodes + piece;

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#define GLINT_WIDE __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#include "core/simd.h"
 
 namespace glint::revolved_kernels {
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/imaging/lit_place.h"
-#include "simulator/render/scan/scan.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
+
+#include "simulator/render/scan/scan.h"
 
 namespace glint {
 namespace {

@@ -10,6 +10,7 @@
 #include "core/image/spans.h"
 #include "simulator/render/wall/hidden_pixels.h"
 #include "studies/evaluation/evaluation_parts.h"
+#include "studies/imaging/frame_exposure.h"
 #include "studies/imaging/path_lights.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/inspection_line/visibility.h"
@@ -55,70 +56,6 @@ PixelWindow window_around(const std::vector<std::size_t>& pixels,
   return {.left_px = left, .top_px = top, .width_px = right - left, .height_px = bottom - top};
 }
 
-/// One channel of a frame, as frame_radiance() takes it.
-FrameFactors channel_alone(const FrameFactors& factors, int channel) {
-  constexpr double kChannels = 3.0;
-  FrameFactors alone;
-  for (const Colour& factor : factors) {
-    Colour kept = Colour::Zero();
-    kept[channel] = kChannels * factor[channel];
-    alone.push_back(kept);
-  }
-  return alone;
-}
-
-/// A frame as the sensor sees it.
-struct GreyFrame {
-  ImageF grey;                      ///< mean of the channels
-  Image<std::uint16_t> is_clipped;  ///< 1: one of them is at full scale
-};
-
-/// Each channel of a colour sensor has noise and clips by itself.
-/// @param lit  where the radiance is needed; empty: everywhere @param seen  where grey is
-GreyFrame expose_colour(const Sensor& sensor,
-                        const PathPicture& picture,
-                        const FrameFactors& factors,
-                        int frame,
-                        std::optional<std::size_t> without,
-                        const Spans& lit = {},
-                        const Spans& seen = {}) {
-  constexpr int kChannels = 3;
-  GreyFrame result;
-  for (int c = 0; c < kChannels; ++c) {
-    const ImageF radiance = frame_radiance(picture, channel_alone(factors, c), without, lit);
-    ImageF grey(radiance.width(), radiance.height());
-    if (seen.empty()) {
-      sensor.expose(radiance, kChannels * frame + c, grey);
-    } else {
-      sensor.expose(radiance, kChannels * frame + c, seen, grey);
-    }
-    if (c == 0) {
-      result.grey = ImageF(grey.width(), grey.height());
-      result.is_clipped = Image<std::uint16_t>(grey.width(), grey.height());
-    }
-    for (std::size_t i = 0; i < grey.size(); ++i) {
-      const float value = grey.values()[i];
-      result.grey.values()[i] += value / static_cast<float>(kChannels);
-      result.is_clipped.values()[i] |= value >= 1.0F ? 1U : 0U;
-    }
-  }
-  return result;
-}
-
-/// @return the frame's grey values
-ImageF add_colour(GreyFrame frame, ScanSums& sums) {
-  if (sums.frames == 0) {
-    sums = ScanSums(frame.grey.width(), frame.grey.height());
-  }
-  for (std::size_t i = 0; i < frame.grey.size(); ++i) {
-    sums.sum.values()[i] += static_cast<double>(frame.grey.values()[i]);
-    std::uint16_t& clipped = sums.clipped_frames.values()[i];
-    clipped = static_cast<std::uint16_t>(clipped + frame.is_clipped.values()[i]);
-  }
-  ++sums.frames;
-  return std::move(frame.grey);
-}
-
 /// The flawless picture around the defects, as a sensor without noise sees it.
 class FlawlessWindows {
  public:
@@ -145,14 +82,8 @@ class FlawlessWindows {
   std::vector<std::vector<float>> values(int frame,
                                          const FrameFactors& factors,
                                          std::optional<std::size_t> without) const {
-    ImageF grey;
-    if (picture_->sums.num_channels() > 1) {
-      grey = expose_colour(sensor_, *picture_, factors, frame, without, lit_, seen_).grey;
-    } else {
-      const ImageF radiance = frame_radiance(*picture_, factors, without, lit_);
-      grey = ImageF(radiance.width(), radiance.height());
-      sensor_.expose(radiance, frame, seen_, grey);
-    }
+    const std::vector<ImageF> radiance = channel_radiances(*picture_, factors, without, lit_);
+    const ImageF grey = mean_of_channels(expose_channels(sensor_, radiance, frame, seen_));
     std::vector<std::vector<float>> values;
     for (const DefectPixels& defect : defects_) {
       std::vector<float>& of_defect = values.emplace_back();
@@ -262,12 +193,11 @@ Scored PathScoring::score(std::optional<std::size_t> without, const FrameConsume
   for (std::size_t k = 0; k < frames_.size(); ++k) {
     const int index = static_cast<int>(k);
     const bool is_watched = flawless_ || consume || (k == 0 && has_fringes);
-    if (picture_->sums.num_channels() > 1) {
-      grey = add_colour(expose_colour(sensor_, *picture_, frames_[k], index, without), sums);
-    } else {
-      const ImageF radiance = frame_radiance(*picture_, frames_[k], without);
-      sensor_.accumulate(radiance, index, sums, is_watched ? &grey : nullptr);
-    }
+    accumulate_channels(sensor_,
+                        channel_radiances(*picture_, frames_[k], without),
+                        index,
+                        sums,
+                        is_watched ? &grey : nullptr);
     if (k == 0 && has_fringes) {
       fringes = fringe_scores(grey, traced_.region.mask, {.nominal_duty = scene_.tunnel.duty});
     }
@@ -330,15 +260,8 @@ void add_view_scores(const SceneSettings& scene,
     scores["view.slot_margin_mm"] =
         slot_margin(seen, traced.region.mask, tunnel, traced.camera_in_world_mm).margin_mm;
   }
-  const Mask hidden = hidden_pixels(seen, tunnel, traced.camera_in_world_mm);
-  std::int64_t num_hidden = 0;
-  std::int64_t on_part = 0;
-  for (std::size_t i = 0; i < seen.coverage.size(); ++i) {
-    num_hidden += hidden.empty() ? 0 : hidden.values()[i];
-    on_part += seen.coverage.values()[i] > 0.0F ? 1 : 0;
-  }
   scores["view.hidden_share"] =
-      static_cast<double>(num_hidden) / static_cast<double>(std::max<std::int64_t>(1, on_part));
+      share_of_part(hidden_pixels(seen, tunnel, traced.camera_in_world_mm), seen);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/path_tracing/path_sums.h"
 #include "simulator/render/path_tracing/smooth_picture.h"
+#include "studies/imaging/frame_exposure.h"
 #include "studies/imaging/line_store.h"
 #include "studies/imaging/path_lights.h"
 #include "studies/imaging/path_picture.h"
@@ -59,12 +61,12 @@ PixelWindow window_of(const PixelBox& box, double margin_px, int width_px, int h
   return {.left_px = left, .top_px = top, .width_px = right - left, .height_px = bottom - top};
 }
 
-/// The factors of a frame in the order of groups and channels, for the mean of the channels.
-std::vector<float> weights_of(const FrameFactors& factors, int channels) {
+/// The factors of one channel of a frame in the order of groups and channels; 0 for the others.
+std::vector<float> weights_of(const FrameFactors& factors, int channel, int channels) {
   std::vector<float> weights;
   for (const Colour& factor : factors) {
     for (int c = 0; c < channels; ++c) {
-      weights.push_back(static_cast<float>(factor[c] / channels));
+      weights.push_back(c == channel ? static_cast<float>(factor[c]) : 0.0F);
     }
   }
   return weights;
@@ -133,14 +135,16 @@ class PathLine : public LineCamera {
     PathBatch batch;
   };
 
-  /// What defects add to one frame, in the pixels that were rendered.
+  /// What defects add to the channels of the frames, in the pixels that were rendered.
   struct Changes {
     std::vector<std::size_t> pixels;
-    std::vector<std::array<float, 2>> values;  ///< frame by frame, of both halves
+    std::vector<std::array<float, 2>> values;  ///< channel by channel, of both halves
     std::vector<float> gains;                  ///< of each pixel: see gains_of()
   };
 
   const PinholeIntrinsics& picture() const { return view_.physical().camera.intrinsics(); }
+
+  std::size_t num_channels() const { return static_cast<std::size_t>(scene_.paths.channels); }
 
   bool has_phases() const { return scene_.inspection.filter == InspectionSettings::Filter::kPhase; }
 
@@ -268,8 +272,7 @@ class PathLine : public LineCamera {
     Changes changes;
     changes.pixels = rendered.pixels;
     const std::size_t count = rendered.pixels.size();
-    for (const FrameFactors& factors : view_.frames()) {
-      const std::vector<float> weights = weights_of(factors, scene_.paths.channels);
+    for (const std::vector<float>& weights : weights_) {
       for (std::size_t i = 0; i < count; ++i) {
         std::array<float, 2> sums = {};
         for (std::size_t s = 0; s < weights.size(); ++s) {
@@ -325,24 +328,27 @@ class PathLine : public LineCamera {
     return gains;
   }
 
-  /// One scan of a part. @param frames  radiance of each frame without the changes
-  LineScan expose(const std::vector<ImageF>& frames,
+  /// One scan of a part. @param radiance  of each channel of each frame without the changes
+  LineScan expose(const std::vector<ImageF>& radiance,
                   const Changes& changes,
                   const SensorSettings& settings) const {
     const Sensor sensor(settings, picture().width_px, picture().height_px);
     ScanSums sums(picture().width_px, picture().height_px);
     LineScan scan;
     scan.seen = {traced_, &traced_->seen()};
-    ImageF radiance;
+    const std::size_t channels = num_channels();
+    std::vector<ImageF> changed;
     ImageF grey;
-    for (std::size_t k = 0; k < frames.size(); ++k) {
-      const ImageF* shown = &frames[k];
+    for (std::size_t k = 0; k < view_.frames().size(); ++k) {
+      std::span<const ImageF> shown = std::span(radiance).subspan(k * channels, channels);
       if (!changes.pixels.empty()) {
-        radiance = frames[k];
-        add_changes(changes, k, radiance);
-        shown = &radiance;
+        changed.assign(shown.begin(), shown.end());
+        for (std::size_t c = 0; c < channels; ++c) {
+          add_changes(changes, k * channels + c, changed[c]);
+        }
+        shown = changed;
       }
-      sensor.accumulate(*shown, static_cast<int>(k), sums, has_phases() ? &grey : nullptr);
+      accumulate_channels(sensor, shown, static_cast<int>(k), sums, has_phases() ? &grey : nullptr);
       if (has_phases()) {
         scan.frames.push_back(grey);
       }
@@ -352,8 +358,9 @@ class PathLine : public LineCamera {
     return scan;
   }
 
-  static void add_changes(const Changes& changes, std::size_t frame, ImageF& radiance) {
-    const std::size_t first = frame * changes.pixels.size();
+  /// @param index  of the channel among those of all frames
+  static void add_changes(const Changes& changes, std::size_t index, ImageF& radiance) {
+    const std::size_t first = index * changes.pixels.size();
     for (std::size_t i = 0; i < changes.pixels.size(); ++i) {
       float& value = radiance.values()[changes.pixels[i]];
       const std::array<float, 2>& halves = changes.values[first + i];
@@ -368,7 +375,7 @@ class PathLine : public LineCamera {
       ImageF mean(picture().width_px, picture().height_px);
       for (std::size_t i = 0; i < changes.values.size(); ++i) {
         mean.values()[changes.pixels[i % count]] +=
-            changes.values[i][half] / static_cast<float>(view_.frames().size());
+            changes.values[i][half] / static_cast<float>(weights_.size());
       }
       means.push_back(std::move(mean));
     }
@@ -387,9 +394,13 @@ class PathLine : public LineCamera {
 
   /// What is expected of all frames.
   void learn() {
-    std::vector<RenderedTwice> frames;
     for (const FrameFactors& factors : view_.frames()) {
-      const std::vector<float> weights = weights_of(factors, scene_.paths.channels);
+      for (int c = 0; c < scene_.paths.channels; ++c) {
+        weights_.push_back(weights_of(factors, c, scene_.paths.channels));
+      }
+    }
+    std::vector<RenderedTwice> frames;
+    for (const std::vector<float>& weights : weights_) {
       frames.push_back({radiance_of(rendering_->halves[0], weights),
                         radiance_of(rendering_->halves[1], weights)});
     }
@@ -433,7 +444,8 @@ class PathLine : public LineCamera {
   PathView view_;    ///< of the flawless part
   std::string key_;  ///< of the flawless part's rendering
   std::shared_ptr<const FlawlessRendering> rendering_;
-  std::vector<ImageF> radiance_;  ///< of each frame of the flawless part, smoothed
+  std::vector<std::vector<float>> weights_;  ///< of each channel of each frame: weights_of()
+  std::vector<ImageF> radiance_;             ///< of the same on the flawless part, smoothed
   ExpectedLine expected_;
 };
 

@@ -11,6 +11,7 @@
 #include "core/file.h"
 #include "core/image/exr_layers.h"
 #include "core/units.h"
+#include "studies/imaging/frame_exposure.h"
 #include "studies/run/render_maps.h"
 
 namespace glint {
@@ -19,9 +20,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Frames of the other channels' noise: no scan has as many.
-constexpr int kNoiseOfNextChannel = 1 << 24;
 
 std::string_view channel_name(std::size_t channel, std::size_t channels) {
   constexpr std::array<std::string_view, 3> kNames = {"R", "G", "B"};
@@ -74,15 +72,15 @@ void write_grey_or_colour(const fs::path& path,
 
 /// Exposes all frames. @return their mean
 std::vector<ImageF> write_frames(const RenderedView& view, const fs::path& folder, bool is_kept) {
-  const SensorSettings& sensor = view.scene.sensor;
-  const PixelDepth depth = sensor.bits == 8 ? PixelDepth::k8Bit : PixelDepth::k16Bit;
-  std::vector<ImageF> mean(num_channels(view.picture.sums),
-                           ImageF(view.picture.sums.width_px, view.picture.sums.height_px));
+  const PathSums& sums = view.picture.sums;
+  const Sensor sensor(view.scene.sensor, sums.width_px, sums.height_px);
+  const PixelDepth depth = view.scene.sensor.bits == 8 ? PixelDepth::k8Bit : PixelDepth::k16Bit;
+  std::vector<ImageF> mean(num_channels(sums), ImageF(sums.width_px, sums.height_px));
   const auto share = 1.0F / static_cast<float>(view.picture.frames.size());
   for (std::size_t k = 0; k < view.picture.frames.size(); ++k) {
     const int index = static_cast<int>(k);
     const std::vector<ImageF> frame =
-        exposed_frame(sensor, view.picture.sums, view.picture.frames[k], index);
+        expose_channels(sensor, channel_radiances(view.picture, view.picture.frames[k]), index);
     for (std::size_t c = 0; c < mean.size(); ++c) {
       std::ranges::transform(frame[c].values(),
                              mean[c].values(),
@@ -263,21 +261,6 @@ FrameFactors mean_factors(std::span<const FrameFactors> frames) {
     }
   }
   return mean;
-}
-
-std::vector<ImageF> exposed_frame(const SensorSettings& settings,
-                                  const PathSums& sums,
-                                  const FrameFactors& factors,
-                                  int frame_index) {
-  const Sensor sensor(settings, sums.width_px, sums.height_px);
-  std::vector<ImageF> channels(num_channels(sums));
-  for (std::size_t c = 0; c < channels.size(); ++c) {
-    const int channel = static_cast<int>(c);
-    sensor.expose(channel_radiance(sums, factors, channel),
-                  frame_index + channel * kNoiseOfNextChannel,
-                  channels[c]);
-  }
-  return channels;
 }
 
 ImageF standard_error_of(const PathPicture& picture) {

@@ -52,13 +52,6 @@ FrameFactors mean_factors(std::span<const FrameFactors> frames);
 /// batches a bound by the spread of single samples with the lights at equal powers.
 ImageF standard_error_of(const PathPicture& picture);
 
-/// What the sensor makes of one frame: the grey values of each channel. Noise differs from channel
-/// to channel and is none of the radiance's.
-std::vector<ImageF> exposed_frame(const SensorSettings& sensor,
-                                  const PathSums& sums,
-                                  const FrameFactors& factors,
-                                  int frame_index);
-
 /// Mean standard error of the part's pixels, share of their mean radiance; 0 where all is dark.
 double relative_error(const PathPicture& picture, const ImageF& standard_error);
 

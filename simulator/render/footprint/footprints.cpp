@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/error.h"
-#include "core/image/mask_kernels.h"
 #include "simulator/render/corner_rays/sparse_kernels.h"
 #include "simulator/render/wall/hidden_pixels.h"
 
@@ -246,13 +245,7 @@ void Footprints::classify_pixels(int top, int bottom, int left, int right) {
 }
 
 double Footprints::hidden_share() const {
-  if (hidden().empty()) {
-    return 0.0;
-  }
-  const auto count = static_cast<int>(hidden().size());
-  const int num_hidden = mask_kernels::count_ones(hidden().values().data(), count);
-  const int on_part = mask_kernels::count_positive(rays_.coverage.values().data(), count);
-  return on_part > 0 ? static_cast<double>(num_hidden) / on_part : 0.0;
+  return share_of_part(hidden(), rays_);
 }
 
 }  // namespace glint

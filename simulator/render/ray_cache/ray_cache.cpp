@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/image/mask_kernels.h"
 #include "simulator/render/ray_cache/packet_tracer.h"
 
 namespace glint {
@@ -228,6 +229,13 @@ RayBlock SeenPart::seen_block(std::int64_t begin, int count) const {
           .origin_y = seen_y.values().data() + begin,
           .origin_z = seen_z.values().data() + begin,
           .count = count};
+}
+
+double share_of_part(const Mask& mask, const SeenPart& seen) {
+  const auto count = static_cast<int>(mask.size());
+  const int marked = mask_kernels::count_ones(mask.values().data(), count);
+  const int on_part = mask_kernels::count_positive(seen.coverage.values().data(), count);
+  return on_part > 0 ? static_cast<double>(marked) / on_part : 0.0;
 }
 
 RayCache trace_rays(const Part& part,

@@ -48,6 +48,10 @@ struct SeenPart {
   RayBlock seen_block(std::int64_t begin, int count) const;
 };
 
+/// How many of the part's pixels a mask marks, as a share of all of them; 0 where it is empty.
+/// @param mask  1 on pixels of the part only
+double share_of_part(const Mask& mask, const SeenPart& seen);
+
 /// Rays that have left the part, one array per component: ray of sample s in pixel p stands at
 /// s * num_pixels() + p. 28 bytes a ray.
 struct RayCache : SeenPart {

@@ -131,14 +131,7 @@ ScanResult take_scan(const RayCache& cache,
     }
   }
   result.aspect = result.sums.aspect();
-  std::int64_t hidden = 0;
-  std::int64_t on_part = 0;
-  for (std::size_t i = 0; i < rays.hidden.size(); ++i) {
-    hidden += rays.hidden.values()[i];
-    on_part += cache.coverage.values()[i] > 0.0F ? 1 : 0;
-  }
-  result.hidden_share =
-      static_cast<double>(hidden) / static_cast<double>(std::max<std::int64_t>(1, on_part));
+  result.hidden_share = share_of_part(rays.hidden, cache);
   return result;
 }
 

@@ -9,6 +9,7 @@
 #include "simulator/render/corner_rays/corner_rays.h"
 #include "simulator/render/footprint/footprint_frames.h"
 #include "simulator/render/footprint/footprints.h"
+#include "simulator/render/scan/scan.h"
 #include "tests/bench/peers/process.h"
 
 namespace glint::peers {

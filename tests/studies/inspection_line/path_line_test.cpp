@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "studies/evaluation/evaluation.h"
 #include "studies/inspection_line/simulated_line.h"
 #include "studies/inspection_line/visibility.h"
 #include "tests/studies/inspection_line/visibility_support.h"
@@ -64,6 +65,69 @@ int found_on(const SimulatedLine& line, int parts) {
     }
   }
   return found;
+}
+
+/// A flawless part under red light that a third of the part's red channel is too bright for.
+SceneSettings colour_line() {
+  SceneSettings scene = ring_line(0.0);
+  scene.defects.clear();
+  scene.sensor.wavelengths_nm = {630.0, 532.0, 465.0};
+  scene.sensor.full_well_e = 2000.0;
+  std::get<RingSettings>(scene.lights[0].settings).emission.radiance = {40.0, 6.0, 6.0};
+  scene.paths.samples = 64;
+  return scene;
+}
+
+/// Mean and standard deviation over the scored region.
+struct Spread {
+  double mean = 0.0;
+  double deviation = 0.0;
+};
+
+Spread spread_of(const ImageF& image, const Mask& region) {
+  double sum = 0.0;
+  double squares = 0.0;
+  double count = 0.0;
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    if (region.values()[i] != 0) {
+      const auto value = static_cast<double>(image.values()[i]);
+      sum += value;
+      squares += value * value;
+      count += 1.0;
+    }
+  }
+  return {.mean = sum / count,
+          .deviation = std::sqrt(squares / count - sum * sum / (count * count))};
+}
+
+ImageF difference(const ImageF& a, const ImageF& b) {
+  ImageF image = a;
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    image.values()[i] -= b.values()[i];
+  }
+  return image;
+}
+
+// Each channel clips and has noise by itself: of a mean of three channels alike the noise is less
+// than that of one by the root of 3.
+TEST(PathLine, ClipsAndHasNoiseAsTheScoresOfAColourSensor) {
+  const SceneSettings scene = colour_line();
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  const Evaluation scored = evaluate(store, scene);
+  const Mask& region = scored.traced->region.mask;
+  EXPECT_GT(scored.scores.at("homogeneity.clipped_share"), 0.1) << "else nothing is clipped";
+  EXPECT_LT(scored.scores.at("homogeneity.clipped_share"), 0.9) << "else red has no noise";
+  const auto line = path_line(scene, scored.traced, store);
+  const double expected = spread_of(line->expected().quiet.aspect, region).mean;
+  EXPECT_NEAR(expected, spread_of(scored.aspect, region).mean, 0.005);
+  SceneSettings other = scene;
+  other.sensor.seed = scene.sensor.seed + 1;
+  const ImageF noise = difference(evaluate(store, other).aspect, scored.aspect);
+  const ImageF of_line =
+      difference(line->flawless(other.sensor).aspect, line->flawless(scene.sensor).aspect);
+  const double of_scores = spread_of(noise, region).deviation;
+  EXPECT_NEAR(spread_of(of_line, region).deviation, of_scores, 0.05 * of_scores);
 }
 
 TEST(PathLine, FindsDeepDentsUnderARing) {

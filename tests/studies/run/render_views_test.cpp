@@ -110,6 +110,28 @@ TEST(RenderViews, WriteAScoredViewWithAllItsFiles) {
   EXPECT_FALSE(written["views"][0].contains("cpu_s")) << "times are in run.json alone";
 }
 
+// One frame: its channels' mean is the scored picture, noise included, to the rounding of 16 bits.
+TEST(RenderViews, OfAColourSensorCarryTheNoiseThatWasScored) {
+  const TemporaryFolder folder;
+  render(folder.path(),
+         replaced(kScene,
+                  "bits = 0",
+                  "bits = 0\nfull_well_e = 500\nread_noise_e = 5\nwavelengths_nm = [630, 532, "
+                  "465]"));
+  const auto written = channels_of(folder / "out/baseline/image.tif");
+  const ImageF scored = channels_of(folder / "out/baseline/aspect.exr").begin()->second;
+  ASSERT_EQ(written.size(), 3U);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < scored.size(); ++i) {
+    double mean = 0.0;
+    for (const auto& [name, channel] : written) {
+      mean += static_cast<double>(channel.values()[i]) / 3.0;
+    }
+    largest = std::max(largest, std::abs(mean - static_cast<double>(scored.values()[i])));
+  }
+  EXPECT_LT(largest, 1.0 / 65535.0);
+}
+
 TEST(RenderViews, KeepGroupsAtPowerOneThatAddUpToThePicture) {
   const TemporaryFolder folder;
   render(folder.path(), kScene);

@@ -108,6 +108,20 @@ TEST(RayCache, RaysBesideThePartAreSet) {
   mallopt(M_PERTURB, 0);
 }
 
+TEST(ShareOfPart, CountsPixelsThatSeeThePart) {
+  SeenPart seen = {.width_px = 4, .height_px = 1, .coverage = ImageF(4, 1)};
+  seen.coverage(0, 0) = 1.0F;
+  seen.coverage(1, 0) = 0.25F;
+  seen.coverage(3, 0) = 0.5F;
+  EXPECT_EQ(share_of_part(Mask(), seen), 0.0);
+  Mask mask(4, 1);
+  EXPECT_EQ(share_of_part(mask, seen), 0.0);
+  mask(1, 0) = 1;
+  EXPECT_DOUBLE_EQ(share_of_part(mask, seen), 1.0 / 3.0);
+  seen.coverage = ImageF(4, 1);
+  EXPECT_EQ(share_of_part(Mask(4, 1), seen), 0.0);
+}
+
 /// A groove of two planes at 45 degrees, 60 mm long and 30 mm wide.
 Part groove() {
   Part part;

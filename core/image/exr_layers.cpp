@@ -77,7 +77,8 @@ void write_exr_channels(const fs::path& path,
   }
   const std::set<std::string> names(spec.channelnames.begin(), spec.channelnames.end());
   GLINT_CHECK(!channels.empty() && names.size() == channels.size(), "channels have own names");
-  // Through memory, so that the disk's own words are told when it is full.
+  // Encoded in memory first: writing the file ourselves gives the system's own error message when
+  // the disk is full.
   std::vector<unsigned char> bytes;
   OIIO::Filesystem::IOVecOutput memory(bytes);
   const auto output = ImageOutput::create("memory.exr");

@@ -257,7 +257,8 @@ void write_exr(const fs::path& path, const ImageF& image) {
   ImageSpec spec = stable_spec(image.width(), image.height(), TypeDesc::FLOAT);
   spec.attribute("compression", "zip");
   spec.attribute("capDate", "2000:01:01 00:00:00");
-  // Through memory, so that the disk's own words are told when it is full.
+  // Encoded in memory first: writing the file ourselves gives the system's own error message when
+  // the disk is full.
   std::vector<unsigned char> bytes;
   OIIO::Filesystem::IOVecOutput memory(bytes);
   const auto output = ImageOutput::create("memory.exr");

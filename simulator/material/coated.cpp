@@ -8,9 +8,8 @@
 namespace glint {
 namespace {
 
-/// Points along either axis of the integrals over directions: of smooth functions, of a matt
-/// base under a face, of microfacets,
-/// and of microfacets with unequal widths (see ggx_albedo.cpp).
+/// Nodes along either axis for integrals over directions: of smooth functions, of a diffuse base
+/// under a coat's face, of microfacets, and of microfacets with unequal widths (ggx_albedo.cpp).
 constexpr int kSmoothNodes = 24;
 constexpr int kMattNodes = 64;
 constexpr int kFacetNodes = 80;

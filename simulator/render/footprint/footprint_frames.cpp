@@ -15,7 +15,7 @@ namespace kernels = footprint_kernels;
 /// Pixels that are worked on together.
 constexpr int kTile = 256;
 
-/// Rows of a mean after which it is told that they are there: still in a near cache.
+/// Rows of a mean that are finished before its consumer is called: they are still in a near cache.
 constexpr int kRowsAtOnce = 12;
 
 /// For each of some frames an earlier one of them whose stripes are its source; -1: none.

@@ -137,4 +137,17 @@ Estimate bootstrap(
   return {.value = value, .low = end(-z), .high = end(z)};
 }
 
+double jackknife_error(std::span<const double> without_one) {
+  const auto count = static_cast<double>(without_one.size());
+  double mean = 0.0;
+  for (const double value : without_one) {
+    mean += value / count;
+  }
+  double squares = 0.0;
+  for (const double value : without_one) {
+    squares += (value - mean) * (value - mean);
+  }
+  return std::sqrt((count - 1.0) / count * squares);
+}
+
 }  // namespace glint

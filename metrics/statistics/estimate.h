@@ -37,4 +37,11 @@ Estimate bootstrap(std::size_t n,
                    std::uint64_t seed,
                    double confidence = 0.95);
 
+/// Standard error of a figure from its values without one batch each (delete-one jackknife):
+/// sqrt((B - 1) / B sum of (value - mean)^2).
+/// Source: B. Efron, C. Stein, "The jackknife estimate of variance", Annals of Statistics 9(3),
+/// 1981.
+/// @param without_one  two or more values
+double jackknife_error(std::span<const double> without_one);
+
 }  // namespace glint

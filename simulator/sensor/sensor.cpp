@@ -143,6 +143,15 @@ struct Sensor::Scratch {
   std::vector<float> normals;
 };
 
+SensorSettings without_noise(SensorSettings settings) {
+  settings.full_well_e = settings.read_noise_e = settings.dark_e = 0.0;
+  return settings;
+}
+
+double dark_grey(const SensorSettings& settings) {
+  return settings.full_well_e > 0.0 ? settings.dark_e * settings.gain / settings.full_well_e : 0.0;
+}
+
 Sensor::Sensor(const SensorSettings& settings, int width_px, int height_px)
     : settings_(settings),
       width_px_(width_px),

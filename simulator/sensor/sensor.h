@@ -23,8 +23,8 @@ namespace glint {
 
 /// The [sensor] table of a scene.
 struct SensorSettings {
-  double exposure = 1.0;      ///< > 0; electrons per radiance
-  double gain = 1.0;          ///< > 0; grey value per electron
+  double exposure = 1.0;      ///< > 0; factor of the radiance
+  double gain = 1.0;          ///< > 0; factor of the signal
   double blur_px = 0.7;       ///< >= 0; sigma of the Gaussian blur, 0: none
   int bits = 8;               ///< 8, 10, 12 or 16; 0: no quantisation
   double full_well_e = 0.0;   ///< >= 0; electrons at full scale and gain 1, 0: no noise
@@ -57,6 +57,12 @@ struct ScanSums {
   /// The mean of the frames, height x width. Needs at least one frame.
   ImageF aspect() const;
 };
+
+/// The same sensor without shot, read and dark noise.
+SensorSettings without_noise(SensorSettings settings);
+
+/// Mean grey value that the dark signal adds.
+double dark_grey(const SensorSettings& settings);
 
 /// Exposes frames. Immutable; may be shared between threads.
 class Sensor {

@@ -12,121 +12,103 @@
 #include "metrics/aspect_image/scatter.h"
 #include "metrics/statistics/estimate.h"
 #include "studies/evaluation/evaluation_parts.h"
-#include "studies/evaluation/path_evaluation.h"
 #include "studies/inspection_line/visibility.h"
 
 namespace glint {
 namespace {
 
-/// For each frame and defect, the values of the defect's own pixels.
-using FlawlessFrames = std::vector<std::vector<std::vector<float>>>;
+/// Scores of the mean image over the region, and those of the stripes.
+void add_mean_scores(const ScenePicture& picture,
+                     const MeanImage& mean,
+                     const WantedScores& wanted,
+                     const std::optional<FringeScores>& fringes,
+                     Scores& scores) {
+  const SceneSettings& scene = picture.scene();
+  const TracedScene& traced = *picture.traced();
+  const Mask& region = traced.region.mask;
+  Homogeneity evenness = homogeneity(
+      mean.aspect, mean.clipped_frames, mean.frames, traced.region, scene.metrics, wanted.robust);
+  if (!mean.deviation.empty()) {
+    evenness = with_scatter(evenness, mean.aspect, mean.deviation, region);
+  }
+  add_scores(scores, evenness);
+  if (wanted.family) {
+    const FamilyScales scales = scales_of(scene, traced.defects, fringes);
+    add_scores(scores, homogeneity_family(mean.aspect, region, scales, scene.metrics));
+  }
+  if (fringes) {
+    add_scores(scores, *fringes);
+  }
+}
 
-/// What the defects' pixels would show without the defects, and without noise.
-FlawlessFrames flawless_frames(SceneStore& store,
-                               const std::shared_ptr<const TracedScene>& scene_traced,
-                               const Tunnel& tunnel,
-                               const SceneSettings& scene) {
-  const TracedScene& traced = *scene_traced;
-  FlawlessFrames frames(static_cast<std::size_t>(scene.scan.positions));
-  const double dark = dark_grey(scene.sensor);
-  for (std::size_t k = 0; k < traced.defects.size(); ++k) {
-    const DefectView& view = traced.views[k];
-    const auto keep = [&](int index, const ImageF& grey) {
-      std::vector<float>& values = frames[static_cast<std::size_t>(index)].emplace_back();
-      for (const std::size_t pixel : traced.defects[k].inside) {
-        const auto at = static_cast<int>(pixel);
-        const int width = traced.seen().width_px;
-        const float value = grey(at % width - view.left_px, at / width - view.top_px);
-        values.push_back(std::min(1.0F, value + static_cast<float>(dark)));
+/// What one picture scores, from all its samples or without a batch of them.
+struct Scored {
+  Scores scores;
+  MeanImage mean;
+  std::vector<DefectScores> defects;
+};
+
+Scored score(const ScenePicture& picture,
+             const WantedScores& wanted,
+             const FrameConsumer& consume,
+             double smallest_change,
+             std::optional<std::size_t> without = {}) {
+  constexpr double kMeanFloor = 0.01;
+  const SceneSettings& scene = picture.scene();
+  const TracedScene& traced = *picture.traced();
+  const bool is_whole = picture.has_whole_frames(static_cast<bool>(consume), wanted.fringes);
+  const bool has_fringes = wanted.fringes && picture.has_stripes() && is_whole;
+  std::optional<FringeScores> fringes;
+  BestFrames best(traced.defects, kMeanFloor, smallest_change);
+  const auto watch = [&](int index, const ImageF& grey) {
+    if (index == 0 && has_fringes) {
+      fringes = fringe_scores(grey, traced.region.mask, {.nominal_duty = scene.tunnel.duty});
+    }
+    if (wanted.defects) {
+      best.add(grey, picture.flawless(index, without));
+    }
+    if (consume) {
+      consume(index, grey);
+    }
+  };
+  const bool is_watching = has_fringes || wanted.defects || consume;
+  Scored result;
+  result.mean = picture.mean({.watch = is_watching ? FrameConsumer(watch) : FrameConsumer(),
+                              .has_whole_frames = is_whole,
+                              .keeps_closed_form = !wanted.gradients.paths.empty(),
+                              .without = without});
+  add_mean_scores(picture, result.mean, wanted, fringes, result.scores);
+  if (wanted.defects) {
+    result.defects = scored_defects(result.mean.aspect, traced.defects, best, scene);
+    add_scores(result.scores, result.defects);
+  }
+  return result;
+}
+
+/// "<score>.error" for each score that every set of batches has.
+void add_errors(const ScenePicture& picture,
+                const WantedScores& wanted,
+                double smallest_change,
+                ThreadPool& pool,
+                Scores& scores) {
+  const auto count = static_cast<std::int64_t>(picture.batches());
+  const auto without = pool.map<Scores>(count, [&](std::int64_t batch) {
+    return score(picture, wanted, {}, smallest_change, static_cast<std::size_t>(batch)).scores;
+  });
+  Scores errors;
+  for (const auto& [name, value] : scores) {
+    std::vector<double> values;
+    for (const Scores& one : without) {
+      const auto found = one.find(name);
+      if (found != one.end()) {
+        values.push_back(found->second);
       }
-    };
-    const Eigen::Vector3d& camera_mm = traced.camera_in_world_mm;
-    if (traced.is_sampled()) {
-      const RayCache& rays = traced.flawless[k];
-      take_scan(rays,
-                tunnel,
-                quiet_sensor(scene.sensor, rays.width_px, rays.height_px),
-                scene.scan,
-                camera_mm,
-                keep);
-    } else {
-      const CornerRays& rays = traced.flawless_corners[k];
-      const Footprints footprints(rays, tunnel, scene.scan, store.meet(scene_traced, rays, tunnel));
-      scan_integrated(footprints, quiet_sensor(scene.sensor, rays.width_px, rays.height_px), keep);
+    }
+    if (values.size() == without.size()) {
+      errors[error_name(name)] = jackknife_error(values);
     }
   }
-  return frames;
-}
-
-/// The scan as the scene's method has it.
-struct Scan {
-  ImageF aspect;
-  ImageF deviation;  ///< of the aspect image's pixels; empty: none
-  Image<std::uint16_t> clipped_frames;
-  double hidden_share = 0.0;
-  ScanForm form;
-  Gradients gradients;
-};
-
-Scan as_scan(ScanResult result) {
-  Scan scan = {.aspect = std::move(result.aspect),
-               .clipped_frames = std::move(result.sums.clipped_frames),
-               .hidden_share = result.hidden_share};
-  scan.form.frame_pixels = static_cast<int>(scan.aspect.size());
-  return scan;
-}
-
-/// How a scene is to be scanned.
-struct ScanTask {
-  bool needs_frames = false;
-  FrameConsumer watch = {};
-  SlotMargin slot = {};
-  WantedGradients gradients = {};
-};
-
-Scan scan_scene(SceneStore& store,
-                const std::shared_ptr<const TracedScene>& scene_traced,
-                const Tunnel& tunnel,
-                const SceneSettings& scene,
-                const ScanTask& task) {
-  const TracedScene& traced = *scene_traced;
-  const SeenPart& seen = traced.seen();
-  const Sensor sensor(scene.sensor, seen.width_px, seen.height_px);
-  const Eigen::Vector3d& camera_mm = traced.camera_in_world_mm;
-  if (traced.is_sampled()) {
-    return as_scan(take_scan(traced.rays, tunnel, sensor, scene.scan, camera_mm, task.watch));
-  }
-  const Footprints footprints(
-      traced.corners, tunnel, scene.scan, store.meet(scene_traced, traced.corners, tunnel));
-  if (task.needs_frames) {
-    return as_scan(scan_integrated(footprints, sensor, task.watch));
-  }
-  const Mask none;
-  const ScanPlan plan = plan_scan(footprints,
-                                  sensor,
-                                  traced.region,
-                                  task.watch ? traced.watched : none,
-                                  scene.render.reflectance);
-  ClosedScan closed = scan_closed(footprints, sensor, plan, task.watch);
-  Gradients gradients;
-  if (!task.gradients.paths.empty()) {
-    const ScanState state = {.traced = traced,
-                             .footprints = footprints,
-                             .sensor = sensor,
-                             .plan = plan,
-                             .cells = closed.cells,
-                             .aspect = closed.aspect,
-                             .sigma_floor = sigma_floor(scene.sensor),
-                             .slot = task.slot,
-                             .deviation = closed.deviation.empty() ? nullptr : &closed.deviation};
-    gradients = gradients_of(scene, state, task.gradients, store.pool());
-  }
-  return {.aspect = std::move(closed.aspect),
-          .deviation = std::move(closed.deviation),
-          .clipped_frames = std::move(closed.clipped_frames),
-          .hidden_share = footprints.hidden_share(),
-          .form = closed.form,
-          .gradients = std::move(gradients)};
+  scores.merge(errors);
 }
 
 /// Bounds of scores of one scan, from scans with other noise; the scan itself is the first of them.
@@ -165,21 +147,43 @@ void add_scan_bounds(SceneStore& store,
   }
 }
 
-/// What a simulated line says.
-void add_line_scores(SceneStore& store,
-                     const SceneSettings& scene,
-                     const WantedScores& wanted,
-                     Scores& scores) {
-  if (!wanted.trials.empty()) {
-    scores.merge(visibility_scores(store, scene, wanted.trials, wanted.first_part));
+/// How the camera sees the part through the tunnel's slot.
+/// @return the slot's margin, where it is wanted
+SlotMargin add_view_scores(const ScenePicture& picture,
+                           const MeanImage& mean,
+                           bool wants_slot,
+                           Scores& scores) {
+  const std::optional<SlotMargin> slot =
+      wants_slot ? picture.find_slot_margin() : std::optional<SlotMargin>();
+  if (slot) {
+    scores["view.slot_margin_mm"] = slot->margin_mm;
   }
+  if (mean.hidden_share) {
+    scores["view.hidden_share"] = *mean.hidden_share;
+  }
+  if (const RayCounts* counts = picture.ray_counts()) {
+    const auto part = static_cast<double>(counts->part);
+    scores["rays.followed_share"] = static_cast<double>(counts->followed) / part;
+    scores["rays.blocked_share"] = static_cast<double>(counts->blocked) / part;
+  }
+  return slot.value_or(SlotMargin());
 }
 
-void add_ray_scores(const RayCounts& counts, double hidden_share, Scores& scores) {
-  const auto part = static_cast<double>(counts.part);
-  scores["view.hidden_share"] = hidden_share;
-  scores["rays.followed_share"] = static_cast<double>(counts.followed) / part;
-  scores["rays.blocked_share"] = static_cast<double>(counts.blocked) / part;
+Gradients gradients_of_mean(const ScenePicture& picture,
+                            const MeanImage& mean,
+                            const SlotMargin& slot,
+                            const WantedGradients& wanted,
+                            ThreadPool& pool) {
+  const ScanState state = {.traced = *picture.traced(),
+                           .footprints = *mean.closed->footprints,
+                           .sensor = *mean.closed->sensor,
+                           .plan = mean.closed->plan,
+                           .cells = mean.closed->cells,
+                           .aspect = mean.aspect,
+                           .sigma_floor = sigma_floor(picture.scene().sensor),
+                           .slot = slot,
+                           .deviation = mean.deviation.empty() ? nullptr : &mean.deviation};
+  return gradients_of(picture.scene(), state, wanted, pool);
 }
 
 }  // namespace
@@ -221,91 +225,46 @@ WantedScores wanted_with_gradients(const Goal& goal, const SearchSpace& space) {
   return wanted;
 }
 
+Evaluation evaluate(const ScenePicture& picture,
+                    ThreadPool& pool,
+                    const FrameConsumer& consume,
+                    const WantedScores& wanted) {
+  constexpr double kSigmas = 5.0;
+  double smallest_change = least_change(picture.scene());
+  if (wanted.defects) {
+    smallest_change = std::max(smallest_change, kSigmas * picture.change_noise());
+  }
+  Scored scored = score(picture, wanted, consume, smallest_change);
+  Evaluation result = {.scores = std::move(scored.scores), .traced = picture.traced()};
+  if (wanted.errors && picture.batches() > 1) {
+    add_errors(picture, wanted, smallest_change, pool, result.scores);
+  }
+  add_scores(result.scores, totals_of(result.traced->part->made));
+  const SlotMargin slot = add_view_scores(picture, scored.mean, wanted.slot, result.scores);
+  if (scored.mean.closed) {
+    result.gradients = gradients_of_mean(picture, scored.mean, slot, wanted.gradients, pool);
+  }
+  result.form = scored.mean.form;
+  result.aspect = std::move(scored.mean.aspect);
+  result.defects = std::move(scored.defects);
+  return result;
+}
+
 Evaluation evaluate(SceneStore& store,
                     const SceneSettings& scene,
                     const FrameConsumer& consume,
                     const WantedScores& wanted) {
-  using Method = RenderSettings::Method;
-  if (needs_paths(scene)) {
-    const SceneSettings seen = first_view(store, scene);
-    Evaluation result = evaluate_paths(store, seen, consume, wanted);
-    add_scan_bounds(store, seen, wanted, result.scores);
-    add_line_scores(store, seen, wanted, result.scores);
-    return result;
+  const auto picture = picture_of(
+      store,
+      scene,
+      {.has_flawless = wanted.defects, .has_derivatives = !wanted.gradients.scores.empty()});
+  Evaluation result = evaluate(*picture, store.pool(), consume, wanted);
+  const bool is_whole = picture->has_whole_frames(static_cast<bool>(consume), wanted.fringes);
+  add_scan_bounds(store, picture->repeated(is_whole), wanted, result.scores);
+  if (!wanted.trials.empty()) {
+    result.scores.merge(
+        visibility_scores(store, picture->scene(), wanted.trials, wanted.first_part));
   }
-  Evaluation result;
-  const Tunnel tunnel(scene.tunnel);
-  check_part_in_tunnel(*store.build(scene), tunnel, scene.scan, scene.tunnel_name);
-  result.traced = store.trace(scene);
-  const TracedScene& traced = *result.traced;
-  const bool needs_frames = consume || scene.render.method == Method::kIntegrated ||
-                            (wanted.fringes && scene.render.method != Method::kClosed);
-  const bool has_fringes = wanted.fringes && (traced.is_sampled() || needs_frames);
-  std::optional<FringeScores> fringes;
-  constexpr double kMeanFloor = 0.01;
-  BestFrames best(traced.defects, kMeanFloor, least_change(scene));
-  FlawlessFrames flawless;
-  if (wanted.defects) {
-    flawless = flawless_frames(store, result.traced, tunnel, scene);
-  }
-  const auto watch = [&](int index, const ImageF& grey) {
-    if (index == 0 && has_fringes) {
-      fringes = fringe_scores(grey, traced.region.mask, {.nominal_duty = scene.tunnel.duty});
-    }
-    if (wanted.defects) {
-      best.add(grey, flawless[static_cast<std::size_t>(index)]);
-    }
-    if (consume) {
-      consume(index, grey);
-    }
-  };
-  const bool is_watching = has_fringes || wanted.defects || consume;
-  SlotMargin slot;
-  if (wanted.slot) {
-    slot = slot_margin(traced.seen(), traced.region.mask, tunnel, traced.camera_in_world_mm);
-    result.scores["view.slot_margin_mm"] = slot.margin_mm;
-  }
-  Scan scan = scan_scene(store,
-                         result.traced,
-                         tunnel,
-                         scene,
-                         {.needs_frames = needs_frames,
-                          .watch = is_watching ? FrameConsumer(watch) : FrameConsumer(),
-                          .slot = slot,
-                          .gradients = wanted.gradients});
-  result.form = scan.form;
-  result.gradients = std::move(scan.gradients);
-  Homogeneity evenness = homogeneity(scan.aspect,
-                                     scan.clipped_frames,
-                                     scene.scan.positions,
-                                     traced.region,
-                                     scene.metrics,
-                                     wanted.robust);
-  if (!scan.deviation.empty()) {
-    evenness = with_scatter(evenness, scan.aspect, scan.deviation, traced.region.mask);
-  }
-  add_scores(result.scores, evenness);
-  if (wanted.family) {
-    const FamilyScales scales = scales_of(scene, traced.defects, fringes);
-    add_scores(result.scores,
-               homogeneity_family(scan.aspect, traced.region.mask, scales, scene.metrics));
-  }
-  if (fringes) {
-    add_scores(result.scores, *fringes);
-  }
-  if (wanted.defects) {
-    result.defects = scored_defects(scan.aspect, traced.defects, best, scene);
-    add_scores(result.scores, result.defects);
-  }
-  add_scores(result.scores, totals_of(traced.part->made));
-  add_ray_scores(traced.counts(), scan.hidden_share, result.scores);
-  result.aspect = std::move(scan.aspect);
-  SceneSettings same_form = scene;
-  if (needs_frames && !traced.is_sampled()) {
-    same_form.render.method = Method::kIntegrated;  // bounds of what was scored, not of a twin
-  }
-  add_scan_bounds(store, same_form, wanted, result.scores);
-  add_line_scores(store, scene, wanted, result.scores);
   return result;
 }
 

@@ -11,6 +11,7 @@
 #include "optimizer/problem/space.h"
 #include "simulator/render/scan/closed_scan.h"
 #include "studies/evaluation/scene_slopes.h"
+#include "studies/imaging/scene_picture.h"
 #include "studies/imaging/scene_store.h"
 #include "studies/imaging/traced_scene.h"
 
@@ -57,10 +58,18 @@ WantedScores wanted_by(const Goal& goal);
 /// The same with their derivatives by each variable.
 WantedScores wanted_with_gradients(const Goal& goal, const SearchSpace& space);
 
-/// Scans a scene and scores it. Single-threaded but for tracing rays. How pictures come about is
-/// decided by scene.render.method; `auto` takes closed forms when no whole frame is wanted. Scenes
-/// that need paths go to evaluate_paths().
+/// Scores a picture: everything but trials. Of a picture with batches each score that its noise
+/// moves has a standard error (docs/theory/path_tracing.md, "Standard errors of scores").
+/// @param picture  asked for with what is wanted
 /// @param consume  sees each frame's grey values in order; may be empty
+Evaluation evaluate(const ScenePicture& picture,
+                    ThreadPool& pool,
+                    const FrameConsumer& consume = {},
+                    const WantedScores& wanted = {});
+
+/// The same for the picture of a scene, with trials. Single-threaded but for tracing rays. How
+/// pictures come about is decided by scene.render.method; `auto` takes closed forms when no whole
+/// frame is wanted.
 /// @throws ConfigError beginning with the key at fault, IoError
 Evaluation evaluate(SceneStore& store,
                     const SceneSettings& scene,

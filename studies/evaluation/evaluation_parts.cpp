@@ -12,15 +12,6 @@ double sigma_floor(const SensorSettings& sensor) {
   return std::max(kSmallest, noise_floor(sensor));
 }
 
-Sensor quiet_sensor(SensorSettings settings, int width_px, int height_px) {
-  settings.full_well_e = settings.read_noise_e = settings.dark_e = 0.0;
-  return Sensor(settings, width_px, height_px);
-}
-
-double dark_grey(const SensorSettings& sensor) {
-  return sensor.full_well_e > 0.0 ? sensor.dark_e * sensor.gain / sensor.full_well_e : 0.0;
-}
-
 DefectTotals totals_of(const DefectivePart& part) {
   DefectTotals totals;
   for (const MadeDefect& made : part.defects) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What scans of a tunnel and path-traced pictures have in common when they are scored.
+// What scores of a picture are made of.
 #pragma once
 
 #include <optional>
@@ -17,12 +17,6 @@ namespace glint {
 
 /// Grey levels per full scale decide what can be told apart when the sensor adds no noise.
 double sigma_floor(const SensorSettings& sensor);
-
-/// The sensor without noise, as it sees a flawless window.
-Sensor quiet_sensor(SensorSettings settings, int width_px, int height_px);
-
-/// Mean grey value that the dark signal adds.
-double dark_grey(const SensorSettings& sensor);
 
 DefectTotals totals_of(const DefectivePart& part);
 

@@ -414,4 +414,10 @@ std::shared_ptr<const RevolvedRays> SceneStore::revolved(
   return ready;
 }
 
+void check_part_in_tunnel(SceneStore& store, const SceneSettings& scene) {
+  if (scene.has_tunnel) {
+    check_part_in_tunnel(*store.build(scene), Tunnel(scene.tunnel), scene.scan, scene.tunnel_name);
+  }
+}
+
 }  // namespace glint

@@ -144,4 +144,8 @@ std::size_t bytes_of(const TracedScene& traced);
 /// @throws ConfigError beginning with the key at fault, IoError
 SceneSettings first_view(SceneStore& store, SceneSettings scene);
 
+/// Nothing for a scene without a tunnel.
+/// @throws ConfigError when the part does not fit into the tunnel at every position of the scan
+void check_part_in_tunnel(SceneStore& store, const SceneSettings& scene);
+
 }  // namespace glint

@@ -48,7 +48,4 @@ class LineCamera {
   virtual LineScan part(const BuiltDefects& part, const SensorSettings& sensor) const = 0;
 };
 
-/// The same sensor without shot, read and dark noise.
-SensorSettings without_noise(SensorSettings settings);
-
 }  // namespace glint

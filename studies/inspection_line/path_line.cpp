@@ -428,7 +428,7 @@ class PathLine : public LineCamera {
     expected_.quiet = expose(radiance_, {}, quiet);
     expected_.aspect = expected_.quiet.aspect;
     if (has_noise) {
-      const double dark = scene_.sensor.gain * scene_.sensor.dark_e / scene_.sensor.full_well_e;
+      const double dark = dark_grey(scene_.sensor);
       for (float& value : expected_.aspect.values()) {
         value = std::min(1.0F, value + static_cast<float>(dark));
       }

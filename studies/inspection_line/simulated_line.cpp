@@ -254,9 +254,7 @@ Verdict judge(std::span<const FoundDefect> found,
 }
 
 SimulatedLine::SimulatedLine(SceneStore& store, const SceneSettings& scene) {
-  if (scene.has_tunnel) {
-    check_part_in_tunnel(*store.build(scene), Tunnel(scene.tunnel), scene.scan, scene.tunnel_name);
-  }
+  check_part_in_tunnel(store, scene);
   data_ = std::make_unique<Data>(store, first_view(store, scene));
   data_->learn_flawless();
   data_->maker.emplace(data_->maker_of(scene.defects));

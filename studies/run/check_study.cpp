@@ -21,9 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 /// Everything about a scene that can be refused before anything is written.
 void check_scene(SceneStore& store, const SceneSettings& scene) {
-  if (scene.has_tunnel) {
-    check_part_in_tunnel(*store.build(scene), Tunnel(scene.tunnel), scene.scan, scene.tunnel_name);
-  }
+  check_part_in_tunnel(store, scene);
   store.trace(first_view(store, scene));
 }
 
@@ -59,9 +57,6 @@ std::vector<std::string> idle_variables(SceneStore& store, const Study& study) {
 /// a variable changes pictures.
 SceneSettings as_searched(const Study& study) {
   SceneSettings scene = study.scene;
-  if (!needs_paths(scene)) {
-    return scene;
-  }
   const Point start = baseline_point(study);
   const auto key_at = [&](std::size_t variable, double value) {
     Point point = start;

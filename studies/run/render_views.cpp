@@ -57,7 +57,7 @@ Json viewpoint_json(const Viewpoint& viewpoint) {
           {"up", viewpoint.up}};
 }
 
-/// Numbers that are none become null.
+/// JSON has no NaN: null stands for it.
 Json number_json(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
@@ -118,11 +118,8 @@ class RenderRun {
       if (has_light_ && study_.scene.lights.empty() && !study_.scene.has_tunnel) {
         throw ConfigError("lighting: holds no light; a picture needs one, masks do not (--masks)");
       }
-      if (has_light_ && study_.scene.has_tunnel) {
-        check_part_in_tunnel(*store_.build(study_.scene),
-                             Tunnel(study_.scene.tunnel),
-                             study_.scene.scan,
-                             study_.scene.tunnel_name);
+      if (has_light_) {
+        check_part_in_tunnel(store_, study_.scene);
       }
       first_ = scene_at(study_.scene, viewpoints_.front());
       part_ = store_.build_defects(first_);

@@ -94,9 +94,8 @@ void expose_mean(const Footprints& footprints,
   const Spans rendered = grown_spans(wanted, sensor.blur_radius_px(), kBridge_px, width, height);
   const Spans near = grown_spans(wanted, reach_of(sensor, plan.reflectance), 0, width, height);
   SensorSettings quiet = sensor.settings();
-  const double offset =
-      quiet.full_well_e > 0.0 ? quiet.gain * quiet.dark_e / quiet.full_well_e : 0.0;
-  quiet.full_well_e = quiet.read_noise_e = quiet.dark_e = 0.0;
+  const double offset = dark_grey(quiet);
+  quiet = without_noise(quiet);
   quiet.bits = 0;
   const Sensor quiet_sensor(quiet, width, height);
   ImageF mean = ImageF::unset(width, height);

@@ -148,8 +148,7 @@ ScanForm::Kind form_of(const ScanPositions& positions,
   const GreyResponse bright = grey_response(sensor, brightest);
   const GreyResponse dark = grey_response(sensor, reflectance * positions.dark);
   const double slope = sensor.gain * sensor.exposure;
-  const double offset =
-      sensor.full_well_e > 0.0 ? sensor.gain * sensor.dark_e / sensor.full_well_e : 0.0;
+  const double offset = dark_grey(sensor);
   // Where even the dark stripes reach full scale every frame is blind; the table knows that.
   const double darkest = reflectance * (positions.duty < 1.0 ? std::min(1.0, positions.dark) : 1.0);
   const double step = sensor.bits > 0 ? 1.0 / ((1 << sensor.bits) - 1) : 0.0;

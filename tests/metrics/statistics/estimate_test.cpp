@@ -264,5 +264,12 @@ TEST(Bootstrap, HoldsARatioOfMediansNineteenTimesOfTwenty) {
   EXPECT_LT(held, 0.97);
 }
 
+TEST(Jackknife, OfAMeanIsItsStandardError) {
+  // Values 1, 2, 3, 6 have mean 3; without one each: 11/3, 10/3, 3, 2. The standard error of the
+  // mean is sqrt(sum of (x - 3)^2 / (n (n - 1))) = sqrt(14 / 12).
+  const std::vector<double> without_one = {11.0 / 3.0, 10.0 / 3.0, 3.0, 2.0};
+  EXPECT_NEAR(jackknife_error(without_one), std::sqrt(14.0 / 12.0), 1e-12);
+}
+
 }  // namespace
 }  // namespace glint

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/evaluation/path_evaluation.h"
+#include "studies/evaluation/evaluation.h"
 
 #include <cmath>
 #include <thread>
@@ -28,13 +28,6 @@ std::string path_evaluation_error(const SceneSettings& scene, const WantedScores
   } catch (const ConfigError& error) {
     return error.what();
   }
-}
-
-TEST(Jackknife, OfAMeanIsItsStandardError) {
-  // Values 1, 2, 3, 6 have mean 3; without one each: 11/3, 10/3, 3, 2. The standard error of the
-  // mean is sqrt(sum of (x - 3)^2 / (n (n - 1))) = sqrt(14 / 12).
-  const std::vector<double> without_one = {11.0 / 3.0, 10.0 / 3.0, 3.0, 2.0};
-  EXPECT_NEAR(jackknife_error(without_one), std::sqrt(14.0 / 12.0), 1e-12);
 }
 
 TEST(PathEvaluation, ScoresOneFrameUnderAreaLights) {

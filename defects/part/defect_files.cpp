@@ -10,13 +10,10 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "simulator/geometry/mesh_file/mesh_io.h"
 #include "simulator/geometry/mesh_file/mesh_write.h"
 
 namespace glint {
 namespace {
-
-constexpr std::string_view kLabel = "defect_id";
 
 using FloatPoint = std::array<float, 3>;
 
@@ -90,13 +87,7 @@ void write_labelled_ply(const std::filesystem::path& path,
                         const TriangleMesh& mesh,
                         std::span<const std::int32_t> labels) {
   GLINT_CHECK(labels.size() == mesh.num_triangles(), "one label a face");
-  write_file(path, ply_bytes(mesh, {.name = kLabel, .values = labels}));
-}
-
-LabelledMesh read_labelled_ply(const std::filesystem::path& path) {
-  LabelledMesh result;
-  result.mesh = read_ply_with_values(path, kLabel, result.labels);
-  return result;
+  write_file(path, ply_bytes(mesh, {.name = "defect_id", .values = labels}));
 }
 
 void write_defect_map(const std::filesystem::path& obj_path,

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "simulator/geometry/mesh/triangle_mesh.h"
 
@@ -38,14 +37,6 @@ FloatLoss write_stl(const std::filesystem::path& path, const TriangleMesh& mesh)
 void write_labelled_ply(const std::filesystem::path& path,
                         const TriangleMesh& mesh,
                         std::span<const std::int32_t> labels);
-
-struct LabelledMesh {
-  TriangleMesh mesh;                 ///< as it was written: not welded, no normals
-  std::vector<std::int32_t> labels;  ///< one a face
-};
-
-/// @throws IoError, ConfigError naming file and place: not such a PLY, or faces without defect_id
-LabelledMesh read_labelled_ply(const std::filesystem::path& path);
 
 /// The defect map: an OBJ with the faces of defects in white and the others in black, by two
 /// materials in a file of the same name with the extension .mtl beside it. Faces keep their order.

@@ -12,7 +12,6 @@
 #include "core/units.h"
 #include "defects/surface/edge_bisection.h"
 #include "defects/surface/half_edges.h"
-#include "defects/surface/surface_normals.h"
 
 namespace glint {
 namespace {
@@ -292,16 +291,6 @@ std::vector<Vector3d> loop_places(const TriangleMesh& mesh,
     }
   }
   return places;
-}
-
-Subdivided subdivide_loop(const TriangleMesh& mesh,
-                          std::span<const std::int32_t> labels,
-                          std::span<const ExactPatch> patches,
-                          double crease_rad) {
-  Subdivided out = subdivide_midpoint(mesh, labels, patches);
-  out.mesh.vertices_mm = loop_places(mesh, labels, out, crease_rad);
-  set_normals(out.mesh, patches, crease_rad);
-  return out;
 }
 
 }  // namespace glint

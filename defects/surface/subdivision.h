@@ -40,10 +40,4 @@ std::vector<Eigen::Vector3d> loop_places(const TriangleMesh& mesh,
                                          const Subdivided& midpoint,
                                          double crease_rad);
 
-/// One Loop step: subdivide_midpoint(), vertices at loop_places(), new normals by set_normals().
-Subdivided subdivide_loop(const TriangleMesh& mesh,
-                          std::span<const std::int32_t> labels,
-                          std::span<const ExactPatch> patches,
-                          double crease_rad);
-
 }  // namespace glint

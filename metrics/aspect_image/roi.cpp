@@ -2,23 +2,16 @@
 #include "metrics/aspect_image/roi.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdlib>
 
 #include <fmt/format.h>
 
-#include "core/units.h"
+#include "core/error.h"
 
 namespace glint {
 namespace {
 
 constexpr float kWhole = 1.0f - 1e-6f;  // sums of footprint weights round
-
-/// The first and one past the last pixel of [middle - reach, middle + reach] inside the image.
-std::pair<int, int> span_of(double middle, double reach, int size) {
-  const double first = std::clamp(std::floor(middle - reach), 0.0, size - 1.0);
-  const double last = std::clamp(std::ceil(middle + reach), first + 1.0, static_cast<double>(size));
-  return {static_cast<int>(first), static_cast<int>(last)};
-}
 
 /// Clears values that have an outside value within `rim_px` along a line.
 void erode_line(const unsigned char* in, unsigned char* out, int count, int stride, int rim_px) {
@@ -38,31 +31,6 @@ void erode_line(const unsigned char* in, unsigned char* out, int count, int stri
 }
 
 }  // namespace
-
-DefectView disc_view(std::string label,
-                     double x_px,
-                     double y_px,
-                     double radius_px,
-                     int width_px,
-                     int height_px,
-                     double window_radii) {
-  GLINT_CHECK(radius_px > 0.0, "a defect without size");
-  const auto [left, right] = span_of(x_px, window_radii * radius_px, width_px);
-  const auto [top, bottom] = span_of(y_px, window_radii * radius_px, height_px);
-  DefectView view{.label = std::move(label),
-                  .left_px = left,
-                  .top_px = top,
-                  .distance = ImageF(right - left, bottom - top),
-                  .area_px = kPi * radius_px * radius_px};
-  for (int y = 0; y < view.distance.height(); ++y) {
-    for (int x = 0; x < view.distance.width(); ++x) {
-      const double dx = left + x + 0.5 - x_px;
-      const double dy = top + y + 0.5 - y_px;
-      view.distance(x, y) = static_cast<float>(std::hypot(dx, dy) / radius_px);
-    }
-  }
-  return view;
-}
 
 Mask whole_pixels(const ImageF& coverage) {
   Mask mask(coverage.width(), coverage.height());

@@ -28,18 +28,6 @@ struct DefectView {
   double area_px = 0.0;  ///< true projected area, > 0; the rim is at distance 1
 };
 
-/// The view of a round defect.
-/// @param x_px, y_px    its middle; the centre of the first pixel is (0.5, 0.5)
-/// @param radius_px     > 0, may be smaller than a pixel
-/// @param window_radii  half width of the window, cut at the image's border
-DefectView disc_view(std::string label,
-                     double x_px,
-                     double y_px,
-                     double radius_px,
-                     int width_px,
-                     int height_px,
-                     double window_radii = 5.0);
-
 /// 1 where the whole pixel lies on the part.
 /// @param coverage  share of each pixel's footprint that lies on the part, in [0, 1]
 Mask whole_pixels(const ImageF& coverage);

@@ -23,7 +23,6 @@ struct PhaseWeights {
   std::vector<float> mean;
   std::vector<float> cosine;
   std::vector<float> sine;
-  double noise = 0.0;  ///< of the worst mixture of cosine and sine, for noise 1 in each frame
 };
 
 Eigen::Vector3d waves_at(int frame, int frames, double periods) {
@@ -60,9 +59,6 @@ PhaseWeights phase_weights(int frames, double periods) {
     weights.cosine.push_back(static_cast<float>(weight(1)));
     weights.sine.push_back(static_cast<float>(weight(2)));
   }
-  const Eigen::Matrix2d covariance = inverse.bottomRightCorner<2, 2>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(covariance);
-  weights.noise = std::sqrt(spread.eigenvalues()(1));
   return weights;
 }
 
@@ -200,11 +196,6 @@ PhaseMaps phase_maps(std::span<const ImageF> frames, double periods, ThreadPool&
     }
   });
   return maps;
-}
-
-double phase_noise_rad(int frames, double periods, double grey_noise, double amplitude) {
-  GLINT_CHECK(grey_noise >= 0.0 && amplitude > 0.0, "noise or amplitude out of range");
-  return phase_weights(frames, periods).noise * grey_noise / amplitude;
 }
 
 ImageF phase_response(std::span<const ImageF> frames,

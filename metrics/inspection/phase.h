@@ -26,12 +26,6 @@ struct PhaseMaps {
 ///         sine and cosine apart (whole multiples of N / 2 periods, or a small share of one)
 PhaseMaps phase_maps(std::span<const ImageF> frames, double periods, ThreadPool& pool);
 
-/// The standard deviation of a phase, in rad: sqrt(2 / N) grey_noise / amplitude for whole periods,
-/// more for broken ones (the worst phase). Holds while it is small against one.
-/// @param grey_noise  of one pixel in one frame, >= 0
-/// @param amplitude   > 0, same unit
-double phase_noise_rad(int frames, double periods, double grey_noise, double amplitude);
-
 /// Below this amplitude, in shares of full scale, a pixel has no phase.
 inline constexpr float kLeastAmplitude = 0.01F;
 

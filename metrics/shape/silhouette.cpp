@@ -17,8 +17,6 @@ constexpr float kFull = 0.98F;
 constexpr double kLeastContrast = 0.02;
 constexpr double kContrastOverNoise = 4.0;  // halves of pure noise are 1.6 deviations apart
 constexpr double kGaussianOfMedian = 1.4826;
-constexpr double kBackgroundDeviations = 6.0;
-constexpr double kLeastDeviation = 0.5 / 255.0;
 constexpr std::size_t kBins = 1024;
 
 void check_picture(const ImageF& aspect) {
@@ -98,20 +96,6 @@ double otsu_threshold(const ImageF& image, const Range& range) {
   }
   const double middle = 0.5 * static_cast<double>(first + last);
   return range.low + (range.high - range.low) * middle / static_cast<double>(kBins);
-}
-
-/// Six robust deviations above the background's median, the background being what is darker.
-double background_threshold(const ImageF& image, double otsu) {
-  std::vector<float> dark;
-  std::ranges::copy_if(image.values(), std::back_inserter(dark), [&](float grey) {
-    return static_cast<double>(grey) < otsu;
-  });
-  const double median = median_of(dark);
-  for (float& grey : dark) {
-    grey = std::abs(grey - static_cast<float>(median));
-  }
-  const double deviation = std::max(kGaussianOfMedian * median_of(dark), kLeastDeviation);
-  return std::min(otsu, median + kBackgroundDeviations * deviation);
 }
 
 double contrast_at(const ImageF& image, double threshold) {
@@ -219,12 +203,8 @@ Mask lit_pixels(const ImageF& image, double threshold) {
 }
 
 double threshold_by(const SilhouetteSettings& settings, const ImageF& aspect, const Range& range) {
-  if (settings.rule == SilhouetteSettings::Rule::kFixed) {
-    return settings.threshold_grey;
-  }
-  const double otsu = otsu_threshold(aspect, range);
-  return settings.rule == SilhouetteSettings::Rule::kOtsu ? otsu
-                                                          : background_threshold(aspect, otsu);
+  return settings.rule == SilhouetteSettings::Rule::kFixed ? settings.threshold_grey
+                                                           : otsu_threshold(aspect, range);
 }
 
 /// What can be told before any threshold.

@@ -14,9 +14,8 @@ namespace glint {
 
 struct SilhouetteSettings {
   enum class Rule {
-    kOtsu,        ///< the threshold that parts dark and bright best: near the middle of an edge
-    kBackground,  ///< six deviations above the background: keeps dark rims, grows by the blur
-    kFixed        ///< threshold_grey
+    kOtsu,  ///< the threshold that parts dark and bright best: near the middle of an edge
+    kFixed  ///< threshold_grey
   };
 
   Rule rule = Rule::kOtsu;

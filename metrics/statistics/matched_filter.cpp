@@ -101,13 +101,4 @@ double dprime(std::span<const double> signal, std::span<const std::vector<double
   return std::sqrt(squared);
 }
 
-double dprime_white(std::span<const double> signal, double sigma) {
-  GLINT_CHECK(sigma > 0.0, "noise of zero divides by zero");
-  double squares = 0.0;
-  for (const double value : signal) {
-    squares += value * value;
-  }
-  return std::sqrt(squares) / sigma;
-}
-
 }  // namespace glint

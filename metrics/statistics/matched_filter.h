@@ -22,7 +22,4 @@ namespace glint {
 /// @param background  at least two windows of p pixels
 double dprime(std::span<const double> signal, std::span<const std::vector<double>> background);
 
-/// The same in white noise: |signal| / sigma. @param sigma  > 0
-double dprime_white(std::span<const double> signal, double sigma);
-
 }  // namespace glint

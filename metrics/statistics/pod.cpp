@@ -154,15 +154,6 @@ bool overlaps(const std::vector<Outcome>& outcomes) {
   return most_miss > least_hit && most_hit > least_miss;
 }
 
-/// Both outcomes, at more than one size.
-bool has_both(const std::vector<Outcome>& outcomes) {
-  const auto is_hit = [](const Outcome& outcome) { return outcome.is_hit; };
-  const auto is_first_size = [&](const Outcome& outcome) { return outcome.x == outcomes[0].x; };
-  return std::any_of(outcomes.begin(), outcomes.end(), is_hit) &&
-         !std::all_of(outcomes.begin(), outcomes.end(), is_hit) &&
-         !std::all_of(outcomes.begin(), outcomes.end(), is_first_size);
-}
-
 double place_of_90(const Line& line) {
   return (kLogit90 - line.intercept) / line.slope;
 }
@@ -283,16 +274,6 @@ std::optional<PodFit> fit_pod(std::span<const SizedTrial> trials, double confide
   }
   Likelihood penalised(outcomes, kFirth);
   return with_intervals(Likelihood(outcomes, 0.0).most_likely(), middle, penalised, confidence);
-}
-
-std::optional<PodFit> fit_pod_penalised(std::span<const SizedTrial> trials, double confidence) {
-  const double middle = mean_ln_size(trials);
-  const std::vector<Outcome> outcomes = outcomes_around(middle, trials);
-  if (outcomes.empty() || !has_both(outcomes)) {
-    return std::nullopt;
-  }
-  Likelihood penalised(outcomes, kFirth);
-  return with_intervals(penalised.most_likely(), middle, penalised, confidence);
 }
 
 }  // namespace glint

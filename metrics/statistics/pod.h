@@ -38,9 +38,4 @@ struct PodFit {
 /// with size. Trials must be independent. @param trials  sizes > 0
 std::optional<PodFit> fit_pod(std::span<const SizedTrial> trials, double confidence = 0.95);
 
-/// The same curve by Firth's penalised likelihood, which has a maximum for separated trials too.
-/// Empty when all were hit, all missed, all have one size, or the curve falls.
-std::optional<PodFit> fit_pod_penalised(std::span<const SizedTrial> trials,
-                                        double confidence = 0.95);
-
 }  // namespace glint

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "core/error.h"
 #include "metrics/statistics/quantiles.h"
@@ -118,10 +117,6 @@ Estimate area_under_roc(std::span<const double> with,
   return {.value = area, .low = logistic(centre - half), .high = logistic(centre + half)};
 }
 
-double area_for_dprime(double dprime) {
-  return normal_cdf(dprime / std::numbers::sqrt2);
-}
-
 double threshold_for(std::span<const double> without, double false_alarms) {
   GLINT_CHECK(false_alarms >= 0.0 && false_alarms <= 1.0, "a share lies in [0, 1]");
   const std::vector<double> alarms = sorted(without);
@@ -132,12 +127,6 @@ double threshold_for(std::span<const double> without, double false_alarms) {
   }
   const double highest_quiet = alarms[alarms.size() - 1 - allowed];
   return std::nextafter(highest_quiet, std::numeric_limits<double>::infinity());
-}
-
-Estimate hits_at(std::span<const double> with, double threshold, double confidence) {
-  const std::vector<double> figures = sorted(with);
-  const auto found = figures.end() - std::lower_bound(figures.begin(), figures.end(), threshold);
-  return wilson(found, static_cast<std::int64_t>(figures.size()), confidence);
 }
 
 }  // namespace glint

@@ -26,16 +26,9 @@ Estimate area_under_roc(std::span<const double> with,
                         std::span<const double> without,
                         double confidence = 0.95);
 
-/// Of two Gaussians of the same width d' apart: Phi(d' / sqrt 2).
-double area_for_dprime(double dprime);
-
 /// The smallest threshold that no more than this share of the things without reach.
 /// To claim a share a of false alarms takes some 3 / a things without.
 /// @param false_alarms  in [0, 1]
 double threshold_for(std::span<const double> without, double false_alarms);
-
-/// Share of the things with that reach a threshold, with Wilson's interval. The threshold must come
-/// from other things; how uncertain it is itself is not in the interval.
-Estimate hits_at(std::span<const double> with, double threshold, double confidence = 0.95);
 
 }  // namespace glint

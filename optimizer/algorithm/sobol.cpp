@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 
-#include "core/error.h"
 #include "core/rng.h"
 
 namespace glint {
@@ -115,16 +114,6 @@ std::uint32_t sobol_bits(std::uint32_t index, int dimension) {
 }
 
 }  // namespace
-
-std::vector<double> plain_sobol_point(std::uint32_t index, int num_dimensions) {
-  GLINT_CHECK(num_dimensions >= 1 && num_dimensions <= kMaxSobolDimension, "1 to 40 dimensions");
-  std::vector<double> point;
-  point.reserve(static_cast<std::size_t>(num_dimensions));
-  for (int d = 0; d < num_dimensions; ++d) {
-    point.push_back(static_cast<double>(sobol_bits(index, d)) * 0x1p-32);
-  }
-  return point;
-}
 
 Sobol::Sobol(std::uint64_t seed, int num_dimensions)
     : seed_(seed), num_dimensions_(num_dimensions) {

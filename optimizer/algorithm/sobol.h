@@ -15,12 +15,8 @@ namespace glint {
 
 inline constexpr int kMaxSobolDimension = 40;
 
-/// Point number `index` of the plain sequence in Gray-code order; point 0 is the origin.
-/// @param num_dimensions  in [1, kMaxSobolDimension]
-std::vector<double> plain_sobol_point(std::uint32_t index, int num_dimensions);
-
-/// The sequence under a digital shift drawn from the seed: still as even, but different for each
-/// seed, and its first point is a random one instead of a corner.
+/// The sequence, in Gray-code order, under a digital shift drawn from the seed: still as even, but
+/// different for each seed, and its first point is a random one instead of a corner.
 class Sobol {
  public:
   Sobol(std::uint64_t seed, int num_dimensions);

@@ -357,14 +357,4 @@ bool is_continuous(const Variable& variable) {
   return variable.kind == Kind::kFloat;
 }
 
-std::vector<std::string> continuous_names(const SearchSpace& space) {
-  std::vector<std::string> names;
-  for (const Variable& variable : space.variables) {
-    if (is_continuous(variable)) {
-      names.push_back(variable.name);
-    }
-  }
-  return names;
-}
-
 }  // namespace glint

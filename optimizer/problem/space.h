@@ -64,7 +64,6 @@ double slope_at(const SearchSpace& space, std::span<const double> point, std::si
 
 /// Floats are continuous, also with a step; integers and choices are discrete.
 bool is_continuous(const Variable& variable);
-std::vector<std::string> continuous_names(const SearchSpace& space);
 
 /// How many values the variable can take; infinity for floats without a step.
 double num_values(const Variable& variable);

@@ -29,13 +29,13 @@ struct Outcome {
 };
 
 /// Why a design was evaluated; kPart: one inspected part of a population, its figures as scores.
-enum class TrialKind { kSearch, kBaseline, kPrototype, kFinal, kPart };
+enum class TrialKind { kSearch, kPart };
 
 /// A design and, once it was evaluated, its outcome.
 struct Trial {
   TrialKind kind = TrialKind::kSearch;
   int number = 0;    ///< counts from 1 within its kind, in the order of asking
-  std::string name;  ///< of a prototype or a re-scored design; empty in the search
+  std::string name;  ///< of an inspected part; empty in the search
   Point point;
   std::optional<Outcome> outcome;  ///< empty: asked, not evaluated yet
 };

@@ -26,8 +26,7 @@ namespace {
 /// "GLNT": marks our databases among other programs' SQLite files.
 constexpr std::int64_t kApplicationId = 0x474C4E54;
 
-constexpr std::array<std::string_view, 5> kTrialKinds = {
-    "search", "baseline", "prototype", "final", "part"};
+constexpr std::array<std::string_view, 2> kTrialKinds = {"search", "part"};
 constexpr std::array<std::string_view, 5> kEventKinds = {
     "ask", "tell", "restart", "abandon", "note"};
 
@@ -327,9 +326,7 @@ Storage::Storage(Storage&&) noexcept = default;
 Storage& Storage::operator=(Storage&&) noexcept = default;
 Storage::~Storage() = default;
 
-Storage Storage::open(const std::filesystem::path& path,
-                      const StudyIdentity& identity,
-                      const StorageOptions& options) {
+Storage Storage::open(const std::filesystem::path& path, const StudyIdentity& identity) {
   auto lock = std::make_unique<LockFile>(path.string() + ".lock");
   if (!std::filesystem::exists(path)) {
     create(path, identity);
@@ -344,8 +341,7 @@ Storage Storage::open(const std::filesystem::path& path,
                       ": holds another study; choose another output folder, or remove this one");
   }
   state->database.run("PRAGMA journal_mode = WAL");
-  state->database.run(options.is_synced ? "PRAGMA synchronous = FULL"
-                                        : "PRAGMA synchronous = NORMAL");
+  state->database.run("PRAGMA synchronous = NORMAL");
   upgrade(state->database);
   state->session = begin_session(state->database);
   return Storage(std::move(state));

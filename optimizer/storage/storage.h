@@ -31,24 +31,18 @@ struct StudyIdentity {
   std::uint64_t seed = 1;
 };
 
-struct StorageOptions {
-  /// Also safe against power loss, at some 7 ms a transaction; without it against kill -9 only.
-  bool is_synced = false;
-};
-
 /// Safe to use from several threads.
 class Storage {
  public:
   static constexpr int kSchema = 2;
 
   /// Opens the study's database for running, or creates it; the folder must exist. Only one process
-  /// may hold it; the lock ends with the process, however that ends.
+  /// may hold it; the lock ends with the process, however that ends. Safe against kill -9, not
+  /// against power loss.
   /// @throws ConfigError when it holds another study (another config_hash)
   /// @throws IoError     when it is locked by another process, damaged, truncated, no database, of
   ///                     another program or of a newer schema, or cannot be written
-  static Storage open(const std::filesystem::path& path,
-                      const StudyIdentity& identity,
-                      const StorageOptions& options = {});
+  static Storage open(const std::filesystem::path& path, const StudyIdentity& identity);
 
   /// Opens an existing database for reading, also while another process runs it.
   /// @throws IoError
@@ -64,7 +58,7 @@ class Storage {
   /// transaction: either all of it survives a crash or nothing.
   void append(std::span<const Event> events, std::span<const Trial> new_trials = {});
 
-  /// Records a trial that needs no event (baseline, prototype, final), or replaces it.
+  /// Records a trial that needs no event (an inspected part), or replaces it.
   void put_trial(const Trial& trial);
 
   /// Records the outcome of a trial that exists.

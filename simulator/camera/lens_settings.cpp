@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "simulator/camera/thin_lens_camera.h"
+
 namespace glint {
 namespace {
 
@@ -78,12 +80,6 @@ PinholeIntrinsics intrinsics_of(const CameraSettings& camera, const LensSettings
     intrinsics.focal_px = {focal_px, camera.focal_y_px > 0.0 ? camera.focal_y_px : focal_px};
   }
   return intrinsics;
-}
-
-ThinLensCamera make_camera(const CameraSettings& camera, const LensSettings& lens) {
-  const LensGeometry g = lens_geometry(camera, lens);
-  return ThinLensCamera(PinholeCamera(intrinsics_of(camera, lens)),
-                        {.aperture_mm = g.aperture_mm, .focus_mm = g.focus_mm});
 }
 
 }  // namespace glint

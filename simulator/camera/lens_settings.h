@@ -8,7 +8,6 @@
 
 #include "core/config/keys.h"
 #include "simulator/camera/camera_settings.h"
-#include "simulator/camera/thin_lens_camera.h"
 
 namespace glint {
 
@@ -43,8 +42,5 @@ LensGeometry lens_geometry(const CameraSettings& camera, const LensSettings& len
 /// As intrinsics_of(camera), with the image distance of a lens that is focused at lens.focus_mm.
 /// @throws ConfigError as lens_geometry()
 PinholeIntrinsics intrinsics_of(const CameraSettings& camera, const LensSettings& lens);
-
-/// The camera that makes rays. @throws ConfigError as lens_geometry() and PinholeCamera
-ThinLensCamera make_camera(const CameraSettings& camera, const LensSettings& lens);
 
 }  // namespace glint

@@ -11,7 +11,6 @@
 #include "core/config/placed_json.h"
 #include "core/config/toml.h"
 #include "core/file.h"
-#include "core/text.h"
 
 namespace glint {
 namespace {
@@ -151,11 +150,6 @@ ViewpointVector vector_of(const Viewpoint& viewpoint) {
   return vector;
 }
 
-Viewpoint viewpoint_of(const ViewpointVector& v) {
-  return {
-      .position_mm = {v[0], v[1], v[2]}, .direction = {v[3], v[4], v[5]}, .up = {v[6], v[7], v[8]}};
-}
-
 Viewpoint normalised(const Viewpoint& viewpoint) {
   const ViewpointVector vector = vector_of(viewpoint);
   if (!std::all_of(vector.begin(), vector.end(), [](double v) { return std::isfinite(v); })) {
@@ -247,18 +241,6 @@ std::vector<Viewpoint> read_viewpoints(const std::filesystem::path& path) {
   }
   throw ConfigError(fmt::format(
       "viewpoints.file: '{}' ends in '{}', must be .toml, .csv or .json", path.string(), ending));
-}
-
-std::string viewpoints_to_csv(std::span<const Viewpoint> viewpoints) {
-  std::string text = fmt::format("{}\n", fmt::join(kColumns, ","));
-  for (const Viewpoint& viewpoint : viewpoints) {
-    std::vector<std::string> fields;
-    for (const double value : vector_of(viewpoint)) {
-      fields.push_back(shortest(value));
-    }
-    text += join(fields, ",") + "\n";
-  }
-  return text;
 }
 
 }  // namespace glint

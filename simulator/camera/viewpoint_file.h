@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Viewpoints as nine numbers each: position, direction, up. Read from TOML, CSV and JSON, written
-// as CSV.
+// Viewpoints as nine numbers each: position, direction, up. Read from TOML, CSV and JSON.
 #pragma once
 
 #include <array>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,7 +17,6 @@ namespace glint {
 using ViewpointVector = std::array<double, 9>;
 
 ViewpointVector vector_of(const Viewpoint& viewpoint);
-Viewpoint viewpoint_of(const ViewpointVector& vector);
 
 /// The same view with direction and up as unit vectors; vectors that are units already keep their
 /// bits. @throws ConfigError when a number is not finite, or up is zero or parallel to direction
@@ -31,7 +28,8 @@ std::vector<Viewpoint> read_viewpoint_list(const ConfigNode& list,
                                            std::vector<std::string>& errors);
 
 /// Nine numbers a line, with commas; lines that begin with '#' and empty lines do not count. A head
-/// line, when there is one, must name the columns as viewpoints_to_csv() does.
+/// line, when there is one, must name the columns: position_x_mm, position_y_mm, position_z_mm,
+/// direction_x to _z, up_x to _z.
 /// @param file  for messages
 /// @throws ConfigError with file:line:column, one line per problem
 std::vector<Viewpoint> parse_viewpoints_csv(std::string_view text, const std::string& file);
@@ -43,8 +41,5 @@ std::vector<Viewpoint> parse_viewpoints_json(std::string_view text, const std::s
 /// By the file's ending: .toml ([[viewpoint]]), .csv, .json. At least one viewpoint.
 /// @throws ConfigError (with places), IoError
 std::vector<Viewpoint> read_viewpoints(const std::filesystem::path& path);
-
-/// Head line and one line each; reading it gives normalised viewpoints back bit for bit.
-std::string viewpoints_to_csv(std::span<const Viewpoint> viewpoints);
 
 }  // namespace glint

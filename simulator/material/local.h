@@ -68,10 +68,6 @@ struct ShadingFrame {
   LocalDirection to_local(const Eigen::Vector3d& direction) const {
     return {tangent.dot(direction), bitangent.dot(direction), normal.dot(direction)};
   }
-
-  Eigen::Vector3d from_local(const LocalDirection& direction) const {
-    return tangent * direction.x + bitangent * direction.y + normal * direction.z;
-  }
 };
 
 /// The frame whose tangent is the given direction, laid into the surface. A direction that is zero

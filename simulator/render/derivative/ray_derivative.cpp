@@ -169,20 +169,6 @@ std::vector<RayDerivative> differentiate(const CameraScene& scene,
 
 }  // namespace
 
-RigidTransform moved_camera(const RigidTransform& camera_from_world,
-                            const CameraTwist& twist,
-                            double unit) {
-  RigidTransform world_from_camera = inverse(camera_from_world);
-  world_from_camera.translation_mm += unit * twist.translation_mm;
-  const double angle_rad = unit * twist.rotation_rad.norm();
-  if (angle_rad != 0.0) {
-    world_from_camera.rotation =
-        Eigen::AngleAxisd(angle_rad, twist.rotation_rad.normalized()).toRotationMatrix() *
-        world_from_camera.rotation;
-  }
-  return inverse(world_from_camera);
-}
-
 std::vector<RayDerivative> corner_derivatives(const CameraScene& scene,
                                               const std::vector<CameraTwist>& twists,
                                               ThreadPool& pool) {

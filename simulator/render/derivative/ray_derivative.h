@@ -18,11 +18,6 @@ struct CameraTwist {
   Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();
 };
 
-/// The camera after `unit` times a motion.
-RigidTransform moved_camera(const RigidTransform& camera_from_world,
-                            const CameraTwist& twist,
-                            double unit);
-
 /// Everything the rays of a camera depend on.
 struct CameraScene {
   const Part& part;

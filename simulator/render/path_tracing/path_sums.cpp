@@ -82,19 +82,6 @@ PathCounts& PathCounts::operator+=(const PathCounts& other) {
   return *this;
 }
 
-ImageF group_image(const PathSums& sums, std::size_t group, int channel) {
-  const ImageF& sum = sums.groups[group].channels[static_cast<std::size_t>(channel)];
-  return image_of(sums, [&](std::size_t i) {
-    return static_cast<double>(sum.values()[i]) / samples_at(sums, i);
-  });
-}
-
-ImageF total_image(const PathSums& sums, std::span<const double> factors, int channel) {
-  return image_of(sums, [&](std::size_t i) {
-    return total_at(sums, factors, static_cast<std::size_t>(channel), i);
-  });
-}
-
 ImageF standard_error_image(const PathSums& sums, std::span<const double> factors) {
   const std::size_t channels = sums.groups.empty() ? 0 : sums.groups[0].channels.size();
   return image_of(sums, [&](std::size_t i) {

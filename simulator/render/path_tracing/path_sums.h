@@ -73,15 +73,9 @@ struct SurfaceImages {
   ImageF incidence_rad;  ///< between normal and ray, of the mean cosine
 };
 
-/// Radiance of one group at factor 1.
-ImageF group_image(const PathSums& sums, std::size_t group, int channel);
-
-/// The picture for any factors, one for each group: their weighted sum.
-ImageF total_image(const PathSums& sums, std::span<const double> factors, int channel);
-
-/// Standard error of the total at the scene's factors, mean of the channels, by the spread of
-/// single samples. Stratified samples err less: a bound rather than an estimate. Pixels of one
-/// sample: inf.
+/// Standard error of the total at the scene's factors, one for each group: mean of the channels, by
+/// the spread of single samples. Stratified samples err less: a bound rather than an estimate.
+/// Pixels of one sample: inf.
 ImageF standard_error_image(const PathSums& sums, std::span<const double> factors);
 
 CoverageImages coverage_images(const PathSums& sums);

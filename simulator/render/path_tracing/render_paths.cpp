@@ -154,14 +154,6 @@ void render_pass(const PathTask& task,
 
 }  // namespace
 
-std::vector<double> group_factors(const Lights& lights) {
-  std::vector<double> factors;
-  for (const LightGroup& group : lights.groups) {
-    factors.push_back(group.factor);
-  }
-  return factors;
-}
-
 PathSums render_paths(const PhysicalScene& scene,
                       const PathSettings& settings,
                       ThreadPool& pool,

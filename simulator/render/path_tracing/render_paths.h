@@ -37,7 +37,4 @@ PathSums render_paths(const PhysicalScene& scene,
                       ThreadPool& pool,
                       const PathPreview& preview = {});
 
-/// Factors of the scene's light groups, for total_image().
-std::vector<double> group_factors(const Lights& lights);
-
 }  // namespace glint

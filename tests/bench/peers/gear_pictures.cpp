@@ -11,6 +11,7 @@
 #include "core/image/image_io.h"
 #include "tests/bench/peers/part_mesh.h"
 #include "tests/bench/peers/process.h"
+#include "tests/simulator/render/path_tracing/path_images.h"
 
 namespace glint::peers {
 namespace {

@@ -21,6 +21,17 @@ using Eigen::Vector3d;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
+struct LabelledMesh {
+  TriangleMesh mesh;
+  std::vector<std::int32_t> labels;  ///< one a face
+};
+
+LabelledMesh read_labelled_ply(const std::filesystem::path& path) {
+  LabelledMesh result;
+  result.mesh = read_ply_with_values(path, "defect_id", result.labels);
+  return result;
+}
+
 /// 334 separate triangles with random corners and ids, 1002 vertices.
 LabelledMesh random_labelled_mesh() {
   LabelledMesh part;
@@ -60,7 +71,7 @@ TEST(WriteLabelledPly, HoldsDoublesAndOneIntAFace) {
   EXPECT_EQ(read_mesh(folder / "a.ply").num_triangles(), 12U);
 }
 
-TEST(ReadLabelledPly, GivesAPolygonsIdToAllItsTriangles) {
+TEST(ReadPlyWithValues, GivesAPolygonsIdToAllItsTriangles) {
   const TemporaryFolder folder;
   write_file(folder / "a.ply",
              "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
@@ -70,7 +81,7 @@ TEST(ReadLabelledPly, GivesAPolygonsIdToAllItsTriangles) {
   EXPECT_THAT(read_labelled_ply(folder / "a.ply").labels, ::testing::ElementsAre(5, 5, -1));
 }
 
-TEST(ReadLabelledPly, SaysWhatIsMissing) {
+TEST(ReadPlyWithValues, SaysWhatIsMissing) {
   const TemporaryFolder folder;
   write_mesh(folder / "plain.ply", cube_mesh(1.0));
   write_mesh(folder / "no.off", cube_mesh(1.0));

@@ -72,6 +72,17 @@ std::vector<std::int32_t> unlabelled(const TriangleMesh& mesh) {
   return std::vector<std::int32_t>(mesh.num_triangles(), 0);
 }
 
+/// One Loop step, with new normals.
+Subdivided subdivide_loop(const TriangleMesh& mesh,
+                          std::span<const std::int32_t> labels,
+                          std::span<const ExactPatch> patches,
+                          double crease_rad) {
+  Subdivided out = subdivide_midpoint(mesh, labels, patches);
+  out.mesh.vertices_mm = loop_places(mesh, labels, out, crease_rad);
+  set_normals(out.mesh, patches, crease_rad);
+  return out;
+}
+
 // A cube of 8 vertices, 18 edges, 12 faces becomes one of 8 + 18 = 26 vertices and 48 faces.
 TEST(SubdivideMidpoint, CountsByEulerAndKeepsTheShape) {
   const TriangleMesh cube = cube_mesh(1.5);
@@ -130,7 +141,7 @@ TEST(SubdivideMidpoint, OpenAndNonManifoldEdgesAreCutOnce) {
 // An old vertex of valence 5: c = 3/8 + cos(72 deg) / 4 = 0.452254, weight of each neighbour
 // (5/8 - c^2) / 5 = 0.0840932. Its neighbours have the mean 1 / sqrt 5 = 0.447214 of the vertex:
 // 1 - 5 * 0.0840932 * (1 - 0.447214) = 0.767572. New vertices: 3/8 of the ends, 1/8 of the others.
-TEST(SubdivideLoop, MovesTheIcosahedronAsWorkedOutByHand) {
+TEST(LoopPlaces, MovesTheIcosahedronAsWorkedOutByHand) {
   const TriangleMesh mesh = icosahedron();
   ASSERT_EQ(mesh.num_triangles(), 20U);
   const Subdivided out = subdivide_loop(mesh, unlabelled(mesh), {}, kNoCrease_rad);
@@ -152,7 +163,7 @@ TEST(SubdivideLoop, MovesTheIcosahedronAsWorkedOutByHand) {
 }
 
 // Volumes shrink towards that of the limit surface, by about a quarter as much each time.
-TEST(SubdivideLoop, ConvergesToASmoothSurface) {
+TEST(LoopPlaces, ConvergesToASmoothSurface) {
   TriangleMesh mesh = icosahedron();
   std::vector<double> volumes_mm3 = {enclosed_volume_mm3(mesh)};
   double largest_angle = 0.0;
@@ -183,7 +194,7 @@ TEST(SubdivideLoop, ConvergesToASmoothSurface) {
   EXPECT_LT(most / least, 1.03);
 }
 
-TEST(SubdivideLoop, ACubeWithCreasesKeepsItsShape) {
+TEST(LoopPlaces, ACubeWithCreasesKeepsItsShape) {
   TriangleMesh mesh = cube_mesh(1.0);
   for (int level = 0; level < 3; ++level) {
     mesh = subdivide_loop(mesh, unlabelled(mesh), {}, kSubdivisionCrease_rad).mesh;
@@ -199,7 +210,7 @@ TEST(SubdivideLoop, ACubeWithCreasesKeepsItsShape) {
 
 // The border of the labelled cap stays where the two-dimensional rule puts it, whatever lies
 // beside it: its vertices are 6/8 of themselves and 1/8 of their neighbours along the border.
-TEST(SubdivideLoop, TheBorderBetweenLabelsIsAnEdge) {
+TEST(LoopPlaces, TheBorderBetweenLabelsIsAnEdge) {
   const TriangleMesh mesh = icosahedron();
   std::vector<std::int32_t> labels = unlabelled(mesh);
   const std::int32_t top = mesh.triangles[0][0];
@@ -233,7 +244,7 @@ TEST(SubdivideLoop, TheBorderBetweenLabelsIsAnEdge) {
   }
 }
 
-TEST(SubdivideLoop, ExactSurfacesStayExact) {
+TEST(LoopPlaces, ExactSurfacesStayExact) {
   const Part part = sphere_part(5.0);
   const Subdivided out =
       subdivide_loop(part.mesh, unlabelled(part.mesh), part.patches, kSubdivisionCrease_rad);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/rng.h"
+#include "tests/metrics/aspect_image/disc_view.h"
 
 namespace glint {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "core/rng.h"
 #include "metrics/aspect_image/defect_scores.h"
+#include "tests/metrics/aspect_image/disc_view.h"
 
 namespace glint {
 namespace {

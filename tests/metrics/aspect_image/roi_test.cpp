@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "core/rng.h"
+#include "tests/metrics/aspect_image/disc_view.h"
 
 namespace glint {
 namespace {
@@ -88,16 +89,6 @@ TEST(RegionOfInterest, RefusesToBeEmpty) {
   EXPECT_THAT([] { region_of_interest(ImageF(4, 4, 1.0f), {}); },
               ::testing::ThrowsMessage<ConfigError>(
                   HasSubstr("metrics.erosion_px: no pixel is left of 16")));
-}
-
-TEST(DiscView, IsCutAtTheImageBorder) {
-  const DefectView view = disc_view("edge", 1.0, 2.0, 2.0, 50, 40);
-  EXPECT_EQ(view.left_px, 0);
-  EXPECT_EQ(view.top_px, 0);
-  EXPECT_EQ(view.distance.width(), 11);   // 1 + 5 x 2
-  EXPECT_EQ(view.distance.height(), 12);  // 2 + 5 x 2
-  EXPECT_FLOAT_EQ(view.distance(2, 3), 0.5f * std::hypot(1.5f, 1.5f));
-  EXPECT_NEAR(view.area_px, 12.56637, 1e-5);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "core/rng.h"
 #include "metrics/aspect_image/homogeneity.h"
 #include "metrics/aspect_image/scatter.h"
+#include "tests/metrics/aspect_image/disc_view.h"
 
 namespace glint {
 namespace {

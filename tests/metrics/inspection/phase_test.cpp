@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 #include "core/error.h"
 #include "core/rng.h"
@@ -131,9 +132,18 @@ TEST(PhaseMaps, ModulationOfSharpStripesIsThatOfTheirFirstHarmonic) {
   EXPECT_NEAR(phase_maps(frames, 1.0, pool).modulation(0, 0), 2.0 / kPi * 0.8 / 0.5, 1e-3);
 }
 
-// sqrt(2 / 8) * 0.01 / 0.2 = 0.025 rad.
-TEST(PhaseNoise, MatchesAHandWorkedExample) {
-  EXPECT_NEAR(phase_noise_rad(8, 1.0, 0.01, 0.2), 0.025, 1e-12);
+/// The standard deviation of a phase by the normal matrix' inverse, for the worst mixture of cosine
+/// and sine.
+double phase_noise_rad(int frames, double periods, double grey_noise, double amplitude) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  for (int j = 0; j < frames; ++j) {
+    const double angle = 2.0 * kPi * periods * j / frames;
+    const Eigen::Vector3d wave(1.0, std::cos(angle), std::sin(angle));
+    normal += wave * wave.transpose();
+  }
+  const Eigen::Matrix2d covariance = normal.inverse().bottomRightCorner<2, 2>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(covariance);
+  return std::sqrt(spread.eigenvalues()(1)) * grey_noise / amplitude;
 }
 
 TEST(PhaseNoise, IsWhatNoisyFramesShow) {
@@ -157,7 +167,7 @@ TEST(PhaseNoise, IsWhatNoisyFramesShow) {
       squares += d * d;
     }
     const double found = std::sqrt(squares / (kPixels * kPixels));
-    const double expected = phase_noise_rad(count, 1.0, 0.01, 0.3);
+    const double expected = std::sqrt(2.0 / count) * 0.01 / 0.3;
     EXPECT_NEAR(found, expected, 0.03 * expected);  // four standard errors of 10,000 pixels
   }
 }
@@ -188,7 +198,7 @@ TEST(PhaseNoise, IsThatOfTheWorstPhaseForBrokenPeriods) {
   }
   const double expected = phase_noise_rad(kFrames, 0.6, 0.005, 0.3);
   EXPECT_NEAR(worst, expected, 0.06 * expected);
-  EXPECT_GT(expected, 1.3 * phase_noise_rad(kFrames, 1.0, 0.005, 0.3));
+  EXPECT_GT(expected, 1.3 * std::sqrt(2.0 / kFrames) * 0.005 / 0.3);
 }
 
 // Half the size of the kernel off the border the window is whole, and a plane has its mean in the

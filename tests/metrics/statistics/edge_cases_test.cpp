@@ -78,9 +78,7 @@ TEST(StatisticsEdges, CurvesOfOneSizeAreNone) {
     trials.push_back({.size = 3.0, .is_hit = i % 2 == 0});
   }
   EXPECT_FALSE(fit_pod(trials).has_value());
-  EXPECT_FALSE(fit_pod_penalised(trials).has_value());
   EXPECT_FALSE(fit_pod({}).has_value());
-  EXPECT_FALSE(fit_pod_penalised({}).has_value());
   EXPECT_FALSE(fit_pod(std::array{SizedTrial{1.0, true}}).has_value());
   EXPECT_DEATH(fit_pod(std::array{SizedTrial{0.0, true}}), "sizes are positive");
 }
@@ -99,7 +97,6 @@ TEST(StatisticsEdges, CurvesOfAnyTrialsAreSoundOrNone) {
           {.size = std::exp(std::clamp(ln_size, -600.0, 600.0)), .is_hit = rng.uniform() < 0.5});
     }
     expect_a_curve_or_none(fit_pod(trials));
-    expect_a_curve_or_none(fit_pod_penalised(trials));
   }
 }
 

@@ -86,43 +86,43 @@ TEST(Storage, KeepsNaNInfinityTextsAndFailures) {
   const double infinity = std::numeric_limits<double>::infinity();
   {
     Storage storage = Storage::open(folder / "s.sqlite", identity());
-    storage.put_trial({.kind = TrialKind::kPrototype,
+    storage.put_trial({.kind = TrialKind::kPart,
                        .number = 1,
                        .name = "semi\"cylinder'",
                        .point = {1.0},
                        .outcome = Outcome{.scores = {{"nan", std::nan("")}, {"inf", -infinity}},
                                           .gradients = {{"inf", {1.5, std::nan(""), infinity}}}}});
-    storage.put_trial({.kind = TrialKind::kBaseline,
-                       .number = 1,
+    storage.put_trial({.kind = TrialKind::kPart,
+                       .number = 2,
                        .point = {},
                        .outcome = Outcome{.is_failed = true, .message = "slot wider than tunnel"}});
   }
   const Storage storage = Storage::read(folder / "s.sqlite");
-  const Trial prototype = storage.trials(TrialKind::kPrototype).at(0);
-  EXPECT_EQ(prototype.name, "semi\"cylinder'");
-  EXPECT_TRUE(std::isnan(prototype.outcome->scores.at("nan")));
-  EXPECT_EQ(prototype.outcome->scores.at("inf"), -infinity);
-  const std::vector<double> gradient = prototype.outcome->gradients.at("inf");
+  const std::vector<Trial> parts = storage.trials(TrialKind::kPart);
+  ASSERT_EQ(parts.size(), 2U);
+  EXPECT_EQ(parts[0].name, "semi\"cylinder'");
+  EXPECT_TRUE(std::isnan(parts[0].outcome->scores.at("nan")));
+  EXPECT_EQ(parts[0].outcome->scores.at("inf"), -infinity);
+  const std::vector<double> gradient = parts[0].outcome->gradients.at("inf");
   ASSERT_EQ(gradient.size(), 3U);
   EXPECT_EQ(gradient[0], 1.5);
   EXPECT_TRUE(std::isnan(gradient[1]));
   EXPECT_EQ(gradient[2], infinity);
-  const Trial baseline = storage.trials(TrialKind::kBaseline).at(0);
-  EXPECT_TRUE(baseline.outcome->is_failed);
-  EXPECT_EQ(baseline.outcome->message, "slot wider than tunnel");
+  EXPECT_TRUE(parts[1].outcome->is_failed);
+  EXPECT_EQ(parts[1].outcome->message, "slot wider than tunnel");
   EXPECT_TRUE(storage.trials(TrialKind::kSearch).empty());
 }
 
 TEST(Storage, PutTrialReplacesTheFormerOne) {
   const TemporaryFolder folder;
   Storage storage = Storage::open(folder / "s.sqlite", identity());
-  Trial trial = {.kind = TrialKind::kFinal,
+  Trial trial = {.kind = TrialKind::kPart,
                  .number = 1,
                  .outcome = Outcome{.scores = {{"a", 1.0}}, .gradients = {{"a", {1.0, 2.0}}}}};
   storage.put_trial(trial);
   trial.outcome = Outcome{.scores = {{"b", 2.0}}};
   storage.put_trial(trial);
-  const std::vector<Trial> trials = storage.trials(TrialKind::kFinal);
+  const std::vector<Trial> trials = storage.trials(TrialKind::kPart);
   ASSERT_EQ(trials.size(), 1U);
   EXPECT_EQ(trials[0].outcome->scores, (Scores{{"b", 2.0}}));
   EXPECT_TRUE(trials[0].outcome->gradients.empty());
@@ -133,7 +133,7 @@ TEST(Storage, RemembersTheStudyAndItsSessions) {
   StudyIdentity study = identity();
   study.seed = 0xFFFFFFFFFFFFFFFFULL;
   for (int i = 0; i < 3; ++i) {
-    Storage storage = Storage::open(folder / "s.sqlite", study, {.is_synced = i == 1});
+    Storage storage = Storage::open(folder / "s.sqlite", study);
     EXPECT_EQ(storage.identity().seed, study.seed);
     EXPECT_EQ(storage.identity().config_text, "[part]\n");
     EXPECT_DOUBLE_EQ(storage.total_seconds(), 1.5 * i);

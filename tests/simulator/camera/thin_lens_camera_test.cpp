@@ -29,6 +29,12 @@ CameraSettings gear_camera() {
           .p1 = 1e-3};
 }
 
+ThinLensCamera make_camera(const CameraSettings& camera, const LensSettings& lens) {
+  const LensGeometry g = lens_geometry(camera, lens);
+  return ThinLensCamera(PinholeCamera(intrinsics_of(camera, lens)),
+                        {.aperture_mm = g.aperture_mm, .focus_mm = g.focus_mm});
+}
+
 Vector3d at_depth(const CameraRay& ray, double depth_mm) {
   return ray.origin_mm + (depth_mm - ray.origin_mm.z()) / ray.direction.z() * ray.direction;
 }

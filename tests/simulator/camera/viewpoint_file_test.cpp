@@ -10,6 +10,7 @@
 #include "core/config/toml.h"
 #include "core/file.h"
 #include "core/rng.h"
+#include "core/text.h"
 
 namespace glint {
 namespace {
@@ -30,6 +31,26 @@ std::string csv_error(const std::string& text) {
 
 std::string json_error(const std::string& text) {
   return message_of([&] { parse_viewpoints_json(text, "v.json"); });
+}
+
+Viewpoint viewpoint_of(const ViewpointVector& v) {
+  return {
+      .position_mm = {v[0], v[1], v[2]}, .direction = {v[3], v[4], v[5]}, .up = {v[6], v[7], v[8]}};
+}
+
+/// Head line and one line each, with numbers that read back as the same.
+std::string viewpoints_to_csv(const std::vector<Viewpoint>& viewpoints) {
+  std::string text =
+      "position_x_mm,position_y_mm,position_z_mm,direction_x,direction_y,direction_z,"
+      "up_x,up_y,up_z\n";
+  for (const Viewpoint& viewpoint : viewpoints) {
+    std::vector<std::string> fields;
+    for (const double value : vector_of(viewpoint)) {
+      fields.push_back(shortest(value));
+    }
+    text += join(fields, ",") + "\n";
+  }
+  return text;
 }
 
 TEST(ViewpointFile, CsvTomlAndJsonSayTheSame) {

@@ -49,9 +49,9 @@ class PolarBins {
           std::sin(angle_rad) * width_ * std::cosh(t) * last_ / kRows * 2.0 * kPi / kColumns;
       for (int c = 0; c < kColumns; ++c) {
         const double phi_rad = 2.0 * kPi * ((c + 0.5) / kColumns - 0.5);
-        const Eigen::Vector3d v = frame_.from_local({std::sin(angle_rad) * std::cos(phi_rad),
-                                                     std::sin(angle_rad) * std::sin(phi_rad),
-                                                     std::cos(angle_rad)});
+        const Eigen::Vector3d v = std::sin(angle_rad) * std::cos(phi_rad) * frame_.tangent +
+                                  std::sin(angle_rad) * std::sin(phi_rad) * frame_.bitangent +
+                                  std::cos(angle_rad) * frame_.normal;
         const auto bin = static_cast<std::size_t>(r / kSteps * kSectors + c / kSteps);
         sums[bin] += area * density(material, to_viewer, {v.x(), v.y(), v.z()});
       }

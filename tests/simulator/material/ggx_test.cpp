@@ -131,7 +131,7 @@ TEST(FrameAt, IsOrthonormalForAnyTangent) {
       ASSERT_TRUE((axes.transpose() * axes).isIdentity(1e-12));
       ASSERT_NEAR(axes.determinant(), 1.0, 1e-12);
       const LocalDirection local = frame.to_local(other);
-      ASSERT_LT((frame.from_local(local) - other).norm(), 1e-12);
+      ASSERT_LT((axes * Eigen::Vector3d(local.x, local.y, local.z) - other).norm(), 1e-12);
     }
   }
 }

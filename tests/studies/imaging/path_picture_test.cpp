@@ -10,6 +10,7 @@
 #include "core/rng.h"
 #include "simulator/render/path_tracing/path_settings.h"
 #include "studies/imaging/scene_store.h"
+#include "tests/simulator/render/path_tracing/path_images.h"
 #include "tests/studies/imaging/path_support.h"
 
 namespace glint {

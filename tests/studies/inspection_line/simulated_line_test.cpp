@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/metrics/aspect_image/disc_view.h"
 #include "tests/studies/inspection_line/visibility_support.h"
 
 namespace glint {

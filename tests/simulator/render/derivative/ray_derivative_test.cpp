@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include "core/rng.h"
 #include "simulator/render/ray_cache/packet_tracer.h"
@@ -78,6 +79,21 @@ Vector3d origin_of_escape(const EscapePacket& e) {
 
 Vector3d direction_of_escape(const EscapePacket& e) {
   return {e.direction_x[0], e.direction_y[0], e.direction_z[0]};
+}
+
+/// The camera after `unit` times a motion.
+RigidTransform moved_camera(const RigidTransform& camera_from_world,
+                            const CameraTwist& twist,
+                            double unit) {
+  RigidTransform world_from_camera = inverse(camera_from_world);
+  world_from_camera.translation_mm += unit * twist.translation_mm;
+  const double angle_rad = unit * twist.rotation_rad.norm();
+  if (angle_rad != 0.0) {
+    world_from_camera.rotation =
+        Eigen::AngleAxisd(angle_rad, twist.rotation_rad.normalized()).toRotationMatrix() *
+        world_from_camera.rotation;
+  }
+  return inverse(world_from_camera);
 }
 
 struct Agreement {

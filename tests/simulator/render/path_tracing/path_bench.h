@@ -11,6 +11,7 @@
 #include "simulator/light/area/build_lights.h"
 #include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/path_tracing/render_paths.h"
+#include "tests/simulator/render/path_tracing/path_images.h"
 
 namespace glint::path_test {
 

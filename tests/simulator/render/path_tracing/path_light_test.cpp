@@ -91,20 +91,6 @@ TEST(LightGroups, TwoLightsAreTheSumOfSingles) {
   EXPECT_NEAR(both, sum, 0.01 * both);
 }
 
-TEST(LightGroups, TotalIsTheWeightedSumOfThePictures) {
-  const PathBench bench(
-      bent_strip(), matt(0.5), {ring_at(100.0), bar_aside(), white_sky(0.1)}, small_camera(2.0));
-  const PathSums sums = bench.render({.samples = 8});
-  ASSERT_EQ(sums.groups.size(), 3U);
-  const std::vector<double> factors = {2.0, 0.0, 0.5};
-  const ImageF total = total_image(sums, factors, 1);
-  const ImageF ring = group_image(sums, 0, 1);
-  const ImageF sky = group_image(sums, 2, 1);
-  for (std::size_t i = 0; i < total.size(); ++i) {
-    EXPECT_NEAR(total.values()[i], 2.0F * ring.values()[i] + 0.5F * sky.values()[i], 1e-5F);
-  }
-}
-
 TEST(LightGroups, FactorsDoNotChangeTheGroupsThemselves) {
   PathBench bench(bent_strip(), matt(0.5), {ring_at(100.0), bar_aside()}, small_camera(2.0));
   const PathSums before = bench.render({.samples = 8});

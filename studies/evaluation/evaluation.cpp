@@ -2,12 +2,8 @@
 #include "studies/evaluation/evaluation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
-
-#include <fmt/format.h>
 
 #include "metrics/aspect_image/scatter.h"
 #include "metrics/statistics/estimate.h"

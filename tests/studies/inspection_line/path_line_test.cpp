@@ -67,13 +67,14 @@ int found_on(const SimulatedLine& line, int parts) {
   return found;
 }
 
-/// A flawless part under red light that a third of the part's red channel is too bright for.
-SceneSettings colour_line() {
+/// A flawless part in colour.
+/// @param red, others  radiance of the ring in the channels
+SceneSettings colour_line(double red, double others) {
   SceneSettings scene = ring_line(0.0);
   scene.defects.clear();
   scene.sensor.wavelengths_nm = {630.0, 532.0, 465.0};
   scene.sensor.full_well_e = 2000.0;
-  std::get<RingSettings>(scene.lights[0].settings).emission.radiance = {40.0, 6.0, 6.0};
+  std::get<RingSettings>(scene.lights[0].settings).emission.radiance = {red, others, others};
   scene.paths.samples = 64;
   return scene;
 }
@@ -111,9 +112,14 @@ ImageF difference(const ImageF& a, const ImageF& b) {
 // Each channel clips and has noise by itself: of a mean of three channels alike the noise is less
 // than that of one by the root of 3.
 TEST(PathLine, ClipsAndHasNoiseAsTheScoresOfAColourSensor) {
-  const SceneSettings scene = colour_line();
   ThreadPool pool(2);
   SceneStore store(pool);
+  // Red light that brings the part to full scale on average, the others to a third of it.
+  constexpr double kDim = 0.5;
+  const double grey = evaluate(store, colour_line(kDim, kDim)).scores.at("homogeneity.mean");
+  ASSERT_GT(grey, 0.0);
+  ASSERT_LT(grey, 0.5);
+  const SceneSettings scene = colour_line(kDim / grey, kDim / (3.0 * grey));
   const Evaluation scored = evaluate(store, scene);
   const Mask& region = scored.traced->region.mask;
   EXPECT_GT(scored.scores.at("homogeneity.clipped_share"), 0.1) << "else nothing is clipped";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Inner header of glint::defects: a mesh made finer in places by bisecting longest edges, and where
-// a new vertex on an edge lies.
+// Inner header of glint::defects::surface: a mesh made finer in places by bisecting longest edges,
+// and where a new vertex on an edge lies.
 #pragma once
 
 #include <cstdint>

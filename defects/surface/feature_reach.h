@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Inner header of glint::defects: which faces the height features of a displacement reach, and how
-// fine these must be.
+// Inner header of glint::defects::surface: which faces the height features of a displacement reach,
+// and how fine these must be.
 #pragma once
 
 #include <array>

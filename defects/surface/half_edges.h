@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Inner header of glint::defects: which face lies across an edge, and which faces share a vertex.
-// Half edge 3 f + k runs from corner k of face f to corner k + 1.
+// Inner header of glint::defects::surface: which face lies across an edge, and which faces share a
+// vertex. Half edge 3 f + k runs from corner k of face f to corner k + 1.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Inner header of glint::defects: vertices moved without the mesh crossing itself.
+// Inner header of glint::defects::surface: vertices moved without the mesh crossing itself.
 #pragma once
 
 #include <cstdint>

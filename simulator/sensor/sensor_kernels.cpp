@@ -7,13 +7,6 @@
 
 #include "core/simd.h"
 
-// A thread sanitizer cannot run in the resolvers that choose a clone before main().
-#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
-#define GLINT_CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#else
-#define GLINT_CLONES
-#endif
-
 namespace glint::sensor_kernels {
 namespace {
 
@@ -96,14 +89,14 @@ GLINT_INLINE float tail_quantile(float tail) {
 
 }  // namespace
 
-GLINT_CLONES void weigh_rows(const TapRows& taps, int width, float* __restrict out) {
+GLINT_WIDE void weigh_rows(const TapRows& taps, int width, float* __restrict out) {
   weigh_some<true>(taps, 0, width, out);
   for (int first = kTapsPerPass; first < taps.radius; first += kTapsPerPass) {
     weigh_some<false>(taps, first, width, out);
   }
 }
 
-GLINT_CLONES void to_grey(
+GLINT_WIDE void to_grey(
     const float* __restrict values, float scale, int levels, int width, float* __restrict grey) {
   if (levels == 0) {
     for (int x = 0; x < width; ++x) {
@@ -121,10 +114,10 @@ GLINT_CLONES void to_grey(
   }
 }
 
-GLINT_CLONES void accumulate(const float* __restrict values,
-                             int width,
-                             double* __restrict sum,
-                             std::uint16_t* __restrict clipped) {
+GLINT_WIDE void accumulate(const float* __restrict values,
+                           int width,
+                           double* __restrict sum,
+                           std::uint16_t* __restrict clipped) {
   for (int x = 0; x < width; ++x) {
     sum[x] += static_cast<double>(values[x]);
   }
@@ -134,16 +127,16 @@ GLINT_CLONES void accumulate(const float* __restrict values,
   }
 }
 
-GLINT_CLONES void scale_and_shift(float factor, float offset, int width, float* __restrict values) {
+GLINT_WIDE void scale_and_shift(float factor, float offset, int width, float* __restrict values) {
   for (int x = 0; x < width; ++x) {
     values[x] = factor * values[x] + offset;
   }
 }
 
-GLINT_CLONES void philox_words(const NoiseAddress& address,
-                               std::uint32_t first_block,
-                               int blocks,
-                               std::uint32_t* __restrict words) {
+GLINT_WIDE void philox_words(const NoiseAddress& address,
+                             std::uint32_t first_block,
+                             int blocks,
+                             std::uint32_t* __restrict words) {
   const NoiseAddress own = address;
   for (int b = 0; b < blocks; ++b) {
     std::uint32_t c0 = first_block + static_cast<std::uint32_t>(b);
@@ -170,9 +163,9 @@ GLINT_CLONES void philox_words(const NoiseAddress& address,
   }
 }
 
-GLINT_CLONES void normal_quantiles(const std::uint32_t* __restrict words,
-                                   int count,
-                                   float* __restrict normals) {
+GLINT_WIDE void normal_quantiles(const std::uint32_t* __restrict words,
+                                 int count,
+                                 float* __restrict normals) {
   for (int i = 0; i < count; ++i) {
     // The smaller tail keeps its precision: 1 - u would round to 0 far out.
     const auto above = static_cast<std::int32_t>(words[i] ^ 0x80000000U);
@@ -186,18 +179,18 @@ GLINT_CLONES void normal_quantiles(const std::uint32_t* __restrict words,
   }
 }
 
-GLINT_CLONES void add_shot_noise(const float* __restrict normals,
-                                 int width,
-                                 float* __restrict electrons) {
+GLINT_WIDE void add_shot_noise(const float* __restrict normals,
+                               int width,
+                               float* __restrict electrons) {
   for (int x = 0; x < width; ++x) {
     electrons[x] += std::sqrt(electrons[x]) * normals[x];
   }
 }
 
-GLINT_CLONES void add_scaled(float sigma,
-                             const float* __restrict normals,
-                             int width,
-                             float* __restrict electrons) {
+GLINT_WIDE void add_scaled(float sigma,
+                           const float* __restrict normals,
+                           int width,
+                           float* __restrict electrons) {
   for (int x = 0; x < width; ++x) {
     electrons[x] += sigma * normals[x];
   }

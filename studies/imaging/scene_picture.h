@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What a candidate is seen as: the mean of its frames, the frames themselves, and what its defects
-// hide of the flawless part. Whoever scores a picture does not know how light got into it; which
-// transport a scene needs is asked in picture_of() alone.
+// hide of the flawless part. Whoever scores a picture does not know how light got into it: for
+// scores picture_of() alone asks which transport a scene needs.
 #pragma once
 
 #include <cstdint>

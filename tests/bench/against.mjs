@@ -6,8 +6,8 @@
 //
 // Compares the rows of benchmark programs of two builds (script/bench --against). Old and new take
 // turns, every run a process of its own, so that what disturbs the machine for a while disturbs
-// both. A row fails when the lower end of the 95 % confidence interval of its median ratio new/old
-// is above 1.03. FILE keeps the rounds: the same command goes on where it was interrupted.
+// both. A row fails when the one-sided lower 95 % bound of its median ratio new/old is above
+// 1.03. FILE keeps the rounds: the same command goes on where it was interrupted.
 // --check only checks the options. Exit code 0 when no row fails, 1 when one does, 2 when nothing
 // can be compared.
 import { spawn, spawnSync } from "node:child_process";

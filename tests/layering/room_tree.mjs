@@ -5,8 +5,10 @@ import { readFileSync, readdirSync } from "node:fs";
 import path from "node:path";
 
 export const MAP = "CONTRIBUTING.md";
-const SKIPPED = new Set([".git", "build", "node_modules", "out"]);
-const NO_ROOMS = new Set(["docs", "script", "tests"]);
+// Whatever else lies in the root folder (build folders, environments) is none of the sources.
+const TOP = ["core", "simulator", "defects", "metrics", "optimizer", "hardware", "studies", "cli"];
+const SKIPPED = new Set(["node_modules"]);
+const NO_ROOMS = new Set(["tests"]);
 
 export const violations = [];
 
@@ -48,8 +50,10 @@ function readFolders(root, folder = "", folders = new Map()) {
   if (folder !== "" && headers.length + sources.length > 0) {
     folders.set(folder, { headers, sources });
   }
+  const isWanted = (name) =>
+    folder === "" ? TOP.includes(name) || NO_ROOMS.has(name) : !SKIPPED.has(name);
   for (const entry of entries) {
-    if (entry.isDirectory() && !SKIPPED.has(entry.name)) {
+    if (entry.isDirectory() && isWanted(entry.name)) {
       readFolders(root, path.posix.join(folder, entry.name), folders);
     }
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Inner header of glint::geometry: what the readers of the mesh formats share.
+// Inner header of glint::geometry::mesh_file: what the readers of the mesh formats share.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Inner header of glint::geometry: the readers of OBJ and OFF files.
+// Inner header of glint::geometry::mesh_file: the readers of OBJ and OFF files.
 #pragma once
 
 #include <string>

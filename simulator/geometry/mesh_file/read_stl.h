@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Inner header of glint::geometry: the reader of STL files.
+// Inner header of glint::geometry::mesh_file: the reader of STL files.
 #pragma once
 
 #include <string>

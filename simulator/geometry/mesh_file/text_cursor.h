@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Inner header of glint::geometry: words and numbers of a text file, with their places.
+// Inner header of glint::geometry::mesh_file: words and numbers of a text file, with their places.
 #pragma once
 
 #include <cstddef>

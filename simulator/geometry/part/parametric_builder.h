@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Inner header of glint::geometry: how parametric parts are put together.
+// Inner header of glint::geometry::part: how parametric parts are put together.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Inner header of glint::geometry: the parametric spur gear.
+// Inner header of glint::geometry::part: the parametric spur gear.
 #pragma once
 
 #include "simulator/geometry/part/part.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Draws the report from the JSON object in the page; see studies/report.h for its fields.
+// Draws the report from the JSON object in the page; see studies/report/report.h for its fields.
 import { designSection } from './cards.js';
 import { badge, h, section } from './dom.js';
 import { Facts, isNumber, plural } from './format.js';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sections of populations: drawings and tables as the program made them; see studies/report.h.
+// Sections of populations: drawings and tables as the program made them; see studies/report/report.h.
 import { h, section, svgNode } from './dom.js';
 
 const kNumber = /^(> )?[-\u2013]?[0-9.]+( |$)/;

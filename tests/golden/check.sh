@@ -51,11 +51,13 @@ digests() { # folder
     done
 }
 
-case $study in
-  gear_defects) verb=(imprint "gallery/$study/scene.toml" --count 5 --seed 7) ;;
-  gear_ring | viewpoints) verb=(render "gallery/$study/scene.toml") ;;
-  *) verb=(run "gallery/$study/study.toml" --jobs 2) ;;
-esac
+if [[ -e gallery/$study/study.toml ]]; then
+  verb=(run "gallery/$study/study.toml" --jobs 2)
+elif [[ $study == gear_defects ]]; then
+  verb=(imprint "gallery/$study/scene.toml" --count 5 --seed 7)
+else
+  verb=(render "gallery/$study/scene.toml")
+fi
 "$program" "${verb[@]}" --out out --threads 2 --quiet
 
 expected=$records/$(machine_kind out/run.json)/$study.txt
@@ -67,6 +69,6 @@ elif [[ ! -e $expected ]]; then
   echo "skipped: no digests are recorded for this kind of machine, $(basename "${expected%/*}")"
   exit 77
 elif ! diff --unified=0 "$expected" digests.txt; then
-  echo "golden: files of $study differ from those recorded"
+  echo "golden: files of $study differ from those recorded (other versions of Embree or OpenImageIO may be why)"
   exit 1
 fi

@@ -1,0 +1,151 @@
+# shellcheck shell=bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+#
+# The parts of `script/test --deep`: what is checked more rarely than at each commit, because it
+# takes hours. To be sourced after common.sh. A part is a function deep_<name>; each is meant to
+# stay below 40 minutes on two cores, so that one can be run at a time.
+
+# part, minutes on two cores when it was last measured, what it does
+deep_parts='
+clang          - the fast tests, built by clang
+asan           - the fast tests but those of studies and cli, under AddressSanitizer and UBSan
+asan_studies   - those of studies and cli, under AddressSanitizer and UBSan
+tsan           - tests of core, optimizer and studies under ThreadSanitizer
+tidy_core      - clang-tidy on core, metrics, optimizer, defects and cli
+tidy_simulator - clang-tidy on simulator
+tidy_studies   - clang-tidy on studies
+tidy_tests     - clang-tidy on tests
+fuzz           - each fuzzer for a minute
+slow           - tests labelled slow, but those below
+slow_search    - the searches of the gallery again, from their study files
+slow_golden    - every file that the studies of the gallery write, against its digest
+'
+
+list_deep_parts() {
+  printf '%-15s %-7s %s\n' part minutes 'what it does'
+  printf '%s\n' "$deep_parts" | while read -r name minutes text; do
+    [[ -z $name ]] || printf '%-15s %-7s %s\n' "$name" "$minutes" "$text"
+  done
+}
+
+# ctest on a preset's folder, two tests at once.
+run_tests() { # preset, options of ctest
+  local preset=$1 jobs
+  shift
+  jobs=$(job_count)
+  GTEST_BRIEF=1 ctest --test-dir "$root/build/$preset" --output-on-failure --no-tests=error \
+    -j "$((jobs < 2 ? jobs : 2))" "$@"
+}
+
+# Tests that look at files and text alone, or run other programs than ours.
+outside='^(layering|bench_against|golden)'
+
+# `&&` throughout: bash forgets `set -e` in what a condition calls.
+deep_clang() {
+  "$root/script/bootstrap" --fuzz && build_preset clang && run_tests clang -LE slow
+}
+
+# A sanitizer makes everything two to ten times slower.
+sanitizer_timeout_s=3000
+
+deep_asan() {
+  build_preset asan && run_tests asan -LE slow -E "$outside|^(studies|cli)" --timeout "$sanitizer_timeout_s"
+}
+
+deep_asan_studies() {
+  build_preset asan && run_tests asan -LE slow -R '^(studies|cli)' --timeout "$sanitizer_timeout_s"
+}
+
+deep_tsan() {
+  build_preset tsan || return
+  TSAN_OPTIONS="suppressions=$root/tests/support/tsan_suppressions.txt halt_on_error=1" \
+    run_tests tsan -LE slow -R '^(core|optimizer|studies)' --timeout "$sanitizer_timeout_s"
+}
+
+deep_tidy_core() { tidy_folders core metrics optimizer defects cli; }
+deep_tidy_simulator() { tidy_folders simulator; }
+deep_tidy_studies() { tidy_folders studies; }
+deep_tidy_tests() { tidy_folders tests; }
+
+tidy_folders() { "$root/script/lint" --tidy "$@"; }
+
+deep_fuzz() {
+  "$root/script/bootstrap" --fuzz && build_preset fuzz || return
+  local program name status=0
+  for program in "$root"/build/fuzz/tests/fuzz/fuzz_*; do
+    name=${program##*/fuzz_}
+    [[ -x $program && -f $program ]] || continue
+    fuzz_for_a_minute "$program" "$name" || status=1
+  done
+  return "$status"
+}
+
+# Begins with what users write: a fuzzer that starts from nothing never gets past the first line.
+fuzz_for_a_minute() { # program, name
+  local -a seeds=()
+  case $2 in
+    toml) seeds=("$root/studies/gallery/tunnel_shape" "$root/studies/gallery/gear_ring") ;;
+    mesh) seeds=("$root/../shared/data/meshes") ;;
+    ies) seeds=("$root/../shared/data/field/ies") ;;
+  esac
+  local corpus=$root/build/fuzz/corpus_$2 seed
+  local -a folders=("$corpus")
+  mkdir -p "$corpus"
+  for seed in "${seeds[@]}"; do
+    [[ ! -d $seed ]] || folders+=("$seed")
+  done
+  # OpenImageIO keeps its messages for as long as the program runs.
+  local leaks=1
+  [[ $2 != picture ]] || leaks=0
+  echo "fuzzing $2" >&2
+  ASAN_OPTIONS=detect_leaks=$leaks "$1" -max_total_time=60 -max_len=4000 -verbosity=0 \
+    -artifact_prefix="$root/build/fuzz/$2-" "${folders[@]}"
+}
+
+search_tests='^gallery_search$'
+golden_tests='^golden'
+
+deep_slow() {
+  build_preset dev && run_tests dev -L slow -E "$search_tests|$golden_tests"
+}
+
+deep_slow_search() {
+  build_preset dev && run_tests dev -L slow -R "$search_tests"
+}
+
+deep_slow_golden() {
+  build_preset dev && run_tests dev -R "$golden_tests"
+}
+
+# Runs the named parts, all without a name, and says of each how it ended and how long it took.
+run_deep() { # parts...
+  local -a known parts failed=()
+  mapfile -t known < <(printf '%s\n' "$deep_parts" | awk 'NF { print $1 }')
+  parts=("$@")
+  (($# > 0)) || parts=("${known[@]}")
+  local part begin log
+  for part in "${parts[@]}"; do
+    if [[ " ${known[*]} " != *" $part "* ]]; then
+      echo "test: no part $part, allowed are ${known[*]}" >&2
+      return 2
+    fi
+  done
+  mkdir -p "$root/build/deep"
+  for part in "${parts[@]}"; do
+    begin=$SECONDS
+    log=$root/build/deep/$part.log
+    echo "deep: $part" >&2
+    if "deep_$part" 2>&1 | tee "$log"; then
+      report_part "$part" passed "$begin"
+    else
+      report_part "$part" "FAILED, see build/deep/$part.log" "$begin"
+      failed+=("$part")
+    fi
+  done
+  ((${#failed[@]} == 0))
+}
+
+report_part() { # part, how it ended, when it began
+  awk -v part="$1" -v how="$2" -v s="$((SECONDS - $3))" \
+    'BEGIN { printf "deep: %-15s %6.1f min  %s\n", part, s / 60, how }' | tee -a "$root/build/deep/parts.txt" >&2
+}

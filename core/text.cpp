@@ -48,6 +48,11 @@ std::string shortest(double value) {
   return {buffer.data(), result.ptr};
 }
 
+std::string length_text(double length_mm) {
+  const double factor = length_mm >= 100.0 ? 10.0 : length_mm >= 1.0 ? 100.0 : 1000.0;
+  return shortest(std::round(length_mm * factor) / factor) + " mm";
+}
+
 std::vector<std::string> split(std::string_view text, char separator) {
   std::vector<std::string> parts;
   for (;;) {

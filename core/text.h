@@ -14,6 +14,9 @@ std::string nearest(std::string_view word, std::span<const std::string> candidat
 /// The shortest decimal text that reads back as the same double; never locale-dependent.
 std::string shortest(double value);
 
+/// A length as a person writes it: at most 3 decimals, no trailing zeros, "66.7 mm".
+std::string length_text(double length_mm);
+
 /// The parts between separators; empty parts are kept.
 std::vector<std::string> split(std::string_view text, char separator);
 

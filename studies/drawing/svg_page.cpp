@@ -43,11 +43,6 @@ double reading_angle_deg(const Vector2d& along) {
 
 }  // namespace
 
-std::string length_text(double length_mm) {
-  const double factor = length_mm >= 100.0 ? 10.0 : length_mm >= 1.0 ? 100.0 : 1000.0;
-  return shortest(std::round(length_mm * factor) / factor) + " mm";
-}
-
 void SvgPage::line(const Vector2d& a, const Vector2d& b, std::string_view style) {
   body_ += fmt::format("<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" {}/>\n",
                        coordinate(a.x()),

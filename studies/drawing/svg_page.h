@@ -13,9 +13,6 @@ namespace glint {
 inline constexpr std::string_view kDrawingInk = "#27313a";
 inline constexpr std::string_view kDrawingSoft = "#6b7680";
 
-/// A length as a person writes it: at most 3 decimals, no trailing zeros, "66.7 mm".
-std::string length_text(double length_mm);
-
 /// An SVG drawing under construction. Positions are in drawing units, y downwards; they are written
 /// with 2 decimals in any locale, so equal drawings are equal bytes. A style is a list of SVG
 /// attributes.

@@ -84,5 +84,12 @@ TEST(Sha256Hex, GivesThePublishedDigests) {
   EXPECT_EQ(sha256_hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
 }
 
+TEST(LengthText, RoundsAsAPersonWould) {
+  EXPECT_EQ(length_text(200.0), "200 mm");
+  EXPECT_EQ(length_text(618.4661), "618.5 mm");
+  EXPECT_EQ(length_text(66.666), "66.67 mm");
+  EXPECT_EQ(length_text(1.0 / 3.0), "0.333 mm");
+}
+
 }  // namespace
 }  // namespace glint

@@ -212,13 +212,6 @@ TEST(MarkupFault, SeesWrongNestingAndBareCharacters) {
   EXPECT_NE(markup_fault("<a>"), "");
 }
 
-TEST(LengthText, RoundsAsAPersonWould) {
-  EXPECT_EQ(length_text(200.0), "200 mm");
-  EXPECT_EQ(length_text(618.4661), "618.5 mm");
-  EXPECT_EQ(length_text(66.666), "66.67 mm");
-  EXPECT_EQ(length_text(1.0 / 3.0), "0.333 mm");
-}
-
 // The longest round bar of at most 90 units: at 1.6 units/mm 50 mm are 80 units, 100 mm too long;
 // at 0.5 units/mm 100 mm are 50 and 200 mm already 100.
 TEST(SvgPage, ScaleBarIsTheLongestRoundLengthThatFits) {

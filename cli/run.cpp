@@ -153,7 +153,7 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
 
 int render_command(const StudyArguments& arguments, const CommonArguments& common) {
   const Study study = load_study(arguments);
-  const bool is_views = arguments.is_masks || needs_paths(study.scene);
+  const bool is_views = arguments.is_masks || allows_many_viewpoints(study.scene);
   if (is_views) {
     std::signal(SIGINT, on_interrupt);
     std::signal(SIGTERM, on_interrupt);

@@ -184,13 +184,13 @@ void check_level(const ConfigNode& root,
     errors.push_back(with_place(root, message));
   };
   const Method method = scene.render.method;
-  if (needs_paths(scene)) {
-    if (method != Method::kAuto && method != Method::kPaths) {
-      fail(
-          fmt::format("render.method: is \"{}\", which knows a plain mirror under one tunnel only; "
-                      "this scene needs \"auto\" or \"paths\"",
-                      method_name(method)));
-    }
+  if (needs_paths(scene) && method != Method::kAuto && method != Method::kPaths) {
+    fail(
+        fmt::format("render.method: is \"{}\", which knows a plain mirror under one tunnel only; "
+                    "this scene needs \"auto\" or \"paths\"",
+                    method_name(method)));
+  }
+  if (allows_many_viewpoints(scene)) {
     return;
   }
   if (scene.viewpoints.size() != 1) {
@@ -281,6 +281,14 @@ std::size_t place_size(const std::string& message) {
 bool needs_paths(const SceneSettings& scene) {
   return scene.render.method == RenderSettings::Method::kPaths || !scene.has_tunnel ||
          !scene.lights.empty() || !is_plain_mirror(scene.material);
+}
+
+bool is_lit(const SceneSettings& scene) {
+  return scene.has_tunnel || !scene.lights.empty();
+}
+
+bool allows_many_viewpoints(const SceneSettings& scene) {
+  return needs_paths(scene);
 }
 
 std::vector<std::filesystem::path> input_files(const SceneSettings& scene) {

@@ -58,6 +58,13 @@ struct SceneSettings {
 /// than a plain mirror, or because [render] asks for it. All else is level 0.
 bool needs_paths(const SceneSettings& scene);
 
+/// Whether any light shines in it.
+bool is_lit(const SceneSettings& scene);
+
+/// Whether it may be looked at from many viewpoints, each of which `glint render` shows by itself;
+/// a scan of a mirror has one.
+bool allows_many_viewpoints(const SceneSettings& scene);
+
 /// All files that the scene reads, but for those that are empty.
 std::vector<std::filesystem::path> input_files(const SceneSettings& scene);
 

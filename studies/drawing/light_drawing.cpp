@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
-#include <variant>
 
 #include <fmt/format.h>
 
 #include "core/text.h"
-#include "core/units.h"
+#include "studies/definition/scene_notes.h"
 #include "studies/drawing/light_section.h"
 #include "studies/drawing/svg_page.h"
 
@@ -145,67 +143,7 @@ void draw_lights(SvgPage& page, const LightLines& lines, const View& view) {
   }
 }
 
-std::string range_text(double low, double high) {
-  return shortest(std::round(low * 100.0) / 100.0) + " to " + length_text(high);
-}
-
-std::string degrees_text(double angle_rad) {
-  return shortest(std::round(angle_rad * kDegPerRad * 10.0) / 10.0) + "\u00b0";
-}
-
-std::string line_of(const RingSettings& ring) {
-  std::string text = "radii " + range_text(ring.inner_radius_mm, ring.outer_radius_mm);
-  text += ring.height_mm != 0.0 ? ", at " + length_text(ring.height_mm) : "";
-  text += ring.tilt_rad != 0.0 ? ", tilted by " + degrees_text(ring.tilt_rad) : "";
-  return text + (ring.leds > 0 ? fmt::format(", {} LEDs", ring.leds) : "");
-}
-
-std::string line_of(const DomeSettings& dome) {
-  return "radius " + length_text(dome.radius_mm) + ", opening " + length_text(dome.opening_mm);
-}
-
-std::string line_of(const BarSettings& bar) {
-  return length_text(bar.length_mm) + " x " + length_text(bar.width_mm);
-}
-
-std::string line_of(const CoaxialSettings& light) {
-  return length_text(light.width_mm) + " x " + length_text(light.height_mm);
-}
-
-std::string line_of(const MeshLightSettings& light) {
-  return light.file.filename().string();
-}
-
-std::string line_of(const EnvironmentSettings& light) {
-  return light.file.empty() ? "the same from everywhere" : light.file.filename().string();
-}
-
-std::string line_of(const IesLightSettings& light) {
-  return light.file.filename().string();
-}
-
 }  // namespace
-
-std::vector<std::string> light_lines(const SceneSettings& scene) {
-  std::vector<std::string> lines;
-  if (scene.has_tunnel) {
-    lines.push_back(scene.tunnel_name + ": tunnel");
-  }
-  for (const NamedLight& light : scene.lights) {
-    lines.push_back(std::visit(
-        [&](const auto& settings) {
-          using Settings = std::decay_t<decltype(settings)>;
-          const bool is_on_camera = settings.placement.mount == LightPlacement::Mount::kCamera;
-          const std::string where = std::is_same_v<Settings, EnvironmentSettings> ? ""
-                                    : is_on_camera ? ", on the camera"
-                                                   : ", on the part";
-          return fmt::format(
-              "{}: {}, {}{}", light.name, light_type(light.settings), line_of(settings), where);
-        },
-        light.settings));
-  }
-  return lines;
-}
 
 std::string area_lights_svg(const SceneSettings& scene,
                             const PhysicalScene& physical,

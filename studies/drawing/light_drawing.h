@@ -18,7 +18,4 @@ std::string area_lights_svg(const SceneSettings& scene,
                             const PhysicalScene& physical,
                             const std::string& title);
 
-/// One line about each light: "ring: ring, radii 25 to 40 mm, at 30 mm, on the camera".
-std::vector<std::string> light_lines(const SceneSettings& scene);
-
 }  // namespace glint

@@ -264,22 +264,4 @@ Evaluation evaluate(SceneStore& store,
   return result;
 }
 
-SceneSettings finer(SceneSettings scene) {
-  using Method = RenderSettings::Method;
-  constexpr int kFreshSeed = 1000003;
-  scene.sensor.seed += kFreshSeed;
-  if (needs_paths(scene)) {
-    constexpr int kMoreSamples = 4;  // half the standard error
-    constexpr int kMostSamples = 65535;
-    scene.paths.seed += kFreshSeed;
-    scene.paths.samples = std::min(kMostSamples, kMoreSamples * scene.paths.samples);
-  } else if (scene.render.method == Method::kSampled) {
-    scene.render.rays_per_axis *= 2;
-  } else {
-    scene.render.method = Method::kIntegrated;
-    scene.render.max_direction_error_rad *= 0.25;
-  }
-  return scene;
-}
-
 }  // namespace glint

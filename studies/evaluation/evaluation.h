@@ -76,10 +76,7 @@ Evaluation evaluate(SceneStore& store,
                     const FrameConsumer& consume = {},
                     const WantedScores& wanted = {});
 
-/// The scene for re-scoring a finalist: other noise, every frame, and finer rays.
-SceneSettings finer(SceneSettings scene);
-
-/// The line's first part for re-scoring: parts and noise that no search has seen.
+/// The line's first part for re-scoring a finalist: parts and noise that no search has seen.
 inline constexpr std::int64_t kFreshParts = 1000003;
 
 }  // namespace glint

@@ -253,6 +253,7 @@ struct PathView::Data {
     if (built != part->clean) {
       physical.face_labels = part->made.labels;
     }
+    is_in_tunnel = scene.has_tunnel;
     frames = frame_factors(scene, lights.unit_power_w);
     warnings = far_field_warnings(lights.lights, points_of(built->part));
   }
@@ -265,6 +266,7 @@ struct PathView::Data {
   UnitLights lights;
   PinholeCamera camera;
   PhysicalScene physical;
+  bool is_in_tunnel = false;
   std::vector<FrameFactors> frames;
   std::vector<std::string> warnings;
 };
@@ -279,6 +281,10 @@ PathView::~PathView() = default;
 
 const PhysicalScene& PathView::physical() const {
   return data_->physical;
+}
+
+const PhysicalScene* PathView::area_lights() const {
+  return data_->is_in_tunnel ? nullptr : &data_->physical;
 }
 
 const std::vector<FrameFactors>& PathView::frames() const {
@@ -299,6 +305,13 @@ std::vector<std::string> PathView::group_names() const {
 
 const std::vector<std::string>& PathView::warnings() const {
   return data_->warnings;
+}
+
+std::unique_ptr<const PathView> path_view_of(const SceneSettings& scene,
+                                             std::shared_ptr<const BuiltDefects> part) {
+  return needs_paths(scene)
+             ? std::make_unique<const PathView>(scene, std::move(part), scene.viewpoint())
+             : nullptr;
 }
 
 std::int64_t PathPicture::bytes() const {

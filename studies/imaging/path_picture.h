@@ -37,6 +37,10 @@ class PathView {
   /// Valid as long as this object. Factors of its groups are 1: powers are in frames().
   const PhysicalScene& physical() const;
 
+  /// The same where a drawing of its area lights shows how the scene is lit; nullptr under a
+  /// tunnel, whose cross-section does.
+  const PhysicalScene* area_lights() const;
+
   /// As frame_factors() of the scene.
   const std::vector<FrameFactors>& frames() const;
 
@@ -59,6 +63,11 @@ struct PathBatch {
   Image<std::int32_t> samples;    ///< of each pixel
   std::vector<GroupSums> groups;  ///< sums over them, as PathSums::groups
 };
+
+/// The view of a path-traced scene from the viewpoint that is scored; nullptr for any other scene.
+/// @param part, @throws  as PathView()
+std::unique_ptr<const PathView> path_view_of(const SceneSettings& scene,
+                                             std::shared_ptr<const BuiltDefects> part);
 
 /// What was rendered of a view.
 struct PathPicture {

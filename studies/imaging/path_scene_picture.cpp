@@ -20,7 +20,7 @@ namespace {
 
 /// What can be told of a scene by path tracing.
 void check_scene(const SceneSettings& scene, const PictureRequest& request) {
-  if (!scene.has_tunnel && scene.lights.empty()) {
+  if (!is_lit(scene)) {
     throw ConfigError("lighting: holds no light, scores need one");
   }
   if (!scene.paths.has_light) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/wall_clock.h"
+#include "studies/definition/scene_notes.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/population/pod_study.h"
 #include "studies/population/sorting.h"

@@ -9,6 +9,8 @@
 
 #include "core/file.h"
 #include "core/image/image_io.h"
+#include "studies/definition/render_methods.h"
+#include "studies/definition/scene_notes.h"
 #include "studies/drawing/drawing.h"
 #include "studies/drawing/light_drawing.h"
 #include "studies/imaging/path_picture.h"
@@ -60,96 +62,17 @@ double view_half_angle_rad(const SceneSettings& scene) {
                          : std::atan(0.5 * in.width_px / in.focal_px.x());
 }
 
-/// Whether the scan gives every lit pixel the same number of bright positions, and what that means.
-std::string scan_note(const SceneSettings& scene) {
-  const TunnelSettings& tunnel = scene.tunnel;
-  const double bright = scene.scan.positions * tunnel.duty;
-  const double periods = scene.scan.positions * scan_step_mm(scene.scan, tunnel) *
-                         std::cos(tunnel.orientation_rad) / tunnel.period_mm;
-  const auto is_whole = [](double value) { return std::abs(value - std::round(value)) < 1e-9; };
-  if (!is_whole(periods) || !is_whole(bright)) {
-    return fmt::format(
-        "{} positions x duty {:g} over {:g} periods is not a whole number of bright positions over "
-        "whole periods: the flawless surface shows a ripple of its own.",
-        scene.scan.positions,
-        tunnel.duty,
-        periods);
-  }
-  std::string note = fmt::format(
-      "{} positions x duty {:g} is a whole number of bright positions over whole periods: where "
-      "the "
-      "wall is lit all along, the mean of a linear sensor is the same everywhere; what the aspect "
-      "image shows, it shows through clipping",
-      scene.scan.positions,
-      tunnel.duty);
-  if (tunnel.led_ripple > 0.0 || tunnel.end_falloff > 0.0 || tunnel.cosine_law) {
-    note += ", and through the unevenness of the wall that this scene gives it";
-  }
-  return note + ".";
-}
-
-/// How a path-traced scene is lit and rendered.
-std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& scores) {
-  std::vector<std::string> notes;
-  for (const std::string& line : light_lines(scene)) {
-    notes.push_back("Light " + line + ".");
-  }
-  notes.push_back(fmt::format(
-      "Path tracing: {} samples a pixel, {} reflections on the part at most; powers of lights are "
-      "factors of pictures that are rendered once.",
-      scene.paths.samples,
-      scene.paths.max_reflections));
-  const auto mean = scores.find("homogeneity.mean");
-  if (mean != scores.end() && mean->second <= 0.0) {
-    notes.push_back(
-        "No light reaches the part in this picture: look at the lights' places, "
-        "directions and powers.");
-  }
-  if (scene.viewpoints.size() > 1) {
-    notes.push_back("Scores are those of the first viewpoint.");
-  }
-  const auto value = scores.find("homogeneity.h_rms");
-  const auto error = scores.find("homogeneity.h_rms.error");
-  if (value != scores.end() && error != scores.end()) {
-    notes.push_back(
-        fmt::format("Standard errors of the scores, by the scatter of independent pictures, are "
-                    "scores of their own that end in .error: h (rms) is {:.3f} +- {:.3f} %.",
-                    100.0 * value->second,
-                    100.0 * error->second));
-  }
-  return notes;
-}
-
-/// The lights of a path-traced scene: their drawing, and what is to be said about them.
-struct LightingOfPaths {
-  std::string drawing;
-  std::vector<std::string> warnings;
-};
-
-LightingOfPaths lighting_of_paths(const SceneSettings& scene,
-                                  const std::shared_ptr<const BuiltDefects>& part,
-                                  const std::string& title) {
-  const PathView view(scene, part, scene.viewpoint());
-  return {.drawing = scene.has_tunnel ? draw_lighting(scene, *part->built, title)
-                                      : area_lights_svg(scene, view.physical(), title),
-          .warnings = view.warnings()};
-}
-
 /// The scene scanned once more, as a search does it, beside its full sequence.
 Json rendering_json(SceneStore& store,
                     const SceneSettings& scene,
                     const WantedScores& wanted,
                     const Scores& full) {
-  using Method = RenderSettings::Method;
-  const Method method = scene.render.method;
-  if (needs_paths(scene)) {
-    return {{"frames", "paths"},
-            {"samples", scene.paths.samples},
-            {"batches", scene.paths.batches},
-            {"max_reflections", scene.paths.max_reflections}};
+  const FrameMethod frames = frame_method(scene);
+  Json json = {{"frames", frames.name}};
+  for (const auto& [name, value] : frames.numbers) {
+    json[name] = value;
   }
-  Json json = {{"frames", method == Method::kSampled ? "sampled" : "integrated"}};
-  if (method != Method::kAuto && method != Method::kClosed) {
+  if (!frames.has_closed_mean) {
     return json;
   }
   const Evaluation closed = evaluate(store, scene, {}, wanted.of_one_scan());
@@ -172,8 +95,12 @@ Json scores_json(const Scores& scores) {
 }
 
 std::string draw_lighting(const SceneSettings& scene,
+                          const PhysicalScene* area_lights,
                           const BuiltPart& built,
                           const std::string& title) {
+  if (area_lights != nullptr) {
+    return area_lights_svg(scene, *area_lights, title);
+  }
   const Tunnel tunnel(scene.tunnel);
   const Eigen::Vector3d camera = inverse(camera_from_world(scene.viewpoint())).translation_mm;
   return cross_section_svg({.panels_yz_mm = tunnel.outline(1.0),
@@ -189,32 +116,6 @@ std::string draw_lighting(const SceneSettings& scene,
                             .step_mm = scan_step_mm(scene.scan, scene.tunnel),
                             .positions = scene.scan.positions,
                             .title = title});
-}
-
-std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores) {
-  std::vector<std::string> notes =
-      needs_paths(scene) ? path_notes(scene, scores) : std::vector<std::string>{scan_note(scene)};
-  const auto share_of = [&](const char* name) {
-    const auto found = scores.find(name);
-    return found == scores.end() ? 0.0 : found->second;
-  };
-  if (share_of("view.hidden_share") > 0.0) {
-    notes.push_back(
-        fmt::format("The wall hides {:.2f} % of the part from the camera: the slot is too narrow "
-                    "there; hidden pixels are dark.",
-                    100.0 * share_of("view.hidden_share")));
-  }
-  if (share_of("rays.followed_share") + share_of("rays.blocked_share") > 0.0) {
-    notes.push_back(
-        fmt::format("{:.3f} % of the rays met the part again and were followed, {:.3f} % were "
-                    "given up as dark.",
-                    100.0 * share_of("rays.followed_share"),
-                    100.0 * share_of("rays.blocked_share")));
-  }
-  if (scene.tunnel.cosine_law) {
-    notes.emplace_back("The cosine law is applied to the wall's radiance (compatibility option).");
-  }
-  return notes;
 }
 
 std::string rendering_note(const Json& rendering) {
@@ -270,15 +171,15 @@ Json write_design(SceneStore& store,
   write_mask_png(folder / "part_mask.png", evaluation.traced->part_mask);
   write_file(folder / "defects.json", defects_json(evaluation).dump(2) + "\n");
   write_file(folder / "scene.toml", to_toml(write_scene(scene)));
-  const std::string title = head.value("title", "");
+  const std::unique_ptr<const PathView> view = path_view_of(scene, evaluation.traced->part);
+  write_file(folder / "cross_section.svg",
+             draw_lighting(scene,
+                           view ? view->area_lights() : nullptr,
+                           evaluation.traced->built(),
+                           head.value("title", "")));
   std::vector<std::string> notes = scene_notes(scene, evaluation.scores);
-  if (needs_paths(scene)) {
-    const LightingOfPaths lighting = lighting_of_paths(scene, evaluation.traced->part, title);
-    write_file(folder / "cross_section.svg", lighting.drawing);
-    notes.insert(notes.end(), lighting.warnings.begin(), lighting.warnings.end());
-  } else {
-    write_file(folder / "cross_section.svg",
-               draw_lighting(scene, evaluation.traced->built(), title));
+  if (view) {
+    notes.insert(notes.end(), view->warnings().begin(), view->warnings().end());
   }
   Json json = head;
   json["scores"] = scores_json(evaluation.scores);
@@ -289,7 +190,7 @@ Json write_design(SceneStore& store,
   if (is_rescored) {
     try {
       json["rescored"] = scores_json(
-          evaluate(store, finer(scene), {}, wanted.with_whole_scan(kFreshParts)).scores);
+          evaluate(store, finer_settings(scene), {}, wanted.with_whole_scan(kFreshParts)).scores);
     } catch (const ConfigError& error) {  // the finer picture may not fit into memory
       json["rescored"] = nullptr;
       notes.push_back(fmt::format("Not re-scored: {}", error.what()));

@@ -25,6 +25,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "simulator/render/path_tracing/physical_scene.h"
 #include "studies/evaluation/evaluation.h"
 
 namespace glint {
@@ -41,13 +42,12 @@ nlohmann::ordered_json write_design(SceneStore& store,
                                     bool is_rescored,
                                     const WantedScores& wanted);
 
-/// The tunnel, drawn to scale; area lights: area_lights_svg().
+/// The lighting to scale: area lights where they stand, else the tunnel's cross-section.
+/// @param area_lights  PathView::area_lights(); nullptr: no paths are traced
 std::string draw_lighting(const SceneSettings& scene,
+                          const PhysicalScene* area_lights,
                           const BuiltPart& built,
                           const std::string& title);
-
-/// Remarks on a scene that a reader of its numbers must know.
-std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores);
 
 /// How a search gets the mean of this scan, as one sentence; empty when it renders all frames.
 std::string rendering_note(const nlohmann::ordered_json& rendering);

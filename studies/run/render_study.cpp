@@ -12,7 +12,6 @@
 #include "studies/output/provenance.h"
 #include "studies/run/check_study.h"
 #include "studies/run/design_files.h"
-#include "studies/run/render_views.h"
 #include "studies/run/run_report.h"
 
 namespace glint {
@@ -22,10 +21,6 @@ using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
 Json render_study(const Study& whole_study, const fs::path& out, int threads) {
-  if (needs_paths(whole_study.scene)) {
-    return render_views(whole_study,
-                        {.out = out, .threads = threads, .progress = Progress::Style::kNone});
-  }
   const auto start = Clock::now();
   const Study study = scene_study(whole_study);
   ThreadPool pool(threads);

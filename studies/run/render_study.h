@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// `glint render`: the pictures of a scene in a folder.
+// `glint render` of a scene with one viewpoint: the frames of its scan in a folder.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@
 
 namespace glint {
 
-/// Renders the study's own scene into a folder; no search. Scenes that need paths go to
-/// render_views().
+/// Renders the study's own scene into a folder; no search. Of scenes with allows_many_viewpoints()
+/// render_views() shows more.
 nlohmann::ordered_json render_study(const Study& study,
                                     const std::filesystem::path& out,
                                     int threads);

@@ -15,7 +15,6 @@
 #include "core/wall_clock.h"
 #include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/preview/preview.h"
-#include "studies/drawing/light_drawing.h"
 #include "studies/imaging/path_lights.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
@@ -115,7 +114,7 @@ class RenderRun {
       for (const Viewpoint& viewpoint : viewpoints_) {
         camera_from_world(viewpoint);
       }
-      if (has_light_ && study_.scene.lights.empty() && !study_.scene.has_tunnel) {
+      if (has_light_ && !is_lit(study_.scene)) {
         throw ConfigError("lighting: holds no light; a picture needs one, masks do not (--masks)");
       }
       if (has_light_) {
@@ -125,8 +124,7 @@ class RenderRun {
       part_ = store_.build_defects(first_);
       const PathView view(first_, part_, viewpoints_.front());
       notes_ = has_light_ ? view.warnings() : std::vector<std::string>{};
-      drawing_ = study_.scene.has_tunnel ? draw_lighting(first_, *part_->built, "")
-                                         : area_lights_svg(first_, view.physical(), "");
+      drawing_ = draw_lighting(first_, view.area_lights(), *part_->built, "");
     } catch (const ConfigError& error) {
       throw ConfigError(with_place(study_.root, error.what()));
     }

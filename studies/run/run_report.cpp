@@ -13,7 +13,7 @@
 #include "core/image/image_io.h"
 #include "core/text.h"
 #include "core/units.h"
-#include "simulator/render/path_tracing/path_settings.h"
+#include "studies/definition/scene_notes.h"
 #include "studies/output/provenance.h"
 #include "studies/population/population_report.h"
 #include "studies/report/report.h"
@@ -198,48 +198,6 @@ Study study_of(const fs::path& run) {
   return load_study(run / "study.resolved.toml", {});
 }
 
-/// The same for path-traced scenes.
-std::vector<std::string> path_method_notes(const PathSettings& paths) {
-  return {
-      fmt::format("Light transport: path tracing with {} samples a pixel and {} reflections on the "
-                  "part at most; pictures of all lights at power 1 are made once per part, camera "
-                  "and place of the lights, powers are factors.",
-                  paths.samples,
-                  paths.max_reflections),
-      "Homogeneity is scored on pixels wholly on the part, eroded, without the surroundings of the "
-      "defects; h_rms = 1 - standard deviation / mean, h_abs = 1 - mean absolute deviation / mean.",
-      fmt::format("Standard errors (scores that end in .error) come from the scatter of {} "
-                  "independent pictures. All designs share the same random numbers.",
-                  paths.batches)};
-}
-
-std::vector<std::string> method_notes(const Study& study) {
-  if (needs_paths(study.scene)) {
-    return path_method_notes(study.scene.paths);
-  }
-  const RenderSettings& render = study.scene.render;
-  const bool is_sampled = render.method == RenderSettings::Method::kSampled;
-  const int rays = render.rays_per_axis * render.rays_per_axis;
-  const std::string how =
-      is_sampled ? fmt::format("{} rays a pixel", rays)
-                 : fmt::format(
-                       "one ray a pixel and the footprint of the pixel about it, with more "
-                       "rays where directions bend by more than {:g} mrad,",
-                       render.max_direction_error_rad * 1e3);
-  const std::string finer_rays = is_sampled ? fmt::format("{} rays a pixel", 4 * rays)
-                                            : "all frames, with directions four times as exact";
-  return {
-      fmt::format("Light transport: perfect mirror, {} traced once per part, camera and defects; "
-                  "every lighting is evaluated along the kept rays{}.",
-                  how,
-                  is_sampled ? "" : ", stripes and edges of the light integrated in closed form"),
-      "Homogeneity is scored on pixels wholly on the part, eroded, without the surroundings of the "
-      "defects; h_rms = 1 - standard deviation / mean, h_abs = 1 - mean absolute deviation / mean.",
-      fmt::format("All designs share the same noise (common random numbers). Re-scored numbers use "
-                  "fresh noise and {}.",
-                  finer_rays)};
-}
-
 /// How often and with which numbers of pixels a remark was made.
 struct RemarkCount {
   int evaluations = 0;
@@ -272,7 +230,7 @@ Json single_run(const fs::path& run) {
   if (fs::exists(run / "frontier.json")) {
     data["frontier"] = read_json(run / "frontier.json");
   }
-  std::vector<std::string> methods = method_notes(study);
+  std::vector<std::string> methods = method_notes(study.scene);
   if (study.has_search()) {
     for (const std::string& remark : derivative_remarks(Storage::read(run / "study.sqlite"))) {
       methods.push_back("Derivatives of the search, what is left out: " + remark + ".");

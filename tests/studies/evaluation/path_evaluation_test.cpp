@@ -237,15 +237,6 @@ TEST(PathEvaluation, RefusesWhatHasNoMeaning) {
   EXPECT_THAT(path_evaluation_error(unlit), HasSubstr("lighting: holds no light"));
 }
 
-TEST(PathEvaluation, FinerScenesHaveOtherSeedsAndFourTimesTheSamples) {
-  const SceneSettings scene = path_scene();
-  const SceneSettings fresh = finer(scene);
-  EXPECT_TRUE(needs_paths(fresh));
-  EXPECT_EQ(fresh.paths.samples, 4 * scene.paths.samples);
-  EXPECT_NE(fresh.paths.seed, scene.paths.seed);
-  EXPECT_NE(fresh.sensor.seed, scene.sensor.seed);
-}
-
 TEST(PathEvaluation, StandardErrorsAgreeWithTheScatterOverSeeds) {
   SceneSettings scene = path_scene();
   scene.paths.samples = 32;

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/scene_notes.h"
+
+#include <cmath>
+#include <type_traits>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "core/text.h"
+#include "core/units.h"
+
+namespace glint {
+namespace {
+
+std::string range_text(double low, double high) {
+  return shortest(std::round(low * 100.0) / 100.0) + " to " + length_text(high);
+}
+
+std::string degrees_text(double angle_rad) {
+  return shortest(std::round(angle_rad * kDegPerRad * 10.0) / 10.0) + "\u00b0";
+}
+
+std::string line_of(const RingSettings& ring) {
+  std::string text = "radii " + range_text(ring.inner_radius_mm, ring.outer_radius_mm);
+  text += ring.height_mm != 0.0 ? ", at " + length_text(ring.height_mm) : "";
+  text += ring.tilt_rad != 0.0 ? ", tilted by " + degrees_text(ring.tilt_rad) : "";
+  return text + (ring.leds > 0 ? fmt::format(", {} LEDs", ring.leds) : "");
+}
+
+std::string line_of(const DomeSettings& dome) {
+  return "radius " + length_text(dome.radius_mm) + ", opening " + length_text(dome.opening_mm);
+}
+
+std::string line_of(const BarSettings& bar) {
+  return length_text(bar.length_mm) + " x " + length_text(bar.width_mm);
+}
+
+std::string line_of(const CoaxialSettings& light) {
+  return length_text(light.width_mm) + " x " + length_text(light.height_mm);
+}
+
+std::string line_of(const MeshLightSettings& light) {
+  return light.file.filename().string();
+}
+
+std::string line_of(const EnvironmentSettings& light) {
+  return light.file.empty() ? "the same from everywhere" : light.file.filename().string();
+}
+
+std::string line_of(const IesLightSettings& light) {
+  return light.file.filename().string();
+}
+
+/// Whether the scan gives every lit pixel the same number of bright positions, and what that means.
+std::string scan_note(const SceneSettings& scene) {
+  const TunnelSettings& tunnel = scene.tunnel;
+  const double bright = scene.scan.positions * tunnel.duty;
+  const double periods = scene.scan.positions * scan_step_mm(scene.scan, tunnel) *
+                         std::cos(tunnel.orientation_rad) / tunnel.period_mm;
+  const auto is_whole = [](double value) { return std::abs(value - std::round(value)) < 1e-9; };
+  if (!is_whole(periods) || !is_whole(bright)) {
+    return fmt::format(
+        "{} positions x duty {:g} over {:g} periods is not a whole number of bright positions over "
+        "whole periods: the flawless surface shows a ripple of its own.",
+        scene.scan.positions,
+        tunnel.duty,
+        periods);
+  }
+  std::string note = fmt::format(
+      "{} positions x duty {:g} is a whole number of bright positions over whole periods: where "
+      "the wall is lit all along, the mean of a linear sensor is the same everywhere; what the "
+      "aspect image shows, it shows through clipping",
+      scene.scan.positions,
+      tunnel.duty);
+  if (tunnel.led_ripple > 0.0 || tunnel.end_falloff > 0.0 || tunnel.cosine_law) {
+    note += ", and through the unevenness of the wall that this scene gives it";
+  }
+  return note + ".";
+}
+
+/// How a path-traced scene is lit and rendered.
+std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& scores) {
+  std::vector<std::string> notes;
+  for (const std::string& line : light_lines(scene)) {
+    notes.push_back("Light " + line + ".");
+  }
+  notes.push_back(fmt::format(
+      "Path tracing: {} samples a pixel, {} reflections on the part at most; powers of lights are "
+      "factors of pictures that are rendered once.",
+      scene.paths.samples,
+      scene.paths.max_reflections));
+  const auto mean = scores.find("homogeneity.mean");
+  if (mean != scores.end() && mean->second <= 0.0) {
+    notes.push_back(
+        "No light reaches the part in this picture: look at the lights' places, "
+        "directions and powers.");
+  }
+  if (scene.viewpoints.size() > 1) {
+    notes.push_back("Scores are those of the first viewpoint.");
+  }
+  const auto value = scores.find("homogeneity.h_rms");
+  const auto error = scores.find("homogeneity.h_rms.error");
+  if (value != scores.end() && error != scores.end()) {
+    notes.push_back(
+        fmt::format("Standard errors of the scores, by the scatter of independent pictures, are "
+                    "scores of their own that end in .error: h (rms) is {:.3f} +- {:.3f} %.",
+                    100.0 * value->second,
+                    100.0 * error->second));
+  }
+  return notes;
+}
+
+constexpr const char* kHomogeneityNote =
+    "Homogeneity is scored on pixels wholly on the part, eroded, without the surroundings of the "
+    "defects; h_rms = 1 - standard deviation / mean, h_abs = 1 - mean absolute deviation / mean.";
+
+std::vector<std::string> path_method_notes(const PathSettings& paths) {
+  return {
+      fmt::format("Light transport: path tracing with {} samples a pixel and {} reflections on the "
+                  "part at most; pictures of all lights at power 1 are made once per part, camera "
+                  "and place of the lights, powers are factors.",
+                  paths.samples,
+                  paths.max_reflections),
+      kHomogeneityNote,
+      fmt::format("Standard errors (scores that end in .error) come from the scatter of {} "
+                  "independent pictures. All designs share the same random numbers.",
+                  paths.batches)};
+}
+
+/// @param rays        what is traced
+/// @param integrated  what is done between the rays
+/// @param finer       what re-scoring looks at: finer_settings()
+std::vector<std::string> mirror_method_notes(const std::string& rays,
+                                             const std::string& integrated,
+                                             const std::string& finer) {
+  return {
+      fmt::format("Light transport: perfect mirror, {} traced once per part, camera and defects; "
+                  "every lighting is evaluated along the kept rays{}.",
+                  rays,
+                  integrated),
+      kHomogeneityNote,
+      fmt::format("All designs share the same noise (common random numbers). Re-scored numbers use "
+                  "fresh noise and {}.",
+                  finer)};
+}
+
+}  // namespace
+
+std::vector<std::string> light_lines(const SceneSettings& scene) {
+  std::vector<std::string> lines;
+  if (scene.has_tunnel) {
+    lines.push_back(scene.tunnel_name + ": tunnel");
+  }
+  for (const NamedLight& light : scene.lights) {
+    lines.push_back(std::visit(
+        [&](const auto& settings) {
+          using Settings = std::decay_t<decltype(settings)>;
+          const bool is_on_camera = settings.placement.mount == LightPlacement::Mount::kCamera;
+          const std::string where = std::is_same_v<Settings, EnvironmentSettings> ? ""
+                                    : is_on_camera ? ", on the camera"
+                                                   : ", on the part";
+          return fmt::format(
+              "{}: {}, {}{}", light.name, light_type(light.settings), line_of(settings), where);
+        },
+        light.settings));
+  }
+  return lines;
+}
+
+std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores) {
+  std::vector<std::string> notes =
+      needs_paths(scene) ? path_notes(scene, scores) : std::vector<std::string>{scan_note(scene)};
+  const auto share_of = [&](const char* name) {
+    const auto found = scores.find(name);
+    return found == scores.end() ? 0.0 : found->second;
+  };
+  if (share_of("view.hidden_share") > 0.0) {
+    notes.push_back(
+        fmt::format("The wall hides {:.2f} % of the part from the camera: the slot is too narrow "
+                    "there; hidden pixels are dark.",
+                    100.0 * share_of("view.hidden_share")));
+  }
+  if (share_of("rays.followed_share") + share_of("rays.blocked_share") > 0.0) {
+    notes.push_back(
+        fmt::format("{:.3f} % of the rays met the part again and were followed, {:.3f} % were "
+                    "given up as dark.",
+                    100.0 * share_of("rays.followed_share"),
+                    100.0 * share_of("rays.blocked_share")));
+  }
+  if (scene.tunnel.cosine_law) {
+    notes.emplace_back("The cosine law is applied to the wall's radiance (compatibility option).");
+  }
+  return notes;
+}
+
+std::vector<std::string> method_notes(const SceneSettings& scene) {
+  if (needs_paths(scene)) {
+    return path_method_notes(scene.paths);
+  }
+  const RenderSettings& render = scene.render;
+  if (render.method == RenderSettings::Method::kSampled) {
+    const int rays = render.rays_per_axis * render.rays_per_axis;
+    return mirror_method_notes(
+        fmt::format("{} rays a pixel", rays), "", fmt::format("{} rays a pixel", 4 * rays));
+  }
+  return mirror_method_notes(
+      fmt::format("one ray a pixel and the footprint of the pixel about it, with more rays where "
+                  "directions bend by more than {:g} mrad,",
+                  render.max_direction_error_rad * 1e3),
+      ", stripes and edges of the light integrated in closed form",
+      "all frames, with directions four times as exact");
+}
+
+}  // namespace glint

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Sentences about how a scene is lit and rendered, for reports and drawings.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "metrics/scores.h"
+#include "studies/definition/scene.h"
+
+namespace glint {
+
+/// One line about each light: "ring: ring, radii 25 to 40 mm, at 30 mm, on the camera".
+std::vector<std::string> light_lines(const SceneSettings& scene);
+
+/// Remarks on a scene that a reader of its numbers must know.
+/// @param scores  of the scene
+std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores);
+
+/// How pictures and scores of the scene's designs come about, as a report tells it once for all.
+std::vector<std::string> method_notes(const SceneSettings& scene);
+
+}  // namespace glint

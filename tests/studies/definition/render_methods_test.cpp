@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/render_methods.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace glint {
+namespace {
+
+using Method = RenderSettings::Method;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Pair;
+
+SceneSettings mirror_scene(Method method) {
+  SceneSettings scene;
+  scene.render.method = method;
+  return scene;
+}
+
+/// The same with every frame by path tracing.
+SceneSettings path_scene() {
+  return mirror_scene(Method::kPaths);
+}
+
+TEST(FrameMethod, NamesHowFramesComeAbout) {
+  EXPECT_EQ(frame_method(mirror_scene(Method::kSampled)).name, "sampled");
+  for (const Method method : {Method::kAuto, Method::kIntegrated, Method::kClosed}) {
+    EXPECT_EQ(frame_method(mirror_scene(method)).name, "integrated");
+    EXPECT_THAT(frame_method(mirror_scene(method)).numbers, IsEmpty());
+  }
+  SceneSettings scene = path_scene();
+  scene.paths.samples = 64;
+  scene.paths.batches = 4;
+  scene.paths.max_reflections = 3;
+  EXPECT_EQ(frame_method(scene).name, "paths");
+  EXPECT_THAT(frame_method(scene).numbers,
+              ElementsAre(Pair("samples", 64), Pair("batches", 4), Pair("max_reflections", 3)));
+}
+
+TEST(FrameMethod, HasAClosedMeanOnlyWhereASearchMayTakeIt) {
+  EXPECT_TRUE(frame_method(mirror_scene(Method::kAuto)).has_closed_mean);
+  EXPECT_TRUE(frame_method(mirror_scene(Method::kClosed)).has_closed_mean);
+  EXPECT_FALSE(frame_method(mirror_scene(Method::kSampled)).has_closed_mean);
+  EXPECT_FALSE(frame_method(mirror_scene(Method::kIntegrated)).has_closed_mean);
+  EXPECT_FALSE(frame_method(path_scene()).has_closed_mean);
+  SceneSettings ring = mirror_scene(Method::kAuto);
+  ring.lights = {{.name = "ring", .settings = RingSettings{}}};
+  EXPECT_FALSE(frame_method(ring).has_closed_mean) << "auto follows paths here";
+}
+
+TEST(FinerSettings, HaveOtherSeedsAndFourTimesTheSamplesOfPaths) {
+  const SceneSettings scene = path_scene();
+  const SceneSettings finer = finer_settings(scene);
+  EXPECT_TRUE(needs_paths(finer));
+  EXPECT_EQ(finer.paths.samples, 4 * scene.paths.samples);
+  EXPECT_NE(finer.paths.seed, scene.paths.seed);
+  EXPECT_NE(finer.sensor.seed, scene.sensor.seed);
+}
+
+TEST(FinerSettings, RenderEveryFrameOfAMirror) {
+  for (const Method method : {Method::kAuto, Method::kIntegrated, Method::kClosed}) {
+    const SceneSettings scene = mirror_scene(method);
+    const SceneSettings finer = finer_settings(scene);
+    EXPECT_EQ(finer.render.method, Method::kIntegrated);
+    EXPECT_EQ(finer.render.max_direction_error_rad, 0.25 * scene.render.max_direction_error_rad);
+    EXPECT_NE(finer.sensor.seed, scene.sensor.seed);
+  }
+  const SceneSettings scene = mirror_scene(Method::kSampled);
+  EXPECT_EQ(finer_settings(scene).render.method, Method::kSampled);
+  EXPECT_EQ(finer_settings(scene).render.rays_per_axis, 2 * scene.render.rays_per_axis);
+}
+
+}  // namespace
+}  // namespace glint

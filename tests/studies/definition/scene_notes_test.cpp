@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/scene_notes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/units.h"
+
+namespace glint {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+SceneSettings lit_by(std::vector<NamedLight> lights) {
+  SceneSettings scene;
+  scene.has_tunnel = false;
+  scene.lights = std::move(lights);
+  return scene;
+}
+
+TEST(LightLines, TellTypeSizeAndPlaceOfEachLight) {
+  RingSettings ring;
+  ring.placement.mount = LightPlacement::Mount::kCamera;
+  ring.tilt_rad = 30.0 * kRadPerDeg;
+  SceneSettings scene = lit_by(
+      {{.name = "upper", .settings = ring}, {.name = "sky", .settings = EnvironmentSettings{}}});
+  EXPECT_THAT(light_lines(scene),
+              ElementsAre("upper: ring, radii 25 to 40 mm, tilted by 30\u00b0, on the camera",
+                          "sky: environment, the same from everywhere"));
+  scene.has_tunnel = true;
+  scene.tunnel_name = "arch";
+  EXPECT_EQ(light_lines(scene).front(), "arch: tunnel");
+}
+
+// 24 positions over one period at duty 0.5 are 12 bright ones; 25 positions are 12.5.
+TEST(SceneNotes, TellWhetherAScanHasWholeBrightPositions) {
+  SceneSettings scene;
+  scene.scan.positions = 24;
+  scene.tunnel.duty = 0.5;
+  EXPECT_THAT(scene_notes(scene, {}),
+              ElementsAre(HasSubstr("24 positions x duty 0.5 is a whole number")));
+  scene.scan.positions = 25;
+  EXPECT_THAT(scene_notes(scene, {}),
+              ElementsAre(HasSubstr("25 positions x duty 0.5 over 1 periods "
+                                    "is not a whole number")));
+}
+
+TEST(SceneNotes, ListTheLightsOfAPathTracedSceneAndSayWhenItIsDark) {
+  const SceneSettings scene = lit_by({{.name = "ring", .settings = RingSettings{}}});
+  const auto notes = scene_notes(scene, {{"homogeneity.mean", 0.0}});
+  EXPECT_THAT(notes.front(), HasSubstr("Light ring: ring"));
+  EXPECT_THAT(notes, Contains(HasSubstr("No light reaches the part")));
+  EXPECT_THAT(scene_notes(scene, {{"homogeneity.mean", 0.1}}),
+              Not(Contains(HasSubstr("No light reaches the part"))));
+}
+
+TEST(MethodNotes, TellWhatRescoringLooksAt) {
+  SceneSettings scene;
+  scene.render.rays_per_axis = 3;
+  EXPECT_THAT(method_notes(scene).back(), HasSubstr("directions four times as exact"));
+  scene.render.method = RenderSettings::Method::kSampled;
+  EXPECT_THAT(method_notes(scene).front(), HasSubstr("perfect mirror, 9 rays a pixel traced"));
+  EXPECT_THAT(method_notes(scene).back(), HasSubstr("fresh noise and 36 rays a pixel."));
+  scene.render.method = RenderSettings::Method::kPaths;
+  EXPECT_THAT(method_notes(scene).front(), HasSubstr("path tracing with"));
+}
+
+}  // namespace
+}  // namespace glint

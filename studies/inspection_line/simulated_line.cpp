@@ -8,8 +8,7 @@
 
 #include "core/rng.h"
 #include "metrics/inspection/calibration.h"
-#include "studies/inspection_line/mirror_line.h"
-#include "studies/inspection_line/path_line.h"
+#include "studies/imaging/line_camera.h"
 
 namespace glint {
 namespace {
@@ -114,8 +113,7 @@ struct SimulatedLine::Data {
         traced(store.trace(without_defects(settings))),
         inspector(settings.inspection, traced->part_mask),
         region(inspector.region()),
-        camera(needs_paths(settings) ? path_line(settings, traced, store)
-                                     : mirror_line(settings, traced, store.pool())) {}
+        camera(line_camera_of(store, settings, traced)) {}
 
   ThreadPool& pool() const { return store.pool(); }
 

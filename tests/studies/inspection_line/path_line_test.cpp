@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/inspection_line/path_line.h"
+#include "studies/imaging/path_line.h"
 
 #include <cmath>
 

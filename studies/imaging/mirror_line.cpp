@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/inspection_line/mirror_line.h"
+#include "studies/imaging/mirror_line.h"
 
 #include <utility>
 

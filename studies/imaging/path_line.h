@@ -8,8 +8,8 @@
 
 #include <memory>
 
+#include "studies/imaging/line_camera.h"
 #include "studies/imaging/scene_store.h"
-#include "studies/inspection_line/line_camera.h"
 
 namespace glint {
 

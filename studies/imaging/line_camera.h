@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a simulated line needs of a camera: scans of the flawless part and of parts with defects.
-// Inside of simulated_line.h; mirrors under a tunnel (mirror_line.h) and everything else by path
-// tracing (path_line.h) are two of it.
+// What a simulated inspection line needs of a camera: scans of the flawless part and of parts with
+// defects. Like picture_of(), line_camera_of() alone asks which transport a scene needs.
 #pragma once
 
 #include <memory>
@@ -11,6 +10,7 @@
 #include "core/image/image.h"
 #include "simulator/sensor/sensor.h"
 #include "studies/imaging/built_part.h"
+#include "studies/imaging/scene_store.h"
 #include "studies/imaging/traced_scene.h"
 
 namespace glint {
@@ -47,5 +47,13 @@ class LineCamera {
   virtual LineScan flawless(const SensorSettings& sensor) const = 0;
   virtual LineScan part(const BuiltDefects& part, const SensorSettings& sensor) const = 0;
 };
+
+/// @param store   must outlive the camera
+/// @param scene   from the viewpoint that is scored
+/// @param traced  the flawless part, which fits into the tunnel if there is one
+/// @throws ConfigError beginning with the key at fault, IoError
+std::unique_ptr<LineCamera> line_camera_of(SceneStore& store,
+                                           const SceneSettings& scene,
+                                           std::shared_ptr<const TracedScene> traced);
 
 }  // namespace glint

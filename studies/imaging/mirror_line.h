@@ -6,7 +6,7 @@
 
 #include <memory>
 
-#include "studies/inspection_line/line_camera.h"
+#include "studies/imaging/line_camera.h"
 
 namespace glint {
 

@@ -3,10 +3,73 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 namespace glint {
 namespace {
 
 using Method = RenderSettings::Method;
+
+/// The methods in the order of their kinds.
+class MethodList {
+ public:
+  explicit MethodList(const RenderSettings& own)
+      : own_(own), own_mrad_(own.max_direction_error_rad * 1e3) {
+    for (const int per_axis : {1, 2, 4, 8, 16}) {
+      add_sampled(per_axis);
+    }
+    for (const double mrad : {2.0, 0.2, 0.02}) {
+      add(Method::kIntegrated,
+          {.kind = 1,
+           .kind_name = "integrated",
+           .label = fmt::format("integrated, {:g} mrad", mrad),
+           .direction_mrad = mrad,
+           .is_usual = mrad == 0.2});
+    }
+    add(Method::kClosed,
+        {.kind = 2,
+         .kind_name = "closed forms",
+         .label = "closed forms",
+         .direction_mrad = own_mrad_,
+         .has_frames = false});
+    for (const bool has_frames : {false, true}) {
+      add(Method::kAuto,
+          {.kind = 3,
+           .kind_name = "own choice",
+           .label = has_frames ? "own choice for pictures" : "own choice for scores",
+           .direction_mrad = own_mrad_,
+           .has_frames = has_frames,
+           .is_choice = true});
+    }
+  }
+
+  std::vector<ComparedMethod> methods() { return std::move(methods_); }
+
+ private:
+  void add(Method method, ComparedMethod row) {
+    row.render = own_;
+    row.render.method = method;
+    if (row.direction_mrad > 0.0) {
+      row.render.max_direction_error_rad = row.direction_mrad * 1e-3;
+    }
+    methods_.push_back(std::move(row));
+  }
+
+  void add_sampled(int rays_per_axis) {
+    const int rays = rays_per_axis * rays_per_axis;
+    add(Method::kSampled,
+        {.kind = 0,
+         .kind_name = "plain sampling",
+         .label = fmt::format("{} ray{} a pixel", rays, rays == 1 ? "" : "s"),
+         .rays_per_px = rays,
+         .is_usual = rays == 4});
+    methods_.back().render.rays_per_axis = rays_per_axis;
+  }
+
+  RenderSettings own_;
+  double own_mrad_;
+  std::vector<ComparedMethod> methods_;
+};
 
 }  // namespace
 
@@ -38,6 +101,10 @@ SceneSettings finer_settings(SceneSettings scene) {
     scene.render.max_direction_error_rad *= 0.25;
   }
   return scene;
+}
+
+std::vector<ComparedMethod> compared_methods(const SceneSettings& scene) {
+  return needs_paths(scene) ? std::vector<ComparedMethod>() : MethodList(scene.render).methods();
 }
 
 }  // namespace glint

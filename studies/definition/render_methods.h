@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a scene's method of rendering means for those who do not render: how its frames come about
-// and what a closer look at it is.
+// What a scene's method of rendering means for those who do not render: how its frames come about,
+// what a closer look at it is, and which methods it can be compared by.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,5 +24,22 @@ FrameMethod frame_method(const SceneSettings& scene);
 
 /// The scene for re-scoring a finalist: other noise, every frame, and finer rays.
 SceneSettings finer_settings(SceneSettings scene);
+
+/// A method of rendering with one accuracy.
+struct ComparedMethod {
+  std::size_t kind = 0;         ///< 0 to 3: which method, whatever its accuracy
+  std::string kind_name;        ///< "plain sampling", "integrated", "closed forms", "own choice"
+  std::string label;            ///< unique; "4 rays a pixel", "integrated, 0.2 mrad"
+  RenderSettings render;        ///< of a scene that is rendered so
+  int rays_per_px = 0;          ///< 0: as many as the method needs
+  double direction_mrad = 0.0;  ///< max_direction_error_mrad; 0: has no meaning
+  bool has_frames = true;       ///< false: scores alone are asked for, as in a search
+  bool is_usual = false;        ///< the accuracy of its kind with which other things are varied
+  bool is_choice = false;       ///< what the program does by itself
+};
+
+/// The methods that a mirror under a tunnel can be rendered by, by kind, each from coarse to fine;
+/// none for a scene that only path tracing knows.
+std::vector<ComparedMethod> compared_methods(const SceneSettings& scene);
 
 }  // namespace glint

@@ -17,8 +17,6 @@
 namespace glint {
 namespace {
 
-using Method = RenderSettings::Method;
-
 constexpr double kLeastContrast = 0.01;  ///< smaller ones are not worth a relative error
 constexpr double kTimedTotal_s = 0.3;
 
@@ -39,14 +37,7 @@ SceneSettings linear(SceneSettings scene, double gain) {
 }
 
 SceneSettings scene_of(const FrontierPoint& point, SceneSettings scene) {
-  scene.render.method = point.method;
-  if (point.rays_per_px > 0) {
-    scene.render.rays_per_axis =
-        static_cast<int>(std::lround(std::sqrt(static_cast<double>(point.rays_per_px))));
-  }
-  if (point.direction_mrad > 0.0) {
-    scene.render.max_direction_error_rad = point.direction_mrad * 1e-3;
-  }
+  scene.render = point.method.render;
   constexpr std::string_view kFacetWord = "facets ";
   if (point.tessellation.starts_with(kFacetWord)) {
     scene.part.facets_mm = std::stod(point.tessellation.substr(kFacetWord.size())) * 1e-3;
@@ -163,7 +154,8 @@ class Measuring {
   /// Rays are what takes time, roughly.
   double work_of(const FrontierPoint& point) const {
     const double pixels = 1.0 / (point.reduction * point.reduction);
-    return pixels * (16.0 + (point.rays_per_px > 0 ? point.rays_per_px : 16));
+    const int rays_per_px = point.method.rays_per_px;
+    return pixels * (16.0 + (rays_per_px > 0 ? rays_per_px : 16));
   }
 
   void report(const std::string& next, double more = 0.0) const {
@@ -193,7 +185,7 @@ class Measuring {
     set_plain_form(point, scene);
     point.frame_rmse = point.smooth_frame_rmse = 0.0;
     FrontierReference& reference = frontier_.reference;
-    reference.rays_per_px = point.rays_per_px;
+    reference.method = point.method;
     reference.h_rms = scored.h_rms;
     for (const DefectScores& defect : scored.defects) {
       reference.weber[defect.label] = defect.weber;
@@ -215,9 +207,9 @@ class Measuring {
   /// The one function that knows how a method is run.
   void measure(FrontierPoint& point) {
     const SceneSettings scene = scene_of(point, scene_);
-    const auto rays = std::int64_t{scene.camera.width_px} * scene.camera.height_px *
-                      std::max(1, point.rays_per_px);
-    if (point.method == Method::kSampled && rays > kMostRays) {
+    const auto rays =
+        std::int64_t{scene.camera.width_px} * scene.camera.height_px * point.method.rays_per_px;
+    if (rays > kMostRays) {
       measure_in_bands(point, scene);
     } else {
       measure_at_once(point, scene);
@@ -243,7 +235,7 @@ class Measuring {
   }
 
   static void set_plain_form(FrontierPoint& point, const SceneSettings& scene) {
-    point.traced_per_px = point.rays_per_px;
+    point.traced_per_px = point.method.rays_per_px;
     point.form = form_name(ScanForm::Kind::kFrames);
     point.frame_pixels = scene.camera.width_px * scene.camera.height_px;
   }
@@ -253,7 +245,7 @@ class Measuring {
     SceneStore store(alone);
     const double start = process_cpu_s();
     const FrameConsumer look = [](int /*index*/, const ImageF& /*grey*/) {};
-    const FrameConsumer consume = point.has_frames ? look : FrameConsumer();
+    const FrameConsumer consume = point.method.has_frames ? look : FrameConsumer();
     const WantedScores wanted = {.fringes = false};  // they ask for a whole frame
     const Evaluation evaluation = evaluate(store, scene, consume, wanted);
     point.cold_s = process_cpu_s() - start;
@@ -264,7 +256,7 @@ class Measuring {
     point.form = form_name(evaluation.form.kind);
     point.frame_pixels = evaluation.form.frame_pixels;
     set_score_errors(point, evaluation.scores.at("homogeneity.h_rms"), evaluation.defects);
-    if (point.has_frames) {
+    if (point.method.has_frames) {
       FrameErrors errors(frames_, gain_);
       evaluate(store, linear(scene, gain_), [&](int index, const ImageF& grey) {
         errors.add(index, grey);
@@ -289,10 +281,8 @@ class Measuring {
   void estimate_own_error() {
     std::map<int, double> rmse;
     for (const FrontierPoint& point : frontier_.points) {
-      const bool is_plain = point.method == Method::kSampled && point.reduction == 1 &&
-                            point.tessellation == frontier_.points.front().tessellation;
-      if (is_plain && point.frame_rmse) {
-        rmse[point.rays_per_px] = *point.frame_rmse;
+      if (is_like_reference(point, frontier_) && point.frame_rmse) {
+        rmse[point.method.rays_per_px] = *point.frame_rmse;
       }
     }
     frontier_.reference.own_frame_rmse = glint::own_frame_rmse(rmse[16], rmse[64]);
@@ -310,14 +300,15 @@ class Measuring {
 
 }  // namespace
 
+bool is_like_reference(const FrontierPoint& point, const Frontier& frontier) {
+  return point.method.kind == frontier.reference.method.kind && point.reduction == 1 &&
+         point.tessellation == frontier.points.front().tessellation;
+}
+
 Frontier measure_frontier(const SceneSettings& scene, const FrontierOptions& options) {
-  if (needs_paths(scene)) {
-    throw ConfigError(
-        "render.method: a frontier compares the methods for a plain mirror under one tunnel; this "
-        "scene is path-traced");
-  }
+  Measuring measuring(scene, options);
   check_memory(scene);
-  return Measuring(scene, options).run();
+  return measuring.run();
 }
 
 }  // namespace glint

@@ -17,7 +17,7 @@
 namespace glint {
 
 struct FrontierReference {
-  int rays_per_px = 256;
+  ComparedMethod method;
   double h_rms = 0.0;
   std::map<std::string, double> weber;
   std::map<std::string, double> change;
@@ -36,6 +36,9 @@ struct FrontierOptions {
   /// Called with the part of the work that is done, 0 to 1, and what comes next; may be empty.
   std::function<void(double done, const std::string& next)> on_progress;
 };
+
+/// Whether a point is as the reference but for its number of rays.
+bool is_like_reference(const FrontierPoint& point, const Frontier& frontier);
 
 /// Renders the scene by every method. @throws ConfigError beginning with the key at fault, IoError
 Frontier measure_frontier(const SceneSettings& scene, const FrontierOptions& options);

@@ -2,8 +2,10 @@
 #include "studies/frontier/frontier_drawing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -15,7 +17,6 @@ namespace glint {
 namespace {
 
 using Eigen::Vector2d;
-using Method = RenderSettings::Method;
 
 constexpr double kWidth = 760.0;
 constexpr double kHeight = 492.0;
@@ -25,13 +26,27 @@ constexpr double kTop = 96.0;
 constexpr double kBottom = 434.0;
 constexpr double kMarker = 5.5;
 
-/// The look of one kind of point.
-struct Family {
-  std::string name;
-  std::string colour;
+/// How points of one kind of method are drawn.
+struct Look {
+  std::string_view colour;
+  std::string_view colour_with_facets;
   bool is_hollow = false;
   int corners = 24;  ///< of its marker
   double turn_rad = 0.0;
+};
+
+/// By ComparedMethod::kind.
+constexpr std::array kLooks = {
+    Look{.colour = "#0072b2", .colour_with_facets = "#56b4e9"},
+    Look{.colour = "#d55e00", .colour_with_facets = "#cc79a7", .corners = 4},
+    Look{
+        .colour = "#009e73", .colour_with_facets = "#cc79a7", .corners = 4, .turn_rad = 0.25 * kPi},
+    Look{.colour = kDrawingInk, .colour_with_facets = kDrawingInk, .is_hollow = true}};
+
+/// Points that stand together in the legend.
+struct Family {
+  std::string name;
+  Look look;
 };
 
 bool is_faceted(const FrontierPoint& point, const Frontier& frontier) {
@@ -39,35 +54,17 @@ bool is_faceted(const FrontierPoint& point, const Frontier& frontier) {
 }
 
 Family family_of(const FrontierPoint& point, const Frontier& frontier) {
-  Family family;
-  switch (point.method) {
-    case Method::kSampled:
-      family = {.name = "plain sampling", .colour = "#0072b2"};
-      break;
-    case Method::kIntegrated:
-      family = {.name = "integrated", .colour = "#d55e00", .corners = 4};
-      break;
-    case Method::kClosed:
-      family = {.name = "closed forms", .colour = "#009e73", .corners = 4, .turn_rad = 0.25 * kPi};
-      break;
-    case Method::kPaths:
-      family = {.name = "path tracing", .colour = "#cc79a7"};
-      break;
-    case Method::kAuto:
-      return {.name = "own choice",
-              .colour = std::string(kDrawingInk),
-              .is_hollow = true,
-              .corners = 24};
-  }
+  Family family = {.name = point.method.kind_name, .look = kLooks.at(point.method.kind)};
+  Look& look = family.look;
   if (point.reduction > 1) {
     family.name += ", half resolution";
-    family.is_hollow = true;
+    look.is_hollow = true;
   }
   if (is_faceted(point, frontier)) {
     family.name += ", facets";
-    family.colour = point.method == Method::kSampled ? "#56b4e9" : "#cc79a7";
-    family.corners = 3;
-    family.turn_rad = -0.5 * kPi;
+    look.colour = look.colour_with_facets;
+    look.corners = 3;
+    look.turn_rad = -0.5 * kPi;
   }
   return family;
 }
@@ -135,7 +132,7 @@ class Chart {
     }
     for (const FrontierPoint& point : frontier_.points) {  // over the white rims of the letters
       if (const auto value = value_of(point)) {
-        marker(scale_.place(*value), family_of(point, frontier_), point.is_choice);
+        marker(scale_.place(*value), family_of(point, frontier_).look, point.method.is_choice);
       }
     }
     legend();
@@ -197,36 +194,37 @@ class Chart {
     }
   }
 
-  void marker(const Vector2d& at, const Family& family, bool is_choice) {
+  void marker(const Vector2d& at, const Look& look, bool is_choice) {
     const double radius = is_choice ? 1.9 * kMarker : kMarker;
     std::vector<Vector2d> corners;
-    for (int i = 0; i < family.corners; ++i) {
-      const double angle_rad = family.turn_rad + 2.0 * kPi * i / family.corners;
+    for (int i = 0; i < look.corners; ++i) {
+      const double angle_rad = look.turn_rad + 2.0 * kPi * i / look.corners;
       corners.emplace_back(at + radius * Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
     }
-    const char* fill = is_choice ? "none" : family.is_hollow ? "#ffffff" : family.colour.c_str();
+    const std::string_view fill = is_choice ? "none" : look.is_hollow ? "#ffffff" : look.colour;
     page_.shape("polygon",
                 corners,
                 fmt::format(R"(fill="{}" stroke="{}" stroke-width="{}")",
                             fill,
-                            family.colour,
+                            look.colour,
                             is_choice ? 2.0 : 1.4));
   }
 
   /// What a point is: rays a pixel, or the allowed error of directions; where there is room.
   void label(const FrontierPoint& point, const Vector2d& at) {
-    if (is_faceted(point, frontier_) || point.is_choice) {
+    const ComparedMethod& method = point.method;
+    if (is_faceted(point, frontier_) || method.is_choice) {
       return;
     }
-    const bool is_sampled = point.method == Method::kSampled;
-    const Vector2d corner = at + (is_sampled ? Vector2d(8.0, -6.0) : Vector2d(9.0, 15.0));
+    const bool has_rays = method.rays_per_px > 0;
+    const Vector2d corner = at + (has_rays ? Vector2d(8.0, -6.0) : Vector2d(9.0, 15.0));
     const bool is_crowded = std::ranges::any_of(labels_, [&](const Vector2d& other) {
       return std::abs(other.x() - corner.x()) < 32.0 && std::abs(other.y() - corner.y()) < 11.0;
     });
     if (!is_crowded) {
       page_.text(corner,
-                 is_sampled ? fmt::format("{}", point.rays_per_px)
-                            : fmt::format("{:g} mrad", point.direction_mrad),
+                 has_rays ? fmt::format("{}", method.rays_per_px)
+                          : fmt::format("{:g} mrad", method.direction_mrad),
                  "start",
                  0.0,
                  R"(font-size="10.5")");
@@ -244,7 +242,7 @@ class Chart {
       const auto index = static_cast<double>(known.size());
       const double column = std::fmod(index, 3.0);
       const Vector2d at(kLeft + 6.0 + 225.0 * column, 40.0 + 18.0 * std::floor(index / 3.0));
-      marker(at, family, false);
+      marker(at, family.look, false);
       page_.text(at + Vector2d(12.0, 4.0), family.name, "start");
       known.push_back(family.name);
     }

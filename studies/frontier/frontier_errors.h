@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/image/image.h"
-#include "simulator/render/ray_cache/render_settings.h"
+#include "studies/definition/render_methods.h"
 
 namespace glint {
 
@@ -23,25 +23,21 @@ struct DefectErrors {
 
 /// One method on the chart.
 struct FrontierPoint {
-  RenderSettings::Method method = RenderSettings::Method::kSampled;
-  std::string label;           ///< unique; "4 rays", "integrated 0.2 mrad, half resolution"
-  int rays_per_px = 0;         ///< sampled; 0: as many as the method needs
-  double direction_mrad = 0;   ///< max_direction_error_mrad; 0: sampled
+  ComparedMethod method;
+  std::string label;           ///< unique; "4 rays a pixel", "integrated, 2 mrad, half resolution"
   int reduction = 1;           ///< 2: half as many pixels of twice the size along both sides
-  bool has_frames = true;      ///< false: scores alone are asked for, as in a search
   std::string tessellation;    ///< "exact surface", "mesh file", "facets 20 um"
   double cpu_s = 0.0;          ///< one warm candidate, one thread
   double traced_per_px = 0.0;  ///< rays from the camera over pixels, as traced
   std::string form;            ///< how the mean of the scan came about: form_name()
   int frame_pixels = 0;        ///< that were rendered frame by frame for it
   double cold_s = 0.0;         ///< the first candidate: part built, rays traced, all threads' sum
-  std::optional<double> frame_rmse;  ///< of radiance, full scale 1; absent without has_frames
+  std::optional<double> frame_rmse;  ///< of radiance, full scale 1; absent without frames
   /// The same without edges of the light, rim of the part and defects.
   std::optional<double> smooth_frame_rmse;
   double h_error_points = 0.0;  ///< of homogeneity.h_rms, in hundredths
   std::map<std::string, DefectErrors> defects;
   std::vector<std::string> on_front;  ///< names of the errors that nothing cheaper undercuts
-  bool is_choice = false;             ///< what the program does by itself
   bool is_reference = false;          ///< its errors are 0 by definition
   std::string problem;                ///< why it could not be measured; empty: it was
 

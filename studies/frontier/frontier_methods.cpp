@@ -3,20 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 
 #include <fmt/format.h>
 
 namespace glint {
 namespace {
 
-using Method = RenderSettings::Method;
-
-constexpr int kReferenceRaysPerAxis = 16;
+constexpr int kReferenceRays = 256;  ///< a pixel
 constexpr std::array kFacets_um = {2.0, 20.0, 200.0};
-
-std::string number_text(double value) {
-  return fmt::format("{:g}", value);
-}
 
 /// What the part is made of when nothing is changed.
 std::string own_tessellation(const PartSettings& part) {
@@ -27,93 +22,49 @@ std::string own_tessellation(const PartSettings& part) {
                               : "exact surface";
 }
 
-std::string method_text(const FrontierPoint& point) {
-  switch (point.method) {
-    case Method::kSampled:
-      return fmt::format("{} ray{} a pixel", point.rays_per_px, point.rays_per_px == 1 ? "" : "s");
-    case Method::kIntegrated:
-      return fmt::format("integrated, {} mrad", number_text(point.direction_mrad));
-    case Method::kClosed:
-      return "closed forms";
-    case Method::kPaths:
-      return "path tracing";
-    case Method::kAuto:
-      break;
+/// Triangles that the part is made of instead, where its surface is known.
+std::vector<std::string> other_tessellations(const PartSettings& part) {
+  std::vector<std::string> others;
+  if (part.shape != PartSettings::Shape::kMesh) {
+    for (const double facets_um : kFacets_um) {
+      others.push_back(fmt::format("facets {:g} um", facets_um));
+    }
+    std::erase(others, own_tessellation(part));
   }
-  return point.has_frames ? "own choice for pictures" : "own choice for scores";
+  return others;
 }
-
-class MethodList {
- public:
-  explicit MethodList(const SceneSettings& scene)
-      : own_mrad_(scene.render.max_direction_error_rad * 1e3),
-        own_tessellation_(own_tessellation(scene.part)) {
-    for (const int reduction : {1, 2}) {
-      add_all(reduction);
-    }
-    for (const bool has_frames : {false, true}) {
-      add({.method = Method::kAuto,
-           .direction_mrad = own_mrad_,
-           .has_frames = has_frames,
-           .is_choice = true});
-    }
-    if (scene.part.shape != PartSettings::Shape::kMesh) {
-      for (const double facets_um : kFacets_um) {
-        add_facets(fmt::format("facets {:g} um", facets_um));
-      }
-    }
-  }
-
-  std::vector<FrontierPoint> points() { return std::move(points_); }
-
- private:
-  void add(FrontierPoint point) {
-    if (point.tessellation.empty()) {
-      point.tessellation = own_tessellation_;
-    }
-    point.label = method_text(point);
-    if (point.reduction > 1) {
-      point.label += ", half resolution";
-    }
-    if (point.tessellation != own_tessellation_) {
-      point.label += ", " + point.tessellation;
-    }
-    points_.push_back(std::move(point));
-  }
-
-  void add_all(int reduction) {
-    for (const int per_axis : {1, 2, 4, 8, 16}) {
-      add({.method = Method::kSampled,
-           .rays_per_px = per_axis * per_axis,
-           .reduction = reduction,
-           .is_reference = reduction == 1 && per_axis == kReferenceRaysPerAxis});
-    }
-    for (const double mrad : {2.0, 0.2, 0.02}) {
-      add({.method = Method::kIntegrated, .direction_mrad = mrad, .reduction = reduction});
-    }
-    add({.method = Method::kClosed,
-         .direction_mrad = own_mrad_,
-         .reduction = reduction,
-         .has_frames = false});
-  }
-
-  void add_facets(const std::string& tessellation) {
-    if (tessellation == own_tessellation_) {
-      return;
-    }
-    add({.method = Method::kSampled, .rays_per_px = 4, .tessellation = tessellation});
-    add({.method = Method::kIntegrated, .direction_mrad = 0.2, .tessellation = tessellation});
-  }
-
-  double own_mrad_;
-  std::string own_tessellation_;
-  std::vector<FrontierPoint> points_;
-};
 
 }  // namespace
 
 std::vector<FrontierPoint> frontier_methods(const SceneSettings& scene) {
-  return MethodList(scene).points();
+  const std::vector<ComparedMethod> methods = compared_methods(scene);
+  if (methods.empty()) {
+    throw ConfigError(
+        "render.method: a frontier compares the methods for a plain mirror under one tunnel; this "
+        "scene is path-traced");
+  }
+  const std::string own = own_tessellation(scene.part);
+  std::vector<FrontierPoint> points;
+  const auto add = [&](auto is_wanted, int reduction, const std::string& tessellation) {
+    for (const ComparedMethod& method : methods) {
+      if (std::invoke(is_wanted, method)) {
+        points.push_back({.method = method,
+                          .label = method.label + (reduction > 1 ? ", half resolution" : "") +
+                                   (tessellation != own ? ", " + tessellation : ""),
+                          .reduction = reduction,
+                          .tessellation = tessellation,
+                          .is_reference = reduction == 1 && method.rays_per_px == kReferenceRays});
+      }
+    }
+  };
+  const auto is_asked_for = [](const ComparedMethod& method) { return !method.is_choice; };
+  add(is_asked_for, 1, own);
+  add(is_asked_for, 2, own);
+  add(&ComparedMethod::is_choice, 1, own);
+  for (const std::string& tessellation : other_tessellations(scene.part)) {
+    add(&ComparedMethod::is_usual, 1, tessellation);
+  }
+  return points;
 }
 
 SceneSettings half_resolution(SceneSettings scene) {

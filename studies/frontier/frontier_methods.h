@@ -10,7 +10,8 @@
 
 namespace glint {
 
-/// What measure_frontier() will measure, without results.
+/// What measure_frontier() will measure, without results; the coarsest sampling comes first.
+/// @throws ConfigError for a scene that only path tracing knows
 std::vector<FrontierPoint> frontier_methods(const SceneSettings& scene);
 
 /// The scene with half as many pixels of twice the size.

@@ -12,6 +12,7 @@
 #include "studies/evaluation/evaluation.h"
 #include "studies/frontier/frontier_drawing.h"
 #include "studies/frontier/frontier_errors.h"
+#include "studies/frontier/frontier_methods.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/report/report.h"
@@ -23,7 +24,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
-using Method = RenderSettings::Method;
 
 constexpr int kProgressSteps = 1000;
 
@@ -32,17 +32,18 @@ Json optional_json(const std::optional<double>& value) {
 }
 
 Json point_json(const FrontierPoint& point) {
-  Json json = {{"method", method_name(point.method)},
+  const ComparedMethod& method = point.method;
+  Json json = {{"method", method_name(method.render.method)},
                {"label", point.label},
-               {"rays_per_px", point.rays_per_px > 0 ? Json(point.rays_per_px) : Json(nullptr)},
+               {"rays_per_px", method.rays_per_px > 0 ? Json(method.rays_per_px) : Json(nullptr)},
                {"traced_per_px", point.traced_per_px},
                {"form", point.form},
                {"frame_pixels", point.frame_pixels},
                {"max_direction_error_mrad",
-                point.direction_mrad > 0.0 ? Json(point.direction_mrad) : Json(nullptr)},
+                method.direction_mrad > 0.0 ? Json(method.direction_mrad) : Json(nullptr)},
                {"resolution", point.reduction == 1 ? "full" : "half"},
                {"tessellation", point.tessellation},
-               {"frames", point.has_frames}};
+               {"frames", method.has_frames}};
   if (!point.problem.empty()) {
     json["problem"] = point.problem;
   } else {
@@ -59,7 +60,7 @@ Json point_json(const FrontierPoint& point) {
     }
   }
   json["on_front"] = point.on_front;
-  json["is_choice"] = point.is_choice;
+  json["is_choice"] = method.is_choice;
   json["is_reference"] = point.is_reference;
   return json;
 }
@@ -69,8 +70,8 @@ Json reference_json(const FrontierReference& reference) {
   for (const auto& [label, weber] : reference.weber) {
     defects[label] = {{"weber", weber}, {"change", reference.change.at(label)}};
   }
-  return {{"method", method_name(Method::kSampled)},
-          {"rays_per_px", reference.rays_per_px},
+  return {{"method", method_name(reference.method.render.method)},
+          {"rays_per_px", reference.method.rays_per_px},
           {"h_rms", reference.h_rms},
           {"defects", defects},
           {"own_frame_rmse", optional_json(reference.own_frame_rmse)}};
@@ -80,19 +81,13 @@ std::string time_text(double seconds) {
   return fmt::format("{:.3g} ms", seconds * 1e3);
 }
 
-bool is_full_plain(const FrontierPoint& point, const Frontier& frontier) {
-  return point.method == Method::kSampled && point.reduction == 1 && point.problem.empty() &&
-         point.tessellation == frontier.points.front().tessellation && point.frame_rmse;
-}
-
 /// Everything that would be refused, before a folder is made.
 void check_study_scene(const Study& study, int threads) {
   try {
     ThreadPool pool(threads);
     SceneStore store(pool);
     SceneSettings quick = study.scene;
-    quick.render.method = Method::kSampled;
-    quick.render.rays_per_axis = 1;
+    quick.render = frontier_methods(study.scene).front().method.render;
     evaluate(store, quick);
   } catch (const ConfigError& error) {
     throw ConfigError(with_place(study.root, error.what()));
@@ -117,7 +112,7 @@ std::vector<std::string> method_notes(const Frontier& frontier) {
   std::vector<std::string> notes = {
       fmt::format("Every method is compared with {} rays a pixel by plain sampling at full "
                   "resolution, without noise and quantisation.",
-                  frontier.reference.rays_per_px),
+                  frontier.reference.method.rays_per_px),
       "CPU time is that of one thread for one more candidate lighting, rays kept: the best of "
       "several repeats. The first candidate also pays for building the part and tracing.",
       "Frame error: root of the mean square of radiance over all frames and all pixels that see "
@@ -154,7 +149,7 @@ std::string page_html(const Study& study, const Frontier& frontier, const Json& 
 
 std::string frontier_sentence(const Frontier& frontier) {
   const auto choice = std::ranges::find_if(frontier.points, [](const FrontierPoint& point) {
-    return point.is_choice && point.problem.empty() && point.frame_rmse;
+    return point.method.is_choice && point.problem.empty() && point.frame_rmse;
   });
   if (choice == frontier.points.end()) {
     return "The program's own choice could not be measured.";
@@ -168,7 +163,8 @@ std::string frontier_sentence(const Frontier& frontier) {
   const FrontierPoint* equal = nullptr;
   const FrontierPoint* finest = nullptr;
   for (const FrontierPoint& point : frontier.points) {
-    if (!is_full_plain(point, frontier) || point.is_reference) {
+    const bool is_measured = point.problem.empty() && point.frame_rmse;
+    if (!is_measured || !is_like_reference(point, frontier) || point.is_reference) {
       continue;
     }
     finest = &point;

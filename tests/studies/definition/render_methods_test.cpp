@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/definition/render_methods.h"
 
+#include <set>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -69,6 +71,33 @@ TEST(FinerSettings, RenderEveryFrameOfAMirror) {
   const SceneSettings scene = mirror_scene(Method::kSampled);
   EXPECT_EQ(finer_settings(scene).render.method, Method::kSampled);
   EXPECT_EQ(finer_settings(scene).render.rays_per_axis, 2 * scene.render.rays_per_axis);
+}
+
+TEST(ComparedMethods, AreSettingsOfTheSceneThatDifferInTheMethod) {
+  SceneSettings scene;
+  scene.render.max_bounces = 7;
+  scene.render.max_direction_error_rad = 0.5e-3;
+  std::set<std::string> labels;
+  std::vector<std::size_t> kinds;
+  for (const ComparedMethod& method : compared_methods(scene)) {
+    EXPECT_TRUE(labels.insert(method.label).second) << method.label;
+    kinds.push_back(method.kind);
+    EXPECT_EQ(method.render.max_bounces, 7) << method.label;
+    EXPECT_EQ(method.rays_per_px > 0, method.render.method == Method::kSampled) << method.label;
+    EXPECT_EQ(method.rays_per_px > 0, method.direction_mrad == 0.0) << method.label;
+    if (method.rays_per_px > 0) {
+      const int per_axis = method.render.rays_per_axis;
+      EXPECT_EQ(method.rays_per_px, per_axis * per_axis) << method.label;
+    } else {
+      const double rad = method.render.max_direction_error_rad;
+      EXPECT_NEAR(method.direction_mrad, 1e3 * rad, 1e-12) << method.label;
+    }
+  }
+  EXPECT_THAT(kinds, ElementsAre(0, 0, 0, 0, 0, 1, 1, 1, 2, 3, 3));
+}
+
+TEST(ComparedMethods, AreNoneWherePathsAreTheOnlyWay) {
+  EXPECT_THAT(compared_methods(path_scene()), IsEmpty());
 }
 
 }  // namespace

@@ -23,7 +23,6 @@ namespace glint {
 namespace {
 
 using ::testing::HasSubstr;
-using Method = RenderSettings::Method;
 
 constexpr const char* kFrontierStudy = R"(
 schema = 1
@@ -243,7 +242,7 @@ const Frontier& small_frontier() {
 
 const FrontierPoint& plain_point(int rays_per_px) {
   for (const FrontierPoint& point : small_frontier().points) {
-    if (point.method == Method::kSampled && point.rays_per_px == rays_per_px) {
+    if (point.method.rays_per_px == rays_per_px) {
       return point;  // full resolution comes first
     }
   }
@@ -272,13 +271,13 @@ TEST(Frontier, MeasuresEveryMethod) {
     EXPECT_EQ(point.problem, "") << point.label;
     EXPECT_GT(point.cpu_s, 0.0) << point.label;
     EXPECT_GT(point.cold_s, 0.0) << point.label;
-    EXPECT_EQ(point.frame_rmse.has_value(), point.has_frames) << point.label;
-    EXPECT_EQ(point.smooth_frame_rmse.has_value(), point.has_frames) << point.label;
+    EXPECT_EQ(point.frame_rmse.has_value(), point.method.has_frames) << point.label;
+    EXPECT_EQ(point.smooth_frame_rmse.has_value(), point.method.has_frames) << point.label;
     EXPECT_NE(point.form, "") << point.label;
     EXPECT_GT(point.traced_per_px, 0.9) << point.label;
     EXPECT_EQ(point.defects.size(), 2U) << point.label;
     EXPECT_TRUE(point.is_reference || point.h_error_points > 0.0) << point.label;
-    choices += point.is_choice ? 1 : 0;
+    choices += point.method.is_choice ? 1 : 0;
   }
   EXPECT_EQ(choices, 2);
 }

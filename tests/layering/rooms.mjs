@@ -3,10 +3,11 @@
 // usage: node rooms.mjs [--arrows] [SOURCE_DIR]
 //
 // Checks that the rooms of the sources are what the module map of CONTRIBUTING.md says: which rooms
-// there are, what each may include, what its CMake target holds and links, and that the functions
-// of x.cpp are declared in x.h. One line per violation, `file:line: what is wrong`; exit 1 when
-// there is any. On success one line per hall: its rooms, the levels of the longest way down through
-// them, and how many pairs of them see each other.
+// there are, what each may include, what its CMake target holds and links, that the functions of
+// x.cpp are declared in x.h, and that only two rooms ask how a scene is rendered. One line per
+// violation, `file:line: what is wrong`; exit 1 when there is any. On success one line per hall:
+// its rooms, the levels of the longest way down through them, and how many pairs of them see each
+// other.
 //   --arrows  prints for each room which rooms it includes, to write the map from; checks nothing
 //
 // A room is a folder with .h or .cpp files directly in it, a hall a top folder or simulator/<x>
@@ -15,6 +16,7 @@ import path from "node:path";
 import { fileURLToPath } from "node:url";
 
 import { checkHeaders } from "./room_headers.mjs";
+import { checkQuestions } from "./room_questions.mjs";
 import { checkTargets } from "./room_targets.mjs";
 import {
   MAP,
@@ -284,6 +286,7 @@ function main(words) {
   checkCircles(includes);
   checkTargets(tree, map, includes, allowed);
   checkHeaders(tree);
+  checkQuestions(tree);
   checkSizes(tree);
   if (violations.length > 0) {
     printViolations();

@@ -362,6 +362,27 @@ expect_clean "a file without functions for others" "rooms: no violation"
 without_header cli run.cpp 'namespace glint { int other_command() { return 0; } }'
 expect_found 'cli/lost.cpp: has no header lost.h for other_command()'
 
+# --- Questions ------------------------------------------------------------------------------------
+in_run_cpp() { # code, what it asks
+  clean_tree
+  add cli/run.cpp "static bool is_so = $1;"
+  expect_found "cli/run.cpp:8: asks $2: how a scene is rendered is asked in "
+}
+in_run_cpp 'needs_paths(scene)' needs_paths
+in_run_cpp 'traced.is_sampled()' is_sampled
+in_run_cpp '!scene.has_tunnel' has_tunnel
+in_run_cpp 'scene.lights.empty()' 'lights.empty()'
+in_run_cpp 'render.method == RenderSettings::Method::kSampled' Method::kSampled
+clean_tree
+add cli/run.cpp '// needs_paths() is asked elsewhere'
+expect_clean "a question in a comment" "rooms: no violation"
+clean_tree
+write studies/definition/scene.h '#pragma once' 'inline bool is_lit = scene.has_tunnel;'
+library studies/definition 'studies::definition HEADERS scene.h'
+edit CONTRIBUTING.md '/`cli/i | `studies/` | - | studies | - |'
+edit CONTRIBUTING.md '/`cli/i | `studies/definition/` | `glint::studies::definition` | scenes | - |'
+expect_clean "a question in its room" "rooms: no violation"
+
 # --- Sizes ----------------------------------------------------------------------------------------
 for room in tests/core tests/bench; do
   clean_tree

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Part of rooms.mjs: which rooms may ask how a scene is rendered.
+import path from "node:path";
+
+import { hallOf, report } from "./room_tree.mjs";
+
+/// The transport that a scene needs, the kind of its rays and lights, the method of [render].
+const QUESTION = /\b(needs_paths\b|is_sampled\b|has_tunnel\b|lights\.empty\(\)|Method::k\w+)/;
+const HALLS = new Set(["studies", "cli"]);
+/// They give all others what follows from the answer.
+const ASKING = new Set(["studies/definition", "studies/imaging"]);
+
+export function checkQuestions(tree) {
+  for (const [file, text] of tree.texts) {
+    const room = path.posix.dirname(file);
+    if (!HALLS.has(hallOf(room)) || ASKING.has(room)) {
+      continue;
+    }
+    text.split("\n").forEach((code, i) => {
+      const found = QUESTION.exec(code.replace(/\/\/.*/, ""));
+      if (found !== null) {
+        const allowed = [...ASKING].join(" and ");
+        report(file, i + 1, `asks ${found[0]}: how a scene is rendered is asked in ${allowed} alone`);
+      }
+    });
+  }
+}

@@ -222,7 +222,7 @@ PartSettings part_settings(const NewArguments& arguments) {
   ConfigNode table = ConfigNode::table();
   set_path(table, "file", ConfigNode::from_text(arguments.part.string()));
   set_path(table, "unit", ConfigNode::from_text(arguments.unit));
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   PartSettings settings;
   KeyReader reader(&table, "part", errors);
   visit_keys(reader, settings);
@@ -247,7 +247,7 @@ std::optional<Draft> draft(const NewArguments& arguments,
   const auto text_for = [&](const Eigen::Vector2d& place) {
     return study_text(arguments, built->part.name, first, place);
   };
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   // In the folder of the file to come: paths in it are relative to that.
   const std::string name = (arguments.out.parent_path() / "new study").string();
   SceneSettings scene = read_scene(parse_toml(text_for(Eigen::Vector2d::Zero()), name), errors);

@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 
 /// The part of a TOML file, or a mesh with the unit and crease angle of the command line.
 PartSettings settings_of(const PartArguments& arguments) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   ConfigNode table = ConfigNode::table();
   ConfigNode root;
   if (arguments.file.extension() == ".toml") {

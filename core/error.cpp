@@ -5,8 +5,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
+
+#include "core/text.h"
 
 namespace glint {
 
@@ -22,6 +25,26 @@ std::string Place::prefix() const {
   }
   return fmt::format("{}:{}:{}: ", file, line, column);
 }
+
+std::string Problem::message() const {
+  std::string message = place.prefix();
+  for (const std::string& part : {context, key}) {
+    message += part.empty() ? "" : part + ": ";
+  }
+  return message + text;
+}
+
+std::vector<std::string> messages_of(std::span<const Problem> problems) {
+  std::vector<std::string> messages;
+  for (const Problem& problem : problems) {
+    messages.push_back(problem.message());
+  }
+  return messages;
+}
+
+ConfigError::ConfigError(std::vector<Problem> problems)
+    : Error(join(messages_of(problems), "\n")),
+      problems_(std::make_shared<const std::vector<Problem>>(std::move(problems))) {}
 
 std::string last_system_error() {
   return std::generic_category().message(errno);

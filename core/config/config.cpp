@@ -159,7 +159,7 @@ void set_path(ConfigNode& root, std::string_view path, ConfigNode value) {
   const std::vector<std::string> parts = split(path, '.');
   const Place place = value.place;
   if (std::ranges::any_of(parts, &std::string::empty)) {
-    throw ConfigError(fmt::format("{}\"{}\" is no key path", place.prefix(), path));
+    throw ConfigError(Problem{.place = place, .text = fmt::format("\"{}\" is no key path", path)});
   }
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const bool is_last = i + 1 == parts.size();
@@ -167,11 +167,13 @@ void set_path(ConfigNode& root, std::string_view path, ConfigNode value) {
     if (node->is_array()) {
       const auto index = array_index(parts[i]);
       if (!index || *index >= node->items.size()) {
-        throw ConfigError(fmt::format("{}{}: the array has {} items, so the index must be below {}",
-                                      place.prefix(),
-                                      path,
-                                      node->items.size(),
-                                      node->items.size()));
+        throw ConfigError(
+            Problem{.kind = Problem::Kind::kUnknownKey,
+                    .place = place,
+                    .key = std::string(path),
+                    .text = fmt::format("the array has {} items, so the index must be below {}",
+                                        node->items.size(),
+                                        node->items.size())});
       }
       next = &node->items[*index];
     } else if (node->is_table()) {
@@ -183,10 +185,11 @@ void set_path(ConfigNode& root, std::string_view path, ConfigNode value) {
         next->place = place;
       }
     } else {
-      throw ConfigError(fmt::format("{}{}: \"{}\" is a plain value and has no keys",
-                                    place.prefix(),
-                                    path,
-                                    i == 0 ? "" : parts[i - 1]));
+      throw ConfigError(Problem{.kind = Problem::Kind::kUnknownKey,
+                                .place = place,
+                                .key = std::string(path),
+                                .text = fmt::format("\"{}\" is a plain value and has no keys",
+                                                    i == 0 ? "" : parts[i - 1])});
     }
     if (is_last) {
       *next = std::move(value);

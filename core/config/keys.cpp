@@ -15,6 +15,8 @@
 namespace glint {
 namespace {
 
+using Kind = Problem::Kind;
+
 std::string joined_path(std::string_view path, std::string_view key) {
   return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
 }
@@ -74,11 +76,13 @@ std::string Range::text() const {
   return has_max ? fmt::format("<= {}", shortest(max)) : "any";
 }
 
-KeyReader::KeyReader(const ConfigNode* table, std::string path, std::vector<std::string>& errors)
+KeyReader::KeyReader(const ConfigNode* table, std::string path, std::vector<Problem>& errors)
     : table_(table), path_(std::move(path)), errors_(errors) {
   if (table_ != nullptr && !table_->is_table()) {
-    errors_.push_back(
-        fmt::format("{}{}: must be a table, like [{}]", table_->place.prefix(), path_, path_));
+    errors_.push_back({.kind = Problem::Kind::kWrongType,
+                       .place = table_->place,
+                       .key = path_,
+                       .text = fmt::format("must be a table, like [{}]", path_)});
     table_ = nullptr;
   }
 }
@@ -88,11 +92,15 @@ const ConfigNode* KeyReader::take(std::string_view key) {
   return table_ == nullptr ? nullptr : table_->find(key);
 }
 
-void KeyReader::error(const ConfigNode* where, std::string_view key, const std::string& message) {
-  const std::string prefix = where != nullptr    ? where->place.prefix()
-                             : table_ != nullptr ? table_->place.prefix()
-                                                 : "";
-  errors_.push_back(fmt::format("{}{}: {}", prefix, joined_path(path_, key), message));
+void KeyReader::error(const ConfigNode* where,
+                      std::string_view key,
+                      const std::string& message,
+                      Problem::Kind kind) {
+  const ConfigNode* node = where != nullptr ? where : table_;
+  errors_.push_back({.kind = kind,
+                     .place = node != nullptr ? node->place : Place{},
+                     .key = joined_path(path_, key),
+                     .text = message});
 }
 
 bool KeyReader::number_in_range(const ConfigNode& node,
@@ -100,15 +108,21 @@ bool KeyReader::number_in_range(const ConfigNode& node,
                                 const Range& range,
                                 double* written) {
   if (!node.is_number()) {
-    error(&node, key, fmt::format("must be a number, {}", range.text()));
+    error(&node, key, fmt::format("must be a number, {}", range.text()), Kind::kWrongType);
     return false;
   }
   if (!std::isfinite(node.number)) {
-    error(&node, key, fmt::format("is {}, must be a finite number", shortest(node.number)));
+    error(&node,
+          key,
+          fmt::format("is {}, must be a finite number", shortest(node.number)),
+          Kind::kOutOfRange);
     return false;
   }
   if (!range.contains(node.number)) {
-    error(&node, key, fmt::format("is {}, must be {}", shortest(node.number), range.text()));
+    error(&node,
+          key,
+          fmt::format("is {}, must be {}", shortest(node.number), range.text()),
+          Kind::kOutOfRange);
     return false;
   }
   *written = node.number;
@@ -136,8 +150,10 @@ void KeyReader::integer(std::string_view key,
     return;
   }
   if (written != std::floor(written) || std::abs(written) > 2e9) {
-    error(
-        node, key, fmt::format("is {}, must be a whole number of at most 2e9", shortest(written)));
+    error(node,
+          key,
+          fmt::format("is {}, must be a whole number of at most 2e9", shortest(written)),
+          Kind::kOutOfRange);
     return;
   }
   value = static_cast<int>(written);
@@ -149,7 +165,7 @@ void KeyReader::boolean(std::string_view key, bool& value, std::string_view /*do
     return;
   }
   if (node->kind != ConfigNode::Kind::kBoolean) {
-    error(node, key, "must be true or false");
+    error(node, key, "must be true or false", Kind::kWrongType);
     return;
   }
   value = node->boolean;
@@ -161,7 +177,7 @@ void KeyReader::text(std::string_view key, std::string& value, std::string_view 
     return;
   }
   if (node->kind != ConfigNode::Kind::kText) {
-    error(node, key, "must be a text in quotes");
+    error(node, key, "must be a text in quotes", Kind::kWrongType);
     return;
   }
   value = node->text;
@@ -173,7 +189,7 @@ void KeyReader::file(std::string_view key, std::filesystem::path& value, std::st
     return;
   }
   if (node->kind != ConfigNode::Kind::kText) {
-    error(node, key, "must be a file name in quotes");
+    error(node, key, "must be a file name in quotes", Kind::kWrongType);
     return;
   }
   value = node->text.empty() ? std::filesystem::path() : resolve_path(*node);
@@ -194,7 +210,7 @@ void KeyReader::numbers(std::string_view key,
   }
   const auto size = static_cast<int>(node->items.size());
   if (!node->is_array() || size < count.min || size > count.max) {
-    error(node, key, fmt::format("must be an array of {}", count_text(count)));
+    error(node, key, fmt::format("must be an array of {}", count_text(count)), Kind::kWrongType);
     return;
   }
   std::vector<double> read;
@@ -224,7 +240,10 @@ void KeyReader::interval(std::string_view key,
     }
     high = low;
   } else if (node->items.size() != 2) {
-    error(node, key, fmt::format("must be a number or [min, max], each {}", range.text()));
+    error(node,
+          key,
+          fmt::format("must be a number or [min, max], each {}", range.text()),
+          Kind::kWrongType);
     return;
   } else if (!number_in_range(node->items[0], key, range, &low) ||
              !number_in_range(node->items[1], key, range, &high)) {
@@ -234,7 +253,8 @@ void KeyReader::interval(std::string_view key,
     error(node,
           key,
           fmt::format(
-              "is [{}, {}], must be [min, max] with min <= max", shortest(low), shortest(high)));
+              "is [{}, {}], must be [min, max] with min <= max", shortest(low), shortest(high)),
+          Kind::kOutOfRange);
     return;
   }
   value = {low * internal_per_written(key), high * internal_per_written(key)};
@@ -254,7 +274,8 @@ void KeyReader::choice_index(std::string_view key,
   if (position == names.end()) {
     error(node,
           key,
-          fmt::format("is {}, must be one of {}", value_to_toml(*node), quoted_list(names)));
+          fmt::format("is {}, must be one of {}", value_to_toml(*node), quoted_list(names)),
+          Kind::kOutOfRange);
     return;
   }
   index = static_cast<int>(position - names.begin());
@@ -270,7 +291,7 @@ void KeyReader::table(std::string_view key,
 
 void KeyReader::require(bool holds, std::string_view key, const std::string& message) {
   if (!holds) {
-    error(table_ == nullptr ? nullptr : table_->find(key), key, message);
+    error(table_ == nullptr ? nullptr : table_->find(key), key, message, Kind::kRelation);
   }
 }
 
@@ -289,7 +310,8 @@ void KeyReader::report_unknown() {
       error(&table_->items[i],
             name,
             near.empty() ? "unknown key"
-                         : fmt::format("unknown key, the nearest known one is \"{}\"", near));
+                         : fmt::format("unknown key, the nearest known one is \"{}\"", near),
+            Kind::kUnknownKey);
     }
   }
 }
@@ -524,9 +546,9 @@ void KeyDigest::table(std::string_view,
   visit(*this);
 }
 
-void throw_if_any(const std::vector<std::string>& errors) {
+void throw_if_any(const std::vector<Problem>& errors) {
   if (!errors.empty()) {
-    throw ConfigError(join(errors, "\n"));
+    throw ConfigError(errors);
   }
 }
 

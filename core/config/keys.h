@@ -134,8 +134,8 @@ class KeyReader final : public KeyVisitor {
  public:
   /// @param table   nullptr: the table is absent, every key keeps its default
   /// @param path    dotted path of the table, for messages
-  /// @param errors  grows by one line per problem
-  KeyReader(const ConfigNode* table, std::string path, std::vector<std::string>& errors);
+  /// @param errors  grows by the problems found
+  KeyReader(const ConfigNode* table, std::string path, std::vector<Problem>& errors);
 
   void number(std::string_view key, double& value, const Range& range, std::string_view) override;
   void integer(std::string_view key, int& value, const Range& range, std::string_view) override;
@@ -166,7 +166,10 @@ class KeyReader final : public KeyVisitor {
 
   /// The item, marked as known; nullptr when absent.
   const ConfigNode* take(std::string_view key);
-  void error(const ConfigNode* where, std::string_view key, const std::string& message);
+  void error(const ConfigNode* where,
+             std::string_view key,
+             const std::string& message,
+             Problem::Kind kind = Problem::Kind::kOther);
 
  private:
   bool number_in_range(const ConfigNode& node,
@@ -176,7 +179,7 @@ class KeyReader final : public KeyVisitor {
 
   const ConfigNode* table_;
   std::string path_;
-  std::vector<std::string>& errors_;
+  std::vector<Problem>& errors_;
   std::vector<std::string> known_;
 };
 
@@ -272,7 +275,7 @@ class KeyDigest final : public KeyVisitor {
   std::string& bytes_;
 };
 
-/// Throws ConfigError with all lines when there are any.
-void throw_if_any(const std::vector<std::string>& errors);
+/// Throws ConfigError with all problems when there are any.
+void throw_if_any(const std::vector<Problem>& errors);
 
 }  // namespace glint

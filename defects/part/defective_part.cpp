@@ -198,8 +198,8 @@ class DefectMaker::Making {
   void give_up(MadeDefect& made) {
     made.reason = given_up_text(made);
     if (!state_.settings.may_be_fewer) {
-      throw ConfigError(fmt::format(
-          "imprint.may_be_fewer: is false, but {} was {}", made.defect.label, made.reason));
+      throw ConfigError("imprint.may_be_fewer",
+                        fmt::format("is false, but {} was {}", made.defect.label, made.reason));
     }
   }
 

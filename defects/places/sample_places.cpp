@@ -22,15 +22,16 @@ FixedPlace seen_from_above(const Part& part,
                            std::size_t i) {
   const auto place = place_on_surface(part, bvh, group.x_mm[i], group.y_mm[i]);
   if (!place) {
-    throw ConfigError(fmt::format(
-        "{}: place {} at x {:g} mm, y {:g} mm is beside the part; the part reaches over {:g} x "
-        "{:g} mm",
+    throw ConfigError(
         table,
-        i + 1,
-        group.x_mm[i],
-        group.y_mm[i],
-        part.box_in_part_mm.size_mm().x(),
-        part.box_in_part_mm.size_mm().y()));
+        fmt::format(
+            "place {} at x {:g} mm, y {:g} mm is beside the part; the part reaches over {:g} x "
+            "{:g} mm",
+            i + 1,
+            group.x_mm[i],
+            group.y_mm[i],
+            part.box_in_part_mm.size_mm().x(),
+            part.box_in_part_mm.size_mm().y()));
   }
   const auto nearest = bvh.nearest(part.mesh, place->centre_mm, kAnywhere_mm);
   GLINT_CHECK(nearest.has_value(), "a part has triangles");
@@ -50,16 +51,16 @@ FixedPlace on_nearest_surface(const Part& part,
   GLINT_CHECK(nearest.has_value(), "a part has triangles");
   const double allowed_mm = std::max(1.0, 0.01 * part.box_in_part_mm.size_mm().norm());
   if (nearest->distance_mm > allowed_mm) {
-    throw ConfigError(fmt::format(
-        "{}.at_mm: place {} at {:g}, {:g}, {:g} mm: coordinates off the surface by {:.4g} mm; "
-        "allowed: up to {:.4g} mm",
-        table,
-        i + 1,
-        given.x(),
-        given.y(),
-        given.z(),
-        nearest->distance_mm,
-        allowed_mm));
+    throw ConfigError(
+        table + ".at_mm",
+        fmt::format("place {} at {:g}, {:g}, {:g} mm: coordinates off the surface by {:.4g} mm; "
+                    "allowed: up to {:.4g} mm",
+                    i + 1,
+                    given.x(),
+                    given.y(),
+                    given.z(),
+                    nearest->distance_mm,
+                    allowed_mm));
   }
   const SurfacePoint point = smooth_point(part, nearest->triangle, nearest->point_mm);
   return {.point = point, .off_mm = (point.point_mm - p).norm()};

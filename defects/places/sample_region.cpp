@@ -71,7 +71,7 @@ std::vector<std::array<std::uint8_t, 3>> painted_colours(const std::string& tabl
   try {
     return read_face_colours(file);
   } catch (const ConfigError& error) {
-    throw ConfigError(fmt::format("{}.region_file: {}", table, error.what()));
+    throw ConfigError(table + ".region_file", error.what());
   }
 }
 
@@ -81,23 +81,22 @@ void keep_painted(const std::string& table,
                   std::vector<std::int32_t>& triangles) {
   const auto colours = painted_colours(table, region.file);
   if (colours.size() != num_triangles) {
-    throw ConfigError(
-        fmt::format("{}.region_file: {} has {} triangles and the part has {}; allowed: the part's "
-                    "own triangles",
-                    table,
-                    region.file.string(),
-                    colours.size(),
-                    num_triangles));
+    throw ConfigError(table + ".region_file",
+                      fmt::format("{} has {} triangles and the part has {}; allowed: the part's "
+                                  "own triangles",
+                                  region.file.string(),
+                                  colours.size(),
+                                  num_triangles));
   }
   std::erase_if(triangles, [&](std::int32_t i) {
     const auto& [red, green, blue] = colours[static_cast<std::size_t>(i)];
     return red == 0 && green == 0 && blue == 0;
   });
   if (triangles.empty()) {
-    throw ConfigError(fmt::format(
-        "{}.region_file: {} allows no face: all are black, or look another way than facing_deg",
-        table,
-        region.file.string()));
+    throw ConfigError(
+        table + ".region_file",
+        fmt::format("{} allows no face: all are black, or look another way than facing_deg",
+                    region.file.string()));
   }
 }
 
@@ -193,10 +192,9 @@ AreaSampler sampler_in_box(const Part& part,
   AreaSampler sampler = inside.is_any_cut ? AreaSampler(std::move(inside.pieces))
                                           : AreaSampler(part.mesh, inside.triangles);
   if (!(sampler.area_mm2() > 0.0) || (is_sphere && !meets_sphere(part, inside.triangles, region))) {
-    throw ConfigError(fmt::format("{}.{}: no face of the part lies in the {}",
-                                  table,
-                                  is_sphere ? "region_centre_mm" : "region_min_mm",
-                                  is_sphere ? "sphere" : "box"));
+    throw ConfigError(
+        table + (is_sphere ? ".region_centre_mm" : ".region_min_mm"),
+        fmt::format("no face of the part lies in the {}", is_sphere ? "sphere" : "box"));
   }
   return sampler;
 }
@@ -213,7 +211,7 @@ PlaceRegion::PlaceRegion(const Part& part,
   }
   std::vector<std::int32_t> triangles = facing_triangles(part, region.facing_rad);
   if (triangles.empty()) {
-    throw ConfigError(fmt::format("{}.facing_deg: no face of the part looks that way", table));
+    throw ConfigError(table + ".facing_deg", "no face of the part looks that way");
   }
   if (region.kind == Kind::kFaces) {
     keep_painted(table, region, part.mesh.num_triangles(), triangles);

@@ -68,12 +68,11 @@ int whole_number(const Interval& count, std::uint64_t hash) {
 
 void check_size(const std::string& table, std::string_view key, double size_mm, double part_mm) {
   if (size_mm > part_mm) {
-    throw ConfigError(fmt::format(
-        "{}.{}: {:g} mm is larger than the part, which is {:.4g} mm from corner to corner",
-        table,
-        key,
-        size_mm,
-        part_mm));
+    throw ConfigError(
+        fmt::format("{}.{}", table, key),
+        fmt::format("{:g} mm is larger than the part, which is {:.4g} mm from corner to corner",
+                    size_mm,
+                    part_mm));
   }
 }
 
@@ -151,7 +150,7 @@ DefectSampler::DefectSampler(const Part& part,
     state->groups.push_back(std::move(places));
   }
   if (has_total && !groups.empty() && shares <= 0.0) {
-    throw ConfigError("imprint.count: no group takes a share, all give their places");
+    throw ConfigError("imprint.count", "no group takes a share, all give their places");
   }
   if (needs_edges) {
     state->edges = SharpEdges(part.mesh, crease_rad);

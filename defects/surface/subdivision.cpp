@@ -24,11 +24,11 @@ using Middles = std::vector<std::int32_t>;
 void check_size(const TriangleMesh& mesh) {
   constexpr std::size_t kMaxTriangles = std::numeric_limits<std::int32_t>::max() / 3;
   if (mesh.num_triangles() > kMaxTriangles / 4) {
-    throw ConfigError(
-        fmt::format("imprint.processing.levels: {} triangles cannot be cut in four, at most {} "
-                    "can be handled",
-                    mesh.num_triangles(),
-                    kMaxTriangles));
+    throw ConfigError("imprint.processing.levels",
+                      fmt::format("{} triangles cannot be cut in four, at most {} "
+                                  "can be handled",
+                                  mesh.num_triangles(),
+                                  kMaxTriangles));
   }
 }
 

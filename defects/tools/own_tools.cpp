@@ -38,17 +38,16 @@ std::vector<std::filesystem::path> tool_files(const std::string& key,
     }
   }
   if (error) {
-    throw ConfigError(fmt::format("{}: cannot read the folder {}: {}, must be a folder of tools",
-                                  key,
+    throw ConfigError(key,
+                      fmt::format("cannot read the folder {}: {}, must be a folder of tools",
                                   folder.string(),
                                   error.message()));
   }
   if (files.empty()) {
-    throw ConfigError(
-        fmt::format("{}: {} holds no tool, must hold closed meshes (.stl, .ply, .obj, "
-                    ".off)",
-                    key,
-                    folder.string()));
+    throw ConfigError(key,
+                      fmt::format("{} holds no tool, must hold closed meshes (.stl, .ply, .obj, "
+                                  ".off)",
+                                  folder.string()));
   }
   std::sort(files.begin(), files.end());
   return files;
@@ -74,14 +73,14 @@ TriangleMesh read_tool(const std::string& key, const std::filesystem::path& file
   try {
     mesh = read_mesh(file);
   } catch (const Error& error) {
-    throw ConfigError(fmt::format("{}: {}", key, error.what()));
+    throw ConfigError(key, error.what());
   }
   std::string fault = tool_fault(mesh);
   if (fault.empty()) {
     fault = place_fault(mesh);
   }
   if (!fault.empty()) {
-    throw ConfigError(fmt::format("{}: {}: cannot be a tool: {}", key, file.string(), fault));
+    throw ConfigError(key, fmt::format("{}: cannot be a tool: {}", file.string(), fault));
   }
   return mesh;
 }

@@ -177,7 +177,7 @@ const OwnTool& ToolCollection::own_tool(const std::string& name) const {
   const auto found = std::find_if(
       own_tools_.begin(), own_tools_.end(), [&](const OwnTool& tool) { return tool.name == name; });
   if (found == own_tools_.end()) {
-    throw ConfigError(fmt::format("defects.{}: has no tool \"{}\"", name_, name));
+    throw ConfigError("defects." + name_, fmt::format("has no tool \"{}\"", name));
   }
   return *found;
 }

@@ -176,17 +176,15 @@ std::vector<DefectPixels> defect_pixels(std::span<const DefectView> defects,
   for (const DefectView& defect : defects) {
     DefectPixels pixels = sort_pixels(defect, on_part, background, settings);
     if (pixels.inside.empty()) {
-      throw ConfigError(
-          fmt::format("defects.{}: is not in the picture, its middle must lie on the visible part",
-                      defect.label));
+      throw ConfigError("defects." + defect.label,
+                        "is not in the picture, its middle must lie on the visible part");
     }
     if (pixels.ring.empty()) {
-      throw ConfigError(
-          fmt::format("defects.{}: has no background between {} and {} radii on the visible part "
-                      "away from other defects, at least one pixel must be left",
-                      defect.label,
-                      settings.ring_inner_radii,
-                      settings.ring_outer_radii));
+      throw ConfigError("defects." + defect.label,
+                        fmt::format("has no background between {} and {} radii on the visible part "
+                                    "away from other defects, at least one pixel must be left",
+                                    settings.ring_inner_radii,
+                                    settings.ring_outer_radii));
     }
     result.push_back(std::move(pixels));
   }

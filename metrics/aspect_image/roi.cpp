@@ -79,22 +79,22 @@ Mask region_of_interest(const ImageF& coverage,
   const Mask whole = whole_pixels(coverage);
   const std::size_t on_part = count_inside(whole);
   if (on_part == 0) {
-    throw ConfigError(
-        "camera.object_pixel_mm: no pixel lies wholly on the part, the camera must see the part at "
-        "more than "
-        "a pixel");
+    throw ConfigError("camera.object_pixel_mm",
+                      "no pixel lies wholly on the part, the camera must see the part at "
+                      "more than "
+                      "a pixel");
   }
   Mask region = eroded(whole, settings.erosion_px);
   exclude_defects(region, defects, settings.exclusion_radii);
   if (count_inside(region) == 0) {
-    throw ConfigError(
-        fmt::format("metrics.erosion_px: no pixel is left of {} on the part after "
-                    "metrics.erosion_px = {} and {} "
-                    "defects with metrics.exclusion_radii = {}, at least one must be",
-                    on_part,
-                    settings.erosion_px,
-                    defects.size(),
-                    settings.exclusion_radii));
+    throw ConfigError("metrics.erosion_px",
+                      fmt::format("no pixel is left of {} on the part after "
+                                  "metrics.erosion_px = {} and {} "
+                                  "defects with metrics.exclusion_radii = {}, at least one must be",
+                                  on_part,
+                                  settings.erosion_px,
+                                  defects.size(),
+                                  settings.exclusion_radii));
   }
   return region;
 }

@@ -21,25 +21,27 @@ constexpr std::size_t kMostFrames = 65536;  // sums of 16-bit codes fit into 32 
 template <class T>
 void check_frames(std::span<const Image<T>> frames) {
   if (frames.empty()) {
-    throw ConfigError("images: the sequence has no image, at least one is needed");
+    throw ConfigError("images", "the sequence has no image, at least one is needed");
   }
   if (frames.size() > kMostFrames) {
-    throw ConfigError(fmt::format(
-        "images: {} images are too many, at most {} are allowed", frames.size(), kMostFrames));
+    throw ConfigError(
+        "images",
+        fmt::format("{} images are too many, at most {} are allowed", frames.size(), kMostFrames));
   }
   const Image<T>& first = frames[0];
   if (first.empty()) {
-    throw ConfigError("images: image 1 holds no pixel");
+    throw ConfigError("images", "image 1 holds no pixel");
   }
   for (std::size_t i = 1; i < frames.size(); ++i) {
     if (frames[i].width() != first.width() || frames[i].height() != first.height()) {
-      throw ConfigError(fmt::format(
-          "images: image {} has {} x {} px and image 1 has {} x {} px, all must have one size",
-          i + 1,
-          frames[i].width(),
-          frames[i].height(),
-          first.width(),
-          first.height()));
+      throw ConfigError(
+          "images",
+          fmt::format("image {} has {} x {} px and image 1 has {} x {} px, all must have one size",
+                      i + 1,
+                      frames[i].width(),
+                      frames[i].height(),
+                      first.width(),
+                      first.height()));
     }
   }
 }
@@ -52,13 +54,14 @@ void check_frames(std::span<const Image<T>> frames) {
     if (bad != values.end()) {
       const auto at = static_cast<int>(bad - values.begin());
       throw ConfigError(
-          fmt::format("images: pixel ({}, {}) of image {} is NaN or infinite, must be a number",
+          "images",
+          fmt::format("pixel ({}, {}) of image {} is NaN or infinite, must be a number",
                       at % frames[i].width(),
                       at / frames[i].width(),
                       i + 1));
     }
   }
-  throw ConfigError("images: values too large to be added");
+  throw ConfigError("images", "values too large to be added");
 }
 
 void divide_codes(const std::vector<std::uint32_t>& sum, double divisor, int count, float* mean) {
@@ -145,7 +148,8 @@ void masked_aspect(std::span<const Image<std::uint8_t>> frames,
                    ImageF& aspect) {
   check_frames(frames);
   if (frames[0].width() != mask.width() || frames[0].height() != mask.height()) {
-    throw ConfigError(fmt::format("images: images of {} x {} px do not fit the mask of {} x {} px",
+    throw ConfigError("images",
+                      fmt::format("images of {} x {} px do not fit the mask of {} x {} px",
                                   frames[0].width(),
                                   frames[0].height(),
                                   mask.width(),

@@ -170,7 +170,7 @@ double threshold_for(const Inspector& inspector,
                      double false_alarms_per_picture,
                      ThreadPool& pool) {
   if (responses.empty()) {
-    throw ConfigError("inspection: no picture of a flawless part, at least one is needed");
+    throw ConfigError("inspection", "no picture of a flawless part, at least one is needed");
   }
   GLINT_CHECK(false_alarms_per_picture >= 0.0, "a rate is not negative");
   const InspectionSettings& settings = inspector.settings();

@@ -45,15 +45,15 @@ Mask region_of(const InspectionSettings& settings, const Mask& mask) {
   const auto is_inside = [](unsigned char value) { return value != 0; };
   const auto on_part = std::ranges::count_if(mask.values(), is_inside);
   if (on_part == 0) {
-    throw ConfigError("inspection: the mask has no pixel, at least one must be on the part");
+    throw ConfigError("inspection", "the mask has no pixel, at least one must be on the part");
   }
   Mask region = without_rim(mask, settings.erosion_px);
   if (std::ranges::none_of(region.values(), is_inside)) {
-    throw ConfigError(
-        fmt::format("inspection.erosion_px: no pixel is left of {} in the mask after a rim of {} "
-                    "px, at least one must be",
-                    on_part,
-                    settings.erosion_px));
+    throw ConfigError("inspection.erosion_px",
+                      fmt::format("no pixel is left of {} in the mask after a rim of {} "
+                                  "px, at least one must be",
+                                  on_part,
+                                  settings.erosion_px));
   }
   return region;
 }
@@ -61,12 +61,12 @@ Mask region_of(const InspectionSettings& settings, const Mask& mask) {
 template <class T>
 void check_size(const Image<T>& image, const Mask& mask) {
   if (image.width() != mask.width() || image.height() != mask.height()) {
-    throw ConfigError(
-        fmt::format("images: an image of {} x {} px does not fit the mask of {} x {} px",
-                    image.width(),
-                    image.height(),
-                    mask.width(),
-                    mask.height()));
+    throw ConfigError("images",
+                      fmt::format("an image of {} x {} px does not fit the mask of {} x {} px",
+                                  image.width(),
+                                  image.height(),
+                                  mask.width(),
+                                  mask.height()));
   }
 }
 
@@ -75,12 +75,13 @@ void check_size(const Image<T>& image, const Mask& mask) {
   const auto bad =
       std::ranges::find_if(values, [](float v) { return !(std::abs(v) <= kLargestGrey); });
   const auto at = static_cast<int>(bad - values.begin());
-  throw ConfigError(fmt::format(
-      "images: pixel ({}, {}) of the aspect image is NaN, infinite or beyond {:g}, must "
-      "be a share of full scale",
-      at % aspect.width(),
-      at / aspect.width(),
-      kLargestGrey));
+  throw ConfigError(
+      "images",
+      fmt::format("pixel ({}, {}) of the aspect image is NaN, infinite or beyond {:g}, must "
+                  "be a share of full scale",
+                  at % aspect.width(),
+                  at / aspect.width(),
+                  kLargestGrey));
 }
 
 void keep_all_inside(const ImageF& aspect, const Mask& mask, ThreadPool& pool, ImageF& kept) {
@@ -101,9 +102,9 @@ void keep_all_inside(const ImageF& aspect, const Mask& mask, ThreadPool& pool, I
 }
 
 [[noreturn]] void throw_needs_frames() {
-  throw ConfigError(
-      "inspection.filter: phase needs the images of the sequence, allowed for an aspect image are "
-      "gaussian, difference_of_gaussians and matched");
+  throw ConfigError("inspection.filter",
+                    "phase needs the images of the sequence, allowed for an aspect image are "
+                    "gaussian, difference_of_gaussians and matched");
 }
 
 }  // namespace
@@ -160,9 +161,9 @@ double Inspector::threshold_at(double noise, std::optional<double> calibrated) c
     return std::max(least_threshold(), settings_.threshold_grey);
   }
   if (!calibrated.has_value()) {
-    throw ConfigError(
-        "inspection.threshold: false_alarms needs pictures of flawless parts to be calibrated "
-        "with, allowed without them are fixed and noise");
+    throw ConfigError("inspection.threshold",
+                      "false_alarms needs pictures of flawless parts to be calibrated "
+                      "with, allowed without them are fixed and noise");
   }
   return std::max(least_threshold(), *calibrated);
 }

@@ -32,10 +32,10 @@ Eigen::Vector3d waves_at(int frame, int frames, double periods) {
 
 PhaseWeights phase_weights(int frames, double periods) {
   if (frames < 3) {
-    throw ConfigError(fmt::format("phases: {} frames, at least 3 are needed", frames));
+    throw ConfigError("phases", fmt::format("{} frames, at least 3 are needed", frames));
   }
   if (!(periods > 0.0) || !std::isfinite(periods)) {
-    throw ConfigError(fmt::format("phases: {} periods, must be positive", periods));
+    throw ConfigError("phases", fmt::format("{} periods, must be positive", periods));
   }
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   for (int j = 0; j < frames; ++j) {
@@ -46,7 +46,8 @@ PhaseWeights phase_weights(int frames, double periods) {
   const double least = 1.0 / (kLargestNoise * kLargestNoise) * 0.5 * frames;
   if (!(solver.eigenvalues()(0) > least)) {
     throw ConfigError(
-        fmt::format("phases: {} frames over {} periods do not tell mean, sine and cosine apart; "
+        "phases",
+        fmt::format("{} frames over {} periods do not tell mean, sine and cosine apart; "
                     "take one whole period, or other steps",
                     frames,
                     periods));
@@ -65,7 +66,8 @@ PhaseWeights phase_weights(int frames, double periods) {
 void check_sizes(std::span<const ImageF> frames) {
   for (std::size_t j = 1; j < frames.size(); ++j) {
     if (frames[j].width() != frames[0].width() || frames[j].height() != frames[0].height()) {
-      throw ConfigError(fmt::format("phases: frame {} has {} x {} pixels, the first {} x {}",
+      throw ConfigError("phases",
+                        fmt::format("frame {} has {} x {} pixels, the first {} x {}",
                                     j + 1,
                                     frames[j].width(),
                                     frames[j].height(),
@@ -107,7 +109,7 @@ void check_finite(const Phasors& phasors, int y) {
     sum += static_cast<double>(phasors.cosine(x, y)) + static_cast<double>(phasors.sine(x, y));
   }
   if (!std::isfinite(sum)) {
-    throw ConfigError(fmt::format("phases: row {} of the frames holds NaN or infinity", y + 1));
+    throw ConfigError("phases", fmt::format("row {} of the frames holds NaN or infinity", y + 1));
   }
 }
 

@@ -95,36 +95,48 @@ class Sampling final : public Algorithm {
 };
 
 void check_settings(const SearchSettings& settings) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   const std::vector<std::string> names(kNames.begin(), kNames.end());
   if (std::ranges::find(names, settings.algorithm) == names.end()) {
-    errors.emplace_back("search.algorithm: unknown algorithm \"" + settings.algorithm +
-                        "\", did you mean \"" + nearest(settings.algorithm, names) +
-                        "\"? Allowed: " + join(names, ", "));
+    errors.push_back({.kind = Problem::Kind::kOutOfRange,
+                      .key = "search.algorithm",
+                      .text = "unknown algorithm \"" + settings.algorithm + "\", did you mean \"" +
+                              nearest(settings.algorithm, names) +
+                              "\"? Allowed: " + join(names, ", ")});
   }
   if (settings.batch < 1) {
-    errors.emplace_back("search.batch: must be at least 1");
+    errors.push_back(
+        {.kind = Problem::Kind::kOutOfRange, .key = "search.batch", .text = "must be at least 1"});
   }
   if (settings.design < 0) {
-    errors.emplace_back("search.design: must not be negative");
+    errors.push_back({.kind = Problem::Kind::kOutOfRange,
+                      .key = "search.design",
+                      .text = "must not be negative"});
   }
   if (!(settings.tolerance > 0.0 && settings.tolerance < 1.0)) {
-    errors.emplace_back("search.tolerance: must be above 0 and below 1");
+    errors.push_back({.kind = Problem::Kind::kOutOfRange,
+                      .key = "search.tolerance",
+                      .text = "must be above 0 and below 1"});
   }
   if (!(settings.watchdog_s > 0.0)) {
-    errors.emplace_back("search.watchdog_s: must be above 0");
+    errors.push_back({.kind = Problem::Kind::kOutOfRange,
+                      .key = "search.watchdog_s",
+                      .text = "must be above 0"});
   }
   throw_if_any(errors);
 }
 
 /// Rounding has no derivative.
 void check_smooth(const SearchSpace& space, const std::string& algorithm) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   for (const Variable& variable : space.variables) {
     if (is_continuous(variable) && variable.step > 0.0 && num_values(variable) > 1.0) {
-      errors.emplace_back("variable \"" + variable.name + "\": has a step of " +
-                          shortest(variable.step) + ", but search.algorithm " + algorithm +
-                          " needs derivatives; allowed: no step, or an algorithm without them");
+      errors.push_back(
+          {.kind = Problem::Kind::kRelation,
+           .key = "variable \"" + variable.name + "\"",
+           .text = "has a step of " + shortest(variable.step) + ", but search.algorithm " +
+                   algorithm +
+                   " needs derivatives; allowed: no step, or an algorithm without them"});
     }
   }
   throw_if_any(errors);

@@ -9,25 +9,26 @@
 namespace glint {
 
 void check(const Goal& goal) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   if (goal.objective.name.empty()) {
-    errors.emplace_back("objective: a score to maximise or minimise is needed");
+    errors.push_back({.key = "objective", .text = "a score to maximise or minimise is needed"});
   }
   for (const Constraint& constraint : goal.constraints) {
-    const std::string where = "constraint on \"" + constraint.name + "\": ";
+    const auto fail = [&](const std::string& text) {
+      errors.push_back({.key = "constraint on \"" + constraint.name + "\"", .text = text});
+    };
     if (!constraint.min && !constraint.max) {
-      errors.emplace_back(where + "needs min, max or both");
+      fail("needs min, max or both");
     }
     if (constraint.min && constraint.max && *constraint.min > *constraint.max) {
-      errors.emplace_back(where + "min " + shortest(*constraint.min) + " is above max " +
-                          shortest(*constraint.max));
+      fail("min " + shortest(*constraint.min) + " is above max " + shortest(*constraint.max));
     }
     if (!std::isfinite(constraint.min.value_or(0.0)) ||
         !std::isfinite(constraint.max.value_or(0.0))) {
-      errors.emplace_back(where + "limits must be finite");
+      fail("limits must be finite");
     }
     if (!(constraint.weight > 0.0) || !std::isfinite(constraint.weight)) {
-      errors.emplace_back(where + "weight must be above 0");
+      fail("weight must be above 0");
     }
   }
   throw_if_any(errors);

@@ -160,7 +160,7 @@ class SpaceChecker {
  public:
   explicit SpaceChecker(const SearchSpace& space) : space_(space) {}
 
-  std::vector<std::string> run() {
+  std::vector<Problem> run() {
     std::set<std::string> names;
     for (const Variable& variable : space_.variables) {
       if (variable.name.empty()) {
@@ -180,7 +180,7 @@ class SpaceChecker {
 
  private:
   void add(const Variable& variable, const std::string& text) {
-    errors_.push_back("variable \"" + variable.name + "\": " + text);
+    errors_.push_back({.key = "variable \"" + variable.name + "\"", .text = text});
   }
 
   void check_choices(const Variable& variable) {
@@ -261,7 +261,7 @@ class SpaceChecker {
   }
 
   const SearchSpace& space_;
-  std::vector<std::string> errors_;
+  std::vector<Problem> errors_;
 };
 
 void set_inactive_to_middle(const SearchSpace& space, Point& point) {

@@ -26,21 +26,22 @@ constexpr int kMaxFirstFailures = 10;
 
 void check_task(const SearchTask& task) {
   const Budget& budget = task.budget;
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   if (budget.evaluations < 0 || budget.stall < 0 || !(budget.wall_clock_s >= 0.0)) {
-    errors.emplace_back("budget: limits must not be negative, 0 means no limit");
+    errors.push_back({.key = "budget", .text = "limits must not be negative, 0 means no limit"});
   }
   if (budget.evaluations == 0 && budget.stall == 0 && budget.wall_clock_s <= 0.0 &&
       !budget.target) {
-    errors.emplace_back(
-        "budget: at least one of evaluations, wall clock, stall and target is needed");
+    errors.push_back(
+        {.key = "budget",
+         .text = "at least one of evaluations, wall clock, stall and target is needed"});
   }
   if (task.jobs < 1) {
-    errors.emplace_back("jobs: must be at least 1");
+    errors.push_back({.key = "jobs", .text = "must be at least 1"});
   }
   for (const Point& point : task.start_points) {
     if (point.size() != task.space.variables.size()) {
-      errors.emplace_back("start point: needs one value per variable");
+      errors.push_back({.key = "start point", .text = "needs one value per variable"});
     }
   }
   throw_if_any(errors);

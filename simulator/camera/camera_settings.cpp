@@ -97,7 +97,7 @@ RigidTransform camera_from_world(const Viewpoint& viewpoint) {
   const Vector3d forward = to_vector(viewpoint.direction).normalized();
   const Vector3d right = forward.cross(to_vector(viewpoint.up));
   if (!(right.norm() > 1e-12)) {
-    throw ConfigError("viewpoint.up: must not be zero or parallel to direction");
+    throw ConfigError("viewpoint.up", "must not be zero or parallel to direction");
   }
   const Vector3d x = right.normalized();
   const Vector3d y = forward.cross(x);

@@ -25,11 +25,11 @@ double image_distance_mm(const CameraSettings& camera, const LensSettings& lens)
     return plain_image_distance_mm(camera);
   }
   if (!(lens.focus_mm > camera.focal_mm)) {
-    throw ConfigError(
-        fmt::format("lens.focus_mm: is {:g}, must be beyond the focal length of {:g} mm; 0 = "
-                    "infinity",
-                    lens.focus_mm,
-                    camera.focal_mm));
+    throw ConfigError("lens.focus_mm",
+                      fmt::format("is {:g}, must be beyond the focal length of {:g} mm; 0 = "
+                                  "infinity",
+                                  lens.focus_mm,
+                                  camera.focal_mm));
   }
   return lens.focus_mm * camera.focal_mm / (lens.focus_mm - camera.focal_mm);
 }

@@ -17,16 +17,17 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 /// Blames the radial terms when they alone fold the image at about the same radius.
-std::string fold_text(double first_fold, double radial_fold) {
+Problem fold_problem(double first_fold, double radial_fold) {
   if (std::isfinite(radial_fold) && first_fold > 0.9 * radial_fold) {
-    return fmt::format("camera.k1: the radial distortion folds the image at x/z radius {:.4f}",
-                       radial_fold);
+    return {.key = "camera.k1",
+            .text = fmt::format("the radial distortion folds the image at x/z radius {:.4f}",
+                                radial_fold)};
   }
   if (std::isfinite(first_fold)) {
-    return fmt::format("camera.p1: the distortion folds the image at x/z radius {:.4f}",
-                       first_fold);
+    return {.key = "camera.p1",
+            .text = fmt::format("the distortion folds the image at x/z radius {:.4f}", first_fold)};
   }
-  return "camera.p1: the tangential distortion folds the image";
+  return {.key = "camera.p1", .text = "the tangential distortion folds the image"};
 }
 
 }  // namespace
@@ -34,11 +35,13 @@ std::string fold_text(double first_fold, double radial_fold) {
 PinholeCamera::PinholeCamera(const PinholeIntrinsics& intrinsics) : intrinsics_(intrinsics) {
   const PinholeIntrinsics& in = intrinsics_;
   if (in.width_px <= 0 || in.height_px <= 0) {
-    throw ConfigError(fmt::format(
-        "camera.width_px: the image is {} x {} px, both must be > 0", in.width_px, in.height_px));
+    throw ConfigError(
+        "camera.width_px",
+        fmt::format("the image is {} x {} px, both must be > 0", in.width_px, in.height_px));
   }
   if (!(in.focal_px.x() > 0.0) || !(in.focal_px.y() > 0.0)) {
-    throw ConfigError(fmt::format("camera.focal_mm: gives a focal length of {} px, must be > 0",
+    throw ConfigError("camera.focal_mm",
+                      fmt::format("gives a focal length of {} px, must be > 0",
                                   std::min(in.focal_px.x(), in.focal_px.y())));
   }
   for (const double k : in.radial) {
@@ -66,11 +69,12 @@ void PinholeCamera::check_whole_image() const {
           (!is_tangential || place->norm() < first_fold || is_before_fold(distortion_, *place))) {
         continue;
       }
-      throw ConfigError(fmt::format(
-          "{}, before the pixel ({:g}, {:g}); allowed are k1, k2, k3, p1, p2 that grow up to there",
-          fold_text(first_fold, max_radius_),
+      Problem problem = fold_problem(first_fold, max_radius_);
+      problem.text += fmt::format(
+          ", before the pixel ({:g}, {:g}); allowed are k1, k2, k3, p1, p2 that grow up to there",
           pixel.x(),
-          pixel.y()));
+          pixel.y());
+      throw ConfigError(problem);
     }
   }
 }

@@ -55,11 +55,11 @@ Vector2d disc_from_square(const Vector2d& square) {
 ThinLensCamera::ThinLensCamera(PinholeCamera pinhole, const ThinLens& lens)
     : pinhole_(std::move(pinhole)), lens_(lens) {
   if (!(lens_.aperture_mm >= 0.0) || !std::isfinite(lens_.aperture_mm)) {
-    throw ConfigError(
-        fmt::format("lens.f_number: gives an aperture of {} mm, must be >= 0", lens_.aperture_mm));
+    throw ConfigError("lens.f_number",
+                      fmt::format("gives an aperture of {} mm, must be >= 0", lens_.aperture_mm));
   }
   if (!(lens_.focus_mm > 0.0)) {
-    throw ConfigError(fmt::format("lens.focus_mm: is {}, must be > 0", lens_.focus_mm));
+    throw ConfigError("lens.focus_mm", fmt::format("is {}, must be > 0", lens_.focus_mm));
   }
 }
 

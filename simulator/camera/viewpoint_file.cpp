@@ -121,10 +121,11 @@ void check_head(const ConfigNode& row) {
 }
 
 std::vector<Viewpoint> checked_list(const ConfigNode& list) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   std::vector<Viewpoint> viewpoints = read_viewpoint_list(list, errors);
   if (errors.empty() && viewpoints.empty()) {
-    errors.push_back(list.place.prefix() + "viewpoint: there is none, at least one is needed");
+    errors.push_back(
+        {.place = list.place, .key = "viewpoint", .text = "there is none, at least one is needed"});
   }
   throw_if_any(errors);
   return viewpoints;
@@ -153,7 +154,7 @@ ViewpointVector vector_of(const Viewpoint& viewpoint) {
 Viewpoint normalised(const Viewpoint& viewpoint) {
   const ViewpointVector vector = vector_of(viewpoint);
   if (!std::all_of(vector.begin(), vector.end(), [](double v) { return std::isfinite(v); })) {
-    throw ConfigError("viewpoint: a number is not finite, all nine must be");
+    throw ConfigError("viewpoint", "a number is not finite, all nine must be");
   }
   Viewpoint result = viewpoint;
   make_unit(result.direction);
@@ -161,27 +162,31 @@ Viewpoint normalised(const Viewpoint& viewpoint) {
   const Eigen::Vector3d direction(result.direction[0], result.direction[1], result.direction[2]);
   const Eigen::Vector3d up(result.up[0], result.up[1], result.up[2]);
   if (!(direction.cross(up).norm() > 1e-10)) {  // also when a vector was zero, now NaN
-    throw ConfigError("viewpoint.up: must not be zero or parallel to direction");
+    throw ConfigError("viewpoint.up", "must not be zero or parallel to direction");
   }
   return result;
 }
 
-std::vector<Viewpoint> read_viewpoint_list(const ConfigNode& list,
-                                           std::vector<std::string>& errors) {
+std::vector<Viewpoint> read_viewpoint_list(const ConfigNode& list, std::vector<Problem>& errors) {
   std::vector<Viewpoint> viewpoints;
   if (!list.is_array()) {
-    errors.push_back(list.place.prefix() + "viewpoint: must be a list of viewpoints");
+    errors.push_back({.kind = Problem::Kind::kWrongType,
+                      .place = list.place,
+                      .key = "viewpoint",
+                      .text = "must be a list of viewpoints"});
     return viewpoints;
   }
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const ConfigNode& item = list.items[i];
     const std::string path = fmt::format("viewpoint.{}", i);
     if (!(item.is_array() ? item.items.size() == 9 : item.is_table())) {
-      errors.push_back(fmt::format(
-          "{}{}: {}, must have nine numbers: position_mm, direction, up",
-          item.place.prefix(),
-          path,
-          item.is_array() ? fmt::format("has {}", item.items.size()) : "is a single value"));
+      errors.push_back(
+          {.kind = Problem::Kind::kWrongType,
+           .place = item.place,
+           .key = path,
+           .text = fmt::format(
+               "{}, must have nine numbers: position_mm, direction, up",
+               item.is_array() ? fmt::format("has {}", item.items.size()) : "is a single value")});
       continue;
     }
     const ConfigNode table = as_table(item);
@@ -239,8 +244,9 @@ std::vector<Viewpoint> read_viewpoints(const std::filesystem::path& path) {
   if (ending == ".json") {
     return parse_viewpoints_json(read_file(path), path.string());
   }
-  throw ConfigError(fmt::format(
-      "viewpoints.file: '{}' ends in '{}', must be .toml, .csv or .json", path.string(), ending));
+  throw ConfigError(
+      "viewpoints.file",
+      fmt::format("'{}' ends in '{}', must be .toml, .csv or .json", path.string(), ending));
 }
 
 }  // namespace glint

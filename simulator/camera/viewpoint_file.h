@@ -24,8 +24,7 @@ Viewpoint normalised(const Viewpoint& viewpoint);
 
 /// The viewpoints of a list: each item a table (position_mm, direction, up) or nine numbers.
 /// Normalised. Problems are appended to errors with their places, and that item left out.
-std::vector<Viewpoint> read_viewpoint_list(const ConfigNode& list,
-                                           std::vector<std::string>& errors);
+std::vector<Viewpoint> read_viewpoint_list(const ConfigNode& list, std::vector<Problem>& errors);
 
 /// Nine numbers a line, with commas; lines that begin with '#' and empty lines do not count. A head
 /// line, when there is one, must name the columns: position_x_mm, position_y_mm, position_z_mm,

@@ -115,16 +115,17 @@ std::vector<Vector3d> rings(int count, double polar_min_rad, double polar_max_ra
 
 void check_normal(const Vector3d& point_mm, const Vector3d& normal, std::size_t index) {
   if (!point_mm.allFinite() || !normal.allFinite() || !(normal.stableNorm() > 0.0)) {
-    throw ConfigError(fmt::format(
-        "viewpoints.source: point {} of the surface is at ({}, {}, {}) with the normal ({}, {}, "
-        "{}); both must be finite, the normal not zero",
-        index,
-        point_mm.x(),
-        point_mm.y(),
-        point_mm.z(),
-        normal.x(),
-        normal.y(),
-        normal.z()));
+    throw ConfigError(
+        "viewpoints.source",
+        fmt::format("point {} of the surface is at ({}, {}, {}) with the normal ({}, {}, "
+                    "{}); both must be finite, the normal not zero",
+                    index,
+                    point_mm.x(),
+                    point_mm.y(),
+                    point_mm.z(),
+                    normal.x(),
+                    normal.y(),
+                    normal.z()));
   }
 }
 
@@ -174,13 +175,14 @@ std::vector<Viewpoint> sphere_viewpoints(const ViewpointSettings& settings, doub
   const bool is_range = settings.polar_min_rad >= 0.0 && settings.polar_max_rad <= kPi + 1e-12 &&
                         settings.polar_min_rad <= settings.polar_max_rad;
   if (settings.count < 1 || !is_range || !(radius_mm > 0.0) || !std::isfinite(radius_mm)) {
-    throw ConfigError(fmt::format(
-        "viewpoints: {} poses at polar angles {:g} to {:g} deg and radius {:g} mm; count must be > "
-        "0, the angles ascending in [0, 180], the radius > 0",
-        settings.count,
-        settings.polar_min_rad * kDegPerRad,
-        settings.polar_max_rad * kDegPerRad,
-        radius_mm));
+    throw ConfigError(
+        "viewpoints",
+        fmt::format("{} poses at polar angles {:g} to {:g} deg and radius {:g} mm; count must be > "
+                    "0, the angles ascending in [0, 180], the radius > 0",
+                    settings.count,
+                    settings.polar_min_rad * kDegPerRad,
+                    settings.polar_max_rad * kDegPerRad,
+                    radius_mm));
   }
   const auto layout = settings.layout == SphereLayout::kRings ? rings : fibonacci;
   std::vector<Viewpoint> viewpoints;

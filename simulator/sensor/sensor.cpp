@@ -159,7 +159,7 @@ Sensor::Sensor(const SensorSettings& settings, int width_px, int height_px)
       whole_(whole_image(width_px, height_px)),
       weights_(gaussian_weights(settings.blur_px)) {
   if (width_px <= 0 || height_px <= 0) {
-    throw ConfigError("sensor: the image has no pixel, width and height must be > 0");
+    throw ConfigError("sensor", "the image has no pixel, width and height must be > 0");
   }
 }
 

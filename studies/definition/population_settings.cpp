@@ -113,13 +113,15 @@ void read_groups(KeyReader& reader,
 void read_sources(const ConfigNode* table,
                   const std::vector<NamedGroup>& defects,
                   std::vector<PartSource>& sources,
-                  std::vector<std::string>& errors) {
+                  std::vector<Problem>& errors) {
   if (table == nullptr) {
     return;
   }
   if (!table->is_table()) {
-    errors.push_back(table->place.prefix() +
-                     "sorting.sources: must hold tables, like [sorting.sources.press]");
+    errors.push_back({.kind = Problem::Kind::kWrongType,
+                      .place = table->place,
+                      .key = "sorting.sources",
+                      .text = "must hold tables, like [sorting.sources.press]"});
     return;
   }
   for (std::size_t i = 0; i < table->names.size(); ++i) {
@@ -180,7 +182,7 @@ constexpr const char* kGroupDoc = "the group of [defects] that is looked for; ot
 void read_group(KeyReader& reader,
                 const std::vector<NamedGroup>& defects,
                 PodSettings& settings,
-                std::vector<std::string>& errors) {
+                std::vector<Problem>& errors) {
   reader.text("group", settings.group, kGroupDoc);
   if (settings.group.empty() && defects.size() == 1) {
     settings.group = defects.front().first;
@@ -287,7 +289,7 @@ std::vector<double> level_sizes_mm(const PodSettings& settings) {
 
 std::optional<SortingSettings> read_sorting(const ConfigNode& root,
                                             const std::vector<NamedGroup>& defects,
-                                            std::vector<std::string>& errors) {
+                                            std::vector<Problem>& errors) {
   const ConfigNode* table = root.find("sorting");
   if (table == nullptr) {
     return std::nullopt;
@@ -304,13 +306,13 @@ std::optional<SortingSettings> read_sorting(const ConfigNode& root,
 
 std::optional<PodSettings> read_pod(const ConfigNode& root,
                                     const std::vector<NamedGroup>& defects,
-                                    std::vector<std::string>& errors) {
+                                    std::vector<Problem>& errors) {
   const ConfigNode* table = root.find("pod");
   if (table == nullptr) {
     return std::nullopt;
   }
   PodSettings settings;
-  std::vector<std::string> own;
+  std::vector<Problem> own;
   KeyReader reader(table, "pod", own);
   visit_pod(reader, settings);
   check_sizes(reader, settings);

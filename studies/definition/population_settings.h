@@ -74,13 +74,13 @@ PodSize size_of(const PodSettings& settings);
 /// The sizes in mm, ascending.
 std::vector<double> level_sizes_mm(const PodSettings& settings);
 
-/// Reads [sorting]; empty when the file has none. @param errors  grows by one line per problem
+/// Reads [sorting]; empty when the file has none. @param errors  grows by the problems found
 std::optional<SortingSettings> read_sorting(const ConfigNode& root,
                                             const std::vector<NamedGroup>& defects,
-                                            std::vector<std::string>& errors);
+                                            std::vector<Problem>& errors);
 std::optional<PodSettings> read_pod(const ConfigNode& root,
                                     const std::vector<NamedGroup>& defects,
-                                    std::vector<std::string>& errors);
+                                    std::vector<Problem>& errors);
 
 /// The tables with every key present.
 ConfigNode write_sorting(const SortingSettings& settings);

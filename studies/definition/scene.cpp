@@ -18,7 +18,7 @@ template <class Settings>
 void read_table(const ConfigNode& root,
                 const std::string& path,
                 Settings& settings,
-                std::vector<std::string>& errors) {
+                std::vector<Problem>& errors) {
   KeyReader reader(root.find(path), path, errors);
   visit_keys(reader, settings);
   reader.report_unknown();
@@ -39,17 +39,17 @@ void list_table(const std::string& path, Settings settings, std::vector<KeyRow>&
   visit_keys(lister, settings);
 }
 
-void read_viewpoint(const ConfigNode& root,
-                    SceneSettings& scene,
-                    std::vector<std::string>& errors) {
+void read_viewpoint(const ConfigNode& root, SceneSettings& scene, std::vector<Problem>& errors) {
   scene.viewpoint() = default_viewpoint(scene.camera);
   const ConfigNode* list = root.find("viewpoint");
   if (list == nullptr) {
     return;
   }
   if (!list->is_array() || list->items.empty()) {
-    errors.push_back(list->place.prefix() +
-                     "viewpoint: must be one or more [[viewpoint]]; position_mm, direction, up");
+    errors.push_back({.kind = Problem::Kind::kWrongType,
+                      .place = list->place,
+                      .key = "viewpoint",
+                      .text = "must be one or more [[viewpoint]]; position_mm, direction, up"});
     return;
   }
   scene.viewpoints.assign(list->items.size(), default_viewpoint(scene.camera));
@@ -73,10 +73,12 @@ void read_tunnel(KeyReader& reader,
                  const std::string& name,
                  const ConfigNode& table,
                  SceneSettings& scene,
-                 std::vector<std::string>& errors) {
+                 std::vector<Problem>& errors) {
   if (scene.has_tunnel) {
-    errors.push_back(table.place.prefix() + "lighting." + name +
-                     ": is a second tunnel; at most one is allowed");
+    errors.push_back({.kind = Problem::Kind::kRelation,
+                      .place = table.place,
+                      .key = "lighting." + name,
+                      .text = "is a second tunnel; at most one is allowed"});
   }
   scene.has_tunnel = true;
   scene.tunnel_name = name;
@@ -86,7 +88,7 @@ void read_tunnel(KeyReader& reader,
 void read_light(const ConfigNode& table,
                 const std::string& name,
                 SceneSettings& scene,
-                std::vector<std::string>& errors) {
+                std::vector<Problem>& errors) {
   KeyReader reader(&table, "lighting." + name, errors);
   std::string type;
   reader.text("type", type, "");
@@ -97,11 +99,12 @@ void read_light(const ConfigNode& table,
     visit_keys(reader, *light);
     scene.lights.push_back({.name = name, .settings = *std::move(light)});
   } else {
-    reader.require(
-        false,
+    reader.error(
+        table.find("type"),
         "type",
         fmt::format(
-            "is \"{}\", must be \"tunnel\", \"{}\"", type, fmt::join(light_types(), "\", \"")));
+            "is \"{}\", must be \"tunnel\", \"{}\"", type, fmt::join(light_types(), "\", \"")),
+        Problem::Kind::kOutOfRange);
     return;  // without the type no key can be judged
   }
   reader.report_unknown();
@@ -121,7 +124,7 @@ void visit_keys(KeyVisitor& keys, RenderTable& table) {
       "of pictures by path tracing");
 }
 
-void read_render(const ConfigNode& root, SceneSettings& scene, std::vector<std::string>& errors) {
+void read_render(const ConfigNode& root, SceneSettings& scene, std::vector<Problem>& errors) {
   RenderTable table = {.render = scene.render, .paths = scene.paths};
   read_table(root, "render", table, errors);
   scene.render = table.render;
@@ -149,7 +152,7 @@ ConfigNode write_lighting(const SceneSettings& scene) {
   return lighting;
 }
 
-void read_lighting(const ConfigNode& root, SceneSettings& scene, std::vector<std::string>& errors) {
+void read_lighting(const ConfigNode& root, SceneSettings& scene, std::vector<Problem>& errors) {
   const ConfigNode* lighting = root.find("lighting");
   if (lighting == nullptr) {
     return;
@@ -158,8 +161,10 @@ void read_lighting(const ConfigNode& root, SceneSettings& scene, std::vector<std
       lighting->is_table() && !lighting->items.empty() &&
       std::ranges::all_of(lighting->items, [](const ConfigNode& item) { return item.is_table(); });
   if (!are_tables) {
-    errors.push_back(lighting->place.prefix() +
-                     "lighting: must hold a table for each light, like [lighting.tunnel]");
+    errors.push_back({.kind = Problem::Kind::kWrongType,
+                      .place = lighting->place,
+                      .key = "lighting",
+                      .text = "must hold a table for each light, like [lighting.tunnel]"});
     return;
   }
   scene.has_tunnel = false;
@@ -176,28 +181,28 @@ bool is_plain_mirror(const MaterialSettings& material) {
 }
 
 /// What of the scene goes together, told with the key that does not.
-void check_level(const ConfigNode& root,
-                 const SceneSettings& scene,
-                 std::vector<std::string>& errors) {
+void check_level(const ConfigNode& root, const SceneSettings& scene, std::vector<Problem>& errors) {
   using Method = RenderSettings::Method;
-  const auto fail = [&](const std::string& message) {
-    errors.push_back(with_place(root, message));
+  const auto fail = [&](const char* key, const std::string& text) {
+    errors.push_back(
+        with_place(root, {.kind = Problem::Kind::kRelation, .key = key, .text = text}));
   };
   const Method method = scene.render.method;
   if (needs_paths(scene) && method != Method::kAuto && method != Method::kPaths) {
-    fail(
-        fmt::format("render.method: is \"{}\", which knows a plain mirror under one tunnel only; "
-                    "this scene needs \"auto\" or \"paths\"",
-                    method_name(method)));
+    fail("render.method",
+         fmt::format("is \"{}\", which knows a plain mirror under one tunnel only; "
+                     "this scene needs \"auto\" or \"paths\"",
+                     method_name(method)));
   }
   if (allows_many_viewpoints(scene)) {
     return;
   }
   if (scene.viewpoints.size() != 1) {
-    fail("viewpoint: a scan has exactly one [[viewpoint]]; position_mm, direction, up");
+    fail("viewpoint", "a scan has exactly one [[viewpoint]]; position_mm, direction, up");
   }
   if (scene.viewpoint_set.source != ViewpointSource::kListed) {
-    fail("viewpoints.source: a scan has the one [[viewpoint]] of the list; allowed is \"listed\"");
+    fail("viewpoints.source",
+         "a scan has the one [[viewpoint]] of the list; allowed is \"listed\"");
   }
 }
 
@@ -239,13 +244,16 @@ std::vector<Viewpoint> along_surface(const SceneSettings& scene, const Part& par
       points_mm, normals, scene.camera.working_distance_mm, scene.viewpoint_set);
 }
 
-void read_defects(const ConfigNode& root, SceneSettings& scene, std::vector<std::string>& errors) {
+void read_defects(const ConfigNode& root, SceneSettings& scene, std::vector<Problem>& errors) {
   const ConfigNode* defects = root.find("defects");
   if (defects == nullptr) {
     return;
   }
   if (!defects->is_table()) {
-    errors.push_back(defects->place.prefix() + "defects: must hold tables, like [defects.dent]");
+    errors.push_back({.kind = Problem::Kind::kWrongType,
+                      .place = defects->place,
+                      .key = "defects",
+                      .text = "must hold tables, like [defects.dent]"});
     return;
   }
   for (std::size_t i = 0; i < defects->names.size(); ++i) {
@@ -257,23 +265,6 @@ void read_defects(const ConfigNode& root, SceneSettings& scene, std::vector<std:
     reader.report_unknown();
     scene.defects.emplace_back(name, group);
   }
-}
-
-/// Length of the place a message begins with: "study.toml:4:1: " or "--set: "; 0 without one.
-std::size_t place_size(const std::string& message) {
-  const std::string set = "--set: ";
-  if (message.starts_with(set)) {
-    return set.size();
-  }
-  // The first ": " ends the place when a line and a column stand before it.
-  const auto end = message.find(": ");
-  const std::vector<std::string> parts = split(message.substr(0, end), ':');
-  const auto is_number = [](const std::string& text) {
-    return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-  };
-  const bool is_place = end != std::string::npos && parts.size() >= 3 && is_number(parts.back()) &&
-                        is_number(parts[parts.size() - 2]);
-  return is_place ? end + 2 : 0;
 }
 
 }  // namespace
@@ -347,7 +338,7 @@ const std::vector<std::string>& scene_tables() {
   return names;
 }
 
-SceneSettings read_scene(const ConfigNode& root, std::vector<std::string>& errors) {
+SceneSettings read_scene(const ConfigNode& root, std::vector<Problem>& errors) {
   SceneSettings scene;
   read_table(root, "part", scene.part, errors);
   read_table(root, "material", scene.material, errors);
@@ -425,30 +416,41 @@ std::vector<KeyRow> scene_keys() {
   return rows;
 }
 
-std::string with_place(const ConfigNode& root, const std::string& message) {
-  std::string key = message.substr(0, message.find(':'));
+Problem with_place(const ConfigNode& root, Problem problem) {
+  std::string key = problem.key;
   const std::string table = key.substr(0, key.find('.'));
-  if (std::ranges::find(scene_tables(), table) == scene_tables().end()) {
-    return message;
+  const bool is_of_scene = std::ranges::find(scene_tables(), table) != scene_tables().end();
+  if (!problem.place.file.empty() || !is_of_scene) {
+    return problem;
   }
-  // The key may have kept its default; then the table around it, or the file, is the place.
+  problem.place = {.file = root.place.file};
   while (!key.empty()) {
     const ConfigNode* node = root.at_path(key);
     if (node != nullptr && !node->place.file.empty()) {
-      return node->place.prefix() + message;
+      problem.place = node->place;
+      break;
     }
+    // The key may have kept its default; then the table around it, or the file, is the place.
     const auto dot = key.rfind('.');
     key = dot == std::string::npos ? "" : key.substr(0, dot);
   }
-  return root.place.file.empty() ? message : root.place.file + ": " + message;
+  return problem;
 }
 
-std::string in_context(const std::string& message, const std::string& context) {
-  std::vector<std::string> lines = split(message, '\n');
-  for (std::string& line : lines) {
-    line.insert(place_size(line), context + ": ");
+ConfigError with_place(const ConfigNode& root, const ConfigError& error) {
+  std::vector<Problem> problems = error.problems();
+  for (Problem& problem : problems) {
+    problem = with_place(root, std::move(problem));
   }
-  return join(lines, "\n");
+  return ConfigError(std::move(problems));
+}
+
+ConfigError in_context(const ConfigError& error, const std::string& context) {
+  std::vector<Problem> problems = error.problems();
+  for (Problem& problem : problems) {
+    problem.context = context + (problem.context.empty() ? "" : ": " + problem.context);
+  }
+  return ConfigError(std::move(problems));
 }
 
 }  // namespace glint

@@ -79,8 +79,8 @@ std::vector<Viewpoint> viewpoints_of(const SceneSettings& scene, const Part& par
 const std::vector<std::string>& scene_tables();
 
 /// Reads a scene. Tables that are no scene's are left to the caller.
-/// @param errors  grows by one line per problem
-SceneSettings read_scene(const ConfigNode& root, std::vector<std::string>& errors);
+/// @param errors  grows by the problems found
+SceneSettings read_scene(const ConfigNode& root, std::vector<Problem>& errors);
 
 /// The scene with every key present; read_scene() of it gives the same scene.
 ConfigNode write_scene(const SceneSettings& scene);
@@ -88,12 +88,13 @@ ConfigNode write_scene(const SceneSettings& scene);
 /// The key table of a scene, for `glint explain` and the docs.
 std::vector<KeyRow> scene_keys();
 
-/// Puts the place of the key a message begins with before the message: "camera.x: is 3" becomes
-/// "study.toml:4:1: camera.x: is 3". Messages that begin with no key of the file stay as they are.
-std::string with_place(const ConfigNode& root, const std::string& message);
+/// The problem with the place of its key in the file: of the key, of the table around it, or of the
+/// file. Problems that have a place, and those of no key of a scene, stay as they are.
+Problem with_place(const ConfigNode& root, Problem problem);
+ConfigError with_place(const ConfigNode& root, const ConfigError& error);
 
-/// Puts where a problem arose behind the place of each line: "study.toml:4:1: camera.x: is 3"
+/// The error with what the keys were read for before each key: "study.toml:4:1: camera.x: is 3"
 /// becomes "study.toml:4:1: prototypes.flat: camera.x: is 3".
-std::string in_context(const std::string& message, const std::string& context);
+ConfigError in_context(const ConfigError& error, const std::string& context);
 
 }  // namespace glint

@@ -37,22 +37,25 @@ const std::vector<std::string>& study_tables() {
   return names;
 }
 
-void check_tables(const ConfigNode& root, std::vector<std::string>& errors) {
+void check_tables(const ConfigNode& root, std::vector<Problem>& errors) {
   std::vector<std::string> known = scene_tables();
   known.insert(known.end(), study_tables().begin(), study_tables().end());
   for (const char* name : {"variables", "prototypes", "objective", "constraints"}) {
     const ConfigNode* table = root.find(name);
     if (table != nullptr && !table->is_table()) {
-      errors.push_back(
-          fmt::format("{}{}: must be a table, like [{}]", table->place.prefix(), name, name));
+      errors.push_back({.kind = Problem::Kind::kWrongType,
+                        .place = table->place,
+                        .key = name,
+                        .text = fmt::format("must be a table, like [{}]", name)});
     }
   }
   for (std::size_t i = 0; i < root.names.size(); ++i) {
     if (std::ranges::find(known, root.names[i]) == known.end()) {
-      errors.push_back(fmt::format("{}{}: unknown table, the nearest known one is \"{}\"",
-                                   root.items[i].place.prefix(),
-                                   root.names[i],
-                                   nearest(root.names[i], known)));
+      errors.push_back({.kind = Problem::Kind::kUnknownKey,
+                        .place = root.items[i].place,
+                        .key = root.names[i],
+                        .text = fmt::format("unknown table, the nearest known one is \"{}\"",
+                                            nearest(root.names[i], known))});
     }
   }
 }
@@ -103,13 +106,13 @@ ConfigNode value_node(const Variable& variable, double value, const ConfigNode& 
 }
 
 SceneSettings read_checked(const ConfigNode& root) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   SceneSettings scene = read_scene(root, errors);
   throw_if_any(errors);
   return scene;
 }
 
-void check_goal(const Study& study, std::vector<std::string>& errors) {
+void check_goal(const Study& study, std::vector<Problem>& errors) {
   const std::vector<std::string> labels = defect_labels(study.scene);
   const std::vector<std::string> groups = group_names(study.scene);
   const auto check_name =
@@ -117,7 +120,8 @@ void check_goal(const Study& study, std::vector<std::string>& errors) {
         std::string problem = unknown_score(name, labels, groups);
         problem += problem.empty() ? missing_by_paths(study.scene, name) : "";
         if (!problem.empty()) {
-          errors.push_back(fmt::format("{}{}: \"{}\" {}", place.prefix(), path, name, problem));
+          errors.push_back(
+              {.place = place, .key = path, .text = fmt::format("\"{}\" {}", name, problem)});
         }
       };
   if (study.has_objective) {
@@ -131,27 +135,36 @@ void check_goal(const Study& study, std::vector<std::string>& errors) {
 }
 
 /// What a search needs and path-traced scenes do not have.
-void check_algorithm(const Study& study, std::vector<std::string>& errors) {
+void check_algorithm(const Study& study, std::vector<Problem>& errors) {
   if (study.has_search() && needs_paths(study.scene) && needs_gradient(study.search.algorithm)) {
-    errors.push_back(with_place(
-        study.root,
-        fmt::format("search.algorithm: \"{}\" needs derivatives, which path-traced scenes do not "
-                    "have; allowed are algorithms that do without, such as \"auto\"",
-                    study.search.algorithm)));
+    errors.push_back(
+        {.kind = Problem::Kind::kRelation,
+         .key = "search.algorithm",
+         .text = fmt::format("\"{}\" needs derivatives, which path-traced scenes do not have; "
+                             "allowed are algorithms that do without, such as \"auto\"",
+                             study.search.algorithm)});
   }
 }
 
+/// Whether a problem is one of this key, or of the array that holds it as a number.
+bool is_of_key(const Problem& problem, const std::string& key) {
+  const auto dot = key.rfind('.');
+  const bool is_item = key.find_first_not_of("0123456789", dot + 1) == std::string::npos;
+  return problem.key == key || (is_item && problem.key == key.substr(0, dot));
+}
+
 /// Both ends of every variable must be values the scene accepts.
-void check_variable_limits(const Study& study, std::vector<std::string>& errors) {
+void check_variable_limits(const Study& study, std::vector<Problem>& errors) {
   for (const Variable& variable : study.space.variables) {
     const ConfigNode* where = study.root.find("variables")->find(variable.name);
     if (variable.name.starts_with("viewpoint.") &&
         study.scene.viewpoint_set.source != ViewpointSource::kListed) {
-      errors.push_back(fmt::format(
-          "{}variables: {}: is not looked at, as [viewpoints] makes the poses; allowed with source "
-          "= \"listed\"",
-          where->place.prefix(),
-          variable.name));
+      errors.push_back({.kind = Problem::Kind::kRelation,
+                        .place = where->place,
+                        .context = "variables",
+                        .key = variable.name,
+                        .text = "is not looked at, as [viewpoints] makes the poses; allowed with "
+                                "source = \"listed\""});
     }
     const auto count =
         variable.kind == Variable::Kind::kChoice ? variable.choices.size() : std::size_t{2};
@@ -162,16 +175,15 @@ void check_variable_limits(const Study& study, std::vector<std::string>& errors)
       ConfigNode root = study.root;
       const ConfigNode node = value_node(variable, value, *study.resolved.at_path(variable.name));
       put_override(root, study.resolved, variable.name, node);
-      std::vector<std::string> problems;
+      std::vector<Problem> problems;
       read_scene(root, problems);
-      for (const std::string& problem : problems) {
+      for (Problem& problem : problems) {
         // Conditions between keys depend on the other variables; a key's own range does not.
-        const bool is_own = problem.find(variable.name + ": is ") != std::string::npos &&
-                            problem.find("must be ") != std::string::npos;
-        if (is_own && problem.find("smaller than") == std::string::npos) {
-          errors.push_back(fmt::format("{}variables: {}",
-                                       where->place.prefix(),
-                                       problem.substr(problem.find(variable.name))));
+        if (problem.kind == Problem::Kind::kOutOfRange && is_of_key(problem, variable.name)) {
+          problem.place = where->place;
+          problem.context = "variables";
+          problem.key = variable.name;
+          errors.push_back(std::move(problem));
         }
       }
     }
@@ -188,7 +200,7 @@ bool is_prototype_name(const std::string& name) {
          name != "winner";
 }
 
-void read_prototypes(Study& study, std::vector<std::string>& errors) {
+void read_prototypes(Study& study, std::vector<Problem>& errors) {
   const ConfigNode* prototypes = study.root.find("prototypes");
   if (prototypes == nullptr) {
     return;
@@ -197,17 +209,19 @@ void read_prototypes(Study& study, std::vector<std::string>& errors) {
     const ConfigNode& table = prototypes->items[i];
     const std::string path = "prototypes." + prototypes->names[i];
     if (!table.is_table()) {
-      errors.push_back(fmt::format(
-          "{}{}: must be a table of \"path.to.key\" = value", table.place.prefix(), path));
+      errors.push_back({.kind = Problem::Kind::kWrongType,
+                        .place = table.place,
+                        .key = path,
+                        .text = "must be a table of \"path.to.key\" = value"});
       continue;
     }
     if (!is_prototype_name(prototypes->names[i])) {
       errors.push_back(
-          fmt::format("{}prototypes: \"{}\" is to be the name of a folder; allowed are letters, "
-                      "digits, _ and -, "
-                      "but not baseline and winner",
-                      table.place.prefix(),
-                      prototypes->names[i]));
+          {.place = table.place,
+           .key = "prototypes",
+           .text = fmt::format("\"{}\" is to be the name of a folder; allowed are letters, "
+                               "digits, _ and -, but not baseline and winner",
+                               prototypes->names[i])});
       continue;
     }
     Prototype prototype{.name = prototypes->names[i],
@@ -218,8 +232,10 @@ void read_prototypes(Study& study, std::vector<std::string>& errors) {
       if (table.names[k] == "title") {
         prototype.title = table.items[k].text;
         if (table.items[k].kind != Kind::kText) {
-          errors.push_back(fmt::format(
-              "{}{}.title: must be a text in quotes", table.items[k].place.prefix(), path));
+          errors.push_back({.kind = Problem::Kind::kWrongType,
+                            .place = table.items[k].place,
+                            .key = path + ".title",
+                            .text = "must be a text in quotes"});
         }
       } else {
         prototype.overrides.emplace_back(table.names[k], table.items[k]);
@@ -228,7 +244,7 @@ void read_prototypes(Study& study, std::vector<std::string>& errors) {
     try {
       scene_with(study, prototype.overrides);
     } catch (const ConfigError& error) {
-      errors.push_back(in_context(error.what(), path));
+      std::ranges::copy(in_context(error, path).problems(), std::back_inserter(errors));
     }
     study.prototypes.push_back(std::move(prototype));
   }
@@ -261,7 +277,7 @@ void put_set(ConfigNode& root, const KeyValue& set) {
   if (set.path.find('"') == std::string::npos) {
     // An element of an array that the file leaves to its default needs the array first. What is
     // wrong with the file is said when the whole of it is read.
-    std::vector<std::string> ignored;
+    std::vector<Problem> ignored;
     put_override(root, write_scene(read_scene(root, ignored)), set.path, value);
     return;
   }
@@ -292,7 +308,7 @@ Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
   const std::string stem = path.stem().string();
   const std::string folder = fs::absolute(path).parent_path().filename().string();
   study.name = stem == "study" || stem == "scene" ? folder : stem;
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   check_tables(study.root, errors);
   study.scene = read_scene(study.root, errors);
   throw_if_any(errors);  // what follows builds on a scene that can be read
@@ -326,15 +342,17 @@ Study scene_study(Study study) {
   return study;
 }
 
-std::string prototype_problem(const Prototype& prototype, const std::string& message) {
-  const std::string key = message.substr(0, message.find(':'));
-  Place place = prototype.place;
-  for (const auto& [path, value] : prototype.overrides) {
-    if (path == key) {
-      place = value.place;
+ConfigError prototype_error(const Prototype& prototype, const ConfigError& error) {
+  std::vector<Problem> problems = error.problems();
+  for (Problem& problem : problems) {
+    problem.place = prototype.place;
+    for (const auto& [path, value] : prototype.overrides) {
+      if (path == problem.key) {
+        problem.place = value.place;
+      }
     }
   }
-  return fmt::format("{}prototypes.{}: {}", place.prefix(), prototype.name, message);
+  return in_context(ConfigError(std::move(problems)), "prototypes." + prototype.name);
 }
 
 SceneSettings scene_with(const Study& study, const Overrides& overrides) {

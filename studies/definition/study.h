@@ -62,9 +62,9 @@ SceneSettings scene_with(const Study& study, const Overrides& overrides);
 /// The study's own scene and nothing to search: what a rendered folder describes.
 Study scene_study(Study study);
 
-/// A problem of the scene with a prototype's values, with the place of the value or of the
-/// prototype that causes it. @param message  begins with the key at fault, has no place
-std::string prototype_problem(const Prototype& prototype, const std::string& message);
+/// An error of the scene with a prototype's values, with the places of the values or of the
+/// prototype that cause it.
+ConfigError prototype_error(const Prototype& prototype, const ConfigError& error);
 
 /// What a point of the search space means: the active variables' values.
 Overrides overrides_of(const Study& study, const Point& point);

@@ -71,7 +71,7 @@ void visit_budget(KeyVisitor& keys, Budget& b) {
 }
 
 /// `when = "path == value"`.
-void read_condition(const ConfigNode& node, Variable& variable, std::vector<std::string>& errors) {
+void read_condition(const ConfigNode& node, Variable& variable, std::vector<Problem>& errors) {
   const auto trimmed = [](std::string text) {
     const auto first = text.find_first_not_of(" \"");
     const auto last = text.find_last_not_of(" \"");
@@ -79,8 +79,10 @@ void read_condition(const ConfigNode& node, Variable& variable, std::vector<std:
   };
   const auto equals = node.text.find("==");
   if (node.kind != Kind::kText || equals == std::string::npos) {
-    errors.push_back(fmt::format(
-        "{}variables: {}: when must be \"path == value\"", node.place.prefix(), variable.name));
+    errors.push_back({.place = node.place,
+                      .context = "variables",
+                      .key = variable.name,
+                      .text = "when must be \"path == value\""});
     return;
   }
   variable.when_name = trimmed(node.text.substr(0, equals));
@@ -89,7 +91,7 @@ void read_condition(const ConfigNode& node, Variable& variable, std::vector<std:
 
 class VariableReader {
  public:
-  VariableReader(const Study& study, std::vector<std::string>& errors)
+  VariableReader(const Study& study, std::vector<Problem>& errors)
       : study_(study), errors_(errors) {}
 
   std::optional<Variable> read(const std::string& path, const ConfigNode& table) {
@@ -114,7 +116,7 @@ class VariableReader {
 
  private:
   void fail(const ConfigNode& where, const std::string& path, const std::string& message) {
-    errors_.push_back(fmt::format("{}variables: {}: {}", where.place.prefix(), path, message));
+    errors_.push_back({.place = where.place, .context = "variables", .key = path, .text = message});
   }
 
   bool read_range(const std::string& path, const ConfigNode& table, Variable& variable) {
@@ -183,10 +185,10 @@ class VariableReader {
   }
 
   const Study& study_;
-  std::vector<std::string>& errors_;
+  std::vector<Problem>& errors_;
 };
 
-void read_variables(Study& study, std::vector<std::string>& errors) {
+void read_variables(Study& study, std::vector<Problem>& errors) {
   const ConfigNode* table = study.root.find("variables");
   if (table == nullptr) {
     return;
@@ -202,18 +204,19 @@ void read_variables(Study& study, std::vector<std::string>& errors) {
     try {
       check(study.space);
     } catch (const ConfigError& error) {
-      errors.push_back(table->place.prefix() + "variables: " + error.what());
+      errors.push_back({.place = table->place, .key = "variables", .text = error.what()});
     }
   }
 }
 
-void read_objective(Study& study, std::vector<std::string>& errors) {
+void read_objective(Study& study, std::vector<Problem>& errors) {
   const ConfigNode* table = study.root.find("objective");
   if (table == nullptr) {
     if (study.has_search()) {
       errors.push_back(
-          study.root.find("variables")->place.prefix() +
-          "objective: a search needs [objective] with maximise or minimise = \"score\"");
+          {.place = study.root.find("variables")->place,
+           .key = "objective",
+           .text = "a search needs [objective] with maximise or minimise = \"score\""});
     }
     return;
   }
@@ -221,8 +224,9 @@ void read_objective(Study& study, std::vector<std::string>& errors) {
                        (table->names[0] == "maximise" || table->names[0] == "minimise") &&
                        table->items[0].kind == Kind::kText;
   if (!is_good) {
-    errors.push_back(table->place.prefix() +
-                     "objective: must hold either maximise or minimise = \"name of a score\"");
+    errors.push_back({.place = table->place,
+                      .key = "objective",
+                      .text = "must hold either maximise or minimise = \"name of a score\""});
     return;
   }
   study.goal.objective = {.name = table->items[0].text,
@@ -230,7 +234,7 @@ void read_objective(Study& study, std::vector<std::string>& errors) {
   study.has_objective = true;
 }
 
-void read_constraints(Study& study, std::vector<std::string>& errors) {
+void read_constraints(Study& study, std::vector<Problem>& errors) {
   const ConfigNode* table = study.root.find("constraints");
   if (table == nullptr) {
     return;
@@ -256,10 +260,10 @@ void read_constraints(Study& study, std::vector<std::string>& errors) {
     is_good = is_good && (constraint.min || constraint.max) && constraint.weight > 0.0 &&
               !(constraint.min && constraint.max && *constraint.min > *constraint.max);
     if (!is_good) {
-      errors.push_back(fmt::format(
-          "{}constraints: {}: must be {{ min = .. }} or {{ max = .. }} (min <= max, weight > 0)",
-          item.place.prefix(),
-          constraint.name));
+      errors.push_back({.place = item.place,
+                        .context = "constraints",
+                        .key = constraint.name,
+                        .text = "must be { min = .. } or { max = .. } (min <= max, weight > 0)"});
       continue;
     }
     study.goal.constraints.push_back(std::move(constraint));
@@ -292,34 +296,39 @@ void add_default_constraints(Study& study) {
 }
 
 /// A study either searches designs or inspects a population with the designs it names.
-void read_populations(Study& study, std::vector<std::string>& errors) {
+void read_populations(Study& study, std::vector<Problem>& errors) {
   study.sorting = read_sorting(study.root, study.scene.defects, errors);
   study.pod = read_pod(study.root, study.scene.defects, errors);
   for (const char* name : {"sorting", "pod"}) {
     const ConfigNode* table = study.root.find(name);
     if (table != nullptr && study.root.find("variables") != nullptr) {
-      errors.push_back(fmt::format(
-          "{}{}: cannot stand beside [variables]: a study either searches or inspects a "
-          "population; name the designs to be compared as [prototypes]",
-          table->place.prefix(),
-          name));
+      errors.push_back(
+          {.kind = Problem::Kind::kRelation,
+           .place = table->place,
+           .key = name,
+           .text = "cannot stand beside [variables]: a study either searches or inspects a "
+                   "population; name the designs to be compared as [prototypes]"});
     }
   }
 }
 
 }  // namespace
 
-void read_study_tables(Study& study, std::vector<std::string>& errors) {
+void read_study_tables(Study& study, std::vector<Problem>& errors) {
   study.title = study.name;
   if (const ConfigNode* title = study.root.find("title")) {
     if (title->kind != Kind::kText) {
-      errors.push_back(title->place.prefix() + "title: must be a text in quotes");
+      errors.push_back({.kind = Problem::Kind::kWrongType,
+                        .place = title->place,
+                        .key = "title",
+                        .text = "must be a text in quotes"});
     }
     study.title = title->text;
   }
   if (const ConfigNode* schema = study.root.find("schema")) {
     if (schema->kind != Kind::kInteger || schema->integer != 1) {
-      errors.push_back(schema->place.prefix() + "schema: this program reads schema 1");
+      errors.push_back(
+          {.place = schema->place, .key = "schema", .text = "this program reads schema 1"});
     }
   }
   read_variables(study, errors);
@@ -396,13 +405,14 @@ std::vector<KeyRow> study_keys() {
   return rows;
 }
 
-std::string unknown_path(const Study& study, const std::string& path, const Place& place) {
+Problem unknown_path(const Study& study, const std::string& path, const Place& place) {
   std::vector<std::string> paths;
   collect_paths(study.resolved, "", paths);
-  return fmt::format("{}{}: the scene has no such key, the nearest one is \"{}\"",
-                     place.prefix(),
-                     path,
-                     nearest(path, paths));
+  return {.kind = Problem::Kind::kUnknownKey,
+          .place = place,
+          .key = path,
+          .text = fmt::format("the scene has no such key, the nearest one is \"{}\"",
+                              nearest(path, paths))};
 }
 
 }  // namespace glint

@@ -13,7 +13,7 @@
 
 namespace glint {
 
-void read_study_tables(Study& study, std::vector<std::string>& errors);
+void read_study_tables(Study& study, std::vector<Problem>& errors);
 
 /// Adds [search] and [budget], and [sorting] and [pod] where there are any, with every key present.
 void write_study_tables(const Study& study, ConfigNode& root);
@@ -22,6 +22,6 @@ void write_study_tables(const Study& study, ConfigNode& root);
 std::vector<KeyRow> study_keys();
 
 /// The sentence for a path that the scene does not have, with the nearest one.
-std::string unknown_path(const Study& study, const std::string& path, const Place& place);
+Problem unknown_path(const Study& study, const std::string& path, const Place& place);
 
 }  // namespace glint

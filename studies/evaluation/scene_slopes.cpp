@@ -51,7 +51,7 @@ double dark_slope(const SceneSettings& scene, const std::string& key, double ste
     KeyWriter writer(table);
     visit_keys(writer, tunnel);
     set_path(table, key, ConfigNode::from_number(table.at_path(key)->number + change));
-    std::vector<std::string> errors;
+    std::vector<Problem> errors;
     KeyReader reader(&table, "", errors);
     visit_keys(reader, tunnel);
     return Tunnel(tunnel).dark_radiance();

@@ -110,14 +110,15 @@ void check_memory(const SceneSettings& scene) {
   const double available =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
   if (needed > 0.25 * available) {
-    throw ConfigError(fmt::format(
-        "scan.positions: {} pictures of {} x {} px need {:.1f} GB to be compared with, this "
-        "machine has {:.1f} GB; allowed is a quarter of it",
-        scene.scan.positions,
-        scene.camera.width_px,
-        scene.camera.height_px,
-        needed * 1e-9,
-        available * 1e-9));
+    throw ConfigError(
+        "scan.positions",
+        fmt::format("{} pictures of {} x {} px need {:.1f} GB to be compared with, this "
+                    "machine has {:.1f} GB; allowed is a quarter of it",
+                    scene.scan.positions,
+                    scene.camera.width_px,
+                    scene.camera.height_px,
+                    needed * 1e-9,
+                    available * 1e-9));
   }
 }
 

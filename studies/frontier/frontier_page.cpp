@@ -90,7 +90,7 @@ void check_study_scene(const Study& study, int threads) {
     quick.render = frontier_methods(study.scene).front().method.render;
     evaluate(store, quick);
   } catch (const ConfigError& error) {
-    throw ConfigError(with_place(study.root, error.what()));
+    throw with_place(study.root, error);
   }
 }
 
@@ -102,7 +102,7 @@ Json measure(const Study& study, const FrontierRun& run, Frontier& frontier) {
   try {
     frontier = measure_frontier(study.scene, {.threads = run.threads, .on_progress = show});
   } catch (const ConfigError& error) {
-    throw ConfigError(with_place(study.root, error.what()));
+    throw with_place(study.root, error);
   }
   bar.update(kProgressSteps);
   return frontier_json(study, frontier);

@@ -21,15 +21,15 @@ namespace {
 /// What can be told of a scene by path tracing.
 void check_scene(const SceneSettings& scene, const PictureRequest& request) {
   if (!is_lit(scene)) {
-    throw ConfigError("lighting: holds no light, scores need one");
+    throw ConfigError("lighting", "holds no light, scores need one");
   }
   if (!scene.paths.has_light) {
-    throw ConfigError("render.paths.light: is false, scores need light");
+    throw ConfigError("render.paths.light", "is false, scores need light");
   }
   if (request.has_derivatives) {
-    throw ConfigError(
-        "search.algorithm: needs derivatives, which path-traced scenes do not have; allowed are "
-        "algorithms without");
+    throw ConfigError("search.algorithm",
+                      "needs derivatives, which path-traced scenes do not have; allowed are "
+                      "algorithms without");
   }
 }
 

@@ -75,7 +75,7 @@ DefectView view_defect(const HeightFeature& feature,
   const double density = pixels_per_mm2(feature, camera, camera_from_world);
   const auto centre = camera.project(camera_from_world * feature.centre_mm);
   if (!centre) {
-    throw ConfigError(fmt::format("defects: {} is behind the camera", feature.label));
+    throw ConfigError("defects", fmt::format("{} is behind the camera", feature.label));
   }
   const double reach_mm = 2.0 * feature.cross_sigma_mm() * window_radii + feature.half_line_mm();
   const double reach_px = 2.0 * std::sqrt(density) * reach_mm + 3.0;
@@ -87,7 +87,7 @@ DefectView view_defect(const HeightFeature& feature,
   const int top = clamp_to(centre->y() - reach_px, rays.height_px);
   const int bottom = clamp_to(centre->y() + reach_px + 1.0, rays.height_px);
   if (left >= right || top >= bottom) {
-    throw ConfigError(fmt::format("defects: {} is outside the image", feature.label));
+    throw ConfigError("defects", fmt::format("{} is outside the image", feature.label));
   }
   DefectView view;
   view.label = feature.label;
@@ -221,13 +221,14 @@ TracedScene trace_scene(const SceneSettings& scene,
   if (is_inside(*traced.built().bvh, traced.camera_in_world_mm)) {
     const std::vector<double>& at_mm = scene.viewpoint().position_mm;
     const bool is_default = at_mm == default_viewpoint(scene.camera).position_mm;
-    throw ConfigError(fmt::format(
-        "{}: the camera at ({:g}, {:g}, {:g}) mm is inside the part; it must stand outside, at a "
-        "working distance",
+    throw ConfigError(
         is_default ? "camera.working_distance_mm" : "viewpoint.0.position_mm",
-        at_mm[0],
-        at_mm[1],
-        at_mm[2]));
+        fmt::format(
+            "the camera at ({:g}, {:g}, {:g}) mm is inside the part; it must stand outside, at a "
+            "working distance",
+            at_mm[0],
+            at_mm[1],
+            at_mm[2]));
   }
   const PinholeCamera camera(intrinsics_of(scene));
   trace_camera(scene, camera, bare, pool, traced);
@@ -272,32 +273,31 @@ void check_part_in_tunnel(const BuiltPart& built,
                           const std::string& name) {
   for (const Vector2d& point : built.outline_yz_mm) {
     if (!tunnel.contains(point.x(), point.y())) {
-      throw ConfigError(
-          fmt::format("lighting.{}.shape: the tunnel is smaller than the part: the part's point at "
-                      "y {:.1f} mm, z {:.1f} mm lies outside the cross-section",
-                      name,
-                      point.x(),
-                      point.y()));
+      throw ConfigError(fmt::format("lighting.{}.shape", name),
+                        fmt::format("the tunnel is smaller than the part: the part's point at "
+                                    "y {:.1f} mm, z {:.1f} mm lies outside the cross-section",
+                                    point.x(),
+                                    point.y()));
     }
   }
   const double half_length = 0.5 * tunnel.settings().length_mm;
   if (built.max_x_mm > half_length || built.min_x_mm < -half_length) {
-    throw ConfigError(
-        fmt::format("lighting.{}.length_mm: the tunnel is {:g} mm long and smaller than the part, "
-                    "which reaches from x {:.1f} to {:.1f} mm",
-                    name,
-                    tunnel.settings().length_mm,
-                    built.min_x_mm,
-                    built.max_x_mm));
+    throw ConfigError(fmt::format("lighting.{}.length_mm", name),
+                      fmt::format("the tunnel is {:g} mm long and smaller than the part, "
+                                  "which reaches from x {:.1f} to {:.1f} mm",
+                                  tunnel.settings().length_mm,
+                                  built.min_x_mm,
+                                  built.max_x_mm));
   }
   const double travel_mm = (scan.positions - 1) * scan_step_mm(scan, tunnel.settings());
   if (travel_mm - half_length > built.min_x_mm) {
-    throw ConfigError(fmt::format(
-        "scan.step_mm: the tunnel travels {:g} mm and its end leaves the part, which begins at x "
-        "{:.1f} mm; allowed is a travel of {:g} mm, or a longer tunnel",
-        travel_mm,
-        built.min_x_mm,
-        half_length + built.min_x_mm));
+    throw ConfigError(
+        "scan.step_mm",
+        fmt::format("the tunnel travels {:g} mm and its end leaves the part, which begins at x "
+                    "{:.1f} mm; allowed is a travel of {:g} mm, or a longer tunnel",
+                    travel_mm,
+                    built.min_x_mm,
+                    half_length + built.min_x_mm));
   }
 }
 

@@ -107,7 +107,7 @@ class ImprintRun {
       files_.has_previews = options_.has_previews;
       files_.scene = study_.root;
     } catch (const ConfigError& error) {
-      throw ConfigError(with_place(study_.root, error.what()));
+      throw with_place(study_.root, error);
     }
   }
 
@@ -122,7 +122,7 @@ class ImprintRun {
         progress(done);
       });
     } catch (const ConfigError& error) {
-      throw ConfigError(with_place(study_.root, error.what()));
+      throw with_place(study_.root, error);
     }
   }
 
@@ -233,7 +233,7 @@ class ImprintRun {
     } catch (const Interrupted&) {
       return false;
     } catch (const ConfigError& error) {
-      throw ConfigError(in_context(error.what(), part_name(part)));
+      throw in_context(error, part_name(part));
     }
     return true;
   }

@@ -100,7 +100,7 @@ Json preview_tools(const Study& study, const ImprintOptions& options) {
   try {
     tools = sample_tools_of(study);
   } catch (const ConfigError& error) {
-    throw ConfigError(with_place(study.root, error.what()));
+    throw with_place(study.root, error);
   }
   if (tools.empty()) {
     throw ConfigError(study.root.place.file +

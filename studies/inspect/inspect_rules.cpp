@@ -100,7 +100,7 @@ InspectionRules read_inspection_rules(const fs::path& scene,
     rules.has_limits = rules.has_limits || has_limits_in(*table);
   }
   rules.has_limits = put_sets(sets, root) || rules.has_limits;
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   KeyReader reader(root.find(kTable), kTable, errors);
   visit_keys(reader, rules.settings);
   reader.report_unknown();

@@ -135,9 +135,9 @@ class InspectRun {
       return found->second;
     }
     if (flawless_.empty() && source.scene.empty()) {
-      throw ConfigError(
-          "inspection.threshold: \"false_alarms\" is told by flawless parts: give their pictures "
-          "with --flawless, or choose \"noise\" or \"fixed\"");
+      throw ConfigError("inspection.threshold",
+                        "\"false_alarms\" is told by flawless parts: give their pictures "
+                        "with --flawless, or choose \"noise\" or \"fixed\"");
     }
     const double threshold =
         flawless_.empty() ? line_of(source, settings).threshold() : flawless_threshold(settings);
@@ -166,7 +166,7 @@ class InspectRun {
   /// The simulated line that a design's pictures come from, flawless parts included.
   const SimulatedLine& line_of(const PicturedPart& source, const InspectionSettings& settings) {
     if (line_name_ != source.name) {
-      std::vector<std::string> errors;
+      std::vector<Problem> errors;
       SceneSettings scene = read_scene(load_toml(source.scene), errors);
       throw_if_any(errors);
       scene.inspection = settings;
@@ -215,11 +215,9 @@ class InspectRun {
       try {
         parts_.push_back(inspect_one(source));
       } catch (const ConfigError& error) {
-        const std::string text = error.what();
-        throw ConfigError(text.starts_with("inspection") || text.starts_with("images") ||
-                                  text.starts_with("phases")
-                              ? fmt::format("{}: {}", source.name, text)
-                              : text);
+        const Problem& problem = error.problems().front();
+        const bool names_picture = problem.key.empty() || !problem.place.file.empty();
+        throw names_picture ? error : in_context(error, source.name);
       }
       write_pictures(stage, parts_.back());
       bar.update(static_cast<std::int64_t>(parts_.size()), source.name);

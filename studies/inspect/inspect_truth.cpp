@@ -26,7 +26,7 @@ constexpr double kSlackPx = 1.5;  ///< a blob's middle is no better known
 
 SceneSettings scene_of(const fs::path& path) {
   const ConfigNode root = load_toml(path);
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   SceneSettings scene = read_scene(root, errors);
   throw_if_any(errors);
   return scene;

@@ -37,9 +37,8 @@ std::unique_ptr<SimulatedLine> line_of(const PopulationTask& task, const Populat
   try {
     return std::make_unique<SimulatedLine>(task.store, population_scene(task.study, design));
   } catch (const ConfigError& error) {
-    throw ConfigError(design.prototype == nullptr
-                          ? with_place(task.study.root, error.what())
-                          : prototype_problem(*design.prototype, error.what()));
+    throw design.prototype == nullptr ? with_place(task.study.root, error)
+                                      : prototype_error(*design.prototype, error);
   }
 }
 
@@ -106,7 +105,7 @@ std::optional<std::vector<Scores>> record_all(
     try {
       records.keep(record_name(number), make(number));
     } catch (const ConfigError& error) {
-      throw ConfigError(in_context(with_place(task.study.root, error.what()), record_name(number)));
+      throw in_context(with_place(task.study.root, error), record_name(number));
     }
     progress.add(1, name);
   });

@@ -90,13 +90,13 @@ void check_everything(SceneStore& store, const Study& study) {
   try {
     check_scene(store, study.scene);
   } catch (const ConfigError& error) {
-    throw ConfigError(with_place(study.root, error.what()));
+    throw with_place(study.root, error);
   }
   for (const Prototype& prototype : study.prototypes) {
     try {
       check_scene(store, scene_with(study, prototype.overrides));
     } catch (const ConfigError& error) {
-      throw ConfigError(prototype_problem(prototype, error.what()));
+      throw prototype_error(prototype, error);
     }
   }
 }

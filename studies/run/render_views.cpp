@@ -115,7 +115,8 @@ class RenderRun {
         camera_from_world(viewpoint);
       }
       if (has_light_ && !is_lit(study_.scene)) {
-        throw ConfigError("lighting: holds no light; a picture needs one, masks do not (--masks)");
+        throw ConfigError("lighting",
+                          "holds no light; a picture needs one, masks do not (--masks)");
       }
       if (has_light_) {
         check_part_in_tunnel(store_, study_.scene);
@@ -126,7 +127,7 @@ class RenderRun {
       notes_ = has_light_ ? view.warnings() : std::vector<std::string>{};
       drawing_ = draw_lighting(first_, view.area_lights(), *part_->built, "");
     } catch (const ConfigError& error) {
-      throw ConfigError(with_place(study_.root, error.what()));
+      throw with_place(study_.root, error);
     }
   }
 
@@ -146,7 +147,7 @@ class RenderRun {
       try {
         render_one(i);
       } catch (const ConfigError& error) {
-        throw ConfigError(with_place(study_.root, error.what()));
+        throw with_place(study_.root, error);
       }
       folder.keep();  // what is rendered is not thrown away
       write_result();

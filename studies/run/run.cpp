@@ -167,7 +167,7 @@ class Run {
     try {
       json = write_design(store_, scene, head, options_.out / key, true, wanted_by(study_.goal));
     } catch (const ConfigError& error) {
-      throw ConfigError(with_place(study_.root, error.what()));
+      throw with_place(study_.root, error);
     }
     if (study_.goal.constraints.empty()) {
       return json;

@@ -34,10 +34,10 @@ struct Arguments {
 SceneSettings load_scene(const Arguments& arguments) {
   ConfigNode root = load_toml(arguments.scene);
   set_path(root, "part.file", ConfigNode::from_text((arguments.folder / "part.ply").string()));
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   SceneSettings scene = read_scene(root, errors);
   if (!errors.empty()) {
-    throw ConfigError(join(errors, "\n"));
+    throw ConfigError(errors);
   }
   return scene;
 }

@@ -30,6 +30,25 @@ TEST(Error, KindsAreToldApartButShareABase) {
   EXPECT_FALSE(is_config);
 }
 
+TEST(Problem, MessageLeavesOutWhatIsUnknown) {
+  Problem problem = {.text = "is 3"};
+  EXPECT_EQ(problem.message(), "is 3");
+  problem.key = "camera.x";
+  EXPECT_EQ(problem.message(), "camera.x: is 3");
+  problem.place = {.file = "a.toml", .line = 3, .column = 7};
+  problem.context = "prototypes.flat";
+  EXPECT_EQ(problem.message(), "a.toml:3:7: prototypes.flat: camera.x: is 3");
+}
+
+TEST(ConfigError, HoldsItsProblemsAndTellsEachOnALine) {
+  const ConfigError error(std::vector<Problem>{{.key = "a", .text = "is 3"}, {.text = "is bad"}});
+  EXPECT_STREQ(error.what(), "a: is 3\nis bad");
+  ASSERT_EQ(error.problems().size(), 2U);
+  EXPECT_EQ(error.problems()[0].key, "a");
+  EXPECT_EQ(ConfigError("part.unit", "is 3").problems()[0].key, "part.unit");
+  EXPECT_EQ(ConfigError("part.unit: is 3").problems()[0].key, "");
+}
+
 TEST(LastSystemError, IsTheSystemsSentence) {
   errno = ENOENT;
   EXPECT_EQ(last_system_error(), "No such file or directory");

@@ -166,8 +166,9 @@ void check_size(const Part& part) {
     return;
   }
   if (!part.is_from_file) {
-    throw ConfigError(fmt::format(
-        "part.shape: the {} is {:.4g} mm large; allowed: 1 to 5000 mm", part.name, size_mm));
+    throw ConfigError(
+        "part.shape",
+        fmt::format("the {} is {:.4g} mm large; allowed: 1 to 5000 mm", part.name, size_mm));
   }
   // The unit under which the file's numbers make the most everyday size, 10 to 1000 mm.
   const double in_file = size_mm / mm_per_unit(part.unit);
@@ -181,8 +182,9 @@ void check_size(const Part& part) {
       break;
     }
   }
-  throw ConfigError(fmt::format(
-      "part.unit: {} is {:.4g} mm large{}; allowed: 1 to 5000 mm", part.name, size_mm, question));
+  throw ConfigError(
+      "part.unit",
+      fmt::format("{} is {:.4g} mm large{}; allowed: 1 to 5000 mm", part.name, size_mm, question));
 }
 
 void check_expected_size(const Part& part, const std::vector<double>& expected_mm) {
@@ -190,16 +192,16 @@ void check_expected_size(const Part& part, const std::vector<double>& expected_m
   for (std::size_t i = 0; i < expected_mm.size(); ++i) {
     const double is_mm = size_mm[static_cast<Eigen::Index>(i)];
     if (std::abs(is_mm - expected_mm[i]) > kSizeTolerance * std::abs(expected_mm[i])) {
-      throw ConfigError(
-          fmt::format("part.expected_size_mm: {} is {:.4g} x {:.4g} x {:.4g} mm large, expected "
-                      "{:.4g} x {:.4g} x {:.4g} mm (1 % allowed); check part.unit",
-                      part.name,
-                      size_mm.x(),
-                      size_mm.y(),
-                      size_mm.z(),
-                      expected_mm[0],
-                      expected_mm[1],
-                      expected_mm[2]));
+      throw ConfigError("part.expected_size_mm",
+                        fmt::format("{} is {:.4g} x {:.4g} x {:.4g} mm large, expected "
+                                    "{:.4g} x {:.4g} x {:.4g} mm (1 % allowed); check part.unit",
+                                    part.name,
+                                    size_mm.x(),
+                                    size_mm.y(),
+                                    size_mm.z(),
+                                    expected_mm[0],
+                                    expected_mm[1],
+                                    expected_mm[2]));
     }
   }
 }
@@ -273,7 +275,8 @@ double extent_mm(const PartSettings& settings) {
 void check_extent(const PartSettings& settings) {
   const double size_mm = extent_mm(settings);
   if (!(size_mm <= kLargest_mm)) {
-    throw ConfigError(fmt::format("part.shape: the {} is {:.4g} mm large; allowed: 1 to 5000 mm",
+    throw ConfigError("part.shape",
+                      fmt::format("the {} is {:.4g} mm large; allowed: 1 to 5000 mm",
                                   kShapes[static_cast<std::size_t>(settings.shape)],
                                   size_mm));
   }
@@ -322,7 +325,7 @@ RigidTransform pose_from_angles(const Vector3d& position_mm, const Vector3d& rot
 
 Part build_part(const PartSettings& settings) {
   check_shape(settings, [](const std::string& key, const std::string& message) {
-    throw ConfigError(fmt::format("part.{}: {}", key, message));
+    throw ConfigError("part." + key, message);
   });
   check_extent(settings);
   Part part;

@@ -117,7 +117,7 @@ void Builder::scale_to_power(const Array3f& power_w) {
 /// Fills groups, powers and segment factors of the light in hand.
 void Builder::end_lobes(const LightEmission& emission, const LightSegments& segments) {
   if (lights_.emitters.size() == first_) {
-    throw ConfigError(fmt::format("lighting.{}: has no luminous area", name_));
+    throw ConfigError("lighting." + name_, "has no luminous area");
   }
   if (!emission.power_w.empty()) {
     scale_to_power(to_channels(emission.power_w));
@@ -226,7 +226,7 @@ void Builder::build(const CoaxialSettings& s) {
 
 void Builder::build(const MeshLightSettings& s) {
   if (s.file.empty()) {
-    throw ConfigError(fmt::format("lighting.{}.file: must name a mesh", name_));
+    throw ConfigError(fmt::format("lighting.{}.file", name_), "must name a mesh");
   }
   GLINT_CHECK(load_mesh_, "a scene with a mesh emitter comes with a loader");
   const EmitterFrame frame = frame_of(s.placement);
@@ -245,7 +245,7 @@ void Builder::build(const MeshLightSettings& s) {
 
 void Builder::build(const EnvironmentSettings& s) {
   if (lights_.environment) {
-    throw ConfigError(fmt::format("lighting.{}: is a second environment, one is allowed", name_));
+    throw ConfigError("lighting." + name_, "is a second environment, one is allowed");
   }
   const Array3f radiance = to_channels(s.radiance);
   lights_.environment = s.file.empty() ? Environment(radiance) : read_environment(s.file, radiance);
@@ -289,7 +289,7 @@ void Builder::add_body_faces(const IesLightSettings& s, int group) {
 
 void Builder::build(const IesLightSettings& s) {
   if (s.file.empty()) {
-    throw ConfigError(fmt::format("lighting.{}.file: must name an IES file", name_));
+    throw ConfigError(fmt::format("lighting.{}.file", name_), "must name an IES file");
   }
   IesBody body = {.table = read_ies(s.file), .frame = frame_of(s.placement)};
   body.size_mm = body.table.size_mm;

@@ -69,12 +69,11 @@ double bright_until(double phase, double duty) {
 void refuse_what_moves(const TunnelLight& light) {
   const auto refuse = [&](const char* key, double value) {
     if (value != 0.0) {
-      throw ConfigError(fmt::format(
-          "lighting.{}.{}: is {:g}, must be 0 where paths are traced: radiance that moves with the "
-          "tunnel is no matter of the stripes' phase",
-          light.name,
-          key,
-          value));
+      throw ConfigError(
+          fmt::format("lighting.{}.{}", light.name, key),
+          fmt::format("is {:g}, must be 0 where paths are traced: radiance that moves with the "
+                      "tunnel is no matter of the stripes' phase",
+                      value));
     }
   };
   refuse("led_ripple", light.settings.led_ripple);
@@ -187,7 +186,7 @@ void add_tunnel(const TunnelLight& light, Lights& lights) {
                       .offset_periods = s.offset_mm / s.period_mm};
   const Eigen::Array3f power_w = add_wall(light, lights, wall);
   if (wall.middle_mm.empty()) {
-    throw ConfigError(fmt::format("lighting.{}: has no luminous area", light.name));
+    throw ConfigError("lighting." + light.name, "has no luminous area");
   }
   const Vector3d eye_mm(wall.middle_mm[0].x(), 0.0, s.base_mm);
   const bool is_drawn = filled_share(lights, wall, eye_mm) < light.drawn_below;

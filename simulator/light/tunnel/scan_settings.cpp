@@ -21,9 +21,9 @@ double scan_step_mm(const ScanSettings& scan, const TunnelSettings& tunnel) {
   const double cosine = std::cos(tunnel.orientation_rad);
   constexpr double kSmallestCosine = 0.01;
   if (cosine < kSmallestCosine) {
-    throw ConfigError(
-        "scan.step_mm: must be given: stripes that run along the tunnel do not move with it, so a "
-        "period takes no number of steps");
+    throw ConfigError("scan.step_mm",
+                      "must be given: stripes that run along the tunnel do not move with it, so a "
+                      "period takes no number of steps");
   }
   return tunnel.period_mm / (scan.positions * cosine);
 }

@@ -255,9 +255,9 @@ ScanSlopes slopes_of_scan(const Footprints& footprints,
                           const WantedSlopes& wanted,
                           const std::shared_ptr<const PixelCells>& cells) {
   if (!footprints.positions().is_even) {
-    throw ConfigError(
-        "search.algorithm: there are no derivatives under an uneven light (led_ripple, "
-        "end_falloff)");
+    throw ConfigError("search.algorithm",
+                      "there are no derivatives under an uneven light (led_ripple, "
+                      "end_falloff)");
   }
   ScanSlopes slopes;
   slopes.corners.resize(static_cast<std::size_t>(footprints.rays().height_px) + 1,

@@ -365,9 +365,9 @@ void check_ray_memory(double num_rays, const std::string& what) {
 
 void check_part_is_seen(const RayCounts& counts) {
   if (counts.part == 0) {
-    throw ConfigError(
-        "camera: the part is outside the image: no camera ray meets it; check viewpoint, "
-        "working_distance_mm and part.position_mm");
+    throw ConfigError("camera",
+                      "the part is outside the image: no camera ray meets it; check viewpoint, "
+                      "working_distance_mm and part.position_mm");
   }
 }
 

@@ -62,7 +62,7 @@ void visit_lamp(KeyVisitor& keys, Lamp& lamp) {
 
 struct ReadResult {
   Lamp lamp;
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
 };
 
 ReadResult read_lamp(const ConfigNode& root) {
@@ -78,7 +78,7 @@ ReadResult read_lamp(const std::string& text) {
 }
 
 std::vector<std::string> errors_of(const std::string& text) {
-  return read_lamp(text).errors;
+  return messages_of(read_lamp(text).errors);
 }
 
 TEST(Range, SaysWhatIsAllowed) {
@@ -195,7 +195,7 @@ TEST(KeyReader, FindsFilesBesideTheStudy) {
   EXPECT_THAT(found.errors, IsEmpty());
   EXPECT_EQ(found.lamp.file, folder / "part.stl");
   const ReadResult missing = read_lamp(parse_toml("[lamp]\nfile = \"gone.stl\"\n", study));
-  EXPECT_THAT(missing.errors,
+  EXPECT_THAT(messages_of(missing.errors),
               ElementsAre(study + ":2:1: lamp.file: the file " + (folder / "gone.stl").string() +
                           " does not exist"));
 }
@@ -203,6 +203,37 @@ TEST(KeyReader, FindsFilesBesideTheStudy) {
 TEST(KeyReader, ChecksConditionsBetweenKeys) {
   EXPECT_THAT(errors_of("radius_mm = 3\n[lamp.slot]\nwidth_mm = 5\n"),
               ElementsAre("s.toml:3:7: lamp.slot: must be narrower than the radius"));
+}
+
+// The program asks for kind, key and place, so that texts may be reworded.
+TEST(KeyReader, TellsTheKindTheKeyAndThePlaceOfAProblem) {
+  using Kind = Problem::Kind;
+
+  const struct {
+    const char* toml;
+    Kind kind;
+    const char* key;
+  } cases[] = {{"radius_mm = 0\n", Kind::kOutOfRange, "lamp.radius_mm"},
+               {"radius_mm = nan\n", Kind::kOutOfRange, "lamp.radius_mm"},
+               {"positions = 0\n", Kind::kOutOfRange, "lamp.positions"},
+               {"positions = 2.5\n", Kind::kOutOfRange, "lamp.positions"},
+               {"shape = \"round\"\n", Kind::kOutOfRange, "lamp.shape"},
+               {"angles_deg = [400]\n", Kind::kOutOfRange, "lamp.angles_deg"},
+               {"radius_mm = \"wide\"\n", Kind::kWrongType, "lamp.radius_mm"},
+               {"name = 3\n", Kind::kWrongType, "lamp.name"},
+               {"slot = 4\n", Kind::kWrongType, "lamp.slot"},
+               {"slot = { open = 1 }\n", Kind::kWrongType, "lamp.slot.open"},
+               {"angles_deg = []\n", Kind::kWrongType, "lamp.angles_deg"},
+               {"slot = { width_mm = 1e6 }\n", Kind::kRelation, "lamp.slot"},
+               {"foo = 1\n", Kind::kUnknownKey, "lamp.foo"}};
+
+  for (const auto& [toml, kind, key] : cases) {
+    const std::vector<Problem> problems = read_lamp(toml).errors;
+    ASSERT_EQ(problems.size(), 1U) << toml;
+    EXPECT_EQ(problems[0].kind, kind) << toml;
+    EXPECT_EQ(problems[0].key, key) << toml;
+    EXPECT_EQ(problems[0].place.line, 2) << toml;
+  }
 }
 
 TEST(KeyReader, ReportsEveryProblemInOnePass) {
@@ -225,14 +256,14 @@ TEST(KeyReader, KeepsDefaultsForWhatIsWrong) {
 
 TEST(KeyReader, KnowsWhatIsGiven) {
   const ConfigNode root = parse_toml("a = 1\n", "s.toml");
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   const KeyReader reader(&root, "", errors);
   EXPECT_TRUE(reader.is_given("a"));
   EXPECT_FALSE(reader.is_given("b"));
   EXPECT_FALSE(KeyReader(nullptr, "", errors).is_given("a"));
 }
 
-Interval interval_of(const std::string& toml, std::vector<std::string>& errors) {
+Interval interval_of(const std::string& toml, std::vector<Problem>& errors) {
   const ConfigNode root = parse_toml(toml, "d.toml");
   Interval value(1.0, 2.0);
   KeyReader reader(&root, "", errors);
@@ -241,7 +272,7 @@ Interval interval_of(const std::string& toml, std::vector<std::string>& errors) 
 }
 
 TEST(KeyReader, TakesANumberOrARangeForAnInterval) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   EXPECT_DOUBLE_EQ(interval_of("height_um = 4", errors).min, 4e-3);
   EXPECT_TRUE(interval_of("height_um = 4", errors).is_fixed());
   EXPECT_DOUBLE_EQ(interval_of("height_um = [4, 8]", errors).max, 8e-3);
@@ -251,7 +282,7 @@ TEST(KeyReader, TakesANumberOrARangeForAnInterval) {
 }
 
 TEST(KeyReader, RefusesAnIntervalThatIsNone) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   for (const char* toml : {"height_um = [8, 4]",
                            "height_um = [4]",
                            "height_um = []",
@@ -269,7 +300,7 @@ TEST(KeyWriter, WritesAnIntervalAsItIsRead) {
     ConfigNode table = ConfigNode::table();
     KeyWriter writer(table);
     writer.interval("height_um", value, Range::positive(), "Height.");
-    std::vector<std::string> errors;
+    std::vector<Problem> errors;
     const Interval again = interval_of(to_toml(table), errors);
     EXPECT_EQ(again.min, value.min);
     EXPECT_EQ(again.max, value.max);
@@ -278,7 +309,10 @@ TEST(KeyWriter, WritesAnIntervalAsItIsRead) {
 
 TEST(ThrowIfAny, ThrowsAllLinesOrNothing) {
   EXPECT_NO_THROW(throw_if_any({}));
-  EXPECT_EQ(text_thrown_by<ConfigError>([] { throw_if_any({"one", "two"}); }), "one\ntwo");
+  EXPECT_EQ(text_thrown_by<ConfigError>([] {
+              throw_if_any({{.text = "one"}, {.text = "two"}});
+            }),
+            "one\ntwo");
 }
 
 TEST(KeyLister, ListsEveryKeyWithItsUnitAndDefault) {
@@ -317,7 +351,7 @@ TEST(KeyWriter, WritesEveryKeyInWrittenUnits) {
             "\n[slot]\nwidth_mm = 4.0\nopen = true\n");
 }
 
-Lamp written_and_read(Lamp lamp, std::vector<std::string>& errors) {
+Lamp written_and_read(Lamp lamp, std::vector<Problem>& errors) {
   ConfigNode root = ConfigNode::table();
   ConfigNode table = ConfigNode::table();
   KeyWriter writer(table);
@@ -348,7 +382,7 @@ TEST(KeyWriter, ReadsBackBitForBit) {
   for (std::uint64_t i = 0; i < 2000; ++i) {
     Rng rng(41, Stream::kTest, i);
     const Lamp lamp = random_lamp(rng);
-    std::vector<std::string> errors;
+    std::vector<Problem> errors;
     const Lamp read = written_and_read(lamp, errors);
     ASSERT_THAT(errors, IsEmpty());
     ASSERT_EQ(read.radius_mm, lamp.radius_mm);
@@ -366,7 +400,7 @@ TEST(KeyWriter, WritesValuesTooSmallToBeRoundedAsTheyAre) {
   Lamp lamp;
   lamp.height_mm = 1e-320;
   lamp.tilt_rad = 5e-324;
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   EXPECT_NEAR(written_and_read(lamp, errors).height_mm, 1e-320, 1e-322);
   EXPECT_THAT(errors, IsEmpty());
 }

@@ -59,23 +59,25 @@ TEST(HeightFeature, AScratchIsDrawnOutAlongItsPlace) {
 
 TEST(DefectGroup, XAndYMustBeAsMany) {
   const ConfigNode root = parse_toml("x_mm = [1, 2]\ny_mm = [1]\n", "d.toml");
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   DefectGroup group;
   KeyReader reader(&root, "defects.dent", errors);
   visit_keys(reader, group);
   ASSERT_EQ(errors.size(), 1U);
-  EXPECT_THAT(errors[0], ::testing::StartsWith("d.toml:2:1: defects.dent.y_mm: has 1 places"));
+  EXPECT_THAT(errors[0].message(),
+              ::testing::StartsWith("d.toml:2:1: defects.dent.y_mm: has 1 places"));
 }
 
 TEST(DefectGroup, ARangeRunsFromSmallToLarge) {
   const ConfigNode root = parse_toml("height_um = [5, 2]\ncount = 1.5\n", "d.toml");
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   DefectGroup group;
   KeyReader reader(&root, "defects.dent", errors);
   visit_keys(reader, group);
   ASSERT_EQ(errors.size(), 2U);
-  EXPECT_THAT(errors[0], ::testing::StartsWith("d.toml:2:1: defects.dent.count: must be a whole"));
-  EXPECT_THAT(errors[1],
+  EXPECT_THAT(errors[0].message(),
+              ::testing::StartsWith("d.toml:2:1: defects.dent.count: must be a whole"));
+  EXPECT_THAT(errors[1].message(),
               ::testing::StartsWith("d.toml:1:1: defects.dent.height_um: is [5, 2], must be"));
 }
 

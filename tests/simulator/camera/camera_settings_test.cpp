@@ -9,7 +9,7 @@
 namespace glint {
 namespace {
 
-CameraSettings read_camera(const std::string& text, std::vector<std::string>& errors) {
+CameraSettings read_camera(const std::string& text, std::vector<Problem>& errors) {
   const ConfigNode root = parse_toml(text, "s.toml");
   CameraSettings settings;
   KeyReader reader(&root, "camera", errors);
@@ -20,7 +20,7 @@ CameraSettings read_camera(const std::string& text, std::vector<std::string>& er
 
 // 16 mm lens on 3.45 um pixels: 16 / 0.00345 = 4637.68 px.
 TEST(CameraSettings, FocalLengthFollowsFromTheDataSheet) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   const CameraSettings s =
       read_camera("width_px = 2448\nheight_px = 2048\npixel_um = 3.45\nfocal_mm = 16\n", errors);
   EXPECT_TRUE(errors.empty());
@@ -30,7 +30,7 @@ TEST(CameraSettings, FocalLengthFollowsFromTheDataSheet) {
 
 // 0.15 mm on the part at 600 mm: 600 / 0.15 = 4000 px whatever the sensor's pixel.
 TEST(CameraSettings, FocalLengthFollowsFromThePixelOnThePart) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   const CameraSettings s =
       read_camera("object_pixel_mm = 0.15\nworking_distance_mm = 600\n", errors);
   EXPECT_TRUE(errors.empty());
@@ -38,10 +38,10 @@ TEST(CameraSettings, FocalLengthFollowsFromThePixelOnThePart) {
 }
 
 TEST(CameraSettings, GivingTheFocalLengthTwiceIsAnError) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   read_camera("object_pixel_mm = 0.15\nfocal_mm = 16\n", errors);
   ASSERT_EQ(errors.size(), 1U);
-  EXPECT_THAT(errors[0], ::testing::StartsWith("s.toml:1:"));
+  EXPECT_THAT(errors[0].message(), ::testing::StartsWith("s.toml:1:"));
 }
 
 TEST(CameraSettings, DefaultViewLooksDownWithXToTheRightAndYUp) {
@@ -55,12 +55,13 @@ TEST(CameraSettings, DefaultViewLooksDownWithXToTheRightAndYUp) {
 
 TEST(Viewpoint, UpAlongTheViewIsAnErrorWithItsPlace) {
   const ConfigNode root = parse_toml("direction = [0, 0, -1]\nup = [0, 0, 2]\n", "v.toml");
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   Viewpoint viewpoint;
   KeyReader reader(&root, "viewpoint.0", errors);
   visit_keys(reader, viewpoint);
   ASSERT_EQ(errors.size(), 1U);
-  EXPECT_EQ(errors[0], "v.toml:2:1: viewpoint.0.up: must not be zero or parallel to direction");
+  EXPECT_EQ(errors[0].message(),
+            "v.toml:2:1: viewpoint.0.up: must not be zero or parallel to direction");
 }
 
 }  // namespace

@@ -194,13 +194,13 @@ TEST(LensGeometry, RefusesAFocusWithinTheFocalLength) {
 
 TEST(LensSettings, AnApertureNeedsAFocus) {
   const ConfigNode root = parse_toml("f_number = 4\n", "s.toml");
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   LensSettings settings;
   KeyReader reader(&root, "lens", errors);
   visit_keys(reader, settings);
   ASSERT_EQ(errors.size(), 1U);
   EXPECT_EQ(
-      errors[0],
+      errors[0].message(),
       "s.toml:1:1: lens.f_number: needs focus_mm, the distance at which the picture is sharp");
 }
 

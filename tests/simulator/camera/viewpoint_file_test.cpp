@@ -59,7 +59,7 @@ TEST(ViewpointFile, CsvTomlAndJsonSayTheSame) {
   const auto json = parse_viewpoints_json(
       R"([[1,2,3,0,0,-2,0,5,0],{"position_mm":[4,5,6],"direction":[1,0,0],"up":[0,0,1]}])",
       "v.json");
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   const ConfigNode root = parse_toml(
       "[[viewpoint]]\nposition_mm=[1,2,3]\ndirection=[0,0,-2]\nup=[0,5,0]\n"
       "[[viewpoint]]\nposition_mm=[4,5,6]\ndirection=[1,0,0]\nup=[0,0,1]\n",

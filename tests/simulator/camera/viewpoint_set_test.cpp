@@ -111,7 +111,7 @@ TEST(ViewpointSettings, KeysAreWrittenAndReadBack) {
   visit_keys(writer, settings);
   const ConfigNode parsed = parse_toml(to_toml(table), "s.toml");
   ViewpointSettings again;
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   KeyReader reader(&parsed, "viewpoints", errors);
   visit_keys(reader, again);
   reader.report_unknown();
@@ -127,10 +127,10 @@ TEST(ViewpointSettings, KeysAreWrittenAndReadBack) {
 TEST(ViewpointSettings, AFileWithoutItsSourceIsAnErrorWithItsPlace) {
   const ConfigNode root = parse_toml("count = 3\nfile = \"a.csv\"\n", "s.toml");
   ViewpointSettings settings;
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   KeyReader reader(&root, "viewpoints", errors);
   visit_keys(reader, settings);
-  EXPECT_THAT(errors,
+  EXPECT_THAT(messages_of(errors),
               ::testing::Contains(::testing::StartsWith(
                   "s.toml:2:1: viewpoints.file: must be given with source = \"file\"")));
 }

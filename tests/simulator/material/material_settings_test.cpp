@@ -21,7 +21,7 @@ constexpr std::array<double, 3> kRgb_nm = {630, 550, 450};
 
 std::vector<std::string> read_material(std::string_view text, MaterialSettings* read = nullptr) {
   const ConfigNode root = parse_toml(text, "scene.toml");
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   KeyReader reader(root.find("material"), "material", errors);
   MaterialSettings settings;
   visit_keys(reader, settings);
@@ -29,7 +29,7 @@ std::vector<std::string> read_material(std::string_view text, MaterialSettings* 
   if (read != nullptr) {
     *read = settings;
   }
-  return errors;
+  return messages_of(errors);
 }
 
 SurfaceMaterial material_of(std::string_view text,

@@ -230,7 +230,7 @@ TEST(TextureSettings, AreReadWithTheirUnits) {
       parse_toml("[texture]\ncolour_file = \"" + path.string() +
                      "\"\nmapping = \"cylindrical\"\nrotation_deg = 90\nsize_mm = [5, 6]\n",
                  "");
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   KeyReader reader(root.find("texture"), "texture", errors);
   TextureSettings settings;
   visit_keys(reader, settings);
@@ -243,11 +243,11 @@ TEST(TextureSettings, AreReadWithTheirUnits) {
 
 TEST(TextureSettings, RefuseAnAxisWithoutALength) {
   const ConfigNode root = parse_toml("[texture]\naxis = [0, 0, 0]\n", "");
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   KeyReader reader(root.find("texture"), "texture", errors);
   TextureSettings settings;
   visit_keys(reader, settings);
-  EXPECT_THAT(errors, ::testing::ElementsAre(HasSubstr("must have a length")));
+  EXPECT_THAT(messages_of(errors), ::testing::ElementsAre(HasSubstr("must have a length")));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ using ::testing::IsEmpty;
 
 std::vector<std::string> problems_of(std::string_view text, SensorSettings* read = nullptr) {
   const ConfigNode root = parse_toml(text, "scene.toml");
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   KeyReader reader(root.find("sensor"), "sensor", errors);
   SensorSettings settings;
   visit_keys(reader, settings);
@@ -21,7 +21,7 @@ std::vector<std::string> problems_of(std::string_view text, SensorSettings* read
   if (read != nullptr) {
     *read = settings;
   }
-  return errors;
+  return messages_of(errors);
 }
 
 TEST(SensorSettings, AreReadFromTheirTable) {

@@ -45,18 +45,18 @@ samples = 32
 max_reflections = 2
 )";
 
-SceneSettings physical_scene(const std::string& text, std::vector<std::string>& errors) {
+SceneSettings physical_scene(const std::string& text, std::vector<Problem>& errors) {
   return read_scene(parse_toml(text, "scene.toml"), errors);
 }
 
 std::vector<std::string> errors_of(const std::string& text) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   physical_scene(text, errors);
-  return errors;
+  return messages_of(errors);
 }
 
 TEST(PhysicalScene, ReadsMaterialLensLightsAndViewpoints) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   const SceneSettings scene = physical_scene(kRingScene, errors);
   EXPECT_THAT(errors, ElementsAre());
   EXPECT_TRUE(needs_paths(scene));
@@ -74,7 +74,7 @@ TEST(PhysicalScene, ReadsMaterialLensLightsAndViewpoints) {
 }
 
 TEST(PhysicalScene, WritingAndReadingBackGivesTheSameScene) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   const ConfigNode written = write_scene(physical_scene(kRingScene, errors));
   const ConfigNode again = write_scene(physical_scene(to_toml(written), errors));
   EXPECT_THAT(errors, ElementsAre());
@@ -86,7 +86,7 @@ TEST(PhysicalScene, WritingAndReadingBackGivesTheSameScene) {
 
 TEST(NeedsPaths, OnlyBeyondAPlainMirrorUnderOneTunnel) {
   const auto needs = [](const std::string& text) {
-    std::vector<std::string> errors;
+    std::vector<Problem> errors;
     const SceneSettings scene = physical_scene(text, errors);
     EXPECT_THAT(errors, ElementsAre()) << text;
     return needs_paths(scene);
@@ -103,7 +103,7 @@ TEST(NeedsPaths, OnlyBeyondAPlainMirrorUnderOneTunnel) {
 }
 
 TEST(Scene, OfLevelZeroTakesTheReflectanceOfItsMaterial) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   EXPECT_EQ(physical_scene("[material]\nreflectance = [0.8]\n", errors).render.reflectance, 0.8);
 }
 
@@ -125,7 +125,7 @@ TEST(Scene, WhatDoesNotGoTogetherIsToldWithItsPlace) {
 }
 
 TEST(ViewpointsOf, AlongTheSurfaceStandAtTheWorkingDistanceApartFromEachOther) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   const SceneSettings scene = physical_scene(R"(
 [part]
 shape = "sphere_cap"

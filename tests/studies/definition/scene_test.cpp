@@ -14,13 +14,13 @@
 namespace glint {
 namespace {
 
-SceneSettings read_scene_text(const std::string& text, std::vector<std::string>& errors) {
+SceneSettings read_scene_text(const std::string& text, std::vector<Problem>& errors) {
   return read_scene(parse_toml(text, "scene.toml"), errors);
 }
 
 /// A strip under a semicylinder, small enough to trace in milliseconds.
 SceneSettings small_scene() {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   SceneSettings scene = read_scene_text(R"(
 [part]
 length_mm = 60
@@ -44,15 +44,15 @@ height_um = 8
 diameter_mm = 1.6
 )",
                                         errors);
-  EXPECT_TRUE(errors.empty()) << (errors.empty() ? "" : errors.front());
+  EXPECT_TRUE(errors.empty()) << (errors.empty() ? "" : errors.front().message());
   return scene;
 }
 
 TEST(Scene, WritingAndReadingBackGivesTheSameScene) {
   const ConfigNode written = write_scene(small_scene());
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   const ConfigNode again = write_scene(read_scene_text(to_toml(written), errors));
-  EXPECT_TRUE(errors.empty()) << (errors.empty() ? "" : errors.front());
+  EXPECT_TRUE(errors.empty()) << (errors.empty() ? "" : errors.front().message());
   EXPECT_EQ(to_toml(written), to_toml(again));
 }
 
@@ -73,19 +73,34 @@ TEST(Scene, EveryKeyOfTheTableIsWritten) {
 }
 
 TEST(Scene, TwoTunnelsAreAnErrorWithItsPlace) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   read_scene_text("[lighting.a]\n[lighting.b]\n", errors);
   ASSERT_EQ(errors.size(), 1U);
-  EXPECT_THAT(errors[0], ::testing::HasSubstr("scene.toml:2:11: lighting.b: is a second tunnel"));
+  EXPECT_THAT(errors[0].message(),
+              ::testing::HasSubstr("scene.toml:2:11: lighting.b: is a second tunnel"));
 }
 
 TEST(WithPlace, FindsTheKeyTheTableOrTheFile) {
   ConfigNode root = parse_toml("[part]\nlength_mm = 3\n", "s.toml");
   root.place.file = "s.toml";
-  EXPECT_EQ(with_place(root, "part.length_mm: is 3"), "s.toml:2:1: part.length_mm: is 3");
-  EXPECT_EQ(with_place(root, "part.width_mm: is 3"), "s.toml:1:2: part.width_mm: is 3");
-  EXPECT_EQ(with_place(root, "camera: is away"), "s.toml: camera: is away");
-  EXPECT_EQ(with_place(root, "gear.stl: is empty"), "gear.stl: is empty");
+  const auto placed = [&](const ConfigError& error) {
+    return std::string(with_place(root, error).what());
+  };
+  EXPECT_EQ(placed(ConfigError("part.length_mm", "is 3")), "s.toml:2:1: part.length_mm: is 3");
+  EXPECT_EQ(placed(ConfigError("part.width_mm", "is 3")), "s.toml:1:2: part.width_mm: is 3");
+  EXPECT_EQ(placed(ConfigError("camera", "is away")), "s.toml: camera: is away");
+  EXPECT_EQ(placed(ConfigError("gear.stl: is empty")), "gear.stl: is empty");
+  EXPECT_EQ(placed(ConfigError("part.length_mm: is a text, not a key")),
+            "part.length_mm: is a text, not a key");
+}
+
+TEST(InContext, StandsBeforeEveryKeyBehindItsPlace) {
+  const Place place = {.file = "s.toml", .line = 2, .column = 1};
+  const ConfigError error(std::vector<Problem>{
+      {.place = place, .key = "part.length_mm", .text = "is 3"}, {.text = "no key"}});
+  EXPECT_STREQ(
+      in_context(in_context(error, "prototypes.a"), "part_3").what(),
+      "s.toml:2:1: part_3: prototypes.a: part.length_mm: is 3\npart_3: prototypes.a: no key");
 }
 
 TEST(Evaluation, ScoresAreTheSameForAnyNumberOfThreads) {

@@ -188,6 +188,43 @@ TEST(StudyErrors, VariableLimitsBeyondTheKeysRangeAreRefused) {
               ::testing::HasSubstr("lighting.tunnel.duty: is 1.5, must be in [0, 1]"));
 }
 
+/// What a variable of a study with a ring is refused for.
+std::vector<Problem> problems_of_variable(const std::string& name, const std::string& limits) {
+  const StudyFile file("[lighting.ring]\n[variables]\n\"" + name + "\" = " + limits +
+                       "\n[objective]\nmaximise = \"homogeneity.h_rms\"\n");
+  try {
+    load_study(file.path(), {});
+  } catch (const ConfigError& error) {
+    return error.problems();
+  }
+  return {};
+}
+
+// Told by kind and key: what the messages say is of no account.
+TEST(StudyErrors, AVariableIsRefusedForItsKeysOwnRangeOnly) {
+  const struct {
+    const char* name;
+    const char* limits;
+  } refused[] = {{"sensor.gain", "{ min = 1, max = 1e300 }"},
+                 {"sensor.gain", "{ min = -1, max = 2 }"},
+                 {"scan.positions", "{ min = 0, max = 9 }"},
+                 {"camera.working_distance_mm", "{ min = -5, max = 900 }"},
+                 {"sensor.wavelengths_nm.0", "{ min = -5, max = 600 }"},
+                 {"part.shape", "{ choices = [\"box\", \"cube\"] }"},
+                 {"lighting.ring.type", "{ choices = [\"ring\", \"torch\"] }"}};
+
+  for (const auto& [name, limits] : refused) {
+    const std::vector<Problem> problems = problems_of_variable(name, limits);
+    ASSERT_EQ(problems.size(), 1U) << name;
+    EXPECT_EQ(problems[0].kind, Problem::Kind::kOutOfRange) << name;
+    EXPECT_EQ(problems[0].key, name);
+    EXPECT_EQ(problems[0].place.line, 3) << name;
+  }
+  // Smaller than inner_radius_mm it may be: that may be a variable too.
+  EXPECT_THAT(problems_of_variable("lighting.ring.outer_radius_mm", "{ min = 1, max = 90 }"),
+              ::testing::IsEmpty());
+}
+
 TEST(Study, HomogeneityNeverComesWithoutLimitsAgainstAWhitePicture) {
   const std::string head = "[objective]\nmaximise = \"homogeneity.h_rms\"\n";
   const StudyFile bare(head);

@@ -181,10 +181,10 @@ bool is_of_pose(const std::string& path) {
 SceneSettings with_value(const SceneSettings& scene, const std::string& path, double change) {
   ConfigNode root = write_scene(scene);
   set_path(root, path, ConfigNode::from_number(root.at_path(path)->number + change));
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   SceneSettings changed = read_scene(root, errors);
   if (!errors.empty()) {
-    throw ConfigError(errors.front());
+    throw ConfigError(errors);
   }
   return changed;
 }

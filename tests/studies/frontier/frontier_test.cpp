@@ -56,9 +56,9 @@ diameter_mm = 3
 )";
 
 SceneSettings frontier_scene() {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   const SceneSettings scene = read_scene(parse_toml(kFrontierStudy, "study.toml"), errors);
-  EXPECT_TRUE(errors.empty()) << (errors.empty() ? "" : errors.front());
+  EXPECT_TRUE(errors.empty()) << (errors.empty() ? "" : errors.front().message());
   return scene;
 }
 

@@ -17,10 +17,10 @@
 namespace glint {
 
 inline SceneSettings path_scene_from(const std::string& text) {
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   SceneSettings scene = read_scene(parse_toml(text, "scene.toml"), errors);
   if (!errors.empty()) {
-    throw ConfigError(errors.front());
+    throw ConfigError(errors);
   }
   return scene;
 }

@@ -23,7 +23,7 @@ using ::testing::IsEmpty;
 
 struct ReadPart {
   PartSettings settings;
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
 };
 
 ReadPart read_settings(const std::string& toml) {
@@ -55,16 +55,18 @@ TEST(PartSettings, AFileMakesThePartAMesh) {
 }
 
 TEST(PartSettings, ReportWrongCombinationsByKey) {
-  EXPECT_THAT(read_settings("shape = \"mesh\"\n").errors, ElementsAre(HasSubstr("part.file")));
-  EXPECT_THAT(read_settings("radius_across_mm = 20\n").errors,
+  EXPECT_THAT(messages_of(read_settings("shape = \"mesh\"\n").errors),
+              ElementsAre(HasSubstr("part.file")));
+  EXPECT_THAT(messages_of(read_settings("radius_across_mm = 20\n").errors),
               ElementsAre(HasSubstr("part.radius_across_mm")));
-  EXPECT_THAT(read_settings("shape = \"sphere_cap\"\nheight_mm = 60\n").errors,
+  EXPECT_THAT(messages_of(read_settings("shape = \"sphere_cap\"\nheight_mm = 60\n").errors),
               ElementsAre(HasSubstr("part.height_mm")));
-  EXPECT_THAT(read_settings("shape = \"spur_gear\"\ngear.bore_mm = 60\n").errors,
+  EXPECT_THAT(messages_of(read_settings("shape = \"spur_gear\"\ngear.bore_mm = 60\n").errors),
               ElementsAre(HasSubstr("part.gear.bore_mm")));
-  EXPECT_THAT(read_settings("expected_size_mm = [1, 2]\n").errors,
+  EXPECT_THAT(messages_of(read_settings("expected_size_mm = [1, 2]\n").errors),
               ElementsAre(HasSubstr("part.expected_size_mm")));
-  EXPECT_THAT(read_settings("unit = \"mile\"\n").errors, ElementsAre(HasSubstr("part.unit")));
+  EXPECT_THAT(messages_of(read_settings("unit = \"mile\"\n").errors),
+              ElementsAre(HasSubstr("part.unit")));
 }
 
 // Rz(90) Ry(0) Rx(90): first x: (0, 1, 0) -> (0, 0, 1), which z leaves; (1, 0, 0) -> (0, 1, 0).

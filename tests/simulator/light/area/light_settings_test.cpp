@@ -17,11 +17,11 @@ using testing::HasSubstr;
 std::vector<std::string> problems(std::string_view type, std::string_view toml) {
   const ConfigNode table = parse_toml(toml, "scene.toml");
   LightSettings settings = default_light(type).value();
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   KeyReader reader(&table, "lighting.x", errors);
   visit_keys(reader, settings);
   reader.report_unknown();
-  return errors;
+  return messages_of(errors);
 }
 
 TEST(LightSettings, KnowsEveryTypeByItsName) {

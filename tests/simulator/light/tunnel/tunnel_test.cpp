@@ -166,12 +166,12 @@ TEST(Tunnel, AFarOffsetKeepsItsPhase) {
 
 TEST(TunnelKeys, SlotWiderThanTheTunnelIsAnErrorWithItsPlace) {
   const ConfigNode root = parse_toml("radius_mm = 40\nslot_mm = 90\n", "s.toml");
-  std::vector<std::string> errors;
+  std::vector<Problem> errors;
   TunnelSettings settings;
   KeyReader reader(&root, "lighting.tunnel", errors);
   visit_keys(reader, settings);
   ASSERT_EQ(errors.size(), 1U);
-  EXPECT_EQ(errors[0],
+  EXPECT_EQ(errors[0].message(),
             "s.toml:2:1: lighting.tunnel.slot_mm: is 90, must be smaller than the tunnel, which is "
             "80 mm wide");
 }

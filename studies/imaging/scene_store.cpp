@@ -316,7 +316,7 @@ std::size_t SceneStore::kept_bytes() const {
   for (const MetWall& wall : walls_) {
     bytes += wall.value ? wall.value->bytes() : 0;
   }
-  return bytes + revolved_bytes() + pictures_.kept_bytes();
+  return bytes + pictures_.kept_bytes();
 }
 
 /// Old scenes go, and with each of them its walls; half of the limit is left to walls.
@@ -338,15 +338,6 @@ void SceneStore::drop_beyond_limit() {
     });
   };
   std::erase_if(walls_, is_dropped);
-  std::erase_if(revolved_, is_dropped);
-}
-
-std::size_t SceneStore::revolved_bytes() const {
-  std::size_t bytes = 0;
-  for (const Revolved& entry : revolved_) {
-    bytes += entry.value ? entry.value->bytes() : 0;
-  }
-  return bytes;
 }
 
 std::shared_ptr<const WallView> SceneStore::meet(const std::shared_ptr<const TracedScene>& traced,
@@ -368,19 +359,12 @@ std::shared_ptr<const WallView> SceneStore::meet(const std::shared_ptr<const Tra
       }
     }
   }
-  const std::shared_ptr<const RevolvedRays> ready =
-      is_revolved(tunnel.settings()) && rays.sparse.is_empty()
-          ? revolved(traced, rays, tunnel.settings().base_mm)
-          : nullptr;
-  const Eigen::Vector3d& camera_mm = traced->camera_in_world_mm;
-  auto view = ready ? std::make_shared<const WallView>(
-                          meet_revolved(*ready, tunnel), rays, tunnel, camera_mm)
-                    : std::make_shared<const WallView>(rays, tunnel, camera_mm);
+  auto view = std::make_shared<const WallView>(rays, tunnel, traced->camera_in_world_mm);
   ++num_met_;
   const std::scoped_lock lock(walls_mutex_);
   std::erase_if(walls_, is_wanted);
   walls_.push_front({key, &rays, traced, was_asked_for ? view : nullptr});
-  std::size_t bytes = revolved_bytes();
+  std::size_t bytes = 0;
   std::size_t kept = 0;
   for (const MetWall& wall : walls_) {
     bytes += wall.value ? wall.value->bytes() : 0;
@@ -391,27 +375,6 @@ std::shared_ptr<const WallView> SceneStore::meet(const std::shared_ptr<const Tra
   }
   walls_.resize(kept);
   return view;
-}
-
-/// Always, and not from some request on: the plain way rounds differently, and a resumed search
-/// must find the same scores.
-std::shared_ptr<const RevolvedRays> SceneStore::revolved(
-    const std::shared_ptr<const TracedScene>& traced, const CornerRays& rays, double base_mm) {
-  constexpr std::size_t kKeptRevolved = 16;  // a picture and its defects' windows
-  const std::scoped_lock lock(walls_mutex_);
-  const auto found = std::ranges::find_if(revolved_, [&](const Revolved& entry) {
-    return entry.rays == &rays && entry.base_mm == base_mm && entry.traced.lock() == traced;
-  });
-  if (found != revolved_.end()) {
-    revolved_.splice(revolved_.begin(), revolved_, found);
-    return revolved_.front().value;
-  }
-  auto ready = std::make_shared<const RevolvedRays>(revolve(rays.corners, base_mm));
-  revolved_.push_front({&rays, base_mm, traced, ready});
-  while (revolved_.size() > kKeptRevolved || revolved_bytes() > most_bytes_ / 4) {
-    revolved_.pop_back();
-  }
-  return ready;
 }
 
 void check_part_in_tunnel(SceneStore& store, const SceneSettings& scene) {

@@ -16,7 +16,6 @@
 #include "core/thread_pool.h"
 #include "simulator/render/footprint/footprints.h"
 #include "simulator/render/path_tracing/path_settings.h"
-#include "simulator/render/wall/revolved_rays.h"
 #include "studies/imaging/line_store.h"
 #include "studies/imaging/picture_store.h"
 #include "studies/imaging/traced_scene.h"
@@ -91,25 +90,10 @@ class SceneStore {
     std::shared_ptr<const WallView> value;    ///< empty: was asked for once
   };
 
-  /// Rays made ready for semicylinders about one base line.
-  struct Revolved {
-    const CornerRays* rays = nullptr;
-    double base_mm = 0.0;
-    std::weak_ptr<const TracedScene> traced;  ///< that the rays belong to
-    std::shared_ptr<const RevolvedRays> value;
-  };
-
   void drop_beyond_limit();
 
   /// The camera's rays without defects, if the last scene had the same camera; else empty.
   std::shared_ptr<const CornerRays> bare_rays(const SceneSettings& scene, const BuiltDefects& part);
-
-  std::size_t revolved_bytes() const;  ///< walls_mutex_ must be held
-
-  /// Rays of a scene made ready for semicylinders, kept or made.
-  std::shared_ptr<const RevolvedRays> revolved(const std::shared_ptr<const TracedScene>& traced,
-                                               const CornerRays& rays,
-                                               double base_mm);
 
   /// @throws IoError when the file cannot be read, or is another one than at first
   void check_file(const std::filesystem::path& file);
@@ -127,7 +111,6 @@ class SceneStore {
   std::shared_ptr<const CornerRays> bare_;      ///< its rays without defects
   mutable std::mutex walls_mutex_;              ///< taken after mutex_ where both are
   std::list<MetWall> walls_;                    ///< most recently used first
-  std::list<Revolved> revolved_;                ///< most recently used first
   std::size_t most_bytes_ = 0;
   PictureStore pictures_;
   LineStore lines_;

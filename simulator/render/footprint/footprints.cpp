@@ -103,12 +103,6 @@ WallView::WallView(const CornerRays& rays,
     : hits(meet_corners(rays, tunnel, limits)),
       hidden(hidden_pixels(rays, tunnel, camera_in_world_mm)) {}
 
-WallView::WallView(WallHits met,
-                   const CornerRays& rays,
-                   const Tunnel& tunnel,
-                   const Eigen::Vector3d& camera_in_world_mm)
-    : hits(std::move(met)), hidden(hidden_pixels(rays, tunnel, camera_in_world_mm)) {}
-
 std::size_t WallView::bytes() const {
   std::size_t floats = 0;
   for (const auto* array :

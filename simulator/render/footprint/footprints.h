@@ -45,12 +45,6 @@ struct WallView {
 
   WallView(const CornerRays& rays, const Tunnel& tunnel, const Eigen::Vector3d& camera_in_world_mm);
 
-  /// @param met  where the corner rays meet the tunnel, found some other way
-  WallView(WallHits met,
-           const CornerRays& rays,
-           const Tunnel& tunnel,
-           const Eigen::Vector3d& camera_in_world_mm);
-
   std::size_t bytes() const;
 };
 

@@ -253,7 +253,7 @@ void Tunnel::hit_profile(const RayBlock& rays, bool is_whole, float* t_mm) const
   const auto height = static_cast<float>(axes_of(s).height_mm);
   switch (s.shape) {
     case Shape::kFlat:
-      hit_flat(rays, walls_.data(), static_cast<int>(walls_.size()), t_mm);
+      hit_flat(rays, walls_.data(), static_cast<int>(walls_.size()), is_whole, t_mm);
       break;
     case Shape::kFree:
       hit_spline(rays,
@@ -303,29 +303,20 @@ void Tunnel::hit_block(const RayBlock& rays, float* x_mm, float* pattern_mm, flo
 }
 
 void Tunnel::meet_block(const RayBlock& rays, float* x_mm, float* y_mm, float* margin_mm) const {
-  if (settings_.shape == Shape::kSemicylinder || settings_.shape == Shape::kEllipse) {
-    const EllipseAxes axes = axes_of(settings_);
-    meet_ellipse(rays,
-                 static_cast<float>(settings_.base_mm),
-                 static_cast<float>(axes.half_width_mm),
-                 static_cast<float>(axes.height_mm),
-                 x_mm,
-                 y_mm,
-                 margin_mm);
-    return;
-  }
-  const auto base = static_cast<float>(settings_.base_mm);
-  if (settings_.shape == Shape::kFlat) {
-    meet_flat(rays, walls_.data(), panels_meet(), x_mm, y_mm, margin_mm);
-    return;
-  }
+  const bool is_flat = settings_.shape == Shape::kFlat;
+  const auto base = static_cast<float>(is_flat ? 0.0 : settings_.base_mm);
   // A few at a time: what is read again stays in the first cache.
   constexpr int kTogether = 256;
   std::array<float, kTogether> t_mm;
   for (int begin = 0; begin < rays.count; begin += kTogether) {
     const RayBlock part = part_of(rays, begin, kTogether);
+    float* const y = y_mm + begin;
+    float* const margin = margin_mm + begin;
     hit_profile(part, true, t_mm.data());
-    points_of_hits(part, t_mm.data(), base, x_mm + begin, y_mm + begin, margin_mm + begin);
+    points_of_hits(part, t_mm.data(), base, x_mm + begin, y, margin);
+    if (is_flat) {
+      margins_of_panels(walls_[1], panels_meet(), y, part.count, margin);
+    }
   }
 }
 
@@ -346,10 +337,7 @@ void Tunnel::meet_details(const RayBlock& rays,
     const Ray ray = {
         .origin_mm = vector_of(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]),
         .direction = vector_of(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i])};
-    const Vector2d direction = ray.direction.tail<2>();
-    const Vector2d way = Vector2d(static_cast<double>(y_mm[i]), height_of(margin_mm[i], y_mm[i])) -
-                         ray.origin_mm.tail<2>();
-    const WallHit found = wall_hit(ray, way.dot(direction) / direction.squaredNorm());
+    const WallHit found = wall_hit(ray, distance_to(ray, y_mm[i], margin_mm[i]));
     pattern_mm[i] =
         static_cast<float>(static_cast<double>(x_mm[i]) * along + found.arc_mm * across);
     if (settings_.cosine_law) {
@@ -359,15 +347,18 @@ void Tunnel::meet_details(const RayBlock& rays,
   }
 }
 
-double Tunnel::height_of(float margin_mm, float y_mm) const {
-  if (settings_.shape != Shape::kFlat) {
-    return settings_.base_mm + static_cast<double>(margin_mm);
+/// Along a ray to where meet_block() tells that it meets the wall.
+double Tunnel::distance_to(const Ray& ray, float y_mm, float margin_mm) const {
+  const Vector2d origin = ray.origin_mm.tail<2>();
+  const Vector2d direction = ray.direction.tail<2>();
+  if (settings_.shape == Shape::kFlat) {  // where margins do not tell heights
+    const FlatWall& wall = walls_[y_mm < 0.0F ? 0 : 1];
+    const Vector2d normal(wall.normal_y, wall.normal_z);
+    return (wall.offset_mm - normal.dot(origin)) / normal.dot(direction);
   }
-  const FlatWall& wall = walls_[y_mm < 0.0F ? 0 : 1];
-  const double along = std::abs(wall.along_y) > 1e-6
-                           ? (static_cast<double>(y_mm) - wall.start_y_mm) / wall.along_y
-                           : static_cast<double>(margin_mm);
-  return wall.start_z_mm + along * wall.along_z;
+  const Vector2d point(static_cast<double>(y_mm),
+                       settings_.base_mm + static_cast<double>(margin_mm));
+  return (point - origin).dot(direction) / direction.squaredNorm();
 }
 
 bool Tunnel::panels_meet() const {

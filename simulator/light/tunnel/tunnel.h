@@ -145,7 +145,7 @@ class Tunnel {
   std::size_t profile_piece(const Eigen::Vector2d& point) const;
   WallHit wall_hit(const Ray& ray, double t_mm) const;
   bool panels_meet() const;
-  double height_of(float margin_mm, float y_mm) const;
+  double distance_to(const Ray& ray, float y_mm, float margin_mm) const;
   bool in_slot(const Eigen::Vector2d& point) const;
   double to_rim_mm(const Eigen::Vector2d& point) const;
   struct Sight;

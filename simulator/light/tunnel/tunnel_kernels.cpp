@@ -68,6 +68,7 @@ GLINT_INLINE float pow_fast(float x, float exponent) {
 GLINT_WIDE void hit_flat(const RayBlock& rays,
                          const FlatWall* walls,
                          int num_walls,
+                         bool is_whole,
                          float* __restrict t_mm) {
   const float* __restrict oy = rays.origin_y;
   const float* __restrict oz = rays.origin_z;
@@ -85,72 +86,36 @@ GLINT_WIDE void hit_flat(const RayBlock& rays,
     const auto sz = static_cast<float>(walls[w].start_z_mm);
     const auto ay = static_cast<float>(walls[w].along_y);
     const auto az = static_cast<float>(walls[w].along_z);
-    const auto length = static_cast<float>(walls[w].length_mm);
+    const float least = is_whole ? -kNoHit_mm : 0.0F;
+    const float most = is_whole ? kNoHit_mm : static_cast<float>(walls[w].length_mm);
     for (int i = 0; i < count; ++i) {
       const float slope = ny * dy[i] + nz * dz[i];
       const float t = (offset - ny * oy[i] - nz * oz[i]) / slope;
       const float s = (oy[i] + t * dy[i] - sy) * ay + (oz[i] + t * dz[i] - sz) * az;
       // Bitwise: short-circuit tests would keep the loop from being vectorised.
       const bool is_hit =
-          (slope > 0.0F) & (t > kNearestHit_mm) & (t < t_mm[i]) & (s >= 0.0F) & (s <= length);
+          (slope > 0.0F) & (t > kNearestHit_mm) & (t < t_mm[i]) & (s >= least) & (s <= most);
       t_mm[i] = is_hit ? t : t_mm[i];
     }
   }
 }
 
-namespace {
-
-/// The nearer of t and where a ray leaves through a wall's line.
-GLINT_INLINE float nearer_of_line(
-    float t, float ny, float nz, float offset, float oy, float oz, float dy, float dz) {
-  const float slope = ny * dy + nz * dz;
-  const float to_line = (offset - ny * oy - nz * oz) / slope;
-  const bool is_hit = (slope > 0.0F) & (to_line > kNearestHit_mm) & (to_line < t);
-  return is_hit ? to_line : t;
-}
-
-}  // namespace
-
-GLINT_WIDE void meet_flat(const RayBlock& rays,
-                          const FlatWall* walls,
-                          bool meets_at_top,
-                          float* __restrict x_mm,
-                          float* __restrict y_mm,
-                          float* __restrict margin_mm) {
-  const float* __restrict ox = rays.origin_x;
-  const float* __restrict oy = rays.origin_y;
-  const float* __restrict oz = rays.origin_z;
-  const float* __restrict dx = rays.direction_x;
-  const float* __restrict dy = rays.direction_y;
-  const float* __restrict dz = rays.direction_z;
-  const auto left_y = static_cast<float>(walls[0].normal_y);
-  const auto left_z = static_cast<float>(walls[0].normal_z);
-  const auto left_offset = static_cast<float>(walls[0].offset_mm);
-  const auto right_y = static_cast<float>(walls[1].normal_y);
-  const auto right_z = static_cast<float>(walls[1].normal_z);
-  const auto right_offset = static_cast<float>(walls[1].offset_mm);
-  // The walls mirror each other in y = 0, which they do not cross.
-  const auto foot_y = static_cast<float>(walls[1].start_y_mm);
-  const auto foot_z = static_cast<float>(walls[1].start_z_mm);
-  const auto along_y = static_cast<float>(walls[1].along_y);
-  const auto along_z = static_cast<float>(walls[1].along_z);
-  const auto length = meets_at_top ? 1e30F : static_cast<float>(walls[1].length_mm);
-  const int count = rays.count;
+GLINT_WIDE void margins_of_panels(const FlatWall& right,
+                                  bool meets_at_top,
+                                  const float* __restrict y_mm,
+                                  int count,
+                                  float* __restrict z_mm) {
+  const auto foot_y = static_cast<float>(right.start_y_mm);
+  const auto foot_z = static_cast<float>(right.start_z_mm);
+  const auto along_y = static_cast<float>(right.along_y);
+  const auto along_z = static_cast<float>(right.along_z);
+  const float length = meets_at_top ? kNoHit_mm : static_cast<float>(right.length_mm);
   for (int i = 0; i < count; ++i) {
-    const float to_left =
-        nearer_of_line(kNoHit_mm, left_y, left_z, left_offset, oy[i], oz[i], dy[i], dz[i]);
-    const float to_wall =
-        nearer_of_line(to_left, right_y, right_z, right_offset, oy[i], oz[i], dy[i], dz[i]);
-    const bool is_hit = to_wall < kNoHit_mm;
-    const float t = is_hit ? to_wall : 0.0F;
-    const float y = oy[i] + t * dy[i];
-    const float beside = y < 0.0F ? -y : y;
-    const float s = (beside - foot_y) * along_y + (oz[i] + t * dz[i] - foot_z) * along_z;
+    const float y = y_mm[i] < 0.0F ? -y_mm[i] : y_mm[i];
+    const float s = (y - foot_y) * along_y + (z_mm[i] - foot_z) * along_z;
     const float to_end = length - s;
     const float margin = s < to_end ? s : to_end;
-    x_mm[i] = ox[i] + t * dx[i];
-    y_mm[i] = y;
-    margin_mm[i] = is_hit ? margin : kNowhere_mm;
+    z_mm[i] = z_mm[i] > kNowhere_mm ? margin : kNowhere_mm;
   }
 }
 
@@ -180,42 +145,6 @@ GLINT_WIDE void hit_ellipse(const RayBlock& rays,
     const bool is_hit =
         (discriminant > 0.0F) & (a > 0.0F) & (t > kNearestHit_mm) & (pz + t * vz >= lowest);
     t_mm[i] = is_hit ? t : kNoHit_mm;
-  }
-}
-
-/// hit_ellipse() and points_of_hits() in one sweep.
-GLINT_WIDE void meet_ellipse(const RayBlock& rays,
-                             float base_mm,
-                             float half_width_mm,
-                             float height_mm,
-                             float* __restrict x_mm,
-                             float* __restrict y_mm,
-                             float* __restrict above_base_mm) {
-  const float* __restrict ox = rays.origin_x;
-  const float* __restrict oy = rays.origin_y;
-  const float* __restrict oz = rays.origin_z;
-  const float* __restrict dx = rays.direction_x;
-  const float* __restrict dy = rays.direction_y;
-  const float* __restrict dz = rays.direction_z;
-  const float per_width = 1.0F / half_width_mm;
-  const float per_height = 1.0F / height_mm;
-  const int count = rays.count;
-  for (int i = 0; i < count; ++i) {
-    const float py = oy[i] * per_width;
-    const float pz = (oz[i] - base_mm) * per_height;
-    const float vy = dy[i] * per_width;
-    const float vz = dz[i] * per_height;
-    const float a = vy * vy + vz * vz;
-    const float b = py * vy + pz * vz;
-    const float c = py * py + pz * pz - 1.0F;
-    const float discriminant = b * b - a * c;
-    const float root = (std::sqrt(discriminant > 0.0F ? discriminant : 0.0F) - b) / a;
-    const bool is_hit =
-        (discriminant > 0.0F) & (a > 0.0F) & (root > kNearestHit_mm) & (pz + root * vz >= -2.0F);
-    const float t = is_hit ? root : 0.0F;
-    x_mm[i] = ox[i] + t * dx[i];
-    y_mm[i] = oy[i] + t * dy[i];
-    above_base_mm[i] = is_hit ? oz[i] + t * dz[i] - base_mm : kNowhere_mm;
   }
 }
 

@@ -46,18 +46,10 @@ struct StripePattern {
   float end_falloff = 0.0F;
 };
 
-void hit_flat(const RayBlock& rays, const FlatWall* walls, int num_walls, float* t_mm);
-
-/// Where rays meet the lines of a left and a right wall, mirrored in y = 0, without their ends;
-/// margin_mm tells how far inside its ends a hit is (negative outside, kNowhere_mm: no hit).
-/// @param walls         two
-/// @param meets_at_top  the walls' upper ends touch and are no ends
-void meet_flat(const RayBlock& rays,
-               const FlatWall* walls,
-               bool meets_at_top,
-               float* x_mm,
-               float* y_mm,
-               float* margin_mm);
+/// Distances to walls from inside, along directions of any length; kNoHit_mm for none.
+/// @param is_whole  their whole lines, without ends
+void hit_flat(
+    const RayBlock& rays, const FlatWall* walls, int num_walls, bool is_whole, float* t_mm);
 
 /// Upper half (z >= base) or all of an ellipse around (0, base); rays start inside.
 void hit_ellipse(const RayBlock& rays,
@@ -66,15 +58,6 @@ void hit_ellipse(const RayBlock& rays,
                  float height_mm,
                  bool is_whole,
                  float* t_mm);
-
-/// All of an ellipse: where rays meet it, as points_of_hits() tells.
-void meet_ellipse(const RayBlock& rays,
-                  float base_mm,
-                  float half_width_mm,
-                  float height_mm,
-                  float* x_mm,
-                  float* y_mm,
-                  float* above_base_mm);
 
 /// Upper half or all of a superellipse, exponent >= 1, by Halley's method from outside.
 void hit_superellipse(const RayBlock& rays,
@@ -115,6 +98,13 @@ void points_of_hits(const RayBlock& rays,
 
 /// z of a ray that meets nothing.
 inline constexpr float kNowhere_mm = -1e30F;
+
+/// How far points on the lines of two walls, mirrored in y = 0, lie inside the walls' ends
+/// (negative: outside).
+/// @param meets_at_top  the walls' upper ends touch and are no ends
+/// @param z_mm          heights, which become the margins; kNowhere_mm stays
+void margins_of_panels(
+    const FlatWall& right, bool meets_at_top, const float* y_mm, int count, float* z_mm);
 
 /// out[i] += scale * gain[i] * radiance of the stripes at (x[i], q[i]).
 void add_stripes(const float* x_mm,

@@ -228,5 +228,22 @@ TEST(MeetBlockByHand, PanelsMeasureTheMarginFromTheirNearestEnd) {
   EXPECT_NEAR(met.margin[3], -10.0F, 1e-4F);
 }
 
+// The cross-section is 100 + 120 + 100 mm long, 0 in its middle: 30 mm above its foot the right
+// panel is at 160 - 30 = 130 mm, 80 mm above it at 80. Stripes along the tunnel count these.
+TEST(MeetBlockByHand, StripesAlongTheTunnelCountFromTheFootOfAnUprightPanelToItsTop) {
+  const Tunnel tunnel({.shape = Shape::kFlat,
+                       .distance_mm = 60.0,
+                       .panel_height_mm = 100.0,
+                       .slot_mm = 0.0,
+                       .orientation_rad = 0.5 * kPi});
+  Met met;
+  for (const double height : {30.0, 80.0}) {
+    met.add({7.0, 0.0, 0.0, 0.0, 60.0, height});
+  }
+  met.meet(tunnel);
+  EXPECT_NEAR(met.pattern[0], 130.0F, 1e-4F);
+  EXPECT_NEAR(met.pattern[1], 80.0F, 1e-4F);
+}
+
 }  // namespace
 }  // namespace glint

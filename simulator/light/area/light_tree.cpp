@@ -262,16 +262,6 @@ double LightTree::probability(const std::vector<Emitter>& emitters,
   return probability;
 }
 
-std::vector<int> LightTree::order() const {
-  std::vector<int> emitters;
-  for (const Node& node : nodes_) {
-    if (node.emitter >= 0) {
-      emitters.push_back(node.emitter);
-    }
-  }
-  return emitters;
-}
-
 double LightTree::estimate_w_m2(const std::vector<Emitter>& emitters,
                                 const Vector3d& point_mm) const {
   return nodes_.empty() ? 0.0 : importance(emitters, nodes_[0], point_mm) / kM2PerMm2;

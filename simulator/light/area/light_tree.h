@@ -42,9 +42,6 @@ class LightTree {
                      const Eigen::Vector3d& point_mm,
                      int emitter) const;
 
-  /// The emitters in the order in which choose() lays out its random number over up to eight.
-  std::vector<int> order() const;
-
   /// Estimate of the irradiance at a point from all emitters, W / m^2 (order of magnitude).
   double estimate_w_m2(const std::vector<Emitter>& emitters, const Eigen::Vector3d& point_mm) const;
 

@@ -95,12 +95,6 @@ GLINT_INLINE float exp_minus_one(float x) {
   return x < 0.5F ? t * y : exp_of(x) - 1.0F;
 }
 
-/// x^exponent for x >= 0; 0 for x = 0. The error grows with the exponent.
-GLINT_INLINE float power_of(float x, float exponent) {
-  const float safe = x > 1e-30F ? x : 1e-30F;
-  return x > 0.0F ? exp_of(exponent * log_of(safe)) : 0.0F;
-}
-
 GLINT_INLINE float least(float a, float b) {
   return a < b ? a : b;
 }

@@ -14,10 +14,6 @@ using Eigen::Vector3d;
 
 /// Half vectors are good to 1e-7 in float; slopes narrower than this would feel it.
 constexpr double kLeastAlpha = 5e-3;
-/// Rings are flat up to this tilt, as in emitter_shape.cpp.
-constexpr double kFlat_rad = 1e-9;
-/// Less steep cones are too near to a plane for float: their sheets are told apart by height.
-constexpr double kLeastTilt_rad = 1e-3;
 
 float to_float(double value) {
   return static_cast<float>(value);
@@ -51,86 +47,6 @@ void set_regained(const Conductor& metal, const DirectionTable& table, Conductor
   }
 }
 
-bool is_flat(const RingShape& ring) {
-  return std::abs(ring.tilt_rad) <= kFlat_rad;
-}
-
-bool is_ring(const Emitter& emitter) {
-  const auto* ring = std::get_if<RingShape>(&emitter.shape);
-  return ring != nullptr && (is_flat(*ring) || std::abs(ring->tilt_rad) >= kLeastTilt_rad) &&
-         emitter.body < 0 && emitter.is_drawn;
-}
-
-/// Sectors of one tilted ring.
-bool is_same_cone(const RingShape& a, const RingShape& b) {
-  return !is_flat(a) && a.tilt_rad == b.tilt_rad && a.middle_radius_mm == b.middle_radius_mm &&
-         a.width_mm == b.width_mm && a.frame.origin_mm == b.frame.origin_mm &&
-         a.frame.x == b.frame.x && a.frame.y == b.frame.y && a.frame.z == b.frame.z;
-}
-
-/// As pseudo_angle() of the kernels.
-double pseudo_angle(double angle_rad) {
-  const double x = std::cos(angle_rad);
-  const double y = std::sin(angle_rad);
-  const double share = x / (std::abs(x) + std::abs(y));
-  return y >= 0.0 ? 1.0 - share : 3.0 + share;
-}
-
-void set_shape(const RingShape& ring, std::size_t e, RingLights& to) {
-  const EmitterFrame& f = ring.frame;
-  to.origin_x[e] = to_float(f.origin_mm.x());
-  to.origin_y[e] = to_float(f.origin_mm.y());
-  to.origin_z[e] = to_float(f.origin_mm.z());
-  to.x_x[e] = to_float(f.x.x());
-  to.x_y[e] = to_float(f.x.y());
-  to.x_z[e] = to_float(f.x.z());
-  to.y_x[e] = to_float(f.y.x());
-  to.y_y[e] = to_float(f.y.y());
-  to.y_z[e] = to_float(f.y.z());
-  to.z_x[e] = to_float(f.z.x());
-  to.z_y[e] = to_float(f.z.y());
-  to.z_z[e] = to_float(f.z.z());
-  to.inner_squared[e] = to_float(ring.inner_radius_mm() * ring.inner_radius_mm());
-  to.outer_squared[e] = to_float(ring.outer_radius_mm() * ring.outer_radius_mm());
-  to.middle[e] = to_float(ring.middle_radius_mm);
-  to.width[e] = to_float(ring.width_mm);
-  to.tilt_cosine[e] = is_flat(ring) ? 1.0F : to_float(std::cos(ring.tilt_rad));
-  to.tilt_sine[e] = is_flat(ring) ? 0.0F : to_float(std::sin(ring.tilt_rad));
-  to.has_tilts = to.has_tilts || !is_flat(ring);
-  const double first = ring.first_rad / (2.0 * kPi);
-  to.first_turns[e] = to_float(first - std::floor(first));
-  to.span_turns[e] = to_float(std::min(1.0, ring.span_rad / (2.0 * kPi)));
-  to.first_cosine[e] = to_float(std::cos(ring.first_rad));
-  to.first_sine[e] = to_float(std::sin(ring.first_rad));
-  const bool is_whole = ring.span_rad >= 2.0 * kPi;
-  to.span_pseudo[e] = is_whole ? 5.0F : to_float(pseudo_angle(ring.span_rad));
-}
-
-void set_light(const Emitter& emitter, std::size_t e, RingLights& to) {
-  const double area = area_mm2(emitter.shape);
-  to.per_area[e] = to_float(1.0 / area);
-  for (std::size_t c = 0; c < 3; ++c) {
-    to.radiance[c][e] = emitter.radiance[static_cast<Eigen::Index>(c)];
-  }
-  to.exponent[e] = to_float(emitter.exponent - 1.0);
-  to.has_lobes = to.has_lobes || emitter.exponent != 1.0;
-  to.solid[e] = emitter.is_solid ? 1.0F : 0.0F;
-  to.group[e] = emitter.group;
-  const Eigen::AlignedBox3d box = bounds_mm(emitter.shape);
-  const Vector3d centre = box.center();
-  to.box_x[e] = to_float(centre.x());
-  to.box_y[e] = to_float(centre.y());
-  to.box_z[e] = to_float(centre.z());
-  to.box_radius[e] = to_float(0.5 * box.diagonal().norm());
-  to.intensity[e] = to_float(static_cast<double>(emitter.radiance.mean()) * area * kM2PerMm2);
-  const NormalCone cone = normal_cone(emitter.shape);
-  to.axis_x[e] = to_float(cone.axis.x());
-  to.axis_y[e] = to_float(cone.axis.y());
-  to.axis_z[e] = to_float(cone.axis.z());
-  to.cone_cosine[e] = to_float(std::cos(cone.half_angle_rad));
-  to.cone_sine[e] = to_float(std::sin(cone.half_angle_rad));
-}
-
 }  // namespace
 
 std::optional<ConductorNumbers> conductor_numbers(const Material& material) {
@@ -159,28 +75,6 @@ std::optional<ConductorNumbers> conductor_numbers(const Material& material) {
     set_regained(*metal, *table, m);
   }
   return m;
-}
-
-std::optional<RingLights> ring_numbers(const Lights& lights) {
-  if (lights.environment || lights.wall || lights.emitters.empty() ||
-      lights.emitters.size() > RingLights::kMost ||
-      !std::ranges::all_of(lights.emitters, is_ring)) {
-    return std::nullopt;
-  }
-  RingLights rings;
-  const std::vector<int> order = lights.tree.order();
-  rings.count = static_cast<int>(order.size());
-  for (std::size_t e = 0; e < order.size(); ++e) {
-    const Emitter& emitter = lights.emitters[static_cast<std::size_t>(order[e])];
-    const auto& ring = std::get<RingShape>(emitter.shape);
-    set_shape(ring, e, rings);
-    set_light(emitter, e, rings);
-    if (e > 0) {
-      const Emitter& before = lights.emitters[static_cast<std::size_t>(order[e - 1])];
-      rings.same_cone[e] = is_same_cone(ring, std::get<RingShape>(before.shape)) ? 1 : 0;
-    }
-  }
-  return rings;
 }
 
 LayNumbers lay_numbers(const SurfaceMaterial& material, const RigidTransform& scene_from_part) {

@@ -176,10 +176,6 @@ void PacketStages::set_open(const PathPacket& paths, SurfaceLanes& surface) cons
 void PacketStages::hit_lights(const PathPacket& paths,
                               bool is_camera,
                               LightHitLanes& lights) const {
-  if (task_.rings) {
-    hit_rings16(*task_.rings, paths.ray, paths.hit, lights);
-    return;
-  }
   for (std::size_t i = 0; i < kLanes; ++i) {
     lights.is_met[i] = 0;
     if (paths.ray.valid[i] != 0) {
@@ -214,10 +210,6 @@ bool PacketStages::ask_lights(const PathPacket& paths,
                               LightLanes& lights) const {
   if (task_.is_mirror) {
     return false;
-  }
-  if (task_.rings) {
-    sample_rings16(*task_.rings, surface.start, random, lights);
-    return true;
   }
   for (std::size_t i = 0; i < kLanes; ++i) {
     lights.density[i] = 0.0F;

@@ -72,7 +72,6 @@ PathTask::PathTask(const PhysicalScene& the_scene, const PathSettings& the_setti
       bounces(coherence_of(the_scene.material.plain())),
       ids(defect_ids(the_scene)),
       camera_numbers(glint::camera_numbers(the_scene)),
-      rings(ring_numbers(the_scene.lights)),
       lay(lay_numbers(the_scene.material, the_scene.part.scene_from_part)),
       open_sides(the_scene.bvh.open_sides(the_scene.part.mesh)),
       flat_triangles(the_scene.bvh.flat_triangles(the_scene.part.mesh)),

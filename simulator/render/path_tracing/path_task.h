@@ -37,7 +37,6 @@ class PathTask {
   // What the packet kernels know; the rest is done ray by ray.
   std::optional<CameraNumbers> camera_numbers;
   std::optional<ConductorNumbers> metal;
-  std::optional<RingLights> rings;
   LayNumbers lay;
   const OpenSides& open_sides;  ///< of the part; not asked where it is convex
   const std::vector<std::uint8_t>& flat_triangles;

@@ -297,124 +297,6 @@ TEST(PacketStages, TrianglesAreMetAsByTheScalarCode) {
   }
 }
 
-/// Deviations of drawn and of met lights.
-struct LightErrors {
-  int lanes = 0;
-  int others = 0;  ///< another light, or none: rounding at an edge
-  double direction = 0.0;
-  double radiance = 0.0;
-  double density = 0.0;
-};
-
-void compare_drawn(const LightLanes& found,
-                   const LightLanes& expected,
-                   const PathPacket& paths,
-                   LightErrors& errors) {
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    if (paths.hit.triangle[i] < 0) {
-      continue;
-    }
-    ++errors.lanes;
-    if (!(expected.density[i] > 0.0F) || !(found.density[i] > 0.0F) ||
-        found.group[i] != expected.group[i]) {
-      errors.others += (expected.density[i] > 0.0F) != (found.density[i] > 0.0F) ||
-                       (found.density[i] > 0.0F && found.group[i] != expected.group[i]);
-      continue;
-    }
-    errors.direction =
-        std::max({errors.direction,
-                  std::abs(static_cast<double>(found.direction.x[i] - expected.direction.x[i])),
-                  std::abs(static_cast<double>(found.direction.z[i] - expected.direction.z[i]))});
-    errors.density = std::max(
-        errors.density,
-        relative(static_cast<double>(found.density[i]), static_cast<double>(expected.density[i])));
-    errors.radiance = std::max(errors.radiance,
-                               relative(static_cast<double>(found.radiance.c[1][i]),
-                                        static_cast<double>(expected.radiance.c[1][i])));
-  }
-}
-
-void compare_met(const LightHitLanes& found,
-                 const LightHitLanes& expected,
-                 const PathPacket& paths,
-                 LightErrors& errors) {
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    if (paths.ray.valid[i] == 0) {
-      continue;
-    }
-    ++errors.lanes;
-    const bool is_same = (found.is_met[i] != 0) == (expected.is_met[i] != 0) &&
-                         (found.is_met[i] == 0 || found.group[i] == expected.group[i]);
-    errors.others += is_same ? 0 : 1;
-    if (!is_same || found.is_met[i] == 0 || expected.cosine[i] < 1e-3F) {
-      continue;
-    }
-    errors.density = std::max(
-        errors.density,
-        relative(static_cast<double>(found.density[i]), static_cast<double>(expected.density[i])));
-    errors.radiance = std::max(errors.radiance,
-                               relative(static_cast<double>(found.radiance.c[1][i]),
-                                        static_cast<double>(expected.radiance.c[1][i])));
-  }
-}
-
-/// Turns the rays of a packet to where they met the part, upwards.
-void turn_up(const SurfaceLanes& surface, Rng& rng, PathPacket& paths) {
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    const bool is_hit = paths.hit.triangle[i] >= 0;
-    const Eigen::Vector3f d = direction_above(rng);
-    paths.ray.origin_x[i] = is_hit ? surface.start.x[i] : 0.0F;
-    paths.ray.origin_y[i] = is_hit ? surface.start.y[i] : 0.0F;
-    paths.ray.origin_z[i] = is_hit ? surface.start.z[i] : 0.0F;
-    paths.ray.direction_x[i] = 0.5F * d.x();
-    paths.ray.direction_y[i] = 0.5F * d.y();
-    paths.ray.direction_z[i] = std::sqrt(1.0F - 0.25F * (d.x() * d.x() + d.y() * d.y()));
-    paths.hit.triangle[i] = -1;
-  }
-}
-
-void compare_hits(const PathTask& task,
-                  const PathTask& scalar,
-                  const PathPacket& paths,
-                  LightErrors& errors) {
-  LightHitLanes found;
-  LightHitLanes expected;
-  PacketStages(task).hit_lights(paths, false, found);
-  PacketStages(scalar).hit_lights(paths, false, expected);
-  compare_met(found, expected, paths, errors);
-}
-
-/// @param drawn  of sample_rings16() @param met  of hit_rings16()
-void compare_lights(const std::vector<NamedLight>& lights, LightErrors& drawn, LightErrors& met) {
-  const PathBench bench = gear_bench(metal_of({0.1}, true, false), lights);
-  const PhysicalScene scene = bench.scene();
-  const PathSettings settings;
-  PathTask task(scene, settings);
-  ASSERT_TRUE(task.rings.has_value());
-  PathTask scalar(scene, settings);
-  scalar.rings.reset();
-  Rng rng(5, Stream::kTest, 0);
-  for (int i = 0; i < kPackets; ++i) {
-    PathPacket paths = camera_packet(bench, rng);
-    SurfaceLanes surface = {};
-    PacketStages(task).meet(paths, surface);
-    for (std::size_t k = 0; k < kLanes; ++k) {  // the scalar code drops what is below
-      surface.side.x[k] = 0.0F;
-      surface.side.y[k] = 0.0F;
-      surface.side.z[k] = 1.0F;
-    }
-    const RandomLanes random = random_lanes(rng);
-    LightLanes found;
-    LightLanes expected;
-    PacketStages(task).ask_lights(paths, surface, random, found);
-    PacketStages(scalar).ask_lights(paths, surface, random, expected);
-    compare_drawn(found, expected, paths, drawn);
-    compare_hits(task, scalar, paths, met);  // backs, from above
-    turn_up(surface, rng, paths);
-    compare_hits(task, scalar, paths, met);
-  }
-}
-
 /// A tilted ring, whole or in sectors.
 NamedLight tilted_ring(double height_mm, double tilt_rad, int segments, const std::string& name) {
   NamedLight light = ring_at(height_mm, name);
@@ -425,41 +307,10 @@ NamedLight tilted_ring(double height_mm, double tilt_rad, int segments, const st
   return light;
 }
 
-std::vector<std::vector<NamedLight>> tilted_rings() {
-  return {{tilted_ring(110.0, 0.3, 1, "cone")},
-          {tilted_ring(110.0, -0.5, 4, "outwards")},
-          {tilted_ring(100.0, 0.01, 4, "almost flat")},
-          {tilted_ring(120.0, 1.2, 4, "steep"), tilted_ring(90.0, 0.0, 1, "flat"), ring_at(140.0)},
-          {tilted_ring(110.0, 0.5 * kPi, 3, "cylinder"), tilted_ring(150.0, 0.7, 1, "above")}};
-}
-
-TEST(PacketStages, RingsAreDrawnAndMetAsByTheScalarCode) {
-  NamedLight narrow = ring_at(100.0);
-  std::get<RingSettings>(narrow.settings).emission.half_angle_rad = 0.4;
-  std::vector<std::vector<NamedLight>> all = tilted_rings();
-  all.insert(all.end(), {{ring_at(100.0)}, {narrow}, three_rings()});
-  for (const auto& lights : all) {
-    SCOPED_TRACE(lights[0].name);
-    LightErrors drawn;
-    LightErrors met;
-    compare_lights(lights, drawn, met);
-    EXPECT_GT(drawn.lanes, 3000);
-    EXPECT_GT(met.lanes, 10000);
-    EXPECT_LE(drawn.others, drawn.lanes / 1000);
-    EXPECT_LE(met.others, met.lanes / 1000);
-    EXPECT_LT(drawn.direction, 2e-6);
-    EXPECT_LT(drawn.radiance, 1e-5);
-    EXPECT_LT(drawn.density, 1e-4);  // distances from rounded places, divided by cosines
-    EXPECT_LT(met.radiance, 1e-5);
-    EXPECT_LT(met.density, 1e-4);
-  }
-}
-
 /// What is done in double, ray by ray.
 struct Scalar {
   bool camera = false;
   bool metal = false;
-  bool rings = false;
   bool meeting = false;
 };
 
@@ -475,9 +326,6 @@ ImageF picture_by(const PathBench& bench, const Scalar& scalar) {
     task.metal.reset();
     task.needs_choice = true;
   }
-  if (scalar.rings) {
-    task.rings.reset();
-  }
   task.meets_by_kernel = !scalar.meeting;
   const PinholeIntrinsics& in = bench.camera.intrinsics();
   PathSums sums = empty_sums(in.width_px, in.height_px, task.factors.size(), 3, task.ids);
@@ -491,8 +339,7 @@ ImageF picture_by(const PathBench& bench, const Scalar& scalar) {
 
 /// The same paths but for rounding, which now and then decides an edge otherwise.
 void expect_same_pictures(const PathBench& bench) {
-  const ImageF expected =
-      picture_by(bench, {.camera = true, .metal = true, .rings = true, .meeting = true});
+  const ImageF expected = picture_by(bench, {.camera = true, .metal = true, .meeting = true});
   EXPECT_GT(mean_of(expected), 1e-3);
   const auto expect_same = [&](const Scalar& scalar, const char* what) {
     const ImageF found = picture_by(bench, scalar);
@@ -500,10 +347,9 @@ void expect_same_pictures(const PathBench& bench) {
     EXPECT_LT(rms_difference(found, expected), 0.1 * mean_of(expected)) << what;
   };
   expect_same({}, "all kernels");
-  expect_same({.metal = true, .rings = true, .meeting = true}, "camera");
-  expect_same({.camera = true, .rings = true, .meeting = true}, "metal");
-  expect_same({.camera = true, .metal = true, .meeting = true}, "rings");
-  expect_same({.camera = true, .metal = true, .rings = true}, "meeting");
+  expect_same({.metal = true, .meeting = true}, "camera");
+  expect_same({.camera = true, .meeting = true}, "metal");
+  expect_same({.camera = true, .metal = true}, "meeting");
 }
 
 TEST(PacketStages, PicturesByKernelsAreThoseOfTheScalarCode) {

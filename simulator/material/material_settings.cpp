@@ -78,11 +78,10 @@ Interval roughness_factors(const MaterialSettings& settings, const Texture* text
 }
 
 std::unique_ptr<const GgxAlbedo> albedo_of(const MaterialSettings& settings,
-                                           const Texture* texture) {
+                                           const Interval& factors) {
   if (settings.type != Type::kConductor || is_smooth(settings) || !settings.multiple_reflections) {
     return nullptr;
   }
-  const Interval factors = roughness_factors(settings, texture);
   const GgxAlpha<double> alpha = alpha_of(settings);
   const double low = factors.min * factors.min;
   return std::make_unique<const GgxAlbedo>(GgxAlpha<double>{alpha.x * low, alpha.y * low},
@@ -191,7 +190,8 @@ SurfaceMaterial::SurfaceMaterial(const MaterialSettings& settings,
       plane_(plane_of(settings.lay)),
       pattern_(settings.pattern),
       texture_(texture_of(settings.texture, wavelengths_nm.size() == 1)),
-      albedo_(albedo_of(settings, texture_.get())) {
+      roughness_factors_(roughness_factors(settings, texture_.get())),
+      albedo_(albedo_of(settings, roughness_factors_)) {
   GLINT_CHECK(wavelengths_nm.size() == 1 || wavelengths_nm.size() == 3, "one or three wavelengths");
   const BaseMaterial base = base_of(settings, wavelengths_nm, albedo_.get());
   if (settings.coat.index > 1.0) {
@@ -203,17 +203,18 @@ SurfaceMaterial::SurfaceMaterial(const MaterialSettings& settings,
   }
 }
 
-Material SurfaceMaterial::at(const Eigen::Vector3d& point_mm) const {
-  if (!has_pattern()) {
-    return material_;
-  }
-  Texel texel = texel_at(pattern_, plane_.at(point_mm));
+Texel SurfaceMaterial::texel_at(const Eigen::Vector3d& point_mm) const {
+  Texel texel = glint::texel_at(pattern_, plane_.at(point_mm));
   if (texture_ != nullptr) {
     const Texel picture = texture_->at(point_mm);
     texel.colour *= picture.colour;
     texel.roughness *= picture.roughness;
   }
-  return textured(material_, texel);
+  return texel;
+}
+
+Material SurfaceMaterial::at(const Eigen::Vector3d& point_mm) const {
+  return has_pattern() ? textured(material_, texel_at(point_mm)) : material_;
 }
 
 ShadingFrame SurfaceMaterial::frame_at(const Eigen::Vector3d& point_mm,

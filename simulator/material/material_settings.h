@@ -58,7 +58,10 @@ class SurfaceMaterial {
   /// Without its pattern and texture.
   const Material& plain() const { return material_; }
 
-  /// With the factors of pattern and texture at a point of the part, multiplied.
+  /// The factors of pattern and texture at a point of the part, multiplied.
+  Texel texel_at(const Eigen::Vector3d& point_mm) const;
+
+  /// With these factors.
   Material at(const Eigen::Vector3d& point_mm) const;
 
   /// The frame of its directions at a point of the part.
@@ -74,11 +77,15 @@ class SurfaceMaterial {
     return pattern_.kind != PatternSettings::Kind::kNone || texture_ != nullptr;
   }
 
+  /// Whether they change the roughness; else only the colour.
+  bool varies_roughness() const { return !(roughness_factors_ == Interval(1.0)); }
+
  private:
   LaySettings lay_;
   LayPlane plane_;
   PatternSettings pattern_;
   std::unique_ptr<const Texture> texture_;
+  Interval roughness_factors_;
   std::unique_ptr<const GgxAlbedo> albedo_;
   std::unique_ptr<const CoatTables> coat_tables_;
   Material material_;

@@ -253,10 +253,10 @@ void PacketStages::reflect(const PathPacket& paths,
     choose_lobes16(*task_.metal, surface.viewer, lobes);
     evaluate16(*task_.metal, lobes, surface.viewer, to_light, reflection);
     sample16(*task_.metal, lobes, surface.viewer, random, leaving);
+    tint(paths, surface, reflection, leaving);
     return;
   }
   const SurfaceMaterial& material = task_.scene.material;
-  const RigidTransform& pose = task_.scene.part.scene_from_part;
   for (std::size_t i = 0; i < kLanes; ++i) {
     if (paths.ray.valid[i] == 0) {
       continue;
@@ -265,9 +265,32 @@ void PacketStages::reflect(const PathPacket& paths,
       reflect_lane(material.plain(), surface, random, lights, i, reflection, leaving);
       continue;
     }
-    const Vector3d point_mm =
-        pose.rotation.transpose() * (vector_at(surface.point, i) - pose.translation_mm);
-    reflect_lane(material.at(point_mm), surface, random, lights, i, reflection, leaving);
+    reflect_lane(
+        material.at(point_of_part(surface, i)), surface, random, lights, i, reflection, leaving);
+  }
+}
+
+Vector3d PacketStages::point_of_part(const SurfaceLanes& surface, std::size_t lane) const {
+  const RigidTransform& pose = task_.scene.part.scene_from_part;
+  return pose.rotation.transpose() * (vector_at(surface.point, lane) - pose.translation_mm);
+}
+
+/// Metal reflects as much more or less of every colour as its pattern says, whatever the angle.
+void PacketStages::tint(const PathPacket& paths,
+                        const SurfaceLanes& surface,
+                        ReflectionLanes& reflection,
+                        LeavingLanes& leaving) const {
+  const SurfaceMaterial& material = task_.scene.material;
+  for (std::size_t i = 0; i < kLanes && material.has_pattern(); ++i) {
+    if (paths.ray.valid[i] == 0) {
+      continue;
+    }
+    const Colour colour = material.texel_at(point_of_part(surface, i)).colour;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto factor = static_cast<float>(colour[static_cast<Eigen::Index>(c)]);
+      reflection.value.c[c][i] *= factor;
+      leaving.weight.c[c][i] *= factor;
+    }
   }
 }
 

@@ -47,6 +47,11 @@ class PacketStages {
                  const RandomLanes& random,
                  std::size_t lane,
                  LightLanes& lights) const;
+  Eigen::Vector3d point_of_part(const SurfaceLanes& surface, std::size_t lane) const;
+  void tint(const PathPacket& paths,
+            const SurfaceLanes& surface,
+            ReflectionLanes& reflection,
+            LeavingLanes& leaving) const;
   void reflect_lane(const Material& material,
                     const SurfaceLanes& surface,
                     const RandomLanes& random,

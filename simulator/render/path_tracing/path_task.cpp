@@ -77,7 +77,7 @@ PathTask::PathTask(const PhysicalScene& the_scene, const PathSettings& the_setti
       flat_triangles(the_scene.bvh.flat_triangles(the_scene.part.mesh)),
       curved_triangles(find_curved_triangles(the_scene, flat_triangles)),
       is_mirror(std::holds_alternative<Mirror>(the_scene.material.plain())) {
-  if (!scene.material.has_pattern()) {
+  if (!scene.material.varies_roughness()) {
     metal = conductor_numbers(scene.material.plain());
   }
   needs_choice = !metal || metal->columns > 0;

@@ -297,6 +297,79 @@ TEST(PacketStages, TrianglesAreMetAsByTheScalarCode) {
   }
 }
 
+/// What the lanes of a packet reflect of the same lights.
+struct Reflected {
+  ReflectionLanes towards = {};
+  LeavingLanes leaving = {};
+};
+
+Reflected reflected_by(const PathTask& task, const PathPacket& paths, std::uint64_t index) {
+  const PacketStages stages(task);
+  Rng rng(6, Stream::kTest, index);
+  const RandomLanes random = random_lanes(rng);
+  SurfaceLanes surface = {};
+  stages.meet(paths, surface);
+  LightLanes lights;
+  stages.ask_lights(paths, surface, random, lights);
+  Reflected result;
+  stages.reflect(paths, surface, random, &lights, result.towards, result.leaving);
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    for (std::size_t c = 0; c < 3 && !(lights.density[i] > 0.0F); ++c) {
+      result.towards.value.c[c][i] = 0.0F;  // not asked for
+    }
+  }
+  return result;
+}
+
+MaterialSettings patterned_metal() {
+  MaterialSettings material = metal_of({0.3, 0.1}, true, false);
+  material.pattern = {
+      .kind = PatternSettings::Kind::kConcentric, .density = 0.4, .colour = 0.8, .scaled = true};
+  return material;
+}
+
+TEST(PacketStages, APatternOfColourTintsMetalAsTheScalarCodeDoes) {
+  const PathBench bench = gear_bench(patterned_metal(), {ring_at(100.0)});
+  const PhysicalScene scene = bench.scene();
+  const PathSettings settings;
+  const PathTask task(scene, settings);
+  ASSERT_TRUE(task.metal.has_value());
+  PathTask scalar(scene, settings);
+  scalar.metal.reset();
+  Rng rng(8, Stream::kTest, 0);
+  int lit = 0;
+  for (std::uint64_t i = 0; i < kPackets; ++i) {
+    PathPacket paths = camera_packet(bench, rng);
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      paths.ray.valid[k] = paths.hit.triangle[k] >= 0 ? paths.ray.valid[k] : 0;
+    }
+    const Reflected found = reflected_by(task, paths, i);
+    const Reflected expected = reflected_by(scalar, paths, i);
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      if (paths.ray.valid[k] == 0) {
+        continue;
+      }
+      const float value = expected.towards.value.c[1][k];
+      EXPECT_NEAR(found.towards.value.c[1][k], value, 1e-4F * (1e-3F + value));
+      lit += value > 0.0F ? 1 : 0;
+      const float weight = expected.leaving.weight.c[1][k];
+      if (weight > 0.0F && expected.leaving.to_light.z[k] > 1e-3F) {
+        EXPECT_NEAR(found.leaving.weight.c[1][k], weight, 1e-4F * weight);
+      }
+    }
+  }
+  EXPECT_GT(lit, 1000);
+}
+
+TEST(PacketStages, APatternOfRoughnessIsLeftToTheScalarCode) {
+  MaterialSettings material = patterned_metal();
+  material.pattern.roughness = 0.2;
+  const PathBench bench = gear_bench(material, {ring_at(100.0)});
+  const PhysicalScene scene = bench.scene();
+  const PathSettings settings;
+  EXPECT_FALSE(PathTask(scene, settings).metal.has_value());
+}
+
 /// A tilted ring, whole or in sectors.
 NamedLight tilted_ring(double height_mm, double tilt_rad, int segments, const std::string& name) {
   NamedLight light = ring_at(height_mm, name);
@@ -359,6 +432,7 @@ TEST(PacketStages, PicturesByKernelsAreThoseOfTheScalarCode) {
   expect_same_pictures(bench);
   expect_same_pictures(
       gear_bench(metal_of({0.3, 0.1}, true, false), {tilted_ring(110.0, 0.4, 4, "cone")}));
+  expect_same_pictures(gear_bench(patterned_metal(), {ring_at(120.0)}));
 }
 
 /// A plate and a cylinder of exact surfaces, with a dent, a scratch and a stain on them.

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include <fmt/format.h>
-
 #include "core/units.h"
 #include "simulator/light/tunnel/tunnel_profile.h"
 
@@ -18,16 +16,21 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Shape = TunnelSettings::Shape;
 
-constexpr std::array<std::string_view, 5> kShapeNames = {
-    "flat", "semicylinder", "ellipse", "superellipse", "free"};
-
 /// Hits nearer than this belong to the surface the ray leaves.
 constexpr double kMinT_mm = 1e-3;
+
+/// Sight lines that are looked at together: their arrays stay in the first cache.
+constexpr int kSightLines = 512;
 
 EllipseAxes axes_of(const TunnelSettings& s) {
   return s.shape == Shape::kSemicylinder
              ? EllipseAxes{.half_width_mm = s.radius_mm, .height_mm = s.radius_mm}
              : EllipseAxes{.half_width_mm = s.half_width_mm, .height_mm = s.height_mm};
+}
+
+Ray ray_at(const RayBlock& rays, std::size_t i) {
+  return {.origin_mm = vector_of(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]),
+          .direction = vector_of(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i])};
 }
 
 /// At most `most` rays from `begin` on.
@@ -46,80 +49,6 @@ RayBlock part_of(const RayBlock& rays, int begin, int most) {
 }
 
 }  // namespace
-
-std::string_view shape_name(Shape shape) {
-  return kShapeNames[static_cast<std::size_t>(shape)];
-}
-
-void visit_keys(KeyVisitor& keys, TunnelSettings& s) {
-  const Range size = {.min = 1, .max = 1e5};
-  keys.choice("shape", s.shape, kShapeNames, "cross-section of the luminous wall");
-  keys.number("base_mm",
-              s.base_mm,
-              Range::between(-1e4, 1e4),
-              "height of the cross-section's lower line above the scene's origin");
-  keys.number("radius_mm", s.radius_mm, size, "semicylinder: radius");
-  keys.number("half_width_mm", s.half_width_mm, size, "ellipse, superellipse: half axis along y");
-  keys.number("height_mm", s.height_mm, size, "ellipse, superellipse: half axis along z");
-  keys.number("exponent",
-              s.exponent,
-              Range::between(1, 20),
-              "superellipse: 2 = ellipse, larger = closer to a rectangle");
-  keys.number(
-      "distance_mm", s.distance_mm, size, "flat: from the middle plane to the foot of each panel");
-  keys.number("opening_deg",
-              s.opening_rad,
-              Range::between(0, 180),
-              "flat: full angle between the panels, 0 = parallel upright, 180 = a ceiling");
-  keys.number("panel_height_mm", s.panel_height_mm, size, "flat: size of a panel across x");
-  keys.numbers("control_mm",
-               s.control_mm,
-               {.min = 3, .max = 16},
-               size,
-               "free: distances of the B-spline's control points from the base line, at equal "
-               "angles from the rim to the top");
-  keys.number("length_mm", s.length_mm, size, "size along the tunnel axis");
-  keys.number("slot_mm",
-              s.slot_mm,
-              Range::between(0, 1e5),
-              "width of the camera slot along the top, 0 = none");
-  keys.number("period_mm", s.period_mm, Range{.min = 1e-3, .max = 1e5}, "of the stripes");
-  keys.number("duty", s.duty, Range::between(0, 1), "bright share of a period");
-  keys.number("orientation_deg",
-              s.orientation_rad,
-              Range::between(-90, 90),
-              "of the stripes on the unrolled wall, 0 = across the tunnel axis");
-  keys.number("offset_mm", s.offset_mm, Range{}, "shift of the stripes along their normal");
-  keys.number("dark_reflectance",
-              s.dark_reflectance,
-              Range::between(0, 0.99),
-              "diffuse reflectance of dark stripes, lit by the bright ones");
-  keys.number("led_ripple",
-              s.led_ripple,
-              Range::between(0, 1),
-              "relative ripple of the radiance along x from the spacing of LEDs or tubes");
-  keys.number("led_pitch_mm", s.led_pitch_mm, size, "spacing of LEDs or tubes along x");
-  keys.number("end_falloff",
-              s.end_falloff,
-              Range::between(0, 1),
-              "relative loss of radiance at the tunnel's ends, quadratic along x");
-  keys.boolean("blocks_view",
-               s.blocks_view,
-               "whether the wall hides the part from the camera except through the slot");
-  keys.boolean("cosine_law",
-               s.cosine_law,
-               "compatibility: multiplies the radiance by the cosine at the wall, which counts it "
-               "twice for a Lambertian wall");
-  const double half_width = s.shape == Shape::kFlat ? s.distance_mm
-                            : s.shape == Shape::kFree
-                                ? *std::max_element(s.control_mm.begin(), s.control_mm.end())
-                                : axes_of(s).half_width_mm;
-  keys.require(s.slot_mm < 2.0 * half_width,
-               "slot_mm",
-               fmt::format("is {:g}, must be smaller than the tunnel, which is {:g} mm wide",
-                           s.slot_mm,
-                           2.0 * half_width));
-}
 
 Tunnel::Tunnel(const TunnelSettings& settings) : settings_(settings) {
   build_profile();
@@ -282,23 +211,13 @@ void Tunnel::hit_block(const RayBlock& rays, float* x_mm, float* pattern_mm, flo
     std::copy(x_mm, x_mm + count, pattern_mm);
     return;
   }
-  const double cosine = std::cos(settings_.orientation_rad);
-  const double sine = std::sin(settings_.orientation_rad);
   for (std::size_t i = 0; i < count; ++i) {
-    const Vector3d direction =
-        vector_of(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
     if (gain[i] == 0.0F) {
       pattern_mm[i] = x_mm[i];
       continue;
     }
-    const WallHit found =
-        wall_hit({.origin_mm = vector_of(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]),
-                  .direction = direction},
-                 static_cast<double>(pattern_mm[i]));
-    pattern_mm[i] = static_cast<float>(found.point_mm.x() * cosine + found.arc_mm * sine);
-    if (settings_.cosine_law) {
-      gain[i] = static_cast<float>(std::abs(found.normal.dot(direction)) / direction.norm());
-    }
+    const auto t = static_cast<double>(pattern_mm[i]);
+    set_details(ray_at(rays, i), t, x_mm[i], pattern_mm[i], gain[i]);
   }
 }
 
@@ -326,24 +245,26 @@ void Tunnel::meet_details(const RayBlock& rays,
                           const float* margin_mm,
                           float* pattern_mm,
                           float* cosine) const {
-  const double along = std::cos(settings_.orientation_rad);
-  const double across = std::sin(settings_.orientation_rad);
-  for (int i = 0; i < rays.count; ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(rays.count); ++i) {
     pattern_mm[i] = x_mm[i];
     cosine[i] = 1.0F;
     if (margin_mm[i] == kNowhere_mm) {
       continue;
     }
-    const Ray ray = {
-        .origin_mm = vector_of(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]),
-        .direction = vector_of(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i])};
-    const WallHit found = wall_hit(ray, distance_to(ray, y_mm[i], margin_mm[i]));
-    pattern_mm[i] =
-        static_cast<float>(static_cast<double>(x_mm[i]) * along + found.arc_mm * across);
-    if (settings_.cosine_law) {
-      cosine[i] =
-          static_cast<float>(std::abs(found.normal.dot(ray.direction)) / ray.direction.norm());
-    }
+    const Ray ray = ray_at(rays, i);
+    set_details(ray, distance_to(ray, y_mm[i], margin_mm[i]), x_mm[i], pattern_mm[i], cosine[i]);
+  }
+}
+
+/// @param cosine  left alone without cosine law
+void Tunnel::set_details(
+    const Ray& ray, double t_mm, float x_mm, float& pattern_mm, float& cosine) const {
+  const WallHit found = wall_hit(ray, t_mm);
+  const double turn = settings_.orientation_rad;
+  pattern_mm = static_cast<float>(static_cast<double>(x_mm) * std::cos(turn) +
+                                  found.arc_mm * std::sin(turn));
+  if (settings_.cosine_law) {
+    cosine = static_cast<float>(std::abs(found.normal.dot(ray.direction)) / ray.direction.norm());
   }
 }
 
@@ -365,13 +286,6 @@ bool Tunnel::panels_meet() const {
   const double sine = std::sin(0.5 * settings_.opening_rad);
   return settings_.panel_height_mm * sine >= settings_.distance_mm * (1.0 - 1e-9);
 }
-
-namespace {
-
-/// Sight lines that are looked at together: their arrays stay in the first cache.
-constexpr int kSightLines = 512;
-
-}  // namespace
 
 /// Some sight lines from points to the camera and where they cross the wall; t = 1 at the camera.
 struct Tunnel::Sight {

@@ -22,45 +22,12 @@
 
 #include <Eigen/Core>
 
-#include "core/config/keys.h"
 #include "core/pose.h"
 #include "simulator/light/tunnel/spline_kernels.h"
 #include "simulator/light/tunnel/tunnel_kernels.h"
+#include "simulator/light/tunnel/tunnel_settings.h"
 
 namespace glint {
-
-/// Keys of [lighting.tunnel].
-struct TunnelSettings {
-  enum class Shape { kFlat, kSemicylinder, kEllipse, kSuperellipse, kFree };
-
-  Shape shape = Shape::kSemicylinder;
-  double base_mm = 0.0;
-  double radius_mm = 100.0;
-  double half_width_mm = 100.0;
-  double height_mm = 100.0;
-  double exponent = 3.0;
-  double distance_mm = 60.0;
-  double opening_rad = 0.0;
-  double panel_height_mm = 200.0;
-  std::vector<double> control_mm = {100.0, 100.0, 100.0, 100.0, 100.0};
-  double length_mm = 600.0;
-  double slot_mm = 20.0;
-  double period_mm = 16.0;
-  double duty = 0.5;
-  double orientation_rad = 0.0;
-  double offset_mm = 0.0;
-  double dark_reflectance = 0.0;
-  double led_ripple = 0.0;
-  double led_pitch_mm = 25.0;
-  double end_falloff = 0.0;
-  bool blocks_view = true;
-  bool cosine_law = false;
-};
-
-void visit_keys(KeyVisitor& keys, TunnelSettings& settings);
-
-/// Names of TunnelSettings::Shape in order.
-std::string_view shape_name(TunnelSettings::Shape shape);
 
 /// Where a ray meets the luminous wall.
 struct WallHit {
@@ -146,6 +113,7 @@ class Tunnel {
   WallHit wall_hit(const Ray& ray, double t_mm) const;
   bool panels_meet() const;
   double distance_to(const Ray& ray, float y_mm, float margin_mm) const;
+  void set_details(const Ray& ray, double t_mm, float x_mm, float& pattern_mm, float& cosine) const;
   bool in_slot(const Eigen::Vector2d& point) const;
   double to_rim_mm(const Eigen::Vector2d& point) const;
   struct Sight;

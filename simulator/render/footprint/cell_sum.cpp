@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The radiance of one boundary or refined pixel at all positions of a scan, summed from cells.
+// Cells entirely inside the light are collected and summed sixteen at a time by the trapezoid
+// kernels; cells on a boundary are clipped to a polygon (Sutherland and Hodgman 1974) and
+// integrated by the divergence theorem (stripe_integral.h); corners that do not belong together
+// count as points. Where an end of the tunnel passes through a cell, its polygon is cut anew for
+// each frame. docs/theory/footprints.md. Cost: proportional to cells times frames. Memory: buffers
+// that keep their size from pixel to pixel.
 #include "simulator/render/footprint/cell_sum.h"
 
 #include <algorithm>

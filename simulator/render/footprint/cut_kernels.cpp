@@ -1,4 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Pixels that one straight boundary of the light crosses (an edge of the slot, or the rim), up to
+// 64 at a time. The part of the pixel on the lit side is a convex polygon; the divergence theorem
+// turns the integral of the stripes over it into a sum, over at most six vertices, of the second
+// integral J of the square wave. So the polygon is cut once, and each frame costs six evaluations
+// of J per pixel. Instead of branching, each edge of the pixel's square contributes with weights 0
+// or 1. PixelPolygon and StripeSum (stripe_integral.h) do the same for any polygon and are the
+// reference of the tests. Own derivation: docs/theory/footprints.md, "Polygons". Memory: about 16
+// kB for a batch.
 #include "simulator/render/footprint/cut_kernels.h"
 
 #include <bit>

@@ -1,4 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Pixels that footprint_kernels.h does not cover: on a boundary of the light, wider than the
+// stripes, or refined. Each takes the cheapest method that fits: batches for pixels that one line
+// crosses (cut_kernels.h), polygons for other unrefined pixels (stripe_integral.h), and cell by
+// cell for refined ones, where only cells on a boundary are cut. For a mean, refined pixels far
+// from the region are their coverage times the mean radiance at their corners.
+// docs/theory/footprints.md. Cost: corner rays of refined pixels are intersected with the wall for
+// each candidate, up to 32 pixels at a time. Memory: one float per pixel and frame, or one per
+// pixel for a mean.
 #include "simulator/render/footprint/footprint_cells.h"
 
 #include <algorithm>

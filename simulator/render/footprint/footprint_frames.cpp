@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Frames of a scan, or their mean, in pieces of 256 pixels of a row. Phases and trapezoids are
+// computed once per piece and evaluated for every frame; a frame whose stripes equal those of an
+// earlier one is copied, and one with bright and dark exchanged is a subtraction
+// (distinct_stripes.h). The mean over whole periods needs no frames: it is one picture under a
+// square wave of N times the frequency. docs/theory/footprints.md and clipped_mean.md. Cost: one
+// trapezoid per pixel and rendered frame, one evaluation per pixel for a mean. Memory: about 10 kB
+// besides the images and the pixels of footprint_cells.h.
 #include "simulator/render/footprint/footprint_frames.h"
 
 #include <algorithm>

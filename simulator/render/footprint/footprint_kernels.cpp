@@ -1,4 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Radiance of pixels that lie entirely on the lit wall, a row at a time. Over such a pixel the
+// phase of the stripes is taken as linear, so the bright share beyond an edge is the distribution
+// function of the sum of two uniform variables: a straight line in the middle with a parabola at
+// each end (box_frame() and its relatives). Footprints wider than the stripes take the second
+// difference of the twice integrated square wave instead (any_shares()). The file also classifies
+// pixels by their four corners. Own derivation: docs/theory/footprints.md. Cost: a few dozen
+// operations per pixel and frame, without branches so that the loops vectorise; no memory beyond
+// the caller's rows.
 #include "simulator/render/footprint/footprint_kernels.h"
 
 #include <bit>

@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Sorts the pixels of a picture into dark ones, plain ones (entirely on the lit wall at every
+// position of the scan) and those that are summed from cells. The conditions at each corner are
+// packed into the bits of a byte, so that a pixel follows from the conjunction of four bytes; tiles
+// of 8 x 8 pixels whose bounds are known (sparse_meeting.h) are decided as a whole.
+// docs/theory/footprints.md. Cost: one pass over the corners of those tiles that are not decided.
+// Memory: 12 bytes per corner ray (20 with oblique stripes or the cosine law) and two bytes per
+// pixel.
 #include "simulator/render/footprint/footprints.h"
 
 #include <algorithm>

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Sorts the cells of a refined pixel into those that are lit throughout, those that a boundary of
+// the light may cross, and dark ones, by the smallest and the largest of each coordinate over four
+// corners. A plane through the corners misses them by the twist of the cell; for calling a cell
+// dark the bounds are widened by it. docs/theory/footprints.md, "When four corners are not enough".
+// Cost: a few comparisons per cell, without branches; no memory.
 #include "simulator/render/footprint/lit_cells.h"
 
 #include "core/simd.h"

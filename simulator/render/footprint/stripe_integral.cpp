@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The integral of stripes over a convex polygon inside a pixel, for any number of positions of the
+// stripes. The pixel's square is clipped by one boundary of the light after the other (I.
+// Sutherland and G. Hodgman, "Reentrant polygon clipping", CACM 17, 1974); the divergence theorem
+// then leaves a sum over the vertices (own derivation, docs/theory/footprints.md, "Polygons").
+// Along edges of constant phase a quotient of differences would lose all digits, so these take the
+// mean of the first integral at both ends. Cost: one pass over the vertices, then vertices times
+// positions; memory for the vertices only. Reference for cut_kernels.h.
 #include "simulator/render/footprint/stripe_integral.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The table T(w): the mean grey value over a scan as a function of the width w by which the stripes
+// are blurred. Each of its 129 nodes averages the sensor's expected response over about 96 phases.
+// The mean itself comes from the exact integral of clipped_stripe.h, as a sum over phases would
+// miss the kink where the sensor starts to clip; the phases add what noise changes, and how far the
+// scans of few frames scatter. Own derivation: docs/theory/clipped_mean.md. Cost: one table per
+// sensor, duty, dark radiance and reflectance, then one look-up per pixel. Memory: a few kB.
 #include "simulator/render/scan/clipped_mean.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A stripe blurred by a Gaussian, and the exact mean of min(1, offset + slope * stripe) over a
+// period. From its middle to half a period further the blurred stripe only falls, so it is clipped
+// up to a single phase, which Newton's method inside a bracket finds; what remains is a closed
+// integral. Narrow blurs sum the error functions of the edges nearby, wide ones a cosine series of
+// at most 14 terms, as a Gaussian damps the k-th by exp(-2 (pi k w)^2). Own derivation:
+// docs/theory/clipped_mean.md. Cost: some evaluations of the wave per call; no memory.
 #include "simulator/render/scan/clipped_stripe.h"
 
 #include <algorithm>

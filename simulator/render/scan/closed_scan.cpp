@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The mean of a scan with as few frames as possible, as planned in scan_plan.h: a table look-up per
+// pixel where the sensor clips, one exposure of the mean radiance where it does not, and rendered
+// frames for the pixels that neither gives. Frames are rendered eight at a time, so that footprints
+// are read once for all of them; rows of the mean radiance are exposed as soon as all rows within
+// the blur's reach are there. docs/theory/clipped_mean.md. Cost: one evaluation per pixel, plus the
+// frames of the pixels left over. Memory: three images; while few pixels need frames, the frames'
+// images stay with the thread for the next candidate.
 #include "simulator/render/scan/closed_scan.h"
 
 #include <algorithm>

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The mean image of a scan averaged over all noise, and how far a single scan deviates from it.
+// Each frame is rendered once through a sensor that only blurs; its radiances are then looked up in
+// a table of the real sensor's expected grey value and variance, clipping and rounding included.
+// Noise is independent from frame to frame, so variances add. docs/theory/sensor.md. Cost: one
+// scan, however many times the part is to be scanned, and a table of 16,385 radiances.
 #include "simulator/render/scan/expected_scan.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The reference method: frames from point samples of the cached rays. Each ray is intersected with
+// the wall once per lighting, in blocks that stay in the first-level cache, and then asked once per
+// frame whether a bright stripe stands at its hit, eight frames at a time so that rays are read
+// once for all of them. docs/theory/tunnel.md. Cost: one test per ray and frame; a point sees an
+// edge or does not, so the error falls only slowly with the number of rays (footprints.md is the
+// way out). Memory: 8 bytes per ray, 12 with oblique stripes.
 #include "simulator/render/scan/scan.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Decides for each pixel how its mean over a scan is found: from the table T(w), from the mean
+// radiance, or from rendered frames. The table holds where the phase is linear over the blur, where
+// all pixels within the blur's reach are plain, and where the phases of few frames hardly move the
+// mean; masks of the exceptions are grown by that reach, row by row. docs/theory/clipped_mean.md,
+// "Which form is used". Cost: a few passes over bytes and one over phases. Memory: two masks and
+// one float image.
 #include "simulator/render/scan/scan_plan.h"
 
 #include <algorithm>

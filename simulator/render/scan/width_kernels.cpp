@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Inner loops around the table T(w) of clipped_mean.h: the width of each pixel's stripes and
+// whether their phase is linear over the blur; look-up of the table's cubic pieces; cosine series
+// by Clenshaw's recurrence. The widths of neighbouring pixels mostly fall into one or two pieces of
+// the table: such a chunk of 32 pixels keeps the coefficients in registers, and only others gather
+// them. docs/theory/clipped_mean.md. Cost: some ten operations per pixel and quantity; no memory.
 #include "simulator/render/scan/width_kernels.h"
 
 #include <bit>

@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Which pixels of the part the tunnel's wall occludes. Where a sight line crosses the wall varies
+// smoothly over the picture whatever the part looks like. So the four corners of a tile of 128 x 32
+// pixels decide for all of it when they agree and cross the wall further from its edges than they
+// are apart; other tiles are split once, into 32 x 8, and what is then undecided is tested pixel by
+// pixel. Own method; docs/theory/tunnel.md, "The slot". Cost: a few hundred sight lines for a
+// picture in which nothing is occluded, one per pixel along the slot's edge. Memory: one byte per
+// pixel, none where nothing is occluded.
 #include "simulator/render/wall/hidden_pixels.h"
 
 #include <algorithm>

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The camera's rays, recovered from what its pixels see, so that pixels beside the part have a ray
+// too. On a plane across them the rays of a camera without distortion are a projective map of the
+// picture. Its eight numbers come from linear least squares over up to 9 x 9 pixels (a direct
+// linear transform); if one of these is off its ray by more than a pixel, there is no such map.
+// Cost: one system of eight equations per picture.
 #include "simulator/render/wall/pixel_rays.h"
 
 #include <algorithm>

@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Intersects a picture of corner rays with the wall, tile by tile. Only every eighth ray of a row
+// and of a column is intersected; between these nodes hits are the quintic through 6 x 6 of them.
+// Two more rays of each tile check that against 1/100 of what a pixel sees of the wall (1/200
+// across the tunnel, more away from the light's boundaries); tiles that fail, or whose rays were
+// not smooth to begin with, are intersected ray by ray. Own method: docs/theory/footprints.md,
+// "Between every eighth ray". Cost: three intersections and an interpolation for a smooth tile of
+// 64 rays. Memory: 12 or 20 bytes per ray for the hits, besides the nodes.
 #include "simulator/render/wall/sparse_meeting.h"
 
 #include <algorithm>

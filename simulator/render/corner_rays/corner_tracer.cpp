@@ -1,4 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Traces a ray through each corner of the pixel grid and refines pixels that four corners do not
+// describe. Rows are independent, sixteen rays are traced at a time. A pixel that fails the rule of
+// cell_rule.h is cut into 2, 4, 8 or 16 cells per axis with corner rays of their own, until the
+// rays interpolated between corners are wrong by no more than render.max_direction_error_rad; the
+// first number of cells is predicted, as the error falls with its square. With a plan
+// (retrace_plan.h) only what height features can change is traced, and the rest copied. Own method:
+// docs/theory/footprints.md. Cost: one ray per pixel and (n + 1)^2 per refined pixel; 28 bytes per
+// ray.
 #include "simulator/render/corner_rays/corner_tracer.h"
 
 #include <algorithm>

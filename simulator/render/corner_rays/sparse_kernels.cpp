@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Interpolation between every eighth ray: Lagrange's quintic through six nodes, first down the
+// columns (blend_rows()), then along the rows (spread()); its error at rays that are known; and
+// bounds of it over a tile, from the nodes and their second differences. The weights are
+// compile-time constants. docs/theory/footprints.md, "Between every eighth ray". Cost: six
+// multiplications per value and direction, without branches; no memory.
 #include "simulator/render/corner_rays/sparse_kernels.h"
 
 #include "core/simd.h"

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Finds out where a picture's corner rays may be interpolated from every eighth of them: in tiles
+// of 8 x 8 whose rays all lie near the quintic through 6 x 6 nodes. Beyond the part's outline and
+// the picture's end nodes are extrapolated along rows and columns, so that tiles there have
+// neighbours too. This is done once per traced picture, for all lightings to come. Own method:
+// docs/theory/footprints.md, "Between every eighth ray". Cost: one interpolation of six components
+// per ray. Memory: about 1.5 bytes per ray, and 24 for each ray of a tile that is not smooth.
 #include "simulator/render/corner_rays/sparse_rays.h"
 
 #include <algorithm>

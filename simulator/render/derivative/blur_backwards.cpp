@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The adjoint of the sensor's blur: from the derivatives of a number by blurred pixels to those by
+// radiances. A symmetric kernel is its own transpose inside the picture; a pixel of the border also
+// collects the weights of everything beyond, for which the blur took it. Separable, down the
+// columns and then along the rows, by the sensor's own inner loops. docs/theory/derivatives.md,
+// "Frames". Cost: that of the blur itself; memory for one row.
 #include "simulator/render/derivative/blur_backwards.h"
 
 #include <algorithm>

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// How a number changes with the width sigma of the sensor's blur. The weight of a tap at the
+// distance k changes by w (k^2 - mean of k^2) / sigma^3, so the derivative is a convolution as
+// well, with weights k^2 w along one axis and w along the other, summed over both.
+// docs/theory/derivatives.md. Cost: two blurs of the pixels that count. Memory: two images.
 #include "simulator/render/derivative/blur_change.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The reverse mode of cell_sum.h: from the derivatives by a pixel's radiance in each frame to those
+// by the hits at the corners of its cells. Cells inside the light use the derivative of the
+// trapezoid, with their frames side by side; cells on a boundary that of the polygon
+// (stripe_slopes.h), which includes that the boundary moves. docs/theory/derivatives.md,
+// "Boundaries of the light". Cost: proportional to cells times frames. Memory: a few numbers per
+// frame.
 #include "simulator/render/derivative/cell_slopes.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The reverse mode through rendered frames: from the derivatives by the mean image to those by each
+// frame's grey values (0 where a frame is clipped), through the adjoint blur to its radiances, and
+// from there to the hits of the rays (plain_slopes.h, cell_slopes.h). Frames are rendered again,
+// four at a time. docs/theory/derivatives.md, "Frames". Cost: once more the frames of the pixels
+// that count, an adjoint blur and one pass over footprints for each; the number of keys does not
+// matter. Memory: images of four frames.
 #include "simulator/render/derivative/frame_slopes.h"
 
 #include <algorithm>

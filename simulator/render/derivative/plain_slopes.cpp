@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The reverse mode for pixels that lie entirely on the lit wall: the derivative of the trapezoid of
+// footprint_kernels.h, summed over the frames. Pieces of 256 pixels that see one edge at most take
+// a shorter loop and leave the factors that all frames share to the end. Phases are fractions of a
+// period in fixed point, because what the two edges of a stripe change almost cancels.
+// docs/theory/derivatives.md, "Digits". Cost: one trapezoid per pixel and frame. Memory: some 40
+// bytes per pixel.
 #include "simulator/render/derivative/plain_slopes.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The reverse mode through a scan's mean: from the derivatives by the mean image to those by hits,
+// stripes and sensor. Pixels from the table T(w) use the chain rule through w^2 = variance |g|^2,
+// with T'(w) from the table's own cubic pieces; the derivatives by gain, exposure, duty and dark
+// radiance are differences of two neighbouring tables. Pixels from frames: frame_slopes.h.
+// docs/theory/derivatives.md. Cost: one pass, however many keys there are. Memory: one float per
+// corner ray, three in rows with a boundary of the light.
 #include "simulator/render/derivative/scan_slopes.h"
 
 #include <algorithm>

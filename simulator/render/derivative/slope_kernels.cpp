@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Derivatives of the trapezoid of footprint_kernels.cpp by the phase, by both phase differences and
+// by the duty, weighted and summed over frames; and small loops over rows that the reverse mode
+// needs. A phase is a 32-bit fraction of a period: whole periods wrap and differences are exact,
+// where floats would lose the digits by which the two edges of a stripe differ.
+// docs/theory/derivatives.md, "Digits". Cost: three edges per pixel and frame, one where footprints
+// are narrow; without branches and memory.
 #include "simulator/render/derivative/slope_kernels.h"
 
 #include <algorithm>

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The derivative of the stripes' integral over a polygon (stripe_integral.h). By the phase it is
+// the same sum over edges with one integration less; by a boundary it is the integral of the
+// radiance along the edge that the boundary makes, over the length of its function's gradient. Own
+// derivation: docs/theory/derivatives.md, "Boundaries of the light". Cost: per vertex one sum over
+// the frames (vertex_sums.h), then constant work per edge.
 #include "simulator/render/derivative/stripe_slopes.h"
 
 #include <cmath>

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The inner loop of the derivative through the table T(w): for a row of pixels the derivatives by
+// both phase differences, and the sums of other tables' values, weighted by the pixels'
+// derivatives. As in width_kernels.cpp, a chunk of 32 pixels that falls into one or two pieces of a
+// table keeps their coefficients in registers. Sums go in a fixed order in double.
+// docs/theory/derivatives.md, "Table". Cost: some dozen operations per pixel and table; no memory.
 #include "simulator/render/derivative/table_kernels.h"
 
 #include <algorithm>

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Sums over frames, at the vertices of a polygon, of the square wave, its integrals and their
+// derivatives by the duty. On either side of the falling edge these are polynomials of degree two
+// at most in the place within the period, so the weighted sums of its powers, over all frames and
+// over the bright ones, give all of them. docs/theory/derivatives.md, "Boundaries of the light".
+// Cost: one pass over the frames per vertex, eight at a time; no memory.
 #include "simulator/render/derivative/vertex_sums.h"
 
 #include <cstring>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The arithmetic on sixteen rays between two searches by Embree, in double: directions from the
+// camera, planes of triangles, interpolated normals, mirror reflection, conversion to and from
+// Embree's float. Each function is a loop over sixteen lanes without branches, which one source
+// turns into vector code for several instruction sets, and a ray gets the same bits whatever rays
+// stand beside it (docs/decisions/0002-bit-identical-results.md). Elementary geometry;
+// docs/theory/tunnel.md, "What is kept". Memory: a packet of a few kB.
 #include "simulator/render/ray_cache/packet_kernels.h"
 
 #include <cmath>

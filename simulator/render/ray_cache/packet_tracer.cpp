@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Follows sixteen camera rays from the pinhole until they have left the part. Embree finds the
+// triangles in float, surface_meeting.h makes the hits exact in double. Most packets are done after
+// one reflection, and often without a second search: the part is convex, or the directions in which
+// they leave (EscapeCone) or the faces they leave from rule out another hit. Others are followed
+// for up to render.max_bounces reflections. docs/theory/tunnel.md, "What is kept", and decision
+// 0003. Cost: one search per ray and reflection; 28 bytes per ray are kept.
 #include "simulator/render/ray_cache/packet_tracer.h"
 
 #include <algorithm>

@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Path tracing of one tile of 8 x 8 pixels. All paths of a batch (8 samples of 64 pixels) take each
+// step together: find the surface, draw a direction to a light, draw one from the material, trace
+// the shadow rays. Paths that go on are packed without gaps into packets of sixteen, so that Embree
+// and the kernels always work on full ones. Light sampling and material sampling are combined by
+// the power heuristic (Veach and Guibas 1995). docs/theory/path_tracing.md, "Packets". Cost: per
+// reflection one ray and at most one shadow ray for each path. Memory: the packets of 512 paths per
+// thread.
 #include "simulator/render/path_tracing/cell_tracer.h"
 
 #include <algorithm>

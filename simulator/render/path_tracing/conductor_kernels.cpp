@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Rough metal for sixteen paths at a time, in float: GGX facets with Smith's masking, directions
+// from visible normals, Fresnel's equations, and the light of several reflections between facets
+// after Kulla and Conty, whose albedo table is interpolated by cubics. The formulas and their
+// sources are those of simulator/material, whose functions in double are the reference of the
+// tests; docs/theory/materials.md and path_tracing.md, "Packets". Cost: no branches; memory for the
+// table, 360 numbers at most.
 #include "simulator/render/path_tracing/conductor_kernels.h"
 
 #include "simulator/render/path_tracing/lane_math.h"

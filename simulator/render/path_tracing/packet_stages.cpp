@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The steps of sixteen paths at a time: by kernels in float where these know the scene's kind
+// (plane triangles, one metal everywhere), else lane by lane by the functions of material and light
+// in double, which are also what tests compare the kernels with. Points on curved exact surfaces
+// and near surface detail are always found in double. docs/theory/path_tracing.md, "Packets", has
+// the table of what goes which way.
 #include "simulator/render/path_tracing/packet_stages.h"
 
 #include <cmath>

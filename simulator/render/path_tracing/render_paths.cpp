@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Path tracing in passes of 4, 4, 8, 16, 32 ... samples. Within a pass tiles are traced in any
+// order by any thread, but a tile's sums are added by one thread in the order of its samples, and
+// which tiles go on is decided between passes: the same bytes for any number of threads. With a
+// relative error wanted, a tile stops as a whole once its root mean square standard error is small
+// enough, as a single pixel that has found no light yet seems to have no error.
+// docs/theory/path_tracing.md, "Error" and "Passes and threads". Memory: render_paths.h.
 #include "simulator/render/path_tracing/render_paths.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Removes the noise of path tracing from a picture that was rendered twice. At each pixel a
+// polynomial of second degree is fitted by least squares to the pixels around that show the same
+// surface; of what the fit leaves over, the share that both renderings agree on is added again
+// (their product is free of noise on average). Both use the geometry of the camera rays, which has
+// no noise. Own method, docs/theory/simulated_line.md. Cost: 13 x 13 pixels per fit, whose weights
+// serve all pictures. Memory: a copy of each picture and two doubles per pixel.
 #include "simulator/render/path_tracing/smooth_picture.h"
 
 #include <algorithm>

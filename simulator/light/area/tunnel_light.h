@@ -3,6 +3,13 @@
 // The fringe tunnel as a light for the path tracer: one picture of all phases of its stripes gives
 // every frame of a scan.
 //
+// The tunnel exists twice on purpose. A mirror needs a single ray for each place of a pixel, so
+// simulator/light/tunnel intersects cached rays with the cross-section in closed form and a scan is
+// integrated in milliseconds; but that has no answer for light from all directions. Rough and
+// coated metal gather such light, which needs a light that can be sampled and hit like any other:
+// that is this file, made from the same TunnelSettings. Tests compare both on pictures of a mirror
+// (tests/simulator/render/path_tracing/tunnel_frames_test.cpp).
+//
 // The wall shines evenly; what arrives is sorted by the phase of the place it comes from (its
 // pattern coordinate within a period) into bins, each a light group. Moving the tunnel changes
 // only which phases are bright:

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Where many rays meet a cross-section made of cubic pieces. A chunk of 128 neighbouring rays looks
+// only at pieces whose two ends lie on different sides of at least one of its lines, and whose
+// control points do not all lie behind. A crossing is found by Halley's method inside a bracket,
+// starting from the chord: two steps, and three more for a ray that still moved.
+// docs/theory/tunnel.md. Cost: one side test per ray and end of a piece, and mostly one piece per
+// chunk. Memory: 2 kB on the stack.
 #include "simulator/light/tunnel/spline_kernels.h"
 
 #include <algorithm>

@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Where many rays meet the tunnel's wall, and the stripes they see there, in float. The tunnel is
+// extruded along x, so this is a problem of lines in the y-z plane: straight panels, a quadratic
+// equation for the ellipse, and for the superellipse two steps of Halley's method from an octagon
+// around it, on the norm, which is almost linear along a ray (own derivation).
+// docs/theory/tunnel.md, "What a candidate costs". Cost: some twenty operations per ray, four
+// powers more for a superellipse; loops without branches, no memory. tunnel_profile.h has the same
+// in double by bisection, for the tests.
 #include "simulator/light/tunnel/tunnel_kernels.h"
 
 #include <bit>

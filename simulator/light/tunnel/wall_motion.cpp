@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Derivatives by the shape of the wall. A wall that moves by nu along its normal n moves the hit of
+// a ray with direction d by nu / (n . d) along the ray, whatever the key (implicit
+// differentiation). In reverse mode: the derivatives by all hits are collected once at 2,049 nodes
+// of the wall (four sums for flat panels), and a key then costs the sum over the nodes of its own
+// nu. Nodes lie closer near the top and the feet, where normals of a superellipse vary as powers.
+// docs/theory/derivatives.md, "Wall". Cost: one pass over the rays, then 2,049 terms per key.
 #include "simulator/light/tunnel/wall_motion.h"
 
 #include <algorithm>

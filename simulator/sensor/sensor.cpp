@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// From radiance to grey values: Gaussian blur, electrons with Poisson and read noise, gain,
+// clipping, rounding, in the order of EMVA 1288. One sweep by rows does it all, in strips narrow
+// enough that the rows of the vertical blur stay in the first-level cache. Noise is addressed by
+// pixel and frame instead of drawn in sequence, so any part of a picture can be exposed on its own
+// and gets the same numbers. docs/theory/sensor.md. Cost: 2 (2 r + 1) products per pixel for a blur
+// of radius r, with noise a quantile per pixel. Memory: a few rows.
 #include "simulator/sensor/sensor.h"
 
 #include <algorithm>

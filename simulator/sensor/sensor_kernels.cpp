@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Inner loops of the sensor over one row: separable blur four taps at a time, grey values, sums,
+// Philox random words, normal quantiles by algorithm AS 241 (M. Wichura, Applied Statistics 37,
+// 1988) with a logarithm of our own. No operation is reordered or contracted, so every instruction
+// set gives the same bits (docs/decisions/0002-bit-identical-results.md). docs/theory/sensor.md. No
+// branches, no memory.
 #include "simulator/sensor/sensor_kernels.h"
 
 #include <algorithm>

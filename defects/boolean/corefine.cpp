@@ -1,5 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
+// Splits two surfaces along their intersection by CGAL (Polygon Mesh Processing, corefine()), and
+// wraps its exact predicates; no other file includes CGAL. A visitor keeps for each new face the
+// face it is a piece of. Used where corefine_general.h declines: corners or edges of one surface
+// that lie on the other. docs/theory/imprint.md, "Boolean operation". Cost: several times that of
+// corefine_general.h, as intersections are constructed exactly.
+//
 // CGAL's own checks stay on in every build: what it refuses becomes a declined imprint.
 #define CGAL_DEBUG 1
 

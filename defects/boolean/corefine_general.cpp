@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Corefinement in general position: each face that the seam crosses is cut along it. The face's
+// border and the pieces of the seam inside it form a planar graph of corners and crossings, in
+// which every crossing has one or two neighbours; walking around it gives the regions at the
+// border, and closed seams inside become holes and regions of their own. Each region is projected
+// along the largest component of the face's normal and triangulated (corefine_polygon.h). Own
+// method: docs/theory/imprint.md, "Cutting". Cost: linear in the faces, quadratic in the corners of
+// one cut face.
 #include "defects/boolean/corefine_general.h"
 
 #include <algorithm>

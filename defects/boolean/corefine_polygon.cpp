@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Triangulates a polygon with holes by clipping ears, after connecting each hole to the outside by
+// a bridge (D. Eberly, "Triangulation by ear clipping", 2002); the ear of the best shape goes
+// first, to keep needles away. Coordinates are rounded, so a turn counts only when it exceeds what
+// rounding can cause, and a polygon that cannot be triangulated that way is declined.
+// docs/theory/imprint.md, "Cutting". Cost: quadratic in the corners, which are few; memory linear.
 #include "defects/boolean/corefine_polygon.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// One Boolean operation of a tool with a part, restricted to the faces that can meet. The faces of
+// both surfaces near their intersection are cut (corefine_general.h, else corefine.h), the pieces
+// sorted into inside and outside, the new surface assembled, and accepted only if it is valid;
+// otherwise the part is left alone and the outcome says why. Rounding may spoil the quick way, so a
+// bad surface is tried again with exact constructions. Own method: docs/theory/imprint.md, "Boolean
+// operation". Cost: depends on the faces near the tool, and by a logarithm on the size of the part.
 #include "defects/boolean/patch.h"
 
 #include <algorithm>

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Do two triangles cross? Signs of volumes are first computed in double with a bound of their
+// rounding error; only where that leaves a doubt are CGAL's exact predicates asked (a filtered
+// predicate, as in J. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust
+// geometric predicates", 1997). Triangles that share corners or an edge may touch there and nowhere
+// else. docs/theory/imprint.md, "Acceptance". Cost: some fifty operations for most pairs.
 #include "defects/boolean/patch_crossings.h"
 
 #include <cmath>

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Accepts or refuses the new surface of an imprint: its border must be the border of what was
+// removed, all other edges must have two faces, no face may be without area, and no new face may
+// cross another or one that stays nearby (exact predicates). Crossings that the part had before do
+// not count against it. docs/theory/imprint.md, "Acceptance". Cost: one query in a tree of boxes
+// (box_tree.h) per new face and neighbour.
 #include "defects/boolean/patch_judge.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Which pieces of the cut surfaces lie inside the other body. Faces are joined into pieces across
+// all edges but those of the seam (union-find). At each edge of the seam the four faces around it
+// are ordered by angle: that votes for the piece of each, weighted by the length of the edge and by
+// how clear the angle is, so that a few badly rounded edges decide nothing. Pieces without a seam
+// are decided by a ray (patch_probe.h). Own method: docs/theory/imprint.md, "Sorting". Cost: linear
+// in the faces near the tool.
 #include "defects/boolean/patch_pieces.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Local refinement of a mesh by bisecting longest edges. Before a face is bisected, the path of
+// neighbours with ever longer edges is followed to its end, where two faces share their longest
+// edge, and refined from there (M.-C. Rivara 1997): closed meshes stay closed, and no angle falls
+// below half the smallest one. Lengths are compared with ties broken by vertex numbers, so that two
+// faces never disagree. docs/theory/imprint.md, "Displacement". Cost: one pass over the mesh to
+// index it, then constant per bisection.
 #include "defects/surface/edge_bisection.h"
 
 #include <algorithm>

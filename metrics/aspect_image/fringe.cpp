@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Regularity of the stripes in one frame, row by row. In each run of pixels of the region an edge
+// is where the values cross the middle between darkest and brightest, interpolated linearly, and
+// counts once they leave a band around that level (hysteresis, so that noise makes no edges).
+// Spacings run between edges of the same direction, which keeps the duty out of them.
+// docs/theory/homogeneity.md, "Fringe regularity". Cost: one pass over the region.
 #include "metrics/aspect_image/fringe.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Homogeneity of the mean image: mean, rms and absolute deviation in two sweeps over the region,
+// with 32 independent partial sums so that the loops vectorise and give the same bits on any
+// machine. Percentiles need no sorting: a sample brackets each of them, one sweep counts what lies
+// beside the bracket and keeps what lies inside, and only that is selected from. A wrong bracket
+// costs time, not correctness. Formulas: docs/theory/homogeneity.md. Cost: linear in the region;
+// memory for a few per cent of its values, where percentiles are asked for.
 #include "metrics/aspect_image/homogeneity.h"
 
 #include <algorithm>

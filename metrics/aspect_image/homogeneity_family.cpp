@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Homogeneity by scale, place and kind: what remains after the shading is divided out, the
+// variance's share at large and small scales, the worst tile, and the ripple that the stripes
+// leave. The Gaussian is four running means with fractional ends, so its cost does not depend on
+// its width (P. Gwosdek et al., "Theoretical foundations of Gaussian convolution by extended box
+// filtering", SSVM 2011); the ripple is measured under Hann windows at the stripes' harmonics.
+// docs/theory/homogeneity.md, "The family". Cost: about 0.1 s for 1300 x 300 pixels. Memory: some
+// images of doubles.
 #include "metrics/aspect_image/homogeneity_family.h"
 
 #include <algorithm>

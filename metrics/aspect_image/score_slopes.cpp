@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Derivatives of scores by each pixel of the mean image, the start of the reverse mode. For h_rms
+// and h_abs they are linear in the pixel's deviation from the mean, and in its sign; with noise the
+// sign becomes the error function of the pixel. Contrasts of defects weigh the pixels of the defect
+// and of its background. Two sweeps over the region with 32 partial sums, the same bits on any
+// machine. docs/theory/derivatives.md. Cost: linear in the region. Memory: one image for a score.
 #include "metrics/aspect_image/score_slopes.h"
 
 #include <algorithm>

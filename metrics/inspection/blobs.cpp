@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Connected regions beyond a threshold and their moments. Runs of pixels are found row by row, in
+// bands for the threads, and joined with the runs of the row above (union-find, 8-connected, bright
+// and dark apart). The sums of a run are closed formulas in integers, so moments are exact until
+// the last division. docs/theory/inspection.md, "Blobs". Cost: one pass over the picture, then
+// linear in the runs; memory linear in the runs.
 #include "metrics/inspection/blobs.h"
 
 #include <algorithm>

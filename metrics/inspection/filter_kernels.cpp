@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Inner loops of the inspector over rows of pixels: sums of frames, convolution with symmetric
+// kernels, masks, counts beside a bracket. 8-bit frames are summed as 16-bit words of two pixels,
+// 257 frames at most before they could overflow. Each loop does the same operations in the same
+// order for every pixel, so all instruction sets give the same bits. docs/theory/inspection.md.
+// Cost: one load per pixel and operand; no memory.
 #include "metrics/inspection/filter_kernels.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Linear filters that see the pixels of a mask only. A blur of the masked picture is divided by the
+// same blur of the mask (normalised convolution, H. Knutsson and C.-F. Westin, CVPR 1993), so that
+// a constant picture has no response up to the rim; the division is a weight per pixel, computed
+// once for a mask. A filter is a sum of such weighted separable convolutions.
+// docs/theory/inspection.md, "Response". Cost: per pixel 2 (2 r + 1) products for each kernel of
+// radius r. Memory: one image of weights per kernel.
 #include "metrics/inspection/masked_filter.h"
 
 #include <algorithm>

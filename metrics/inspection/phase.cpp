@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Phase shifting: mean, amplitude and phase of a cosine in each pixel by least squares over the
+// frames. The frames' positions are the same for all pixels, so the normal equations are solved
+// once and a pixel costs three weighted sums. The response compares each pixel's phasor with the
+// Gaussian mean of those around it, which needs no unwrapping. docs/theory/inspection_masks.md,
+// "Phases of shifted stripes". Cost: 3 N products per pixel, and a separable blur of two images.
+// Memory: some images.
 #include "metrics/inspection/phase.h"
 
 #include <algorithm>

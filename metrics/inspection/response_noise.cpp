@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Robust noise of a response: 1.4826 times the median distance from the median. Each median takes
+// one sweep: a sample of every 127th pixel brackets it, the sweep counts what lies below and keeps
+// what lies within, and only that is selected from. A wrong bracket costs a second sweep, not
+// correctness. docs/theory/inspection.md, "Threshold". Cost: two sweeps over the region; memory for
+// a few per cent of its values.
 #include "metrics/inspection/response_noise.h"
 
 #include <algorithm>

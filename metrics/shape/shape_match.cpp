@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Places a reference mask on a silhouette: shift by the centres of mass, scale by the areas, turn
+// by the axes of the equivalent ellipses. An ellipse leaves open which end is which; third moments
+// decide it, or the overlap of both ways. The angle is then refined by correlating the complex
+// moments of order 1 to 8 with Newton's method (own derivation), which uses what an outline has
+// besides its elongation. docs/theory/inspection_masks.md, "Laying a reference onto a part". Cost:
+// a few passes over both masks; no memory beyond them.
 #include "metrics/shape/shape_match.h"
 
 #include <algorithm>

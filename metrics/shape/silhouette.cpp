@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The silhouette of a part in the mean of its frames: a threshold (N. Otsu 1979), a flood from the
+// border of the picture through what is darker, and the largest piece of the rest. Dark stripes and
+// holes inside the outline are thereby filled. Pictures without a clear silhouette are refused with
+// the reason, by comparing the contrast with the noise of neighbouring pixels.
+// docs/theory/inspection_masks.md, "Silhouette". Cost: linear in the pixels. Memory: some bytes per
+// pixel.
 #include "metrics/shape/silhouette.h"
 
 #include <algorithm>

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Estimates with intervals: of shares (Wilson 1927), rates (Garwood 1936), means (Student 1908),
+// and of anything by bias-corrected and accelerated bootstrap (B. Efron, "Better bootstrap
+// confidence intervals", JASA 82, 1987). Resampling draws from a counter-based generator, so a seed
+// gives the same interval for any number of threads. docs/theory/statistics.md. Cost: constant, or
+// for the bootstrap one evaluation per resample and per observation.
 #include "metrics/statistics/estimate.h"
 
 #include <algorithm>

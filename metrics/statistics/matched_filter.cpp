@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Detectability d' of a known signal in a correlated background, d'^2 = s^T K^-1 s. The covariance
+// K is estimated from windows of the background and shrunk towards its diagonal (Schaefer and
+// Strimmer 2005), so that it can be inverted from fewer windows than pixels; the inverse of an
+// estimate is too large on average, which a factor, found by iteration, takes off (own derivation).
+// docs/theory/statistics.md. Cost: about n p^2 + 10 p^3 operations for n windows of p pixels;
+// memory some p^2.
 #include "metrics/statistics/matched_filter.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Probability of detection over size from hits and misses: a logistic curve in ln(size), fitted by
+// maximum likelihood with Newton's method and halved steps (MIL-HDBK-1823A). The interval of a90
+// comes from the profile of the likelihood with Firth's penalty (D. Firth, Biometrika 80, 1993),
+// which keeps its promise from 60 trials on where the usual ones are too narrow; its ends are found
+// by regula falsi. docs/theory/statistics.md. Cost: a few hundred passes over the trials; memory for
+// one number per trial.
 #include "metrics/statistics/pod.h"
 
 #include <algorithm>

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// How well a number separates two groups: the receiver operating characteristic, its area with
+// DeLong's variance from placements (DeLong et al. 1988) and an interval on the logit scale (Pepe
+// 2003), and where that variance is zero a score interval (Newcombe 2006). Sorting both groups
+// turns every count into a binary search. docs/theory/statistics.md. Cost: n log n; memory for the
+// sorted numbers.
 #include "metrics/statistics/roc.h"
 
 #include <algorithm>

@@ -60,7 +60,7 @@ void add_sets(CLI::App& verb, StudyArguments& study) {
 void add_study_verbs(CLI::App& app, CommandLine& line) {
   CLI::App* run = add_verb(app,
                            "run",
-                           "run a study, or go on with the one in its folder",
+                           "run a study, or resume the one in its folder",
                            "glint run studies/gallery/tunnel_shape/study.toml --budget 40s",
                            line);
   add_sets(*run, line.study);
@@ -88,11 +88,11 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
   add_sets(*render, line.study);
   render->add_option("--out", line.study.out, "folder for the pictures")->required();
   render->add_flag(
-      "--masks", line.study.is_masks, "masks and geometry alone, without sampling any light");
+      "--masks", line.study.is_masks, "masks and geometry only, without sampling any light");
   CLI::App* frontier =
       add_verb(app,
                "frontier",
-               "chart error against time of every method of rendering",
+               "chart error against time of every rendering method",
                "glint frontier studies/gallery/tunnel_shape/study.toml --out out/f",
                line);
   add_sets(*frontier, line.study);
@@ -109,13 +109,14 @@ void add_imprint_verb(CLI::App& app, CommandLine& line) {
                line);
   add_sets(*imprint, line.imprint.study);
   imprint->add_option("--out", line.imprint.study.out, "folder for the files")->required();
-  imprint->add_option("--count", line.imprint.count, "so many parts, in part_0000, part_0001, ...")
+  imprint
+      ->add_option("--count", line.imprint.count, "number of parts, in part_0000, part_0001, ...")
       ->check(CLI::Range(1, 1'000'000));
   imprint->add_option("--seed", line.imprint.study.seed, "instead of imprint.seed")
       ->check(CLI::Range(0, std::numeric_limits<int>::max()));
   imprint->add_flag("--no_previews", line.imprint.is_without_previews, "no pictures");
   imprint->add_flag(
-      "--preview_tools", line.imprint.is_preview_of_tools, "draw the tools, make no part");
+      "--preview_tools", line.imprint.is_preview_of_tools, "draw the tools only, make no part");
 }
 
 void add_inspect_verb(CLI::App& app, CommandLine& line) {
@@ -128,16 +129,17 @@ void add_inspect_verb(CLI::App& app, CommandLine& line) {
                                "--set inspection.threshold_sigmas=8",
                                line);
   inspect
-      ->add_option("IMAGES|RUN",
-                   arguments.inputs,
-                   "pictures of one part; or folders of pictures, a part each; or a run's folder")
+      ->add_option(
+          "IMAGES|RUN",
+          arguments.inputs,
+          "pictures of one part, or folders of pictures (one per part), or the folder of a run")
       ->required();
   inspect->add_option("--out", arguments.out, "folder for the results")->required();
-  inspect->add_flag("--each", arguments.is_each, "every picture is a part of its own");
+  inspect->add_flag("--each", arguments.is_each, "each picture shows another part");
   inspect->add_option("--mask", arguments.mask, "picture that is bright where the part is");
   inspect->add_option("--reference_mask",
                       arguments.reference_mask,
-                      "mask of such a part in another place: laid onto each part's silhouette");
+                      "mask of such a part in any pose: fitted to each part's silhouette");
   inspect->add_option("--settings", arguments.settings, "TOML file with a table [inspection]")
       ->allow_extra_args(false);
   inspect->add_option("--set", arguments.sets, "inspection.key=value: overrides a setting")
@@ -145,7 +147,7 @@ void add_inspect_verb(CLI::App& app, CommandLine& line) {
   inspect->add_option("--flawless",
                       arguments.flawless,
                       "folders of flawless parts, for the setting threshold = \"false_alarms\"");
-  inspect->add_option("--labels", arguments.labels, "CSV file: part,grade as a person gave it");
+  inspect->add_option("--labels", arguments.labels, "CSV file: part,grade as assigned by a person");
   inspect->add_flag("--learn",
                     arguments.is_learning,
                     "learn the limits of the classes from the labels, write grading.toml");
@@ -168,7 +170,7 @@ void add_other_verbs(CLI::App& app, CommandLine& line) {
       ->required();
   part->add_option("--out", line.part.out, "write the mesh: .stl .ply .obj .off");
   part->add_option("--unit", line.part.unit, "of the file: mm, cm, m, inch")->capture_default_str();
-  part->add_option("--crease_deg", line.part.crease_deg, "edges sharper than this stay sharp")
+  part->add_option("--crease_deg", line.part.crease_deg, "edges sharper than this are not smoothed")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 180.0));
   part->add_option("--slope_mrad", line.part.slope_mrad, "smallest slope of interest")

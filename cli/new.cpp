@@ -105,7 +105,7 @@ std::string camera_keys(const NewArguments& arguments, const FirstSizes& first) 
 }
 
 constexpr const char* kTemplate = R"(# A lighting study for {name}, written by `glint new`.
-# `glint explain KEY` tells what a key means, its unit, range and default.
+# `glint explain KEY` says what a key means, its unit, range and default.
 # `glint check {file}` validates this file, `glint run {file}` runs it.
 schema = 1
 title = {title}

@@ -153,7 +153,7 @@ class JsonParser {
       }
       std::string name = quoted();
       if (node.find(name) != nullptr) {
-        fail(fmt::format("{}: stands twice in this object", name));
+        fail(fmt::format("{}: appears twice in this object", name));
       }
       expect(':');
       node.items.push_back(value(depth + 1));

@@ -29,13 +29,13 @@ std::string_view outcome_text(ImprintOutcome outcome) {
     case ImprintOutcome::kDegenerate:
       return "the cut makes a face without area";
     case ImprintOutcome::kBrokenPatch:
-      return "the part's surface crosses itself or is not a manifold where the tool meets it";
+      return "the part's surface crosses itself or is not a manifold where the tool intersects it";
     case ImprintOutcome::kBrokenTool:
       return "the tool is not closed or crosses itself";
     case ImprintOutcome::kTooLittle:
       return "the tool changes less volume than it must";
     case ImprintOutcome::kPokesThrough:
-      return "the tool comes out at another side of the part or cuts a piece off";
+      return "the tool breaks through another side of the part or cuts a piece off";
   }
   return "unknown";
 }

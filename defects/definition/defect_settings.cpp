@@ -93,10 +93,9 @@ void visit_places(KeyVisitor& keys, DefectGroup& g) {
   keys.require(g.at_mm.empty() || !has_places_from_above(g),
                "at_mm",
                "is given together with x_mm or y_mm, must be one of them");
-  keys.require(
-      g.count.max <= 0.0 || !has_given_places(g),
-      "count",
-      "random places are asked for together with at_mm, x_mm or y_mm, must be one of them");
+  keys.require(g.count.max <= 0.0 || !has_given_places(g),
+               "count",
+               "random places and at_mm, x_mm or y_mm exclude each other; give one of them");
 }
 
 void visit_sizes(KeyVisitor& keys, DefectGroup& g) {
@@ -138,14 +137,15 @@ void visit_tools(KeyVisitor& keys, DefectGroup& g) {
       g.tool_level,
       Range::between(1, 7),
       "imprinted: fineness of a procedural tool; a round one has about 20 * 4^level triangles");
-  keys.file("tool_folder",
-            g.tool_folder,
-            "imprinted: folder of own closed tools (STL, PLY, OBJ, OFF, mm; z = 0 is the surface, "
-            "+z outwards); each is scaled to the drawn size; empty: procedural tools");
+  keys.file(
+      "tool_folder",
+      g.tool_folder,
+      "imprinted: folder of custom closed tools (STL, PLY, OBJ, OFF, mm; z = 0 is the surface, "
+      "+z outwards); each is scaled to the drawn size; empty: procedural tools");
   keys.number("wall_share",
               g.wall_share,
               Range{.min = 0.0, .max = 1.0, .min_excluded = true},
-              "share of the wall's thickness that a depth may take");
+              "largest depth as a share of the wall's thickness");
   keys.choice("when_thin",
               g.when_thin,
               kThinNames,
@@ -234,7 +234,7 @@ void visit_keys(KeyVisitor& keys, ImprintSettings& s) {
   keys.number("min_removed_mm3",
               s.min_removed_mm3,
               Range::at_least(0),
-              "imprints that take away less are sampled again");
+              "imprints that remove less are sampled again");
   keys.boolean("may_be_fewer", s.may_be_fewer, "false: a defect that is given up is an error");
   keys.table(
       "processing",

@@ -150,7 +150,7 @@ DefectSampler::DefectSampler(const Part& part,
     state->groups.push_back(std::move(places));
   }
   if (has_total && !groups.empty() && shares <= 0.0) {
-    throw ConfigError("imprint.count", "no group takes a share, all give their places");
+    throw ConfigError("imprint.count", "no group has a share, all of them list their places");
   }
   if (needs_edges) {
     state->edges = SharpEdges(part.mesh, crease_rad);

@@ -39,7 +39,7 @@ void check_effort(const HeightFeature& feature, double edges_per_sigma) {
   const double faces = 2.0 * area * edges_per_sigma * edges_per_sigma / 0.433;
   if (faces > kMaxFaces) {
     throw ConfigError(fmt::format(
-        "defect \"{}\": displaced it takes {:.2g} triangles, at most {:.0g} are allowed; make it "
+        "defect \"{}\": displacing it needs {:.2g} triangles, at most {:.0g} are allowed; make it "
         "shorter or wider, or realise it by its normal",
         feature.label,
         faces,

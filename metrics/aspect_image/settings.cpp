@@ -7,11 +7,11 @@ void visit_keys(KeyVisitor& keys, MetricsSettings& settings) {
   keys.integer("erosion_px",
                settings.erosion_px,
                Range::between(0, 100),
-               "rim of the part left out of the region of interest");
+               "rim of the part excluded from the region of interest");
   keys.number("exclusion_radii",
               settings.exclusion_radii,
               Range::at_least(1.0),
-              "radii around each defect left out of homogeneity");
+              "radii around each defect excluded from homogeneity");
   keys.number("ring_inner_radii",
               settings.ring_inner_radii,
               Range::at_least(1.0),
@@ -23,7 +23,7 @@ void visit_keys(KeyVisitor& keys, MetricsSettings& settings) {
   keys.number("lit_threshold",
               settings.lit_threshold,
               Range::between(0.0, 1.0),
-              "aspect value above which a pixel counts as lit, share of full scale");
+              "value of the mean image above which a pixel counts as lit, share of full scale");
   keys.number("signature_sigmas",
               settings.signature_sigmas,
               Range::positive(),
@@ -40,7 +40,7 @@ void visit_keys(KeyVisitor& keys, MetricsSettings& settings) {
   keys.number("shading_diameters",
               settings.shading_diameters,
               Range::between(3.0, 100.0),
-              "width (sigma) of the shading that homogeneity.residual takes off, in diameters");
+              "width (sigma) of the shading that homogeneity.residual removes, in diameters");
   keys.integer("regions",
                settings.regions,
                Range::between(1, 100),

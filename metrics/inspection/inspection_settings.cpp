@@ -17,7 +17,7 @@ void visit_filter(KeyVisitor& keys, InspectionSettings& settings) {
   keys.choice("filter",
               settings.filter,
               kFilters,
-              "gaussian: aspect image minus its Gaussian; difference_of_gaussians: the largest of "
+              "gaussian: mean image minus its Gaussian; difference_of_gaussians: the largest of "
               "several scales; matched: correlation with a spot; phase: slopes from shifted "
               "stripes");
   keys.integer("kernel_px",
@@ -62,21 +62,22 @@ void visit_threshold(KeyVisitor& keys, InspectionSettings& settings) {
               settings.false_alarms_per_picture,
               Range::positive(),
               "blobs that a flawless picture may have on average");
-  keys.choice("polarity", settings.polarity, kPolarities, "what a defect is beside its background");
+  keys.choice("polarity", settings.polarity, kPolarities, "a defect relative to its background");
 }
 
 void visit_blobs(KeyVisitor& keys, InspectionSettings& settings) {
   keys.integer("erosion_px",
                settings.erosion_px,
                Range::between(0, 1000),
-               "rim of the part that is not looked at");
+               "rim of the part that is not inspected");
   keys.integer(
       "min_area_px", settings.min_area_px, Range::at_least(1), "smaller blobs are no defects");
-  keys.choice("kind_rule",
-              settings.kind_rule,
-              kKindRules,
-              "what tells a hole from a scratch; printed: equation 4 of the publication, which "
-              "knows the direction only");
+  keys.choice(
+      "kind_rule",
+      settings.kind_rule,
+      kKindRules,
+      "what distinguishes a hole from a scratch; printed: equation 4 of the publication, which "
+      "depends on the direction only");
   keys.number("hole_compactness",
               settings.hole_compactness,
               Range::between(0, 1),

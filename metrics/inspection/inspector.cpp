@@ -77,7 +77,7 @@ void check_size(const Image<T>& image, const Mask& mask) {
   const auto at = static_cast<int>(bad - values.begin());
   throw ConfigError(
       "images",
-      fmt::format("pixel ({}, {}) of the aspect image is NaN, infinite or beyond {:g}, must "
+      fmt::format("pixel ({}, {}) of the mean image is NaN, infinite or beyond {:g}, must "
                   "be a share of full scale",
                   at % aspect.width(),
                   at / aspect.width(),
@@ -103,7 +103,7 @@ void keep_all_inside(const ImageF& aspect, const Mask& mask, ThreadPool& pool, I
 
 [[noreturn]] void throw_needs_frames() {
   throw ConfigError("inspection.filter",
-                    "phase needs the images of the sequence, allowed for an aspect image are "
+                    "phase needs the images of the sequence, allowed for a mean image are "
                     "gaussian, difference_of_gaussians and matched");
 }
 

@@ -54,7 +54,7 @@ PhaseWeights phase_weights(int frames, double periods) {
   if (!(solver.eigenvalues()(0) > least)) {
     throw ConfigError(
         "phases",
-        fmt::format("{} frames over {} periods do not tell mean, sine and cosine apart; "
+        fmt::format("{} frames over {} periods do not determine mean, sine and cosine; "
                     "take one whole period, or other steps",
                     frames,
                     periods));

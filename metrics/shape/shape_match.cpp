@@ -274,7 +274,8 @@ std::string_view warning(RotationRule rule) {
       return "the part's outline fits the reference as well after half a turn: the mask may lie "
              "the wrong way round unless it has that symmetry too";
     case RotationRule::kNone:
-      return "the part's outline is round: its rotation cannot be told, the mask is moved and "
+      return "the part's outline is round: its rotation cannot be determined, the mask is moved "
+             "and "
              "scaled only; use a mask that is round too, or pictures in a fixed position";
   }
   return "";

@@ -86,7 +86,7 @@ Answer MultiStart::answer_for(const Slot& slot, const Answer& answer) const {
     return result;
   }
   const auto picked = [&slot, this](const std::vector<double>& slopes) {
-    GLINT_CHECK(slopes.size() == space_.variables.size(), "told with one slope per variable");
+    GLINT_CHECK(slopes.size() == space_.variables.size(), "told with one derivative per variable");
     std::vector<double> own;
     for (const std::size_t variable : slot.variable) {
       own.push_back(slopes[variable]);

@@ -152,7 +152,7 @@ void visit_keys(KeyVisitor& keys, MaterialSettings& s) {
   // A resolved configuration writes every key, so only a value other than the default contradicts.
   keys.require(s.colour_srgb.empty() || s.reflectance == plain.reflectance,
                "colour_srgb",
-               "stands beside reflectance; give one of the two");
+               "excludes reflectance; give one of the two");
   keys.require(s.nk_file.empty() || s.type != MaterialSettings::Type::kDiffuse,
                "nk_file",
                "is for type mirror and conductor");
@@ -169,7 +169,7 @@ void visit_keys(KeyVisitor& keys, MaterialSettings& s) {
   keys.require(
       s.alpha.empty() || (s.roughness == plain.roughness && s.anisotropy == plain.anisotropy),
       "alpha",
-      "stands beside roughness or anisotropy; give one of the two");
+      "excludes roughness or anisotropy; give one of the two");
   keys.boolean("schlick", s.schlick, "without nk_file: metal reflects more at grazing");
   keys.boolean("multiple_reflections",
                s.multiple_reflections,

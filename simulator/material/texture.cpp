@@ -41,7 +41,7 @@ TexturePicture read_if_any(const std::filesystem::path& path, TextureEncoding en
 void visit_place_keys(KeyVisitor& keys, TextureSettings& s) {
   const Count three = {.min = 3, .max = 3};
   const Range length = Range::between(-1e5, 1e5);
-  keys.choice("mapping", s.mapping, kMappings, "how points of the part meet the picture");
+  keys.choice("mapping", s.mapping, kMappings, "how points of the part map to the picture");
   keys.numbers("center_mm", s.center_mm, three, length, "where the picture's middle lies");
   keys.numbers("axis",
                s.axis,

@@ -103,7 +103,7 @@ void read_groups(KeyReader& reader,
                                value_to_toml(item),
                                known.empty() ? "none" : join(known, ", ")));
     } else if (std::ranges::find(groups, item.text) != groups.end()) {
-      reader.error(&item, "groups", fmt::format("\"{}\" stands there twice", item.text));
+      reader.error(&item, "groups", fmt::format("\"{}\" is listed twice", item.text));
     } else {
       groups.push_back(item.text);
     }
@@ -177,7 +177,8 @@ void visit_pod(KeyVisitor& keys, PodSettings& settings) {
                "flawless scans for each prototype");
 }
 
-constexpr const char* kGroupDoc = "the group of [defects] that is looked for; others are left out";
+constexpr const char* kGroupDoc =
+    "the group of [defects] that is searched for; others are left out";
 
 void read_group(KeyReader& reader,
                 const std::vector<NamedGroup>& defects,

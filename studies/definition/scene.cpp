@@ -190,7 +190,7 @@ void check_level(const ConfigNode& root, const SceneSettings& scene, std::vector
   const Method method = scene.render.method;
   if (needs_paths(scene) && method != Method::kAuto && method != Method::kPaths) {
     fail("render.method",
-         fmt::format("is \"{}\", which knows a plain mirror under one tunnel only; "
+         fmt::format("is \"{}\", which is limited to a plain mirror under one tunnel; "
                      "this scene needs \"auto\" or \"paths\"",
                      method_name(method)));
   }

@@ -163,7 +163,7 @@ void check_variable_limits(const Study& study, std::vector<Problem>& errors) {
                         .place = where->place,
                         .context = "variables",
                         .key = variable.name,
-                        .text = "is not looked at, as [viewpoints] makes the poses; allowed with "
+                        .text = "has no effect, as [viewpoints] defines the poses; allowed with "
                                 "source = \"listed\""});
     }
     const auto count =
@@ -284,7 +284,7 @@ void put_set(ConfigNode& root, const KeyValue& set) {
   ConfigNode* node = &root;
   for (const std::string& part : quoted_parts(set.path)) {
     if (!node->is_table()) {
-      throw ConfigError(fmt::format("--set: {}: \"{}\" stands in no table", set.path, part));
+      throw ConfigError(fmt::format("--set: {}: \"{}\" belongs to no table", set.path, part));
     }
     if (node->find(part) == nullptr) {
       node->names.push_back(part);

@@ -306,7 +306,7 @@ void read_populations(Study& study, std::vector<Problem>& errors) {
           {.kind = Problem::Kind::kRelation,
            .place = table->place,
            .key = name,
-           .text = "cannot stand beside [variables]: a study either searches or inspects a "
+           .text = "cannot be combined with [variables]: a study either searches or inspects a "
                    "population; name the designs to be compared as [prototypes]"});
     }
   }
@@ -393,7 +393,7 @@ std::vector<KeyRow> study_keys() {
   add("prototypes.<name>.\"path.to.key\"",
       "any",
       "a value of that key",
-      "a named design that is scored beside the search");
+      "a named design that is scored alongside the search");
   add("objective.maximise", "text", "the name of a score", "what the search makes large");
   add("objective.minimise", "text", "the name of a score", "what the search makes small");
   add("constraints.\"score\"",

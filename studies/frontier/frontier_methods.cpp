@@ -40,7 +40,8 @@ std::vector<FrontierPoint> frontier_methods(const SceneSettings& scene) {
   const std::vector<ComparedMethod> methods = compared_methods(scene);
   if (methods.empty()) {
     throw ConfigError(
-        "render.method: a frontier compares the methods for a plain mirror under one tunnel; this "
+        "render.method",
+        "a frontier compares the methods for a plain mirror under one tunnel; this "
         "scene is path-traced");
   }
   const std::string own = own_tessellation(scene.part);

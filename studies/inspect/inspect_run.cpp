@@ -136,7 +136,7 @@ class InspectRun {
     }
     if (flawless_.empty() && source.scene.empty()) {
       throw ConfigError("inspection.threshold",
-                        "\"false_alarms\" is told by flawless parts: give their pictures "
+                        "\"false_alarms\" is calibrated with flawless parts: give their pictures "
                         "with --flawless, or choose \"noise\" or \"fixed\"");
     }
     const double threshold =

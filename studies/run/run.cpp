@@ -251,7 +251,8 @@ class Run {
     result["rescored"] = rescored;
     result["prototypes"] = prototypes_json();
     if (!inspect_populations(storage, folder, result)) {
-      log(LogLevel::kWarning, "interrupted; the inspected parts are kept, the same call goes on");
+      log(LogLevel::kWarning,
+          "interrupted; the inspected parts are kept, the same command resumes");
       result["status"] = "interrupted";
     }
     write_file(options_.out / "trials.csv", trials_csv(study_, storage));

@@ -202,7 +202,7 @@ TEST_F(InputError, PartOutsideTheImage) {
   expect_refused(study,
                  kUsage,
                  place_of(study, "camera]") +
-                     "camera: the part is outside the image: no camera ray meets it; check .*");
+                     "camera: the part is outside the image: no camera ray hits it; check .*");
 }
 
 TEST_F(InputError, TunnelSmallerThanThePart) {

@@ -110,7 +110,7 @@ void visit_keys(KeyVisitor& keys, RingSettings& s) {
   keys.integer("leds",
                s.leds,
                Range::between(0, 4096),
-               "round LEDs on the middle radius; 0 = evenly luminous ring");
+               "round LEDs on the middle radius; 0 = uniformly luminous ring");
   keys.number("led_diameter_mm", s.led_diameter_mm, kSize_mm, "luminous diameter of an LED");
   visit_keys(keys, s.segments);
   visit_keys(keys, s.emission);

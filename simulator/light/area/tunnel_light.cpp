@@ -72,7 +72,7 @@ void refuse_what_moves(const TunnelLight& light) {
       throw ConfigError(
           fmt::format("lighting.{}.{}", light.name, key),
           fmt::format("is {:g}, must be 0 where paths are traced: radiance that moves with the "
-                      "tunnel is no matter of the stripes' phase",
+                      "tunnel does not follow from the stripes' phase",
                       value));
     }
   };

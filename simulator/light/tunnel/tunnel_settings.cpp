@@ -74,7 +74,7 @@ void visit_keys(KeyVisitor& keys, TunnelSettings& s) {
               "relative loss of radiance at the tunnel's ends, quadratic along x");
   keys.boolean("blocks_view",
                s.blocks_view,
-               "whether the wall hides the part from the camera except through the slot");
+               "whether the wall occludes the part from the camera except through the slot");
   keys.boolean("cosine_law",
                s.cosine_law,
                "compatibility: multiplies the radiance by the cosine at the wall, which counts it "

@@ -373,7 +373,7 @@ void check_ray_memory(double num_rays, const std::string& what) {
 void check_part_is_seen(const RayCounts& counts) {
   if (counts.part == 0) {
     throw ConfigError("camera",
-                      "the part is outside the image: no camera ray meets it; check viewpoint, "
+                      "the part is outside the image: no camera ray hits it; check viewpoint, "
                       "working_distance_mm and part.position_mm");
   }
 }

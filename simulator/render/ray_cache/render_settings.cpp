@@ -16,21 +16,23 @@ std::string_view method_name(RenderSettings::Method method) {
 }
 
 void visit_keys(KeyVisitor& keys, RenderSettings& s) {
-  keys.choice("method",
-              s.method,
-              kMethodNames,
-              "how pictures come about: auto = closed forms in a search, integrated footprints for "
-              "pictures, paths where light or material need it; sampled = rays_per_axis^2 point "
-              "samples a pixel; paths = path tracing");
+  keys.choice(
+      "method",
+      s.method,
+      kMethodNames,
+      "how pictures are rendered: auto = closed forms in a search, integrated footprints for "
+      "pictures, paths where light or material need it; sampled = rays_per_axis^2 point "
+      "samples a pixel; paths = path tracing");
   keys.integer("rays_per_axis",
                s.rays_per_axis,
                Range::between(1, 16),
                "sampled: rays along each side of a pixel; their square is the number of rays");
-  keys.number("max_direction_error_mrad",
-              s.max_direction_error_rad,
-              Range::between(1e-3, 100),
-              "not sampled: largest error of reflected rays taken as linear across a cell of a "
-              "pixel; smaller = more cells where the surface is bent");
+  keys.number(
+      "max_direction_error_mrad",
+      s.max_direction_error_rad,
+      Range::between(1e-3, 100),
+      "not sampled: largest error of reflected rays interpolated linearly across a cell of a "
+      "pixel; smaller = more cells where the surface is curved");
   keys.integer("max_bounces",
                s.max_bounces,
                Range::between(1, 64),

@@ -202,7 +202,7 @@ TEST(SortingTable, DoesNotStandBesideVariables) {
                 "}\n[objective]\nmaximise = \"homogeneity.h_rms\"\n[budget]\nevaluations "
                 "= 2\n")
           .refusal(),
-      HasSubstr("sorting: cannot stand beside [variables]"));
+      HasSubstr("sorting: cannot be combined with [variables]"));
 }
 
 TEST(SortingTable, IsExplained) {

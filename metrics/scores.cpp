@@ -21,31 +21,32 @@ constexpr std::string_view kError = ".error";
 constexpr std::array kDocs = {
     ScoreDoc{
         "homogeneity.h_rms",
-        "1 - standard deviation / mean of the aspect image over the flawless region; 1 is even"},
+        "1 - standard deviation / mean of the mean image over the flawless region; 1 is uniform"},
     ScoreDoc{"homogeneity.h_abs",
-             "1 - mean absolute deviation / mean of the aspect image over the flawless region"},
+             "1 - mean absolute deviation / mean of the mean image over the flawless region"},
     ScoreDoc{"homogeneity.robust",
-             "1 - (P95 - P5) / (P95 + P5) of the aspect image over the flawless region; a search "
+             "1 - (P95 - P5) / (P95 + P5) of the mean image over the flawless region; a search "
              "takes percentiles only where its objective or a limit needs them"},
-    ScoreDoc{"homogeneity.mean", "mean aspect value of the flawless region, share of full scale"},
+    ScoreDoc{"homogeneity.mean",
+             "mean value of the flawless region in the mean image, share of full scale"},
     ScoreDoc{"homogeneity.clipped_share",
              "share of the flawless region at full scale in every frame, where nothing can show"},
     ScoreDoc{"homogeneity.lit_share", "share of the flawless region that light reaches"},
     ScoreDoc{"homogeneity.u0",
-             "smallest 3 x 3 mean / mean of the aspect image over the flawless region; 1 is even"},
+             "smallest 3 x 3 mean / mean of the mean image over the flawless region; 1 is uniform"},
     ScoreDoc{"homogeneity.residual",
-             "1 - standard deviation / mean of aspect image / its shading, a Gaussian of "
-             "metrics.shading_diameters; what software cannot take off"},
+             "1 - standard deviation / mean of the mean image / its shading, a Gaussian of "
+             "metrics.shading_diameters; what software cannot remove"},
     ScoreDoc{"homogeneity.low_share",
-             "share of the aspect image's variance at wavelengths above four defect diameters, "
-             "which software can take off"},
+             "share of the mean image's variance at wavelengths above four defect diameters, "
+             "which software can remove"},
     ScoreDoc{"homogeneity.high_share",
-             "share of the aspect image's variance at wavelengths below four defect diameters, "
+             "share of the mean image's variance at wavelengths below four defect diameters, "
              "which raises false alarms"},
     ScoreDoc{"homogeneity.worst_region",
              "smallest h_rms of metrics.regions times as many tiles of the flawless region"},
     ScoreDoc{"homogeneity.ripple",
-             "amplitude at the harmonics of the stripes, left in the aspect image along the rows, "
+             "amplitude at the harmonics of the stripes, left in the mean image along the rows, "
              "/ mean; 0 is best"},
     ScoreDoc{"fringe.regularity",
              "coefficient of variation of the stripe spacing along the rows; 0 is regular"},
@@ -55,7 +56,7 @@ constexpr std::array kDocs = {
     ScoreDoc{"defects.made", "how many defects the part has"},
     ScoreDoc{"defects.mean_depth_um", "mean depth of the defects, height of bumps"},
     ScoreDoc{"defects.removed_volume_mm3",
-             "volume that imprinted and displaced defects take away; bumps count as negative"},
+             "volume that imprinted and displaced defects remove; bumps count as negative"},
     ScoreDoc{"defects.min_cnr", "smallest contrast-to-noise ratio of any defect"},
     ScoreDoc{"defects.min_weber", "smallest |Weber contrast| of any defect"},
     ScoreDoc{"defects.mean_weber", "mean |Weber contrast| of the defects"},
@@ -88,16 +89,17 @@ constexpr std::array kDocs = {
     ScoreDoc{"defects.<label>.union",
              "area of the defect that changes visibly against the flawless part in any frame / "
              "true area of the defect"},
-    ScoreDoc{"view.hidden_share", "share of the part's pixels the wall hides from the camera"},
+    ScoreDoc{"view.hidden_share",
+             "share of the part's pixels that the wall occludes from the camera"},
     ScoreDoc{"view.slot_margin_mm",
              "smallest distance of a sight line to the flawless region from the edge of the camera "
-             "slot, across the tunnel; negative: the wall hides some of it"},
+             "slot, across the tunnel; negative: the wall occludes some of it"},
     ScoreDoc{"inspection.detection_rate", "share of the defects that the inspection finds"},
     ScoreDoc{"inspection.false_alarms", "blobs found on a flawless part, on average"},
     ScoreDoc{"inspection.threshold",
              "threshold of the response that the inspection took, share of full scale"},
     ScoreDoc{"inspection.region_share",
-             "share of the part, without its rim, that is lit and even enough to be inspected"},
+             "share of the part, without its rim, that is lit and uniform enough to be inspected"},
     ScoreDoc{"inspection.rendering_share",
              "share of the rendering's own noise in the variance of a flawless part's response; 0 "
              "without path tracing"},
@@ -127,7 +129,7 @@ constexpr std::array kDocs = {
              "group's defects"},
     ScoreDoc{"inspection.<group>.pod_a90_um", "inspection.pod_a90_um over the group's defects"},
     ScoreDoc{"inspection.<group>.signature", "inspection.signature over the group's defects"},
-    ScoreDoc{"rays.followed_share", "share of the rays that met the part again and were followed"},
+    ScoreDoc{"rays.followed_share", "share of the rays that hit the part again and were followed"},
     ScoreDoc{"rays.blocked_share", "share of the rays that were given up as dark"},
 };
 

@@ -62,19 +62,19 @@ std::string scan_note(const SceneSettings& scene) {
   if (!is_whole(periods) || !is_whole(bright)) {
     return fmt::format(
         "{} positions x duty {:g} over {:g} periods is not a whole number of bright positions over "
-        "whole periods: the flawless surface shows a ripple of its own.",
+        "whole periods: the flawless surface itself shows a ripple.",
         scene.scan.positions,
         tunnel.duty,
         periods);
   }
   std::string note = fmt::format(
       "{} positions x duty {:g} is a whole number of bright positions over whole periods: where "
-      "the wall is lit all along, the mean of a linear sensor is the same everywhere; what the "
-      "aspect image shows, it shows through clipping",
+      "the wall is lit throughout, the mean of a linear sensor is the same everywhere; what the "
+      "aspect image shows is due to clipping",
       scene.scan.positions,
       tunnel.duty);
   if (tunnel.led_ripple > 0.0 || tunnel.end_falloff > 0.0 || tunnel.cosine_law) {
-    note += ", and through the unevenness of the wall that this scene gives it";
+    note += " and to the uneven brightness of the wall in this scene";
   }
   return note + ".";
 }
@@ -86,14 +86,14 @@ std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& sc
     notes.push_back("Light " + line + ".");
   }
   notes.push_back(fmt::format(
-      "Path tracing: {} samples a pixel, {} reflections on the part at most; powers of lights are "
+      "Path tracing: {} samples per pixel, {} reflections on the part at most; powers of lights are "
       "factors of pictures that are rendered once.",
       scene.paths.samples,
       scene.paths.max_reflections));
   const auto mean = scores.find("homogeneity.mean");
   if (mean != scores.end() && mean->second <= 0.0) {
     notes.push_back(
-        "No light reaches the part in this picture: look at the lights' places, "
+        "No light reaches the part in this picture: check the lights' positions, "
         "directions and powers.");
   }
   if (scene.viewpoints.size() > 1) {
@@ -103,8 +103,8 @@ std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& sc
   const auto error = scores.find("homogeneity.h_rms.error");
   if (value != scores.end() && error != scores.end()) {
     notes.push_back(
-        fmt::format("Standard errors of the scores, by the scatter of independent pictures, are "
-                    "scores of their own that end in .error: h (rms) is {:.3f} +- {:.3f} %.",
+        fmt::format("Standard errors of the scores, from the scatter of independent pictures, are "
+                    "separate scores that end in .error: h (rms) is {:.3f} +- {:.3f} %.",
                     100.0 * value->second,
                     100.0 * error->second));
   }
@@ -117,9 +117,9 @@ constexpr const char* kHomogeneityNote =
 
 std::vector<std::string> path_method_notes(const PathSettings& paths) {
   return {
-      fmt::format("Light transport: path tracing with {} samples a pixel and {} reflections on the "
-                  "part at most; pictures of all lights at power 1 are made once per part, camera "
-                  "and place of the lights, powers are factors.",
+      fmt::format("Light transport: path tracing with {} samples per pixel and {} reflections on the "
+                  "part at most; pictures of all lights at power 1 are rendered once per part, camera "
+                  "and position of the lights; powers are factors.",
                   paths.samples,
                   paths.max_reflections),
       kHomogeneityNote,
@@ -177,13 +177,13 @@ std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& s
   };
   if (share_of("view.hidden_share") > 0.0) {
     notes.push_back(
-        fmt::format("The wall hides {:.2f} % of the part from the camera: the slot is too narrow "
-                    "there; hidden pixels are dark.",
+        fmt::format("The wall occludes {:.2f} % of the part from the camera: the slot is too narrow "
+                    "there; occluded pixels are dark.",
                     100.0 * share_of("view.hidden_share")));
   }
   if (share_of("rays.followed_share") + share_of("rays.blocked_share") > 0.0) {
     notes.push_back(
-        fmt::format("{:.3f} % of the rays met the part again and were followed, {:.3f} % were "
+        fmt::format("{:.3f} % of the rays hit the part again and were followed, {:.3f} % were "
                     "given up as dark.",
                     100.0 * share_of("rays.followed_share"),
                     100.0 * share_of("rays.blocked_share")));
@@ -202,14 +202,14 @@ std::vector<std::string> method_notes(const SceneSettings& scene) {
   if (render.method == RenderSettings::Method::kSampled) {
     const int rays = render.rays_per_axis * render.rays_per_axis;
     return mirror_method_notes(
-        fmt::format("{} rays a pixel", rays), "", fmt::format("{} rays a pixel", 4 * rays));
+        fmt::format("{} rays per pixel", rays), "", fmt::format("{} rays per pixel", 4 * rays));
   }
   return mirror_method_notes(
-      fmt::format("one ray a pixel and the footprint of the pixel about it, with more rays where "
-                  "directions bend by more than {:g} mrad,",
+      fmt::format("one ray per pixel and the pixel's footprint around it, with more rays where "
+                  "directions deviate by more than {:g} mrad,",
                   render.max_direction_error_rad * 1e3),
       ", stripes and edges of the light integrated in closed form",
-      "all frames, with directions four times as exact");
+      "all frames, with directions four times as accurate");
 }
 
 }  // namespace glint

@@ -328,12 +328,14 @@ class SceneGradients {
     }
     if (held_pixels_ > 0) {
       result_.remarks.push_back(fmt::format(
-          "{} pixels at outlines of the part or ends of the tunnel are held", held_pixels_));
+          "{} pixels at outlines of the part or ends of the tunnel are treated as constant",
+          held_pixels_));
     }
     if (scan_.footprints.hidden_share() > 0.0) {
       result_.remarks.push_back(
-          "the edge of what the wall hides from the camera is held: no term for it by the keys of "
-          "slot, shape and camera");
+          "the edge of what the wall occludes from the camera is treated as constant: no term for "
+          "it "
+          "by the keys of slot, shape and camera");
     }
     const auto is_evenness = [](const std::string& score) {
       return score == "homogeneity.h_rms" || score == "homogeneity.h_abs";
@@ -341,12 +343,13 @@ class SceneGradients {
     if (std::ranges::any_of(wanted_.scores, is_evenness) &&
         scatter_share(scored_image()) > kLargeScatter) {
       result_.remarks.push_back(
-          "the scatter of pixels by noise and few frames is held: the evenness has it, but no term "
-          "for how it changes");
+          "the scatter of pixels by noise and few frames is treated as constant: the homogeneity "
+          "includes it, but no term for how it changes");
     }
     if (std::ranges::any_of(wanted_.paths, is_pose)) {
       result_.remarks.push_back(
-          "the camera's pose moves the part's outline and the region of interest: both are held");
+          "the camera's pose moves the part's outline and the region of interest: both are treated "
+          "as constant");
     }
   }
 

@@ -118,13 +118,13 @@ std::vector<std::string> method_notes(const Frontier& frontier) {
       "Frame error: root of the mean square of radiance over all frames and all pixels that see "
       "the "
       "part; pictures of half resolution are enlarged linearly for it. Full scale is 1.",
-      "Contrast error: the worst defect, in the aspect image (Weber) or in its best frame "
+      "Contrast error: the worst defect, in the mean image (Weber) or in its best frame "
       "(change), "
       "in per cent of its value but of at least 1 % of full contrast."};
   if (frontier.reference.own_frame_rmse) {
     notes.push_back(fmt::format(
         "The reference's own frame error is about {:.2g}, extrapolated from 16 and 64 rays; below "
-        "that the chart tells no differences.",
+        "that the chart shows no differences.",
         *frontier.reference.own_frame_rmse));
   }
   return notes;
@@ -134,7 +134,7 @@ std::string page_html(const Study& study, const Frontier& frontier, const Json& 
   Json source = provenance();
   source.erase("cores");
   return render_report({{"title", study.title},
-                        {"subtitle", "What each method of rendering costs, and how wrong it is"},
+                        {"subtitle", "Cost and error of each rendering method"},
                         {"verdict",
                          {{"sentence", frontier_sentence(frontier)},
                           {"tone", "neutral"},

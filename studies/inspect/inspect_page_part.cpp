@@ -142,7 +142,7 @@ std::string legend(bool has_truth) {
     return fmt::format(
         "<span class=\"key {}\" style=\"color:{}\"></span>{}", name, mark_colour(kind), words);
   };
-  return "<p class=\"lead\">Grey values stretched; what is darkened was not looked at." +
+  return "<p class=\"lead\">Grey values stretched; darkened areas were not inspected." +
          key("hole", DefectMark::Kind::kHole, "hole or bump") +
          key("scratch", DefectMark::Kind::kScratch, "scratch") +
          (has_truth ? key("missed", DefectMark::Kind::kMissed, "missed") : "") + "</p>\n";

@@ -116,7 +116,7 @@ Json lightings_table(const Json& designs) {
             "defects found",
             "as the other kind",
             "false alarms a part",
-            "looked at"}},
+            "inspected"}},
           {"rows", rows}};
 }
 
@@ -189,7 +189,7 @@ Json pod_table(const Json& pod) {
       {"head",
        {"lighting",
         "defects",
-        "not looked at",
+        "not inspected",
         "a50",
         "a90",
         "a90/95",

@@ -201,9 +201,8 @@ std::vector<std::string> search_details(const Json& data,
   const std::string status = text_of(data, "status");
   const std::size_t count = member(data, "trials").size();
   if (status == "interrupted") {
-    details.push_back(
-        fmt::format("The run was interrupted after {}; running it again goes on from there.",
-                    evaluations(count)));
+    details.push_back(fmt::format(
+        "The run was interrupted after {}; running it again resumes there.", evaluations(count)));
   } else if (status == "budget") {
     details.push_back(fmt::format("The budget ended the search after {}.", evaluations(count)));
   }
@@ -259,7 +258,7 @@ std::string lead_sentence(const Lead& lead, const Wording& wording) {
   return lead.lead >= 0.0
              ? fmt::format(
                    " The lead over the baseline is not larger than the noise ({}): it may be "
-                   "chance; more parts or scans would tell.",
+                   "chance; more parts or scans would show.",
                    noise)
              : "";
 }

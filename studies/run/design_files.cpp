@@ -124,8 +124,8 @@ std::string rendering_note(const Json& rendering) {
   }
   const std::string form = rendering["search_form"];
   if (form == form_name(ScanForm::Kind::kFrames)) {
-    return "A search renders all frames of this scan: no closed form holds for its mean, or the "
-           "search looks at single frames.";
+    return "A search renders all frames of this scan: no closed form is valid for its mean, or the "
+           "search scores single frames.";
   }
   const int by_table = rendering["table_pixels"].get<int>();
   const int by_frames = rendering["frame_pixels"].get<int>();
@@ -134,11 +134,11 @@ std::string rendering_note(const Json& rendering) {
   return fmt::format(
       "A search takes the mean of this scan from a closed form ({}), with {} pixels rendered frame "
       "by frame ({}); h (rms) is {:.3f} points {} than from the full sequence.",
-      is_linear ? "floors: the sensor does not clip"
+      is_linear ? "mean radiance: the sensor does not clip"
                 : fmt::format("table: the sensor clips; {} pixels", by_table),
       by_frames,
       is_linear ? "around the defects where these are scored"
-                : "near edges of the light, on bent surface, and around the defects where these "
+                : "near edges of the light, on curved surface, and around the defects where these "
                   "are scored",
       std::abs(difference),
       difference < 0.0 ? "lower" : "higher");

@@ -233,7 +233,7 @@ Json single_run(const fs::path& run) {
   std::vector<std::string> methods = method_notes(study.scene);
   if (study.has_search()) {
     for (const std::string& remark : derivative_remarks(Storage::read(run / "study.sqlite"))) {
-      methods.push_back("Derivatives of the search, what is left out: " + remark + ".");
+      methods.push_back("Derivatives of the search do not include: " + remark + ".");
     }
   }
   data["methods"] = methods;

@@ -87,7 +87,7 @@ function sequence(facts, design, players) {
 
 function aspect(facts, design) {
   if (!design.aspect) return block(null);
-  return block('Aspect image (mean of the sequence)', picture(design.aspect, `${facts.title(design)}: aspect image`, 'frame'));
+  return block('Mean image of the sequence', picture(design.aspect, `${facts.title(design)}: mean image`, 'frame'));
 }
 
 function closeups(facts, design) {

@@ -141,6 +141,6 @@ export function frontierSection(facts) {
 export function frontierTableSection(facts) {
   const data = facts.data.frontier;
   if (!data?.points?.length) return null;
-  return section('measured', 'All methods', 'Time of one more candidate on one thread and of the first one; errors of frames (also without edges of light and part and without defects), of h_rms, and of the worst defect in the aspect image (contrast) and in its best frame (change).', h('div', { class: 'scroll' }, h('table', { class: 'evaluations' },
+  return section('measured', 'All methods', 'Time of one more candidate on one thread and of the first one; errors of frames (also without edges of light and part and without defects), of h_rms, and of the worst defect in the mean image (contrast) and in its best frame (change).', h('div', { class: 'scroll' }, h('table', { class: 'evaluations' },
     h('thead', {}, h('tr', {}, kHeadings.map((text, i) => h('th', { class: i > 0 ? 'number' : '' }, text)))), h('tbody', {}, data.points.map(row)))));
 }

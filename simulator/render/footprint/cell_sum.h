@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "simulator/render/footprint/cut_kernels.h"
+#include "simulator/render/footprint/cell_samples.h"
 #include "simulator/render/footprint/footprints.h"
 #include "simulator/render/footprint/stripe_integral.h"
 

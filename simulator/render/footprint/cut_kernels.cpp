@@ -10,60 +10,19 @@
 // kB for a batch.
 #include "simulator/render/footprint/cut_kernels.h"
 
-#include <bit>
-#include <cstddef>
-
 #include "core/simd.h"
+#include "simulator/render/footprint/corner_lane.h"
 #include "simulator/render/footprint/footprint_lane.h"
 #include "simulator/render/footprint/stripe_integral.h"
 
 namespace glint::cut_kernels {
 namespace {
 
+using corner_lane::Linear;
+using corner_lane::linear_at;
 using footprint_lane::absolute;
 using footprint_lane::first_integral;
 using footprint_lane::second_integral;
-
-/// Least squares through four corners.
-struct Linear {
-  double value, dx, dy;
-};
-
-GLINT_INLINE Linear linear_at(const Corners& corners, int i) {
-  const auto a = static_cast<double>(corners.at[0][i]);
-  const auto b = static_cast<double>(corners.at[1][i]);
-  const auto c = static_cast<double>(corners.at[2][i]);
-  const auto d = static_cast<double>(corners.at[3][i]);
-  return {0.25 * (a + b + c + d), 0.5 * (b + d - a - c), 0.5 * (c + d - a - b)};
-}
-
-struct Range {
-  float low, high;
-};
-
-GLINT_INLINE float smaller(float a, float b) {
-  return a < b ? a : b;
-}
-
-GLINT_INLINE float larger(float a, float b) {
-  return a < b ? b : a;
-}
-
-GLINT_INLINE Range range_at(const Corners& corners, int i) {
-  const float* a = corners.at[0];
-  const float* b = corners.at[1];
-  const float* c = corners.at[2];
-  const float* d = corners.at[3];
-  return {smaller(smaller(a[i], b[i]), smaller(c[i], d[i])),
-          larger(larger(a[i], b[i]), larger(c[i], d[i]))};
-}
-
-/// How far a linear function goes from its middle; rounding errors allowed for.
-GLINT_INLINE double reach_of(const Linear& f) {
-  constexpr double kRounding = 1e-12;
-  const double reach = 0.5 * (absolute(f.dx) + absolute(f.dy));
-  return reach + kRounding * (absolute(f.value) + reach);
-}
 
 }  // namespace
 
@@ -94,46 +53,6 @@ GLINT_WIDE void scale(const Corners& factors, int count, Corners& values) {
   }
 }
 
-GLINT_WIDE void find_cuts(const CornerBatch& pixels,
-                          const CutLimits& limits,
-                          LinearBatch& inside,
-                          unsigned char* __restrict is_simple) {
-  const CutLimits l = limits;
-  const int count = pixels.count;
-  double* __restrict value = inside.value;
-  double* __restrict dx = inside.dx;
-  double* __restrict dy = inside.dy;
-  int simple[kBatch];
-  for (int i = 0; i < count; ++i) {
-    const Linear margin = linear_at(pixels.margin_mm, i);
-    const Linear y = linear_at(pixels.y_mm, i);
-    const Range y_mm = range_at(pixels.y_mm, i);
-    const double margin_reach = reach_of(margin);
-    const bool is_at_rim = margin.value - margin_reach < 0.0;
-    const bool is_beside = (static_cast<double>(y_mm.low) >= l.half_slot_mm) |
-                           (static_cast<double>(y_mm.high) <= -l.half_slot_mm);
-    const double to_right = y.value - l.half_slot_mm;
-    const double to_left = -l.half_slot_mm - y.value;
-    const bool is_right = to_right + reach_of({to_right, y.dx, y.dy}) >= 0.0;
-    const bool is_left = to_left + reach_of({to_left, y.dx, y.dy}) >= 0.0;
-    const double beside_value = is_at_rim ? margin.value : 1.0;
-    const double beside_dx = is_at_rim ? margin.dx : 0.0;
-    const double beside_dy = is_at_rim ? margin.dy : 0.0;
-    value[i] = is_beside ? beside_value : (is_left ? to_left : to_right);
-    dx[i] = is_beside ? beside_dx : (is_left ? -y.dx : y.dx);
-    dy[i] = is_beside ? beside_dy : (is_left ? -y.dy : y.dy);
-    const bool is_one_line = is_beside | (!is_at_rim & !(is_left & is_right));
-    simple[i] = is_one_line ? 1 : 0;
-  }
-  for (int i = 0; i < count; ++i) {
-    const Range x_mm = range_at(pixels.x_mm, i);
-    const Range margin_mm = range_at(pixels.margin_mm, i);
-    const bool is_on_wall = margin_mm.low >= l.nowhere_mm;
-    const bool is_inside_ends = (x_mm.low > l.x_low_mm) & (x_mm.high < l.x_high_mm);
-    is_simple[i] = ((simple[i] != 0) & is_on_wall & is_inside_ends) ? 1 : 0;
-  }
-}
-
 namespace {
 
 /// A corner of the pixel's square.
@@ -158,6 +77,7 @@ struct EdgeTerms {
 /// only one enters the part that is kept.
 struct Crossing {
   double x = 0.0, y = 0.0, second = 0.0, first = 0.0;
+  double phase = 0.0;
 };
 
 /// What is summed up along the border.
@@ -208,6 +128,70 @@ GLINT_INLINE void add_edge(const Corner& a,
   at_b.first += b.is_kept * first;
 }
 
+/// The phase of the stripes; where there are none it rises a little all the same (kFlatPhase).
+GLINT_INLINE Linear phase_at(const Corners& stripes_mm, int i, double offset_mm, double per_mm) {
+  Linear v = linear_at(stripes_mm, i);
+  v.value = (v.value - offset_mm) * per_mm;
+  const double dx = v.dx * per_mm;
+  const double dy = v.dy * per_mm;
+  const bool is_flat = dx * dx + dy * dy < kFlatPhase * kFlatPhase;
+  v.dx = is_flat ? kFlatPhase : dx;
+  v.dy = is_flat ? 0.0 : dy;
+  return v;
+}
+
+/// The boundary itself, the edge that closes what is kept.
+/// @param across, along  the phase's gradient over its square
+GLINT_INLINE void add_boundary(const Linear& v, double across, double along, Border& border) {
+  Crossing& from = border.leaving;
+  Crossing& to = border.entering;
+  const double weight = across * (to.y - from.y) - along * (to.x - from.x);
+  from.phase = v.value + from.x * v.dx + from.y * v.dy;
+  to.phase = v.value + to.x * v.dx + to.y * v.dy;
+  const double difference = to.phase - from.phase;
+  const bool is_level = absolute(difference) <= kLevelEdge;
+  const double second = is_level ? 0.0 : weight / difference;
+  const double first = is_level ? 0.5 * weight : 0.0;
+  from.second -= second;
+  to.second += second;
+  from.first += first;
+  to.first += first;
+  border.twice_area = border.twice_area + from.x * to.y - to.x * from.y;
+}
+
+GLINT_INLINE void set_vertex(
+    int k, int i, double phase, double second, double first, CutSums& __restrict sums) {
+  sums.phase[k][i] = phase;
+  sums.second[k][i] = second;
+  sums.first[k][i] = first;
+}
+
+GLINT_INLINE void cut_pixel(const Linear& v, const Linear& f, int i, CutSums& __restrict sums) {
+  const double per_squared = 1.0 / (v.dx * v.dx + v.dy * v.dy);
+  const double across = v.dx * per_squared;
+  const double along = v.dy * per_squared;
+  const double per_x = -along / v.dx;
+  const double per_y = across / v.dy;
+  const Corner a = corner_at(-0.5, -0.5, v, f);
+  const Corner b = corner_at(0.5, -0.5, v, f);
+  const Corner c = corner_at(0.5, 0.5, v, f);
+  const Corner d = corner_at(-0.5, 0.5, v, f);
+  VertexTerms at_a, at_b, at_c, at_d;
+  Border border;
+  add_edge(a, b, -along, per_x, at_a, at_b, border);
+  add_edge(b, c, across, per_y, at_b, at_c, border);
+  add_edge(c, d, along, per_x, at_c, at_d, border);
+  add_edge(d, a, -across, per_y, at_d, at_a, border);
+  add_boundary(v, across, along, border);
+  sums.area[i] = 0.5 * border.twice_area;
+  set_vertex(0, i, a.phase, at_a.second, at_a.first, sums);
+  set_vertex(1, i, b.phase, at_b.second, at_b.first, sums);
+  set_vertex(2, i, c.phase, at_c.second, at_c.first, sums);
+  set_vertex(3, i, d.phase, at_d.second, at_d.first, sums);
+  set_vertex(4, i, border.leaving.phase, border.leaving.second, border.leaving.first, sums);
+  set_vertex(5, i, border.entering.phase, border.entering.second, border.entering.first, sums);
+}
+
 }  // namespace
 
 GLINT_WIDE void cut(const CornerBatch& __restrict pixels,
@@ -216,61 +200,11 @@ GLINT_WIDE void cut(const CornerBatch& __restrict pixels,
                     double per_mm,
                     CutSums& __restrict sums) {
   const int count = pixels.count;
-  double level = 0.0;
   for (int i = 0; i < count; ++i) {
-    Linear v = linear_at(pixels.stripes_mm, i);
-    v.value = (v.value - offset_mm) * per_mm;
-    const double dx = v.dx * per_mm;
-    const double dy = v.dy * per_mm;
-    const bool is_flat = dx * dx + dy * dy < kFlatPhase * kFlatPhase;
-    v.dx = is_flat ? kFlatPhase : dx;
-    v.dy = is_flat ? 0.0 : dy;
-    const Linear f = {inside.value[i], inside.dx[i], inside.dy[i]};
-    const double per_squared = 1.0 / (v.dx * v.dx + v.dy * v.dy);
-    const double across = v.dx * per_squared;
-    const double along = v.dy * per_squared;
-    const double per_x = -along / v.dx;
-    const double per_y = across / v.dy;
-    const Corner a = corner_at(-0.5, -0.5, v, f);
-    const Corner b = corner_at(0.5, -0.5, v, f);
-    const Corner c = corner_at(0.5, 0.5, v, f);
-    const Corner d = corner_at(-0.5, 0.5, v, f);
-    VertexTerms at_a, at_b, at_c, at_d;
-    Border border;
-    add_edge(a, b, -along, per_x, at_a, at_b, border);
-    add_edge(b, c, across, per_y, at_b, at_c, border);
-    add_edge(c, d, along, per_x, at_c, at_d, border);
-    add_edge(d, a, -across, per_y, at_d, at_a, border);
-    const Crossing& from = border.leaving;
-    const Crossing& to = border.entering;
-    const double weight = across * (to.y - from.y) - along * (to.x - from.x);
-    const double from_phase = v.value + from.x * v.dx + from.y * v.dy;
-    const double to_phase = v.value + to.x * v.dx + to.y * v.dy;
-    const double difference = to_phase - from_phase;
-    const bool is_level = absolute(difference) <= kLevelEdge;
-    const double second = is_level ? 0.0 : weight / difference;
-    const double first = is_level ? 0.5 * weight : 0.0;
-    sums.area[i] = 0.5 * (border.twice_area + from.x * to.y - to.x * from.y);
-    sums.phase[0][i] = a.phase;
-    sums.phase[1][i] = b.phase;
-    sums.phase[2][i] = c.phase;
-    sums.phase[3][i] = d.phase;
-    sums.phase[4][i] = from_phase;
-    sums.phase[5][i] = to_phase;
-    sums.second[0][i] = at_a.second;
-    sums.second[1][i] = at_b.second;
-    sums.second[2][i] = at_c.second;
-    sums.second[3][i] = at_d.second;
-    sums.second[4][i] = from.second - second;
-    sums.second[5][i] = to.second + second;
-    sums.first[0][i] = at_a.first;
-    sums.first[1][i] = at_b.first;
-    sums.first[2][i] = at_c.first;
-    sums.first[3][i] = at_d.first;
-    sums.first[4][i] = from.first + first;
-    sums.first[5][i] = to.first + first;
+    const Linear v = phase_at(pixels.stripes_mm, i, offset_mm, per_mm);
+    cut_pixel(v, {inside.value[i], inside.dx[i], inside.dy[i]}, i, sums);
   }
-  sums.has_first = false;
+  double level = 0.0;
   for (const auto& first : sums.first) {
     for (int i = 0; i < count; ++i) {
       level = absolute(first[i]) > level ? absolute(first[i]) : level;
@@ -339,50 +273,6 @@ void integrate(const CornerBatch& pixels, const CutSums& sums, const CutFrame& f
   finish(pixels.gain, sums.area, share, pixels.count, frame.dark, frame.bright, out);
 }
 
-GLINT_WIDE void mean_gains(const CornerBatch& __restrict pixels,
-                           const CutLimits& limits,
-                           float* __restrict gain,
-                           unsigned char* __restrict is_clear) {
-  constexpr float kFar = 1e30F;
-  const auto half_slot_mm = static_cast<float>(limits.half_slot_mm);
-  const float x_low_mm = limits.x_low_mm;
-  const float x_high_mm = limits.x_high_mm;
-  const int count = pixels.count;
-  std::int32_t clear[kBatch];
-  for (int i = 0; i < count; ++i) {
-    float seen = 0.0F;
-    float sum = 0.0F;
-    Range x = {kFar, -kFar};
-    Range y = {kFar, -kFar};
-    Range margin = {kFar, -kFar};
-    for (int k = 0; k < 4; ++k) {
-      const float at = pixels.gain.at[k][i];
-      const float at_x = pixels.x_mm.at[k][i];
-      const float at_y = pixels.y_mm.at[k][i];
-      const float at_margin = pixels.margin_mm.at[k][i];
-      const bool is_seen = at > 0.0F;
-      seen += is_seen ? 1.0F : 0.0F;
-      sum += is_seen ? at : 0.0F;
-      x.low = (is_seen & (at_x < x.low)) ? at_x : x.low;
-      x.high = (is_seen & (at_x > x.high)) ? at_x : x.high;
-      y.low = (is_seen & (at_y < y.low)) ? at_y : y.low;
-      y.high = (is_seen & (at_y > y.high)) ? at_y : y.high;
-      margin.low = (is_seen & (at_margin < margin.low)) ? at_margin : margin.low;
-      margin.high = (is_seen & (at_margin > margin.high)) ? at_margin : margin.high;
-    }
-    const float x_size = x.high - x.low;
-    const float y_size = y.high - y.low;
-    const bool is_beside = (y.low - y_size >= half_slot_mm) | (y.high + y_size <= -half_slot_mm);
-    const bool is_on_wall = margin.low >= margin.high - margin.low;
-    const bool is_inside = (x.low - x_size > x_low_mm) & (x.high + x_size < x_high_mm);
-    gain[i] = sum / (seen > 1.0F ? seen : 1.0F);
-    clear[i] = ((seen > 1.5F) & is_beside & is_on_wall & is_inside) ? 1 : 0;
-  }
-  for (int i = 0; i < count; ++i) {
-    is_clear[i] = static_cast<unsigned char>(clear[i]);
-  }
-}
-
 namespace {
 
 constexpr int kLanes = 16;
@@ -411,177 +301,6 @@ GLINT_WIDE float sum_simple(const float* __restrict values,
     }
   }
   return sum_of(lanes);
-}
-
-namespace {
-
-/// The smallest of values, lane by lane, where there is weight.
-struct Lowest {
-  float lanes[kLanes];
-
-  GLINT_INLINE void add(int lane, float value, float weight) {
-    const bool is_lower = (weight > 0.0F) & (value < lanes[lane]);
-    lanes[lane] = is_lower ? value : lanes[lane];
-  }
-
-  GLINT_INLINE float value() const {
-    float low = lanes[0];
-    for (const float lane : lanes) {
-      low = lane < low ? lane : low;
-    }
-    return low;
-  }
-};
-
-}  // namespace
-
-GLINT_WIDE PlaceLimits find_limits(const float* __restrict x_mm,
-                                   const float* __restrict y_mm,
-                                   const float* __restrict margin_mm,
-                                   const float* __restrict weight,
-                                   int count) {
-  constexpr float kHuge = 3e38F;
-  Lowest x, to_x, y, to_y, margin;
-  for (int lane = 0; lane < kLanes; ++lane) {
-    x.lanes[lane] = to_x.lanes[lane] = y.lanes[lane] = to_y.lanes[lane] = kHuge;
-    margin.lanes[lane] = kHuge;
-  }
-  const int whole = count < kLanes ? 0 : count;
-  for (int at = 0; at < count - whole; ++at) {
-    x.add(at, x_mm[at], weight[at]);
-    to_x.add(at, -x_mm[at], weight[at]);
-    y.add(at, y_mm[at], weight[at]);
-    to_y.add(at, -y_mm[at], weight[at]);
-    margin.add(at, margin_mm[at], weight[at]);
-  }
-  for (int i = 0; i < whole; i += kLanes) {
-    const int first = i < count - kLanes ? i : count - kLanes;  // the last ones may count twice
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const int at = first + lane;
-      x.add(lane, x_mm[at], weight[at]);
-      to_x.add(lane, -x_mm[at], weight[at]);
-      y.add(lane, y_mm[at], weight[at]);
-      to_y.add(lane, -y_mm[at], weight[at]);
-      margin.add(lane, margin_mm[at], weight[at]);
-    }
-  }
-  return {.x_low_mm = x.value(),
-          .x_high_mm = -to_x.value(),
-          .y_low_mm = y.value(),
-          .y_high_mm = -to_y.value(),
-          .margin_low_mm = margin.value()};
-}
-
-namespace {
-
-/// The value, or 0 for a mask of 0: without a branch.
-GLINT_INLINE float kept(float value, std::int32_t mask) {
-  return std::bit_cast<float>(std::bit_cast<std::int32_t>(value) & mask);
-}
-
-/// A row of cells. @tparam kCells  per axis; known to the compiler, a row is a vector or less
-template <int kCells>
-GLINT_INLINE void sample_row(const float* __restrict top,
-                             const float* __restrict gain_top,
-                             const std::int32_t* __restrict used,
-                             float offset_mm,
-                             float per_mm,
-                             float* __restrict v,
-                             float* __restrict gx,
-                             float* __restrict gy,
-                             float* __restrict gain,
-                             float* __restrict widest) {
-  constexpr float kQuarterShare = 0.25F / static_cast<float>(kCells * kCells);
-  const float* __restrict bottom = top + kCells + 1;
-  const float* __restrict gain_bottom = gain_top + kCells + 1;
-  for (int i = 0; i < kCells; ++i) {
-    const float a = top[i];
-    const float b = top[i + 1];
-    const float c = bottom[i];
-    const float d = bottom[i + 1];
-    const float width = larger(larger(a, b), larger(c, d)) - smaller(smaller(a, b), smaller(c, d));
-    const float sum = gain_top[i] + gain_top[i + 1] + gain_bottom[i] + gain_bottom[i + 1];
-    v[i] = kept((0.25F * (a + b + c + d) - offset_mm) * per_mm, used[i]);
-    gx[i] = kept(0.5F * (b + d - a - c) * per_mm, used[i]);
-    gy[i] = kept(0.5F * (c + d - a - b) * per_mm, used[i]);
-    gain[i] = kept(kQuarterShare * sum, used[i]);
-    widest[i] = larger(widest[i], kept(width, used[i]));
-  }
-}
-
-template <int kCells>
-GLINT_INLINE float sample_rows(const CellGrid& cells,
-                               float offset_mm,
-                               float per_mm,
-                               const CellSamples& out) {
-  std::int32_t used[static_cast<std::size_t>(kCells * kCells)];
-  for (int i = 0; i < kCells * kCells; ++i) {
-    used[i] = -static_cast<std::int32_t>(cells.is_smooth[i]);
-  }
-  float widths[static_cast<std::size_t>(kCells)] = {};
-  for (int row = 0; row < kCells; ++row) {
-    const std::ptrdiff_t first = row * kCells;
-    sample_row<kCells>(cells.stripes_mm + first + row,
-                       cells.gain + first + row,
-                       used + first,
-                       offset_mm,
-                       per_mm,
-                       out.v + first,
-                       out.gx + first,
-                       out.gy + first,
-                       out.gain + first,
-                       widths);
-  }
-  float widest = 0.0F;
-  for (const float width : widths) {
-    widest = larger(widest, width);
-  }
-  return widest;
-}
-
-}  // namespace
-
-GLINT_WIDE float sample_cells(const CellGrid& cells,
-                              float offset_mm,
-                              float per_mm,
-                              const CellSamples& out) {
-  switch (cells.cells_per_axis) {
-    case 2:
-      return sample_rows<2>(cells, offset_mm, per_mm, out);
-    case 4:
-      return sample_rows<4>(cells, offset_mm, per_mm, out);
-    case 8:
-      return sample_rows<8>(cells, offset_mm, per_mm, out);
-    case 16:
-      return sample_rows<16>(cells, offset_mm, per_mm, out);
-    default:
-      return __builtin_inff();
-  }
-}
-
-GLINT_WIDE void corner_weights(const unsigned char* __restrict is_smooth,
-                               int cells_per_axis,
-                               float* __restrict weight) {
-  const int n = cells_per_axis;
-  const float quarter = 0.25F / static_cast<float>(n * n);
-  // Quarters of the cells in a row of them, with nothing on both sides.
-  float above[kMostCells + 2] = {};
-  float below[kMostCells + 2] = {};
-  for (int row = 0; row <= n; ++row) {
-    const bool is_last = row == n;
-    const float full = is_last ? 0.0F : quarter;
-    const unsigned char* __restrict cells = is_smooth + (is_last ? 0 : row) * n;
-    for (int i = 0; i < n; ++i) {
-      below[i + 1] = full * static_cast<float>(1 - static_cast<std::int32_t>(cells[i]));
-    }
-    float* __restrict out = weight + row * (n + 1);
-    for (int i = 0; i <= n; ++i) {
-      out[i] = (above[i] + above[i + 1]) + (below[i] + below[i + 1]);
-    }
-    for (int i = 1; i <= n; ++i) {
-      above[i] = below[i];
-    }
-  }
 }
 
 }  // namespace glint::cut_kernels

@@ -19,8 +19,10 @@
 #include <utility>
 
 #include "simulator/render/corner_rays/refined_groups.h"
+#include "simulator/render/footprint/cell_samples.h"
 #include "simulator/render/footprint/cell_sum.h"
 #include "simulator/render/footprint/cut_kernels.h"
+#include "simulator/render/footprint/cut_limits.h"
 #include "simulator/render/footprint/footprints.h"
 #include "simulator/render/footprint/lit_cells.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "simulator/render/footprint/cut_kernels.h"
+#include "simulator/render/footprint/cut_limits.h"
 
 namespace glint::cut_kernels {
 

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "simulator/render/footprint/footprint_kernels.h"
+#include "simulator/render/footprint/stripe_shares.h"
 
 namespace glint {
 namespace {

@@ -33,57 +33,6 @@ void phases_of_corners(
 void phases_in_period(
     const CornerRows& corners, int count, double offset, double scale, const PhaseRow& out);
 
-/// Where corners are lit at every position of a scan.
-struct LitLimits {
-  float half_slot_mm = 0.0F;
-  float x_low_mm = 0.0F;
-  float x_high_mm = 0.0F;
-  float widest_mm = 0.0F;  ///< stripes differ by no more than this between plain corners
-};
-
-/// What holds at each corner, one bit a condition: what holds for all corners of a pixel is the
-/// conjunction of their four.
-void corner_codes(const float* x_mm,
-                  const float* y_mm,
-                  const float* margin_mm,
-                  int count,
-                  const LitLimits& limits,
-                  unsigned char* codes);
-
-/// For each pixel 0 where no part of it is ever lit, 1 where all of it always is, else 2. Pixels
-/// that see no part (kind 0) or that the wall hides are 0, refined ones (kind 2) that are not
-/// are 2.
-/// @param top, bottom  codes of the corners
-void classify(const unsigned char* top,
-              const unsigned char* bottom,
-              const CornerRows& stripes_mm,
-              const unsigned char* kind,
-              const unsigned char* hidden,
-              int count,
-              const LitLimits& limits,
-              unsigned char* state);
-
-/// Limits of the hits in tiles, and what is known of them (TileLimits).
-struct TileRow {
-  const float* x_low = nullptr;
-  const float* x_high = nullptr;
-  const float* y_low = nullptr;
-  const float* y_high = nullptr;
-  const float* margin_low = nullptr;
-  const float* stripes_low = nullptr;
-  const float* stripes_high = nullptr;
-  const unsigned char* kind = nullptr;  ///< 0 unknown, 1 known, 2 no rays
-};
-
-/// 1 for tiles whose smooth pixels are all plain, or that have none.
-void even_tiles(const TileRow& tiles, int count, const LitLimits& limits, unsigned char* is_even);
-
-/// The states of pixels between corners that are lit at every position.
-void plain_states(const unsigned char* kind,
-                  const unsigned char* hidden,
-                  int count,
-                  unsigned char* state);
-
 /// The trapezoid of each footprint, ready for add_box_frame.
 struct Trapezoids {
   float* outer = nullptr;
@@ -149,28 +98,6 @@ void mix_beside_cells(const unsigned char* state,
                       float dark,
                       float bright,
                       float* out);
-
-/// Bright share of footprints of any width, phase and differences times `scale`.
-void any_shares(const float* v,
-                const float* gx,
-                const float* gy,
-                int count,
-                double scale,
-                double duty,
-                float* shares);
-
-/// Half widths of each footprint's trapezoid (Trapezoids).
-void half_widths(const float* gx, const float* gy, int count, float* outer, float* inner);
-
-/// The same in float, for half widths and phases that are `scale` times v's: wrong by up to 1e-3
-/// where a footprint wider than the stripes is almost a line.
-void any_shares_fast(const float* v,
-                     const float* outer,
-                     const float* inner,
-                     int count,
-                     float scale,
-                     float duty,
-                     float* shares);
 
 /// Samples of sum_box_frames come in groups of this many, filled up with gain 0.
 inline constexpr int kLanes = 16;

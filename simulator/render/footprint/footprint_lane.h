@@ -51,6 +51,32 @@ GLINT_INLINE Range range_of(const float* top, const float* bottom, int i) {
   return {a < b ? a : b, c < d ? d : c};
 }
 
+/// Share of a trapezoid beyond 0 at distance d from its middle, less one half; odd in d.
+GLINT_INLINE float beyond(float d, float outer, float inner, float per_major, float per_both) {
+  const float size = absolute(d);
+  const float t = size < outer ? size : outer;
+  const float over = t > inner ? t - inner : 0.0F;
+  return std::copysign(t * per_major - over * over * per_both, d);
+}
+
+/// The bright share less one half where at most one edge is near: folded around the middle of the
+/// bright stripe.
+GLINT_INLINE float one_edge_rest(
+    float from_middle, float half_duty, float outer, float inner, float per_major, float per_both) {
+  const float turn = from_middle - std::floor(from_middle + 0.5F);
+  return beyond(half_duty - absolute(turn), outer, inner, per_major, per_both);
+}
+
+/// The same where both edges of a stripe may be near.
+GLINT_INLINE float two_edge_rest(
+    float moved, float duty, float outer, float inner, float per_major, float per_both) {
+  const float f = moved - std::floor(moved);
+  const float rise = beyond(f, outer, inner, per_major, per_both);
+  const float fall = beyond(f - duty, outer, inner, per_major, per_both);
+  const float next = beyond(f - 1.0F, outer, inner, per_major, per_both);
+  return rise - fall + next;
+}
+
 /// I: the first integral of the square wave less its mean, periodic and of mean zero.
 template <class Real>
 GLINT_INLINE Real first_integral(Real phase, Real duty) {

@@ -23,6 +23,7 @@
 #include "simulator/render/corner_rays/corner_rays.h"
 #include "simulator/render/footprint/distinct_stripes.h"
 #include "simulator/render/footprint/footprint_kernels.h"
+#include "simulator/render/footprint/lit_pixels.h"
 #include "simulator/render/wall/sparse_meeting.h"
 
 namespace glint {

@@ -8,6 +8,7 @@
 
 #include "core/image/mask_kernels.h"
 #include "simulator/render/ray_cache/packet_tracer.h"
+#include "simulator/render/ray_cache/seen_kernels.h"
 
 namespace glint {
 namespace {

@@ -70,7 +70,7 @@ std::string scan_note(const SceneSettings& scene) {
   std::string note = fmt::format(
       "{} positions x duty {:g} is a whole number of bright positions over whole periods: where "
       "the wall is lit throughout, the mean of a linear sensor is the same everywhere; what the "
-      "aspect image shows is due to clipping",
+      "mean image shows is due to clipping",
       scene.scan.positions,
       tunnel.duty);
   if (tunnel.led_ripple > 0.0 || tunnel.end_falloff > 0.0 || tunnel.cosine_law) {

@@ -78,7 +78,9 @@ class SurfaceMaterial {
   }
 
   /// Whether they change the roughness; else only the colour.
-  bool varies_roughness() const { return !(roughness_factors_ == Interval(1.0)); }
+  bool varies_roughness() const {
+    return roughness_factors_.min != 1.0 || roughness_factors_.max != 1.0;
+  }
 
  private:
   LaySettings lay_;

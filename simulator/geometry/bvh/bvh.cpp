@@ -163,6 +163,26 @@ void nudge_misses(RayQuery& query, RayQuery::Integers& again) {
   }
 }
 
+/// Without AVX-512 Embree takes sixteen rays as a stream and does not look at `valid`: only rays
+/// that end before they begin are left out everywhere.
+void end_before_start(const RayQuery::Integers& valid, float* t_max) {
+  for (std::size_t k = 0; k < kPacketSize; ++k) {
+    t_max[k] = valid[k] != 0 ? t_max[k] : -std::numeric_limits<float>::infinity();
+  }
+}
+
+void ask16(RTCScene scene,
+           RTCIntersectContext& context,
+           const RayQuery::Integers& valid,
+           RayQuery& query) {
+  const RayQuery::Floats t_max = query.t_max;
+  end_before_start(valid, query.t_max.data());
+  rtcIntersect16(valid.data(), scene, &context, reinterpret_cast<RTCRayHit16*>(&query));
+  for (std::size_t k = 0; k < kPacketSize; ++k) {
+    query.t_max[k] = valid[k] != 0 ? query.t_max[k] : t_max[k];
+  }
+}
+
 std::size_t index(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
@@ -339,16 +359,15 @@ const std::vector<std::uint8_t>& Bvh::flat_triangles(const TriangleMesh& mesh) c
 }
 
 void Bvh::trace16(RayQuery& query, Coherence coherence) const {
-  auto* const packet = reinterpret_cast<RTCRayHit16*>(&query);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = coherence == Coherence::kIncoherent ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT
                                                       : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect16(query.valid.data(), scene_->scene.get(), &context, packet);
+  ask16(scene_->scene.get(), context, query.valid, query);
   if (coherence == Coherence::kCoherent && has_miss(query)) {
     alignas(64) RayQuery::Integers again = {};
     nudge_misses(query, again);
-    rtcIntersect16(again.data(), scene_->scene.get(), &context, packet);
+    ask16(scene_->scene.get(), context, again, query);
   }
 }
 
@@ -372,6 +391,7 @@ void Bvh::occluded16(RayPacket& rays, Coherence coherence) const {
   copy16(rays.direction_z, packet.dir_z);
   copy16(rays.t_min, packet.tnear);
   copy16(rays.t_max, packet.tfar);
+  end_before_start(rays.valid, packet.tfar);
   std::ranges::fill(packet.time, 0.0F);
   std::ranges::fill(packet.mask, ~0U);
   std::ranges::fill(packet.id, 0U);

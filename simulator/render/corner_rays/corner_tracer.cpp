@@ -11,39 +11,14 @@
 #include "simulator/render/corner_rays/corner_tracer.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 namespace glint {
 namespace {
 
-using Eigen::Vector3d;
-
-/// For pixels that hold a silhouette or several kinds of paths: no number makes them smooth.
-constexpr int kCellsOfBroken = 8;
-
 /// Free triangles of a part with exact surfaces are its defects, often flat ones: their pixels are
 /// to be so much more exact.
 constexpr double kKinkFactorOfDefects = 4.0;
-
-void resize(Classified& rays, std::size_t count) {
-  resize_rays(rays.rays, count);
-  rays.path.resize(count);
-  rays.piece.resize(count);
-  rays.is_special.resize(count);
-}
-
-/// Writes lanes [0, count) to rays first, first + 1, ...
-void store(const EscapePacket& escapes, int count, Classified& to, std::size_t first) {
-  store_rays(escapes, count, to.rays, first);
-  for (std::size_t lane = 0; lane < static_cast<std::size_t>(count); ++lane) {
-    const RayPath path = escapes.path[lane];
-    to.path[first + lane] = path;
-    to.piece[first + lane] = escapes.piece[lane];
-    to.is_special[first + lane] =
-        path == RayPath::kFollowed || path == RayPath::kBlocked || escapes.is_grazing[lane] ? 1 : 0;
-  }
-}
 
 void copy_ray(const RayCache& from, std::size_t i, RayCache& to, std::size_t j) {
   to.origin_x[j] = from.origin_x[i];
@@ -61,61 +36,7 @@ bool has_missed(const RayCache& rays, std::size_t i) {
          rays.origin_y[i] == 0.0F && rays.origin_z[i] == 0.0F;
 }
 
-/// Cells by which an error falling as 1/n^2 comes below the limit.
-int predicted_cells(const CellCheck& check, double max_error_rad) {
-  if (!check.is_whole) {
-    return kCellsOfBroken;
-  }
-  if (!std::isfinite(check.error_rad)) {
-    return kCellCounts.front();
-  }
-  for (const int cells : kCellCounts) {
-    if (check.error_rad <= max_error_rad * cells * cells) {
-      return cells;
-    }
-  }
-  return kCellsOfBroken;  // a neighbour's jump rather than curvature
-}
-
-/// True when all rays of a cut pixel agree with its four corners and none is weakened by a stain:
-/// closed forms take uncut pixels for clean.
-bool is_described_by_corners(const RayGrid& grid, double max_error_rad, float clean_weight) {
-  const int n = grid.columns - 1;
-  const auto direction = [&](int x, int y) {
-    const std::size_t i = grid.first + static_cast<std::size_t>(y * grid.columns + x);
-    return vector_of(
-        grid.rays->direction_x[i], grid.rays->direction_y[i], grid.rays->direction_z[i]);
-  };
-  for (int y = 0; y <= n; ++y) {
-    for (int x = 0; x <= n; ++x) {
-      const double u = static_cast<double>(x) / n;
-      const double v = static_cast<double>(y) / n;
-      const Vector3d bilinear = (1 - v) * ((1 - u) * direction(0, 0) + u * direction(n, 0)) +
-                                v * ((1 - u) * direction(0, n) + u * direction(n, n));
-      const std::size_t i = grid.first + static_cast<std::size_t>(y * grid.columns + x);
-      if (grid.rays->weight[i] != clean_weight ||
-          (bilinear - direction(x, y)).norm() > max_error_rad) {
-        return false;
-      }
-    }
-  }
-  return true;
-}
-
 }  // namespace
-
-/// Sub-corner rays of pixels of a row that are cut into the same number of cells.
-struct CornerTracer::Batch : Classified {
-  std::vector<float> seen_x, seen_y, seen_z;
-  std::vector<std::uint8_t> is_grazing;
-};
-
-/// What the cells of a cut pixel are like.
-struct CornerTracer::Cells {
-  std::vector<std::uint8_t> is_smooth;
-  bool has_bent = false;    ///< whole, but with too large an error
-  bool has_broken = false;  ///< not whole
-};
 
 CornerTracer::CornerTracer(const TraceScene& scene,
                            const CameraRays& camera,
@@ -131,9 +52,8 @@ CornerTracer::CornerTracer(const TraceScene& scene,
       plan_(plan),
       base_(base),
       result_(result) {
-  resize(corners_,
-         (static_cast<std::size_t>(result.width_px) + 1) *
-             (static_cast<std::size_t>(result.height_px) + 1));
+  corners_.make_room((static_cast<std::size_t>(result.width_px) + 1) *
+                     (static_cast<std::size_t>(result.height_px) + 1));
 }
 
 CornerRow CornerTracer::trace_corners(int y) {
@@ -157,19 +77,17 @@ CornerRow CornerTracer::trace_corners(int y) {
       x_px[static_cast<std::size_t>(count)] = x + count;
       ++count;
     }
-    if (!area_.touches(x, x + count - 1, y, y)) {
-      store_missed(
-          first + static_cast<std::size_t>(x), static_cast<std::size_t>(count), corners_.rays);
+    const std::size_t at = first + static_cast<std::size_t>(x);
+    if (area_.touches(x, x + count - 1, y, y)) {
+      camera_.through(x_px.data(), y_px.data(), count, rays);
+      tracer.trace(rays, escapes);
+      add_counts(escapes, count, row.counts);
+      corners_.take(escapes, count, at);
+    } else {
+      store_missed(at, static_cast<std::size_t>(count), corners_.rays);
       row.counts.camera += count;
-      row.traced += count;
-      x += count;
-      continue;
     }
-    camera_.through(x_px.data(), y_px.data(), count, rays);
-    tracer.trace(rays, escapes);
-    add_counts(escapes, count, row.counts);
     row.traced += count;
-    store(escapes, count, corners_, first + static_cast<std::size_t>(x));
     x += count;
   }
   return row;
@@ -197,16 +115,7 @@ CornerRow CornerTracer::refine(int y) {
     }
   }
   while (!open.empty()) {
-    std::vector<Candidate> more;
-    for (const int cells : kCellCounts) {
-      std::vector<Candidate> same;
-      std::ranges::copy_if(
-          open, std::back_inserter(same), [&](const Candidate& c) { return c.cells == cells; });
-      if (!same.empty()) {
-        refine_batch(same, y, row, more);
-      }
-    }
-    open = std::move(more);
+    open = refine_once(open, y, row);
   }
   if (base_ != nullptr) {
     copy_pixels(y, row);
@@ -215,6 +124,42 @@ CornerRow CornerTracer::refine(int y) {
     sort_by_pixel(group);
   }
   return row;
+}
+
+namespace {
+
+/// Appends one refined pixel of a picture's rays.
+void copy_refined(const RefinedGroup& from, std::size_t index, RowGroup& to) {
+  const std::size_t num_rays = corners_of(from.cells_per_axis);
+  const auto num_cells = static_cast<std::ptrdiff_t>(from.cells_per_axis * from.cells_per_axis);
+  const std::vector<std::uint8_t> plain(num_rays, 0);
+  const std::size_t first = index * num_rays;
+  append_rays(from.rays, plain.data(), first, num_rays, to);
+  to.group.pixels.push_back(from.pixels[index]);
+  const auto cells = from.is_smooth.begin() + static_cast<std::ptrdiff_t>(index) * num_cells;
+  to.group.is_smooth.insert(to.group.is_smooth.end(), cells, cells + num_cells);
+  for (std::size_t i = first; i < first + num_rays; ++i) {
+    ++to.group.rays.counts.camera;
+    to.group.rays.counts.part += has_missed(from.rays, i) ? 0 : 1;
+  }
+}
+
+}  // namespace
+
+/// @return pixels that need more cells
+std::vector<Candidate> CornerTracer::refine_once(const std::vector<Candidate>& open,
+                                                 int y,
+                                                 CornerRow& row) {
+  std::vector<Candidate> more;
+  for (const int cells : kCellCounts) {
+    std::vector<Candidate> same;
+    std::ranges::copy_if(
+        open, std::back_inserter(same), [&](const Candidate& c) { return c.cells == cells; });
+    if (!same.empty()) {
+      refine_batch(same, y, row, more);
+    }
+  }
+  return more;
 }
 
 /// Takes what the plan leaves out of a row from the base.
@@ -229,28 +174,14 @@ void CornerTracer::copy_pixels(int y, CornerRow& row) {
     }
   }
   for (const RefinedGroup& from : base_->refined) {
-    const std::size_t num_rays = corners_of(from.cells_per_axis);
-    const auto num_cells = static_cast<std::ptrdiff_t>(from.cells_per_axis * from.cells_per_axis);
-    const std::vector<std::uint8_t> plain(num_rays, 0);
     RowGroup& to = group_of(row.groups, from.cells_per_axis);
     const std::int32_t begin = y * result_.width_px;
-    auto p = std::ranges::lower_bound(from.pixels, begin) - from.pixels.begin();
-    for (; p < std::ssize(from.pixels) &&
-           from.pixels[static_cast<std::size_t>(p)] < begin + result_.width_px;
-         ++p) {
-      const std::int32_t pixel = from.pixels[static_cast<std::size_t>(p)];
-      if (plan_.has_pixel(pixel - begin, y)) {
-        continue;
-      }
-      const std::size_t first = static_cast<std::size_t>(p) * num_rays;
-      append_rays(from.rays, plain.data(), first, num_rays, to);
-      to.group.pixels.push_back(pixel);
-      to.group.is_smooth.insert(to.group.is_smooth.end(),
-                                from.is_smooth.begin() + p * num_cells,
-                                from.is_smooth.begin() + (p + 1) * num_cells);
-      for (std::size_t i = first; i < first + num_rays; ++i) {
-        ++to.group.rays.counts.camera;
-        to.group.rays.counts.part += has_missed(from.rays, i) ? 0 : 1;
+    const auto p = std::ranges::lower_bound(from.pixels, begin);
+    for (auto i = static_cast<std::size_t>(p - from.pixels.begin());
+         i < from.pixels.size() && from.pixels[i] < begin + result_.width_px;
+         ++i) {
+      if (!plan_.has_pixel(from.pixels[i] - begin, y)) {
+        copy_refined(from, i, to);
       }
     }
   }
@@ -293,28 +224,6 @@ void CornerTracer::finish() {
       result_.special.push_back(static_cast<std::int64_t>(i));
     }
   }
-}
-
-CornerTracer::Cells CornerTracer::check_cells(const RayGrid& grid, double max_error_rad) {
-  Cells cells;
-  for (int y = 0; y + 1 < grid.rows; ++y) {
-    for (int x = 0; x + 1 < grid.columns; ++x) {
-      const CellCheck check = check_cell(grid, x, y);
-      const bool is_smooth = check.is_whole && check.error_rad <= max_error_rad;
-      cells.is_smooth.push_back(is_smooth ? 1 : 0);
-      cells.has_broken = cells.has_broken || !check.is_whole;
-      cells.has_bent = cells.has_bent || (check.is_whole && !is_smooth);
-    }
-  }
-  return cells;
-}
-
-/// The number of cells to try next; 0: the pixel is done.
-int CornerTracer::next_cells(const Cells& cells, int n) {
-  if (cells.has_broken) {
-    return n < kCellsOfBroken ? kCellsOfBroken : 0;
-  }
-  return cells.has_bent && n < kCellCounts.back() ? 2 * n : 0;
 }
 
 RayGrid CornerTracer::corner_grid() const {
@@ -368,14 +277,12 @@ void CornerTracer::set_smooth(int x, int y) {
 }
 
 /// Traces the sub-corners of pixels cut into the same number of cells.
-void CornerTracer::trace_batch(const std::vector<Candidate>& pixels, int y, Batch& batch) const {
+void CornerTracer::trace_batch(const std::vector<Candidate>& pixels,
+                               int y,
+                               SubCorners& batch) const {
   const int n = pixels.front().cells;
   const std::size_t count = corners_of(n) * pixels.size();
-  resize(batch, count);
-  for (auto* seen : {&batch.seen_x, &batch.seen_y, &batch.seen_z}) {
-    seen->resize(count);
-  }
-  batch.is_grazing.resize(count);
+  batch.make_room(count);
   Lanes x_px = {};
   Lanes y_px = {};
   PacketTracer tracer(scene_);
@@ -391,13 +298,7 @@ void CornerTracer::trace_batch(const std::vector<Candidate>& pixels, int y, Batc
     }
     camera_.through(x_px.data(), y_px.data(), static_cast<int>(lanes), rays);
     tracer.trace(rays, escapes);
-    store(escapes, static_cast<int>(lanes), batch, first);
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      batch.seen_x[first + lane] = static_cast<float>(escapes.seen_x[lane]);
-      batch.seen_y[first + lane] = static_cast<float>(escapes.seen_y[lane]);
-      batch.seen_z[first + lane] = static_cast<float>(escapes.seen_z[lane]);
-      batch.is_grazing[first + lane] = escapes.is_grazing[lane] ? 1 : 0;
-    }
+    batch.take(escapes, static_cast<int>(lanes), first);
   }
 }
 
@@ -407,7 +308,7 @@ void CornerTracer::refine_batch(const std::vector<Candidate>& pixels,
                                 std::vector<Candidate>& more) {
   const int n = pixels.front().cells;
   const auto clean_weight = static_cast<float>(scene_.settings.reflectance);
-  Batch batch;
+  SubCorners batch;
   trace_batch(pixels, y, batch);
   row.traced += static_cast<std::int64_t>(batch.path.size());
   for (std::size_t p = 0; p < pixels.size(); ++p) {
@@ -421,7 +322,7 @@ void CornerTracer::refine_batch(const std::vector<Candidate>& pixels,
                           .kink_factor = kink_factor_};
     const double max_error_rad =
         need_.max_error_rad(pixels[p].x, y, scene_.settings.max_direction_error_rad);
-    const Cells cells = check_cells(grid, max_error_rad);
+    const CheckedCells cells = check_cells(grid, max_error_rad);
     const bool is_smooth = !cells.has_broken && !cells.has_bent;
     if (const int next = next_cells(cells, n); next > 0) {
       more.push_back({.x = pixels[p].x, .cells = next});
@@ -435,11 +336,11 @@ void CornerTracer::refine_batch(const std::vector<Candidate>& pixels,
 }
 
 /// Puts a cut pixel into its group.
-void CornerTracer::keep(const Batch& batch,
+void CornerTracer::keep(const SubCorners& batch,
                         std::size_t first,
                         const Candidate& pixel,
                         int y,
-                        const Cells& cells,
+                        const CheckedCells& cells,
                         CornerRow& row) {
   const int n = pixel.cells;
   if (!set_coverage(batch, first, n, pixel.x, y)) {
@@ -462,7 +363,7 @@ void CornerTracer::keep(const Batch& batch,
 }
 
 /// Mean over the corners of all cells: inner corners count four times, those on an edge twice.
-bool CornerTracer::set_coverage(const Batch& batch, std::size_t first, int n, int x, int y) {
+bool CornerTracer::set_coverage(const SubCorners& batch, std::size_t first, int n, int x, int y) {
   int hits = 0;
   double sum_x = 0.0;
   double sum_y = 0.0;

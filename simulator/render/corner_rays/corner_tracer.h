@@ -5,20 +5,14 @@
 #include <vector>
 
 #include "simulator/render/corner_rays/cell_rule.h"
+#include "simulator/render/corner_rays/classified_rays.h"
 #include "simulator/render/corner_rays/detail_reach.h"
 #include "simulator/render/corner_rays/refined_groups.h"
+#include "simulator/render/corner_rays/refinement_rule.h"
 #include "simulator/render/corner_rays/retrace_plan.h"
 #include "simulator/render/ray_cache/packet_tracer.h"
 
 namespace glint {
-
-/// Traced rays with what is needed only until pixels are classified.
-struct Classified {
-  RayCache rays;
-  std::vector<RayPath> path;
-  std::vector<std::int32_t> piece;
-  std::vector<std::uint8_t> is_special;  ///< met the part more than once, or grazes it
-};
 
 /// A pixel on its way to enough cells.
 struct Candidate {
@@ -54,28 +48,24 @@ class CornerTracer {
   void finish();
 
  private:
-  struct Batch;
-  struct Cells;
-
-  static Cells check_cells(const RayGrid& grid, double max_error_rad);
-  static int next_cells(const Cells& cells, int n);
   RayGrid corner_grid() const;
   void copy_corner(std::size_t i, RayCounts& counts);
   void copy_pixels(int y, CornerRow& row);
   void classify(int x, int y, std::vector<Candidate>& open);
   void set_smooth(int x, int y);
-  void trace_batch(const std::vector<Candidate>& pixels, int y, Batch& batch) const;
+  void trace_batch(const std::vector<Candidate>& pixels, int y, SubCorners& batch) const;
+  std::vector<Candidate> refine_once(const std::vector<Candidate>& open, int y, CornerRow& row);
   void refine_batch(const std::vector<Candidate>& pixels,
                     int y,
                     CornerRow& row,
                     std::vector<Candidate>& more);
-  void keep(const Batch& batch,
+  void keep(const SubCorners& batch,
             std::size_t first,
             const Candidate& pixel,
             int y,
-            const Cells& cells,
+            const CheckedCells& cells,
             CornerRow& row);
-  bool set_coverage(const Batch& batch, std::size_t first, int n, int x, int y);
+  bool set_coverage(const SubCorners& batch, std::size_t first, int n, int x, int y);
 
   double kink_factor_ = 1.0;
   const TraceScene& scene_;

@@ -9,90 +9,19 @@
 #include <tbb/global_control.h>
 
 #include "core/rng.h"
-#include "simulator/render/ray_cache/packet_tracer.h"
-#include "tests/simulator/render/render_fixtures.h"
+#include "tests/simulator/render/corner_rays/corner_bench.h"
 
 namespace glint {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-/// A part under a camera straight above it, traced through the corners of its pixels.
-struct CornerBench {
-  Part part;
-  Bvh bvh;
-  SurfaceDetail detail;
-  PinholeCamera camera;
-  RigidTransform camera_from_world;
-  RenderSettings render;
-  CornerRays rays;
-
-  CornerBench(const PartSettings& part_settings,
-              const CameraSettings& camera_settings,
-              std::vector<HeightFeature> features = {},
-              int threads = 1,
-              const RenderSettings& render_settings = {})
-      : part(build_part(part_settings)),
-        bvh(part.mesh),
-        detail(std::move(features)),
-        camera(intrinsics_of(camera_settings)),
-        camera_from_world(glint::camera_from_world(default_viewpoint(camera_settings))),
-        render(render_settings) {
-    ThreadPool pool(threads);
-    rays = trace_corner_rays(part, bvh, detail, camera, camera_from_world, render, pool);
-  }
-
-  std::int64_t count(PixelKind kind) const { return std::ranges::count(rays.kind.values(), kind); }
-
-  /// One ray through a point of the image, traced for itself.
-  EscapePacket trace_at(const Vector2d& pixel_px) const {
-    CameraPacket packet;
-    EscapePacket escapes;
-    const CameraRays camera_rays(camera, camera_from_world);
-    camera_rays.through(&pixel_px.x(), &pixel_px.y(), 1, packet);
-    const TraceScene scene(part, bvh, detail, render);
-    PacketTracer(scene).trace(packet, escapes);
-    return escapes;
-  }
-};
-
-const CameraSettings kCornerCamera = {
-    .width_px = 120, .height_px = 80, .object_pixel_mm = 0.25, .working_distance_mm = 300.0};
-
-PartSettings small_strip() {
-  return {.shape = PartSettings::Shape::kStrip,
-          .length_mm = 60.0,
-          .width_mm = 40.0,
-          .radius_along_mm = 800.0,
-          .radius_across_mm = 80.0};
-}
-
-HeightFeature dent_at(const Part& part, const Bvh& bvh, double x_mm, double y_mm, double sigma_mm) {
-  const auto place = place_on_surface(part, bvh, x_mm, y_mm);
-  HeightFeature dent;
-  dent.label = "dent";
-  dent.centre_mm = place->centre_mm;
-  dent.u_axis = place->u_axis;
-  dent.v_axis = place->v_axis;
-  dent.normal = place->normal;
-  dent.sigma_mm = sigma_mm;
-  dent.height_mm = -0.02 * sigma_mm;
-  return dent;
-}
-
-std::vector<HeightFeature> some_dents(const PartSettings& settings) {
-  const Part part = build_part(settings);
-  const Bvh bvh(part.mesh);
-  std::vector<HeightFeature> dents = {dent_at(part, bvh, -8.0, -4.0, 0.2),
-                                      dent_at(part, bvh, 3.1, 2.2, 0.05),
-                                      dent_at(part, bvh, 9.03, -5.02, 0.025),
-                                      dent_at(part, bvh, 0.0, 6.0, 0.6)};
-  for (std::size_t i = 0; i < dents.size(); ++i) {
-    dents[i].id = static_cast<int>(i);
-  }
-  return dents;
-}
+using test::askew_plate;
+using test::CornerBench;
+using test::kCornerCamera;
+using test::same_bytes;
+using test::small_strip;
+using test::some_dents;
 
 Vector3d bilinear(const RayCache::Floats& x,
                   const RayCache::Floats& y,
@@ -249,15 +178,6 @@ TEST(CornerRays, SmoothCellsOfRefinedPixelsAreWhatTheirCornersSayToTheStatedAngl
   EXPECT_LE(worst_rad, 1.5 * bench.render.max_direction_error_rad);
 }
 
-/// A plate that lies askew in the image and ends inside it.
-PartSettings askew_plate() {
-  return {.shape = PartSettings::Shape::kPlate,
-          .length_mm = 20.0,
-          .width_mm = 12.0,
-          .thickness_mm = 2.0,
-          .rotation_rad = {0.1, 0.05, 0.37}};
-}
-
 TEST(CornerRays, SilhouettesAreRefined) {
   const CornerBench bench(askew_plate(), kCornerCamera);
   EXPECT_GT(bench.count(PixelKind::kRefined), 150);  // outline 64 mm = 256 px and more
@@ -331,36 +251,6 @@ TEST(CornerRays, ACornerOfThePartBetweenTheRaysIsFound) {
   EXPECT_EQ(bench.rays.kind(60, 73), PixelKind::kDark);
 }
 
-bool same_rays(const RayCache& a, const RayCache& b) {
-  return a.origin_x == b.origin_x && a.origin_y == b.origin_y && a.origin_z == b.origin_z &&
-         a.direction_x == b.direction_x && a.direction_y == b.direction_y &&
-         a.direction_z == b.direction_z && a.weight == b.weight &&
-         a.counts.camera == b.counts.camera && a.counts.part == b.counts.part &&
-         a.counts.followed == b.counts.followed && a.counts.blocked == b.counts.blocked &&
-         a.counts.grazing == b.counts.grazing;
-}
-
-::testing::AssertionResult same_bytes(const CornerRays& a, const CornerRays& b) {
-  if (!(same_rays(a.corners, b.corners) && a.special == b.special && a.kind == b.kind &&
-        a.coverage == b.coverage && a.seen_x == b.seen_x && a.seen_y == b.seen_y &&
-        a.seen_z == b.seen_z && a.refined.size() == b.refined.size() &&
-        a.counts.camera == b.counts.camera && a.counts.part == b.counts.part &&
-        a.counts.followed == b.counts.followed && a.counts.blocked == b.counts.blocked &&
-        a.counts.grazing == b.counts.grazing)) {
-    return ::testing::AssertionFailure() << "corners, kinds, coverage or counts differ";
-  }
-  for (std::size_t k = 0; k < a.refined.size(); ++k) {
-    if (!(a.refined[k].cells_per_axis == b.refined[k].cells_per_axis &&
-          a.refined[k].pixels == b.refined[k].pixels &&
-          a.refined[k].is_smooth == b.refined[k].is_smooth &&
-          a.refined[k].special == b.refined[k].special &&
-          same_rays(a.refined[k].rays, b.refined[k].rays))) {
-      return ::testing::AssertionFailure() << "group " << k << " differs";
-    }
-  }
-  return ::testing::AssertionSuccess();
-}
-
 TEST(CornerRays, AreTheSameBytesForOneTwoAndSevenThreads) {
   const tbb::global_control seven(tbb::global_control::max_allowed_parallelism, 7);
   const std::vector<HeightFeature> dents = some_dents(askew_plate());
@@ -400,97 +290,6 @@ TEST(CornerRays, TeethOfAGearAreRefinedWhereTheyReflectEachOther) {
       }
     }
   }
-}
-
-/// Adds features to rays traced without them and compares with tracing everything.
-std::int64_t retraced_rays(const PartSettings& part,
-                           const CameraSettings& camera,
-                           const std::vector<HeightFeature>& features,
-                           const RenderSettings& settings) {
-  const CornerBench without(part, camera, {}, 1, settings);
-  const CornerBench with(part, camera, features, 1, settings);
-  ThreadPool pool(2);
-  const RetracedRays retraced = retrace_detail(without.rays,
-                                               with.part,
-                                               with.bvh,
-                                               with.detail,
-                                               with.camera,
-                                               with.camera_from_world,
-                                               settings,
-                                               pool);
-  EXPECT_TRUE(same_bytes(with.rays, retraced.rays));
-  EXPECT_FALSE(same_bytes(without.rays, retraced.rays));
-  return retraced.traced;
-}
-
-TEST(RetraceDetail, IsTheSameBytesAsTracingAStripWithItsDents) {
-  const std::vector<HeightFeature> dents = some_dents(small_strip());
-  retraced_rays(small_strip(), kCornerCamera, dents, {});
-  // One dent: little more than the rays of its refined pixels.
-  const CornerBench with(small_strip(), kCornerCamera, {dents.front()});
-  const std::int64_t traced = retraced_rays(small_strip(), kCornerCamera, {dents.front()}, {});
-  EXPECT_LT(traced, with.rays.counts.camera / 2);
-}
-
-TEST(RetraceDetail, IsTheSameBytesAsTracingStainsAndDentsThatOverlap) {
-  std::vector<HeightFeature> features = some_dents(small_strip());
-  for (const std::size_t i : {0U, 3U}) {
-    HeightFeature stain = features[i];
-    stain.id = static_cast<int>(10 + i);
-    stain.height_mm = 0.0;
-    stain.sigma_mm *= 1.5;
-    stain.reflectance = 0.3;
-    stain.roughness_rad = i == 0 ? 5e-3 : 0.0;
-    features.push_back(stain);
-  }
-  retraced_rays(small_strip(), kCornerCamera, features, {});
-  retraced_rays(askew_plate(), kCornerCamera, features, {.reflectance = 0.7});
-}
-
-TEST(RetraceDetail, IsTheSameBytesWhereSilhouettesAreInTheImage) {
-  std::vector<HeightFeature> dents = some_dents(askew_plate());
-  dents.front().moves_position = true;
-  retraced_rays(askew_plate(), kCornerCamera, dents, {});
-}
-
-// Light that comes by way of a flank with a dent: pixels far from the dent change.
-TEST(RetraceDetail, IsTheSameBytesOnAGearWhoseTeethReflectEachOther) {
-  PartSettings gear;
-  gear.shape = PartSettings::Shape::kSpurGear;
-  const CameraSettings camera = {
-      .width_px = 80, .height_px = 60, .object_pixel_mm = 0.4, .working_distance_mm = 300.0};
-  const Part part = build_part(gear);
-  const Bvh bvh(part.mesh);
-  std::vector<HeightFeature> dents;
-  for (const auto& [x_mm, y_mm] :
-       {std::pair(-5.0, -8.0), std::pair(0.0, 3.0), std::pair(4.0, 9.5)}) {
-    dents.push_back(dent_at(part, bvh, x_mm, y_mm, 0.5));
-  }
-  for (const double reflectance : {1.0, 0.0}) {
-    const RenderSettings settings = {.max_bounces = 4, .reflectance = reflectance};
-    const CornerBench with(gear, camera, dents, 1, settings);
-    const std::int64_t traced = retraced_rays(gear, camera, dents, settings);
-    EXPECT_GT(with.rays.counts.followed, 0);
-    EXPECT_LT(traced, with.rays.counts.camera);
-  }
-}
-
-TEST(RetraceDetail, TracesNothingForADefectOutsideTheImage) {
-  HeightFeature far = test::bump(0.02);
-  far.centre_mm = {29.0, 19.0, 1.0};
-  const CornerBench without(test::plate(), kCornerCamera);
-  const CornerBench with(test::plate(), kCornerCamera, {far});
-  ThreadPool pool(1);
-  const RetracedRays retraced = retrace_detail(without.rays,
-                                               with.part,
-                                               with.bvh,
-                                               with.detail,
-                                               with.camera,
-                                               with.camera_from_world,
-                                               {},
-                                               pool);
-  EXPECT_TRUE(same_bytes(with.rays, retraced.rays));
-  EXPECT_EQ(retraced.traced, 0);
 }
 
 TEST(CornerRays, APartOutsideTheImageIsAnError) {

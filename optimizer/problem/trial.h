@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "optimizer/problem/space.h"
@@ -16,12 +18,28 @@ namespace glint {
 /// Named scores of one evaluation, in the order of their names.
 using Scores = std::map<std::string, double>;
 
+/// What an evaluation says about its own result, for people.
+struct Remark {
+  std::optional<std::int64_t> count;  ///< of what the text tells: 71 and "pixels are held"
+  std::string text;
+
+  bool operator==(const Remark&) const = default;
+};
+
+/// "71 pixels are held"; several with " | " between them.
+std::string text_of(const Remark& remark);
+std::string text_of(std::span<const Remark> remarks);
+
+/// The remarks that text_of() made this of: until schema 2 a study's database held them so.
+std::vector<Remark> remarks_from_text(std::string_view text);
+
 /// What one evaluation gave.
 struct Outcome {
   Scores scores;
   bool is_failed = false;
-  std::string message;   ///< why it failed; may also hold a remark on a success
-  double seconds = 0.0;  ///< wall clock of the evaluation; for budgets and reports only
+  std::string message;          ///< why it failed; empty when it did not
+  std::vector<Remark> remarks;  ///< on what it gave
+  double seconds = 0.0;         ///< wall clock of the evaluation; for budgets and reports only
   /// Score name -> its derivative by each variable of the space, in the variable's own unit, in the
   /// order of Point; NaN: not known. Of objective and limited scores, where needs_gradient() asks
   /// for it; all of it is recorded.

@@ -270,7 +270,7 @@ class Search {
       problem = problem_with_gradients(task_.space, task_.goal, point, outcome);
       if (!problem.empty()) {
         problem += ", which " + algorithm + " needs; other algorithms do without";
-        problem += outcome.message.empty() ? "" : " (" + outcome.message + ")";
+        problem += outcome.remarks.empty() ? "" : " (" + text_of(outcome.remarks) + ")";
       }
     }
     if (!problem.empty()) {

@@ -125,6 +125,14 @@ Statement& Statement::bind(std::int64_t value) {
   return *this;
 }
 
+Statement& Statement::bind(std::optional<std::int64_t> value) {
+  if (value) {
+    return bind(*value);
+  }
+  check(sqlite3_bind_null(statement_.get(), next_++));
+  return *this;
+}
+
 Statement& Statement::bind(double value) {
   check(std::isnan(value) ? sqlite3_bind_null(statement_.get(), next_)
                           : sqlite3_bind_double(statement_.get(), next_, value));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The little of SQLite's C API that storage.cpp needs, with IoError texts. Private to the module.
+// The little of SQLite's C API that storage needs, with IoError texts. Private to the module.
 #pragma once
 
 #include <cstdint>
@@ -57,7 +57,8 @@ class Statement {
   Statement(Database& database, std::string_view sql);
 
   Statement& bind(std::int64_t value);
-  Statement& bind(double value);  ///< exact; NaN becomes NULL
+  Statement& bind(std::optional<std::int64_t> value);  ///< empty becomes NULL
+  Statement& bind(double value);                       ///< exact; NaN becomes NULL
   Statement& bind(std::string_view value);
   Statement& bind_doubles(std::span<const double> values);  ///< as a blob, bit for bit
 

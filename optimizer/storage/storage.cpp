@@ -18,6 +18,7 @@
 
 #include "core/error.h"
 #include "optimizer/storage/sqlite.h"
+#include "optimizer/storage/trial_rows.h"
 
 namespace glint {
 
@@ -26,7 +27,6 @@ namespace {
 /// "GLNT": marks our databases among other programs' SQLite files.
 constexpr std::int64_t kApplicationId = 0x474C4E54;
 
-constexpr std::array<std::string_view, 2> kTrialKinds = {"search", "part"};
 constexpr std::array<std::string_view, 5> kEventKinds = {
     "ask", "tell", "restart", "abandon", "note"};
 
@@ -54,7 +54,7 @@ CREATE TABLE event(
   text TEXT NOT NULL);
 )sql";
 
-/// Since schema 2; `variable` counts from 0 in the order of the point.
+/// Of schema 2; `variable` counts from 0 in the order of the point.
 constexpr const char* kGradientTable = R"sql(
 CREATE TABLE gradient(
   kind TEXT NOT NULL, number INTEGER NOT NULL, score TEXT NOT NULL,
@@ -62,12 +62,15 @@ CREATE TABLE gradient(
   value REAL, -- NULL is NaN
   PRIMARY KEY (kind, number, score, variable)) WITHOUT ROWID;
 )sql";
-constexpr std::int64_t kFirstSchemaWithGradients = 2;
 
-template <class Enum, std::size_t N>
-std::string_view name_of(Enum value, const std::array<std::string_view, N>& names) {
-  return names[static_cast<std::size_t>(value)];
-}
+/// Of schema 3; `position` counts from 0. Before, the message of a success held its remarks.
+constexpr const char* kRemarkTable = R"sql(
+CREATE TABLE remark(
+  kind TEXT NOT NULL, number INTEGER NOT NULL, position INTEGER NOT NULL,
+  count INTEGER, -- NULL: none
+  text TEXT NOT NULL,
+  PRIMARY KEY (kind, number, position)) WITHOUT ROWID;
+)sql";
 
 template <class Enum, std::size_t N>
 Enum value_of(const std::string& name,
@@ -199,6 +202,7 @@ void create(const std::filesystem::path& path, const StudyIdentity& identity) {
     database.run("PRAGMA user_version = " + std::to_string(Storage::kSchema));
     database.run(kTables);
     database.run(kGradientTable);
+    database.run(kRemarkTable);
     Statement(database, "INSERT INTO study VALUES(1, ?, ?, ?, ?)")
         .bind(std::string_view(identity.config_hash))
         .bind(std::string_view(identity.config_text))
@@ -213,17 +217,19 @@ void create(const std::filesystem::path& path, const StudyIdentity& identity) {
   }
 }
 
-bool has_gradients(Database& database) {
-  return database.integer("PRAGMA user_version") >= kFirstSchemaWithGradients;
-}
-
-/// From schema 1 to 2, wholly or not at all.
+/// From an earlier schema to this one, wholly or not at all.
 void upgrade(Database& database) {
-  if (has_gradients(database)) {
+  const std::int64_t schema = database.integer("PRAGMA user_version");
+  if (schema == Storage::kSchema) {
     return;
   }
   Transaction transaction(database);
-  database.run(kGradientTable);
+  if (schema < kFirstSchemaWithGradients) {
+    database.run(kGradientTable);
+  }
+  if (schema < kFirstSchemaWithRemarks) {
+    database.run(kRemarkTable);
+  }
   database.run("PRAGMA user_version = " + std::to_string(Storage::kSchema));
   transaction.commit();
 }
@@ -234,77 +240,6 @@ std::int64_t begin_session(Database& database) {
   const std::int64_t number = sqlite3_last_insert_rowid(database.handle());
   transaction.commit();
   return number;
-}
-
-void insert_trial(Database& database, const Trial& trial) {
-  Statement(database, "INSERT OR REPLACE INTO trial VALUES(?, ?, ?, ?)")
-      .bind(name_of(trial.kind, kTrialKinds))
-      .bind(std::int64_t{trial.number})
-      .bind(std::string_view(trial.name))
-      .bind_doubles(trial.point)
-      .run();
-}
-
-void delete_outcome(Database& database, TrialKind kind, int number) {
-  for (const char* table : {"gradient", "value", "evaluation"}) {
-    Statement(database, std::string("DELETE FROM ") + table + " WHERE kind = ? AND number = ?")
-        .bind(name_of(kind, kTrialKinds))
-        .bind(std::int64_t{number})
-        .run();
-  }
-}
-
-void insert_outcome(Database& database, TrialKind kind, int number, const Outcome& outcome) {
-  delete_outcome(database, kind, number);
-  Statement(database, "INSERT INTO evaluation VALUES(?, ?, ?, ?, ?)")
-      .bind(name_of(kind, kTrialKinds))
-      .bind(std::int64_t{number})
-      .bind(std::string_view(outcome.is_failed ? "failed" : "done"))
-      .bind(std::string_view(outcome.message))
-      .bind(outcome.seconds)
-      .run();
-  for (const auto& [name, value] : outcome.scores) {
-    Statement(database, "INSERT INTO value VALUES(?, ?, ?, ?)")
-        .bind(name_of(kind, kTrialKinds))
-        .bind(std::int64_t{number})
-        .bind(std::string_view(name))
-        .bind(value + 0.0)
-        .run();
-  }
-  for (const auto& [score, gradient] : outcome.gradients) {
-    for (std::size_t i = 0; i < gradient.size(); ++i) {
-      Statement(database, "INSERT INTO gradient VALUES(?, ?, ?, ?, ?)")
-          .bind(name_of(kind, kTrialKinds))
-          .bind(std::int64_t{number})
-          .bind(std::string_view(score))
-          .bind(static_cast<std::int64_t>(i))
-          .bind(gradient[i] + 0.0)
-          .run();
-    }
-  }
-}
-
-/// Adds the recorded gradients to the trials that have an outcome.
-void read_gradients(Database& database,
-                    std::string_view kind,
-                    const std::map<int, std::size_t>& index_of,
-                    std::vector<Trial>& trials) {
-  Statement row(database,
-                "SELECT number, score, variable, value FROM gradient WHERE kind = ? "
-                "ORDER BY number, score, variable");
-  row.bind(kind);
-  while (row.step()) {
-    const auto it = index_of.find(static_cast<int>(row.integer(0)));
-    if (it == index_of.end() || !trials[it->second].outcome) {
-      continue;
-    }
-    std::vector<double>& gradient = trials[it->second].outcome->gradients[row.text(1)];
-    if (row.integer(2) != static_cast<std::int64_t>(gradient.size())) {
-      throw IoError(database.path().string() + ": a gradient of trial " +
-                    std::to_string(row.integer(0)) + " has holes, the study database is damaged");
-    }
-    gradient.push_back(row.real(3));
-  }
 }
 
 }  // namespace
@@ -373,7 +308,7 @@ void Storage::append(std::span<const Event> events, std::span<const Trial> new_t
   }
   for (const Event& event : events) {
     Statement(state_->database, "INSERT INTO event(kind, trial, value, text) VALUES(?, ?, ?, ?)")
-        .bind(name_of(event.kind, kEventKinds))
+        .bind(kEventKinds[static_cast<std::size_t>(event.kind)])
         .bind(std::int64_t{event.trial})
         .bind(event.value + 0.0)
         .bind(std::string_view(event.text))
@@ -431,38 +366,7 @@ std::vector<Event> Storage::events() const {
 
 std::vector<Trial> Storage::trials(TrialKind kind) const {
   const std::lock_guard lock(state_->mutex);
-  std::vector<Trial> trials;
-  std::map<int, std::size_t> index_of;
-  const std::string_view kind_name = name_of(kind, kTrialKinds);
-  Statement row(state_->database,
-                "SELECT t.number, t.name, t.point, e.status, e.message, e.seconds FROM trial t "
-                "LEFT JOIN evaluation e ON e.kind = t.kind AND e.number = t.number "
-                "WHERE t.kind = ? ORDER BY t.number");
-  row.bind(kind_name);
-  while (row.step()) {
-    Trial trial{.kind = kind,
-                .number = static_cast<int>(row.integer(0)),
-                .name = row.text(1),
-                .point = row.doubles(2)};
-    if (!row.is_null(3)) {
-      trial.outcome = Outcome{
-          .is_failed = row.text(3) == "failed", .message = row.text(4), .seconds = row.real(5)};
-    }
-    index_of[trial.number] = trials.size();
-    trials.push_back(std::move(trial));
-  }
-  Statement value(state_->database, "SELECT number, name, value FROM value WHERE kind = ?");
-  value.bind(kind_name);
-  while (value.step()) {
-    const auto it = index_of.find(static_cast<int>(value.integer(0)));
-    if (it != index_of.end() && trials[it->second].outcome) {
-      trials[it->second].outcome->scores[value.text(1)] = value.real(2);
-    }
-  }
-  if (has_gradients(state_->database)) {
-    read_gradients(state_->database, kind_name, index_of, trials);
-  }
-  return trials;
+  return read_trials(state_->database, kind);
 }
 
 }  // namespace glint

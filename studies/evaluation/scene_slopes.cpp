@@ -319,35 +319,37 @@ class SceneGradients {
     }
   }
 
+  void add_remark(std::string text, std::optional<std::int64_t> count = {}) {
+    result_.remarks.push_back({.count = count, .text = std::move(text)});
+  }
+
   void add_remarks() {
     for (const std::string& path : wanted_.paths) {
       const std::string why = without_derivative(scene_, path);
       if (!why.empty()) {
-        result_.remarks.push_back(path + ": " + why);
+        add_remark(path + ": " + why);
       }
     }
     if (held_pixels_ > 0) {
-      result_.remarks.push_back(fmt::format(
-          "{} pixels at outlines of the part or ends of the tunnel are treated as constant",
-          held_pixels_));
+      add_remark("pixels at outlines of the part or ends of the tunnel are treated as constant",
+                 held_pixels_);
     }
     if (scan_.footprints.hidden_share() > 0.0) {
-      result_.remarks.push_back(
+      add_remark(
           "the edge of what the wall occludes from the camera is treated as constant: no term for "
-          "it "
-          "by the keys of slot, shape and camera");
+          "it by the keys of slot, shape and camera");
     }
     const auto is_evenness = [](const std::string& score) {
       return score == "homogeneity.h_rms" || score == "homogeneity.h_abs";
     };
     if (std::ranges::any_of(wanted_.scores, is_evenness) &&
         scatter_share(scored_image()) > kLargeScatter) {
-      result_.remarks.push_back(
+      add_remark(
           "the scatter of pixels by noise and few frames is treated as constant: the homogeneity "
           "includes it, but no term for how it changes");
     }
     if (std::ranges::any_of(wanted_.paths, is_pose)) {
-      result_.remarks.push_back(
+      add_remark(
           "the camera's pose moves the part's outline and the region of interest: both are treated "
           "as constant");
     }

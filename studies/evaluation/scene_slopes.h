@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "optimizer/problem/trial.h"
 #include "simulator/render/scan/closed_scan.h"
 #include "simulator/render/wall/slot_margin.h"
 #include "studies/imaging/traced_scene.h"
@@ -25,8 +26,8 @@ struct Gradients {
   /// Score -> derivative by each path, in the unit the key is written in; NaN where there is none.
   /// Scores without derivatives are left out.
   std::map<std::string, std::vector<double>> by_score;
-  /// Terms that are held and therefore missing, and keys without derivative, as sentences.
-  std::vector<std::string> remarks;
+  /// Terms that are held and therefore missing, and keys without derivative.
+  std::vector<Remark> remarks;
 };
 
 /// What a scan was made with, and what it gave.

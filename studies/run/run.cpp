@@ -135,7 +135,7 @@ class Run {
           evaluate(store_, scene_with(study_, overrides_of(study_, point)), {}, wanted);
       outcome.scores = std::move(found.scores);
       outcome.gradients = std::move(found.gradients.by_score);
-      outcome.message = join(found.gradients.remarks, kRemarkSeparator);
+      outcome.remarks = std::move(found.gradients.remarks);
       return outcome;
     };
     Progress bar(study_.name, std::max(1, study_.budget.evaluations), options_.progress);
@@ -222,10 +222,13 @@ class Run {
   Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
     const Json baseline =
         write("baseline", study_.scene, head("Baseline", "baseline", baseline_variables(study_)));
+    Json prototypes = Json::object();
     for (const Prototype& prototype : study_.prototypes) {
-      write(prototype.name,
-            scene_with(study_, prototype.overrides),
-            head(prototype.title, "prototype", Json::object()));
+      const Json written = write(prototype.name,
+                                 scene_with(study_, prototype.overrides),
+                                 head(prototype.title, "prototype", Json::object()));
+      prototypes[prototype.name] = {{"scores", written["scores"]},
+                                    {"rescored", written["rescored"]}};
     }
     Json result = {{"schema", 1},
                    {"status", status_of(search, study_.has_search())},
@@ -249,7 +252,7 @@ class Run {
     result["baseline"] = {{"variables", baseline["variables"]}, {"scores", baseline["scores"]}};
     rescored["baseline"] = baseline["rescored"];
     result["rescored"] = rescored;
-    result["prototypes"] = prototypes_json();
+    result["prototypes"] = prototypes;
     if (!inspect_populations(storage, folder, result)) {
       log(LogLevel::kWarning,
           "interrupted; the inspected parts are kept, the same command resumes");
@@ -262,15 +265,6 @@ class Run {
     write_file(report, report_html({options_.out}));
     result["report"] = report.string();
     return result;
-  }
-
-  Json prototypes_json() const {
-    Json prototypes = Json::object();
-    for (const Prototype& prototype : study_.prototypes) {
-      const Json json = Json::parse(read_file(options_.out / prototype.name / "scores.json"));
-      prototypes[prototype.name] = {{"scores", json["scores"]}, {"rescored", json["rescored"]}};
-    }
-    return prototypes;
   }
 
   void write_run_json(const SearchResult& search, const Storage& storage) const {

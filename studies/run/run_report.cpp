@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -198,11 +199,11 @@ Study study_of(const fs::path& run) {
   return load_study(run / "study.resolved.toml", {});
 }
 
-/// How often and with which numbers of pixels a remark was made.
+/// How often a remark was made, and with which counts.
 struct RemarkCount {
   int evaluations = 0;
-  long fewest = 0;
-  long most = 0;
+  std::int64_t fewest = 0;
+  std::int64_t most = 0;
 };
 
 Json single_run(const fs::path& run) {
@@ -315,34 +316,31 @@ std::string report_html(const std::vector<fs::path>& runs) {
 }
 
 std::vector<std::string> derivative_remarks(const Storage& storage) {
-  std::map<std::string, RemarkCount> counts;
+  using RemarkKind = std::pair<bool, std::string>;  // those with a count come first
+  std::map<RemarkKind, RemarkCount> counts;
   int evaluations = 0;
   for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
     if (!trial.outcome || trial.outcome->is_failed || trial.outcome->gradients.empty()) {
       continue;
     }
     ++evaluations;
-    std::string_view rest = trial.outcome->message;
-    while (!rest.empty()) {
-      const std::size_t end = std::min(rest.find(kRemarkSeparator), rest.size());
-      const std::string_view remark = rest.substr(0, end);
-      rest.remove_prefix(std::min(end + kRemarkSeparator.size(), rest.size()));
-      const std::size_t digits = std::min(remark.find_first_not_of("0123456789"), remark.size());
-      const long pixels = digits > 0 ? std::stol(std::string(remark.substr(0, digits))) : 0;
-      RemarkCount& count = counts[std::string(remark.substr(digits))];
-      count.fewest = count.evaluations == 0 ? pixels : std::min(count.fewest, pixels);
-      count.most = std::max(count.most, pixels);
+    for (const Remark& remark : trial.outcome->remarks) {
+      const std::int64_t number = remark.count.value_or(0);
+      RemarkCount& count = counts[{!remark.count, remark.text}];
+      count.fewest = count.evaluations == 0 ? number : std::min(count.fewest, number);
+      count.most = std::max(count.most, number);
       ++count.evaluations;
     }
   }
   std::vector<std::string> remarks;
-  for (const auto& [text, count] : counts) {
-    const std::string pixels = count.most == 0 ? ""
+  for (const auto& [kind, count] : counts) {
+    const auto& [has_no_count, text] = kind;
+    const std::string number = has_no_count ? ""
                                : count.fewest == count.most
-                                   ? fmt::format("{}", count.most)
-                                   : fmt::format("{} to {}", count.fewest, count.most);
+                                   ? fmt::format("{} ", count.most)
+                                   : fmt::format("{} to {} ", count.fewest, count.most);
     remarks.push_back(
-        fmt::format("{}{} ({} of {} evaluations)", pixels, text, count.evaluations, evaluations));
+        fmt::format("{}{} ({} of {} evaluations)", number, text, count.evaluations, evaluations));
   }
   return remarks;
 }
@@ -386,7 +384,8 @@ std::string trials_csv(const Study& study, const Storage& storage) {
       const auto found = outcome.scores.find(name);
       csv += "," + (has_scores && found != outcome.scores.end() ? shortest(found->second) : "");
     }
-    csv += "," + csv_field(outcome.message) + "\n";
+    const std::string message = outcome.is_failed ? outcome.message : text_of(outcome.remarks);
+    csv += "," + csv_field(message) + "\n";
   }
   return csv;
 }

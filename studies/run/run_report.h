@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "optimizer/storage/storage.h"
@@ -15,11 +14,8 @@ namespace glint {
 /// @throws IoError when a folder is no run directory
 std::string report_html(const std::vector<std::filesystem::path>& runs);
 
-/// Between the remarks of one evaluation, in its trial's message.
-inline constexpr std::string_view kRemarkSeparator = " | ";
-
 /// What the derivatives of a search leave out: the distinct remarks of its trials, each with the
-/// range of its pixel count and the number of evaluations it was made in. Empty without
+/// range of its count and the number of evaluations it was made in. Empty without
 /// derivatives.
 std::vector<std::string> derivative_remarks(const Storage& storage);
 

@@ -346,7 +346,7 @@ TEST(GradientSearch, KeepsTheRemarkThatExplainsAMissingDerivative) {
     Outcome outcome = bowl_and_sum(p);
     outcome.scores["share"] = 0.0;
     outcome.gradients.clear();
-    outcome.message = "edges of the slot move";
+    outcome.remarks = {{.count = {}, .text = "edges of the slot move"}};
     return outcome;
   });
   EXPECT_THAT(trial.outcome->message, HasSubstr("(edges of the slot move)"));

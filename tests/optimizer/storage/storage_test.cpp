@@ -113,6 +113,20 @@ TEST(Storage, KeepsNaNInfinityTextsAndFailures) {
   EXPECT_TRUE(storage.trials(TrialKind::kSearch).empty());
 }
 
+TEST(Storage, KeepsRemarksAsValues) {
+  const TemporaryFolder folder;
+  Storage storage = Storage::open(folder / "s.sqlite", identity());
+  const std::vector<Remark> remarks = {{.count = 71, .text = "pixels are held"},
+                                       {.count = {}, .text = "3 lights | 4 walls are held"},
+                                       {.count = 0, .text = ""}};
+  Trial trial = {.number = 1, .point = {1.0}, .outcome = Outcome{.remarks = remarks}};
+  storage.put_trial(trial);
+  EXPECT_EQ(storage.trials(TrialKind::kSearch).at(0).outcome->remarks, remarks);
+  trial.outcome = Outcome{};
+  storage.put_trial(trial);
+  EXPECT_EQ(storage.trials(TrialKind::kSearch).at(0).outcome->remarks.size(), 0U);
+}
+
 TEST(Storage, PutTrialReplacesTheFormerOne) {
   const TemporaryFolder folder;
   Storage storage = Storage::open(folder / "s.sqlite", identity());
@@ -224,13 +238,13 @@ TEST(Storage, RefusesNewerSchemasAndOtherPrograms) {
   EXPECT_THAT(open_error(folder / "other"), HasSubstr("another program"));
 }
 
-/// A database as schema 1 made it: no table of gradients.
-void write_schema_1(const std::filesystem::path& path, const StudyIdentity& study) {
+/// A database as an earlier schema made it: 1 had no table of gradients, 2 none of remarks, which
+/// were a text in the message.
+void write_schema(int schema, const std::filesystem::path& path, const StudyIdentity& study) {
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
   const std::string sql = R"sql(
 PRAGMA application_id = 1196183124;
-PRAGMA user_version = 1;
 CREATE TABLE study(
   id INTEGER PRIMARY KEY CHECK (id = 1),
   config_hash TEXT NOT NULL, config_text TEXT NOT NULL, code_version TEXT NOT NULL,
@@ -259,7 +273,17 @@ INSERT INTO value VALUES('search', 1, 'loss', 0.75);
 INSERT INTO event(kind, trial, value, text) VALUES('ask', 1, 0.0, ''), ('tell', 1, 0.75, '');
 INSERT INTO study VALUES(1, ')sql" +
                           study.config_hash + "', '" + study.config_text + "', 'old', 7);";
-  EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+  const std::string of_schema_2 = R"sql(
+CREATE TABLE gradient(
+  kind TEXT NOT NULL, number INTEGER NOT NULL, score TEXT NOT NULL,
+  variable INTEGER NOT NULL,
+  value REAL,
+  PRIMARY KEY (kind, number, score, variable)) WITHOUT ROWID;
+INSERT INTO gradient VALUES('search', 1, 'loss', 0, 1.0), ('search', 1, 'loss', 1, 2.0);
+UPDATE evaluation SET message = '71 pixels are held | the edge is held';)sql";
+  const std::string all = sql + "PRAGMA user_version = " + std::to_string(schema) + ";" +
+                          (schema < 2 ? "" : of_schema_2);
+  EXPECT_EQ(sqlite3_exec(database, all.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
   sqlite3_close(database);
 }
 
@@ -269,7 +293,7 @@ std::int64_t schema_of(const std::filesystem::path& path) {
 
 TEST(Storage, ReadsSchema1AsItIs) {
   const TemporaryFolder folder;
-  write_schema_1(folder / "s.sqlite", identity());
+  write_schema(1, folder / "s.sqlite", identity());
   const std::string bytes = read_file(folder / "s.sqlite");
   {
     const Storage storage = Storage::read(folder / "s.sqlite");
@@ -285,7 +309,7 @@ TEST(Storage, ReadsSchema1AsItIs) {
 
 TEST(Storage, UpgradesSchema1WhenOpenedAndKeepsWhatItHolds) {
   const TemporaryFolder folder;
-  write_schema_1(folder / "s.sqlite", identity());
+  write_schema(1, folder / "s.sqlite", identity());
   EXPECT_THAT(open_error(folder / "s.sqlite", "xyz"), HasSubstr("holds another study"));
   EXPECT_EQ(schema_of(folder / "s.sqlite"), 1);
   const Outcome outcome = {.scores = {{"loss", 0.5}}, .gradients = {{"loss", {1.0, -0.1}}}};
@@ -296,7 +320,7 @@ TEST(Storage, UpgradesSchema1WhenOpenedAndKeepsWhatItHolds) {
     EXPECT_EQ(storage.events().size(), 2U);
     storage.put_trial({.number = 2, .point = {1.0, 2.0}, .outcome = outcome});
   }
-  EXPECT_EQ(schema_of(folder / "s.sqlite"), 2);
+  EXPECT_EQ(schema_of(folder / "s.sqlite"), Storage::kSchema);
   const std::vector<Trial> trials = Storage::read(folder / "s.sqlite").trials(TrialKind::kSearch);
   ASSERT_EQ(trials.size(), 2U);
   EXPECT_EQ(trials[0].outcome->scores.at("loss"), 0.75);
@@ -304,10 +328,56 @@ TEST(Storage, UpgradesSchema1WhenOpenedAndKeepsWhatItHolds) {
   EXPECT_EQ(trials[1].outcome->gradients, outcome.gradients);
 }
 
+const std::vector<Remark> kOldRemarks = {{.count = 71, .text = "pixels are held"},
+                                         {.count = {}, .text = "the edge is held"}};
+
+TEST(Storage, ReadsTheRemarksOfSchema2FromTheMessage) {
+  const TemporaryFolder folder;
+  write_schema(2, folder / "s.sqlite", identity());
+  const std::string bytes = read_file(folder / "s.sqlite");
+  {
+    const Storage storage = Storage::read(folder / "s.sqlite");
+    const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
+    ASSERT_EQ(trials.size(), 1U);
+    EXPECT_EQ(trials[0].outcome->remarks, kOldRemarks);
+    EXPECT_EQ(trials[0].outcome->message, "");
+    EXPECT_EQ(trials[0].outcome->gradients.at("loss"), (std::vector<double>{1.0, 2.0}));
+  }
+  EXPECT_EQ(read_file(folder / "s.sqlite"), bytes);
+}
+
+/// Of a search by derivatives that schema 2 recorded the first trial is replayed, with its remarks.
+TEST(Storage, ASearchBegunUnderSchema2GoesOnAndKeepsItsRemarks) {
+  const TemporaryFolder folder;
+  write_schema(2, folder / "s.sqlite", identity());
+  const Remark remark = {.count = 5, .text = "pixels | lines are held"};
+  {
+    Storage storage = Storage::open(folder / "s.sqlite", identity());
+    const SearchResult result =
+        run_search({.space = test::box(2, 0, 1),
+                    .settings = {.algorithm = "slsqp"},
+                    .goal = {.objective = {.name = "loss", .is_maximised = false}},
+                    .budget = {.evaluations = 4},
+                    .start_points = {{0.5, 0.25}}},
+                   storage,
+                   [&](const Point& p, int) {
+                     return Outcome{.scores = {{"loss", 0.25 + p[0] * p[0] + p[1]}},
+                                    .remarks = {remark},
+                                    .gradients = {{"loss", {2.0 * p[0], 1.0}}}};
+                   });
+    EXPECT_EQ(result.replayed, 1);
+  }
+  EXPECT_EQ(schema_of(folder / "s.sqlite"), Storage::kSchema);
+  const std::vector<Trial> trials = Storage::read(folder / "s.sqlite").trials(TrialKind::kSearch);
+  ASSERT_GE(trials.size(), 2U);
+  EXPECT_EQ(trials[0].outcome->remarks, kOldRemarks);
+  EXPECT_EQ(trials[1].outcome->remarks, std::vector<Remark>{remark});
+}
+
 /// What schema 1 recorded is replayed: trial 1 is the start point that it was.
 TEST(Storage, ASearchBegunUnderSchema1GoesOn) {
   const TemporaryFolder folder;
-  write_schema_1(folder / "s.sqlite", identity());
+  write_schema(1, folder / "s.sqlite", identity());
   Storage storage = Storage::open(folder / "s.sqlite", identity());
   int calls = 0;
   const SearchResult result =

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Trials and their outcomes as rows of the tables trial, evaluation, value, gradient and remark.
+#pragma once
+
+#include <vector>
+
+#include "optimizer/problem/trial.h"
+#include "optimizer/storage/sqlite.h"
+
+namespace glint {
+
+inline constexpr std::int64_t kFirstSchemaWithGradients = 2;
+inline constexpr std::int64_t kFirstSchemaWithRemarks = 3;
+
+/// Inserts the trial without its outcome, or replaces it.
+void insert_trial(Database& database, const Trial& trial);
+
+/// Replaces whatever outcome the trial had.
+void insert_outcome(Database& database, TrialKind kind, int number, const Outcome& outcome);
+
+void delete_outcome(Database& database, TrialKind kind, int number);
+
+/// All trials by number, also of earlier schemas. @throws IoError
+std::vector<Trial> read_trials(Database& database, TrialKind kind);
+
+}  // namespace glint

@@ -22,10 +22,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLogit90 = 2.1972245773362196;  // ln 9
 constexpr double kFirth = 0.5;
 
-double logistic(double x) {
-  return x >= 0.0 ? 1.0 / (1.0 + std::exp(-x)) : 1.0 - 1.0 / (1.0 + std::exp(x));
-}
-
 struct Outcome {
   double x = 0.0;  ///< ln(size)
   bool is_hit = false;

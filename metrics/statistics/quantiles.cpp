@@ -31,6 +31,10 @@ double normal_quantile(double probability) {
   return -std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * probability, InDouble());
 }
 
+double logistic(double x) {
+  return x >= 0.0 ? 1.0 / (1.0 + std::exp(-x)) : 1.0 - 1.0 / (1.0 + std::exp(x));
+}
+
 double t_quantile(double probability, double freedom) {
   check_probability(probability);
   GLINT_CHECK(freedom >= 1.0, "at least one degree of freedom");

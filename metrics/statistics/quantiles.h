@@ -9,6 +9,9 @@ namespace glint {
 double normal_cdf(double x);
 double normal_quantile(double probability);
 
+/// Standard logistic distribution, the inverse of ln(p / (1 - p)).
+double logistic(double x);
+
 /// Of Student's t with so many degrees of freedom (>= 1). @param probability  in (0, 1)
 double t_quantile(double probability, double freedom);
 

@@ -78,10 +78,6 @@ double farthest(double area, double end, double z, double with, double without) 
   return inside;
 }
 
-double logistic(double x) {
-  return 1.0 / (1.0 + std::exp(-x));
-}
-
 }  // namespace
 
 std::vector<RocPoint> roc(std::span<const double> with, std::span<const double> without) {

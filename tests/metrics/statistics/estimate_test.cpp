@@ -71,6 +71,18 @@ TEST(NormalQuantile, IsThatOfTablesAndUndoesTheDistribution) {
   }
 }
 
+// 9 / (9 + 1), and that of the other side.
+TEST(Logistic, IsTheInverseOfTheLogarithmOfTheOdds) {
+  EXPECT_NEAR(logistic(std::log(9.0)), 0.9, 1e-15);
+  EXPECT_NEAR(logistic(-std::log(9.0)), 0.1, 1e-15);
+  EXPECT_EQ(logistic(0.0), 0.5);
+  EXPECT_EQ(logistic(-1000.0), 0.0);
+  EXPECT_EQ(logistic(1000.0), 1.0);
+  for (const double x : {0.1, 1.0, 7.0, 30.0}) {
+    EXPECT_EQ(logistic(-x), 1.0 - logistic(x));
+  }
+}
+
 TEST(TQuantile, IsThatOfTables) {
   EXPECT_NEAR(t_quantile(0.975, 1.0), 12.706204736, 1e-8);  // tan(0.475 pi)
   EXPECT_NEAR(t_quantile(0.975, 2.0), 4.302652730, 1e-8);

@@ -64,16 +64,18 @@ void ThreadPool::for_each(std::int64_t count, const std::function<void(std::int6
   Order end;
   begin.done();
   arena_->arena.execute([&] {
-    tbb::parallel_for(
-        tbb::blocked_range<std::int64_t>(0, count, 1),
-        [&](const tbb::blocked_range<std::int64_t>& range) {
-          begin.wait();
-          for (std::int64_t i = range.begin(); i != range.end(); ++i) {
-            body(i);
-          }
-          end.done();
-        },
-        tbb::simple_partitioner());
+    // Else a thread that waits for the last bodies may begin one of another loop in the meantime.
+    tbb::this_task_arena::isolate([&] {
+      tbb::parallel_for(
+          tbb::blocked_range<std::int64_t>(0, count, 1),
+          [&](const tbb::blocked_range<std::int64_t>& range) {
+             begin.wait();
+            for (std::int64_t i = range.begin(); i != range.end(); ++i) {
+              body(i);
+            }
+          },
+          tbb::simple_partitioner());
+    });
   });
   end.wait();
 }

@@ -23,8 +23,8 @@ class ThreadPool {
 
   int num_threads() const;
 
-  /// Calls body(i) once for each i in [0, count), in any order, and waits. The first exception is
-  /// rethrown here.
+  /// Calls body(i) once for each i in [0, count), in any order. Until all are done the thread does
+  /// nothing else, so that a caller may hold a lock. The first exception is rethrown here.
   void for_each(std::int64_t count, const std::function<void(std::int64_t)>& body);
 
   /// {f(0), f(1), ...} in that order, computed in any order.

@@ -113,6 +113,25 @@ TEST(ThreadPool, MayBeUsedFromInsideItself) {
   EXPECT_EQ(calls.load(), 100);
 }
 
+// Else a caller that holds a lock may meet itself.
+TEST(ThreadPool, AThreadThatWaitsForALoopBeginsNothingOfAnother) {
+  ThreadPool pool(2);
+  std::mutex mutex;
+  std::set<std::thread::id> inside;
+  std::atomic<int> nested = 0;
+  pool.for_each(50, [&](std::int64_t) {
+    {
+      const std::lock_guard lock(mutex);
+      nested += inside.insert(std::this_thread::get_id()).second ? 0 : 1;
+    }
+    pool.for_each(
+        8, [](std::int64_t) { std::this_thread::sleep_for(std::chrono::microseconds(200)); });
+    const std::lock_guard lock(mutex);
+    inside.erase(std::this_thread::get_id());
+  });
+  EXPECT_EQ(nested.load(), 0);
+}
+
 TEST(ThreadPoolDeathTest, RefusesToHaveNoThread) {
   EXPECT_DEATH(ThreadPool(0), "a pool needs a thread");
 }

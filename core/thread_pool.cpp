@@ -69,10 +69,11 @@ void ThreadPool::for_each(std::int64_t count, const std::function<void(std::int6
       tbb::parallel_for(
           tbb::blocked_range<std::int64_t>(0, count, 1),
           [&](const tbb::blocked_range<std::int64_t>& range) {
-             begin.wait();
+            begin.wait();
             for (std::int64_t i = range.begin(); i != range.end(); ++i) {
               body(i);
             }
+            end.done();
           },
           tbb::simple_partitioner());
     });

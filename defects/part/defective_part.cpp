@@ -295,10 +295,6 @@ DefectMaker::~DefectMaker() = default;
 DefectMaker::DefectMaker(DefectMaker&&) noexcept = default;
 DefectMaker& DefectMaker::operator=(DefectMaker&&) noexcept = default;
 
-const Part* DefectMaker::part() const {
-  return state_->part.get();
-}
-
 DefectivePart DefectMaker::make(std::uint64_t seed,
                                 const ChooseRealisation& choose,
                                 const std::function<void(int)>& progress) const {

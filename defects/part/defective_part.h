@@ -60,8 +60,6 @@ class DefectMaker {
   DefectMaker(DefectMaker&&) noexcept;
   DefectMaker& operator=(DefectMaker&&) noexcept;
 
-  const Part* part() const;  ///< whose defects it makes
-
   /// The same bytes for the same seed. Safe to call from several threads.
   /// @param seed      of the sample; settings.seed for the scene itself
   /// @param progress  is told how many defects are done; may be empty

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kKeptParts = 2;
 constexpr std::size_t kKeptDefects = 4;
 constexpr std::size_t kKeptScenes = 3;
-
+constexpr std::size_t kKeptPictures = 2;   // at least: of one scene, with and without its defects
 constexpr std::size_t kKeptWalls = 64;
 
 std::string part_key(PartSettings part) {
@@ -103,27 +103,6 @@ std::size_t machine_bytes() {
          static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));
 }
 
-/// Moves the entry of that key to the front; nullptr when there is none.
-template <class List>
-auto find_and_touch(List& list, const std::string& key) {
-  const auto found =
-      std::ranges::find_if(list, [&](const auto& entry) { return entry.key == key; });
-  if (found == list.end()) {
-    return decltype(found->value)();
-  }
-  list.splice(list.begin(), list, found);
-  return list.front().value;
-}
-
-/// Puts a new entry first and drops the oldest beyond a number.
-template <class List, class Value>
-void keep_first(List& list, const std::string& key, Value value, std::size_t most) {
-  list.push_front({key, std::move(value)});
-  if (list.size() > most) {
-    list.pop_back();
-  }
-}
-
 /// What of [render] tracing depends on.
 SceneSettings as_traced(SceneSettings scene) {
   using Method = RenderSettings::Method;
@@ -143,11 +122,32 @@ SceneSettings as_traced(SceneSettings scene) {
 
 }  // namespace
 
+SceneStore::SceneStore(ThreadPool& pool, std::size_t most_bytes)
+    : pool_(pool),
+      most_bytes_(most_bytes > 0 ? most_bytes : machine_bytes() / 4),
+      parts_({.most_values = kKeptParts}),
+      makers_({.most_values = kKeptParts}),
+      defects_({.most_values = kKeptDefects}),
+      traced_({.most_values = kKeptScenes, .most_bytes = most_bytes_ / 2},
+              [](const auto&, const TracedScene& traced) { return bytes_of(traced); }),
+      pictures_({.most_bytes = most_bytes_ / 2, .least_values = kKeptPictures},
+                [](const auto&, const PathPicture& picture) {
+                  return static_cast<std::size_t>(picture.bytes());
+                }),
+      walls_({.most_values = kKeptWalls, .most_bytes = most_bytes_ / 2, .least_values = 0},
+             [](const auto&, const MetWall& wall) { return wall.view ? wall.view->bytes() : 0; }) {}
+
+std::size_t SceneStore::kept_bytes() const {
+  const std::scoped_lock lock(bare_mutex_);
+  return (bare_ ? bytes_of(*bare_) : 0) + traced_.bytes() + pictures_.bytes() + walls_.bytes();
+}
+
 void SceneStore::check_file(const std::filesystem::path& file) {
   if (file.empty()) {
     return;
   }
   const std::string digest = sha256_hex(read_file(file));
+  const std::scoped_lock lock(digests_mutex_);
   const auto [known, is_new] = digests_.emplace(file.string(), digest);
   if (!is_new && known->second != digest) {
     throw IoError(file.string() +
@@ -155,57 +155,40 @@ void SceneStore::check_file(const std::filesystem::path& file) {
   }
 }
 
-std::shared_ptr<const BuiltPart> SceneStore::build(const SceneSettings& scene) {
-  const std::string key = part_key(scene.part);
-  const std::scoped_lock lock(mutex_);
-  if (auto known = find_and_touch(parts_, key)) {
-    return known;
+/// The files that pictures are made of.
+void SceneStore::check_files(const SceneSettings& scene) {
+  for (const std::filesystem::path& file : input_files(scene)) {
+    check_file(file);
   }
-  check_file(scene.part.file);
-  auto built = std::make_shared<const BuiltPart>(build_part_with_bvh(scene.part));
-  keep_first(parts_, key, built, kKeptParts);
-  return built;
+}
+
+std::shared_ptr<const BuiltPart> SceneStore::build(const SceneSettings& scene) {
+  return parts_.get(part_key(scene.part), [&] {
+    check_file(scene.part.file);
+    return build_part_with_bvh(scene.part);
+  });
 }
 
 std::shared_ptr<const BuiltDefects> SceneStore::build_defects(const SceneSettings& scene) {
-  auto clean = build(scene);
-  const std::string key = defects_key(scene);
-  const std::string key_of_maker = maker_key(scene);
-  // One part at a time: candidates that differ in their lighting alone wait for the same one.
-  const std::scoped_lock lock(defects_mutex_);
-  auto known = find_and_touch(defects_, key);
-  if (known && known->clean == clean) {
-    return known;
-  }
-  auto maker = find_and_touch(makers_, key_of_maker);
-  if (!maker || maker->part() != &clean->part) {
-    maker = std::make_shared<const DefectMaker>(defect_maker(scene, clean));
-    keep_first(makers_, key_of_maker, maker, kKeptParts);
-  }
-  auto made = std::make_shared<const BuiltDefects>(glint::build_defects(
-      scene, std::move(clean), *maker, static_cast<std::uint64_t>(scene.imprint.seed)));
-  ++num_defects_made_;
-  keep_first(defects_, key, made, kKeptDefects);
-  return made;
+  const std::shared_ptr<const BuiltPart> clean = build(scene);
+  return defects_.get({defects_key(scene), clean}, [&] {
+    const auto maker =
+        makers_.get({maker_key(scene), clean}, [&] { return defect_maker(scene, clean); });
+    return glint::build_defects(
+        scene, clean, *maker, static_cast<std::uint64_t>(scene.imprint.seed));
+  });
 }
 
 std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& wanted) {
   const SceneSettings scene = as_traced(wanted);
-  auto part = build_defects(scene);
-  const std::string key = trace_key(scene);
-  // One scene at a time: tracing uses all threads of the pool anyway.
-  const std::scoped_lock lock(mutex_);
-  auto known = find_and_touch(traced_, key);
-  if (known && known->part == part) {
-    return known;
-  }
-  const std::shared_ptr<const CornerRays> bare = bare_rays(scene, *part);
-  auto traced =
-      std::make_shared<const TracedScene>(trace_scene(scene, std::move(part), bare.get(), pool_));
-  ++num_traced_;
-  num_retraced_ += bare ? 1 : 0;
-  traced_.push_front({key, traced});
-  drop_beyond_limit();
+  const std::shared_ptr<const BuiltDefects> part = build_defects(scene);
+  auto traced = traced_.get({trace_key(scene), part}, [&] {
+    const std::shared_ptr<const CornerRays> bare = bare_rays(scene, *part);
+    TracedScene made = trace_scene(scene, part, bare.get(), pool_);
+    num_retraced_ += bare ? 1 : 0;
+    return made;
+  });
+  walls_.erase_if([](const WallKey& key) { return key.rays.traced.expired(); });
   return traced;
 }
 
@@ -221,9 +204,11 @@ std::shared_ptr<const CornerRays> SceneStore::bare_rays(const SceneSettings& sce
   bare.imprint = {};
   bare.metrics = {};
   const std::string key = trace_key(bare);
+  const std::scoped_lock lock(bare_mutex_);
   if (bare_key_ != key) {
     bare_key_ = key;
     bare_.reset();
+    traced_.set_most_bytes(most_bytes_ / 2);
     return nullptr;
   }
   if (!bare_) {
@@ -235,33 +220,19 @@ std::shared_ptr<const CornerRays> SceneStore::bare_rays(const SceneSettings& sce
                                                              camera_from_world(scene.viewpoint()),
                                                              scene.render,
                                                              pool_));
-    if (bytes_of(*rays) > most_bytes_ / 8) {
+    const std::size_t bytes = bytes_of(*rays);
+    if (bytes > most_bytes_ / 8) {
       return nullptr;
     }
     bare_ = std::move(rays);
+    traced_.set_most_bytes(most_bytes_ / 2 - bytes);
   }
   return bare_;
 }
 
-/// The files that pictures are made of.
-void SceneStore::check_files(const SceneSettings& scene) {
-  const std::scoped_lock lock(mutex_);
-  for (const std::filesystem::path& file : input_files(scene)) {
-    check_file(file);
-  }
-}
-
-SceneSettings first_view(SceneStore& store, SceneSettings scene) {
-  if (scene.viewpoint_set.source != ViewpointSource::kListed) {
-    scene.viewpoints = {viewpoints_of(scene, store.build(scene)->part).front()};
-    scene.viewpoint_set = {};
-  }
-  return scene;
-}
-
 std::shared_ptr<const PathPicture> SceneStore::picture(const SceneSettings& scene,
                                                        const PathPreview& preview) {
-  return pictures_.get(picture_key(scene, scene.viewpoint()), [&] {
+  return pictures_.get({.view = picture_key(scene, scene.viewpoint())}, [&] {
     check_files(scene);
     const PathView view(scene, build_defects(scene), scene.viewpoint());
     return render_view(view, path_settings(scene), pool_, {}, preview);
@@ -270,14 +241,9 @@ std::shared_ptr<const PathPicture> SceneStore::picture(const SceneSettings& scen
 
 std::shared_ptr<const PathPicture> SceneStore::flawless_picture(
     const SceneSettings& scene, std::span<const PixelWindow> windows) {
-  std::string key = picture_key(scene, scene.viewpoint()) + "flawless";
-  KeyDigest digest(key);
-  for (PixelWindow window : windows) {
-    digest.integer("left_px", window.left_px, {}, "");
-    digest.integer("top_px", window.top_px, {}, "");
-    digest.integer("width_px", window.width_px, {}, "");
-    digest.integer("height_px", window.height_px, {}, "");
-  }
+  const PictureKey key = {.view = picture_key(scene, scene.viewpoint()),
+                          .has_defects = false,
+                          .windows = {windows.begin(), windows.end()}};
   return pictures_.get(key, [&] {
     check_files(scene);
     const PathView view(scene, build_defects(scene), scene.viewpoint(), false);
@@ -285,6 +251,21 @@ std::shared_ptr<const PathPicture> SceneStore::flawless_picture(
     paths.relative_error = 0.0;  // a few windows are no picture whose mean brightness counts
     return render_view(view, paths, pool_, windows);
   });
+}
+
+std::shared_ptr<const WallView> SceneStore::meet(const std::shared_ptr<const TracedScene>& traced,
+                                                 const CornerRays& rays,
+                                                 const Tunnel& tunnel) {
+  const WallKey key = {.rays = {.traced = traced, .rays = &rays},
+                       .tunnel = wall_key(tunnel.settings())};
+  const std::shared_ptr<const MetWall> known = walls_.find(key);
+  if (known && known->view) {
+    return known->view;
+  }
+  auto view = std::make_shared<const WallView>(rays, tunnel, traced->camera_in_world_mm);
+  ++num_met_;
+  walls_.put(key, {.view = known ? view : nullptr});
+  return view;
 }
 
 std::size_t bytes_of(const TracedScene& traced) {
@@ -298,83 +279,12 @@ std::size_t bytes_of(const TracedScene& traced) {
   return bytes;
 }
 
-SceneStore::SceneStore(ThreadPool& pool, std::size_t most_bytes)
-    : pool_(pool),
-      most_bytes_(most_bytes > 0 ? most_bytes : machine_bytes() / 4),
-      pictures_(most_bytes_ / 2) {}
-
-std::size_t SceneStore::kept_bytes() const {
-  std::size_t bytes = 0;
-  {
-    const std::scoped_lock lock(mutex_);
-    for (const auto& entry : traced_) {
-      bytes += bytes_of(*entry.value);
-    }
-    bytes += bare_ ? bytes_of(*bare_) : 0;
+SceneSettings first_view(SceneStore& store, SceneSettings scene) {
+  if (scene.viewpoint_set.source != ViewpointSource::kListed) {
+    scene.viewpoints = {viewpoints_of(scene, store.build(scene)->part).front()};
+    scene.viewpoint_set = {};
   }
-  const std::scoped_lock lock(walls_mutex_);
-  for (const MetWall& wall : walls_) {
-    bytes += wall.value ? wall.value->bytes() : 0;
-  }
-  return bytes + pictures_.kept_bytes();
-}
-
-/// Old scenes go, and with each of them its walls; half of the limit is left to walls.
-void SceneStore::drop_beyond_limit() {
-  std::size_t bytes = bare_ ? bytes_of(*bare_) : 0;
-  std::size_t kept = 0;
-  for (const auto& entry : traced_) {
-    bytes += bytes_of(*entry.value);
-    if (kept > 0 && (kept == kKeptScenes || bytes > most_bytes_ / 2)) {
-      break;
-    }
-    ++kept;
-  }
-  traced_.resize(kept);
-  const std::scoped_lock lock(walls_mutex_);
-  const auto is_dropped = [&](const auto& made_for) {
-    return std::ranges::none_of(traced_, [traced = made_for.traced.lock()](const auto& entry) {
-      return entry.value == traced;
-    });
-  };
-  std::erase_if(walls_, is_dropped);
-}
-
-std::shared_ptr<const WallView> SceneStore::meet(const std::shared_ptr<const TracedScene>& traced,
-                                                 const CornerRays& rays,
-                                                 const Tunnel& tunnel) {
-  const std::string key = wall_key(tunnel.settings());
-  const auto is_wanted = [&](const MetWall& wall) {
-    return wall.rays == &rays && wall.key == key && wall.traced.lock() == traced;
-  };
-  bool was_asked_for = false;
-  {
-    const std::scoped_lock lock(walls_mutex_);
-    const auto found = std::ranges::find_if(walls_, is_wanted);
-    was_asked_for = found != walls_.end();
-    if (was_asked_for) {
-      walls_.splice(walls_.begin(), walls_, found);
-      if (walls_.front().value) {
-        return walls_.front().value;
-      }
-    }
-  }
-  auto view = std::make_shared<const WallView>(rays, tunnel, traced->camera_in_world_mm);
-  ++num_met_;
-  const std::scoped_lock lock(walls_mutex_);
-  std::erase_if(walls_, is_wanted);
-  walls_.push_front({key, &rays, traced, was_asked_for ? view : nullptr});
-  std::size_t bytes = 0;
-  std::size_t kept = 0;
-  for (const MetWall& wall : walls_) {
-    bytes += wall.value ? wall.value->bytes() : 0;
-    if (kept == kKeptWalls || bytes > most_bytes_ / 2) {
-      break;
-    }
-    ++kept;
-  }
-  walls_.resize(kept);
-  return view;
+  return scene;
 }
 
 void check_part_in_tunnel(SceneStore& store, const SceneSettings& scene) {

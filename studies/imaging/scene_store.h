@@ -6,18 +6,19 @@
 
 #include <atomic>
 #include <filesystem>
-#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "core/cache.h"
 #include "core/thread_pool.h"
 #include "simulator/render/footprint/footprints.h"
 #include "simulator/render/path_tracing/path_settings.h"
 #include "studies/imaging/line_store.h"
-#include "studies/imaging/picture_store.h"
+#include "studies/imaging/path_picture.h"
 #include "studies/imaging/traced_scene.h"
 
 namespace glint {
@@ -61,36 +62,60 @@ class SceneStore {
                                        const CornerRays& rays,
                                        const Tunnel& tunnel);
 
-  int num_traced() const { return num_traced_; }  ///< how often rays were traced
+  int num_traced() const { return traced_.num_made(); }  ///< how often rays were traced
 
   /// How often of these only the rays around the defects were.
   int num_retraced() const { return num_retraced_; }
 
   /// How often paths were traced: once for designs that differ in the powers of their lights.
-  int num_rendered() const { return pictures_.num_rendered(); }
+  int num_rendered() const { return pictures_.num_made(); }
 
   int num_met() const { return num_met_; }  ///< how often a wall was met
 
   /// How often the defects of a part were made.
-  int num_defects_made() const { return num_defects_made_; }
+  int num_defects_made() const { return defects_.num_made(); }
 
   std::size_t kept_bytes() const;
 
  private:
-  template <class Value>
-  struct Entry {
-    std::string key;
-    std::shared_ptr<const Value> value;
+  /// Content of the tables that a value depends on, and what else it was made from.
+  template <class Source>
+  struct MadeFrom {
+    std::string tables;
+    std::shared_ptr<const Source> source;
+
+    bool operator==(const MadeFrom&) const = default;
+  };
+
+  struct PictureKey {
+    std::string view;
+    bool has_defects = true;
+    std::vector<PixelWindow> windows = {};
+
+    bool operator==(const PictureKey&) const = default;
+  };
+
+  /// Corner rays of a traced scene, which they do not keep alive.
+  struct RaysKey {
+    std::weak_ptr<const TracedScene> traced;
+    const CornerRays* rays = nullptr;
+
+    bool operator==(const RaysKey& other) const {
+      return rays == other.rays && !traced.owner_before(other.traced) &&
+             !other.traced.owner_before(traced);
+    }
+  };
+
+  struct WallKey {
+    RaysKey rays;
+    std::string tunnel;
+
+    bool operator==(const WallKey&) const = default;
   };
 
   struct MetWall {
-    std::string key;
-    const CornerRays* rays = nullptr;
-    std::weak_ptr<const TracedScene> traced;  ///< that the rays belong to
-    std::shared_ptr<const WallView> value;    ///< empty: was asked for once
+    std::shared_ptr<const WallView> view;  ///< empty: was asked for once
   };
-
-  void drop_beyond_limit();
 
   /// The camera's rays without defects, if the last scene had the same camera; else empty.
   std::shared_ptr<const CornerRays> bare_rays(const SceneSettings& scene, const BuiltDefects& part);
@@ -100,24 +125,21 @@ class SceneStore {
   void check_files(const SceneSettings& scene);
 
   ThreadPool& pool_;
-  mutable std::mutex mutex_;
-  std::map<std::string, std::string> digests_;  ///< of part files, by path
-  std::list<Entry<BuiltPart>> parts_;           ///< most recently used first
-  std::mutex defects_mutex_;                    ///< taken alone
-  std::list<Entry<BuiltDefects>> defects_;      ///< most recently used first
-  std::list<Entry<DefectMaker>> makers_;        ///< most recently used first
-  std::list<Entry<TracedScene>> traced_;        ///< most recently used first
-  std::string bare_key_;                        ///< of the last camera that was traced
-  std::shared_ptr<const CornerRays> bare_;      ///< its rays without defects
-  mutable std::mutex walls_mutex_;              ///< taken after mutex_ where both are
-  std::list<MetWall> walls_;                    ///< most recently used first
   std::size_t most_bytes_ = 0;
-  PictureStore pictures_;
+  std::mutex digests_mutex_;
+  std::map<std::string, std::string> digests_;  ///< of part files, by path
+  Cache<std::string, BuiltPart> parts_;
+  Cache<MadeFrom<BuiltPart>, DefectMaker> makers_;
+  Cache<MadeFrom<BuiltPart>, BuiltDefects> defects_;
+  Cache<MadeFrom<BuiltDefects>, TracedScene> traced_;
+  Cache<PictureKey, PathPicture> pictures_;
+  Cache<WallKey, MetWall> walls_;
+  mutable std::mutex bare_mutex_;
+  std::string bare_key_;                    ///< of the last camera that was traced
+  std::shared_ptr<const CornerRays> bare_;  ///< its rays without defects
   LineStore lines_;
-  std::atomic<int> num_traced_ = 0;
   std::atomic<int> num_retraced_ = 0;
   std::atomic<int> num_met_ = 0;
-  std::atomic<int> num_defects_made_ = 0;
 };
 
 /// Memory that the rays of a scene take, about.

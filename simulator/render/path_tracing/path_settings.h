@@ -13,6 +13,8 @@ struct PixelWindow {
   int top_px = 0;
   int width_px = 0;
   int height_px = 0;
+
+  bool operator==(const PixelWindow&) const = default;
 };
 
 /// How far and how finely paths are followed: the keys of [render.paths], and what the caller adds;

@@ -12,7 +12,7 @@ std::unique_ptr<LineCamera> line_camera_of(SceneStore& store,
                                            const SceneSettings& scene,
                                            std::shared_ptr<const TracedScene> traced) {
   return needs_paths(scene) ? path_line(scene, std::move(traced), store)
-                            : mirror_line(scene, std::move(traced), store.pool());
+                            : mirror_line(scene, std::move(traced), store);
 }
 
 }  // namespace glint

@@ -51,12 +51,12 @@ class MirrorLine : public LineCamera {
  public:
   MirrorLine(const SceneSettings& scene,
              std::shared_ptr<const TracedScene> traced,
-             ThreadPool& pool)
+             SceneStore& store)
       : scene_(scene),
         tunnel_(scene.tunnel),
         camera_(intrinsics_of(scene)),
         traced_(std::move(traced)),
-        pool_(pool) {
+        store_(store) {
     clean_ = traced_->is_sampled()
                  ? SeenSurface{.sampled = {traced_, &traced_->rays}, .corners = {}}
                  : SeenSurface{.sampled = {}, .corners = {traced_, &traced_->corners}};
@@ -89,8 +89,8 @@ class MirrorLine : public LineCamera {
     const BuiltPart& built = *part.built;
     SeenSurface surface;
     if (traced_->is_sampled()) {
-      surface.sampled = std::make_shared<const RayCache>(
-          trace_rays(built.part, *built.bvh, part.detail, camera_, pose, scene_.render, pool_));
+      surface.sampled = std::make_shared<const RayCache>(trace_rays(
+          built.part, *built.bvh, part.detail, camera_, pose, scene_.render, store_.pool()));
     } else if (part.built == part.clean) {
       surface.corners = std::make_shared<const CornerRays>(retrace_detail(traced_->corners,
                                                                           built.part,
@@ -99,11 +99,11 @@ class MirrorLine : public LineCamera {
                                                                           camera_,
                                                                           pose,
                                                                           scene_.render,
-                                                                          pool_)
+                                                                          store_.pool())
                                                                .rays);
     } else {
       surface.corners = std::make_shared<const CornerRays>(trace_corner_rays(
-          built.part, *built.bvh, part.detail, camera_, pose, scene_.render, pool_));
+          built.part, *built.bvh, part.detail, camera_, pose, scene_.render, store_.pool()));
     }
     return surface;
   }
@@ -151,7 +151,8 @@ class MirrorLine : public LineCamera {
       ScanPlan plan;
       plan.by_frames =
           dilated(changed_pixels(*clean_.corners, *surface.corners), sensor.blur_radius_px());
-      const ClosedScan changed = scan_closed(footprints, sensor, plan);
+      const ClosedScan changed =
+          scan_closed(footprints, sensor, plan, {}, &store_.frame_pictures());
       for (std::size_t i = 0; i < changed.aspect.size(); ++i) {
         if (plan.by_frames.values()[i] != 0) {
           scan.aspect.values()[i] = changed.aspect.values()[i];
@@ -180,7 +181,7 @@ class MirrorLine : public LineCamera {
   Tunnel tunnel_;
   PinholeCamera camera_;
   std::shared_ptr<const TracedScene> traced_;  ///< of the flawless part
-  ThreadPool& pool_;
+  SceneStore& store_;
   SeenSurface clean_;
   std::shared_ptr<const Footprints> clean_footprints_;
   ExpectedScan expected_;  ///< of the flawless part; empty: sampled
@@ -190,8 +191,8 @@ class MirrorLine : public LineCamera {
 
 std::unique_ptr<LineCamera> mirror_line(const SceneSettings& scene,
                                         std::shared_ptr<const TracedScene> traced,
-                                        ThreadPool& pool) {
-  return std::make_unique<MirrorLine>(scene, std::move(traced), pool);
+                                        SceneStore& store) {
+  return std::make_unique<MirrorLine>(scene, std::move(traced), store);
 }
 
 }  // namespace glint

@@ -7,13 +7,14 @@
 #include <memory>
 
 #include "studies/imaging/line_camera.h"
+#include "studies/imaging/scene_store.h"
 
 namespace glint {
 
 /// @param traced  the flawless part, which fits into the tunnel
-/// @param pool    must outlive the line
+/// @param store   must outlive the line
 std::unique_ptr<LineCamera> mirror_line(const SceneSettings& scene,
                                         std::shared_ptr<const TracedScene> traced,
-                                        ThreadPool& pool);
+                                        SceneStore& store);
 
 }  // namespace glint

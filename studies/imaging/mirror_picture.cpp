@@ -85,7 +85,8 @@ class MirrorPicture : public ScenePicture {
                               traced()->region,
                               request.watch ? traced()->watched : none,
                               scene().render.reflectance);
-    ClosedScan closed = scan_closed(*footprints, *sensor, plan, request.watch);
+    ClosedScan closed =
+        scan_closed(*footprints, *sensor, plan, request.watch, &store_.frame_pictures());
     MeanImage mean = {.aspect = std::move(closed.aspect),
                       .deviation = std::move(closed.deviation),
                       .clipped_frames = std::move(closed.clipped_frames),

@@ -17,6 +17,7 @@
 #include "core/thread_pool.h"
 #include "simulator/render/footprint/footprints.h"
 #include "simulator/render/path_tracing/path_settings.h"
+#include "simulator/render/scan/frame_pictures.h"
 #include "studies/imaging/line_store.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/imaging/traced_scene.h"
@@ -51,6 +52,9 @@ class SceneStore {
 
   /// What simulated lines of path-traced parts have rendered.
   LineStore& lines() { return lines_; }
+
+  /// For scans of any of the scenes.
+  FramePicturePool& frame_pictures() { return frame_pictures_; }
 
   ThreadPool& pool() const { return pool_; }
 
@@ -138,6 +142,7 @@ class SceneStore {
   std::string bare_key_;                    ///< of the last camera that was traced
   std::shared_ptr<const CornerRays> bare_;  ///< its rays without defects
   LineStore lines_;
+  FramePicturePool frame_pictures_;
   std::atomic<int> num_retraced_ = 0;
   std::atomic<int> num_met_ = 0;
 };

@@ -147,7 +147,8 @@ Homogeneity closed_homogeneity(const SceneSettings& settings, ScanForm* form = n
   const Footprints footprints(scene.corners, tunnel, settings.scan, scene.camera_in_world_mm);
   const double reflectance = settings.render.reflectance;
   const ScanPlan plan = plan_scan(footprints, sensor, scene.region, {}, reflectance);
-  const ClosedScan scan = scan_closed(footprints, sensor, plan);
+  static FramePicturePool pictures;
+  const ClosedScan scan = scan_closed(footprints, sensor, plan, {}, &pictures);
   if (form != nullptr) {
     *form = scan.form;
   }

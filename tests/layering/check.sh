@@ -71,6 +71,7 @@ FNR == 1 {
 
 $0 ~ unwanted { report("uses what gcc 12 and clang 14 lack or what breaks reproducibility") }
 $0 ~ unfinished { report("is marked as unfinished") }
+/thread_local/ && room != "tests" { report("keeps state of a thread; let an object own it") }
 /std::(cout|cerr)/ && room != "cli" && room != "tests" { report("prints; libraries never do") }
 
 END { end_of_file() }

@@ -62,6 +62,8 @@ add core/error.cpp "// TO""DO later"
 expect_found "core/error.cpp:4: is marked as unfinished"
 add core/error.cpp 'std::cout << 1;'
 expect_found "core/error.cpp:4: prints"
+add defects/a.cpp 'thread_local int count = 0;'
+expect_found "defects/a.cpp:3: keeps state of a thread"
 add core/error.cpp "const char* p = \"/ho""me/ann/part.stl\";"
 expect_found "core/error.cpp:4: names a path of one machine"
 

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "simulator/render/footprint/footprint_frames.h"
 #include "simulator/render/scan/width_kernels.h"
@@ -26,12 +27,8 @@ constexpr int kFramesAtOnce = 8;
 /// Gaps between rendered pixels that are not worth another start.
 constexpr int kBridge_px = 8;
 
-/// Pictures that frames are made in.
-struct FramePictures {
-  std::vector<ImageF> radiance;
-  ImageF grey;
-  ScanSums sums;
-};
+/// Pictures are worth keeping for frames that are rendered in this share of their pixels at most.
+constexpr double kSmallShare = 0.25;
 
 double share_of(const Spans& spans, int width, int height) {
   double pixels = 0.0;
@@ -81,14 +78,6 @@ std::shared_ptr<const PixelCells> sum_frames(const Footprints& footprints,
     }
   }
   return frames.cells();
-}
-
-/// The pictures that a thread keeps from one candidate to the next: to clear new ones takes longer
-/// than to render a small share of their pixels. nullptr for a large share: they would be many.
-FramePictures* kept_pictures(const Spans& rendered, int width, int height) {
-  constexpr double kSmallShare = 0.25;
-  thread_local FramePictures pictures;
-  return share_of(rendered, width, height) <= kSmallShare ? &pictures : nullptr;
 }
 
 /// The exposed mean radiance: for a linear sensor the mean of the exposed frames.
@@ -176,7 +165,8 @@ void look_up_means(const ScanPlan& plan, const ClippedMean& table, ClosedScan& r
 ClosedScan scan_closed(const Footprints& footprints,
                        const Sensor& sensor,
                        const ScanPlan& plan,
-                       const FrameConsumer& consume) {
+                       const FrameConsumer& consume,
+                       FramePicturePool* pool) {
   const int width = footprints.rays().width_px;
   const int height = footprints.rays().height_px;
   ClosedScan result = {.form = plan.form};
@@ -199,11 +189,11 @@ ClosedScan scan_closed(const Footprints& footprints,
     return result;
   }
   const Spans rendered = grown_spans(wanted, sensor.blur_radius_px(), kBridge_px, width, height);
-  FramePictures own;
-  FramePictures* const kept = kept_pictures(rendered, width, height);
-  FramePictures& pictures = kept != nullptr ? *kept : own;
-  result.cells = sum_frames(footprints, sensor, wanted, rendered, consume, pictures);
-  const ScanSums& sums = pictures.sums;
+  // Of a large share they would be many, and clearing them is little beside the rendering.
+  const bool is_pooled = pool != nullptr && share_of(rendered, width, height) <= kSmallShare;
+  auto pictures = is_pooled ? pool->take() : std::make_unique<FramePictures>();
+  result.cells = sum_frames(footprints, sensor, wanted, rendered, consume, *pictures);
+  const ScanSums& sums = pictures->sums;
   for (const RowSpan& span : wanted) {
     for (int x = span.begin; x < span.end; ++x) {
       result.aspect(x, span.y) = static_cast<float>(sums.sum(x, span.y) / sums.frames);
@@ -212,6 +202,9 @@ ClosedScan scan_closed(const Footprints& footprints,
         result.deviation(x, span.y) = 0.0F;
       }
     }
+  }
+  if (is_pooled) {
+    pool->give_back(std::move(pictures));
   }
   return result;
 }

@@ -15,6 +15,7 @@
 
 #include "core/image/image.h"
 #include "simulator/render/footprint/footprint_cells.h"
+#include "simulator/render/scan/frame_pictures.h"
 #include "simulator/render/scan/scan.h"
 #include "simulator/render/scan/scan_plan.h"
 
@@ -30,10 +31,12 @@ struct ClosedScan {
 };
 
 /// @param consume  sees the frames' grey values, right at the watched pixels only; may be empty
+/// @param pool     where pictures come from when few pixels are rendered; nullptr: new ones
 ClosedScan scan_closed(const Footprints& footprints,
                        const Sensor& sensor,
                        const ScanPlan& plan,
-                       const FrameConsumer& consume = {});
+                       const FrameConsumer& consume = {},
+                       FramePicturePool* pool = nullptr);
 
 /// All frames of a scan, integrated; the whole picture.
 ScanResult scan_integrated(const Footprints& footprints,

@@ -283,6 +283,34 @@ TEST(ScanClosed, GivesTheSameBytesAgain) {
   }
 }
 
+// Frames of a few pixels only: their pictures come from the pool, where others left them.
+TEST(ScanClosed, PicturesThatWereUsedBeforeChangeNothing) {
+  const BothScans scans(test::bench_tunnel(), {.gain = 0.9});
+  const int width = scans.region.width();
+  const int height = scans.region.height();
+  ScanPlan plan;
+  plan.by_frames = Mask(width, height);
+  std::fill_n(plan.by_frames.row(height / 2) + width / 2, 5, std::uint8_t{1});
+  FramePicturePool pool;
+  auto used = pool.take();
+  used->radiance.assign(3, ImageF(7, 5, 0.5F));
+  used->sums = ScanSums(width, height);
+  used->sums.frames = 9;
+  used->sums.sum = Image<double>(width, height, 0.7);
+  const FramePictures* const address = used.get();
+  pool.give_back(std::move(used));
+  const ClosedScan fresh = scan_closed(scans.footprints, scans.sensor, plan);
+  for (int again = 0; again < 2; ++again) {
+    const ClosedScan scan = scan_closed(scans.footprints, scans.sensor, plan, {}, &pool);
+    EXPECT_EQ(scan.aspect, fresh.aspect);
+    EXPECT_EQ(scan.clipped_frames, fresh.clipped_frames);
+  }
+  const auto first = pool.take();
+  EXPECT_EQ(first.get(), address);
+  EXPECT_EQ(first->sums.frames, 24) << "it was used";
+  EXPECT_NE(pool.take().get(), address);
+}
+
 TEST(PlanScan, AnEmptyMaskWatchesNoPixel) {
   const ScanSettings broken = {.positions = 23, .step_mm = 0.5};
   for (const auto& [gain, scan] :

@@ -48,7 +48,7 @@ Json defect_json(const FoundDefect& defect, std::size_t index) {
 }
 
 Json truth_json(const InspectedPart& part) {
-  const Comparison& comparison = *part.comparison;
+  const DetectionMatches& comparison = *part.comparison;
   Json defects = Json::array();
   int other_kind = 0;
   for (std::size_t i = 0; i < part.known.size(); ++i) {

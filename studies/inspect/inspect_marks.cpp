@@ -145,7 +145,7 @@ std::vector<DefectMark> marks_of(std::span<const FoundDefect> found) {
 }
 
 std::vector<DefectMark> missed_marks(std::span<const KnownDefect> known,
-                                     const Comparison& comparison) {
+                                     const DetectionMatches& comparison) {
   std::vector<DefectMark> marks;
   for (std::size_t i = 0; i < known.size(); ++i) {
     if (comparison.blob_of_defect[i] >= 0) {

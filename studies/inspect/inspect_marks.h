@@ -28,7 +28,7 @@ std::vector<DefectMark> marks_of(std::span<const FoundDefect> found);
 
 /// An ellipse about each defect that was missed.
 std::vector<DefectMark> missed_marks(std::span<const KnownDefect> known,
-                                     const Comparison& comparison);
+                                     const DetectionMatches& comparison);
 
 /// "#rrggbb"
 std::string_view mark_colour(DefectMark::Kind kind);

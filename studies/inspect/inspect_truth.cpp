@@ -22,8 +22,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Json = nlohmann::json;
 
-constexpr double kSlackPx = 1.5;  ///< a blob's middle is no better known
-
 SceneSettings scene_of(const fs::path& path) {
   const ConfigNode root = load_toml(path);
   std::vector<Problem> errors;
@@ -35,25 +33,6 @@ SceneSettings scene_of(const fs::path& path) {
 /// Radius of a line with round ends from its area: pi r^2 + 2 r length = area.
 double radius_of(double area_px, double length_px) {
   return (std::sqrt(length_px * length_px + kPi * area_px) - length_px) / kPi;
-}
-
-/// The nearest defect, in radii, whose line is that near; -1: none.
-int nearest_to(const Vector2d& at,
-               std::span<const KnownDefect> known,
-               double hit_radii,
-               double slack_px) {
-  int nearest = -1;
-  double least = 0.0;
-  for (std::size_t i = 0; i < known.size(); ++i) {
-    const double distance_px = known[i].distance_px(at);
-    const double radii = distance_px / known[i].radius_px;
-    if (distance_px <= hit_radii * known[i].radius_px + slack_px &&
-        (nearest < 0 || radii < least)) {
-      nearest = static_cast<int>(i);
-      least = radii;
-    }
-  }
-  return nearest;
 }
 
 class Reader {
@@ -135,35 +114,16 @@ std::vector<KnownDefect> read_known_defects(const fs::path& defects, const fs::p
   return known;
 }
 
-int Comparison::found() const {
-  return static_cast<int>(std::ranges::count_if(blob_of_defect, [](int i) { return i >= 0; }));
-}
-
-int Comparison::false_alarms() const {
-  return static_cast<int>(std::ranges::count(defect_of_blob, -1));
-}
-
-Comparison compare(std::span<const FoundDefect> found,
-                   std::span<const KnownDefect> known,
-                   const TrialSettings& settings) {
-  Comparison result{.blob_of_defect = std::vector<int>(known.size(), -1), .defect_of_blob = {}};
-  std::vector<double> nearest(known.size());  // blob to defect, in radii
-  for (std::size_t blob = 0; blob < found.size(); ++blob) {
-    const Vector2d at(found[blob].x_px, found[blob].y_px);
-    const int hit = nearest_to(at, known, settings.hit_radii, kSlackPx);
-    result.defect_of_blob.push_back(
-        hit >= 0 ? hit : nearest_to(at, known, settings.hit_radii, kSlackPx + settings.echo_px));
-    if (hit < 0) {
-      continue;
-    }
-    const auto i = static_cast<std::size_t>(hit);
-    const double radii = known[i].distance_px(at) / known[i].radius_px;
-    if (result.blob_of_defect[i] < 0 || radii < nearest[i]) {
-      result.blob_of_defect[i] = static_cast<int>(blob);
-      nearest[i] = radii;
-    }
-  }
-  return result;
+DetectionMatches match_detections(std::span<const FoundDefect> found,
+                                  std::span<const KnownDefect> known,
+                                  const TrialSettings& settings) {
+  const auto distance = [&](const FoundDefect& blob, std::size_t i, double slack_px) {
+    const double distance_px = known[i].distance_px({blob.x_px, blob.y_px});
+    return distance_px <= settings.hit_radii * known[i].radius_px + slack_px
+               ? std::optional(distance_px / known[i].radius_px)
+               : std::nullopt;
+  };
+  return match_detections(found, known.size(), settings.echo_px, distance);
 }
 
 }  // namespace glint

@@ -11,7 +11,7 @@
 
 #include <Eigen/Core>
 
-#include "metrics/inspection/inspector.h"
+#include "metrics/inspection/match_detections.h"
 
 namespace glint {
 
@@ -41,19 +41,10 @@ struct KnownDefect {
 std::vector<KnownDefect> read_known_defects(const std::filesystem::path& defects,
                                             const std::filesystem::path& scene);
 
-struct Comparison {
-  std::vector<int> blob_of_defect;  ///< the nearest blob; -1: missed
-  std::vector<int> defect_of_blob;  ///< found, or echoed; -1: a false alarm
-
-  int found() const;
-  int false_alarms() const;
-};
-
-/// A blob belongs to the nearest defect (in radii) whose line lies within hit_radii of its radii,
-/// and 1.5 px, of the blob's middle, and finds it. One that lies farther by at most echo_px is a
-/// side lobe of the filter: it finds nothing and is no false alarm.
-Comparison compare(std::span<const FoundDefect> found,
-                   std::span<const KnownDefect> known,
-                   const TrialSettings& settings);
+/// A blob is within reach of a defect whose line lies within hit_radii of its radii, and the slack,
+/// of the blob's middle.
+DetectionMatches match_detections(std::span<const FoundDefect> found,
+                                  std::span<const KnownDefect> known,
+                                  const TrialSettings& settings);
 
 }  // namespace glint

@@ -206,7 +206,7 @@ InspectedPart inspect_part(const PicturedPart& source,
   result.scratches = sizes_of(defects, DefectKind::kScratch, settings.measure);
   if (!source.truth.empty() && !source.scene.empty()) {
     result.known = read_known_defects(source.truth, source.scene);
-    result.comparison = compare(defects, result.known, settings.trials);
+    result.comparison = match_detections(defects, result.known, settings.trials);
   }
   result.histogram = histogram_of(response, region, result.inspection.threshold);
   if (settings.filter == Filter::kPhase) {

@@ -38,7 +38,7 @@ struct InspectedPart {
   std::optional<Grade> grade;  ///< empty: no limits are set
   std::optional<Grade> label;  ///< of a person; empty: none
   std::vector<KnownDefect> known;
-  std::optional<Comparison> comparison;  ///< empty: the truth is not known
+  std::optional<DetectionMatches> comparison;  ///< empty: the truth is not known
   ResponseHistogram histogram;
   std::vector<std::string> notes;
   /// Pictures are given up once their files are written.

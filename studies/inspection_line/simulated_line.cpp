@@ -221,34 +221,21 @@ struct SimulatedLine::Data {
   std::optional<DefectMaker> maker;
 };
 
-Verdict judge(std::span<const FoundDefect> found,
-              std::span<const TrueDefect> truth,
-              const TrialSettings& settings) {
-  constexpr double kReach_px = 1.5;
-  Verdict verdict;
-  verdict.is_found.assign(truth.size(), 0);
-  const auto nearest_to = [&](const FoundDefect& blob, double reach_px) {
-    auto least = static_cast<float>(settings.hit_radii);
-    int nearest = -1;
-    for (std::size_t i = 0; i < truth.size(); ++i) {
-      const float distance = least_distance(truth[i].view, blob.x_px, blob.y_px, reach_px);
-      if (distance <= least) {
-        least = distance;
-        nearest = static_cast<int>(i);
-      }
-    }
-    return nearest;
+DetectionMatches match_detections(std::span<const FoundDefect> found,
+                                  std::span<const TrueDefect> truth,
+                                  const TrialSettings& settings) {
+  const auto most = static_cast<float>(settings.hit_radii);
+  const auto distance = [&](const FoundDefect& blob, std::size_t i, double slack_px) {
+    const float radii = least_distance(truth[i].view, blob.x_px, blob.y_px, slack_px);
+    return radii <= most ? std::optional(static_cast<double>(radii)) : std::nullopt;
   };
-  for (const FoundDefect& blob : found) {
-    const int hit = nearest_to(blob, kReach_px);
-    verdict.defect_of_blob.push_back(hit >= 0 ? hit
-                                              : nearest_to(blob, kReach_px + settings.echo_px));
-    verdict.false_alarms += verdict.defect_of_blob.back() < 0 ? 1 : 0;
-    if (hit >= 0 && !truth[static_cast<std::size_t>(hit)].is_masked) {
-      verdict.is_found[static_cast<std::size_t>(hit)] = 1;
+  DetectionMatches matches = match_detections(found, truth.size(), settings.echo_px, distance);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (truth[i].is_masked) {
+      matches.blob_of_defect[i] = -1;
     }
   }
-  return verdict;
+  return matches;
 }
 
 SimulatedLine::SimulatedLine(SceneStore& store, const SceneSettings& scene) {

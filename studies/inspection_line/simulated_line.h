@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "metrics/inspection/inspector.h"
+#include "metrics/inspection/match_detections.h"
 #include "studies/imaging/scene_store.h"
 
 namespace glint {
@@ -37,19 +38,11 @@ struct ScannedPart {
   std::vector<TrueDefect> defects;
 };
 
-/// Which defects were found, and what was found where there is none.
-struct Verdict {
-  std::vector<unsigned char> is_found;  ///< one for each true defect
-  int false_alarms = 0;                 ///< blobs near no defect
-  std::vector<int> defect_of_blob;      ///< -1: none, a false alarm
-};
-
-/// A blob belongs to the nearest defect whose middle lies within hit_radii (plus 1.5 px) of the
-/// blob's, which finds it. A blob that lies farther from a defect by at most echo_px is a side lobe
-/// of its signature: it belongs to the defect, but finds nothing. Masked defects count as missed.
-Verdict judge(std::span<const FoundDefect> found,
-              std::span<const TrueDefect> truth,
-              const TrialSettings& settings);
+/// A blob is within reach of a defect whose middle lies within hit_radii of some pixel whose centre
+/// is no farther from the blob's middle than the slack. Masked defects count as missed.
+DetectionMatches match_detections(std::span<const FoundDefect> found,
+                                  std::span<const TrueDefect> truth,
+                                  const TrialSettings& settings);
 
 class SimulatedLine {
  public:

@@ -13,7 +13,7 @@ namespace glint {
 namespace {
 
 /// What was found on a part, and what later steps need of the scan about its defects.
-struct InspectedPart {
+struct TriedPart {
   PartTrial trial;
   std::vector<DefectView> views;  ///< of its defects; both empty where they are not needed
   std::vector<ImageF> responses;  ///< in the views' windows
@@ -50,19 +50,20 @@ DefectTrial as_made(const TrueDefect& truth) {
           .rendering = truth.rendering};
 }
 
-InspectedPart inspected(const SimulatedLine& line,
-                        const ScannedPart& part,
-                        double threshold,
-                        const TrialNeeds& needs) {
+TriedPart inspected(const SimulatedLine& line,
+                    const ScannedPart& part,
+                    double threshold,
+                    const TrialNeeds& needs) {
   const std::vector<FoundDefect> found = line.inspect(part, threshold);
-  const Verdict verdict = judge(found, part.defects, line.scene().inspection.trials);
-  InspectedPart result;
+  const DetectionMatches matches =
+      match_detections(found, part.defects, line.scene().inspection.trials);
+  TriedPart result;
   for (std::size_t i = 0; i < part.defects.size(); ++i) {
     const TrueDefect& truth = part.defects[i];
     DefectTrial trial = as_made(truth);
-    trial.is_found = verdict.is_found[i] != 0;
+    trial.is_found = matches.is_found(i);
     for (std::size_t k = 0; trial.is_found && k < found.size(); ++k) {
-      if (verdict.defect_of_blob[k] == static_cast<int>(i)) {
+      if (matches.defect_of_blob[k] == static_cast<int>(i)) {
         trial.signature += found[k].area_px / truth.view.area_px;
       }
     }
@@ -132,7 +133,7 @@ ImageF mean_without(ImageF sum, const ImageF& one, std::size_t count) {
   return sum;
 }
 
-void look_without(const FlawlessScans& flawless, double radii, std::vector<InspectedPart>& parts) {
+void look_without(const FlawlessScans& flawless, double radii, std::vector<TriedPart>& parts) {
   for (std::size_t k = 0; k < parts.size(); ++k) {
     for (std::size_t i = 0; i < parts[k].views.size(); ++i) {
       const DefectView& view = parts[k].views[i];
@@ -148,7 +149,7 @@ struct Address {
   std::size_t defect = 0;
 };
 
-WindowShape shape_for(const std::vector<InspectedPart>& parts, const std::vector<Address>& group) {
+WindowShape shape_for(const std::vector<TriedPart>& parts, const std::vector<Address>& group) {
   std::vector<double> areas;
   for (const Address& at : group) {
     areas.push_back(parts[at.part].views[at.defect].area_px);
@@ -161,7 +162,7 @@ WindowShape shape_for(const std::vector<InspectedPart>& parts, const std::vector
 /// Each group has a window of its own size.
 void filter_groups(const SimulatedLine& line,
                    const FlawlessScans& flawless,
-                   std::vector<InspectedPart>& parts,
+                   std::vector<TriedPart>& parts,
                    ThreadPool& pool) {
   std::map<std::string, std::vector<Address>> groups;
   for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -206,14 +207,14 @@ double found_share(const SimulatedLine& line,
                    double threshold,
                    double factor) {
   const ScannedPart part = line.part_with(scaled(line.scene().defects, factor), number);
-  const Verdict verdict =
-      judge(line.inspect(part, threshold), part.defects, line.scene().inspection.trials);
+  const DetectionMatches matches =
+      match_detections(line.inspect(part, threshold), part.defects, line.scene().inspection.trials);
   int found = 0;
   int made = 0;
   for (std::size_t i = 0; i < part.defects.size(); ++i) {
     if (!is_stain(part.defects[i])) {
       ++made;
-      found += verdict.is_found[i] != 0 ? 1 : 0;
+      found += matches.is_found(i) ? 1 : 0;
     }
   }
   return static_cast<double>(found) / std::max(1, made);
@@ -239,10 +240,10 @@ LineTrials run_trials(const SimulatedLine& line,
   result.threshold = line.threshold();
   result.region_share = line.region_share();
   result.rendering_share = line.rendering_share();
-  std::vector<InspectedPart> parts;
+  std::vector<TriedPart> parts;
   if (needs.parts || needs.largest || needs.dprime || needs.smallest) {
-    parts = pool.map<InspectedPart>(settings.parts, [&](std::int64_t k) {
-      InspectedPart part = inspected(line, line.part(first + k), result.threshold, needs);
+    parts = pool.map<TriedPart>(settings.parts, [&](std::int64_t k) {
+      TriedPart part = inspected(line, line.part(first + k), result.threshold, needs);
       if (needs.smallest) {
         part.trial.factor = factor_of(line, first + k, result.threshold);
       }
@@ -260,7 +261,7 @@ LineTrials run_trials(const SimulatedLine& line,
       filter_groups(line, flawless, parts, pool);
     }
   }
-  for (InspectedPart& part : parts) {
+  for (TriedPart& part : parts) {
     result.parts.push_back(std::move(part.trial));
   }
   return result;

@@ -277,15 +277,14 @@ Scores inspect_sized_part(const SimulatedLine& line,
   const double size_mm = sizes_mm[static_cast<std::size_t>(number / settings.parts)];
   const ScannedPart part =
       line.part_with(group_of_size(settings, line.scene().defects, size_mm), number);
-  const Verdict verdict =
-      judge(line.inspect(part, threshold), part.defects, line.scene().inspection.trials);
-  const auto hits = std::ranges::count(verdict.is_found, 1);
+  const DetectionMatches matches =
+      match_detections(line.inspect(part, threshold), part.defects, line.scene().inspection.trials);
   const auto masked = std::ranges::count_if(
       part.defects, [](const TrueDefect& defect) { return defect.is_masked; });
   return {{"defects", static_cast<double>(part.defects.size())},
-          {"hits", static_cast<double>(hits)},
+          {"hits", matches.found()},
           {"masked", static_cast<double>(masked)},
-          {"false_alarms", verdict.false_alarms}};
+          {"false_alarms", matches.false_alarms()}};
 }
 
 std::optional<Json> run_pod(const PopulationTask& task) {

@@ -38,18 +38,18 @@ DefectKind kind_of(DefectType type) {
 /// Defects that were found, and how many of them as the other kind: the biggest blob says which.
 void count_found(const ScannedPart& part,
                  const std::vector<FoundDefect>& blobs,
-                 const Verdict& verdict,
+                 const DetectionMatches& matches,
                  Scores& figures) {
   int found = 0;
   int other_kind = 0;
   for (std::size_t i = 0; i < part.defects.size(); ++i) {
-    if (verdict.is_found[i] == 0) {
+    if (!matches.is_found(i)) {
       continue;
     }
     ++found;
     const FoundDefect* biggest = nullptr;
     for (std::size_t k = 0; k < blobs.size(); ++k) {
-      const bool is_its = verdict.defect_of_blob[k] == static_cast<int>(i);
+      const bool is_its = matches.defect_of_blob[k] == static_cast<int>(i);
       if (is_its && (biggest == nullptr || blobs[k].area_px > biggest->area_px)) {
         biggest = &blobs[k];
       }
@@ -151,7 +151,7 @@ Scores inspect_part(const SimulatedLine& line,
   const ScannedPart part =
       line.part_with(groups_of_part(settings, scene.defects, scene.imprint.seed, number), number);
   const std::vector<FoundDefect> blobs = line.inspect(part, threshold);
-  const Verdict verdict = judge(blobs, part.defects, scene.inspection.trials);
+  const DetectionMatches matches = match_detections(blobs, part.defects, scene.inspection.trials);
   std::vector<Defect> defects;
   for (const TrueDefect& truth : part.defects) {
     defects.push_back(truth.defect);
@@ -169,9 +169,9 @@ Scores inspect_part(const SimulatedLine& line,
                     {"scratches.biggest", scratches.biggest},
                     {"scratches.sum", scratches.sum},
                     {"defects", static_cast<double>(part.defects.size())},
-                    {"false_alarms", verdict.false_alarms},
+                    {"false_alarms", matches.false_alarms()},
                     {"imprinted", is_imprinted(settings, number) ? 1.0 : 0.0}};
-  count_found(part, blobs, verdict, figures);
+  count_found(part, blobs, matches, figures);
   return figures;
 }
 

@@ -34,22 +34,22 @@ TEST(KnownDefect, MeasuresTheDistanceFromItsLine) {
 constexpr TrialSettings kTrials = {.hit_radii = 1.5, .echo_px = 0.0};
 
 // Radius 4 and 1.5 radii: 6 px, and 1.5 px more.
-TEST(Compare, FindsWithinTheHitRadii) {
+TEST(MatchDetections, FindsWithinTheHitRadii) {
   const std::vector<KnownDefect> known = {dent(50, 50, 4)};
   for (const auto& [x_px, is_found] : {std::pair{57.4, true}, {57.6, false}}) {
     const std::vector<FoundDefect> found = {blob_at(x_px, 50)};
-    const Comparison comparison = compare(found, known, kTrials);
+    const DetectionMatches comparison = match_detections(found, known, kTrials);
     EXPECT_EQ(comparison.found(), is_found ? 1 : 0);
     EXPECT_EQ(comparison.false_alarms(), is_found ? 0 : 1);
   }
 }
 
 // Two blobs of one defect are no false alarms; the nearer one stands for it.
-TEST(Compare, GivesEachBlobToTheNearestDefect) {
+TEST(MatchDetections, GivesEachBlobToTheNearestDefect) {
   const std::vector<KnownDefect> known = {dent(20, 20, 5), dent(30, 20, 5), dent(90, 90, 2)};
   const std::vector<FoundDefect> found = {
       blob_at(24, 20), blob_at(21, 20), blob_at(28, 20), blob_at(60, 60)};
-  const Comparison comparison = compare(found, known, kTrials);
+  const DetectionMatches comparison = match_detections(found, known, kTrials);
   EXPECT_THAT(comparison.defect_of_blob, ElementsAre(0, 0, 1, -1));
   EXPECT_THAT(comparison.blob_of_defect, ElementsAre(1, 2, -1));
   EXPECT_EQ(comparison.found(), 2);
@@ -57,10 +57,11 @@ TEST(Compare, GivesEachBlobToTheNearestDefect) {
 }
 
 // 7.5 px as above, and 3 px around that: neither a find nor a false alarm.
-TEST(Compare, TakesSideLobesForEchoes) {
+TEST(MatchDetections, TakesSideLobesForEchoes) {
   const std::vector<KnownDefect> known = {dent(50, 50, 4)};
   const std::vector<FoundDefect> found = {blob_at(60.4, 50), blob_at(50, 60.6)};
-  const Comparison comparison = compare(found, known, {.hit_radii = 1.5, .echo_px = 3.0});
+  const DetectionMatches comparison =
+      match_detections(found, known, {.hit_radii = 1.5, .echo_px = 3.0});
   EXPECT_THAT(comparison.defect_of_blob, ElementsAre(0, -1));
   EXPECT_EQ(comparison.found(), 0);
   EXPECT_EQ(comparison.false_alarms(), 1);

@@ -59,10 +59,7 @@ int found_on(const SimulatedLine& line, int parts) {
   int found = 0;
   for (int number = 0; number < parts; ++number) {
     const ScannedPart part = line.part(number);
-    const Verdict verdict = judge(line.inspect(part, threshold), part.defects, {});
-    for (const unsigned char one : verdict.is_found) {
-      found += one;
-    }
+    found += match_detections(line.inspect(part, threshold), part.defects, {}).found();
   }
   return found;
 }

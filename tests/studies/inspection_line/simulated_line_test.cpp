@@ -31,26 +31,26 @@ TrueDefect disc_at(double x_px, double y_px, double radius_px) {
   return defect;
 }
 
-TEST(Judge, GivesEachBlobToTheNearestDefectAndCountsTheRest) {
+TEST(MatchDetections, GivesEachBlobToTheNearestDefectAndCountsTheRest) {
   const std::vector<TrueDefect> truth = {
       disc_at(20, 20, 4), disc_at(30, 20, 4), disc_at(70, 70, 2)};
   // 1 px from the first; 3 px from the second; 20 px from any. The third is not found.
   const std::vector<FoundDefect> found = {blob_at(21, 20), blob_at(27, 20), blob_at(50, 50)};
-  const Verdict verdict = judge(found, truth, {});
-  EXPECT_EQ(verdict.is_found, (std::vector<unsigned char>{1, 1, 0}));
-  EXPECT_EQ(verdict.defect_of_blob, (std::vector<int>{0, 1, -1}));
-  EXPECT_EQ(verdict.false_alarms, 1);
+  const DetectionMatches matches = match_detections(found, truth, {});
+  EXPECT_EQ(matches.blob_of_defect, (std::vector<int>{0, 1, -1}));
+  EXPECT_EQ(matches.defect_of_blob, (std::vector<int>{0, 1, -1}));
+  EXPECT_EQ(matches.false_alarms(), 1);
 }
 
 // 1.5 radii of 4 px are 6 px, and 1.5 px more are allowed for the blob's own place.
-TEST(Judge, ReachesAsFarAsAsked) {
+TEST(MatchDetections, ReachesAsFarAsAsked) {
   const std::vector<TrueDefect> truth = {disc_at(20.5, 20.5, 4)};
   const TrialSettings settings = {.hit_radii = 1.5, .echo_px = 10.0};
   const auto is_found = [&](double x_px) {
-    return judge(std::vector{blob_at(x_px, 20.5)}, truth, settings).is_found[0] != 0;
+    return match_detections(std::vector{blob_at(x_px, 20.5)}, truth, settings).is_found(0);
   };
   const auto false_alarms = [&](double x_px) {
-    return judge(std::vector{blob_at(x_px, 20.5)}, truth, settings).false_alarms;
+    return match_detections(std::vector{blob_at(x_px, 20.5)}, truth, settings).false_alarms();
   };
   EXPECT_TRUE(is_found(27.4));
   EXPECT_FALSE(is_found(28.6));
@@ -59,12 +59,13 @@ TEST(Judge, ReachesAsFarAsAsked) {
   EXPECT_EQ(false_alarms(38.6), 1);
 }
 
-TEST(Judge, CountsMaskedDefectsAsMissedAndTheirBlobsAsNoFalseAlarm) {
+TEST(MatchDetections, CountsMaskedDefectsAsMissedAndTheirBlobsAsNoFalseAlarm) {
   std::vector<TrueDefect> truth = {disc_at(20, 20, 4)};
   truth[0].is_masked = true;
-  const Verdict verdict = judge(std::vector{blob_at(20, 20)}, truth, {});
-  EXPECT_EQ(verdict.is_found[0], 0);
-  EXPECT_EQ(verdict.false_alarms, 0);
+  const DetectionMatches matches = match_detections(std::vector{blob_at(20, 20)}, truth, {});
+  EXPECT_FALSE(matches.is_found(0));
+  EXPECT_EQ(matches.defect_of_blob, std::vector<int>{0});
+  EXPECT_EQ(matches.false_alarms(), 0);
 }
 
 TEST(SimulatedLine, ShowsEveryLightingTheSamePartsAndNoise) {
@@ -190,11 +191,10 @@ TEST(SimulatedLine, FindsDeepDentsAndNothingOnFlawlessParts) {
   int alarms = 0;
   for (int number = 0; number < 5; ++number) {
     const ScannedPart part = line.part(number);
-    const Verdict verdict = judge(line.inspect(part, threshold), part.defects, {});
-    for (const unsigned char is_found : verdict.is_found) {
-      found += is_found;
-    }
-    alarms += verdict.false_alarms;
+    const DetectionMatches matches =
+        match_detections(line.inspect(part, threshold), part.defects, {});
+    found += matches.found();
+    alarms += matches.false_alarms();
     alarms += static_cast<int>(line.inspect(line.flawless(number), threshold).size());
   }
   EXPECT_EQ(found, 15);

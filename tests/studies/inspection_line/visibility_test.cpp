@@ -73,12 +73,10 @@ TEST(VisibilityScores, CountWhatTheLineFinds) {
   std::int64_t made = 0;
   for (int k = 0; k < scene.inspection.trials.parts; ++k) {
     const ScannedPart part = line.part(k);
-    const Verdict verdict =
-        judge(line.inspect(part, threshold), part.defects, scene.inspection.trials);
-    for (const unsigned char is_found : verdict.is_found) {
-      found += is_found;
-      ++made;
-    }
+    const DetectionMatches matches =
+        match_detections(line.inspect(part, threshold), part.defects, scene.inspection.trials);
+    found += matches.found();
+    made += static_cast<std::int64_t>(part.defects.size());
   }
   ASSERT_GT(found, 0);
   ASSERT_LT(found, made);
@@ -106,7 +104,7 @@ TEST(RunTrials, MeasuresEachDefectOnThePicturesOfItsPart) {
   for (std::size_t k = 0; k < trials.parts.size(); ++k) {
     const ScannedPart part = line.part(3 + static_cast<std::int64_t>(k));
     const auto blobs = line.inspect(part, trials.threshold);
-    const Verdict verdict = judge(blobs, part.defects, scene.inspection.trials);
+    const DetectionMatches matches = match_detections(blobs, part.defects, scene.inspection.trials);
     for (std::size_t i = 0; i < part.defects.size(); ++i) {
       const DefectView& view = part.defects[i].view;
       const auto reach = static_cast<float>(scene.inspection.trials.hit_radii);
@@ -121,10 +119,10 @@ TEST(RunTrials, MeasuresEachDefectOnThePicturesOfItsPart) {
       }
       double area_px = 0.0;
       for (std::size_t b = 0; b < blobs.size(); ++b) {
-        area_px += verdict.defect_of_blob[b] == static_cast<int>(i) ? blobs[b].area_px : 0;
+        area_px += matches.defect_of_blob[b] == static_cast<int>(i) ? blobs[b].area_px : 0;
       }
       const DefectTrial& trial = trials.parts[k].defects[i];
-      EXPECT_EQ(trial.is_found, verdict.is_found[i] != 0);
+      EXPECT_EQ(trial.is_found, matches.is_found(i));
       EXPECT_EQ(trial.largest, static_cast<double>(std::max(highest, -lowest)));
       EXPECT_NEAR(trial.signature, trial.is_found ? area_px / view.area_px : 0.0, 1e-9);
       dark += -lowest > highest ? 1 : 0;

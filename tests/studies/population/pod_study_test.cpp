@@ -130,8 +130,7 @@ TEST(Pod, CountsTheHitsOfEachSizeOnItsOwnParts) {
           line.part_with(group_of_size(*study.pod, study.scene.defects, sizes_mm[i]),
                          static_cast<std::int64_t>(i) * study.pod->parts + k);
       const auto blobs = line.inspect(part, design.at("threshold").get<double>());
-      const Verdict verdict = judge(blobs, part.defects, study.scene.inspection.trials);
-      hits += std::ranges::count(verdict.is_found, 1);
+      hits += match_detections(blobs, part.defects, study.scene.inspection.trials).found();
     }
     EXPECT_EQ(design.at("levels")[i].at("hits"), hits) << "level " << i;
   }

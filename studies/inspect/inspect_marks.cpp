@@ -165,18 +165,6 @@ std::vector<DefectMark> missed_marks(std::span<const KnownDefect> known,
   return marks;
 }
 
-std::string_view mark_colour(DefectMark::Kind kind) {
-  switch (kind) {
-    case DefectMark::Kind::kHole:
-      return "#ff9500";
-    case DefectMark::Kind::kScratch:
-      return "#00beff";
-    case DefectMark::Kind::kMissed:
-      return "#ff2dc8";
-  }
-  return "";
-}
-
 ImageF shown_aspect(const ImageF& aspect, const Mask& region) {
   std::vector<float> inside;
   for (std::size_t i = 0; i < aspect.size(); ++i) {

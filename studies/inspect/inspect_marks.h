@@ -4,7 +4,6 @@
 #pragma once
 
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -29,9 +28,6 @@ std::vector<DefectMark> marks_of(std::span<const FoundDefect> found);
 /// An ellipse about each defect that was missed.
 std::vector<DefectMark> missed_marks(std::span<const KnownDefect> known,
                                      const DetectionMatches& comparison);
-
-/// "#rrggbb"
-std::string_view mark_colour(DefectMark::Kind kind);
 
 /// The aspect image with the grey values of the region spread over the whole scale, darker outside
 /// the region.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The page of `glint inspect`: one HTML file that needs neither network nor scripts.
+// The page of `glint inspect`: one HTML file that needs no network.
 #pragma once
 
 #include <span>
@@ -13,23 +13,17 @@
 namespace glint {
 
 /// A part's picture for the page: base64 of an 8-bit PNG.
-struct PagePicture {
-  std::string png;
-  int width_px = 0;  ///< of the part's own picture: marks are drawn in its pixels
-  int height_px = 0;
-};
-
-PagePicture page_picture(const ImageF& shown);
+std::string page_picture(const ImageF& shown);
 
 /// More parts are in the table only.
 inline constexpr std::size_t kMostPagePictures = 100;
 
 /// @param result    the object of result.json
-/// @param pictures  of the first parts
+/// @param pictures  of the first parts, by page_picture()
 /// @param toml      the settings
 std::string inspect_page(const nlohmann::ordered_json& result,
                          std::span<const InspectedPart> parts,
-                         std::span<const PagePicture> pictures,
+                         std::span<const std::string> pictures,
                          const InspectionSettings& settings,
                          const std::string& toml);
 

@@ -375,7 +375,7 @@ class InspectRun {
   std::map<std::string, double> thresholds_;   ///< told by flawless parts
   std::map<std::string, Grade> labels_;
   std::vector<InspectedPart> parts_;
-  std::vector<PagePicture> pictures_;
+  std::vector<std::string> pictures_;  ///< of the first parts, for the page
 };
 
 }  // namespace

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The report of a run: one HTML file that needs no network (web/ holds its page). The caller
-// describes the run as one JSON object. All fields may be left out; what is absent is not drawn.
+// The report of a run, and the pages of rendered views and of inspections: one HTML file that needs
+// no network (web/ holds its page). The caller describes it as one JSON object. All fields may be
+// left out; what is absent is not drawn.
 //
 //   title, subtitle   texts
 //   status            "done" | "budget" | "interrupted" | "no_feasible"; absent: not a search
@@ -36,11 +37,16 @@
 //       drawings      [ SVG texts ]
 //       tables        [ { caption, head: [texts], rows: [ [texts] ] } ] } ]
 //   frontier          the object of frontier.json, see docs/frontier.md
+//   rendered          of `glint render`; { views: those of its result.json, each with image: base64
+//                     PNG, sheet: base64 PNG of all views, legend: [ { name, colour } ] of the defect
+//                     map, drawing: SVG text, scores: { score: number } of the first view }
+//   inspection        of `glint inspect`: its result.json with what inspect_page.cpp adds
 //   methods           [ sentences on method and accuracy ]
 //   config_toml       the resolved configuration
 //   provenance        { version, seed, compiler, machine, ... }: shown in the order given
 //   score_info        { score: { label, format: "percent" | "number" } }; see complete_report()
-//   verdict           { sentence, tone: "good" | "neutral" | "bad", details: [texts] }; see there
+//   verdict           { title: of the section, absent: "Verdict", sentence,
+//                     tone: "good" | "neutral" | "bad", details: [texts] }; see complete_report()
 #pragma once
 
 #include <string>

@@ -15,8 +15,6 @@ namespace glint {
 struct PageView {
   nlohmann::ordered_json row;  ///< of the result's `views`
   std::string png;             ///< picture and map
-  int width_px = 0;
-  int height_px = 0;
 };
 
 /// What the page of rendered views shows.

@@ -202,10 +202,7 @@ class RenderRun {
     const int width = is_many ? kManyPageWidth_px : kPageWidth_px;
     const ImageRgb shown = has_light_ ? side_by_side(pictures.image, pictures.map, width)
                                       : shrunk(pictures.map, width);
-    page_views_.push_back({.row = row,
-                           .png = png_bytes(shown),
-                           .width_px = shown.width(),
-                           .height_px = shown.height()});
+    page_views_.push_back({.row = row, .png = png_bytes(shown)});
     small_.push_back(shrunk(has_light_ ? pictures.image : pictures.map, kTileSide_px));
   }
 

@@ -17,16 +17,15 @@
 #include "core/rng.h"
 #include "core/units.h"
 #include "tests/cli/program.h"
+#include "tests/support/page_data.h"
 
 namespace glint::test {
 namespace {
 namespace fs = std::filesystem;
 
 using Json = nlohmann::json;
-using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
-using ::testing::Not;
 
 constexpr int kWidth = 160;
 constexpr int kHeight = 100;
@@ -150,9 +149,21 @@ TEST_F(InspectVerb, WritesItsFiles) {
   const Picture overlay = read_picture(folder_ / "out/part/overlay.png");
   EXPECT_EQ(overlay.channels, 3);
   EXPECT_EQ(overlay.width() % kWidth, 0) << "enlarged by a whole factor";
-  const std::string page = read_file(folder_ / "out/report.html");
-  EXPECT_THAT(page, HasSubstr("2 defects found on 1 part."));
-  EXPECT_THAT(page, Not(ContainsRegex("(src|href)=\"http"))) << "nothing from elsewhere";
+  const Json page = page_data(read_file(folder_ / "out/report.html"));
+  EXPECT_EQ(page["verdict"]["sentence"], "2 defects found on 1 part.");
+  const Json& shown = page["inspection"]["parts"][0];
+  EXPECT_EQ(shown["defects"].size(), 2U);
+  for (const Json& defect : shown["defects"]) {
+    EXPECT_THAT(defect["outline"].get<std::string>(),
+                MatchesRegex("[0-9.]+,[0-9.]+( [0-9.]+,[0-9.]+)+"));
+  }
+  EXPECT_GE(shown["defects"][0]["area_px"], shown["defects"][1]["area_px"]);
+  double pixels = 0.0;
+  for (const Json& count : shown["histogram"]["counts"]) {
+    pixels += count.get<double>();
+  }
+  EXPECT_EQ(pixels, result["parts"][0]["region_px"]);
+  EXPECT_TRUE(shown.contains("image"));
   EXPECT_TRUE(Json::parse(read_file(folder_ / "out/run.json")).contains("timings"));
 }
 
@@ -325,7 +336,9 @@ TEST_F(InspectVerb, LearnsLimitsThatItCanUse) {
   const Json used =
       inspect_json({"bad", "good"}, {"--settings", "grading.toml", "--labels", "labels.csv"}, 1);
   EXPECT_EQ(used["agreement"], Json({{"parts", 2}, {"equal", 2}}));
-  EXPECT_THAT(read_file(folder_ / "out/report.html"), HasSubstr("Biggest defect and sum of all"));
+  const Json page = page_data(read_file(folder_ / "out/report.html"))["inspection"];
+  EXPECT_EQ(page["parts"][0]["label"], "Rejected");
+  EXPECT_EQ(page["limits"]["holes"].size(), 4U);
 }
 
 TEST_F(InspectVerb, TakesTheThresholdFromFlawlessParts) {
@@ -349,6 +362,11 @@ TEST_F(InspectVerb, ComparesARunWithItsTruth) {
   ASSERT_GE(result["parts"].size(), 2U);
   EXPECT_EQ(result["parts"][0]["name"], "baseline");
   EXPECT_EQ(result["parts"][1]["name"], "winner");
+  Json shown;  // on the page, by name
+  for (const auto& part :
+       page_data(read_file(folder_ / "out/report.html"))["inspection"]["parts"]) {
+    shown[part["name"]] = part;
+  }
   int known = 0;
   for (const Json& part : result["parts"]) {
     EXPECT_EQ(part["mask"], "design");
@@ -363,6 +381,11 @@ TEST_F(InspectVerb, ComparesARunWithItsTruth) {
       }
     }
     EXPECT_EQ(truth["other_kind"], other_kind);
+    EXPECT_EQ(std::ranges::count_if(
+                  shown[part["name"]]["defects"],
+                  [](const Json& defect) { return defect["known_as"] == "false alarm"; }),
+              truth["false_alarms"]);
+    EXPECT_EQ(shown[part["name"]]["missed"].size(), truth["missed"]);
     known += truth["defects"].get<int>();
   }
   EXPECT_EQ(result["truth"]["defects"], known);

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Draws the report from the JSON object in the page; see studies/report/report.h for its fields.
+// Draws the page from the JSON object in it; see studies/report/report.h for its fields.
 import { designSection } from './cards.js';
 import { badge, h, section } from './dom.js';
 import { Facts, isNumber, plural } from './format.js';
 import { convergenceSection, parallelSection, runCurvesSection, sliceSection } from './charts.js';
 import { frontierSection, frontierTableSection } from './frontier.js';
+import { foundSection, gradesSection, partsSection } from './inspection.js';
 import { panelSections } from './panels.js';
 import { evaluationSection, failureSection } from './table.js';
 import { verdictSection } from './verdict.js';
+import { lightingSection, viewScoresSection, viewsSection } from './views.js';
 
 const kStatus = {
   done: ['good', 'search complete'],
@@ -22,7 +24,7 @@ function masthead(facts) {
   const counts = facts.runs.length ? `${plural(facts.runs.reduce((sum, run) => sum + (run.evaluations ?? 0), 0), 'evaluation')} in all`
     : facts.trials.length ? `${plural(facts.trials.length, 'evaluation')}, ${facts.trials.filter((trial) => trial.failed).length} failed`
       : facts.designs.length ? `${plural(facts.designs.length, 'design')}, no search` : null;
-  return h('header', { class: 'masthead' }, h('p', { class: 'brand' }, 'Glint', h('span', {}, ' lighting report')),
+  return h('header', { class: 'masthead' }, h('p', { class: 'brand' }, 'Glint', h('span', {}, ' report')),
     h('h1', {}, data.title ?? 'Report'), data.subtitle && h('p', { class: 'lead' }, data.subtitle),
     h('p', { class: 'meta' }, text && badge(kind, text), counts && h('span', {}, counts)));
 }
@@ -72,7 +74,8 @@ function main() {
   const sections = [
     verdictSection(facts), ...panelSections(facts), runTable(facts), runCurvesSection(facts), designSection(facts), convergenceSection(facts),
     parallelSection(facts, (chosen) => table?.choose(chosen)), sliceSection(facts), table?.node, failureSection(facts),
-    frontierSection(facts), frontierTableSection(facts), methodSection(facts), originSection(facts),
+    frontierSection(facts), frontierTableSection(facts), viewsSection(facts), lightingSection(facts), viewScoresSection(facts),
+    partsSection(facts), gradesSection(facts), foundSection(facts), methodSection(facts), originSection(facts),
   ].filter(Boolean);
   document.getElementById('report').append(masthead(facts), navigation(sections), h('main', {}, sections));
   document.body.dispatchEvent(new CustomEvent('glint-attached'));

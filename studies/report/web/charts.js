@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Convergence, parallel coordinates and slices, drawn by ECharts.
 import * as echarts from 'echarts/core';
-import { LineChart, ParallelChart, ScatterChart } from 'echarts/charts';
+import { CustomChart, LineChart, ParallelChart, ScatterChart } from 'echarts/charts';
 import { GridComponent, LegendComponent, MarkLineComponent, ParallelComponent, TooltipComponent } from 'echarts/components';
 import { LabelLayout } from 'echarts/features';
 import { CanvasRenderer, SVGRenderer } from 'echarts/renderers';
 import { h, section } from './dom.js';
 import { isDone, isGood, isNumber, number, plural, stateOf } from './format.js';
 
-echarts.use([LineChart, ParallelChart, ScatterChart, GridComponent, LegendComponent, MarkLineComponent, ParallelComponent,
+echarts.use([CustomChart, LineChart, ParallelChart, ScatterChart, GridComponent, LegendComponent, MarkLineComponent, ParallelComponent,
   TooltipComponent, LabelLayout, CanvasRenderer, SVGRenderer]);
 
 // Okabe and Ito's colours, told apart by all common kinds of colour vision; shapes differ as well.
 const kBlue = '#0072b2';
 const kOrange = '#d55e00';
 const kGrey = '#8a949e';
-const kInk = '#27313a';
+export const kInk = '#27313a';
 const kRunColours = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#e69f00', '#56b4e9', '#5b6670'];
 const kManyTrials = 2000;  // above this a canvas is quicker than SVG, and as good on paper
 

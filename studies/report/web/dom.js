@@ -23,6 +23,14 @@ function append(element, children) {
   }
 }
 
+/** The same for an element of a drawing. */
+export function svg(tag, attributes, ...children) {
+  const element = document.createElementNS('http://www.w3.org/2000/svg', tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  append(element, children);
+  return element;
+}
+
 /** A titled section of the page; `lead` is the sentence under the heading. */
 export function section(id, title, lead, ...children) {
   return h('section', { id }, h('h2', {}, title), lead && h('p', { class: 'lead' }, lead), children);

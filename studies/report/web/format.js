@@ -117,6 +117,8 @@ export const isDone = (trial) => !trial.failed && isNumber(trial.objective);
 export const isGood = (trial) => isDone(trial) && trial.feasible !== false;
 export const stateOf = (trial) => (trial.failed ? 'failed' : trial.feasible === false ? 'infeasible' : 'feasible');
 
+export const microns = (unit) => (unit === 'um' ? '\u00b5m' : unit);
+
 /** "lighting.tunnel.radius_mm" -> "radius (mm)", longer only where two would look the same. */
 export function shortNames(paths) {
   for (let kept = 1; kept <= 4; ++kept) {
@@ -133,5 +135,5 @@ function readable(path, kept) {
   const text = parts.slice(Math.max(0, first)).join(' ');
   const unit = /_(mm|um|nm|deg|px|s|ms)(?= |$)/.exec(text);
   const name = text.replace(/_(mm|um|nm|deg|px|s|ms)(?= |$)/g, '').replaceAll('_', ' ');
-  return unit ? `${name} (${unit[1] === 'um' ? '\u00b5m' : unit[1] === 'deg' ? '\u00b0' : unit[1]})` : name;
+  return unit ? `${name} (${unit[1] === 'deg' ? '\u00b0' : microns(unit[1])})` : name;
 }

@@ -96,7 +96,7 @@ export function verdictSection(facts) {
   const verdict = facts.data.verdict ?? {};
   const table = board(facts);
   const hasFresh = facts.designs.some((design) => Object.keys(design.rescored ?? {}).length > 0);
-  return section('verdict', 'Verdict', null, h('p', { class: `sentence ${verdict.tone ?? ''}` }, verdict.sentence ?? 'No result yet.'),
+  return section('verdict', verdict.title ?? 'Verdict', null, h('p', { class: `sentence ${verdict.tone ?? ''}` }, verdict.sentence ?? 'No result yet.'),
     (verdict.details ?? []).map((line) => h('p', { class: 'detail' }, line)), figures(facts), table,
     table && hasFresh && h('p', { class: 'caption' }, 'Bold: scored again with fresh seeds and finer sampling, which the search never saw. Small: the number the search worked with.'));
 }

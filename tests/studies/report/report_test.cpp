@@ -15,11 +15,14 @@
 
 #include "core/image/image_io.h"
 #include "core/rng.h"
+#include "tests/support/page_data.h"
 
 namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using test::page_data;
+using test::page_text;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -53,16 +56,9 @@ std::string sentence_of(const Json& data) {
   return complete_report(data)["verdict"]["sentence"].get<std::string>();
 }
 
-/// What stands in the page's data element.
-std::string embedded_data(const std::string& page) {
-  const std::string start = "<script type=\"application/json\" id=\"data\">";
-  const auto at = page.find(start) + start.size();
-  return page.substr(at, page.find("</script>", at) - at);
-}
-
 TEST(RenderReport, HoldsTheCompletedData) {
   const Json data = search_report();
-  EXPECT_EQ(Json::parse(embedded_data(render_report(data))), complete_report(data));
+  EXPECT_EQ(page_data(render_report(data)), complete_report(data));
 }
 
 TEST(RenderReport, CannotBeLeftThroughATextOfTheData) {
@@ -72,14 +68,14 @@ TEST(RenderReport, CannotBeLeftThroughATextOfTheData) {
   data["trials"][1]["message"] = attack;
   const std::string page = render_report(data);
   EXPECT_THAT(page, Not(HasSubstr("<script>alert(1)")));
-  EXPECT_EQ(Json::parse(embedded_data(page))["trials"][1]["message"], attack);
+  EXPECT_EQ(page_data(page)["trials"][1]["message"], attack);
   EXPECT_THAT(page, HasSubstr("<title>&lt;/script&gt;&lt;script&gt;alert(1)"));
 }
 
 TEST(RenderReport, TakesNoTextForAMarkOfThePage) {
   const std::string title = "@GLINT_DATA@ @GLINT_TITLE@";
   const std::string page = render_report({{"title", title}});
-  EXPECT_EQ(Json::parse(embedded_data(page))["title"], title);
+  EXPECT_EQ(page_data(page)["title"], title);
   EXPECT_THAT(page, HasSubstr("<title>" + title));
 }
 
@@ -131,13 +127,13 @@ TEST(RenderReport, IsTheSameForTheSameData) {
 TEST(RenderReport, TurnsNumbersThatAreNotFiniteIntoGaps) {
   Json data = search_report();
   data["trials"][0]["objective"] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(Json::parse(embedded_data(render_report(data)))["trials"][0]["objective"].is_null());
+  EXPECT_TRUE(page_data(render_report(data))["trials"][0]["objective"].is_null());
 }
 
 TEST(RenderReport, SurvivesBrokenUtf8) {
   Json data = search_report();
   data["trials"][1]["message"] = "file \xff\xfe.stl";
-  EXPECT_THAT(embedded_data(render_report(data)), HasSubstr("file \xEF\xBF\xBD"));
+  EXPECT_THAT(page_text(render_report(data)), HasSubstr("file \xEF\xBF\xBD"));
 }
 
 // 96.6 % - 83.9 % = 12.7 points, 96.6 % - 91.0 % = 5.6 points.

@@ -14,6 +14,7 @@
 #include "studies/run/render_files.h"
 #include "studies/run/render_maps.h"
 #include "tests/support/exr_reader.h"
+#include "tests/support/page_data.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -22,6 +23,7 @@ namespace fs = std::filesystem;
 
 using Json = nlohmann::ordered_json;
 using test::channels_of;
+using test::page_data;
 
 /// A plate with a dent, 100 mm below the camera, between a ring and a bar.
 constexpr const char* kScene = R"(schema = 1
@@ -108,6 +110,24 @@ TEST(RenderViews, WriteAScoredViewWithAllItsFiles) {
   const Json written = Json::parse(read_file(folder / "out/result.json"));
   EXPECT_EQ(written["views"][0]["folder"], "baseline");
   EXPECT_FALSE(written["views"][0].contains("cpu_s")) << "times are in run.json alone";
+}
+
+TEST(RenderViews, TellThePageWhatItShows) {
+  const TemporaryFolder folder;
+  const Json result = render(folder.path(), kScene);
+  const Json page = page_data(read_file(folder / "out/report.html"));
+  EXPECT_EQ(page["title"], "Plate");
+  EXPECT_EQ(page["verdict"]["sentence"], "1 view of 60 x 45 pixels by path tracing.");
+  EXPECT_EQ(page["verdict"]["details"], result["notes"]);
+  const Json& rendered = page["rendered"];
+  EXPECT_EQ(rendered["scores"], result["scores"]);
+  EXPECT_EQ(rendered["legend"][0], (Json{{"name", "dent"}, {"colour", "#d55e00"}}));
+  EXPECT_EQ(rendered["legend"].size(), 3U) << "and the sound surface, and what is beside the part";
+  EXPECT_FALSE(rendered.contains("sheet")) << "there is one view";
+  ASSERT_EQ(rendered["views"].size(), 1U);
+  EXPECT_EQ(rendered["views"][0]["rays"], result["views"][0]["rays"]);
+  EXPECT_THAT(rendered["views"][0]["image"].get<std::string>(), ::testing::StartsWith("iVBOR"));
+  EXPECT_THAT(rendered["drawing"].get<std::string>(), ::testing::StartsWith("<svg"));
 }
 
 // One frame: its channels' mean is the scored picture, noise included, to the rounding of 16 bits.

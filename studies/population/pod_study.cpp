@@ -10,12 +10,13 @@
 #include "core/file.h"
 #include "core/text.h"
 #include "metrics/statistics/pod.h"
-#include "studies/drawing/pod_drawing.h"
 
 namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr int kCurvePoints = 101;
 
 /// Hits and misses of one size.
 struct LevelCount {
@@ -125,10 +126,6 @@ Json design_json(const PodDesign& pod, const PodSize& size, double confidence) {
           {"levels", levels_json(pod, size.unit_mm, confidence)}};
 }
 
-std::string size_label(const PodSize& size) {
-  return fmt::format("{} of the defect ({})", size.what, size.unit);
-}
-
 std::string levels_csv(const std::vector<PodDesign>& designs, const PodSize& size) {
   std::string csv = fmt::format("design,{},defects,hits,masked\n", size.key);
   for (const PodDesign& pod : designs) {
@@ -144,29 +141,32 @@ std::string levels_csv(const std::vector<PodDesign>& designs, const PodSize& siz
   return csv;
 }
 
-std::string curves_svg(const std::vector<PodDesign>& designs,
-                       const PodSize& size,
-                       const Study& study) {
-  PodChart chart = {.title = fmt::format("How surely a {} is found", study.pod->group),
-                    .size_label = size_label(size),
-                    .unit = std::string(size.unit),
-                    .confidence = study.scene.inspection.trials.confidence,
-                    .curves = {}};
-  for (const PodDesign& pod : designs) {
-    PodCurve curve = {
-        .title = pod.design.title,
-        .levels = {},
-        .fit = fit_pod(trials_of(pod.levels, size.unit_mm, Places::kLookedAt), chart.confidence)};
-    for (const LevelCount& level : pod.levels) {
-      const std::int64_t looked_at = count_of(level, Places::kLookedAt);
-      if (looked_at > 0) {
-        curve.levels.push_back({.size = level.size_mm / size.unit_mm,
-                                .share = wilson(level.hits, looked_at, chart.confidence)});
-      }
-    }
-    chart.curves.push_back(std::move(curve));
+/// Points of a curve with its band, evenly by ratio over all sizes and a little beyond.
+Json curve_json(const PodFit& fit,
+                const std::vector<LevelCount>& levels,
+                double unit_mm,
+                double confidence) {
+  const double smallest = 0.9 * levels.front().size_mm / unit_mm;
+  const double largest = 1.1 * levels.back().size_mm / unit_mm;
+  Json points = Json::array();
+  for (int i = 0; i < kCurvePoints; ++i) {
+    const double size = smallest * std::pow(largest / smallest, i / (kCurvePoints - 1.0));
+    Json point = estimate_json(fit.at(size, confidence));
+    point["size"] = size;
+    points.push_back(point);
   }
-  return pod_svg(chart);
+  return points;
+}
+
+/// The curve of each design that has one: what the report's chart shows beside result.json.
+Json curves_json(const std::vector<PodDesign>& designs, double unit_mm, double confidence) {
+  Json curves = Json::object();
+  for (const PodDesign& pod : designs) {
+    if (const auto fit = fit_pod(trials_of(pod.levels, unit_mm, Places::kLookedAt), confidence)) {
+      curves[pod.design.key] = curve_json(*fit, pod.levels, unit_mm, confidence);
+    }
+  }
+  return curves;
 }
 
 class PodRun {
@@ -235,17 +235,18 @@ class PodRun {
 
   Json write() const {
     const PodSize size = size_of(settings_);
-    const InspectionSettings& inspection = task_.study.scene.inspection;
+    const double confidence = task_.study.scene.inspection.trials.confidence;
     Json designs = Json::object();
     for (const PodDesign& pod : designs_) {
-      designs[pod.design.key] = design_json(pod, size, inspection.trials.confidence);
+      designs[pod.design.key] = design_json(pod, size, confidence);
     }
     write_file(task_.out / "pod.csv", levels_csv(designs_, size));
-    write_file(task_.out / "pod.svg", curves_svg(designs_, size, task_.study));
+    write_file(task_.out / "pod_curves.json",
+               curves_json(designs_, size.unit_mm, confidence).dump() + "\n");
     return {{"group", settings_.group},
             {"size", size.key},
             {"unit", size.unit},
-            {"confidence", inspection.trials.confidence},
+            {"confidence", confidence},
             {"designs", designs}};
   }
 

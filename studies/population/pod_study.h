@@ -28,7 +28,7 @@ Scores inspect_sized_part(const SimulatedLine& line,
                           std::int64_t number);
 
 /// Runs through all sizes at the study's own lighting and at each prototype's; writes pod.csv and
-/// pod.svg.
+/// pod_curves.json.
 /// @return the object `pod` of result.json (docs/populations.md); empty when interrupted
 /// @throws ConfigError, IoError
 std::optional<nlohmann::ordered_json> run_pod(const PopulationTask& task);

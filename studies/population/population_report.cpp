@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/error.h"
 #include "core/file.h"
 
 namespace glint {
@@ -28,15 +29,16 @@ std::string rate_text(const Json& alarms) {
                      rate["high"].get<double>());
 }
 
-/// Drawings of the run's folder that are there.
-Json drawings_of(const fs::path& run, const std::vector<const char*>& names) {
-  Json drawings = Json::array();
-  for (const char* name : names) {
-    if (fs::exists(run / name)) {
-      drawings.push_back(read_file(run / name));
-    }
+/// A file of the run's folder; null in a folder of an earlier version, which has none.
+Json read_charts(const fs::path& file) {
+  if (!fs::exists(file)) {
+    return nullptr;
   }
-  return drawings;
+  Json charts = Json::parse(read_file(file), nullptr, false);
+  if (charts.is_discarded()) {
+    throw IoError(file.string() + ": is damaged");
+  }
+  return charts;
 }
 
 Json confusion_table(const Json& baseline) {
@@ -120,6 +122,18 @@ Json lightings_table(const Json& designs) {
           {"rows", rows}};
 }
 
+Json sorting_charts(const fs::path& run, const Json& sorting) {
+  Json charts = Json::array();
+  for (Json& sizes : read_charts(run / "sorting_sizes.json")) {
+    sizes["kind"] = "sizes";
+    charts.push_back(std::move(sizes));
+  }
+  if (sorting["designs"].size() > 1) {
+    charts.push_back({{"kind", "lightings"}, {"designs", sorting["designs"]}});
+  }
+  return charts;
+}
+
 Json sorting_panel(const fs::path& run, const Json& sorting) {
   const Json& baseline = sorting["designs"]["baseline"];
   return {
@@ -133,8 +147,7 @@ Json sorting_panel(const fs::path& run, const Json& sorting) {
                    baseline["parts"].get<int>(),
                    baseline["tested"].get<int>(),
                    100.0 * sorting["confidence"].get<double>())},
-      {"drawings",
-       drawings_of(run, {"sorting_holes.svg", "sorting_scratches.svg", "sorting_lightings.svg"})},
+      {"charts", sorting_charts(run, sorting)},
       {"tables",
        {confusion_table(baseline), wrong_table(baseline), lightings_table(sorting["designs"])}}};
 }
@@ -220,13 +233,14 @@ Json levels_table(const Json& pod) {
 }
 
 Json pod_panel(const fs::path& run, const Json& pod) {
+  const Json curves = read_charts(run / "pod_curves.json");
   return {{"id", "pod"},
           {"title", "Probability of detection"},
           {"lead",
            "Each lighting sees the same parts, at the threshold that [inspection] asks for there. "
            "Curves are logistic in the logarithm of size (MIL-HDBK-1823A); a90 is found nine times "
            "of ten, a90/95 with 95 % confidence."},
-          {"drawings", drawings_of(run, {"pod.svg"})},
+          {"charts", Json::array({{{"kind", "pod"}, {"pod", pod}, {"curves", curves}}})},
           {"tables", {pod_table(pod), levels_table(pod)}}};
 }
 

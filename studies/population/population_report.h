@@ -11,7 +11,7 @@
 namespace glint {
 
 /// The `panels` of a report (studies/report/report.h) for the objects `sorting` and `pod` of a
-/// run's result.json, with the drawings from its folder; empty without them. @throws IoError
+/// run's result.json, with the charts of its folder; empty without them. @throws IoError
 nlohmann::ordered_json population_panels(const std::filesystem::path& run,
                                          const nlohmann::ordered_json& result);
 

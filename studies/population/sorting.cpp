@@ -10,8 +10,6 @@
 #include "core/file.h"
 #include "core/text.h"
 #include "metrics/inspection/learn_limits.h"
-#include "studies/drawing/designs_drawing.h"
-#include "studies/drawing/sizes_drawing.h"
 #include "studies/population/sorting_parts.h"
 
 namespace glint {
@@ -219,49 +217,29 @@ Grade grade_by_kind(ExpertView view, const ExpertRule& rule, DefectKind kind) {
   return expert_grade(view, rule);
 }
 
-std::string scatter_svg(const SortedDesign& sorted, const Study& study, DefectKind kind) {
+/// Biggest and sum of every part for one kind of defects, with the limits: a chart of the report.
+Json sizes_json(const SortedDesign& sorted, const Study& study, DefectKind kind) {
   const bool is_area = study.scene.inspection.measure == InspectionSettings::Measure::kArea;
   const bool is_hole = kind == DefectKind::kHole;
-  SizesChart chart = {.title = fmt::format("{} on {} parts, classes by {} alone",
-                                           is_hole ? "Holes and bumps" : "Scratches",
-                                           sorted.parts.size(),
-                                           is_hole ? "holes" : "scratches"),
-                      .unit = is_area ? "px" : "weight",
-                      .points = {},
-                      .limits = is_hole ? sorted.limits.holes : sorted.limits.scratches};
+  const GradeLimits& limits = is_hole ? sorted.limits.holes : sorted.limits.scratches;
+  Json points = Json::array();
   for (const SortedPart& part : sorted.parts) {
     const DefectSizes& sizes = is_hole ? part.holes : part.scratches;
     const Grade expert = grade_by_kind(part.truth, study.sorting->expert, kind);
-    chart.points.push_back({.sizes = sizes,
-                            .expert = expert,
-                            .is_test = !part.is_for_learning(),
-                            .is_wrong = grade_by(sizes, chart.limits) != expert});
+    points.push_back({{"biggest", sizes.biggest},
+                      {"sum", sizes.sum},
+                      {"grade", grade_text(expert)},
+                      {"is_tested", !part.is_for_learning()},
+                      {"is_wrong", grade_by(sizes, limits) != expert}});
   }
-  return sizes_svg(chart);
-}
-
-Estimate estimate_of(const Json& json) {
-  return {.value = json["value"], .low = json["low"], .high = json["high"]};
-}
-
-std::string lightings_svg(const Json& designs) {
-  DesignsChart chart = {.title = "How sorting moves with lighting, noise and fringes",
-                        .share_label = "tested parts in the expert's class (%)",
-                        .share_name = "limits learned at that lighting",
-                        .other_name = "limits of the study's own lighting",
-                        .rate_label = "false alarms on a flawless part",
-                        .rows = {}};
-  for (const auto& [key, json] : designs.items()) {
-    DesignRow row = {.title = json["title"],
-                     .share = estimate_of(json["share_right"]),
-                     .other_share = {},
-                     .rate = estimate_of(json["false_alarms"]["per_part"])};
-    if (key != "baseline") {
-      row.other_share = estimate_of(json["share_right_with_own_limits"]);
-    }
-    chart.rows.push_back(row);
-  }
-  return designs_svg(chart);
+  return {{"title",
+           fmt::format("{} on {} parts, classes by {} alone",
+                       is_hole ? "Holes and bumps" : "Scratches",
+                       sorted.parts.size(),
+                       is_hole ? "holes" : "scratches")},
+          {"unit", is_area ? "px" : "weight"},
+          {"limits", limits_json(limits)},
+          {"points", points}};
 }
 
 class Sorting {
@@ -335,13 +313,9 @@ class Sorting {
       designs[sorted.design.key] = design_json(sorted, own, task_.study);
     }
     write_file(task_.out / "sorting.csv", parts_csv(designs_, own));
-    write_file(task_.out / "sorting_holes.svg",
-               scatter_svg(designs_.front(), task_.study, DefectKind::kHole));
-    write_file(task_.out / "sorting_scratches.svg",
-               scatter_svg(designs_.front(), task_.study, DefectKind::kScratch));
-    if (designs_.size() > 1) {
-      write_file(task_.out / "sorting_lightings.svg", lightings_svg(designs));
-    }
+    const Json sizes = {sizes_json(designs_.front(), task_.study, DefectKind::kHole),
+                        sizes_json(designs_.front(), task_.study, DefectKind::kScratch)};
+    write_file(task_.out / "sorting_sizes.json", sizes.dump() + "\n");
     return {{"confidence", task_.study.scene.inspection.trials.confidence}, {"designs", designs}};
   }
 

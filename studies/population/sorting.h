@@ -14,8 +14,8 @@
 
 namespace glint {
 
-/// Sorts at the study's own lighting and at each prototype's; writes sorting.csv and the drawings
-/// sorting_*.svg.
+/// Sorts at the study's own lighting and at each prototype's; writes sorting.csv and
+/// sorting_sizes.json.
 /// @return the object `sorting` of result.json (docs/populations.md); empty when interrupted
 /// @throws ConfigError, IoError
 std::optional<nlohmann::ordered_json> run_sorting(const PopulationTask& task);

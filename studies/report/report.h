@@ -34,7 +34,7 @@
 //                     feasible, scores, rescored, best_so_far: [number | null] } ]
 //   panels            sections of a population; [ {
 //       id, title     of the section; lead: the sentence below
-//       drawings      [ SVG texts ]
+//       charts        [ { kind: "sizes" | "lightings" | "pod", its data: web/population.js } ]
 //       tables        [ { caption, head: [texts], rows: [ [texts] ] } ] } ]
 //   frontier          the object of frontier.json, see docs/frontier.md
 //   rendered          of `glint render`; { views: those of its result.json, each with image: base64

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sections of populations: drawings and tables as the program made them; see studies/report/report.h.
-import { h, section, svgNode } from './dom.js';
+// Sections of populations: charts, and tables as the program made them; see studies/report/report.h.
+import { h, section } from './dom.js';
+import { lightingsChart, podChart, sizesChart } from './population.js';
 
 const kNumber = /^(> )?[-\u2013]?[0-9.]+( |$)/;
+const kCharts = { lightings: lightingsChart, pod: podChart, sizes: sizesChart };
 
 function table(data) {
   if (!data.rows?.length) return data.caption ? h('p', { class: 'muted' }, data.caption) : null;
@@ -14,5 +16,5 @@ function table(data) {
 
 export function panelSections(facts) {
   return (facts.data.panels ?? []).map((panel) => section(panel.id, panel.title, panel.lead,
-    h('div', { class: 'drawings' }, (panel.drawings ?? []).map((text) => h('div', {}, svgNode(text)))), (panel.tables ?? []).map(table)));
+    h('div', { class: 'pair' }, (panel.charts ?? []).map((data) => kCharts[data.kind](data))), (panel.tables ?? []).map(table)));
 }

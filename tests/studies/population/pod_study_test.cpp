@@ -6,9 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "studies/drawing/chart.h"
-#include "studies/drawing/pod_drawing.h"
 #include "tests/studies/population/population_support.h"
+#include "tests/support/page_data.h"
 
 namespace glint {
 namespace {
@@ -110,7 +109,39 @@ TEST(Pod, FindsDeepDentsAndNoShallowOnes) {
   const Json& own = pod.at("designs").at("baseline").at("levels");
   EXPECT_LE(own[0].at("hits").get<int>(), 2);
   EXPECT_GE(own[4].at("hits").get<int>() + own[4].at("masked").get<int>(), 7);
-  EXPECT_THAT(read_file(folder / "run" / "report.html"), HasSubstr("How surely a dent is found"));
+  const Json chart =
+      test::page_data(read_file(folder / "run" / "report.html"))["panels"][0]["charts"][0];
+  EXPECT_EQ(chart["kind"], "pod");
+  EXPECT_EQ(chart["pod"], pod);
+  EXPECT_EQ(chart["curves"], Json::parse(read_file(folder / "run" / "pod_curves.json")));
+}
+
+// Half is found at a50, and sizes go from 0.9 times the smallest to 1.1 times the largest.
+TEST(Pod, HasACurveWhereOneCanBeFitted) {
+  const StudyText text(kPod);
+  const TemporaryFolder folder;
+  const Json result =
+      run_in(folder / "run", text.load({{"defects.dent.count", "4"}, {"pod.parts", "6"}}));
+  const Json curves = Json::parse(read_file(folder / "run" / "pod_curves.json"));
+  int fitted = 0;
+  for (const auto& [key, design] : result.at("pod").at("designs").items()) {
+    const Json& fit = design.at("fit");
+    ASSERT_EQ(curves.contains(key), !fit.is_null()) << key;
+    if (fit.is_null()) {
+      continue;
+    }
+    ++fitted;
+    const Json& curve = curves.at(key);
+    EXPECT_NEAR(curve.front().at("size").get<double>(), 0.9 * 0.05, 1e-9);
+    EXPECT_NEAR(curve.back().at("size").get<double>(), 1.1 * 5.0, 1e-9);
+    for (const Json& point : curve) {
+      const auto share = point.at("value").get<double>();
+      EXPECT_LE(point.at("low").get<double>(), share);
+      EXPECT_GE(point.at("high").get<double>(), share);
+      EXPECT_EQ(share >= 0.5, point.at("size").get<double>() >= fit.at("a50").get<double>());
+    }
+  }
+  EXPECT_GT(fitted, 0);
 }
 
 TEST(Pod, CountsTheHitsOfEachSizeOnItsOwnParts) {
@@ -159,47 +190,6 @@ TEST(Pod, FitsTheCurveWhereTheLineLooksAndCountsTheRestAsMasked) {
   EXPECT_GT(masked, 0) << "the slot must hide some";
   EXPECT_GT(hits_beside_masked, 0) << "and must not hide all";
   EXPECT_EQ(design.at("masked"), masked);
-}
-
-TEST(ChartAxis, TicksAreRoundAndFarEnoughApart) {
-  const ChartAxis linear = {.low = 20.0, .high = 100.0, .from = 0.0, .to = 250.0};
-  EXPECT_THAT(linear.ticks(34.0), ElementsAre(20.0, 40.0, 60.0, 80.0, 100.0));
-  const ChartAxis log = {
-      .scale = ChartAxis::Scale::kLog, .low = 0.09, .high = 11.0, .from = 0.0, .to = 600.0};
-  EXPECT_THAT(log.ticks(34.0), ElementsAre(0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0));
-  for (const double high : {0.01, 0.3, 7.0, 540.0, 1e6}) {
-    const ChartAxis root = {
-        .scale = ChartAxis::Scale::kRoot, .high = high, .from = 400.0, .to = 80.0};
-    const std::vector<double> ticks = root.ticks(24.0);
-    ASSERT_GE(ticks.size(), 3U) << high;
-    EXPECT_EQ(ticks.front(), 0.0);
-    for (std::size_t i = 1; i < ticks.size(); ++i) {
-      EXPECT_GE(root.place(ticks[i - 1]) - root.place(ticks[i]), 24.0);
-      EXPECT_LE(ticks[i], high);
-    }
-  }
-}
-
-TEST(ChartAxis, PutsWhatLiesBeyondAtTheEnds) {
-  const ChartAxis axis = {
-      .scale = ChartAxis::Scale::kRoot, .low = 0.0, .high = 4.0, .from = 10.0, .to = 30.0};
-  EXPECT_DOUBLE_EQ(axis.place(1.0), 20.0);  // sqrt(1 / 4) of the way
-  EXPECT_DOUBLE_EQ(axis.place(-1.0), 10.0);
-  EXPECT_DOUBLE_EQ(axis.place(std::numeric_limits<double>::infinity()), 30.0);
-}
-
-TEST(PodDrawing, SaysWhereNoCurveCanBeFitted) {
-  const PodChart chart = {.title = "t",
-                          .size_label = "depth (um)",
-                          .unit = "um",
-                          .curves = {{.title = "blind",
-                                      .levels = {{.size = 1.0, .share = {0.0, 0.0, 0.3}},
-                                                 {.size = 2.0, .share = {0.0, 0.0, 0.3}}},
-                                      .fit = {}}}};
-  EXPECT_THAT(pod_svg(chart), HasSubstr("no curve"));
-  EXPECT_EQ(pod_svg(chart), pod_svg(chart));
-  EXPECT_THAT(pod_svg({.title = "empty", .size_label = "", .unit = "um", .curves = {}}),
-              HasSubstr("</svg>"));
 }
 
 }  // namespace

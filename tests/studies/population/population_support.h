@@ -143,11 +143,9 @@ inline nlohmann::ordered_json run_in(const std::filesystem::path& out,
 inline std::string bytes_of(const std::filesystem::path& run) {
   std::string bytes = read_file(run / "result.json");
   for (const char* name : {"sorting.csv",
-                           "sorting_holes.svg",
-                           "sorting_scratches.svg",
-                           "sorting_lightings.svg",
+                           "sorting_sizes.json",
                            "pod.csv",
-                           "pod.svg"}) {
+                           "pod_curves.json"}) {
     if (std::filesystem::exists(run / name)) {
       bytes += read_file(run / name);
     }

@@ -18,6 +18,7 @@
 #include "studies/population/sorting_parts.h"
 #include "studies/run/check_study.h"
 #include "tests/studies/population/population_support.h"
+#include "tests/support/page_data.h"
 
 namespace glint {
 namespace {
@@ -253,9 +254,20 @@ TEST(Sorting, CountsEveryPartOnceAndShowsTheSections) {
   EXPECT_EQ(designs.at("baseline").at("false_alarms").at("scans"), 6);
   EXPECT_EQ(designs.at("baseline").at("share_right"),
             designs.at("baseline").at("share_right_with_own_limits"));
-  const std::string report = read_file(folder / "run" / "report.html");
-  EXPECT_THAT(report, HasSubstr("How sorting moves with lighting"));
-  EXPECT_THAT(report, HasSubstr("Holes and bumps on 12 parts"));
+  const Json charts =
+      test::page_data(read_file(folder / "run" / "report.html"))["panels"][0]["charts"];
+  ASSERT_EQ(charts.size(), 3U);
+  EXPECT_EQ(charts[0]["title"], "Holes and bumps on 12 parts, classes by holes alone");
+  EXPECT_EQ(charts[1]["title"], "Scratches on 12 parts, classes by scratches alone");
+  EXPECT_EQ(charts[2]["kind"], "lightings");
+  EXPECT_EQ(charts[2]["designs"], designs);
+  const Json& limits = designs.at("baseline").at("limits");
+  for (const auto& [chart, kind] : {std::pair{charts[0], "holes"}, {charts[1], "scratches"}}) {
+    EXPECT_EQ(chart["limits"], limits.at(kind));
+    ASSERT_EQ(chart["points"].size(), 12U);
+    EXPECT_EQ(chart["points"][0]["is_tested"], false);
+    EXPECT_EQ(chart["points"][1]["is_tested"], true);
+  }
 }
 
 /// A part with one hole that an expert has graded.

@@ -66,7 +66,7 @@ function markedPicture(part) {
 
 function legend(part) {
   const entry = (kind, text) => h('span', {}, h('i', { class: `outline ${kind}`, style: `color:${kMarks[kind]}` }), text);
-  return h('p', { class: 'lead legend' }, h('span', {}, 'Grey values stretched; what is darkened was not looked at.'),
+  return h('p', { class: 'lead legend' }, h('span', {}, 'Grey values stretched; darkened areas were not inspected.'),
     entry('hole', 'hole or bump'), entry('scratch', 'scratch'), part.truth && entry('missed', 'missed'));
 }
 

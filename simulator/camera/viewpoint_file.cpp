@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "core/config/placed_json.h"
+#include "core/config/located_json.h"
 #include "core/config/toml.h"
 #include "core/file.h"
 
@@ -230,7 +230,7 @@ std::vector<Viewpoint> parse_viewpoints_csv(std::string_view text, const std::st
 }
 
 std::vector<Viewpoint> parse_viewpoints_json(std::string_view text, const std::string& file) {
-  return checked_list(list_of(parse_placed_json(text, file)));
+  return checked_list(list_of(parse_located_json(text, file)));
 }
 
 std::vector<Viewpoint> read_viewpoints(const std::filesystem::path& path) {

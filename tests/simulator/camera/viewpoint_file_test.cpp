@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/config/placed_json.h"
 #include "core/config/toml.h"
 #include "core/file.h"
 #include "core/rng.h"
@@ -124,43 +123,6 @@ TEST(ViewpointFile, JsonErrorsNameLineAndColumn) {
   EXPECT_THAT(json_error("[{\"upp\":[0,0,3]}]"), ::testing::HasSubstr("up"));
   EXPECT_THAT(json_error("{}"), ::testing::HasSubstr("viewpoint: missing"));
   EXPECT_THAT(json_error("[7]"), ::testing::HasSubstr("is a single value"));
-}
-
-TEST(PlacedJson, RefusesWhatIsNoJson) {
-  const std::vector<std::pair<std::string, std::string>> wrong = {
-      {"", "j:1:1: "},
-      {"[1,]", "j:1:4: "},
-      {"[1 2]", "j:1:4: "},
-      {"[01]", "j:1:2: "},
-      {"[1.]", "j:1:2: "},
-      {"[.5]", "j:1:2: "},
-      {"[NaN]", "j:1:2: "},
-      {"[null]", "j:1:2: "},
-      {"[1]\n x", "j:2:2: "},
-      {"{\"a\":1,\"a\":2}", "j:1:"},
-      {"[\"\\q\"]", "j:1:4: "},
-      {"[\"ab", "j:1:5: "},
-      {"{a:1}", "j:1:2: "},
-      {"[+1]", "j:1:2: "},
-      {"[1e]", "j:1:2: "},
-      {"[1e999]", "j:1:2: "},
-      {std::string(100000, '['), "j:1:"}};
-  for (const auto& [text, start] : wrong) {
-    EXPECT_THAT(message_of([&, t = text] { parse_placed_json(t, "j"); }),
-                ::testing::StartsWith(start))
-        << text.substr(0, 20);
-  }
-}
-
-TEST(PlacedJson, ReadsEveryKindOfValue) {
-  const ConfigNode root = parse_placed_json(
-      "\xEF\xBB\xBF{\"a\": [1, -2.5e-3, true, false, {}], \"\\u00e9\\n\": \"\\\"\"}", "j");
-  ASSERT_NE(root.at_path("a.1"), nullptr);
-  EXPECT_EQ(root.at_path("a.1")->number, -0.0025);
-  EXPECT_TRUE(root.at_path("a.2")->boolean);
-  EXPECT_TRUE(root.at_path("a.4")->is_table());
-  ASSERT_NE(root.find("\xC3\xA9\n"), nullptr);
-  EXPECT_EQ(root.find("\xC3\xA9\n")->text, "\"");
 }
 
 TEST(ViewpointFile, EndingDecidesHowItIsRead) {

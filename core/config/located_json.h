@@ -13,6 +13,6 @@ namespace glint {
 /// names in one object the second is refused.
 /// @param file  for messages
 /// @throws ConfigError with file:line:column
-ConfigNode parse_placed_json(std::string_view text, const std::string& file);
+ConfigNode parse_located_json(std::string_view text, const std::string& file);
 
 }  // namespace glint

@@ -2,7 +2,6 @@
 #include "simulator/camera/viewpoint_file.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 
 #include "core/config/located_json.h"
 #include "core/config/toml.h"
+#include "core/csv.h"
 #include "core/file.h"
 
 namespace glint {
@@ -24,14 +24,6 @@ constexpr std::array<std::string_view, 9> kColumns = {"position_x_mm",
                                                       "up_x",
                                                       "up_y",
                                                       "up_z"};
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) {
-    return {};
-  }
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
 
 /// Divides by the length; a vector that is a unit to rounding stays as it is, so that writing and
 /// reading again is stable.
@@ -65,36 +57,16 @@ ConfigNode as_table(const ConfigNode& item) {
   return table;
 }
 
-/// A field of a CSV line as a number, or as text when it is none.
-ConfigNode field_node(std::string_view field) {
-  std::string_view digits = field;
-  if (digits.starts_with('+') && !digits.starts_with("+-")) {
-    digits.remove_prefix(1);
+ConfigNode row_node(const CsvRow& row) {
+  ConfigNode node = ConfigNode::array();
+  node.place = row.front().place;
+  for (const CsvField& field : row) {
+    const std::optional<double> number = field.number();
+    node.items.push_back(number ? ConfigNode::from_number(*number)
+                                : ConfigNode::from_text(field.text));
+    node.items.back().place = field.place;
   }
-  double number = 0.0;
-  const char* end = digits.data() + digits.size();
-  const auto result = std::from_chars(digits.data(), end, number);
-  const bool is_number = result.ec == std::errc() && result.ptr == end && !digits.empty();
-  return is_number ? ConfigNode::from_number(number) : ConfigNode::from_text(std::string(field));
-}
-
-ConfigNode line_node(std::string_view line, const std::string& file, int line_number) {
-  ConfigNode row = ConfigNode::array();
-  row.place = {.file = file, .line = line_number, .column = 1};
-  std::size_t start = 0;
-  for (;;) {
-    const std::size_t end = std::min(line.find(',', start), line.size());
-    const std::string_view field = line.substr(start, end - start);
-    const std::size_t blank = field.find_first_not_of(" \t\r");
-    ConfigNode node = field_node(trimmed(field));
-    node.place = row.place;
-    node.place.column = static_cast<int>(start + (blank == std::string_view::npos ? 0 : blank)) + 1;
-    row.items.push_back(std::move(node));
-    if (end == line.size()) {
-      return row;
-    }
-    start = end + 1;
-  }
+  return node;
 }
 
 bool is_head(const ConfigNode& row) {
@@ -205,26 +177,12 @@ std::vector<Viewpoint> read_viewpoint_list(const ConfigNode& list, std::vector<P
 std::vector<Viewpoint> parse_viewpoints_csv(std::string_view text, const std::string& file) {
   ConfigNode list = ConfigNode::array();
   list.place = {.file = file, .line = 1, .column = 1};
-  if (text.starts_with("\xEF\xBB\xBF")) {
-    text.remove_prefix(3);
+  for (const CsvRow& row : parse_csv(text, file, '#')) {
+    list.items.push_back(row_node(row));
   }
-  int line_number = 0;
-  bool is_first = true;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    ++line_number;
-    if (trimmed(line).empty() || trimmed(line).starts_with('#')) {
-      continue;
-    }
-    ConfigNode row = line_node(line, file, line_number);
-    if (is_first && is_head(row)) {
-      check_head(row);
-    } else {
-      list.items.push_back(std::move(row));
-    }
-    is_first = false;
+  if (!list.items.empty() && is_head(list.items.front())) {
+    check_head(list.items.front());
+    list.items.erase(list.items.begin());
   }
   return checked_list(list);
 }

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/text.h"
+#include "core/csv.h"
 #include "core/units.h"
 
 namespace glint {
@@ -74,18 +74,6 @@ Json truth_json(const InspectedPart& part) {
           {"list", defects}};
 }
 
-/// A text as a field of CSV.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) {
-    return text;
-  }
-  std::string field = "\"";
-  for (const char c : text) {
-    field += c == '"' ? "\"\"" : std::string(1, c);
-  }
-  return field + "\"";
-}
-
 }  // namespace
 
 Json part_json(const InspectedPart& part, const InspectionSettings& settings) {
@@ -132,29 +120,25 @@ std::string defects_csv(std::span<const InspectedPart> parts) {
   for (const InspectedPart& part : parts) {
     for (std::size_t i = 0; i < part.inspection.defects.size(); ++i) {
       const FoundDefect& defect = part.inspection.defects[i];
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},",
-                          csv_field(part.source.name),
-                          i + 1,
-                          kind_name(defect.kind),
-                          shortest(defect.x_px),
-                          shortest(defect.y_px),
-                          defect.area_px,
-                          shortest(defect.weight),
-                          shortest(defect.peak),
-                          defect.is_bright ? 1 : 0,
-                          shortest(defect.length_px),
-                          shortest(defect.width_px),
-                          shortest(defect.angle_rad * kDegPerRad),
-                          shortest(defect.elongation),
-                          defect.left_px,
-                          defect.top_px,
-                          defect.right_px,
-                          defect.bottom_px);
-      if (part.comparison && part.comparison->defect_of_blob[i] >= 0) {
-        text += csv_field(
-            part.known[static_cast<std::size_t>(part.comparison->defect_of_blob[i])].label);
-      }
-      text += "\n";
+      const int known = part.comparison ? part.comparison->defect_of_blob[i] : -1;
+      text += csv_row_of(part.source.name,
+                         i + 1,
+                         kind_name(defect.kind),
+                         defect.x_px,
+                         defect.y_px,
+                         defect.area_px,
+                         defect.weight,
+                         defect.peak,
+                         defect.is_bright ? 1 : 0,
+                         defect.length_px,
+                         defect.width_px,
+                         defect.angle_rad * kDegPerRad,
+                         defect.elongation,
+                         defect.left_px,
+                         defect.top_px,
+                         defect.right_px,
+                         defect.bottom_px,
+                         known < 0 ? "" : part.known[static_cast<std::size_t>(known)].label);
     }
   }
   return text;

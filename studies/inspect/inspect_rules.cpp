@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "core/config/toml.h"
+#include "core/csv.h"
 #include "core/file.h"
-#include "core/text.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -34,12 +34,6 @@ bool has_limits_in(const ConfigNode& table) {
 
 bool is_any_positive(const GradeLimits& limits) {
   return limits.acceptable_biggest > 0.0 || limits.acceptable_sum > 0.0;
-}
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r\"");
-  const auto last = text.find_last_not_of(" \t\r\"");
-  return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
 std::string lower_case(std::string text) {
@@ -123,25 +117,20 @@ std::string inspection_toml(const InspectionSettings& settings) {
 
 std::map<std::string, Grade> read_labels(const fs::path& file) {
   std::map<std::string, Grade> labels;
-  const std::vector<std::string> lines = split(read_file(file), '\n');
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::string prefix =
-        Place{.file = file.string(), .line = static_cast<int>(i) + 1}.prefix();
-    const std::string line = trimmed(lines[i]);
-    const auto comma = line.rfind(',');
-    const std::string part = trimmed(line.substr(0, comma));
-    const auto grade =
-        comma == std::string::npos ? std::nullopt : grade_from(trimmed(line.substr(comma + 1)));
-    const bool is_head = i == 0 && !grade && lower_case(part) == "part";
-    if (line.empty() || is_head) {
+  for (const CsvRow& row : parse_csv(read_file(file), file.string())) {
+    const Place place = {.file = file.string(), .line = row.front().place.line};
+    const std::string& part = row.front().text;
+    const auto grade = row.size() == 2 ? grade_from(row.back().text) : std::nullopt;
+    const bool is_head = place.line == 1 && !grade && lower_case(part) == "part";
+    if (is_head) {
       continue;
     }
     if (!grade) {
-      throw ConfigError(prefix +
+      throw ConfigError(place.prefix() +
                         "must be a part's name, a comma and Perfect, Acceptable or Rejected");
     }
     if (!labels.emplace(part, *grade).second) {
-      throw ConfigError(fmt::format("{}part {} has a grade already", prefix, part));
+      throw ConfigError(fmt::format("{}part {} has a grade already", place.prefix(), part));
     }
   }
   if (labels.empty()) {

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/csv.h"
 #include "core/file.h"
-#include "core/text.h"
 #include "metrics/statistics/pod.h"
 
 namespace glint {
@@ -127,15 +127,11 @@ Json design_json(const PodDesign& pod, const PodSize& size, double confidence) {
 }
 
 std::string levels_csv(const std::vector<PodDesign>& designs, const PodSize& size) {
-  std::string csv = fmt::format("design,{},defects,hits,masked\n", size.key);
+  std::string csv = csv_row_of("design", size.key, "defects", "hits", "masked");
   for (const PodDesign& pod : designs) {
     for (const LevelCount& level : pod.levels) {
-      csv += fmt::format("{},{},{},{},{}\n",
-                         pod.design.key,
-                         shortest(level.size_mm / size.unit_mm),
-                         level.defects,
-                         level.hits,
-                         level.masked);
+      csv += csv_row_of(
+          pod.design.key, level.size_mm / size.unit_mm, level.defects, level.hits, level.masked);
     }
   }
   return csv;

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/csv.h"
 #include "core/file.h"
-#include "core/text.h"
 #include "metrics/inspection/learn_limits.h"
 #include "studies/population/sorting_parts.h"
 
@@ -182,25 +182,24 @@ std::string parts_csv(const std::vector<SortedDesign>& designs, const LearnedLim
       "other_kind,false_alarms\n";
   for (const SortedDesign& design : designs) {
     for (const SortedPart& part : design.parts) {
-      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
-                         design.design.key,
-                         part.number,
-                         part.is_for_learning() ? "learned" : "tested",
-                         part.is_imprinted ? "yes" : "no",
-                         grade_name(part.expert),
-                         grade_name(grade_of(part, design.limits)),
-                         grade_name(grade_of(part, own)),
-                         shortest(part.truth.widest_hole_mm),
-                         part.truth.holes,
-                         shortest(part.truth.longest_scratch_mm),
-                         shortest(part.holes.biggest),
-                         shortest(part.holes.sum),
-                         shortest(part.scratches.biggest),
-                         shortest(part.scratches.sum),
-                         part.defects,
-                         part.found,
-                         part.other_kind,
-                         part.false_alarms);
+      csv += csv_row_of(design.design.key,
+                        part.number,
+                        part.is_for_learning() ? "learned" : "tested",
+                        part.is_imprinted ? "yes" : "no",
+                        grade_name(part.expert),
+                        grade_name(grade_of(part, design.limits)),
+                        grade_name(grade_of(part, own)),
+                        part.truth.widest_hole_mm,
+                        part.truth.holes,
+                        part.truth.longest_scratch_mm,
+                        part.holes.biggest,
+                        part.holes.sum,
+                        part.scratches.biggest,
+                        part.scratches.sum,
+                        part.defects,
+                        part.found,
+                        part.other_kind,
+                        part.false_alarms);
     }
   }
   return csv;

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/csv.h"
 #include "core/file.h"
 #include "core/image/image_io.h"
 #include "core/text.h"
@@ -293,21 +294,6 @@ Json several_runs(const std::vector<fs::path>& paths) {
   return data;
 }
 
-/// A field in quotes where it needs them.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) {
-    return text;
-  }
-  std::string quoted = "\"";
-  for (const char c : text) {
-    quoted += c;
-    if (c == '"') {
-      quoted += '"';
-    }
-  }
-  return quoted + "\"";
-}
-
 }  // namespace
 
 std::string report_html(const std::vector<fs::path>& runs) {
@@ -355,37 +341,35 @@ std::string trials_csv(const Study& study, const Storage& storage) {
       }
     }
   }
-  std::string csv = "trial,state,feasible";
+  std::vector<std::string> fields = {"trial", "state", "feasible"};
   for (const Variable& variable : study.space.variables) {
-    csv += "," + csv_field(variable.name);
+    fields.push_back(variable.name);
   }
-  for (const std::string& name : names) {
-    csv += "," + csv_field(name);
-  }
-  csv += ",message\n";
+  fields.insert(fields.end(), names.begin(), names.end());
+  fields.emplace_back("message");
+  std::string csv = csv_row(fields);
   for (const Trial& trial : trials) {
     const Outcome outcome = trial.outcome.value_or(Outcome{});
     const bool has_scores = trial.outcome && !outcome.is_failed;
-    csv += fmt::format("{},{},{}",
-                       trial.number,
-                       !trial.outcome      ? "asked"
-                       : outcome.is_failed ? "failed"
-                                           : "done",
-                       !has_scores                               ? ""
-                       : is_feasible(study.goal, outcome.scores) ? "true"
-                                                                 : "false");
+    fields = {std::to_string(trial.number),
+              !trial.outcome      ? "asked"
+              : outcome.is_failed ? "failed"
+                                  : "done",
+              !has_scores                               ? ""
+              : is_feasible(study.goal, outcome.scores) ? "true"
+                                                        : "false"};
     for (std::size_t i = 0; i < trial.point.size(); ++i) {
       const Variable& variable = study.space.variables[i];
-      csv += "," + (variable.kind == Variable::Kind::kChoice
-                        ? csv_field(variable.choices[static_cast<std::size_t>(trial.point[i])])
-                        : shortest(trial.point[i]));
+      fields.push_back(variable.kind == Variable::Kind::kChoice
+                           ? variable.choices[static_cast<std::size_t>(trial.point[i])]
+                           : shortest(trial.point[i]));
     }
     for (const std::string& name : names) {
       const auto found = outcome.scores.find(name);
-      csv += "," + (has_scores && found != outcome.scores.end() ? shortest(found->second) : "");
+      fields.push_back(has_scores && found != outcome.scores.end() ? shortest(found->second) : "");
     }
-    const std::string message = outcome.is_failed ? outcome.message : text_of(outcome.remarks);
-    csv += "," + csv_field(message) + "\n";
+    fields.push_back(outcome.is_failed ? outcome.message : text_of(outcome.remarks));
+    csv += csv_row(fields);
   }
   return csv;
 }

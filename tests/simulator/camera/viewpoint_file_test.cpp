@@ -2,14 +2,15 @@
 #include "simulator/camera/viewpoint_file.h"
 
 #include <filesystem>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/config/toml.h"
+#include "core/csv.h"
 #include "core/file.h"
 #include "core/rng.h"
-#include "core/text.h"
 
 namespace glint {
 namespace {
@@ -43,11 +44,8 @@ std::string viewpoints_to_csv(const std::vector<Viewpoint>& viewpoints) {
       "position_x_mm,position_y_mm,position_z_mm,direction_x,direction_y,direction_z,"
       "up_x,up_y,up_z\n";
   for (const Viewpoint& viewpoint : viewpoints) {
-    std::vector<std::string> fields;
-    for (const double value : vector_of(viewpoint)) {
-      fields.push_back(shortest(value));
-    }
-    text += join(fields, ",") + "\n";
+    text += std::apply([](const auto&... values) { return csv_row_of(values...); },
+                       vector_of(viewpoint));
   }
   return text;
 }

@@ -4,7 +4,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <set>
-#include <sstream>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -12,6 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/csv.h"
 #include "core/rng.h"
 #include "metrics/inspection/learn_limits.h"
 #include "studies/definition/study_tables.h"
@@ -298,17 +298,11 @@ TEST(Sorting, ConfusionIsThatOfTheTestedHalf) {
   const Json result =
       run_in(folder / "run",
              text.load({{"sorting.parts", "24"}, {"defects.dent.height_um", "[0.02, 1]"}}));
-  std::istringstream lines(read_file(folder / "run" / "sorting.csv"));
   Json counted = Json::object();
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream fields(line);
-    std::vector<std::string> row;
-    for (std::string field; std::getline(fields, field, ',');) {
-      row.push_back(field);
-    }
-    if (row.at(0) == "baseline" && std::stoi(row.at(1)) % 2 == 1) {
-      EXPECT_EQ(row.at(2), "tested");
-      Json& count = counted[row.at(4)][row.at(5)];
+  for (const CsvRow& row : parse_csv(read_file(folder / "run" / "sorting.csv"), "sorting.csv")) {
+    if (row.at(0).text == "baseline" && std::stoi(row.at(1).text) % 2 == 1) {
+      EXPECT_EQ(row.at(2).text, "tested");
+      Json& count = counted[row.at(4).text][row.at(5).text];
       count = count.is_null() ? 1 : count.get<int>() + 1;
     }
   }

@@ -4,7 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstddef>
 #include <set>
+
+#include "core/error.h"
 
 namespace glint {
 namespace {
@@ -35,8 +39,9 @@ TEST(Sobol, FirstPointsAreAsWorkedByHand) {
 }
 
 TEST(Sobol, EveryDimensionHasOnePointInEachOf256Cells) {
-  const Sobol shifted(3, kMaxSobolDimension);
-  std::vector<std::set<int>> cells(kMaxSobolDimension);
+  constexpr int kDimensions = 300;
+  const Sobol shifted(3, kDimensions);
+  std::vector<std::set<int>> cells(kDimensions);
   for (std::uint32_t i = 0; i < 256; ++i) {
     const Vector point = shifted.point(i);
     for (std::size_t d = 0; d < point.size(); ++d) {
@@ -53,11 +58,24 @@ TEST(Sobol, SeedsGiveOtherPointsAndTheSameSeedTheSame) {
   EXPECT_NE(Sobol(1, 5).point(17), Sobol(2, 5).point(17));
 }
 
-TEST(Sobol, GoesOnBeyondItsTable) {
-  const Vector point = Sobol(1, 60).point(3);
-  ASSERT_EQ(point.size(), 60U);
+// Joe and Kuo's file gives dimension 40 the first numbers 1, 3, 1, 11, 11, 11, 77, 249. Direction k
+// is the k-th of them over 2^k, and point 2^k - 1, whose Gray code is 2^(k-1), is direction k
+// alone.
+TEST(Sobol, HasTheDirectionNumbersOfJoeAndKuo) {
+  const std::vector<int> first = {1, 3, 1, 11, 11, 11, 77, 249};
+  for (int k = 1; k <= 8; ++k) {
+    const double direction = first[static_cast<std::size_t>(k - 1)] / std::exp2(k);
+    EXPECT_EQ(plain_sobol_point((1U << k) - 1, 40).back(), direction) << k;
+  }
+}
+
+TEST(Sobol, HasAsManyDimensionsAsItsTable) {
+  const Vector point = Sobol(1, kMaxSobolDimension).point(3);
+  ASSERT_EQ(point.size(), std::size_t{kMaxSobolDimension});
   EXPECT_THAT(point, testing::Each(testing::AllOf(testing::Ge(0.0), testing::Lt(1.0))));
-  EXPECT_NE(point, Sobol(1, 60).point(4));
+  EXPECT_NE(point, Sobol(1, kMaxSobolDimension).point(4));
+  EXPECT_TRUE(Sobol(1, 0).point(3).empty());
+  EXPECT_THROW(Sobol(1, kMaxSobolDimension + 1), ConfigError);
 }
 
 }  // namespace

@@ -192,6 +192,9 @@ class Search {
     return missing.size() < num_missing ? std::optional(Termination::kEvaluations) : std::nullopt;
   }
 
+  /// On threads of its own: an evaluation uses the program's pool inside, and a thread that waits
+  /// there for its part of one must not begin another one meanwhile, as a pool would let it. Nor is
+  /// the number of jobs bound by the number of threads.
   void evaluate_all(const std::vector<int>& numbers) {
     std::atomic<std::size_t> next = 0;
     std::vector<std::exception_ptr> errors(numbers.size());

@@ -44,14 +44,6 @@ int flawless_of(const SortingSettings& settings, const PopulationDesign& design)
   return design.prototype == nullptr ? settings.flawless : settings.prototype_flawless;
 }
 
-std::int64_t steps_of(const Study& study) {
-  std::int64_t steps = 0;
-  for (const PopulationDesign& design : population_designs(study)) {
-    steps += parts_of(*study.sorting, design) + flawless_of(*study.sorting, design);
-  }
-  return steps;
-}
-
 std::vector<SortedPart> tested(const std::vector<SortedPart>& parts) {
   std::vector<SortedPart> some;
   std::ranges::copy_if(
@@ -247,7 +239,7 @@ class Sorting {
       : task_(task),
         settings_(*task.study.sorting),
         records_(task.storage),
-        progress_(task, steps_of(task.study)) {}
+        progress_(task, sorting_counts(task.study).parts + sorting_counts(task.study).flawless) {}
 
   std::optional<Json> execute() {
     for (const PopulationDesign& design : population_designs(task_.study)) {
@@ -331,6 +323,15 @@ std::optional<Json> run_sorting(const PopulationTask& task) {
   return Sorting(task).execute();
 }
 
+SortingCounts sorting_counts(const Study& study) {
+  SortingCounts counts;
+  for (const PopulationDesign& design : population_designs(study)) {
+    counts.parts += parts_of(*study.sorting, design);
+    counts.flawless += flawless_of(*study.sorting, design);
+  }
+  return counts;
+}
+
 double predicted_sorting_s(const Study& study, SceneStore& store) {
   const SortingSettings& settings = *study.sorting;
   const SimulatedLine line(store, study.scene);
@@ -338,12 +339,9 @@ double predicted_sorting_s(const Study& study, SceneStore& store) {
   const PopulationPace pace = measure_pace(line, store.pool(), [&](std::int64_t number) {
     inspect_part(line, settings, threshold, number);
   });
-  double seconds = 0.0;
-  for (const PopulationDesign& design : population_designs(study)) {
-    seconds +=
-        pace.part_s * parts_of(settings, design) + pace.flawless_s * flawless_of(settings, design);
-  }
-  return seconds;
+  const SortingCounts counts = sorting_counts(study);
+  return pace.part_s * static_cast<double>(counts.parts) +
+         pace.flawless_s * static_cast<double>(counts.flawless);
 }
 
 }  // namespace glint

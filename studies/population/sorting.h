@@ -5,6 +5,7 @@
 // biggest defect and the sum of all are learned on one half of the parts and tested on the other.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include <nlohmann/json_fwd.hpp>
@@ -19,6 +20,14 @@ namespace glint {
 /// @return the object `sorting` of result.json (docs/populations.md); empty when interrupted
 /// @throws ConfigError, IoError
 std::optional<nlohmann::ordered_json> run_sorting(const PopulationTask& task);
+
+/// What run_sorting() inspects, at all its lightings together.
+struct SortingCounts {
+  std::int64_t parts = 0;
+  std::int64_t flawless = 0;
+};
+
+SortingCounts sorting_counts(const Study& study);
 
 /// Seconds run_sorting() will take, about.
 double predicted_sorting_s(const Study& study, SceneStore& store);

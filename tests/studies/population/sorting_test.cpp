@@ -397,11 +397,17 @@ TEST(Sorting, GoesOnAfterKillsAsIfThereHadBeenNone) {
 }
 
 TEST(Sorting, CheckPredictsItsDuration) {
-  const StudyText text(kSorting);
-  const Json check = check_study(text.load(), 2, 1);
+  const Json check = check_study(StudyText(kSorting).load(), 2, 1);
   EXPECT_GT(check.at("predicted_s").get<double>(), 0.0);
-  const Json longer = check_study(text.load({{"sorting.parts", "12000"}}), 2, 1);
-  EXPECT_GT(longer.at("predicted_s").get<double>(), 20.0 * check.at("predicted_s").get<double>());
+}
+
+// 12 parts and 6 flawless ones at the study's own lighting, at most 6 and 3 at the prototype's.
+TEST(SortingCounts, HoldTheOwnLightingAndEachPrototype) {
+  const StudyText text(kSorting);
+  EXPECT_EQ(sorting_counts(text.load()).parts, 12 + 6);
+  EXPECT_EQ(sorting_counts(text.load()).flawless, 6 + 3);
+  EXPECT_EQ(sorting_counts(text.load({{"sorting.parts", "12000"}})).parts, 12000 + 6);
+  EXPECT_EQ(sorting_counts(text.load({{"sorting.parts", "4"}})).parts, 4 + 4);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "defects/boolean/imprint_checks.h"
 
-#include <limits>
 #include <vector>
 
 #include <fmt/format.h>
@@ -49,19 +48,6 @@ std::string tool_fault(const TriangleMesh& tool) {
     return "it crosses itself";
   }
   return {};
-}
-
-MeshFaults find_faults(const TriangleMesh& mesh) {
-  const EdgeMatches edges = match_edges(mesh.triangles);
-  const std::vector<TestFace> faces = test_faces(mesh);
-  MeshFaults faults;
-  faults.open_edges = edges.open;
-  faults.repeated_edges = edges.repeated;
-  for (const TestFace& face : faces) {
-    faults.degenerate += is_degenerate(face) ? 1 : 0;
-  }
-  faults.crossing_pairs = count_crossings(faces, std::numeric_limits<std::int64_t>::max());
-  return faults;
 }
 
 }  // namespace glint

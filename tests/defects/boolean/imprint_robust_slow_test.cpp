@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "defects/boolean/imprint.h"
-#include "defects/boolean/imprint_checks.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
 #include "tests/defects/boolean/imprint_support.h"
+#include "tests/defects/boolean/mesh_faults.h"
 
 namespace glint {
 namespace {

@@ -13,6 +13,7 @@
 #include "defects/boolean/patch_crossings.h"
 #include "defects/boolean/patch_tool.h"
 #include "tests/defects/boolean/imprint_support.h"
+#include "tests/defects/boolean/mesh_faults.h"
 
 namespace glint {
 namespace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "defects/boolean/imprint_checks.h"
+#include "tests/defects/boolean/mesh_faults.h"
 
 namespace glint {
 namespace {

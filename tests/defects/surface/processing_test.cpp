@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "core/units.h"
-#include "defects/boolean/imprint_checks.h"
 #include "defects/surface/safe_moves.h"
 #include "defects/surface/subdivision.h"
 #include "defects/surface/surface_normals.h"
+#include "tests/defects/boolean/mesh_faults.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
 
 namespace glint {

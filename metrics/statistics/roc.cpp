@@ -119,16 +119,4 @@ Estimate area_under_roc(std::span<const double> with,
   return {.value = area, .low = logistic(centre - half), .high = logistic(centre + half)};
 }
 
-double threshold_for(std::span<const double> without, double false_alarms) {
-  GLINT_CHECK(false_alarms >= 0.0 && false_alarms <= 1.0, "a share lies in [0, 1]");
-  const std::vector<double> alarms = sorted(without);
-  const auto count = static_cast<double>(alarms.size());
-  const auto allowed = static_cast<std::size_t>(std::floor(false_alarms * count + 1e-9));
-  if (allowed >= alarms.size()) {
-    return -std::numeric_limits<double>::infinity();
-  }
-  const double highest_quiet = alarms[alarms.size() - 1 - allowed];
-  return std::nextafter(highest_quiet, std::numeric_limits<double>::infinity());
-}
-
 }  // namespace glint

@@ -26,9 +26,4 @@ Estimate area_under_roc(std::span<const double> with,
                         std::span<const double> without,
                         double confidence = 0.95);
 
-/// The smallest threshold that no more than this share of the things without reach.
-/// To claim a share a of false alarms takes some 3 / a things without.
-/// @param false_alarms  in [0, 1]
-double threshold_for(std::span<const double> without, double false_alarms);
-
 }  // namespace glint

@@ -131,18 +131,6 @@ TEST(AreaUnderRoc, HoldsTheTruthNineteenTimesOfTwenty) {
   }
 }
 
-TEST(ThresholdFor, LetsNoMoreThanTheShareReachIt) {
-  const std::array without = {5.0, 1.0, 4.0, 2.0, 3.0};
-  const double none = threshold_for(without, 0.0);
-  EXPECT_GT(none, 5.0);
-  EXPECT_NEAR(none, 5.0, 1e-12);
-  EXPECT_NEAR(threshold_for(without, 0.2), 4.0, 1e-12);  // only 5 reaches it
-  EXPECT_GT(threshold_for(without, 0.2), 4.0);
-  EXPECT_NEAR(threshold_for(without, 0.39), 4.0, 1e-12);
-  EXPECT_EQ(threshold_for(without, 1.0), -std::numeric_limits<double>::infinity());
-  EXPECT_GT(threshold_for(std::array{1.0, 1.0, 1.0}, 0.5), 1.0);  // ties go together
-}
-
 TEST(Roc, RefusesWhatIsNoNumber) {
   const std::array wrong = {1.0, std::numeric_limits<double>::quiet_NaN()};
   EXPECT_DEATH(roc(wrong, std::array{1.0}), "not a number");

@@ -25,6 +25,7 @@ constexpr double kLeastContrast = 0.02;
 constexpr double kContrastOverNoise = 4.0;  // halves of pure noise are 1.6 deviations apart
 constexpr double kGaussianOfMedian = 1.4826;
 constexpr std::size_t kBins = 1024;
+constexpr std::size_t kMinAreaPx = 16;  // a smaller silhouette is none
 
 void check_picture(const ImageF& aspect) {
   if (aspect.empty()) {
@@ -209,11 +210,6 @@ Mask lit_pixels(const ImageF& image, double threshold) {
   return mask;
 }
 
-double threshold_by(const SilhouetteSettings& settings, const ImageF& aspect, const Range& range) {
-  return settings.rule == SilhouetteSettings::Rule::kFixed ? settings.threshold_grey
-                                                           : otsu_threshold(aspect, range);
-}
-
 /// What can be told before any threshold.
 std::optional<NoSilhouette> fault_of(const Range& range) {
   if (range.high < static_cast<double>(kBlack)) {
@@ -229,13 +225,11 @@ std::optional<NoSilhouette> fault_of(const Range& range) {
 }
 
 /// Fills the mask in or says why not.
-std::optional<NoSilhouette> outline(const ImageF& aspect,
-                                    const SilhouetteSettings& settings,
-                                    Silhouette& result) {
+std::optional<NoSilhouette> outline(const ImageF& aspect, Silhouette& result) {
   Mask mask = lit_pixels(aspect, result.threshold);
   flood_from_outside(mask);
   const std::size_t area = keep_largest(mask);
-  if (area < static_cast<std::size_t>(settings.min_area_px)) {
+  if (area < kMinAreaPx) {
     return NoSilhouette::kTooSmall;
   }
   if (area == mask.size()) {
@@ -257,14 +251,14 @@ std::string_view sentence(NoSilhouette reason) {
     case NoSilhouette::kNoContrast:
       return "nothing in the pictures is brighter than the rest by more than noise; give a mask";
     case NoSilhouette::kTooSmall:
-      return "nothing large enough is brighter than the threshold; lower it or give a mask";
+      return "nothing large enough is brighter than the rest; give a mask";
     case NoSilhouette::kFillsPicture:
       return "no background is left around the part: it must be darker than the part; give a mask";
   }
   return "";
 }
 
-Silhouette find_silhouette(const ImageF& aspect, const SilhouetteSettings& settings) {
+Silhouette find_silhouette(const ImageF& aspect) {
   check_picture(aspect);
   const Range range = range_of(aspect);
   Silhouette result;
@@ -272,12 +266,10 @@ Silhouette find_silhouette(const ImageF& aspect, const SilhouetteSettings& setti
   if (result.fault.has_value()) {
     return result;
   }
-  result.threshold = threshold_by(settings, aspect, range);
+  result.threshold = otsu_threshold(aspect, range);
   result.contrast = contrast_at(aspect, result.threshold);
   const double least = std::max(kLeastContrast, kContrastOverNoise * noise_of(aspect));
-  result.fault = settings.rule != SilhouetteSettings::Rule::kFixed && result.contrast < least
-                     ? NoSilhouette::kNoContrast
-                     : outline(aspect, settings, result);
+  result.fault = result.contrast < least ? NoSilhouette::kNoContrast : outline(aspect, result);
   return result;
 }
 

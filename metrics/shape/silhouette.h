@@ -12,23 +12,12 @@
 
 namespace glint {
 
-struct SilhouetteSettings {
-  enum class Rule {
-    kOtsu,  ///< the threshold that parts dark and bright best: near the middle of an edge
-    kFixed  ///< threshold_grey
-  };
-
-  Rule rule = Rule::kOtsu;
-  double threshold_grey = 0.1;  ///< of `kFixed`, > 0, share of full scale
-  int min_area_px = 16;         ///< >= 1; a smaller silhouette is none
-};
-
 /// Why there is no silhouette.
 enum class NoSilhouette {
   kDark,         ///< the whole picture is black
   kSaturated,    ///< the whole picture is at full scale
   kNoContrast,   ///< nothing is brighter than the rest by more than noise
-  kTooSmall,     ///< nothing of min_area_px is above the threshold
+  kTooSmall,     ///< nothing of 16 pixels is above the threshold
   kFillsPicture  ///< nothing is outside: the background is not darker than the part
 };
 
@@ -38,13 +27,13 @@ std::string_view sentence(NoSilhouette reason);
 struct Silhouette {
   std::optional<Mask> mask;           ///< filled, one connected piece (8 neighbours)
   std::optional<NoSilhouette> fault;  ///< set when there is no mask
-  double threshold = 0.0;             ///< that was used, share of full scale
+  double threshold = 0.0;             ///< Otsu's, share of full scale: best parts dark and bright
   double contrast = 0.0;              ///< mean of the bright pixels minus mean of the dark ones
   bool touches_border = false;        ///< the part leaves the picture: its moments are cut
 };
 
 /// @param aspect  mean of the sequence (aspect_of()), in shares of full scale
 /// @throws ConfigError for an empty picture, NaN or infinity
-Silhouette find_silhouette(const ImageF& aspect, const SilhouetteSettings& settings = {});
+Silhouette find_silhouette(const ImageF& aspect);
 
 }  // namespace glint

@@ -13,8 +13,6 @@
 namespace glint {
 namespace {
 
-using Rule = SilhouetteSettings::Rule;
-
 /// A picture with a disc of radius 40 in its middle; `grey` of the distance from there.
 template <class Grey>
 ImageF disc_picture(const Grey& grey) {
@@ -87,7 +85,7 @@ TEST(FindSilhouette, FillsWhatADiagonalLineEncloses) {
       image(x, y) = std::abs(x - 20) + std::abs(y - 20) == 10 ? 0.8F : 0.0F;
     }
   }
-  EXPECT_EQ(area_of(find_silhouette(image, {.rule = SilhouetteSettings::Rule::kFixed})), 221);
+  EXPECT_EQ(area_of(find_silhouette(image)), 221);
 }
 
 TEST(FindSilhouette, TakesTheLargestPieceOnly) {
@@ -109,18 +107,6 @@ TEST(FindSilhouette, CutsOffADarkRim) {
   ImageF image = disc_picture([](double r) { return r <= 25.0 ? 0.8 : r <= 40.0 ? 0.06 : 0.005; });
   add_noise(image, 0.003, 1);
   EXPECT_NEAR(area_of(find_silhouette(image)), kPi * 625.0, 60.0);
-}
-
-TEST(FindSilhouette, UsesAFixedThresholdWhenTold) {
-  const ImageF image = disc_picture([](double r) { return r <= 40.0 ? 0.5 : 0.2; });
-  SilhouetteSettings settings;
-  settings.rule = Rule::kFixed;
-  settings.threshold_grey = 0.3;
-  EXPECT_NEAR(area_of(find_silhouette(image, settings)), kDiscArea, 0.01 * kDiscArea);
-  settings.threshold_grey = 0.6;
-  EXPECT_EQ(find_silhouette(image, settings).fault, NoSilhouette::kTooSmall);
-  settings.threshold_grey = 0.1;
-  EXPECT_EQ(find_silhouette(image, settings).fault, NoSilhouette::kFillsPicture);
 }
 
 TEST(FindSilhouette, SaysWhyThereIsNone) {

@@ -70,8 +70,6 @@ class ThinLensCamera {
   std::optional<CameraRay> sample(const Eigen::Vector2d& pixel_px,
                                   const Eigen::Vector2d& lens_sample) const;
 
-  const PinholeCamera& pinhole() const { return pinhole_; }
-
   const ThinLens& lens() const { return lens_; }
 
  private:

@@ -29,9 +29,13 @@ CameraSettings gear_camera() {
           .p1 = 1e-3};
 }
 
+PinholeCamera make_pinhole(const CameraSettings& camera, const LensSettings& lens) {
+  return PinholeCamera(intrinsics_of(camera, lens));
+}
+
 ThinLensCamera make_camera(const CameraSettings& camera, const LensSettings& lens) {
   const LensGeometry g = lens_geometry(camera, lens);
-  return ThinLensCamera(PinholeCamera(intrinsics_of(camera, lens)),
+  return ThinLensCamera(make_pinhole(camera, lens),
                         {.aperture_mm = g.aperture_mm, .focus_mm = g.focus_mm});
 }
 
@@ -40,12 +44,14 @@ Vector3d at_depth(const CameraRay& ray, double depth_mm) {
 }
 
 TEST(ThinLensCamera, AllRaysOfAPixelMeetInThePlaneInFocus) {
-  const ThinLensCamera camera = make_camera(gear_camera(), {.focus_mm = 146.0, .f_number = 4.0});
+  const LensSettings lens = {.focus_mm = 146.0, .f_number = 4.0};
+  const ThinLensCamera camera = make_camera(gear_camera(), lens);
+  const PinholeCamera pinhole = make_pinhole(gear_camera(), lens);
   Rng rng(1, Stream::kTest, 0);
   for (int i = 0; i < 1000; ++i) {
     const Vector2d pixel_px(rng.uniform(0, 2448), rng.uniform(0, 2050));
-    const Vector3d middle = *camera.pinhole().ray_through(pixel_px) * 146.0 /
-                            camera.pinhole().ray_through(pixel_px)->z();
+    const Vector3d through = *pinhole.ray_through(pixel_px);
+    const Vector3d middle = through * 146.0 / through.z();
     for (int k = 0; k < 8; ++k) {
       const CameraRay ray = *camera.sample(pixel_px, {rng.uniform(), rng.uniform()});
       EXPECT_NEAR(ray.direction.norm(), 1.0, 1e-14);
@@ -106,11 +112,12 @@ TEST(DepthOfField, IsOpenBeyondTheHyperfocalDistanceAndForAPinhole) {
 
 TEST(ThinLensCamera, WithoutApertureIsThePinholeBitForBit) {
   const ThinLensCamera camera = make_camera(gear_camera(), {.focus_mm = 146.0});
+  const PinholeCamera pinhole = make_pinhole(gear_camera(), {.focus_mm = 146.0});
   Rng rng(2, Stream::kTest, 0);
   for (int i = 0; i < 1000; ++i) {
     const Vector2d pixel_px(rng.uniform(0, 2448), rng.uniform(0, 2050));
     const CameraRay ray = *camera.sample(pixel_px, {rng.uniform(), rng.uniform()});
-    EXPECT_EQ(ray.direction, *camera.pinhole().ray_through(pixel_px));
+    EXPECT_EQ(ray.direction, *pinhole.ray_through(pixel_px));
     EXPECT_EQ(ray.origin_mm, Vector3d::Zero());
   }
 }

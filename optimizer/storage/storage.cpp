@@ -178,15 +178,12 @@ void check_readable(Database& database) {
   }
 }
 
-StudyIdentity read_identity(Database& database) {
-  Statement row(database, "SELECT config_hash, config_text, code_version, seed FROM study");
+std::string read_config_hash(Database& database) {
+  Statement row(database, "SELECT config_hash FROM study");
   if (!row.step()) {
     throw IoError(database.path().string() + ": the study database is damaged: it names no study");
   }
-  return {.config_hash = row.text(0),
-          .config_text = row.text(1),
-          .code_version = row.text(2),
-          .seed = std::bit_cast<std::uint64_t>(row.integer(3))};
+  return row.text(0);
 }
 
 /// Written under another name and renamed when whole, so that a kill in between leaves no database
@@ -251,7 +248,6 @@ struct Storage::State {
   std::unique_ptr<LockFile> lock;
   mutable std::mutex mutex;
   mutable Database database;
-  StudyIdentity identity;
   std::int64_t session = 0;
 };
 
@@ -270,8 +266,7 @@ Storage Storage::open(const std::filesystem::path& path, const StudyIdentity& id
   auto state = std::make_unique<State>(path, Database::Access::kReadWrite);
   state->lock = std::move(lock);
   check_readable(state->database);
-  state->identity = read_identity(state->database);
-  if (state->identity.config_hash != identity.config_hash) {
+  if (read_config_hash(state->database) != identity.config_hash) {
     throw ConfigError(path.string() +
                       ": holds another study; choose another output folder, or remove this one");
   }
@@ -292,12 +287,8 @@ Storage Storage::read(const std::filesystem::path& path) {
   auto state = std::make_unique<State>(
       path, is_running ? Database::Access::kReadOnly : Database::Access::kFrozen);
   check_readable(state->database);
-  state->identity = read_identity(state->database);
+  read_config_hash(state->database);
   return Storage(std::move(state));
-}
-
-const StudyIdentity& Storage::identity() const {
-  return state_->identity;
 }
 
 void Storage::append(std::span<const Event> events, std::span<const Trial> new_trials) {

@@ -53,8 +53,6 @@ class Storage {
   Storage& operator=(Storage&&) noexcept;
   ~Storage();
 
-  const StudyIdentity& identity() const;
-
   /// Appends events, and trials that the asks among them name for the first time, in one
   /// transaction: either all of it survives a crash or nothing.
   void append(std::span<const Event> events, std::span<const Trial> new_trials = {});

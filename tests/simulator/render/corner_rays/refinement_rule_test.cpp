@@ -8,20 +8,20 @@
 namespace glint {
 namespace {
 
-constexpr double kMaxError_rad = 1e-4;
+constexpr double kAllowed_rad = 1e-4;
 
 // 1.5e-3 is above 2^2 times the limit and below 4^2 times.
 TEST(PredictedCells, FollowFromAnErrorThatFallsWithTheSquare) {
-  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 4e-4}, kMaxError_rad), 2);
-  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 1.5e-3}, kMaxError_rad), 4);
-  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 2.5e-2}, kMaxError_rad), 16);
+  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 4e-4}, kAllowed_rad), 2);
+  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 1.5e-3}, kAllowed_rad), 4);
+  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 2.5e-2}, kAllowed_rad), 16);
 }
 
 TEST(PredictedCells, AreEightWhereNoNumberHelpsAndTwoWhereNothingIsKnown) {
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(predicted_cells({.is_whole = false, .error_rad = 0.0}, kMaxError_rad), 8);
-  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 1.0}, kMaxError_rad), 8);
-  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = kUnknown}, kMaxError_rad), 2);
+  EXPECT_EQ(predicted_cells({.is_whole = false, .error_rad = 0.0}, kAllowed_rad), 8);
+  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 1.0}, kAllowed_rad), 8);
+  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = kUnknown}, kAllowed_rad), 2);
 }
 
 TEST(NextCells, DoubleWhereCellsAreBentUpToSixteen) {
@@ -58,16 +58,16 @@ struct FourCells {
 // The middle ray leaves by 2e-4 of what its four corners say.
 TEST(IsDescribedByCorners, ComparesEveryRayWithItsCorners) {
   FourCells cell;
-  EXPECT_TRUE(is_described_by_corners(cell.grid, kMaxError_rad, 0.5F));
+  EXPECT_TRUE(is_described_by_corners(cell.grid, kAllowed_rad, 0.5F));
   cell.rays.direction_x[4] = 2e-4F;
-  EXPECT_FALSE(is_described_by_corners(cell.grid, kMaxError_rad, 0.5F));
+  EXPECT_FALSE(is_described_by_corners(cell.grid, kAllowed_rad, 0.5F));
   EXPECT_TRUE(is_described_by_corners(cell.grid, 3e-4, 0.5F));
 }
 
 TEST(IsDescribedByCorners, TakesNoStainsForClean) {
   FourCells cell;
   cell.rays.weight[7] = 0.4F;
-  EXPECT_FALSE(is_described_by_corners(cell.grid, kMaxError_rad, 0.5F));
+  EXPECT_FALSE(is_described_by_corners(cell.grid, kAllowed_rad, 0.5F));
 }
 
 }  // namespace

@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "simulator/geometry/mesh/mesh_edges.h"
 
 namespace glint {
 namespace {
@@ -187,95 +186,12 @@ std::size_t index(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
 
-std::vector<TrianglePlane> planes_of(const TriangleMesh& mesh) {
-  std::vector<TrianglePlane> planes;
-  planes.reserve(mesh.num_triangles());
-  for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
-    const Vector3d normal = face_normal(mesh, i);
-    planes.push_back({.normal_x = normal.x(),
-                      .normal_y = normal.y(),
-                      .normal_z = normal.z(),
-                      .offset_mm = normal.dot(mesh.vertex(i, 0))});
-  }
-  return planes;
-}
-
-/// Rounding of coordinates; far below what a reflected ray is lifted by.
-constexpr double kFlat_mm = 1e-7;
-
-/// True when no vertex lies in front of some of the triangles: quick to tell a part that is not
-/// convex.
-bool may_be_convex(const TriangleMesh& mesh, const std::vector<TrianglePlane>& planes) {
-  constexpr std::size_t kProbes = 16;
-  const std::size_t stride = 1 + planes.size() / kProbes;
-  for (std::size_t i = 0; i < planes.size(); i += stride) {
-    const Vector3d normal(planes[i].normal_x, planes[i].normal_y, planes[i].normal_z);
-    const auto is_in_front = [&](const Vector3d& p) {
-      return normal.dot(p) > planes[i].offset_mm + kFlat_mm;
-    };
-    if (std::ranges::any_of(mesh.vertices_mm, is_in_front)) {
-      return false;
-    }
-  }
-  return !planes.empty();
-}
-
-/// The corner of a triangle that is not on an edge.
-const Vector3d& opposite(const TriangleMesh& mesh, std::int32_t triangle, const MeshEdge& edge) {
-  const auto is_off = [&](std::int32_t v) { return v != edge.from && v != edge.to; };
-  const Triangle& corners = mesh.triangles[index(triangle)];
-  return mesh.vertices_mm[index(*std::ranges::find_if(corners, is_off))];
-}
-
-/// Closed, consistently turned, in one piece without a hole (Euler: V - E + F = 2), and no
-/// triangle's neighbour in front of it: the surface of a convex body.
-bool is_closed_convex(const TriangleMesh& mesh, const std::vector<TrianglePlane>& planes) {
-  if (!may_be_convex(mesh, planes)) {
-    return false;
-  }
-  const std::vector<MeshEdge> edges = mesh_edges(mesh);
-  if (mesh.vertices_mm.size() + mesh.num_triangles() != edges.size() + 2) {
-    return false;
-  }
-  return std::ranges::all_of(edges, [&](const MeshEdge& edge) {
-    if (edge.num_faces != 2 || !edge.is_consistent) {
-      return false;
-    }
-    const TrianglePlane& plane = planes[index(edge.triangle_a)];
-    const Vector3d& p = opposite(mesh, edge.triangle_b, edge);
-    return plane.normal_x * p.x() + plane.normal_y * p.y() + plane.normal_z * p.z() <=
-           plane.offset_mm + kFlat_mm;
-  });
-}
-
-/// Rounding of normals to float, which is what looks them up.
-std::vector<std::uint8_t> find_flat_triangles(const TriangleMesh& mesh,
-                                              const std::vector<TrianglePlane>& planes) {
-  constexpr double kSame = 1e-7;
-  std::vector<std::uint8_t> flat(planes.size(), 1);
-  for (std::size_t i = 0; i < planes.size() && !mesh.corner_normals.empty(); ++i) {
-    const Vector3d face(planes[i].normal_x, planes[i].normal_y, planes[i].normal_z);
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      const bool is_same = (mesh.normal(i, corner) - face).cwiseAbs().maxCoeff() <= kSame;
-      flat[i] = is_same ? flat[i] : std::uint8_t{0};
-    }
-  }
-  return flat;
-}
-
 double largest_coordinate(const TriangleMesh& mesh) {
   double largest_mm = 0.0;
   for (const Vector3d& vertex : mesh.vertices_mm) {
     largest_mm = std::max(largest_mm, vertex.cwiseAbs().maxCoeff());
   }
   return largest_mm;
-}
-
-Vector3d nearest_on_segment(const Vector3d& a, const Vector3d& b, const Vector3d& p) {
-  const Vector3d along = b - a;
-  const double squared = along.squaredNorm();
-  const double share = squared > 0.0 ? std::clamp((p - a).dot(along) / squared, 0.0, 1.0) : 0.0;
-  return a + share * along;
 }
 
 /// What a search for the nearest point knows on its way.
@@ -480,46 +396,6 @@ std::string embree_isa() {
     return __builtin_cpu_supports("avx2") != 0 ? "AVX2" : "AVX";
   }
   return "SSE";
-}
-
-Vector3d hit_point(const TriangleMesh& mesh, const Hit& hit) {
-  const std::size_t i = index(hit.triangle);
-  const Vector3d& p = mesh.vertex(i, 0);
-  return p + static_cast<double>(hit.u) * (mesh.vertex(i, 1) - p) +
-         static_cast<double>(hit.v) * (mesh.vertex(i, 2) - p);
-}
-
-Vector3d shading_normal(const TriangleMesh& mesh, const Hit& hit) {
-  const std::size_t i = index(hit.triangle);
-  const auto u = static_cast<double>(hit.u);
-  const auto v = static_cast<double>(hit.v);
-  const Vector3d sum =
-      (1.0 - u - v) * mesh.normal(i, 0) + u * mesh.normal(i, 1) + v * mesh.normal(i, 2);
-  const double length = sum.norm();
-  return length > 0.0 ? Vector3d(sum / length) : face_normal(mesh, i);
-}
-
-Vector3d nearest_on_triangle(const TriangleMesh& mesh, std::size_t triangle, const Vector3d& p) {
-  const Vector3d& a = mesh.vertex(triangle, 0);
-  const Vector3d& b = mesh.vertex(triangle, 1);
-  const Vector3d& c = mesh.vertex(triangle, 2);
-  const Vector3d normal = (b - a).cross(c - a);
-  const bool is_above = normal.dot((b - a).cross(p - a)) >= 0.0 &&
-                        normal.dot((c - b).cross(p - b)) >= 0.0 &&
-                        normal.dot((a - c).cross(p - c)) >= 0.0;
-  const double squared = normal.squaredNorm();
-  if (is_above && squared > 0.0) {
-    return p - (normal.dot(p - a) / squared) * normal;
-  }
-  Vector3d best = nearest_on_segment(a, b, p);
-  for (const Vector3d& other : {nearest_on_segment(b, c, p), nearest_on_segment(c, a, p)}) {
-    best = (other - p).squaredNorm() < (best - p).squaredNorm() ? other : best;
-  }
-  return best;
-}
-
-Vector3d geometric_normal(const TriangleMesh& mesh, const Hit& hit) {
-  return face_normal(mesh, index(hit.triangle));
 }
 
 }  // namespace glint

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -13,19 +12,11 @@
 #include "simulator/geometry/bvh/escape_cone.h"
 #include "simulator/geometry/bvh/open_sides.h"
 #include "simulator/geometry/bvh/ray_packet.h"
+#include "simulator/geometry/bvh/triangle_hit.h"
+#include "simulator/geometry/bvh/triangle_planes.h"
 #include "simulator/geometry/mesh/triangle_mesh.h"
 
 namespace glint {
-
-/// The nearest hit of one ray: point = (1 - u - v) v0 + u v1 + v v2 of the triangle.
-struct Hit {
-  float t_mm = 0.0F;
-  std::int32_t triangle = -1;  ///< < 0: miss
-  float u = 0.0F;
-  float v = 0.0F;
-
-  explicit operator bool() const { return triangle >= 0; }
-};
 
 /// The point of a mesh that is nearest to another.
 struct NearestPoint {
@@ -37,12 +28,6 @@ struct NearestPoint {
 /// Whether the rays of a packet run close to each other (camera rays) or apart (reflected rays).
 /// kCoherentOnce: as kCoherent, but without a second try of rays that miss.
 enum class Coherence { kCoherent, kCoherentOnce, kIncoherent };
-
-/// The plane of a triangle: normal . p = offset; the normal is unit, zero for one without area.
-struct TrianglePlane {
-  double normal_x = 0.0, normal_y = 0.0, normal_z = 0.0;
-  double offset_mm = 0.0;
-};
 
 /// Finds what a ray meets: an Embree 3 scene in robust mode (no ray slips between triangles), both
 /// sides of a triangle. Embree works in float: recompute positions with hit_point() or polish(),
@@ -116,19 +101,5 @@ class Bvh {
 /// The instruction set Embree chose, for run.json: "AVX512", "AVX2", "AVX" or "SSE". Hits differ in
 /// their last bits between them.
 std::string embree_isa();
-
-/// The hit's position in double, from the barycentrics: on the triangle's plane to about 1e-13.
-Eigen::Vector3d hit_point(const TriangleMesh& mesh, const Hit& hit);
-
-/// Unit interpolated normal; the mesh must have shading normals.
-Eigen::Vector3d shading_normal(const TriangleMesh& mesh, const Hit& hit);
-
-/// The point of a triangle that is nearest to another; triangles without area are fine.
-Eigen::Vector3d nearest_on_triangle(const TriangleMesh& mesh,
-                                    std::size_t triangle,
-                                    const Eigen::Vector3d& point_mm);
-
-/// Unit normal of the triangle that was hit.
-Eigen::Vector3d geometric_normal(const TriangleMesh& mesh, const Hit& hit);
 
 }  // namespace glint

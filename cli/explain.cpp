@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "core/config/key_writer.h"
 #include "core/text.h"
 #include "metrics/scores.h"
 #include "studies/definition/scene.h"

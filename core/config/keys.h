@@ -62,7 +62,15 @@ struct Interval {
 struct Count {
   int min = 0;
   int max = std::numeric_limits<int>::max();
+
+  std::string text() const;  ///< "3 numbers", "at least 2 numbers", "2 to 5 numbers"
 };
+
+/// "lighting", "tunnel" -> "lighting.tunnel"
+std::string joined_path(std::string_view path, std::string_view key);
+
+/// "a", "b", "c", in quotes.
+std::string quoted_list(std::span<const std::string_view> names);
 
 /// Walks the keys of a settings struct; see the head of this file.
 class KeyVisitor {
@@ -119,16 +127,6 @@ class KeyVisitor {
   }
 };
 
-/// A row of the key table.
-struct KeyRow {
-  std::string path;  ///< "lighting.tunnel.radius_mm"
-  std::string kind;  ///< number, integer, boolean, choice, text, file, numbers
-  std::string unit;  ///< empty when dimensionless
-  std::string allowed;
-  std::string default_text;
-  std::string doc;
-};
-
 /// Reads one table into settings and collects every problem instead of stopping at the first.
 class KeyReader final : public KeyVisitor {
  public:
@@ -181,98 +179,6 @@ class KeyReader final : public KeyVisitor {
   std::string path_;
   std::vector<Problem>& errors_;
   std::vector<std::string> known_;
-};
-
-/// Lists rows of the key table under a path.
-class KeyLister final : public KeyVisitor {
- public:
-  KeyLister(std::string path, std::vector<KeyRow>& rows);
-
-  void number(std::string_view, double&, const Range&, std::string_view) override;
-  void integer(std::string_view, int&, const Range&, std::string_view) override;
-  void boolean(std::string_view, bool&, std::string_view) override;
-  void text(std::string_view, std::string&, std::string_view) override;
-  void file(std::string_view, std::filesystem::path&, std::string_view) override;
-  void numbers(
-      std::string_view, std::vector<double>&, Count, const Range&, std::string_view) override;
-  void interval(std::string_view, Interval&, const Range&, std::string_view) override;
-  void choice_index(std::string_view,
-                    int&,
-                    std::span<const std::string_view>,
-                    std::string_view) override;
-  void table(std::string_view, const std::function<void(KeyVisitor&)>&, std::string_view) override;
-
-  void require(bool, std::string_view, const std::string&) override {}
-
-  bool is_given(std::string_view) const override { return false; }
-
- private:
-  void add(std::string_view key, KeyRow row);
-
-  std::string path_;
-  std::vector<KeyRow>& rows_;
-};
-
-/// Writes settings back as a table, in written units and with every key present.
-class KeyWriter final : public KeyVisitor {
- public:
-  explicit KeyWriter(ConfigNode& table) : table_(table) {}
-
-  void number(std::string_view, double&, const Range&, std::string_view) override;
-  void integer(std::string_view, int&, const Range&, std::string_view) override;
-  void boolean(std::string_view, bool&, std::string_view) override;
-  void text(std::string_view, std::string&, std::string_view) override;
-  void file(std::string_view, std::filesystem::path&, std::string_view) override;
-  void numbers(
-      std::string_view, std::vector<double>&, Count, const Range&, std::string_view) override;
-  void interval(std::string_view, Interval&, const Range&, std::string_view) override;
-  void choice_index(std::string_view,
-                    int&,
-                    std::span<const std::string_view>,
-                    std::string_view) override;
-  void table(std::string_view, const std::function<void(KeyVisitor&)>&, std::string_view) override;
-
-  void require(bool, std::string_view, const std::string&) override {}
-
-  bool is_given(std::string_view) const override { return false; }
-
- private:
-  void put(std::string_view key, ConfigNode node);
-
-  ConfigNode& table_;
-};
-
-/// Appends the values of settings to a string: equal strings mean equal settings of the same kind.
-/// For finding earlier results again; not for files.
-class KeyDigest final : public KeyVisitor {
- public:
-  explicit KeyDigest(std::string& bytes) : bytes_(bytes) {}
-
-  void number(std::string_view, double& value, const Range&, std::string_view) override;
-  void integer(std::string_view, int& value, const Range&, std::string_view) override;
-  void boolean(std::string_view, bool& value, std::string_view) override;
-  void text(std::string_view, std::string& value, std::string_view) override;
-  void file(std::string_view, std::filesystem::path& value, std::string_view) override;
-  void numbers(std::string_view,
-               std::vector<double>& values,
-               Count,
-               const Range&,
-               std::string_view) override;
-  void interval(std::string_view, Interval& value, const Range&, std::string_view) override;
-  void choice_index(std::string_view,
-                    int& index,
-                    std::span<const std::string_view>,
-                    std::string_view) override;
-  void table(std::string_view,
-             const std::function<void(KeyVisitor&)>& visit,
-             std::string_view) override;
-
-  void require(bool, std::string_view, const std::string&) override {}
-
-  bool is_given(std::string_view) const override { return false; }
-
- private:
-  std::string& bytes_;
 };
 
 /// Throws ConfigError with all problems when there are any.

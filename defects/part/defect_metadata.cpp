@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/config/config.h"
+#include "core/config/key_writer.h"
 #include "core/units.h"
 
 namespace glint {

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/config/key_writer.h"
 #include "core/config/keys.h"
 #include "defects/definition/defect_settings.h"
 

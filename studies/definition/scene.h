@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/config/config.h"
+#include "core/config/key_writer.h"
 #include "core/config/keys.h"
 #include "defects/definition/defect_settings.h"
 #include "metrics/aspect_image/settings.h"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/config/config.h"
+#include "core/config/key_writer.h"
 #include "core/config/keys.h"
 #include "studies/definition/study.h"
 

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "core/config/key_writer.h"
 #include "core/text.h"
 #include "core/units.h"
 #include "metrics/aspect_image/score_slopes.h"

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/config/key_digest.h"
 #include "core/error.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
 #include "simulator/render/path_tracing/cell_sums.h"

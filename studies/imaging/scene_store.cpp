@@ -6,6 +6,7 @@
 
 #include <unistd.h>
 
+#include "core/config/key_digest.h"
 #include "core/file.h"
 #include "core/text.h"
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/config/key_writer.h"
 #include "core/config/toml.h"
 #include "core/csv.h"
 #include "core/file.h"

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/config/key_writer.h"
 #include "metrics/scores.h"
 #include "studies/definition/scene.h"
 #include "studies/definition/study_tables.h"

@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/config/key_digest.h"
+#include "core/config/key_writer.h"
 #include "core/config/toml.h"
 #include "core/file.h"
 #include "core/rng.h"

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "core/config/key_writer.h"
 #include "core/config/toml.h"
 #include "core/rng.h"
 #include "core/units.h"

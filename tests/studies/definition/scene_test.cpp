@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/config/key_writer.h"
 #include "core/config/toml.h"
 #include "studies/evaluation/evaluation.h"
 

@@ -11,6 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/config/key_writer.h"
 #include "core/csv.h"
 #include "core/rng.h"
 #include "metrics/inspection/learn_limits.h"

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/config/key_writer.h"
 #include "core/config/toml.h"
 #include "tests/simulator/light/area/light_scenes.h"
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,15 +12,15 @@
 #include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/path_tracing/path_sums.h"
 #include "simulator/render/path_tracing/smooth_picture.h"
+#include "studies/imaging/defect_windows.h"
 #include "studies/imaging/frame_exposure.h"
 #include "studies/imaging/line_store.h"
+#include "studies/imaging/path_changes.h"
 #include "studies/imaging/path_lights.h"
 #include "studies/imaging/path_picture.h"
 
 namespace glint {
 namespace {
-
-using Halves = std::array<PathBatch, 2>;
 
 /// The two halves of all samples; both seeds differ from those of other pictures of the scene.
 PathSettings half_of(PathSettings settings, int half) {
@@ -32,33 +31,6 @@ PathSettings half_of(PathSettings settings, int half) {
   settings.seed = static_cast<int>((seed + static_cast<std::uint32_t>(half)) & kPositive);
   settings.relative_error = 0.0;  // the same samples with and without defects
   return settings;
-}
-
-/// A box that grows.
-struct PixelBox {
-  double left = 1e9;
-  double top = 1e9;
-  double right = -1e9;
-  double bottom = -1e9;
-
-  void add(double x, double y) {
-    left = std::min(left, x);
-    top = std::min(top, y);
-    right = std::max(right, x);
-    bottom = std::max(bottom, y);
-  }
-};
-
-/// Whole pixels of a picture, with a margin; without area where the box is empty.
-PixelWindow window_of(const PixelBox& box, double margin_px, int width_px, int height_px) {
-  const auto bound = [](double value, int most) {
-    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(most)));
-  };
-  const int left = bound(std::floor(box.left - margin_px), width_px);
-  const int top = bound(std::floor(box.top - margin_px), height_px);
-  const int right = bound(std::ceil(box.right + margin_px), width_px);
-  const int bottom = bound(std::ceil(box.bottom + margin_px), height_px);
-  return {.left_px = left, .top_px = top, .width_px = right - left, .height_px = bottom - top};
 }
 
 /// The factors of one channel of a frame in the order of groups and channels; 0 for the others.
@@ -87,18 +59,6 @@ ImageF radiance_of(const PathBatch& batch, const std::vector<float>& weights) {
     image.values()[i] /= static_cast<float>(std::max(1, batch.samples.values()[i]));
   }
   return image;
-}
-
-/// Whether two pictures differ in a pixel that both were rendered in.
-bool differs(const PathBatch& a, const PathBatch& b, std::size_t pixel) {
-  for (std::size_t g = 0; g < a.groups.size(); ++g) {
-    for (std::size_t c = 0; c < a.groups[g].channels.size(); ++c) {
-      if (a.groups[g].channels[c].values()[pixel] != b.groups[g].channels[c].values()[pixel]) {
-        return true;
-      }
-    }
-  }
-  return false;
 }
 
 class PathLine : public LineCamera {
@@ -133,13 +93,6 @@ class PathLine : public LineCamera {
   struct Rendered {
     PathSums sums;
     PathBatch batch;
-  };
-
-  /// What defects add to the channels of the frames, in the pixels that were rendered.
-  struct Changes {
-    std::vector<std::size_t> pixels;
-    std::vector<std::array<float, 2>> values;  ///< channel by channel, of both halves
-    std::vector<float> gains;                  ///< of each pixel: see gains_of()
   };
 
   const PinholeIntrinsics& picture() const { return view_.physical().camera.intrinsics(); }
@@ -178,60 +131,18 @@ class PathLine : public LineCamera {
                      lens.aperture_mm, lens.focus_mm, picture().focal_px.maxCoeff(), distance_mm);
   }
 
-  /// Where the camera sees the defects: light that they send elsewhere on the part is left out.
-  std::vector<PixelWindow> windows_of(const BuiltDefects& part) const {
-    std::map<std::int32_t, PixelBox> boxes;
-    std::int32_t next = -1;  // ids of imprinted defects are positive
-    for (const HeightFeature& outline : part.made.outlines) {
-      add_outline(outline, boxes[next--]);
+  RenderedChanges render_changes(const BuiltDefects& part) const {
+    const std::vector<PixelWindow> windows =
+        defect_windows(part, *traced_, view_.physical().camera, blur_px());
+    if (windows.empty()) {
+      return {};
     }
-    const TriangleMesh& mesh = part.built->part.mesh;
-    for (std::size_t t = 0; t < part.made.labels.size(); ++t) {
-      if (part.made.labels[t] > 0) {
-        add_triangle(mesh, t, boxes[part.made.labels[t]]);
-      }
-    }
-    std::vector<PixelWindow> windows;
-    for (const auto& [id, box] : boxes) {
-      const PixelWindow window =
-          window_of(box, 1.0 + blur_px(), picture().width_px, picture().height_px);
-      if (window.width_px > 0 && window.height_px > 0) {
-        windows.push_back(window);
-      }
-    }
-    return windows;
+    return changes_between(rendering_->halves,
+                           {render(part, windows, 0).batch, render(part, windows, 1).batch});
   }
 
-  void add_outline(const HeightFeature& outline, PixelBox& box) const {
-    DefectView view;
-    try {
-      view = view_defects({&outline, 1},
-                          traced_->seen(),
-                          view_.physical().camera,
-                          traced_->camera_from_world,
-                          SurfaceDetail::kReachRadii)
-                 .front();
-    } catch (const ConfigError&) {
-      return;  // outside the picture
-    }
-    for (int y = 0; y < view.distance.height(); ++y) {
-      for (int x = 0; x < view.distance.width(); ++x) {
-        if (static_cast<double>(view.distance(x, y)) <= SurfaceDetail::kReachRadii) {
-          box.add(x + view.left_px, y + view.top_px);
-          box.add(x + view.left_px + 1, y + view.top_px + 1);
-        }
-      }
-    }
-  }
-
-  void add_triangle(const TriangleMesh& mesh, std::size_t triangle, PixelBox& box) const {
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      const auto seen = view_.physical().camera.project(traced_->camera_from_world *
-                                                        mesh.vertex(triangle, corner));
-      if (seen) {
-        box.add(seen->x(), seen->y());
-      }
-    }
+  FrameChanges changes_of(const RenderedChanges& rendered) const {
+    return frame_changes(rendered, weights_, picture().width_px, picture().height_px);
   }
 
   static std::string flawless_key(SceneSettings scene) {
@@ -240,97 +151,9 @@ class PathLine : public LineCamera {
     return picture_key(scene, scene.viewpoint());
   }
 
-  RenderedChanges render_changes(const BuiltDefects& part) const {
-    RenderedChanges changes;
-    const std::vector<PixelWindow> windows = windows_of(part);
-    if (windows.empty()) {
-      return changes;
-    }
-    const Halves with = {render(part, windows, 0).batch, render(part, windows, 1).batch};
-    const Halves& without = rendering_->halves;
-    for (std::size_t i = 0; i < with[0].samples.size(); ++i) {
-      if (with[0].samples.values()[i] > 0 &&
-          (differs(with[0], without[0], i) || differs(with[1], without[1], i))) {
-        changes.pixels.push_back(i);
-      }
-    }
-    for (std::size_t half = 0; half < 2; ++half) {
-      for (std::size_t g = 0; g < with[half].groups.size(); ++g) {
-        for (std::size_t c = 0; c < with[half].groups[g].channels.size(); ++c) {
-          for (const std::size_t i : changes.pixels) {
-            changes.values[half].push_back((with[half].groups[g].channels[c].values()[i] -
-                                            without[half].groups[g].channels[c].values()[i]) /
-                                           static_cast<float>(with[half].samples.values()[i]));
-          }
-        }
-      }
-    }
-    return changes;
-  }
-
-  Changes changes_of(const RenderedChanges& rendered) const {
-    Changes changes;
-    changes.pixels = rendered.pixels;
-    const std::size_t count = rendered.pixels.size();
-    for (const std::vector<float>& weights : weights_) {
-      for (std::size_t i = 0; i < count; ++i) {
-        std::array<float, 2> sums = {};
-        for (std::size_t s = 0; s < weights.size(); ++s) {
-          sums[0] += weights[s] * rendered.values[0][s * count + i];
-          sums[1] += weights[s] * rendered.values[1][s * count + i];
-        }
-        changes.values.push_back(sums);
-      }
-    }
-    changes.gains = gains_of(changes);
-    return changes;
-  }
-
-  /// What two halves tell about the changes around a pixel.
-  struct Agreement {
-    double product = 0.0;
-    double square = 0.0;
-    double count = 0.0;
-
-    void add(const Agreement& other) {
-      product += other.product;
-      square += other.square;
-      count += other.count;
-    }
-  };
-
-  /// Root of the share of squared change around each pixel that both halves agree on: with it as a
-  /// factor, noise of the rendering adds nothing to the squared change on average.
-  std::vector<float> gains_of(const Changes& changes) const {
-    constexpr int kAround = 4;
-    Image<Agreement> at(picture().width_px, picture().height_px);
-    for (std::size_t i = 0; i < changes.values.size(); ++i) {
-      const auto a = static_cast<double>(changes.values[i][0]);
-      const auto b = static_cast<double>(changes.values[i][1]);
-      at.values()[changes.pixels[i % changes.pixels.size()]].add(
-          {.product = a * b,
-           .square = 0.25 * (a + b) * (a + b),
-           .count = a != 0.0 || b != 0.0 ? 1.0 : 0.0});
-    }
-    std::vector<float> gains;
-    for (const std::size_t pixel : changes.pixels) {
-      const int x = static_cast<int>(pixel % static_cast<std::size_t>(at.width()));
-      const int y = static_cast<int>(pixel / static_cast<std::size_t>(at.width()));
-      Agreement all;
-      for (int v = std::max(0, y - kAround); v <= std::min(at.height() - 1, y + kAround); ++v) {
-        for (int u = std::max(0, x - kAround); u <= std::min(at.width() - 1, x + kAround); ++u) {
-          all.add(at(u, v));
-        }
-      }
-      gains.push_back(
-          static_cast<float>(std::sqrt(agreed_share(all.product, all.square, all.count))));
-    }
-    return gains;
-  }
-
   /// One scan of a part. @param radiance  of each channel of each frame without the changes
   LineScan expose(const std::vector<ImageF>& radiance,
-                  const Changes& changes,
+                  const FrameChanges& changes,
                   const SensorSettings& settings) const {
     const Sensor sensor(settings, picture().width_px, picture().height_px);
     ScanSums sums(picture().width_px, picture().height_px);
@@ -354,32 +177,8 @@ class PathLine : public LineCamera {
       }
     }
     scan.aspect = sums.aspect();
-    scan.changes = mean_changes(changes);
+    scan.changes = mean_changes(changes, picture().width_px, picture().height_px);
     return scan;
-  }
-
-  /// @param index  of the channel among those of all frames
-  static void add_changes(const Changes& changes, std::size_t index, ImageF& radiance) {
-    const std::size_t first = index * changes.pixels.size();
-    for (std::size_t i = 0; i < changes.pixels.size(); ++i) {
-      float& value = radiance.values()[changes.pixels[i]];
-      const std::array<float, 2>& halves = changes.values[first + i];
-      value = std::max(0.0F, value + 0.5F * changes.gains[i] * (halves[0] + halves[1]));
-    }
-  }
-
-  std::vector<ImageF> mean_changes(const Changes& changes) const {
-    std::vector<ImageF> means;
-    const std::size_t count = changes.pixels.size();
-    for (std::size_t half = 0; half < 2 && count > 0; ++half) {
-      ImageF mean(picture().width_px, picture().height_px);
-      for (std::size_t i = 0; i < changes.values.size(); ++i) {
-        mean.values()[changes.pixels[i % count]] +=
-            changes.values[i][half] / static_cast<float>(weights_.size());
-      }
-      means.push_back(std::move(mean));
-    }
-    return means;
   }
 
   FlawlessRendering render_flawless() const {

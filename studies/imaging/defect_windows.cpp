@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/imaging/defect_windows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+
+#include "core/error.h"
+
+namespace glint {
+namespace {
+
+/// A box that grows.
+struct PixelBox {
+  double left = 1e9;
+  double top = 1e9;
+  double right = -1e9;
+  double bottom = -1e9;
+
+  void add(double x, double y) {
+    left = std::min(left, x);
+    top = std::min(top, y);
+    right = std::max(right, x);
+    bottom = std::max(bottom, y);
+  }
+};
+
+/// Whole pixels of a picture, with a margin; without area where the box is empty.
+PixelWindow window_of(const PixelBox& box, double margin_px, int width_px, int height_px) {
+  const auto bound = [](double value, int most) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(most)));
+  };
+  const int left = bound(std::floor(box.left - margin_px), width_px);
+  const int top = bound(std::floor(box.top - margin_px), height_px);
+  const int right = bound(std::ceil(box.right + margin_px), width_px);
+  const int bottom = bound(std::ceil(box.bottom + margin_px), height_px);
+  return {.left_px = left, .top_px = top, .width_px = right - left, .height_px = bottom - top};
+}
+
+void add_outline(const HeightFeature& outline,
+                 const TracedScene& traced,
+                 const PinholeCamera& camera,
+                 PixelBox& box) {
+  DefectView view;
+  try {
+    view = view_defects({&outline, 1},
+                        traced.seen(),
+                        camera,
+                        traced.camera_from_world,
+                        SurfaceDetail::kReachRadii)
+               .front();
+  } catch (const ConfigError&) {
+    return;  // outside the picture
+  }
+  for (int y = 0; y < view.distance.height(); ++y) {
+    for (int x = 0; x < view.distance.width(); ++x) {
+      if (static_cast<double>(view.distance(x, y)) <= SurfaceDetail::kReachRadii) {
+        box.add(x + view.left_px, y + view.top_px);
+        box.add(x + view.left_px + 1, y + view.top_px + 1);
+      }
+    }
+  }
+}
+
+void add_triangle(const TriangleMesh& mesh,
+                  std::size_t triangle,
+                  const TracedScene& traced,
+                  const PinholeCamera& camera,
+                  PixelBox& box) {
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    const auto seen = camera.project(traced.camera_from_world * mesh.vertex(triangle, corner));
+    if (seen) {
+      box.add(seen->x(), seen->y());
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<PixelWindow> defect_windows(const BuiltDefects& part,
+                                        const TracedScene& traced,
+                                        const PinholeCamera& camera,
+                                        double blur_px) {
+  std::map<std::int32_t, PixelBox> boxes;
+  std::int32_t next = -1;  // ids of imprinted defects are positive
+  for (const HeightFeature& outline : part.made.outlines) {
+    add_outline(outline, traced, camera, boxes[next--]);
+  }
+  const TriangleMesh& mesh = part.built->part.mesh;
+  for (std::size_t t = 0; t < part.made.labels.size(); ++t) {
+    if (part.made.labels[t] > 0) {
+      add_triangle(mesh, t, traced, camera, boxes[part.made.labels[t]]);
+    }
+  }
+  const PinholeIntrinsics& picture = camera.intrinsics();
+  std::vector<PixelWindow> windows;
+  for (const auto& [id, box] : boxes) {
+    const PixelWindow window = window_of(box, 1.0 + blur_px, picture.width_px, picture.height_px);
+    if (window.width_px > 0 && window.height_px > 0) {
+      windows.push_back(window);
+    }
+  }
+  return windows;
+}
+
+}  // namespace glint

@@ -36,6 +36,65 @@ EdgeIntegrals along_edge(
   return edge;
 }
 
+/// Where the phase is level it rises a little all the same (kFlatPhase).
+LinearFunction tilted(LinearFunction g) {
+  if (g.dx * g.dx + g.dy * g.dy < kFlatPhase * kFlatPhase) {
+    g.dx = kFlatPhase;
+    g.dy = 0.0;
+  }
+  return g;
+}
+
+/// An edge of the polygon from vertex a on, with what is integrated along it.
+struct Edge {
+  const PixelPolygon::Vertex& a;
+  double dx = 0.0, dy = 0.0;
+  double stripes = 0.0;                 ///< integral of the stripes
+  double x_times = 0.0, y_times = 0.0;  ///< of x and of y times the stripes
+};
+
+Edge edge_between(const PixelPolygon::Vertex& a,
+                  const PixelPolygon::Vertex& b,
+                  const EdgeIntegrals& along) {
+  const double dx = b.x - a.x;
+  const double dy = b.y - a.y;
+  return {.a = a,
+          .dx = dx,
+          .dy = dy,
+          .stripes = along.stripes,
+          .x_times = a.x * along.stripes + dx * along.stripes_s,
+          .y_times = a.y * along.stripes + dy * along.stripes_s};
+}
+
+/// What moving the boundary that made this edge changes.
+/// @param everywhere  radiance that does not depend on the stripes
+void add_boundary(const Edge& edge,
+                  const LinearFunction& clip,
+                  double bright,
+                  double everywhere,
+                  LinearSlopes& boundary) {
+  const double per_slope = std::hypot(edge.dx, edge.dy) / std::hypot(clip.dx, clip.dy);
+  boundary.value += per_slope * (bright * edge.stripes + everywhere);
+  boundary.dx += per_slope * (bright * edge.x_times + everywhere * (edge.a.x + 0.5 * edge.dx));
+  boundary.dy += per_slope * (bright * edge.y_times + everywhere * (edge.a.y + 0.5 * edge.dy));
+}
+
+/// The bright share of the polygon and its derivative by the duty.
+struct Share {
+  double value = 0.0, by_duty = 0.0;
+
+  /// @param through  what of the phase's gradient goes out through the edge
+  void add_edge(const VertexSums& a, const VertexSums& b, double difference, double through) {
+    if (std::abs(difference) > kLevelEdge) {
+      value += through * (b.second - a.second) / difference;
+      by_duty += through * (b.second_by_duty - a.second_by_duty) / difference;
+    } else {
+      value += 0.5 * through * (a.first + b.first);
+      by_duty += 0.5 * through * (a.first_by_duty + b.first_by_duty);
+    }
+  }
+};
+
 }  // namespace
 
 std::array<double, 4> LinearSlopes::by_corners() const {
@@ -61,13 +120,8 @@ void StripeSlopes::add(const PixelPolygon& polygon,
   if (polygon.size() < 3) {
     return;
   }
-  LinearFunction g = phase_of_pixel;
-  double squared = g.dx * g.dx + g.dy * g.dy;
-  if (squared < kFlatPhase * kFlatPhase) {
-    g.dx = kFlatPhase;
-    g.dy = 0.0;
-    squared = kFlatPhase * kFlatPhase;
-  }
+  const LinearFunction g = tilted(phase_of_pixel);
+  const double squared = g.dx * g.dx + g.dy * g.dy;
   std::array<VertexSums, PixelPolygon::kMaxVertices> sums;
   std::array<double, PixelPolygon::kMaxVertices> phases = {};
   for (int i = 0; i < polygon.size(); ++i) {
@@ -82,48 +136,32 @@ void StripeSlopes::add(const PixelPolygon& polygon,
                                                       stripe_duty,
                                                       sums.data());
   const double lit = polygon.area() * weight;
-  double polygon_share = stripe_duty * lit;
-  double by_duty = lit;
+  Share polygon_share = {.value = stripe_duty * lit, .by_duty = lit};
   LinearSlopes slopes;
   for (int i = 0; i < polygon.size(); ++i) {
     const int next = (i + 1) % polygon.size();
-    const PixelPolygon::Vertex& a = polygon.vertex(i);
-    const PixelPolygon::Vertex& b = polygon.vertex(next);
     const VertexSums& at_a = sums[static_cast<std::size_t>(i)];
     const VertexSums& at_b = sums[static_cast<std::size_t>(next)];
-    const double dx = b.x - a.x;
-    const double dy = b.y - a.y;
     const double difference =
         phases[static_cast<std::size_t>(next)] - phases[static_cast<std::size_t>(i)];
-    const EdgeIntegrals edge = along_edge(at_a, at_b, difference, stripe_duty, weight);
-    const double through = (g.dx * dy - g.dy * dx) / squared;
-    const double x_times = a.x * edge.stripes + dx * edge.stripes_s;
-    const double y_times = a.y * edge.stripes + dy * edge.stripes_s;
+    const Edge edge = edge_between(polygon.vertex(i),
+                                   polygon.vertex(next),
+                                   along_edge(at_a, at_b, difference, stripe_duty, weight));
+    const double through = (g.dx * edge.dy - g.dy * edge.dx) / squared;
     slopes.value += through * edge.stripes;
-    slopes.dx += through * x_times;
-    slopes.dy += through * y_times;
-    if (std::abs(difference) > kLevelEdge) {
-      polygon_share += through * (at_b.second - at_a.second) / difference;
-      by_duty += through * (at_b.second_by_duty - at_a.second_by_duty) / difference;
-    } else {
-      polygon_share += 0.5 * through * (at_a.first + at_b.first);
-      by_duty += 0.5 * through * (at_a.first_by_duty + at_b.first_by_duty);
-    }
-    if (a.boundary >= 0) {
-      const auto label = static_cast<std::size_t>(a.boundary);
-      const LinearFunction& clip = boundaries[label];
-      const double per_slope = std::hypot(dx, dy) / std::hypot(clip.dx, clip.dy);
-      const double area_edge = dark * weight;
-      boundary[label].value += per_slope * (bright * edge.stripes + area_edge);
-      boundary[label].dx += per_slope * (bright * x_times + area_edge * (a.x + 0.5 * dx));
-      boundary[label].dy += per_slope * (bright * y_times + area_edge * (a.y + 0.5 * dy));
+    slopes.dx += through * edge.x_times;
+    slopes.dy += through * edge.y_times;
+    polygon_share.add_edge(at_a, at_b, difference, through);
+    if (edge.a.boundary >= 0) {
+      const auto label = static_cast<std::size_t>(edge.a.boundary);
+      add_boundary(edge, boundaries[label], bright, dark * weight, boundary[label]);
     }
   }
   phase.value += bright * slopes.value;
-  phase.dx += bright * (slopes.dx - g.dx / squared * polygon_share);
-  phase.dy += bright * (slopes.dy - g.dy / squared * polygon_share);
-  duty += bright * by_duty;
-  share += polygon_share;
+  phase.dx += bright * (slopes.dx - g.dx / squared * polygon_share.value);
+  phase.dy += bright * (slopes.dy - g.dy / squared * polygon_share.value);
+  duty += bright * polygon_share.by_duty;
+  share += polygon_share.value;
   area += lit;
 }
 

@@ -35,6 +35,29 @@ std::int32_t half_turns_of(double periods) {
   return static_cast<std::int32_t>(std::clamp(periods * 2147483648.0, 0.0, kMost));
 }
 
+/// The share beyond an edge of the stripes, less one half, and its derivatives.
+struct EdgeShare {
+  float share;
+  float by_distance, by_major, by_minor;  ///< the first two times the larger width
+};
+
+/// @param distance  from the footprint's middle, without sign
+GLINT_INLINE EdgeShare share_beyond(float distance,
+                                    const Widths& widths,
+                                    float per_major,
+                                    float per_minor) {
+  const float outer = widths.outer();
+  const float inner = widths.inner();
+  const float is_near = distance < outer ? 1.0F : 0.0F;
+  const float t = distance < outer ? distance : outer;
+  const float over = (t > inner ? t - inner : 0.0F) * per_minor;
+  const float half = 0.5F * over * over * widths.minor * per_major;
+  return {.share = t * per_major - half,
+          .by_distance = is_near * (1.0F - over),
+          .by_major = is_near * (half - t * per_major + 0.5F * over),
+          .by_minor = is_near * (per_minor * half - 0.5F * over * per_major)};
+}
+
 }  // namespace
 
 /// Restricted pointers must be parameters: the compiler believes them only there.
@@ -50,63 +73,33 @@ GLINT_WIDE static void add_slopes(const Turn* __restrict v,
                                   float* __restrict by_gy,
                                   float* __restrict by_duty,
                                   float* __restrict dark) {
-  // Everything is spelt out three times, for the rising, the falling and the next edge: the share
-  // beyond an edge at distance d and its slopes by d, the larger and the smaller width.
   for (int i = 0; i < count; ++i) {
     const Widths widths = widths_of(gx[i], gy[i]);
-    const float major = widths.major;
-    const float minor = widths.minor;
-    const float outer = widths.outer();
-    const float inner = widths.inner();
-    const float per_major = 1.0F / major;
-    const float per_minor = 1.0F / minor;
+    const float per_major = 1.0F / widths.major;
+    const float per_minor = 1.0F / widths.minor;
     const Turn moved = v[i] - shift;
     const auto half_turns = static_cast<std::int32_t>(moved >> 1U);
     const auto to_next = static_cast<std::int32_t>(~moved >> 1U);
-    const float rise = kPerHalfTurn * static_cast<float>(half_turns);
-    const float fall = kPerHalfTurn * static_cast<float>(half_turns - duty);
+    const float to_rise = kPerHalfTurn * static_cast<float>(half_turns);
+    const float to_fall = kPerHalfTurn * static_cast<float>(half_turns - duty);
     // The next rising edge, seen from its other side.
-    const float next = kPerHalfTurn * static_cast<float>(to_next);
-
-    const float rise_in = rise < outer ? 1.0F : 0.0F;
-    const float rise_t = rise < outer ? rise : outer;
-    const float rise_over = (rise_t > inner ? rise_t - inner : 0.0F) * per_minor;
-    const float rise_half = 0.5F * rise_over * rise_over * minor * per_major;
-    const float fall_size = absolute(fall);
-    const float fall_sign = fall < 0.0F ? -1.0F : 1.0F;
-    const float fall_in = fall_size < outer ? 1.0F : 0.0F;
-    const float fall_t = fall_size < outer ? fall_size : outer;
-    const float fall_over = (fall_t > inner ? fall_t - inner : 0.0F) * per_minor;
-    const float fall_half = 0.5F * fall_over * fall_over * minor * per_major;
-    const float next_in = next < outer ? 1.0F : 0.0F;
-    const float next_t = next < outer ? next : outer;
-    const float next_over = (next_t > inner ? next_t - inner : 0.0F) * per_minor;
-    const float next_half = 0.5F * next_over * next_over * minor * per_major;
-
-    const float rise_by_d = rise_in * (1.0F - rise_over);
-    const float fall_by_d = fall_in * (1.0F - fall_over);
-    const float next_by_d = next_in * (1.0F - next_over);
-    const float rise_by_major = rise_in * (rise_half - rise_t * per_major + 0.5F * rise_over);
-    const float fall_by_major = fall_in * (fall_half - fall_t * per_major + 0.5F * fall_over);
-    const float next_by_major = next_in * (next_half - next_t * per_major + 0.5F * next_over);
-    const float rise_by_minor = rise_in * (per_minor * rise_half - 0.5F * rise_over * per_major);
-    const float fall_by_minor = fall_in * (per_minor * fall_half - 0.5F * fall_over * per_major);
-    const float next_by_minor = next_in * (per_minor * next_half - 0.5F * next_over * per_major);
-
-    const float by_major = per_major * (rise_by_major - fall_sign * fall_by_major - next_by_major);
-    const float by_minor = rise_by_minor - fall_sign * fall_by_minor - next_by_minor;
-    const float bright = 0.5F + (rise_t * per_major - rise_half) -
-                         fall_sign * (fall_t * per_major - fall_half) -
-                         (next_t * per_major - next_half);
+    const float from_next = kPerHalfTurn * static_cast<float>(to_next);
+    const EdgeShare rise = share_beyond(to_rise, widths, per_major, per_minor);
+    const EdgeShare fall = share_beyond(absolute(to_fall), widths, per_major, per_minor);
+    const EdgeShare next = share_beyond(from_next, widths, per_major, per_minor);
+    const float fall_sign = to_fall < 0.0F ? -1.0F : 1.0F;
+    const float by_major = per_major * (rise.by_major - fall_sign * fall.by_major - next.by_major);
+    const float by_minor = rise.by_minor - fall_sign * fall.by_minor - next.by_minor;
+    const float bright = 0.5F + rise.share - fall_sign * fall.share - next.share;
     const float x_sign = gx[i] < 0.0F ? -1.0F : 1.0F;
     const float y_sign = gy[i] < 0.0F ? -1.0F : 1.0F;
     const bool is_y_larger = absolute(gx[i]) < absolute(gy[i]);
     const float by_x = is_y_larger ? by_minor : by_major;
     const float by_y = is_y_larger ? by_major : by_minor;
-    by_v[i] += weight[i] * per_major * (rise_by_d - fall_by_d + next_by_d);
+    by_v[i] += weight[i] * per_major * (rise.by_distance - fall.by_distance + next.by_distance);
     by_gx[i] += weight[i] * x_sign * by_x;
     by_gy[i] += weight[i] * y_sign * by_y;
-    by_duty[i] += weight[i] * per_major * fall_by_d;
+    by_duty[i] += weight[i] * per_major * fall.by_distance;
     dark[i] += weight[i] * (1.0F - bright);
   }
 }

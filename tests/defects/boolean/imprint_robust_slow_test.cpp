@@ -167,6 +167,37 @@ std::string reasons_text(const Counts& counts) {
   return text;
 }
 
+/// Imprints `wanted` tools into copies of a part, kGroup into each.
+/// @param p  the part's number, from which random numbers follow
+Counts imprint_closed_part(const NamedPart& named, std::uint64_t p, int wanted) {
+  const TriangleMesh& mesh = named.mesh;
+  const support::Places places(mesh);
+  const double size_mm = support::diagonal_mm(mesh);
+  const double volume_mm3 = enclosed_volume_mm3(mesh);
+  const ImprintedMesh fresh(mesh);
+  Counts counts;
+  for (int first = 0; first < wanted; first += kGroup) {
+    ImprintedMesh part = fresh;
+    double removed_mm3 = 0.0;
+    for (int i = first; i < first + kGroup; ++i) {
+      const ImprintResult imprinted = imprint_drawn(i, counts, [&](int index) {
+        const TriangleMesh tool = support::mixed_tool(places, size_mm, p, index);
+        return imprint_with_retries(part, tool, i + 1, p, counts);
+      });
+      removed_mm3 += imprinted.removed_volume_mm3;
+    }
+    const TriangleMesh result = part.result().mesh;
+    const MeshFaults faults = find_faults(result);
+    EXPECT_TRUE(faults.none()) << named.name << ", imprints from " << first << ": open "
+                               << faults.open_edges << ", repeated " << faults.repeated_edges
+                               << ", crossing " << faults.crossing_pairs << ", flat "
+                               << faults.degenerate;
+    const double changed_mm3 = volume_mm3 - enclosed_volume_mm3(result);
+    EXPECT_NEAR(changed_mm3, removed_mm3, 1e-9 * volume_mm3) << named.name;
+  }
+  return counts;
+}
+
 TEST(ImprintRobust, TenThousandRandomImprintsLeaveValidParts) {
   const DemoMeshes demo;
   const std::vector<NamedPart> parts = closed_parts(demo);
@@ -176,37 +207,13 @@ TEST(ImprintRobust, TenThousandRandomImprintsLeaveValidParts) {
   Counts all;
   int tried = 0;
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    const TriangleMesh& mesh = parts[p].mesh;
-    const support::Places places(mesh);
-    const double size_mm = support::diagonal_mm(mesh);
-    const double volume_mm3 = enclosed_volume_mm3(mesh);
-    const ImprintedMesh fresh(mesh);
-    Counts counts;
-    for (int first = 0; first < per_part; first += kGroup) {
-      ImprintedMesh part = fresh;
-      double removed_mm3 = 0.0;
-      for (int i = first; i < first + kGroup; ++i) {
-        const ImprintResult imprinted = imprint_drawn(i, counts, [&](int index) {
-          const TriangleMesh tool = support::mixed_tool(places, size_mm, p, index);
-          return imprint_with_retries(part, tool, i + 1, p, counts);
-        });
-        removed_mm3 += imprinted.removed_volume_mm3;
-      }
-      const TriangleMesh result = part.result().mesh;
-      const MeshFaults faults = find_faults(result);
-      EXPECT_TRUE(faults.none()) << parts[p].name << ", imprints from " << first << ": open "
-                                 << faults.open_edges << ", repeated " << faults.repeated_edges
-                                 << ", crossing " << faults.crossing_pairs << ", flat "
-                                 << faults.degenerate;
-      const double changed_mm3 = volume_mm3 - enclosed_volume_mm3(result);
-      EXPECT_NEAR(changed_mm3, removed_mm3, 1e-9 * volume_mm3) << parts[p].name;
-    }
+    const Counts counts = imprint_closed_part(parts[p], p, per_part);
     tried += per_part;
     fmt::print(
         "{:32} {:6} faces: {} done ({} after retries, {} drawn anew), {} "
         "refused{}\n",
         parts[p].name,
-        mesh.num_triangles(),
+        parts[p].mesh.num_triangles(),
         counts.done,
         counts.retried,
         counts.drawn_anew,

@@ -186,4 +186,21 @@ inline double diagonal_mm(const TriangleMesh& mesh) {
   return bounding_box(mesh).size_mm().norm();
 }
 
+inline Vector3d random_point(Rng& rng, double half) {
+  const double x = rng.uniform(-half, half);
+  const double y = rng.uniform(-half, half);
+  return {x, y, rng.uniform(-half, half)};
+}
+
+inline TriangleMesh ball_at(const Vector3d& centre, double radius_mm, int level = 2) {
+  return moved(scaled(unit_sphere(level), radius_mm), {.translation_mm = centre});
+}
+
+/// A turned ball has no edges along the axes.
+inline TriangleMesh turned_ball_at(const Vector3d& centre, double radius_mm, int level = 2) {
+  const Eigen::AngleAxisd turn(0.7, Vector3d(0.3, 0.5, 0.8).normalized());
+  return moved(scaled(unit_sphere(level), radius_mm),
+               {.rotation = turn.toRotationMatrix(), .translation_mm = centre});
+}
+
 }  // namespace glint::imprint_support

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <latch>
 #include <mutex>
 #include <numeric>
 #include <set>
@@ -113,23 +114,31 @@ TEST(ThreadPool, MayBeUsedFromInsideItself) {
   EXPECT_EQ(calls.load(), 100);
 }
 
-// Else a caller that holds a lock may meet itself.
+// Else a caller that holds a lock may meet itself. One thread has done its half of a loop and waits
+// for the other half, which lasts as long as there is another loop to help with.
 TEST(ThreadPool, AThreadThatWaitsForALoopBeginsNothingOfAnother) {
-  ThreadPool pool(2);
-  std::mutex mutex;
-  std::set<std::thread::id> inside;
-  std::atomic<int> nested = 0;
-  pool.for_each(50, [&](std::int64_t) {
-    {
-      const std::lock_guard lock(mutex);
-      nested += inside.insert(std::this_thread::get_id()).second ? 0 : 1;
-    }
-    pool.for_each(
-        8, [](std::int64_t) { std::this_thread::sleep_for(std::chrono::microseconds(200)); });
-    const std::lock_guard lock(mutex);
-    inside.erase(std::this_thread::get_id());
+  ThreadPool pool(3);
+  std::latch both_halves(2);
+  std::atomic<bool> is_over = false;
+  std::thread::id waiting;
+  std::jthread first([&] {
+    waiting = std::this_thread::get_id();
+    pool.for_each(2, [&](std::int64_t) {
+      both_halves.arrive_and_wait();
+      if (std::this_thread::get_id() != waiting) {
+        is_over.wait(false);
+      }
+    });
   });
-  EXPECT_EQ(nested.load(), 0);
+  both_halves.wait();
+  std::atomic<int> helped = 0;
+  pool.for_each(50, [&](std::int64_t) {
+    helped += std::this_thread::get_id() == waiting ? 1 : 0;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  });
+  is_over = true;
+  is_over.notify_all();
+  EXPECT_EQ(helped.load(), 0);
 }
 
 TEST(ThreadPoolDeathTest, RefusesToHaveNoThread) {

@@ -47,9 +47,10 @@ TEST(MatchDetections, FindsWithinReachAndSlack) {
   EXPECT_EQ(far.false_alarms(), 1);
 }
 
-// Blob 0: 6 px from either, 1 and 3 radii. Blob 1: 1/3 radius from the first, which it stands for.
+// Blob 0: 7 px or 7/6 radii from the first, 5 px or 5/2 radii from the second. Blob 1: 1/3 radius
+// from the first, which it stands for.
 TEST(MatchDetections, GivesABlobToTheDefectThatIsNearestInRadii) {
-  const DetectionMatches matches = match({26, 22, 31}, {{20, 6}, {32, 2}, {90, 2}});
+  const DetectionMatches matches = match({27, 22, 31}, {{20, 6}, {32, 2}, {90, 2}});
   EXPECT_THAT(matches.defect_of_blob, ElementsAre(0, 0, 1));
   EXPECT_THAT(matches.blob_of_defect, ElementsAre(1, 2, -1));
   EXPECT_EQ(matches.found(), 2);

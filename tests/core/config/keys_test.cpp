@@ -209,25 +209,25 @@ TEST(KeyReader, ChecksConditionsBetweenKeys) {
 
 // The program asks for kind, key and place, so that texts may be reworded.
 TEST(KeyReader, TellsTheKindTheKeyAndThePlaceOfAProblem) {
-  using Kind = Problem::Kind;
+  using Found = Problem::Kind;
 
   const struct {
     const char* toml;
-    Kind kind;
+    Found kind;
     const char* key;
-  } cases[] = {{"radius_mm = 0\n", Kind::kOutOfRange, "lamp.radius_mm"},
-               {"radius_mm = nan\n", Kind::kOutOfRange, "lamp.radius_mm"},
-               {"positions = 0\n", Kind::kOutOfRange, "lamp.positions"},
-               {"positions = 2.5\n", Kind::kOutOfRange, "lamp.positions"},
-               {"shape = \"round\"\n", Kind::kOutOfRange, "lamp.shape"},
-               {"angles_deg = [400]\n", Kind::kOutOfRange, "lamp.angles_deg"},
-               {"radius_mm = \"wide\"\n", Kind::kWrongType, "lamp.radius_mm"},
-               {"name = 3\n", Kind::kWrongType, "lamp.name"},
-               {"slot = 4\n", Kind::kWrongType, "lamp.slot"},
-               {"slot = { open = 1 }\n", Kind::kWrongType, "lamp.slot.open"},
-               {"angles_deg = []\n", Kind::kWrongType, "lamp.angles_deg"},
-               {"slot = { width_mm = 1e6 }\n", Kind::kRelation, "lamp.slot"},
-               {"foo = 1\n", Kind::kUnknownKey, "lamp.foo"}};
+  } cases[] = {{"radius_mm = 0\n", Found::kOutOfRange, "lamp.radius_mm"},
+               {"radius_mm = nan\n", Found::kOutOfRange, "lamp.radius_mm"},
+               {"positions = 0\n", Found::kOutOfRange, "lamp.positions"},
+               {"positions = 2.5\n", Found::kOutOfRange, "lamp.positions"},
+               {"shape = \"round\"\n", Found::kOutOfRange, "lamp.shape"},
+               {"angles_deg = [400]\n", Found::kOutOfRange, "lamp.angles_deg"},
+               {"radius_mm = \"wide\"\n", Found::kWrongType, "lamp.radius_mm"},
+               {"name = 3\n", Found::kWrongType, "lamp.name"},
+               {"slot = 4\n", Found::kWrongType, "lamp.slot"},
+               {"slot = { open = 1 }\n", Found::kWrongType, "lamp.slot.open"},
+               {"angles_deg = []\n", Found::kWrongType, "lamp.angles_deg"},
+               {"slot = { width_mm = 1e6 }\n", Found::kRelation, "lamp.slot"},
+               {"foo = 1\n", Found::kUnknownKey, "lamp.foo"}};
 
   for (const auto& [toml, kind, key] : cases) {
     const std::vector<Problem> problems = read_lamp(toml).errors;

@@ -10,6 +10,7 @@
 #include "core/rng.h"
 #include "core/units.h"
 #include "simulator/render/footprint/footprint_kernels.h"
+#include "simulator/render/footprint/stripe_shares.h"
 #include "simulator/render/scan/clipped_mean.h"
 #include "simulator/render/scan/width_kernels.h"
 

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "simulator/render/derivative/slope_kernels.h"
+#include "simulator/render/footprint/stripe_shares.h"
 #include "simulator/render/wall/hidden_pixels.h"
 #include "simulator/render/wall/pixel_rays.h"
 #include "tests/simulator/render/footprint/footprint_fixtures.h"

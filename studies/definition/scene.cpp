@@ -2,14 +2,15 @@
 #include "studies/definition/scene.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <span>
 
 #include <fmt/format.h>
 
 #include "core/rng.h"
-#include "core/text.h"
 #include "simulator/geometry/surface/surface_sampling.h"
+#include "studies/definition/scene_lights.h"
 
 namespace glint {
 namespace {
@@ -22,6 +23,16 @@ void read_table(const ConfigNode& root,
   KeyReader reader(root.find(path), path, errors);
   visit_keys(reader, settings);
   reader.report_unknown();
+}
+
+/// Reads a table that is one member of the scene, from its defaults.
+template <auto Member>
+void read_member(const ConfigNode& root,
+                 const std::string& name,
+                 SceneSettings& scene,
+                 std::vector<Problem>& errors) {
+  scene.*Member = {};
+  read_table(root, name, scene.*Member, errors);
 }
 
 template <class Settings>
@@ -60,56 +71,6 @@ void read_viewpoint(const ConfigNode& root, SceneSettings& scene, std::vector<Pr
   }
 }
 
-/// Whose light a table below [lighting] is: its `type`, else its name, else a tunnel.
-std::string light_type_of(const ConfigNode& table, const std::string& name) {
-  const ConfigNode* type = table.find("type");
-  if (type != nullptr && type->kind == ConfigNode::Kind::kText) {
-    return type->text;
-  }
-  return default_light(name) ? name : "tunnel";
-}
-
-void read_tunnel(KeyReader& reader,
-                 const std::string& name,
-                 const ConfigNode& table,
-                 SceneSettings& scene,
-                 std::vector<Problem>& errors) {
-  if (scene.has_tunnel) {
-    errors.push_back({.kind = Problem::Kind::kRelation,
-                      .place = table.place,
-                      .key = "lighting." + name,
-                      .text = "is a second tunnel; at most one is allowed"});
-  }
-  scene.has_tunnel = true;
-  scene.tunnel_name = name;
-  visit_keys(reader, scene.tunnel);
-}
-
-void read_light(const ConfigNode& table,
-                const std::string& name,
-                SceneSettings& scene,
-                std::vector<Problem>& errors) {
-  KeyReader reader(&table, "lighting." + name, errors);
-  std::string type;
-  reader.text("type", type, "");
-  type = light_type_of(table, name);
-  if (type == "tunnel") {
-    read_tunnel(reader, name, table, scene, errors);
-  } else if (std::optional<LightSettings> light = default_light(type)) {
-    visit_keys(reader, *light);
-    scene.lights.push_back({.name = name, .settings = *std::move(light)});
-  } else {
-    reader.error(
-        table.find("type"),
-        "type",
-        fmt::format(
-            "is \"{}\", must be \"tunnel\", \"{}\"", type, fmt::join(light_types(), "\", \"")),
-        Problem::Kind::kOutOfRange);
-    return;  // without the type no key can be judged
-  }
-  reader.report_unknown();
-}
-
 /// [render] and what it holds.
 struct RenderTable {
   RenderSettings render;
@@ -124,53 +85,16 @@ void visit_keys(KeyVisitor& keys, RenderTable& table) {
       "of pictures by path tracing");
 }
 
-void read_render(const ConfigNode& root, SceneSettings& scene, std::vector<Problem>& errors) {
-  RenderTable table = {.render = scene.render, .paths = scene.paths};
-  read_table(root, "render", table, errors);
+void read_render(const ConfigNode& root,
+                 const std::string& name,
+                 SceneSettings& scene,
+                 std::vector<Problem>& errors) {
+  RenderTable table;
+  read_table(root, name, table, errors);
   scene.render = table.render;
+  scene.render.reflectance = scene.material.reflectance.front();
   scene.paths = table.paths;
   scene.paths.channels = static_cast<int>(scene.sensor.wavelengths_nm.size());
-}
-
-void write_light(ConfigNode& lighting,
-                 const std::string& name,
-                 const auto& settings,
-                 std::string_view type) {
-  write_table(lighting, name, settings);
-  lighting.items.back().names.emplace_back("type");
-  lighting.items.back().items.push_back(ConfigNode::from_text(std::string(type)));
-}
-
-ConfigNode write_lighting(const SceneSettings& scene) {
-  ConfigNode lighting = ConfigNode::table();
-  if (scene.has_tunnel) {
-    write_light(lighting, scene.tunnel_name, scene.tunnel, "tunnel");
-  }
-  for (const NamedLight& light : scene.lights) {
-    write_light(lighting, light.name, light.settings, light_type(light.settings));
-  }
-  return lighting;
-}
-
-void read_lighting(const ConfigNode& root, SceneSettings& scene, std::vector<Problem>& errors) {
-  const ConfigNode* lighting = root.find("lighting");
-  if (lighting == nullptr) {
-    return;
-  }
-  const bool are_tables =
-      lighting->is_table() && !lighting->items.empty() &&
-      std::ranges::all_of(lighting->items, [](const ConfigNode& item) { return item.is_table(); });
-  if (!are_tables) {
-    errors.push_back({.kind = Problem::Kind::kWrongType,
-                      .place = lighting->place,
-                      .key = "lighting",
-                      .text = "must hold a table for each light, like [lighting.tunnel]"});
-    return;
-  }
-  scene.has_tunnel = false;
-  for (std::size_t i = 0; i < lighting->items.size(); ++i) {
-    read_light(lighting->items[i], lighting->names[i], scene, errors);
-  }
 }
 
 bool is_plain_mirror(const MaterialSettings& material) {
@@ -180,12 +104,12 @@ bool is_plain_mirror(const MaterialSettings& material) {
          material.pattern.kind == PatternSettings::Kind::kNone;
 }
 
-/// What of the scene goes together, told with the key that does not.
-void check_level(const ConfigNode& root, const SceneSettings& scene, std::vector<Problem>& errors) {
+/// What of the scene does not go together, without places.
+std::vector<Problem> check_level(const SceneSettings& scene) {
   using Method = RenderSettings::Method;
+  std::vector<Problem> errors;
   const auto fail = [&](const char* key, const std::string& text) {
-    errors.push_back(
-        with_place(root, {.kind = Problem::Kind::kRelation, .key = key, .text = text}));
+    errors.push_back({.kind = Problem::Kind::kRelation, .key = key, .text = text});
   };
   const Method method = scene.render.method;
   if (needs_paths(scene) && method != Method::kAuto && method != Method::kPaths) {
@@ -195,7 +119,7 @@ void check_level(const ConfigNode& root, const SceneSettings& scene, std::vector
                      method_name(method)));
   }
   if (allows_many_viewpoints(scene)) {
-    return;
+    return errors;
   }
   if (scene.viewpoints.size() != 1) {
     fail("viewpoint", "a scan has exactly one [[viewpoint]]; position_mm, direction, up");
@@ -204,6 +128,7 @@ void check_level(const ConfigNode& root, const SceneSettings& scene, std::vector
     fail("viewpoints.source",
          "a scan has the one [[viewpoint]] of the list; allowed is \"listed\"");
   }
+  return errors;
 }
 
 /// Of some random points the one farthest from all others so far.
@@ -244,8 +169,12 @@ std::vector<Viewpoint> along_surface(const SceneSettings& scene, const Part& par
       points_mm, normals, scene.camera.working_distance_mm, scene.viewpoint_set);
 }
 
-void read_defects(const ConfigNode& root, SceneSettings& scene, std::vector<Problem>& errors) {
-  const ConfigNode* defects = root.find("defects");
+void read_defects(const ConfigNode& root,
+                  const std::string& table,
+                  SceneSettings& scene,
+                  std::vector<Problem>& errors) {
+  scene.defects.clear();
+  const ConfigNode* defects = root.find(table);
   if (defects == nullptr) {
     return;
   }
@@ -265,6 +194,40 @@ void read_defects(const ConfigNode& root, SceneSettings& scene, std::vector<Prob
     reader.report_unknown();
     scene.defects.emplace_back(name, group);
   }
+}
+
+/// One of the tables that a scene is read from.
+struct SceneTable {
+  std::string name;
+  void (*read)(const ConfigNode& root,
+               const std::string& name,
+               SceneSettings& scene,
+               std::vector<Problem>& errors);
+  std::vector<std::string> follows = {};  ///< tables whose values go into this one's settings
+};
+
+/// In the order in which they are read.
+const std::vector<SceneTable>& tables_of_scene() {
+  using Scene = SceneSettings;
+  static const std::vector<SceneTable> tables = {{"part", read_member<&Scene::part>},
+                                                 {"material", read_member<&Scene::material>},
+                                                 {"camera", read_member<&Scene::camera>},
+                                                 {"lens", read_member<&Scene::lens>},
+                                                 {"viewpoint", read_viewpoint, {"camera"}},
+                                                 {"viewpoints", read_member<&Scene::viewpoint_set>},
+                                                 {"sensor", read_member<&Scene::sensor>},
+                                                 {"scan", read_member<&Scene::scan>},
+                                                 {"render", read_render, {"material", "sensor"}},
+                                                 {"lighting", read_lighting},
+                                                 {"defects", read_defects},
+                                                 {"imprint", read_member<&Scene::imprint>},
+                                                 {"metrics", read_member<&Scene::metrics>},
+                                                 {"inspection", read_member<&Scene::inspection>}};
+  return tables;
+}
+
+std::string table_of(const std::string& key) {
+  return key.substr(0, key.find('.'));
 }
 
 }  // namespace
@@ -321,44 +284,45 @@ std::vector<Viewpoint> viewpoints_of(const SceneSettings& scene, const Part& par
 }
 
 const std::vector<std::string>& scene_tables() {
-  static const std::vector<std::string> names = {"part",
-                                                 "material",
-                                                 "camera",
-                                                 "lens",
-                                                 "viewpoint",
-                                                 "viewpoints",
-                                                 "sensor",
-                                                 "scan",
-                                                 "render",
-                                                 "lighting",
-                                                 "defects",
-                                                 "imprint",
-                                                 "metrics",
-                                                 "inspection"};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    std::ranges::transform(tables_of_scene(), std::back_inserter(all), &SceneTable::name);
+    return all;
+  }();
   return names;
 }
 
 SceneSettings read_scene(const ConfigNode& root, std::vector<Problem>& errors) {
   SceneSettings scene;
-  read_table(root, "part", scene.part, errors);
-  read_table(root, "material", scene.material, errors);
-  scene.render.reflectance = scene.material.reflectance.front();
-  read_table(root, "camera", scene.camera, errors);
-  read_table(root, "lens", scene.lens, errors);
-  read_viewpoint(root, scene, errors);
-  read_table(root, "viewpoints", scene.viewpoint_set, errors);
-  read_table(root, "sensor", scene.sensor, errors);
-  read_table(root, "scan", scene.scan, errors);
-  read_render(root, scene, errors);
-  read_lighting(root, scene, errors);
-  read_defects(root, scene, errors);
-  read_table(root, "imprint", scene.imprint, errors);
-  read_table(root, "metrics", scene.metrics, errors);
-  read_table(root, "inspection", scene.inspection, errors);
+  for (const SceneTable& table : tables_of_scene()) {
+    table.read(root, table.name, scene, errors);
+  }
   if (errors.empty()) {
-    check_level(root, scene, errors);
+    for (const Problem& problem : check_level(scene)) {
+      errors.push_back(with_place(root, problem));
+    }
   }
   return scene;
+}
+
+void reread_scene(const ConfigNode& root,
+                  const ConfigNode& changed,
+                  SceneSettings& scene,
+                  std::vector<Problem>& errors) {
+  const auto root_of = [&](const std::string& table) -> const ConfigNode& {
+    return changed.find(table) != nullptr ? changed : root;
+  };
+  const auto is_changed = [&](const std::string& table) { return changed.find(table) != nullptr; };
+  for (const SceneTable& table : tables_of_scene()) {
+    if (is_changed(table.name) || std::ranges::any_of(table.follows, is_changed)) {
+      table.read(root_of(table.name), table.name, scene, errors);
+    }
+  }
+  if (errors.empty()) {
+    for (const Problem& problem : check_level(scene)) {
+      errors.push_back(with_place(root_of(table_of(problem.key)), problem));
+    }
+  }
 }
 
 ConfigNode write_scene(const SceneSettings& scene) {
@@ -418,8 +382,7 @@ std::vector<KeyRow> scene_keys() {
 
 Problem with_place(const ConfigNode& root, Problem problem) {
   std::string key = problem.key;
-  const std::string table = key.substr(0, key.find('.'));
-  const bool is_of_scene = std::ranges::find(scene_tables(), table) != scene_tables().end();
+  const bool is_of_scene = std::ranges::find(scene_tables(), table_of(key)) != scene_tables().end();
   if (!problem.place.file.empty() || !is_of_scene) {
     return problem;
   }

@@ -83,6 +83,14 @@ const std::vector<std::string>& scene_tables();
 /// @param errors  grows by the problems found
 SceneSettings read_scene(const ConfigNode& root, std::vector<Problem>& errors);
 
+/// Makes of the scene that was read from `root` the one that would be read if the tables in
+/// `changed` stood in the place of those of the same name: only these are read and checked, with
+/// what depends on them. @param errors  as read_scene() would tell them
+void reread_scene(const ConfigNode& root,
+                  const ConfigNode& changed,
+                  SceneSettings& scene,
+                  std::vector<Problem>& errors);
+
 /// The scene with every key present; read_scene() of it gives the same scene.
 ConfigNode write_scene(const SceneSettings& scene);
 

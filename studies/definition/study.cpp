@@ -12,6 +12,7 @@
 #include "core/file.h"
 #include "core/text.h"
 #include "metrics/scores.h"
+#include "studies/definition/overrides.h"
 #include "studies/definition/scene_scores.h"
 #include "studies/definition/study_tables.h"
 
@@ -61,31 +62,6 @@ void check_tables(const ConfigNode& root, std::vector<Problem>& errors) {
   }
 }
 
-/// Copies what a path runs through from the resolved scene when the file leaves it to its default:
-/// an array element cannot be set in an array that is not there.
-void make_way(ConfigNode& root, const ConfigNode& resolved, const std::string& path) {
-  std::string prefix;
-  for (const std::string& part : split(path, '.')) {
-    prefix += (prefix.empty() ? "" : ".") + part;
-    const ConfigNode* known = resolved.at_path(prefix);
-    if (known == nullptr) {
-      return;
-    }
-    if (known->is_array() && root.at_path(prefix) == nullptr) {
-      set_path(root, prefix, *known);
-      return;
-    }
-  }
-}
-
-void put_override(ConfigNode& root,
-                  const ConfigNode& resolved,
-                  const std::string& path,
-                  const ConfigNode& value) {
-  make_way(root, resolved, path);
-  set_path(root, path, value);
-}
-
 ConfigNode value_node(const Variable& variable, double value, const ConfigNode& like) {
   ConfigNode node;
   switch (variable.kind) {
@@ -106,10 +82,26 @@ ConfigNode value_node(const Variable& variable, double value, const ConfigNode& 
   return node;
 }
 
-SceneSettings read_checked(const ConfigNode& root) {
-  std::vector<Problem> errors;
-  SceneSettings scene = read_scene(root, errors);
-  throw_if_any(errors);
+/// The study's scene with other values, of which only the tables they stand in are read again.
+SceneSettings read_with(const Study& study,
+                        const Overrides& overrides,
+                        std::vector<Problem>& errors) {
+  ConfigNode changed = ConfigNode::table();
+  changed.place = study.root.place;
+  for (const auto& [path, value] : overrides) {
+    if (study.resolved.at_path(path) == nullptr) {
+      throw ConfigError(unknown_path(study, path, value.place));
+    }
+    const std::string table = path.substr(0, path.find('.'));
+    const ConfigNode* own = study.root.find(table);
+    if (own != nullptr && changed.find(table) == nullptr) {
+      changed.names.push_back(table);
+      changed.items.push_back(*own);
+    }
+    put_override(changed, study.resolved, path, value);
+  }
+  SceneSettings scene = study.scene;
+  reread_scene(study.root, changed, scene, errors);
   return scene;
 }
 
@@ -173,11 +165,9 @@ void check_variable_limits(const Study& study, std::vector<Problem>& errors) {
       const double value = variable.kind == Variable::Kind::kChoice ? static_cast<double>(i)
                            : i == 0                                 ? variable.low
                                                                     : variable.high;
-      ConfigNode root = study.root;
       const ConfigNode node = value_node(variable, value, *study.resolved.at_path(variable.name));
-      put_override(root, study.resolved, variable.name, node);
       std::vector<Problem> problems;
-      read_scene(root, problems);
+      read_with(study, {{variable.name, node}}, problems);
       for (Problem& problem : problems) {
         // Conditions between keys depend on the other variables; a key's own range does not.
         if (problem.kind == Problem::Kind::kOutOfRange && is_of_key(problem, variable.name)) {
@@ -251,52 +241,6 @@ void read_prototypes(Study& study, std::vector<Problem>& errors) {
   }
 }
 
-/// The parts of a dotted path; a part in quotes may hold dots:
-/// variables."lighting.tunnel.radius_mm".min
-std::vector<std::string> quoted_parts(const std::string& path) {
-  std::vector<std::string> parts(1);
-  bool is_quoted = false;
-  for (const char c : path) {
-    if (c == '"') {
-      is_quoted = !is_quoted;
-    } else if (c == '.' && !is_quoted) {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
-  if (is_quoted || std::ranges::any_of(parts, &std::string::empty)) {
-    throw ConfigError(fmt::format("--set: {} is no key path", path));
-  }
-  return parts;
-}
-
-/// Puts a --set value where its path says; a path with quotes runs through tables only.
-void put_set(ConfigNode& root, const KeyValue& set) {
-  ConfigNode value = parse_override(set.value);
-  value.place = {.file = "--set"};
-  if (set.path.find('"') == std::string::npos) {
-    // An element of an array that the file leaves to its default needs the array first. What is
-    // wrong with the file is said when the whole of it is read.
-    std::vector<Problem> ignored;
-    put_override(root, write_scene(read_scene(root, ignored)), set.path, value);
-    return;
-  }
-  ConfigNode* node = &root;
-  for (const std::string& part : quoted_parts(set.path)) {
-    if (!node->is_table()) {
-      throw ConfigError(fmt::format("--set: {}: \"{}\" belongs to no table", set.path, part));
-    }
-    if (node->find(part) == nullptr) {
-      node->names.push_back(part);
-      node->items.push_back(ConfigNode::table());
-      node->items.back().place = value.place;
-    }
-    node = node->find(part);
-  }
-  *node = std::move(value);
-}
-
 }  // namespace
 
 Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
@@ -304,7 +248,7 @@ Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
   study.root = load_toml(path);
   study.root.place.file = path.string();
   for (const KeyValue& set : sets) {
-    put_set(study.root, set);
+    put_set(study.root, set.path, set.value);
   }
   const std::string stem = path.stem().string();
   const std::string folder = fs::absolute(path).parent_path().filename().string();
@@ -357,14 +301,10 @@ ConfigError prototype_error(const Prototype& prototype, const ConfigError& error
 }
 
 SceneSettings scene_with(const Study& study, const Overrides& overrides) {
-  ConfigNode root = study.root;
-  for (const auto& [path, value] : overrides) {
-    if (study.resolved.at_path(path) == nullptr) {
-      throw ConfigError(unknown_path(study, path, value.place));
-    }
-    put_override(root, study.resolved, path, value);
-  }
-  return read_checked(root);
+  std::vector<Problem> errors;
+  SceneSettings scene = read_with(study, overrides, errors);
+  throw_if_any(errors);
+  return scene;
 }
 
 Overrides overrides_of(const Study& study, const Point& point) {

@@ -16,6 +16,7 @@
 #include "core/wall_clock.h"
 #include "metrics/aspect_image/homogeneity.h"
 #include "simulator/render/footprint/footprint_frames.h"
+#include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
 
 namespace glint {
@@ -344,6 +345,37 @@ void candidate_jobs2(benchmark::State& state) {
   state.counters["speedup"] = 2.0 * one_s / two_s;
 }
 
+/// The scene of a candidate with eight variables of the tunnel; `of_whole` is its time in units of
+/// that for reading the whole scene.
+void candidate_scene(benchmark::State& state) {
+  Study study;
+  study.scene = seed_scene(Shape::kFree, Method::kAuto);
+  study.resolved = write_scene(study.scene);
+  study.root = study.resolved;
+  Overrides overrides;
+  for (const char* key : {"control_mm.0",
+                          "control_mm.1",
+                          "control_mm.2",
+                          "control_mm.3",
+                          "control_mm.4",
+                          "slot_mm",
+                          "period_mm",
+                          "duty"}) {
+    const std::string path = "lighting." + study.scene.tunnel_name + "." + key;
+    overrides.emplace_back(path, *study.resolved.at_path(path));
+  }
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(scene_with(study, overrides));
+  }
+  const double own_s = best_seconds(100, [&] { scene_with(study, overrides); });
+  const double whole_s = best_seconds(100, [&] {
+    std::vector<Problem> errors;
+    const ConfigNode root = study.root;
+    benchmark::DoNotOptimize(read_scene(root, errors));
+  });
+  state.counters["of_whole"] = own_s / whole_s;
+}
+
 void trace(benchmark::State& state) {
   const SceneSettings settings = seed_scene(Shape::kSemicylinder, Method::kSampled);
   const auto built = traced().store.build(settings);
@@ -373,6 +405,7 @@ BENCHMARK(scan_sampled)->DenseRange(0, 4)->Unit(benchmark::kMillisecond);
 BENCHMARK(candidate)->DenseRange(0, 4)->Unit(benchmark::kMillisecond);
 BENCHMARK(candidate_same_wall)->DenseRange(0, 4)->Unit(benchmark::kMillisecond);
 BENCHMARK(candidate_jobs2)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(candidate_scene)->Unit(benchmark::kMicrosecond);
 BENCHMARK(trace)->Unit(benchmark::kMillisecond);
 
 }  // namespace

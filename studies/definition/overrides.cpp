@@ -74,7 +74,7 @@ void put_set(ConfigNode& root, const std::string& path, const std::string& text)
   ConfigNode* node = &root;
   for (const std::string& part : quoted_parts(path)) {
     if (!node->is_table()) {
-      throw ConfigError(fmt::format("--set: {}: \"{}\" stands in no table", path, part));
+      throw ConfigError(fmt::format("--set: {}: \"{}\" belongs to no table", path, part));
     }
     if (node->find(part) == nullptr) {
       node->names.push_back(part);

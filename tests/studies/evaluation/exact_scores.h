@@ -12,19 +12,13 @@
 #include <vector>
 
 #include "simulator/render/scan/closed_scan.h"
+#include "tests/studies/evaluation/exact_frames.h"
 #include "tests/studies/imaging/exact_wall.h"
 
 namespace glint {
 
 /// h_rms, mean and min_cnr.
 using ExactValues = std::array<double, 3>;
-
-/// By how much the program's hits, in float and partly interpolated, differ from exact ones: x, y
-/// and margin of each ray.
-struct HitErrors {
-  std::vector<Eigen::Vector3d> corners;
-  std::vector<std::vector<Eigen::Vector3d>> refined;
-};
 
 /// Scores near a scene, with hits that are the program's there and move exactly from there. Held
 /// are which grey values clip (the derivative at the scene is that of the branch it lies on, and a

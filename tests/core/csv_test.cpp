@@ -25,7 +25,7 @@ std::vector<std::vector<std::string>> texts_of(const std::string& text, char com
   return rows;
 }
 
-std::string error_of(const std::string& text) {
+std::string csv_error(const std::string& text) {
   try {
     parse_csv(text, "t.csv");
   } catch (const ConfigError& error) {
@@ -58,10 +58,10 @@ TEST(ParseCsv, EveryFieldKnowsItsPlace) {
 }
 
 TEST(ParseCsv, RefusesQuotesThatDoNotHoldAField) {
-  EXPECT_EQ(error_of("a\nb,\"c,\n\n"), "t.csv:2:3: the quotes of a field are not closed");
-  EXPECT_EQ(error_of("\""), "t.csv:1:1: the quotes of a field are not closed");
-  EXPECT_EQ(error_of("\"\"\""), "t.csv:1:1: the quotes of a field are not closed");
-  EXPECT_EQ(error_of("1\n\"a\"b\n"), "t.csv:2:4: something follows the closing quote of a field");
+  EXPECT_EQ(csv_error("a\nb,\"c,\n\n"), "t.csv:2:3: the quotes of a field are not closed");
+  EXPECT_EQ(csv_error("\""), "t.csv:1:1: the quotes of a field are not closed");
+  EXPECT_EQ(csv_error("\"\"\""), "t.csv:1:1: the quotes of a field are not closed");
+  EXPECT_EQ(csv_error("1\n\"a\"b\n"), "t.csv:2:4: something follows the closing quote of a field");
 }
 
 TEST(CsvField, IsANumberOnlyAsAWhole) {

@@ -12,7 +12,7 @@
 namespace glint {
 namespace {
 
-std::string error_of(const std::string& text) {
+std::string json_error(const std::string& text) {
   try {
     parse_located_json(text, "j");
   } catch (const ConfigError& error) {
@@ -46,7 +46,7 @@ TEST(LocatedJson, RefusesWhatIsNoJson) {
       {std::string("[1]\0", 4), "j:1:4: "},
       {std::string(100000, '['), "j:1:"}};
   for (const auto& [text, start] : wrong) {
-    EXPECT_THAT(error_of(text), ::testing::StartsWith(start)) << text.substr(0, 20);
+    EXPECT_THAT(json_error(text), ::testing::StartsWith(start)) << text.substr(0, 20);
   }
 }
 

@@ -21,7 +21,7 @@ Scores path_scores(const SceneSettings& scene, const WantedScores& wanted = {}, 
   return evaluate(store, scene, {}, wanted).scores;
 }
 
-std::string path_evaluation_error(const SceneSettings& scene, const WantedScores& wanted = {}) {
+std::string path_scores_error(const SceneSettings& scene, const WantedScores& wanted = {}) {
   try {
     path_scores(scene, wanted);
     return "";
@@ -30,7 +30,7 @@ std::string path_evaluation_error(const SceneSettings& scene, const WantedScores
   }
 }
 
-TEST(PathEvaluation, ScoresOneFrameUnderAreaLights) {
+TEST(EvaluateByPaths, ScoresOneFrameUnderAreaLights) {
   ThreadPool pool(2);
   SceneStore store(pool);
   int frames = 0;
@@ -57,7 +57,7 @@ TEST(PathEvaluation, ScoresOneFrameUnderAreaLights) {
   EXPECT_TRUE(evaluation.traced->flawless_corners.empty());
 }
 
-TEST(PathEvaluation, OnlyWhatIsWantedIsDone) {
+TEST(EvaluateByPaths, OnlyWhatIsWantedIsDone) {
   ThreadPool pool(2);
   SceneStore store(pool);
   const Scores scores =
@@ -78,7 +78,7 @@ TEST(PathEvaluation, OnlyWhatIsWantedIsDone) {
 }
 
 // Red light alone drives the red channel to full scale; the mean of the channels stays at a third.
-TEST(PathEvaluation, AColourSensorClipsChannelByChannel) {
+TEST(EvaluateByPaths, AColourSensorClipsChannelByChannel) {
   SceneSettings scene = path_scene();
   scene.sensor.wavelengths_nm = {630.0, 532.0, 465.0};
   for (NamedLight& light : scene.lights) {
@@ -95,7 +95,7 @@ TEST(PathEvaluation, AColourSensorClipsChannelByChannel) {
   EXPECT_NEAR(scores.at("homogeneity.mean"), 1.0 / 3.0, 0.01);
 }
 
-TEST(PathEvaluation, ScoresTheFirstViewpointOfASet) {
+TEST(EvaluateByPaths, ScoresTheFirstViewpointOfASet) {
   SceneSettings scene = path_scene();
   scene.defects.clear();
   scene.viewpoint_set = {.source = ViewpointSource::kSphere, .count = 3, .polar_max_rad = 0.5};
@@ -109,7 +109,7 @@ TEST(PathEvaluation, ScoresTheFirstViewpointOfASet) {
   EXPECT_NE(evaluate(store, scene).scores, evaluate(store, listed).scores);
 }
 
-TEST(PathEvaluation, DesignsThatDifferInPowersRenderOnceInAnyOrder) {
+TEST(EvaluateByPaths, DesignsThatDifferInPowersRenderOnceInAnyOrder) {
   const auto scene_with_powers = [](double ring, double left) {
     SceneSettings scene = path_scene();
     std::get<RingSettings>(scene.lights[0].settings).emission.radiance = {ring};
@@ -130,7 +130,7 @@ TEST(PathEvaluation, DesignsThatDifferInPowersRenderOnceInAnyOrder) {
   EXPECT_EQ(last, path_scores(scene_with_powers(0.7, 0.01), wanted));
 }
 
-TEST(PathEvaluation, IsTheSameForAnyNumberOfThreads) {
+TEST(EvaluateByPaths, IsTheSameForAnyNumberOfThreads) {
   SceneSettings scene = path_scene();
   scene.paths.relative_error = 0.05;
   scene.paths.samples = 64;
@@ -139,7 +139,7 @@ TEST(PathEvaluation, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one, path_scores(scene, {.family = true}, 7));
 }
 
-TEST(PathEvaluation, SeveralThreadsShareOnePicture) {
+TEST(EvaluateByPaths, SeveralThreadsShareOnePicture) {
   ThreadPool pool(2);
   SceneStore store(pool);
   std::vector<Scores> scores(4);
@@ -156,7 +156,7 @@ TEST(PathEvaluation, SeveralThreadsShareOnePicture) {
   EXPECT_GT(store.kept_bytes(), 48U * 32U * 60U);
 }
 
-TEST(PathEvaluation, TasksOfThePoolMayAskForPicturesToo) {
+TEST(EvaluateByPaths, TasksOfThePoolMayAskForPicturesToo) {
   ThreadPool pool(3);
   SceneStore store(pool);
   const auto scores = pool.map<Scores>(12, [&](std::int64_t i) {
@@ -169,7 +169,7 @@ TEST(PathEvaluation, TasksOfThePoolMayAskForPicturesToo) {
   }
 }
 
-TEST(PathEvaluation, ADentWithoutHeightChangesNothing) {
+TEST(EvaluateByPaths, ADentWithoutHeightChangesNothing) {
   SceneSettings scene = path_scene();
   scene.defects[0].second.height_mm = 1e-9;
   const Scores scores = path_scores(scene);
@@ -177,7 +177,7 @@ TEST(PathEvaluation, ADentWithoutHeightChangesNothing) {
   EXPECT_EQ(scores.at("defects.dent_1.union"), 0.0);
 }
 
-TEST(PathEvaluation, NoiseOfPathsIsNoChange) {
+TEST(EvaluateByPaths, NoiseOfPathsIsNoChange) {
   // The same dent, found whole with many samples, is not more than whole with few.
   SceneSettings scene = path_scene();
   scene.paths.samples = 4;
@@ -185,7 +185,7 @@ TEST(PathEvaluation, NoiseOfPathsIsNoChange) {
   EXPECT_LE(path_scores(scene).at("defects.dent_1.union"), 1.2);
 }
 
-TEST(PathEvaluation, ATunnelBringsItsFramesAndScores) {
+TEST(EvaluateByPaths, ATunnelBringsItsFramesAndScores) {
   SceneSettings scene =
       path_scene("[lighting.tunnel]\nradius_mm = 60\nslot_mm = 16\nperiod_mm = 8\n");
   scene.scan.positions = 4;
@@ -199,10 +199,10 @@ TEST(PathEvaluation, ATunnelBringsItsFramesAndScores) {
   EXPECT_EQ(scores.at("view.hidden_share"), 0.0);
   EXPECT_GT(scores.at("homogeneity.mean.error"), 0.0);
   scene.tunnel.radius_mm = 2.0;
-  EXPECT_THAT(path_evaluation_error(scene), HasSubstr("the tunnel is smaller than the part"));
+  EXPECT_THAT(path_scores_error(scene), HasSubstr("the tunnel is smaller than the part"));
 }
 
-TEST(PathEvaluation, AMirrorUnderATunnelScoresAsWithoutPaths) {
+TEST(EvaluateByPaths, AMirrorUnderATunnelScoresAsWithoutPaths) {
   SceneSettings scene = path_scene("[lighting.tunnel]\nradius_mm = 60\nslot_mm = 4\n");
   scene.material = {};
   scene.scan.positions = 4;
@@ -225,19 +225,19 @@ TEST(PathEvaluation, AMirrorUnderATunnelScoresAsWithoutPaths) {
   EXPECT_EQ(traced.at("view.hidden_share"), exact.at("view.hidden_share"));
 }
 
-TEST(PathEvaluation, RefusesWhatHasNoMeaning) {
-  EXPECT_THAT(path_evaluation_error(path_scene(), {.gradients = {.scores = {"homogeneity.h_rms"}}}),
+TEST(EvaluateByPaths, RefusesWhatHasNoMeaning) {
+  EXPECT_THAT(path_scores_error(path_scene(), {.gradients = {.scores = {"homogeneity.h_rms"}}}),
               HasSubstr("search.algorithm: needs derivatives"));
   SceneSettings dark = path_scene();
   dark.paths.has_light = false;
-  EXPECT_THAT(path_evaluation_error(dark), HasSubstr("render.paths.light: is false"));
+  EXPECT_THAT(path_scores_error(dark), HasSubstr("render.paths.light: is false"));
   SceneSettings unlit = path_scene();
   unlit.lights.clear();
   unlit.has_tunnel = false;
-  EXPECT_THAT(path_evaluation_error(unlit), HasSubstr("lighting: holds no light"));
+  EXPECT_THAT(path_scores_error(unlit), HasSubstr("lighting: holds no light"));
 }
 
-TEST(PathEvaluation, StandardErrorsAgreeWithTheScatterOverSeeds) {
+TEST(EvaluateByPaths, StandardErrorsAgreeWithTheScatterOverSeeds) {
   SceneSettings scene = path_scene();
   scene.paths.samples = 32;
   scene.paths.batches = 8;

@@ -34,8 +34,9 @@ struct DefectivePart {
   /// The part's surface when an imprint or a displacement changed it, else without triangles.
   /// Scene frame; patches and shading normals as Part::mesh.
   TriangleMesh mesh;
-  std::vector<std::int32_t> labels;   ///< per triangle of mesh: a defect's id, 0: the part itself
-  std::int64_t limited_vertices = 0;  ///< moved less than processing drew (processing.h)
+  std::vector<std::int32_t> labels;  ///< per triangle of mesh: a defect's id, 0: the part itself
+  /// Moved less than processing drew (defects/surface/processing.h).
+  std::int64_t limited_vertices = 0;
 
   std::vector<HeightFeature> features;  ///< of defects realised by their normals
   std::vector<HeightFeature> outlines;  ///< of every defect that was made: where its pixels are

@@ -33,7 +33,7 @@ void visit_keys(KeyVisitor& keys, TrialSettings& settings);
 
 /// The [inspection] table of a scene.
 struct InspectionSettings {
-  /// What is subtracted, or what the aspect image is compared with; see filters.h.
+  /// What is subtracted, or what the aspect image is compared with; see masked_filter.h, phase.h.
   enum class Filter { kGaussian, kDifferenceOfGaussians, kMatched, kPhase };
   enum class Threshold { kFixed, kNoise, kFalseAlarms };
   enum class Polarity { kBoth, kBright, kDark };

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // A scene as its file describes it: part, material, camera, lens, viewpoints, sensor, scan, render,
-// lighting, defects, imprint, metrics, inspection. Plain settings; traced_scene.h and
-// path_picture.h turn them into something that can be rendered.
+// lighting, defects, imprint, metrics, inspection. Plain settings;
+// studies/imaging/traced_scene.h and studies/imaging/path_picture.h turn them into something that
+// can be rendered.
 #pragma once
 
 #include <filesystem>

@@ -162,7 +162,8 @@ Homogeneity closed_homogeneity(const SceneSettings& settings, ScanForm* form = n
                      kWantsPercentiles);
 }
 
-/// Share of the tiles with rays that are met by their nodes (sparse_rays.h).
+/// Share of the tiles with rays that are met by their nodes
+/// (simulator/render/corner_rays/sparse_rays.h).
 double tiles_by_nodes(const SceneSettings& settings) {
   const TracedScene& scene = corner_rays();
   const WallView view(scene.corners, Tunnel(settings.tunnel), scene.camera_in_world_mm);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The counterpart of cell_sum.h: what the cells of a pixel change, backwards.
+// The counterpart of simulator/render/footprint/cell_sum.h: what the cells of a pixel change,
+// backwards.
 #pragma once
 
 #include <vector>

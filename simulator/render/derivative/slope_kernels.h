@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Inner loops of the derivative of a scan, the counterparts of footprint_kernels.h: what each
-// quantity of a footprint changes, summed over the frames with a weight for each.
+// Inner loops of the derivative of a scan, the counterparts of
+// simulator/render/footprint/footprint_kernels.h: what each quantity of a footprint changes, summed
+// over the frames with a weight for each.
 #pragma once
 
 #include <cmath>
@@ -90,8 +91,8 @@ struct NarrowSums {
   float* dark = nullptr;
 };
 
-/// Adds a frame for footprints that all are narrow (footprint_kernels.h) where their weight is not
-/// 0: one edge at most is near.
+/// Adds a frame for footprints that all are narrow (simulator/render/footprint/footprint_kernels.h)
+/// where their weight is not 0: one edge at most is near.
 void add_narrow_frame(const Turn* v,
                       const BoxShapes& shapes,
                       const float* weight,

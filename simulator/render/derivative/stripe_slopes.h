@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Derivatives of the stripes' integral over a part of a pixel (stripe_integral.h) by the phase and
-// by the boundaries that cut it.
+// Derivatives of the stripes' integral over a part of a pixel
+// (simulator/render/footprint/stripe_integral.h) by the phase and by the boundaries that cut it.
 #pragma once
 
 #include <array>

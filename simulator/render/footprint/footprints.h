@@ -30,7 +30,8 @@ namespace glint {
 
 WallHits meet_light(const RayCache& rays, const Tunnel& tunnel);
 
-/// meet_light() of the corners, by sparse_rays.h where these are worth it.
+/// meet_light() of the corners, by simulator/render/corner_rays/sparse_rays.h where these are worth
+/// it.
 WallHits meet_corners(const CornerRays& rays, const Tunnel& tunnel, TileLimits& limits);
 
 /// The same for rays [begin, begin + count); arrays of hits begin at 0.

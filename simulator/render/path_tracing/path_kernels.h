@@ -34,7 +34,7 @@ void random_pairs16(const std::uint32_t* seed,
                     float* u,
                     float* v);
 
-/// The lay of a material in the scene frame; see lay.h.
+/// The lay of a material in the scene frame; see simulator/material/lay.h.
 struct LayNumbers {
   enum class Kind { kStraight, kTurned, kMilled };
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Sixteen camera rays at a time, from the pinhole until they have left the part. Shared by the ray
-// caches (ray_cache.h, corner_rays.h); results do not depend on which rays share a packet.
+// caches (ray_cache.h, simulator/render/corner_rays/corner_rays.h); results do not depend on which
+// rays share a packet.
 #pragma once
 
 #include <array>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Stripes over a polygon as stripe_integral.h has them, but to the last digits of a double: along
-// an edge their first integral is summed piece by piece, where the fast form divides the difference
-// of two second integrals by the difference of two phases, which may be next to nothing.
+// Stripes over a polygon as simulator/render/footprint/stripe_integral.h has them, but to the last
+// digits of a double: along an edge their first integral is summed piece by piece, where the fast
+// form divides the difference of two second integrals by the difference of two phases, which may be
+// next to nothing.
 #pragma once
 
 #include <algorithm>

@@ -123,8 +123,8 @@ TEST(ChangedPixels, SurroundTheDent) {
   EXPECT_NEAR(y_px / static_cast<double>(count), at->y(), 1.0);
 }
 
-/// Every pixel whose frames differ by more than rays between nodes may (sparse_rays.h) is among the
-/// changed ones.
+/// Every pixel whose frames differ by more than rays between nodes may
+/// (simulator/render/corner_rays/sparse_rays.h) is among the changed ones.
 TEST(ChangedPixels, AreAllThatFramesShow) {
   const Tunnel tunnel(test::bench_tunnel());
   const ScanSettings scan = {.positions = 6};

@@ -6,9 +6,10 @@
 # Runs a study of the gallery with PROGRAM, as its README does, and compares the digests of all
 # files that it writes, but for those that hold times (run.json, log.txt, the database), with those
 # recorded for this kind of machine in <machine>/<study>.txt: a change of a single byte is seen.
-# Results are the same bytes for the same machine and compiler only, so each kind of machine has a
-# folder of its own; without one the check is skipped (exit 77). --record writes it: check out the
-# commit to compare with, build, record, go back, check. Exit 1 when a file differs.
+# Results are the same bytes for the same machine, compiler, Embree and OpenImageIO only, so each
+# kind of machine has a folder of its own; without one the check is skipped (exit 77). --record
+# writes it: check out the commit to compare with, build, record, go back, check. Exit 1 when a file
+# differs.
 # GLINT_GOLDEN_RECORDS names another folder for the records.
 set -euo pipefail
 
@@ -23,13 +24,27 @@ trap 'rm -rf "$folder"' EXIT
 cp -r "$gallery" "$folder/gallery"
 cd "$folder"
 
-# Vendor, instruction set and compiler: what the bytes depend on.
+# Version of a library that the program is linked with, by the name of the library's file.
+library_version() { # name
+  local file
+  file=$(ldd "$program" 2>/dev/null |
+    awk -v file="^lib$1[0-9]*[.]so" '$1 ~ file { print $3; exit }') || true
+  if [[ -n $file ]]; then
+    readlink -f "$file" | sed 's/.*[.]so[.]//'
+  else
+    echo unknown
+  fi
+}
+
+# Vendor, instruction set, compiler and the libraries that trace rays and write pictures: what the
+# bytes depend on.
 machine_kind() { # run.json
   local vendor isa compiler
   vendor=$(awk -F': ' '/^vendor_id/ { print $2; exit }' /proc/cpuinfo)
   isa=$(sed -n 's/.*"isa": "\([^"]*\)".*/\1/p' "$1" | head -n 1)
   compiler=$(sed -n 's/.*"compiler": "\([a-z]* [0-9.]*\).*/\1/p' "$1" | head -n 1)
-  printf '%s %s %s\n' "${vendor:-$(uname -m)}" "$isa" "$compiler" | tr -s ' ' '-'
+  printf '%s %s %s embree %s oiio %s\n' "${vendor:-$(uname -m)}" "$isa" "$compiler" \
+    "$(library_version embree)" "$(library_version OpenImageIO)" | tr -s ' ' '-'
 }
 
 # One line for all files of a folder whose names differ in numbers only: digest, how many, name.
@@ -69,6 +84,6 @@ elif [[ ! -e $expected ]]; then
   echo "skipped: no digests are recorded for this kind of machine, $(basename "${expected%/*}")"
   exit 77
 elif ! diff --unified=0 "$expected" digests.txt; then
-  echo "golden: files of $study differ from those recorded (other versions of Embree or OpenImageIO may be why)"
+  echo "golden: files of $study differ from those recorded"
   exit 1
 fi

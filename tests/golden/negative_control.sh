@@ -3,7 +3,7 @@
 #
 # Shows that check.sh can fail: a stand-in for the program writes known files; the same bytes pass,
 # a changed byte, a missing and an added file do not, changed times do not matter, and a kind of
-# machine without records is skipped.
+# machine without records is skipped, as it is with another compiler or another Embree.
 set -euo pipefail
 
 check=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)/check.sh
@@ -25,6 +25,16 @@ $2
 SCRIPT
   chmod +x "$folder/program"
 }
+
+# A script is linked with nothing, so ldd has a stand-in, too.
+stand_in_ldd() { # version of Embree
+  mkdir -p "$folder/bin"
+  printf '#!/bin/sh\necho "libembree3.so.3 => %s/libembree3.so.%s (0x1)"\n' "$folder" "$1" \
+    >"$folder/bin/ldd"
+  chmod +x "$folder/bin/ldd"
+}
+PATH=$folder/bin:$PATH
+stand_in_ldd 3.1.4
 
 expect() { # exit code, what is shown
   local code=0
@@ -50,6 +60,11 @@ stand_in "gcc 1.2.3" "touch out/scores.json"
 expect 1 "an added file"
 stand_in "gcc 3.2.1" ""
 expect 77 "another compiler"
+stand_in "gcc 1.2.3" ""
+stand_in_ldd 3.1.5
+expect 77 "another Embree"
+stand_in_ldd 3.1.4
+expect 0 "the same bytes again"
 
 if ((failures > 0)); then
   exit 1

@@ -59,6 +59,11 @@ float clamped(float value) {
   return value > 0.0F ? std::min(value, 1.0F) : 0.0F;
 }
 
+/// One linear value, clamped to [0, 1], as code of 8 bits; no number becomes 0.
+std::uint8_t code_of(float value) {
+  return static_cast<std::uint8_t>(std::lround(clamped(value) * 255.0F));
+}
+
 }  // namespace
 
 ExrChannel exr_channel(std::string name, const ImageF& image) {
@@ -127,10 +132,6 @@ void write_tiff(const fs::path& path, std::span<const ImageF> channels) {
   check_written(output->write_image(TypeDesc::UINT16, codes.data()), *output, path);
   check_written(output->close(), *output, path);
   file.commit();
-}
-
-std::uint8_t code_of(float value) {
-  return static_cast<std::uint8_t>(std::lround(clamped(value) * 255.0F));
 }
 
 ImageRgb rgb_of(std::span<const ImageF> channels) {

@@ -37,9 +37,6 @@ void write_exr_channels(const std::filesystem::path& path,
 /// @throws IoError
 void write_tiff(const std::filesystem::path& path, std::span<const ImageF> channels);
 
-/// One linear value, clamped to [0, 1], as code of 8 bits; no number becomes 0.
-std::uint8_t code_of(float value);
-
 /// Three linear images of one size as 8-bit colour, clamped to [0, 1]; one image becomes grey.
 ImageRgb rgb_of(std::span<const ImageF> channels);
 

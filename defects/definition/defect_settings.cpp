@@ -152,6 +152,11 @@ void visit_tools(KeyVisitor& keys, DefectGroup& g) {
               "a deeper defect is made shallower, or another place is drawn");
 }
 
+/// Fixed places of a group.
+std::size_t num_places(const DefectGroup& group) {
+  return group.at_mm.empty() ? group.x_mm.size() : group.at_mm.size() / 3;
+}
+
 }  // namespace
 
 std::string_view type_name(DefectType type) {
@@ -202,10 +207,6 @@ DefectType type_from_name(const std::string& name) {
 
 bool has_given_places(const DefectGroup& group) {
   return !group.at_mm.empty() || has_places_from_above(group);
-}
-
-std::size_t num_places(const DefectGroup& group) {
-  return group.at_mm.empty() ? group.x_mm.size() : group.at_mm.size() / 3;
 }
 
 std::size_t most_defects(const DefectGroup& group, const ImprintSettings& settings) {

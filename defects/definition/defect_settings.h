@@ -116,9 +116,6 @@ void visit_keys(KeyVisitor& keys, ImprintSettings& settings);
 /// Whether the group says where its defects lie; else its one fixed place is the part's middle.
 bool has_given_places(const DefectGroup& group);
 
-/// Fixed places of a group.
-std::size_t num_places(const DefectGroup& group);
-
 /// Defects a group can have at most.
 std::size_t most_defects(const DefectGroup& group, const ImprintSettings& settings);
 

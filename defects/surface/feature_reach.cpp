@@ -90,6 +90,27 @@ bool faces_feature(const HeightFeature& feature, const SurfaceTriangle& triangle
                              [&](const Vector3d& n) { return n.dot(feature.normal) > 0.0; });
 }
 
+/// The longest edge [sigma] a face may have whose nearest point is that far [sigma] from a
+/// feature's centre or line; infinite beyond the reach of 5 sigma. See docs/theory/imprint.md.
+///
+/// A linear face of edge e misses a height with the curvature c by c e^2 / 8 at most. The curvature
+/// of a Gaussian at r sigma is (r^2 - 1) exp(-r^2 / 2) of the one at its centre beyond 2 sigma.
+double allowed_edge_sigmas(double distance_sigmas, double edges_per_sigma) {
+  if (distance_sigmas >= kReachSigmas) {
+    return kInfinity;
+  }
+  constexpr double kFull = 2.0;  // within the radius, where the defect is seen
+  constexpr double kCoarsest = 0.5;
+  const double finest = 1.0 / edges_per_sigma;
+  if (distance_sigmas <= kFull) {
+    return finest;
+  }
+  const auto curvature = [](double r) { return (r * r - 1.0) * std::exp(-0.5 * r * r); };
+  return std::clamp(finest * std::sqrt(curvature(kFull) / curvature(distance_sigmas)),
+                    finest,
+                    std::max(finest, kCoarsest));
+}
+
 double allowed_by(const HeightFeature& feature,
                   const SurfaceTriangle& triangle,
                   double edges_per_sigma) {
@@ -123,24 +144,6 @@ SurfaceTriangle surface_triangle(const TriangleMesh& mesh, std::int32_t face) {
     triangle.normals[k] = mesh.normal(static_cast<std::size_t>(face), k);
   }
   return triangle;
-}
-
-/// A linear face of edge e misses a height with the curvature c by c e^2 / 8 at most. The curvature
-/// of a Gaussian at r sigma is (r^2 - 1) exp(-r^2 / 2) of the one at its centre beyond 2 sigma.
-double allowed_edge_sigmas(double distance_sigmas, double edges_per_sigma) {
-  if (distance_sigmas >= kReachSigmas) {
-    return kInfinity;
-  }
-  constexpr double kFull = 2.0;  // within the radius, where the defect is seen
-  constexpr double kCoarsest = 0.5;
-  const double finest = 1.0 / edges_per_sigma;
-  if (distance_sigmas <= kFull) {
-    return finest;
-  }
-  const auto curvature = [](double r) { return (r * r - 1.0) * std::exp(-0.5 * r * r); };
-  return std::clamp(finest * std::sqrt(curvature(kFull) / curvature(distance_sigmas)),
-                    finest,
-                    std::max(finest, kCoarsest));
 }
 
 FeatureReach::FeatureReach(std::span<const HeightFeature> features) : features_(features) {

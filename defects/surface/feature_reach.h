@@ -22,10 +22,6 @@ struct SurfaceTriangle {
 /// The triangle of a mesh, which must have shading normals.
 SurfaceTriangle surface_triangle(const TriangleMesh& mesh, std::int32_t face);
 
-/// The longest edge [sigma] a face may have whose nearest point is that far [sigma] from a
-/// feature's centre or line; infinite beyond the reach of 5 sigma. See docs/theory/imprint.md.
-double allowed_edge_sigmas(double distance_sigmas, double edges_per_sigma);
-
 /// Features by place: boxes in a uniform grid.
 class FeatureReach {
  public:

@@ -30,6 +30,43 @@ TestFace test_face(const TriangleMesh& mesh, std::int32_t face) {
   return {mesh.triangles[i], Corners{mesh.vertex(i, 0), mesh.vertex(i, 1), mesh.vertex(i, 2)}};
 }
 
+/// Faces that cross another one in more than shared corners, in ascending order, by exact
+/// predicates; only pairs of which at least one is among the given faces. Faces without area are
+/// left out.
+std::vector<std::int32_t> crossing_faces(const TriangleMesh& mesh,
+                                         const std::vector<std::int32_t>& among) {
+  std::vector<FloatBox> boxes;
+  boxes.reserve(mesh.num_triangles());
+  for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
+    boxes.push_back(box_of(mesh.vertex(i, 0), mesh.vertex(i, 1), mesh.vertex(i, 2)));
+  }
+  const BoxTree tree(boxes);
+  std::vector<char> is_among(mesh.num_triangles(), 0);
+  for (const std::int32_t face : among) {
+    is_among[at(face)] = 1;
+  }
+  std::vector<std::int32_t> crossing;
+  for (const std::int32_t face : among) {
+    const TestFace a = test_face(mesh, face);
+    if (is_degenerate(a)) {
+      continue;
+    }
+    tree.visit(boxes[at(face)], [&](std::int32_t other) {
+      if (other == face || (other < face && is_among[at(other)] != 0)) {
+        return;
+      }
+      const TestFace b = test_face(mesh, other);
+      if (may_meet(a, b) && !is_degenerate(b) && faces_cross(a, b)) {
+        crossing.push_back(face);
+        crossing.push_back(other);
+      }
+    });
+  }
+  std::ranges::sort(crossing);
+  crossing.erase(std::unique(crossing.begin(), crossing.end()), crossing.end());
+  return crossing;
+}
+
 /// The state of move_safely(): where the vertices were, and how much of its move each keeps.
 class Mover {
  public:
@@ -137,40 +174,6 @@ double smallest_height_mm(const TriangleMesh& mesh, std::size_t face) {
 }
 
 }  // namespace
-
-std::vector<std::int32_t> crossing_faces(const TriangleMesh& mesh,
-                                         const std::vector<std::int32_t>& among) {
-  std::vector<FloatBox> boxes;
-  boxes.reserve(mesh.num_triangles());
-  for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
-    boxes.push_back(box_of(mesh.vertex(i, 0), mesh.vertex(i, 1), mesh.vertex(i, 2)));
-  }
-  const BoxTree tree(boxes);
-  std::vector<char> is_among(mesh.num_triangles(), 0);
-  for (const std::int32_t face : among) {
-    is_among[at(face)] = 1;
-  }
-  std::vector<std::int32_t> crossing;
-  for (const std::int32_t face : among) {
-    const TestFace a = test_face(mesh, face);
-    if (is_degenerate(a)) {
-      continue;
-    }
-    tree.visit(boxes[at(face)], [&](std::int32_t other) {
-      if (other == face || (other < face && is_among[at(other)] != 0)) {
-        return;
-      }
-      const TestFace b = test_face(mesh, other);
-      if (may_meet(a, b) && !is_degenerate(b) && faces_cross(a, b)) {
-        crossing.push_back(face);
-        crossing.push_back(other);
-      }
-    });
-  }
-  std::ranges::sort(crossing);
-  crossing.erase(std::unique(crossing.begin(), crossing.end()), crossing.end());
-  return crossing;
-}
 
 std::int64_t move_safely(TriangleMesh& mesh, std::vector<Vector3d> moves_mm) {
   return Mover(mesh, std::move(moves_mm)).settle();

@@ -10,12 +10,6 @@
 
 namespace glint {
 
-/// Faces that cross another one in more than shared corners, in ascending order, by exact
-/// predicates; only pairs of which at least one is among the given faces. Faces without area are
-/// left out.
-std::vector<std::int32_t> crossing_faces(const TriangleMesh& mesh,
-                                         const std::vector<std::int32_t>& among);
-
 /// Moves every vertex by as much of its move as the mesh bears: where a face would turn by more
 /// than 84 degrees, lose its area or cross another one, the moves of its vertices are halved until
 /// none does, and at last undone. What was wrong with the mesh before stays as it is.

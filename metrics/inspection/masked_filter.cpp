@@ -70,8 +70,7 @@ double noise_gain(const HalfKernel& narrow, const HalfKernel& wide) {
   return std::sqrt(squares);
 }
 
-}  // namespace
-
+/// A sampled Gaussian of sum 1. @param radius  taps to either side
 HalfKernel gaussian_kernel(double sigma_px, int radius) {
   std::vector<double> taps;
   double sum = 0.0;
@@ -85,6 +84,8 @@ HalfKernel gaussian_kernel(double sigma_px, int radius) {
   }
   return kernel;
 }
+
+}  // namespace
 
 double gaussian_sigma(const InspectionSettings& settings) {
   return settings.sigma_px > 0.0 ? settings.sigma_px

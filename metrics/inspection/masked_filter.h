@@ -15,9 +15,6 @@ namespace glint {
 /// One side of a symmetric kernel, from the middle on; applied along rows and columns.
 using HalfKernel = std::vector<float>;
 
-/// A sampled Gaussian of sum 1. @param radius  taps to either side
-HalfKernel gaussian_kernel(double sigma_px, int radius);
-
 /// sigma_px, or if that is 0 what OpenCV takes for such a kernel.
 double gaussian_sigma(const InspectionSettings& settings);
 

@@ -36,14 +36,16 @@ double knee_of(const GgxAlpha<double>& alpha) {
   return 0.03 * std::min(narrow, 1.0 / wide);
 }
 
-}  // namespace
-
+/// Weights of the four neighbours of a place between the second and the third (Catmull-Rom).
+/// @param t  in [0, 1]
 std::array<double, 4> cubic_weights(double t) {
   return {0.5 * t * ((2.0 - t) * t - 1.0),
           0.5 * ((3.0 * t - 5.0) * t * t + 2.0),
           0.5 * t * ((4.0 - 3.0 * t) * t + 1.0),
           0.5 * t * t * (t - 1.0)};
 }
+
+}  // namespace
 
 CubicStencil cubic_stencil(double x, int count) {
   const double place = std::clamp(x, 0.0, static_cast<double>(count - 1));

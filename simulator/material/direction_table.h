@@ -56,11 +56,8 @@ class DirectionTable {
   double average_ = 0.0;
 };
 
-/// Weights of the four neighbours of a place between the second and the third (Catmull-Rom).
-/// @param t  in [0, 1]
-std::array<double, 4> cubic_weights(double t);
-
-/// The same for place x of count nodes at 0, 1, ..., with the ends continued by parabolas.
+/// Weights (Catmull-Rom) of the four nodes around a place x of count nodes at 0, 1, ..., with the
+/// ends continued by parabolas.
 struct CubicStencil {
   int first = 0;  ///< node of weights[0]; the rest follow
   std::array<double, 4> weights{};

@@ -81,6 +81,25 @@ void name_files_as_written(const ConfigNode& scene, Json& groups) {
   }
 }
 
+/// A tile for each defect that was made, seen along its normal.
+ImageF defect_sheet(const BuiltDefects& part, ThreadPool& pool) {
+  const SurfaceDetail detail = shapeless_detail(part.made);
+  const PreviewSubject subject = {.mesh = part.built->part.mesh,
+                                  .bvh = *part.built->bvh,
+                                  .labels = part.made.labels,
+                                  .detail = detail};
+  std::vector<ImageF> tiles;
+  std::vector<int> numbers;
+  for (const MadeDefect& made : part.made.defects) {
+    if (made.is_made && tiles.size() < kMostTiles) {
+      const PreviewView view = view_of(made.defect, *part.clean->bvh);
+      tiles.push_back(draw_preview(subject, view, pool).image);
+      numbers.push_back(made.defect.id);
+    }
+  }
+  return contact_sheet(tiles, numbers);
+}
+
 void write_previews(const fs::path& folder,
                     const BuiltDefects& part,
                     const std::vector<PreviewView>& views,
@@ -99,24 +118,6 @@ void write_previews(const fs::path& folder,
 }
 
 }  // namespace
-
-ImageF defect_sheet(const BuiltDefects& part, ThreadPool& pool) {
-  const SurfaceDetail detail = shapeless_detail(part.made);
-  const PreviewSubject subject = {.mesh = part.built->part.mesh,
-                                  .bvh = *part.built->bvh,
-                                  .labels = part.made.labels,
-                                  .detail = detail};
-  std::vector<ImageF> tiles;
-  std::vector<int> numbers;
-  for (const MadeDefect& made : part.made.defects) {
-    if (made.is_made && tiles.size() < kMostTiles) {
-      const PreviewView view = view_of(made.defect, *part.clean->bvh);
-      tiles.push_back(draw_preview(subject, view, pool).image);
-      numbers.push_back(made.defect.id);
-    }
-  }
-  return contact_sheet(tiles, numbers);
-}
 
 void write_imprint_files(const fs::path& folder,
                          const SceneSettings& scene,

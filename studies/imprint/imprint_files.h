@@ -48,7 +48,4 @@ nlohmann::ordered_json imprint_summary(const nlohmann::ordered_json& metadata);
 /// make_s, files_s, previews_s and the seconds of each defect.
 nlohmann::ordered_json timings_json(const ImprintSeconds& seconds, const DefectivePart& made);
 
-/// A tile for each defect that was made, seen along its normal.
-ImageF defect_sheet(const BuiltDefects& part, ThreadPool& pool);
-
 }  // namespace glint

@@ -15,6 +15,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
+/// @throws ConfigError with the place of the value at fault
+SceneSettings population_scene(const Study& study, const PopulationDesign& design) {
+  return design.prototype == nullptr ? study.scene : scene_with(study, design.prototype->overrides);
+}
+
 }  // namespace
 
 std::vector<PopulationDesign> population_designs(const Study& study) {
@@ -27,10 +32,6 @@ std::vector<PopulationDesign> population_designs(const Study& study) {
     designs.push_back({.key = prototype.name, .title = prototype.title, .prototype = &prototype});
   }
   return designs;
-}
-
-SceneSettings population_scene(const Study& study, const PopulationDesign& design) {
-  return design.prototype == nullptr ? study.scene : scene_with(study, design.prototype->overrides);
 }
 
 std::unique_ptr<SimulatedLine> line_of(const PopulationTask& task, const PopulationDesign& design) {

@@ -44,9 +44,6 @@ struct PopulationDesign {
 
 std::vector<PopulationDesign> population_designs(const Study& study);
 
-/// @throws ConfigError with the place of the value at fault
-SceneSettings population_scene(const Study& study, const PopulationDesign& design);
-
 /// Its simulated line. @throws ConfigError with the place of the value at fault
 std::unique_ptr<SimulatedLine> line_of(const PopulationTask& task, const PopulationDesign& design);
 

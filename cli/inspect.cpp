@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostLines = 40;  ///< of the table of parts
+constexpr std::size_t kMaxLines = 40;  ///< of the table of parts
 
 /// Read by the run; a signal handler can reach nothing but a global.
 std::atomic<int> inspect_interrupts = 0;
@@ -83,11 +83,11 @@ std::string result_text(const Json& result) {
                                  "scr.",
                                  "biggest",
                                  "sum");
-  for (std::size_t i = 0; i < std::min(parts.size(), kMostLines); ++i) {
+  for (std::size_t i = 0; i < std::min(parts.size(), kMaxLines); ++i) {
     text += part_text(parts[i]);
   }
-  if (parts.size() > kMostLines) {
-    text += fmt::format("  ... and {} more\n", parts.size() - kMostLines);
+  if (parts.size() > kMaxLines) {
+    text += fmt::format("  ... and {} more\n", parts.size() - kMaxLines);
   } else {
     text += notes_text(parts);
   }

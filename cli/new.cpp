@@ -10,7 +10,7 @@
 #include "core/config/toml.h"
 #include "core/file.h"
 #include "core/text.h"
-#include "studies/imaging/lit_place.h"
+#include "studies/imaging/illuminated_place.h"
 
 namespace glint {
 namespace {
@@ -254,7 +254,7 @@ std::optional<Draft> draft(const NewArguments& arguments,
   throw_if_any(errors);
   scene.part.file = part.file;
   constexpr double kBackgroundDiameters = 2.5;
-  const auto place = lit_place(store, scene, kBackgroundDiameters * first.diameter_mm);
+  const auto place = illuminated_place(store, scene, kBackgroundDiameters * first.diameter_mm);
   if (!place) {
     return std::nullopt;
   }

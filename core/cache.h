@@ -18,9 +18,9 @@ namespace glint {
 
 /// What a cache keeps: the values that were used last, up to both limits.
 struct CacheLimits {
-  std::size_t most_values = std::numeric_limits<std::size_t>::max();
-  std::size_t most_bytes = std::numeric_limits<std::size_t>::max();
-  std::size_t least_values = 1;  ///< kept whatever they take; <= most_values
+  std::size_t max_values = std::numeric_limits<std::size_t>::max();
+  std::size_t max_bytes = std::numeric_limits<std::size_t>::max();
+  std::size_t min_values = 1;  ///< kept whatever they take; <= max_values
 };
 
 /// Safe to use from several threads. Whoever holds a value keeps it alive, also when the cache has
@@ -75,9 +75,9 @@ class Cache {
   }
 
   /// Holds from the next value on.
-  void set_most_bytes(std::size_t most_bytes) {
+  void set_most_bytes(std::size_t max_bytes) {
     const std::scoped_lock lock(mutex_);
-    limits_.most_bytes = most_bytes;
+    limits_.max_bytes = max_bytes;
   }
 
   /// What all kept values take.
@@ -154,8 +154,8 @@ class Cache {
     std::erase_if(entries_, [&](const Entry& entry) { return entry.key == key; });
     entries_.push_front({key, std::move(value), value_bytes});
     std::size_t sum = kept_bytes();
-    while (entries_.size() > limits_.least_values &&
-           (entries_.size() > limits_.most_values || sum > limits_.most_bytes)) {
+    while (entries_.size() > limits_.min_values &&
+           (entries_.size() > limits_.max_values || sum > limits_.max_bytes)) {
       sum -= entries_.back().bytes;
       entries_.pop_back();
     }

@@ -24,17 +24,17 @@ inline double process_cpu_s() {
 /// The least CPU time of this thread for doing the work: at least `repeats` times, and again until
 /// all of them together took total_s, or ten times as often.
 template <class Work>
-double least_cpu_s(int repeats, double total_s, const Work& work) {
-  double least = 0.0;
+double min_cpu_s(int repeats, double total_s, const Work& work) {
+  double minimum = 0.0;
   double sum = 0.0;
   for (int i = 0; i < repeats || (sum < total_s && i < 10 * repeats); ++i) {
     const double start = thread_cpu_s();
     work();
     const double taken = thread_cpu_s() - start;
-    least = i == 0 ? taken : std::min(least, taken);
+    minimum = i == 0 ? taken : std::min(minimum, taken);
     sum += taken;
   }
-  return least;
+  return minimum;
 }
 
 }  // namespace glint

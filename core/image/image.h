@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/image/unset_allocator.h"
+#include "core/image/uninitialized_allocator.h"
 
 namespace glint {
 
@@ -14,16 +14,16 @@ namespace glint {
 template <class T>
 class Image {
  public:
-  using Values = std::vector<T, UnsetAllocator<T>>;
+  using Values = std::vector<T, UninitializedAllocator<T>>;
 
   Image() = default;
 
-  Image(int width_px, int height_px, T value = {}) : Image(unset(width_px, height_px)) {
+  Image(int width_px, int height_px, T value = {}) : Image(uninitialized(width_px, height_px)) {
     std::fill(values_.begin(), values_.end(), value);
   }
 
   /// Vectors with an allocator of their own copy one element after another.
-  Image(const Image& other) : Image(unset(other.width_, other.height_)) {
+  Image(const Image& other) : Image(uninitialized(other.width_, other.height_)) {
     std::copy(other.values_.begin(), other.values_.end(), values_.begin());
   }
 
@@ -42,7 +42,7 @@ class Image {
   ~Image() = default;
 
   /// A picture whose values are whatever was in memory: each must be written before it is read.
-  static Image unset(int width_px, int height_px) {
+  static Image uninitialized(int width_px, int height_px) {
     Image image;
     image.width_ = width_px;
     image.height_ = height_px;

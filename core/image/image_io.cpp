@@ -97,10 +97,10 @@ constexpr std::array<Format, 13> kFormats = {{{"\x89PNG\r\n\x1a\n"sv, "png"},
                                               {"\x76\x2f\x31\x01"sv, "openexr"}}};
 
 /// OpenImageIO takes memory for 64 whole rows at once.
-constexpr int kMostSide = 1 << 17;
+constexpr int kMaxSide = 1 << 17;
 
 /// Deflate packs a thousand bytes into one, and a byte may be eight pixels of one bit.
-constexpr double kMostValuesPerByte = 10000.0;
+constexpr double kMaxValuesPerByte = 10000.0;
 
 std::string first_bytes_of(const fs::path& path) {
   std::error_code error;
@@ -144,8 +144,8 @@ void check_size(const ImageSpec& spec, const fs::path& path) {
     throw ConfigError(path.string() + ": the picture holds no pixel");
   }
   const std::int64_t pixels = static_cast<std::int64_t>(spec.width) * spec.height;
-  const bool is_large = std::max(spec.width, spec.height) > kMostSide || pixels > kMostPixels;
-  if (spec.depth > 1 || is_large || pixels * spec.nchannels > 4 * kMostPixels) {
+  const bool is_large = std::max(spec.width, spec.height) > kMaxSide || pixels > kMaxPixels;
+  if (spec.depth > 1 || is_large || pixels * spec.nchannels > 4 * kMaxPixels) {
     throw ConfigError(fmt::format("{}: {} x {} pixels with {} channels are more than is allowed",
                                   path.string(),
                                   spec.width,
@@ -156,7 +156,7 @@ void check_size(const ImageSpec& spec, const fs::path& path) {
   std::error_code ignored;
   const auto file_bytes = static_cast<double>(fs::file_size(path, ignored));
   const double values = static_cast<double>(pixels) * spec.nchannels;
-  if (values > kMostValuesPerByte * file_bytes + 65536.0) {
+  if (values > kMaxValuesPerByte * file_bytes + 65536.0) {
     throw ConfigError(fmt::format("{}: the picture is damaged: {} bytes cannot hold {} x {} pixels",
                                   path.string(),
                                   file_bytes,

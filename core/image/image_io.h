@@ -53,7 +53,7 @@ struct Picture {
 };
 
 /// No picture may have more pixels.
-inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
+inline constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
 
 /// Reads PNG, JPEG, TIFF, PNM or OpenEXR, told apart by their first bytes.
 /// @throws IoError when the file cannot be read, ConfigError when it is no whole picture

@@ -38,7 +38,7 @@ int find_unset(const unsigned char* row, int x, int width) {
 
 }  // namespace
 
-Spans spans_of(const Mask& mask, int bridge) {
+Spans spans_of(const Mask& mask, int gap_tolerance) {
   Spans spans;
   const int width = mask.width();
   for (int y = 0; y < mask.height(); ++y) {
@@ -46,7 +46,7 @@ Spans spans_of(const Mask& mask, int bridge) {
     const std::size_t first_of_row = spans.size();
     for (int begin = find_set(row, 0, width); begin < width;) {
       const int end = find_unset(row, begin, width);
-      if (spans.size() > first_of_row && begin - spans.back().end <= bridge) {
+      if (spans.size() > first_of_row && begin - spans.back().end <= gap_tolerance) {
         spans.back().end = end;
       } else {
         spans.push_back({.y = y, .begin = begin, .end = end});
@@ -60,11 +60,11 @@ Spans spans_of(const Mask& mask, int bridge) {
 namespace {
 
 /// Appends the union of spans of one row, in any order, bridged.
-void append_union(Spans& pieces, int y, int bridge, Spans& spans) {
+void append_union(Spans& pieces, int y, int gap_tolerance, Spans& spans) {
   std::ranges::sort(pieces, {}, &RowSpan::begin);
   const std::size_t first_of_row = spans.size();
   for (const RowSpan& piece : pieces) {
-    if (spans.size() > first_of_row && piece.begin - spans.back().end <= bridge) {
+    if (spans.size() > first_of_row && piece.begin - spans.back().end <= gap_tolerance) {
       spans.back().end = std::max(spans.back().end, piece.end);
     } else {
       spans.push_back({.y = y, .begin = piece.begin, .end = piece.end});
@@ -74,7 +74,7 @@ void append_union(Spans& pieces, int y, int bridge, Spans& spans) {
 
 }  // namespace
 
-Spans grown_spans(const Spans& spans, int radius, int bridge, int width_px, int height_px) {
+Spans grown_spans(const Spans& spans, int radius, int gap_tolerance, int width_px, int height_px) {
   Spans grown;
   Spans pieces;
   auto first = spans.begin();
@@ -88,7 +88,7 @@ Spans grown_spans(const Spans& spans, int radius, int bridge, int width_px, int 
                         .begin = std::max(0, span->begin - radius),
                         .end = std::min(width_px, span->end + radius)});
     }
-    append_union(pieces, y, bridge, grown);
+    append_union(pieces, y, gap_tolerance, grown);
   }
   return grown;
 }
@@ -143,7 +143,7 @@ Mask dilated(const Mask& mask, int radius) {
 }
 
 ImageF zero_beside(const Spans& spans, int width_px, int height_px) {
-  ImageF image = ImageF::unset(width_px, height_px);
+  ImageF image = ImageF::uninitialized(width_px, height_px);
   float* next = image.values().data();
   for (const RowSpan& span : spans) {
     std::fill(next, image.row(span.y) + span.begin, 0.0F);
@@ -154,7 +154,7 @@ ImageF zero_beside(const Spans& spans, int width_px, int height_px) {
 }
 
 ImageF zero_in(const Spans& spans, int width_px, int height_px) {
-  ImageF image = ImageF::unset(width_px, height_px);
+  ImageF image = ImageF::uninitialized(width_px, height_px);
   for (const RowSpan& span : spans) {
     std::fill_n(image.row(span.y) + span.begin, span.size(), 0.0F);
   }

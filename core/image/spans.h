@@ -42,8 +42,8 @@ class SpanWalk {
   Spans::const_iterator next_, end_;
 };
 
-/// The stretches of non-zero pixels. Gaps of up to `bridge` pixels are included.
-Spans spans_of(const Mask& mask, int bridge = 0);
+/// The stretches of non-zero pixels. Gaps of up to `gap_tolerance` pixels are included.
+Spans spans_of(const Mask& mask, int gap_tolerance = 0);
 
 /// Pixels that are asked for again and again: their stretches are found once.
 struct Region {
@@ -57,7 +57,7 @@ struct Region {
 };
 
 /// spans_of() of a mask of these spans after dilated(): quick for few spans.
-Spans grown_spans(const Spans& spans, int radius, int bridge, int width_px, int height_px);
+Spans grown_spans(const Spans& spans, int radius, int gap_tolerance, int width_px, int height_px);
 
 /// 0 but for these pixels, which are yet to be set. To clear all of a picture takes longer than to
 /// work on a few of its pixels.

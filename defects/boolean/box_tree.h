@@ -26,7 +26,7 @@ struct FloatBox {
     }
   }
 
-  bool meets(const FloatBox& other) const {
+  bool overlaps(const FloatBox& other) const {
     int apart = 0;  // without branches: about half of the answers are no
     for (std::size_t i = 0; i < 3; ++i) {
       apart |= static_cast<int>(min_mm[i] > other.max_mm[i]);
@@ -54,36 +54,39 @@ class BoxTree {
 
   /// visit(index) for every box for which meets(box) holds; meets must hold for a box when it holds
   /// for a part of it. The order is the same every time, but not that of the indices.
-  template <class Meets, class Visit>
-  void visit_if(const Meets& meets, Visit&& visit) const {
-    if (!order_.empty() && meets(bounds_)) {
-      visit_children(levels_.size(), 0, meets, visit);
+  template <class Overlaps, class Visit>
+  void visit_if(const Overlaps& overlaps, Visit&& visit) const {
+    if (!order_.empty() && overlaps(bounds_)) {
+      visit_children(levels_.size(), 0, overlaps, visit);
     }
   }
 
   /// visit(index) for every box that meets the given one (touching is enough).
   template <class Visit>
   void visit(const FloatBox& query, Visit&& visit) const {
-    visit_if([&](const FloatBox& box) { return box.meets(query); }, visit);
+    visit_if([&](const FloatBox& box) { return box.overlaps(query); }, visit);
   }
 
  private:
   static constexpr std::size_t kFanout = 8;
 
   /// Level 0 are the boxes themselves, level n + 1 the nodes levels_[n].
-  template <class Meets, class Visit>
-  void visit_children(std::size_t level, std::size_t node, const Meets& meets, Visit& visit) const {
+  template <class Overlaps, class Visit>
+  void visit_children(std::size_t level,
+                      std::size_t node,
+                      const Overlaps& overlaps,
+                      Visit& visit) const {
     const std::vector<FloatBox>& children = level == 0 ? boxes_ : levels_[level - 1];
     const std::size_t first = kFanout * node;
     const std::size_t last = std::min(first + kFanout, children.size());
     for (std::size_t i = first; i < last; ++i) {
-      if (!meets(children[i])) {
+      if (!overlaps(children[i])) {
         continue;
       }
       if (level == 0) {
         visit(order_[i]);
       } else {
-        visit_children(level - 1, i, meets, visit);
+        visit_children(level - 1, i, overlaps, visit);
       }
     }
   }

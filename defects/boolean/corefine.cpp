@@ -182,7 +182,7 @@ bool are_collinear(const Corners& c) {
   return CGAL::collinear(point_of(c[0]), point_of(c[1]), point_of(c[2]));
 }
 
-bool triangles_meet(const Corners& a, const Corners& b) {
+bool triangles_intersect(const Corners& a, const Corners& b) {
   return CGAL::do_intersect(triangle_of(a), triangle_of(b));
 }
 

@@ -52,7 +52,7 @@ int exact_orientation(const Eigen::Vector3d& a,
 bool are_collinear(const Corners& corners);
 
 /// Exactly: do two triangles without equal corners have a point in common?
-bool triangles_meet(const Corners& a, const Corners& b);
+bool triangles_intersect(const Corners& a, const Corners& b);
 
 /// Exactly: do two triangles with equal corners a[0] = b[0] have more in common than that?
 bool triangles_cross_at_corner(const Corners& a, const Corners& b);

@@ -44,10 +44,10 @@ struct RoundedPoints {
   }
 
   /// Do two segments without a common corner touch or cross, or come too close to tell?
-  bool segments_meet(const Vector2d& a,
-                     const Vector2d& b,
-                     const Vector2d& c,
-                     const Vector2d& d) const {
+  bool segments_intersect(const Vector2d& a,
+                          const Vector2d& b,
+                          const Vector2d& c,
+                          const Vector2d& d) const {
     return side(a, b, c) * side(a, b, d) <= 0 && side(c, d, a) * side(c, d, b) <= 0;
   }
 
@@ -237,7 +237,7 @@ class Bridges {
       if (a == from || a == to || b == from || b == to) {
         continue;
       }
-      if (points_.segments_meet(point(from), point(to), point(a), point(b))) {
+      if (points_.segments_intersect(point(from), point(to), point(a), point(b))) {
         return true;
       }
     }

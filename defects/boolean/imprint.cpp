@@ -34,7 +34,7 @@ std::string_view outcome_text(ImprintOutcome outcome) {
       return "the tool is not closed or crosses itself";
     case ImprintOutcome::kTooLittle:
       return "the tool changes less volume than it must";
-    case ImprintOutcome::kPokesThrough:
+    case ImprintOutcome::kBreaksThrough:
       return "the tool breaks through another side of the part or cuts a piece off";
   }
   return "unknown";

@@ -26,18 +26,18 @@ enum class ImprintOutcome {
   kOpenSeam,          ///< the cut does not close, e.g. at a hole of the part or a flush contact
   kSelfIntersection,  ///< the imprinted surface would cross itself
   kDegenerate,        ///< the cut makes a face without area
-  kBrokenPatch,   ///< the part's own surface is crossed or not a manifold where the tool meets it
-  kBrokenTool,    ///< the tool is not closed or crosses itself (see tool_fault)
-  kTooLittle,     ///< less volume than ImprintLimits::min_removed_mm3
-  kPokesThrough,  ///< the tool comes out at another side of the part, or cuts a piece off
+  kBrokenPatch,    ///< the part's own surface is crossed or not a manifold where the tool meets it
+  kBrokenTool,     ///< the tool is not closed or crosses itself (see tool_fault)
+  kTooLittle,      ///< less volume than ImprintLimits::min_removed_mm3
+  kBreaksThrough,  ///< the tool comes out at another side of the part, or cuts a piece off
 };
 
 /// The outcome as a sentence for users, without a full stop ("the tool does not touch the part").
 std::string_view outcome_text(ImprintOutcome outcome);
 
 struct ImprintLimits {
-  double min_removed_mm3 = 0.0;   ///< refuse less than this; for kUnite the volume added
-  bool may_poke_through = false;  ///< allow tunnels and cut-off pieces
+  double min_removed_mm3 = 0.0;    ///< refuse less than this; for kUnite the volume added
+  bool may_break_through = false;  ///< allow tunnels and cut-off pieces
 };
 
 struct ImprintResult {

@@ -83,7 +83,7 @@ TestFace ImprintedMeshState::test_face(std::int32_t face) const {
 bool ImprintedMeshState::contains(const Vector3d& point) const {
   return is_inside_surface(point, [&](const Probe& probe) {
     int hits = 0;
-    visit_if([&](const FloatBox& box) { return probe.may_meet(box); },
+    visit_if([&](const FloatBox& box) { return probe.may_intersect(box); },
              [&](std::int32_t face) { hits += probe.hits(test_face(face).corners) ? 1 : 0; });
     return hits;
   });

@@ -55,11 +55,11 @@ class ImprintedMeshState {
   TestFace test_face(std::int32_t face) const;
 
   /// visit(face) for the faces that are there and whose boxes meet something; see BoxTree.
-  template <class Meets, class Visit>
-  void visit_if(const Meets& meets, const Visit& visit) const {
-    base_->tree.visit_if(meets, [&](std::int32_t face) { visit_alive(face, visit); });
+  template <class Overlaps, class Visit>
+  void visit_if(const Overlaps& overlaps, const Visit& visit) const {
+    base_->tree.visit_if(overlaps, [&](std::int32_t face) { visit_alive(face, visit); });
     for (const Block& block : blocks_) {
-      block.tree->visit_if(meets,
+      block.tree->visit_if(overlaps,
                            [&](std::int32_t face) { visit_alive(block.first_face + face, visit); });
     }
   }

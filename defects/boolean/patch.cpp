@@ -17,8 +17,8 @@
 #include "defects/boolean/corefine.h"
 #include "defects/boolean/corefine_general.h"
 #include "defects/boolean/patch_assemble.h"
+#include "defects/boolean/patch_check.h"
 #include "defects/boolean/patch_crossings.h"
-#include "defects/boolean/patch_judge.h"
 #include "defects/boolean/patch_pieces.h"
 #include "defects/boolean/patch_ring.h"
 #include "defects/boolean/patch_tool.h"
@@ -96,10 +96,10 @@ bool is_tool_parted(const Seam& seam, Pieces& pieces) {
 }
 
 /// What can be said before the new surface is looked at closely.
-ImprintOutcome first_judgement(const NewSurface& surface,
-                               const ImprintedMeshState& part,
-                               ImprintOperation operation,
-                               const ImprintLimits& limits) {
+ImprintOutcome first_check(const NewSurface& surface,
+                           const ImprintedMeshState& part,
+                           ImprintOperation operation,
+                           const ImprintLimits& limits) {
   const bool is_cutting = operation == ImprintOperation::kSubtract;
   if (surface.num_tool_faces == 0) {
     return is_cutting ? ImprintOutcome::kNoContact : ImprintOutcome::kSwallowed;
@@ -186,16 +186,16 @@ class PatchCutter {
     sort_tool_pieces(tool_pieces, tool_, part_);
     const CutSurfaces surfaces{patch_, tool_, rings_, cut, *seam, part_pieces, tool_pieces};
     NewSurface surface = assemble(surfaces, part_, label_, operation_);
-    ImprintOutcome outcome = first_judgement(surface, part_, operation_, limits_);
+    ImprintOutcome outcome = first_check(surface, part_, operation_, limits_);
     if (surface.num_tool_faces == 0 && !is_tool_parted(*seam, tool_pieces)) {
       outcome = ImprintOutcome::kOpenSeam;
     }
-    if (outcome == ImprintOutcome::kDone && !limits_.may_poke_through &&
-        pokes_through(*seam, part_pieces, tool_pieces)) {
-      outcome = ImprintOutcome::kPokesThrough;
+    if (outcome == ImprintOutcome::kDone && !limits_.may_break_through &&
+        breaks_through(*seam, part_pieces, tool_pieces)) {
+      outcome = ImprintOutcome::kBreaksThrough;
     }
     if (outcome == ImprintOutcome::kDone) {
-      outcome = judge(surface, patch_, part_);
+      outcome = check_surface(surface, patch_, part_);
     }
     if (outcome == ImprintOutcome::kDone) {
       report(std::move(surface), *seam);

@@ -163,7 +163,7 @@ bool is_degenerate(const TestFace& face) {
   return are_collinear(face.corners);
 }
 
-bool may_meet(const TestFace& a, const TestFace& b) {
+bool may_intersect(const TestFace& a, const TestFace& b) {
   return !all_on_one_side(plane_of(a), b.corners) && !all_on_one_side(plane_of(b), a.corners);
 }
 
@@ -173,8 +173,8 @@ bool faces_cross(const TestFace& a, const TestFace& b) {
     return true;
   }
   if (shared.count == 0) {
-    return may_meet(a, b) && !edge_separates(a, b) && !edge_separates(b, a) &&
-           triangles_meet(a.corners, b.corners);
+    return may_intersect(a, b) && !edge_separates(a, b) && !edge_separates(b, a) &&
+           triangles_intersect(a.corners, b.corners);
   }
   const Corners pa = reordered(a.corners, shared.in_a, shared.count);
   const Corners pb = reordered(b.corners, shared.in_b, shared.count);

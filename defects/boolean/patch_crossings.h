@@ -41,7 +41,7 @@ bool is_degenerate(const TestFace& face);
 bool faces_cross(const TestFace& a, const TestFace& b);
 
 /// False only when the faces certainly have no point in common; quick.
-bool may_meet(const TestFace& a, const TestFace& b);
+bool may_intersect(const TestFace& a, const TestFace& b);
 
 /// Number of pairs of crossing faces, degenerate ones left out; stops at stop_at.
 std::int64_t count_crossings(std::span<const TestFace> faces, std::int64_t stop_at);

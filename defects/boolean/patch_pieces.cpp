@@ -297,7 +297,7 @@ void vote_along(const Seam& seam, const CorefinedPair& cut, Pieces& part, Pieces
   }
 }
 
-bool pokes_through(const Seam& seam, Pieces& part, Pieces& tool) {
+bool breaks_through(const Seam& seam, Pieces& part, Pieces& tool) {
   std::vector<std::int32_t> part_of(tool.num_members(), -1);
   std::vector<std::int32_t> tool_of(part.num_members(), -1);
   for (const Seam::Edge& edge : seam.edges) {

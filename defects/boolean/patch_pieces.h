@@ -71,6 +71,6 @@ void vote_along(const Seam& seam, const CorefinedPair& cut, Pieces& part, Pieces
 
 /// Does a piece of the tool inside the part join several pieces of the part inside the tool (a
 /// tunnel), or the other way round (a piece is cut off)?
-bool pokes_through(const Seam& seam, Pieces& part, Pieces& tool);
+bool breaks_through(const Seam& seam, Pieces& part, Pieces& tool);
 
 }  // namespace glint

@@ -9,7 +9,7 @@ namespace glint {
 
 using Eigen::Vector3d;
 
-bool Probe::may_meet(const FloatBox& box) const {
+bool Probe::may_intersect(const FloatBox& box) const {
   double enter = 0.0;
   double leave = 1e300;
   for (int i = 0; i < 3; ++i) {

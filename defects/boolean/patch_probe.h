@@ -11,7 +11,7 @@ struct Probe {
   Eigen::Vector3d origin;
   Eigen::Vector3d direction;
 
-  bool may_meet(const FloatBox& box) const;
+  bool may_intersect(const FloatBox& box) const;
   bool hits(const Corners& corners) const;
 };
 

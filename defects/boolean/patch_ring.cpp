@@ -75,7 +75,7 @@ Ring make_ring(std::vector<std::int32_t> faces,
 }  // namespace
 
 Patch::Patch(const ImprintedMeshState& part, const PatchTool& tool) {
-  part.visit_if([&](const FloatBox& box) { return tool.box.may_meet(box); },
+  part.visit_if([&](const FloatBox& box) { return tool.box.may_intersect(box); },
                 [&](std::int32_t face) { faces.push_back(face); });
   std::sort(faces.begin(), faces.end());
   std::size_t num_kept = 0;
@@ -83,7 +83,7 @@ Patch::Patch(const ImprintedMeshState& part, const PatchTool& tool) {
   triangles.reserve(faces.size());
   for (const std::int32_t face : faces) {
     const TestFace test = part.test_face(face);
-    if (tool.box.may_meet(test.corners)) {
+    if (tool.box.may_intersect(test.corners)) {
       faces[num_kept++] = face;
       tests.push_back(test);
       triangles.push_back(test.ids);
@@ -100,7 +100,7 @@ RingPair find_rings(const Patch& patch, const PatchTool& tool) {
   for (std::size_t i = 0; i < patch.tests.size(); ++i) {
     tool.tree.visit(patch.tests[i].box(), [&](std::int32_t face) {
       const auto j = static_cast<std::size_t>(face);
-      if (may_meet(patch.tests[i], tool.faces[j])) {
+      if (may_intersect(patch.tests[i], tool.faces[j])) {
         in_patch[i] = 1;
         in_tool[j] = 1;
         rings.pairs.emplace_back(static_cast<std::int32_t>(i), face);

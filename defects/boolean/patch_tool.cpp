@@ -47,8 +47,8 @@ OrientedBox::OrientedBox(const std::vector<Vector3d>& points_mm)
   half_size_mm_.array() += kSlack * reach;
 }
 
-bool OrientedBox::may_meet(const FloatBox& box) const {
-  if (!box.meets(bounds_)) {
+bool OrientedBox::may_intersect(const FloatBox& box) const {
+  if (!box.overlaps(bounds_)) {
     return false;
   }
   const Vector3d low(static_cast<double>(box.min_mm[0]),
@@ -62,7 +62,7 @@ bool OrientedBox::may_meet(const FloatBox& box) const {
   return (distance.array() <= reach.array()).all();
 }
 
-bool OrientedBox::may_meet(const Corners& corners) const {
+bool OrientedBox::may_intersect(const Corners& corners) const {
   const Vector3d a = axes_ * corners[0] - centre_mm_;
   const Vector3d b = axes_ * corners[1] - centre_mm_;
   const Vector3d c = axes_ * corners[2] - centre_mm_;
@@ -98,7 +98,7 @@ bool PatchTool::contains(const Vector3d& point) const {
   }
   return is_inside_surface(point, [&](const Probe& probe) {
     int hits = 0;
-    tree.visit_if([&](const FloatBox& bounds) { return probe.may_meet(bounds); },
+    tree.visit_if([&](const FloatBox& bounds) { return probe.may_intersect(bounds); },
                   [&](std::int32_t face) {
                     hits += probe.hits(faces[static_cast<std::size_t>(face)].corners) ? 1 : 0;
                   });

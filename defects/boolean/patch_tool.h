@@ -16,9 +16,9 @@ class OrientedBox {
   const FloatBox& bounds() const { return bounds_; }
 
   /// False only when box and oriented box certainly have no point in common.
-  bool may_meet(const FloatBox& box) const;
+  bool may_intersect(const FloatBox& box) const;
   /// False only when triangle and oriented box certainly have no point in common.
-  bool may_meet(const Corners& corners) const;
+  bool may_intersect(const Corners& corners) const;
   /// True only when the point is certainly outside.
   bool is_outside(const Eigen::Vector3d& point) const;
 

@@ -209,7 +209,7 @@ bool has_given_places(const DefectGroup& group) {
   return !group.at_mm.empty() || has_places_from_above(group);
 }
 
-std::size_t most_defects(const DefectGroup& group, const ImprintSettings& settings) {
+std::size_t max_defects(const DefectGroup& group, const ImprintSettings& settings) {
   if (settings.count.max > 0.0) {
     return static_cast<std::size_t>(settings.count.max);
   }

@@ -72,7 +72,7 @@ struct DefectGroup {
   // Tools of imprints.
   double roughness = 0.15;                 ///< of procedural tools: rms of their noise / radius
   int tool_level = 3;                      ///< 20 * 4^level triangles for a round tool
-  std::filesystem::path tool_folder = {};  ///< own tools: STL, PLY, OBJ, OFF in millimetres
+  std::filesystem::path tool_folder = {};  ///< custom tools: STL, PLY, OBJ, OFF in millimetres
   double wall_share = 0.5;                 ///< of the wall's thickness that a depth may take
   enum class Thin { kClamp, kRefuse };
   Thin when_thin = Thin::kClamp;
@@ -117,7 +117,7 @@ void visit_keys(KeyVisitor& keys, ImprintSettings& settings);
 bool has_given_places(const DefectGroup& group);
 
 /// Defects a group can have at most.
-std::size_t most_defects(const DefectGroup& group, const ImprintSettings& settings);
+std::size_t max_defects(const DefectGroup& group, const ImprintSettings& settings);
 
 /// A group with its table's name.
 using NamedGroup = std::pair<std::string, DefectGroup>;

@@ -89,7 +89,7 @@ Json refusals_json(const std::vector<std::pair<std::string, int>>& refusals) {
   return counts;
 }
 
-Json defect_json(const MadeDefect& made, const RigidTransform& part_from_scene) {
+Json defect_json(const RealisedDefect& made, const RigidTransform& part_from_scene) {
   const Defect& defect = made.defect;
   Json json = {{"label", defect.label},
                {"id", defect.id},
@@ -122,7 +122,7 @@ Json defect_json(const MadeDefect& made, const RigidTransform& part_from_scene) 
 /// Over all defects, in the order of the alphabet.
 Json all_refusals(const DefectivePart& part) {
   std::map<std::string, int> sums;
-  for (const MadeDefect& made : part.defects) {
+  for (const RealisedDefect& made : part.defects) {
     for (const auto& [reason, count] : made.refusals) {
       sums[reason] += count;
     }
@@ -145,7 +145,7 @@ nlohmann::ordered_json defects_json(const DefectivePart& part,
   double removed_volume_mm3 = 0.0;
   std::size_t num_made = 0;
   const RigidTransform part_from_scene = inverse(scene_from_part);
-  for (const MadeDefect& made : part.defects) {
+  for (const RealisedDefect& made : part.defects) {
     list.push_back(defect_json(made, part_from_scene));
     removed_volume_mm3 += made.is_made ? made.removed_volume_mm3 : 0.0;
     num_made += made.is_made ? 1 : 0;

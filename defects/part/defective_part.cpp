@@ -35,7 +35,7 @@ bool is_worth_a_jitter(ImprintOutcome outcome) {
          outcome == ImprintOutcome::kDegenerate || outcome == ImprintOutcome::kBrokenPatch;
 }
 
-void count_refusal(MadeDefect& made, const std::string& reason) {
+void count_refusal(RealisedDefect& made, const std::string& reason) {
   const auto known =
       std::ranges::find_if(made.refusals, [&](const auto& entry) { return entry.first == reason; });
   if (known == made.refusals.end()) {
@@ -45,7 +45,7 @@ void count_refusal(MadeDefect& made, const std::string& reason) {
   }
 }
 
-std::string given_up_text(const MadeDefect& made) {
+std::string given_up_text(const RealisedDefect& made) {
   std::string text = fmt::format("given up after {} samples: ", made.attempts);
   for (std::size_t i = 0; i < made.refusals.size(); ++i) {
     text += fmt::format(
@@ -115,7 +115,7 @@ class DefectMaker::Making {
 
   void make(const DefectSlot& slot) {
     const auto start = std::chrono::steady_clock::now();
-    MadeDefect made;
+    RealisedDefect made;
     for (int attempt = 0; attempt < state_.settings.max_attempts && !made.is_made; ++attempt) {
       made.attempts = attempt + 1;
       try_sample(slot, attempt, made);
@@ -139,7 +139,7 @@ class DefectMaker::Making {
     return state_.groups[slot.group].second;
   }
 
-  void try_sample(const DefectSlot& slot, int attempt, MadeDefect& made) {
+  void try_sample(const DefectSlot& slot, int attempt, RealisedDefect& made) {
     DefectSampler::Draw draw = state_.sampler.draw(seed_, slot, attempt, taken_);
     if (!draw.defect) {
       count_refusal(made, draw.reason);
@@ -171,7 +171,7 @@ class DefectMaker::Making {
     }
   }
 
-  void imprint(const ToolCollection& tools, Defect& defect, MadeDefect& made) {
+  void imprint(const ToolCollection& tools, Defect& defect, RealisedDefect& made) {
     if (!imprinted_) {
       imprinted_.emplace(state_.untouched());
     }
@@ -195,7 +195,7 @@ class DefectMaker::Making {
     }
   }
 
-  void give_up(MadeDefect& made) {
+  void give_up(RealisedDefect& made) {
     made.reason = given_up_text(made);
     if (!state_.settings.may_be_fewer) {
       throw ConfigError("imprint.may_be_fewer",
@@ -256,7 +256,7 @@ class DefectMaker::Making {
   }
 
   /// Ids count from 1 in the order of the defects.
-  MadeDefect& made_with(std::int32_t id) {
+  RealisedDefect& made_with(std::int32_t id) {
     return result_.defects[static_cast<std::size_t>(id - 1)];
   }
 

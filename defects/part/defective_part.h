@@ -16,7 +16,7 @@
 namespace glint {
 
 /// One defect and how it came about.
-struct MadeDefect {
+struct RealisedDefect {
   Defect defect;  ///< its last sample when it was given up
   bool is_made = false;
   std::string reason = {};  ///< why it was given up; empty when it was made
@@ -29,7 +29,7 @@ struct MadeDefect {
 };
 
 struct DefectivePart {
-  std::vector<MadeDefect> defects;  ///< in the order of the file
+  std::vector<RealisedDefect> defects;  ///< in the order of the file
 
   /// The part's surface when an imprint or a displacement changed it, else without triangles.
   /// Scene frame; patches and shading normals as Part::mesh.

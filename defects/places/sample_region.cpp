@@ -172,9 +172,9 @@ CutTriangles cut_triangles(const TriangleMesh& mesh,
   return result;
 }
 
-bool meets_sphere(const Part& part,
-                  const std::vector<std::int32_t>& triangles,
-                  const DefectRegion& region) {
+bool intersects_sphere(const Part& part,
+                       const std::vector<std::int32_t>& triangles,
+                       const DefectRegion& region) {
   const Vector3d centre = part.scene_from_part * vector_of(region.centre_mm);
   return std::ranges::any_of(triangles, [&](std::int32_t i) {
     const Vector3d p = nearest_on_triangle(part.mesh, static_cast<std::size_t>(i), centre);
@@ -191,7 +191,8 @@ AreaSampler sampler_in_box(const Part& part,
   const bool is_sphere = region.kind == Kind::kSphere;
   AreaSampler sampler = inside.is_any_cut ? AreaSampler(std::move(inside.pieces))
                                           : AreaSampler(part.mesh, inside.triangles);
-  if (!(sampler.area_mm2() > 0.0) || (is_sphere && !meets_sphere(part, inside.triangles, region))) {
+  if (!(sampler.area_mm2() > 0.0) ||
+      (is_sphere && !intersects_sphere(part, inside.triangles, region))) {
     throw ConfigError(
         table + (is_sphere ? ".region_centre_mm" : ".region_min_mm"),
         fmt::format("no face of the part lies in the {}", is_sphere ? "sphere" : "box"));

@@ -182,8 +182,8 @@ bool Displacement::turns_over(std::int32_t face) const {
   }
   const Vector3d before = area_vector(mesh_, at(face));
   const Vector3d after = 0.5 * (q[1] - q[0]).cross(q[2] - q[0]);
-  constexpr double kLeastCosine = 0.1;
-  return before.dot(after) <= kLeastCosine * before.norm() * after.norm();
+  constexpr double kMinCosine = 0.1;
+  return before.dot(after) <= kMinCosine * before.norm() * after.norm();
 }
 
 void Displacement::limit_moves(const std::vector<std::int32_t>& faces) {

@@ -218,8 +218,8 @@ bool EdgeBisection::keeps_faces(const Edge& edge,
         q[k] = mesh_.vertex(at(face), k);
       }
       q[corner_of(mesh_.triangles[at(face)], end)] = p_mm;
-      constexpr double kLeastShare = 0.1;
-      return 0.5 * (q[1] - q[0]).cross(q[2] - q[0]).dot(whole) > kLeastShare * whole.squaredNorm();
+      constexpr double kMinShare = 0.1;
+      return 0.5 * (q[1] - q[0]).cross(q[2] - q[0]).dot(whole) > kMinShare * whole.squaredNorm();
     });
   });
 }

@@ -56,7 +56,7 @@ std::vector<std::int32_t> crossing_faces(const TriangleMesh& mesh,
         return;
       }
       const TestFace b = test_face(mesh, other);
-      if (may_meet(a, b) && !is_degenerate(b) && faces_cross(a, b)) {
+      if (may_intersect(a, b) && !is_degenerate(b) && faces_cross(a, b)) {
         crossing.push_back(face);
         crossing.push_back(other);
       }
@@ -133,8 +133,8 @@ class Mover {
     const Vector3d& p = from_mm_[at(t[0])];
     const Vector3d before = 0.5 * (from_mm_[at(t[1])] - p).cross(from_mm_[at(t[2])] - p);
     const Vector3d after = area_vector(mesh_, at(face));
-    constexpr double kLeastCosine = 0.1;
-    return !before.isZero(0.0) && before.dot(after) <= kLeastCosine * before.norm() * after.norm();
+    constexpr double kMinCosine = 0.1;
+    return !before.isZero(0.0) && before.dot(after) <= kMinCosine * before.norm() * after.norm();
   }
 
   /// Halves the moves of the faces' vertices, each vertex once.

@@ -89,9 +89,9 @@ Middles add_edge_points(const TriangleMesh& mesh,
 /// face over.
 void reset_turned(const TriangleMesh& mesh, const Middles& middle, TriangleMesh& out) {
   const auto turns_over = [&](std::size_t child) {
-    constexpr double kLeastShare = 0.02;  // of the parent's area; 1/4 without exact surfaces
+    constexpr double kMinShare = 0.02;  // of the parent's area; 1/4 without exact surfaces
     const Vector3d parent = area_vector(mesh, child / 4);
-    return area_vector(out, child).dot(parent) < kLeastShare * parent.squaredNorm();
+    return area_vector(out, child).dot(parent) < kMinShare * parent.squaredNorm();
   };
   for (bool is_settled = false; !is_settled;) {
     is_settled = true;

@@ -168,8 +168,8 @@ Vector3d onto_patches(std::span<const ExactPatch> patches,
     }
     constexpr double kConverged_mm = 1e-12;
     if (move.norm() <= kConverged_mm * std::max(1.0, 1e-2 * p.norm())) {
-      constexpr double kMeets_mm = 1e-9;  // else surfaces that do not meet here
-      return largest_mm <= kMeets_mm ? p : p_mm;
+      constexpr double kOverlaps_mm = 1e-9;  // else surfaces that do not meet here
+      return largest_mm <= kOverlaps_mm ? p : p_mm;
     }
   }
   return p_mm;

@@ -9,7 +9,7 @@
 namespace glint {
 namespace {
 
-constexpr double kMostTurn_rad = 2.75;
+constexpr double kMaxTurn_rad = 2.75;
 constexpr int kWindowSamples = 4;  ///< to each side
 
 double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -28,7 +28,7 @@ std::size_t far_end(const std::vector<SurfacePathPoint>& path, std::size_t from,
   while (at != end) {
     const std::size_t next = forwards ? at + 1 : at - 1;
     turn += turn_between(path[at], path[next]);
-    if (turn > kMostTurn_rad) {
+    if (turn > kMaxTurn_rad) {
       break;
     }
     at = next;

@@ -16,9 +16,9 @@ constexpr double kMargin = 0.25;     ///< how far over the surface flanks go on,
 constexpr double kLastMargin = 0.8;  ///< where the tool ends, share of the margin
 constexpr double kSagShare = 0.05;   ///< of the depth that a chord may differ from a bent path
 constexpr double kWarpShare = 0.2;   ///< of the width that a side of a twisted slab may warp
-constexpr int kMostSlabs = 1000;
+constexpr int kMaxSlabs = 1000;
 constexpr double kTightBend = 0.1;  ///< size of the tool over the path's radius, see is_tight()
-constexpr double kLeastStep = 0.1;  ///< of the step that remains between neighbouring sections
+constexpr double kMinStep = 0.1;    ///< of the step that remains between neighbouring sections
 
 /// Points (across, height) of one section, counter-clockwise seen against the tangent: the lower
 /// side from left to right, then right wall, tip, left wall.
@@ -55,7 +55,7 @@ int number_of_slabs(const LineTool& shape, const LineFrames& frames) {
     const double twist_step = kWarpShare * shape.width_mm / (bend * height);
     needed = std::max(needed, shape.length_mm / std::min(sag_step, twist_step));
   }
-  needed = std::min<double>(kMostSlabs, needed);
+  needed = std::min<double>(kMaxSlabs, needed);
   return 2 * std::max(4, static_cast<int>(std::ceil(0.5 * needed)));
 }
 
@@ -179,11 +179,11 @@ bool are_in_order(const std::vector<Eigen::Vector3d>& points,
   for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
     const LineFrame& a = frames[i];
     const LineFrame& b = frames[i + 1];
-    const double least = kLeastStep * (b.point_mm - a.point_mm).norm();
+    const double minimum = kMinStep * (b.point_mm - a.point_mm).norm();
     for (std::size_t j = 0; j < per_section; ++j) {
       const Eigen::Vector3d& p = points[i * per_section + j];
       const Eigen::Vector3d& q = points[(i + 1) * per_section + j];
-      if ((b.point_mm - p).dot(b.tangent) < least || (q - a.point_mm).dot(a.tangent) < least) {
+      if ((b.point_mm - p).dot(b.tangent) < minimum || (q - a.point_mm).dot(a.tangent) < minimum) {
         return false;
       }
     }

@@ -11,7 +11,7 @@
 namespace glint {
 namespace {
 
-constexpr double kMostSlabs = 400.0;
+constexpr double kMaxSlabs = 400.0;
 
 /// Cuts every triangle that a plane x = const crosses; shared edges get one point.
 class PlaneCut {
@@ -96,7 +96,7 @@ TriangleMesh bent_along(const TriangleMesh& mesh,
   if (!frames.is_straight()) {
     const BoundingBox box = bounding_box(mesh);
     const double length = box.size_mm().x();
-    const int slabs = static_cast<int>(std::ceil(std::min(kMostSlabs, length / step_mm)));
+    const int slabs = static_cast<int>(std::ceil(std::min(kMaxSlabs, length / step_mm)));
     for (int i = 1; i < slabs; ++i) {
       PlaneCut(bent, box.min_mm.x() + length * i / slabs, 1e-6 * length / slabs).run();
     }

@@ -15,8 +15,8 @@ namespace {
 /// How far over the surface the shape below it goes on, as a share of depth or radius.
 constexpr double kMargin = 0.25;
 constexpr int kProfilePoints = 1000;
-constexpr double kLeastFactor = 0.25;  ///< limits of the noise's factor on a point's distance
-constexpr double kMostFactor = 2.5;
+constexpr double kMinFactor = 0.25;  ///< limits of the noise's factor on a point's distance
+constexpr double kMaxFactor = 2.5;
 
 /// A tool as a stack of rings about the z axis: ring k of 0..n has 6 k points, ring n + 1 is the
 /// upper end of the wall with 6 n, the last point is the roof's tip.
@@ -163,7 +163,7 @@ std::vector<double> moves(const RoundTool& shape,
   }
   standardise(values);
   for (double& value : values) {
-    value = std::clamp(shape.roughness * value, kLeastFactor - 1.0, kMostFactor - 1.0);
+    value = std::clamp(shape.roughness * value, kMinFactor - 1.0, kMaxFactor - 1.0);
   }
   return values;
 }

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint64_t kChooseIndex = 0x746f6f6d00;  ///< draws of a defect's seed: which tool
 constexpr double kSlabShare = 1.0 / 64.0;             ///< of the length of an own tool that is bent
-constexpr double kMostBend = 0.5;                     ///< of a round tool, times its radius
+constexpr double kMaxBend = 0.5;                      ///< of a round tool, times its radius
 
 /// Pits are rougher than their setting, of features a little larger.
 constexpr double kPitRoughness = 1.2;
@@ -77,7 +77,7 @@ TriangleMesh placed_soundly(const TriangleMesh& mesh,
                             const Defect& defect,
                             SurfaceBend bend,
                             bool stands_any_bend) {
-  const double limit = 2.0 * kMostBend / defect.diameter_mm;
+  const double limit = 2.0 * kMaxBend / defect.diameter_mm;
   bend.along_per_mm = std::clamp(bend.along_per_mm, -limit, limit);
   bend.across_per_mm = std::clamp(bend.across_per_mm, -limit, limit);
   const bool is_flat = bend.along_per_mm == 0.0 && bend.across_per_mm == 0.0;
@@ -93,7 +93,9 @@ TriangleMesh placed_soundly(const TriangleMesh& mesh,
 }
 
 /// An own tool of a line, bent with the smallest smoothing of the path that keeps it sound.
-TriangleMesh bent_own_tool(const OwnTool& tool, const Defect& defect, const LineFrames& frames) {
+TriangleMesh bent_custom_tool(const CustomTool& tool,
+                              const Defect& defect,
+                              const LineFrames& frames) {
   const double length = std::min(defect.length_mm, 2.0 * frames.half_length_mm() / 1.01);
   TriangleMesh mesh = scaled_tool(tool.mesh,
                                   {.along_mm = length,
@@ -151,7 +153,8 @@ double path_bend(std::span<const SurfacePathPoint> path) {
 ToolCollection::ToolCollection(std::string group_name, const DefectGroup& group)
     : name_(std::move(group_name)), group_(group) {
   if (!group.tool_folder.empty()) {
-    own_tools_ = read_own_tools(fmt::format("defects.{}.tool_folder", name_), group.tool_folder);
+    custom_tools_ =
+        read_custom_tools(fmt::format("defects.{}.tool_folder", name_), group.tool_folder);
   }
 }
 
@@ -160,7 +163,7 @@ std::vector<std::string> ToolCollection::names() const {
     return {std::string(type_name(group_.type))};
   }
   std::vector<std::string> all;
-  for (const OwnTool& tool : own_tools_) {
+  for (const CustomTool& tool : custom_tools_) {
     all.push_back(tool.name);
   }
   return all;
@@ -173,10 +176,11 @@ std::string ToolCollection::choose(std::uint64_t defect_seed) const {
   return all[std::min(all.size() - 1, static_cast<std::size_t>(share))];
 }
 
-const OwnTool& ToolCollection::own_tool(const std::string& name) const {
-  const auto found = std::find_if(
-      own_tools_.begin(), own_tools_.end(), [&](const OwnTool& tool) { return tool.name == name; });
-  if (found == own_tools_.end()) {
+const CustomTool& ToolCollection::custom_tool(const std::string& name) const {
+  const auto found = std::find_if(custom_tools_.begin(),
+                                  custom_tools_.end(),
+                                  [&](const CustomTool& tool) { return tool.name == name; });
+  if (found == custom_tools_.end()) {
     throw ConfigError("defects." + name_, fmt::format("has no tool \"{}\"", name));
   }
   return *found;
@@ -189,7 +193,7 @@ TriangleMesh ToolCollection::tool(const Defect& defect,
   if (is_line(defect.type)) {
     const LineFrames frames(path, defect.place);
     return is_procedural() ? line_tool(line_shape(defect, group_), frames)
-                           : bent_own_tool(own_tool(defect.tool), defect, frames);
+                           : bent_custom_tool(custom_tool(defect.tool), defect, frames);
   }
   const bool is_bump = defect.type == DefectType::kBump;
   const RoundTool shape = round_shape(defect, group_);
@@ -197,7 +201,7 @@ TriangleMesh ToolCollection::tool(const Defect& defect,
   if (is_procedural()) {
     mesh = round_tool(shape);
   } else {
-    const OwnTool& own = own_tool(defect.tool);
+    const CustomTool& own = custom_tool(defect.tool);
     mesh = scaled_tool(is_bump ? upside_down(own.mesh) : own.mesh,
                        {.across_mm = defect.diameter_mm, .depth_mm = defect.depth_mm});
   }
@@ -213,7 +217,7 @@ std::vector<TriangleMesh> ToolCollection::samples(int n, std::uint64_t seed) con
     Defect defect = sample_defect(group_, share, seed + static_cast<std::uint64_t>(i));
     defect.tool = is_procedural()
                       ? std::string(type_name(group_.type))
-                      : own_tools_[static_cast<std::size_t>(i) % own_tools_.size()].name;
+                      : custom_tools_[static_cast<std::size_t>(i) % custom_tools_.size()].name;
     meshes.push_back(tool(defect));
   }
   return meshes;

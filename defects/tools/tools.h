@@ -12,7 +12,7 @@
 
 #include "defects/definition/defect.h"
 #include "defects/definition/defect_settings.h"
-#include "defects/tools/own_tools.h"
+#include "defects/tools/custom_tools.h"
 #include "simulator/geometry/mesh/triangle_mesh.h"
 #include "simulator/geometry/surface/surface_path.h"
 
@@ -37,7 +37,7 @@ class ToolCollection {
   ///         both below and above its z = 0
   ToolCollection(std::string group_name, const DefectGroup& group);
 
-  bool is_procedural() const { return own_tools_.empty(); }
+  bool is_procedural() const { return custom_tools_.empty(); }
 
   /// False for bumps.
   bool works_inwards() const { return group_.type != DefectType::kBump; }
@@ -71,11 +71,11 @@ class ToolCollection {
   std::vector<TriangleMesh> samples(int n, std::uint64_t seed) const;
 
  private:
-  const OwnTool& own_tool(const std::string& name) const;
+  const CustomTool& custom_tool(const std::string& name) const;
 
   std::string name_;
   DefectGroup group_;
-  std::vector<OwnTool> own_tools_;
+  std::vector<CustomTool> custom_tools_;
 };
 
 }  // namespace glint

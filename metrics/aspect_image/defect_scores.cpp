@@ -95,12 +95,12 @@ double rms_contrast(const ImageF& image, const DefectPixels& defect, double floo
 double mark_changed(const ImageF& image,
                     const std::vector<std::size_t>& pixels,
                     const std::vector<float>& flawless,
-                    double least_change,
+                    double change_threshold,
                     std::vector<bool>& has_changed) {
   double marked = 0.0;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const auto value = static_cast<double>(image.values()[pixels[i]]);
-    if (std::abs(value - static_cast<double>(flawless[i])) >= least_change) {
+    if (std::abs(value - static_cast<double>(flawless[i])) >= change_threshold) {
       has_changed[i] = true;
     }
     marked += has_changed[i] ? 1.0 : 0.0;
@@ -232,13 +232,13 @@ DefectSummary summarise(std::span<const DefectScores> scores) {
 
 BestFrames::BestFrames(std::span<const DefectPixels> defects,
                        double mean_floor,
-                       double least_change)
+                       double change_threshold)
     : defects_(defects),
       mean_floor_(mean_floor),
-      least_change_(least_change),
+      change_threshold_(change_threshold),
       best_(defects.size()) {
   GLINT_CHECK(mean_floor > 0.0, "a floor of zero divides by zero");
-  GLINT_CHECK(least_change > 0.0, "no change at all is no change");
+  GLINT_CHECK(change_threshold > 0.0, "no change at all is no change");
   for (const DefectPixels& defect : defects) {
     has_changed_.emplace_back(defect.inside.size());
   }
@@ -259,8 +259,9 @@ void BestFrames::add(const ImageF& frame, std::span<const std::vector<float>> fl
     if (!flawless.empty()) {
       const std::vector<std::size_t>& inside = defects_[k].inside;
       best.change = std::max(best.change, mean_change(frame, inside, flawless[k]));
-      best.union_area = mark_changed(frame, inside, flawless[k], least_change_, has_changed_[k]) /
-                        defects_[k].area_px;
+      best.union_area =
+          mark_changed(frame, inside, flawless[k], change_threshold_, has_changed_[k]) /
+          defects_[k].area_px;
     }
   }
   ++frames_;

@@ -84,10 +84,10 @@ class BestFrames {
  public:
   /// @param defects       must outlive this object
   /// @param mean_floor    > 0; denominator of the contrast where the background is darker
-  /// @param least_change  > 0; of a pixel in one frame, share of full scale; below it is noise
+  /// @param change_threshold  > 0; of a pixel in one frame, share of full scale; below it is noise
   explicit BestFrames(std::span<const DefectPixels> defects,
                       double mean_floor = 0.01,
-                      double least_change = 0.02);
+                      double change_threshold = 0.02);
 
   /// Frames in scan order.
   /// @param flawless  for each defect the values its own pixels (DefectPixels::inside, in their
@@ -108,7 +108,7 @@ class BestFrames {
  private:
   std::span<const DefectPixels> defects_;
   double mean_floor_;
-  double least_change_;
+  double change_threshold_;
   int frames_ = 0;
   std::vector<std::vector<bool>> has_changed_;  ///< for each defect, of its own pixels
   std::vector<Best> best_;

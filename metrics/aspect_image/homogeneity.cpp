@@ -136,8 +136,8 @@ class Percentile {
       all.insert(all.end(), start_of(image, block), start_of(image, block) + block.size());
     }
     const auto is_at = [&](float value) {
-      const auto least = std::ranges::count_if(all, [&](float v) { return v < value; });
-      return least <= rank && rank < least + std::ranges::count(all, value);
+      const auto minimum = std::ranges::count_if(all, [&](float v) { return v < value; });
+      return minimum <= rank && rank < minimum + std::ranges::count(all, value);
     };
     for (const float end : {bracket_.low, bracket_.high}) {
       if (is_at(end)) {
@@ -218,27 +218,27 @@ GLINT_WIDE Levels levels_of(const float* values, std::size_t count, Bracket brac
 
 struct Deviations {
   double squares = 0.0;
-  double sizes = 0.0;
+  double absolute = 0.0;
 };
 
 /// Sums of squares and sizes of the deviations from the mean.
 GLINT_WIDE Deviations deviations_from(double mean, const float* values, std::size_t count) {
   std::array<double, kLanes> squares = {};
-  std::array<double, kLanes> sizes = {};
+  std::array<double, kLanes> absolute = {};
   const std::size_t whole = count - count % kLanes;
   for (std::size_t i = 0; i < whole; i += kLanes) {
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const double deviation = static_cast<double>(values[i + lane]) - mean;
       squares[lane] += deviation * deviation;
-      sizes[lane] += std::abs(deviation);
+      absolute[lane] += std::abs(deviation);
     }
   }
   for (std::size_t i = whole; i < count; ++i) {
     const double deviation = static_cast<double>(values[i]) - mean;
     squares[0] += deviation * deviation;
-    sizes[0] += std::abs(deviation);
+    absolute[0] += std::abs(deviation);
   }
-  return {.squares = total_of(squares), .sizes = total_of(sizes)};
+  return {.squares = total_of(squares), .absolute = total_of(absolute)};
 }
 
 std::int64_t pixels_of(const Spans& spans) {
@@ -249,27 +249,27 @@ std::int64_t pixels_of(const Spans& spans) {
   return pixels;
 }
 
-GLINT_WIDE int count_from(const std::uint16_t* values, int count, int least) {
+GLINT_WIDE int count_from(const std::uint16_t* values, int count, int minimum) {
   int found = 0;
   for (int i = 0; i < count; ++i) {
-    found += static_cast<int>(values[i]) >= least ? 1 : 0;
+    found += static_cast<int>(values[i]) >= minimum ? 1 : 0;
   }
   return found;
 }
 
-double blind_share(const Image<std::uint16_t>& clipped_frames,
-                   int frames,
-                   const Spans& stretches,
-                   std::int64_t pixels) {
-  std::int64_t blind = 0;
+double saturated_share(const Image<std::uint16_t>& clipped_frames,
+                       int frames,
+                       const Spans& stretches,
+                       std::int64_t pixels) {
+  std::int64_t saturated = 0;
   for (const RowSpan& span : stretches) {
-    blind += count_from(clipped_frames.row(span.y) + span.begin, span.size(), frames);
+    saturated += count_from(clipped_frames.row(span.y) + span.begin, span.size(), frames);
   }
-  return static_cast<double>(blind) / static_cast<double>(pixels);
+  return static_cast<double>(saturated) / static_cast<double>(pixels);
 }
 
 /// In one more sweep over the region.
-double percentile_evenness(const ImageF& aspect, const Spans& stretches, std::int64_t pixels) {
+double percentile_uniformity(const ImageF& aspect, const Spans& stretches, std::int64_t pixels) {
   std::vector<float> sample = sample_of(aspect, stretches);
   Percentile p5(sample, 0.05);
   Percentile p95(sample, 0.95);
@@ -299,7 +299,7 @@ Deviations deviations_from(double mean, const ImageF& image, const Spans& stretc
     const Deviations part =
         deviations_from(mean, start_of(image, span), static_cast<std::size_t>(span.size()));
     total.squares += part.squares;
-    total.sizes += part.sizes;
+    total.absolute += part.absolute;
   }
   return total;
 }
@@ -326,7 +326,7 @@ Homogeneity homogeneity(const ImageF& aspect,
   result.lit_share = static_cast<double>(pixels - levels.split.to_low) / count;
   result.clipped_share = clipped_frames.empty()
                              ? static_cast<double>(pixels - levels.split.below_high) / count
-                             : blind_share(clipped_frames, frames, stretches, pixels);
+                             : saturated_share(clipped_frames, frames, stretches, pixels);
   if (!(result.mean > 0.0)) {
     result.h_rms = -std::sqrt(count);
     result.h_abs = -1.0;
@@ -337,9 +337,9 @@ Homogeneity homogeneity(const ImageF& aspect,
   }
   const Deviations total = deviations_from(result.mean, aspect, stretches);
   result.h_rms = 1.0 - std::sqrt(total.squares / count) / result.mean;
-  result.h_abs = 1.0 - total.sizes / count / result.mean;
+  result.h_abs = 1.0 - total.absolute / count / result.mean;
   if (wants_robust) {
-    result.robust = percentile_evenness(aspect, stretches, pixels);
+    result.robust = percentile_uniformity(aspect, stretches, pixels);
   }
   return result;
 }

@@ -13,20 +13,20 @@
 
 namespace glint {
 
-/// Evenness over a region. With mean mu, standard deviation sigma (over n, not n - 1) and
+/// Uniformity over a region. With mean mu, standard deviation sigma (over n, not n - 1) and
 /// percentiles P5, P95 (nearest rank) of the region's pixels:
 struct Homogeneity {
   double h_rms = 0.0;            ///< 1 - sigma / mu; <= 1, not clamped
   double h_abs = 0.0;            ///< 1 - mean |f - mu| / mu; >= h_rms
   std::optional<double> robust;  ///< 1 - (P95 - P5) / (P95 + P5); in [0, 1]; if it was asked for
   double mean = 0.0;             ///< mu
-  double clipped_share = 0.0;    ///< pixels at full scale in every frame: blind to any defect
+  double clipped_share = 0.0;    ///< pixels at full scale in every frame: no defect can show there
   double lit_share = 0.0;        ///< pixels above the lit threshold
 };
 
 /// Scores the aspect image over a region.
 ///
-/// A black region has no evenness; so that it can win against nothing, it gets h_rms = -sqrt(n)
+/// A black region has no uniformity; so that it can win against nothing, it gets h_rms = -sqrt(n)
 /// and h_abs = -1, below every image of n pixels with any light (the worst, one lit pixel, has
 /// 1 - sqrt(n - 1) and 2 / n - 1), and robust = 0.
 ///

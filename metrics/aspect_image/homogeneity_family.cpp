@@ -173,7 +173,7 @@ Moments moments_of(const ImageF& image, const ImageF& other, const Spans& spans)
 }
 
 /// 1 - standard deviation / mean; -sqrt(n) for a black one.
-double evenness(const ImageF& image, const Spans& spans) {
+double uniformity(const ImageF& image, const Spans& spans) {
   double count = 0.0;
   for (const RowSpan& span : spans) {
     count += span.size();
@@ -182,10 +182,10 @@ double evenness(const ImageF& image, const Spans& spans) {
   return moments.mean > 0.0 ? 1.0 - std::sqrt(moments.variance) / moments.mean : -std::sqrt(count);
 }
 
-double residual_evenness(const ImageF& aspect,
-                         const Mask& region,
-                         const Spans& spans,
-                         double sigma_px) {
+double residual_uniformity(const ImageF& aspect,
+                           const Mask& region,
+                           const Spans& spans,
+                           double sigma_px) {
   ImageF ratio = shading_of(aspect, region, sigma_px);
   for (const RowSpan& span : spans) {
     for (int x = span.begin; x < span.end; ++x) {
@@ -193,7 +193,7 @@ double residual_evenness(const ImageF& aspect,
       value = value > 0.0F ? aspect(x, span.y) / value : 0.0F;
     }
   }
-  return evenness(ratio, spans);
+  return uniformity(ratio, spans);
 }
 
 /// Of the variance, by a Gaussian whose response is one half at 1 / (4 diameters):
@@ -330,12 +330,12 @@ double worst_region(const ImageF& aspect, const Mask& region, int tiles) {
         pixels += span.size();
       }
       if (pixels > 0 && 4 * pixels >= std::int64_t{tile.width()} * tile.height()) {
-        const double of_tile = evenness(aspect, inside);
+        const double of_tile = uniformity(aspect, inside);
         worst = std::min(worst.value_or(of_tile), of_tile);
       }
     }
   }
-  return worst ? *worst : evenness(aspect, spans);
+  return worst ? *worst : uniformity(aspect, spans);
 }
 
 std::optional<double> fringe_ripple(const ImageF& aspect, const Mask& region, double period_px) {
@@ -369,7 +369,7 @@ HomogeneityFamily homogeneity_family(const ImageF& aspect,
   const Spans spans = spans_of(region);
   HomogeneityFamily family;
   family.u0 = smallest_over_mean(aspect, region);
-  family.residual = residual_evenness(
+  family.residual = residual_uniformity(
       aspect, region, spans, settings.shading_diameters * scales.defect_diameter_px);
   family.low_share = low_share(aspect, region, spans, scales.defect_diameter_px);
   family.high_share = 1.0 - family.low_share;

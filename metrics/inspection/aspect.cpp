@@ -16,17 +16,17 @@ namespace glint {
 namespace {
 
 constexpr int kRowsPerBand = 16;
-constexpr std::size_t kMostFrames = 65536;  // sums of 16-bit codes fit into 32 bits
+constexpr std::size_t kMaxFrames = 65536;  // sums of 16-bit codes fit into 32 bits
 
 template <class T>
 void check_frames(std::span<const Image<T>> frames) {
   if (frames.empty()) {
     throw ConfigError("images", "the sequence has no image, at least one is needed");
   }
-  if (frames.size() > kMostFrames) {
+  if (frames.size() > kMaxFrames) {
     throw ConfigError(
         "images",
-        fmt::format("{} images are too many, at most {} are allowed", frames.size(), kMostFrames));
+        fmt::format("{} images are too many, at most {} are allowed", frames.size(), kMaxFrames));
   }
   const Image<T>& first = frames[0];
   if (first.empty()) {

@@ -42,12 +42,12 @@ struct Limits {
 Limits limits_of(double threshold, Polarity polarity) {
   GLINT_CHECK(threshold > 0.0, "a threshold must be positive");
   constexpr float kNever = std::numeric_limits<float>::infinity();
-  auto least = static_cast<float>(threshold);
-  if (static_cast<double>(least) < threshold) {
-    least = std::nextafter(least, kNever);
+  auto minimum = static_cast<float>(threshold);
+  if (static_cast<double>(minimum) < threshold) {
+    minimum = std::nextafter(minimum, kNever);
   }
-  return {.low = polarity == Polarity::kBright ? -kNever : -least,
-          .high = polarity == Polarity::kDark ? kNever : least};
+  return {.low = polarity == Polarity::kBright ? -kNever : -minimum,
+          .high = polarity == Polarity::kDark ? kNever : minimum};
 }
 
 void add_runs(const float* row, int y, int width, Limits limits, std::vector<Run>& runs) {

@@ -155,12 +155,12 @@ double too_low(const Inspector& inspector,
                std::int64_t allowed,
                ThreadPool& pool) {
   constexpr double kStep = 0.9;
-  for (double size = largest_size(responses); size > inspector.least_threshold(); size *= kStep) {
+  for (double size = largest_size(responses); size > inspector.min_threshold(); size *= kStep) {
     if (count_blobs(inspector, responses, size, pool) > allowed) {
       return size;
     }
   }
-  return inspector.least_threshold();
+  return inspector.min_threshold();
 }
 
 }  // namespace
@@ -174,10 +174,10 @@ double threshold_for(const Inspector& inspector,
   }
   GLINT_CHECK(false_alarms_per_picture >= 0.0, "a rate is not negative");
   const InspectionSettings& settings = inspector.settings();
-  const double most = false_alarms_per_picture * static_cast<double>(responses.size());
+  const double maximum = false_alarms_per_picture * static_cast<double>(responses.size());
   constexpr double kCountless = 1e15;
   const auto allowed =
-      static_cast<std::int64_t>(std::floor(std::min(most, kCountless) + 1e-9));  // 0.1 * 30 is 3
+      static_cast<std::int64_t>(std::floor(std::min(maximum, kCountless) + 1e-9));  // 0.1 * 30 is 3
   const double low = too_low(inspector, responses, allowed, pool);
   const std::vector<Pixel> pixels = pixels_from(responses, low, settings.polarity);
   const ImageF& first = responses.front();
@@ -187,11 +187,11 @@ double threshold_for(const Inspector& inspector,
     const bool is_last_of_size = i + 1 == pixels.size() || pixels[i + 1].size < pixels[i].size;
     if (is_last_of_size && blobs.count() > allowed) {
       constexpr float kUp = std::numeric_limits<float>::infinity();
-      return std::max(inspector.least_threshold(),
+      return std::max(inspector.min_threshold(),
                       static_cast<double>(std::nextafter(pixels[i].size, kUp)));
     }
   }
-  return inspector.least_threshold();
+  return inspector.min_threshold();
 }
 
 }  // namespace glint

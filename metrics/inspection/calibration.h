@@ -12,7 +12,7 @@
 namespace glint {
 
 /// The smallest threshold from which on flawless pictures have at most so many blobs each, on
-/// average: exact to the last bit of a float. At least the inspector's least_threshold().
+/// average: exact to the last bit of a float. At least the inspector's min_threshold().
 /// @param responses  of flawless pictures, at least one
 /// @throws ConfigError for none
 double threshold_for(const Inspector& inspector,

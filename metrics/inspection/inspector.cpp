@@ -155,17 +155,17 @@ double Inspector::noise(const ImageF& response, ThreadPool& pool) const {
 
 double Inspector::threshold_at(double noise, std::optional<double> calibrated) const {
   if (settings_.threshold == Threshold::kNoise) {
-    return std::max(least_threshold(), settings_.threshold_sigmas * noise);
+    return std::max(min_threshold(), settings_.threshold_sigmas * noise);
   }
   if (settings_.threshold == Threshold::kFixed) {
-    return std::max(least_threshold(), settings_.threshold_grey);
+    return std::max(min_threshold(), settings_.threshold_grey);
   }
   if (!calibrated.has_value()) {
     throw ConfigError("inspection.threshold",
                       "false_alarms needs pictures of flawless parts to be calibrated "
                       "with, allowed without them are fixed and noise");
   }
-  return std::max(least_threshold(), *calibrated);
+  return std::max(min_threshold(), *calibrated);
 }
 
 double Inspector::threshold(const ImageF& response, std::optional<double> calibrated) const {

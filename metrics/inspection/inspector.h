@@ -56,7 +56,7 @@ struct Inspection {
 inline constexpr float kLargestGrey = 1e20F;
 
 /// Thresholds below this share of full scale would list the rounding of flat pictures.
-inline constexpr double kLeastThreshold = 1e-5;
+inline constexpr double kMinThreshold = 1e-5;
 
 /// Inspects pictures of one size and one mask; what depends on these alone is made once. Immutable;
 /// may be shared between threads. Results are the same bytes for any number of threads.
@@ -79,14 +79,14 @@ class Inspector {
   /// Response of a scan's frames, for all filters (phase needs the frames).
   ImageF response(std::span<const ImageF> frames, ThreadPool& pool) const;
 
-  /// The threshold for a response: fixed or by its own noise, but at least least_threshold(). On
+  /// The threshold for a response: fixed or by its own noise, but at least min_threshold(). On
   /// the calling thread alone.
   /// @param calibrated  of threshold = "false_alarms", from threshold_for(); else ignored
   /// @throws ConfigError when it is missing
   double threshold(const ImageF& response, std::optional<double> calibrated = {}) const;
 
-  /// The lower bound of thresholds: kLeastThreshold, more for filters that amplify rounding.
-  double least_threshold() const { return kLeastThreshold * filter_.amplification(); }
+  /// The lower bound of thresholds: kMinThreshold, more for filters that amplify rounding.
+  double min_threshold() const { return kMinThreshold * filter_.amplification(); }
 
   /// The response's robust standard deviation over the region.
   double noise(const ImageF& response, ThreadPool& pool) const;

@@ -22,18 +22,18 @@
 namespace glint {
 namespace {
 
-constexpr std::size_t kFigures = 4;
-using Figures = std::array<double, kFigures>;  // holes: biggest, sum; scratches: biggest, sum
-using Parts = std::vector<Figures>;
+constexpr std::size_t kMeasures = 4;
+using Measures = std::array<double, kMeasures>;  // holes: biggest, sum; scratches: biggest, sum
+using Parts = std::vector<Measures>;
 
 constexpr std::int64_t kBudget = 200'000'000;  // looks at a part; about half a second
 
-Figures figures_of(const LabelledPart& part) {
+Measures measures_of(const LabelledPart& part) {
   return {part.holes.biggest, part.holes.sum, part.scratches.biggest, part.scratches.sum};
 }
 
-bool is_inside(const Figures& part, const Figures& limits) {
-  for (std::size_t i = 0; i < kFigures; ++i) {
+bool is_inside(const Measures& part, const Measures& limits) {
+  for (std::size_t i = 0; i < kMeasures; ++i) {
     if (part[i] > limits[i]) {
       return false;
     }
@@ -41,27 +41,27 @@ bool is_inside(const Figures& part, const Figures& limits) {
   return true;
 }
 
-int count_inside(const Parts& parts, const Figures& limits) {
+int count_inside(const Parts& parts, const Measures& limits) {
   return static_cast<int>(
-      std::ranges::count_if(parts, [&](const Figures& part) { return is_inside(part, limits); }));
+      std::ranges::count_if(parts, [&](const Measures& part) { return is_inside(part, limits); }));
 }
 
-int count_wrong(const Parts& good, const Parts& bad, const Figures& limits) {
+int count_wrong(const Parts& good, const Parts& bad, const Measures& limits) {
   return static_cast<int>(good.size()) - count_inside(good, limits) + count_inside(bad, limits);
 }
 
-Figures larger_of(const Figures& a, const Figures& b) {
-  Figures larger;
+Measures larger_of(const Measures& a, const Measures& b) {
+  Measures larger;
   std::ranges::transform(a, b, larger.begin(), [](double x, double y) { return std::max(x, y); });
   return larger;
 }
 
 /// The distinct values of a figure that are above the floor, downwards, then the floor.
-std::vector<double> values_of(const Parts& parts, std::size_t figure, double floor) {
+std::vector<double> values_of(const Parts& parts, std::size_t measure, double floor) {
   std::vector<double> values = {floor};
-  for (const Figures& part : parts) {
-    if (part[figure] > floor) {
-      values.push_back(part[figure]);
+  for (const Measures& part : parts) {
+    if (part[measure] > floor) {
+      values.push_back(part[measure]);
     }
   }
   std::ranges::sort(values, std::greater<>());
@@ -69,10 +69,11 @@ std::vector<double> values_of(const Parts& parts, std::size_t figure, double flo
   return values;
 }
 
-Parts within(const Parts& parts, std::size_t figure, double limit) {
+Parts within(const Parts& parts, std::size_t measure, double limit) {
   Parts kept;
-  std::ranges::copy_if(
-      parts, std::back_inserter(kept), [&](const Figures& part) { return part[figure] <= limit; });
+  std::ranges::copy_if(parts, std::back_inserter(kept), [&](const Measures& part) {
+    return part[measure] <= limit;
+  });
   return kept;
 }
 
@@ -80,15 +81,15 @@ Parts within(const Parts& parts, std::size_t figure, double limit) {
 class BoxSearch {
  public:
   /// Is given limits and their number wrong, returns how many may be wrong from now on.
-  using Visit = std::function<int(const Figures&, int)>;
+  using Visit = std::function<int(const Measures&, int)>;
 
-  BoxSearch(const Figures& floor, Visit visit, std::int64_t& budget)
+  BoxSearch(const Measures& floor, Visit visit, std::int64_t& budget)
       : floor_(floor), visit_(std::move(visit)), budget_(&budget) {}
 
   /// @param minded  parts that count as nothing here, but whose being inside may cost elsewhere
   void run(const Parts& good, const Parts& bad, const Parts& minded, int allowed) {
     allowed_ = allowed;
-    const Figures start = improved(good, bad);
+    const Measures start = improved(good, bad);
     allowed_ = visit_(start, count_wrong(good, bad, start));
     branch(0, floor_, {.good = good, .bad = bad, .minded = minded}, 0);
   }
@@ -96,21 +97,21 @@ class BoxSearch {
  private:
   /// One limit after the other at its best, from around all good parts, until none gets better: a
   /// number wrong near the least makes the search short.
-  Figures improved(const Parts& good, const Parts& bad) const {
-    Figures limits = floor_;
-    for (const Figures& part : good) {
+  Measures improved(const Parts& good, const Parts& bad) const {
+    Measures limits = floor_;
+    for (const Measures& part : good) {
       limits = larger_of(limits, part);
     }
-    int least = count_wrong(good, bad, limits);
+    int minimum = count_wrong(good, bad, limits);
     for (bool is_better = true; is_better;) {
       is_better = false;
-      for (std::size_t i = 0; i < kFigures; ++i) {
-        Figures trial = limits;
+      for (std::size_t i = 0; i < kMeasures; ++i) {
+        Measures trial = limits;
         for (const double value : values_of(good, i, floor_[i])) {
           trial[i] = value;
           const int wrong = count_wrong(good, bad, trial);
-          if (wrong < least) {
-            least = wrong;
+          if (wrong < minimum) {
+            minimum = wrong;
             limits = trial;
             is_better = true;
           }
@@ -129,34 +130,34 @@ class BoxSearch {
     std::size_t unwanted() const { return bad.size() + minded.size(); }
   };
 
-  void branch(std::size_t figure, Figures limits, const Inside& inside, int lost) {
+  void branch(std::size_t measure, Measures limits, const Inside& inside, int lost) {
     *budget_ -= static_cast<std::int64_t>(inside.good.size() + inside.unwanted() + 1);
     if (*budget_ < 0) {
       return;
     }
-    if (figure == kFigures) {
+    if (measure == kMeasures) {
       allowed_ = visit_(limits, lost + static_cast<int>(inside.bad.size()));
       return;
     }
     std::size_t unwanted_before = std::numeric_limits<std::size_t>::max();
-    for (const double value : values_of(inside.good, figure, floor_[figure])) {
-      Inside then{.good = within(inside.good, figure, value)};
+    for (const double value : values_of(inside.good, measure, floor_[measure])) {
+      Inside then{.good = within(inside.good, measure, value)};
       const int lost_then = lost + static_cast<int>(inside.good.size() - then.good.size());
       if (lost_then > allowed_ || unwanted_before == 0) {
         return;
       }
-      then.bad = within(inside.bad, figure, value);
-      then.minded = within(inside.minded, figure, value);
+      then.bad = within(inside.bad, measure, value);
+      then.minded = within(inside.minded, measure, value);
       if (then.unwanted() == unwanted_before) {
         continue;  // loses good parts for nothing
       }
       unwanted_before = then.unwanted();
-      limits[figure] = value;
-      branch(figure + 1, limits, then, lost_then);
+      limits[measure] = value;
+      branch(measure + 1, limits, then, lost_then);
     }
   }
 
-  Figures floor_;
+  Measures floor_;
   Visit visit_;
   std::int64_t* budget_;
   int allowed_ = 0;
@@ -164,22 +165,22 @@ class BoxSearch {
 
 /// Where limits may lie between the parts inside and the worse ones outside.
 struct Room {
-  Figures limits = {};
+  Measures limits = {};
   double gap = 1.0;  ///< the narrowest, as a share of a figure's largest value
 };
 
 /// Each worse part is left to the figure by which it is outside most clearly, so that all limits
 /// can be raised at once and none of these parts gets in.
-Room room_above(const Figures& tight, const Parts& worse, const Figures& largest) {
-  Figures ends;
+Room room_above(const Measures& tight, const Parts& worse, const Measures& largest) {
+  Measures ends;
   ends.fill(std::numeric_limits<double>::infinity());
-  Figures farthest = tight;
-  const auto share = [&](const Figures& part, std::size_t i) {
+  Measures farthest = tight;
+  const auto share = [&](const Measures& part, std::size_t i) {
     return largest[i] > 0.0 ? (part[i] - tight[i]) / largest[i] : 0.0;
   };
-  for (const Figures& part : worse) {
+  for (const Measures& part : worse) {
     std::size_t clearest = 0;
-    for (std::size_t i = 1; i < kFigures; ++i) {
+    for (std::size_t i = 1; i < kMeasures; ++i) {
       clearest = share(part, i) > share(part, clearest) ? i : clearest;
     }
     if (part[clearest] > tight[clearest]) {
@@ -188,7 +189,7 @@ Room room_above(const Figures& tight, const Parts& worse, const Figures& largest
     farthest = larger_of(farthest, part);
   }
   Room room{.limits = tight};
-  for (std::size_t i = 0; i < kFigures; ++i) {
+  for (std::size_t i = 0; i < kMeasures; ++i) {
     const bool is_needed = std::isfinite(ends[i]);
     const double middle = std::midpoint(tight[i], is_needed ? ends[i] : farthest[i]);
     room.limits[i] = middle < ends[i] ? middle : tight[i];
@@ -205,8 +206,8 @@ Parts joined(Parts a, const Parts& b) {
 }
 
 struct Boxes {
-  Figures perfect = {};
-  Figures acceptable = {};
+  Measures perfect = {};
+  Measures acceptable = {};
   int wrong = std::numeric_limits<int>::max();
   double gap = -1.0;
 };
@@ -220,9 +221,9 @@ class LimitSearch {
  public:
   explicit LimitSearch(std::span<const LabelledPart> parts) {
     for (const LabelledPart& part : parts) {
-      const Figures figures = figures_of(part);
-      by_grade_[static_cast<std::size_t>(part.grade)].push_back(figures);
-      largest_ = larger_of(largest_, figures);
+      const Measures measures = measures_of(part);
+      by_grade_[static_cast<std::size_t>(part.grade)].push_back(measures);
+      largest_ = larger_of(largest_, measures);
     }
     worse_than_perfect_ = joined(acceptable(), rejected());
   }
@@ -230,7 +231,7 @@ class LimitSearch {
   Boxes run() {
     outer_ = best_outer({}, {}, std::numeric_limits<int>::max());
     Boxes best;
-    const auto visit = [&](const Figures& limits, int wrong) {
+    const auto visit = [&](const Measures& limits, int wrong) {
       if (wrong <= best.wrong - outer_.wrong) {
         take(limits, wrong, best);
       }
@@ -248,7 +249,7 @@ class LimitSearch {
     Boxes boxes = tight;
     boxes.acceptable = room_above(tight.acceptable, rejected(), largest_).limits;
     boxes.perfect = room_above(tight.perfect, worse_than_perfect_, largest_).limits;
-    for (std::size_t i = 0; i < kFigures; ++i) {
+    for (std::size_t i = 0; i < kMeasures; ++i) {
       boxes.perfect[i] = std::min(boxes.perfect[i], boxes.acceptable[i]);
     }
     return boxes;
@@ -262,10 +263,10 @@ class LimitSearch {
   const Parts& rejected() const { return by_grade_[2]; }
 
   /// The best box of acceptable parts around a box of perfect ones.
-  Boxes best_outer(const Figures& inner, const Boxes& start, int allowed) {
+  Boxes best_outer(const Measures& inner, const Boxes& start, int allowed) {
     Boxes best = start;
     best.wrong = std::min(best.wrong, allowed);
-    const auto visit = [&](const Figures& limits, int wrong) {
+    const auto visit = [&](const Measures& limits, int wrong) {
       const double gap = room_above(limits, rejected(), largest_).gap;
       if (is_better(wrong, gap, best)) {
         best = {.perfect = inner, .acceptable = limits, .wrong = wrong, .gap = gap};
@@ -277,8 +278,8 @@ class LimitSearch {
     return best;
   }
 
-  void take(const Figures& inner, int wrong_inner, Boxes& best) {
-    const Figures around = larger_of(outer_.acceptable, inner);
+  void take(const Measures& inner, int wrong_inner, Boxes& best) {
+    const Measures around = larger_of(outer_.acceptable, inner);
     Boxes boxes{.perfect = inner,
                 .acceptable = around,
                 .wrong = count_wrong(acceptable(), rejected(), around),
@@ -296,7 +297,7 @@ class LimitSearch {
 
   std::array<Parts, 3> by_grade_;
   Parts worse_than_perfect_;
-  Figures largest_ = {};
+  Measures largest_ = {};
   Boxes outer_;
   std::int64_t budget_ = kBudget;
 };
@@ -313,8 +314,8 @@ void check_parts(std::span<const LabelledPart> parts) {
     throw ConfigError("labelled parts: there is none, at least one is needed");
   }
   for (const LabelledPart& part : parts) {
-    for (const double figure : figures_of(part)) {
-      if (!(figure >= 0.0) || !std::isfinite(figure)) {
+    for (const double measure : measures_of(part)) {
+      if (!(measure >= 0.0) || !std::isfinite(measure)) {
         throw ConfigError("labelled parts: a size is negative or no number");
       }
     }

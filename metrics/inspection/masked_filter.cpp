@@ -215,7 +215,7 @@ void MaskedFilter::add_matched(const ImageF& inside, double diameter_px) {
   const ImageF spots = convolved(inside, spot);
   const ImageF squares = convolved(inside, squared);
   const ImageF counts = convolved(inside, ones);
-  constexpr double kLeastShare = 1e-3;  // of the variance: less is a sliver that shows no spot
+  constexpr double kMinShare = 1e-3;  // of the variance: less is a sliver that shows no spot
   ImageF of_spot(inside.width(), inside.height());
   ImageF of_ones(inside.width(), inside.height());
   for (std::size_t i = 0; i < inside.size(); ++i) {
@@ -223,7 +223,7 @@ void MaskedFilter::add_matched(const ImageF& inside, double diameter_px) {
     const auto square_sum = static_cast<double>(squares.values()[i]);
     const double mean = spot_sum / std::max(1.0, static_cast<double>(counts.values()[i]));
     const double variance = square_sum - spot_sum * mean;
-    if (region_.values()[i] != 0 && variance > kLeastShare * square_sum) {
+    if (region_.values()[i] != 0 && variance > kMinShare * square_sum) {
       of_spot.values()[i] = static_cast<float>(1.0 / variance);
       of_ones.values()[i] = static_cast<float>(-mean / variance);
     }

@@ -50,8 +50,8 @@ PhaseWeights phase_weights(int frames, double periods) {
     normal += wave * wave.transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(normal);
-  const double least = 1.0 / (kLargestNoise * kLargestNoise) * 0.5 * frames;
-  if (!(solver.eigenvalues()(0) > least)) {
+  const double minimum = 1.0 / (kLargestNoise * kLargestNoise) * 0.5 * frames;
+  if (!(solver.eigenvalues()(0) > minimum)) {
     throw ConfigError(
         "phases",
         fmt::format("{} frames over {} periods do not determine mean, sine and cosine; "
@@ -227,7 +227,7 @@ ImageF phase_response(std::span<const ImageF> frames,
     for (int x = 0; x < mask.width(); ++x) {
       const float c = phasors.cosine(x, y);
       const float s = phasors.sine(x, y);
-      if (c * c + s * s >= kLeastAmplitude * kLeastAmplitude) {
+      if (c * c + s * s >= kMinAmplitude * kMinAmplitude) {
         response(x, y) = turn_between(cosine(x, y), sine(x, y), c, s);
       }
     }

@@ -27,7 +27,7 @@ struct PhaseMaps {
 PhaseMaps phase_maps(std::span<const ImageF> frames, double periods, ThreadPool& pool);
 
 /// Below this amplitude, in shares of full scale, a pixel has no phase.
-inline constexpr float kLeastAmplitude = 0.01F;
+inline constexpr float kMinAmplitude = 0.01F;
 
 /// How far a pixel's phase is from its surroundings', in periods, in [-0.5, 0.5]. Times
 /// period / (2 distance of the light) it is the slope, in rad, that the surroundings have not.

@@ -93,9 +93,9 @@ class MedianFinder {
     const auto lower = sample.begin() + static_cast<std::ptrdiff_t>(low);
     const auto upper = sample.begin() + static_cast<std::ptrdiff_t>(high);
     std::nth_element(sample.begin(), lower, sample.end());
-    const float least = *lower;
+    const float minimum = *lower;
     std::nth_element(lower, upper, sample.end());
-    return {least, *upper};
+    return {minimum, *upper};
   }
 
   Part part_of(std::size_t part_index, Reading reading, float low, float high) const {

@@ -20,9 +20,9 @@ namespace glint {
 namespace {
 
 /// Below these a direction is that of pixels and noise, not of the shape.
-constexpr double kLeastElongation = 0.01;
-constexpr double kLeastSkewness = 0.02;
-constexpr double kLeastOverlapGain = 0.002;
+constexpr double kMinElongation = 0.01;
+constexpr double kMinSkewness = 0.02;
+constexpr double kMinOverlapGain = 0.002;
 
 /// The direction of a shape's third moments: that of the mean of |z|^2 z. It turns with the shape,
 /// by whole turns.
@@ -213,14 +213,14 @@ class Matching {
     const EquivalentEllipse to = ellipse_of(to_);
     const Pointer pointer_from = pointer_of(from_);
     const Pointer pointer_to = pointer_of(to_);
-    if (std::min(from.elongation, to.elongation) < kLeastElongation) {
-      return std::min(pointer_from.strength, pointer_to.strength) < kLeastSkewness
+    if (std::min(from.elongation, to.elongation) < kMinElongation) {
+      return std::min(pointer_from.strength, pointer_to.strength) < kMinSkewness
                  ? turned(0.0, RotationRule::kNone)
                  : turned(pointer_to.angle_rad - pointer_from.angle_rad,
                           RotationRule::kThirdMoments);
     }
     const double along = to.angle_rad - from.angle_rad;
-    if (std::min(std::abs(from.skewness), std::abs(to.skewness)) < kLeastSkewness) {
+    if (std::min(std::abs(from.skewness), std::abs(to.skewness)) < kMinSkewness) {
       return better_of(along, along + kPi);
     }
     const bool is_same_end = (from.skewness > 0.0) == (to.skewness > 0.0);
@@ -248,7 +248,7 @@ class Matching {
     const ShapeMatch a = turned(a_rad, RotationRule::kOverlap);
     const ShapeMatch b = turned(b_rad, RotationRule::kOverlap);
     ShapeMatch better = b.overlap > a.overlap ? b : a;
-    if (std::abs(a.overlap - b.overlap) < kLeastOverlapGain) {
+    if (std::abs(a.overlap - b.overlap) < kMinOverlapGain) {
       better.rule = RotationRule::kEitherWay;
     }
     return better;

@@ -21,7 +21,7 @@ namespace {
 
 constexpr float kBlack = 0.02F;
 constexpr float kFull = 0.98F;
-constexpr double kLeastContrast = 0.02;
+constexpr double kMinContrast = 0.02;
 constexpr double kContrastOverNoise = 4.0;  // halves of pure noise are 1.6 deviations apart
 constexpr double kGaussianOfMedian = 1.4826;
 constexpr std::size_t kBins = 1024;
@@ -218,7 +218,7 @@ std::optional<NoSilhouette> fault_of(const Range& range) {
   if (range.low > static_cast<double>(kFull)) {
     return NoSilhouette::kSaturated;
   }
-  if (range.high - range.low < kLeastContrast) {
+  if (range.high - range.low < kMinContrast) {
     return NoSilhouette::kNoContrast;
   }
   return std::nullopt;
@@ -268,8 +268,8 @@ Silhouette find_silhouette(const ImageF& aspect) {
   }
   result.threshold = otsu_threshold(aspect, range);
   result.contrast = contrast_at(aspect, result.threshold);
-  const double least = std::max(kLeastContrast, kContrastOverNoise * noise_of(aspect));
-  result.fault = result.contrast < least ? NoSilhouette::kNoContrast : outline(aspect, result);
+  const double minimum = std::max(kMinContrast, kContrastOverNoise * noise_of(aspect));
+  result.fault = result.contrast < minimum ? NoSilhouette::kNoContrast : outline(aspect, result);
   return result;
 }
 

@@ -15,20 +15,20 @@ enum class Detectable {
 
 struct SmallestDetectable {
   Detectable result = Detectable::kNever;
-  double size = 0.0;    ///< reaches the target (kNever: the high end, which does not)
-  double figure = 0.0;  ///< there
+  double size = 0.0;       ///< reaches the target (kNever: the high end, which does not)
+  double statistic = 0.0;  ///< there
 };
 
 struct BisectionSettings {
   double relative_step = 0.01;  ///< > 0; stops when the range is this narrow
-  int most_calls = 40;          ///< >= 3; and at the latest after so many figures
+  int max_calls = 40;           ///< >= 3; and at the latest after so many figures
 };
 
 /// Bisects ln(size) between two sizes. Of a figure that does not rise throughout it finds one
 /// crossing of the target. A noisy figure must be asked with common random numbers.
-/// @param figure  of a size; d' or a probability
+/// @param statistic  of a size; d' or a probability
 /// @param low, high  0 < low < high
-SmallestDetectable smallest_detectable(const std::function<double(double)>& figure,
+SmallestDetectable smallest_detectable(const std::function<double(double)>& statistic,
                                        double low,
                                        double high,
                                        double target,

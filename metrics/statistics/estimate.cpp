@@ -33,9 +33,12 @@ double quantile_of(const std::vector<double>& sorted, double share) {
   return rest > 0.0 ? (1.0 - rest) * sorted[below] + rest * sorted[above] : sorted[below];
 }
 
-using Figure = std::function<double(std::span<const std::size_t>)>;
+using Statistic = std::function<double(std::span<const std::size_t>)>;
 
-std::vector<double> resampled(std::size_t n, const Figure& figure, int times, std::uint64_t seed) {
+std::vector<double> resampled(std::size_t n,
+                              const Statistic& statistic,
+                              int times,
+                              std::uint64_t seed) {
   std::vector<double> values;
   std::vector<std::size_t> chosen(n);
   for (int i = 0; i < times; ++i) {
@@ -43,7 +46,7 @@ std::vector<double> resampled(std::size_t n, const Figure& figure, int times, st
     for (std::size_t& index : chosen) {
       index = std::min(n - 1, static_cast<std::size_t>(rng.uniform() * static_cast<double>(n)));
     }
-    values.push_back(figure(chosen));
+    values.push_back(statistic(chosen));
     GLINT_CHECK(!std::isnan(values.back()), "a figure of some of the things is not a number");
   }
   std::sort(values.begin(), values.end());
@@ -51,7 +54,7 @@ std::vector<double> resampled(std::size_t n, const Figure& figure, int times, st
 }
 
 /// Skewness of the leave-one-out figures over 6: how the spread changes with the truth.
-double acceleration(std::size_t n, const Figure& figure) {
+double acceleration(std::size_t n, const Statistic& statistic) {
   std::vector<double> without;
   std::vector<std::size_t> rest(n - 1);
   double mean = 0.0;
@@ -59,7 +62,7 @@ double acceleration(std::size_t n, const Figure& figure) {
     for (std::size_t i = 0; i + 1 < n; ++i) {
       rest[i] = i < left_out ? i : i + 1;
     }
-    without.push_back(figure(rest));
+    without.push_back(statistic(rest));
     mean += without.back() / static_cast<double>(n);
   }
   double squares = 0.0;
@@ -123,17 +126,20 @@ Estimate mean_of(std::span<const double> values, double confidence) {
   return {.value = mean, .low = mean - half, .high = mean + half};
 }
 
-Estimate bootstrap(
-    std::size_t n, const Figure& figure, int resamples, std::uint64_t seed, double confidence) {
+Estimate bootstrap(std::size_t n,
+                   const Statistic& statistic,
+                   int resamples,
+                   std::uint64_t seed,
+                   double confidence) {
   GLINT_CHECK(n >= 2 && resamples >= 100, "at least two things and a hundred resamples");
   std::vector<std::size_t> all(n);
   for (std::size_t i = 0; i < n; ++i) {
     all[i] = i;
   }
-  const double value = figure(all);
-  const std::vector<double> sorted = resampled(n, figure, resamples, seed);
+  const double value = statistic(all);
+  const std::vector<double> sorted = resampled(n, statistic, resamples, seed);
   const double bias = median_bias(sorted, value);
-  const double bend = acceleration(n, figure);
+  const double bend = acceleration(n, statistic);
   const double z = normal_quantile(two_sided(confidence));
   const auto end = [&](double side) {
     const double from = bias + side;

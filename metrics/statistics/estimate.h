@@ -29,10 +29,10 @@ Estimate mean_of(std::span<const double> values, double confidence = 0.95);
 /// Any figure of n things, with the bias-corrected and accelerated bootstrap interval (Efron 1987).
 /// Asks for the figure 1 + resamples + n times. Below some 30 things it is too narrow.
 /// @param n          >= 2
-/// @param figure     of the things at the given indices, each in [0, n); never NaN
+/// @param statistic     of the things at the given indices, each in [0, n); never NaN
 /// @param resamples  >= 100
 Estimate bootstrap(std::size_t n,
-                   const std::function<double(std::span<const std::size_t>)>& figure,
+                   const std::function<double(std::span<const std::size_t>)>& statistic,
                    int resamples,
                    std::uint64_t seed,
                    double confidence = 0.95);

@@ -65,7 +65,7 @@ double shrinkage(const Eigen::MatrixXd& windows, const Eigen::MatrixXd& correlat
 /// (1 - s) of the covariance is estimated: with eigenvalues l it behaves like m times the truth,
 /// m = (n - 2 - sum (1 - s) l / ((1 - s) l + m s)) / (n - 1); (n - p - 2) / (n - 1) for s = 0.
 double deflation(const Eigen::VectorXd& eigenvalues, double shrunk, double count) {
-  const double least = 1.0 / count;
+  const double minimum = 1.0 / count;
   double factor = 1.0;
   for (int i = 0; i < 100; ++i) {
     double used = 0.0;
@@ -74,7 +74,7 @@ double deflation(const Eigen::VectorXd& eigenvalues, double shrunk, double count
       const double whole = kept + factor * shrunk;
       used += whole > 0.0 ? kept / whole : 0.0;
     }
-    factor = 0.5 * (factor + std::max(least, (count - 2.0 - used) / (count - 1.0)));
+    factor = 0.5 * (factor + std::max(minimum, (count - 2.0 - used) / (count - 1.0)));
   }
   return factor;
 }

@@ -4,8 +4,8 @@
 // maximum likelihood with Newton's method and halved steps (MIL-HDBK-1823A). The interval of a90
 // comes from the profile of the likelihood with Firth's penalty (D. Firth, Biometrika 80, 1993),
 // which keeps its promise from 60 trials on where the usual ones are too narrow; its ends are found
-// by regula falsi. docs/theory/statistics.md. Cost: a few hundred passes over the trials; memory for
-// one number per trial.
+// by regula falsi. docs/theory/statistics.md. Cost: a few hundred passes over the trials; memory
+// for one number per trial.
 #include "metrics/statistics/pod.h"
 
 #include <algorithm>
@@ -144,17 +144,17 @@ class Likelihood {
 
 /// A finite maximum needs a miss above a hit, and a hit above a miss.
 bool overlaps(const std::vector<Outcome>& outcomes) {
-  double least_hit = kInfinity;
-  double most_hit = -kInfinity;
-  double least_miss = kInfinity;
-  double most_miss = -kInfinity;
+  double min_hit = kInfinity;
+  double max_hit = -kInfinity;
+  double min_miss = kInfinity;
+  double max_miss = -kInfinity;
   for (const Outcome& outcome : outcomes) {
-    double& least = outcome.is_hit ? least_hit : least_miss;
-    double& most = outcome.is_hit ? most_hit : most_miss;
-    least = std::min(least, outcome.x);
-    most = std::max(most, outcome.x);
+    double& minimum = outcome.is_hit ? min_hit : min_miss;
+    double& maximum = outcome.is_hit ? max_hit : max_miss;
+    minimum = std::min(minimum, outcome.x);
+    maximum = std::max(maximum, outcome.x);
   }
-  return most_miss > least_hit && most_hit > least_miss;
+  return max_miss > min_hit && max_hit > min_miss;
 }
 
 double place_of_90(const Line& line) {
@@ -182,8 +182,8 @@ double farthest_place(Likelihood& likelihood, const Line& best, double direction
   double outside = inside + step;
   double over = beyond(outside);
   for (int doubling = 0; over < 0.0; ++doubling) {
-    constexpr int kMostDoublings = 20;
-    if (doubling == kMostDoublings) {
+    constexpr int kMaxDoublings = 20;
+    if (doubling == kMaxDoublings) {
       return std::copysign(kInfinity, direction);
     }
     inside = outside;

@@ -27,14 +27,15 @@ std::vector<double> sorted(std::span<const double> values) {
   return result;
 }
 
-double share_at_or_above(const std::vector<double>& figures, double threshold) {
-  const auto first = std::lower_bound(figures.begin(), figures.end(), threshold);
-  return static_cast<double>(figures.end() - first) / static_cast<double>(figures.size());
+double share_at_or_above(const std::vector<double>& values_of_group, double threshold) {
+  const auto first = std::lower_bound(values_of_group.begin(), values_of_group.end(), threshold);
+  return static_cast<double>(values_of_group.end() - first) /
+         static_cast<double>(values_of_group.size());
 }
 
 /// Share of the others below a figure, equal ones counted half.
-double placement(double figure, const std::vector<double>& others) {
-  const auto [first, last] = std::equal_range(others.begin(), others.end(), figure);
+double placement(double statistic, const std::vector<double>& others) {
+  const auto [first, last] = std::equal_range(others.begin(), others.end(), statistic);
   const double below = static_cast<double>(first - others.begin());
   return (below + 0.5 * static_cast<double>(last - first)) / static_cast<double>(others.size());
 }
@@ -44,18 +45,18 @@ struct Moments {
   double variance = 0.0;  ///< over n - 1; 0 for one value
 };
 
-Moments placements(const std::vector<double>& figures, const std::vector<double>& others) {
+Moments placements(const std::vector<double>& values_of_group, const std::vector<double>& others) {
   std::vector<double> places;
   Moments moments;
-  for (const double figure : figures) {
-    places.push_back(placement(figure, others));
+  for (const double statistic : values_of_group) {
+    places.push_back(placement(statistic, others));
     moments.mean += places.back();
   }
-  moments.mean /= static_cast<double>(figures.size());
+  moments.mean /= static_cast<double>(values_of_group.size());
   for (const double place : places) {
     moments.variance += (place - moments.mean) * (place - moments.mean);
   }
-  moments.variance /= std::max(static_cast<double>(figures.size()) - 1.0, 1.0);
+  moments.variance /= std::max(static_cast<double>(values_of_group.size()) - 1.0, 1.0);
   return moments;
 }
 

@@ -76,11 +76,12 @@ class Algorithm {
   /// The next point, canonical in the space; may be one it asked before. Empty: every design of a
   /// finite space has been asked.
   virtual std::optional<Point> ask() = 0;
-  /// What is known of the oldest point not told yet; slopes by unit coordinate, one per variable of
-  /// the space, when needs_gradient() and not failed. A failed one never counts as best.
+  /// What is known of the oldest point not told yet; derivatives by unit coordinate, one per
+  /// variable of the space, when needs_gradient() and not failed. A failed one never counts as
+  /// best.
   virtual void tell(const Point& point, const Answer& answer) = 0;
 
-  /// The same without slopes.
+  /// The same without gradient.
   void tell(const Point& point, double merit, bool is_failed) {
     tell(point, Answer{.merit = merit, .is_failed = is_failed, .objective = {.value = merit}});
   }

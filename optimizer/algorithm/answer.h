@@ -8,20 +8,20 @@
 namespace glint {
 
 /// A number and its derivative by each coordinate of the unit cube.
-struct Sloped {
+struct ValueWithGradient {
   double value = 0.0;
-  std::vector<double> slopes;  ///< empty: not known
+  std::vector<double> gradient;  ///< empty: not known
 };
 
 /// Smaller is better everywhere; all numbers are finite. Slopes have one entry per coordinate, 0
 /// for those that cannot be varied continuously.
 struct Answer {
-  double merit = 0.0;      ///< penalties included: all that derivative-free methods look at
-  bool is_failed = false;  ///< merit is made up then, and the rest is empty
-  Sloped objective;        ///< without penalties
+  double merit = 0.0;           ///< penalties included: all that derivative-free methods look at
+  bool is_failed = false;       ///< merit is made up then, and the rest is empty
+  ValueWithGradient objective;  ///< without penalties
   /// One per limit of the goal (optimizer/algorithm/merit.h), at most 0 where it holds. A limit
   /// that holds and whose derivative is not known counts as constant.
-  std::vector<Sloped> limits;
+  std::vector<ValueWithGradient> limits;
 };
 
 }  // namespace glint

@@ -59,27 +59,27 @@ std::vector<Limit> limits_of(const Constraint& constraint) {
 }
 
 /// factor * d(score) / d(unit coordinate); empty when not known by all that can be varied.
-std::vector<double> slopes_of(const SearchSpace& space,
-                              const Point& point,
-                              const Outcome& outcome,
-                              const std::string& score,
-                              double factor) {
+std::vector<double> gradient_of(const SearchSpace& space,
+                                const Point& point,
+                                const Outcome& outcome,
+                                const std::string& score,
+                                double factor) {
   const auto it = outcome.gradients.find(score);
   if (it == outcome.gradients.end() || it->second.size() != point.size()) {
     return {};
   }
-  std::vector<double> slopes(point.size(), 0.0);
+  std::vector<double> gradient(point.size(), 0.0);
   for (std::size_t i = 0; i < point.size(); ++i) {
-    const double scale = slope_at(space, point, i);
+    const double scale = derivative_at(space, point, i);
     if (scale == 0.0) {
       continue;
     }
     if (!std::isfinite(it->second[i])) {
       return {};
     }
-    slopes[i] = std::clamp(factor * it->second[i] * scale, -kMaxMerit, kMaxMerit);
+    gradient[i] = std::clamp(factor * it->second[i] * scale, -kMaxMerit, kMaxMerit);
   }
-  return slopes;
+  return gradient;
 }
 
 /// Names of the variables by which a derivative is needed and missing.
@@ -93,7 +93,7 @@ std::vector<std::string> missing_derivatives(const SearchSpace& space,
   std::vector<std::string> names;
   for (std::size_t i = 0; i < point.size(); ++i) {
     const bool is_known = has_gradient && std::isfinite(it->second[i]);
-    if (!is_known && slope_at(space, point, i) != 0.0) {
+    if (!is_known && derivative_at(space, point, i) != 0.0) {
       names.push_back(space.variables[i].name);
     }
   }
@@ -239,7 +239,7 @@ Answer MeritFunction::next(const Point& point, const Outcome& outcome) {
                 .objective = {.value = std::clamp(objective, -kMaxMerit, kMaxMerit)}};
   if (!outcome.gradients.empty()) {
     const double sign = goal_.objective.is_maximised ? -1.0 : 1.0;
-    answer.objective.slopes = slopes_of(space_, point, outcome, goal_.objective.name, sign);
+    answer.objective.gradient = gradient_of(space_, point, outcome, goal_.objective.name, sign);
     add_limits(point, outcome, answer);
   }
   return answer;
@@ -251,10 +251,11 @@ void MeritFunction::add_limits(const Point& point, const Outcome& outcome, Answe
     for (const Limit& limit : limits_of(constraint)) {
       const double factor = limit.sign / unit_of(limit.border);
       const double excess = factor * (score - limit.border) + limit.margin;
-      Sloped told{.value = std::clamp(excess, -kMaxViolation, kMaxViolation),
-                  .slopes = slopes_of(space_, point, outcome, constraint.name, factor)};
-      if (told.slopes.empty()) {
-        told.slopes.assign(point.size(), 0.0);
+      ValueWithGradient told{
+          .value = std::clamp(excess, -kMaxViolation, kMaxViolation),
+          .gradient = gradient_of(space_, point, outcome, constraint.name, factor)};
+      if (told.gradient.empty()) {
+        told.gradient.assign(point.size(), 0.0);
         told.value = std::min(told.value, 0.0);
       }
       answer.limits.push_back(std::move(told));

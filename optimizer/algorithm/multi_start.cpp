@@ -79,25 +79,27 @@ void MultiStart::tell(const Point& point, const Answer& answer) {
   }
 }
 
-/// The answer with the slopes by the run's own variables only, as far as its method looks at them.
+/// The answer with the derivatives by the run's own variables only, as far as its method looks at
+/// them.
 Answer MultiStart::answer_for(const Slot& slot, const Answer& answer) const {
   Answer result{.merit = answer.merit, .is_failed = answer.is_failed};
   if (!is_gradient_method(plan_.method) || answer.is_failed) {
     return result;
   }
-  const auto picked = [&slot, this](const std::vector<double>& slopes) {
-    GLINT_CHECK(slopes.size() == space_.variables.size(), "told with one derivative per variable");
+  const auto picked = [&slot, this](const std::vector<double>& gradient) {
+    GLINT_CHECK(gradient.size() == space_.variables.size(),
+                "told with one derivative per variable");
     std::vector<double> own;
     for (const std::size_t variable : slot.variable) {
-      own.push_back(slopes[variable]);
+      own.push_back(gradient[variable]);
     }
     return own;
   };
   GLINT_CHECK(answer.limits.size() == static_cast<std::size_t>(plan_.num_limits),
               "told with as many limits as announced");
-  result.objective = {answer.objective.value, picked(answer.objective.slopes)};
-  for (const Sloped& limit : answer.limits) {
-    result.limits.push_back({limit.value, picked(limit.slopes)});
+  result.objective = {answer.objective.value, picked(answer.objective.gradient)};
+  for (const ValueWithGradient& limit : answer.limits) {
+    result.limits.push_back({limit.value, picked(limit.gradient)});
   }
   return result;
 }

@@ -120,10 +120,10 @@ class Bridge {
     if (!is_gradient_) {
       return answer.merit;
     }
-    const Sloped& told = answer.objective;
+    const ValueWithGradient& told = answer.objective;
     if (gradient != nullptr) {
       std::ranges::transform(
-          told.slopes, gradient, [this](double slope) { return scale_ * slope; });
+          told.gradient, gradient, [this](double derivative) { return scale_ * derivative; });
     }
     return scale_ * told.value;
   }
@@ -131,10 +131,10 @@ class Bridge {
   void limits(const double* x, double* values, double* gradients) {
     const Answer& answer = answer_at(x);
     for (std::size_t i = 0; i < answer.limits.size(); ++i) {
-      const Sloped& limit = answer.limits[i];
+      const ValueWithGradient& limit = answer.limits[i];
       values[i] = limit.value;
       if (gradients != nullptr) {
-        std::ranges::copy(limit.slopes, gradients + i * limit.slopes.size());
+        std::ranges::copy(limit.gradient, gradients + i * limit.gradient.size());
       }
     }
   }
@@ -185,8 +185,8 @@ class Bridge {
   /// The first step of a method is its gradient: now as long as the run's initial step.
   void set_scale() {
     double steepest = 0.0;
-    for (const double slope : answer_.objective.slopes) {
-      steepest = std::max(steepest, std::abs(slope));
+    for (const double derivative : answer_.objective.gradient) {
+      steepest = std::max(steepest, std::abs(derivative));
     }
     scale_ = steepest > 0.0 ? std::min(run_.initial_step / steepest, kMaxScale) : 1.0;
   }
@@ -200,9 +200,9 @@ class Bridge {
     const double merit = answer_.merit;
     answer_ = *worst_;
     answer_.objective.value = std::max(answer_.objective.value, merit);
-    answer_.objective.slopes.assign(point_.size(), 0.0);
-    for (Sloped& limit : answer_.limits) {
-      limit.slopes.assign(point_.size(), 0.0);
+    answer_.objective.gradient.assign(point_.size(), 0.0);
+    for (ValueWithGradient& limit : answer_.limits) {
+      limit.gradient.assign(point_.size(), 0.0);
     }
   }
 

@@ -41,7 +41,7 @@ struct MethodRun {
 bool is_nlopt_method(std::string_view method);
 /// bobyqa, sbplx, cobyla and the gradient methods: they descend from a start point.
 bool is_local_method(std::string_view method);
-/// slsqp, mma, lbfgs: they look at objective and limits with their slopes, not at the merit.
+/// slsqp, mma, lbfgs: they look at objective and limits with their gradients, not at the merit.
 bool is_gradient_method(std::string_view method);
 
 /// The optimiser, minimising, to be run by an AskTellThread. Points it asks lie in the box.

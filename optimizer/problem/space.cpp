@@ -343,7 +343,7 @@ Point canonical(const SearchSpace& space, std::span<const double> point) {
   return result;
 }
 
-double slope_at(const SearchSpace& space, std::span<const double> point, std::size_t index) {
+double derivative_at(const SearchSpace& space, std::span<const double> point, std::size_t index) {
   check_size(space, point);
   const Variable& variable = space.variables[index];
   if (std::isfinite(num_values(variable)) || !is_active(space, point, index)) {

@@ -60,7 +60,7 @@ bool is_active(const SearchSpace& space, std::span<const double> point, std::siz
 
 /// d(value) / d(unit coordinate) of this variable at a canonical point; 0 where the variable cannot
 /// be varied smoothly: choices, integers, stepped floats, constants, inactive ones.
-double slope_at(const SearchSpace& space, std::span<const double> point, std::size_t index);
+double derivative_at(const SearchSpace& space, std::span<const double> point, std::size_t index);
 
 /// Floats are continuous, also with a step; integers and choices are discrete.
 bool is_continuous(const Variable& variable);

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "simulator/material/regained.h"
+#include "simulator/material/multiple_scattering.h"
 
 namespace glint {
 namespace {
@@ -125,10 +125,10 @@ Colour average_of(const BaseMaterial& base) {
 }
 
 /// What a white conductor adds for several reflections, towards the viewer and through the face.
-double regained_through(const Conductor& metal,
-                        const Quadrature& rule,
-                        const LocalDirection& to_viewer,
-                        const std::function<double(const LocalDirection&)>& passes) {
+double compensation_through(const Conductor& metal,
+                            const Quadrature& rule,
+                            const LocalDirection& to_viewer,
+                            const std::function<double(const LocalDirection&)>& passes) {
   if (metal.albedo == nullptr) {
     return 0.0;
   }
@@ -138,7 +138,7 @@ double regained_through(const Conductor& metal,
   return mean_over_square(rule, [&](double u, double v) {
     const LocalDirection to_light = sample_cosine(u, v);
     const double light = metal.albedo->at(to_light, scale);
-    return kPi * regained_brdf(viewer, light, average) * passes(to_light);
+    return kPi * compensation_brdf(viewer, light, average) * passes(to_light);
   });
 }
 
@@ -157,7 +157,7 @@ DirectionTable layered_table(const Coat& coat, const BaseMaterial& base, const C
                    return light ? light->weight[0] * passes(light->to_light) : 0.0;
                  });
     if (const auto* metal = std::get_if<Conductor>(&whole)) {
-      sum += regained_through(*metal, smooth, to_viewer, passes);
+      sum += compensation_through(*metal, smooth, to_viewer, passes);
     }
     return to_viewer.z > 0.0 ? std::min(1.0, sum) : 1.0;
   });
@@ -167,24 +167,24 @@ DirectionTable layered_table(const Coat& coat, const BaseMaterial& base, const C
 struct Lobes {
   double face = 0.0;     ///< reflected by the coat's upper face
   double layered = 0.0;  ///< CoatTables::layered
-  Colour regained_colour = Colour::Zero();
+  Colour compensation_colour = Colour::Zero();
   double to_face = 0.0;  ///< shares of samples
   double to_base = 0.0;
-  double to_regained = 0.0;
+  double to_compensation = 0.0;
 };
 
 Lobes lobes_of(const Coated& coated, const LocalDirection& to_viewer) {
   Lobes lobes = {.face = coated.tables->face(coated.coat, to_viewer),
                  .layered = coated.tables->layered().at(to_viewer)};
   const Colour base = average_of(coated.base) * coated.tint;
-  lobes.regained_colour = regained_colour(base, coated.tables->layered().average());
+  lobes.compensation_colour = compensation_colour(base, coated.tables->layered().average());
   lobes.to_face = lobes.face;
   lobes.to_base = (1.0 - lobes.face) * strength(base);
-  lobes.to_regained = std::max(0.0, 1.0 - lobes.layered) * strength(lobes.regained_colour);
-  const double sum = lobes.to_face + lobes.to_base + lobes.to_regained;
+  lobes.to_compensation = std::max(0.0, 1.0 - lobes.layered) * strength(lobes.compensation_colour);
+  const double sum = lobes.to_face + lobes.to_base + lobes.to_compensation;
   lobes.to_face /= sum;
   lobes.to_base /= sum;
-  lobes.to_regained /= sum;
+  lobes.to_compensation /= sum;
   return lobes;
 }
 
@@ -220,13 +220,13 @@ Reflection evaluate_with(const Coated& coated,
   const Reflection face = evaluate_face(coated.coat, to_viewer, to_light);
   const Reflection base = evaluate_base(coated.base, to_viewer, to_light);
   const DirectionTable& layered = coated.tables->layered();
-  const double regained = std::max(
-      0.0, regained_brdf(lobes.layered, layered.at(to_light), layered.average()) * to_light.z);
-  const Colour below =
-      base.value * coated.tint * passes(coated, lobes, to_light) + lobes.regained_colour * regained;
+  const double compensation = std::max(
+      0.0, compensation_brdf(lobes.layered, layered.at(to_light), layered.average()) * to_light.z);
+  const Colour below = base.value * coated.tint * passes(coated, lobes, to_light) +
+                       lobes.compensation_colour * compensation;
   return {.value = face.value + below * absorbed(coated.coat, to_viewer, to_light),
           .density = lobes.to_face * face.density + lobes.to_base * base.density +
-                     lobes.to_regained * coated.tables->losses().density(to_light)};
+                     lobes.to_compensation * coated.tables->losses().density(to_light)};
 }
 
 /// The mirror direction at a smooth coat's face.

@@ -32,23 +32,24 @@ class CoatTables {
   const DirectionTable& layered() const { return layered_; }
 
   /// For the light that layered() lacks.
-  const LossSampler& losses() const { return losses_; }
+  const CompensationSampler& losses() const { return losses_; }
 
  private:
   DirectionTable face_;
   DirectionTable layered_;
-  LossSampler losses_;
+  CompensationSampler losses_;
 };
 
 /// A dielectric coat over a base. An approximation that never returns more than it receives, and
 /// everything when nothing absorbs:
 ///
-///   f = f_coat + absorb (1 - max(C(viewer), C(light))) f_base + absorb f_regained
+///   f = f_coat + absorb (1 - max(C(viewer), C(light))) f_base + absorb f_compensation
 ///
 /// C is the share reflected by the coat's upper face, so what passes it downwards and upwards is
 /// bounded by either direction alone; absorb = transmittance^((1/c_viewer + 1/c_light) / 2) with
-/// the cosines c inside the coat; f_regained (regained.h) returns the light held between coat and
-/// base. Left out: the base is asked for the directions outside, although the coat bends light.
+/// the cosines c inside the coat; f_compensation (multiple_scattering.h) returns the light held
+/// between coat and base. Left out: the base is asked for the directions outside, although the coat
+/// bends light.
 struct Coated {
   Coat coat;
   BaseMaterial base;

@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/material/conductor.h"
 
-#include "simulator/material/regained.h"
+#include "simulator/material/multiple_scattering.h"
 
 namespace glint {
 namespace {
 
 /// What the lobe of several reflections needs to know of the viewer's direction.
-struct Regained {
+struct Compensation {
   Colour colour = Colour::Zero();
   double viewer_albedo = 1.0;
   double average = 1.0;
   double share = 0.0;  ///< of samples that go to this lobe
-  const LossSampler* losses = nullptr;
+  const CompensationSampler* losses = nullptr;
 };
 
-Regained regained_of(const Conductor& metal, const LocalDirection& to_viewer) {
+Compensation compensation_of(const Conductor& metal, const LocalDirection& to_viewer) {
   if (metal.albedo == nullptr) {
     return {};
   }
-  Regained lobe = {.viewer_albedo = metal.albedo->at(to_viewer, metal.albedo_scale),
-                   .average = metal.albedo->average(metal.albedo_scale),
-                   .losses = &metal.albedo->losses(metal.albedo_scale)};
-  lobe.colour = regained_colour(metal.fresnel.average, lobe.average);
+  Compensation lobe = {.viewer_albedo = metal.albedo->at(to_viewer, metal.albedo_scale),
+                       .average = metal.albedo->average(metal.albedo_scale),
+                       .losses = &metal.albedo->losses(metal.albedo_scale)};
+  lobe.colour = compensation_colour(metal.fresnel.average, lobe.average);
   const double here = strength(lobe.colour) * std::max(0.0, 1.0 - lobe.viewer_albedo);
   const double single = strength(metal.fresnel.average) * lobe.viewer_albedo;
   lobe.share = here > 0.0 ? here / (here + single) : 0.0;
@@ -30,7 +30,7 @@ Regained regained_of(const Conductor& metal, const LocalDirection& to_viewer) {
 }
 
 Reflection evaluate_with(const Conductor& metal,
-                         const Regained& lobe,
+                         const Compensation& lobe,
                          const LocalDirection& to_viewer,
                          const LocalDirection& to_light) {
   const LocalDirection normal = half_vector(to_viewer, to_light);
@@ -41,7 +41,7 @@ Reflection evaluate_with(const Conductor& metal,
                        .density = (1.0 - lobe.share) * ggx_density(metal.alpha, to_viewer, normal)};
   if (lobe.share > 0.0) {
     const double light_albedo = metal.albedo->at(to_light, metal.albedo_scale);
-    const double brdf = regained_brdf(lobe.viewer_albedo, light_albedo, lobe.average);
+    const double brdf = compensation_brdf(lobe.viewer_albedo, light_albedo, lobe.average);
     result.value += lobe.colour * (std::max(0.0, brdf) * to_light.z);
     result.density += lobe.share * lobe.losses->density(to_light);
   }
@@ -57,7 +57,7 @@ Reflection evaluate(const Conductor& metal,
   if (!(is_above(to_viewer) && is_above(to_light))) {
     return {};
   }
-  return evaluate_with(metal, regained_of(metal, to_viewer), to_viewer, to_light);
+  return evaluate_with(metal, compensation_of(metal, to_viewer), to_viewer, to_light);
 }
 
 std::optional<ReflectedSample> sample(const Conductor& metal,
@@ -66,7 +66,7 @@ std::optional<ReflectedSample> sample(const Conductor& metal,
   if (!is_above(to_viewer)) {
     return std::nullopt;
   }
-  const Regained lobe = regained_of(metal, to_viewer);
+  const Compensation lobe = compensation_of(metal, to_viewer);
   const LocalDirection to_light =
       random[2] < lobe.share
           ? lobe.losses->sample(random[0], random[1])

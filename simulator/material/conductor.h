@@ -8,7 +8,7 @@
 namespace glint {
 
 /// Rough metal: GGX microfacets with height-correlated masking, sampled by visible normals, plus
-/// the light that is reflected several times between them (regained.h).
+/// the light that is reflected several times between them (multiple_scattering.h).
 struct Conductor {
   GgxAlpha<double> alpha;
   Fresnel fresnel;

@@ -72,7 +72,7 @@ double GgxAlbedo::at(const LocalDirection& direction, double scale) const {
   return sum;
 }
 
-const LossSampler& GgxAlbedo::losses(double scale) const {
+const CompensationSampler& GgxAlbedo::losses(double scale) const {
   if (losses_.size() == 1) {
     return losses_.front();
   }

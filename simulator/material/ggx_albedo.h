@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "simulator/material/compensation_sampler.h"
 #include "simulator/material/direction_table.h"
-#include "simulator/material/loss_sampler.h"
 #include "simulator/material/quadrature.h"
 
 namespace glint {
@@ -27,7 +27,7 @@ class GgxAlbedo {
   double average(double scale) const;
 
   /// For the light that one reflection does not return, of the nearest width kept.
-  const LossSampler& losses(double scale) const;
+  const CompensationSampler& losses(double scale) const;
 
   const GgxAlpha<double>& lowest() const { return lowest_; }
 
@@ -40,7 +40,7 @@ class GgxAlbedo {
   GgxAlpha<double> lowest_;
   double step_ = 0.0;  ///< of log(scale) between tables
   std::vector<DirectionTable> tables_;
-  std::vector<LossSampler> losses_;  ///< one for each table
+  std::vector<CompensationSampler> losses_;  ///< one for each table
 };
 
 /// One direction of it, by integration over the visible normals: `rule` squared points, exact to

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/material/rough_diffuse.h"
 
-#include "simulator/material/regained.h"
+#include "simulator/material/multiple_scattering.h"
 
 namespace glint {
 namespace {
@@ -34,8 +34,8 @@ Reflection evaluate(const RoughDiffuse& matt,
   const double scale = 1.0 / (1.0 + kSlope * r);
   const double average = scale * (1.0 + kAverageSlope * r);
   Colour brdf = matt.colour * (scale * (1.0 + r * s_over_t) / kPi);
-  brdf += regained_colour(matt.colour, average) *
-          regained_brdf(single_albedo(to_viewer.z, r), single_albedo(to_light.z, r), average);
+  brdf += compensation_colour(matt.colour, average) *
+          compensation_brdf(single_albedo(to_viewer.z, r), single_albedo(to_light.z, r), average);
   return {.value = brdf * matt.tint * to_light.z, .density = to_light.z / kPi};
 }
 

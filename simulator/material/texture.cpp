@@ -150,9 +150,9 @@ Interval Texture::roughness_factors() const {
   if (roughness_.empty()) {
     return 1.0;
   }
-  const auto [least, most] = std::ranges::minmax_element(
+  const auto [minimum, maximum] = std::ranges::minmax_element(
       roughness_.values(), {}, [](const std::array<float, 3>& pixel) { return pixel[0]; });
-  return {roughness_factor_.at(double{(*least)[0]}), roughness_factor_.at(double{(*most)[0]})};
+  return {roughness_factor_.at(double{(*minimum)[0]}), roughness_factor_.at(double{(*maximum)[0]})};
 }
 
 }  // namespace glint

@@ -22,9 +22,9 @@ IoError unreadable(const std::filesystem::path& path, std::string reason) {
 
 void check_spec(const OIIO::ImageSpec& spec, const std::filesystem::path& path) {
   const bool is_whole = spec.width > 0 && spec.height > 0 && spec.nchannels > 0 && spec.depth <= 1;
-  if (!is_whole || std::int64_t{spec.width} * spec.height > kMostPixels) {
+  if (!is_whole || std::int64_t{spec.width} * spec.height > kMaxPixels) {
     throw ConfigError(
-        fmt::format("{}: holds no picture of 1 to {} pixels", path.string(), kMostPixels));
+        fmt::format("{}: holds no picture of 1 to {} pixels", path.string(), kMaxPixels));
   }
 }
 

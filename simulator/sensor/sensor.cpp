@@ -132,7 +132,7 @@ double noise_floor(const SensorSettings& settings) {
 
 ImageF ScanSums::aspect() const {
   GLINT_CHECK(frames > 0, "the mean of no frames");
-  ImageF mean = ImageF::unset(sum.width(), sum.height());
+  ImageF mean = ImageF::uninitialized(sum.width(), sum.height());
   std::ranges::transform(sum.values(), mean.values().begin(), [this](double total) {
     return static_cast<float>(total / frames);
   });

@@ -41,7 +41,7 @@ void visit_keys(KeyVisitor& keys, SensorSettings& settings);
 /// sqrt(12)) and read noise, added in squares; 0 for a perfect sensor.
 double noise_floor(const SensorSettings& settings);
 
-/// What a scan leaves behind: enough for the aspect image and for where it is blind.
+/// What a scan leaves behind: enough for the aspect image and for where it is saturated.
 struct ScanSums {
   /// Of the grey values over the frames. In double: of an even picture float would round away what
   /// h is made of.

@@ -14,7 +14,7 @@ namespace {
 
 using Kind = ConfigNode::Kind;
 
-constexpr int kMostParts = 1000000;
+constexpr int kMaxParts = 1000000;
 
 const std::array<PodSize, 4>& pod_sizes() {
   static const std::array<PodSize, 4> sizes = {{
@@ -50,24 +50,24 @@ std::array<Interval, 4> pod_ranges(const PodSettings& settings) {
 void visit_counts(KeyVisitor& keys, SortingSettings& settings) {
   keys.integer("parts",
                settings.parts,
-               Range::between(4, kMostParts),
+               Range::between(4, kMaxParts),
                "simulated parts at the study's own lighting; limits are learned from those with "
                "even numbers and tested on the others");
   keys.integer("flawless",
                settings.flawless,
-               Range::between(1, kMostParts),
+               Range::between(1, kMaxParts),
                "scans of the flawless part that certify the false alarms");
   keys.integer("prototype_parts",
                settings.prototype_parts,
-               Range::between(4, kMostParts),
+               Range::between(4, kMaxParts),
                "parts for each prototype: the first ones of the study's own");
   keys.integer("prototype_flawless",
                settings.prototype_flawless,
-               Range::between(1, kMostParts),
+               Range::between(1, kMaxParts),
                "flawless scans for each prototype");
   keys.integer("imprinted_every",
                settings.imprinted_every,
-               Range::between(0, kMostParts),
+               Range::between(0, kMaxParts),
                "every so many-th part has its defects imprinted into the mesh; 0: none");
 }
 
@@ -165,15 +165,15 @@ void visit_pod(KeyVisitor& keys, PodSettings& settings) {
                "sizes, evenly spaced by ratio, both ends included");
   keys.integer("parts",
                settings.parts,
-               Range::between(1, kMostParts),
+               Range::between(1, kMaxParts),
                "parts for each size, with as many defects as the group counts");
   keys.integer("flawless",
                settings.flawless,
-               Range::between(1, kMostParts),
+               Range::between(1, kMaxParts),
                "scans of the flawless part that certify the rate of false alarms");
   keys.integer("prototype_flawless",
                settings.prototype_flawless,
-               Range::between(1, kMostParts),
+               Range::between(1, kMaxParts),
                "flawless scans for each prototype");
 }
 
@@ -245,7 +245,7 @@ void visit_keys(KeyVisitor& keys, ExpertRule& rule) {
               "diameter of the widest hole, dent or bump on a perfect part");
   keys.integer("perfect_holes",
                rule.perfect_holes,
-               Range::between(0, kMostParts),
+               Range::between(0, kMaxParts),
                "how many of them a perfect part may have");
   keys.number("acceptable_hole_mm",
               rule.acceptable_hole_mm,
@@ -253,7 +253,7 @@ void visit_keys(KeyVisitor& keys, ExpertRule& rule) {
               "diameter of the widest one on an acceptable part; a wider one rejects it");
   keys.integer("acceptable_holes",
                rule.acceptable_holes,
-               Range::between(0, kMostParts),
+               Range::between(0, kMaxParts),
                "how many an acceptable part may have; more reject it");
   keys.number("perfect_scratch_mm",
               rule.perfect_scratch_mm,

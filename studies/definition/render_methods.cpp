@@ -91,9 +91,9 @@ SceneSettings finer_settings(SceneSettings scene) {
   scene.sensor.seed += kFreshSeed;
   if (needs_paths(scene)) {
     constexpr int kMoreSamples = 4;  // half the standard error
-    constexpr int kMostSamples = 65535;
+    constexpr int kMaxSamples = 65535;
     scene.paths.seed += kFreshSeed;
-    scene.paths.samples = std::min(kMostSamples, kMoreSamples * scene.paths.samples);
+    scene.paths.samples = std::min(kMaxSamples, kMoreSamples * scene.paths.samples);
   } else if (scene.render.method == Method::kSampled) {
     scene.render.rays_per_axis *= 2;
   } else {

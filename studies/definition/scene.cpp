@@ -138,15 +138,15 @@ AreaSampler::Sample far_point(const TriangleMesh& mesh,
                               Rng& rng) {
   constexpr int kCandidates = 32;
   AreaSampler::Sample best;
-  double most_mm2 = -1.0;
+  double max_mm2 = -1.0;
   for (int k = 0; k < kCandidates; ++k) {
     const AreaSampler::Sample candidate = sampler.draw(mesh, rng);
     double nearest_mm2 = std::numeric_limits<double>::max();
     for (const Eigen::Vector3d& other_mm : others_mm) {
       nearest_mm2 = std::min(nearest_mm2, (candidate.point_mm - other_mm).squaredNorm());
     }
-    if (nearest_mm2 > most_mm2) {
-      most_mm2 = nearest_mm2;
+    if (nearest_mm2 > max_mm2) {
+      max_mm2 = nearest_mm2;
       best = candidate;
     }
   }

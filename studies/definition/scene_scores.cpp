@@ -10,7 +10,7 @@ namespace glint {
 std::vector<std::string> defect_labels(const SceneSettings& scene) {
   std::vector<std::string> labels;
   for (const auto& [name, group] : scene.defects) {
-    for (std::size_t i = 0; i < most_defects(group, scene.imprint); ++i) {
+    for (std::size_t i = 0; i < max_defects(group, scene.imprint); ++i) {
       labels.push_back(fmt::format("{}_{}", name, i + 1));
     }
   }

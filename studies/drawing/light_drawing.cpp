@@ -97,7 +97,7 @@ void draw_camera_view(SvgPage& page,
                       const PhysicalScene& scene,
                       const DrawingPlane& section,
                       const View& view,
-                      double most_units) {
+                      double max_units) {
   const RigidTransform pose = inverse(scene.camera_from_world);
   const Vector2d camera = view(section(pose.translation_mm));
   const Vector3d axis = pose.rotation.col(2);
@@ -109,10 +109,10 @@ void draw_camera_view(SvgPage& page,
   }
   const Vector2d away = (camera - foot) / length;
   const Vector2d side(-away.y(), away.x());
-  const bool is_far = length > most_units;
-  const Vector2d place = is_far ? Vector2d(foot + most_units * away) : camera;
+  const bool is_far = length > max_units;
+  const Vector2d place = is_far ? Vector2d(foot + max_units * away) : camera;
   const double spread = length * std::tan(half_angle_rad(scene, section));
-  const double shown = is_far ? (most_units - 32.0) / length : 1.0;
+  const double shown = is_far ? (max_units - 32.0) / length : 1.0;
   for (const double sign : {-1.0, 1.0}) {
     const Vector2d edge = foot + sign * spread * side;
     page.line(edge, edge + shown * (camera - edge), stroke(kRay, 0.8, "stroke-dasharray=\"5 3\""));

@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kArcPoints = 48;
-constexpr std::size_t kMostTriangles = 4000;  ///< of mesh emitters that are drawn
+constexpr std::size_t kMaxTriangles = 4000;  ///< of mesh emitters that are drawn
 
 Vector3d centre_of(const EmitterShape& shape) {
   return bounds_mm(shape).center();
@@ -87,7 +87,7 @@ void add_lines(const RectangleShape& shape, const DrawingPlane& section, LightLi
 }
 
 void add_lines(const TriangleShape& shape, const DrawingPlane& section, LightLines& lines) {
-  if (lines.seen.size() < kMostTriangles) {
+  if (lines.seen.size() < kMaxTriangles) {
     lines.seen.push_back({section(shape.a_mm), section(shape.b_mm), section(shape.c_mm)});
   }
 }

@@ -5,7 +5,7 @@
 #include <map>
 #include <optional>
 
-#include "metrics/aspect_image/scatter.h"
+#include "metrics/aspect_image/noise_variance.h"
 #include "metrics/statistics/estimate.h"
 #include "studies/evaluation/evaluation_parts.h"
 #include "studies/inspection_line/visibility.h"
@@ -22,12 +22,12 @@ void add_mean_scores(const ScenePicture& picture,
   const SceneSettings& scene = picture.scene();
   const TracedScene& traced = *picture.traced();
   const Mask& region = traced.region.mask;
-  Homogeneity evenness = homogeneity(
+  Homogeneity uniformity = homogeneity(
       mean.aspect, mean.clipped_frames, mean.frames, traced.region, scene.metrics, wanted.robust);
   if (!mean.deviation.empty()) {
-    evenness = with_scatter(evenness, mean.aspect, mean.deviation, region);
+    uniformity = with_noise_variance(uniformity, mean.aspect, mean.deviation, region);
   }
-  add_scores(scores, evenness);
+  add_scores(scores, uniformity);
   if (wanted.family) {
     const FamilyScales scales = scales_of(scene, traced.defects, fringes);
     add_scores(scores, homogeneity_family(mean.aspect, region, scales, scene.metrics));
@@ -226,7 +226,7 @@ Evaluation evaluate(const ScenePicture& picture,
                     const FrameConsumer& consume,
                     const WantedScores& wanted) {
   constexpr double kSigmas = 5.0;
-  double smallest_change = least_change(picture.scene());
+  double smallest_change = change_threshold(picture.scene());
   if (wanted.defects) {
     smallest_change = std::max(smallest_change, kSigmas * picture.change_noise());
   }

@@ -10,7 +10,7 @@
 #include "optimizer/problem/goal.h"
 #include "optimizer/problem/space.h"
 #include "simulator/render/scan/closed_scan.h"
-#include "studies/evaluation/scene_slopes.h"
+#include "studies/evaluation/scene_gradient.h"
 #include "studies/imaging/scene_picture.h"
 #include "studies/imaging/scene_store.h"
 #include "studies/imaging/traced_scene.h"

@@ -14,7 +14,7 @@ double sigma_floor(const SensorSettings& sensor) {
 
 DefectTotals totals_of(const DefectivePart& part) {
   DefectTotals totals;
-  for (const MadeDefect& made : part.defects) {
+  for (const RealisedDefect& made : part.defects) {
     if (made.is_made) {
       ++totals.made;
       totals.mean_depth_um += made.defect.depth_mm * 1e3;
@@ -25,7 +25,7 @@ DefectTotals totals_of(const DefectivePart& part) {
   return totals;
 }
 
-double least_change(const SceneSettings& scene) {
+double change_threshold(const SceneSettings& scene) {
   const SensorSettings& sensor = scene.sensor;
   constexpr double kSigmas = 5.0;
   const double shot = sensor.full_well_e > 0.0 ? std::sqrt(sensor.gain / sensor.full_well_e) : 0.0;

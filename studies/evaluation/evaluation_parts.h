@@ -22,7 +22,7 @@ DefectTotals totals_of(const DefectivePart& part);
 
 /// Change of a pixel in one frame that is neither noise nor rounding: five standard deviations at
 /// full scale, where shot noise is largest.
-double least_change(const SceneSettings& scene);
+double change_threshold(const SceneSettings& scene);
 
 /// Scores of all defects, in the aspect image and in the frame that shows each best.
 std::vector<DefectScores> scored_defects(const ImageF& aspect,

@@ -70,7 +70,7 @@ void render_band(const RayCache& rays,
                  BandedScan& scan) {
   const Eigen::Vector3d camera_mm = inverse(camera_from_world(scene.viewpoint())).translation_mm;
   const double step_mm = scan_step_mm(scene.scan, scene.tunnel);
-  const WallRays wall = meet_wall(rays, tunnel, camera_mm);
+  const WallRays wall = intersect_wall(rays, tunnel, camera_mm);
   ImageF band;
   for (std::size_t k = 0; k < scan.radiance.size(); ++k) {
     render_frame(rays, wall, tunnel.pattern(static_cast<double>(k) * step_mm), band);
@@ -82,7 +82,7 @@ void render_band(const RayCache& rays,
 void mark_lit(
     const RayCache& rays, const SceneSettings& scene, const Tunnel& tunnel, int top_px, Mask& lit) {
   const Eigen::Vector3d camera_mm = inverse(camera_from_world(scene.viewpoint())).translation_mm;
-  const WallRays wall = meet_wall(rays, tunnel, camera_mm);
+  const WallRays wall = intersect_wall(rays, tunnel, camera_mm);
   const double travel_mm = (scene.scan.positions - 1) * scan_step_mm(scene.scan, scene.tunnel);
   const double half_mm = 0.5 * scene.tunnel.length_mm;
   const auto pixels = static_cast<std::size_t>(rays.num_pixels());
@@ -130,7 +130,7 @@ class BandedEvaluation {
     result_.region = region_of_interest(seen.coverage, views_, scene.metrics);
     add_flawless(camera);
     result_.cpu_s = result_.scan.render_cpu_s + flawless_cpu_s_ +
-                    least_cpu_s(settings.repeats, 0.0, [&] { score(); });
+                    min_cpu_s(settings.repeats, 0.0, [&] { score(); });
     result_.cold_cpu_s = result_.cpu_s + result_.scan.trace_cpu_s + flawless_trace_cpu_s_;
   }
 
@@ -207,7 +207,7 @@ BandedScan scan_in_bands(const BuiltPart& built,
   BandedScan scan = empty_scan(camera, scene.scan.positions);
   const std::int64_t per_row =
       std::int64_t{camera.width_px} * scene.render.rays_per_axis * scene.render.rays_per_axis;
-  const int rows = static_cast<int>(std::max<std::int64_t>(1, settings.most_rays / per_row));
+  const int rows = static_cast<int>(std::max<std::int64_t>(1, settings.max_rays / per_row));
   for (int top = 0; top < camera.height_px; top += rows) {
     const int height = std::min(rows, camera.height_px - top);
     const double start = process_cpu_s();
@@ -217,7 +217,7 @@ BandedScan scan_in_bands(const BuiltPart& built,
     if (rays.samples > 0) {
       keep_seen(rays, top, scan.seen);
       scan.render_cpu_s +=
-          least_cpu_s(settings.repeats, 0.0, [&] { render_band(rays, scene, tunnel, top, scan); });
+          min_cpu_s(settings.repeats, 0.0, [&] { render_band(rays, scene, tunnel, top, scan); });
       mark_lit(rays, scene, tunnel, top, scan.lit);
     } else {
       scan.seen.counts.camera += per_row * height;

@@ -14,9 +14,9 @@
 namespace glint {
 
 struct BandedSettings {
-  std::int64_t most_rays = std::int64_t{1} << 22;  ///< in a band, >= one row: 150 MB
-  int repeats = 1;                                 ///< of what is timed, >= 1
-  std::function<void(int rows_done)> on_band;      ///< may be empty
+  std::int64_t max_rays = std::int64_t{1} << 22;  ///< in a band, >= one row: 150 MB
+  int repeats = 1;                                ///< of what is timed, >= 1
+  std::function<void(int rows_done)> on_band;     ///< may be empty
 };
 
 /// All frames of a scan before the sensor.

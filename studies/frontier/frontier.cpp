@@ -17,11 +17,11 @@
 namespace glint {
 namespace {
 
-constexpr double kLeastContrast = 0.01;  ///< smaller ones are not worth a relative error
+constexpr double kMinContrast = 0.01;  ///< smaller ones are not worth a relative error
 constexpr double kTimedTotal_s = 0.3;
 
 /// More rays at once are rendered in bands: 36 bytes each.
-constexpr std::int64_t kMostRays = std::int64_t{1} << 25;
+constexpr std::int64_t kMaxRays = std::int64_t{1} << 25;
 
 /// The sensor without what no method of rendering can change.
 SceneSettings quiet(SceneSettings scene) {
@@ -101,7 +101,7 @@ class FrameErrors {
 };
 
 double relative_percent(double value, double right) {
-  return 100.0 * std::abs(value - right) / std::max(std::abs(right), kLeastContrast);
+  return 100.0 * std::abs(value - right) / std::max(std::abs(right), kMinContrast);
 }
 
 /// The frames of the reference are kept; a scan of thousands of large ones does not fit.
@@ -210,7 +210,7 @@ class Measuring {
     const SceneSettings scene = scene_of(point, scene_);
     const auto rays =
         std::int64_t{scene.camera.width_px} * scene.camera.height_px * point.method.rays_per_px;
-    if (rays > kMostRays) {
+    if (rays > kMaxRays) {
       measure_in_bands(point, scene);
     } else {
       measure_at_once(point, scene);
@@ -250,7 +250,7 @@ class Measuring {
     const WantedScores wanted = {.fringes = false};  // they ask for a whole frame
     const Evaluation evaluation = evaluate(store, scene, consume, wanted);
     point.cold_s = process_cpu_s() - start;
-    point.cpu_s = least_cpu_s(
+    point.cpu_s = min_cpu_s(
         options_.repeats, kTimedTotal_s, [&] { evaluate(store, scene, consume, wanted); });
     point.traced_per_px = static_cast<double>(evaluation.traced->counts().camera) /
                           (static_cast<double>(scene.camera.width_px) * scene.camera.height_px);

@@ -28,8 +28,8 @@ struct PixelBox {
 
 /// Whole pixels of a picture, with a margin; without area where the box is empty.
 PixelWindow window_of(const PixelBox& box, double margin_px, int width_px, int height_px) {
-  const auto bound = [](double value, int most) {
-    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(most)));
+  const auto bound = [](double value, int maximum) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(maximum)));
   };
   const int left = bound(std::floor(box.left - margin_px), width_px);
   const int top = bound(std::floor(box.top - margin_px), height_px);

@@ -17,9 +17,9 @@ namespace glint {
 
 /// One scan of a part. Grey values; what lies outside the part is of no meaning.
 struct LineScan {
-  ImageF aspect;                         ///< mean of the frames
-  std::vector<ImageF> frames;            ///< of a line whose inspector looks at phases, else empty
-  std::shared_ptr<const SeenPart> seen;  ///< what of the part each pixel sees
+  ImageF aspect;               ///< mean of the frames
+  std::vector<ImageF> frames;  ///< of a line whose inspector looks at phases, else empty
+  std::shared_ptr<const VisibilityBuffer> seen;  ///< what of the part each pixel sees
   /// Two independent renderings of the radiance that the defects add, mean of the frames; empty
   /// where rendering has no noise, and on flawless parts.
   std::vector<ImageF> changes;

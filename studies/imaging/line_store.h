@@ -11,7 +11,7 @@
 
 #include "core/cache.h"
 #include "simulator/geometry/surface/surface_detail.h"
-#include "simulator/render/path_tracing/path_sums.h"
+#include "simulator/render/path_tracing/film.h"
 #include "studies/imaging/path_picture.h"
 
 namespace glint {
@@ -38,7 +38,7 @@ struct RenderedChanges {
 std::string digest_of(const SurfaceDetail& detail);
 
 struct LineStore {
-  static constexpr CacheLimits kLimits = {.most_bytes = std::size_t{256} << 20U};  ///< of each kind
+  static constexpr CacheLimits kLimits = {.max_bytes = std::size_t{256} << 20U};  ///< of each kind
 
   template <class Value>
   static std::size_t bytes_of(const std::string& key, const Value& value) {

@@ -16,7 +16,7 @@ namespace {
 using Method = RenderSettings::Method;
 
 /// Adds a normal number times the deviation to each pixel: what closed forms leave out.
-void scatter(const ImageF& deviation, int seed, ImageF& aspect) {
+void noise_variance(const ImageF& deviation, int seed, ImageF& aspect) {
   namespace kernels = sensor_kernels;
   const int width = aspect.width();
   const int blocks = (width + 3) / 4;
@@ -42,8 +42,8 @@ struct SeenSurface {
   std::shared_ptr<const RayCache> sampled;
   std::shared_ptr<const CornerRays> corners;
 
-  const SeenPart& seen() const {
-    return sampled ? static_cast<const SeenPart&>(*sampled) : *corners;
+  const VisibilityBuffer& seen() const {
+    return sampled ? static_cast<const VisibilityBuffer&>(*sampled) : *corners;
   }
 };
 
@@ -121,7 +121,7 @@ class MirrorLine : public LineCamera {
   LineScan scan_frames(const SeenSurface& surface,
                        const Footprints* footprints,
                        const SensorSettings& settings) const {
-    const SeenPart& seen = surface.seen();
+    const VisibilityBuffer& seen = surface.seen();
     const Sensor sensor(settings, seen.width_px, seen.height_px);
     LineScan scan;
     const auto keep = [&](int, const ImageF& grey) { scan.frames.push_back(grey); };
@@ -144,7 +144,7 @@ class MirrorLine : public LineCamera {
     LineScan scan;
     scan.aspect = expected_.aspect;
     if (settings.full_well_e > 0.0) {
-      scatter(expected_.deviation, settings.seed, scan.aspect);
+      noise_variance(expected_.deviation, settings.seed, scan.aspect);
     }
     if (surface.corners != clean_.corners) {
       const Sensor sensor(settings, scan.aspect.width(), scan.aspect.height());

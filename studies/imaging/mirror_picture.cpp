@@ -37,7 +37,7 @@ class MirrorPicture : public ScenePicture {
   }
 
   MeanImage mean(const MeanRequest& request) const override {
-    const SeenPart& seen = traced()->seen();
+    const VisibilityBuffer& seen = traced()->seen();
     auto sensor = std::make_unique<const Sensor>(scene().sensor, seen.width_px, seen.height_px);
     const int positions = scene().scan.positions;
     if (traced()->is_sampled()) {
@@ -73,7 +73,7 @@ class MirrorPicture : public ScenePicture {
 
  private:
   Footprints footprints_of(const CornerRays& rays) const {
-    return {rays, tunnel_, scene().scan, store_.meet(traced(), rays, tunnel_)};
+    return {rays, tunnel_, scene().scan, store_.intersect(traced(), rays, tunnel_)};
   }
 
   MeanImage closed_mean(std::unique_ptr<const Footprints> footprints,

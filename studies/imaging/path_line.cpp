@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "core/error.h"
+#include "simulator/render/path_tracing/film.h"
 #include "simulator/render/path_tracing/path_settings.h"
-#include "simulator/render/path_tracing/path_sums.h"
 #include "simulator/render/path_tracing/smooth_picture.h"
 #include "studies/imaging/defect_windows.h"
 #include "studies/imaging/frame_exposure.h"
@@ -91,7 +91,7 @@ class PathLine : public LineCamera {
 
  private:
   struct Rendered {
-    PathSums sums;
+    Film sums;
     PathBatch batch;
   };
 

@@ -9,8 +9,8 @@
 #include "core/config/key_digest.h"
 #include "core/error.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
-#include "simulator/render/path_tracing/cell_sums.h"
 #include "simulator/render/path_tracing/sobol.h"
+#include "simulator/render/path_tracing/tile_sums.h"
 
 namespace glint {
 namespace {
@@ -26,9 +26,9 @@ std::vector<LightTriangle> load_triangles(const std::filesystem::path& file) {
 
 /// Points of the part, at most some thousand.
 std::vector<Eigen::Vector3d> points_of(const Part& part) {
-  constexpr std::size_t kMost = 2000;
+  constexpr std::size_t kMax = 2000;
   const auto& vertices = part.mesh.vertices_mm;
-  const std::size_t step = vertices.size() / kMost + 1;
+  const std::size_t step = vertices.size() / kMax + 1;
   std::vector<Eigen::Vector3d> points;
   for (std::size_t i = 0; i < vertices.size(); i += step) {
     points.push_back(vertices[i]);
@@ -44,7 +44,7 @@ ThinLens thin_lens_of(const SceneSettings& scene) {
 /// The seed of an independent picture; the first one's is the scene's own.
 int batch_seed(int seed, int batch) {
   constexpr std::uint32_t kPositive = 0x7fffffffU;
-  const std::uint32_t scattered = scatter_bits(static_cast<std::uint32_t>(batch)) & kPositive;
+  const std::uint32_t scattered = hash_bits(static_cast<std::uint32_t>(batch)) & kPositive;
   return batch == 0 ? seed : static_cast<int>(static_cast<std::uint32_t>(seed) ^ scattered);
 }
 
@@ -71,22 +71,22 @@ void add_first(Image<std::int32_t>& to, const Image<std::int32_t>& image) {
   }
 }
 
-void add(PathSums& to, const PathSums& sums) {
+void add(Film& to, const Film& sums) {
   add(to.samples, sums.samples);
   add_groups(to.groups, sums.groups);
   add(to.part, sums.part);
   for (std::size_t i = 0; i < to.defects.size(); ++i) {
     add(to.defects[i].samples, sums.defects[i].samples);
   }
-  for (const auto image : {&PathSums::squares,
-                           &PathSums::depth_mm,
-                           &PathSums::normal_x,
-                           &PathSums::normal_y,
-                           &PathSums::normal_z,
-                           &PathSums::x_mm,
-                           &PathSums::y_mm,
-                           &PathSums::z_mm,
-                           &PathSums::tilt}) {
+  for (const auto image : {&Film::squares,
+                           &Film::depth_mm,
+                           &Film::normal_x,
+                           &Film::normal_y,
+                           &Film::normal_z,
+                           &Film::x_mm,
+                           &Film::y_mm,
+                           &Film::z_mm,
+                           &Film::tilt}) {
     add(to.*image, sums.*image);
   }
   add_first(to.triangle, sums.triangle);
@@ -101,7 +101,7 @@ class BatchPreview {
       : preview_(preview), batches_left_(batches) {}
 
   /// Of the next batch.
-  PathPreview next(const PathSums* done, int samples) {
+  PathPreview next(const Film* done, int samples) {
     --batches_left_;
     done_ = done;
     done_samples_ = samples;
@@ -117,14 +117,14 @@ class BatchPreview {
   bool show(const PathProgress& progress) {
     ++passes_;
     if (passes_ == 1) {
-      cells_ = static_cast<std::int64_t>(
-          cells_of(progress.sums->width_px, progress.sums->height_px).size());
+      tiles_ = static_cast<std::int64_t>(
+          tiles_of(progress.sums->width_px, progress.sums->height_px).size());
     }
     PathProgress whole = progress;
-    PathSums together;
+    Film together;
     whole.pass = passes_;
     whole.samples += done_samples_;
-    whole.cells_left += batches_left_ > 0 ? cells_ : 0;
+    whole.tiles_left += batches_left_ > 0 ? tiles_ : 0;
     if (done_ != nullptr) {
       together = *done_;
       add(together, *progress.sums);
@@ -136,10 +136,10 @@ class BatchPreview {
 
   const PathPreview& preview_;
   int batches_left_ = 0;
-  const PathSums* done_ = nullptr;
+  const Film* done_ = nullptr;
   int done_samples_ = 0;
   int passes_ = 0;
-  std::int64_t cells_ = 0;
+  std::int64_t tiles_ = 0;
   bool is_stopped_ = false;
 };
 
@@ -385,11 +385,10 @@ PathPicture render_view(const PathView& view,
   BatchPreview shown(preview, batches);
   for (int b = 0; b < batches && !shown.is_stopped(); ++b) {
     of_batch.seed = batch_seed(paths.seed, b);
-    PathSums sums =
-        render_paths(view.physical(),
-                     of_batch,
-                     pool,
-                     shown.next(b == 0 ? nullptr : &picture.sums, b * of_batch.samples));
+    Film sums = render_paths(view.physical(),
+                             of_batch,
+                             pool,
+                             shown.next(b == 0 ? nullptr : &picture.sums, b * of_batch.samples));
     if (batches > 1) {
       picture.batches.push_back({.samples = sums.samples, .groups = sums.groups});
     }
@@ -432,7 +431,7 @@ double pixel_radiance(const PathPicture& picture,
   return samples > 0 ? sum / samples : 0.0;
 }
 
-ImageF channel_radiance(const PathSums& sums, const FrameFactors& factors, int channel) {
+ImageF channel_radiance(const Film& sums, const FrameFactors& factors, int channel) {
   std::vector<WeightedSum> weighted;
   for (std::size_t g = 0; g < sums.groups.size(); ++g) {
     weighted.push_back(

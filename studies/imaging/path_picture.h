@@ -61,7 +61,7 @@ class PathView {
 /// An independent share of a picture's samples.
 struct PathBatch {
   Image<std::int32_t> samples;    ///< of each pixel
-  std::vector<GroupSums> groups;  ///< sums over them, as PathSums::groups
+  std::vector<GroupSums> groups;  ///< sums over them, as Film::groups
 };
 
 /// The view of a path-traced scene from the viewpoint that is scored; nullptr for any other scene.
@@ -71,7 +71,7 @@ std::unique_ptr<const PathView> path_view_of(const SceneSettings& scene,
 
 /// What was rendered of a view.
 struct PathPicture {
-  PathSums sums;                     ///< of all batches together; masks, depth, normals
+  Film sums;                         ///< of all batches together; masks, depth, normals
   std::vector<PathBatch> batches;    ///< two or more, or none; they add up to sums
   std::vector<FrameFactors> frames;  ///< PathView::frames() of the scene as it was rendered
   std::vector<Colour> unit_power_w;  ///< PathView::unit_power_w()
@@ -109,7 +109,7 @@ double pixel_radiance(const PathPicture& picture,
                       std::optional<std::size_t> without = {});
 
 /// Radiance of one channel of a frame.
-ImageF channel_radiance(const PathSums& sums, const FrameFactors& factors, int channel);
+ImageF channel_radiance(const Film& sums, const FrameFactors& factors, int channel);
 
 /// Of everything that PathPicture depends on but the powers of lights: equal keys, equal pictures.
 /// Segment powers of a light without separate_segments count, as they share one group.

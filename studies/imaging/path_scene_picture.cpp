@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "core/image/spans.h"
 #include "metrics/statistics/estimate.h"
-#include "simulator/render/wall/hidden_pixels.h"
+#include "simulator/render/wall/occluded_pixels.h"
 #include "simulator/sensor/sensor.h"
 #include "studies/imaging/frame_exposure.h"
 #include "studies/imaging/path_lights.h"
@@ -36,7 +36,7 @@ void check_scene(const SceneSettings& scene, const PictureRequest& request) {
 /// The box around some pixels of the picture, and so much around it.
 PixelWindow window_around(const std::vector<std::size_t>& pixels,
                           int margin_px,
-                          const SeenPart& seen) {
+                          const VisibilityBuffer& seen) {
   int left = seen.width_px;
   int top = seen.height_px;
   int right = 0;
@@ -137,9 +137,9 @@ class PathScenePicture : public ScenePicture {
     mean.clipped_frames = std::move(sums.clipped_frames);
     mean.form.frame_pixels = static_cast<int>(mean.aspect.size());
     if (scene().has_tunnel && !request.without) {
-      const SeenPart& seen = traced()->seen();
+      const VisibilityBuffer& seen = traced()->seen();
       mean.hidden_share = share_of_part(
-          hidden_pixels(seen, Tunnel(scene().tunnel), traced()->camera_in_world_mm), seen);
+          occluded_pixels(seen, Tunnel(scene().tunnel), traced()->camera_in_world_mm), seen);
     }
     return mean;
   }

@@ -21,7 +21,7 @@ double max_slope_rad(const Defect& defect) {
   return height_feature(defect, DefectGroup{}).max_slope_rad();
 }
 
-/// Roughness and own tools have no height that could be written down.
+/// Roughness and custom tools have no height that could be written down.
 bool needs_tool(const Defect& defect, const DefectGroup& group) {
   const bool is_ragged = defect.type == DefectType::kPit || defect.type == DefectType::kGouge;
   return !group.tool_folder.empty() || std::atan(max_slope_rad(defect)) > kSteepest_rad ||

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kKeptParts = 2;
 constexpr std::size_t kKeptDefects = 4;
 constexpr std::size_t kKeptScenes = 3;
-constexpr std::size_t kKeptPictures = 2;   // at least: of one scene, with and without its defects
+constexpr std::size_t kKeptPictures = 2;  // at least: of one scene, with and without its defects
 constexpr std::size_t kKeptWalls = 64;
 
 std::string part_key(PartSettings part) {
@@ -123,24 +123,27 @@ SceneSettings as_traced(SceneSettings scene) {
 
 }  // namespace
 
-SceneStore::SceneStore(ThreadPool& pool, std::size_t most_bytes)
+SceneStore::SceneStore(ThreadPool& pool, std::size_t max_bytes)
     : pool_(pool),
-      most_bytes_(most_bytes > 0 ? most_bytes : machine_bytes() / 4),
-      parts_({.most_values = kKeptParts}),
-      makers_({.most_values = kKeptParts}),
-      defects_({.most_values = kKeptDefects}),
-      traced_({.most_values = kKeptScenes, .most_bytes = most_bytes_ / 2},
+      max_bytes_(max_bytes > 0 ? max_bytes : machine_bytes() / 4),
+      parts_({.max_values = kKeptParts}),
+      makers_({.max_values = kKeptParts}),
+      defects_({.max_values = kKeptDefects}),
+      traced_({.max_values = kKeptScenes, .max_bytes = max_bytes_ / 2},
               [](const auto&, const TracedScene& traced) { return bytes_of(traced); }),
-      pictures_({.most_bytes = most_bytes_ / 2, .least_values = kKeptPictures},
+      pictures_({.max_bytes = max_bytes_ / 2, .min_values = kKeptPictures},
                 [](const auto&, const PathPicture& picture) {
                   return static_cast<std::size_t>(picture.bytes());
                 }),
-      walls_({.most_values = kKeptWalls, .most_bytes = most_bytes_ / 2, .least_values = 0},
-             [](const auto&, const MetWall& wall) { return wall.view ? wall.view->bytes() : 0; }) {}
+      walls_({.max_values = kKeptWalls, .max_bytes = max_bytes_ / 2, .min_values = 0},
+             [](const auto&, const IntersectedWall& wall) {
+               return wall.view ? wall.view->bytes() : 0;
+             }) {}
 
 std::size_t SceneStore::kept_bytes() const {
   const std::scoped_lock lock(bare_mutex_);
-  return (bare_ ? bytes_of(*bare_) : 0) + traced_.bytes() + pictures_.bytes() + walls_.bytes();
+  return (defect_free_ ? bytes_of(*defect_free_) : 0) + traced_.bytes() + pictures_.bytes() +
+         walls_.bytes();
 }
 
 void SceneStore::check_file(const std::filesystem::path& file) {
@@ -184,9 +187,9 @@ std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& wanted
   const SceneSettings scene = as_traced(wanted);
   const std::shared_ptr<const BuiltDefects> part = build_defects(scene);
   auto traced = traced_.get({trace_key(scene), part}, [&] {
-    const std::shared_ptr<const CornerRays> bare = bare_rays(scene, *part);
-    TracedScene made = trace_scene(scene, part, bare.get(), pool_);
-    num_retraced_ += bare ? 1 : 0;
+    const std::shared_ptr<const CornerRays> defect_free = defect_free_rays(scene, *part);
+    TracedScene made = trace_scene(scene, part, defect_free.get(), pool_);
+    num_retraced_ += defect_free ? 1 : 0;
     return made;
   });
   walls_.erase_if([](const WallKey& key) { return key.rays.traced.expired(); });
@@ -194,25 +197,25 @@ std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& wanted
 }
 
 /// From the second set of defects for one camera on, the rays without any are worth having.
-std::shared_ptr<const CornerRays> SceneStore::bare_rays(const SceneSettings& scene,
-                                                        const BuiltDefects& part) {
+std::shared_ptr<const CornerRays> SceneStore::defect_free_rays(const SceneSettings& scene,
+                                                               const BuiltDefects& part) {
   if (scene.render.method == RenderSettings::Method::kSampled || needs_paths(scene) ||
       scene.defects.empty() || part.built != part.clean) {
     return nullptr;
   }
-  SceneSettings bare = scene;
-  bare.defects.clear();
-  bare.imprint = {};
-  bare.metrics = {};
-  const std::string key = trace_key(bare);
+  SceneSettings defect_free = scene;
+  defect_free.defects.clear();
+  defect_free.imprint = {};
+  defect_free.metrics = {};
+  const std::string key = trace_key(defect_free);
   const std::scoped_lock lock(bare_mutex_);
-  if (bare_key_ != key) {
-    bare_key_ = key;
-    bare_.reset();
-    traced_.set_most_bytes(most_bytes_ / 2);
+  if (defect_free_key_ != key) {
+    defect_free_key_ = key;
+    defect_free_.reset();
+    traced_.set_most_bytes(max_bytes_ / 2);
     return nullptr;
   }
-  if (!bare_) {
+  if (!defect_free_) {
     auto rays =
         std::make_shared<const CornerRays>(trace_corner_rays(part.clean->part,
                                                              *part.clean->bvh,
@@ -222,13 +225,13 @@ std::shared_ptr<const CornerRays> SceneStore::bare_rays(const SceneSettings& sce
                                                              scene.render,
                                                              pool_));
     const std::size_t bytes = bytes_of(*rays);
-    if (bytes > most_bytes_ / 8) {
+    if (bytes > max_bytes_ / 8) {
       return nullptr;
     }
-    bare_ = std::move(rays);
-    traced_.set_most_bytes(most_bytes_ / 2 - bytes);
+    defect_free_ = std::move(rays);
+    traced_.set_most_bytes(max_bytes_ / 2 - bytes);
   }
-  return bare_;
+  return defect_free_;
 }
 
 std::shared_ptr<const PathPicture> SceneStore::picture(const SceneSettings& scene,
@@ -254,17 +257,18 @@ std::shared_ptr<const PathPicture> SceneStore::flawless_picture(
   });
 }
 
-std::shared_ptr<const WallView> SceneStore::meet(const std::shared_ptr<const TracedScene>& traced,
-                                                 const CornerRays& rays,
-                                                 const Tunnel& tunnel) {
+std::shared_ptr<const WallView> SceneStore::intersect(
+    const std::shared_ptr<const TracedScene>& traced,
+    const CornerRays& rays,
+    const Tunnel& tunnel) {
   const WallKey key = {.rays = {.traced = traced, .rays = &rays},
                        .tunnel = wall_key(tunnel.settings())};
-  const std::shared_ptr<const MetWall> known = walls_.find(key);
+  const std::shared_ptr<const IntersectedWall> known = walls_.find(key);
   if (known && known->view) {
     return known->view;
   }
   auto view = std::make_shared<const WallView>(rays, tunnel, traced->camera_in_world_mm);
-  ++num_met_;
+  ++num_intersected_;
   walls_.put(key, {.view = known ? view : nullptr});
   return view;
 }

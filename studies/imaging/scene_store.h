@@ -27,10 +27,10 @@ namespace glint {
 /// Builds scenes and keeps the last few. Safe to use from several threads.
 class SceneStore {
  public:
-  /// @param most_bytes  what traced scenes and wall views that are kept may take together (the last
+  /// @param max_bytes  what traced scenes and wall views that are kept may take together (the last
   ///                    scene is kept in any case), or traced scenes and pictures by path tracing;
   ///                    0: a quarter of the machine's memory
-  explicit SceneStore(ThreadPool& pool, std::size_t most_bytes = 0);
+  explicit SceneStore(ThreadPool& pool, std::size_t max_bytes = 0);
 
   /// @throws ConfigError beginning with the key at fault, IoError
   std::shared_ptr<const TracedScene> trace(const SceneSettings& scene);
@@ -62,9 +62,9 @@ class SceneStore {
   /// time on, so that candidates that differ in their stripes alone meet the wall once, and others
   /// do not fill the memory.
   /// @param rays  one of the scene's CornerRays
-  std::shared_ptr<const WallView> meet(const std::shared_ptr<const TracedScene>& traced,
-                                       const CornerRays& rays,
-                                       const Tunnel& tunnel);
+  std::shared_ptr<const WallView> intersect(const std::shared_ptr<const TracedScene>& traced,
+                                            const CornerRays& rays,
+                                            const Tunnel& tunnel);
 
   int num_traced() const { return traced_.num_made(); }  ///< how often rays were traced
 
@@ -74,7 +74,7 @@ class SceneStore {
   /// How often paths were traced: once for designs that differ in the powers of their lights.
   int num_rendered() const { return pictures_.num_made(); }
 
-  int num_met() const { return num_met_; }  ///< how often a wall was met
+  int num_intersected() const { return num_intersected_; }  ///< how often a wall was met
 
   /// How often the defects of a part were made.
   int num_defects_made() const { return defects_.num_made(); }
@@ -117,19 +117,20 @@ class SceneStore {
     bool operator==(const WallKey&) const = default;
   };
 
-  struct MetWall {
+  struct IntersectedWall {
     std::shared_ptr<const WallView> view;  ///< empty: was asked for once
   };
 
   /// The camera's rays without defects, if the last scene had the same camera; else empty.
-  std::shared_ptr<const CornerRays> bare_rays(const SceneSettings& scene, const BuiltDefects& part);
+  std::shared_ptr<const CornerRays> defect_free_rays(const SceneSettings& scene,
+                                                     const BuiltDefects& part);
 
   /// @throws IoError when the file cannot be read, or is another one than at first
   void check_file(const std::filesystem::path& file);
   void check_files(const SceneSettings& scene);
 
   ThreadPool& pool_;
-  std::size_t most_bytes_ = 0;
+  std::size_t max_bytes_ = 0;
   std::mutex digests_mutex_;
   std::map<std::string, std::string> digests_;  ///< of part files, by path
   Cache<std::string, BuiltPart> parts_;
@@ -137,14 +138,14 @@ class SceneStore {
   Cache<MadeFrom<BuiltPart>, BuiltDefects> defects_;
   Cache<MadeFrom<BuiltDefects>, TracedScene> traced_;
   Cache<PictureKey, PathPicture> pictures_;
-  Cache<WallKey, MetWall> walls_;
+  Cache<WallKey, IntersectedWall> walls_;
   mutable std::mutex bare_mutex_;
-  std::string bare_key_;                    ///< of the last camera that was traced
-  std::shared_ptr<const CornerRays> bare_;  ///< its rays without defects
+  std::string defect_free_key_;                    ///< of the last camera that was traced
+  std::shared_ptr<const CornerRays> defect_free_;  ///< its rays without defects
   LineStore lines_;
   FramePicturePool frame_pictures_;
   std::atomic<int> num_retraced_ = 0;
-  std::atomic<int> num_met_ = 0;
+  std::atomic<int> num_intersected_ = 0;
 };
 
 /// Memory that the rays of a scene take, about.

@@ -68,7 +68,7 @@ double feature_area_mm2(const HeightFeature& feature) {
 }
 
 DefectView view_defect(const HeightFeature& feature,
-                       const SeenPart& rays,
+                       const VisibilityBuffer& rays,
                        const PinholeCamera& camera,
                        const RigidTransform& camera_from_world,
                        double window_radii) {
@@ -116,11 +116,11 @@ PinholeIntrinsics window_of(PinholeIntrinsics intrinsics, const DefectView& view
 
 /// What the camera sees of the part, by camera rays alone: all that scores of path-traced pictures
 /// need to know of it.
-SeenPart look_at(const BuiltPart& built,
-                 const SurfaceDetail& detail,
-                 const PinholeCamera& camera,
-                 const RigidTransform& camera_from_world,
-                 ThreadPool& pool) {
+VisibilityBuffer look_at(const BuiltPart& built,
+                         const SurfaceDetail& detail,
+                         const PinholeCamera& camera,
+                         const RigidTransform& camera_from_world,
+                         ThreadPool& pool) {
   constexpr int kRaysPerPixel = 16;
   constexpr double kAnyWavelength_nm = 550.0;
   const SurfaceMaterial material({}, std::span(&kAnyWavelength_nm, 1));
@@ -132,9 +132,9 @@ SeenPart look_at(const BuiltPart& built,
                                .lights = none,
                                .camera = camera,
                                .camera_from_world = camera_from_world};
-  PathSums sums =
+  Film sums =
       render_paths(scene, {.samples = kRaysPerPixel, .channels = 1, .has_light = false}, pool);
-  SeenPart seen;
+  VisibilityBuffer seen;
   seen.width_px = sums.width_px;
   seen.height_px = sums.height_px;
   seen.coverage = ImageF(sums.width_px, sums.height_px);
@@ -151,15 +151,15 @@ SeenPart look_at(const BuiltPart& built,
   return seen;
 }
 
-/// @param bare  the camera's rays without defects; nullptr: not known
+/// @param defect_free  the camera's rays without defects; nullptr: not known
 void trace_camera(const SceneSettings& scene,
                   const PinholeCamera& camera,
-                  const CornerRays* bare,
+                  const CornerRays* defect_free,
                   ThreadPool& pool,
                   TracedScene& traced) {
   const BuiltPart& built = traced.built();
   if (needs_paths(scene)) {
-    static_cast<SeenPart&>(traced.corners) =
+    static_cast<VisibilityBuffer&>(traced.corners) =
         look_at(built, traced.detail(), camera, traced.camera_from_world, pool);
   } else if (scene.render.method == RenderSettings::Method::kSampled) {
     traced.rays = trace_rays(built.part,
@@ -169,8 +169,8 @@ void trace_camera(const SceneSettings& scene,
                              traced.camera_from_world,
                              scene.render,
                              pool);
-  } else if (bare != nullptr) {
-    traced.corners = retrace_detail(*bare,
+  } else if (defect_free != nullptr) {
+    traced.corners = retrace_detail(*defect_free,
                                     built.part,
                                     *built.bvh,
                                     traced.detail(),
@@ -212,7 +212,7 @@ void trace_flawless_windows(const SceneSettings& scene,
 
 TracedScene trace_scene(const SceneSettings& scene,
                         std::shared_ptr<const BuiltDefects> part,
-                        const CornerRays* bare,
+                        const CornerRays* defect_free,
                         ThreadPool& pool) {
   TracedScene traced;
   traced.part = std::move(part);
@@ -231,8 +231,8 @@ TracedScene trace_scene(const SceneSettings& scene,
             at_mm[2]));
   }
   const PinholeCamera camera(intrinsics_of(scene));
-  trace_camera(scene, camera, bare, pool, traced);
-  const SeenPart& seen = traced.seen();
+  trace_camera(scene, camera, defect_free, pool, traced);
+  const VisibilityBuffer& seen = traced.seen();
   traced.views = view_defects(traced.part->made.outlines,
                               seen,
                               camera,
@@ -256,7 +256,7 @@ TracedScene trace_scene(const SceneSettings& scene,
 }
 
 std::vector<DefectView> view_defects(std::span<const HeightFeature> outlines,
-                                     const SeenPart& seen,
+                                     const VisibilityBuffer& seen,
                                      const PinholeCamera& camera,
                                      const RigidTransform& camera_from_world,
                                      double window_radii) {

@@ -23,7 +23,7 @@ struct TracedScene {
   RigidTransform camera_from_world;
   Eigen::Vector3d camera_in_world_mm = Eigen::Vector3d::Zero();
   RayCache rays;       ///< of the plain way (render.method = "sampled"); else empty
-  CornerRays corners;  ///< of all other methods, where paths are traced only its SeenPart
+  CornerRays corners;  ///< of all other methods, where paths are traced only its VisibilityBuffer
   std::vector<DefectView> views;
   std::vector<DefectPixels> defects;
   /// For each view its window without defects, sampled; none where paths are traced.
@@ -40,24 +40,24 @@ struct TracedScene {
 
   bool is_sampled() const { return corners.width_px == 0; }
 
-  const SeenPart& seen() const {
-    return is_sampled() ? static_cast<const SeenPart&>(rays) : corners;
+  const VisibilityBuffer& seen() const {
+    return is_sampled() ? static_cast<const VisibilityBuffer&>(rays) : corners;
   }
 
   const RayCounts& counts() const { return is_sampled() ? rays.counts : corners.counts; }
 };
 
 /// Traces a scene anew, or only around its defects.
-/// @param bare  the camera's rays without defects; nullptr: not known
+/// @param defect_free  the camera's rays without defects; nullptr: not known
 /// @throws ConfigError beginning with the key at fault
 TracedScene trace_scene(const SceneSettings& scene,
                         std::shared_ptr<const BuiltDefects> part,
-                        const CornerRays* bare,
+                        const CornerRays* defect_free,
                         ThreadPool& pool);
 
 /// How the camera sees each defect: windows of distances in defect radii.
 std::vector<DefectView> view_defects(std::span<const HeightFeature> outlines,
-                                     const SeenPart& seen,
+                                     const VisibilityBuffer& seen,
                                      const PinholeCamera& camera,
                                      const RigidTransform& camera_from_world,
                                      double window_radii);

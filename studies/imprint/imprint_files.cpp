@@ -22,12 +22,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostTiles = 96;
+constexpr std::size_t kMaxTiles = 96;
 
 /// Defects that are no triangles: by their normals, and stains.
 SurfaceDetail shapeless_detail(const DefectivePart& made) {
   std::set<int> shapeless;
-  for (const MadeDefect& defect : made.defects) {
+  for (const RealisedDefect& defect : made.defects) {
     if (defect.is_made && defect.defect.realisation == Realisation::kNormal) {
       shapeless.insert(defect.defect.id);
     }
@@ -53,7 +53,7 @@ PreviewView view_of(const Defect& defect, const Bvh& bvh) {
 /// What a reader of the files should know.
 Json notes_of(const DefectivePart& made, const FloatLoss& loss) {
   Json notes = Json::array();
-  const auto by_normals = std::ranges::count_if(made.defects, [](const MadeDefect& defect) {
+  const auto by_normals = std::ranges::count_if(made.defects, [](const RealisedDefect& defect) {
     return defect.is_made && defect.defect.realisation == Realisation::kNormal &&
            defect.defect.type != DefectType::kStain;
   });
@@ -90,8 +90,8 @@ ImageF defect_sheet(const BuiltDefects& part, ThreadPool& pool) {
                                   .detail = detail};
   std::vector<ImageF> tiles;
   std::vector<int> numbers;
-  for (const MadeDefect& made : part.made.defects) {
-    if (made.is_made && tiles.size() < kMostTiles) {
+  for (const RealisedDefect& made : part.made.defects) {
+    if (made.is_made && tiles.size() < kMaxTiles) {
       const PreviewView view = view_of(made.defect, *part.clean->bvh);
       tiles.push_back(draw_preview(subject, view, pool).image);
       numbers.push_back(made.defect.id);
@@ -162,7 +162,7 @@ Json imprint_summary(const Json& metadata) {
 
 Json timings_json(const ImprintSeconds& seconds, const DefectivePart& made) {
   Json defects = Json::object();
-  for (const MadeDefect& defect : made.defects) {
+  for (const RealisedDefect& defect : made.defects) {
     defects[defect.defect.label] = defect.seconds;
   }
   return {{"make_s", seconds.make_s},

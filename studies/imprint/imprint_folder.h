@@ -13,7 +13,7 @@
 namespace glint {
 
 /// The resolved scene below a line that names everything its parts depend on: the configuration,
-/// the part's file, the own tools and painted regions, and the program's version.
+/// the part's file, the custom tools and painted regions, and the program's version.
 /// @param is_many  whether the folder holds numbered parts or one
 std::string marked_scene_text(const Study& study, bool is_many);
 

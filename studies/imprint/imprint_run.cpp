@@ -47,15 +47,15 @@ SceneSettings imprinted_scene(SceneSettings scene) {
 }
 
 /// The most defects there can be, for the progress bar.
-int most_defects(const SceneSettings& scene) {
+int max_defects(const SceneSettings& scene) {
   if (scene.imprint.count.max > 0.0) {
     return static_cast<int>(scene.imprint.count.max);
   }
-  std::size_t most = 0;
+  std::size_t maximum = 0;
   for (const auto& [name, group] : scene.defects) {
-    most += most_defects(group, scene.imprint);
+    maximum += max_defects(group, scene.imprint);
   }
-  return std::max(1, static_cast<int>(most));
+  return std::max(1, static_cast<int>(maximum));
 }
 
 /// Sums over the parts.
@@ -144,11 +144,11 @@ class ImprintRun {
     Json result = {{"schema", 1}, {"status", "done"}, {"name", study_.name}, {"seed", seed}};
     try {
       StagedFolder stage(options_.out, "");
-      const int most = most_defects(scene_);
-      Progress bar(study_.name, most, options_.progress);
-      const Json timings =
-          make_part(stage.path(), seed, pool_, [&](int done) { bar.update(std::min(done, most)); });
-      bar.update(most);
+      const int maximum = max_defects(scene_);
+      Progress bar(study_.name, maximum, options_.progress);
+      const Json timings = make_part(
+          stage.path(), seed, pool_, [&](int done) { bar.update(std::min(done, maximum)); });
+      bar.update(maximum);
       write_file(stage.path() / kResolvedScene, marked_scene_);
       write_run_json(stage.path(), timings);
       add_metadata(result, Json::parse(read_file(stage.path() / kImprintMetadata)));

@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kPictureWidthPx = 1300;
-constexpr std::size_t kMostDefects = 600;  ///< of one part on the page; the CSV file has all
+constexpr std::size_t kMaxDefects = 600;  ///< of one part on the page; the CSV file has all
 
 std::string plural(std::int64_t count, std::string_view word) {
   return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
@@ -76,7 +76,7 @@ std::vector<std::size_t> biggest_of(const std::vector<FoundDefect>& defects) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(
       order, [&](std::size_t a, std::size_t b) { return defects[a].area_px > defects[b].area_px; });
-  order.resize(std::min(order.size(), kMostDefects));
+  order.resize(std::min(order.size(), kMaxDefects));
   return order;
 }
 

@@ -16,7 +16,7 @@ namespace glint {
 std::string page_picture(const ImageF& shown);
 
 /// More parts are in the table only.
-inline constexpr std::size_t kMostPagePictures = 100;
+inline constexpr std::size_t kMaxPagePictures = 100;
 
 /// @param result    the object of result.json
 /// @param pictures  of the first parts, by page_picture()

@@ -240,7 +240,7 @@ class InspectRun {
       write_exr(folder / "phase_rad.exr", part.phases->phase_rad);
     }
     write_file(folder / "overlay.png", png_bytes(overlay(shown, marks)));
-    if (pictures_.size() < kMostPagePictures) {
+    if (pictures_.size() < kMaxPagePictures) {
       pictures_.push_back(page_picture(shown));
     }
     part.aspect = part.response = ImageF();

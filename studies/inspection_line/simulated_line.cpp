@@ -33,8 +33,8 @@ void keep_inside(const Mask& mask, ImageF& image) {
 }
 
 /// The smallest distance [radii] among the pixels whose centres lie within `reach_px` of a point.
-float least_distance(const DefectView& view, double x_px, double y_px, double reach_px) {
-  float least = DefectView::kFar;
+float min_distance(const DefectView& view, double x_px, double y_px, double reach_px) {
+  float minimum = DefectView::kFar;
   const double u = x_px - view.left_px;
   const double v = y_px - view.top_px;
   const auto first = [&](double at) { return static_cast<int>(std::floor(at - reach_px)); };
@@ -42,21 +42,21 @@ float least_distance(const DefectView& view, double x_px, double y_px, double re
   for (int y = std::max(0, first(v)); y <= std::min(view.distance.height() - 1, last(v)); ++y) {
     for (int x = std::max(0, first(u)); x <= std::min(view.distance.width() - 1, last(u)); ++x) {
       if (std::hypot(x + 0.5 - u, y + 0.5 - v) <= reach_px) {
-        least = std::min(least, view.distance(x, y));
+        minimum = std::min(minimum, view.distance(x, y));
       }
     }
   }
-  return least;
+  return minimum;
 }
 
 /// Whether the pixel nearest to the defect's middle lies outside a region; unseen ones do.
 bool is_outside(const DefectView& view, const Mask& region) {
-  float least = DefectView::kFar;
+  float minimum = DefectView::kFar;
   bool is_inside = false;
   for (int y = 0; y < view.distance.height(); ++y) {
     for (int x = 0; x < view.distance.width(); ++x) {
-      if (view.distance(x, y) < least) {
-        least = view.distance(x, y);
+      if (view.distance(x, y) < minimum) {
+        minimum = view.distance(x, y);
         is_inside = region(x + view.left_px, y + view.top_px) != 0;
       }
     }
@@ -148,7 +148,7 @@ struct SimulatedLine::Data {
   std::vector<TrueDefect> truth_of(const DefectivePart& made, const LineScan& scan) const {
     std::vector<TrueDefect> truth;
     std::size_t next = 0;
-    for (const MadeDefect& defect : made.defects) {
+    for (const RealisedDefect& defect : made.defects) {
       if (!defect.is_made) {
         continue;
       }
@@ -188,9 +188,9 @@ struct SimulatedLine::Data {
     expected_aspect = std::move(line.aspect);
     keep_inside(traced->part_mask, expected_aspect);
     const double lit = scene.metrics.lit_threshold;
-    const double most = scene.inspection.trials.mask_grey;
+    const double maximum = scene.inspection.trials.mask_grey;
     for (std::size_t i = 0; i < region.size(); ++i) {
-      const bool is_even = std::abs(static_cast<double>(quiet.values()[i])) <= most;
+      const bool is_even = std::abs(static_cast<double>(quiet.values()[i])) <= maximum;
       const bool is_lit = static_cast<double>(expected_aspect.values()[i]) > lit;
       region.values()[i] = region.values()[i] != 0 && is_lit && is_even ? 1 : 0;
     }
@@ -224,10 +224,10 @@ struct SimulatedLine::Data {
 DetectionMatches match_detections(std::span<const FoundDefect> found,
                                   std::span<const TrueDefect> truth,
                                   const TrialSettings& settings) {
-  const auto most = static_cast<float>(settings.hit_radii);
+  const auto maximum = static_cast<float>(settings.hit_radii);
   const auto distance = [&](const FoundDefect& blob, std::size_t i, double slack_px) {
-    const float radii = least_distance(truth[i].view, blob.x_px, blob.y_px, slack_px);
-    return radii <= most ? std::optional(static_cast<double>(radii)) : std::nullopt;
+    const float radii = min_distance(truth[i].view, blob.x_px, blob.y_px, slack_px);
+    return radii <= maximum ? std::optional(static_cast<double>(radii)) : std::nullopt;
   };
   DetectionMatches matches = match_detections(found, truth.size(), settings.echo_px, distance);
   for (std::size_t i = 0; i < truth.size(); ++i) {

@@ -19,13 +19,13 @@ constexpr int kResamples = 1000;
 constexpr std::uint64_t kSeed = 1;
 
 /// A score's value; the interval may be missing.
-struct Figure {
+struct Statistic {
   double value = 0.0;
   std::optional<Estimate> estimate = {};
 
-  Figure(double only) : value(only) {}  // NOLINT(*-explicit-*): is one
+  Statistic(double only) : value(only) {}  // NOLINT(*-explicit-*): is one
 
-  Figure(const Estimate& whole)  // NOLINT(*-explicit-*): is one
+  Statistic(const Estimate& whole)  // NOLINT(*-explicit-*): is one
       : value(whole.value), estimate(whole) {}
 };
 
@@ -74,7 +74,7 @@ class Sample {
     return all<Value>(every_part(), get);
   }
 
-  std::optional<Figure> detection_rate() const {
+  std::optional<Statistic> detection_rate() const {
     const auto found = all<int>([](const DefectTrial& one) { return one.is_found ? 1 : 0; });
     if (found.empty()) {
       return std::nullopt;
@@ -84,7 +84,7 @@ class Sample {
                   confidence_);
   }
 
-  std::optional<Figure> auc() const {
+  std::optional<Statistic> auc() const {
     const auto with = all<double>([](const DefectTrial& one) { return one.largest; });
     const auto without = all<double>([](const DefectTrial& one) { return one.largest_without; });
     if (with.empty()) {
@@ -93,17 +93,17 @@ class Sample {
     return area_under_roc(with, without, confidence_);
   }
 
-  std::optional<Figure> pod_a90_um() const {
+  std::optional<Statistic> pod_a90_um() const {
     auto trials = all<SizedTrial>([](const DefectTrial& one) {
       return SizedTrial{.size = one.height_um, .is_hit = one.is_found};
     });
     std::erase_if(trials, [](const SizedTrial& trial) { return trial.size <= 0.0; });  // stains
     const std::optional<PodFit> fit = fit_pod(trials, confidence_);
-    return fit ? std::optional<Figure>(fit->a90) : std::nullopt;
+    return fit ? std::optional<Statistic>(fit->a90) : std::nullopt;
   }
 
   /// Share of the rendering's noise in the squared changes of radiance.
-  std::optional<Figure> rendering_error() const {
+  std::optional<Statistic> rendering_error() const {
     RenderedEnergy sum;
     for (const RenderedEnergy& one :
          all<RenderedEnergy>([](const DefectTrial& defect) { return defect.rendering; })) {
@@ -113,10 +113,10 @@ class Sample {
     if (all<int>([](const DefectTrial&) { return 0; }).empty()) {
       return std::nullopt;
     }
-    return Figure(sum.total > 0.0 ? std::min(1.0, sum.noise / sum.total) : 0.0);
+    return Statistic(sum.total > 0.0 ? std::min(1.0, sum.noise / sum.total) : 0.0);
   }
 
-  std::optional<Figure> signature() const {
+  std::optional<Statistic> signature() const {
     return resampled([this](std::span<const std::size_t> parts) {
       const auto values = all<double>(parts, [](const DefectTrial& d) { return d.signature; });
       return std::accumulate(values.begin(), values.end(), 0.0) /
@@ -125,33 +125,33 @@ class Sample {
   }
 
   /// Median over the group's defects; of all: of the group where it is smallest.
-  std::optional<Figure> dprime() const {
+  std::optional<Statistic> dprime() const {
     const std::set<std::string> groups = [this] {
       const auto names = all<std::string>([](const DefectTrial& one) { return one.group; });
       return std::set<std::string>(names.begin(), names.end());
     }();
     return resampled([this, groups](std::span<const std::size_t> parts) {
-      double least = std::numeric_limits<double>::infinity();
+      double minimum = std::numeric_limits<double>::infinity();
       for (const std::string& group : groups) {
         const Sample one(line_, group, confidence_);
         const auto squares =
             one.all<double>(parts, [](const DefectTrial& d) { return d.squared_dprime; });
         if (!squares.empty()) {  // a resample may hold no part with this group
-          least = std::min(least, std::sqrt(std::max(0.0, median(squares))));
+          minimum = std::min(minimum, std::sqrt(std::max(0.0, median(squares))));
         }
       }
-      return std::isfinite(least) ? least : 0.0;
+      return std::isfinite(minimum) ? minimum : 0.0;
     });
   }
 
   /// Half of the defects are found at a part's factor; median over the parts.
-  std::optional<Figure> smallest(double DefectTrial::*size) const {
+  std::optional<Statistic> smallest(double DefectTrial::*size) const {
     const auto sizes_on = [this, size](std::span<const std::size_t> parts) {
       auto sizes = all<double>(parts, [size](const DefectTrial& one) { return one.*size; });
       std::erase_if(sizes, [](double value) { return value <= 0.0; });  // stains
       return sizes;
     };
-    const auto figure = [this, sizes_on](std::span<const std::size_t> parts) {
+    const auto statistic = [this, sizes_on](std::span<const std::size_t> parts) {
       std::vector<double> smallest;
       for (const std::size_t k : parts) {
         const auto own = sizes_on({&k, 1});
@@ -165,10 +165,10 @@ class Sample {
     for (const PartTrial& part : line_.parts) {
       factors.push_back(part.factor);
     }
-    if (sizes_on(every_part()).empty() || median(factors) >= LineTrials::kMostFactor) {
+    if (sizes_on(every_part()).empty() || median(factors) >= LineTrials::kMaxFactor) {
       return std::nullopt;
     }
-    return resampled(figure);
+    return resampled(statistic);
   }
 
  private:
@@ -179,15 +179,15 @@ class Sample {
   }
 
   /// Parts are drawn again, not defects: those of one part share its noise.
-  std::optional<Figure> resampled(
-      const std::function<double(std::span<const std::size_t>)>& figure) const {
+  std::optional<Statistic> resampled(
+      const std::function<double(std::span<const std::size_t>)>& statistic) const {
     if (all<int>([](const DefectTrial&) { return 0; }).empty()) {
       return std::nullopt;
     }
     if (line_.parts.size() < 2) {
-      return Figure(figure(every_part()));
+      return Statistic(statistic(every_part()));
     }
-    return Figure(bootstrap(line_.parts.size(), figure, kResamples, kSeed, confidence_));
+    return Statistic(bootstrap(line_.parts.size(), statistic, kResamples, kSeed, confidence_));
   }
 
   const LineTrials& line_;
@@ -195,7 +195,9 @@ class Sample {
   double confidence_;
 };
 
-std::optional<Figure> figure_of(const LineScore& score, const LineTrials& line, double confidence) {
+std::optional<Statistic> statistic_of(const LineScore& score,
+                                      const LineTrials& line,
+                                      double confidence) {
   const Sample sample(line, score.group, confidence);
   if (score.what == "threshold") {
     return line.threshold;
@@ -268,16 +270,16 @@ Scores visibility_scores(SceneStore& store,
   const SimulatedLine line(store, scene);
   const LineTrials trials = run_trials(line, needs_of(names), first, store.pool());
   for (const std::string& name : names) {
-    const auto figure = figure_of(parse(name), trials, scene.inspection.trials.confidence);
-    if (!figure) {
+    const auto statistic = statistic_of(parse(name), trials, scene.inspection.trials.confidence);
+    if (!statistic) {
       continue;
     }
-    scores[name] = figure->value;
-    if (figure->estimate && std::isfinite(figure->estimate->low)) {
-      scores[name + ".low"] = figure->estimate->low;
+    scores[name] = statistic->value;
+    if (statistic->estimate && std::isfinite(statistic->estimate->low)) {
+      scores[name + ".low"] = statistic->estimate->low;
     }
-    if (figure->estimate && std::isfinite(figure->estimate->high)) {
-      scores[name + ".high"] = figure->estimate->high;
+    if (statistic->estimate && std::isfinite(statistic->estimate->high)) {
+      scores[name + ".high"] = statistic->estimate->high;
     }
   }
   return scores;

@@ -223,10 +223,10 @@ double found_share(const SimulatedLine& line,
 /// Bisection of one part: part and noise stay the same, so its own share is a clean step.
 double factor_of(const SimulatedLine& line, std::int64_t number, double threshold) {
   const auto share = [&](double factor) { return found_share(line, number, threshold, factor); };
-  const BisectionSettings settings = {.relative_step = 0.04, .most_calls = 12};
+  const BisectionSettings settings = {.relative_step = 0.04, .max_calls = 12};
   const SmallestDetectable found =
-      smallest_detectable(share, LineTrials::kLeastFactor, LineTrials::kMostFactor, 0.5, settings);
-  return found.result == Detectable::kNever ? LineTrials::kMostFactor : found.size;
+      smallest_detectable(share, LineTrials::kMinFactor, LineTrials::kMaxFactor, 0.5, settings);
+  return found.result == Detectable::kNever ? LineTrials::kMaxFactor : found.size;
 }
 
 }  // namespace

@@ -38,13 +38,13 @@ struct DefectTrial {
 struct PartTrial {
   std::vector<DefectTrial> defects;
   /// Of `smallest`: the factor on all heights at which half of the part's defects are found;
-  /// kMostFactor where they never are.
+  /// kMaxFactor where they never are.
   double factor = 0.0;
 };
 
 struct LineTrials {
-  static constexpr double kMostFactor = 16.0;
-  static constexpr double kLeastFactor = 1.0 / 1024.0;
+  static constexpr double kMaxFactor = 16.0;
+  static constexpr double kMinFactor = 1.0 / 1024.0;
 
   double threshold = 0.0;
   double region_share = 0.0;

@@ -20,7 +20,7 @@ constexpr int kPixels = WindowShape::kSamples * WindowShape::kSamples;
 constexpr int kWindows = 4 * kPixels;
 
 /// Stands for detected without any doubt: pictures without noise.
-constexpr double kMostSquared = 1e12;
+constexpr double kMaxSquared = 1e12;
 
 /// Whether nine points of the window lie in the region; good enough for one without thin holes.
 bool is_whole(const Mask& region, int x, int y, WindowShape shape) {
@@ -66,7 +66,7 @@ std::vector<MiddlePixel> places_in(const Mask& region, WindowShape shape) {
 }
 
 double squared(double value) {
-  return std::min(value * value, kMostSquared);
+  return std::min(value * value, kMaxSquared);
 }
 
 std::vector<double> difference(std::vector<double> a, const std::vector<double>& b) {
@@ -120,11 +120,11 @@ MiddlePixel middle_of(const DefectView& view) {
   double sum_x = 0.0;
   double sum_y = 0.0;
   double count = 0.0;
-  float least = DefectView::kFar;
+  float minimum = DefectView::kFar;
   for (const float distance : view.distance.values()) {
-    least = std::min(least, distance);
+    minimum = std::min(minimum, distance);
   }
-  const float reach = std::max(1.0F, least);  // a defect may be smaller than a pixel
+  const float reach = std::max(1.0F, minimum);  // a defect may be smaller than a pixel
   for (int y = 0; y < view.distance.height(); ++y) {
     for (int x = 0; x < view.distance.width(); ++x) {
       if (view.distance(x, y) <= reach) {

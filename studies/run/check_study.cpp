@@ -28,9 +28,9 @@ void check_scene(SceneStore& store, const SceneSettings& scene) {
 
 /// Variables that change no score between the ends of their range, the others at the baseline: a
 /// key of another shape, most often.
-std::vector<std::string> idle_variables(SceneStore& store, const Study& study) {
+std::vector<std::string> insensitive_variables(SceneStore& store, const Study& study) {
   const WantedScores wanted = wanted_by(study.goal).with_whole_scan();
-  std::vector<std::string> idle;
+  std::vector<std::string> insensitive;
   const Point start = baseline_point(study);
   for (std::size_t i = 0; i < study.space.variables.size(); ++i) {
     const Variable& variable = study.space.variables[i];
@@ -45,13 +45,13 @@ std::vector<std::string> idle_variables(SceneStore& store, const Study& study) {
     try {
       if (is_active(study.space, start, i) && scores_at(is_choice ? 0.0 : variable.low) ==
                                                   scores_at(is_choice ? last : variable.high)) {
-        idle.push_back(variable.name);
+        insensitive.push_back(variable.name);
       }
     } catch (const ConfigError&) {
       continue;  // an end that cannot be built: the variable does act
     }
   }
-  return idle;
+  return insensitive;
 }
 
 /// The study's own scene as costly as a candidate of the search: its picture is not known yet where
@@ -127,7 +127,7 @@ Json check_study(const Study& study, int threads, int jobs) {
           {"name", study.name},
           {"variables", study.space.variables.size()},
           {"objective", study.goal.objective.name},
-          {"idle_variables", idle_variables(store, study)},
+          {"idle_variables", insensitive_variables(store, study)},
           {"baseline",
            {{"scores", scores_json(baseline.scores)},
             {"notes", scene_notes(study.scene, baseline.scores)}}},

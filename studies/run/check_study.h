@@ -16,7 +16,8 @@ void check_everything(SceneStore& store, const Study& study);
 
 /// One evaluation of the baseline and of each prototype, and two for each variable to see whether
 /// it acts; nothing written.
-/// @return { schema, status, name, variables, idle_variables, baseline, prototypes, evaluations,
+/// @return { schema, status, name, variables, insensitive_variables, baseline, prototypes,
+/// evaluations,
 ///         seconds_per_evaluation, predicted_s }
 nlohmann::ordered_json check_study(const Study& study, int threads, int jobs);
 

@@ -43,7 +43,7 @@ Json defects_json(const Evaluation& evaluation) {
   Json list = Json::array();
   const DefectivePart& part = evaluation.traced->part->made;
   std::size_t i = 0;  // among the defects that were made
-  for (const MadeDefect& made : part.defects) {
+  for (const RealisedDefect& made : part.defects) {
     if (made.is_made && i < evaluation.defects.size()) {
       const Json view = view_json(evaluation.traced->views[i], evaluation.defects[i]);
       list.push_back(defect_in_view_json(made.defect, part.outlines[i], view));
@@ -130,7 +130,7 @@ std::string rendering_note(const Json& rendering) {
   const int by_table = rendering["table_pixels"].get<int>();
   const int by_frames = rendering["frame_pixels"].get<int>();
   const double difference = rendering["h_rms_difference_points"].get<double>();
-  const bool is_linear = form == form_name(ScanForm::Kind::kFloors);
+  const bool is_linear = form == form_name(ScanForm::Kind::kMeanRadiance);
   return fmt::format(
       "A search takes the mean of this scan from a closed form ({}), with {} pixels rendered frame "
       "by frame ({}); h (rms) is {:.3f} points {} than from the full sequence.",

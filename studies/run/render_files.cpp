@@ -26,7 +26,7 @@ std::string_view channel_name(std::size_t channel, std::size_t channels) {
   return channels == 1 ? "Y" : kNames[channel];
 }
 
-std::size_t num_channels(const PathSums& sums) {
+std::size_t num_channels(const Film& sums) {
   return sums.groups.empty() ? 0 : sums.groups[0].channels.size();
 }
 
@@ -40,7 +40,7 @@ ExrChannel mean_channel(std::string name, const ImageF& sum, const Image<std::in
 }
 
 void write_radiance(const RenderedView& view, const fs::path& folder) {
-  const PathSums& sums = view.picture.sums;
+  const Film& sums = view.picture.sums;
   const std::size_t channels = num_channels(sums);
   const FrameFactors factors = mean_factors(view.picture.frames);
   std::vector<ImageF> total;
@@ -72,7 +72,7 @@ void write_grey_or_colour(const fs::path& path,
 
 /// Exposes all frames. @return their mean
 std::vector<ImageF> write_frames(const RenderedView& view, const fs::path& folder, bool is_kept) {
-  const PathSums& sums = view.picture.sums;
+  const Film& sums = view.picture.sums;
   const Sensor sensor(view.scene.sensor, sums.width_px, sums.height_px);
   const PixelDepth depth = view.scene.sensor.bits == 8 ? PixelDepth::k8Bit : PixelDepth::k16Bit;
   std::vector<ImageF> mean(num_channels(sums), ImageF(sums.width_px, sums.height_px));
@@ -114,7 +114,7 @@ ViewPictures write_light(const RenderedView& view, const fs::path& folder, bool 
   return {.image = rgb_of(mean), .relative_error = relative_error(view.picture, standard_error)};
 }
 
-void write_coverage(const PathSums& sums, const fs::path& folder) {
+void write_coverage(const Film& sums, const fs::path& folder) {
   const auto fill = [&](const auto& count_at) {
     return [&sums, count_at](int y, float* row) {
       for (int x = 0; x < sums.width_px; ++x) {
@@ -151,7 +151,7 @@ ExrChannel number_channel(std::string name, const Image<std::int32_t>& numbers) 
           }};
 }
 
-void write_geometry(const PathSums& sums, const fs::path& folder) {
+void write_geometry(const Film& sums, const fs::path& folder) {
   const SurfaceImages surface = surface_images(sums);
   const auto degrees = [&](int y, float* row) {
     std::ranges::transform(surface.incidence_rad.row(y),
@@ -173,7 +173,7 @@ void write_geometry(const PathSums& sums, const fs::path& folder) {
 }
 
 /// Pixels that a defect fills, parts of pixels together, and the window around them.
-Json seen_json(const PathSums& sums, std::int32_t id) {
+Json seen_json(const Film& sums, std::int32_t id) {
   const auto found = std::ranges::find(sums.defects, id, &DefectSums::id);
   double area_px = 0.0;
   int left = sums.width_px;
@@ -201,7 +201,7 @@ Json seen_json(const PathSums& sums, std::int32_t id) {
 Json defects_in_view(const RenderedView& view) {
   Json list = Json::array();
   std::size_t i = 0;  // among the defects that were made
-  for (const MadeDefect& made : view.part.made.defects) {
+  for (const RealisedDefect& made : view.part.made.defects) {
     if (made.is_made && i < view.part.made.outlines.size()) {
       list.push_back(defect_in_view_json(
           made.defect, view.part.made.outlines[i], seen_json(view.picture.sums, made.defect.id)));

@@ -80,7 +80,7 @@ Rgb mean_of(const ImageRgb& image, const Share& columns, const Share& rows) {
 /// Colours by id.
 std::map<std::int32_t, Rgb> colours_of(const DefectivePart& made) {
   std::map<std::int32_t, Rgb> colours;
-  for (const MadeDefect& defect : made.defects) {
+  for (const RealisedDefect& defect : made.defects) {
     colours[defect.defect.id] = linear_code(defect_colour(defect.defect.type));
   }
   return colours;
@@ -123,7 +123,7 @@ std::string defect_colour_css(DefectType type) {
   return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
 }
 
-ImageRgb defect_map(const PathSums& sums, const DefectivePart& made) {
+ImageRgb defect_map(const Film& sums, const DefectivePart& made) {
   const std::map<std::int32_t, Rgb> by_id = colours_of(made);
   std::vector<Rgb> colours;
   for (const DefectSums& defect : sums.defects) {
@@ -155,7 +155,7 @@ ImageRgb defect_map(const PathSums& sums, const DefectivePart& made) {
   return map;
 }
 
-Mask defect_mask(const PathSums& sums) {
+Mask defect_mask(const Film& sums) {
   Mask mask(sums.width_px, sums.height_px);
   for (std::size_t i = 0; i < mask.size(); ++i) {
     int count = 0;
@@ -167,7 +167,7 @@ Mask defect_mask(const PathSums& sums) {
   return mask;
 }
 
-Mask whole_part_mask(const PathSums& sums) {
+Mask whole_part_mask(const Film& sums) {
   Mask mask(sums.width_px, sums.height_px);
   for (std::size_t i = 0; i < mask.size(); ++i) {
     const int samples = sums.samples.values()[i];
@@ -176,8 +176,8 @@ Mask whole_part_mask(const PathSums& sums) {
   return mask;
 }
 
-ImageRgb shrunk(const ImageRgb& image, int most_px) {
-  const double scale = static_cast<double>(std::max(image.width(), image.height())) / most_px;
+ImageRgb shrunk(const ImageRgb& image, int max_px) {
+  const double scale = static_cast<double>(std::max(image.width(), image.height())) / max_px;
   if (scale <= 1.0) {
     return image;
   }
@@ -196,11 +196,11 @@ ImageRgb shrunk(const ImageRgb& image, int most_px) {
   return small;
 }
 
-ImageRgb side_by_side(const ImageRgb& left, const ImageRgb& right, int most_px) {
+ImageRgb side_by_side(const ImageRgb& left, const ImageRgb& right, int max_px) {
   GLINT_CHECK(left.width() == right.width() && left.height() == right.height(),
               "pictures side by side have one size");
-  const ImageRgb small_left = shrunk(left, most_px);
-  const ImageRgb small_right = shrunk(right, most_px);
+  const ImageRgb small_left = shrunk(left, max_px);
+  const ImageRgb small_right = shrunk(right, max_px);
   const int width = small_left.width();
   const int gap = std::max(4, width / kGapShare);
   ImageRgb both(2 * width + gap, small_left.height(), {255, 255, 255});

@@ -11,7 +11,7 @@
 
 #include "core/image/exr_layers.h"
 #include "defects/part/defective_part.h"
-#include "simulator/render/path_tracing/path_sums.h"
+#include "simulator/render/path_tracing/film.h"
 
 namespace glint {
 
@@ -23,20 +23,20 @@ std::string defect_colour_css(DefectType type);
 
 /// What each pixel shows, mixed by coverage: dark grey beside the part, light grey on sound
 /// surface, a colour for each kind of defect. Linear values, like all pictures.
-ImageRgb defect_map(const PathSums& sums, const DefectivePart& made);
+ImageRgb defect_map(const Film& sums, const DefectivePart& made);
 
 /// 1 where defects cover at least half of what a pixel shows.
-Mask defect_mask(const PathSums& sums);
+Mask defect_mask(const Film& sums);
 
 /// 1 where all of a pixel is on the part.
-Mask whole_part_mask(const PathSums& sums);
+Mask whole_part_mask(const Film& sums);
 
 /// Reduced so that the longest side has at most so many pixels; each new pixel is the mean of the
 /// area it covers.
-ImageRgb shrunk(const ImageRgb& image, int most_px);
+ImageRgb shrunk(const ImageRgb& image, int max_px);
 
 /// Two pictures of one size, a white gap between them, the longest side of each at most that long.
-ImageRgb side_by_side(const ImageRgb& left, const ImageRgb& right, int most_px = 1000);
+ImageRgb side_by_side(const ImageRgb& left, const ImageRgb& right, int max_px = 1000);
 
 /// A grid of small pictures with their numbers from 1.
 ImageRgb numbered_sheet(std::span<const ImageRgb> pictures);

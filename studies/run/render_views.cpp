@@ -62,7 +62,7 @@ Json number_json(double value) {
 }
 
 Json view_json(const PathPicture& picture, bool has_light, double error) {
-  const PathSums& sums = picture.sums;
+  const Film& sums = picture.sums;
   std::int64_t samples = 0;
   for (const std::int32_t of_pixel : sums.samples.values()) {
     samples += of_pixel;
@@ -235,14 +235,14 @@ class RenderRun {
   }
 
   void show_pass(std::size_t index, const PathView& view, const PathProgress& progress) {
-    const PathSums& sums = *progress.sums;
+    const Film& sums = *progress.sums;
     const ImageRgb shown = has_light_ ? exposed_preview(view, sums)
                                       : shrunk(defect_map(sums, part_->made), kPassWidth_px);
     write_png(options_.out / "preview.png", shown);
     const int samples = study_.scene.paths.samples;
     const std::int64_t done = std::min(samples, progress.samples);
     bar_->update(
-        static_cast<std::int64_t>(index) * samples + (progress.cells_left == 0 ? samples : done),
+        static_cast<std::int64_t>(index) * samples + (progress.tiles_left == 0 ? samples : done),
         fmt::format("view {} of {}, pass {}, {} samples a pixel",
                     index + 1,
                     viewpoints_.size(),
@@ -251,7 +251,7 @@ class RenderRun {
   }
 
   /// The picture without blur and noise.
-  ImageRgb exposed_preview(const PathView& view, const PathSums& sums) const {
+  ImageRgb exposed_preview(const PathView& view, const Film& sums) const {
     const FrameFactors factors = mean_factors(view.frames());
     const SensorSettings& sensor = study_.scene.sensor;
     const int factor = std::max(1, (sums.width_px + kPassWidth_px - 1) / kPassWidth_px);
@@ -309,7 +309,7 @@ class RenderRun {
                        .views = page_views_,
                        .drawing = drawing_,
                        .toml = resolved_text(study_)};
-    for (const MadeDefect& made : part_->made.defects) {
+    for (const RealisedDefect& made : part_->made.defects) {
       if (made.is_made) {
         page.types.insert(made.defect.type);
       }

@@ -204,7 +204,7 @@ Study study_of(const fs::path& run) {
 struct RemarkCount {
   int evaluations = 0;
   std::int64_t fewest = 0;
-  std::int64_t most = 0;
+  std::int64_t maximum = 0;
 };
 
 Json single_run(const fs::path& run) {
@@ -314,7 +314,7 @@ std::vector<std::string> derivative_remarks(const Storage& storage) {
       const std::int64_t number = remark.count.value_or(0);
       RemarkCount& count = counts[{!remark.count, remark.text}];
       count.fewest = count.evaluations == 0 ? number : std::min(count.fewest, number);
-      count.most = std::max(count.most, number);
+      count.maximum = std::max(count.maximum, number);
       ++count.evaluations;
     }
   }
@@ -322,9 +322,9 @@ std::vector<std::string> derivative_remarks(const Storage& storage) {
   for (const auto& [kind, count] : counts) {
     const auto& [has_no_count, text] = kind;
     const std::string number = has_no_count ? ""
-                               : count.fewest == count.most
-                                   ? fmt::format("{} ", count.most)
-                                   : fmt::format("{} to {} ", count.fewest, count.most);
+                               : count.fewest == count.maximum
+                                   ? fmt::format("{} ", count.maximum)
+                                   : fmt::format("{} to {} ", count.fewest, count.maximum);
     remarks.push_back(
         fmt::format("{}{} ({} of {} evaluations)", number, text, count.evaluations, evaluations));
   }

@@ -206,7 +206,7 @@ void h_by_table(benchmark::State& state) {
 void render_binary(const SceneSettings& settings, std::vector<ImageF>& frames) {
   const TracedScene& scene = plain_rays();
   const Tunnel tunnel(settings.tunnel);
-  const WallRays rays = meet_wall(scene.rays, tunnel, scene.camera_in_world_mm);
+  const WallRays rays = intersect_wall(scene.rays, tunnel, scene.camera_in_world_mm);
   std::vector<StripePattern> patterns;
   const double step_mm = scan_step_mm(settings.scan, settings.tunnel);
   for (std::size_t k = 0; k < frames.size(); ++k) {
@@ -225,7 +225,7 @@ void render_integrated(const SceneSettings& settings, std::vector<ImageF>& frame
 }
 
 std::vector<ImageF> empty_frames() {
-  const SeenPart& seen = plain_rays().seen();
+  const VisibilityBuffer& seen = plain_rays().seen();
   return std::vector<ImageF>(24, ImageF(seen.width_px, seen.height_px));
 }
 

@@ -100,7 +100,7 @@ MaterialSettings brushed(const GearSetup& setup) {
   metal.colour_srgb.assign(std::begin(setup.colour_srgb), std::end(setup.colour_srgb));
   metal.roughness = setup.roughness;
   metal.anisotropy = setup.anisotropy;
-  metal.multiple_reflections = setup.has_regained_light;
+  metal.multiple_reflections = setup.has_compensation;
   metal.lay.kind = LaySettings::Kind::kTurned;
   return metal;
 }

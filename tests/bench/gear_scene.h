@@ -27,7 +27,7 @@ struct GearSetup {
   double anisotropy = 0.7;
   double colour_srgb[3] = {196.0, 199.0, 199.0};
   /// Light that goes on between microfacets. Off, as the rendering study and Cycles' GGX have none.
-  bool has_regained_light = false;
+  bool has_compensation = false;
   int bounces = 3;  ///< after the first reflection, with light of its own at each
 
   double focal_px() const;

@@ -55,7 +55,7 @@ int imprint_all(ImprintedMesh& mesh, const std::vector<TriangleMesh>& tools) {
     const ImprintResult result = mesh.imprint(tools[i],
                                               static_cast<std::int32_t>(i) + 1,
                                               ImprintOperation::kSubtract,
-                                              {.may_poke_through = true});
+                                              {.may_break_through = true});
     done += result.is_done() ? 1 : 0;
   }
   return done;

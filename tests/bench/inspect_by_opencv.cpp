@@ -117,8 +117,8 @@ std::vector<OpenCvBlob> OpenCvInspector::inspect(const std::vector<Image<std::ui
   cv::multiply(data.smooth, data.inverse_share, data.smooth);
   cv::subtract(data.aspect, data.smooth, data.response);
   data.response.setTo(0.0, data.elsewhere);
-  const double least = threshold.has_value() ? *threshold : 6.0 * data.robust_deviation();
-  cv::compare(data.response, least, data.beyond, cv::CMP_GE);
+  const double minimum = threshold.has_value() ? *threshold : 6.0 * data.robust_deviation();
+  cv::compare(data.response, minimum, data.beyond, cv::CMP_GE);
   const int count =
       cv::connectedComponentsWithStats(data.beyond, data.labels, data.stats, data.centers, 8);
   std::vector<OpenCvBlob> blobs;

@@ -65,7 +65,7 @@ Picture render(const GearScene& gear, int samples) {
   ThreadPool pool(1);
   const auto wall = std::chrono::steady_clock::now();
   const double start_s = cpu_seconds();
-  const PathSums sums = render_paths(gear.scene(), gear.paths(samples), pool);
+  const Film sums = render_paths(gear.scene(), gear.paths(samples), pool);
   Picture picture = {.counts = sums.counts, .cpu_s = cpu_seconds() - start_s};
   const double share = picture.cpu_s / seconds_since(wall);
   picture.traced_s = {
@@ -233,8 +233,8 @@ void paths(benchmark::State& state, std::size_t row) {
 }
 
 /// The same with the light that goes on between microfacets: what a scene has by default.
-void with_regained_light(benchmark::State& state) {
-  static const GearScene gear({.has_regained_light = true});
+void with_compensation(benchmark::State& state) {
+  static const GearScene gear({.has_compensation = true});
   double rays = 0.0;
   const double start_s = cpu_seconds();
   for (auto _ : state) {
@@ -252,7 +252,7 @@ BENCHMARK_CAPTURE(paths, whole, kKinds)->Name("paths/gear/whole")->Apply(once);
 BENCHMARK_CAPTURE(paths, camera, kCamera)->Name("paths/gear/camera")->Apply(once);
 BENCHMARK_CAPTURE(paths, shadow, kShadow)->Name("paths/gear/shadow")->Apply(once);
 BENCHMARK_CAPTURE(paths, bounce, kBounce)->Name("paths/gear/bounce")->Apply(once);
-BENCHMARK(with_regained_light)->Name("paths/gear_regained/whole")->Apply(once);
+BENCHMARK(with_compensation)->Name("paths/gear_regained/whole")->Apply(once);
 
 }  // namespace
 }  // namespace glint::bench

@@ -195,8 +195,8 @@ class RawEmbree {
   }
 
   void record_reflections(const TraceScene& traced, const CameraPacket& rays, HitPacket& hits) {
-    MeetingLanes lanes = {};
-    meet_part(traced, rays, hits, false, lanes);
+    IntersectionLanes lanes = {};
+    intersect_part(traced, rays, hits, false, lanes);
     for (int bounce = 1;; ++bounce) {
       RayQuery query;
       ask_reflected16(lanes, hits.triangle.data(), query);
@@ -205,8 +205,8 @@ class RawEmbree {
       if (!take_hits16(query, hits) || bounce >= traced.settings.max_bounces) {
         return;
       }
-      MeetingLanes next = {};
-      meet_again(traced, lanes, hits, next);
+      IntersectionLanes next = {};
+      intersect_again(traced, lanes, hits, next);
       lanes = next;
     }
   }

@@ -43,7 +43,7 @@ TEST(Cache, MakesAValueOnceForEachKey) {
 }
 
 TEST(Cache, DropsWhatWasUsedLongestAgo) {
-  Numbers cache({.most_values = 2});
+  Numbers cache({.max_values = 2});
   cache.put("a", 1);
   cache.put("b", 2);
   EXPECT_TRUE(has(cache, "a"));  // b is now the older one
@@ -54,7 +54,7 @@ TEST(Cache, DropsWhatWasUsedLongestAgo) {
 }
 
 TEST(Cache, DropsByBytesButForTheLast) {
-  Numbers cache({.most_bytes = 10}, own_size);
+  Numbers cache({.max_bytes = 10}, own_size);
   cache.put("a", 4);
   cache.put("b", 6);
   EXPECT_EQ(cache.bytes(), 10U);
@@ -69,8 +69,8 @@ TEST(Cache, DropsByBytesButForTheLast) {
 }
 
 TEST(Cache, KeepsAsManyAsItMustAndNoneIfItNeedNot) {
-  Numbers two({.most_bytes = 1, .least_values = 2}, own_size);
-  Numbers none({.most_bytes = 1, .least_values = 0}, own_size);
+  Numbers two({.max_bytes = 1, .min_values = 2}, own_size);
+  Numbers none({.max_bytes = 1, .min_values = 0}, own_size);
   for (const char* key : {"a", "b", "c"}) {
     two.put(key, 5);
     EXPECT_EQ(*none.get(key, [] { return 5; }), 5);  // and yet the caller has it
@@ -180,7 +180,7 @@ TEST(Cache, ThreadsThatWaitedForAFailureTryByThemselves) {
 
 // Against a plain list of the last three keys.
 TEST(Cache, KeepsTheLastOnesOfAnySequence) {
-  Cache<std::int64_t, std::int64_t> cache({.most_values = 3});
+  Cache<std::int64_t, std::int64_t> cache({.max_values = 3});
   std::vector<std::int64_t> last;
   Rng rng(1, Stream::kTest, 0);
   for (int i = 0; i < 2000; ++i) {

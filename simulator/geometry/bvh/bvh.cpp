@@ -226,8 +226,8 @@ bool look_at_triangle(RTCPointQueryFunctionArguments* arguments) {
 struct Bvh::Scene {
   Device device;
   SceneHandle scene;
-  std::once_flag has_open_sides;
-  OpenSides open_sides;
+  std::once_flag has_unoccluded_faces;
+  UnoccludedFaces unoccluded_faces;
   std::once_flag has_escape_cone;
   EscapeCone escape_cone;
   std::once_flag has_flat_triangles;
@@ -256,11 +256,12 @@ Bvh::~Bvh() = default;
 Bvh::Bvh(Bvh&&) noexcept = default;
 Bvh& Bvh::operator=(Bvh&&) noexcept = default;
 
-const OpenSides& Bvh::open_sides(const TriangleMesh& mesh) const {
+const UnoccludedFaces& Bvh::unoccluded_faces(const TriangleMesh& mesh) const {
   constexpr double kShare = 1e-6;  // half of what rays start above the surface
-  std::call_once(scene_->has_open_sides,
-                 [&] { scene_->open_sides = find_open_sides(mesh, kShare * largest_mm_); });
-  return scene_->open_sides;
+  std::call_once(scene_->has_unoccluded_faces, [&] {
+    scene_->unoccluded_faces = find_unoccluded_faces(mesh, kShare * largest_mm_);
+  });
+  return scene_->unoccluded_faces;
 }
 
 const EscapeCone& Bvh::escape_cone(const TriangleMesh& mesh) const {

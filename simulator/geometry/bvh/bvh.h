@@ -10,10 +10,10 @@
 #include <Eigen/Core>
 
 #include "simulator/geometry/bvh/escape_cone.h"
-#include "simulator/geometry/bvh/open_sides.h"
 #include "simulator/geometry/bvh/ray_packet.h"
 #include "simulator/geometry/bvh/triangle_hit.h"
 #include "simulator/geometry/bvh/triangle_planes.h"
+#include "simulator/geometry/bvh/unoccluded_faces.h"
 #include "simulator/geometry/mesh/triangle_mesh.h"
 
 namespace glint {
@@ -76,7 +76,7 @@ class Bvh {
 
   /// Faces that nothing rises above, for rays that start at least 2e-6 of the largest coordinate
   /// above their triangle. Found at the first call. @param mesh  the one this was built from
-  const OpenSides& open_sides(const TriangleMesh& mesh) const;
+  const UnoccludedFaces& unoccluded_faces(const TriangleMesh& mesh) const;
 
   /// How rays that have left the part can be known to meet it no more.
   /// Found at the first call. @param mesh  the one this was built from

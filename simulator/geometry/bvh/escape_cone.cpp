@@ -105,7 +105,7 @@ class OpenPlanes {
         return known.is_open;
       }
     }
-    if (num_tests_ >= kMostTests) {
+    if (num_tests_ >= kMaxTests) {
       return false;
     }
     const bool is_open = !groups_.has_one_in_front(normal, reach_mm, num_tests_);
@@ -116,9 +116,9 @@ class OpenPlanes {
 
  private:
   static constexpr std::size_t kKnownPlanes = 16;
-  static constexpr std::size_t kMostTests = std::size_t{1} << 20U;  ///< a few ms
-  static constexpr double kFlat_mm = 1e-7;                          ///< rounding of coordinates
-  static constexpr double kSameNormal = 1e-12;                      ///< rounding of normals
+  static constexpr std::size_t kMaxTests = std::size_t{1} << 20U;  ///< a few ms
+  static constexpr double kFlat_mm = 1e-7;                         ///< rounding of coordinates
+  static constexpr double kSameNormal = 1e-12;                     ///< rounding of normals
 
   struct Plane {
     Vector3d normal = Vector3d::Zero();
@@ -156,8 +156,8 @@ EscapeCone normals_between(const TriangleMesh& mesh) {
   }
   // The middle of the bounds sees most of them from in front.
   const Vector3d middle = low + high;
-  const double least = low.cwiseProduct(middle).cwiseMin(high.cwiseProduct(middle)).sum();
-  return {.is_empty = !(least > 0.0),
+  const double minimum = low.cwiseProduct(middle).cwiseMin(high.cwiseProduct(middle)).sum();
+  return {.is_empty = !(minimum > 0.0),
           .low = {low.x(), low.y(), low.z()},
           .high = {high.x(), high.y(), high.z()},
           .is_open = std::move(is_open)};
@@ -199,8 +199,8 @@ bool is_solid(const TriangleMesh& mesh) {
 
 EscapeCone find_escape_cone(const TriangleMesh& mesh) {
   // To see whether a larger mesh is closed takes longer than the rays that it saves.
-  constexpr std::size_t kMostTriangles = 200'000;
-  if (mesh.triangles.empty() || mesh.triangles.size() > kMostTriangles) {
+  constexpr std::size_t kMaxTriangles = 200'000;
+  if (mesh.triangles.empty() || mesh.triangles.size() > kMaxTriangles) {
     return {};
   }
   EscapeCone cone = normals_between(mesh);

@@ -152,9 +152,7 @@ class Body {
   }
 
   /// The least a value takes in the file.
-  std::size_t least_bytes(Scalar type) const {
-    return format_ == Format::kText ? 2 : bytes_of(type);
-  }
+  std::size_t min_bytes(Scalar type) const { return format_ == Format::kText ? 2 : bytes_of(type); }
 
   const Place& place() const { return format_ == Format::kText ? cursor_.place() : binary_place_; }
 
@@ -196,11 +194,11 @@ class Body {
 };
 
 void check_element(const Element& element, const Body& body) {
-  std::size_t least = 0;
+  std::size_t minimum = 0;
   for (const Property& property : element.properties) {
-    least += body.least_bytes(property.count_type.value_or(property.type));
+    minimum += body.min_bytes(property.count_type.value_or(property.type));
   }
-  check_count(element.count, least, body.remaining(), element.name, body.place());
+  check_count(element.count, minimum, body.remaining(), element.name, body.place());
 }
 
 /// The numbers of a list; a count beyond the end of the file runs into its end.

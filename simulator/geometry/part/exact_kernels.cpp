@@ -232,7 +232,7 @@ step_of(const InvoluteAt& at, double y, double z, double dy, double dz, double s
 /// One step for all open lanes of an involute; returns whether any is still open. A step is the
 /// last when it leaves nothing, without a further one to see it: by the bound above, or, after
 /// Newton's, by a prediction. Its error falls from a step to its square times half the bend over
-/// the slope, and the bend is what the last step changed the slope by.
+/// the slope, and the bend is what the last step changed the derivative by.
 GLINT_INLINE bool step(const PatchCoefficients& patch, double max_move_mm, Search& s, Newton& n) {
   for (int i = 0; i < kExactLanes; ++i) {
     const double y = s.sy[i] + s.move[i] * s.dy[i];

@@ -59,7 +59,7 @@ void measure_facets(const TriangleMesh& mesh,
   report.facet_angle_95_rad = angles_rad[static_cast<std::size_t>(rank)];
 }
 
-void judge_facets(MeshReport& report) {
+void check_facets(MeshReport& report) {
   const double allowed_rad = kFacetShare * report.smallest_slope_rad;
   report.is_fine_enough = report.has_exact_surface || report.facet_angle_95_rad <= allowed_rad;
   if (report.has_exact_surface) {
@@ -127,7 +127,7 @@ MeshReport report(const Part& part, double smallest_slope_rad, double crease_rad
   report.has_exact_surface =
       !mesh.patch.empty() && std::ranges::all_of(mesh.patch, [](auto p) { return p >= 0; });
   measure_facets(mesh, edges, crease_rad, report);
-  judge_facets(report);
+  check_facets(report);
   add_warnings(report);
   return report;
 }

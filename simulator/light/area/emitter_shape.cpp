@@ -72,9 +72,9 @@ Crossings crossings_of(const RectangleShape& s, const Ray& ray) {
   const Vector3d o = s.frame.local(ray.origin_mm - s.frame.origin_mm);
   const Vector3d d = s.frame.local(ray.direction);
   const double t = -o.z() / d.z();
-  const bool is_met =
+  const bool is_hit =
       std::abs(o.x() + t * d.x()) <= s.half_x_mm && std::abs(o.y() + t * d.y()) <= s.half_y_mm;
-  if (!is_met) {
+  if (!is_hit) {
     return {};
   }
   return {ShapeCrossing{.distance_mm = t, .cosine = -d.z()}, std::nullopt};
@@ -279,10 +279,10 @@ Crossings crossings_of(const TriangleShape& s, const Ray& ray) {
   const double slope = normal.dot(ray.direction);
   const double t = normal.dot(s.a_mm - ray.origin_mm) / slope;
   const Vector3d p = ray.origin_mm + t * ray.direction;
-  const bool is_met = normal.dot((s.b_mm - s.a_mm).cross(p - s.a_mm)) >= 0.0 &&
+  const bool is_hit = normal.dot((s.b_mm - s.a_mm).cross(p - s.a_mm)) >= 0.0 &&
                       normal.dot((s.c_mm - s.b_mm).cross(p - s.b_mm)) >= 0.0 &&
                       normal.dot((s.a_mm - s.c_mm).cross(p - s.c_mm)) >= 0.0;
-  if (!is_met) {
+  if (!is_hit) {
     return {};
   }
   return {ShapeCrossing{.distance_mm = t, .cosine = -slope / normal.norm()}, std::nullopt};

@@ -141,10 +141,10 @@ void visit_keys(KeyVisitor& keys, DomeSettings& s) {
               Range{.min = 1, .max = 180},
               "angle from the top to the rim, seen from the centre; 90 = hemisphere");
   visit_keys(keys, s.emission);
-  const double most_mm = 2.0 * s.radius_mm * std::sin(std::min(s.rim_rad, kPi / 2.0));
-  keys.require(s.opening_mm < most_mm,
+  const double max_mm = 2.0 * s.radius_mm * std::sin(std::min(s.rim_rad, kPi / 2.0));
+  keys.require(s.opening_mm < max_mm,
                "opening_mm",
-               fmt::format("is {:g}, must be smaller than the dome, {:g}", s.opening_mm, most_mm));
+               fmt::format("is {:g}, must be smaller than the dome, {:g}", s.opening_mm, max_mm));
 }
 
 void visit_keys(KeyVisitor& keys, BarSettings& s) {

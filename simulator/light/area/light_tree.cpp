@@ -12,7 +12,7 @@ using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
 /// Halving 2^63 emitters never needs more.
-constexpr std::size_t kMostDepth = 64;
+constexpr std::size_t kMaxDepth = 64;
 /// Trees of eight emitters and fewer are not descended: weighing each leaf costs as much and wastes
 /// no samples on nodes whose emitters all look away.
 constexpr std::size_t kFewNodes = 15;
@@ -76,9 +76,9 @@ double entry_mm(const AlignedBox3d& box,
 
 /// Dividing by a component that is 0 must not give infinity times zero.
 Vector3d inverse_of(const Vector3d& direction) {
-  constexpr double kLeast = 1e-200;
+  constexpr double kMin = 1e-200;
   return direction.unaryExpr(
-      [](double d) { return 1.0 / (std::abs(d) < kLeast ? std::copysign(kLeast, d) : d); });
+      [](double d) { return 1.0 / (std::abs(d) < kMin ? std::copysign(kMin, d) : d); });
 }
 
 }  // namespace
@@ -275,7 +275,7 @@ std::optional<LightTree::Hit> LightTree::hit(const std::vector<Emitter>& emitter
     return best;
   }
   const Vector3d inverse = inverse_of(ray.direction);
-  std::array<std::size_t, 2 * kMostDepth> stack = {};
+  std::array<std::size_t, 2 * kMaxDepth> stack = {};
   std::size_t size = 1;
   while (size > 0) {
     const std::size_t at = stack[--size];

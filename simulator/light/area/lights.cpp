@@ -125,7 +125,7 @@ double light_density(const Lights& lights, const Ray& ray, const LightHit& hit) 
                        {.distance_mm = hit.distance_mm, .cosine = hit.cosine});
 }
 
-bool is_hidden(const Lights& lights, const Vector3d& point_mm, const LightSample& sample) {
+bool is_occluded(const Lights& lights, const Vector3d& point_mm, const LightSample& sample) {
   const Ray ray = {.origin_mm = point_mm, .direction = sample.direction};
   return lights.tree.hit(lights.emitters, ray, sample.distance_mm * (1.0 - kSameDistance))
       .has_value();

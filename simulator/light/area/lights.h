@@ -59,7 +59,7 @@ struct LightHit {
 };
 
 /// Draws a direction from a point to a light. Whether other things or lights stand between is not
-/// asked: see is_hidden(). Empty: this sample contributes nothing. @param u, v  in [0, 1)
+/// asked: see is_occluded(). Empty: this sample contributes nothing. @param u, v  in [0, 1)
 std::optional<LightSample> sample_light(const Lights& lights,
                                         const Eigen::Vector3d& point_mm,
                                         double u,
@@ -74,7 +74,7 @@ std::optional<LightHit> hit_light(const Lights& lights,
 double light_density(const Lights& lights, const Ray& ray, const LightHit& hit);
 
 /// True when a light stands in the way of a sample: hit_light() would not see its emitter.
-bool is_hidden(const Lights& lights, const Eigen::Vector3d& point_mm, const LightSample& sample);
+bool is_occluded(const Lights& lights, const Eigen::Vector3d& point_mm, const LightSample& sample);
 
 /// Sentences for lights whose intensities were measured from afar (IES) and that stand nearer to
 /// one of the points than five times the size of their opening.

@@ -20,8 +20,8 @@ std::string reason(std::string text) {
 
 void check_size(const OIIO::ImageSpec& spec, const std::string& file) {
   const bool is_whole = spec.width > 0 && spec.height > 0 && spec.nchannels > 0 && spec.depth <= 1;
-  if (!is_whole || std::int64_t{spec.width} * spec.height > kMostPixels) {
-    throw ConfigError(fmt::format("{}: holds no picture of 1 to {} pixels", file, kMostPixels));
+  if (!is_whole || std::int64_t{spec.width} * spec.height > kMaxPixels) {
+    throw ConfigError(fmt::format("{}: holds no picture of 1 to {} pixels", file, kMaxPixels));
   }
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kMmPerFoot = 304.8;
 constexpr double kMmPerMetre = 1000.0;
-constexpr int kMostAngles = 10000;
+constexpr int kMaxAngles = 10000;
 
 /// Lines, then numbers, with the place of the last one.
 class IesCursor {
@@ -135,7 +135,7 @@ Tilt read_head(IesCursor& cursor, IesTable& table) {
 /// for the position in which the light was measured.
 void skip_tilt(IesCursor& cursor) {
   cursor.count("the lamp's position (TILT=INCLUDE)", 1, 3);
-  const int pairs = cursor.count("the number of tilt angles", 1, kMostAngles);
+  const int pairs = cursor.count("the number of tilt angles", 1, kMaxAngles);
   for (int i = 0; i < pairs; ++i) {
     cursor.number("a tilt angle");
   }
@@ -175,11 +175,11 @@ void read_size(IesCursor& cursor, IesTable& table) {
   const double width = cursor.number("the opening's width");
   const double length = cursor.number("the opening's length");
   const double height = cursor.number("the opening's height");
-  constexpr double kMost_mm = 1e6;
-  const double most = std::max({std::abs(width), std::abs(length), std::abs(height)}) * mm;
-  if (most > kMost_mm) {
+  constexpr double kMax_mm = 1e6;
+  const double maximum = std::max({std::abs(width), std::abs(length), std::abs(height)}) * mm;
+  if (maximum > kMax_mm) {
     cursor.fail(
-        fmt::format("the opening is {:g} mm large, at most {:g} is allowed", most, kMost_mm));
+        fmt::format("the opening is {:g} mm large, at most {:g} is allowed", maximum, kMax_mm));
   }
   // Negative sizes mean round (LM-63-2002, before by convention).
   table.is_round = width < 0.0 || length < 0.0;
@@ -192,8 +192,8 @@ Counts read_numbers(IesCursor& cursor, IesTable& table) {
   table.lumens_per_lamp = cursor.number("the lumens of a lamp");
   table.is_absolute = table.lumens_per_lamp < 0.0;
   counts.factor = cursor.number("the multiplier of intensities");
-  counts.vertical = cursor.count("the number of vertical angles", 2, kMostAngles);
-  counts.horizontal = cursor.count("the number of horizontal angles", 1, kMostAngles);
+  counts.vertical = cursor.count("the number of vertical angles", 2, kMaxAngles);
+  counts.horizontal = cursor.count("the number of horizontal angles", 1, kMaxAngles);
   if (cursor.count("the photometric type (1 C, 2 B, 3 A)", 1, 3) != 1) {
     cursor.fail("photometry of type A or B is not read, must be type C (1)");
   }

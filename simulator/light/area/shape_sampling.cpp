@@ -16,8 +16,8 @@ using Eigen::Vector3d;
 /// from the area costs less and is as good.
 constexpr double kFarDiagonals = 4.0;
 /// Outside this range of solid angles the closed forms lose their digits.
-constexpr double kLeastSolidAngle_sr = 1e-4;
-constexpr double kMostSolidAngle_sr = 6.2;
+constexpr double kMinSolidAngle_sr = 1e-4;
+constexpr double kMaxSolidAngle_sr = 6.2;
 
 bool is_near(const Vector3d& point_mm, const Vector3d& centre_mm, double diagonal_mm) {
   return (point_mm - centre_mm).squaredNorm() <
@@ -25,7 +25,7 @@ bool is_near(const Vector3d& point_mm, const Vector3d& centre_mm, double diagona
 }
 
 bool is_good(double solid_angle_sr) {
-  return solid_angle_sr > kLeastSolidAngle_sr && solid_angle_sr < kMostSolidAngle_sr;
+  return solid_angle_sr > kMinSolidAngle_sr && solid_angle_sr < kMaxSolidAngle_sr;
 }
 
 /// The direction to a point of the surface.

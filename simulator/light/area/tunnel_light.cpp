@@ -57,7 +57,7 @@ std::vector<double> bin_ends(const TunnelLight& light) {
       std::unique(edges.begin(), edges.end(), [](double a, double b) { return b - a < kSameEdge; });
   edges.erase(last, edges.end());
   edges.back() = 1.0;
-  return edges.size() <= kMostTunnelBins ? edges : even_bins(kMostTunnelBins);
+  return edges.size() <= kMaxTunnelBins ? edges : even_bins(kMaxTunnelBins);
 }
 
 /// How much of [0, phase) is bright when the bright stripes begin at whole numbers.

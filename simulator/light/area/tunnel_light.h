@@ -18,7 +18,7 @@
 //
 // Bins end where an edge of a stripe stands in one of the frames, so this is exact: twice as many
 // bins as positions at most, as many when step = period / positions and positions * duty is a whole
-// number. Scans that would need more than kMostTunnelBins have that many of equal width, with
+// number. Scans that would need more than kMaxTunnelBins have that many of equal width, with
 // the bright share of each as its factor: edges of stripes are then blurred over 1 / 96 period.
 //
 // Not as level 0 has it: the tunnel's ends stand where they are in the middle of the scan, at all
@@ -35,7 +35,7 @@
 
 namespace glint {
 
-inline constexpr int kMostTunnelBins = 96;
+inline constexpr int kMaxTunnelBins = 96;
 
 /// A tunnel and the scan it makes: it stands at k * step_mm along x in frame k.
 struct TunnelLight {

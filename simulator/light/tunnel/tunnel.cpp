@@ -33,8 +33,8 @@ Ray ray_at(const RayBlock& rays, std::size_t i) {
           .direction = vector_of(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i])};
 }
 
-/// At most `most` rays from `begin` on.
-RayBlock part_of(const RayBlock& rays, int begin, int most) {
+/// At most `maximum` rays from `begin` on.
+RayBlock part_of(const RayBlock& rays, int begin, int maximum) {
   RayBlock part = rays;
   for (const float** array : {&part.origin_x,
                               &part.origin_y,
@@ -44,7 +44,7 @@ RayBlock part_of(const RayBlock& rays, int begin, int most) {
                               &part.direction_z}) {
     *array = *array != nullptr ? *array + begin : nullptr;
   }
-  part.count = std::min(most, rays.count - begin);
+  part.count = std::min(maximum, rays.count - begin);
   return part;
 }
 
@@ -221,7 +221,10 @@ void Tunnel::hit_block(const RayBlock& rays, float* x_mm, float* pattern_mm, flo
   }
 }
 
-void Tunnel::meet_block(const RayBlock& rays, float* x_mm, float* y_mm, float* margin_mm) const {
+void Tunnel::intersect_block(const RayBlock& rays,
+                             float* x_mm,
+                             float* y_mm,
+                             float* margin_mm) const {
   const bool is_flat = settings_.shape == Shape::kFlat;
   const auto base = static_cast<float>(is_flat ? 0.0 : settings_.base_mm);
   // A few at a time: what is read again stays in the first cache.
@@ -234,21 +237,21 @@ void Tunnel::meet_block(const RayBlock& rays, float* x_mm, float* y_mm, float* m
     hit_profile(part, true, t_mm.data());
     points_of_hits(part, t_mm.data(), base, x_mm + begin, y, margin);
     if (is_flat) {
-      margins_of_panels(walls_[1], panels_meet(), y, part.count, margin);
+      margins_of_panels(walls_[1], panels_touch(), y, part.count, margin);
     }
   }
 }
 
-void Tunnel::meet_details(const RayBlock& rays,
-                          const float* x_mm,
-                          const float* y_mm,
-                          const float* margin_mm,
-                          float* pattern_mm,
-                          float* cosine) const {
+void Tunnel::hit_details(const RayBlock& rays,
+                         const float* x_mm,
+                         const float* y_mm,
+                         const float* margin_mm,
+                         float* pattern_mm,
+                         float* cosine) const {
   for (std::size_t i = 0; i < static_cast<std::size_t>(rays.count); ++i) {
     pattern_mm[i] = x_mm[i];
     cosine[i] = 1.0F;
-    if (margin_mm[i] == kNowhere_mm) {
+    if (margin_mm[i] == kNoHitMargin_mm) {
       continue;
     }
     const Ray ray = ray_at(rays, i);
@@ -268,7 +271,7 @@ void Tunnel::set_details(
   }
 }
 
-/// Along a ray to where meet_block() tells that it meets the wall.
+/// Along a ray to where intersect_block() tells that it meets the wall.
 double Tunnel::distance_to(const Ray& ray, float y_mm, float margin_mm) const {
   const Vector2d origin = ray.origin_mm.tail<2>();
   const Vector2d direction = ray.direction.tail<2>();
@@ -282,7 +285,7 @@ double Tunnel::distance_to(const Ray& ray, float y_mm, float margin_mm) const {
   return (point - origin).dot(direction) / direction.squaredNorm();
 }
 
-bool Tunnel::panels_meet() const {
+bool Tunnel::panels_touch() const {
   const double sine = std::sin(0.5 * settings_.opening_rad);
   return settings_.panel_height_mm * sine >= settings_.distance_mm * (1.0 - 1e-9);
 }
@@ -296,7 +299,7 @@ struct Tunnel::Sight {
 void Tunnel::look(const RayBlock& points,
                   const Vector3d& camera_mm,
                   Sight& s,
-                  float* hidden) const {
+                  float* occluded) const {
   aim_at(points,
          static_cast<float>(camera_mm.x()),
          static_cast<float>(camera_mm.y()),
@@ -314,36 +317,38 @@ void Tunnel::look(const RayBlock& points,
               static_cast<float>(0.5 * settings_.slot_mm),
               static_cast<float>(slot_floor_mm_),
               s.x_mm.data(),
-              hidden);
+              occluded);
   keep_sight(s.t.data(),
              s.x_mm.data(),
              points.count,
              static_cast<float>(0.5 * settings_.length_mm),
-             hidden);
+             occluded);
 }
 
-void Tunnel::hidden_block(const RayBlock& points, const Vector3d& camera_mm, float* hidden) const {
+void Tunnel::occluded_block(const RayBlock& points,
+                            const Vector3d& camera_mm,
+                            float* occluded) const {
   if (!settings_.blocks_view) {
-    std::fill_n(hidden, points.count, 0.0F);
+    std::fill_n(occluded, points.count, 0.0F);
     return;
   }
   Sight sight;
   for (int begin = 0; begin < points.count; begin += kSightLines) {
-    look(part_of(points, begin, kSightLines), camera_mm, sight, hidden + begin);
+    look(part_of(points, begin, kSightLines), camera_mm, sight, occluded + begin);
   }
 }
 
 Tunnel::SightLines Tunnel::sight_lines(const RayBlock& points, const Vector3d& camera_mm) const {
   const auto count = static_cast<std::size_t>(points.count);
   SightLines lines;
-  lines.hidden.resize(count);
+  lines.occluded.resize(count);
   for (auto* array : {&lines.x_mm, &lines.y_mm, &lines.z_mm, &lines.to_end_mm, &lines.to_edge_mm}) {
-    array->assign(count, kNowhere_mm);
+    array->assign(count, kNoHitMargin_mm);
   }
   Sight sight;
   for (int begin = 0; begin < points.count; begin += kSightLines) {
     const RayBlock part = part_of(points, begin, kSightLines);
-    look(part, camera_mm, sight, lines.hidden.data() + begin);
+    look(part, camera_mm, sight, lines.occluded.data() + begin);
     for (int i = 0; i < part.count; ++i) {
       set_crossing(part, sight, i, begin, lines);
     }
@@ -384,7 +389,7 @@ double Tunnel::to_rim_mm(const Vector2d& point) const {
   const FlatWall& wall = walls_[point.x() < 0.0 ? 0 : 1];
   const Vector2d from_foot = point - Vector2d(wall.start_y_mm, wall.start_z_mm);
   const double along = from_foot.dot(Vector2d(wall.along_y, wall.along_z));
-  return panels_meet() ? along : std::min(along, wall.length_mm - along);
+  return panels_touch() ? along : std::min(along, wall.length_mm - along);
 }
 
 StripePattern Tunnel::pattern(double shift_mm) const {

@@ -62,28 +62,30 @@ class Tunnel {
   /// @param x_mm       along the tunnel
   /// @param y_mm       across it
   /// @param margin_mm  how far inside the lower rim of the wall (flat: its nearest end);
-  ///                   kNowhere_mm where not even the extended wall is met
-  void meet_block(const RayBlock& rays, float* x_mm, float* y_mm, float* margin_mm) const;
+  ///                   kNoHitMargin_mm where not even the extended wall is met
+  void intersect_block(const RayBlock& rays, float* x_mm, float* y_mm, float* margin_mm) const;
 
-  /// What else oblique stripes and the cosine law need at the hits of meet_block().
+  /// What else oblique stripes and the cosine law need at the hits of intersect_block().
   /// @param pattern_mm coordinate along which the stripes alternate
   /// @param cosine     between ray and wall; 1 without cosine law
-  void meet_details(const RayBlock& rays,
-                    const float* x_mm,
-                    const float* y_mm,
-                    const float* margin_mm,
-                    float* pattern_mm,
-                    float* cosine) const;
+  void hit_details(const RayBlock& rays,
+                   const float* x_mm,
+                   const float* y_mm,
+                   const float* margin_mm,
+                   float* pattern_mm,
+                   float* cosine) const;
 
   /// True for each point that the wall hides from the camera (sight line through the wall and not
-  /// through the slot). @param hidden 1 hidden, 0 seen; as long as the block's origins
-  void hidden_block(const RayBlock& points, const Eigen::Vector3d& camera_mm, float* hidden) const;
+  /// through the slot). @param occluded 1 hidden, 0 seen; as long as the block's origins
+  void occluded_block(const RayBlock& points,
+                      const Eigen::Vector3d& camera_mm,
+                      float* occluded) const;
 
   /// Where sight lines cross the wall, for points that stand for their neighbourhood.
   struct SightLines {
-    std::vector<float> hidden;            ///< as hidden_block()
-    std::vector<float> x_mm, y_mm, z_mm;  ///< of the crossing; kNowhere_mm: none
-    /// From the crossing to where `hidden` changes, along x and across it.
+    std::vector<float> occluded;          ///< as occluded_block()
+    std::vector<float> x_mm, y_mm, z_mm;  ///< of the crossing; kNoHitMargin_mm: none
+    /// From the crossing to where `occluded` changes, along x and across it.
     std::vector<float> to_end_mm, to_edge_mm;
   };
 
@@ -111,7 +113,7 @@ class Tunnel {
   /// The profile's piece [i, i + 1] that a point of the wall belongs to.
   std::size_t profile_piece(const Eigen::Vector2d& point) const;
   WallHit wall_hit(const Ray& ray, double t_mm) const;
-  bool panels_meet() const;
+  bool panels_touch() const;
   double distance_to(const Ray& ray, float y_mm, float margin_mm) const;
   void set_details(const Ray& ray, double t_mm, float x_mm, float& pattern_mm, float& cosine) const;
   bool in_slot(const Eigen::Vector2d& point) const;
@@ -120,7 +122,7 @@ class Tunnel {
   void look(const RayBlock& points,
             const Eigen::Vector3d& camera_mm,
             Sight& sight,
-            float* hidden) const;
+            float* occluded) const;
   void set_crossing(
       const RayBlock& points, const Sight& sight, int index, int first, SightLines& lines) const;
   void build_profile();

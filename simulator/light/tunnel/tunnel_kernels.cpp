@@ -94,22 +94,22 @@ GLINT_WIDE void hit_flat(const RayBlock& rays,
     const auto sz = static_cast<float>(walls[w].start_z_mm);
     const auto ay = static_cast<float>(walls[w].along_y);
     const auto az = static_cast<float>(walls[w].along_z);
-    const float least = is_whole ? -kNoHit_mm : 0.0F;
-    const float most = is_whole ? kNoHit_mm : static_cast<float>(walls[w].length_mm);
+    const float minimum = is_whole ? -kNoHit_mm : 0.0F;
+    const float maximum = is_whole ? kNoHit_mm : static_cast<float>(walls[w].length_mm);
     for (int i = 0; i < count; ++i) {
       const float slope = ny * dy[i] + nz * dz[i];
       const float t = (offset - ny * oy[i] - nz * oz[i]) / slope;
       const float s = (oy[i] + t * dy[i] - sy) * ay + (oz[i] + t * dz[i] - sz) * az;
       // Bitwise: short-circuit tests would keep the loop from being vectorised.
       const bool is_hit =
-          (slope > 0.0F) & (t > kNearestHit_mm) & (t < t_mm[i]) & (s >= least) & (s <= most);
+          (slope > 0.0F) & (t > kNearestHit_mm) & (t < t_mm[i]) & (s >= minimum) & (s <= maximum);
       t_mm[i] = is_hit ? t : t_mm[i];
     }
   }
 }
 
 GLINT_WIDE void margins_of_panels(const FlatWall& right,
-                                  bool meets_at_top,
+                                  bool touch_at_top,
                                   const float* __restrict y_mm,
                                   int count,
                                   float* __restrict z_mm) {
@@ -117,13 +117,13 @@ GLINT_WIDE void margins_of_panels(const FlatWall& right,
   const auto foot_z = static_cast<float>(right.start_z_mm);
   const auto along_y = static_cast<float>(right.along_y);
   const auto along_z = static_cast<float>(right.along_z);
-  const float length = meets_at_top ? kNoHit_mm : static_cast<float>(right.length_mm);
+  const float length = touch_at_top ? kNoHit_mm : static_cast<float>(right.length_mm);
   for (int i = 0; i < count; ++i) {
     const float y = y_mm[i] < 0.0F ? -y_mm[i] : y_mm[i];
     const float s = (y - foot_y) * along_y + (z_mm[i] - foot_z) * along_z;
     const float to_end = length - s;
     const float margin = s < to_end ? s : to_end;
-    z_mm[i] = z_mm[i] > kNowhere_mm ? margin : kNowhere_mm;
+    z_mm[i] = z_mm[i] > kNoHitMargin_mm ? margin : kNoHitMargin_mm;
   }
 }
 
@@ -198,7 +198,7 @@ GLINT_INLINE float superellipse_start(float y, float z, float vy, float vz, floa
 template <bool kIsRough>
 GLINT_INLINE float superellipse_step(float t, float y0, float z0, float vy, float vz, float n) {
   constexpr float kSmallest = 1e-12F;
-  constexpr float kMostBent = 0.75F;  // far off, where the curve bends within a step
+  constexpr float kMaxBent = 0.75F;  // far off, where the curve bends within a step
   const float y = y0 + t * vy;
   const float z = z0 + t * vz;
   const float size_y = y < 0.0F ? -y : y;
@@ -219,9 +219,9 @@ GLINT_INLINE float superellipse_step(float t, float y0, float z0, float vy, floa
   const float q = e * (1.0F + e * (0.5F * p) * (1.0F - e * ((2.0F - p) / 3.0F)));
   const float squared = slope * slope;
   const float straight = squared * s;
-  const float most = kMostBent * straight;
+  const float maximum = kMaxBent * straight;
   const float bent = 0.5F * q * (bend * s - p * squared);
-  const float kept = bent > most ? most : (bent < -most ? -most : bent);
+  const float kept = bent > maximum ? maximum : (bent < -maximum ? -maximum : bent);
   return slope > kSmallest ? t - q * slope * s / (straight - kept) : t;
 }
 
@@ -326,10 +326,10 @@ GLINT_WIDE void keep_sight(const float* __restrict t,
                            const float* __restrict x_mm,
                            int count,
                            float half_length_mm,
-                           float* __restrict hidden) {
+                           float* __restrict occluded) {
   for (int i = 0; i < count; ++i) {
     const float size = x_mm[i] < 0.0F ? -x_mm[i] : x_mm[i];
-    hidden[i] = ((t[i] < 1.0F) & (size < half_length_mm)) ? hidden[i] : 0.0F;
+    occluded[i] = ((t[i] < 1.0F) & (size < half_length_mm)) ? occluded[i] : 0.0F;
   }
 }
 
@@ -373,7 +373,7 @@ GLINT_WIDE void points_of_hits(const RayBlock& rays,
     const float t = is_hit ? t_mm[i] : 0.0F;
     x_mm[i] = ox[i] + t * dx[i];
     y_mm[i] = oy[i] + t * dy[i];
-    above_base_mm[i] = is_hit ? oz[i] + t * dz[i] - base_mm : kNowhere_mm;
+    above_base_mm[i] = is_hit ? oz[i] + t * dz[i] - base_mm : kNoHitMargin_mm;
   }
 }
 

@@ -85,10 +85,11 @@ void aim_at(const RayBlock& points,
             float* to_y,
             float* to_z);
 
-/// Clears `hidden` where a sight line meets the wall behind the camera (t >= 1) or beyond an end.
-void keep_sight(const float* t, const float* x_mm, int count, float half_length_mm, float* hidden);
+/// Clears `occluded` where a sight line meets the wall behind the camera (t >= 1) or beyond an end.
+void keep_sight(
+    const float* t, const float* x_mm, int count, float half_length_mm, float* occluded);
 
-/// From t to the point of the wall, z counted from the base; kNowhere_mm as z for no hit.
+/// From t to the point of the wall, z counted from the base; kNoHitMargin_mm as z for no hit.
 void points_of_hits(const RayBlock& rays,
                     const float* t_mm,
                     float base_mm,
@@ -97,14 +98,14 @@ void points_of_hits(const RayBlock& rays,
                     float* above_base_mm);
 
 /// z of a ray that meets nothing.
-inline constexpr float kNowhere_mm = -1e30F;
+inline constexpr float kNoHitMargin_mm = -1e30F;
 
 /// How far points on the lines of two walls, mirrored in y = 0, lie inside the walls' ends
 /// (negative: outside).
-/// @param meets_at_top  the walls' upper ends touch and are no ends
-/// @param z_mm          heights, which become the margins; kNowhere_mm stays
+/// @param touch_at_top  the walls' upper ends touch and are no ends
+/// @param z_mm          heights, which become the margins; kNoHitMargin_mm stays
 void margins_of_panels(
-    const FlatWall& right, bool meets_at_top, const float* y_mm, int count, float* z_mm);
+    const FlatWall& right, bool touch_at_top, const float* y_mm, int count, float* z_mm);
 
 /// out[i] += scale * gain[i] * radiance of the stripes at (x[i], q[i]).
 void add_stripes(const float* x_mm,

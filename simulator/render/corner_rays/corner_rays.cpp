@@ -23,7 +23,7 @@ CornerRays empty_corner_rays(const PinholeIntrinsics& in) {
 RetracedRays trace_planned(const TraceScene& scene,
                            const CameraRays& camera,
                            const RefinementNeed& need,
-                           const RetracePlan& plan,
+                           const UpdatePlan& plan,
                            const CornerRays* base,
                            CornerRays empty,
                            ThreadPool& pool) {
@@ -67,8 +67,7 @@ CornerRays trace_corner_rays(const Part& part,
   const TraceScene scene(part, bvh, detail, settings);
   const RefinementNeed need(camera, camera_from_world, part, detail);
   const CameraRays camera_rays(camera, camera_from_world);
-  return trace_planned(
-             scene, camera_rays, need, RetracePlan(), nullptr, empty_corner_rays(in), pool)
+  return trace_planned(scene, camera_rays, need, UpdatePlan(), nullptr, empty_corner_rays(in), pool)
       .rays;
 }
 
@@ -87,7 +86,7 @@ RetracedRays retrace_detail(const CornerRays& without_detail,
   return trace_planned(scene,
                        camera_rays,
                        need,
-                       RetracePlan(without_detail, need),
+                       UpdatePlan(without_detail, need),
                        &without_detail,
                        empty_corner_rays(in),
                        pool);

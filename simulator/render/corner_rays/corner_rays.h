@@ -37,7 +37,7 @@ struct RefinedGroup {
 };
 
 /// Rays through the corners of all pixels; 28 bytes a ray, and those of sparse_rays.h.
-struct CornerRays : SeenPart {
+struct CornerRays : VisibilityBuffer {
   RayCache corners;  ///< (width_px + 1) x (height_px + 1) rays: (0, 0) is the image's outer corner
   Image<PixelKind> kind;
   std::vector<RefinedGroup> refined;  ///< by growing cells_per_axis; none is empty

@@ -5,7 +5,7 @@
 // cell_rule.h is cut into 2, 4, 8 or 16 cells per axis with corner rays of their own, until the
 // rays interpolated between corners are wrong by no more than render.max_direction_error_rad; the
 // first number of cells is predicted, as the error falls with its square. With a plan
-// (retrace_plan.h) only what height features can change is traced, and the rest copied. Own method:
+// (update_plan.h) only what height features can change is traced, and the rest copied. Own method:
 // docs/theory/footprints.md. Cost: one ray per pixel and (n + 1)^2 per refined pixel; 28 bytes per
 // ray.
 #include "simulator/render/corner_rays/corner_tracer.h"
@@ -41,7 +41,7 @@ bool has_missed(const RayCache& rays, std::size_t i) {
 CornerTracer::CornerTracer(const TraceScene& scene,
                            const CameraRays& camera,
                            const RefinementNeed& need,
-                           const RetracePlan& plan,
+                           const UpdatePlan& plan,
                            const CornerRays* base,
                            CornerRays& result)
     : kink_factor_(scene.part.patches.empty() ? 1.0 : kKinkFactorOfDefects),

@@ -9,7 +9,7 @@
 #include "simulator/render/corner_rays/detail_reach.h"
 #include "simulator/render/corner_rays/refined_groups.h"
 #include "simulator/render/corner_rays/refinement_rule.h"
-#include "simulator/render/corner_rays/retrace_plan.h"
+#include "simulator/render/corner_rays/update_plan.h"
 #include "simulator/render/ray_cache/packet_tracer.h"
 
 namespace glint {
@@ -37,7 +37,7 @@ class CornerTracer {
   CornerTracer(const TraceScene& scene,
                const CameraRays& camera,
                const RefinementNeed& need,
-               const RetracePlan& plan,
+               const UpdatePlan& plan,
                const CornerRays* base,
                CornerRays& result);
 
@@ -72,7 +72,7 @@ class CornerTracer {
   const CameraRays& camera_;
   ImageArea area_;  ///< outside of which no ray meets the part
   const RefinementNeed& need_;
-  const RetracePlan& plan_;
+  const UpdatePlan& plan_;
   const CornerRays* base_;
   CornerRays& result_;
   Classified corners_;

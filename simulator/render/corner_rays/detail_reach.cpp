@@ -21,7 +21,7 @@ constexpr double kSigmasPerRim = 4.0 * SurfaceDetail::kStainRim;
 constexpr double kCellsPerRim = 2.0;
 /// Interpolated directions may err by this share of what a feature's steepest slope turns them by.
 constexpr double kShareOfSlope = 0.01;
-constexpr double kLeastError_rad = 1e-5;
+constexpr double kMinError_rad = 1e-5;
 /// The outline of a projected box bulges under distortion; this and a pixel more are allowed for.
 constexpr double kBulge = 0.05;
 
@@ -138,10 +138,9 @@ void RefinementNeed::add_feature(const PinholeCamera& camera,
   const auto cells = static_cast<std::uint8_t>(
       cells_for(feature, sigma_on_image(camera, camera_from_world, feature)));
   const double turn_rad = 2.0 * feature.max_slope_rad();
-  const auto error_rad =
-      feature.height_mm != 0.0
-          ? static_cast<float>(std::max(kLeastError_rad, kShareOfSlope * turn_rad))
-          : std::numeric_limits<float>::max();
+  const auto error_rad = feature.height_mm != 0.0
+                             ? static_cast<float>(std::max(kMinError_rad, kShareOfSlope * turn_rad))
+                             : std::numeric_limits<float>::max();
   for (int y = box.min_y; y <= box.max_y; ++y) {
     for (int x = box.min_x; x <= box.max_x; ++x) {
       cells_(x, y) = std::max(cells_(x, y), cells);

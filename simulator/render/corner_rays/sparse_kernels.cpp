@@ -192,19 +192,19 @@ GLINT_WIDE void find_limits(const NodeRows& rows,
   }
   for (int i = 0; i < tiles; ++i) {
     const float* down = scratch + i;
-    const float most_down = larger(larger(larger(down[0], down[1]), larger(down[2], down[3])),
-                                   larger(down[4], down[5]));
+    const float max_down = larger(larger(larger(down[0], down[1]), larger(down[2], down[3])),
+                                  larger(down[4], down[5]));
     const float upper =
         larger(larger(bend(c[i], c[i + 1], c[i + 2]), bend(c[i + 1], c[i + 2], c[i + 3])),
                larger(bend(c[i + 2], c[i + 3], c[i + 4]), bend(c[i + 3], c[i + 4], c[i + 5])));
     const float lower =
         larger(larger(bend(d[i], d[i + 1], d[i + 2]), bend(d[i + 1], d[i + 2], d[i + 3])),
                larger(bend(d[i + 2], d[i + 3], d[i + 4]), bend(d[i + 3], d[i + 4], d[i + 5])));
-    const float bulge = 0.18F * larger(upper, lower) + 0.25F * most_down;
-    const float least = smaller(smaller(c[i + 2], c[i + 3]), smaller(d[i + 2], d[i + 3]));
-    const float most = larger(larger(c[i + 2], c[i + 3]), larger(d[i + 2], d[i + 3]));
-    low[i] = least - bulge;
-    high[i] = most + bulge;
+    const float bulge = 0.18F * larger(upper, lower) + 0.25F * max_down;
+    const float minimum = smaller(smaller(c[i + 2], c[i + 3]), smaller(d[i + 2], d[i + 3]));
+    const float maximum = larger(larger(c[i + 2], c[i + 3]), larger(d[i + 2], d[i + 3]));
+    low[i] = minimum - bulge;
+    high[i] = maximum + bulge;
   }
 }
 

@@ -66,7 +66,8 @@ void find_errors(
 /// @param values  kStep a stretch
 void find_errors_of_all(const float* spread_values, const float* values, int tiles, float* errors);
 
-/// allowed[i] = the larger of `least` and `share` times the range of the four nodes around tile i.
+/// allowed[i] = the larger of `minimum` and `share` times the range of the four nodes around tile
+/// i.
 /// @param top, bottom  first node of the first tile in two rows
 void allow_errors(const float* top, const float* bottom, int tiles, float share, float* allowed);
 

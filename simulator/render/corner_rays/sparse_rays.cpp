@@ -75,11 +75,12 @@ class KnownNodes {
 
   void add_beyond(int column, int row, std::vector<SparseRays::Beyond>& beyond) const {
     constexpr int kCubic = 4;
-    for (const int least : {kernels::kNodes, kCubic}) {
+    for (const int minimum : {kernels::kNodes, kCubic}) {
       for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-        if (run_length(column, row, dx, dy) >= least) {
-          beyond.push_back(
-              {.to = row * width_ + column, .step = dy * width_ + dx, .is_cubic = least == kCubic});
+        if (run_length(column, row, dx, dy) >= minimum) {
+          beyond.push_back({.to = row * width_ + column,
+                            .step = dy * width_ + dx,
+                            .is_cubic = minimum == kCubic});
           return;
         }
       }
@@ -293,13 +294,13 @@ double bent_share(const SparseRays& sparse) {
 }  // namespace
 
 SparseRays sparse_rays(const RayCache& corners, double max_direction_error_rad) {
-  constexpr int kLeastNodes = kernels::kNodes;
+  constexpr int kMinNodes = kernels::kNodes;
   constexpr double kLargestBentShare = 0.25;
   GLINT_CHECK(corners.samples == 1, "a picture of rays");
   SparseRays sparse;
   const int columns = (corners.width_px - 1) / kStep + 1;
   const int rows = (corners.height_px - 1) / kStep + 1;
-  if (columns < kLeastNodes || rows < kLeastNodes) {
+  if (columns < kMinNodes || rows < kMinNodes) {
     return sparse;
   }
   sparse.columns = columns;

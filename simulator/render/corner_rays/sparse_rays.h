@@ -3,7 +3,8 @@
 // Every eighth corner ray, and where the others lie between them. Where a smooth part sends
 // neighbouring rays, a smooth wall is met at places that are smooth, too: a quintic through every
 // eighth one gives the others, to a small share of a pixel's footprint
-// (docs/theory/footprints.md). Tiles where rays or wall do not allow that are met ray by ray.
+// (docs/theory/footprints.md). Tiles where rays or wall do not allow that are intersected ray by
+// ray.
 #pragma once
 
 #include <array>

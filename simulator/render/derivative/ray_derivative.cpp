@@ -112,25 +112,25 @@ class Differentiator {
                   const EscapePacket& escapes,
                   std::size_t motion,
                   std::size_t first) const {
-    MeetingLanes before = {};
-    MeetingLanes after = {};
+    IntersectionLanes before = {};
+    IntersectionLanes after = {};
     const double unit = units_[motion];
-    meet_part(traced_, moved_rays(rays, twists_[motion], -unit), hits, true, before);
-    meet_part(traced_, moved_rays(rays, twists_[motion], unit), hits, true, after);
+    intersect_part(traced_, moved_rays(rays, twists_[motion], -unit), hits, true, before);
+    intersect_part(traced_, moved_rays(rays, twists_[motion], unit), hits, true, after);
     RayDerivative& to = result_[motion];
     for (std::size_t lane = 0; lane < static_cast<std::size_t>(rays.count); ++lane) {
       if (escapes.path[lane] != RayPath::kOnce) {
         continue;
       }
-      const auto slope = [&](const double* a, const double* b) {
+      const auto derivative = [&](const double* a, const double* b) {
         return static_cast<float>((b[lane] - a[lane]) / (2.0 * unit));
       };
-      to.origin_x[first + lane] = slope(before.point_x, after.point_x);
-      to.origin_y[first + lane] = slope(before.point_y, after.point_y);
-      to.origin_z[first + lane] = slope(before.point_z, after.point_z);
-      to.direction_x[first + lane] = slope(before.leaving_x, after.leaving_x);
-      to.direction_y[first + lane] = slope(before.leaving_y, after.leaving_y);
-      to.direction_z[first + lane] = slope(before.leaving_z, after.leaving_z);
+      to.origin_x[first + lane] = derivative(before.point_x, after.point_x);
+      to.origin_y[first + lane] = derivative(before.point_y, after.point_y);
+      to.origin_z[first + lane] = derivative(before.point_z, after.point_z);
+      to.direction_x[first + lane] = derivative(before.leaving_x, after.leaving_x);
+      to.direction_y[first + lane] = derivative(before.leaving_y, after.leaving_y);
+      to.direction_z[first + lane] = derivative(before.leaving_z, after.leaving_z);
     }
   }
 

@@ -31,7 +31,7 @@ struct CameraScene {
 /// Derivatives of origin and direction of the corner rays, one for each motion, in the order of
 /// CornerRays::corners. Zero for rays that miss the part or meet it more than once: what becomes of
 /// those jumps. Exact surfaces and defects by central differences in double (to about 1e-6);
-/// triangles are held, so that kinks of interpolated normals do not show.
+/// triangles are treated as constant, so that kinks of interpolated normals do not show.
 /// Cost: about two tracings, whatever the number of motions, and a tenth of one for each motion.
 std::vector<RayDerivative> corner_derivatives(const CameraScene& scene,
                                               const std::vector<CameraTwist>& twists,

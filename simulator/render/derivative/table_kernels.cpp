@@ -13,7 +13,7 @@
 #include "core/error.h"
 #include "core/simd.h"
 
-namespace glint::slope_kernels {
+namespace glint::gradient_kernels {
 namespace {
 
 /// Pixels that are looked at together: neighbours mostly share a piece or two.
@@ -48,7 +48,7 @@ GLINT_INLINE void find_pieces(const float* __restrict w, int pieces, float per_u
   chunk.highest = highest;
 }
 
-/// Values of a table; whatever where there is no slope.
+/// Values of a table; whatever where there is no derivative.
 GLINT_INLINE void look_up(const float* __restrict coefficients,
                           const Chunk& chunk,
                           float* __restrict values) {
@@ -85,19 +85,19 @@ GLINT_INLINE double total_of(const float* values) {
   return lanes[0];
 }
 
-constexpr int kMostOthers = 4;
+constexpr int kMaxOthers = 4;
 
 /// Over a row, lane by lane.
 struct Sums {
   float products[kChunk] = {};
-  float others[kMostOthers][kChunk] = {};
+  float others[kMaxOthers][kChunk] = {};
 };
 
 }  // namespace
 
-/// @return whether any pixel has a slope; if not, nothing is written
+/// @return whether any pixel has a derivative; if not, nothing is written
 GLINT_WIDE static bool add_chunk(const unsigned char* __restrict by_table,
-                                 const float* __restrict slope,
+                                 const float* __restrict derivative,
                                  const float* __restrict w,
                                  const float* __restrict top,
                                  const float* __restrict bottom,
@@ -109,12 +109,12 @@ GLINT_WIDE static bool add_chunk(const unsigned char* __restrict by_table,
                                  float* __restrict by_gx,
                                  float* __restrict by_gy) {
   Chunk chunk;
-  int with_slope = 0;
+  int with_derivative = 0;
   for (int i = 0; i < kChunk; ++i) {
-    chunk.weight[i] = by_table[i] != 0 ? slope[i] : 0.0F;
-    with_slope += chunk.weight[i] != 0.0F ? 1 : 0;
+    chunk.weight[i] = by_table[i] != 0 ? derivative[i] : 0.0F;
+    with_derivative += chunk.weight[i] != 0.0F ? 1 : 0;
   }
-  if (with_slope == 0) {
+  if (with_derivative == 0) {
     return false;
   }
   find_pieces(w, by_w.count, by_w.per_unit, chunk);
@@ -143,7 +143,7 @@ namespace {
 /// The end of a row, as a chunk.
 struct LastPixels {
   unsigned char by_table[kChunk] = {};
-  float slope[kChunk] = {};
+  float derivative[kChunk] = {};
   float w[kChunk] = {};
   float top[kChunk + 1] = {};
   float bottom[kChunk + 1] = {};
@@ -153,7 +153,7 @@ struct LastPixels {
   LastPixels(const TableRow& row, int begin) {
     const int count = row.count - begin;
     std::copy_n(row.by_table + begin, count, by_table);
-    std::copy_n(row.slope + begin, count, slope);
+    std::copy_n(row.derivative + begin, count, derivative);
     std::copy_n(row.w + begin, count, w);
     std::copy_n(row.corners.top + begin, count + 1, top);
     std::copy_n(row.corners.bottom + begin, count + 1, bottom);
@@ -162,22 +162,22 @@ struct LastPixels {
 
 }  // namespace
 
-double table_slopes(const TableRow& row,
-                    const Pieces& by_w,
-                    const std::vector<const float*>& others,
-                    double* sums,
-                    float* by_gx,
-                    float* by_gy) {
-  GLINT_CHECK(others.size() <= kMostOthers, "no more tables than that at once");
+double table_gradient(const TableRow& row,
+                      const Pieces& by_w,
+                      const std::vector<const float*>& others,
+                      double* sums,
+                      float* by_gx,
+                      float* by_gy) {
+  GLINT_CHECK(others.size() <= kMaxOthers, "no more tables than that at once");
   Sums lanes;
   const auto add = [&](const unsigned char* by_table,
-                       const float* slope,
+                       const float* derivative,
                        const float* w,
                        const footprint_kernels::CornerRows& corners,
                        float* gx,
                        float* gy) {
     if (!add_chunk(by_table,
-                   slope,
+                   derivative,
                    w,
                    corners.top,
                    corners.bottom,
@@ -195,7 +195,7 @@ double table_slopes(const TableRow& row,
   const int whole = row.count - row.count % kChunk;
   for (int i = 0; i < whole; i += kChunk) {
     add(row.by_table + i,
-        row.slope + i,
+        row.derivative + i,
         row.w + i,
         {.top = row.corners.top + i, .bottom = row.corners.bottom + i},
         by_gx + i,
@@ -204,7 +204,7 @@ double table_slopes(const TableRow& row,
   if (whole < row.count) {
     LastPixels last(row, whole);
     add(last.by_table,
-        last.slope,
+        last.derivative,
         last.w,
         {.top = last.top, .bottom = last.bottom},
         last.by_gx,
@@ -218,4 +218,4 @@ double table_slopes(const TableRow& row,
   return total_of(lanes.products);
 }
 
-}  // namespace glint::slope_kernels
+}  // namespace glint::gradient_kernels

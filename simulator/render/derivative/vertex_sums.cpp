@@ -11,7 +11,7 @@
 
 #include "core/simd.h"
 
-namespace glint::slope_kernels {
+namespace glint::gradient_kernels {
 namespace {
 
 /// Frames that are added side by side: a vector of the widest machines, several of others.
@@ -120,4 +120,4 @@ GLINT_WIDE double weigh_vertices(const double* __restrict phases,
   return all;
 }
 
-}  // namespace glint::slope_kernels
+}  // namespace glint::gradient_kernels

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What the vertices of a cut cell contribute to its derivative, summed over the frames: an inner
-// loop of stripe_slopes.cpp.
+// loop of stripe_gradient.cpp.
 #pragma once
 
-namespace glint::slope_kernels {
+namespace glint::gradient_kernels {
 
 /// Weighted sums over frames at a vertex: of the square wave less its mean, its first and second
 /// integral, and their derivatives by the duty.
@@ -28,4 +28,4 @@ double weigh_vertices(const double* phases,
                       double duty,
                       VertexSums* sums);
 
-}  // namespace glint::slope_kernels
+}  // namespace glint::gradient_kernels

@@ -166,8 +166,8 @@ GLINT_WIDE void corner_weights(const unsigned char* __restrict is_smooth,
   const int n = cells_per_axis;
   const float quarter = 0.25F / static_cast<float>(n * n);
   // Quarters of the cells in a row of them, with nothing on both sides.
-  float above[kMostCells + 2] = {};
-  float below[kMostCells + 2] = {};
+  float above[kMaxCells + 2] = {};
+  float below[kMaxCells + 2] = {};
   for (int row = 0; row <= n; ++row) {
     const bool is_last = row == n;
     const float full = is_last ? 0.0F : quarter;

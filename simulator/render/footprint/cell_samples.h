@@ -37,7 +37,7 @@ struct CellSamples {
 ///         for other numbers of cells, which are not sampled
 float sample_cells(const CellGrid& cells, float offset_mm, float per_mm, const CellSamples& out);
 
-inline constexpr int kMostCells = 16;  ///< per axis
+inline constexpr int kMaxCells = 16;  ///< per axis
 
 /// What of a refined pixel the corners of cells that are not smooth stand for: a quarter of each.
 /// @param is_smooth  1 or 0, row by row

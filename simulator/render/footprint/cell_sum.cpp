@@ -139,7 +139,7 @@ void CellSum::add_smooth(const CellCorners& corners, double share) {
       return;
     }
   }
-  if (std::ranges::min(corners.margin_mm) < kNoPlace_mm) {
+  if (std::ranges::min(corners.margin_mm) < kNoHitBelow_mm) {
     add_points(corners, share);
     return;
   }

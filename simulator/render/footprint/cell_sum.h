@@ -13,7 +13,7 @@
 namespace glint {
 
 /// Lower margins are no places on the wall.
-inline constexpr double kNoPlace_mm = -1e20;
+inline constexpr double kNoHitBelow_mm = -1e20;
 
 /// Hits at the corners (x0 y0, x1 y0, x0 y1, x1 y1) of a cell.
 struct CellCorners {

@@ -69,7 +69,7 @@ GLINT_WIDE void find_cuts(const CornerBatch& pixels,
   for (int i = 0; i < count; ++i) {
     const Range x_mm = range_at(pixels.x_mm, i);
     const Range margin_mm = range_at(pixels.margin_mm, i);
-    const bool is_on_wall = margin_mm.low >= l.nowhere_mm;
+    const bool is_on_wall = margin_mm.low >= l.no_hit_below_mm;
     const bool is_inside_ends = (x_mm.low > l.x_low_mm) & (x_mm.high < l.x_high_mm);
     is_simple[i] = ((simple[i] != 0) & is_on_wall & is_inside_ends) ? 1 : 0;
   }

@@ -12,7 +12,7 @@ struct CutLimits {
   double half_slot_mm = 0.0;
   float x_low_mm = 0.0F;  ///< the tunnel's ends never pass what is between these
   float x_high_mm = 0.0F;
-  float nowhere_mm = 0.0F;  ///< lower margins are no places on the wall
+  float no_hit_below_mm = 0.0F;  ///< lower margins are no places on the wall
 };
 
 /// What of each pixel the slot's edge or the rim leaves: where `inside` is >= 0.

@@ -99,7 +99,7 @@ CellSummer::CellSummer(const Footprints& footprints, bool wants_mean, const Span
           .half_slot_mm = positions_.half_slot_mm,
           .x_low_mm = static_cast<float>(positions_.shift_mm.back() - positions_.half_length_mm),
           .x_high_mm = static_cast<float>(positions_.shift_mm.front() + positions_.half_length_mm),
-          .nowhere_mm = static_cast<float>(kNoPlace_mm)},
+          .no_hit_below_mm = static_cast<float>(kNoHitBelow_mm)},
       refined_cells_(positions_, limits_) {}
 
 PixelCells CellSummer::sum(const Spans& where) {
@@ -244,7 +244,7 @@ void CellSummer::add_group(const RefinedGroup& group) {
     if (end == begin) {
       continue;
     }
-    refined_cells_.meet(group, footprints_.tunnel(), begin, end);
+    refined_cells_.intersect(group, footprints_.tunnel(), begin, end);
     for (std::size_t index = begin; index < end; ++index) {
       const auto [low_mm, high_mm] = refined_cells_.turn_to(index);
       CellSum& sum = sum_for(low_mm, high_mm);

@@ -159,11 +159,11 @@ void FootprintFrames::render_mean(const Spans& near,
   }
   Tile tile;
   tile.x_mm.fill(0.0F);
-  int told = 0;
+  int reported = 0;
   for (const RowSpan& span : where_) {
-    if (done && span.y >= told + kRowsAtOnce) {
-      told = span.y;
-      done(told);
+    if (done && span.y >= reported + kRowsAtOnce) {
+      reported = span.y;
+      done(reported);
     }
     for (int begin = span.begin; begin < span.end; begin += tile.count) {
       const unsigned char* state = load(span, begin, tile);

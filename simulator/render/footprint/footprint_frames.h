@@ -30,7 +30,7 @@ class FootprintFrames {
   /// size of the picture, their other pixels are left alone.
   void render(int first, std::vector<ImageF>& frames) const;
 
-  /// Mean radiance over a scan of whole periods, by floors: a square wave of as many times the
+  /// Mean radiance over a scan of whole periods: a square wave of as many times the
   /// frequency as there are different positions.
   /// @param near  refined pixels elsewhere may be taken from their four corners and their coverage
   /// @param done  called now and then with how many rows from the top are rendered, at last with

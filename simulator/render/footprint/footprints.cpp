@@ -3,7 +3,7 @@
 // Sorts the pixels of a picture into dark ones, plain ones (entirely on the lit wall at every
 // position of the scan) and those that are summed from cells. The conditions at each corner are
 // packed into the bits of a byte, so that a pixel follows from the conjunction of four bytes; tiles
-// of 8 x 8 pixels whose bounds are known (sparse_meeting.h) are decided as a whole.
+// of 8 x 8 pixels whose bounds are known (sparse_intersection.h) are decided as a whole.
 // docs/theory/footprints.md. Cost: one pass over the corners of those tiles that are not decided.
 // Memory: 12 bytes per corner ray (20 with oblique stripes or the cosine law) and two bytes per
 // pixel.
@@ -15,7 +15,7 @@
 
 #include "core/error.h"
 #include "simulator/render/corner_rays/sparse_kernels.h"
-#include "simulator/render/wall/hidden_pixels.h"
+#include "simulator/render/wall/occluded_pixels.h"
 
 namespace glint {
 namespace {
@@ -24,21 +24,21 @@ namespace kernels = footprint_kernels;
 
 }  // namespace
 
-void meet_light(
+void intersect_light(
     const RayCache& rays, const Tunnel& tunnel, std::int64_t begin, int count, WallHits& hits) {
   hits.resize(static_cast<std::size_t>(count), tunnel.settings());
-  meet_rays(rays.block(begin, count), tunnel, 0, hits);
+  intersect_rays(rays.block(begin, count), tunnel, 0, hits);
 }
 
-WallHits meet_light(const RayCache& rays, const Tunnel& tunnel) {
+WallHits intersect_light(const RayCache& rays, const Tunnel& tunnel) {
   WallHits hits;
-  meet_light(rays, tunnel, 0, static_cast<int>(rays.weight.size()), hits);
+  intersect_light(rays, tunnel, 0, static_cast<int>(rays.weight.size()), hits);
   return hits;
 }
 
-WallHits meet_corners(const CornerRays& rays, const Tunnel& tunnel, TileLimits& limits) {
-  return rays.sparse.is_empty() ? meet_light(rays.corners, tunnel)
-                                : meet_sparse(rays.sparse, rays.corners, tunnel, limits);
+WallHits intersect_corners(const CornerRays& rays, const Tunnel& tunnel, TileLimits& limits) {
+  return rays.sparse.is_empty() ? intersect_light(rays.corners, tunnel)
+                                : intersect_sparse(rays.sparse, rays.corners, tunnel, limits);
 }
 
 ScanPositions::ScanPositions(const Tunnel& tunnel, const ScanSettings& scan) {
@@ -108,8 +108,8 @@ DistinctStripes ScanPositions::distinct_stripes() const {
 WallView::WallView(const CornerRays& rays,
                    const Tunnel& tunnel,
                    const Eigen::Vector3d& camera_in_world_mm)
-    : hits(meet_corners(rays, tunnel, limits)),
-      hidden(hidden_pixels(rays, tunnel, camera_in_world_mm)) {}
+    : hits(intersect_corners(rays, tunnel, limits)),
+      occluded(occluded_pixels(rays, tunnel, camera_in_world_mm)) {}
 
 std::size_t WallView::bytes() const {
   std::size_t floats = 0;
@@ -121,7 +121,7 @@ std::size_t WallView::bytes() const {
        {&limits.x_low_mm, &limits.y_low_mm, &limits.margin_low_mm, &limits.stripes_low_mm}) {
     floats += 2 * array->size();
   }
-  return sizeof(float) * floats + limits.kind.size() + hidden.size();
+  return sizeof(float) * floats + limits.kind.size() + occluded.size();
 }
 
 Footprints::Footprints(const CornerRays& rays,
@@ -149,8 +149,8 @@ kernels::LitLimits Footprints::lit_limits() const {
 }
 
 void Footprints::classify() {
-  state_ = Image<State>::unset(rays_.width_px, rays_.height_px);
-  none_hidden_.resize(static_cast<std::size_t>(rays_.width_px));
+  state_ = Image<State>::uninitialized(rays_.width_px, rays_.height_px);
+  none_occluded_.resize(static_cast<std::size_t>(rays_.width_px));
   if (view_->limits.rows > 0) {
     classify_tiles();
   } else {
@@ -158,8 +158,8 @@ void Footprints::classify() {
   }
 }
 
-const unsigned char* Footprints::hidden_row(int y) const {
-  return hidden().empty() ? none_hidden_.data() : hidden().row(y);
+const unsigned char* Footprints::occluded_row(int y) const {
+  return occluded().empty() ? none_occluded_.data() : occluded().row(y);
 }
 
 /// Tiles that are plain as a whole need no look at their rays.
@@ -200,7 +200,7 @@ void Footprints::classify_tiles() {
       }
       for (int y = top; y < bottom; ++y) {
         kernels::plain_states(reinterpret_cast<const unsigned char*>(rays_.kind.row(y)) + left,
-                              hidden_row(y) + left,
+                              occluded_row(y) + left,
                               right - left,
                               reinterpret_cast<unsigned char*>(state_.row(y)) + left);
       }
@@ -239,7 +239,7 @@ void Footprints::classify_pixels(int top, int bottom, int left, int right) {
                       below.data(),
                       {.top = stripes_mm, .bottom = stripes_mm + corner_width},
                       reinterpret_cast<const unsigned char*>(rays_.kind.row(y)) + left,
-                      hidden_row(y) + left,
+                      occluded_row(y) + left,
                       count,
                       limits,
                       reinterpret_cast<unsigned char*>(state_.row(y)) + left);
@@ -247,7 +247,7 @@ void Footprints::classify_pixels(int top, int bottom, int left, int right) {
 }
 
 double Footprints::hidden_share() const {
-  return share_of_part(hidden(), rays_);
+  return share_of_part(occluded(), rays_);
 }
 
 }  // namespace glint

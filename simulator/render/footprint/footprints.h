@@ -2,8 +2,8 @@
 //
 // Pixel footprints on a tunnel, over which footprint_frames.h integrates the frames of a scan.
 //
-// Each corner ray is met with the tunnel's wall once. A pixel whose four corners lie on the lit
-// wall at every position of the scan is plain: its frames follow from one phase and two
+// Each corner ray is intersected with the tunnel's wall once. A pixel whose four corners lie on the
+// lit wall at every position of the scan is plain: its frames follow from one phase and two
 // differences. Pixels on a boundary of the light (slot, rim, ends), with footprints wider than the
 // stripes, or refined because the part is bent there, are summed from cells (stripe_integral.h).
 // See docs/theory/footprints.md.
@@ -24,26 +24,26 @@
 #include "simulator/render/footprint/distinct_stripes.h"
 #include "simulator/render/footprint/footprint_kernels.h"
 #include "simulator/render/footprint/lit_pixels.h"
-#include "simulator/render/wall/sparse_meeting.h"
+#include "simulator/render/wall/sparse_intersection.h"
 
 namespace glint {
 
-WallHits meet_light(const RayCache& rays, const Tunnel& tunnel);
+WallHits intersect_light(const RayCache& rays, const Tunnel& tunnel);
 
-/// meet_light() of the corners, by simulator/render/corner_rays/sparse_rays.h where these are worth
-/// it.
-WallHits meet_corners(const CornerRays& rays, const Tunnel& tunnel, TileLimits& limits);
+/// intersect_light() of the corners, by simulator/render/corner_rays/sparse_rays.h where these are
+/// worth it.
+WallHits intersect_corners(const CornerRays& rays, const Tunnel& tunnel, TileLimits& limits);
 
 /// The same for rays [begin, begin + count); arrays of hits begin at 0.
-void meet_light(
+void intersect_light(
     const RayCache& rays, const Tunnel& tunnel, std::int64_t begin, int count, WallHits& hits);
 
 /// What of a picture depends on the wall and not on its stripes: equal for all tunnels of the same
 /// shape, slot, length and orientation.
 struct WallView {
-  TileLimits limits;  ///< of hits in tiles; empty where corners are met one by one
+  TileLimits limits;  ///< of hits in tiles; empty where corners are intersected one by one
   WallHits hits;      ///< of the corner rays
-  Mask hidden;        ///< pixels of the part that the wall hides from the camera; empty: none
+  Mask occluded;      ///< pixels of the part that the wall hides from the camera; empty: none
 
   WallView(const CornerRays& rays, const Tunnel& tunnel, const Eigen::Vector3d& camera_in_world_mm);
 
@@ -60,7 +60,7 @@ struct ScanPositions {
   /// periods, each as often as the others; 0 if they do not.
   int even_phases() const;
 
-  /// A single position whose radiance is the mean over all of them (by floors): a square wave of as
+  /// A single position whose radiance is the mean over all of them: a square wave of as
   /// many times the frequency as there are different positions. Needs even_phases() and even light,
   /// and places that the tunnel's ends never pass.
   ScanPositions mean_position() const;
@@ -119,7 +119,7 @@ class Footprints {
   const Image<State>& state() const { return state_; }
 
   /// Empty: none.
-  const Mask& hidden() const { return view_->hidden; }
+  const Mask& occluded() const { return view_->occluded; }
 
   const WallHits& hits() const { return view_->hits; }
 
@@ -131,7 +131,7 @@ class Footprints {
  private:
   void classify();
   void classify_tiles();
-  const unsigned char* hidden_row(int y) const;
+  const unsigned char* occluded_row(int y) const;
   void classify_pixels(int top, int bottom, int left, int right);
   footprint_kernels::LitLimits lit_limits() const;
 
@@ -140,7 +140,7 @@ class Footprints {
   ScanPositions positions_;
   std::shared_ptr<const WallView> view_;
   Image<State> state_;
-  std::vector<unsigned char> none_hidden_;  ///< in a row
+  std::vector<unsigned char> none_occluded_;  ///< in a row
 };
 
 }  // namespace glint

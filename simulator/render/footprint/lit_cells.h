@@ -16,7 +16,7 @@ struct CornerHits {
 /// that see the slot or lie beside the wall, at all corners and by the plane through these, are
 /// neither.
 /// @param is_smooth       1 or 0, row by row; others are neither, too
-/// @param cells_per_axis  n, up to kMostCells
+/// @param cells_per_axis  n, up to kMaxCells
 /// @param is_lit, is_cut  set to 1 or 0
 void sort_cells(const CornerHits& hits,
                 const unsigned char* is_smooth,

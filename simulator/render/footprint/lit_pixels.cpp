@@ -61,7 +61,7 @@ GLINT_WIDE void mark_narrow(const float* __restrict top,
 GLINT_WIDE void combine_codes(const unsigned char* __restrict top,
                               const unsigned char* __restrict bottom,
                               const unsigned char* __restrict kind,
-                              const unsigned char* __restrict hidden,
+                              const unsigned char* __restrict occluded,
                               int count,
                               unsigned char* __restrict state) {
   constexpr unsigned char kLit = kOnWall | kInsideEnds;
@@ -73,7 +73,7 @@ GLINT_WIDE void combine_codes(const unsigned char* __restrict top,
     const unsigned char other = is_never_lit ? 0 : 2;
     const unsigned char by_light = is_plain ? 1 : other;
     const unsigned char by_kind = kind[i] == 2 ? 2 : by_light;
-    const bool is_dark = (kind[i] == 0) | (hidden[i] != 0);
+    const bool is_dark = (kind[i] == 0) | (occluded[i] != 0);
     state[i] = is_dark ? 0 : by_kind;
   }
 }
@@ -84,12 +84,12 @@ void classify(const unsigned char* top,
               const unsigned char* bottom,
               const CornerRows& stripes_mm,
               const unsigned char* kind,
-              const unsigned char* hidden,
+              const unsigned char* occluded,
               int count,
               const LitLimits& limits,
               unsigned char* state) {
   mark_narrow(stripes_mm.top, stripes_mm.bottom, count, limits.widest_mm, state);
-  combine_codes(top, bottom, kind, hidden, count, state);
+  combine_codes(top, bottom, kind, occluded, count, state);
 }
 
 GLINT_WIDE void even_tiles(const TileRow& tiles,
@@ -108,11 +108,11 @@ GLINT_WIDE void even_tiles(const TileRow& tiles,
 }
 
 GLINT_WIDE void plain_states(const unsigned char* __restrict kind,
-                             const unsigned char* __restrict hidden,
+                             const unsigned char* __restrict occluded,
                              int count,
                              unsigned char* __restrict state) {
   for (int i = 0; i < count; ++i) {
-    state[i] = hidden[i] != 0 ? 0 : kind[i];
+    state[i] = occluded[i] != 0 ? 0 : kind[i];
   }
 }
 

@@ -33,7 +33,7 @@ void classify(const unsigned char* top,
               const unsigned char* bottom,
               const CornerRows& stripes_mm,
               const unsigned char* kind,
-              const unsigned char* hidden,
+              const unsigned char* occluded,
               int count,
               const LitLimits& limits,
               unsigned char* state);
@@ -55,7 +55,7 @@ void even_tiles(const TileRow& tiles, int count, const LitLimits& limits, unsign
 
 /// The states of pixels between corners that are lit at every position.
 void plain_states(const unsigned char* kind,
-                  const unsigned char* hidden,
+                  const unsigned char* occluded,
                   int count,
                   unsigned char* state);
 

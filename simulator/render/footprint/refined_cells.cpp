@@ -19,18 +19,18 @@ std::size_t corners_of_pixel(const RefinedGroup& group) {
 
 }  // namespace
 
-void RefinedCells::meet(const RefinedGroup& group,
-                        const Tunnel& tunnel,
-                        std::size_t begin,
-                        std::size_t end) {
+void RefinedCells::intersect(const RefinedGroup& group,
+                             const Tunnel& tunnel,
+                             std::size_t begin,
+                             std::size_t end) {
   const std::size_t corners = corners_of_pixel(group);
   group_ = &group;
   begin_ = begin;
-  meet_light(group.rays,
-             tunnel,
-             static_cast<std::int64_t>(begin * corners),
-             static_cast<int>((end - begin) * corners),
-             hits_);
+  intersect_light(group.rays,
+                  tunnel,
+                  static_cast<std::int64_t>(begin * corners),
+                  static_cast<int>((end - begin) * corners),
+                  hits_);
 }
 
 std::array<double, 2> RefinedCells::turn_to(std::size_t index) {
@@ -143,7 +143,7 @@ void RefinedCells::add_corners(CellSum& sum) {
   if (std::memchr(pixel_.is_smooth, 0, n * n) == nullptr) {
     return;
   }
-  static_assert(kCellCounts.back() <= kernels::kMostCells);
+  static_assert(kCellCounts.back() <= kernels::kMaxCells);
   weight_.resize(gain_.size());
   kernels::corner_weights(pixel_.is_smooth, pixel_.cells_per_axis, weight_.data());
   for (std::size_t i = 0; i < weight_.size(); ++i) {

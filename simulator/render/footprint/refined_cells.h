@@ -24,7 +24,10 @@ class RefinedCells {
       : positions_(positions), limits_(limits) {}
 
   /// Where corner rays of pixels [begin, end) of a group meet the light.
-  void meet(const RefinedGroup& group, const Tunnel& tunnel, std::size_t begin, std::size_t end);
+  void intersect(const RefinedGroup& group,
+                 const Tunnel& tunnel,
+                 std::size_t begin,
+                 std::size_t end);
 
   /// The pixel that is added next, one of these.
   /// @return limits of its places along the tunnel [mm], low > high where there are none
@@ -48,7 +51,7 @@ class RefinedCells {
     int cells_per_axis = 0;
   };
 
-  using Marks = std::array<unsigned char, cut_kernels::kMostCells * cut_kernels::kMostCells>;
+  using Marks = std::array<unsigned char, cut_kernels::kMaxCells * cut_kernels::kMaxCells>;
 
   const ScanPositions& positions_;
   const cut_kernels::CutLimits& limits_;

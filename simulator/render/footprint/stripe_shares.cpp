@@ -74,14 +74,14 @@ GLINT_INLINE float wide_share(float f, float duty, float outer, float inner) {
 }
 
 struct WidthRange {
-  float least;
+  float minimum;
   float largest;
 };
 
 GLINT_WIDE WidthRange range_of_widths(const float* __restrict outer, int count) {
-  WidthRange range = {.least = outer[0], .largest = outer[0]};
+  WidthRange range = {.minimum = outer[0], .largest = outer[0]};
   for (int i = 0; i < count; ++i) {
-    range.least = outer[i] < range.least ? outer[i] : range.least;
+    range.minimum = outer[i] < range.minimum ? outer[i] : range.minimum;
     range.largest = outer[i] > range.largest ? outer[i] : range.largest;
   }
   return range;
@@ -145,7 +145,7 @@ void any_shares_fast(const float* v,
     if (widths.largest > (1.0F - kRounding) * limit) {
       wide_shares(v + begin, outer + begin, inner + begin, size, scale, duty, shares + begin);
     }
-    if (widths.least <= (1.0F + kRounding) * limit) {
+    if (widths.minimum <= (1.0F + kRounding) * limit) {
       trapezoid_shares(v + begin, outer + begin, inner + begin, size, scale, duty, shares + begin);
     }
   }

@@ -16,7 +16,7 @@ namespace {
 using Fresnel = ConductorNumbers::Fresnel;
 
 /// As kMinCosine, for float.
-constexpr float kLeastCosine = 1e-7F;
+constexpr float kMinCosineOfFloat = 1e-7F;
 
 GLINT_INLINE float length_of(float ax, float ay, float x, float y, float z) {
   return std::sqrt((ax * x) * (ax * x) + (ay * y) * (ay * y) + z * z);
@@ -69,9 +69,9 @@ GLINT_INLINE void find_rows(const ConductorNumbers& m,
   constexpr float kLast = ConductorNumbers::kRows - 1;
   alignas(64) float place[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {
-    const float in = most(0.0F, least(z[i], 1.0F));
+    const float in = maximum(0.0F, minimum(z[i], 1.0F));
     const float at = log_of(1.0F + in / m.knee) * m.rows_per_log;
-    place[i] = most(0.0F, least(at, kLast));
+    place[i] = maximum(0.0F, minimum(at, kLast));
   }
   set_stencils(place, ConductorNumbers::kRows, rows);
 }
@@ -86,9 +86,9 @@ GLINT_INLINE void find_columns(const ConductorNumbers& m,
     const float squared = v->x[i] * v->x[i] + v->y[i] * v->y[i];
     const float ax = m.alpha_x * v->x[i];
     const float ay = m.alpha_y * v->y[i];
-    const float across = std::sqrt((ax * ax + ay * ay) / most(squared, 1e-24F));
+    const float across = std::sqrt((ax * ax + ay * ay) / maximum(squared, 1e-24F));
     const float at = (across - m.alpha_x) * per_width;
-    const float in = most(0.0F, least(at, last));
+    const float in = maximum(0.0F, minimum(at, last));
     place[i] = squared < 1e-24F ? 0.0F : in;
   }
   set_stencils(place, m.columns, columns);
@@ -135,9 +135,9 @@ GLINT_INLINE void albedo_lanes(const ConductorNumbers& m,
   }
 }
 
-/// As LossSampler::density().
+/// As CompensationSampler::density().
 GLINT_INLINE float loss_density(const ConductorNumbers& m, float z) {
-  const float in = most(0.0F, least(z, 1.0F));
+  const float in = maximum(0.0F, minimum(z, 1.0F));
   const float t = log_of(1.0F + in / m.loss_knee) / m.loss_scale;
   const auto whole = static_cast<int>(t * ConductorNumbers::kCells);
   const int cell = whole < ConductorNumbers::kCells - 1 ? whole : ConductorNumbers::kCells - 1;
@@ -145,7 +145,7 @@ GLINT_INLINE float loss_density(const ConductorNumbers& m, float z) {
          ((in + m.loss_knee) * m.loss_scale * (2.0F * kPiF));
 }
 
-/// As LossSampler::sample().
+/// As CompensationSampler::sample().
 GLINT_INLINE void loss_directions(const ConductorNumbers& metal,
                                   const RandomLanes* __restrict random,
                                   VectorLanes* __restrict to) {
@@ -158,9 +158,9 @@ GLINT_INLINE void loss_directions(const ConductorNumbers& metal,
   }
   for (int i = 0; i < kPacketSize; ++i) {
     const int cell = cells[i];
-    const float share = least(1.0F, (random->lobe_v[i] - m->mass_below[cell]) / m->mass[cell]);
+    const float share = minimum(1.0F, (random->lobe_v[i] - m->mass_below[cell]) / m->mass[cell]);
     const float t = (static_cast<float>(cell) + share) / ConductorNumbers::kCells;
-    const float z = least(1.0F, m->loss_knee * exp_minus_one(t * m->loss_scale));
+    const float z = minimum(1.0F, m->loss_knee * exp_minus_one(t * m->loss_scale));
     const float radius = std::sqrt((1.0F - z) * (1.0F + z));
     const SineCosine phi = sine_cosine_of_turns(random->lobe_u[i]);
     to->x[i] = radius * phi.cosine;
@@ -175,7 +175,7 @@ GLINT_INLINE float exact_fresnel(float n, float k, float c) {
   const float s2 = 1.0F - c2;
   const float d = n * n - k * k - s2;
   const float sum = std::sqrt(d * d + 4.0F * n * n * k * k);
-  const float a = std::sqrt(most(0.0F, 0.5F * (sum + d)));
+  const float a = std::sqrt(maximum(0.0F, 0.5F * (sum + d)));
   const float across = (sum + c2 - 2.0F * a * c) / (sum + c2 + 2.0F * a * c);
   const float t1 = c2 * sum + s2 * s2;
   const float t2 = 2.0F * a * c * s2;
@@ -223,47 +223,47 @@ GLINT_INLINE void single_lanes(const ConductorNumbers& m,
   const float ax = m.alpha_x;
   const float ay = m.alpha_y;
   for (int i = 0; i < kPacketSize; ++i) {
-    const bool is_above = both(v->z[i] > kLeastCosine, l->z[i] > kLeastCosine);
+    const bool is_above = both(v->z[i] > kMinCosineOfFloat, l->z[i] > kMinCosineOfFloat);
     const float hx = v->x[i] + l->x[i];
     const float hy = v->y[i] + l->y[i];
     const float hz = v->z[i] + l->z[i];
     const float squared = hx * hx + hy * hy + hz * hz;
     const float qx = hx / ax;
     const float qy = hy / ay;
-    const float e = (qx * qx + qy * qy + hz * hz) / most(squared, 1e-30F);
+    const float e = (qx * qx + qy * qy + hz * hz) / maximum(squared, 1e-30F);
     const float distribution = 1.0F / (kPiF * ax * ay * e * e);
     const float viewer = length_of(ax, ay, v->x[i], v->y[i], v->z[i]);
     const float light = length_of(ax, ay, l->x[i], l->y[i], l->z[i]);
     const float visible = 0.5F * l->z[i] / (l->z[i] * viewer + v->z[i] * light);
     const float along = l->x[i] * hx + l->y[i] * hy + l->z[i] * hz;
-    const float c = along / std::sqrt(most(squared, 1e-30F));
-    cosine[i] = most(0.0F, least(c, 1.0F));
+    const float c = along / std::sqrt(maximum(squared, 1e-30F));
+    cosine[i] = maximum(0.0F, minimum(c, 1.0F));
     single[i] = is_above ? distribution * visible : 0.0F;
     const float of_normals = distribution / (2.0F * (v->z[i] + viewer));
     density[i] = is_above ? (1.0F - lobes->share[i]) * of_normals : 0.0F;
   }
 }
 
-GLINT_INLINE void add_regained(const ConductorNumbers& m,
-                               const LobeLanes* __restrict lobes,
-                               const VectorLanes* __restrict l,
-                               const float* __restrict single,
-                               ReflectionLanes* __restrict r) {
+GLINT_INLINE void add_compensation(const ConductorNumbers& m,
+                                   const LobeLanes* __restrict lobes,
+                                   const VectorLanes* __restrict l,
+                                   const float* __restrict single,
+                                   ReflectionLanes* __restrict r) {
   alignas(64) float albedo[kPacketSize];
   alignas(64) float several[kPacketSize];
   albedo_lanes(m, l, albedo);
   for (int i = 0; i < kPacketSize; ++i) {
     const float brdf =
-        most(0.0F, (1.0F - lobes->viewer_albedo[i]) * (1.0F - albedo[i]) * m.per_lost);
+        maximum(0.0F, (1.0F - lobes->viewer_albedo[i]) * (1.0F - albedo[i]) * m.per_lost);
     const bool is_wanted = both(single[i] > 0.0F, lobes->share[i] > 0.0F);
     several[i] = is_wanted ? brdf * l->z[i] : 0.0F;
     const float more = lobes->share[i] * loss_density(m, l->z[i]);
     r->density[i] += is_wanted ? more : 0.0F;
   }
   for (int c = 0; c < 3; ++c) {
-    const float regained = m.regained[c];
+    const float compensation = m.compensation[c];
     for (int i = 0; i < kPacketSize; ++i) {
-      r->value.c[c][i] += regained * several[i];
+      r->value.c[c][i] += compensation * several[i];
     }
   }
 }
@@ -278,7 +278,7 @@ GLINT_INLINE void evaluate_lanes(const ConductorNumbers& m,
   single_lanes(m, lobes, v, l, cosine, single, r->density);
   fresnel_lanes(m, cosine, single, &r->value);
   if (m.columns > 0) {
-    add_regained(m, lobes, l, single, r);
+    add_compensation(m, lobes, l, single, r);
   }
 }
 
@@ -290,19 +290,19 @@ GLINT_INLINE void facet_directions(const ConductorNumbers& m,
   const float ax = m.alpha_x;
   const float ay = m.alpha_y;
   for (int i = 0; i < kPacketSize; ++i) {
-    const float per_length = 1.0F / most(length_of(ax, ay, v->x[i], v->y[i], v->z[i]), 1e-30F);
+    const float per_length = 1.0F / maximum(length_of(ax, ay, v->x[i], v->y[i], v->z[i]), 1e-30F);
     const float sx = ax * v->x[i] * per_length;
     const float sy = ay * v->y[i] * per_length;
     const float sz = v->z[i] * per_length;
     const float sum_z = (1.0F - random->lobe_v[i]) * (1.0F + sz);
     const float below = random->lobe_v[i] * (1.0F + sz);  // 1 - z, without cancellation
-    const float radius = std::sqrt(most(0.0F, below * (2.0F - below)));
+    const float radius = std::sqrt(maximum(0.0F, below * (2.0F - below)));
     const SineCosine phi = sine_cosine_of_turns(random->lobe_u[i]);
     const float nx = ax * (radius * phi.cosine + sx);
     const float ny = ay * (radius * phi.sine + sy);
     const float squared = nx * nx + ny * ny + sum_z * sum_z;
     const float twice =
-        2.0F * (v->x[i] * nx + v->y[i] * ny + v->z[i] * sum_z) / most(squared, 1e-30F);
+        2.0F * (v->x[i] * nx + v->y[i] * ny + v->z[i] * sum_z) / maximum(squared, 1e-30F);
     to->x[i] = twice * nx - v->x[i];
     to->y[i] = twice * ny - v->y[i];
     to->z[i] = twice * sum_z - v->z[i];
@@ -338,9 +338,9 @@ GLINT_WIDE void choose_lobes16(const ConductorNumbers& metal,
   }
   albedo_lanes(metal, &viewer, to->viewer_albedo);
   for (int i = 0; i < kPacketSize; ++i) {
-    const float here = metal.regained_strength * most(0.0F, 1.0F - to->viewer_albedo[i]);
+    const float here = metal.compensation_strength * maximum(0.0F, 1.0F - to->viewer_albedo[i]);
     const float single = metal.single_strength * to->viewer_albedo[i];
-    const float share = here / most(here + single, 1e-30F);
+    const float share = here / maximum(here + single, 1e-30F);
     to->share[i] = here > 0.0F ? share : 0.0F;
   }
 }

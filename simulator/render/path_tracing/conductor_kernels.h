@@ -10,7 +10,7 @@ namespace glint {
 /// A Conductor as plain numbers. Source of all formulas: simulator/material.
 struct ConductorNumbers {
   static constexpr int kRows = 36;
-  static constexpr int kMostColumns = 10;
+  static constexpr int kMaxColumns = 10;
   static constexpr int kCells = 32;
 
   enum class Fresnel { kConstant, kSchlick, kConductor };
@@ -27,10 +27,10 @@ struct ConductorNumbers {
   int columns = 0;
   float knee = 1.0F;
   float rows_per_log = 1.0F;
-  float albedo[kRows * kMostColumns] = {};
-  float regained[3] = {};          ///< tinted
-  float per_lost = 0.0F;           ///< 1 / (pi (1 - average albedo)); 0: nothing is lost
-  float regained_strength = 0.0F;  ///< untinted, which the share of samples follows
+  float albedo[kRows * kMaxColumns] = {};
+  float compensation[3] = {};          ///< tinted
+  float per_lost = 0.0F;               ///< 1 / (pi (1 - average albedo)); 0: nothing is lost
+  float compensation_strength = 0.0F;  ///< untinted, which the share of samples follows
   float single_strength = 0.0F;
   float loss_knee = 1.0F;
   float loss_scale = 1.0F;

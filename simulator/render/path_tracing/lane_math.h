@@ -95,11 +95,11 @@ GLINT_INLINE float exp_minus_one(float x) {
   return x < 0.5F ? t * y : exp_of(x) - 1.0F;
 }
 
-GLINT_INLINE float least(float a, float b) {
+GLINT_INLINE float minimum(float a, float b) {
   return a < b ? a : b;
 }
 
-GLINT_INLINE float most(float a, float b) {
+GLINT_INLINE float maximum(float a, float b) {
   return a > b ? a : b;
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <variant>
 
-#include "simulator/material/regained.h"
+#include "simulator/material/multiple_scattering.h"
 
 namespace glint {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// Half vectors are good to 1e-7 in float; slopes narrower than this would feel it.
-constexpr double kLeastAlpha = 5e-3;
+constexpr double kMinAlphaOfFloat = 5e-3;
 
 float to_float(double value) {
   return static_cast<float>(value);
@@ -25,18 +25,18 @@ void set_colour(const Colour& from, float* to) {
   }
 }
 
-void set_regained(const Conductor& metal, const DirectionTable& table, ConductorNumbers& m) {
+void set_compensation(const Conductor& metal, const DirectionTable& table, ConductorNumbers& m) {
   m.columns = table.columns();
   m.knee = to_float(table.knee());
   m.rows_per_log = to_float((DirectionTable::kRows - 1) / table.scale());
   std::ranges::transform(table.values(), m.albedo, to_float);
   const double average = metal.albedo->average(1.0);
-  const Colour colour = regained_colour(metal.fresnel.average, average);
-  set_colour(colour * metal.tint, m.regained);
-  m.regained_strength = to_float(strength(colour));
+  const Colour colour = compensation_colour(metal.fresnel.average, average);
+  set_colour(colour * metal.tint, m.compensation);
+  m.compensation_strength = to_float(strength(colour));
   m.single_strength = to_float(strength(metal.fresnel.average));
-  m.per_lost = to_float(regained_brdf(0.0, 0.0, average));
-  const LossSampler& losses = metal.albedo->losses(1.0);
+  m.per_lost = to_float(compensation_brdf(0.0, 0.0, average));
+  const CompensationSampler& losses = metal.albedo->losses(1.0);
   m.loss_knee = to_float(losses.knee());
   m.loss_scale = to_float(losses.scale());
   double below = 0.0;
@@ -51,9 +51,9 @@ void set_regained(const Conductor& metal, const DirectionTable& table, Conductor
 
 std::optional<ConductorNumbers> conductor_numbers(const Material& material) {
   static_assert(ConductorNumbers::kRows == DirectionTable::kRows);
-  static_assert(ConductorNumbers::kCells == LossSampler::kCells);
+  static_assert(ConductorNumbers::kCells == CompensationSampler::kCells);
   const auto* metal = std::get_if<Conductor>(&material);
-  if (metal == nullptr || std::min(metal->alpha.x, metal->alpha.y) < kLeastAlpha) {
+  if (metal == nullptr || std::min(metal->alpha.x, metal->alpha.y) < kMinAlphaOfFloat) {
     return std::nullopt;
   }
   ConductorNumbers m;
@@ -69,10 +69,10 @@ std::optional<ConductorNumbers> conductor_numbers(const Material& material) {
   set_colour(metal->tint, m.tint);
   if (metal->albedo != nullptr) {
     const DirectionTable* table = metal->albedo->only_table();
-    if (table == nullptr || table->columns() > ConductorNumbers::kMostColumns) {
+    if (table == nullptr || table->columns() > ConductorNumbers::kMaxColumns) {
       return std::nullopt;
     }
-    set_regained(*metal, *table, m);
+    set_compensation(*metal, *table, m);
   }
   return m;
 }

@@ -93,14 +93,15 @@ void set_labels(const PhysicalScene& scene, const HitPacket& hits, SurfaceLanes&
 
 }  // namespace
 
-void PacketStages::meet(const PathPacket& paths, SurfaceLanes& surface) const {
-  if (task_.meets_by_kernel) {
-    meet_triangles(paths, surface);
+void PacketStages::intersect(const PathPacket& paths, SurfaceLanes& surface) const {
+  if (task_.intersects_by_kernel) {
+    intersect_triangles(paths, surface);
   }
   const bool has_others = !task_.curved_triangles.empty() || !task_.scene.detail.empty();
-  for (std::size_t i = 0; i < kLanes && (has_others || !task_.meets_by_kernel); ++i) {
-    if (paths.hit.triangle[i] >= 0 && (!task_.meets_by_kernel || needs_double(paths, surface, i))) {
-      meet_lane(paths, i, surface);
+  for (std::size_t i = 0; i < kLanes && (has_others || !task_.intersects_by_kernel); ++i) {
+    if (paths.hit.triangle[i] >= 0 &&
+        (!task_.intersects_by_kernel || needs_double(paths, surface, i))) {
+      intersect_lane(paths, i, surface);
     }
   }
   set_open(paths, surface);
@@ -126,22 +127,22 @@ bool PacketStages::needs_double(const PathPacket& paths,
              .feature >= 0;
 }
 
-void PacketStages::meet_triangles(const PathPacket& paths, SurfaceLanes& surface) const {
+void PacketStages::intersect_triangles(const PathPacket& paths, SurfaceLanes& surface) const {
   TriangleLanes triangles = {};
   load(task_, paths.hit, triangles);
-  meet_triangles16(triangles,
-                   task_.lay,
-                   static_cast<float>(task_.start_offset_mm),
-                   paths.ray,
-                   paths.hit,
-                   surface);
+  intersect_triangles16(triangles,
+                        task_.lay,
+                        static_cast<float>(task_.start_offset_mm),
+                        paths.ray,
+                        paths.hit,
+                        surface);
   set_labels(task_.scene, paths.hit, surface);
 }
 
-void PacketStages::meet_lane(const PathPacket& paths,
-                             std::size_t lane,
-                             SurfaceLanes& surface) const {
-  const ShadingPoint point = meet_surface(
+void PacketStages::intersect_lane(const PathPacket& paths,
+                                  std::size_t lane,
+                                  SurfaceLanes& surface) const {
+  const ShadingPoint point = intersect_surface(
       task_.scene, task_.start_offset_mm, ray_at(paths.ray, lane), hit_at(paths.hit, lane));
   set_vector(point.point_mm, lane, surface.point);
   set_vector(point.start_mm, lane, surface.start);
@@ -162,17 +163,17 @@ void PacketStages::set_open(const PathPacket& paths, SurfaceLanes& surface) cons
     return;
   }
   surface.open = {};
-  if (task_.open_sides.empty()) {
+  if (task_.unoccluded_faces.empty()) {
     return;
   }
   for (std::size_t i = 0; i < kLanes; ++i) {
     const std::int32_t triangle = paths.hit.triangle[i];
     const std::int32_t side =
-        triangle >= 0 ? task_.open_sides.of_triangle[static_cast<std::size_t>(triangle)] : -1;
+        triangle >= 0 ? task_.unoccluded_faces.of_triangle[static_cast<std::size_t>(triangle)] : -1;
     if (side < 0) {
       continue;
     }
-    const Vector3d& normal = task_.open_sides.normals[static_cast<std::size_t>(side)];
+    const Vector3d& normal = task_.unoccluded_faces.normals[static_cast<std::size_t>(side)];
     if (normal.dot(vector_at(surface.side, i)) > 0.0) {  // seen from outside
       set_vector(normal, i, surface.open);
     }
@@ -183,7 +184,7 @@ void PacketStages::hit_lights(const PathPacket& paths,
                               bool is_camera,
                               LightHitLanes& lights) const {
   for (std::size_t i = 0; i < kLanes; ++i) {
-    lights.is_met[i] = 0;
+    lights.is_hit[i] = 0;
     if (paths.ray.valid[i] != 0) {
       hit_light(paths, i, is_camera, lights);
     }
@@ -202,7 +203,7 @@ void PacketStages::hit_light(const PathPacket& paths,
     return;
   }
   const bool has_rival = !is_camera && paths.density[lane] > 0.0F && light->cosine > 0.0;
-  lights.is_met[lane] = 1;
+  lights.is_hit[lane] = 1;
   lights.cosine[lane] = static_cast<float>(light->cosine);
   lights.density[lane] =
       has_rival ? static_cast<float>(light_density(task_.scene.lights, ray, *light)) : 0.0F;
@@ -236,7 +237,7 @@ void PacketStages::ask_light(const SurfaceLanes& surface,
                                   static_cast<double>(random.light_u[lane]),
                                   static_cast<double>(random.light_v[lane]));
   if (!light || !(vector_at(surface.side, lane).dot(light->direction) > 0.0) ||
-      is_hidden(task_.scene.lights, start_mm, *light)) {
+      is_occluded(task_.scene.lights, start_mm, *light)) {
     return;
   }
   set_vector(light->direction, lane, lights.direction);

@@ -14,7 +14,7 @@ class PacketStages {
   explicit PacketStages(const PathTask& task) : task_(task) {}
 
   /// Of lanes that hit the part.
-  void meet(const PathPacket& paths, SurfaceLanes& surface) const;
+  void intersect(const PathPacket& paths, SurfaceLanes& surface) const;
 
   /// The lights that valid rays meet before the part.
   void hit_lights(const PathPacket& paths, bool is_camera, LightHitLanes& lights) const;
@@ -35,9 +35,9 @@ class PacketStages {
                LeavingLanes& leaving) const;
 
  private:
-  void meet_triangles(const PathPacket& paths, SurfaceLanes& surface) const;
+  void intersect_triangles(const PathPacket& paths, SurfaceLanes& surface) const;
   bool needs_double(const PathPacket& paths, const SurfaceLanes& surface, std::size_t lane) const;
-  void meet_lane(const PathPacket& paths, std::size_t lane, SurfaceLanes& surface) const;
+  void intersect_lane(const PathPacket& paths, std::size_t lane, SurfaceLanes& surface) const;
   void set_open(const PathPacket& paths, SurfaceLanes& surface) const;
   void hit_light(const PathPacket& paths,
                  std::size_t lane,

@@ -43,7 +43,7 @@ GLINT_INLINE void turned(const float* __restrict u,
                          float* __restrict along,
                          float* __restrict across) {
   for (int i = 0; i < kPacketSize; ++i) {
-    const float per_radius = 1.0F / most(std::sqrt(u[i] * u[i] + v[i] * v[i]), 1e-30F);
+    const float per_radius = 1.0F / maximum(std::sqrt(u[i] * u[i] + v[i] * v[i]), 1e-30F);
     along[i] = -v[i] * per_radius;
     across[i] = u[i] * per_radius;
   }
@@ -60,7 +60,7 @@ GLINT_INLINE void milled(const LayNumbers& lay,
     const float half = lanes < 0.0F ? -0.5F : 0.5F;
     const auto whole = static_cast<float>(static_cast<std::int32_t>(lanes + half));
     const float aside = v[i] - lay.lane_mm * whole;
-    const float ahead = std::sqrt(most(0.0F, (radius_mm - aside) * (radius_mm + aside)));
+    const float ahead = std::sqrt(maximum(0.0F, (radius_mm - aside) * (radius_mm + aside)));
     along[i] = -aside / radius_mm;
     across[i] = ahead / radius_mm;
   }
@@ -133,7 +133,7 @@ GLINT_INLINE void shade(const TriangleLanes* __restrict t,
                         const RayPacket* __restrict r,
                         const HitPacket* __restrict h,
                         SurfaceLanes* __restrict s) {
-  constexpr float kLeast = 1e-4F;
+  constexpr float kMin = 1e-4F;
   for (std::size_t i = 0; i < kPacketSize; ++i) {
     const float u = h->u[i];
     const float v = h->v[i];
@@ -155,7 +155,7 @@ GLINT_INLINE void shade(const TriangleLanes* __restrict t,
     const float vy = -r->direction_y[i];
     const float vz = -r->direction_z[i];
     const float cosine = nx * vx + ny * vy + nz * vz;
-    const float lift = cosine >= kLeast ? 0.0F : kLeast - cosine;
+    const float lift = cosine >= kMin ? 0.0F : kMin - cosine;
     const float bx = nx + lift * vx;
     const float by = ny + lift * vy;
     const float bz = nz + lift * vz;
@@ -203,7 +203,7 @@ GLINT_INLINE void frame(const VectorLanes* __restrict groove,
     const float gz = groove->z[i] - up * nz;
     const float length = std::sqrt(gx * gx + gy * gy + gz * gz);
     const bool is_good = length > kMinShare;
-    const float scale = 1.0F / most(length, kMinShare);
+    const float scale = 1.0F / maximum(length, kMinShare);
     const float tx = is_good ? scale * gx : other->x[i];
     const float ty = is_good ? scale * gy : other->y[i];
     const float tz = is_good ? scale * gz : other->z[i];
@@ -291,24 +291,23 @@ GLINT_WIDE void random_pairs16(const std::uint32_t* __restrict seed,
                                std::uint32_t dimension,
                                float* __restrict u,
                                float* __restrict v) {
-  const std::uint32_t of_dimension = scatter_bits(dimension + 0x9e3779b9U);
+  const std::uint32_t of_dimension = hash_bits(dimension + 0x9e3779b9U);
   for (int i = 0; i < kPacketSize; ++i) {
-    const std::uint32_t key = scatter_bits(seed[i] ^ of_dimension);
+    const std::uint32_t key = hash_bits(seed[i] ^ of_dimension);
     const std::uint32_t shuffled = reversed_bits(scramble_reversed(reversed_bits(index[i]), key));
-    const std::uint32_t x = scramble_reversed(shuffled, scatter_bits(key + 1U));
-    const std::uint32_t y =
-        scramble_reversed(second_sobol_reversed(shuffled), scatter_bits(key + 2U));
+    const std::uint32_t x = scramble_reversed(shuffled, hash_bits(key + 1U));
+    const std::uint32_t y = scramble_reversed(second_sobol_reversed(shuffled), hash_bits(key + 2U));
     u[i] = unit_of(reversed_bits(x));
     v[i] = unit_of(reversed_bits(y));
   }
 }
 
-GLINT_WIDE void meet_triangles16(const TriangleLanes& triangles,
-                                 const LayNumbers& lay,
-                                 float start_offset_mm,
-                                 const RayPacket& rays,
-                                 const HitPacket& hits,
-                                 SurfaceLanes& surface) {
+GLINT_WIDE void intersect_triangles16(const TriangleLanes& triangles,
+                                      const LayNumbers& lay,
+                                      float start_offset_mm,
+                                      const RayPacket& rays,
+                                      const HitPacket& hits,
+                                      SurfaceLanes& surface) {
   place(&triangles, start_offset_mm, &rays, &hits, &surface);
   shade(&triangles, &rays, &hits, &surface);
   VectorLanes groove;
@@ -344,7 +343,7 @@ GLINT_WIDE void arrive16(const PathPacket& paths,
     const bool has_rival = both(by_choice, p->density[i] > 0.0F);
     const float of_rivals = power_share(has_rival ? p->density[i] : 1.0F, l->density[i]);
     share[i] = has_rival ? of_rivals : 1.0F;
-    const bool is_bright = both(both(p->ray.valid[i] != 0, l->is_met[i] != 0), l->cosine[i] > 0.0F);
+    const bool is_bright = both(both(p->ray.valid[i] != 0, l->is_hit[i] != 0), l->cosine[i] > 0.0F);
     to->is_bright[i] = is_bright ? 1 : 0;
     to->is_open[i] = 1;
   }
@@ -384,7 +383,7 @@ GLINT_WIDE void connect16(const PathPacket& paths,
   }
   for (int i = 0; i < kPacketSize; ++i) {
     const float strongest =
-        most(to->radiance.c[0][i], most(to->radiance.c[1][i], to->radiance.c[2][i]));
+        maximum(to->radiance.c[0][i], maximum(to->radiance.c[1][i], to->radiance.c[2][i]));
     // What is no number goes on, to be counted.
     to->is_bright[i] = both(share[i] > 0.0F, !(strongest <= 0.0F)) ? 1 : 0;
   }
@@ -412,12 +411,13 @@ GLINT_WIDE void leave16(const SurfaceLanes& surface,
   turn(s, l, p, up, open);
   alignas(64) float survival[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {
-    const float strongest = most(p->weight.c[0][i], most(p->weight.c[1][i], p->weight.c[2][i]));
-    const float likely = least(1.0F, most(strongest, 0.0F));
+    const float strongest =
+        maximum(p->weight.c[0][i], maximum(p->weight.c[1][i], p->weight.c[2][i]));
+    const float likely = minimum(1.0F, maximum(strongest, 0.0F));
     survival[i] = chance[i] < 0.0F ? 1.0F : likely;
     // Below the surface and black ones do not survive either.
-    const float least_of_both = least(up[i], strongest);
-    survival[i] = least_of_both > 0.0F ? survival[i] : 0.0F;
+    const float smaller_of_both = minimum(up[i], strongest);
+    survival[i] = smaller_of_both > 0.0F ? survival[i] : 0.0F;
   }
   for (std::size_t i = 0; i < kPacketSize; ++i) {
     const std::int32_t before = p->ray.valid[i];

@@ -27,7 +27,7 @@ struct alignas(64) CameraLanes {
 
 void camera_rays16(const CameraNumbers& camera, const CameraLanes& lanes, RayPacket& rays);
 
-/// SampleNumbers::pair() as floats below 1.
+/// SobolSampler::pair() as floats below 1.
 void random_pairs16(const std::uint32_t* seed,
                     const std::uint32_t* index,
                     std::uint32_t dimension,
@@ -55,14 +55,14 @@ struct alignas(64) TriangleLanes {
   VectorLanes corner[3];  ///< normals; all zero: flat
 };
 
-/// As meet_surface() for triangles without exact surface or detail; reflectance and defect are left
-/// alone.
-void meet_triangles16(const TriangleLanes& triangles,
-                      const LayNumbers& lay,
-                      float start_offset_mm,
-                      const RayPacket& rays,
-                      const HitPacket& hits,
-                      SurfaceLanes& surface);
+/// As intersect_surface() for triangles without exact surface or detail; reflectance and defect are
+/// left alone.
+void intersect_triangles16(const TriangleLanes& triangles,
+                           const LayNumbers& lay,
+                           float start_offset_mm,
+                           const RayPacket& rays,
+                           const HitPacket& hits,
+                           SurfaceLanes& surface);
 
 void to_local16(const SurfaceLanes& surface, const VectorLanes& directions, VectorLanes& local);
 

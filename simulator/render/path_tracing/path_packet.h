@@ -61,7 +61,7 @@ struct alignas(64) LightLanes {
 
 /// Lights that rays met.
 struct alignas(64) LightHitLanes {
-  std::int32_t is_met[kPacketSize];
+  std::int32_t is_hit[kPacketSize];
   float cosine[kPacketSize];   ///< <= 0: a back
   float density[kPacketSize];  ///< with which the direction is drawn towards lights
   ColourLanes radiance;

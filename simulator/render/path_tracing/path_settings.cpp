@@ -4,10 +4,10 @@
 namespace glint {
 
 void visit_keys(KeyVisitor& keys, PathSettings& s) {
-  constexpr int kMostSamples = 65535;
+  constexpr int kMaxSamples = 65535;
   keys.integer("samples",
                s.samples,
-               Range::between(1, kMostSamples),
+               Range::between(1, kMaxSamples),
                "paths a pixel, at most; powers of two are spread best");
   keys.integer("max_reflections",
                s.max_reflections,
@@ -32,7 +32,7 @@ void visit_keys(KeyVisitor& keys, PathSettings& s) {
               "brightness");
   keys.integer("min_samples",
                s.min_samples,
-               Range::between(2, kMostSamples),
+               Range::between(2, kMaxSamples),
                "before a place may stop early");
   keys.number("dark_share",
               s.dark_share,
@@ -40,7 +40,7 @@ void visit_keys(KeyVisitor& keys, PathSettings& s) {
               "places darker than this share of the picture's mean count as that bright");
   keys.integer("samples_per_pass",
                s.samples_per_pass,
-               Range::between(1, kMostSamples),
+               Range::between(1, kMaxSamples),
                "at most; a preview follows each pass, the first after 4 samples");
 }
 

@@ -73,7 +73,7 @@ PathTask::PathTask(const PhysicalScene& the_scene, const PathSettings& the_setti
       ids(defect_ids(the_scene)),
       camera_numbers(glint::camera_numbers(the_scene)),
       lay(lay_numbers(the_scene.material, the_scene.part.scene_from_part)),
-      open_sides(the_scene.bvh.open_sides(the_scene.part.mesh)),
+      unoccluded_faces(the_scene.bvh.unoccluded_faces(the_scene.part.mesh)),
       flat_triangles(the_scene.bvh.flat_triangles(the_scene.part.mesh)),
       curved_triangles(find_curved_triangles(the_scene, flat_triangles)),
       is_mirror(std::holds_alternative<Mirror>(the_scene.material.plain())) {
@@ -88,9 +88,7 @@ PathTask::PathTask(const PhysicalScene& the_scene, const PathSettings& the_setti
   }
 }
 
-Ray camera_ray(const PathTask& task,
-               const Eigen::Vector2d& pixel_px,
-               const SampleNumbers& numbers) {
+Ray camera_ray(const PathTask& task, const Eigen::Vector2d& pixel_px, const SobolSampler& numbers) {
   const bool is_pinhole = !(task.scene.lens.aperture_mm > 0.0);
   const std::array<double, 2> at =
       is_pinhole ? std::array<double, 2>{0.5, 0.5} : numbers.pair(kLensPair);

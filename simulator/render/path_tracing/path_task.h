@@ -14,13 +14,13 @@
 
 namespace glint {
 
-/// Pairs of SampleNumbers: two for the camera, then three for each reflection.
+/// Pairs of SobolSampler: two for the camera, then three for each reflection.
 inline constexpr std::uint32_t kPixelPair = 0;
 inline constexpr std::uint32_t kLensPair = 1;
 inline constexpr std::uint32_t kFirstReflectionPair = 2;
 inline constexpr std::uint32_t kPairsPerReflection = 3;
 
-/// What all cells of a picture share.
+/// What all tiles of a picture share.
 class PathTask {
  public:
   PathTask(const PhysicalScene& scene, const PathSettings& settings);
@@ -38,15 +38,15 @@ class PathTask {
   std::optional<CameraNumbers> camera_numbers;
   std::optional<ConductorNumbers> metal;
   LayNumbers lay;
-  const OpenSides& open_sides;  ///< of the part; not asked where it is convex
+  const UnoccludedFaces& unoccluded_faces;  ///< of the part; not asked where it is convex
   const std::vector<std::uint8_t>& flat_triangles;
   std::vector<std::uint8_t> curved_triangles;  ///< 1: of an exact surface that is no plane
-  bool meets_by_kernel = true;                 ///< triangles away from those and from detail
+  bool intersects_by_kernel = true;            ///< triangles away from those and from detail
   bool is_mirror = false;
   bool needs_choice = false;  ///< the material uses a third random number
 };
 
 /// The ray of one sample through a place of the image [px].
-Ray camera_ray(const PathTask& task, const Eigen::Vector2d& pixel_px, const SampleNumbers& numbers);
+Ray camera_ray(const PathTask& task, const Eigen::Vector2d& pixel_px, const SobolSampler& numbers);
 
 }  // namespace glint

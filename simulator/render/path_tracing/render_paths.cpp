@@ -15,20 +15,20 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "simulator/render/path_tracing/cell_tracer.h"
+#include "simulator/render/path_tracing/tile_tracer.h"
 
 namespace glint {
 namespace {
 
-/// Cells that one call of the thread pool's body renders, one after the other.
-constexpr std::size_t kCellsPerJob = 8;
+/// Tiles that one call of the thread pool's body renders, one after the other.
+constexpr std::size_t kTilesPerJob = 8;
 constexpr int kFirstPass = 4;
-constexpr int kMostSamplesWithDefects = 65535;
+constexpr int kMaxSamplesWithDefects = 65535;
 
-void check_at_least(const char* key, int value, int least) {
-  if (value < least) {
+void check_at_least(const char* key, int value, int minimum) {
+  if (value < minimum) {
     throw ConfigError(
-        fmt::format("{}: {} given, allowed are whole numbers from {}", key, value, least));
+        fmt::format("{}: {} given, allowed are whole numbers from {}", key, value, minimum));
   }
 }
 
@@ -43,9 +43,9 @@ void check(const PhysicalScene& scene, const PathSettings& settings) {
   if (!(settings.relative_error >= 0.0) || !(settings.dark_share >= 0.0)) {
     throw ConfigError("relative_error, dark_share: allowed are numbers from 0");
   }
-  if (settings.samples > kMostSamplesWithDefects) {
+  if (settings.samples > kMaxSamplesWithDefects) {
     throw ConfigError(fmt::format(
-        "samples: {} given, allowed are at most {}", settings.samples, kMostSamplesWithDefects));
+        "samples: {} given, allowed are at most {}", settings.samples, kMaxSamplesWithDefects));
   }
   GLINT_CHECK(
       scene.face_labels.empty() || scene.face_labels.size() == scene.part.mesh.num_triangles(),
@@ -58,7 +58,7 @@ struct PixelEstimate {
   double variance = 0.0;
 };
 
-PixelEstimate estimate_at(const PathSums& sums, const std::vector<double>& factors, int x, int y) {
+PixelEstimate estimate_at(const Film& sums, const std::vector<double>& factors, int x, int y) {
   double total = 0.0;
   for (std::size_t g = 0; g < sums.groups.size(); ++g) {
     const std::vector<ImageF>& channels = sums.groups[g].channels;
@@ -73,62 +73,62 @@ PixelEstimate estimate_at(const PathSums& sums, const std::vector<double>& facto
   return {.mean = mean, .variance = std::max(0.0, spread) / (n - 1.0)};
 }
 
-/// Means over the pixels of a cell.
-PixelEstimate cell_estimate(const PathSums& sums,
+/// Means over the pixels of a tile.
+PixelEstimate tile_estimate(const Film& sums,
                             const std::vector<double>& factors,
-                            const Cell& cell) {
-  PixelEstimate of_cell;
-  for (int y = cell.y_px; y < cell.y_px + cell.height_px; ++y) {
-    for (int x = cell.x_px; x < cell.x_px + cell.width_px; ++x) {
+                            const Tile& tile) {
+  PixelEstimate of_tile;
+  for (int y = tile.y_px; y < tile.y_px + tile.height_px; ++y) {
+    for (int x = tile.x_px; x < tile.x_px + tile.width_px; ++x) {
       const PixelEstimate pixel = estimate_at(sums, factors, x, y);
-      of_cell.mean += pixel.mean;
-      of_cell.variance += pixel.variance;
+      of_tile.mean += pixel.mean;
+      of_tile.variance += pixel.variance;
     }
   }
-  const double pixels = cell.width_px * cell.height_px;
-  return {.mean = of_cell.mean / pixels, .variance = of_cell.variance / pixels};
+  const double pixels = tile.width_px * tile.height_px;
+  return {.mean = of_tile.mean / pixels, .variance = of_tile.variance / pixels};
 }
 
-/// The cells whose root mean square error is still too large.
+/// The tiles whose root mean square error is still too large.
 ///
-/// Whole cells are judged, as the spread of a single pixel's few samples says little: a pixel that
+/// Whole tiles are judged, as the spread of a single pixel's few samples says little: a pixel that
 /// has found no light yet seems to know it exactly.
-std::vector<Cell> unfinished(const std::vector<Cell>& all,
-                             const std::vector<Cell>& active,
+std::vector<Tile> unfinished(const std::vector<Tile>& all,
+                             const std::vector<Tile>& active,
                              const std::vector<double>& factors,
                              const PathSettings& settings,
-                             const PathSums& sums) {
+                             const Film& sums) {
   double mean = 0.0;
-  for (const Cell& cell : all) {
-    mean += cell_estimate(sums, factors, cell).mean / static_cast<double>(all.size());
+  for (const Tile& tile : all) {
+    mean += tile_estimate(sums, factors, tile).mean / static_cast<double>(all.size());
   }
-  std::vector<Cell> left;
-  for (const Cell& cell : active) {
-    const PixelEstimate estimate = cell_estimate(sums, factors, cell);
+  std::vector<Tile> left;
+  for (const Tile& tile : active) {
+    const PixelEstimate estimate = tile_estimate(sums, factors, tile);
     const double allowed =
         settings.relative_error * std::max(estimate.mean, settings.dark_share * mean);
     if (estimate.variance > allowed * allowed) {
-      left.push_back(cell);
+      left.push_back(tile);
     }
   }
   return left;
 }
 
-/// The cells that touch one of the windows; all without any.
-std::vector<Cell> wanted_cells(std::vector<Cell> cells, std::span<const PixelWindow> windows) {
-  const auto touches = [](const Cell& cell, const PixelWindow& window) {
-    return window.left_px < cell.x_px + cell.width_px &&
-           cell.x_px < window.left_px + window.width_px &&
-           window.top_px < cell.y_px + cell.height_px &&
-           cell.y_px < window.top_px + window.height_px;
+/// The tiles that touch one of the windows; all without any.
+std::vector<Tile> wanted_tiles(std::vector<Tile> tiles, std::span<const PixelWindow> windows) {
+  const auto touches = [](const Tile& tile, const PixelWindow& window) {
+    return window.left_px < tile.x_px + tile.width_px &&
+           tile.x_px < window.left_px + window.width_px &&
+           window.top_px < tile.y_px + tile.height_px &&
+           tile.y_px < window.top_px + window.height_px;
   };
   if (!windows.empty()) {
-    std::erase_if(cells, [&](const Cell& cell) {
+    std::erase_if(tiles, [&](const Tile& tile) {
       return std::ranges::none_of(windows,
-                                  [&](const PixelWindow& window) { return touches(cell, window); });
+                                  [&](const PixelWindow& window) { return touches(tile, window); });
     });
   }
-  return cells;
+  return tiles;
 }
 
 int pass_length(int done, const PathSettings& settings) {
@@ -136,21 +136,21 @@ int pass_length(int done, const PathSettings& settings) {
   return std::min(wanted, settings.samples - done);
 }
 
-/// One pass over the given cells; counts are added in the order of the jobs.
+/// One pass over the given tiles; counts are added in the order of the jobs.
 void render_pass(const PathTask& task,
-                 const std::vector<Cell>& cells,
+                 const std::vector<Tile>& tiles,
                  int first,
                  int count,
                  ThreadPool& pool,
-                 PathSums& sums) {
-  const std::size_t num_jobs = (cells.size() + kCellsPerJob - 1) / kCellsPerJob;
+                 Film& sums) {
+  const std::size_t num_jobs = (tiles.size() + kTilesPerJob - 1) / kTilesPerJob;
   const auto counts =
       pool.map<PathCounts>(static_cast<std::int64_t>(num_jobs), [&](std::int64_t job) {
-        const auto tracer = std::make_unique<CellTracer>(task);
-        const std::size_t begin = kCellsPerJob * static_cast<std::size_t>(job);
-        const std::size_t end = std::min(cells.size(), begin + kCellsPerJob);
+        const auto tracer = std::make_unique<TileTracer>(task);
+        const std::size_t begin = kTilesPerJob * static_cast<std::size_t>(job);
+        const std::size_t end = std::min(tiles.size(), begin + kTilesPerJob);
         for (std::size_t i = begin; i < end; ++i) {
-          tracer->trace(cells[i], first, count, sums);
+          tracer->trace(tiles[i], first, count, sums);
         }
         return tracer->counts();
       });
@@ -161,17 +161,17 @@ void render_pass(const PathTask& task,
 
 }  // namespace
 
-PathSums render_paths(const PhysicalScene& scene,
-                      const PathSettings& settings,
-                      ThreadPool& pool,
-                      const PathPreview& preview) {
+Film render_paths(const PhysicalScene& scene,
+                  const PathSettings& settings,
+                  ThreadPool& pool,
+                  const PathPreview& preview) {
   check(scene, settings);
   const PathTask task(scene, settings);
   const PinholeIntrinsics& in = scene.camera.intrinsics();
-  const std::vector<Cell> all = wanted_cells(cells_of(in.width_px, in.height_px), settings.windows);
-  PathSums sums =
-      empty_sums(in.width_px, in.height_px, task.factors.size(), settings.channels, task.ids);
-  std::vector<Cell> active = all;
+  const std::vector<Tile> all = wanted_tiles(tiles_of(in.width_px, in.height_px), settings.windows);
+  Film sums =
+      empty_film(in.width_px, in.height_px, task.factors.size(), settings.channels, task.ids);
+  std::vector<Tile> active = all;
   int done = 0;
   for (int pass = 1; done < settings.samples && !active.empty(); ++pass) {
     const int count = pass_length(done, settings);
@@ -183,7 +183,7 @@ PathSums render_paths(const PhysicalScene& scene,
     const std::int64_t left =
         done < settings.samples ? static_cast<std::int64_t>(active.size()) : 0;
     const PathProgress progress = {
-        .pass = pass, .samples = done, .cells_left = left, .sums = &sums};
+        .pass = pass, .samples = done, .tiles_left = left, .sums = &sums};
     if (preview && !preview(progress)) {
       break;
     }

@@ -8,18 +8,18 @@
 #include <functional>
 
 #include "core/thread_pool.h"
+#include "simulator/render/path_tracing/film.h"
 #include "simulator/render/path_tracing/path_settings.h"
-#include "simulator/render/path_tracing/path_sums.h"
 #include "simulator/render/path_tracing/physical_scene.h"
 
 namespace glint {
 
 /// How far a rendering has come, after each pass.
 struct PathProgress {
-  int pass = 0;                    ///< from 1
-  int samples = 0;                 ///< of the pixels that have most
-  std::int64_t cells_left = 0;     ///< cells of 8 x 8 pixels that need more samples
-  const PathSums* sums = nullptr;  ///< what there is; valid during the call only
+  int pass = 0;                 ///< from 1
+  int samples = 0;              ///< of the pixels that have most
+  std::int64_t tiles_left = 0;  ///< tiles of 8 x 8 pixels that need more samples
+  const Film* sums = nullptr;   ///< what there is; valid during the call only
 };
 
 /// Called after each pass by the caller's thread, never at the same time. false: stop here.
@@ -32,9 +32,9 @@ using PathPreview = std::function<bool(const PathProgress&)>;
 /// Linear radiance, W / (m^2 sr), nothing is clamped. Memory: 4 bytes a pixel for each group and
 /// channel, 60 bytes more, 2 more for each defect.
 /// @throws ConfigError for settings out of their range, more than 65535 samples a pixel
-PathSums render_paths(const PhysicalScene& scene,
-                      const PathSettings& settings,
-                      ThreadPool& pool,
-                      const PathPreview& preview = {});
+Film render_paths(const PhysicalScene& scene,
+                  const PathSettings& settings,
+                  ThreadPool& pool,
+                  const PathPreview& preview = {});
 
 }  // namespace glint

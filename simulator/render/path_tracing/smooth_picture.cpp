@@ -21,7 +21,7 @@ constexpr int kReach = 6;   ///< of a fit, to each side
 constexpr int kAround = 4;  ///< of the judgement, to each side
 constexpr double kPixelsAround = (2 * kAround + 1) * (2 * kAround + 1);
 constexpr int kTerms = 6;  ///< 1, u, v, u^2, u v, v^2
-constexpr int kLeastPixels = 3 * kTerms;
+constexpr int kMinPixels = 3 * kTerms;
 
 using Terms = Eigen::Matrix<double, kTerms, 1>;
 
@@ -46,8 +46,8 @@ class SameSurface {
 
   /// @param a, b  indices of pixels, both on the part
   bool are_near(std::size_t a, std::size_t b) const {
-    constexpr float kLeastCosine = 0.97F;  // 14 degrees
-    constexpr float kMostRise = 0.25F;     // above the tangent plane, of the distance
+    constexpr float kMinCosine = 0.97F;  // 14 degrees
+    constexpr float kMaxRise = 0.25F;    // above the tangent plane, of the distance
     const float nx = surface_.normal_x.values()[a];
     const float ny = surface_.normal_y.values()[a];
     const float nz = surface_.normal_z.values()[a];
@@ -57,8 +57,8 @@ class SameSurface {
     const float dy = surface_.y_mm.values()[b] - surface_.y_mm.values()[a];
     const float dz = surface_.z_mm.values()[b] - surface_.z_mm.values()[a];
     const float rise = dx * nx + dy * ny + dz * nz;
-    return cosine > kLeastCosine &&
-           rise * rise <= kMostRise * kMostRise * (dx * dx + dy * dy + dz * dz);
+    return cosine > kMinCosine &&
+           rise * rise <= kMaxRise * kMaxRise * (dx * dx + dy * dy + dz * dz);
   }
 
  private:
@@ -102,7 +102,7 @@ class FitWeights {
         }
       }
     }
-    if (static_cast<int>(near_.size()) >= kLeastPixels) {
+    if (static_cast<int>(near_.size()) >= kMinPixels) {
       solve(moments);
     }
     return weights_;
@@ -182,10 +182,10 @@ void restore(const Mask& on_part, const RenderedTwice& rendered, RenderedTwice& 
 }  // namespace
 
 double agreed_share(double product, double square, double count) {
-  constexpr double kMostScatter = 0.5;
-  const double scatter = std::min(kMostScatter, 2.0 / std::sqrt(std::max(1.0, count)));
+  constexpr double kMaxScatter = 0.5;
+  const double noise_variance = std::min(kMaxScatter, 2.0 / std::sqrt(std::max(1.0, count)));
   const double share = square > 0.0 ? product / square : 1.0;
-  return std::clamp((share - scatter) / (1.0 - scatter), 0.0, 1.0);
+  return std::clamp((share - noise_variance) / (1.0 - noise_variance), 0.0, 1.0);
 }
 
 void smooth(const SurfaceImages& surface,

@@ -10,7 +10,7 @@
 
 #include "core/image/image.h"
 #include "core/thread_pool.h"
-#include "simulator/render/path_tracing/path_sums.h"
+#include "simulator/render/path_tracing/film.h"
 
 namespace glint {
 

@@ -15,7 +15,7 @@
 namespace glint {
 
 /// A bijection of 32 bits that scatters neighbours. Source: C. Wellons, "hash-prospector".
-constexpr std::uint32_t scatter_bits(std::uint32_t x) {
+constexpr std::uint32_t hash_bits(std::uint32_t x) {
   x ^= x >> 16U;
   x *= 0x21f0aaadU;
   x ^= x >> 15U;
@@ -56,24 +56,23 @@ constexpr std::uint32_t second_sobol_reversed(std::uint32_t index) {
 
 /// The numbers of one sample of one pixel. Any 2^m consecutive samples that start at a multiple of
 /// 2^m are a (0, m, 2)-net in every pair.
-struct SampleNumbers {
+struct SobolSampler {
   std::uint32_t seed = 0;   ///< of the pixel
   std::uint32_t index = 0;  ///< of the sample
 
   /// Two numbers in [0, 1), independent of those of other dimensions.
   std::array<double, 2> pair(std::uint32_t dimension) const {
-    const std::uint32_t key = scatter_bits(seed ^ scatter_bits(dimension + 0x9e3779b9U));
+    const std::uint32_t key = hash_bits(seed ^ hash_bits(dimension + 0x9e3779b9U));
     const std::uint32_t shuffled = reversed_bits(scramble_reversed(reversed_bits(index), key));
-    const std::uint32_t x = scramble_reversed(shuffled, scatter_bits(key + 1U));
-    const std::uint32_t y =
-        scramble_reversed(second_sobol_reversed(shuffled), scatter_bits(key + 2U));
+    const std::uint32_t x = scramble_reversed(shuffled, hash_bits(key + 1U));
+    const std::uint32_t y = scramble_reversed(second_sobol_reversed(shuffled), hash_bits(key + 2U));
     return {reversed_bits(x) * 0x1p-32, reversed_bits(y) * 0x1p-32};
   }
 };
 
 /// The seed of a pixel's samples.
 constexpr std::uint32_t pixel_seed(std::uint32_t pixel, std::uint32_t seed) {
-  return scatter_bits(pixel ^ scatter_bits(seed));
+  return hash_bits(pixel ^ hash_bits(seed));
 }
 
 }  // namespace glint

@@ -49,11 +49,10 @@ SmoothPoint smooth_point(const PhysicalScene& scene,
 
 /// A normal the viewer can see: bent towards them where interpolation or detail turned it away.
 Vector3d seen_normal(const Vector3d& normal, const Vector3d& to_viewer) {
-  constexpr double kLeastCosine = 1e-4;
+  constexpr double kMinCosine = 1e-4;
   const double cosine = normal.dot(to_viewer);
-  return cosine >= kLeastCosine
-             ? normal
-             : Vector3d((normal + (kLeastCosine - cosine) * to_viewer).normalized());
+  return cosine >= kMinCosine ? normal
+                              : Vector3d((normal + (kMinCosine - cosine) * to_viewer).normalized());
 }
 
 /// The tangent field and its frame are the part's, which its pose has moved.
@@ -102,10 +101,10 @@ double start_offset_mm(const Part& part) {
   return kShare * largest_mm;
 }
 
-ShadingPoint meet_surface(const PhysicalScene& scene,
-                          double start_offset_mm,
-                          const Ray& ray,
-                          const Hit& hit) {
+ShadingPoint intersect_surface(const PhysicalScene& scene,
+                               double start_offset_mm,
+                               const Ray& ray,
+                               const Hit& hit) {
   const Vector3d to_viewer = -ray.direction;
   const Vector3d of_plane = plane_normal(scene, hit.triangle, to_viewer);
   const double outside = of_plane.dot(to_viewer) >= 0.0 ? 1.0 : -1.0;

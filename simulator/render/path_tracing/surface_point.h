@@ -24,9 +24,9 @@ struct ShadingPoint {
 double start_offset_mm(const Part& part);
 
 /// Both sides of a triangle reflect, so a part turned inside out looks the same.
-ShadingPoint meet_surface(const PhysicalScene& scene,
-                          double start_offset_mm,
-                          const Ray& ray,
-                          const Hit& hit);
+ShadingPoint intersect_surface(const PhysicalScene& scene,
+                               double start_offset_mm,
+                               const Ray& ray,
+                               const Hit& hit);
 
 }  // namespace glint

@@ -23,7 +23,7 @@ constexpr double kMargin = 1.04;      ///< room around the part
 /// What a tile shows, in extents of its defect; the nearest that its rays start, in tiles.
 constexpr double kFieldAlong = 1.3;
 constexpr double kFieldAcross = 1.8;
-constexpr double kLeastDistance = 0.12;
+constexpr double kMinDistance = 0.12;
 
 constexpr int kTilesInRow = 6;
 constexpr int kTileGap_px = 6;
@@ -114,7 +114,7 @@ class Drawing {
     rays.valid[lane] = ray.direction.isZero() ? 0 : -1;
   }
 
-  Lane meet(const Ray& ray, const HitPacket& hits, std::size_t lane) const {
+  Lane intersect(const Ray& ray, const HitPacket& hits, std::size_t lane) const {
     Lane met;
     const Hit hit = {.t_mm = hits.t_mm[lane],
                      .triangle = hits.triangle[lane],
@@ -179,7 +179,7 @@ class Drawing {
     RayPacket shadows;
     for (int lane = 0; lane < kPacketSize; ++lane) {
       const auto i = static_cast<std::size_t>(lane);
-      lanes[i] = meet(rays[i], hits, i);
+      lanes[i] = intersect(rays[i], hits, i);
       const double off_mm = 1e-5 * (rays[i].origin_mm - lanes[i].point_mm).norm() + 1e-4;
       set_ray(shadows,
               i,
@@ -335,7 +335,7 @@ PreviewView place_view(const Bvh& bvh, const SurfacePlace& place, const PlaceExt
       }
     }
   }
-  distance_mm = over_mm + std::max(0.9 * distance_mm, kLeastDistance * field_mm);
+  distance_mm = over_mm + std::max(0.9 * distance_mm, kMinDistance * field_mm);
   RigidTransform world_from_camera;
   world_from_camera.rotation.col(0) = place.u_axis;
   world_from_camera.rotation.col(1) = -place.v_axis;

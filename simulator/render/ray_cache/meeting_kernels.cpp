@@ -27,8 +27,8 @@ GLINT_INLINE void set_wanted(const double* __restrict is_wanted,
 
 }  // namespace
 
-GLINT_WIDE bool meet_planes16(double flat, MeetingLanes& lanes) {
-  MeetingLanes* __restrict l = &lanes;
+GLINT_WIDE bool intersect_planes16(double flat, IntersectionLanes& lanes) {
+  IntersectionLanes* __restrict l = &lanes;
   for (int i = 0; i < kLanes; ++i) {
     const double slope = l->face_x[i] * l->direction_x[i] +
                          (l->face_y[i] * l->direction_y[i] + l->face_z[i] * l->direction_z[i]);
@@ -49,8 +49,8 @@ GLINT_WIDE void arrive16(const double* __restrict origin_mm,
                          const double* __restrict direction_x,
                          const double* __restrict direction_y,
                          const double* __restrict direction_z,
-                         MeetingLanes& lanes) {
-  MeetingLanes* __restrict l = &lanes;
+                         IntersectionLanes& lanes) {
+  IntersectionLanes* __restrict l = &lanes;
   const double x_mm = origin_mm[0];
   const double y_mm = origin_mm[1];
   const double z_mm = origin_mm[2];
@@ -66,8 +66,8 @@ GLINT_WIDE void arrive16(const double* __restrict origin_mm,
 }
 
 GLINT_WIDE void set_plane16(
-    double normal_x, double normal_y, double normal_z, double offset_mm, MeetingLanes& lanes) {
-  MeetingLanes* __restrict l = &lanes;
+    double normal_x, double normal_y, double normal_z, double offset_mm, IntersectionLanes& lanes) {
+  IntersectionLanes* __restrict l = &lanes;
   for (int i = 0; i < kLanes; ++i) {
     l->face_x[i] = normal_x;
     l->face_y[i] = normal_y;
@@ -76,8 +76,8 @@ GLINT_WIDE void set_plane16(
   }
 }
 
-GLINT_WIDE void escape16(const MeetingLanes& lanes, const EscapeArrays& escapes) {
-  const MeetingLanes* __restrict l = &lanes;
+GLINT_WIDE void escape16(const IntersectionLanes& lanes, const EscapeArrays& escapes) {
+  const IntersectionLanes* __restrict l = &lanes;
   const double* const from[] = {l->point_x,
                                 l->point_y,
                                 l->point_z,
@@ -101,13 +101,13 @@ GLINT_WIDE void escape16(const MeetingLanes& lanes, const EscapeArrays& escapes)
   }
 }
 
-GLINT_WIDE void escape_again16(const MeetingLanes& lanes,
+GLINT_WIDE void escape_again16(const IntersectionLanes& lanes,
                                const std::int32_t* __restrict triangle,
                                double reflectance,
                                double* __restrict path_reflectance,
                                const EscapeArrays& escapes,
                                float* __restrict weight) {
-  const MeetingLanes* __restrict l = &lanes;
+  const IntersectionLanes* __restrict l = &lanes;
   const double* const from[] = {
       l->point_x, l->point_y, l->point_z, l->leaving_x, l->leaving_y, l->leaving_z};
   double* const to[] = {escapes.origin_x,
@@ -116,16 +116,16 @@ GLINT_WIDE void escape_again16(const MeetingLanes& lanes,
                         escapes.direction_x,
                         escapes.direction_y,
                         escapes.direction_z};
-  alignas(64) double is_met[kLanes];
+  alignas(64) double is_hit[kLanes];
   for (int i = 0; i < kLanes; ++i) {
-    is_met[i] = triangle[i] >= 0 ? 1.0 : 0.0;
+    is_hit[i] = triangle[i] >= 0 ? 1.0 : 0.0;
   }
   for (int k = 0; k < 6; ++k) {
-    set_wanted(is_met, from[k], to[k]);
+    set_wanted(is_hit, from[k], to[k]);
   }
   for (int i = 0; i < kLanes; ++i) {
     const double factor = reflectance * l->reflectance[i];
-    path_reflectance[i] *= is_met[i] != 0.0 ? factor : 1.0;
+    path_reflectance[i] *= is_hit[i] != 0.0 ? factor : 1.0;
   }
   alignas(64) float of_path[kLanes];
   for (int i = 0; i < kLanes; ++i) {
@@ -137,12 +137,12 @@ GLINT_WIDE void escape_again16(const MeetingLanes& lanes,
   }
 }
 
-GLINT_WIDE bool weigh_escapes16(const MeetingLanes& lanes,
+GLINT_WIDE bool weigh_escapes16(const IntersectionLanes& lanes,
                                 const std::int32_t* __restrict triangle,
                                 int count,
                                 double reflectance,
                                 float* __restrict weight) {
-  const MeetingLanes* __restrict l = &lanes;
+  const IntersectionLanes* __restrict l = &lanes;
   for (int i = 0; i < kLanes; ++i) {
     weight[i] = static_cast<float>(reflectance * l->reflectance[i]);
   }
@@ -172,9 +172,9 @@ struct alignas(64) ShadedLanes {
 
 }  // namespace
 
-GLINT_WIDE void shade16(const ShadeLanes& shade, MeetingLanes& lanes) {
+GLINT_WIDE void shade16(const ShadeLanes& shade, IntersectionLanes& lanes) {
   const ShadeLanes* __restrict s = &shade;
-  MeetingLanes* __restrict l = &lanes;
+  IntersectionLanes* __restrict l = &lanes;
   ShadedLanes at;
   for (int i = 0; i < kLanes; ++i) {
     const double u = s->u[i];
@@ -201,8 +201,8 @@ GLINT_WIDE void shade16(const ShadeLanes& shade, MeetingLanes& lanes) {
   set_wanted(s->is_wanted, at.nz, l->normal_z);
 }
 
-GLINT_WIDE void orient16(MeetingLanes& lanes) {
-  MeetingLanes* __restrict l = &lanes;
+GLINT_WIDE void orient16(IntersectionLanes& lanes) {
+  IntersectionLanes* __restrict l = &lanes;
   for (int i = 0; i < kLanes; ++i) {
     const double dx = l->direction_x[i];
     const double dy = l->direction_y[i];
@@ -224,8 +224,8 @@ GLINT_WIDE void orient16(MeetingLanes& lanes) {
   }
 }
 
-GLINT_WIDE void reflect16(double lift_mm, MeetingLanes& lanes) {
-  MeetingLanes* __restrict l = &lanes;
+GLINT_WIDE void reflect16(double lift_mm, IntersectionLanes& lanes) {
+  IntersectionLanes* __restrict l = &lanes;
   for (int i = 0; i < kLanes; ++i) {
     const double dx = l->direction_x[i];
     const double dy = l->direction_y[i];
@@ -249,9 +249,9 @@ GLINT_WIDE void reflect16(double lift_mm, MeetingLanes& lanes) {
   }
 }
 
-GLINT_WIDE void follow16(const MeetingLanes& from, MeetingLanes& to) {
-  const MeetingLanes* __restrict f = &from;
-  MeetingLanes* __restrict t = &to;
+GLINT_WIDE void follow16(const IntersectionLanes& from, IntersectionLanes& to) {
+  const IntersectionLanes* __restrict f = &from;
+  IntersectionLanes* __restrict t = &to;
   for (int i = 0; i < kLanes; ++i) {
     t->origin_x[i] = f->start_x[i];
     t->origin_y[i] = f->start_y[i];
@@ -263,12 +263,12 @@ GLINT_WIDE void follow16(const MeetingLanes& from, MeetingLanes& to) {
   }
 }
 
-GLINT_WIDE bool leave_along16(const MeetingLanes& lanes,
+GLINT_WIDE bool leave_along16(const IntersectionLanes& lanes,
                               const std::int32_t* __restrict triangle,
                               const double* __restrict low,
                               const double* __restrict high) {
   constexpr double kMargin = 1e-6;  // of normals and directions
-  const MeetingLanes* __restrict l = &lanes;
+  const IntersectionLanes* __restrict l = &lanes;
   std::int64_t others = 0;
   for (int i = 0; i < kLanes; ++i) {
     const double x_low = low[0] * l->leaving_x[i];
@@ -277,9 +277,9 @@ GLINT_WIDE bool leave_along16(const MeetingLanes& lanes,
     const double y_high = high[1] * l->leaving_y[i];
     const double z_low = low[2] * l->leaving_z[i];
     const double z_high = high[2] * l->leaving_z[i];
-    const double least = (x_low < x_high ? x_low : x_high) + (y_low < y_high ? y_low : y_high) +
-                         (z_low < z_high ? z_low : z_high);
-    const bool leaves = (l->slope[i] < 0.0) & (least > kMargin);
+    const double minimum = (x_low < x_high ? x_low : x_high) + (y_low < y_high ? y_low : y_high) +
+                           (z_low < z_high ? z_low : z_high);
+    const bool leaves = (l->slope[i] < 0.0) & (minimum > kMargin);
     others |= ((triangle[i] < 0) | leaves) ? 0 : 1;
   }
   return others == 0;

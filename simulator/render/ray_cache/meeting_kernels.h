@@ -13,7 +13,7 @@ namespace glint {
 inline constexpr int kLanes = kPacketSize;
 
 /// Sixteen rays where they meet the part.
-struct alignas(64) MeetingLanes {
+struct alignas(64) IntersectionLanes {
   double origin_x[kLanes], origin_y[kLanes], origin_z[kLanes];           ///< of the arriving ray
   double direction_x[kLanes], direction_y[kLanes], direction_z[kLanes];  ///< arriving, unit
   /// Of the triangle, unit, and its plane's offset; afterwards turned against the arriving ray.
@@ -31,22 +31,22 @@ struct alignas(64) MeetingLanes {
 
 /// Where rays cut the planes of their triangles: t_mm and slope.
 /// @return whether one of them runs almost along its plane: slope of at most `flat`
-bool meet_planes16(double flat, MeetingLanes& lanes);
+bool intersect_planes16(double flat, IntersectionLanes& lanes);
 
 /// One plane for all lanes.
 void set_plane16(
-    double normal_x, double normal_y, double normal_z, double offset_mm, MeetingLanes& lanes);
+    double normal_x, double normal_y, double normal_z, double offset_mm, IntersectionLanes& lanes);
 
 /// Rays that arrive from one point.
 void arrive16(const double* origin_mm,
               const double* direction_x,
               const double* direction_y,
               const double* direction_z,
-              MeetingLanes& lanes);
+              IntersectionLanes& lanes);
 
 /// Weights of rays that leave the part where they met it.
 /// @return whether all of the first `count` lanes met it (triangle >= 0) and none grazes
-bool weigh_escapes16(const MeetingLanes& lanes,
+bool weigh_escapes16(const IntersectionLanes& lanes,
                      const std::int32_t* triangle,
                      int count,
                      double reflectance,
@@ -60,11 +60,11 @@ struct EscapeArrays {
 };
 
 /// Rays leave the part where they met it first.
-void escape16(const MeetingLanes& lanes, const EscapeArrays& escapes);
+void escape16(const IntersectionLanes& lanes, const EscapeArrays& escapes);
 
 /// The same for lanes that met it again (triangle >= 0): their path's reflectance is multiplied by
 /// that of this reflection and becomes the weight.
-void escape_again16(const MeetingLanes& lanes,
+void escape_again16(const IntersectionLanes& lanes,
                     const std::int32_t* triangle,
                     double reflectance,
                     double* path_reflectance,
@@ -83,22 +83,22 @@ struct alignas(64) ShadeLanes {
 
 /// Points on the planes at t_mm and normals interpolated between the corners (the face's where they
 /// cancel out), for wanted lanes.
-void shade16(const ShadeLanes& shade, MeetingLanes& lanes);
+void shade16(const ShadeLanes& shade, IntersectionLanes& lanes);
 
 /// Turns face normals against the rays and the surface's with them; a surface normal that still
 /// looks away from the ray (at a silhouette) becomes the face's.
-void orient16(MeetingLanes& lanes);
+void orient16(IntersectionLanes& lanes);
 
 /// Mirrors the rays at the normals: leaving, rise, and the start of the next ray on the triangle
 /// at t_mm, lifted by lift_mm along the face normal.
-void reflect16(double lift_mm, MeetingLanes& lanes);
+void reflect16(double lift_mm, IntersectionLanes& lanes);
 
 /// Sends the reflected rays on: they become the arriving ones, on a part without stains so far.
-void follow16(const MeetingLanes& from, MeetingLanes& to);
+void follow16(const IntersectionLanes& from, IntersectionLanes& to);
 
 /// True when all lanes with a hit (triangle >= 0) met the front of their triangle and leave along
 /// every normal whose components are between low and high.
-bool leave_along16(const MeetingLanes& lanes,
+bool leave_along16(const IntersectionLanes& lanes,
                    const std::int32_t* triangle,
                    const double* low,
                    const double* high);

@@ -85,10 +85,10 @@ GLINT_WIDE void ask_from_point16(const double* __restrict origin_mm,
   forget_hits(q);
 }
 
-GLINT_WIDE void ask_reflected16(const MeetingLanes& lanes,
+GLINT_WIDE void ask_reflected16(const IntersectionLanes& lanes,
                                 const std::int32_t* __restrict triangle,
                                 RayQuery& query) {
-  const MeetingLanes* __restrict l = &lanes;
+  const IntersectionLanes* __restrict l = &lanes;
   RayQuery* __restrict q = &query;
   for (std::size_t i = 0; i < kLanes; ++i) {
     q->origin_x[i] = static_cast<float>(l->start_x[i]);

@@ -39,7 +39,7 @@ void ask_from_point16(const double* origin_mm,
                       RayQuery& query);
 
 /// The reflected rays of lanes with a hit (triangle >= 0) that do not graze, to be traced.
-void ask_reflected16(const MeetingLanes& lanes, const std::int32_t* triangle, RayQuery& query);
+void ask_reflected16(const IntersectionLanes& lanes, const std::int32_t* triangle, RayQuery& query);
 
 /// What traced rays met. @return whether any met something
 bool take_hits16(const RayQuery& query, HitPacket& hits);

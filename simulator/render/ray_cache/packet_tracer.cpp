@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Follows sixteen camera rays from the pinhole until they have left the part. Embree finds the
-// triangles in float, surface_meeting.h makes the hits exact in double. Most packets are done after
-// one reflection, and often without a second search: the part is convex, or the directions in which
-// they leave (EscapeCone) or the faces they leave from rule out another hit. Others are followed
-// for up to render.max_bounces reflections. docs/theory/tunnel.md, "What is kept", and decision
-// 0003. Cost: one search per ray and reflection; 28 bytes per ray are kept.
+// triangles in float, surface_intersection.h makes the hits exact in double. Most packets are done
+// after one reflection, and often without a second search: the part is convex, or the directions in
+// which they leave (EscapeCone) or the faces they leave from rule out another hit. Others are
+// followed for up to render.max_bounces reflections. docs/theory/tunnel.md, "What is kept", and
+// decision 0003. Cost: one search per ray and reflection; 28 bytes per ray are kept.
 #include "simulator/render/ray_cache/packet_tracer.h"
 
 #include <algorithm>
@@ -57,7 +57,7 @@ void set_missed(EscapePacket& escapes) {
 
 /// What becomes of the rays if none meets the part again.
 void set_escapes(const TraceScene& scene,
-                 const MeetingLanes& lanes,
+                 const IntersectionLanes& lanes,
                  const HitPacket& hits,
                  int count,
                  EscapePacket& escapes) {
@@ -85,7 +85,7 @@ void set_escapes(const TraceScene& scene,
 
 /// True when all rays that met the part leave the front of triangles that nothing rises above.
 bool leave_open(const std::vector<std::uint8_t>& is_open,
-                const MeetingLanes& lanes,
+                const IntersectionLanes& lanes,
                 const HitPacket& hits) {
   constexpr double kMargin = 1e-6;  // of normals and directions
   if (is_open.empty()) {
@@ -217,7 +217,7 @@ void PacketTracer::trace(const CameraPacket& rays, EscapePacket& escapes) {
     set_missed(escapes);
     return;
   }
-  meet_part(scene_, rays, hits_, false, lanes_);
+  intersect_part(scene_, rays, hits_, false, lanes_);
   set_escapes(scene_, lanes_, hits_, rays.count, escapes);
   if (scene_.bvh.is_convex() || leaves_for_good()) {
     return;
@@ -246,15 +246,15 @@ void PacketTracer::follow(EscapePacket& escapes) {
   alignas(64) Lanes weight;
   std::ranges::transform(
       lanes_.reflectance, weight.begin(), [&](double of_place) { return reflectance * of_place; });
-  MeetingLanes* from = &lanes_;
-  MeetingLanes* to = &followed_;
+  IntersectionLanes* from = &lanes_;
+  IntersectionLanes* to = &followed_;
   bool has_hit = true;
   for (int bounce = 1; has_hit; ++bounce) {
     if (bounce >= scene_.settings.max_bounces) {
       give_up(escapes);
       return;
     }
-    meet_again(scene_, *from, again_, *to);
+    intersect_again(scene_, *from, again_, *to);
     escape_again16(*to,
                    again_.triangle.data(),
                    reflectance,
@@ -262,9 +262,9 @@ void PacketTracer::follow(EscapePacket& escapes) {
                    arrays_of(escapes),
                    escapes.weight.data());
     for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
-      const bool is_met = again_.triangle[lane] >= 0;
-      escapes.path[lane] = is_met ? RayPath::kFollowed : escapes.path[lane];
-      escapes.is_grazing[lane] = escapes.is_grazing[lane] || (is_met && to->rise[lane] <= 0.0);
+      const bool is_hit = again_.triangle[lane] >= 0;
+      escapes.path[lane] = is_hit ? RayPath::kFollowed : escapes.path[lane];
+      escapes.is_grazing[lane] = escapes.is_grazing[lane] || (is_hit && to->rise[lane] <= 0.0);
     }
     ask_reflected16(*to, again_.triangle.data(), query_);
     scene_.bvh.trace16(query_, Coherence::kCoherentOnce);

@@ -13,7 +13,7 @@
 
 #include "simulator/camera/pinhole_camera.h"
 #include "simulator/render/ray_cache/ray_cache.h"
-#include "simulator/render/ray_cache/surface_meeting.h"
+#include "simulator/render/ray_cache/surface_intersection.h"
 
 namespace glint {
 
@@ -98,16 +98,16 @@ class PacketTracer {
   const TraceScene& scene_;
   RayQuery query_;
   HitPacket hits_;
-  HitPacket again_;             ///< of the reflected rays
-  MeetingLanes lanes_ = {};     ///< of the camera rays
-  MeetingLanes followed_ = {};  ///< of those that meet the part again
+  HitPacket again_;                  ///< of the reflected rays
+  IntersectionLanes lanes_ = {};     ///< of the camera rays
+  IntersectionLanes followed_ = {};  ///< of those that meet the part again
 };
 
 /// Adds what became of lanes [0, count).
 void add_counts(const EscapePacket& escapes, int count, RayCounts& counts);
 RayCounts& operator+=(RayCounts& sum, const RayCounts& counts);
 
-/// Rays only, left unset; the images of SeenPart stay empty.
+/// Rays only, left unset; the images of VisibilityBuffer stay empty.
 void resize_rays(RayCache& cache, std::size_t count);
 
 /// Writes lanes [0, count) to rays first, first + 1, ... of the cache.

@@ -200,13 +200,13 @@ class RowTracer {
 };
 
 /// All numbers unset.
-RayCache unset_cache(const PinholeIntrinsics& in, int samples) {
+RayCache uninitialized_cache(const PinholeIntrinsics& in, int samples) {
   RayCache cache;
   cache.width_px = in.width_px;
   cache.height_px = in.height_px;
   cache.samples = samples;
   for (ImageF* image : {&cache.coverage, &cache.seen_x, &cache.seen_y, &cache.seen_z}) {
-    *image = ImageF::unset(in.width_px, in.height_px);
+    *image = ImageF::uninitialized(in.width_px, in.height_px);
   }
   resize_rays(cache,
               static_cast<std::size_t>(cache.num_pixels()) * static_cast<std::size_t>(samples));
@@ -225,14 +225,14 @@ RayBlock RayCache::block(std::int64_t begin, int count) const {
           .count = count};
 }
 
-RayBlock SeenPart::seen_block(std::int64_t begin, int count) const {
+RayBlock VisibilityBuffer::seen_points(std::int64_t begin, int count) const {
   return {.origin_x = seen_x.values().data() + begin,
           .origin_y = seen_y.values().data() + begin,
           .origin_z = seen_z.values().data() + begin,
           .count = count};
 }
 
-double share_of_part(const Mask& mask, const SeenPart& seen) {
+double share_of_part(const Mask& mask, const VisibilityBuffer& seen) {
   const auto count = static_cast<int>(mask.size());
   const int marked = mask_kernels::count_ones(mask.values().data(), count);
   const int on_part = mask_kernels::count_positive(seen.coverage.values().data(), count);
@@ -253,7 +253,7 @@ RayCache trace_rays(const Part& part,
                                in.width_px,
                                in.height_px,
                                samples));
-  RayCache cache = unset_cache(in, samples);
+  RayCache cache = uninitialized_cache(in, samples);
   const TraceScene scene(part, bvh, detail, settings);
   const CameraRays camera_rays(camera, camera_from_world);
   const RowTracer tracer(scene, camera_rays, cache);

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/image/image.h"
-#include "core/image/unset_allocator.h"
+#include "core/image/uninitialized_allocator.h"
 #include "core/thread_pool.h"
 #include "simulator/camera/pinhole_camera.h"
 #include "simulator/geometry/bvh/bvh.h"
@@ -34,7 +34,7 @@ struct RayCounts {
 };
 
 /// What of the part each pixel sees. 16 bytes a pixel.
-struct SeenPart {
+struct VisibilityBuffer {
   int width_px = 0;
   int height_px = 0;
   ImageF coverage;                ///< share of the pixel that lies on the part
@@ -45,17 +45,18 @@ struct SeenPart {
   }
 
   /// The points seen by pixels [begin, begin + count), as origins; without directions.
-  RayBlock seen_block(std::int64_t begin, int count) const;
+  RayBlock seen_points(std::int64_t begin, int count) const;
 };
 
 /// How many of the part's pixels a mask marks, as a share of all of them; 0 where it is empty.
 /// @param mask  1 on pixels of the part only
-double share_of_part(const Mask& mask, const SeenPart& seen);
+double share_of_part(const Mask& mask, const VisibilityBuffer& seen);
 
 /// Rays that have left the part, one array per component: ray of sample s in pixel p stands at
 /// s * num_pixels() + p. 28 bytes a ray.
-struct RayCache : SeenPart {
-  using Floats = std::vector<float, UnsetAllocator<float>>;  ///< zeroing would cost a twentieth
+struct RayCache : VisibilityBuffer {
+  using Floats =
+      std::vector<float, UninitializedAllocator<float>>;  ///< zeroing would cost a twentieth
 
   int samples = 0;                               ///< rays a pixel
   Floats origin_x, origin_y, origin_z;           ///< [mm], scene frame

@@ -306,7 +306,7 @@ std::vector<double> ClippedMean::nodes_of(const SensorSettings& sensor,
 }
 
 ClippedMean::ClippedMean(const SensorSettings& sensor, const StripeSettings& stripes) {
-  blind_from_ = std::numeric_limits<double>::infinity();
+  saturated_from_ = std::numeric_limits<double>::infinity();
   const double step = sensor.bits > 0 ? 1.0 / ((1 << sensor.bits) - 1) : 0.0;
   const double largest = stripes.gain * std::max(1.0, stripes.dark);
   const bool has_noise = sensor.full_well_e > 0.0;
@@ -321,9 +321,9 @@ ClippedMean::ClippedMean(const SensorSettings& sensor, const StripeSettings& str
                                 : quiet_node(phases, stripes, linear);
     nodes_.push_back(exact_mean(stripes, linear, w) + node.bias);
     nodes.push_back(node);
-    const bool is_blind = sensor.gain * sensor.exposure * node.smallest >= 1.0 - 0.5 * step;
-    if (is_blind && w < blind_from_) {
-      blind_from_ = w;
+    const bool is_saturated = sensor.gain * sensor.exposure * node.smallest >= 1.0 - 0.5 * step;
+    if (is_saturated && w < saturated_from_) {
+      saturated_from_ = w;
     }
   }
   coefficients_ = pieces_through(nodes_);
@@ -336,7 +336,7 @@ ClippedMean::ClippedMean(const SensorSettings& sensor, const StripeSettings& str
   dark_deviation_ = std::sqrt(dark.variance / stripes.frames);
 }
 
-/// Cubic pieces through the nodes with slopes by central differences.
+/// Cubic pieces through the nodes with derivatives by central differences.
 std::vector<float> ClippedMean::pieces_through(const std::vector<double>& f) {
   std::vector<float> coefficients;
   const auto slope = [&](std::size_t i) {

@@ -61,7 +61,7 @@ class ClippedMean {
   double phase_deviation(double w) const;
 
   /// No frame is ever below full scale.
-  bool is_blind(double w) const { return w >= blind_from_; }
+  bool is_saturated(double w) const { return w >= saturated_from_; }
 
   double dark_level() const { return dark_level_; }  ///< grey value where there is no light
 
@@ -81,14 +81,14 @@ class ClippedMean {
 
   const std::vector<float>& deviations() const { return deviations_; }  ///< at the nodes
 
-  double blind_from() const { return blind_from_; }
+  double saturated_from() const { return saturated_from_; }
 
  private:
   std::vector<double> nodes_;
   std::vector<float> coefficients_;
   std::vector<float> deviations_;
   std::vector<float> phase_deviations_;
-  double blind_from_ = 0.0;
+  double saturated_from_ = 0.0;
   double dark_level_ = 0.0;
   double dark_deviation_ = 0.0;
 };

@@ -25,7 +25,7 @@ namespace kernels = footprint_kernels;
 constexpr int kFramesAtOnce = 8;
 
 /// Gaps between rendered pixels that are not worth another start.
-constexpr int kBridge_px = 8;
+constexpr int kGapTolerance_px = 8;
 
 /// Pictures are worth keeping for frames that are rendered in this share of their pixels at most.
 constexpr double kSmallShare = 0.25;
@@ -40,7 +40,7 @@ double share_of(const Spans& spans, int width, int height) {
 
 void fit_size(ImageF& image, int width, int height) {
   if (image.width() != width || image.height() != height) {
-    image = ImageF::unset(width, height);
+    image = ImageF::uninitialized(width, height);
   }
 }
 
@@ -87,15 +87,16 @@ void expose_mean(const Footprints& footprints,
                  ClosedScan& result) {
   const int width = result.aspect.width();
   const int height = result.aspect.height();
-  const Spans& wanted = plan.by_floors;
-  const Spans rendered = grown_spans(wanted, sensor.blur_radius_px(), kBridge_px, width, height);
+  const Spans& wanted = plan.by_mean_radiance;
+  const Spans rendered =
+      grown_spans(wanted, sensor.blur_radius_px(), kGapTolerance_px, width, height);
   const Spans near = grown_spans(wanted, reach_of(sensor, plan.reflectance), 0, width, height);
   SensorSettings quiet = sensor.settings();
   const double offset = dark_grey(quiet);
   quiet = without_noise(quiet);
   quiet.bits = 0;
   const Sensor quiet_sensor(quiet, width, height);
-  ImageF mean = ImageF::unset(width, height);
+  ImageF mean = ImageF::uninitialized(width, height);
   // Rows are exposed as soon as all are there that their light comes from.
   auto next = wanted.begin();
   const auto expose_with = [&](int rows) {
@@ -144,17 +145,17 @@ void look_up_means(const ScanPlan& plan, const ClippedMean& table, ClosedScan& r
       .per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest)};
   const kernels::PieceValues dark = {.cubic = static_cast<float>(table.dark_level()),
                                      .straight = static_cast<float>(table.dark_deviation())};
-  result.aspect = ImageF::unset(width, height);
-  result.deviation = ImageF::unset(width, height);
+  result.aspect = ImageF::uninitialized(width, height);
+  result.deviation = ImageF::uninitialized(width, height);
   for (int y = 0; y < height; ++y) {
     const float* w = plan.width.row(y);
     const unsigned char* by_table = plan.by_table.row(y);
     kernels::look_up_where(
         by_table, w, width, tables, dark, result.aspect.row(y), result.deviation.row(y));
-    if (table.blind_from() < ClippedMean::kWidest) {
+    if (table.saturated_from() < ClippedMean::kWidest) {
       for (int x = 0; x < width; ++x) {
-        const bool is_blind = by_table[x] != 0 && table.is_blind(static_cast<double>(w[x]));
-        result.clipped_frames(x, y) = is_blind ? 0xFFFF : 0;
+        const bool is_saturated = by_table[x] != 0 && table.is_saturated(static_cast<double>(w[x]));
+        result.clipped_frames(x, y) = is_saturated ? 0xFFFF : 0;
       }
     }
   }
@@ -176,11 +177,11 @@ ClosedScan scan_closed(const Footprints& footprints,
   }
   if (plan.form.kind == ScanForm::Kind::kTable) {
     look_up_means(plan, *plan.table, result);
-  } else if (plan.form.kind == ScanForm::Kind::kFloors) {
-    result.aspect = zero_beside(plan.by_floors, width, height);
+  } else if (plan.form.kind == ScanForm::Kind::kMeanRadiance) {
+    result.aspect = zero_beside(plan.by_mean_radiance, width, height);
     expose_mean(footprints, sensor, plan, result);
     if (!result.clipped_frames.empty()) {
-      count_full(plan.by_floors, result);
+      count_full(plan.by_mean_radiance, result);
     }
   } else {
     result.aspect = ImageF(width, height);
@@ -188,7 +189,8 @@ ClosedScan scan_closed(const Footprints& footprints,
   if (wanted.empty()) {
     return result;
   }
-  const Spans rendered = grown_spans(wanted, sensor.blur_radius_px(), kBridge_px, width, height);
+  const Spans rendered =
+      grown_spans(wanted, sensor.blur_radius_px(), kGapTolerance_px, width, height);
   // Of a large share they would be many, and clearing them is little beside the rendering.
   const bool is_pooled = pool != nullptr && share_of(rendered, width, height) <= kSmallShare;
   auto pictures = is_pooled ? pool->take() : std::make_unique<FramePictures>();

@@ -19,7 +19,7 @@ namespace glint {
 namespace {
 
 /// Radiance is read off a sensor that does not clip below this.
-constexpr double kMostRadiance = 4.0;
+constexpr double kMaxRadiance = 4.0;
 
 /// Of a normal number that is cut to [0, 1] and rounded to multiples of a step that is not small
 /// against its deviation.
@@ -74,7 +74,7 @@ class ResponseTable {
  public:
   explicit ResponseTable(const SensorSettings& settings) {
     for (int i = 0; i <= kSteps; ++i) {
-      const GreyResponse grey = rounded_response(settings, kMostRadiance * i / kSteps);
+      const GreyResponse grey = rounded_response(settings, kMaxRadiance * i / kSteps);
       mean_.push_back(static_cast<float>(grey.mean));
       variance_.push_back(static_cast<float>(grey.variance));
     }
@@ -97,9 +97,9 @@ class ResponseTable {
   std::vector<float> variance_;
 };
 
-/// A sensor that shows radiance / kMostRadiance after the blur.
+/// A sensor that shows radiance / kMaxRadiance after the blur.
 SensorSettings radiance_meter(const SensorSettings& settings) {
-  return {.exposure = 1.0 / kMostRadiance, .gain = 1.0, .blur_px = settings.blur_px, .bits = 0};
+  return {.exposure = 1.0 / kMaxRadiance, .gain = 1.0, .blur_px = settings.blur_px, .bits = 0};
 }
 
 }  // namespace

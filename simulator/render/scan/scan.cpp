@@ -35,9 +35,9 @@ int block_size(std::int64_t begin, std::int64_t count) {
 
 }  // namespace
 
-WallRays meet_wall(const RayCache& cache,
-                   const Tunnel& tunnel,
-                   const Eigen::Vector3d& camera_in_world_mm) {
+WallRays intersect_wall(const RayCache& cache,
+                        const Tunnel& tunnel,
+                        const Eigen::Vector3d& camera_in_world_mm) {
   const std::int64_t pixels = cache.num_pixels();
   const std::size_t total = cache.weight.size();
   WallRays rays;
@@ -45,25 +45,25 @@ WallRays meet_wall(const RayCache& cache,
   rays.gain.resize(total);
   const bool is_straight = tunnel.settings().orientation_rad == 0.0;
   rays.pattern_mm.resize(is_straight ? 0 : total);
-  rays.hidden = Image<unsigned char>(cache.width_px, cache.height_px);
+  rays.occluded = Image<unsigned char>(cache.width_px, cache.height_px);
   std::vector<float> scratch(static_cast<std::size_t>(kBlock));
-  std::vector<float> hidden(static_cast<std::size_t>(kBlock));
+  std::vector<float> occluded(static_cast<std::size_t>(kBlock));
   for (std::int64_t pixel = 0; pixel < pixels; pixel += kBlock) {
     const int count = block_size(pixel, pixels);
-    tunnel.hidden_block(cache.seen_block(pixel, count), camera_in_world_mm, hidden.data());
+    tunnel.occluded_block(cache.seen_points(pixel, count), camera_in_world_mm, occluded.data());
     for (int i = 0; i < count; ++i) {
       const auto at = static_cast<std::size_t>(pixel + i);
-      const bool is_hidden =
-          hidden[static_cast<std::size_t>(i)] > 0.0F && cache.coverage.values()[at] > 0.0F;
-      hidden[static_cast<std::size_t>(i)] = is_hidden ? 0.0F : 1.0F;
-      rays.hidden.values()[at] = is_hidden ? 1 : 0;
+      const bool is_occluded =
+          occluded[static_cast<std::size_t>(i)] > 0.0F && cache.coverage.values()[at] > 0.0F;
+      occluded[static_cast<std::size_t>(i)] = is_occluded ? 0.0F : 1.0F;
+      rays.occluded.values()[at] = is_occluded ? 1 : 0;
     }
     for (std::int64_t sample = 0; sample < cache.samples; ++sample) {
       const std::int64_t begin = sample * pixels + pixel;
       float* pattern = is_straight ? scratch.data() : rays.pattern_mm.data() + begin;
       float* gain = rays.gain.data() + begin;
       tunnel.hit_block(cache.block(begin, count), rays.x_mm.data() + begin, pattern, gain);
-      multiply_gains(cache.weight.data() + begin, hidden.data(), count, gain);
+      multiply_gains(cache.weight.data() + begin, occluded.data(), count, gain);
     }
   }
   return rays;
@@ -116,7 +116,7 @@ ScanResult take_scan(const RayCache& cache,
                      const ScanSettings& scan,
                      const Eigen::Vector3d& camera_in_world_mm,
                      const FrameConsumer& consume) {
-  const WallRays rays = meet_wall(cache, tunnel, camera_in_world_mm);
+  const WallRays rays = intersect_wall(cache, tunnel, camera_in_world_mm);
   const double step_mm = scan_step_mm(scan, tunnel.settings());
   ScanResult result;
   result.sums = ScanSums(cache.width_px, cache.height_px);
@@ -138,7 +138,7 @@ ScanResult take_scan(const RayCache& cache,
     }
   }
   result.aspect = result.sums.aspect();
-  result.hidden_share = share_of_part(rays.hidden, cache);
+  result.hidden_share = share_of_part(rays.occluded, cache);
   return result;
 }
 

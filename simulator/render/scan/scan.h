@@ -24,13 +24,13 @@ struct WallRays {
   std::vector<float> x_mm;
   std::vector<float> pattern_mm;  ///< empty: equal to x_mm
   std::vector<float> gain;        ///< 0: dark at every position
-  Image<unsigned char> hidden;    ///< 1 where the wall hides the part from the camera
+  Image<unsigned char> occluded;  ///< 1 where the wall hides the part from the camera
 };
 
 /// Evaluates the cache against a tunnel.
-WallRays meet_wall(const RayCache& cache,
-                   const Tunnel& tunnel,
-                   const Eigen::Vector3d& camera_in_world_mm);
+WallRays intersect_wall(const RayCache& cache,
+                        const Tunnel& tunnel,
+                        const Eigen::Vector3d& camera_in_world_mm);
 
 /// The pictures' radiance with the tunnel at several positions, rays read once for all of them.
 /// @param patterns  Tunnel::pattern() at each position

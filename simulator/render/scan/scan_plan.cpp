@@ -73,9 +73,9 @@ struct OtherPixels {
 OtherPixels find_others(const Footprints& footprints, const Sensor& sensor, ImageF& width) {
   const int columns = width.width();
   const auto* state = reinterpret_cast<const unsigned char*>(footprints.state().values().data());
-  Mask not_plain = Mask::unset(columns, width.height());
-  OtherPixels pixels = {.other = Mask::unset(columns, width.height()),
-                        .lit = Mask::unset(columns, width.height())};
+  Mask not_plain = Mask::uninitialized(columns, width.height());
+  OtherPixels pixels = {.other = Mask::uninitialized(columns, width.height()),
+                        .lit = Mask::uninitialized(columns, width.height())};
   mask_kernels::split_states(state,
                              static_cast<int>(not_plain.size()),
                              not_plain.values().data(),
@@ -123,7 +123,7 @@ void sort_pixels(const Footprints& footprints,
 }
 
 Mask without(const Mask& mask, const Mask& taken) {
-  Mask rest = Mask::unset(mask.width(), mask.height());
+  Mask rest = Mask::uninitialized(mask.width(), mask.height());
   mask_kernels::subtract(mask.values().data(),
                          taken.values().data(),
                          static_cast<int>(mask.size()),
@@ -156,7 +156,7 @@ ScanForm::Kind form_of(const ScanPositions& positions,
   const GreyResponse dark = grey_response(sensor, reflectance * positions.dark);
   const double slope = sensor.gain * sensor.exposure;
   const double offset = dark_grey(sensor);
-  // Where even the dark stripes reach full scale every frame is blind; the table knows that.
+  // Where even the dark stripes reach full scale every frame is saturated; the table knows that.
   const double darkest = reflectance * (positions.duty < 1.0 ? std::min(1.0, positions.dark) : 1.0);
   const double step = sensor.bits > 0 ? 1.0 / ((1 << sensor.bits) - 1) : 0.0;
   const bool is_linear =
@@ -164,7 +164,7 @@ ScanForm::Kind form_of(const ScanPositions& positions,
       std::abs(bright.mean - slope * brightest - offset) <= kLargestBias &&
       std::abs(dark.mean - slope * reflectance * positions.dark - offset) <= kLargestBias;
   if (is_linear) {
-    return ScanForm::Kind::kFloors;
+    return ScanForm::Kind::kMeanRadiance;
   }
   return sensor.blur_px < kNarrowestBlur_px ? ScanForm::Kind::kFrames : ScanForm::Kind::kTable;
 }
@@ -192,12 +192,12 @@ ScanPlan plan_scan(const Footprints& footprints,
       plan.by_frames.values()[i] |= watched.values()[i];
     }
   }
-  if (plan.form.kind == ScanForm::Kind::kFloors) {
-    plan.by_floors = watched.empty() ? region.spans : spans_of(without(mask, watched));
+  if (plan.form.kind == ScanForm::Kind::kMeanRadiance) {
+    plan.by_mean_radiance = watched.empty() ? region.spans : spans_of(without(mask, watched));
   }
   if (plan.form.kind == ScanForm::Kind::kTable) {
-    plan.width = ImageF::unset(mask.width(), mask.height());
-    plan.by_table = Mask::unset(mask.width(), mask.height());
+    plan.width = ImageF::uninitialized(mask.width(), mask.height());
+    plan.by_table = Mask::uninitialized(mask.width(), mask.height());
     plan.table = std::make_shared<const ClippedMean>(
         sensor.settings(), stripes_of(footprints.positions(), reflectance));
     if (watched.empty()) {

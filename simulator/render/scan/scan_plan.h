@@ -16,7 +16,7 @@ namespace glint {
 
 /// How the mean of a scan came about.
 struct ScanForm {
-  enum class Kind { kFloors, kTable, kFrames };
+  enum class Kind { kMeanRadiance, kTable, kFrames };
 
   Kind kind = Kind::kFrames;
   int table_pixels = 0;  ///< of the region, from the table or wholly dark
@@ -40,10 +40,10 @@ int reach_of(const Sensor& sensor, double reflectance);
 /// Pixels sorted by what their mean needs. What remains of the region is dark in every frame.
 struct ScanPlan {
   ScanForm form;
-  Spans by_floors;  ///< from the mean radiance
-  Mask by_table;    ///< from T(w); empty where it is not used
-  Mask by_frames;   ///< and the watched pixels; empty: none
-  ImageF width;     ///< w of T(w) [periods], where by_table
+  Spans by_mean_radiance;  ///< from the mean radiance
+  Mask by_table;           ///< from T(w); empty where it is not used
+  Mask by_frames;          ///< and the watched pixels; empty: none
+  ImageF width;            ///< w of T(w) [periods], where by_table
   double reflectance = 1.0;
   std::shared_ptr<const ClippedMean> table;  ///< T; empty where it is not used
 };

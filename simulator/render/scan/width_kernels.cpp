@@ -139,15 +139,15 @@ GLINT_WIDE void look_up_where(const unsigned char* __restrict mask,
     float* __restrict values = cubic + begin;
     float* __restrict lines = straight + begin;
     // Numbers that are not negative are ordered as their bits are.
-    std::int32_t least = std::numeric_limits<std::int32_t>::max();
-    std::int32_t most = 0;
+    std::int32_t minimum = std::numeric_limits<std::int32_t>::max();
+    std::int32_t maximum = 0;
     for (int i = 0; i < size; ++i) {
       const auto bits = std::bit_cast<std::int32_t>(widths[i]);
-      least = bits < least ? bits : least;
-      most = bits > most ? bits : most;
+      minimum = bits < minimum ? bits : minimum;
+      maximum = bits > maximum ? bits : maximum;
     }
-    const int lowest = piece_of(std::bit_cast<float>(least), t);
-    const int highest = piece_of(std::bit_cast<float>(most), t);
+    const int lowest = piece_of(std::bit_cast<float>(minimum), t);
+    const int highest = piece_of(std::bit_cast<float>(maximum), t);
     if (lowest == highest) {
       look_up_near<false>(is_used, widths, size, t, lowest, none, values, lines);
     } else if (lowest + 1 == highest) {
@@ -168,7 +168,7 @@ GLINT_WIDE void look_up_where(const unsigned char* __restrict mask,
   }
 }
 
-GLINT_WIDE void phase_slopes(
+GLINT_WIDE void phase_differences(
     const CornerRows& corners, int count, float scale, float* __restrict gx, float* __restrict gy) {
   const float* __restrict top = corners.top;
   const float* __restrict bottom = corners.bottom;

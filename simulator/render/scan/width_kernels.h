@@ -36,7 +36,7 @@ void cosine_series(
 
 /// Differences of the phase to the neighbouring pixels, as phases_of_corners() has them.
 /// @param scale  periods for each mm
-void phase_slopes(const CornerRows& corners, int count, float scale, float* gx, float* gy);
+void phase_differences(const CornerRows& corners, int count, float scale, float* gx, float* gy);
 
 /// Tables of the same pieces, one of cubics and one that is straight between its nodes.
 struct PieceTables {

@@ -44,11 +44,11 @@ void WidthRows::find(int y, float* width, unsigned char* is_linear) {
 void WidthRows::load(int y) {
   const std::ptrdiff_t corner_width = columns_ + 1;
   const float* top = footprints_.hits().stripes_mm().data() + y * corner_width;
-  kernels::phase_slopes({.top = top, .bottom = top + corner_width},
-                        columns_,
-                        static_cast<float>(1.0 / footprints_.positions().period_mm),
-                        gx_[slot_of(y)].data(),
-                        gy_[slot_of(y)].data());
+  kernels::phase_differences({.top = top, .bottom = top + corner_width},
+                             columns_,
+                             static_cast<float>(1.0 / footprints_.positions().period_mm),
+                             gx_[slot_of(y)].data(),
+                             gy_[slot_of(y)].data());
 }
 
 kernels::ThreeRows WidthRows::around(const Ring& ring, int y) const {

@@ -32,7 +32,7 @@ struct Sample {
   Vector3d to_mm;
 };
 
-std::vector<Sample> samples_of(const SeenPart& seen,
+std::vector<Sample> samples_of(const VisibilityBuffer& seen,
                                const Vector3d& camera_mm,
                                const Vector2d& per_px) {
   std::vector<Sample> samples;
@@ -83,12 +83,13 @@ Vector2d mapped(const Matrix3d& map, const Vector2d& at) {
 
 }  // namespace
 
-std::optional<PixelRays> PixelRays::through(const SeenPart& seen, const Vector3d& camera_mm) {
+std::optional<PixelRays> PixelRays::through(const VisibilityBuffer& seen,
+                                            const Vector3d& camera_mm) {
   PixelRays rays;
   rays.camera_mm_ = camera_mm;
   rays.per_px_ = Vector2d(2.0 / (seen.width_px - 1), 2.0 / (seen.height_px - 1));
   const std::vector<Sample> samples = samples_of(seen, camera_mm, rays.per_px_);
-  if (samples.size() < kFewest) {
+  if (samples.size() < kMinSamples) {
     return std::nullopt;
   }
   Vector3d sum = Vector3d::Zero();

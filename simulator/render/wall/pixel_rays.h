@@ -17,14 +17,14 @@ class PixelRays {
  public:
   /// Nothing when fewer than kFewest of the pixels looked at see the part, or when one of them is
   /// off its ray by more than a pixel: the lens distorts, or this is not the camera.
-  static std::optional<PixelRays> through(const SeenPart& seen,
+  static std::optional<PixelRays> through(const VisibilityBuffer& seen,
                                           const Eigen::Vector3d& camera_in_world_mm);
 
   /// A point on the ray of a pixel, about as far from the camera as the part.
   Eigen::Vector3d point(int x, int y) const;
 
  private:
-  static constexpr int kFewest = 12;
+  static constexpr int kMinSamples = 12;
 
   Eigen::Vector3d camera_mm_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d axes_ = Eigen::Matrix3d::Identity();  ///< columns: across, down, along the rays

@@ -8,7 +8,7 @@
 
 namespace glint {
 
-SlotMargin slot_margin(const SeenPart& seen,
+SlotMargin slot_margin(const VisibilityBuffer& seen,
                        const Mask& region,
                        const Tunnel& tunnel,
                        const Eigen::Vector3d& camera_in_world_mm) {
@@ -21,7 +21,8 @@ SlotMargin slot_margin(const SeenPart& seen,
   const auto width = static_cast<std::size_t>(seen.width_px);
   std::vector<float> to_x(width), to_y(width), to_z(width), x(width), y(width), margin(width);
   for (int row = 0; row < seen.height_px; ++row) {
-    RayBlock sight = seen.seen_block(static_cast<std::int64_t>(row) * seen.width_px, seen.width_px);
+    RayBlock sight =
+        seen.seen_points(static_cast<std::int64_t>(row) * seen.width_px, seen.width_px);
     aim_at(sight,
            static_cast<float>(camera_in_world_mm.x()),
            static_cast<float>(camera_in_world_mm.y()),
@@ -32,7 +33,7 @@ SlotMargin slot_margin(const SeenPart& seen,
     sight.direction_x = to_x.data();
     sight.direction_y = to_y.data();
     sight.direction_z = to_z.data();
-    tunnel.meet_block(sight, x.data(), y.data(), margin.data());
+    tunnel.intersect_block(sight, x.data(), y.data(), margin.data());
     const auto farthest_mm = static_cast<double>(
         mask_kernels::largest_size(region.row(row), y.data(), margin.data(), seen.width_px));
     if (result.has_sight && half_slot_mm - farthest_mm >= result.margin_mm) {
@@ -43,9 +44,9 @@ SlotMargin slot_margin(const SeenPart& seen,
       const double y_mm = static_cast<double>(y[i]);
       const double left_mm = half_slot_mm - std::abs(y_mm);
       const auto z_mm = tunnel.settings().base_mm + static_cast<double>(margin[i]);
-      const bool is_met = margin[i] >= 0.0F && z_mm < camera_in_world_mm.z() &&
+      const bool is_hit = margin[i] >= 0.0F && z_mm < camera_in_world_mm.z() &&
                           std::abs(static_cast<double>(x[i])) < half_length_mm;
-      if (region(column, row) == 0 || !is_met ||
+      if (region(column, row) == 0 || !is_hit ||
           (result.has_sight && left_mm >= result.margin_mm)) {
         continue;
       }

@@ -17,14 +17,14 @@ struct SlotMargin {
   double margin_mm = 0.0;
   bool has_sight = false;  ///< a sight line meets the wall or the slot
   Ray sight;          ///< the one with that margin, from the part to the camera, |direction| = way
-  double x_mm = 0.0;  ///< where it meets the wall (Tunnel::meet_block)
+  double x_mm = 0.0;  ///< where it meets the wall (Tunnel::intersect_block)
   double y_mm = 0.0;
   double wall_margin_mm = 0.0;
 };
 
 /// @param region  pixels that must be seen
 /// Cost: one sight line for each pixel.
-SlotMargin slot_margin(const SeenPart& seen,
+SlotMargin slot_margin(const VisibilityBuffer& seen,
                        const Mask& region,
                        const Tunnel& tunnel,
                        const Eigen::Vector3d& camera_in_world_mm);

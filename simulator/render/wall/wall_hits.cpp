@@ -45,17 +45,16 @@ std::vector<FloatArray*> WallHits::arrays() {
   return used;
 }
 
-void meet_rays(const RayBlock& rays, const Tunnel& tunnel, std::size_t first, WallHits& hits) {
+void intersect_rays(const RayBlock& rays, const Tunnel& tunnel, std::size_t first, WallHits& hits) {
   for (int done = 0; done < rays.count; done += kBlock) {
     const RayBlock block = part_of(rays, done, std::min(kBlock, rays.count - done));
     const std::size_t at = first + static_cast<std::size_t>(done);
     float* x = hits.x_mm.data() + at;
     float* y = hits.y_mm.data() + at;
     float* margin = hits.margin_mm.data() + at;
-    tunnel.meet_block(block, x, y, margin);
+    tunnel.intersect_block(block, x, y, margin);
     if (!hits.pattern_mm.empty()) {
-      tunnel.meet_details(
-          block, x, y, margin, hits.pattern_mm.data() + at, hits.cosine.data() + at);
+      tunnel.hit_details(block, x, y, margin, hits.pattern_mm.data() + at, hits.cosine.data() + at);
     }
   }
 }

@@ -5,14 +5,14 @@
 
 #include <vector>
 
-#include "core/image/unset_allocator.h"
+#include "core/image/uninitialized_allocator.h"
 #include "simulator/light/tunnel/tunnel.h"
 
 namespace glint {
 
-using FloatArray = std::vector<float, UnsetAllocator<float>>;
+using FloatArray = std::vector<float, UninitializedAllocator<float>>;
 
-/// Where rays meet a tunnel (Tunnel::meet_block), arrays as in RayCache.
+/// Where rays meet a tunnel (Tunnel::intersect_block), arrays as in RayCache.
 struct WallHits {
   FloatArray x_mm;
   FloatArray y_mm;
@@ -33,6 +33,6 @@ struct WallHits {
 };
 
 /// Meets some rays. @param hits  written from index `first` on; resized before
-void meet_rays(const RayBlock& rays, const Tunnel& tunnel, std::size_t first, WallHits& hits);
+void intersect_rays(const RayBlock& rays, const Tunnel& tunnel, std::size_t first, WallHits& hits);
 
 }  // namespace glint

@@ -29,7 +29,7 @@ void render_candidate(const RayCache& rays,
                       const SceneSettings& scene,
                       std::vector<ImageF>& frames) {
   const Tunnel tunnel(scene.tunnel);
-  const WallRays wall = meet_wall(rays, tunnel, camera_position_mm(scene));
+  const WallRays wall = intersect_wall(rays, tunnel, camera_position_mm(scene));
   const double step_mm = scan_step_mm(scene.scan, scene.tunnel);
   for (int k = 0; k < scene.scan.positions; ++k) {
     render_frame(rays, wall, tunnel.pattern(k * step_mm), frames[static_cast<std::size_t>(k)]);
@@ -165,7 +165,7 @@ Reference render_reference(const SceneSettings& scene, const Part& part, int ray
     window.height_px = std::min(kReferenceRows, whole.height_px - top);
     window.center_px.y() -= top;
     const RayCache rays = trace_rays(part, bvh, {}, PinholeCamera(window), pose, fine.render, pool);
-    const WallRays wall = meet_wall(rays, tunnel, camera_position_mm(scene));
+    const WallRays wall = intersect_wall(rays, tunnel, camera_position_mm(scene));
     ImageF rows;
     render_frame(rays, wall, tunnel.pattern(0.0), rows);
     std::ranges::copy(rows.values(), reference.frame.row(top));

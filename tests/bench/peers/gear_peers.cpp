@@ -89,7 +89,7 @@ Mask part_of(const bench::GearScene& gear) {
   ThreadPool pool(hardware_threads());
   PathSettings settings = gear.paths(kComparedSamples);
   settings.has_light = false;
-  const PathSums sums = render_paths(gear.scene(), settings, pool);
+  const Film sums = render_paths(gear.scene(), settings, pool);
   Mask mask(sums.width_px, sums.height_px);
   for (std::size_t i = 0; i < mask.size(); ++i) {
     mask.values()[i] = sums.part.values()[i] > 0 ? 1 : 0;

@@ -20,7 +20,7 @@ using nlohmann::json;
 
 constexpr std::array<float, 3> kLuminance = {0.2126F, 0.7152F, 0.0722F};
 
-ImageF luminance_of(const PathSums& sums, const std::vector<double>& factors) {
+ImageF luminance_of(const Film& sums, const std::vector<double>& factors) {
   ImageF luminance(sums.width_px, sums.height_px);
   for (int channel = 0; channel < 3; ++channel) {
     const ImageF one = total_image(sums, factors, channel);
@@ -68,7 +68,7 @@ GearRun render_by_glint(const bench::GearScene& gear,
   run.first_s = cpu_seconds() - start_s;
   for (const GearOrder& order : orders) {
     const double picture_s = cpu_seconds();
-    const PathSums sums = render_paths(gear.scene(), gear.paths(order.samples, order.seed), pool);
+    const Film sums = render_paths(gear.scene(), gear.paths(order.samples, order.seed), pool);
     const double cpu_s = cpu_seconds() - picture_s;
     run.pictures.push_back({.order = order,
                             .cpu_s = cpu_s,

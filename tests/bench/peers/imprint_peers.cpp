@@ -56,7 +56,7 @@ Cost imprint_with_glint(const TriangleMesh& part, const std::vector<TriangleMesh
   std::int32_t label = 0;
   for (const TriangleMesh& tool : tools) {
     cost.removed_mm3 +=
-        imprinted.imprint(tool, ++label, ImprintOperation::kSubtract, {.may_poke_through = true})
+        imprinted.imprint(tool, ++label, ImprintOperation::kSubtract, {.may_break_through = true})
             .removed_volume_mm3;
   }
   cost.cpu_s = cpu_seconds() - start_s;

@@ -32,14 +32,14 @@ Mask mask_of(const Spans& spans, int width, int height) {
 }
 
 // 1 1 0 1 0 0 1 in row 1: three stretches; a bridge of 1 joins the first two, of 2 all.
-TEST(SpansOf, JoinsGapsUpToTheBridgeByHand) {
+TEST(SpansOf, JoinsGapsUpToTheToleranceByHand) {
   Mask mask(7, 2);
   for (const int x : {0, 1, 3, 6}) {
     mask(x, 1) = 9;
   }
-  const auto ends = [&](int bridge) {
+  const auto ends = [&](int gap_tolerance) {
     std::vector<std::pair<int, int>> all;
-    for (const RowSpan& span : spans_of(mask, bridge)) {
+    for (const RowSpan& span : spans_of(mask, gap_tolerance)) {
       EXPECT_EQ(span.y, 1);
       EXPECT_EQ(span.size(), span.end - span.begin);
       all.emplace_back(span.begin, span.end);
@@ -52,7 +52,7 @@ TEST(SpansOf, JoinsGapsUpToTheBridgeByHand) {
   EXPECT_EQ(ends(2), (Ends{{0, 7}}));
 }
 
-TEST(SpansOf, HoldsExactlyTheMaskWithoutABridge) {
+TEST(SpansOf, HoldsExactlyTheMaskWithoutATolerance) {
   for (std::uint64_t i = 0; i < 1000; ++i) {
     const Mask mask = random_mask(i);
     const Mask again = mask_of(spans_of(mask), mask.width(), mask.height());
@@ -62,16 +62,16 @@ TEST(SpansOf, HoldsExactlyTheMaskWithoutABridge) {
   }
 }
 
-TEST(SpansOf, AreSortedApartAndBridgeNoMoreThanAsked) {
+TEST(SpansOf, AreSortedApartAndJoinNoMoreThanAsked) {
   for (std::uint64_t i = 0; i < 1000; ++i) {
     const Mask mask = random_mask(i);
-    const int bridge = static_cast<int>(i % 5);
-    const Spans spans = spans_of(mask, bridge);
+    const int gap_tolerance = static_cast<int>(i % 5);
+    const Spans spans = spans_of(mask, gap_tolerance);
     for (std::size_t k = 0; k < spans.size(); ++k) {
       ASSERT_NE(mask(spans[k].begin, spans[k].y), 0);
       ASSERT_NE(mask(spans[k].end - 1, spans[k].y), 0);
       if (k > 0 && spans[k].y == spans[k - 1].y) {
-        ASSERT_GT(spans[k].begin - spans[k - 1].end, bridge);
+        ASSERT_GT(spans[k].begin - spans[k - 1].end, gap_tolerance);
       }
       ASSERT_TRUE(k == 0 || spans[k].y >= spans[k - 1].y);
     }
@@ -130,9 +130,10 @@ TEST(GrownSpans, AreTheSpansOfTheDilatedMask) {
   for (std::uint64_t i = 0; i < 1000; ++i) {
     const Mask mask = random_mask(i);
     const int radius = static_cast<int>(i % 4);
-    const int bridge = static_cast<int>(i % 3);
-    const Spans spans = grown_spans(spans_of(mask), radius, bridge, mask.width(), mask.height());
-    const Spans expected = spans_of(dilated(mask, radius), bridge);
+    const int gap_tolerance = static_cast<int>(i % 3);
+    const Spans spans =
+        grown_spans(spans_of(mask), radius, gap_tolerance, mask.width(), mask.height());
+    const Spans expected = spans_of(dilated(mask, radius), gap_tolerance);
     ASSERT_EQ(spans.size(), expected.size()) << i;
     for (std::size_t k = 0; k < spans.size(); ++k) {
       ASSERT_EQ(spans[k].y, expected[k].y) << i;

@@ -35,7 +35,7 @@ TEST(BoxTree, FindsWhatLookingAtEveryBoxFinds) {
     const FloatBox query = box_of(a, a + random_point(rng, 3.0), a);
     std::vector<std::int32_t> expected;
     for (std::size_t j = 0; j < boxes.size(); ++j) {
-      if (boxes[j].meets(query)) {
+      if (boxes[j].overlaps(query)) {
         expected.push_back(static_cast<std::int32_t>(j));
       }
     }
@@ -73,9 +73,9 @@ TEST(FacesCross, AgreesWithExactPredicates) {
     if (is_degenerate(a) || is_degenerate(b)) {
       continue;
     }
-    const bool is_crossing = triangles_meet(a.corners, b.corners);
+    const bool is_crossing = triangles_intersect(a.corners, b.corners);
     EXPECT_EQ(faces_cross(a, b), is_crossing);
-    EXPECT_TRUE(may_meet(a, b) || !is_crossing);
+    EXPECT_TRUE(may_intersect(a, b) || !is_crossing);
     (is_crossing ? num_crossing : num_apart) += 1;
     const TestFace c({0, 4, 5}, {a.corners[0], b.corners[1], b.corners[2]});
     if (!is_degenerate(c)) {

@@ -139,7 +139,7 @@ ImprintResult imprint_with_retries(ImprintedMesh& part,
                                    std::int32_t label,
                                    std::uint64_t seed,
                                    Counts& counts) {
-  constexpr ImprintLimits kLimits = {.may_poke_through = true};
+  constexpr ImprintLimits kLimits = {.may_break_through = true};
   ImprintResult result = part.imprint(tool, label, ImprintOperation::kSubtract, kLimits);
   Rng rng(seed, Stream::kTest, 1'000'000U + static_cast<std::uint64_t>(label));
   int retry = 0;
@@ -295,7 +295,7 @@ TEST(ImprintRobust, BrokenPartsTakeMostImprintsAndNeverGetWorse) {
 TEST(ImprintRobust, FlushToolsSucceedAtAllPlacesWithRetries) {
   const ImprintedMesh fresh(support::cube(100.0, 20));
   Counts counts;
-  int most_retries = 0;
+  int max_retries = 0;
   for (int i = 0; i < 19; ++i) {
     for (int j = 0; j < 19; ++j) {
       // Top faces in one plane; the sides lie on the part's grid lines for every other place.
@@ -310,10 +310,10 @@ TEST(ImprintRobust, FlushToolsSucceedAtAllPlacesWithRetries) {
       ASSERT_TRUE(result.is_done()) << i << ' ' << j << ": " << outcome_text(result.outcome);
       EXPECT_NEAR(result.removed_volume_mm3, 125.0, 0.1 * 125.0);
       EXPECT_TRUE(find_faults(part.result().mesh).none());
-      most_retries += counts.retried - before;
+      max_retries += counts.retried - before;
     }
   }
-  fmt::print("flush tools: {} of 361 done, {} of them after retries\n", counts.done, most_retries);
+  fmt::print("flush tools: {} of 361 done, {} of them after retries\n", counts.done, max_retries);
   EXPECT_EQ(counts.done, 361);
 }
 

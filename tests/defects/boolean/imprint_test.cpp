@@ -115,7 +115,7 @@ TEST(ImprintedMesh, CountsTheVolumeItsResultLost) {
     const TriangleMesh tool = support::mixed_tool(places, support::diagonal_mm(part), 3, i);
     ASSERT_EQ(tool_fault(tool), "");
     const ImprintOperation operation = i % 3 == 2 ? kUnite : kSubtract;
-    const ImprintResult result = mesh.imprint(tool, i + 1, operation, {.may_poke_through = true});
+    const ImprintResult result = mesh.imprint(tool, i + 1, operation, {.may_break_through = true});
     EXPECT_TRUE(result.is_done()) << i << ": " << outcome_text(result.outcome);
     EXPECT_EQ(result.removed_volume_mm3 < 0.0, operation == kUnite);
     removed_mm3 += result.removed_volume_mm3;
@@ -139,7 +139,7 @@ TEST(ImprintedMesh, RemovesOnAverageWhatRandomPointsCount) {
     const PatchTool inside_tool(tool);
     ImprintedMesh mesh = fresh;
     const double removed_mm3 =
-        mesh.imprint(tool, 1, kSubtract, {.may_poke_through = true}).removed_volume_mm3;
+        mesh.imprint(tool, 1, kSubtract, {.may_break_through = true}).removed_volume_mm3;
     const BoundingBox bounds = bounding_box(tool);
     Rng rng(9, Stream::kTest, static_cast<std::uint64_t>(i));
     int hits = 0;
@@ -188,19 +188,19 @@ TEST(ImprintedMesh, RefusesTunnelsAndCutOffPiecesUnlessAllowed) {
   const ImprintedMesh plate(box({0.0, 0.0, 0.0}, {40.0, 30.0, 2.0}, 5));
   const TriangleMesh through = turned_ball_at({11.1, 12.2, 1.0}, 3.0);
   ImprintedMesh refused = plate;
-  EXPECT_EQ(refused.imprint(through, 1, kSubtract).outcome, ImprintOutcome::kPokesThrough);
-  EXPECT_EQ(refused.imprint(through, 1, kUnite).outcome, ImprintOutcome::kPokesThrough);
+  EXPECT_EQ(refused.imprint(through, 1, kSubtract).outcome, ImprintOutcome::kBreaksThrough);
+  EXPECT_EQ(refused.imprint(through, 1, kUnite).outcome, ImprintOutcome::kBreaksThrough);
   ImprintedMesh allowed = plate;
-  const ImprintResult tunnel = allowed.imprint(through, 1, kSubtract, {.may_poke_through = true});
+  const ImprintResult tunnel = allowed.imprint(through, 1, kSubtract, {.may_break_through = true});
   EXPECT_TRUE(tunnel.is_done());
   EXPECT_EQ(tunnel.seam_loops, 2);
   EXPECT_TRUE(find_faults(allowed.result().mesh).none());
   const ImprintedMesh bar(box({0.0, 0.0, 0.0}, {40.0, 3.0, 2.0}, 5));
   const TriangleMesh slice = box({11.1, -1.0, -1.0}, {12.3, 4.0, 3.1}, 3);
   ImprintedMesh whole = bar;
-  EXPECT_EQ(whole.imprint(slice, 1, kSubtract).outcome, ImprintOutcome::kPokesThrough);
+  EXPECT_EQ(whole.imprint(slice, 1, kSubtract).outcome, ImprintOutcome::kBreaksThrough);
   // 1.2 x 3 x 2 mm are cut out.
-  EXPECT_NEAR(whole.imprint(slice, 1, kSubtract, {.may_poke_through = true}).removed_volume_mm3,
+  EXPECT_NEAR(whole.imprint(slice, 1, kSubtract, {.may_break_through = true}).removed_volume_mm3,
               7.2,
               1e-10);
   // Two loops on one side are no tunnel: a dent over the end of the plate's corner.

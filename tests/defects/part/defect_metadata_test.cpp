@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 DefectivePart one_dent_and_one_scratch() {
-  MadeDefect dent;
+  RealisedDefect dent;
   dent.defect = {.label = "dents_1",
                  .group = "dents",
                  .id = 1,
@@ -36,7 +36,7 @@ DefectivePart one_dent_and_one_scratch() {
   dent.removed_volume_mm3 = 0.25;
   dent.faces = 321;
   dent.seconds = 0.123;
-  MadeDefect scratch;
+  RealisedDefect scratch;
   scratch.defect = {.label = "scratches_1",
                     .group = "scratches",
                     .id = 2,

@@ -69,7 +69,7 @@ DefectGroup random_scratches(double count) {
 }
 
 int num_made(const DefectivePart& part) {
-  return static_cast<int>(std::ranges::count_if(part.defects, &MadeDefect::is_made));
+  return static_cast<int>(std::ranges::count_if(part.defects, &RealisedDefect::is_made));
 }
 
 TEST(DefectMaker, ImprintsAreClosedLabelledAndTakeAwayWhatTheySay) {
@@ -82,7 +82,7 @@ TEST(DefectMaker, ImprintsAreClosedLabelledAndTakeAwayWhatTheySay) {
   EXPECT_EQ(made.labels.size(), made.mesh.num_triangles());
   EXPECT_EQ(made.mesh.corner_normals.size(), made.mesh.num_triangles());
   double removed_mm3 = 0.0;
-  for (const MadeDefect& defect : made.defects) {
+  for (const RealisedDefect& defect : made.defects) {
     EXPECT_GT(defect.removed_volume_mm3, 0.0) << defect.defect.label;
     EXPECT_GT(defect.faces, 0) << defect.defect.label;
     EXPECT_EQ(std::ranges::count(made.labels, defect.defect.id), defect.faces);
@@ -162,7 +162,7 @@ TEST(DefectMaker, TellsWhatItLastDrewOfADefectWithoutRoom) {
   const DefectivePart made = Workshop({{"dents", dents}}, {.max_attempts = 5}).make();
   ASSERT_EQ(num_made(made), 1);
   for (const std::size_t i : {1U, 2U}) {
-    const MadeDefect& refused = made.defects[i];
+    const RealisedDefect& refused = made.defects[i];
     EXPECT_EQ(
         refused.refusals,
         (std::vector<std::pair<std::string, int>>{{"nearer than 60 mm to another defect", 5}}));

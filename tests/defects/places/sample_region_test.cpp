@@ -29,23 +29,23 @@ TEST(DefectSampler, RimsKeepTheirDistance) {
   DefectGroup line = sampler_dents(20);
   line.type = DefectType::kScratch;
   line.angle_rad = {-3.0, 3.0};
-  const auto least_mm = [&](double apart_mm) {
+  const auto min_distance_mm = [&](double apart_mm) {
     round.min_distance_mm = line.min_distance_mm = apart_mm;
-    double least = std::numeric_limits<double>::infinity();
+    double minimum = std::numeric_limits<double>::infinity();
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
       const std::vector<Defect> defects =
           Sampled(sampler_plate(), {{"dents", round}, {"scratches", line}}).all(seed);
       EXPECT_EQ(defects.size(), 60U);
       for (std::size_t i = 0; i < defects.size(); ++i) {
         for (std::size_t k = 0; k < i; ++k) {
-          least = std::min(least, rim_distance(defects[i], defects[k]));
+          minimum = std::min(minimum, rim_distance(defects[i], defects[k]));
         }
       }
     }
-    return least;
+    return minimum;
   };
-  EXPECT_GE(least_mm(0.7), 0.7);
-  EXPECT_LT(least_mm(0.0), 0.0);
+  EXPECT_GE(min_distance_mm(0.7), 0.7);
+  EXPECT_LT(min_distance_mm(0.0), 0.0);
 }
 
 // Centres 5 mm apart. Round ones of 1 mm: 4 mm between the rims. A scratch along the line between
@@ -77,25 +77,25 @@ TEST(SegmentDistance, IsTheLeastOverBothSegments) {
     const Vector3d c = point();
     const Vector3d d = i % 5 == 0 ? Vector3d(c + 0.7 * (b - a)) : point();
     const double told = segment_distance(a, b, c, d);
-    double least = std::numeric_limits<double>::infinity();
+    double minimum = std::numeric_limits<double>::infinity();
     for (int k = 0; k <= 400; ++k) {
       const Vector3d p = a + k / 400.0 * (b - a);
       const double length = (d - c).squaredNorm();
       const double t = length > 0.0 ? std::clamp((p - c).dot(d - c) / length, 0.0, 1.0) : 0.0;
-      least = std::min(least, (p - c - t * (d - c)).norm());
+      minimum = std::min(minimum, (p - c - t * (d - c)).norm());
     }
-    EXPECT_LE(told, least + 1e-9);
-    EXPECT_GE(told, least - 0.01);
+    EXPECT_LE(told, minimum + 1e-9);
+    EXPECT_GE(told, minimum - 0.01);
   }
 }
 
 // The plate's edges: |x| = 30, |y| = 20 on top (its 2 mm high sides are all within 3 mm of one).
 TEST(DefectSampler, CentresKeepTheirDistanceToSharpEdges) {
   DefectGroup group = sampler_dents(1);
-  const auto least_mm = [&](double apart_mm, int* refused) {
+  const auto min_distance_mm = [&](double apart_mm, int* refused) {
     group.edge_distance_mm = apart_mm;
     const Sampled s(posed_part(sampler_plate()), {{"dents", group}});
-    double least = std::numeric_limits<double>::infinity();
+    double minimum = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 1000; ++i) {
       const auto drawn = s.draw(9, i);
       if (!drawn.defect) {
@@ -104,17 +104,17 @@ TEST(DefectSampler, CentresKeepTheirDistanceToSharpEdges) {
         continue;
       }
       const Vector3d p = s.in_part(*drawn.defect);
-      least = std::min({least, 30.0 - std::abs(p.x()), 20.0 - std::abs(p.y())});
+      minimum = std::min({minimum, 30.0 - std::abs(p.x()), 20.0 - std::abs(p.y())});
     }
-    return least;
+    return minimum;
   };
   int refused = 0;
-  EXPECT_GE(least_mm(3.0, &refused), 3.0 - 1e-9);
+  EXPECT_GE(min_distance_mm(3.0, &refused), 3.0 - 1e-9);
   // Allowed: 2 * 54 * 34 of 2 * 60 * 40 + 2 * (60 + 40) * 2 = 5200 mm2, so 0.706; refused 294 with
   // a standard deviation of 14.4.
   EXPECT_NEAR(refused, 294, 4 * 14.4);
   refused = 0;
-  EXPECT_LT(least_mm(0.0, &refused), 0.1);
+  EXPECT_LT(min_distance_mm(0.0, &refused), 0.1);
   EXPECT_EQ(refused, 0);
 }
 

@@ -185,13 +185,13 @@ TEST(LoopPlaces, ConvergesToASmoothSurface) {
     EXPECT_NEAR(step / (volumes_mm3[i - 1] - volumes_mm3[i]), 0.25, 0.07);
   }
   // Nearly a sphere: the radii of the limit surface differ by less than 3 %.
-  double least = 1e9;
-  double most = 0.0;
+  double minimum = 1e9;
+  double maximum = 0.0;
   for (const Vector3d& v : mesh.vertices_mm) {
-    least = std::min(least, v.norm());
-    most = std::max(most, v.norm());
+    minimum = std::min(minimum, v.norm());
+    maximum = std::max(maximum, v.norm());
   }
-  EXPECT_LT(most / least, 1.03);
+  EXPECT_LT(maximum / minimum, 1.03);
 }
 
 TEST(LoopPlaces, ACubeWithCreasesKeepsItsShape) {

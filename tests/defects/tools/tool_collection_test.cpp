@@ -13,7 +13,7 @@
 #include "core/rng.h"
 #include "core/units.h"
 #include "defects/boolean/imprint_checks.h"
-#include "defects/tools/own_tools.h"
+#include "defects/tools/custom_tools.h"
 #include "defects/tools/round_tool.h"
 #include "defects/tools/tools.h"
 #include "simulator/geometry/mesh_file/mesh_write.h"
@@ -48,7 +48,7 @@ std::string reason_of(const DefectGroup& group) {
   return "accepted";
 }
 
-TEST(OwnTools, AreTakenInTheOrderOfTheirNamesFromAllFormats) {
+TEST(CustomTools, AreTakenInTheOrderOfTheirNamesFromAllFormats) {
   const auto folder = fresh_folder();
   for (const char* name : {"c.stl", "a.ply", "d.obj", "b.off"}) {
     write_mesh(folder / name, box_tool(1.0, 1.0, 1.0, 1.0));
@@ -65,7 +65,7 @@ TEST(OwnTools, AreTakenInTheOrderOfTheirNamesFromAllFormats) {
   EXPECT_EQ(ToolCollection("pits", {.type = DefectType::kPit}).choose(3), "pit");
 }
 
-TEST(OwnTools, RefusesFoldersWithoutTools) {
+TEST(CustomTools, RefusesFoldersWithoutTools) {
   const auto folder = fresh_folder();
   write_file(folder / "readme.txt", "not a tool");
   EXPECT_THAT(reason_of({.tool_folder = folder}), HasSubstr("defects.dents.tool_folder: "));
@@ -73,7 +73,7 @@ TEST(OwnTools, RefusesFoldersWithoutTools) {
   EXPECT_THAT(reason_of({.tool_folder = folder / "missing"}), HasSubstr("cannot read the folder"));
 }
 
-TEST(OwnTools, RefusesUnusableMeshesWithFileAndReason) {
+TEST(CustomTools, RefusesUnusableMeshesWithFileAndReason) {
   const TriangleMesh good = box_tool(1.0, 1.0, 1.0, 1.0);
   TriangleMesh open = good;
   open.triangles.pop_back();
@@ -103,7 +103,7 @@ TEST(OwnTools, RefusesUnusableMeshesWithFileAndReason) {
 
 // A box of 2 x 1 and 4 deep, 1 high, for an opening of 0.5: scaled by 0.25 to 0.5 x 0.25; 0.02
 // deep; above drawn out to 0.25.
-TEST(OwnTools, AreScaledToSizeAndDepth) {
+TEST(CustomTools, AreScaledToSizeAndDepth) {
   TriangleMesh box = box_tool(1.0, 0.5, 4.0, 1.0);
   for (Eigen::Vector3d& p : box.vertices_mm) {
     p += Eigen::Vector3d(10.0, 20.0, 0.0);
@@ -118,7 +118,7 @@ TEST(OwnTools, AreScaledToSizeAndDepth) {
   EXPECT_NEAR(bounding_box(line).size_mm().y(), 0.2, 1e-12);
 }
 
-TEST(OwnTools, BumpsKeepTheirSide) {
+TEST(CustomTools, BumpsKeepTheirSide) {
   const auto folder = fresh_folder();
   write_mesh(folder / "bump.ply", box_tool(1.0, 1.0, 0.5, 2.0));
   const ToolCollection tools("bumps", {.type = DefectType::kBump, .tool_folder = folder});
@@ -133,7 +133,7 @@ TEST(OwnTools, BumpsKeepTheirSide) {
   EXPECT_EQ(tool_fault(tool), "");
 }
 
-TEST(OwnTools, RefusesANameThatIsNotThere) {
+TEST(CustomTools, RefusesANameThatIsNotThere) {
   const auto folder = fresh_folder();
   write_mesh(folder / "a.ply", box_tool(1.0, 1.0, 1.0, 1.0));
   const ToolCollection tools("dents", {.tool_folder = folder});
@@ -145,7 +145,7 @@ TEST(OwnTools, RefusesANameThatIsNotThere) {
 }
 
 /// Twelve triangles along a quarter of a cylinder: depth from the axis is the same everywhere.
-TEST(OwnTools, LinesFollowTheSurface) {
+TEST(CustomTools, LinesFollowTheSurface) {
   const auto folder = fresh_folder();
   write_mesh(folder / "bar.stl", box_tool(5.0, 0.5, 0.5, 0.5));
   const ToolCollection tools("scratches", {.type = DefectType::kScratch, .tool_folder = folder});
@@ -181,7 +181,7 @@ TEST(OwnTools, LinesFollowTheSurface) {
 }
 
 // A tool of a thousand random own shapes: rough balls lifted or lowered, as dents, bumps, lines.
-TEST(OwnTools, AreSoundWhateverTheirSizeAndPlace) {
+TEST(CustomTools, AreSoundWhateverTheirSizeAndPlace) {
   const auto folder = fresh_folder();
   for (int i = 0; i < 5; ++i) {
     TriangleMesh mesh = round_tool({.diameter_mm = 2.0,

@@ -183,8 +183,8 @@ TEST(ThresholdForEdges, EndsForAnyRateAndPolarity) {
   EXPECT_EQ(threshold(EdgePolarity::kBright, 0.1), above(0.3F));
   EXPECT_EQ(threshold(EdgePolarity::kDark, 0.1), above(0.2F));
   EXPECT_EQ(threshold(EdgePolarity::kBoth, 0.5), above(0.2F)) << "one blob in two pictures";
-  EXPECT_EQ(threshold(EdgePolarity::kBoth, 1.0), kLeastThreshold);
-  EXPECT_EQ(threshold(EdgePolarity::kBoth, 1e300), kLeastThreshold);
+  EXPECT_EQ(threshold(EdgePolarity::kBoth, 1.0), kMinThreshold);
+  EXPECT_EQ(threshold(EdgePolarity::kBoth, 1e300), kMinThreshold);
 }
 
 }  // namespace

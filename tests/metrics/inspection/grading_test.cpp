@@ -25,9 +25,9 @@ FoundDefect defect_of(DefectKind kind, int area_px, double weight) {
   return defect;
 }
 
-LabelledPart part_of(std::array<double, 4> figures, Grade grade) {
-  return {.holes = {.biggest = figures[0], .sum = figures[1]},
-          .scratches = {.biggest = figures[2], .sum = figures[3]},
+LabelledPart part_of(std::array<double, 4> measures, Grade grade) {
+  return {.holes = {.biggest = measures[0], .sum = measures[1]},
+          .scratches = {.biggest = measures[2], .sum = measures[3]},
           .grade = grade};
 }
 
@@ -250,12 +250,12 @@ TEST(LearnLimits, HasAsFewWrongAsTryingEverything) {
   int hard = 0;
   for (std::uint64_t i = 0; i < 1000; ++i) {
     Rng rng(2, Stream::kTest, i);
-    const auto figure = [&] { return std::floor(rng.uniform(0.0, kValues)); };
+    const auto measure = [&] { return std::floor(rng.uniform(0.0, kValues)); };
     std::vector<LabelledPart> parts;
     const int count = 2 + static_cast<int>(rng.uniform(0.0, 9.0));
     for (int k = 0; k < count; ++k) {
       const auto grade = static_cast<Grade>(static_cast<int>(rng.uniform(0.0, 3.0)));
-      parts.push_back(part_of({figure(), figure(), figure(), figure()}, grade));
+      parts.push_back(part_of({measure(), measure(), measure(), measure()}, grade));
     }
     const LearnedLimits learned = learn_limits(parts);
     const int fewest = fewest_wrong(parts, kValues);

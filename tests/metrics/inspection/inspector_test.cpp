@@ -70,7 +70,7 @@ TEST(InspectorResponse, IsZeroForConstantImagesAlsoAtTheRim) {
       const ImageF response = inspector.response(aspect, pool);
       for (const float value : response.values()) {
         ASSERT_LE(static_cast<double>(std::abs(value)),
-                  inspector.least_threshold() * static_cast<double>(grey))
+                  inspector.min_threshold() * static_cast<double>(grey))
             << "filter " << static_cast<int>(settings.filter);
       }
     }
@@ -203,10 +203,10 @@ TEST(Inspector, FindsNothingInBlackOrSaturatedSequences) {
           24, Image<std::uint8_t>(140, 90, static_cast<std::uint8_t>(code)));
       const Inspection result = inspector.inspect(frames, pool);
       EXPECT_TRUE(result.defects.empty());
-      EXPECT_GE(result.threshold, kLeastThreshold);
+      EXPECT_GE(result.threshold, kMinThreshold);
       EXPECT_TRUE(inspector
                       .blobs(inspector.response(aspect_of(frames, pool), pool),
-                             inspector.least_threshold(),
+                             inspector.min_threshold(),
                              pool)
                       .empty())
           << "rounding beyond the least threshold";
@@ -295,18 +295,18 @@ TEST(InspectorThreshold, DoesNotLimitTheThreadsOfTheProgram) {
   const Inspector inspector({}, Mask(300, 200, 1));
   const ImageF response(300, 200, 0.5F);
   std::atomic<bool> is_done = false;
-  std::size_t least = many;
+  std::size_t minimum = many;
   std::thread watcher([&] {
     while (!is_done) {
-      least = std::min(least, tbb::global_control::active_value(kLimit));
+      minimum = std::min(minimum, tbb::global_control::active_value(kLimit));
     }
   });
   for (int i = 0; i < 300; ++i) {
-    EXPECT_EQ(inspector.threshold(response), kLeastThreshold);
+    EXPECT_EQ(inspector.threshold(response), kMinThreshold);
   }
   is_done = true;
   watcher.join();
-  EXPECT_EQ(least, many);
+  EXPECT_EQ(minimum, many);
 }
 
 TEST(InspectorThreshold, IsThatOfAnInspection) {
@@ -401,7 +401,7 @@ TEST(ThresholdFor, RefusesNoPicturesAndAcceptsFlatOnes) {
   const Inspector inspector({}, Mask(50, 40, 1));
   EXPECT_THROW(threshold_for(inspector, {}, 0.1, pool), ConfigError);
   const std::vector<ImageF> flat(3, ImageF(50, 40));
-  EXPECT_EQ(threshold_for(inspector, flat, 0.1, pool), kLeastThreshold);
+  EXPECT_EQ(threshold_for(inspector, flat, 0.1, pool), kMinThreshold);
 }
 
 }  // namespace

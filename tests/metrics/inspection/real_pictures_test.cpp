@@ -115,7 +115,7 @@ double area_under_curve(const ImageF& response, const Mask& labels, const Mask& 
 struct Summary {
   double mean = 0.0;
   double low = 0.0;  ///< of the mean over pictures like these, 95 %, by Student's t
-  double least = 1.0;
+  double minimum = 1.0;
 };
 
 /// Pictures are the sample: pixels of one picture are no independent trials.
@@ -124,7 +124,7 @@ Summary summary_of(const std::vector<double>& areas) {
   Summary summary;
   for (const double area : areas) {
     summary.mean += area / count;
-    summary.least = std::min(summary.least, area);
+    summary.minimum = std::min(summary.minimum, area);
   }
   double squares = 0.0;
   for (const double area : areas) {
@@ -153,7 +153,7 @@ Summary inspected(const std::vector<Photograph>& photographs,
                            name,
                            summary.mean,
                            summary.low,
-                           summary.least,
+                           summary.minimum,
                            list);
   return summary;
 }

@@ -60,11 +60,11 @@ ImageF rendered(const Inside& shape, const Pose& pose, int width, int height) {
 struct Outline {
   std::array<double, 5> size = {};
   std::array<double, 5> phase = {};
-  double most = 0.0;  ///< of all waves together
+  double maximum = 0.0;  ///< of all waves together
 
   bool operator()(double x, double y) const {
     const double r = std::hypot(x, y);
-    if (std::abs(r - 1.0) > most) {
+    if (std::abs(r - 1.0) > maximum) {
       return r < 1.0;
     }
     const double angle = std::atan2(y, x);
@@ -80,10 +80,10 @@ struct Outline {
 inline Outline random_outline(Rng& rng) {
   Outline outline;
   for (std::size_t k = 0; k < outline.size.size(); ++k) {
-    const double most = k == 0 ? 0.1 : 0.5 / (static_cast<double>(k) + 1.0);
-    outline.size[k] = 0.5 * most * rng.uniform();
+    const double maximum = k == 0 ? 0.1 : 0.5 / (static_cast<double>(k) + 1.0);
+    outline.size[k] = 0.5 * maximum * rng.uniform();
     outline.phase[k] = rng.uniform(-kPi, kPi);
-    outline.most += outline.size[k];
+    outline.maximum += outline.size[k];
   }
   return outline;
 }

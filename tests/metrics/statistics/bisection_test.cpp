@@ -20,7 +20,7 @@ TEST(SmallestDetectable, FindsWhereTheFigureReachesTheTarget) {
     ASSERT_EQ(found.result, Detectable::kFound);
     EXPECT_GE(found.size, where * (1.0 - 1e-12));
     EXPECT_LE(found.size, where * 1.0101);
-    EXPECT_GE(found.figure, 3.0);
+    EXPECT_GE(found.statistic, 3.0);
   }
 }
 
@@ -47,7 +47,7 @@ TEST(SmallestDetectable, SaysWhenAllOrNothingIsFound) {
   const auto never = smallest_detectable(rising, 0.5, 2.0, 3.0);
   EXPECT_EQ(never.result, Detectable::kNever);
   EXPECT_EQ(never.size, 2.0);
-  EXPECT_EQ(never.figure, 2.0);
+  EXPECT_EQ(never.statistic, 2.0);
   const auto no_number = smallest_detectable([](double) { return std::nan(""); }, 0.5, 2.0, 3.0);
   EXPECT_EQ(no_number.result, Detectable::kNever);
 }
@@ -62,7 +62,7 @@ TEST(SmallestDetectable, StopsAfterTheAllowedFigures) {
       1e-6,
       1e6,
       1.0,
-      {.relative_step = 1e-15, .most_calls = 12});
+      {.relative_step = 1e-15, .max_calls = 12});
   EXPECT_EQ(calls, 12);
   EXPECT_EQ(found.result, Detectable::kFound);
 }

@@ -22,11 +22,11 @@ namespace {
 
 constexpr double kNearlyOne = 1.0 - 1e-15;
 
-void expect_ordered(const Estimate& estimate, double least, double most) {
+void expect_ordered(const Estimate& estimate, double minimum, double maximum) {
   EXPECT_LE(estimate.low, estimate.value);
   EXPECT_GE(estimate.high, estimate.value);
-  EXPECT_GE(estimate.low, least);
-  EXPECT_LE(estimate.high, most);
+  EXPECT_GE(estimate.low, minimum);
+  EXPECT_LE(estimate.high, maximum);
 }
 
 TEST(StatisticsEdges, IntervalsHoldTheirValueAtAnyConfidence) {

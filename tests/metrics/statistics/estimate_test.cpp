@@ -205,11 +205,11 @@ TEST(Bootstrap, OfAMeanComesCloseToStudentsInterval) {
 
 TEST(Bootstrap, IsTheSameForTheSameSeedAndDiffersForAnother) {
   const std::vector<double> values = {1.0, 4.0, 9.0, 16.0, 25.0, 36.0, 49.0, 64.0};
-  const auto figure = [&](const auto& chosen) { return mean_at(values, chosen); };
-  const Estimate first = bootstrap(8, figure, 200, 1);
-  EXPECT_EQ(first.low, bootstrap(8, figure, 200, 1).low);
-  EXPECT_EQ(first.high, bootstrap(8, figure, 200, 1).high);
-  EXPECT_NE(first.low, bootstrap(8, figure, 200, 2).low);
+  const auto statistic = [&](const auto& chosen) { return mean_at(values, chosen); };
+  const Estimate first = bootstrap(8, statistic, 200, 1);
+  EXPECT_EQ(first.low, bootstrap(8, statistic, 200, 1).low);
+  EXPECT_EQ(first.high, bootstrap(8, statistic, 200, 1).high);
+  EXPECT_NE(first.low, bootstrap(8, statistic, 200, 2).low);
 }
 
 // Of 30 things all are different, of those drawn again some 19: the figure is above all resampled

@@ -49,8 +49,8 @@ Answer told_answer(const SearchSpace& space, const Point& point, double merit, b
     }
   }
   for (std::size_t i = 0; i < point.size(); ++i) {
-    const double scale = slope_at(space, point, i);
-    answer.objective.slopes.push_back(scale == 0.0 ? 0.0 : scale * gradient[i]);
+    const double scale = derivative_at(space, point, i);
+    answer.objective.gradient.push_back(scale == 0.0 ? 0.0 : scale * gradient[i]);
   }
   return answer;
 }

@@ -193,8 +193,8 @@ TEST(GradientSearch, DoesNotDependOnTheScaleOfTheObjective) {
           long_bowl_problem(), algorithm, scale * 1e-5, [scale](const Point& p, int) {
             Outcome outcome = long_bowl(p);
             outcome.scores["loss"] *= scale;
-            for (double& slope : outcome.gradients["loss"]) {
-              slope *= scale;
+            for (double& derivative : outcome.gradients["loss"]) {
+              derivative *= scale;
             }
             return outcome;
           });
@@ -210,8 +210,8 @@ TEST(GradientSearch, AWrongGradientDoesNotConverge) {
           evaluations_to(problem, algorithm, 1e-4, [&problem](const Point& p, int) {
             Outcome outcome = problem.evaluate(p);
             for (auto& [name, gradient] : outcome.gradients) {
-              for (double& slope : gradient) {
-                slope = -slope;
+              for (double& derivative : gradient) {
+                derivative = -derivative;
               }
             }
             return outcome;

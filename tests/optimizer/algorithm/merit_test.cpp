@@ -124,11 +124,11 @@ double central_difference(const SearchSpace& space,
   return (values[1] - values[0]) / (2.0 * kDelta);
 }
 
-void expect_slope(double slope, double difference) {
-  EXPECT_NEAR(slope, difference, 1e-6 * (1.0 + std::abs(slope)));
+void expect_derivative(double derivative, double difference) {
+  EXPECT_NEAR(derivative, difference, 1e-6 * (1.0 + std::abs(derivative)));
 }
 
-TEST(MeritFunction, SlopesAreThoseOfCentralDifferences) {
+TEST(MeritFunction, GradientsAreThoseOfCentralDifferences) {
   const SearchSpace space = test::smooth_mixed_space();
   for (const bool is_maximised : {true, false}) {
     Goal goal = homogeneity_goal();
@@ -151,17 +151,18 @@ TEST(MeritFunction, SlopesAreThoseOfCentralDifferences) {
       ASSERT_EQ(answer.limits.size(), static_cast<std::size_t>(num_limits(goal)));
       for (std::size_t i = 0; i < unit.size(); ++i) {
         if (!is_continuous(space.variables[i])) {
-          ASSERT_EQ(answer.objective.slopes[i], 0.0);
+          ASSERT_EQ(answer.objective.gradient[i], 0.0);
           continue;
         }
-        expect_slope(answer.objective.slopes[i],
-                     central_difference(
-                         space, merit, unit, i, [](const Answer& a) { return a.objective.value; }));
+        expect_derivative(answer.objective.gradient[i],
+                          central_difference(space, merit, unit, i, [](const Answer& a) {
+                            return a.objective.value;
+                          }));
         for (std::size_t k = 0; k < answer.limits.size(); ++k) {
-          expect_slope(answer.limits[k].slopes[i],
-                       central_difference(space, merit, unit, i, [k](const Answer& a) {
-                         return a.limits[k].value;
-                       }));
+          expect_derivative(answer.limits[k].gradient[i],
+                            central_difference(space, merit, unit, i, [k](const Answer& a) {
+                              return a.limits[k].value;
+                            }));
         }
       }
     }
@@ -180,13 +181,13 @@ TEST(MeritFunction, TellsLimitsApartFromTheObjective) {
   ASSERT_EQ(answer.limits.size(), 3U);
   const double margin = MeritFunction::kLimitMargin;
   EXPECT_DOUBLE_EQ(answer.objective.value, -0.5);
-  EXPECT_EQ(answer.objective.slopes, std::vector<double>{-1.0});  // -0.5 over a range of 2
-  EXPECT_DOUBLE_EQ(answer.limits[0].value, -1.0 + margin);        // (3 - 6) / 3
-  EXPECT_DOUBLE_EQ(answer.limits[1].value, 0.2 + margin);         // (6 - 5) / 5
-  EXPECT_DOUBLE_EQ(answer.limits[0].slopes[0], -4.0 / 3.0);       // -2 * 2 / 3
-  EXPECT_DOUBLE_EQ(answer.limits[1].slopes[0], 0.8);              // 2 * 2 / 5
+  EXPECT_EQ(answer.objective.gradient, std::vector<double>{-1.0});  // -0.5 over a range of 2
+  EXPECT_DOUBLE_EQ(answer.limits[0].value, -1.0 + margin);          // (3 - 6) / 3
+  EXPECT_DOUBLE_EQ(answer.limits[1].value, 0.2 + margin);           // (6 - 5) / 5
+  EXPECT_DOUBLE_EQ(answer.limits[0].gradient[0], -4.0 / 3.0);       // -2 * 2 / 3
+  EXPECT_DOUBLE_EQ(answer.limits[1].gradient[0], 0.8);              // 2 * 2 / 5
   EXPECT_DOUBLE_EQ(answer.limits[2].value, -0.25 + margin);
-  EXPECT_EQ(answer.limits[2].slopes, std::vector<double>{0.0});  // not known, and it holds
+  EXPECT_EQ(answer.limits[2].gradient, std::vector<double>{0.0});  // not known, and it holds
 }
 
 TEST(ProblemWith, NamesWhatCannotBeJudged) {

@@ -213,18 +213,18 @@ TEST(SearchSpace, ReportsAllProblemsAtOnce) {
   }
 }
 
-TEST(SlopeAt, IsTheHandWorkedDerivative) {
+TEST(DerivativeAt, IsTheHandWorkedDerivative) {
   const SearchSpace space = test::smooth_mixed_space();
-  Point point = {1.0, 10.0, 30.0, 5.0, 1.0, 12.0, 6.0};  // shape "round": radius is active
-  EXPECT_DOUBLE_EQ(slope_at(space, point, 0), 8.0);      // 5 - -3
-  EXPECT_NEAR(slope_at(space, point, 1), 10.0 * std::log(1e3), 1e-12);  // p * ln(100 / 0.1)
-  EXPECT_DOUBLE_EQ(slope_at(space, point, 2), 90.0);
-  EXPECT_EQ(slope_at(space, point, 3), 0.0);  // an integer
-  EXPECT_EQ(slope_at(space, point, 4), 0.0);  // a choice
-  EXPECT_DOUBLE_EQ(slope_at(space, point, 5), 10.0);
+  Point point = {1.0, 10.0, 30.0, 5.0, 1.0, 12.0, 6.0};   // shape "round": radius is active
+  EXPECT_DOUBLE_EQ(derivative_at(space, point, 0), 8.0);  // 5 - -3
+  EXPECT_NEAR(derivative_at(space, point, 1), 10.0 * std::log(1e3), 1e-12);  // p * ln(100 / 0.1)
+  EXPECT_DOUBLE_EQ(derivative_at(space, point, 2), 90.0);
+  EXPECT_EQ(derivative_at(space, point, 3), 0.0);  // an integer
+  EXPECT_EQ(derivative_at(space, point, 4), 0.0);  // a choice
+  EXPECT_DOUBLE_EQ(derivative_at(space, point, 5), 10.0);
   point[4] = 0.0;
-  EXPECT_EQ(slope_at(space, point, 5), 0.0);                // inactive now
-  EXPECT_EQ(slope_at(test::mixed_space(), point, 2), 0.0);  // rounded
+  EXPECT_EQ(derivative_at(space, point, 5), 0.0);                // inactive now
+  EXPECT_EQ(derivative_at(test::mixed_space(), point, 2), 0.0);  // rounded
 }
 
 }  // namespace

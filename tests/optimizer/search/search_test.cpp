@@ -274,14 +274,14 @@ TEST(RunSearch, RunsAsManyEvaluationsAtOnceAsItHasJobs) {
   task.settings.batch = 4;
   task.jobs = 2;
   std::atomic<int> running = 0;
-  std::atomic<int> most = 0;
+  std::atomic<int> maximum = 0;
   run_in(folder, task, [&](const Point& p, int) {
-    most = std::max(most.load(), ++running);
+    maximum = std::max(maximum.load(), ++running);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     --running;
     return loss(bowl(p));
   });
-  EXPECT_EQ(most.load(), 2);
+  EXPECT_EQ(maximum.load(), 2);
 }
 
 TEST(RunSearch, ALargerBudgetLaterIsTheSameAsOneAtOnce) {

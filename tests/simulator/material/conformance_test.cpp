@@ -191,7 +191,7 @@ TEST(Material, IsDarkenedByATexture) {
 
 // A smooth metal loses light at grazing only; what is added back must not come in rare bright
 // specks.
-TEST(Conductor, SpreadsRegainedLightWithoutSpecks) {
+TEST(Conductor, SpreadsCompensatedLightWithoutSpecks) {
   const GgxAlbedo table({0.002, 0.002});
   const Conductor metal = {.alpha = table.lowest(), .albedo = &table};
   Rng rng(6, Stream::kTest, 0);

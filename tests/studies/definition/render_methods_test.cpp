@@ -53,20 +53,21 @@ TEST(FrameMethod, HasAClosedMeanOnlyWhereASearchMayTakeIt) {
 
 TEST(FinerSettings, HaveOtherSeedsAndFourTimesTheSamplesOfPaths) {
   const SceneSettings scene = path_scene();
-  const SceneSettings finer = finer_settings(scene);
-  EXPECT_TRUE(needs_paths(finer));
-  EXPECT_EQ(finer.paths.samples, 4 * scene.paths.samples);
-  EXPECT_NE(finer.paths.seed, scene.paths.seed);
-  EXPECT_NE(finer.sensor.seed, scene.sensor.seed);
+  const SceneSettings rescoring_settings = finer_settings(scene);
+  EXPECT_TRUE(needs_paths(rescoring_settings));
+  EXPECT_EQ(rescoring_settings.paths.samples, 4 * scene.paths.samples);
+  EXPECT_NE(rescoring_settings.paths.seed, scene.paths.seed);
+  EXPECT_NE(rescoring_settings.sensor.seed, scene.sensor.seed);
 }
 
 TEST(FinerSettings, RenderEveryFrameOfAMirror) {
   for (const Method method : {Method::kAuto, Method::kIntegrated, Method::kClosed}) {
     const SceneSettings scene = mirror_scene(method);
-    const SceneSettings finer = finer_settings(scene);
-    EXPECT_EQ(finer.render.method, Method::kIntegrated);
-    EXPECT_EQ(finer.render.max_direction_error_rad, 0.25 * scene.render.max_direction_error_rad);
-    EXPECT_NE(finer.sensor.seed, scene.sensor.seed);
+    const SceneSettings rescoring_settings = finer_settings(scene);
+    EXPECT_EQ(rescoring_settings.render.method, Method::kIntegrated);
+    EXPECT_EQ(rescoring_settings.render.max_direction_error_rad,
+              0.25 * scene.render.max_direction_error_rad);
+    EXPECT_NE(rescoring_settings.sensor.seed, scene.sensor.seed);
   }
   const SceneSettings scene = mirror_scene(Method::kSampled);
   EXPECT_EQ(finer_settings(scene).render.method, Method::kSampled);

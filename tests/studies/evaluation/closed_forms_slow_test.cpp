@@ -12,7 +12,7 @@
 #include "core/rng.h"
 #include "core/thread_pool.h"
 #include "core/units.h"
-#include "metrics/aspect_image/scatter.h"
+#include "metrics/aspect_image/noise_variance.h"
 #include "simulator/render/scan/closed_scan.h"
 #include "studies/definition/study.h"
 #include "studies/imaging/scene_store.h"
@@ -57,7 +57,8 @@ FormComparison compare_forms(const std::string& name,
   found.closed =
       homogeneity(closed.aspect, closed.clipped_frames, frames, traced.region, scene.metrics);
   if (!closed.deviation.empty()) {
-    found.closed = with_scatter(found.closed, closed.aspect, closed.deviation, traced.region.mask);
+    found.closed =
+        with_noise_variance(found.closed, closed.aspect, closed.deviation, traced.region.mask);
   }
   found.full =
       homogeneity(full.aspect, full.sums.clipped_frames, frames, traced.region, scene.metrics);

@@ -20,7 +20,7 @@ double away_from_quarters(Rng& rng) {
 
 }  // namespace
 
-std::vector<SceneSettings> slope_parts() {
+std::vector<SceneSettings> derivative_parts() {
   SceneSettings base;
   base.render.method = RenderSettings::Method::kClosed;
   base.sensor.bits = 0;
@@ -50,7 +50,7 @@ std::vector<SceneSettings> slope_parts() {
   return all;
 }
 
-SceneSettings slope_scene(const std::vector<SceneSettings>& parts, std::uint64_t index) {
+SceneSettings derivative_scene(const std::vector<SceneSettings>& parts, std::uint64_t index) {
   Rng rng(97, Stream::kTest, index);
   SceneSettings scene = parts[index % parts.size()];
   TunnelSettings& t = scene.tunnel;
@@ -75,7 +75,7 @@ SceneSettings slope_scene(const std::vector<SceneSettings>& parts, std::uint64_t
   t.duty = rng.uniform() < 0.5 ? whole / scene.scan.positions : rng.uniform(0.25, 0.75);
   t.offset_mm = rng.uniform(0.0, 20.0);
   t.dark_reflectance = rng.uniform() < 0.4 ? rng.uniform(0.1, 0.6) : 0.0;
-  // A quarter of the scenes do not clip: their mean is by floors.
+  // A quarter of the scenes do not clip: their mean is.
   scene.sensor.gain = rng.uniform() < 0.25 ? rng.uniform(0.6, 0.95) : rng.uniform(1.05, 3.0);
   scene.sensor.blur_px = away_from_quarters(rng);
   return scene;

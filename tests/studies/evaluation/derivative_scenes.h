@@ -13,10 +13,10 @@ namespace glint {
 
 /// Strips and a sphere cap, two dents on each; few, so that they are traced once. The first
 /// two are larger than the picture: nothing that a derivative holds moves with the camera there.
-std::vector<SceneSettings> slope_parts();
+std::vector<SceneSettings> derivative_parts();
 
 /// Any tunnel that stays away from its own part, stripes and a sensor without noise.
-SceneSettings slope_scene(const std::vector<SceneSettings>& parts, std::uint64_t index);
+SceneSettings derivative_scene(const std::vector<SceneSettings>& parts, std::uint64_t index);
 
 /// The keys that scores of a scene may be derived by.
 std::vector<std::string> keys_offered(const SceneSettings& scene);

@@ -21,8 +21,8 @@
 #include "core/thread_pool.h"
 #include "core/units.h"
 #include "metrics/aspect_image/homogeneity.h"
-#include "simulator/render/derivative/scan_slopes.h"
-#include "studies/evaluation/scene_slopes.h"
+#include "simulator/render/derivative/scan_gradient.h"
+#include "studies/evaluation/scene_gradient.h"
 #include "studies/imaging/scene_store.h"
 #include "tests/studies/evaluation/derivative_scenes.h"
 #include "tests/studies/evaluation/exact_scores.h"
@@ -52,9 +52,9 @@ constexpr double kClearance = 1e-6;
 
 /// What is reached, not the goal: of the sure truths this share is met within the tolerance, over
 /// all keys, and for each key and score; and so many are sure.
-constexpr double kLeastShareOfAll = 1.0;
-constexpr double kLeastShare = 0.98;
-constexpr double kLeastSure = 0.999;
+constexpr double kMinShareOfAll = 1.0;
+constexpr double kMinShare = 0.98;
+constexpr double kMinSure = 0.999;
 
 const std::vector<std::string>& scores_of_interest() {
   static const std::vector<std::string> names = {
@@ -68,9 +68,9 @@ struct Truth {
 };
 
 /// A scene's scores with everything held that the derivative holds.
-class HeldScores {
+class DetachedScores {
  public:
-  HeldScores(const SceneSettings& scene, const TracedScene& traced)
+  DetachedScores(const SceneSettings& scene, const TracedScene& traced)
       : scene_(scene),
         traced_(traced),
         tunnel_(scene.tunnel),
@@ -86,11 +86,11 @@ class HeldScores {
 
   const SceneSettings& scene() const { return scene_; }
 
-  double lit_share() const { return evenness().lit_share; }
+  double lit_share() const { return uniformity().lit_share; }
 
   /// As the program computes them.
   ExactValues computed() const {
-    const Homogeneity h = evenness();
+    const Homogeneity h = uniformity();
     const auto defects = defect_scores(closed_.aspect, traced_.defects, kSigmaFloor);
     return {h.h_rms, h.mean, summarise(defects).min_cnr};
   }
@@ -136,14 +136,14 @@ class HeldScores {
   }
 
  private:
-  Homogeneity evenness() const {
+  Homogeneity uniformity() const {
     return homogeneity(closed_.aspect, {}, scene_.scan.positions, traced_.region);
   }
 
   /// Central differences over ever shorter steps, each once.
   class Ladder {
    public:
-    Ladder(const HeldScores& scores, const std::string& path) : scores_(scores), path_(path) {}
+    Ladder(const DetachedScores& scores, const std::string& path) : scores_(scores), path_(path) {}
 
     /// Of score s, from the steps first, first + 1 and first + 2.
     Truth truth(std::size_t first, std::size_t s) {
@@ -176,18 +176,18 @@ class HeldScores {
     static constexpr double kLongestOfPose = 1.0;  // rays cross dents' feet and the ridge of a roof
     static constexpr double kRounding = 1e-15;     // of a mean of grey values
 
-    const HeldScores& scores_;
+    const DetachedScores& scores_;
     const std::string& path_;
     std::array<std::optional<ExactValues>, 10> differences_;
   };
 
   ExactValues difference(const std::string& path, double step) const {
-    ExactValues slope = at(path, step);
+    ExactValues analytic = at(path, step);
     const ExactValues low = at(path, -step);
     for (std::size_t s = 0; s < 3; ++s) {
-      slope[s] = (slope[s] - low[s]) / (2.0 * step);
+      analytic[s] = (analytic[s] - low[s]) / (2.0 * step);
     }
-    return slope;
+    return analytic;
   }
 
   /// The scores with one number changed.
@@ -239,18 +239,19 @@ std::string describe(std::uint64_t index, const SceneSettings& s, const ScanPlan
 }
 
 /// The scene with a gain that leaves no grey value at the very edge of clipping.
-std::unique_ptr<HeldScores> scores_off_the_edge(SceneSettings scene, const TracedScene& traced) {
-  constexpr int kMostTries = 50;
+std::unique_ptr<DetachedScores> scores_off_the_edge(SceneSettings scene,
+                                                    const TracedScene& traced) {
+  constexpr int kMaxTries = 50;
   constexpr double kMoreGain = 1e-5;
-  auto scores = std::make_unique<HeldScores>(scene, traced);
-  for (int i = 0; i < kMostTries && scores->clearance() < kClearance; ++i) {
+  auto scores = std::make_unique<DetachedScores>(scene, traced);
+  for (int i = 0; i < kMaxTries && scores->clearance() < kClearance; ++i) {
     scene.sensor.gain *= 1.0 + kMoreGain;
-    scores = std::make_unique<HeldScores>(scene, traced);
+    scores = std::make_unique<DetachedScores>(scene, traced);
   }
   return scores;
 }
 
-void expect_same_scores(const HeldScores& scores) {
+void expect_same_scores(const DetachedScores& scores) {
   const ExactValues computed = scores.computed();
   const ExactValues exact = scores.exact();
   EXPECT_NEAR(computed[0], exact[0], 1e-4);
@@ -261,7 +262,7 @@ void expect_same_scores(const HeldScores& scores) {
 std::vector<Comparison> compare(std::uint64_t index,
                                 const SceneSettings& random,
                                 const TracedScene& traced) {
-  const std::unique_ptr<HeldScores> scores = scores_off_the_edge(random, traced);
+  const std::unique_ptr<DetachedScores> scores = scores_off_the_edge(random, traced);
   if (scores->lit_share() < 0.3) {
     return {};  // a part that hardly mirrors the light is no lighting
   }
@@ -334,14 +335,14 @@ Agreement agreement_of(const std::vector<const Comparison*>& group, double typic
 
 std::vector<Comparison> compare_all(ThreadPool& pool) {
   SceneStore store(pool);
-  const std::vector<SceneSettings> parts = slope_parts();
+  const std::vector<SceneSettings> parts = derivative_parts();
   std::vector<std::shared_ptr<const TracedScene>> traced;
   for (const SceneSettings& part : parts) {
     traced.push_back(store.trace(part));
   }
   const auto by_scene = pool.map<std::vector<Comparison>>(kScenes, [&](std::int64_t i) {
     const auto index = static_cast<std::uint64_t>(i);
-    return compare(index, slope_scene(parts, index), *traced[index % parts.size()]);
+    return compare(index, derivative_scene(parts, index), *traced[index % parts.size()]);
   });
   std::vector<Comparison> all;
   for (const std::vector<Comparison>& scene : by_scene) {
@@ -371,13 +372,13 @@ TEST(Derivatives, AgreeWithCentralDifferencesOnTwoHundredRandomScenes) {
                a.unsure,
                a.worst,
                a.at != nullptr ? a.at->path + " " + a.at->scene : "");
-    EXPECT_GE(a.within, kLeastShare * a.sure) << name;
+    EXPECT_GE(a.within, kMinShare * a.sure) << name;
     sure += a.sure;
     within += a.within;
   }
   fmt::print("{} of {} sure ones within 0.1 %, {} in all\n", within, sure, all.size());
-  EXPECT_GE(within, kLeastShareOfAll * sure);
-  EXPECT_GE(sure, kLeastSure * static_cast<double>(all.size()));
+  EXPECT_GE(within, kMinShareOfAll * sure);
+  EXPECT_GE(sure, kMinSure * static_cast<double>(all.size()));
 }
 
 }  // namespace

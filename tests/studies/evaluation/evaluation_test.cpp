@@ -95,9 +95,9 @@ TEST(Evaluate, ScoresWhateverPictureItIsGiven) {
 TEST(Evaluate, ScoresNoMoreThanIsWanted) {
   ThreadPool pool(1);
   const FakePicture picture(kUneven);
-  const WantedScores least = {
+  const WantedScores minimum = {
       .fringes = false, .defects = false, .robust = false, .slot = false, .errors = false};
-  const Scores few = evaluate(picture, pool, {}, least).scores;
+  const Scores few = evaluate(picture, pool, {}, minimum).scores;
   EXPECT_FALSE(few.contains("homogeneity.robust"));
   EXPECT_FALSE(few.contains("homogeneity.residual"));
   EXPECT_TRUE(evaluate(picture, pool).scores.contains("homogeneity.robust"));

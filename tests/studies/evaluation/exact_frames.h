@@ -38,7 +38,7 @@ class ExactFrames {
         sum_(settings_.duty) {
     dark_ = Tunnel(settings_).dark_radiance();
     for (std::size_t i = 0; i < picture.corners.origin_mm.size(); ++i) {
-      places_.push_back(meet(picture.corners, errors.corners, i));
+      places_.push_back(intersect(picture.corners, errors.corners, i));
     }
   }
 
@@ -50,7 +50,7 @@ class ExactFrames {
   LinearFunction phase_at(int x, int y) const { return phase_of(corners_at(x, y)); }
 
   /// What single places see that stand for a quarter of a cell each, added to images.
-  void add_held(const Mask& where, std::vector<std::vector<double>>& images) const {
+  void add_detached(const Mask& where, std::vector<std::vector<double>>& images) const {
     for (int y = 0; y < where.height(); ++y) {
       for (int x = 0; x < where.width(); ++x) {
         const std::size_t a = corner_of(x, y);
@@ -67,13 +67,14 @@ class ExactFrames {
     for (std::size_t g = 0; g < rays_.refined.size(); ++g) {
       for (std::size_t i = 0; i < rays_.refined[g].pixels.size(); ++i) {
         if (where.values()[static_cast<std::size_t>(rays_.refined[g].pixels[i])] != 0) {
-          add_held_of_refined(rays_.refined[g], picture_.refined[g], errors_.refined[g], i, images);
+          add_detached_of_refined(
+              rays_.refined[g], picture_.refined[g], errors_.refined[g], i, images);
         }
       }
     }
   }
 
-  /// Radiance images, frame by frame; what add_held() adds is left out.
+  /// Radiance images, frame by frame; what add_detached() adds is left out.
   std::vector<std::vector<double>> render(const Mask& where) {
     const std::size_t size = where.size();
     std::vector<std::vector<double>> images(frames_, std::vector<double>(size, 0.0));
@@ -120,10 +121,10 @@ class ExactFrames {
            static_cast<std::size_t>(x);
   }
 
-  ExactPlace meet(const ExactRays& rays,
-                  const std::vector<Eigen::Vector3d>& errors,
-                  std::size_t i) const {
-    ExactPlace place = wall_.meet(rays.origin_mm[i], rays.direction[i]);
+  ExactPlace intersect(const ExactRays& rays,
+                       const std::vector<Eigen::Vector3d>& errors,
+                       std::size_t i) const {
+    ExactPlace place = wall_.intersect(rays.origin_mm[i], rays.direction[i]);
     place.x_mm += errors[i].x();
     place.y_mm += errors[i].y();
     place.margin_mm += errors[i].z();
@@ -186,11 +187,11 @@ class ExactFrames {
     }
   }
 
-  void add_held_of_refined(const RefinedGroup& group,
-                           const ExactRays& rays,
-                           const std::vector<Eigen::Vector3d>& errors,
-                           std::size_t pixel,
-                           std::vector<std::vector<double>>& images) const {
+  void add_detached_of_refined(const RefinedGroup& group,
+                               const ExactRays& rays,
+                               const std::vector<Eigen::Vector3d>& errors,
+                               std::size_t pixel,
+                               std::vector<std::vector<double>>& images) const {
     const auto n = static_cast<std::size_t>(group.cells_per_axis);
     const std::size_t first = pixel * (n + 1) * (n + 1);
     const double share = 0.25 / static_cast<double>(n * n);
@@ -200,7 +201,7 @@ class ExactFrames {
       std::array<ExactPlace, 4> met;
       const std::array<std::size_t, 4> at = {a, a + 1, b, b + 1};
       for (std::size_t i = 0; i < 4; ++i) {
-        met[i] = meet(rays, errors, at[i]);
+        met[i] = intersect(rays, errors, at[i]);
       }
       if (group.is_smooth[pixel * n * n + cell] != 0 && lowest_of(met) >= kLowest) {
         continue;
@@ -265,7 +266,7 @@ class ExactFrames {
     const std::size_t first = pixel * (n + 1) * (n + 1);
     met_.clear();
     for (std::size_t i = 0; i < (n + 1) * (n + 1); ++i) {
-      met_.push_back(meet(rays, errors, first + i));
+      met_.push_back(intersect(rays, errors, first + i));
     }
     const double share = 1.0 / static_cast<double>(n * n);
     for (std::size_t cell = 0; cell < n * n; ++cell) {

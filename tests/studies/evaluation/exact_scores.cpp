@@ -83,13 +83,13 @@ class ExactTable {
         std::min<std::size_t>(ClippedMean::kIntervals - 1, static_cast<std::size_t>(place));
     const double s = place - static_cast<double>(i);
     const double rise = f_[i + 1] - f_[i];
-    const double a = slope(i);
-    const double b = slope(i + 1);
+    const double a = derivative(i);
+    const double b = derivative(i + 1);
     return f_[i] + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise)));
   }
 
  private:
-  double slope(std::size_t i) const {
+  double derivative(std::size_t i) const {
     if (i == 0) {
       return 2.0 * f_[1] - 1.5 * f_[0] - 0.5 * f_[2];
     }
@@ -104,7 +104,7 @@ std::vector<Vector3d> errors_of(const ExactWall& wall,
                                 const WallHits& hits) {
   std::vector<Vector3d> errors;
   for (std::size_t i = 0; i < rays.origin_mm.size(); ++i) {
-    const ExactPlace exact = wall.meet(rays.origin_mm[i], rays.direction[i]);
+    const ExactPlace exact = wall.intersect(rays.origin_mm[i], rays.direction[i]);
     const auto margin = static_cast<double>(hits.margin_mm[i]);
     const bool is_nowhere = exact.margin_mm < -1e20 || margin < -1e20;
     errors.push_back(is_nowhere ? Vector3d::Zero()
@@ -127,7 +127,7 @@ ExactScores::ExactScores(const SceneSettings& scene,
       sigma_floor_(sigma_floor),
       wanted_(plan.by_frames.empty() ? Mask(traced.corners.width_px, traced.corners.height_px)
                                      : plan.by_frames) {
-  for (const RowSpan& span : plan.by_floors) {
+  for (const RowSpan& span : plan.by_mean_radiance) {
     std::fill_n(wanted_.row(span.y) + span.begin, span.size(), static_cast<unsigned char>(1));
   }
   const Sensor sensor(scene.sensor, wanted_.width(), wanted_.height());
@@ -136,13 +136,15 @@ ExactScores::ExactScores(const SceneSettings& scene,
   const ExactWall wall(scene.tunnel);
   errors_.corners = errors_of(wall, picture.corners, footprints.hits());
   for (std::size_t g = 0; g < picture.refined.size(); ++g) {
-    errors_.refined.push_back(errors_of(
-        wall, picture.refined[g], meet_light(traced.corners.refined[g].rays, footprints.tunnel())));
+    errors_.refined.push_back(
+        errors_of(wall,
+                  picture.refined[g],
+                  intersect_light(traced.corners.refined[g].rays, footprints.tunnel())));
   }
   const ExactFrames frames(
-      traced.corners, scene, picture, errors_, plan.form.kind == ScanForm::Kind::kFloors);
+      traced.corners, scene, picture, errors_, plan.form.kind == ScanForm::Kind::kMeanRadiance);
   held_.assign(frames.frames(), std::vector<double>(wanted_.size(), 0.0));
-  frames.add_held(rendered_, held_);
+  frames.add_detached(rendered_, held_);
   for_each_grey(scene, picture, [&](const ExactFrames&, const std::vector<double>& grey) {
     std::vector<char>& is_full = is_full_.emplace_back();
     for (const double value : grey) {
@@ -156,7 +158,7 @@ template <class Use>
 void ExactScores::for_each_grey(const SceneSettings& scene,
                                 const ExactPicture& picture,
                                 const Use& use) const {
-  const bool is_linear = plan_.form.kind == ScanForm::Kind::kFloors;
+  const bool is_linear = plan_.form.kind == ScanForm::Kind::kMeanRadiance;
   ExactFrames frames(traced_.corners, scene, picture, errors_, is_linear);
   const Sensor sensor(scene.sensor, wanted_.width(), wanted_.height());
   const std::vector<double> weights = blur_weights(scene.sensor.blur_px, sensor.blur_radius_px());
@@ -206,13 +208,13 @@ std::vector<double> ExactScores::aspect_of(const SceneSettings& scene,
 }
 
 double ExactScores::clearance(const SceneSettings& scene, const ExactPicture& picture) const {
-  double least = 1.0;
+  double minimum = 1.0;
   for_each_grey(scene, picture, [&](const ExactFrames&, const std::vector<double>& grey) {
     for (std::size_t i = 0; i < grey.size(); ++i) {
-      least = wanted_.values()[i] != 0 ? std::min(least, std::abs(grey[i] - 1.0)) : least;
+      minimum = wanted_.values()[i] != 0 ? std::min(minimum, std::abs(grey[i] - 1.0)) : minimum;
     }
   });
-  return least;
+  return minimum;
 }
 
 ExactValues ExactScores::at(const SceneSettings& scene, const ExactPicture& picture) const {

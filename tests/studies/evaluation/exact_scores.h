@@ -3,7 +3,7 @@
 // Scores of a scan in double, from the rays on: what derivatives are compared with. The program
 // computes in float, whose rounding drowns the difference of two scores over a step as short as the
 // ripple of few frames needs. Written anew where the program has fast forms: walls are met exactly,
-// every cell is integrated over its polygon, and the mean by floors is the mean of all frames.
+// every cell is integrated over its polygon, and the mean is the mean of all frames.
 #pragma once
 
 #include <array>

@@ -88,7 +88,7 @@ TEST(BandedScan, GivesTheScoresOfTheSceneAtOnce) {
   const Evaluation whole = evaluate(store, scene);
   const auto traced = store.trace(scene);
   // 101 pixels x 4 rays: bands of 4 rows, and one that is a single row.
-  const ScoredScan banded = evaluate_in_bands(*traced->part, scene, pool, {.most_rays = 1700});
+  const ScoredScan banded = evaluate_in_bands(*traced->part, scene, pool, {.max_rays = 1700});
   EXPECT_NEAR(banded.h_rms, whole.scores.at("homogeneity.h_rms"), 1e-5);
   ASSERT_EQ(banded.defects.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -108,9 +108,9 @@ TEST(BandedScan, DoesNotDependOnTheHeightOfABand) {
   SceneStore store(pool);
   const auto traced = store.trace(scene);
   const PinholeIntrinsics camera = intrinsics_of(scene.camera);
-  const auto scan = [&](std::int64_t most_rays) {
+  const auto scan = [&](std::int64_t max_rays) {
     return scan_in_bands(
-        traced->built(), traced->detail(), camera, scene, pool, {.most_rays = most_rays});
+        traced->built(), traced->detail(), camera, scene, pool, {.max_rays = max_rays});
   };
   const BandedScan rows = scan(1);
   const BandedScan whole = scan(1 << 22);

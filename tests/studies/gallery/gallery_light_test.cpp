@@ -108,15 +108,15 @@ TEST(GalleryViewpoints, SeesEveryDefectFromSomeOfTwelvePoses) {
   const auto expected = gallery::read_expected("viewpoints");
   ASSERT_EQ(scene.views().size(), 12);
   std::set<std::string> all;
-  std::size_t most = 0;
+  std::size_t maximum = 0;
   for (std::size_t i = 0; i < scene.views().size(); ++i) {
     const std::set<std::string> seen = scene.seen(i);
     expect_row(expected, fmt::format("view_{:02}.seen", i + 1), static_cast<double>(seen.size()));
-    most = std::max(most, seen.size());
+    maximum = std::max(maximum, seen.size());
     all.insert(seen.begin(), seen.end());
   }
   expect_row(expected, "all.seen", static_cast<double>(all.size()));
-  EXPECT_LT(most, all.size()) << "one pose would be enough";
+  EXPECT_LT(maximum, all.size()) << "one pose would be enough";
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ TEST(GallerySearch, FindsHowShallowTheWorstDentMayBe) {
 }
 
 /// The usual order: the most even lighting that gives 20 dents of 2 um a CNR of 3.
-const std::vector<KeyValue>& evenness_first() {
+const std::vector<KeyValue>& uniformity_first() {
   static const std::vector<KeyValue> sets = {{"objective.maximise", "homogeneity.h_rms"},
                                              {"constraints.\"homogeneity.h_rms\".min", "0"},
                                              {"constraints.\"defects.min_cnr\".min", "3"},
@@ -113,7 +113,7 @@ TEST(GallerySearch, FindsMoreDentsWhenDetectionComesFirst) {
   EXPECT_GT(found.at(rate + ".low").get<double>(), even.at(rate + ".high").get<double>());
   expect_fresh("visible_first", "winner_fresh", found);
   expect_fresh("visible_first", "winner_fresh_even", even);
-  expect_winner("visible_first", "winner_even_first", evenness_first());
+  expect_winner("visible_first", "winner_even_first", uniformity_first());
 }
 
 TEST(GallerySearch, FindsARingThatShowsMoreThanDomeAndBar) {

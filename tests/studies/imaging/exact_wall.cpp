@@ -64,7 +64,8 @@ ExactWall::ExactWall(const TunnelSettings& settings)
   }
 }
 
-ExactPlace ExactWall::meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+ExactPlace ExactWall::intersect(const Eigen::Vector3d& origin,
+                                const Eigen::Vector3d& direction) const {
   const Eigen::Vector2d from = origin.tail<2>();
   const Eigen::Vector2d along = direction.tail<2>();
   const std::optional<double> t = distance(from, along);
@@ -110,10 +111,10 @@ std::optional<double> ExactWall::to_panels(const Eigen::Vector2d& from,
 double ExactWall::flat_margin(const Eigen::Vector2d& point) const {
   const FlatWall& wall = walls_[1];
   const double sine = std::sin(0.5 * s_.opening_rad);
-  const bool meets_at_top = s_.panel_height_mm * sine >= s_.distance_mm * (1.0 - 1e-9);
+  const bool touch_at_top = s_.panel_height_mm * sine >= s_.distance_mm * (1.0 - 1e-9);
   const double along = (std::abs(point.x()) - wall.start_y_mm) * wall.along_y +
                        (point.y() - wall.start_z_mm) * wall.along_z;
-  return meets_at_top ? along : std::min(along, wall.length_mm - along);
+  return touch_at_top ? along : std::min(along, wall.length_mm - along);
 }
 
 /// By Newton's method on the norm, which is convex along a ray; rays start inside.
@@ -130,8 +131,8 @@ std::optional<double> ExactWall::to_curve(const Eigen::Vector2d& axes,
     return std::nullopt;
   }
   double t = (std::sqrt(b * b - a * c) - b) / a;
-  constexpr int kMostSteps = 50;
-  for (int step = 0; exponent != 2.0 && step < kMostSteps; ++step) {
+  constexpr int kMaxSteps = 50;
+  for (int step = 0; exponent != 2.0 && step < kMaxSteps; ++step) {
     const Eigen::Vector2d q = (p + t * v).cwiseAbs();
     const Eigen::Vector2d w(p.x() + t * v.x() < 0.0 ? -v.x() : v.x(),
                             p.y() + t * v.y() < 0.0 ? -v.y() : v.y());

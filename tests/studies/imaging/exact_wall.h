@@ -31,7 +31,7 @@ ExactPicture picture_from(const TracedScene& traced,
                           const SceneSettings& scene,
                           const RigidTransform& camera_from_world);
 
-/// Where a ray meets the wall, in the coordinates of Tunnel::meet_block().
+/// Where a ray meets the wall, in the coordinates of Tunnel::intersect_block().
 struct ExactPlace {
   double x_mm = 0.0;
   double y_mm = 0.0;
@@ -43,7 +43,7 @@ class ExactWall {
   /// @param settings  must outlive this object
   explicit ExactWall(const TunnelSettings& settings);
 
-  ExactPlace meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
+  ExactPlace intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
 
  private:
   std::optional<double> distance(const Eigen::Vector2d& from, const Eigen::Vector2d& along) const;

@@ -53,7 +53,7 @@ ImageF with_powers_in_radiances(const SceneSettings& scene, const RenderedView& 
   ThreadPool pool(2);
   PathSettings paths = path_settings(scene);
   paths.batches = 1;
-  const PathSums sums = render_paths(physical, paths, pool);
+  const Film sums = render_paths(physical, paths, pool);
   return total_image(sums, group_factors(lights), 0);
 }
 
@@ -216,7 +216,7 @@ TEST(PathPicture, ThePreviewSeesAllBatchesTogether) {
   render_view(view, path_settings(scene), pool, {}, [&](const PathProgress& progress) {
     samples.push_back(progress.samples);
     in_sums.push_back(progress.sums->samples.values()[0]);
-    has_more.push_back(progress.cells_left > 0);
+    has_more.push_back(progress.tiles_left > 0);
     return true;
   });
   EXPECT_THAT(samples, ElementsAre(2, 4, 6, 8));  // one pass for each batch of two

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "simulator/render/wall/hidden_pixels.h"
+#include "simulator/render/wall/occluded_pixels.h"
 #include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/imaging/scene_store.h"
@@ -26,23 +26,25 @@ SceneSettings stored_scene() {
   return scene;
 }
 
-TEST(SceneStore, MeetsTheWallAgainOnlyWhenItIsAnotherOne) {
+TEST(SceneStore, IntersectsTheWallAgainOnlyWhenItIsAnotherOne) {
   ThreadPool pool(1);
   SceneStore store(pool);
   SceneSettings scene = stored_scene();
   const auto traced = store.trace(scene);
-  const auto meet = [&] { return store.meet(traced, traced->corners, Tunnel(scene.tunnel)); };
-  meet();
+  const auto intersect = [&] {
+    return store.intersect(traced, traced->corners, Tunnel(scene.tunnel));
+  };
+  intersect();
   scene.tunnel.period_mm = 9.0;
-  const auto second = meet();  // kept from now on
+  const auto second = intersect();  // kept from now on
   scene.tunnel.duty = 0.4;
   scene.tunnel.offset_mm = 1.0;
   scene.tunnel.dark_reflectance = 0.1;
-  EXPECT_EQ(meet(), second);
-  EXPECT_EQ(store.num_met(), 2);
+  EXPECT_EQ(intersect(), second);
+  EXPECT_EQ(store.num_intersected(), 2);
   scene.tunnel.slot_mm += 1.0;
-  EXPECT_NE(meet(), second);
-  EXPECT_EQ(store.num_met(), 3);
+  EXPECT_NE(intersect(), second);
+  EXPECT_EQ(store.num_intersected(), 3);
 }
 
 TEST(SceneStore, DoesNotKeepWallsThatAreAskedForOnce) {
@@ -53,11 +55,11 @@ TEST(SceneStore, DoesNotKeepWallsThatAreAskedForOnce) {
   const std::size_t before = store.kept_bytes();
   for (int i = 0; i < 20; ++i) {
     scene.tunnel.radius_mm += 1.0;
-    store.meet(traced, traced->corners, Tunnel(scene.tunnel));
+    store.intersect(traced, traced->corners, Tunnel(scene.tunnel));
   }
   // What is kept is good for every radius: five floats for each corner ray.
   EXPECT_EQ(store.kept_bytes(), before + 20 * traced->corners.corners.weight.size());
-  EXPECT_EQ(store.num_met(), 20);
+  EXPECT_EQ(store.num_intersected(), 20);
 }
 
 // Scenes and walls share the limit; the last scene stays whatever its size.
@@ -69,16 +71,16 @@ TEST(SceneStore, KeepsNoMoreThanItsLimit) {
     SceneStore store(pool);
     one_scene = bytes_of(*store.trace(scene));
   }
-  const std::size_t most = 5 * one_scene;
-  SceneStore store(pool, most);
+  const std::size_t maximum = 5 * one_scene;
+  SceneStore store(pool, maximum);
   for (int i = 0; i < 6; ++i) {
     scene.camera.object_pixel_mm += 0.001;
     const auto traced = store.trace(scene);
     for (int j = 0; j < 40; ++j) {
       scene.tunnel.radius_mm = 120.0 + j / 2;  // each twice
-      store.meet(traced, traced->corners, Tunnel(scene.tunnel));
+      store.intersect(traced, traced->corners, Tunnel(scene.tunnel));
     }
-    EXPECT_LE(store.kept_bytes(), most) << i;
+    EXPECT_LE(store.kept_bytes(), maximum) << i;
     EXPECT_GT(store.kept_bytes(), one_scene) << i;
   }
   SceneStore tiny(pool, 1);
@@ -199,7 +201,7 @@ TEST(SceneStore, ImprintedScenesScoreTheSameAgain) {
 }
 
 // The gallery's own designs: tiles find every hidden pixel.
-TEST(HiddenPixels, AreFoundByTilesInTheGallery) {
+TEST(OccludedPixels, AreFoundByTilesInTheGallery) {
   const std::filesystem::path gallery =
       std::filesystem::path(GLINT_SOURCE_DIR) / "studies" / "gallery";
   ThreadPool pool(2);
@@ -217,9 +219,10 @@ TEST(HiddenPixels, AreFoundByTilesInTheGallery) {
     for (const SceneSettings& scene : designs) {
       const auto traced = store.trace(scene);
       const Tunnel tunnel(scene.tunnel);
-      const Mask hidden = hidden_pixels(traced->seen(), tunnel, traced->camera_in_world_mm);
-      EXPECT_EQ(hidden.empty() ? Mask(traced->seen().width_px, traced->seen().height_px) : hidden,
-                hidden_pixels_one_by_one(traced->seen(), tunnel, traced->camera_in_world_mm))
+      const Mask occluded = occluded_pixels(traced->seen(), tunnel, traced->camera_in_world_mm);
+      EXPECT_EQ(
+          occluded.empty() ? Mask(traced->seen().width_px, traced->seen().height_px) : occluded,
+          occluded_pixels_one_by_one(traced->seen(), tunnel, traced->camera_in_world_mm))
           << folder.path() << ", design " << scenes;
       ++scenes;
     }

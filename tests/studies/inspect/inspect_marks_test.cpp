@@ -20,11 +20,11 @@ FoundDefect lying_defect(DefectKind kind) {
 }
 
 double reach(const DefectMark& mark, int axis) {
-  double most = 0.0;
+  double maximum = 0.0;
   for (const Eigen::Vector2d& point : mark.outline) {
-    most = std::max(most, std::abs(point[axis] - (axis == 0 ? 50.0 : 30.0)));
+    maximum = std::max(maximum, std::abs(point[axis] - (axis == 0 ? 50.0 : 30.0)));
   }
-  return most;
+  return maximum;
 }
 
 // Half of 20 and of 4 px, and 3.5 px of space.

@@ -108,7 +108,7 @@ TEST(SimulatedLine, GivesTheSameBytesForAnyNumberOfThreads) {
 
 struct Moments {
   double mean = 0.0;
-  double scatter = 0.0;  ///< root of the mean variance
+  double noise_variance = 0.0;  ///< root of the mean variance
 };
 
 /// Of the aspect image over some flawless scans.
@@ -130,12 +130,12 @@ Moments moments_of(const SimulatedLine& line, int scans) {
     if (region.values()[i] != 0) {
       const double mean = sum[i] / scans;
       moments.mean += mean;
-      moments.scatter += (squares[i] - scans * mean * mean) / (scans - 1);
+      moments.noise_variance += (squares[i] - scans * mean * mean) / (scans - 1);
       count += 1.0;
     }
   }
   moments.mean /= count;
-  moments.scatter = std::sqrt(moments.scatter / count);
+  moments.noise_variance = std::sqrt(moments.noise_variance / count);
   return moments;
 }
 
@@ -149,7 +149,7 @@ TEST(SimulatedLine, ScattersLikeFullSequencesDo) {
   scene.render.method = RenderSettings::Method::kIntegrated;
   const Moments frames = moments_of(SimulatedLine(store, scene), 30);
   EXPECT_NEAR(closed.mean, frames.mean, 1e-4);
-  EXPECT_NEAR(closed.scatter / frames.scatter, 1.0, 0.02);
+  EXPECT_NEAR(closed.noise_variance / frames.noise_variance, 1.0, 0.02);
 }
 
 // Without noise nothing is drawn: rendering what the defects change gives the whole picture.
@@ -163,7 +163,7 @@ TEST(SimulatedLine, RendersChangesAsFullSequencesDo) {
   const ImageF changes = SimulatedLine(store, scene).part(2).aspect;
   const ImageF frames = SimulatedLine(store, whole).part(2).aspect;
   ASSERT_EQ(changes.size(), frames.size());
-  // Tiles near a defect are met ray by ray, those of the flawless part by their nodes.
+  // Tiles near a defect are intersected ray by ray, those of the flawless part by their nodes.
   constexpr float kBetweenNodes = 1e-3F;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     ASSERT_NEAR(changes.values()[i], frames.values()[i], kBetweenNodes) << i;

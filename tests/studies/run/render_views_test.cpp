@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/rng.h"
-#include "simulator/render/path_tracing/cell_sums.h"
+#include "simulator/render/path_tracing/tile_sums.h"
 #include "studies/run/render_files.h"
 #include "studies/run/render_maps.h"
 #include "tests/support/exr_reader.h"
@@ -158,17 +158,17 @@ TEST(RenderViews, KeepGroupsAtPowerOneThatAddUpToThePicture) {
   const auto image = channels_of(folder / "out/baseline/image.exr");
   ASSERT_EQ(image.size(), 3U);
   const auto shown = channels_of(folder / "out/baseline/image.tif");
-  double most = 0.0;
+  double maximum = 0.0;
   for (int y = 0; y < 45; ++y) {
     for (int x = 0; x < 60; ++x) {
       // The ring's radiance is 1, the bar's 0.5; exposure 0.7 without blur and noise.
       const float sum = image.at("ring.Y")(x, y) + 0.5F * image.at("bar.Y")(x, y);
       EXPECT_NEAR(image.at("Y")(x, y), sum, 1e-5F * sum);
       EXPECT_NEAR(shown.begin()->second(x, y), std::min(1.0F, 0.7F * sum), 1.0F / 65535.0F);
-      most = std::max(most, static_cast<double>(sum));
+      maximum = std::max(maximum, static_cast<double>(sum));
     }
   }
-  EXPECT_GT(most, 0.01);
+  EXPECT_GT(maximum, 0.01);
 }
 
 TEST(RenderViews, MaskEveryPixelOnce) {
@@ -296,8 +296,8 @@ TEST(RenderViews, OfARefusedSceneLeaveNothingBehind) {
 }
 
 /// 2 x 1 pixels of 4 samples: the left sees 3 on the part, 2 of them on defect 5.
-PathSums two_pixels() {
-  PathSums sums = empty_sums(2, 1, 0, 1, {5});
+Film two_pixels() {
+  Film sums = empty_film(2, 1, 0, 1, {5});
   sums.samples.values() = {4, 4};
   sums.part.values() = {3, 4};
   sums.defects[0].samples.values() = {2, 0};
@@ -306,7 +306,7 @@ PathSums two_pixels() {
 
 DefectivePart made_with(DefectType type) {
   DefectivePart made;
-  MadeDefect defect;
+  RealisedDefect defect;
   defect.defect.id = 5;
   defect.defect.type = type;
   defect.is_made = true;
@@ -315,7 +315,7 @@ DefectivePart made_with(DefectType type) {
 }
 
 TEST(DefectMap, MixesColoursByCoverage) {
-  const PathSums sums = two_pixels();
+  const Film sums = two_pixels();
   EXPECT_EQ(defect_mask(sums).values(), (Mask::Values{1, 0}));
   EXPECT_EQ(whole_part_mask(sums).values(), (Mask::Values{0, 1}));
   // Blue in linear codes, sRGB (0, 114, 178): ((114/255 + 0.055) / 1.055)^2.4 = 0.1683, times 255
@@ -341,9 +341,9 @@ TEST(Shrunk, KeepsTheMeanOfRandomPictures) {
       pixel = {static_cast<std::uint8_t>(rng.next_u32() % 256), 7, 255};
       mean += pixel[0] / static_cast<double>(image.size());
     }
-    const int most = 1 + static_cast<int>(rng.next_u32() % 20);
-    const ImageRgb small = shrunk(image, most);
-    ASSERT_EQ(std::max(small.width(), small.height()), std::min(most, std::max(width, height)));
+    const int maximum = 1 + static_cast<int>(rng.next_u32() % 20);
+    const ImageRgb small = shrunk(image, maximum);
+    ASSERT_EQ(std::max(small.width(), small.height()), std::min(maximum, std::max(width, height)));
     double small_mean = 0.0;
     for (const auto& pixel : small.values()) {
       small_mean += pixel[0] / static_cast<double>(small.size());

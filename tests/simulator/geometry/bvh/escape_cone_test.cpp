@@ -27,12 +27,12 @@ TriangleMesh bowl() {
 
 /// The least that a direction can look along a normal of the cone.
 double along_normals(const EscapeCone& cone, const Vector3d& direction) {
-  double least = 0.0;
+  double minimum = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
     const double component = direction[static_cast<Eigen::Index>(k)];
-    least += std::min(cone.low[k] * component, cone.high[k] * component);
+    minimum += std::min(cone.low[k] * component, cone.high[k] * component);
   }
-  return least;
+  return minimum;
 }
 
 TEST(EscapeCone, RaysThatLeaveABowlInItMeetNothing) {

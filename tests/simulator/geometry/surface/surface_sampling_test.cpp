@@ -89,14 +89,15 @@ TEST(BvhNearest, AgreesWithBruteForceOnRandomMeshes) {
     Rng rng(seed, Stream::kTest, 3);
     for (int k = 0; k < 500; ++k) {
       const Vector3d p = random_point(rng, k % 2 == 0 ? 60.0 : 300.0);
-      double least_mm = kAnywhere_mm;
+      double min_distance_mm = kAnywhere_mm;
       for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
         const double distance_mm = (nearest_by_cases(mesh, i, p) - p).norm();
-        least_mm = std::isnan(distance_mm) ? least_mm : std::min(least_mm, distance_mm);
+        min_distance_mm =
+            std::isnan(distance_mm) ? min_distance_mm : std::min(min_distance_mm, distance_mm);
       }
       const auto nearest = bvh.nearest(mesh, p, kAnywhere_mm);
       ASSERT_TRUE(nearest.has_value());
-      EXPECT_NEAR(nearest->distance_mm, least_mm, 1e-11);
+      EXPECT_NEAR(nearest->distance_mm, min_distance_mm, 1e-11);
       EXPECT_EQ((nearest->point_mm - p).norm(), nearest->distance_mm);
     }
   }

@@ -181,7 +181,7 @@ TEST(SolidLight, HidesWithItsBackWhatIsBehindIt) {
   const auto sample = sample_light(lights, Vector3d::Zero(), 0.5, 0.5);
   ASSERT_TRUE(sample.has_value());
   EXPECT_EQ(sample->group, 0);
-  EXPECT_TRUE(is_hidden(lights, Vector3d::Zero(), *sample));
+  EXPECT_TRUE(is_occluded(lights, Vector3d::Zero(), *sample));
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ ChiSquare chi_square(const SweptCase& c, std::size_t at, int samples, double til
   for (int i = 0; i < samples; ++i) {
     const double u = std::pow(rng.uniform(), 1.0 + tilt);
     const auto s = sample_light(lights, c.light.points_mm[at], u, rng.uniform());
-    if (s && !is_hidden(lights, c.light.points_mm[at], *s)) {
+    if (s && !is_occluded(lights, c.light.points_mm[at], *s)) {
       ++counts[bin_of(s->direction)];
     }
   }
@@ -143,7 +143,7 @@ TEST(EveryLight, DensityIntegratesToTheShareOfSamplesThatReachTheLight) {
       for (int i = 0; i < kSamples; ++i) {
         const double u = rng.uniform();
         const auto s = sample_light(c.light.lights, c.light.points_mm[at], u, rng.uniform());
-        reached += s && !is_hidden(c.light.lights, c.light.points_mm[at], *s) ? 1 : 0;
+        reached += s && !is_occluded(c.light.lights, c.light.points_mm[at], *s) ? 1 : 0;
       }
       EXPECT_NEAR(sum, static_cast<double>(reached) / kSamples, 0.005) << c.light.name;
       EXPECT_GT(reached, kSamples / 2) << c.light.name;
@@ -174,7 +174,7 @@ TEST(EveryLight, SampleAndHitAgree) {
       const Vector3d& point = c.points_mm[static_cast<std::size_t>(i % 2)];
       const double u = rng.uniform();
       const auto s = sample_light(c.lights, point, u, rng.uniform());
-      if (!s || is_hidden(c.lights, point, *s)) {
+      if (!s || is_occluded(c.lights, point, *s)) {
         continue;
       }
       const Ray ray = {.origin_mm = point, .direction = s->direction};
@@ -188,8 +188,8 @@ TEST(EveryLight, SampleAndHitAgree) {
         EXPECT_NEAR(hit->distance_mm, s->distance_mm, 1e-8 * s->distance_mm) << c.name;
       }
       EXPECT_EQ(hit->group, s->group);
-      const float least = 1e-5F * s->radiance.maxCoeff() + 1e-12F;
-      EXPECT_LT((hit->radiance - s->radiance).abs().maxCoeff(), least) << c.name;
+      const float minimum = 1e-5F * s->radiance.maxCoeff() + 1e-12F;
+      EXPECT_LT((hit->radiance - s->radiance).abs().maxCoeff(), minimum) << c.name;
       EXPECT_NEAR(light_density(c.lights, ray, *hit) / s->density, 1.0, 1e-6) << c.name;
     }
     EXPECT_GT(compared, 2000) << c.name;

@@ -193,7 +193,7 @@ inline Eigen::Array3d irradiance(const Lights& lights,
     const double u = (i % n + rng.uniform()) / n;
     const double v = (i / n + rng.uniform()) / n;
     const auto s = sample_light(lights, point_mm, u, v);
-    if (s && s->direction.dot(normal) > 0.0 && !is_hidden(lights, point_mm, *s)) {
+    if (s && s->direction.dot(normal) > 0.0 && !is_occluded(lights, point_mm, *s)) {
       sum += s->radiance.cast<double>() * s->direction.dot(normal) / s->density;
     }
   }

@@ -93,7 +93,7 @@ TEST(TunnelLight, BinsTogetherAreTheWholeWall) {
       const double u = (i % 100 + rng.uniform()) / 100;
       const double v = (i / 100 + rng.uniform()) / 100;
       const auto s = sample_light(striped, point, u, v);
-      if (s && s->direction.z() > 0.0 && !is_hidden(striped, point, *s)) {
+      if (s && s->direction.z() > 0.0 && !is_occluded(striped, point, *s)) {
         ASSERT_GE(s->group, 0);
         ASSERT_LT(s->group, bins);
         of_bin[static_cast<std::size_t>(s->group)] +=
@@ -145,9 +145,9 @@ TEST(TunnelFrameFactors, KeepTheBrightShareOfEveryFrameWhenThereAreManyPositions
   for (const int positions : {60, 97, 200}) {
     const auto factors = tunnel_frame_factors(scan_of({.duty = 0.37}, positions));
     for (const auto& of_frame : factors) {
-      ASSERT_EQ(of_frame.size(), static_cast<std::size_t>(kMostTunnelBins));
+      ASSERT_EQ(of_frame.size(), static_cast<std::size_t>(kMaxTunnelBins));
       const double sum = std::accumulate(of_frame.begin(), of_frame.end(), 0.0);
-      EXPECT_NEAR(sum / kMostTunnelBins, 0.37, 1e-12);
+      EXPECT_NEAR(sum / kMaxTunnelBins, 0.37, 1e-12);
       EXPECT_LE(std::ranges::count_if(of_frame, [](double f) { return f > 0.0 && f < 1.0; }), 2);
     }
   }

@@ -107,7 +107,7 @@ TEST_P(TunnelKernels, ARayIsHitTheSameWhateverStandsBesideIt) {
   const auto size = static_cast<std::size_t>(count);
   std::array<std::vector<float>, 3> all;
   all.fill(std::vector<float>(size));
-  tunnel.meet_block(rays.block(), all[0].data(), all[1].data(), all[2].data());
+  tunnel.intersect_block(rays.block(), all[0].data(), all[1].data(), all[2].data());
   const RayBlock block = rays.block();
   for (std::size_t i = 0; i < size; ++i) {
     const RayBlock alone = {.origin_x = block.origin_x + i,
@@ -118,7 +118,7 @@ TEST_P(TunnelKernels, ARayIsHitTheSameWhateverStandsBesideIt) {
                             .direction_z = block.direction_z + i,
                             .count = 1};
     std::array<float, 3> one = {};
-    tunnel.meet_block(alone, &one[0], &one[1], &one[2]);
+    tunnel.intersect_block(alone, &one[0], &one[1], &one[2]);
     EXPECT_EQ(one, (std::array<float, 3>{all[0][i], all[1][i], all[2][i]})) << i;
   }
 }

@@ -9,7 +9,7 @@
 #include "core/rng.h"
 #include "simulator/render/corner_rays/sparse_kernels.h"
 #include "simulator/render/footprint/footprints.h"
-#include "simulator/render/wall/sparse_meeting.h"
+#include "simulator/render/wall/sparse_intersection.h"
 #include "tests/simulator/render/footprint/footprint_fixtures.h"
 
 namespace glint {
@@ -53,7 +53,7 @@ HitErrors compare_hits(const CornerRays& rays, const WallHits& exact, const Wall
   const auto width = static_cast<std::size_t>(rays.corners.width_px);
   const std::size_t count = rays.corners.weight.size();
   for (std::size_t i = 0; i < count; ++i) {
-    if (rays.corners.weight[i] == 0.0F || exact.margin_mm[i] == kNowhere_mm) {
+    if (rays.corners.weight[i] == 0.0F || exact.margin_mm[i] == kNoHitMargin_mm) {
       continue;
     }
     const auto difference =
@@ -102,8 +102,8 @@ double compare_tunnels(const CornerRays& rays, int trials) {
   for (int trial = 0; trial < trials; ++trial) {
     const Tunnel tunnel(random_wall(rng));
     TileLimits limits;
-    const WallHits sparse = meet_sparse(rays.sparse, rays.corners, tunnel, limits);
-    const HitErrors errors = compare_hits(rays, meet_light(rays.corners, tunnel), sparse);
+    const WallHits sparse = intersect_sparse(rays.sparse, rays.corners, tunnel, limits);
+    const HitErrors errors = compare_hits(rays, intersect_light(rays.corners, tunnel), sparse);
     EXPECT_GT(errors.compared, 10000);
     EXPECT_LT(errors.along, 0.08) << trial << " " << shape_name(tunnel.settings().shape);
     EXPECT_LT(errors.across, 0.3) << trial << " " << shape_name(tunnel.settings().shape);
@@ -153,7 +153,7 @@ TEST(SparseRays, GoOnToThePartsOutline) {
     EXPECT_EQ(sparse.kind[i] == TileKind::kNone, lit[i] == 0);
   }
   TileLimits limits;
-  meet_sparse(sparse, corners, Tunnel(test::bench_tunnel()), limits);
+  intersect_sparse(sparse, corners, Tunnel(test::bench_tunnel()), limits);
   int smooth = 0, known = 0;
   for (std::size_t i = 0; i < lit.size(); ++i) {
     const bool is_smooth_at_outline = dark[i] > 0 && sparse.kind[i] == TileKind::kSmooth;
@@ -170,11 +170,11 @@ TEST(SparseRays, DarkRaysMeetNothing) {
   const CornerRays& rays = sparse_bench().rays;
   TileLimits limits;
   const WallHits hits =
-      meet_sparse(rays.sparse, rays.corners, Tunnel(test::bench_tunnel()), limits);
+      intersect_sparse(rays.sparse, rays.corners, Tunnel(test::bench_tunnel()), limits);
   int dark = 0;
   for (std::size_t i = 0; i < rays.corners.weight.size(); ++i) {
     if (rays.corners.weight[i] == 0.0F) {
-      ASSERT_EQ(hits.margin_mm[i], kNowhere_mm) << i;
+      ASSERT_EQ(hits.margin_mm[i], kNoHitMargin_mm) << i;
       ++dark;
     }
   }
@@ -221,7 +221,7 @@ TEST(SparseRays, KnowWhereTheHitsOfATileLie) {
   for (int trial = 0; trial < 50; ++trial) {
     const Tunnel tunnel(random_wall(rng));
     TileLimits limits;
-    const WallHits hits = meet_sparse(rays.sparse, rays.corners, tunnel, limits);
+    const WallHits hits = intersect_sparse(rays.sparse, rays.corners, tunnel, limits);
     for (int i = 0; i < limits.columns * limits.rows; ++i) {
       const auto tile = static_cast<std::size_t>(i);
       if (limits.kind[tile] != TileLimits::kKnown) {

@@ -191,7 +191,7 @@ TEST(RayDerivative, OfAPlateIsTheHandWorkedOne) {
 }
 
 // The narrowest dent has sigma 0.2 mm: a step of 1e-3 mm errs by (1e-3 / 0.2)^2 / 6 = 4e-6 of its
-// slope's change, which is 2 x 0.02 / 0.2 per mm; floats carry 6e-8 of up to 2.
+// derivative's change, which is 2 x 0.02 / 0.2 per mm; floats carry 6e-8 of up to 2.
 TEST(RayDerivative, IsThatOfRaysTracedAgainOnAStripWithDents) {
   const Part part = strip_for_motion();
   const MovingBench bench(part,

@@ -17,7 +17,7 @@ namespace glint {
 namespace {
 
 constexpr cut_kernels::CutLimits kLimits = {
-    .half_slot_mm = 8.0, .x_low_mm = -100.0F, .x_high_mm = 100.0F, .nowhere_mm = -1e20F};
+    .half_slot_mm = 8.0, .x_low_mm = -100.0F, .x_high_mm = 100.0F, .no_hit_below_mm = -1e20F};
 
 /// A tunnel of period 12 mm and 6 frames, its slot +-8 mm.
 ScanPositions cut_positions(double duty, double dark_reflectance) {

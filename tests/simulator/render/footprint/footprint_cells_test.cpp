@@ -23,7 +23,7 @@ using Radiances = std::vector<double>;
 std::map<std::int32_t, Radiances> refined_one_by_one(const Footprints& footprints) {
   std::map<std::int32_t, Radiances> found;
   for (const RefinedGroup& group : footprints.rays().refined) {
-    const WallHits hits = meet_light(group.rays, footprints.tunnel());
+    const WallHits hits = intersect_light(group.rays, footprints.tunnel());
     const float* weight = group.rays.weight.data();
     const auto n = static_cast<std::size_t>(group.cells_per_axis);
     const double share = 1.0 / static_cast<double>(n * n);

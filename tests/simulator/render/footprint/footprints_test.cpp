@@ -43,7 +43,7 @@ FrameError error_of(const Footprints& footprints,
                     const RayCache& truth,
                     const Tunnel& tunnel,
                     const Eigen::Vector3d& camera_mm) {
-  const WallRays wall = meet_wall(truth, tunnel, camera_mm);
+  const WallRays wall = intersect_wall(truth, tunnel, camera_mm);
   FrameError error;
   ImageF expected;
   double plain = 0.0;
@@ -83,7 +83,7 @@ Compared compare(const std::string& name, const TunnelSettings& settings) {
   std::vector<ImageF> frames = test::integrated_frames(footprints);
   Compared result;
   result.integrated = error_of(footprints, frames, scene.fine, tunnel, camera_mm);
-  const WallRays wall = meet_wall(scene.coarse, tunnel, camera_mm);
+  const WallRays wall = intersect_wall(scene.coarse, tunnel, camera_mm);
   for (std::size_t k = 0; k < frames.size(); ++k) {
     render_frame(scene.coarse, wall, tunnel.pattern(footprints.positions().shift_mm[k]), frames[k]);
   }
@@ -173,8 +173,8 @@ TEST(Footprints, HideWhatTheWallHides) {
   const Tunnel wall(narrow);
   const Footprints half(scene.bench.rays, wall, {.positions = 2}, scene.bench.camera_mm);
   EXPECT_NEAR(half.hidden_share(), 0.5, 0.03);
-  for (std::size_t i = 0; i < half.hidden().size(); ++i) {
-    if (half.hidden().values()[i] != 0) {
+  for (std::size_t i = 0; i < half.occluded().size(); ++i) {
+    if (half.occluded().values()[i] != 0) {
       ASSERT_EQ(half.state().values()[i], State::kDark);
     }
   }
@@ -207,8 +207,8 @@ TEST(Footprints, SomePixelsAreThoseOfTheWholePicture) {
   }
 }
 
-/// The mean by floors against the mean of all frames; radiance, every pixel.
-double floors_error(double duty, int positions, double step_mm) {
+/// The mean against the mean of all frames; radiance, every pixel.
+double mean_radiance_error(double duty, int positions, double step_mm) {
   const FootprintScene& scene = FootprintScene::get();
   TunnelSettings settings = test::bench_tunnel();
   settings.duty = duty;
@@ -236,11 +236,11 @@ double floors_error(double duty, int positions, double step_mm) {
 // 24 * 0.5 = 12 is whole, 24 * 0.37 = 8.88 is not; 20 steps of 1.8 mm are 3 periods of 12 mm.
 // Floats of a phase of some 10 periods are good to 1e-6, and 24 edges move by that over footprints
 // of 0.02.
-TEST(Footprints, MeanByFloorsIsTheMeanOfAllFrames) {
-  EXPECT_LE(floors_error(0.5, 24, 0.0), 1e-5);
-  EXPECT_LE(floors_error(0.37, 24, 0.0), 1e-5);
-  EXPECT_LE(floors_error(0.43, 7, 0.0), 3e-5);
-  EXPECT_LE(floors_error(0.37, 20, 1.8), 1e-5);
+TEST(Footprints, MeanRadianceIsTheMeanOfAllFrames) {
+  EXPECT_LE(mean_radiance_error(0.5, 24, 0.0), 1e-5);
+  EXPECT_LE(mean_radiance_error(0.37, 24, 0.0), 1e-5);
+  EXPECT_LE(mean_radiance_error(0.43, 7, 0.0), 3e-5);
+  EXPECT_LE(mean_radiance_error(0.37, 20, 1.8), 1e-5);
 }
 
 // Steps of 0.5 mm of a period of 12: 24 phases. 1.5 mm: 8. 48 positions of 0.5 mm are two periods.

@@ -15,7 +15,7 @@ constexpr LitLimits kLimits = {
 /// Pixels between corners at these places, the same in both rows; x is what the stripes follow.
 struct Row {
   std::vector<float> x_mm, y_mm, margin_mm;
-  std::vector<unsigned char> kind, hidden;
+  std::vector<unsigned char> kind, occluded;
 
   std::vector<unsigned char> states() const {
     std::vector<unsigned char> codes(x_mm.size()), state(kind.size());
@@ -29,7 +29,7 @@ struct Row {
              codes.data(),
              {.top = x_mm.data(), .bottom = x_mm.data()},
              kind.data(),
-             hidden.data(),
+             occluded.data(),
              static_cast<int>(kind.size()),
              kLimits,
              state.data());
@@ -45,7 +45,7 @@ TEST(Classify, TellsWhatIsAlwaysLitFromWhatNeverIs) {
                    .y_mm = {20.0F, 20.0F, 20.0F, 7.0F, 0.0F},
                    .margin_mm = {50.0F, 50.0F, 50.0F, 50.0F, 50.0F},
                    .kind = {1, 1, 1, 1},
-                   .hidden = {0, 0, 0, 0}};
+                   .occluded = {0, 0, 0, 0}};
   EXPECT_EQ(row.states(), (States{1, 2, 2, 0}));
 }
 
@@ -55,19 +55,19 @@ TEST(Classify, LooksAtBothEdgesOfTheSlotTheRimAndTheEnds) {
                     .y_mm = {-8.0F, 8.0F},
                     .margin_mm = {50.0F, 50.0F},
                     .kind = {1},
-                    .hidden = {0}};
+                    .occluded = {0}};
   EXPECT_EQ(slot.states(), (States{2}));
   const Row others = {.x_mm = {95.0F, 96.0F, 97.0F, 99.0F},
                       .y_mm = {20.0F, 20.0F, 20.0F, 20.0F},
                       .margin_mm = {0.0F, -1.0F, -1.0F, 0.0F},
                       .kind = {1, 1, 1},
-                      .hidden = {0, 0, 0}};
+                      .occluded = {0, 0, 0}};
   EXPECT_EQ(others.states(), (States{2, 0, 2}));
   const Row end = {.x_mm = {98.0F, 99.0F, 100.0F},
                    .y_mm = {20.0F, 20.0F, 20.0F},
                    .margin_mm = {50.0F, 50.0F, 50.0F},
                    .kind = {1, 1},
-                   .hidden = {0, 0}};
+                   .occluded = {0, 0}};
   EXPECT_EQ(end.states(), (States{1, 2}));
 }
 
@@ -77,7 +77,7 @@ TEST(Classify, PutsWhatSeesNothingFirstAndThenWhatIsRefined) {
                    .y_mm = {20.0F, 20.0F, 20.0F, 20.0F, 20.0F},
                    .margin_mm = {50.0F, 50.0F, 50.0F, 50.0F, 50.0F},
                    .kind = {1, 0, 2, 2},
-                   .hidden = {0, 0, 0, 1}};
+                   .occluded = {0, 0, 0, 1}};
   EXPECT_EQ(row.states(), (States{1, 0, 2, 0}));
 }
 

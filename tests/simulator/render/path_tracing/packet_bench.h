@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/rng.h"
-#include "simulator/render/path_tracing/cell_tracer.h"
+#include "simulator/render/path_tracing/tile_tracer.h"
 #include "tests/simulator/render/path_tracing/path_bench.h"
 
 namespace glint::path_test {

@@ -120,17 +120,17 @@ TEST(PacketStages, TrianglesAreMetAsByTheScalarCode) {
     const PhysicalScene scene = bench.scene();
     const PathSettings settings;
     PathTask task(scene, settings);
-    ASSERT_TRUE(task.meets_by_kernel);
+    ASSERT_TRUE(task.intersects_by_kernel);
     PathTask scalar(scene, settings);
-    scalar.meets_by_kernel = false;
+    scalar.intersects_by_kernel = false;
     Rng rng(3, Stream::kTest, 0);
     int hits = 0;
     for (int i = 0; i < kPackets / 4; ++i) {
       const PathPacket paths = camera_packet(bench, rng);
       SurfaceLanes found = {};
       SurfaceLanes expected = {};
-      PacketStages(task).meet(paths, found);
-      PacketStages(scalar).meet(paths, expected);
+      PacketStages(task).intersect(paths, found);
+      PacketStages(scalar).intersect(paths, expected);
       expect_same_surface(found, expected, paths);
       hits += static_cast<int>(
           std::ranges::count_if(paths.hit.triangle, [](auto t) { return t >= 0; }));
@@ -150,7 +150,7 @@ Reflected reflected_by(const PathTask& task, const PathPacket& paths, std::uint6
   Rng rng(6, Stream::kTest, index);
   const RandomLanes random = random_lanes(rng);
   SurfaceLanes surface = {};
-  stages.meet(paths, surface);
+  stages.intersect(paths, surface);
   LightLanes lights;
   stages.ask_lights(paths, surface, random, lights);
   Reflected result;
@@ -241,11 +241,11 @@ ImageF picture_by(const PathBench& bench, const Scalar& scalar) {
     task.metal.reset();
     task.needs_choice = true;
   }
-  task.meets_by_kernel = !scalar.meeting;
+  task.intersects_by_kernel = !scalar.meeting;
   const PinholeIntrinsics& in = bench.camera.intrinsics();
-  PathSums sums = empty_sums(in.width_px, in.height_px, task.factors.size(), 3, task.ids);
-  CellTracer tracer(task);
-  for (const Cell& cell : cells_of(in.width_px, in.height_px)) {
+  Film sums = empty_film(in.width_px, in.height_px, task.factors.size(), 3, task.ids);
+  TileTracer tracer(task);
+  for (const Tile& cell : tiles_of(in.width_px, in.height_px)) {
     tracer.trace(cell, 0, settings.samples, sums);
   }
   EXPECT_EQ(tracer.counts().dropped, 0);
@@ -316,15 +316,15 @@ TEST(PacketStages, ExactSurfacesWithDetailAreMetAsByTheScalarCode) {
     const PathSettings settings;
     const PathTask task(scene, settings);
     PathTask scalar(scene, settings);
-    scalar.meets_by_kernel = false;
+    scalar.intersects_by_kernel = false;
     Rng rng(4, Stream::kTest, 0);
     std::array<int, 4> met = {};
     for (int i = 0; i < kPackets; ++i) {
       const PathPacket paths = camera_packet(bench, rng);
       SurfaceLanes found = {};
       SurfaceLanes expected = {};
-      PacketStages(task).meet(paths, found);
-      PacketStages(scalar).meet(paths, expected);
+      PacketStages(task).intersect(paths, found);
+      PacketStages(scalar).intersect(paths, expected);
       expect_same_surface(found, expected, paths);
       for (std::size_t k = 0; k < kLanes; ++k) {
         if (paths.hit.triangle[k] >= 0) {

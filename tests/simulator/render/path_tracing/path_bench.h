@@ -76,7 +76,7 @@ struct PathBench {
             .face_labels = labels};
   }
 
-  PathSums render(const PathSettings& settings, int threads = 1) const {
+  Film render(const PathSettings& settings, int threads = 1) const {
     ThreadPool pool(threads);
     return render_paths(scene(), settings, pool);
   }

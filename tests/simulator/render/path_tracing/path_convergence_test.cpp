@@ -18,7 +18,7 @@ PathBench steel_gear() {
   return {gear, rough_steel(), {ring_at(150.0), bar_aside()}, small_camera(3.0, 24, 22)};
 }
 
-bool is_same(const PathSums& a, const PathSums& b) {
+bool is_same(const Film& a, const Film& b) {
   bool same = a.samples == b.samples && a.squares == b.squares && a.part == b.part &&
               a.depth_mm == b.depth_mm && a.normal_x == b.normal_x && a.x_mm == b.x_mm &&
               a.tilt == b.tilt && a.triangle == b.triangle && a.defect == b.defect &&
@@ -33,7 +33,7 @@ TEST(RenderPaths, GivesTheSameBytesForAnyNumberOfThreads) {
   const tbb::global_control seven(tbb::global_control::max_allowed_parallelism, 7);
   const PathBench bench = steel_gear();
   const PathSettings settings = {.samples = 32, .relative_error = 0.1};
-  const PathSums one = bench.render(settings, 1);
+  const Film one = bench.render(settings, 1);
   EXPECT_TRUE(is_same(one, bench.render(settings, 2)));
   EXPECT_TRUE(is_same(one, bench.render(settings, 7)));
   PathSettings other = settings;
@@ -60,7 +60,7 @@ TEST(RenderPaths, ErrorFallsAtLeastWithTheRootOfTheSamples) {
 TEST(RenderPaths, StatedErrorCoversTheTrueOne) {
   const PathBench bench = steel_gear();
   const ImageF reference = bench.picture({.samples = 2048, .seed = 99});
-  const PathSums sums = bench.render({.samples = 64});
+  const Film sums = bench.render({.samples = 64});
   const std::vector<double> factors = group_factors(bench.lights);
   const ImageF stated = standard_error_image(sums, factors);
   const double true_error = rms_difference(total_image(sums, factors, 0), reference);
@@ -74,7 +74,7 @@ TEST(RenderPaths, StopsWhereTheErrorIsSmallEnough) {
   const PathSettings full = {.samples = 512};
   PathSettings adaptive = full;
   adaptive.relative_error = 0.2;
-  const PathSums sums = bench.render(adaptive);
+  const Film sums = bench.render(adaptive);
   std::int64_t samples = 0;
   for (const std::int32_t of_pixel : sums.samples.values()) {
     samples += of_pixel;
@@ -96,15 +96,15 @@ TEST(RenderPaths, ShowsPassesAndStopsWhenAsked) {
   };
   render_paths(bench.scene(), {.samples = 80}, pool, preview);
   EXPECT_EQ(samples, (std::vector<int>{4, 8, 16, 32, 64, 80}));
-  const PathSums stopped = render_paths(
+  const Film stopped = render_paths(
       bench.scene(), {.samples = 80}, pool, [](const PathProgress& p) { return p.pass < 2; });
   EXPECT_EQ(stopped.samples(0, 0), 8);
 }
 
 TEST(RenderPaths, MasksCostNoLightAndAreTheSameWithoutIt) {
   const PathBench bench = steel_gear();
-  const PathSums lit = bench.render({.samples = 16});
-  const PathSums dark = bench.render({.samples = 16, .has_light = false});
+  const Film lit = bench.render({.samples = 16});
+  const Film dark = bench.render({.samples = 16, .has_light = false});
   EXPECT_EQ(lit.part, dark.part);
   EXPECT_EQ(lit.depth_mm, dark.depth_mm);
   EXPECT_EQ(lit.triangle, dark.triangle);
@@ -116,7 +116,7 @@ TEST(RenderPaths, MasksCostNoLightAndAreTheSameWithoutIt) {
 
 TEST(RenderPaths, SurfaceImagesOfAPlateAreThoseOfAPlate) {
   const PathBench bench(flat_plate(), matt(0.5), {}, small_camera());
-  const PathSums sums = bench.render({.samples = 16, .has_light = false});
+  const Film sums = bench.render({.samples = 16, .has_light = false});
   const SurfaceImages images = surface_images(sums);
   // Top at z = 1, camera at z = 300: 299 mm along the axis; pixel (12, 3) looks at (4.5, 4.5) mm of
   // the plane z = 0 from 300 mm away, so at 4.5 * 299 / 300 = 4.485 mm on the top.
@@ -139,10 +139,10 @@ TEST(RenderPaths, RefusesSettingsOutOfTheirRange) {
 TEST(RenderPaths, WindowsAreMadeAsInTheWholePicture) {
   const PathBench bench(flat_plate(), matt(0.5), {ring_at(90.0)}, small_camera(0.5, 61, 45));
   PathSettings settings = {.samples = 8, .max_reflections = 1};
-  const PathSums whole = bench.render(settings);
+  const Film whole = bench.render(settings);
   settings.windows = {{.left_px = 18, .top_px = 9, .width_px = 20, .height_px = 3},
                       {.left_px = 50, .top_px = 30, .width_px = 11, .height_px = 15}};
-  const PathSums windows = bench.render(settings, 2);
+  const Film windows = bench.render(settings, 2);
   const ImageF& light = windows.groups[0].channels[0];
   int lit = 0;
   for (int y = 0; y < windows.height_px; ++y) {

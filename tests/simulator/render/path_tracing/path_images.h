@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "simulator/light/area/lights.h"
-#include "simulator/render/path_tracing/path_sums.h"
+#include "simulator/render/path_tracing/film.h"
 
 namespace glint {
 
@@ -23,7 +23,7 @@ inline std::vector<double> group_factors(const Lights& lights) {
 }
 
 /// The picture for any factors, one for each group: their weighted sum.
-inline ImageF total_image(const PathSums& sums, std::span<const double> factors, int channel) {
+inline ImageF total_image(const Film& sums, std::span<const double> factors, int channel) {
   ImageF image(sums.width_px, sums.height_px);
   for (std::size_t i = 0; i < image.size(); ++i) {
     double total = 0.0;

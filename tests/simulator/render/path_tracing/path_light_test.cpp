@@ -93,9 +93,9 @@ TEST(LightGroups, TwoLightsAreTheSumOfSingles) {
 
 TEST(LightGroups, FactorsDoNotChangeTheGroupsThemselves) {
   PathBench bench(bent_strip(), matt(0.5), {ring_at(100.0), bar_aside()}, small_camera(2.0));
-  const PathSums before = bench.render({.samples = 8});
+  const Film before = bench.render({.samples = 8});
   bench.lights.groups[0].factor = 7.0;
-  const PathSums after = bench.render({.samples = 8});
+  const Film after = bench.render({.samples = 8});
   EXPECT_EQ(before.groups[0].channels, after.groups[0].channels);
   EXPECT_EQ(before.groups[1].channels, after.groups[1].channels);
 }
@@ -135,7 +135,7 @@ TEST(ThinLens, BlursWhatIsNotInFocus) {
   const auto edge_with = [](const ThinLens& lens) {
     PathBench bench(flat_plate(), matt(0.5), {}, small_camera(1.0, 80, 16));
     bench.lens = lens;
-    const PathSums sums = bench.render({.samples = 64, .has_light = false});
+    const Film sums = bench.render({.samples = 64, .has_light = false});
     const ImageF coverage = coverage_images(sums).sound;
     int partial = 0;
     for (int x = 0; x < 80; ++x) {

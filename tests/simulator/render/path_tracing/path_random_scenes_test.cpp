@@ -137,7 +137,7 @@ TEST(RandomScenes, HaveNoBadPixelAndTheirMasksAreAPartition) {
   int with_defect = 0;
   for (int scene = 0; scene < 1000; ++scene) {
     const PathBench bench = random_bench(rng, materials);
-    const PathSums sums = bench.render({.samples = 4});
+    const Film sums = bench.render({.samples = 4});
     ASSERT_EQ(sums.counts.dropped, 0) << scene;
     const ImageF total = total_image(sums, group_factors(bench.lights), 0);
     ASSERT_TRUE(is_proper(total)) << scene;

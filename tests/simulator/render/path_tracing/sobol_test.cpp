@@ -23,7 +23,7 @@ bool is_net(std::uint32_t seed, std::uint32_t dimension, unsigned m, std::uint32
   for (unsigned columns = 0; columns <= m; ++columns) {
     std::set<std::pair<int, int>> boxes;
     for (std::uint32_t i = 0; i < count; ++i) {
-      const auto at = SampleNumbers{.seed = seed, .index = first + i}.pair(dimension);
+      const auto at = SobolSampler{.seed = seed, .index = first + i}.pair(dimension);
       boxes.emplace(static_cast<int>(at[0] * (1U << columns)),
                     static_cast<int>(at[1] * (1U << (m - columns))));
     }
@@ -41,24 +41,24 @@ TEST(Sobol, SecondDimensionIsThatOfItsDirectionNumbers) {
   }
 }
 
-TEST(SampleNumbers, AlignedRunsOfAnyPairAreNets) {
+TEST(SobolSampler, AlignedRunsOfAnyPairAreNets) {
   for (std::uint32_t seed = 0; seed < 300; ++seed) {
-    ASSERT_TRUE(is_net(scatter_bits(seed), seed % 7, 4, 16 * (seed % 5))) << seed;
-    ASSERT_TRUE(is_net(scatter_bits(seed), 3, 6, 0)) << seed;
+    ASSERT_TRUE(is_net(hash_bits(seed), seed % 7, 4, 16 * (seed % 5))) << seed;
+    ASSERT_TRUE(is_net(hash_bits(seed), 3, 6, 0)) << seed;
   }
 }
 
-TEST(SampleNumbers, RunsThatAreNotAlignedAreNoNets) {
+TEST(SobolSampler, RunsThatAreNotAlignedAreNoNets) {
   EXPECT_FALSE(is_net(1U, 0, 6, 7));
 }
 
-TEST(SampleNumbers, PairsOfDifferentDimensionsAndPixelsAreUncorrelated) {
+TEST(SobolSampler, PairsOfDifferentDimensionsAndPixelsAreUncorrelated) {
   constexpr int kCount = 4096;
   double across_dimensions = 0.0;
   double across_pixels = 0.0;
   for (std::uint32_t i = 0; i < kCount; ++i) {
-    const SampleNumbers numbers = {.seed = pixel_seed(i, 1), .index = 0};
-    const SampleNumbers next = {.seed = pixel_seed(i + 1, 1), .index = 0};
+    const SobolSampler numbers = {.seed = pixel_seed(i, 1), .index = 0};
+    const SobolSampler next = {.seed = pixel_seed(i + 1, 1), .index = 0};
     const double x = numbers.pair(0)[0] - 0.5;
     across_dimensions += x * (numbers.pair(1)[0] - 0.5) / kCount;
     across_pixels += x * (next.pair(0)[0] - 0.5) / kCount;

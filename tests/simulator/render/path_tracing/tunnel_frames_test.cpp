@@ -55,7 +55,7 @@ PathBench under_tunnel(const TunnelSettings& tunnel, const MaterialSettings& mat
 std::vector<ImageF> traced_frames(const PathBench& bench,
                                   const TunnelSettings& tunnel,
                                   const PathSettings& settings) {
-  const PathSums sums = bench.render(settings, 2);
+  const Film sums = bench.render(settings, 2);
   std::vector<ImageF> frames;
   for (const auto& factors : tunnel_frame_factors(tunnel_scan(tunnel))) {
     frames.push_back(total_image(sums, factors, 0));
@@ -241,7 +241,7 @@ TEST(MetalUnderATunnel, IsAsBrightAsTheSumOverAllDirectionsSays) {
     for (const double drawn_below : {0.0, 2.0}) {
       light.drawn_below = drawn_below;
       bench.lights = build_lights({}, {}, {}, light);
-      const PathSums sums = bench.render({.samples = 512, .channels = 1}, 2);
+      const Film sums = bench.render({.samples = 512, .channels = 1}, 2);
       const auto factors = tunnel_frame_factors(light);
       for (std::size_t k = 0; k < expected.size(); ++k) {
         EXPECT_GT(expected[k], 0.02);

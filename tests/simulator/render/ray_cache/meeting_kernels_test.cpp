@@ -11,8 +11,8 @@ namespace {
 using Sixteen = std::array<double, kLanes>;
 
 /// Rays from (0, 0, 10) that go down and 3 to the side for every 4, onto the plane z = 2.
-MeetingLanes slanted_rays() {
-  MeetingLanes lanes = {};
+IntersectionLanes slanted_rays() {
+  IntersectionLanes lanes = {};
   const std::array<double, 3> origin_mm = {0.0, 0.0, 10.0};
   alignas(64) Sixteen x = {}, y = {}, z = {};
   x.fill(0.6);
@@ -24,18 +24,18 @@ MeetingLanes slanted_rays() {
 
 // 8 mm down are 8 / 0.8 = 10 mm along the ray.
 TEST(MeetPlanes, GivesTheWayToThePlane) {
-  MeetingLanes lanes = slanted_rays();
-  EXPECT_FALSE(meet_planes16(1e-6, lanes));
+  IntersectionLanes lanes = slanted_rays();
+  EXPECT_FALSE(intersect_planes16(1e-6, lanes));
   EXPECT_DOUBLE_EQ(lanes.slope[5], -0.8);
   EXPECT_DOUBLE_EQ(lanes.t_mm[5], 10.0);
   lanes.direction_z[15] = 0.0;
-  EXPECT_TRUE(meet_planes16(1e-6, lanes));
+  EXPECT_TRUE(intersect_planes16(1e-6, lanes));
 }
 
 // Mirrored at z = 2 below x = 6; the next ray starts 0.5 mm above it and rises by 0.8.
 TEST(Reflect, MirrorsAtTheNormalAndStartsAboveTheFace) {
-  MeetingLanes lanes = slanted_rays();
-  meet_planes16(1e-6, lanes);
+  IntersectionLanes lanes = slanted_rays();
+  intersect_planes16(1e-6, lanes);
   for (int i = 0; i < kLanes; ++i) {
     lanes.normal_z[i] = 1.0;
   }
@@ -52,9 +52,9 @@ TEST(Reflect, MirrorsAtTheNormalAndStartsAboveTheFace) {
 // Faces and normals are turned against the ray; a normal that then still looks away becomes the
 // face's.
 TEST(Orient, TurnsBothAgainstTheRay) {
-  MeetingLanes lanes = slanted_rays();
+  IntersectionLanes lanes = slanted_rays();
   set_plane16(0.0, 0.0, -1.0, -2.0, lanes);  // looks down
-  meet_planes16(1e-6, lanes);
+  intersect_planes16(1e-6, lanes);
   for (int i = 0; i < kLanes; ++i) {
     lanes.normal_z[i] = i == 0 ? -1.0 : 0.0;
     lanes.normal_x[i] = i == 0 ? 0.0 : -1.0;  // turned: along the ray's sideways part
@@ -68,7 +68,7 @@ TEST(Orient, TurnsBothAgainstTheRay) {
 
 // The weight is 0.5 * 0.8; it is plain for all lanes until one of the used ones grazes.
 TEST(WeighEscapes, TellsWhetherAllLeaveThePart) {
-  MeetingLanes lanes = {};
+  IntersectionLanes lanes = {};
   alignas(64) std::array<std::int32_t, kLanes> triangle = {};
   alignas(64) std::array<float, kLanes> weight = {};
   for (int i = 0; i < kLanes; ++i) {

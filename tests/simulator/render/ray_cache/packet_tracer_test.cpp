@@ -158,8 +158,8 @@ TEST(PacketTracer, OverlooksNothingInAnOpenMesh) {
 }
 
 /// Numbers that differ from lane to lane.
-MeetingLanes random_lanes(Rng& rng) {
-  MeetingLanes lanes = {};
+IntersectionLanes random_lanes(Rng& rng) {
+  IntersectionLanes lanes = {};
   for (double* array : {lanes.point_x,
                         lanes.point_y,
                         lanes.point_z,
@@ -186,7 +186,7 @@ HitPacket some_hits() {
 
 TEST(AskReflected16, TracesRaysWithAHitThatRise) {
   Rng rng(81, Stream::kTest, 0);
-  const MeetingLanes lanes = random_lanes(rng);
+  const IntersectionLanes lanes = random_lanes(rng);
   const HitPacket hits = some_hits();
   RayQuery query;
   query.triangle.fill(7);
@@ -203,8 +203,8 @@ TEST(AskReflected16, TracesRaysWithAHitThatRise) {
 
 TEST(EscapeAgain16, ChangesOnlyLanesThatMetThePartAgain) {
   Rng rng(82, Stream::kTest, 0);
-  const MeetingLanes first = random_lanes(rng);
-  const MeetingLanes second = random_lanes(rng);
+  const IntersectionLanes first = random_lanes(rng);
+  const IntersectionLanes second = random_lanes(rng);
   const HitPacket hits = some_hits();
   EscapePacket escapes;
   const EscapeArrays arrays = arrays_of(escapes);
@@ -214,14 +214,14 @@ TEST(EscapeAgain16, ChangesOnlyLanesThatMetThePartAgain) {
   escape16(first, arrays);
   escape_again16(second, hits.triangle.data(), 0.9, of_path.data(), arrays, escapes.weight.data());
   for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
-    const bool is_met = hits.triangle[lane] >= 0;
-    const MeetingLanes& last = is_met ? second : first;
-    const double expected = is_met ? 0.5 * (0.9 * second.reflectance[lane]) : 0.5;
+    const bool is_hit = hits.triangle[lane] >= 0;
+    const IntersectionLanes& last = is_hit ? second : first;
+    const double expected = is_hit ? 0.5 * (0.9 * second.reflectance[lane]) : 0.5;
     EXPECT_EQ(escapes.seen_z[lane], first.point_z[lane]);
     EXPECT_EQ(escapes.origin_x[lane], last.point_x[lane]);
     EXPECT_EQ(escapes.direction_y[lane], last.leaving_y[lane]);
     EXPECT_EQ(of_path[lane], expected);
-    EXPECT_EQ(escapes.weight[lane], is_met ? static_cast<float>(expected) : 0.25F);
+    EXPECT_EQ(escapes.weight[lane], is_hit ? static_cast<float>(expected) : 0.25F);
   }
 }
 

@@ -106,7 +106,7 @@ TEST(RayCache, RaysBesideThePartAreSet) {
 }
 
 TEST(ShareOfPart, CountsPixelsThatSeeThePart) {
-  SeenPart seen = {.width_px = 4, .height_px = 1, .coverage = ImageF(4, 1)};
+  VisibilityBuffer seen = {.width_px = 4, .height_px = 1, .coverage = ImageF(4, 1)};
   seen.coverage(0, 0) = 1.0F;
   seen.coverage(1, 0) = 0.25F;
   seen.coverage(3, 0) = 0.5F;

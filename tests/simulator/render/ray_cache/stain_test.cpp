@@ -64,7 +64,7 @@ struct StainPictures {
         part, bvh, detail, camera, camera_from_world, {.rays_per_axis = rays_per_axis}, pool);
     const Footprints footprints(corners, tunnel, {.positions = frames}, eye);
     integrated = test::integrated_frames(footprints);
-    const WallRays wall = meet_wall(rays, tunnel, eye);
+    const WallRays wall = intersect_wall(rays, tunnel, eye);
     for (const double shift_mm : footprints.positions().shift_mm) {
       sampled.emplace_back();
       render_frame(rays, wall, tunnel.pattern(shift_mm), sampled.back());

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "simulator/render/derivative/slope_kernels.h"
+#include "simulator/render/derivative/gradient_kernels.h"
 #include "simulator/render/footprint/stripe_shares.h"
-#include "simulator/render/wall/hidden_pixels.h"
+#include "simulator/render/wall/occluded_pixels.h"
 #include "simulator/render/wall/pixel_rays.h"
 #include "tests/simulator/render/footprint/footprint_fixtures.h"
 
@@ -40,14 +40,14 @@ TunnelSettings random_wall(Rng& rng) {
           .slot_mm = rng.uniform(0.0, 30.0)};
 }
 
-/// hidden_pixels() with a mask in any case.
-Mask find_hidden(const CornerRays& rays, const Tunnel& tunnel, const Eigen::Vector3d& camera_mm) {
-  Mask hidden = hidden_pixels(rays, tunnel, camera_mm);
-  return hidden.empty() ? Mask(rays.width_px, rays.height_px) : hidden;
+/// occluded_pixels() with a mask in any case.
+Mask find_occluded(const CornerRays& rays, const Tunnel& tunnel, const Eigen::Vector3d& camera_mm) {
+  Mask occluded = occluded_pixels(rays, tunnel, camera_mm);
+  return occluded.empty() ? Mask(rays.width_px, rays.height_px) : occluded;
 }
 
 // Walls of all shapes, some with their ends, their rim or the camera in view.
-TEST(HiddenPixels, TilesFindWhatEveryPixelByItselfFinds) {
+TEST(OccludedPixels, TilesFindWhatEveryPixelByItselfFinds) {
   const CornerRays& rays = strip_bench().rays;
   Rng rng(3, Stream::kTest, 0);
   int partly = 0;
@@ -55,17 +55,17 @@ TEST(HiddenPixels, TilesFindWhatEveryPixelByItselfFinds) {
     const Tunnel tunnel(random_wall(rng));
     const Eigen::Vector3d camera_mm(
         rng.uniform(-40.0, 40.0), rng.uniform(-60.0, 60.0), rng.uniform(60.0, 400.0));
-    const Mask hidden = find_hidden(rays, tunnel, camera_mm);
-    ASSERT_EQ(hidden, hidden_pixels_one_by_one(rays, tunnel, camera_mm))
+    const Mask occluded = find_occluded(rays, tunnel, camera_mm);
+    ASSERT_EQ(occluded, occluded_pixels_one_by_one(rays, tunnel, camera_mm))
         << "trial " << trial << ", " << shape_name(tunnel.settings().shape);
-    const auto count = std::ranges::count(hidden.values(), 1);
+    const auto count = std::ranges::count(occluded.values(), 1);
     partly += count > 0 && count < 5000 ? 1 : 0;
   }
   EXPECT_GT(partly, 100);
 }
 
 // A part that fills the picture: its first tile has no neighbour.
-TEST(HiddenPixels, TilesFindThemInThePicturesCorner) {
+TEST(OccludedPixels, TilesFindThemInThePicturesCorner) {
   PartSettings large = test::bench_strip();
   large.length_mm = 90.0;
   large.width_mm = 60.0;
@@ -76,17 +76,17 @@ TEST(HiddenPixels, TilesFindThemInThePicturesCorner) {
   int in_corner = 0;
   for (int trial = 0; trial < 300; ++trial) {
     const Tunnel tunnel(random_wall(rng));
-    const Mask hidden = find_hidden(rays, tunnel, bench.camera_mm);
-    ASSERT_EQ(hidden, hidden_pixels_one_by_one(rays, tunnel, bench.camera_mm))
+    const Mask occluded = find_occluded(rays, tunnel, bench.camera_mm);
+    ASSERT_EQ(occluded, occluded_pixels_one_by_one(rays, tunnel, bench.camera_mm))
         << "trial " << trial << ", " << shape_name(tunnel.settings().shape);
-    in_corner += hidden(0, 0);
+    in_corner += occluded(0, 0);
   }
   EXPECT_GT(in_corner, 10);
   EXPECT_LT(in_corner, 290);
 }
 
 // The camera that took the picture: its rays beside the part are known, too.
-TEST(HiddenPixels, TilesFindThemAroundThePartsOutline) {
+TEST(OccludedPixels, TilesFindThemAroundThePartsOutline) {
   const CornerRays& rays = strip_bench().rays;
   const Eigen::Vector3d& camera_mm = strip_bench().camera_mm;
   ASSERT_TRUE(PixelRays::through(rays, camera_mm));
@@ -94,23 +94,23 @@ TEST(HiddenPixels, TilesFindThemAroundThePartsOutline) {
   int partly = 0;
   for (int trial = 0; trial < 1000; ++trial) {
     const Tunnel tunnel(random_wall(rng));
-    const Mask hidden = find_hidden(rays, tunnel, camera_mm);
-    ASSERT_EQ(hidden, hidden_pixels_one_by_one(rays, tunnel, camera_mm))
+    const Mask occluded = find_occluded(rays, tunnel, camera_mm);
+    ASSERT_EQ(occluded, occluded_pixels_one_by_one(rays, tunnel, camera_mm))
         << "trial " << trial << ", " << shape_name(tunnel.settings().shape);
-    const auto count = std::ranges::count(hidden.values(), 1);
+    const auto count = std::ranges::count(occluded.values(), 1);
     partly += count > 0 && count < 5000 ? 1 : 0;
   }
   EXPECT_GT(partly, 100);
 }
 
-TEST(HiddenPixels, NothingHidesWhereTheWallDoesNotBlockTheView) {
+TEST(OccludedPixels, NothingHidesWhereTheWallDoesNotBlockTheView) {
   TunnelSettings settings = test::bench_tunnel();
   settings.slot_mm = 2.0;
   const CornerRays& rays = strip_bench().rays;
   const Eigen::Vector3d& camera_mm = strip_bench().camera_mm;
-  EXPECT_GT(std::ranges::count(hidden_pixels(rays, Tunnel(settings), camera_mm).values(), 1), 0);
+  EXPECT_GT(std::ranges::count(occluded_pixels(rays, Tunnel(settings), camera_mm).values(), 1), 0);
   settings.blocks_view = false;
-  EXPECT_EQ(std::ranges::count(hidden_pixels(rays, Tunnel(settings), camera_mm).values(), 1), 0);
+  EXPECT_EQ(std::ranges::count(occluded_pixels(rays, Tunnel(settings), camera_mm).values(), 1), 0);
 }
 
 // Stripes do not change where the wall is met.
@@ -139,7 +139,7 @@ TEST(RenderFrames, AreTheFramesOneByOne) {
   for (const double orientation_rad : {0.0, 0.4}) {
     settings.orientation_rad = orientation_rad;
     const Tunnel tunnel(settings);
-    const WallRays met = meet_wall(rays, tunnel, bench.camera_mm);
+    const WallRays met = intersect_wall(rays, tunnel, bench.camera_mm);
     std::vector<StripePattern> patterns;
     for (int k = 0; k < 7; ++k) {
       patterns.push_back(tunnel.pattern(1.3 * k));
@@ -265,57 +265,57 @@ TEST(AnySharesFast, AFootprintGetsTheSameWhateverStandsBesideIt) {
   }
 }
 
-/// What add_box_slopes() and its like sum up.
-struct SlopeSums {
+/// What add_box_gradients() and its like sum up.
+struct GradientSums {
   std::vector<float> v, gx, gy, duty, dark;
 
-  explicit SlopeSums(std::size_t size) : v(size), gx(size), gy(size), duty(size), dark(size) {}
+  explicit GradientSums(std::size_t size) : v(size), gx(size), gy(size), duty(size), dark(size) {}
 
-  slope_kernels::BoxSlopes out() {
+  gradient_kernels::BoxGradients out() {
     return {
         .v = v.data(), .gx = gx.data(), .gy = gy.data(), .duty = duty.data(), .dark = dark.data()};
   }
 };
 
 // Widths up to 0.1 under stripes of duty 0.3, as above. Slopes are as large as 1 / width.
-TEST(NarrowSlopes, AreTheSlopesOfOneEdge) {
+TEST(NarrowGradients, AreTheDerivativesOfOneEdge) {
   RandomFootprints prints(9, 4096, 0.1);
   const std::size_t size = prints.v.size();
-  SlopeSums any(size);
-  SlopeSums narrow(size);
+  GradientSums any(size);
+  GradientSums narrow(size);
   std::array<std::vector<float>, 5> shape, sum;
   for (std::size_t i = 0; i < shape.size(); ++i) {
     shape[i].resize(size);
     sum[i].resize(size);
   }
-  const slope_kernels::BoxShapes shapes = {.outer = shape[0].data(),
-                                           .inner = shape[1].data(),
-                                           .per_major = shape[2].data(),
-                                           .per_minor = shape[3].data(),
-                                           .flatness = shape[4].data()};
-  const slope_kernels::NarrowSums sums = {.rising = sum[0].data(),
-                                          .falling = sum[1].data(),
-                                          .major = sum[2].data(),
-                                          .minor = sum[3].data(),
-                                          .dark = sum[4].data()};
-  slope_kernels::box_shapes(prints.gx.data(), prints.gy.data(), prints.count(), shapes);
-  std::vector<slope_kernels::Turn> turns;
+  const gradient_kernels::BoxShapes shapes = {.outer = shape[0].data(),
+                                              .inner = shape[1].data(),
+                                              .per_major = shape[2].data(),
+                                              .per_minor = shape[3].data(),
+                                              .flatness = shape[4].data()};
+  const gradient_kernels::NarrowSums sums = {.rising = sum[0].data(),
+                                             .falling = sum[1].data(),
+                                             .major = sum[2].data(),
+                                             .minor = sum[3].data(),
+                                             .dark = sum[4].data()};
+  gradient_kernels::box_shapes(prints.gx.data(), prints.gy.data(), prints.count(), shapes);
+  std::vector<gradient_kernels::FixedPhase> turns;
   for (const float v : prints.v) {
-    turns.push_back(slope_kernels::turn_of(static_cast<double>(v)));
+    turns.push_back(gradient_kernels::fixed_phase_of(static_cast<double>(v)));
   }
   for (const double shift : {0.0, 0.37, 0.81}) {
-    slope_kernels::add_box_slopes(turns.data(),
-                                  prints.gx.data(),
-                                  prints.gy.data(),
-                                  prints.gain.data(),
-                                  prints.count(),
-                                  shift,
-                                  0.3,
-                                  any.out());
-    slope_kernels::add_narrow_frame(
+    gradient_kernels::add_box_gradients(turns.data(),
+                                        prints.gx.data(),
+                                        prints.gy.data(),
+                                        prints.gain.data(),
+                                        prints.count(),
+                                        shift,
+                                        0.3,
+                                        any.out());
+    gradient_kernels::add_narrow_frame(
         turns.data(), shapes, prints.gain.data(), prints.count(), shift, 0.3, sums);
   }
-  slope_kernels::add_narrow_sums(
+  gradient_kernels::add_narrow_sums(
       prints.gx.data(), prints.gy.data(), shapes, sums, prints.count(), narrow.out());
   int lit = 0;
   for (std::size_t i = 0; i < size; ++i) {

@@ -112,7 +112,7 @@ TEST(ClippedMean, IsWhatTheSensorMakesOfALinearPhase) {
   }
 }
 
-TEST(ClippedMean, SlopeIsTheDerivativeOfTheMean) {
+TEST(ClippedMean, DerivativeIsThatOfTheMean) {
   for (const double gain : {1.3, 2.0, 3.0}) {
     const ClippedMean table(pure_sensor(gain), {.duty = 0.4});
     Rng rng(31, Stream::kTest, static_cast<std::uint64_t>(10 * gain));
@@ -139,14 +139,14 @@ TEST(ClippedMean, WithoutClippingItDoesNotDependOnTheWidth) {
 // Gain 3: blurred away, duty 0.5 makes 1.5; the darkest place reaches 1/3 when the first harmonic,
 // (2 / pi) exp(-2 pi^2 w^2), has fallen to 1/6: w = sqrt(ln(12 / pi) / (2 pi^2)) = 0.26055.
 // Gain 1.9 never gets there.
-TEST(ClippedMean, IsBlindWhereTheDarkestPhaseIsAtFullScale) {
-  const ClippedMean blind(pure_sensor(3.0), {});
-  EXPECT_NEAR(blind.blind_from(), 0.26055, ClippedMean::kWidest / ClippedMean::kIntervals);
-  EXPECT_FALSE(blind.is_blind(0.25));
-  EXPECT_TRUE(blind.is_blind(0.27));
-  EXPECT_NEAR(blind.mean(0.3), 1.0, 1e-6);
-  EXPECT_FALSE(ClippedMean(pure_sensor(1.9), {}).is_blind(100.0));
-  EXPECT_TRUE(ClippedMean(pure_sensor(1.0), {.duty = 1.0}).is_blind(0.0));
+TEST(ClippedMean, IsSaturatedWhereTheDarkestPhaseIsAtFullScale) {
+  const ClippedMean saturated(pure_sensor(3.0), {});
+  EXPECT_NEAR(saturated.saturated_from(), 0.26055, ClippedMean::kWidest / ClippedMean::kIntervals);
+  EXPECT_FALSE(saturated.is_saturated(0.25));
+  EXPECT_TRUE(saturated.is_saturated(0.27));
+  EXPECT_NEAR(saturated.mean(0.3), 1.0, 1e-6);
+  EXPECT_FALSE(ClippedMean(pure_sensor(1.9), {}).is_saturated(100.0));
+  EXPECT_TRUE(ClippedMean(pure_sensor(1.0), {.duty = 1.0}).is_saturated(0.0));
 }
 
 // Five frames, duty 0.5, no blur: a pixel is bright in 2 or 3 of them, half of the phases each:

@@ -20,7 +20,7 @@ const test::FootprintBench& closed_bench() {
 }
 
 /// Pixels wholly on the part, two off its rim and off the picture's border.
-Mask region_of(const SeenPart& seen) {
+Mask region_of(const VisibilityBuffer& seen) {
   Mask outside(seen.width_px, seen.height_px);
   for (std::size_t i = 0; i < outside.size(); ++i) {
     outside.values()[i] = seen.coverage.values()[i] < 0.999F ? 1 : 0;
@@ -36,12 +36,12 @@ Mask region_of(const SeenPart& seen) {
 }
 
 /// Percent: 1 - deviation / mean and 1 - mean deviation / mean.
-struct Evenness {
+struct Uniformity {
   double h_rms = 0.0;
   double h_abs = 0.0;
 };
 
-Evenness evenness_of(const ImageF& aspect, const Mask& region) {
+Uniformity uniformity_of(const ImageF& aspect, const Mask& region) {
   double count = 0.0;
   double mean = 0.0;
   for (std::size_t i = 0; i < region.size(); ++i) {
@@ -115,20 +115,20 @@ Kind form_with(const TunnelSettings& light,
 
 // Gain 1 just reaches full scale, 1.5 clips, 1.5 on a part of reflectance 0.6 does not (0.9).
 // Noise makes a frame at full scale lose its upper half: bias, so no floors.
-TEST(FormOf, ClippingDecidesBetweenFloorsAndTable) {
+TEST(FormOf, ClippingDecidesBetweenMeanRadianceAndTable) {
   const TunnelSettings light = test::bench_tunnel();
-  EXPECT_EQ(form_with(light, {.gain = 1.0}, 1.0), Kind::kFloors);
+  EXPECT_EQ(form_with(light, {.gain = 1.0}, 1.0), Kind::kMeanRadiance);
   EXPECT_EQ(form_with(light, {.gain = 1.5}, 1.0), Kind::kTable);
-  EXPECT_EQ(form_with(light, {.gain = 1.5}, 0.6), Kind::kFloors);
+  EXPECT_EQ(form_with(light, {.gain = 1.5}, 0.6), Kind::kMeanRadiance);
   EXPECT_EQ(form_with(light, {.exposure = 2.0, .gain = 0.7}, 1.0), Kind::kTable);
   EXPECT_EQ(form_with(light, {.gain = 1.0, .full_well_e = 1000.0}, 1.0), Kind::kTable);
-  EXPECT_EQ(form_with(light, {.gain = 0.8, .full_well_e = 10000.0}, 1.0), Kind::kFloors);
+  EXPECT_EQ(form_with(light, {.gain = 0.8, .full_well_e = 10000.0}, 1.0), Kind::kMeanRadiance);
 }
 
 TEST(FormOf, BrokenPeriodsAndUnevenLightNeedFrames) {
   const TunnelSettings light = test::bench_tunnel();  // period 12 mm
   EXPECT_EQ(form_with(light, {}, 1.0, {.positions = 23, .step_mm = 0.5}), Kind::kFrames);
-  EXPECT_EQ(form_with(light, {}, 1.0, {.positions = 48, .step_mm = 0.5}), Kind::kFloors);
+  EXPECT_EQ(form_with(light, {}, 1.0, {.positions = 48, .step_mm = 0.5}), Kind::kMeanRadiance);
   TunnelSettings ripple = light;
   ripple.led_ripple = 0.2;
   EXPECT_EQ(form_with(ripple, {}, 1.0), Kind::kFrames);
@@ -138,19 +138,19 @@ TEST(FormOf, BrokenPeriodsAndUnevenLightNeedFrames) {
 }
 
 TEST(FormName, IsAWordForEachKind) {
-  EXPECT_EQ(form_name(Kind::kFloors), "floors");
+  EXPECT_EQ(form_name(Kind::kMeanRadiance), "floors");
   EXPECT_EQ(form_name(Kind::kTable), "table");
   EXPECT_EQ(form_name(Kind::kFrames), "frames");
 }
 
 // A linear sensor without rounding: whole (24 * 0.5) and broken (24 * 0.37) numbers of bright
 // frames.
-TEST(ScanClosed, FloorsAreTheMeanOfAllFrames) {
+TEST(ScanClosed, MeanRadianceGivesTheMeanOfAllFrames) {
   for (const double duty : {0.5, 0.37}) {
     TunnelSettings light = test::bench_tunnel();
     light.duty = duty;
     const BothScans scans(light, {.gain = 0.9, .blur_px = 1.0, .bits = 0});
-    ASSERT_EQ(scans.plan.form.kind, Kind::kFloors);
+    ASSERT_EQ(scans.plan.form.kind, Kind::kMeanRadiance);
     EXPECT_EQ(scans.plan.form.frame_pixels, 0);
     const ClosedScan closed = scans.closed();
     const ScanResult full = scans.full();
@@ -166,7 +166,7 @@ TEST(ScanClosed, FloorsAreTheMeanOfAllFrames) {
 }
 
 // The frames' rounding is left out of the closed form: half a grey level of 255 at most.
-TEST(ScanClosed, FloorsStayWithinHalfAGreyLevelOfRoundedFrames) {
+TEST(ScanClosed, MeanRadianceStaysWithinHalfAGreyLevelOfRoundedFrames) {
   const BothScans scans(test::bench_tunnel(), {.gain = 0.9, .bits = 8});
   const ClosedScan closed = scans.closed();
   const ScanResult full = scans.full();
@@ -239,15 +239,15 @@ TEST(PlanScan, TheTableWouldBeWrongInTheDent) {
   EXPECT_LT(elsewhere, 0.01);
 }
 
-TEST(ScanClosed, TableScoresEvennessAsTheFullSequenceDoes) {
+TEST(ScanClosed, TableScoresUniformityAsTheFullSequenceDoes) {
   for (const double gain : {1.5, 2.0, 3.0}) {
     for (const double degrees : {0.0, 30.0}) {
       TunnelSettings light = test::bench_tunnel();
       light.orientation_rad = degrees * kRadPerDeg;
       const BothScans scans(light, {.gain = gain, .blur_px = 1.0, .bits = 8});
       ASSERT_EQ(scans.plan.form.kind, Kind::kTable);
-      const Evenness closed = evenness_of(scattered(scans.closed()), scans.region);
-      const Evenness full = evenness_of(scans.full().aspect, scans.region);
+      const Uniformity closed = uniformity_of(scattered(scans.closed()), scans.region);
+      const Uniformity full = uniformity_of(scans.full().aspect, scans.region);
       EXPECT_NEAR(closed.h_rms, full.h_rms, 0.1) << gain << ", " << degrees;
       EXPECT_NEAR(closed.h_abs, full.h_abs, 0.1) << gain << ", " << degrees;
       EXPECT_LT(full.h_rms, 97.0);  // there is something to score: the slot's dark band
@@ -262,8 +262,8 @@ TEST(ScanClosed, NoiseSpreadsTheTableAsItSpreadsTheFrames) {
   light.blocks_view = false;
   const BothScans scans(
       light, {.gain = 1.5, .blur_px = 1.0, .bits = 0, .full_well_e = 2000.0, .read_noise_e = 10.0});
-  const Evenness closed = evenness_of(scattered(scans.closed()), scans.region);
-  const Evenness full = evenness_of(scans.full().aspect, scans.region);
+  const Uniformity closed = uniformity_of(scattered(scans.closed()), scans.region);
+  const Uniformity full = uniformity_of(scans.full().aspect, scans.region);
   EXPECT_LT(full.h_rms, 99.6);
   EXPECT_NEAR(closed.h_rms, full.h_rms, 0.05);
   EXPECT_NEAR(closed.h_abs, full.h_abs, 0.05);
@@ -325,11 +325,11 @@ TEST(PlanScan, AnEmptyMaskWatchesNoPixel) {
 
 // 4 positions of duty 0.9: most pixels are bright in all of them, and gain 1 just reaches full
 // scale. Pixels are counted as homogeneity() does it by the aspect where nobody watches.
-TEST(ScanClosed, FloorsKnowFullPixelsBesideWatchedOnes) {
+TEST(ScanClosed, MeanRadianceKnowsFullPixelsBesideWatchedOnes) {
   TunnelSettings light = test::bench_tunnel();
   light.duty = 0.9;
   const BothScans scans(light, {.gain = 1.0, .blur_px = 0.0, .bits = 0}, {.positions = 4}, 0.02);
-  ASSERT_EQ(scans.plan.form.kind, Kind::kFloors);
+  ASSERT_EQ(scans.plan.form.kind, Kind::kMeanRadiance);
   const ClosedScan closed = scans.closed();
   int full = 0;
   for (std::size_t i = 0; i < closed.aspect.size(); ++i) {
@@ -389,48 +389,48 @@ TEST(ScanClosed, FewPhasesAreScoredAsTheFullSequence) {
                                    ScanSettings{.positions = 6, .step_mm = 6.0},
                                    ScanSettings{.positions = 12, .step_mm = 2.0}}) {
     const BothScans scans(test::bench_tunnel(), {.gain = 1.5, .blur_px = 1.0, .bits = 0}, scan);
-    const Evenness closed = evenness_of(scattered(scans.closed()), scans.region);
-    const Evenness full = evenness_of(scans.full().aspect, scans.region);
+    const Uniformity closed = uniformity_of(scattered(scans.closed()), scans.region);
+    const Uniformity full = uniformity_of(scans.full().aspect, scans.region);
     EXPECT_NEAR(closed.h_rms, full.h_rms, 0.1) << scan.step_mm;
     EXPECT_NEAR(closed.h_abs, full.h_abs, 0.1) << scan.step_mm;
   }
 }
 
 // An all-white light reaches full scale in every frame, though the sensor is still linear.
-TEST(ScanClosed, AnAllWhiteLightIsBlind) {
+TEST(ScanClosed, AnAllWhiteLightSaturates) {
   TunnelSettings white = test::bench_tunnel();
   white.duty = 1.0;
   const BothScans scans(white, {.gain = 1.0});
   const ClosedScan closed = scans.closed();
   const ScanResult full = scans.full();
-  int blind = 0;
+  int saturated = 0;
   for (std::size_t i = 0; i < scans.region.size(); ++i) {
     if (scans.region.values()[i] != 0 && full.sums.clipped_frames.values()[i] == 24) {
-      ++blind;
+      ++saturated;
       ASSERT_GE(closed.clipped_frames.values()[i], 24) << i;
     }
   }
-  EXPECT_GT(blind, 5000);
+  EXPECT_GT(saturated, 5000);
 }
 
 // Gain 3 and stripes blurred away: every frame is at full scale, and the table knows.
-TEST(ScanClosed, KnowsWhereItIsBlind) {
+TEST(ScanClosed, KnowsWhereItIsSaturated) {
   TunnelSettings light = test::bench_tunnel();
   light.period_mm = 1.2;  // about 3 pixels
   const BothScans scans(light, {.gain = 3.0, .blur_px = 1.5});
   const ClosedScan closed = scans.closed();
   const ScanResult full = scans.full();
-  int blind = 0;
+  int saturated = 0;
   int differences = 0;
   for (std::size_t i = 0; i < scans.region.size(); ++i) {
     if (scans.region.values()[i] != 0) {
-      const bool is_blind = full.sums.clipped_frames.values()[i] == 24;
-      blind += is_blind ? 1 : 0;
-      differences += is_blind != (closed.clipped_frames.values()[i] >= 24) ? 1 : 0;
+      const bool is_saturated = full.sums.clipped_frames.values()[i] == 24;
+      saturated += is_saturated ? 1 : 0;
+      differences += is_saturated != (closed.clipped_frames.values()[i] >= 24) ? 1 : 0;
     }
   }
-  EXPECT_GT(blind, 2000);
-  EXPECT_LE(differences, blind / 50);
+  EXPECT_GT(saturated, 2000);
+  EXPECT_LE(differences, saturated / 50);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ double lit_share(const test::Bench& bench, double dark_mm) {
   settings.duty = 1.0 - 2.0 * dark_mm / kPeriod_mm;
   settings.offset_mm = dark_mm;  // bright begins at +dark, so (-dark, +dark) is dark
   const Tunnel tunnel(settings);
-  const WallRays wall = meet_wall(bench.rays, tunnel, bench.camera_mm);
+  const WallRays wall = intersect_wall(bench.rays, tunnel, bench.camera_mm);
   ImageF frame;
   render_frame(bench.rays, wall, tunnel.pattern(0.0), frame);
   double lit = 0.0;
@@ -100,7 +100,7 @@ TEST(PublishedCurves, DentAndBumpFollowTheirOwnFormula) {
 }
 
 // A place seen in the same stripe but with no slope at all never lights up.
-TEST(PublishedCurves, WithoutSlopeThereIsNoSignature) {
+TEST(PublishedCurves, WithoutDerivativeThereIsNoSignature) {
   const test::Bench bench(test::plate(), test::far_camera(128, 128, 0.008), {});
   EXPECT_EQ(lit_share(bench, 0.75 * kDiameter_mm), 0.0);
 }

@@ -56,7 +56,7 @@ TEST(Scan, FrameIsWhatSingleRaysSay) {
                        .duty = 0.4});
   const double shift_mm = 3.3;
   ImageF frame;
-  const WallRays wall = meet_wall(bench.rays, tunnel, bench.camera_mm);
+  const WallRays wall = intersect_wall(bench.rays, tunnel, bench.camera_mm);
   render_frame(bench.rays, wall, tunnel.pattern(shift_mm), frame);
   int differences = 0;
   for (int p = 0; p < static_cast<int>(bench.rays.num_pixels()); ++p) {
@@ -75,8 +75,8 @@ TEST(Scan, FrameIsWhatSingleRaysSay) {
       const double phase = x / 11.0;
       sum += std::abs(x) < 200.0 && phase - std::floor(phase) < 0.4 ? 0.25 : 0.0;
     }
-    const bool is_hidden = wall.hidden.values()[static_cast<std::size_t>(p)] != 0;
-    const double expected = is_hidden ? 0.0 : sum;
+    const bool is_occluded = wall.occluded.values()[static_cast<std::size_t>(p)] != 0;
+    const double expected = is_occluded ? 0.0 : sum;
     differences +=
         std::abs(static_cast<double>(frame.values()[static_cast<std::size_t>(p)]) - expected) > 1e-5
             ? 1
@@ -158,7 +158,7 @@ TEST(Scan, StripesAlongTheTunnelDoNotMove) {
                        .slot_mm = 26.0,
                        .period_mm = 15.0,
                        .orientation_rad = 90.0 * kRadPerDeg});
-  const WallRays wall = meet_wall(bench.rays, tunnel, bench.camera_mm);
+  const WallRays wall = intersect_wall(bench.rays, tunnel, bench.camera_mm);
   ImageF first;
   ImageF later;
   render_frame(bench.rays, wall, tunnel.pattern(0.0), first);

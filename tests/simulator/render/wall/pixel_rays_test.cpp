@@ -35,8 +35,8 @@ TEST(PixelRays, AreTheCamerasAlsoBesideThePart) {
 }
 
 /// A plane z = 0 seen from (0, 0, 300) through a lens: 0.5 mm a pixel in the middle.
-SeenPart plane_through_lens(double distortion) {
-  SeenPart seen;
+VisibilityBuffer plane_through_lens(double distortion) {
+  VisibilityBuffer seen;
   seen.width_px = 101;
   seen.height_px = 61;
   for (ImageF* image : {&seen.coverage, &seen.seen_x, &seen.seen_y, &seen.seen_z}) {
@@ -62,7 +62,7 @@ TEST(PixelRays, AreNotGuessedThroughALensThatDistorts) {
 }
 
 TEST(PixelRays, NeedEnoughOfThePart) {
-  SeenPart seen = plane_through_lens(0.0);
+  VisibilityBuffer seen = plane_through_lens(0.0);
   for (int y = 0; y < seen.height_px; ++y) {
     std::fill_n(seen.coverage.row(y), 90, 0.0F);
   }

@@ -9,8 +9,8 @@ namespace glint {
 namespace {
 
 /// Points on the line y = -y_mm ... y_mm at z = 0, one pixel each.
-SeenPart points_across(double y_mm, int count) {
-  SeenPart seen;
+VisibilityBuffer points_across(double y_mm, int count) {
+  VisibilityBuffer seen;
   seen.width_px = count;
   seen.height_px = 1;
   for (auto* image : {&seen.coverage, &seen.seen_x, &seen.seen_y, &seen.seen_z}) {

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The reverse mode through a scan's mean: from the derivatives by the mean image to those by hits,
+// stripes and sensor. Pixels from the table T(w) use the chain rule through w^2 = variance |g|^2,
+// with T'(w) from the table's own cubic pieces; the derivatives by gain, exposure, duty and dark
+// radiance are differences of two neighbouring tables. Pixels from frames: frame_gradient.h.
+// docs/theory/derivatives.md. Cost: one pass, however many keys there are. Memory: one float per
+// corner ray, three in rows with a boundary of the light.
+#include "simulator/render/derivative/scan_gradient.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "core/error.h"
+#include "simulator/render/derivative/cell_gradient.h"
+#include "simulator/render/derivative/frame_gradient.h"
+#include "simulator/render/derivative/gradient_kernels.h"
+#include "simulator/render/derivative/table_kernels.h"
+
+namespace glint {
+namespace {
+
+/// Step of a setting between the two tables of a difference. Short: where the last part of a stripe
+/// comes to clip, the table bends as a power of 3/2.
+constexpr double kTableStep = 1e-6;
+
+/// The difference of two tables as one.
+std::vector<float> table_derivative(const SensorSettings& sensor,
+                                    const StripeSettings& stripes,
+                                    double SensorSettings::*of_sensor,
+                                    double StripeSettings::*of_stripes) {
+  const auto table_at = [&](double sign) {
+    SensorSettings changed_sensor = sensor;
+    StripeSettings changed_stripes = stripes;
+    double& number = of_sensor != nullptr ? changed_sensor.*of_sensor : changed_stripes.*of_stripes;
+    number += sign * kTableStep;
+    return ClippedMean::nodes_of(changed_sensor, changed_stripes);
+  };
+  std::vector<double> derivative = table_at(1.0);
+  const std::vector<double> low = table_at(-1.0);
+  for (std::size_t i = 0; i < derivative.size(); ++i) {
+    derivative[i] = (derivative[i] - low[i]) / (2.0 * kTableStep);
+  }
+  return ClippedMean::pieces_through(derivative);
+}
+
+/// Coefficients of the table's derivative by w.
+std::vector<float> width_derivative(const ClippedMean& table) {
+  std::vector<float> derivative = table.coefficients();
+  const auto per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest);
+  for (std::size_t i = 0; i < derivative.size(); i += 4) {
+    derivative[i] = per_unit * derivative[i + 1];
+    derivative[i + 1] = per_unit * 2.0F * derivative[i + 2];
+    derivative[i + 2] = per_unit * 3.0F * derivative[i + 3];
+    derivative[i + 3] = 0.0F;
+  }
+  return derivative;
+}
+
+/// The pixels that T(w) gives.
+class TableGradient {
+ public:
+  TableGradient(const Footprints& footprints,
+                const Sensor& sensor,
+                const ScanPlan& plan,
+                const ImageF& by_aspect,
+                ScanGradient& gradient)
+      : footprints_(footprints),
+        sensor_(sensor),
+        plan_(plan),
+        by_aspect_(by_aspect),
+        gradient_(gradient) {}
+
+  /// Also gets the sum of derivatives times what a table of another quantity has.
+  void add_weighted(std::vector<float> coefficients, double& sum) {
+    others_.push_back({.coefficients = std::move(coefficients), .sum = &sum});
+  }
+
+  /// Derivatives by the hits, the period and the blur, and the sums.
+  void run(const ClippedMean& table) {
+    const double variance = sensor_.blur_variance_px2() + 1.0 / 12.0;
+    const double per_period = 1.0 / footprints_.positions().period_mm;
+    const auto scale = static_cast<float>(variance * per_period * per_period);
+    const double by_gradient = add_rows(width_derivative(table), scale);
+    // gx and gy go with 1 / period, and w with the root of the variance.
+    gradient_.period_mm -= by_gradient * per_period;
+    gradient_.blur_px += by_gradient / (2.0 * variance) * variance_derivative();
+  }
+
+ private:
+  struct Other {
+    std::vector<float> coefficients;
+    double* sum;
+  };
+
+  /// @return sum of derivatives times gx and gy
+  double add_rows(const std::vector<float>& by_w, float scale) {
+    const int width = by_aspect_.width();
+    const auto corner_width = static_cast<std::size_t>(width) + 1;
+    std::vector<const float*> others;
+    for (const Other& other : others_) {
+      others.push_back(other.coefficients.data());
+    }
+    std::vector<double> sums(others.size());
+    // A row's, between two zeros.
+    std::vector<float> by_gx(static_cast<std::size_t>(width) + 2), by_gy(by_gx);
+    double by_gradient = 0.0;
+    for (int y = 0; y < by_aspect_.height(); ++y) {
+      const unsigned char* by_table = plan_.by_table.row(y);
+      if (std::memchr(by_table, 1, static_cast<std::size_t>(width)) == nullptr) {
+        continue;
+      }
+      const std::size_t corner = static_cast<std::size_t>(y) * corner_width;
+      const float* stripes_mm = footprints_.hits().stripes_mm().data() + corner;
+      by_gradient += gradient_kernels::table_gradient(
+          {.by_table = by_table,
+           .derivative = by_aspect_.row(y),
+           .w = plan_.width.row(y),
+           .corners = {.top = stripes_mm, .bottom = stripes_mm + corner_width},
+           .count = width,
+           .scale = scale},
+          {.coefficients = by_w.data(),
+           .count = ClippedMean::kIntervals,
+           .per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest)},
+          others,
+          sums.data(),
+          by_gx.data() + 1,
+          by_gy.data() + 1);
+      float* top = gradient_.corners.x.data() + corner;
+      gradient_kernels::add_gradients_to_corners(
+          by_gx.data() + 1, by_gy.data() + 1, width, top, top + corner_width);
+    }
+    for (std::size_t i = 0; i < others_.size(); ++i) {
+      *others_[i].sum += sums[i];
+    }
+    return by_gradient;
+  }
+
+  /// A weight w at the distance k changes by w (k^2 - variance) / sigma^3 with the blur's sigma.
+  double variance_derivative() const {
+    const double sigma = sensor_.settings().blur_px;
+    if (sigma == 0.0) {
+      return 0.0;
+    }
+    const double variance = sensor_.blur_variance_px2();
+    const std::vector<float>& weights = sensor_.blur_weights();
+    double fourth = 0.0;  // mean of k^4
+    for (std::size_t k = 1; k < weights.size(); ++k) {
+      const auto square = static_cast<double>(k * k);
+      fourth += 2.0 * square * square * static_cast<double>(weights[k]);
+    }
+    return (fourth - variance * variance) / (sigma * sigma * sigma);
+  }
+
+  const Footprints& footprints_;
+  const Sensor& sensor_;
+  const ScanPlan& plan_;
+  const ImageF& by_aspect_;
+  ScanGradient& gradient_;
+  std::vector<Other> others_;
+};
+
+void add_table(const Footprints& footprints,
+               const Sensor& sensor,
+               const ScanPlan& plan,
+               double reflectance,
+               const ImageF& by_aspect,
+               const WantedDerivatives& wanted,
+               ScanGradient& gradient) {
+  const SensorSettings& settings = sensor.settings();
+  const StripeSettings stripes = stripes_of(footprints.positions(), reflectance);
+  TableGradient table(footprints, sensor, plan, by_aspect, gradient);
+  const auto add = [&](bool is_wanted,
+                       double SensorSettings::*of_sensor,
+                       double StripeSettings::*of_stripes,
+                       double& derivative) {
+    if (is_wanted) {
+      table.add_weighted(table_derivative(settings, stripes, of_sensor, of_stripes), derivative);
+    }
+  };
+  add(wanted.gain, &SensorSettings::gain, nullptr, gradient.gain);
+  add(wanted.exposure, &SensorSettings::exposure, nullptr, gradient.exposure);
+  add(wanted.duty, nullptr, &StripeSettings::duty, gradient.duty);
+  add(wanted.dark, nullptr, &StripeSettings::dark, gradient.dark);
+  table.run(*plan.table);
+}
+
+/// The pixels that frames give and that have derivatives.
+Spans weighted_pixels(const ScanPlan& plan, const ImageF& by_aspect) {
+  const bool is_by_table = plan.form.kind == ScanForm::Kind::kTable;
+  const Spans pixels =
+      is_by_table ? spans_of(plan.by_frames) : whole_image(by_aspect.width(), by_aspect.height());
+  Spans weighted;
+  for (const RowSpan& span : pixels) {
+    const float* by = by_aspect.row(span.y);
+    const auto next_where = [&](int x, bool wanted) {
+      while (x < span.end && (by[x] != 0.0F) != wanted) {
+        ++x;
+      }
+      return x;
+    };
+    for (int begin = next_where(span.begin, true); begin < span.end;) {
+      const int end = next_where(begin, false);
+      weighted.push_back({.y = span.y, .begin = begin, .end = end});
+      begin = next_where(end, true);
+    }
+  }
+  return weighted;
+}
+
+}  // namespace
+
+void GradientByHits::resize(std::size_t rows, std::size_t row) {
+  GLINT_CHECK(row_ == 0 || row_ == row, "rows of one length");
+  row_ = row;
+  is_open_.resize(rows);
+  x.resize(rows * row);
+  y.resize(rows * row);
+  margin.resize(rows * row);
+}
+
+void GradientByHits::open(std::size_t row) {
+  if (is_open_[row] == 0) {
+    is_open_[row] = 1;
+    std::fill_n(y.data() + row * row_, row_, 0.0F);
+    std::fill_n(margin.data() + row * row_, row_, 0.0F);
+  }
+}
+
+void ScanGradient::collect(const Footprints& footprints, ShapeDerivative& motion) const {
+  const RayCache& rays = footprints.rays().corners;
+  const WallHits& hits = footprints.hits();
+  corners.for_each_run([&](std::size_t first, int count, const HitGradient& gradient) {
+    motion.collect(rays.block(static_cast<std::int64_t>(first), count),
+                   {.x_mm = hits.x_mm.data() + first,
+                    .y_mm = hits.y_mm.data() + first,
+                    .margin_mm = hits.margin_mm.data() + first},
+                   gradient);
+  });
+  WallHits met;
+  for (std::size_t g = 0; g < refined.size(); ++g) {
+    const RefinedGroup& group = footprints.rays().refined[g];
+    const int count = (group.cells_per_axis + 1) * (group.cells_per_axis + 1);
+    for (std::size_t i = 0; i < refined[g].pixels.size(); ++i) {
+      const auto first = static_cast<std::int64_t>(refined[g].pixels[i]) * count;
+      intersect_light(group.rays, footprints.tunnel(), first, count, met);
+      motion.collect(
+          group.rays.block(first, count),
+          {.x_mm = met.x_mm.data(), .y_mm = met.y_mm.data(), .margin_mm = met.margin_mm.data()},
+          refined[g].by_hits.from(i * static_cast<std::size_t>(count)));
+    }
+  }
+}
+
+ScanGradient gradient_of_scan(const Footprints& footprints,
+                              const Sensor& sensor,
+                              const ScanPlan& plan,
+                              double reflectance,
+                              const ImageF& by_aspect,
+                              const WantedDerivatives& wanted,
+                              const std::shared_ptr<const PixelCells>& cells) {
+  if (!footprints.positions().is_even) {
+    throw ConfigError("search.algorithm",
+                      "there are no derivatives under an uneven light (led_ripple, "
+                      "end_falloff)");
+  }
+  ScanGradient gradient;
+  gradient.corners.resize(static_cast<std::size_t>(footprints.rays().height_px) + 1,
+                          static_cast<std::size_t>(footprints.rays().width_px) + 1);
+  gradient.refined.resize(footprints.rays().refined.size());
+  if (plan.form.kind == ScanForm::Kind::kTable) {
+    add_table(footprints, sensor, plan, reflectance, by_aspect, wanted, gradient);
+  }
+  add_frame_gradient(footprints,
+                     sensor,
+                     weighted_pixels(plan, by_aspect),
+                     by_aspect,
+                     wanted,
+                     plan.form.kind == ScanForm::Kind::kMeanRadiance ? nullptr : cells,
+                     gradient);
+  return gradient;
+}
+
+}  // namespace glint

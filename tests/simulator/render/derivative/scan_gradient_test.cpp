@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Derivatives of footprints and scans against central differences of what they differentiate.
+#include "simulator/render/derivative/scan_gradient.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "simulator/render/derivative/gradient_kernels.h"
+#include "simulator/render/derivative/stripe_gradient.h"
+#include "simulator/render/footprint/stripe_integral.h"
+#include "simulator/render/scan/width_rows.h"
+#include "tests/simulator/render/footprint/footprint_fixtures.h"
+
+namespace glint {
+namespace {
+
+/// The same pixels by table and by frames, for footprints nearby: what a central difference needs.
+ScanPlan with_same_pixels(const ScanPlan& plan,
+                          const Footprints& footprints,
+                          const Sensor& sensor) {
+  ScanPlan same = plan;
+  if (plan.form.kind == ScanForm::Kind::kTable) {
+    same.table = std::make_shared<const ClippedMean>(
+        sensor.settings(), stripes_of(footprints.positions(), plan.reflectance));
+    WidthRows widths(footprints, sensor);
+    std::vector<unsigned char> unused(static_cast<std::size_t>(same.width.width()));
+    for (int y = 0; y < same.width.height(); ++y) {
+      widths.find(y, same.width.row(y), unused.data());
+    }
+  }
+  return same;
+}
+
+constexpr int kRimLabel = 0;
+constexpr int kSlotLabel = 4;
+
+/// A cell cut by the wall's rim and one side of the slot.
+struct CutCell {
+  LinearFunction phase, rim, slot;
+  double duty = 0.5;
+  double dark = 0.1;
+  std::vector<double> shifts = {0.0, 0.25, 0.5, 0.75};
+  std::vector<double> weights = {0.4, 1.0, -0.3, 0.7};
+
+  PixelPolygon polygon() const {
+    PixelPolygon cut;
+    cut.clip(rim, kRimLabel);
+    cut.clip(slot, kSlotLabel);
+    return cut;
+  }
+
+  double value() const {
+    StripeSum sum;
+    sum.clear();
+    sum.add(polygon(), phase);
+    std::vector<double> shares(shifts.size());
+    sum.evaluate(shifts, duty, shares.data());
+    double total = 0.0;
+    for (std::size_t k = 0; k < shifts.size(); ++k) {
+      total += weights[k] * (dark * sum.area + (1.0 - dark) * shares[k]);
+    }
+    return total;
+  }
+
+  StripeGradient gradient() const {
+    std::array<LinearFunction, 5> boundaries;
+    boundaries[kRimLabel] = rim;
+    boundaries[kSlotLabel] = slot;
+    StripeGradient result;
+    result.add(polygon(), phase, boundaries, shifts, weights, duty, dark, 1.0 - dark);
+    return result;
+  }
+};
+
+CutCell random_cut_cell(std::uint64_t index) {
+  Rng rng(109, Stream::kTest, index);
+  const auto random_function = [&](double offset, double size) {
+    return LinearFunction{
+        rng.uniform(-offset, offset), rng.uniform(-size, size), rng.uniform(-size, size)};
+  };
+  CutCell cell;
+  cell.phase = random_function(2.0, 1.5);
+  cell.rim = random_function(0.5, 2.0);
+  cell.slot = random_function(0.5, 2.0);
+  cell.duty = rng.uniform(0.1, 0.9);
+  cell.dark = rng.uniform() < 0.5 ? 0.0 : rng.uniform(0.0, 0.5);
+  for (double& weight : cell.weights) {
+    weight = rng.uniform(-1.0, 1.0);
+  }
+  return cell;
+}
+
+using NumberOfCell = std::function<double&(CutCell&)>;
+
+double cell_difference(const CutCell& cell, const NumberOfCell& number) {
+  constexpr double kStep = 1e-6;
+  CutCell high = cell;
+  CutCell low = cell;
+  number(high) += kStep;
+  number(low) -= kStep;
+  return (high.value() - low.value()) / (2.0 * kStep);
+}
+
+struct CellNumber {
+  const char* name;
+  NumberOfCell number;
+  std::function<double(const StripeGradient&)> derivative;
+};
+
+std::vector<CellNumber> cell_numbers() {
+  return {
+      {"phase",
+       [](CutCell& c) -> double& { return c.phase.value; },
+       [](const StripeGradient& s) { return s.phase.value; }},
+      {"phase dx",
+       [](CutCell& c) -> double& { return c.phase.dx; },
+       [](const StripeGradient& s) { return s.phase.dx; }},
+      {"phase dy",
+       [](CutCell& c) -> double& { return c.phase.dy; },
+       [](const StripeGradient& s) { return s.phase.dy; }},
+      {"rim",
+       [](CutCell& c) -> double& { return c.rim.value; },
+       [](const StripeGradient& s) { return s.boundary[kRimLabel].value; }},
+      {"rim dx",
+       [](CutCell& c) -> double& { return c.rim.dx; },
+       [](const StripeGradient& s) { return s.boundary[kRimLabel].dx; }},
+      {"slot",
+       [](CutCell& c) -> double& { return c.slot.value; },
+       [](const StripeGradient& s) { return s.boundary[kSlotLabel].value; }},
+      {"slot dy",
+       [](CutCell& c) -> double& { return c.slot.dy; },
+       [](const StripeGradient& s) { return s.boundary[kSlotLabel].dy; }},
+      {"duty",
+       [](CutCell& c) -> double& { return c.duty; },
+       [](const StripeGradient& s) { return s.duty; }},
+  };
+}
+
+// A difference whose step takes a corner of the polygon across an edge is off by a kink; few do.
+TEST(StripeGradient, AgreeWithDifferencesOfRandomCutCells) {
+  for (const CellNumber& n : cell_numbers()) {
+    int off = 0;
+    for (std::uint64_t i = 0; i < 1000; ++i) {
+      const CutCell cell = random_cut_cell(i);
+      const double expected = cell_difference(cell, n.number);
+      const double found = n.derivative(cell.gradient());
+      off += std::abs(found - expected) > 1e-5 + 1e-3 * std::abs(expected) ? 1 : 0;
+    }
+    EXPECT_LE(off, 3) << n.name;
+  }
+}
+
+// Negative control: the boundary's own term, left out or of the other sign, would be noticed.
+TEST(StripeGradient, AMissingBoundaryTermWouldBeNoticed) {
+  for (const double factor : {0.0, -1.0}) {
+    int off = 0;
+    for (std::uint64_t i = 0; i < 1000; ++i) {
+      const CutCell cell = random_cut_cell(i);
+      const double expected =
+          cell_difference(cell, [](CutCell& c) -> double& { return c.slot.value; });
+      const double wrong = factor * cell.gradient().boundary[kSlotLabel].value;
+      off += std::abs(wrong - expected) > 1e-5 + 1e-3 * std::abs(expected) ? 1 : 0;
+    }
+    EXPECT_GT(off, 300) << factor;
+  }
+}
+
+// All of the pixel bright, x >= 0 kept: half of it. Moving the boundary c = x by dc uncovers a
+// strip of height 1 and width dc; turning it (c = x + s y) takes from one half what it gives to the
+// other.
+TEST(StripeGradient, MatchAHandWorkedHalfPixel) {
+  CutCell cell;
+  cell.phase = {0.25, 0.0, 0.0};
+  cell.rim = {1.0, 0.0, 0.0};
+  cell.slot = {0.0, 1.0, 0.0};
+  cell.dark = 0.0;
+  cell.shifts = {0.0};
+  cell.weights = {1.0};
+  EXPECT_NEAR(cell.value(), 0.5, 1e-6);
+  const StripeGradient gradient = cell.gradient();
+  EXPECT_NEAR(gradient.boundary[kSlotLabel].value, 1.0, 1e-6);
+  EXPECT_NEAR(gradient.boundary[kSlotLabel].dy, 0.0, 1e-6);
+  EXPECT_NEAR(gradient.boundary[kRimLabel].value, 0.0, 1e-12);
+}
+
+// Each corner's share of value, dx and dy, against linear_through().
+TEST(LinearGradient, ByCornersIsTheTransposeOfLinearThrough) {
+  const LinearGradient gradient = {.value = 0.7, .dx = -0.2, .dy = 0.4};
+  const std::array<double, 4> by = gradient.by_corners();
+  for (std::size_t i = 0; i < 4; ++i) {
+    std::array<double, 4> corners = {};
+    corners[i] = 1.0;
+    const LinearFunction f = linear_through(corners);
+    EXPECT_NEAR(by[i], 0.7 * f.value - 0.2 * f.dx + 0.4 * f.dy, 1e-15);
+  }
+}
+
+/// A small scene of a strip under a round tunnel, with a slot that is mirrored in it.
+struct SmallScan {
+  TunnelSettings tunnel = test::bench_tunnel();
+  ScanSettings scan{.positions = 16};
+  SensorSettings sensor{.gain = 1.7, .blur_px = 1.3, .bits = 0};
+
+  static const test::FootprintBench& bench() {
+    static const test::FootprintBench one(test::bench_strip(), test::bench_camera());
+    return one;
+  }
+};
+
+/// Pixels in the middle of the picture, away from the part's outline by more than the blur.
+Mask middle_region(const VisibilityBuffer& seen) {
+  Mask region(seen.width_px, seen.height_px);
+  for (int y = 36; y < seen.height_px - 36; ++y) {
+    for (int x = 40; x < seen.width_px - 40; ++x) {
+      region(x, y) = 1;
+    }
+  }
+  return region;
+}
+
+/// The sum of the region's aspect, pixels sorted as at first.
+class SmallScanSum {
+ public:
+  explicit SmallScanSum(const SmallScan& at, const test::FootprintBench& bench = SmallScan::bench())
+      : bench_(bench),
+        tunnel_(at.tunnel),
+        footprints_(rays(), tunnel_, at.scan, bench.camera_mm),
+        sensor_(at.sensor, rays().width_px, rays().height_px),
+        region_(middle_region(rays())),
+        plan_(plan_scan(
+            footprints_, sensor_, region_, Mask(rays().width_px, rays().height_px), 1.0)) {}
+
+  const ScanPlan& plan() const { return plan_; }
+
+  ScanGradient gradient(ShapeDerivative& motion) const { return gradient(motion, region_); }
+
+  /// Of the sum over `watched` pixels of the region.
+  ScanGradient gradient(ShapeDerivative& motion, const Mask& watched) const {
+    ImageF by(rays().width_px, rays().height_px);
+    for (std::size_t i = 0; i < by.size(); ++i) {
+      by.values()[i] = watched.values()[i] != 0 ? 1e-3F : 0.0F;
+    }
+    ScanGradient found = gradient_of_scan(footprints_, sensor_, plan_, 1.0, by);
+    found.collect(footprints_, motion);
+    return found;
+  }
+
+  double at(const SmallScan& moved) const {
+    const Tunnel tunnel(moved.tunnel);
+    const Footprints footprints(rays(), tunnel, moved.scan, bench_.camera_mm);
+    const Sensor sensor(moved.sensor, rays().width_px, rays().height_px);
+    const ScanPlan plan = with_same_pixels(plan_, footprints, sensor);
+    const ClosedScan closed = scan_closed(footprints, sensor, plan);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < region_.size(); ++i) {
+      sum += region_.values()[i] != 0 ? 1e-3 * static_cast<double>(closed.aspect.values()[i]) : 0.0;
+    }
+    return sum;
+  }
+
+ private:
+  const CornerRays& rays() const { return bench_.rays; }
+
+  const test::FootprintBench& bench_;
+  Tunnel tunnel_;
+  Footprints footprints_;
+  Sensor sensor_;
+  Mask region_;
+  ScanPlan plan_;
+};
+
+double scan_difference(const SmallScanSum& sum,
+                       const std::function<double&(SmallScan&)>& number,
+                       double step) {
+  SmallScan high;
+  SmallScan low;
+  number(high) += step;
+  number(low) -= step;
+  return (sum.at(high) - sum.at(low)) / (2.0 * step);
+}
+
+TEST(GradientOfScan, AgreeWithDifferencesOfASmallScene) {
+  const SmallScan scene;
+  const SmallScanSum sum(scene);
+  ASSERT_EQ(sum.plan().form.kind, ScanForm::Kind::kTable);
+  ASSERT_GT(sum.plan().form.table_pixels, 0);
+  ASSERT_GT(sum.plan().form.frame_pixels, 0);
+  ShapeDerivative motion{Tunnel(scene.tunnel)};
+  const ScanGradient gradient = sum.gradient(motion);
+  EXPECT_EQ(gradient.detached_pixels, 0);
+  const auto expect = [&](const char* name,
+                          double found,
+                          double step,
+                          const std::function<double&(SmallScan&)>& number) {
+    const double expected = scan_difference(sum, number, step);
+    EXPECT_NE(expected, 0.0) << name;
+    EXPECT_NEAR(found, expected, 2e-3 * std::abs(expected)) << name;
+  };
+  expect("gain", gradient.gain, 1e-3, [](SmallScan& s) -> double& { return s.sensor.gain; });
+  expect("exposure", gradient.exposure, 1e-3, [](SmallScan& s) -> double& {
+    return s.sensor.exposure;
+  });
+  expect("blur", gradient.blur_px, 1e-3, [](SmallScan& s) -> double& { return s.sensor.blur_px; });
+  expect("duty", gradient.duty, 1e-4, [](SmallScan& s) -> double& { return s.tunnel.duty; });
+  expect("slot", gradient.slot_mm, 1e-2, [](SmallScan& s) -> double& { return s.tunnel.slot_mm; });
+  expect("base", motion.derivative_by("base_mm").value(), 1e-2, [](SmallScan& s) -> double& {
+    return s.tunnel.base_mm;
+  });
+  expect("radius", motion.derivative_by("radius_mm").value(), 1e-2, [](SmallScan& s) -> double& {
+    return s.tunnel.radius_mm;
+  });
+}
+
+// A pixel a thousand periods away has the derivatives of one nearby, in plain pixels as in cells.
+TEST(GradientOfScan, WholePeriodsOfOffsetChangeNoDerivative) {
+  SmallScan scene;
+  scene.sensor.gain = 0.8;
+  scene.tunnel.duty = 0.43;  // no whole number of frames: their mean has a ripple
+  ShapeDerivative motion{Tunnel(scene.tunnel)};
+  const ScanGradient near = SmallScanSum(scene).gradient(motion);
+  scene.tunnel.offset_mm += 1000.0 * scene.tunnel.period_mm;
+  const ScanGradient far = SmallScanSum(scene).gradient(motion);
+  const auto expect_same = [](const std::vector<float>& a, const std::vector<float>& b) {
+    ASSERT_EQ(a.size(), b.size());
+    double largest = 0.0;
+    double worst = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      const auto value = static_cast<double>(a[i]);
+      largest = std::max(largest, std::abs(value));
+      worst = std::max(worst, std::abs(static_cast<double>(b[i]) - value));
+    }
+    EXPECT_GT(largest, 0.0);
+    EXPECT_LT(worst, 1e-4 * largest);
+  };
+  expect_same(near.corners.x, far.corners.x);
+  ASSERT_EQ(near.refined.size(), far.refined.size());
+  for (std::size_t g = 0; g < near.refined.size(); ++g) {
+    if (!near.refined[g].by_hits.empty()) {
+      expect_same(near.refined[g].by_hits.x, far.refined[g].by_hits.x);
+    }
+  }
+}
+
+// A small dent is rendered in one with the smooth pixels on both its sides.
+TEST(GradientOfScan, PixelsThatNoScoreLooksAtAreNotDetached) {
+  SmallScan scene;
+  scene.sensor.blur_px = 0.0;
+  const test::FootprintBench dented(test::bench_strip(), test::bench_camera(), 0.06);
+  const SmallScanSum sum(scene, dented);
+  ShapeDerivative motion{Tunnel(scene.tunnel)};
+  EXPECT_GT(sum.gradient(motion).detached_pixels, 0);
+  Mask smooth = middle_region(dented.rays);
+  for (std::size_t i = 0; i < smooth.size(); ++i) {
+    if (dented.rays.kind.values()[i] != PixelKind::kSmooth) {
+      smooth.values()[i] = 0;
+    }
+  }
+  EXPECT_EQ(sum.gradient(motion, smooth).detached_pixels, 0);
+}
+
+TEST(GradientOfScan, RefuseAScanOfBrokenPeriods) {
+  SmallScan scene;
+  scene.scan.step_mm = 0.3 * scene.tunnel.period_mm;
+  scene.scan.positions = 7;
+  scene.tunnel.led_ripple = 0.2;
+  const SmallScanSum sum(scene);
+  ShapeDerivative motion{Tunnel(scene.tunnel)};
+  EXPECT_THROW(sum.gradient(motion), ConfigError);
+}
+
+}  // namespace
+}  // namespace glint

@@ -3,7 +3,7 @@
 #
 # usage: check.sh [SOURCE_DIR]
 #
-# Checks what the compiler does not: sizes of files, heavy headers, and words that are not wanted.
+# Checks what the compiler does not: heavy headers, and words that are not wanted.
 # One line per violation, `file:line: what is wrong`; exit 1 when there is any. Which room may
 # include which is checked by rooms.mjs.
 set -euo pipefail
@@ -42,8 +42,6 @@ function report(text) { print FILENAME ":" FNR ": " text }
 
 function end_of_file() {
   if (file == "") return
-  limit = file ~ /\.h$/ ? 300 : 600
-  if (lines > limit) print file ":" lines ": has " lines " lines, at most " limit " are allowed"
   if (file ~ /\.h$/ && !has_pragma) print file ":1: has no #pragma once"
 }
 
@@ -54,8 +52,6 @@ FNR == 1 {
   room = top_of(file)
   if ($0 != "// SPDX-License-Identifier: GPL-3.0-or-later") report("has no SPDX line at its top")
 }
-
-{ lines = FNR }
 
 /^#pragma once$/ { has_pragma = 1 }
 

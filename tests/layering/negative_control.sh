@@ -73,12 +73,6 @@ expect_found "core/b.cpp:1: has no SPDX line"
 clean_tree
 printf '%s\n#include <vector>\n' "$spdx" >"$tree/core/b.h"
 expect_found "core/b.h:1: has no #pragma once"
-clean_tree
-{ printf '%s\n#pragma once\n' "$spdx" && seq -f '// %g' 299; } >"$tree/core/b.h"
-expect_found "core/b.h:301: has 301 lines, at most 300 are allowed"
-clean_tree
-{ printf '%s\n' "$spdx" && seq -f '// %g' 600; } >"$tree/core/b.cpp"
-expect_found "core/b.cpp:601: has 601 lines, at most 600 are allowed"
 
 if ((failures > 0)); then
   echo "$failures violation(s) slipped through"

@@ -9,9 +9,9 @@ import { report } from "./room_tree.mjs";
 const MOST_NAMES = 3;
 
 /// Macros that stand for attributes or nothing: ctags could take them for parts of a type.
-function attributeMacros(tree) {
+export function attributeMacros(texts) {
   const macros = new Set();
-  for (const text of tree.texts.values()) {
+  for (const text of texts) {
     const found = text.matchAll(/^#[ \t]*define (\w+)[ \t]*($|inline\b|\[\[|__attribute)/gm);
     [...found].forEach(([, name]) => macros.add(name));
   }
@@ -24,7 +24,7 @@ function readTags(tree) {
   const options = [
     ...["--options=NONE", "--quiet", "--language-force=C++", "--output-format=json", "--sort=no"],
     ...["--kinds-C++=cfpsu", "--fields=+nsS", "--fields-C++=+{properties}{specialization}"],
-    ...attributeMacros(tree).flatMap((name) => ["-D", `${name}=`]),
+    ...attributeMacros(tree.texts.values()).flatMap((name) => ["-D", `${name}=`]),
     ...["-L", "-", "-f", "-"],
   ];
   const input = [...tree.texts.keys()].join("\n");

@@ -37,9 +37,12 @@
 //       charts        [ { kind: "sizes" | "lightings" | "pod", its data: web/population.js } ]
 //       tables        [ { caption, head: [texts], rows: [ [texts] ] } ] } ]
 //   frontier          the object of frontier.json, see docs/frontier.md
-//   rendered          of `glint render`; { views: those of its result.json, each with image: base64
-//                     PNG, sheet: base64 PNG of all views, legend: [ { name, colour } ] of the defect
-//                     map, drawing: SVG text, scores: { score: number } of the first view }
+//   rendered          of `glint render`; {
+//       views         those of its result.json, each with an image: base64 PNG
+//       sheet         base64 PNG of all views
+//       legend        of the defect map; [ { name, colour } ]
+//       drawing       SVG text
+//       scores        { score: number } of the first view }
 //   inspection        of `glint inspect`: its result.json with what inspect_page.cpp adds
 //   methods           [ sentences on method and accuracy ]
 //   config_toml       the resolved configuration

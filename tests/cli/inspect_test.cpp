@@ -279,10 +279,10 @@ TEST_F(InspectVerb, ComparesARunWithItsTruth) {
   ASSERT_GE(result["parts"].size(), 2U);
   EXPECT_EQ(result["parts"][0]["name"], "baseline");
   EXPECT_EQ(result["parts"][1]["name"], "winner");
+  const Json page = page_data(read_file(folder_ / "out/report.html"));
   Json shown;  // on the page, by name
-  for (const auto& part :
-       page_data(read_file(folder_ / "out/report.html"))["inspection"]["parts"]) {
-    shown[part["name"]] = part;
+  for (const Json& part : page["inspection"]["parts"]) {
+    shown[part["name"].get<std::string>()] = part;
   }
   int known = 0;
   for (const Json& part : result["parts"]) {
@@ -299,10 +299,10 @@ TEST_F(InspectVerb, ComparesARunWithItsTruth) {
     }
     EXPECT_EQ(truth["other_kind"], other_kind);
     EXPECT_EQ(std::ranges::count_if(
-                  shown[part["name"]]["defects"],
+                  shown[part["name"].get<std::string>()]["defects"],
                   [](const Json& defect) { return defect["known_as"] == "false alarm"; }),
               truth["false_alarms"]);
-    EXPECT_EQ(shown[part["name"]]["missed"].size(), truth["missed"]);
+    EXPECT_EQ(shown[part["name"].get<std::string>()]["missed"].size(), truth["missed"]);
     known += truth["defects"].get<int>();
   }
   EXPECT_EQ(result["truth"]["defects"], known);

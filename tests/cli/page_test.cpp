@@ -51,7 +51,7 @@ class Page : public ::testing::Test {
     }
     pclose(pipe);
     EXPECT_THAT(text, Not(HasSubstr("Uncaught"))) << page;
-    EXPECT_THAT(text, Not(HasSubstr("Refused to"))) << page << ": against its own security policy";
+    EXPECT_THAT(text, Not(HasSubstr("Content Security Policy"))) << page;
     return text.substr(0, text.find("id=\"data\""));  // without the data, which hold every text
   }
 
@@ -73,12 +73,16 @@ TEST_F(Page, OfARunAndOfItsInspectionIsDrawn) {
 TEST_F(Page, TakesNamesOfFilesForText) {
   const std::string name = "<i onclick=x>";
   fs::create_directories(folder_ / name);
-  ImageF picture(64, 48, 0.5F);
-  picture(30, 20) = 0.2F;
+  ImageF picture(64, 48);
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      picture(x, y) = 0.5F + 0.01F * static_cast<float>((7 * x + 13 * y) % 5);
+    }
+  }
   write_png(folder_ / name / "a.png", picture, PixelDepth::k8Bit);
   glint({"inspect", name, "--quiet", "--out", "out"});
   EXPECT_THAT(drawn("out/report.html"),
-              AllOf(HasSubstr("&lt;i onclick=x&gt;"), Not(HasSubstr(name))));
+              AllOf(HasSubstr("&lt;i onclick=x&gt;"), Not(HasSubstr("<i onclick=\"x\">"))));
 }
 
 TEST_F(Page, OfPopulationsIsDrawn) {

@@ -142,10 +142,7 @@ inline nlohmann::ordered_json run_in(const std::filesystem::path& out,
 /// What a run leaves of its population: all of it is the same bytes for the same study.
 inline std::string bytes_of(const std::filesystem::path& run) {
   std::string bytes = read_file(run / "result.json");
-  for (const char* name : {"sorting.csv",
-                           "sorting_sizes.json",
-                           "pod.csv",
-                           "pod_curves.json"}) {
+  for (const char* name : {"sorting.csv", "sorting_sizes.json", "pod.csv", "pod_curves.json"}) {
     if (std::filesystem::exists(run / name)) {
       bytes += read_file(run / name);
     }

@@ -50,9 +50,12 @@ void list_table(const std::string& path, Settings settings, std::vector<KeyRow>&
   visit_keys(lister, settings);
 }
 
-void read_viewpoint(const ConfigNode& root, SceneSettings& scene, std::vector<Problem>& errors) {
-  scene.viewpoint() = default_viewpoint(scene.camera);
-  const ConfigNode* list = root.find("viewpoint");
+void read_viewpoint(const ConfigNode& root,
+                    const std::string& name,
+                    SceneSettings& scene,
+                    std::vector<Problem>& errors) {
+  scene.viewpoints = {default_viewpoint(scene.camera)};
+  const ConfigNode* list = root.find(name);
   if (list == nullptr) {
     return;
   }

@@ -33,8 +33,8 @@ Ray ray_at(const RayBlock& rays, std::size_t i) {
           .direction = vector_of(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i])};
 }
 
-/// At most `maximum` rays from `begin` on.
-RayBlock part_of(const RayBlock& rays, int begin, int maximum) {
+/// At most `max_count` rays from `begin` on.
+RayBlock part_of(const RayBlock& rays, int begin, int max_count) {
   RayBlock part = rays;
   for (const float** array : {&part.origin_x,
                               &part.origin_y,
@@ -44,7 +44,7 @@ RayBlock part_of(const RayBlock& rays, int begin, int maximum) {
                               &part.direction_z}) {
     *array = *array != nullptr ? *array + begin : nullptr;
   }
-  part.count = std::min(maximum, rays.count - begin);
+  part.count = std::min(max_count, rays.count - begin);
   return part;
 }
 
@@ -408,18 +408,16 @@ StripePattern Tunnel::pattern(double shift_mm) const {
 }
 
 bool Tunnel::contains(double y_mm, double z_mm) const {
-  const Vector2d point(y_mm, z_mm);
   if (settings_.shape == Shape::kFlat) {
     return std::ranges::all_of(walls_, [&](const FlatWall& wall) {
       return wall.normal_y * y_mm + wall.normal_z * z_mm < wall.offset_mm;
     });
   }
-  const Vector2d centre(0.0, settings_.base_mm);
-  if (z_mm <= settings_.base_mm) {
+  const Vector2d offset(y_mm, z_mm - settings_.base_mm);
+  if (offset.y() <= 0.0) {
     return std::abs(y_mm) < std::abs(profile_yz_mm_.front().x());
   }
-  const Vector2d offset = point - centre;
-  const std::optional<double> t = hit_profile(centre, offset);
+  const std::optional<double> t = hit_profile({0.0, settings_.base_mm}, offset);
   return offset.norm() < kMinT_mm || (t && *t > 1.0);
 }
 

@@ -12,8 +12,7 @@
 
 namespace glint {
 
-/// By how much the program's hits, in float and partly interpolated, differ from exact ones: x, y
-/// and margin of each ray.
+/// The program's hits, in float and partly interpolated, less exact ones: x, y and margin.
 struct HitErrors {
   std::vector<Eigen::Vector3d> corners;
   std::vector<std::vector<Eigen::Vector3d>> refined;

@@ -210,7 +210,7 @@ TEST(StudyErrors, AVariableIsRefusedForItsKeysOwnRangeOnly) {
                  {"scan.positions", "{ min = 0, max = 9 }"},
                  {"camera.working_distance_mm", "{ min = -5, max = 900 }"},
                  {"sensor.wavelengths_nm.0", "{ min = -5, max = 600 }"},
-                 {"part.shape", "{ choices = [\"box\", \"cube\"] }"},
+                 {"part.shape", "{ choices = [\"strip\", \"cube\"] }"},
                  {"lighting.ring.type", "{ choices = [\"ring\", \"torch\"] }"}};
 
   for (const auto& [name, limits] : refused) {

@@ -19,9 +19,6 @@ using Shape = TunnelSettings::Shape;
 /// Hits nearer than this belong to the surface the ray leaves.
 constexpr double kMinT_mm = 1e-3;
 
-/// Sight lines that are looked at together: their arrays stay in the first cache.
-constexpr int kSightLines = 512;
-
 EllipseAxes axes_of(const TunnelSettings& s) {
   return s.shape == Shape::kSemicylinder
              ? EllipseAxes{.half_width_mm = s.radius_mm, .height_mm = s.radius_mm}
@@ -33,7 +30,8 @@ Ray ray_at(const RayBlock& rays, std::size_t i) {
           .direction = vector_of(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i])};
 }
 
-/// At most `max_count` rays from `begin` on.
+}  // namespace
+
 RayBlock part_of(const RayBlock& rays, int begin, int max_count) {
   RayBlock part = rays;
   for (const float** array : {&part.origin_x,
@@ -47,8 +45,6 @@ RayBlock part_of(const RayBlock& rays, int begin, int max_count) {
   part.count = std::min(max_count, rays.count - begin);
   return part;
 }
-
-}  // namespace
 
 Tunnel::Tunnel(const TunnelSettings& settings) : settings_(settings) {
   build_profile();
@@ -200,13 +196,7 @@ void Tunnel::hit_profile(const RayBlock& rays, bool is_whole, float* t_mm) const
 
 void Tunnel::hit_block(const RayBlock& rays, float* x_mm, float* pattern_mm, float* gain) const {
   const auto count = static_cast<std::size_t>(rays.count);
-  hit_profile(rays, false, pattern_mm);  // the array holds t until it holds the pattern coordinate
-  finish_hits(rays,
-              pattern_mm,
-              static_cast<float>(0.5 * settings_.slot_mm),
-              static_cast<float>(slot_floor_mm_),
-              x_mm,
-              gain);
+  cross_wall(rays, pattern_mm, x_mm, gain);  // t, until the array holds the pattern coordinate
   if (settings_.orientation_rad == 0.0 && !settings_.cosine_law) {
     std::copy(x_mm, x_mm + count, pattern_mm);
     return;
@@ -219,6 +209,16 @@ void Tunnel::hit_block(const RayBlock& rays, float* x_mm, float* pattern_mm, flo
     const auto t = static_cast<double>(pattern_mm[i]);
     set_details(ray_at(rays, i), t, x_mm[i], pattern_mm[i], gain[i]);
   }
+}
+
+void Tunnel::cross_wall(const RayBlock& rays, float* t_mm, float* x_mm, float* gain) const {
+  hit_profile(rays, false, t_mm);
+  finish_hits(rays,
+              t_mm,
+              static_cast<float>(0.5 * settings_.slot_mm),
+              static_cast<float>(slot_floor_mm_),
+              x_mm,
+              gain);
 }
 
 void Tunnel::intersect_block(const RayBlock& rays,
@@ -290,98 +290,14 @@ bool Tunnel::panels_touch() const {
   return settings_.panel_height_mm * sine >= settings_.distance_mm * (1.0 - 1e-9);
 }
 
-/// Some sight lines from points to the camera and where they cross the wall; t = 1 at the camera.
-struct Tunnel::Sight {
-  std::array<float, kSightLines> to_x, to_y, to_z, t, x_mm;
-};
-
-/// @param points  no more than kSightLines
-void Tunnel::look(const RayBlock& points,
-                  const Vector3d& camera_mm,
-                  Sight& s,
-                  float* occluded) const {
-  aim_at(points,
-         static_cast<float>(camera_mm.x()),
-         static_cast<float>(camera_mm.y()),
-         static_cast<float>(camera_mm.z()),
-         s.to_x.data(),
-         s.to_y.data(),
-         s.to_z.data());
-  RayBlock sight = points;
-  sight.direction_x = s.to_x.data();
-  sight.direction_y = s.to_y.data();
-  sight.direction_z = s.to_z.data();
-  hit_profile(sight, false, s.t.data());
-  finish_hits(sight,
-              s.t.data(),
-              static_cast<float>(0.5 * settings_.slot_mm),
-              static_cast<float>(slot_floor_mm_),
-              s.x_mm.data(),
-              occluded);
-  keep_sight(s.t.data(),
-             s.x_mm.data(),
-             points.count,
-             static_cast<float>(0.5 * settings_.length_mm),
-             occluded);
-}
-
-void Tunnel::occluded_block(const RayBlock& points,
-                            const Vector3d& camera_mm,
-                            float* occluded) const {
-  if (!settings_.blocks_view) {
-    std::fill_n(occluded, points.count, 0.0F);
-    return;
-  }
-  Sight sight;
-  for (int begin = 0; begin < points.count; begin += kSightLines) {
-    look(part_of(points, begin, kSightLines), camera_mm, sight, occluded + begin);
-  }
-}
-
-Tunnel::SightLines Tunnel::sight_lines(const RayBlock& points, const Vector3d& camera_mm) const {
-  const auto count = static_cast<std::size_t>(points.count);
-  SightLines lines;
-  lines.occluded.resize(count);
-  for (auto* array : {&lines.x_mm, &lines.y_mm, &lines.z_mm, &lines.to_end_mm, &lines.to_edge_mm}) {
-    array->assign(count, kNoHitMargin_mm);
-  }
-  Sight sight;
-  for (int begin = 0; begin < points.count; begin += kSightLines) {
-    const RayBlock part = part_of(points, begin, kSightLines);
-    look(part, camera_mm, sight, lines.occluded.data() + begin);
-    for (int i = 0; i < part.count; ++i) {
-      set_crossing(part, sight, i, begin, lines);
-    }
-  }
-  return lines;
-}
-
-/// @param first  of the block among the lines
-void Tunnel::set_crossing(
-    const RayBlock& points, const Sight& sight, int index, int first, SightLines& lines) const {
-  const auto i = static_cast<std::size_t>(index);
-  if (sight.t[i] >= kNoHit_mm) {
-    return;
-  }
-  const auto t = static_cast<double>(sight.t[i]);
-  const Vector3d to = vector_of(sight.to_x[i], sight.to_y[i], sight.to_z[i]);
-  const Vector3d at =
-      vector_of(points.origin_x[i], points.origin_y[i], points.origin_z[i]) + t * to;
+double Tunnel::to_edge_mm(const Vector2d& point) const {
   // Positive beside the slot.
   const double to_slot =
-      std::max(std::abs(at.y()) - 0.5 * settings_.slot_mm, slot_floor_mm_ - at.z());
-  const double to_end = std::abs(0.5 * settings_.length_mm - std::abs(at.x()));
-  const double to_camera = std::abs(1.0 - t) * to.norm();
-  const double to_edge = std::min(std::abs(to_slot), std::abs(to_rim_mm(at.tail<2>())));
-  const std::size_t place = static_cast<std::size_t>(first) + i;
-  lines.x_mm[place] = static_cast<float>(at.x());
-  lines.y_mm[place] = static_cast<float>(at.y());
-  lines.z_mm[place] = static_cast<float>(at.z());
-  lines.to_end_mm[place] = static_cast<float>(std::min(to_end, to_camera));
-  lines.to_edge_mm[place] = static_cast<float>(std::min(to_edge, to_camera));
+      std::max(std::abs(point.x()) - 0.5 * settings_.slot_mm, slot_floor_mm_ - point.y());
+  return std::min(std::abs(to_slot), std::abs(to_rim_mm(point)));
 }
 
-/// From a point of the wall to where its cross-section ends, the slot left aside.
+/// The same, the slot left aside.
 double Tunnel::to_rim_mm(const Vector2d& point) const {
   if (settings_.shape != Shape::kFlat) {
     return point.y() - settings_.base_mm;

@@ -29,6 +29,9 @@
 
 namespace glint {
 
+/// At most `max_count` rays from `begin` on.
+RayBlock part_of(const RayBlock& rays, int begin, int max_count);
+
 /// Where a ray meets the luminous wall.
 struct WallHit {
   double t_mm = 0.0;
@@ -75,21 +78,12 @@ class Tunnel {
                    float* pattern_mm,
                    float* cosine) const;
 
-  /// True for each point that the wall hides from the camera (sight line through the wall and not
-  /// through the slot). @param occluded 1 hidden, 0 seen; as long as the block's origins
-  void occluded_block(const RayBlock& points,
-                      const Eigen::Vector3d& camera_mm,
-                      float* occluded) const;
+  /// How far rays are from the wall, and where along it they meet it.
+  /// @param gain  1, or 0 where no wall is met
+  void cross_wall(const RayBlock& rays, float* t_mm, float* x_mm, float* gain) const;
 
-  /// Where sight lines cross the wall, for points that stand for their neighbourhood.
-  struct SightLines {
-    std::vector<float> occluded;          ///< as occluded_block()
-    std::vector<float> x_mm, y_mm, z_mm;  ///< of the crossing; kNoHitMargin_mm: none
-    /// From the crossing to where `occluded` changes, along x and across it.
-    std::vector<float> to_end_mm, to_edge_mm;
-  };
-
-  SightLines sight_lines(const RayBlock& points, const Eigen::Vector3d& camera_mm) const;
+  /// From a point (y, z) of the wall to where its cross-section ends, at a rim or the slot.
+  double to_edge_mm(const Eigen::Vector2d& point) const;
 
   /// The stripes when the tunnel has moved by shift_mm along x.
   StripePattern pattern(double shift_mm) const;
@@ -118,13 +112,6 @@ class Tunnel {
   void set_details(const Ray& ray, double t_mm, float x_mm, float& pattern_mm, float& cosine) const;
   bool in_slot(const Eigen::Vector2d& point) const;
   double to_rim_mm(const Eigen::Vector2d& point) const;
-  struct Sight;
-  void look(const RayBlock& points,
-            const Eigen::Vector3d& camera_mm,
-            Sight& sight,
-            float* occluded) const;
-  void set_crossing(
-      const RayBlock& points, const Sight& sight, int index, int first, SightLines& lines) const;
   void build_profile();
 
   TunnelSettings settings_;

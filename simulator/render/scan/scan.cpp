@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulator/light/tunnel/sight_lines.h"
+
 namespace glint {
 namespace {
 
@@ -50,7 +52,7 @@ WallRays intersect_wall(const RayCache& cache,
   std::vector<float> occluded(static_cast<std::size_t>(kBlock));
   for (std::int64_t pixel = 0; pixel < pixels; pixel += kBlock) {
     const int count = block_size(pixel, pixels);
-    tunnel.occluded_block(cache.seen_points(pixel, count), camera_in_world_mm, occluded.data());
+    occluded_block(tunnel, cache.seen_points(pixel, count), camera_in_world_mm, occluded.data());
     for (int i = 0; i < count; ++i) {
       const auto at = static_cast<std::size_t>(pixel + i);
       const bool is_occluded =

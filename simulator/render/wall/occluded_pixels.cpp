@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/image/mask_kernels.h"
+#include "simulator/light/tunnel/sight_lines.h"
 #include "simulator/light/tunnel/tunnel_profile.h"
 #include "simulator/render/wall/pixel_rays.h"
 
@@ -49,8 +50,8 @@ void test_row(const VisibilityBuffer& seen,
   const auto count = static_cast<std::size_t>(end - begin);
   scratch.resize(count);
   const std::int64_t first = static_cast<std::int64_t>(y) * seen.width_px + begin;
-  tunnel.occluded_block(
-      seen.seen_points(first, static_cast<int>(count)), camera_mm, scratch.data());
+  occluded_block(
+      tunnel, seen.seen_points(first, static_cast<int>(count)), camera_mm, scratch.data());
   mask_kernels::mark_both(
       scratch.data(), seen.coverage.row(y) + begin, end - begin, occluded.row(y) + begin);
 }
@@ -119,11 +120,12 @@ class SightGrid {
         add_point(x, y);
       }
     }
-    lines_ = view.tunnel.sight_lines({.origin_x = x_mm_.data(),
-                                      .origin_y = y_mm_.data(),
-                                      .origin_z = z_mm_.data(),
-                                      .count = static_cast<int>(x_mm_.size())},
-                                     view.camera_mm);
+    lines_ = sight_lines(view.tunnel,
+                         {.origin_x = x_mm_.data(),
+                          .origin_y = y_mm_.data(),
+                          .origin_z = z_mm_.data(),
+                          .count = static_cast<int>(x_mm_.size())},
+                         view.camera_mm);
   }
 
   std::size_t tiles_along() const { return columns_.size() - 1; }
@@ -228,7 +230,7 @@ class SightGrid {
   bool is_finest_;
   std::vector<float> x_mm_, y_mm_, z_mm_;  ///< of what the corners see
   std::vector<unsigned char> is_known_;
-  Tunnel::SightLines lines_;
+  SightLines lines_;
 };
 
 /// Finds the hidden pixels, tile by tile.

@@ -10,7 +10,7 @@
 
 namespace glint {
 
-/// 1 where the wall hides the part: Tunnel::occluded_block() for every pixel.
+/// 1 where the wall hides the part: occluded_block() for every pixel.
 Mask occluded_pixels_one_by_one(const VisibilityBuffer& seen,
                                 const Tunnel& tunnel,
                                 const Eigen::Vector3d& camera_in_world_mm);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/render/wall/wall_hits.h"
 
-#include <algorithm>
-
 namespace glint {
 namespace {
 
@@ -11,17 +9,6 @@ constexpr int kBlock = 1024;
 
 bool has_details(const TunnelSettings& tunnel) {
   return tunnel.orientation_rad != 0.0 || tunnel.cosine_law;
-}
-
-/// Rays [begin, begin + count) of a block.
-RayBlock part_of(const RayBlock& rays, int begin, int count) {
-  return {.origin_x = rays.origin_x + begin,
-          .origin_y = rays.origin_y + begin,
-          .origin_z = rays.origin_z + begin,
-          .direction_x = rays.direction_x + begin,
-          .direction_y = rays.direction_y + begin,
-          .direction_z = rays.direction_z + begin,
-          .count = count};
 }
 
 }  // namespace
@@ -47,7 +34,7 @@ std::vector<FloatArray*> WallHits::arrays() {
 
 void intersect_rays(const RayBlock& rays, const Tunnel& tunnel, std::size_t first, WallHits& hits) {
   for (int done = 0; done < rays.count; done += kBlock) {
-    const RayBlock block = part_of(rays, done, std::min(kBlock, rays.count - done));
+    const RayBlock block = part_of(rays, done, kBlock);
     const std::size_t at = first + static_cast<std::size_t>(done);
     float* x = hits.x_mm.data() + at;
     float* y = hits.y_mm.data() + at;

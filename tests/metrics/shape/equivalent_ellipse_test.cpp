@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/rng.h"
 #include "core/units.h"
+#include "metrics/shape/shape_match.h"
 #include "tests/metrics/shape/rendered_shapes.h"
 
 namespace glint {

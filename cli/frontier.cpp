@@ -14,6 +14,23 @@ std::string number_text(const Json& value, double factor, const char* none) {
   return value.is_number() ? fmt::format("{:.3g}", factor * value.get<double>()) : none;
 }
 
+std::string row_text(const Json& point) {
+  const auto label = point["label"].get<std::string>();
+  if (point.contains("problem")) {
+    return fmt::format("  {:<44} {}\n", label, point["problem"].get<std::string>());
+  }
+  const bool is_on_front = !point["on_front"].empty();
+  return fmt::format("{} {:<44} {:>9} {:>8} {:>11} {:>9} {:>9} {:>11}\n",
+                     is_on_front ? "*" : " ",
+                     label,
+                     number_text(point["cpu_s"], 1e3, "-"),
+                     number_text(point["cold_s"], 1.0, "-"),
+                     number_text(point["frame_rmse"], 1.0, "-"),
+                     number_text(point["smooth_frame_rmse"], 1.0, "-"),
+                     number_text(point["h_error_points"], 1.0, "-"),
+                     number_text(point["contrast_error_percent"], 1.0, "-"));
+}
+
 std::string table_text(const Json& result) {
   std::string text = fmt::format("  {:<44} {:>9} {:>8} {:>11} {:>9} {:>9} {:>11}\n",
                                  "",
@@ -24,21 +41,7 @@ std::string table_text(const Json& result) {
                                  "h points",
                                  "contrast %");
   for (const Json& point : result["points"]) {
-    const auto label = point["label"].get<std::string>();
-    if (point.contains("problem")) {
-      text += fmt::format("  {:<44} {}\n", label, point["problem"].get<std::string>());
-      continue;
-    }
-    const bool is_on_front = !point["on_front"].empty();
-    text += fmt::format("{} {:<44} {:>9} {:>8} {:>11} {:>9} {:>9} {:>11}\n",
-                        is_on_front ? "*" : " ",
-                        label,
-                        number_text(point["cpu_s"], 1e3, "-"),
-                        number_text(point["cold_s"], 1.0, "-"),
-                        number_text(point["frame_rmse"], 1.0, "-"),
-                        number_text(point["smooth_frame_rmse"], 1.0, "-"),
-                        number_text(point["h_error_points"], 1.0, "-"),
-                        number_text(point["contrast_error_percent"], 1.0, "-"));
+    text += row_text(point);
   }
   return text;
 }

@@ -65,7 +65,14 @@ std::string totals_text(const Json& result) {
                      result["removed_volume_mm3"].get<double>());
 }
 
+bool is_interrupted(const Json& result) {
+  return result["status"] == "interrupted";
+}
+
 std::string one_text(const Json& result) {
+  if (is_interrupted(result)) {
+    return "interrupted\n";
+  }
   std::string text = defects_text(result) + totals_text(result);
   for (const Json& note : result["notes"]) {
     text += "note: " + note.get<std::string>() + "\n";
@@ -119,13 +126,8 @@ int imprint_command(const ImprintArguments& arguments, const CommonArguments& co
   std::signal(SIGINT, on_imprint_interrupt);
   std::signal(SIGTERM, on_imprint_interrupt);
   const Json result = imprint_scene(study, options);
-  const bool is_interrupted = result["status"] == "interrupted";
-  if (arguments.count > 0) {
-    print_result(common, result, many_text(result));
-  } else {
-    print_result(common, result, is_interrupted ? "interrupted\n" : one_text(result));
-  }
-  return is_interrupted ? kExitInterrupted : kExitDone;
+  print_result(common, result, arguments.count > 0 ? many_text(result) : one_text(result));
+  return is_interrupted(result) ? kExitInterrupted : kExitDone;
 }
 
 }  // namespace glint

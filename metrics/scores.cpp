@@ -226,18 +226,26 @@ ScoreInterval interval_of(std::string_view bound) {
   return is_of_picture && !is_of_part ? ScoreInterval::kScans : ScoreInterval::kNone;
 }
 
+namespace {
+
+/// @param whole  the score whose standard error is explained
+std::optional<std::string> explain_error(std::string_view whole) {
+  const ScoreDoc* of_whole = find_doc(whole);
+  if (of_whole == nullptr || interval_of(whole) != ScoreInterval::kScans || is_bound(whole)) {
+    return std::nullopt;
+  }
+  return fmt::format(
+      "standard error of {} by the noise of path tracing, from the scatter of "
+      "render.paths.batches independent pictures; {}",
+      whole,
+      of_whole->doc);
+}
+
+}  // namespace
+
 std::optional<std::string> explain_score(std::string_view name) {
   if (is_error(name)) {
-    const std::string_view whole = without_error(name);
-    const ScoreDoc* of_whole = find_doc(whole);
-    if (of_whole == nullptr || interval_of(whole) != ScoreInterval::kScans || is_bound(whole)) {
-      return std::nullopt;
-    }
-    return fmt::format(
-        "standard error of {} by the noise of path tracing, from the scatter of "
-        "render.paths.batches independent pictures; {}",
-        whole,
-        of_whole->doc);
+    return explain_error(without_error(name));
   }
   const ScoreDoc* row = find_doc(without_bound(name));
   if (row == nullptr || (is_bound(name) && interval_of(name) == ScoreInterval::kNone)) {
@@ -350,6 +358,23 @@ void add_scores(Scores& scores, const DefectTotals& totals) {
   }
 }
 
+namespace {
+
+void add_summary(Scores& scores, const DefectSummary& summary) {
+  scores["defects.min_cnr"] = summary.min_cnr;
+  scores["defects.min_weber"] = summary.min_weber;
+  scores["defects.mean_weber"] = summary.mean_weber;
+  scores["defects.min_dprime"] = summary.min_dprime;
+  scores["defects.min_signature"] = summary.min_signature;
+  scores["defects.min_change"] = summary.min_change;
+  scores["defects.mean_change"] = summary.mean_change;
+  scores["defects.min_rms_contrast"] = summary.min_rms_contrast;
+  scores["defects.min_best_frame"] = summary.min_best_frame;
+  scores["defects.min_union"] = summary.min_union;
+}
+
+}  // namespace
+
 void add_scores(Scores& scores, std::span<const DefectScores> defects) {
   for (const DefectScores& defect : defects) {
     scores[with_label("defects.<label>.cnr", defect.label)] = defect.cnr;
@@ -363,20 +388,9 @@ void add_scores(Scores& scores, std::span<const DefectScores> defects) {
     scores[with_label("defects.<label>.rms_contrast", defect.label)] = defect.rms_contrast;
     scores[with_label("defects.<label>.union", defect.label)] = defect.union_area;
   }
-  if (defects.empty()) {
-    return;
+  if (!defects.empty()) {
+    add_summary(scores, summarise(defects));
   }
-  const DefectSummary summary = summarise(defects);
-  scores["defects.min_cnr"] = summary.min_cnr;
-  scores["defects.min_weber"] = summary.min_weber;
-  scores["defects.mean_weber"] = summary.mean_weber;
-  scores["defects.min_dprime"] = summary.min_dprime;
-  scores["defects.min_signature"] = summary.min_signature;
-  scores["defects.min_change"] = summary.min_change;
-  scores["defects.mean_change"] = summary.mean_change;
-  scores["defects.min_rms_contrast"] = summary.min_rms_contrast;
-  scores["defects.min_best_frame"] = summary.min_best_frame;
-  scores["defects.min_union"] = summary.min_union;
 }
 
 }  // namespace glint

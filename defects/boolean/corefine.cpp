@@ -98,6 +98,16 @@ std::int32_t corner_of(const Mesh& mesh, Halfedge edge, const std::vector<std::i
   return 3 * place[face] + k;
 }
 
+/// Of each face among those that are left.
+std::vector<std::int32_t> places_of_faces(const Mesh& mesh) {
+  std::vector<std::int32_t> place(mesh.num_faces(), -1);
+  std::int32_t num_faces = 0;
+  for (const Face face : mesh.faces()) {
+    place[face] = num_faces++;
+  }
+  return place;
+}
+
 CorefinedMesh read_back(const Mesh& mesh,
                         const SeamMap& is_seam,
                         const std::vector<std::int32_t>& parents) {
@@ -107,11 +117,7 @@ CorefinedMesh read_back(const Mesh& mesh,
     const Point& point = mesh.point(Vertex(static_cast<Mesh::size_type>(i)));
     out.points_mm.emplace_back(point.x(), point.y(), point.z());
   }
-  std::vector<std::int32_t> place(mesh.num_faces(), -1);
-  std::int32_t num_faces = 0;
-  for (const Face face : mesh.faces()) {
-    place[face] = num_faces++;
-  }
+  const std::vector<std::int32_t> place = places_of_faces(mesh);
   for (const Face face : mesh.faces()) {
     Halfedge edge = mesh.halfedge(face);
     Triangle corners = {};

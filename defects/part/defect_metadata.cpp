@@ -132,15 +132,23 @@ Json all_refusals(const DefectivePart& part) {
 
 }  // namespace
 
+namespace {
+
+Json tables_of(const std::vector<NamedGroup>& groups) {
+  Json tables = Json::object();
+  for (const auto& [name, group] : groups) {
+    tables[name] = table_of(group);
+  }
+  return tables;
+}
+
+}  // namespace
+
 nlohmann::ordered_json defects_json(const DefectivePart& part,
                                     const std::vector<NamedGroup>& groups,
                                     const ImprintSettings& settings,
                                     std::uint64_t seed,
                                     const RigidTransform& scene_from_part) {
-  Json tables = Json::object();
-  for (const auto& [name, group] : groups) {
-    tables[name] = table_of(group);
-  }
   Json list = Json::array();
   double removed_volume_mm3 = 0.0;
   std::size_t num_made = 0;
@@ -153,7 +161,7 @@ nlohmann::ordered_json defects_json(const DefectivePart& part,
   return {{"schema", 1},
           {"seed", seed},
           {"imprint", table_of(settings)},
-          {"groups", tables},
+          {"groups", tables_of(groups)},
           {"made", num_made},
           {"given_up", part.defects.size() - num_made},
           {"removed_volume_mm3", removed_volume_mm3},

@@ -247,6 +247,15 @@ std::string DefectSampler::State::fit_to_wall(const DefectGroup& group, Defect& 
 
 namespace {
 
+void draw_sizes(const DefectGroup& group, std::uint64_t hash, Defect& defect) {
+  if (is_line(group.type)) {
+    defect.length_mm = group.length_mm.at(uniform(hash, Use::kLength));
+    defect.width_mm = group.width_mm.at(uniform(hash, Use::kWidth));
+  } else {
+    defect.diameter_mm = group.diameter_mm.at(uniform(hash, Use::kDiameter));
+  }
+}
+
 /// The numbers that depend on nothing but the defect's own hash.
 Defect drawn_numbers(const GroupPlaces& places,
                      const DefectSlot& slot,
@@ -264,12 +273,7 @@ Defect drawn_numbers(const GroupPlaces& places,
   defect.realisation = group.realisation;
   defect.wanted_depth_mm = group.height_mm.at(uniform(hash, Use::kDepth));
   defect.depth_mm = defect.wanted_depth_mm;
-  if (is_line(group.type)) {
-    defect.length_mm = group.length_mm.at(uniform(hash, Use::kLength));
-    defect.width_mm = group.width_mm.at(uniform(hash, Use::kWidth));
-  } else {
-    defect.diameter_mm = group.diameter_mm.at(uniform(hash, Use::kDiameter));
-  }
+  draw_sizes(group, hash, defect);
   defect.angle_rad = group.angle_rad.at(uniform(hash, Use::kAngle));
   defect.tilt_rad = group.tilt_rad.at(uniform(hash, Use::kTilt));
   defect.tilt_direction_rad = 2.0 * kPi * uniform(hash, Use::kTiltDirection);

@@ -178,6 +178,23 @@ bool is_any(const ProcessingSettings& settings) {
          settings.vertex_noise_mm > 0.0 || settings.edge_roughness_mm > 0.0;
 }
 
+namespace {
+
+/// Moves vertices and edges at random.
+void add_noise(const ProcessingSettings& settings,
+               std::uint64_t seed,
+               std::span<const ExactPatch> patches,
+               double crease_rad,
+               Processed& part) {
+  const std::vector<Vector3d> before_mm = part.mesh.vertices_mm;
+  std::vector<Vector3d> moves = noise_moves(settings, seed, part.mesh, crease_rad);
+  part.limited_vertices += limit_to_heights(part.mesh, kHeightShare, moves);
+  part.limited_vertices += move_safely(part.mesh, std::move(moves));
+  renew_surface(part.mesh, before_mm, patches, crease_rad);
+}
+
+}  // namespace
+
 Processed apply_processing(const ProcessingSettings& settings,
                            std::uint64_t seed,
                            TriangleMesh mesh,
@@ -195,11 +212,7 @@ Processed apply_processing(const ProcessingSettings& settings,
     subdivide(settings, patches, crease_rad, part);
   }
   if (settings.vertex_noise_mm > 0.0 || settings.edge_roughness_mm > 0.0) {
-    const std::vector<Vector3d> before_mm = part.mesh.vertices_mm;
-    std::vector<Vector3d> moves = noise_moves(settings, seed, part.mesh, crease_rad);
-    part.limited_vertices += limit_to_heights(part.mesh, kHeightShare, moves);
-    part.limited_vertices += move_safely(part.mesh, std::move(moves));
-    renew_surface(part.mesh, before_mm, patches, crease_rad);
+    add_noise(settings, seed, patches, crease_rad, part);
   }
   if (settings.face_normal_noise_rad > 0.0) {
     tilt_faces(part.mesh, settings.face_normal_noise_rad, seed);

@@ -36,6 +36,17 @@ class PlaneCut {
  private:
   int side(std::int32_t vertex) const { return side_[static_cast<std::size_t>(vertex)]; }
 
+  /// The corner that is alone on its side, or lies in the plane.
+  std::size_t first_corner(const Triangle& t) const {
+    std::size_t first = 0;
+    while (!(side(t[first]) == 0 || (side(t[first]) != side(t[(first + 1) % 3]) &&
+                                     side(t[first]) != side(t[(first + 2) % 3]) &&
+                                     side(t[(first + 1) % 3]) == side(t[(first + 2) % 3])))) {
+      ++first;
+    }
+    return first;
+  }
+
   void cut(const Triangle& t, std::vector<Triangle>& out) {
     const int lowest = std::min({side(t[0]), side(t[1]), side(t[2])});
     const int highest = std::max({side(t[0]), side(t[1]), side(t[2])});
@@ -43,13 +54,7 @@ class PlaneCut {
       out.push_back(t);
       return;
     }
-    // Turned so that the first corner is alone on its side, or lies in the plane.
-    std::size_t first = 0;
-    while (!(side(t[first]) == 0 || (side(t[first]) != side(t[(first + 1) % 3]) &&
-                                     side(t[first]) != side(t[(first + 2) % 3]) &&
-                                     side(t[(first + 1) % 3]) == side(t[(first + 2) % 3])))) {
-      ++first;
-    }
+    const std::size_t first = first_corner(t);
     const std::int32_t a = t[first];
     const std::int32_t b = t[(first + 1) % 3];
     const std::int32_t c = t[(first + 2) % 3];

@@ -116,6 +116,32 @@ NoiseSums noise_sums_of(const float* aspect, const float* deviation, int count, 
 
 }  // namespace
 
+namespace {
+
+struct RegionNoise : NoiseSums {
+  double count = 0.0;  ///< pixels
+};
+
+RegionNoise noise_over(const Mask& region,
+                       const ImageF& aspect,
+                       const ImageF& deviation,
+                       double mean) {
+  RegionNoise noise;
+  for (const RowSpan& span : spans_of(region)) {
+    for (int begin = span.begin; begin < span.end; begin += kBlock) {
+      const int size = std::min(kBlock, span.end - begin);
+      const NoiseSums part =
+          noise_sums_of(aspect.row(span.y) + begin, deviation.row(span.y) + begin, size, mean);
+      noise.variance += part.variance;
+      noise.absolute += part.absolute;
+    }
+    noise.count += static_cast<double>(span.size());
+  }
+  return noise;
+}
+
+}  // namespace
+
 Homogeneity with_noise_variance(const Homogeneity& homogeneity,
                                 const ImageF& aspect,
                                 const ImageF& deviation,
@@ -123,24 +149,13 @@ Homogeneity with_noise_variance(const Homogeneity& homogeneity,
   if (homogeneity.mean <= 0.0) {
     return homogeneity;
   }
-  double count = 0.0;
-  double variance = 0.0;
-  double absolute = 0.0;
-  for (const RowSpan& span : spans_of(region)) {
-    for (int begin = span.begin; begin < span.end; begin += kBlock) {
-      const int size = std::min(kBlock, span.end - begin);
-      const NoiseSums part = noise_sums_of(
-          aspect.row(span.y) + begin, deviation.row(span.y) + begin, size, homogeneity.mean);
-      variance += part.variance;
-      absolute += part.absolute;
-    }
-    count += static_cast<double>(span.size());
-  }
+  const RegionNoise noise = noise_over(region, aspect, deviation, homogeneity.mean);
+  const double count = noise.count;
   Homogeneity result = homogeneity;
   if (count > 0.0) {
     const double sigma = (1.0 - homogeneity.h_rms) * homogeneity.mean;
-    result.h_rms = 1.0 - std::sqrt(sigma * sigma + variance / count) / homogeneity.mean;
-    result.h_abs -= absolute / count / homogeneity.mean;
+    result.h_rms = 1.0 - std::sqrt(sigma * sigma + noise.variance / count) / homogeneity.mean;
+    result.h_abs -= noise.absolute / count / homogeneity.mean;
   }
   return result;
 }

@@ -284,6 +284,15 @@ void add(ImageF& gradient, const std::vector<std::size_t>& pixels, double deriva
   add_each(gradient, pixels, [share](std::size_t) { return share; });
 }
 
+double sigma_of(const ImageF& image, const std::vector<std::size_t>& pixels, double mean) {
+  double variance = 0.0;
+  for (const std::size_t pixel : pixels) {
+    const double rest = static_cast<double>(image.values()[pixel]) - mean;
+    variance += rest * rest;
+  }
+  return std::sqrt(variance / static_cast<double>(pixels.size()));
+}
+
 /// |mean_D - mean_B| / max(sigma_B, floor)
 void add_cnr(const ScoredImage& image,
              const DefectPixels& defect,
@@ -291,13 +300,8 @@ void add_cnr(const ScoredImage& image,
              ImageF& gradient) {
   const double background = mean_of(image.aspect, defect.ring);
   const double difference = mean_of(image.aspect, defect.inside) - background;
-  double variance = 0.0;
-  for (const std::size_t pixel : defect.ring) {
-    const double rest = static_cast<double>(image.aspect.values()[pixel]) - background;
-    variance += rest * rest;
-  }
   const auto count = static_cast<double>(defect.ring.size());
-  const double ring_sigma = std::sqrt(variance / count);
+  const double ring_sigma = sigma_of(image.aspect, defect.ring, background);
   const double sigma = std::max(ring_sigma, image.sigma_floor);
   if (std::abs(difference) <= kRounding * background) {
     return;

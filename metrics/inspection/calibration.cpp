@@ -165,6 +165,17 @@ double too_low(const Inspector& inspector,
 
 }  // namespace
 
+namespace {
+
+std::int64_t allowed_alarms(double per_picture, std::size_t pictures) {
+  constexpr double kCountless = 1e15;
+  const double maximum = per_picture * static_cast<double>(pictures);
+  return static_cast<std::int64_t>(
+      std::floor(std::min(maximum, kCountless) + 1e-9));  // 0.1 * 30 is 3
+}
+
+}  // namespace
+
 double threshold_for(const Inspector& inspector,
                      std::span<const ImageF> responses,
                      double false_alarms_per_picture,
@@ -174,10 +185,7 @@ double threshold_for(const Inspector& inspector,
   }
   GLINT_CHECK(false_alarms_per_picture >= 0.0, "a rate is not negative");
   const InspectionSettings& settings = inspector.settings();
-  const double maximum = false_alarms_per_picture * static_cast<double>(responses.size());
-  constexpr double kCountless = 1e15;
-  const auto allowed =
-      static_cast<std::int64_t>(std::floor(std::min(maximum, kCountless) + 1e-9));  // 0.1 * 30 is 3
+  const std::int64_t allowed = allowed_alarms(false_alarms_per_picture, responses.size());
   const double low = too_low(inspector, responses, allowed, pool);
   const std::vector<Pixel> pixels = pixels_from(responses, low, settings.polarity);
   const ImageF& first = responses.front();

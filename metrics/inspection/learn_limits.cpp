@@ -169,20 +169,26 @@ struct Room {
   double gap = 1.0;  ///< the narrowest, as a share of a figure's largest value
 };
 
+/// The measure by which a part is farthest beyond limits, as a share of the largest one.
+std::size_t clearest_of(const Measures& part, const Measures& tight, const Measures& largest) {
+  const auto share = [&](std::size_t i) {
+    return largest[i] > 0.0 ? (part[i] - tight[i]) / largest[i] : 0.0;
+  };
+  std::size_t clearest = 0;
+  for (std::size_t i = 1; i < kMeasures; ++i) {
+    clearest = share(i) > share(clearest) ? i : clearest;
+  }
+  return clearest;
+}
+
 /// Each worse part is left to the figure by which it is outside most clearly, so that all limits
 /// can be raised at once and none of these parts gets in.
 Room room_above(const Measures& tight, const Parts& worse, const Measures& largest) {
   Measures ends;
   ends.fill(std::numeric_limits<double>::infinity());
   Measures farthest = tight;
-  const auto share = [&](const Measures& part, std::size_t i) {
-    return largest[i] > 0.0 ? (part[i] - tight[i]) / largest[i] : 0.0;
-  };
   for (const Measures& part : worse) {
-    std::size_t clearest = 0;
-    for (std::size_t i = 1; i < kMeasures; ++i) {
-      clearest = share(part, i) > share(part, clearest) ? i : clearest;
-    }
+    const std::size_t clearest = clearest_of(part, tight, largest);
     if (part[clearest] > tight[clearest]) {
       ends[clearest] = std::min(ends[clearest], part[clearest]);
     }

@@ -199,18 +199,27 @@ void MaskedFilter::add_difference(const ImageF& inside, double sigma_px) {
   channels_.push_back({.terms = {{narrow, std::move(plus)}, {wide, std::move(minus)}}});
 }
 
+namespace {
+
+/// One side of a Gaussian spot, and of its square.
+std::pair<HalfKernel, HalfKernel> spot_and_square(double sigma_px, int radius) {
+  std::pair<HalfKernel, HalfKernel> kernels;
+  for (int k = 0; k <= radius; ++k) {
+    const double tap = std::exp(-0.5 * k * k / (sigma_px * sigma_px));
+    kernels.first.push_back(static_cast<float>(tap));
+    kernels.second.push_back(static_cast<float>(tap * tap));
+  }
+  return kernels;
+}
+
+}  // namespace
+
 /// Least squares of spot * height + background over the window's pixels inside the mask, sums S:
 /// height = (S(spot f) - S(spot) S(f) / S(1)) / (S(spot^2) - S(spot)^2 / S(1)).
 void MaskedFilter::add_matched(const ImageF& inside, double diameter_px) {
   const double sigma_px = diameter_px / 4.0;
   const int radius = std::max(2, static_cast<int>(std::ceil(diameter_px)));
-  HalfKernel spot;
-  HalfKernel squared;
-  for (int k = 0; k <= radius; ++k) {
-    const double tap = std::exp(-0.5 * k * k / (sigma_px * sigma_px));
-    spot.push_back(static_cast<float>(tap));
-    squared.push_back(static_cast<float>(tap * tap));
-  }
+  const auto [spot, squared] = spot_and_square(sigma_px, radius);
   const HalfKernel ones(spot.size(), 1.0F);
   const ImageF spots = convolved(inside, spot);
   const ImageF squares = convolved(inside, squared);

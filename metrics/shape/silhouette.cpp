@@ -74,15 +74,20 @@ std::array<double, kBins> histogram_of(const ImageF& image, const Range& range) 
   return bins;
 }
 
+double moment_of(const std::array<double, kBins>& bins) {
+  double moment = 0.0;
+  for (std::size_t i = 0; i < kBins; ++i) {
+    moment += static_cast<double>(i) * bins[i];
+  }
+  return moment;
+}
+
 /// The border between bins with the largest variance between classes (N. Otsu, "A threshold
 /// selection method from gray-level histograms", IEEE Trans. SMC 9, 1979); the middle of equals,
 /// which is the middle of an empty valley.
 double otsu_threshold(const ImageF& image, const Range& range) {
   const std::array<double, kBins> bins = histogram_of(image, range);
-  double moment = 0.0;
-  for (std::size_t i = 0; i < kBins; ++i) {
-    moment += static_cast<double>(i) * bins[i];
-  }
+  const double moment = moment_of(bins);
   const auto count = static_cast<double>(image.size());
   double below = 0.0;
   double moment_below = 0.0;

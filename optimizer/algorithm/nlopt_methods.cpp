@@ -79,6 +79,14 @@ nlopt::algorithm algorithm_of(const MethodRun& run) {
   return quadratic_method(run.start.size());
 }
 
+/// The method that searches within the other.
+void set_inner(nlopt::algorithm method, double tolerance, int calls, nlopt::opt& optimizer) {
+  nlopt::opt inner(method, optimizer.get_dimension());
+  inner.set_xtol_abs(tolerance);
+  inner.set_maxeval(calls);
+  optimizer.set_local_optimizer(inner);
+}
+
 nlopt::opt make_optimizer(const MethodRun& run) {
   const auto n = static_cast<unsigned>(run.start.size());
   nlopt::opt optimizer(algorithm_of(run), n);
@@ -95,16 +103,11 @@ nlopt::opt make_optimizer(const MethodRun& run) {
     optimizer.set_xtol_abs(kGlobalTolerance);
   }
   if (has_penalties(run)) {
-    nlopt::opt local(nlopt::LD_LBFGS, n);
-    local.set_xtol_abs(kGradientTolerance * run.tolerance);
-    local.set_maxeval(kGradientCalls);
-    optimizer.set_local_optimizer(local);
+    set_inner(nlopt::LD_LBFGS, kGradientTolerance * run.tolerance, kGradientCalls, optimizer);
   }
   if (run.method == "mlsl") {
-    nlopt::opt local(quadratic_method(n), n);
-    local.set_xtol_abs(run.tolerance);
-    local.set_maxeval(kInnerCallsPerDimension * static_cast<int>(n + 1));
-    optimizer.set_local_optimizer(local);
+    const int calls = kInnerCallsPerDimension * static_cast<int>(n + 1);
+    set_inner(quadratic_method(n), run.tolerance, calls, optimizer);
   }
   return optimizer;
 }

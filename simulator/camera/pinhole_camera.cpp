@@ -83,6 +83,17 @@ Vector2d PinholeCamera::normalised(const Vector2d& pixel_px) const {
   return (pixel_px - intrinsics_.center_px).cwiseQuotient(intrinsics_.focal_px);
 }
 
+namespace {
+
+Vector2d no_longer_than(double limit, Vector2d move) {
+  if (move.norm() > limit) {
+    move *= limit / move.norm();
+  }
+  return move;
+}
+
+}  // namespace
+
 std::optional<Vector2d> PinholeCamera::undistort(const Vector2d& distorted) const {
   if (!is_distorted_) {
     return distorted;
@@ -103,12 +114,7 @@ std::optional<Vector2d> PinholeCamera::undistort(const Vector2d& distorted) cons
     if (std::abs(determinant) < 1e-12) {
       return std::nullopt;
     }
-    Vector2d move = jacobian.inverse() * residual;
-    const double limit = 0.5 * std::max(0.1, guess.norm());
-    if (move.norm() > limit) {
-      move *= limit / move.norm();
-    }
-    guess -= move;
+    guess -= no_longer_than(0.5 * std::max(0.1, guess.norm()), jacobian.inverse() * residual);
   }
   return std::nullopt;
 }

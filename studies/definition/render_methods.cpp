@@ -32,15 +32,8 @@ class MethodList {
          .label = "closed forms",
          .direction_mrad = own_mrad_,
          .has_frames = false});
-    for (const bool has_frames : {false, true}) {
-      add(Method::kAuto,
-          {.kind = 3,
-           .kind_name = "own choice",
-           .label = has_frames ? "own choice for pictures" : "own choice for scores",
-           .direction_mrad = own_mrad_,
-           .has_frames = has_frames,
-           .is_choice = true});
-    }
+    add_choice(false);
+    add_choice(true);
   }
 
   std::vector<ComparedMethod> methods() { return std::move(methods_); }
@@ -53,6 +46,16 @@ class MethodList {
       row.render.max_direction_error_rad = row.direction_mrad * 1e-3;
     }
     methods_.push_back(std::move(row));
+  }
+
+  void add_choice(bool has_frames) {
+    add(Method::kAuto,
+        {.kind = 3,
+         .kind_name = "own choice",
+         .label = has_frames ? "own choice for pictures" : "own choice for scores",
+         .direction_mrad = own_mrad_,
+         .has_frames = has_frames,
+         .is_choice = true});
   }
 
   void add_sampled(int rays_per_axis) {

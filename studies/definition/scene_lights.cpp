@@ -76,6 +76,15 @@ void write_light(ConfigNode& lighting,
 
 }  // namespace
 
+namespace {
+
+bool holds_tables(const ConfigNode& node) {
+  return node.is_table() && !node.items.empty() &&
+         std::ranges::all_of(node.items, [](const ConfigNode& item) { return item.is_table(); });
+}
+
+}  // namespace
+
 void read_lighting(const ConfigNode& root,
                    const std::string& name,
                    SceneSettings& scene,
@@ -89,10 +98,7 @@ void read_lighting(const ConfigNode& root,
   if (lighting == nullptr) {
     return;
   }
-  const bool are_tables =
-      lighting->is_table() && !lighting->items.empty() &&
-      std::ranges::all_of(lighting->items, [](const ConfigNode& item) { return item.is_table(); });
-  if (!are_tables) {
+  if (!holds_tables(*lighting)) {
     errors.push_back({.kind = Problem::Kind::kWrongType,
                       .place = lighting->place,
                       .key = "lighting",

@@ -68,6 +68,19 @@ ImageF mean_of_channels(std::span<const ImageF> channels) {
   return mean;
 }
 
+namespace {
+
+/// Whether one of the channels is at full scale.
+bool is_clipped(const std::vector<ImageF>& channels, std::size_t pixel) {
+  unsigned clipped = 0;
+  for (const ImageF& channel : channels) {
+    clipped |= channel.values()[pixel] >= 1.0F ? 1U : 0U;
+  }
+  return clipped != 0;
+}
+
+}  // namespace
+
 void accumulate_channels(const Sensor& sensor,
                          std::span<const ImageF> radiance,
                          int frame,
@@ -84,12 +97,8 @@ void accumulate_channels(const Sensor& sensor,
   }
   for (std::size_t i = 0; i < mean.size(); ++i) {
     sums.sum.values()[i] += static_cast<double>(mean.values()[i]);
-    unsigned is_clipped = 0;
-    for (const ImageF& channel : channels) {
-      is_clipped |= channel.values()[i] >= 1.0F ? 1U : 0U;
-    }
     std::uint16_t& clipped = sums.clipped_frames.values()[i];
-    clipped = static_cast<std::uint16_t>(clipped + is_clipped);
+    clipped = static_cast<std::uint16_t>(clipped + (is_clipped(channels, i) ? 1U : 0U));
   }
   ++sums.frames;
   if (grey != nullptr) {

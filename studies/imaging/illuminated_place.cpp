@@ -61,6 +61,14 @@ double lit_share(const TracedScene& traced, const SceneSettings& scene) {
   return lit / static_cast<double>(count_inside(traced.part_mask));
 }
 
+/// Whether the ray of a pixel leaves almost as those of the pixels to the left and above.
+bool is_smooth(const RayCache& rays, std::size_t pixel, double smallest_cosine) {
+  const Vector3d here = direction_of(rays, pixel);
+  const std::size_t above = pixel - static_cast<std::size_t>(rays.width_px);
+  return here.dot(direction_of(rays, pixel - 1)) > smallest_cosine &&
+         here.dot(direction_of(rays, above)) > smallest_cosine;
+}
+
 /// 1 where all rays of a pixel are lit after one reflection, and go the way of its left and upper
 /// neighbours' rays.
 Mask good_pixels(const TracedScene& traced,
@@ -82,11 +90,7 @@ Mask good_pixels(const TracedScene& traced,
       for (int s = 0; is_good && s < rays.samples; ++s) {
         is_good = is_lit(wall, tunnel.settings(), static_cast<std::size_t>(s) * pixels + pixel);
       }
-      const Vector3d here = direction_of(rays, pixel);
-      is_good = is_good && here.dot(direction_of(rays, pixel - 1)) > smallest_cosine &&
-                here.dot(direction_of(rays, pixel - static_cast<std::size_t>(rays.width_px))) >
-                    smallest_cosine;
-      good(x, y) = is_good ? 1 : 0;
+      good(x, y) = is_good && is_smooth(rays, pixel, smallest_cosine) ? 1 : 0;
     }
   }
   return good;

@@ -151,6 +151,16 @@ class PathLine : public LineCamera {
     return picture_key(scene, scene.viewpoint());
   }
 
+  static std::vector<ImageF> changed_frame(std::span<const ImageF> shown,
+                                           const FrameChanges& changes,
+                                           std::size_t frame) {
+    std::vector<ImageF> changed(shown.begin(), shown.end());
+    for (std::size_t c = 0; c < changed.size(); ++c) {
+      add_changes(changes, frame * changed.size() + c, changed[c]);
+    }
+    return changed;
+  }
+
   /// One scan of a part. @param radiance  of each channel of each frame without the changes
   LineScan expose(const std::vector<ImageF>& radiance,
                   const FrameChanges& changes,
@@ -165,10 +175,7 @@ class PathLine : public LineCamera {
     for (std::size_t k = 0; k < view_.frames().size(); ++k) {
       std::span<const ImageF> shown = std::span(radiance).subspan(k * channels, channels);
       if (!changes.pixels.empty()) {
-        changed.assign(shown.begin(), shown.end());
-        for (std::size_t c = 0; c < channels; ++c) {
-          add_changes(changes, k * channels + c, changed[c]);
-        }
+        changed = changed_frame(shown, changes, k);
         shown = changed;
       }
       accumulate_channels(sensor, shown, static_cast<int>(k), sums, has_phases() ? &grey : nullptr);

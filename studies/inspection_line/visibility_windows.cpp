@@ -35,14 +35,23 @@ bool is_whole(const Mask& region, int x, int y, WindowShape shape) {
   });
 }
 
-/// Random pixels of the region, whole windows where there are any.
-std::vector<MiddlePixel> places_in(const Mask& region, WindowShape shape) {
+namespace {
+
+std::vector<std::int32_t> pixels_of(const Mask& region) {
   std::vector<std::int32_t> inside;
   for (std::size_t i = 0; i < region.size(); ++i) {
     if (region.values()[i] != 0) {
       inside.push_back(static_cast<std::int32_t>(i));
     }
   }
+  return inside;
+}
+
+}  // namespace
+
+/// Random pixels of the region, whole windows where there are any.
+std::vector<MiddlePixel> places_in(const Mask& region, WindowShape shape) {
+  const std::vector<std::int32_t> inside = pixels_of(region);
   std::vector<MiddlePixel> places;
   if (inside.empty()) {
     return places;

@@ -82,6 +82,12 @@ Property read_property(TextCursor& cursor) {
   return property;
 }
 
+Element read_element(TextCursor& cursor) {
+  Element element = {.name = std::string(cursor.word_on_line()), .count = 0, .properties = {}};
+  element.count = cursor.to_integer(cursor.word_on_line(), "an element's count");
+  return element;
+}
+
 Head read_head(TextCursor& cursor) {
   Head head;
   bool has_format = false;
@@ -95,9 +101,7 @@ Head read_head(TextCursor& cursor) {
       head.format = to_format(cursor, cursor.word_on_line());
       has_format = true;
     } else if (word == "element") {
-      Element element = {.name = std::string(cursor.word_on_line()), .count = 0, .properties = {}};
-      element.count = cursor.to_integer(cursor.word_on_line(), "an element's count");
-      head.elements.push_back(std::move(element));
+      head.elements.push_back(read_element(cursor));
     } else if (word == "property" && !head.elements.empty()) {
       head.elements.back().properties.push_back(read_property(cursor));
     } else if (word != "comment" && word != "obj_info") {

@@ -254,6 +254,18 @@ void ScanGradient::collect(const Footprints& footprints, ShapeDerivative& motion
   }
 }
 
+namespace {
+
+ScanGradient empty_gradient(const CornerRays& rays) {
+  ScanGradient gradient;
+  gradient.corners.resize(static_cast<std::size_t>(rays.height_px) + 1,
+                          static_cast<std::size_t>(rays.width_px) + 1);
+  gradient.refined.resize(rays.refined.size());
+  return gradient;
+}
+
+}  // namespace
+
 ScanGradient gradient_of_scan(const Footprints& footprints,
                               const Sensor& sensor,
                               const ScanPlan& plan,
@@ -266,10 +278,7 @@ ScanGradient gradient_of_scan(const Footprints& footprints,
                       "there are no derivatives under an uneven light (led_ripple, "
                       "end_falloff)");
   }
-  ScanGradient gradient;
-  gradient.corners.resize(static_cast<std::size_t>(footprints.rays().height_px) + 1,
-                          static_cast<std::size_t>(footprints.rays().width_px) + 1);
-  gradient.refined.resize(footprints.rays().refined.size());
+  ScanGradient gradient = empty_gradient(footprints.rays());
   if (plan.form.kind == ScanForm::Kind::kTable) {
     add_table(footprints, sensor, plan, reflectance, by_aspect, wanted, gradient);
   }

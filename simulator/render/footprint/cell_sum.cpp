@@ -127,15 +127,22 @@ void CellSum::add_sample(float stripes_mm, float gx_mm, float gy_mm, float gain)
   ++size_;
 }
 
+namespace {
+
+std::array<float, 4> to_float(const std::array<double, 4>& values) {
+  std::array<float, 4> floats = {};
+  std::ranges::transform(
+      values, floats.begin(), [](double value) { return static_cast<float>(value); });
+  return floats;
+}
+
+}  // namespace
+
 void CellSum::add_smooth(const CellCorners& corners, double share) {
   const auto [x_low, x_high] = std::ranges::minmax(corners.x_mm);
   const auto [y_low, y_high] = std::ranges::minmax(corners.y_mm);
   if (is_lit_throughout({x_low, x_high}, {y_low, y_high}, std::ranges::min(corners.margin_mm))) {
-    std::array<float, 4> stripes_mm = {};
-    std::ranges::transform(corners.stripes_mm, stripes_mm.begin(), [](double value) {
-      return static_cast<float>(value);
-    });
-    if (add_lit(stripes_mm, static_cast<float>(share * corners.mean_gain()))) {
+    if (add_lit(to_float(corners.stripes_mm), static_cast<float>(share * corners.mean_gain()))) {
       return;
     }
   }

@@ -104,6 +104,22 @@ Vector2d barycentrics(const TriangleMesh& mesh, std::size_t triangle, const Vect
          determinant;
 }
 
+void set_lane(const TriangleMesh& mesh,
+              std::size_t triangle,
+              const Vector2d& uv,
+              std::size_t lane,
+              ShadeLanes& shade) {
+  shade.is_wanted[lane] = 1.0;
+  shade.u[lane] = uv.x();
+  shade.v[lane] = uv.y();
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    const Vector3d& normal = mesh.normal(triangle, corner);
+    shade.normal_x[corner][lane] = normal.x();
+    shade.normal_y[corner][lane] = normal.y();
+    shade.normal_z[corner][lane] = normal.z();
+  }
+}
+
 /// Lanes on triangles themselves, or whose exact surface is not believed.
 void intersect_triangles(const TriangleMesh& mesh,
                          const HitPacket& hits,
@@ -121,15 +137,7 @@ void intersect_triangles(const TriangleMesh& mesh,
       uv = barycentrics(
           mesh, triangle, origin_of(lanes, lane) + lanes.t_mm[lane] * direction_of(lanes, lane));
     }
-    shade.is_wanted[lane] = 1.0;
-    shade.u[lane] = uv.x();
-    shade.v[lane] = uv.y();
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      const Vector3d& normal = mesh.normal(triangle, corner);
-      shade.normal_x[corner][lane] = normal.x();
-      shade.normal_y[corner][lane] = normal.y();
-      shade.normal_z[corner][lane] = normal.z();
-    }
+    set_lane(mesh, triangle, uv, lane, shade);
   }
   shade16(shade, lanes);
 }

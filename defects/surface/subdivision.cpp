@@ -242,6 +242,22 @@ Vector3d vertex_place(const SharpEdges& edges, const Vector3d& p, const Neighbou
 
 }  // namespace
 
+namespace {
+
+void subdivide_normals(const TriangleMesh& mesh,
+                       const VertexCorners& corners,
+                       std::span<const ExactPatch> patches,
+                       const Middles& vertex,
+                       TriangleMesh& out) {
+  const Middles normal =
+      add_edge_normals(mesh, opposite_half_edges(mesh, corners), patches, vertex, out);
+  for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
+    append_children(out.corner_normals, mesh.corner_normals[i], normal, i);
+  }
+}
+
+}  // namespace
+
 Subdivided subdivide_midpoint(const TriangleMesh& mesh,
                               std::span<const std::int32_t> labels,
                               std::span<const ExactPatch> patches) {
@@ -262,11 +278,7 @@ Subdivided subdivide_midpoint(const TriangleMesh& mesh,
   }
   reset_turned(mesh, vertex, out.mesh);
   if (!mesh.corner_normals.empty()) {
-    const Middles normal =
-        add_edge_normals(mesh, opposite_half_edges(mesh, corners), patches, vertex, out.mesh);
-    for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
-      append_children(out.mesh.corner_normals, mesh.corner_normals[i], normal, i);
-    }
+    subdivide_normals(mesh, corners, patches, vertex, out.mesh);
   }
   return out;
 }

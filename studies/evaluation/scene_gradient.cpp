@@ -176,15 +176,13 @@ class SceneGradients {
     return by_path;
   }
 
-  /// Half the slot's width less |y| where the worst sight line meets the wall.
-  std::vector<double> gradient_of_slot() const {
-    const SlotMargin& slot = scan_.slot;
+  /// By how much the slot's margin changes where its sight line meets the wall.
+  static void collect_sight(const SlotMargin& slot, ShapeDerivative& motion) {
     const std::array<float, 3> origin = components(slot.sight.origin_mm);
     const std::array<float, 3> direction = components(slot.sight.direction);
     const std::array<float, 3> hit = components({slot.x_mm, slot.y_mm, slot.wall_margin_mm});
     const float by_y = slot.has_sight ? (slot.y_mm < 0.0 ? 1.0F : -1.0F) : 0.0F;
     const float none = 0.0F;
-    ShapeDerivative motion(scan_.footprints.tunnel());
     motion.collect({.origin_x = &origin[0],
                     .origin_y = &origin[1],
                     .origin_z = &origin[2],
@@ -194,6 +192,12 @@ class SceneGradients {
                     .count = 1},
                    {.x_mm = &hit[0], .y_mm = &hit[1], .margin_mm = &hit[2]},
                    {.x = &none, .y = &by_y, .margin = &none});
+  }
+
+  /// Half the slot's width less |y| where the worst sight line meets the wall.
+  std::vector<double> gradient_of_slot() const {
+    ShapeDerivative motion(scan_.footprints.tunnel());
+    collect_sight(scan_.slot, motion);
     std::vector<double> by_path;
     for (const std::string& path : wanted_.paths) {
       const std::string key = tunnel_key(scene_, path);

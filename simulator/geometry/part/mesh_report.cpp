@@ -103,6 +103,18 @@ void add_warnings(MeshReport& report) {
 
 }  // namespace
 
+namespace {
+
+std::size_t count_degenerate(const TriangleMesh& mesh) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
+    count += area_vector(mesh, i).isZero(0.0) ? 1U : 0U;
+  }
+  return count;
+}
+
+}  // namespace
+
 MeshReport report(const Part& part, double smallest_slope_rad, double crease_rad) {
   GLINT_CHECK(smallest_slope_rad > 0.0, "a slope of interest is positive");
   const TriangleMesh& mesh = part.mesh;
@@ -121,9 +133,7 @@ MeshReport report(const Part& part, double smallest_slope_rad, double crease_rad
     report.volume_mm3 = std::abs(volume_mm3);
     report.is_inside_out = volume_mm3 < 0.0;
   }
-  for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
-    report.degenerate_triangles += area_vector(mesh, i).isZero(0.0) ? 1U : 0U;
-  }
+  report.degenerate_triangles = count_degenerate(mesh);
   report.has_exact_surface =
       !mesh.patch.empty() && std::ranges::all_of(mesh.patch, [](auto p) { return p >= 0; });
   measure_facets(mesh, edges, crease_rad, report);

@@ -118,9 +118,27 @@ int slices(double length_mm, double step_mm) {
   return std::min(pieces(length_mm, 16.0 * step_mm), 1000);
 }
 
+namespace {
+
+/// Quads from one slice to the next.
+void add_band(
+    Builder& builder, const Profile& profile, const Loop& from, const Loop& to, bool is_hole) {
+  const std::size_t count = profile.points_mm.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t next = (i + 1) % count;
+    std::array<std::int32_t, 4> quad = {
+        from.vertices[i], from.vertices[next], to.vertices[next], to.vertices[i]};
+    if (is_hole) {
+      std::ranges::reverse(quad);
+    }
+    builder.add_quad(quad, profile.patches[i]);
+  }
+}
+
+}  // namespace
+
 std::pair<Loop, Loop> extrude(
     Builder& builder, const Profile& profile, double length_mm, int num_slices, bool is_hole) {
-  const std::size_t count = profile.points_mm.size();
   std::pair<Loop, Loop> ends;
   Loop previous;
   for (int slice = 0; slice <= num_slices; ++slice) {
@@ -129,16 +147,9 @@ std::pair<Loop, Loop> extrude(
     for (const Vector2d& point : profile.points_mm) {
       loop.vertices.push_back(builder.add_vertex({x, point.x(), point.y()}));
     }
-    for (std::size_t i = 0; slice > 0 && i < count; ++i) {
-      const std::size_t next = (i + 1) % count;
-      std::array<std::int32_t, 4> quad = {
-          previous.vertices[i], previous.vertices[next], loop.vertices[next], loop.vertices[i]};
-      if (is_hole) {
-        std::ranges::reverse(quad);
-      }
-      builder.add_quad(quad, profile.patches[i]);
-    }
-    if (slice == 0) {
+    if (slice > 0) {
+      add_band(builder, profile, previous, loop, is_hole);
+    } else {
       ends.first = loop;
     }
     previous = std::move(loop);

@@ -22,10 +22,16 @@ namespace {
 /// there for whoever called wait() after it. Nothing in other builds.
 struct Order {
 #ifdef __SANITIZE_THREAD__
-  void done() { __tsan_release(this); }
-  void wait() { __tsan_acquire(this); }
+  void done() {
+    __tsan_release(this);
+  }
+
+  void wait() {
+    __tsan_acquire(this);
+  }
 #else
   void done() {}
+
   void wait() {}
 #endif
 };

@@ -85,11 +85,12 @@ std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& sc
   for (const std::string& line : light_lines(scene)) {
     notes.push_back("Light " + line + ".");
   }
-  notes.push_back(fmt::format(
-      "Path tracing: {} samples per pixel, {} reflections on the part at most; powers of lights are "
-      "factors of pictures that are rendered once.",
-      scene.paths.samples,
-      scene.paths.max_reflections));
+  notes.push_back(
+      fmt::format("Path tracing: {} samples per pixel, {} reflections on the part at most; powers "
+                  "of lights are "
+                  "factors of pictures that are rendered once.",
+                  scene.paths.samples,
+                  scene.paths.max_reflections));
   const auto mean = scores.find("homogeneity.mean");
   if (mean != scores.end() && mean->second <= 0.0) {
     notes.push_back(
@@ -116,16 +117,16 @@ constexpr const char* kHomogeneityNote =
     "defects; h_rms = 1 - standard deviation / mean, h_abs = 1 - mean absolute deviation / mean.";
 
 std::vector<std::string> path_method_notes(const PathSettings& paths) {
-  return {
-      fmt::format("Light transport: path tracing with {} samples per pixel and {} reflections on the "
-                  "part at most; pictures of all lights at power 1 are rendered once per part, camera "
-                  "and position of the lights; powers are factors.",
-                  paths.samples,
-                  paths.max_reflections),
-      kHomogeneityNote,
-      fmt::format("Standard errors (scores that end in .error) come from the scatter of {} "
-                  "independent pictures. All designs share the same random numbers.",
-                  paths.batches)};
+  return {fmt::format(
+              "Light transport: path tracing with {} samples per pixel and {} reflections on the "
+              "part at most; pictures of all lights at power 1 are rendered once per part, camera "
+              "and position of the lights; powers are factors.",
+              paths.samples,
+              paths.max_reflections),
+          kHomogeneityNote,
+          fmt::format("Standard errors (scores that end in .error) come from the scatter of {} "
+                      "independent pictures. All designs share the same random numbers.",
+                      paths.batches)};
 }
 
 /// @param rays        what is traced
@@ -176,10 +177,10 @@ std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& s
     return found == scores.end() ? 0.0 : found->second;
   };
   if (share_of("view.hidden_share") > 0.0) {
-    notes.push_back(
-        fmt::format("The wall occludes {:.2f} % of the part from the camera: the slot is too narrow "
-                    "there; occluded pixels are dark.",
-                    100.0 * share_of("view.hidden_share")));
+    notes.push_back(fmt::format(
+        "The wall occludes {:.2f} % of the part from the camera: the slot is too narrow "
+        "there; occluded pixels are dark.",
+        100.0 * share_of("view.hidden_share")));
   }
   if (share_of("rays.followed_share") + share_of("rays.blocked_share") > 0.0) {
     notes.push_back(

@@ -39,10 +39,9 @@ std::vector<std::string> other_tessellations(const PartSettings& part) {
 std::vector<FrontierPoint> frontier_methods(const SceneSettings& scene) {
   const std::vector<ComparedMethod> methods = compared_methods(scene);
   if (methods.empty()) {
-    throw ConfigError(
-        "render.method",
-        "a frontier compares the methods for a plain mirror under one tunnel; this "
-        "scene is path-traced");
+    throw ConfigError("render.method",
+                      "a frontier compares the methods for a plain mirror under one tunnel; this "
+                      "scene is path-traced");
   }
   const std::string own = own_tessellation(scene.part);
   std::vector<FrontierPoint> points;

@@ -51,7 +51,7 @@ TEST_F(ImprintVerb, RefusesGivenPlacesBesideRandomOnes) {
     expect_refused(scene,
                    2,
                    place_of(scene, "count = 2") +
-                       "defects\\.dent\\.count: random places are asked for together with .*");
+                       "defects\\.dent\\.count: random places and .* exclude each other; .*");
   }
 }
 

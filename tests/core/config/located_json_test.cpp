@@ -32,7 +32,7 @@ TEST(LocatedJson, RefusesWhatIsNoJson) {
       {"[NaN]", "j:1:2: "},
       {"[null]", "j:1:2: "},
       {"[1]\n x", "j:2:2: "},
-      {"{\"a\":1,\"a\":2}", "j:1:8: a: stands twice"},
+      {"{\"a\":1,\"a\":2}", "j:1:8: a: appears twice"},
       {"[\"\\q\"]", "j:1:4: "},
       {"[\"ab", "j:1:5: "},
       {"{a:1}", "j:1:2: "},

@@ -60,10 +60,10 @@ TEST(SceneNotes, ListTheLightsOfAPathTracedSceneAndSayWhenItIsDark) {
 TEST(MethodNotes, TellWhatRescoringLooksAt) {
   SceneSettings scene;
   scene.render.rays_per_axis = 3;
-  EXPECT_THAT(method_notes(scene).back(), HasSubstr("directions four times as exact"));
+  EXPECT_THAT(method_notes(scene).back(), HasSubstr("directions four times as accurate"));
   scene.render.method = RenderSettings::Method::kSampled;
-  EXPECT_THAT(method_notes(scene).front(), HasSubstr("perfect mirror, 9 rays a pixel traced"));
-  EXPECT_THAT(method_notes(scene).back(), HasSubstr("fresh noise and 36 rays a pixel."));
+  EXPECT_THAT(method_notes(scene).front(), HasSubstr("perfect mirror, 9 rays per pixel traced"));
+  EXPECT_THAT(method_notes(scene).back(), HasSubstr("fresh noise and 36 rays per pixel."));
   scene.render.method = RenderSettings::Method::kPaths;
   EXPECT_THAT(method_notes(scene).front(), HasSubstr("path tracing with"));
 }

@@ -143,7 +143,7 @@ evaluations = 10
 )");
   EXPECT_THAT(
       message,
-      ::testing::HasSubstr("s.toml:6:1: variables: viewpoint.0.position_mm.2: is not looked"));
+      ::testing::HasSubstr("s.toml:6:1: variables: viewpoint.0.position_mm.2: has no effect"));
 }
 
 TEST(Study, OverridesReachEveryKey) {

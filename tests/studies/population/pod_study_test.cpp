@@ -121,7 +121,8 @@ TEST(Pod, HasACurveWhereOneCanBeFitted) {
   const StudyText text(kPod);
   const TemporaryFolder folder;
   const Json result =
-      run_in(folder / "run", text.load({{"defects.dent.count", "4"}, {"pod.parts", "6"}}));
+      run_in(folder / "run",
+             text.load({{"defects.dent.count", "4"}, {"pod.parts", "12"}, {"pod.levels", "8"}}));
   const Json curves = Json::parse(read_file(folder / "run" / "pod_curves.json"));
   int fitted = 0;
   for (const auto& [key, design] : result.at("pod").at("designs").items()) {

@@ -196,7 +196,8 @@ TEST(PacketStages, APatternOfColourTintsMetalAsTheScalarCodeDoes) {
       lit += value > 0.0F ? 1 : 0;
       const float weight = expected.leaving.weight.c[1][k];
       if (weight > 0.0F && expected.leaving.to_light.z[k] > 1e-3F) {
-        EXPECT_NEAR(found.leaving.weight.c[1][k], weight, 1e-4F * weight);
+        // Near the horizon float keeps three digits of it.
+        EXPECT_NEAR(found.leaving.weight.c[1][k], weight, 2e-3F * weight);
       }
     }
   }

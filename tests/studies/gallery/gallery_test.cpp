@@ -319,7 +319,8 @@ TEST(GalleryRun, NamesWhatItsDerivativesLeaveOut) {
   ASSERT_GE(remarks.size(), 1);
   EXPECT_THAT(remarks.dump(), HasSubstr("are treated as constant (3 of 3 evaluations)"));
   const std::string report = read_file(run.folder / "report.html");
-  const std::string line = "Derivatives of the search do not include: " + remarks[0].get<std::string>();
+  const std::string line =
+      "Derivatives of the search do not include: " + remarks[0].get<std::string>();
   const std::size_t first = report.find(line);
   ASSERT_NE(first, std::string::npos);
   EXPECT_EQ(report.find(line, first + 1), std::string::npos);

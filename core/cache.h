@@ -75,7 +75,7 @@ class Cache {
   }
 
   /// Holds from the next value on.
-  void set_most_bytes(std::size_t max_bytes) {
+  void set_max_bytes(std::size_t max_bytes) {
     const std::scoped_lock lock(mutex_);
     limits_.max_bytes = max_bytes;
   }

@@ -212,7 +212,7 @@ std::shared_ptr<const CornerRays> SceneStore::defect_free_rays(const SceneSettin
   if (defect_free_key_ != key) {
     defect_free_key_ = key;
     defect_free_.reset();
-    traced_.set_most_bytes(max_bytes_ / 2);
+    traced_.set_max_bytes(max_bytes_ / 2);
     return nullptr;
   }
   if (!defect_free_) {
@@ -229,7 +229,7 @@ std::shared_ptr<const CornerRays> SceneStore::defect_free_rays(const SceneSettin
       return nullptr;
     }
     defect_free_ = std::move(rays);
-    traced_.set_most_bytes(max_bytes_ / 2 - bytes);
+    traced_.set_max_bytes(max_bytes_ / 2 - bytes);
   }
   return defect_free_;
 }

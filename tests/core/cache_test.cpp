@@ -63,7 +63,7 @@ TEST(Cache, DropsByBytesButForTheLast) {
   EXPECT_EQ(cache.bytes(), 7U);
   cache.put("d", 50);
   EXPECT_EQ(cache.bytes(), 50U);
-  cache.set_most_bytes(100);
+  cache.set_max_bytes(100);
   cache.put("e", 50);
   EXPECT_TRUE(has(cache, "d"));
 }

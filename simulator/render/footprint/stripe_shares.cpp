@@ -75,14 +75,14 @@ GLINT_INLINE float wide_share(float f, float duty, float outer, float inner) {
 
 struct WidthRange {
   float minimum;
-  float largest;
+  float maximum;
 };
 
 GLINT_WIDE WidthRange range_of_widths(const float* __restrict outer, int count) {
-  WidthRange range = {.minimum = outer[0], .largest = outer[0]};
+  WidthRange range = {.minimum = outer[0], .maximum = outer[0]};
   for (int i = 0; i < count; ++i) {
     range.minimum = outer[i] < range.minimum ? outer[i] : range.minimum;
-    range.largest = outer[i] > range.largest ? outer[i] : range.largest;
+    range.maximum = outer[i] > range.maximum ? outer[i] : range.maximum;
   }
   return range;
 }
@@ -142,7 +142,7 @@ void any_shares_fast(const float* v,
   for (int begin = 0; begin < count; begin += kChunk) {
     const int size = begin + kChunk < count ? kChunk : count - begin;
     const WidthRange widths = range_of_widths(outer + begin, size);
-    if (widths.largest > (1.0F - kRounding) * limit) {
+    if (widths.maximum > (1.0F - kRounding) * limit) {
       wide_shares(v + begin, outer + begin, inner + begin, size, scale, duty, shares + begin);
     }
     if (widths.minimum <= (1.0F + kRounding) * limit) {

@@ -34,8 +34,8 @@ class IntersectBlock : public ::testing::TestWithParam<Shape> {
   }
 };
 
-/// Rays and where they meet the light.
-struct Met {
+/// Rays and where they intersect the tunnel.
+struct TunnelHits {
   std::array<std::vector<float>, 6> arrays;
   std::vector<float> x, y, margin, pattern, cosine;
 
@@ -76,8 +76,8 @@ struct Met {
 };
 
 /// Rays of any direction from inside a part-sized box; a third of them downwards.
-Met random_met(int count) {
-  Met met;
+TunnelHits random_met(int count) {
+  TunnelHits met;
   for (int i = 0; i < count; ++i) {
     Rng rng(61, Stream::kTest, static_cast<std::uint64_t>(i));
     const double azimuth = rng.uniform(0.0, 2.0 * kPi);
@@ -95,7 +95,7 @@ Met random_met(int count) {
 
 TEST_P(IntersectBlock, AgreesWithTheExactHitWhereLit) {
   const Tunnel tunnel(settings());
-  Met met = random_met(5003);
+  TunnelHits met = random_met(5003);
   met.intersect(tunnel);
   int disagreements = 0;
   int hits = 0;
@@ -121,7 +121,7 @@ TEST_P(IntersectBlock, MarginIsNegativeExactlyOffTheWall) {
   TunnelSettings closed = settings();
   closed.slot_mm = 0.0;
   const Tunnel tunnel(closed);
-  Met met = random_met(5003);
+  TunnelHits met = random_met(5003);
   met.intersect(tunnel);
   int off = 0;
   for (std::size_t i = 0; i < met.size(); ++i) {
@@ -135,8 +135,8 @@ TEST_P(IntersectBlock, MarginIsNegativeExactlyOffTheWall) {
 }
 
 /// A fan of rays in steps of `step_rad`, from below one rim over the top to below the other.
-Met fan(double from_rad, double to_rad, double step_rad) {
-  Met met;
+TunnelHits fan(double from_rad, double to_rad, double step_rad) {
+  TunnelHits met;
   for (double angle = from_rad; angle < to_rad; angle += step_rad) {
     met.add({5.0, 4.0, 6.0, 0.3, std::sin(angle), std::cos(angle)});
   }
@@ -154,7 +154,7 @@ TEST_P(IntersectBlock, RunsOnSmoothlyOverSlotAndRim) {
     if (GetParam() == Shape::kSuperellipse && from > 1.0) {
       continue;  // its corner at the rim is as sharp as its exponent makes it
     }
-    Met met = fan(from, to, kStep);
+    TunnelHits met = fan(from, to, kStep);
     met.intersect(tunnel);
     for (std::size_t i = 2; i < met.size(); ++i) {
       ASSERT_GT(met.margin[i], -1e10F) << i;
@@ -173,7 +173,7 @@ TEST_P(IntersectBlock, DetailsFollowTheExactHit) {
   oblique.orientation_rad = 0.6;
   oblique.cosine_law = true;
   const Tunnel tunnel(oblique);
-  Met met = random_met(3000);
+  TunnelHits met = random_met(3000);
   met.intersect(tunnel);
   int hits = 0;
   for (std::size_t i = 0; i < met.size(); ++i) {
@@ -202,7 +202,7 @@ INSTANTIATE_TEST_SUITE_P(AllShapes,
 // down it is met 80 mm below. 9 mm beside the middle is in a slot of 20, and met all the same.
 TEST(IntersectBlockByHand, CircleAndSlot) {
   const Tunnel tunnel({.shape = Shape::kSemicylinder, .radius_mm = 100.0, .slot_mm = 20.0});
-  Met met;
+  TunnelHits met;
   met.add({7.0, 60.0, 0.0, 0.0, 0.0, 1.0});
   met.add({7.0, 60.0, 0.0, 0.0, 0.0, -1.0});
   met.add({7.0, 9.0, 0.0, 0.0, 0.0, 1.0});
@@ -218,7 +218,7 @@ TEST(IntersectBlockByHand, CircleAndSlot) {
 TEST(IntersectBlockByHand, PanelsMeasureTheMarginFromTheirNearestEnd) {
   const Tunnel tunnel(
       {.shape = Shape::kFlat, .distance_mm = 60.0, .panel_height_mm = 100.0, .slot_mm = 0.0});
-  Met met;
+  TunnelHits met;
   for (const double height : {30.0, 80.0, 130.0, -10.0}) {
     met.add({0.0, 0.0, 0.0, 0.0, 60.0, height});
   }
@@ -237,7 +237,7 @@ TEST(IntersectBlockByHand, StripesAlongTheTunnelCountFromTheFootOfAnUprightPanel
                        .panel_height_mm = 100.0,
                        .slot_mm = 0.0,
                        .orientation_rad = 0.5 * kPi});
-  Met met;
+  TunnelHits met;
   for (const double height : {30.0, 80.0}) {
     met.add({7.0, 0.0, 0.0, 0.0, 60.0, height});
   }

@@ -10,11 +10,13 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/units.h"
 #include "core/wall_clock.h"
 #include "defects/boolean/imprint.h"
 #include "defects/part/height_defects.h"
 #include "defects/places/sampler.h"
 #include "defects/surface/displacement.h"
+#include "defects/surface/exact_facets.h"
 #include "defects/surface/processing.h"
 #include "defects/surface/surface_normals.h"
 #include "defects/tools/tools.h"
@@ -28,6 +30,9 @@ constexpr double kPathSteps = 128.0;
 
 /// A path runs on beyond its line's ends by this share of its length, for the tool's own ends.
 constexpr double kPathBeyond = 0.1;
+
+/// Of a defect's depth: facets under it are at most this far off their exact surface.
+constexpr double kFacetShare = 0.01;
 
 /// Another small move of the tool may help; for all other outcomes only another place does.
 bool is_worth_a_jitter(ImprintOutcome outcome) {
@@ -95,14 +100,18 @@ TriangleMesh placed_tool(const ToolCollection& tools,
   const auto path_of = [&](const SurfacePlace& place, double half_mm) {
     return surface_path(part, bvh, place, half_mm, 2.0 * half_mm / kPathSteps);
   };
+  const std::int32_t id = part.mesh.patch_of(static_cast<std::size_t>(defect.triangle));
+  const ExactPatch* patch = id < 0 ? nullptr : &part.patches[static_cast<std::size_t>(id)];
   if (is_line(defect.type)) {
-    return tools.tool(defect, path_of(defect.place, (0.5 + kPathBeyond) * defect.length_mm));
+    const double half_mm = (0.5 + kPathBeyond) * defect.length_mm;
+    return tools.tool(defect, path_of(defect.place, half_mm), {.patch = patch});
   }
   const double half_mm = 0.5 * defect.diameter_mm;
   return tools.tool(defect,
                     {},
                     {.along_per_mm = path_bend(path_of(defect.place, half_mm)),
-                     .across_per_mm = path_bend(path_of(turned_across(defect.place), half_mm))});
+                     .across_per_mm = path_bend(path_of(turned_across(defect.place), half_mm)),
+                     .patch = patch});
 }
 
 }  // namespace
@@ -180,19 +189,37 @@ class DefectMaker::Making {
     const ImprintOperation operation =
         tools.works_inwards() ? ImprintOperation::kSubtract : ImprintOperation::kUnite;
     const ImprintLimits limits = {.min_removed_mm3 = state_.settings.min_removed_mm3};
+    ImprintedMesh finer = refined_under(tool, defect);
     Rng rng(defect.seed, Stream::kDefects, kJitterIndex);
-    ImprintResult result = imprinted_->imprint(tool, defect.id, operation, limits);
+    ImprintResult result = finer.imprint(tool, defect.id, operation, limits);
     for (int jitter = 1; jitter <= state_.settings.jitters && is_worth_a_jitter(result.outcome);
          ++jitter) {
       ++made.jitters;
-      result = imprinted_->imprint(
-          jittered(tool, jitter_size(jitter), rng), defect.id, operation, limits);
+      result =
+          finer.imprint(jittered(tool, jitter_size(jitter), rng), defect.id, operation, limits);
     }
     made.is_made = result.is_done();
     made.removed_volume_mm3 = result.removed_volume_mm3;
-    if (!made.is_made) {
+    if (made.is_made) {
+      imprinted_ = std::move(finer);
+    } else {
       count_refusal(made, std::string(outcome_text(result.outcome)));
     }
+  }
+
+  /// The part with facets that a defect of this depth can be cut into.
+  ImprintedMesh refined_under(const TriangleMesh& tool, const Defect& defect) const {
+    ImprintedMesh finer = *imprinted_;
+    if (!refine_under_tool(finer, tool, state_.part->patches, kFacetShare * defect.depth_mm)) {
+      throw ConfigError(
+          fmt::format("defects.{}.height_um", defect.group),
+          fmt::format("{:.3g} um are too flat for an imprint of this size on a curved surface: it "
+                      "needs more than {} triangles; make it deeper or smaller, or realise it by "
+                      "its normal",
+                      defect.depth_mm / kMmPerUm,
+                      kMaxFacetsUnderTool));
+    }
+    return finer;
   }
 
   void give_up(RealisedDefect& made) {

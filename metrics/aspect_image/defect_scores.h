@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/error.h"
 #include "metrics/aspect_image/roi.h"
 
 namespace glint {
@@ -23,6 +24,13 @@ struct DefectPixels {
   std::vector<std::size_t> window;  ///< W: within the inner radius of the ring, on the part
   double area_px = 0.0;
 };
+
+/// The table of a scene that a defect comes from: "defects.dent" for the label "dent_2".
+std::string defect_table(const std::string& label);
+
+/// The error for a defect that cannot be scored, at its table, with what to do about it.
+/// @param why  "is not in the picture"
+ConfigError unseen_defect(const std::string& label, const std::string& why);
 
 /// Sorts the pixels around each defect; once for a fixed part and camera.
 /// @param on_part  pixels wholly on the part (whole_pixels), with or without its rim

@@ -120,7 +120,8 @@ constexpr std::array kDocs = {
              "depth or height at which half of the defects are found, all made larger or smaller "
              "by one factor"},
     ScoreDoc{"inspection.smallest_slope_mrad",
-             "steepest slope of the defects at inspection.smallest_height_um"},
+             "slope of the defects at inspection.smallest_height_um: the angle to the flawless "
+             "surface below which 99 % of their area lies"},
     ScoreDoc{"inspection.<group>.detection_rate",
              "share of the group's defects that the inspection finds"},
     ScoreDoc{"inspection.<group>.auc", "inspection.auc over the group's defects"},

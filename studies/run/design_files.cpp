@@ -9,6 +9,7 @@
 
 #include "core/file.h"
 #include "core/image/image_io.h"
+#include "defects/part/defect_metadata.h"
 #include "studies/definition/render_methods.h"
 #include "studies/definition/scene_notes.h"
 #include "studies/drawing/drawing.h"
@@ -42,12 +43,14 @@ Json view_json(const DefectView& view, const DefectScores& scores) {
 Json defects_json(const Evaluation& evaluation) {
   Json list = Json::array();
   const DefectivePart& part = evaluation.traced->part->made;
-  std::size_t i = 0;  // among the defects that were made
-  for (const RealisedDefect& made : part.defects) {
-    if (made.is_made && i < evaluation.defects.size()) {
-      const Json view = view_json(evaluation.traced->views[i], evaluation.defects[i]);
-      list.push_back(defect_in_view_json(made.defect, part.outlines[i], view));
-      ++i;
+  const std::vector<double> slopes = defect_slopes_rad(*evaluation.traced->part);
+  std::size_t seen = 0;  // among the defects that were made
+  for (std::size_t i = 0; i < part.defects.size(); ++i) {
+    if (part.defects[i].is_made && seen < evaluation.defects.size()) {
+      const Json view = view_json(evaluation.traced->views[seen], evaluation.defects[seen]);
+      list.push_back(
+          defect_in_view_json(part.defects[i].defect, part.outlines[seen], slopes[i], view));
+      ++seen;
     }
   }
   return {{"schema", 1}, {"defects", list}};
@@ -180,6 +183,9 @@ Json write_design(SceneStore& store,
   std::vector<std::string> notes = scene_notes(scene, evaluation.scores);
   if (view) {
     notes.insert(notes.end(), view->warnings().begin(), view->warnings().end());
+  }
+  if (const std::string note = shallow_note(evaluation.traced->part->made); !note.empty()) {
+    notes.push_back(note + ".");
   }
   Json json = head;
   json["scores"] = scores_json(evaluation.scores);

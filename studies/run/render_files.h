@@ -56,8 +56,10 @@ ImageF standard_error_of(const PathPicture& picture);
 double relative_error(const PathPicture& picture, const ImageF& standard_error);
 
 /// An entry of defects.json: what a defect is and where, and how a view shows it.
+/// @param slope_rad  one of defect_slopes_rad()
 nlohmann::ordered_json defect_in_view_json(const Defect& defect,
                                            const HeightFeature& outline,
+                                           double slope_rad,
                                            const nlohmann::ordered_json& view);
 
 /// What write_view_files() made, for pages that show it.

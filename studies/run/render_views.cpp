@@ -13,6 +13,7 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/wall_clock.h"
+#include "defects/part/defect_metadata.h"
 #include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/preview/preview.h"
 #include "studies/imaging/path_lights.h"
@@ -125,6 +126,9 @@ class RenderRun {
       part_ = store_.build_defects(first_);
       const PathView view(first_, part_, viewpoints_.front());
       notes_ = has_light_ ? view.warnings() : std::vector<std::string>{};
+      if (const std::string note = shallow_note(part_->made); !note.empty()) {
+        notes_.push_back(note + ".");
+      }
       drawing_ = draw_lighting(first_, view.area_lights(), *part_->built, "");
     } catch (const ConfigError& error) {
       throw with_place(study_.root, error);

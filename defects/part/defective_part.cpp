@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "core/units.h"
 #include "core/wall_clock.h"
 #include "defects/boolean/imprint.h"
 #include "defects/part/height_defects.h"
@@ -48,6 +47,13 @@ void count_refusal(RealisedDefect& made, const std::string& reason) {
   } else {
     ++known->second;
   }
+}
+
+std::string too_flat_text() {
+  return fmt::format(
+      "it is too flat for so curved a surface, which would need more than {} "
+      "triangles there; make it deeper or smaller, or realise it by its normal",
+      kMaxFacetsUnderTool);
 }
 
 std::string given_up_text(const RealisedDefect& made) {
@@ -189,7 +195,11 @@ class DefectMaker::Making {
     const ImprintOperation operation =
         tools.works_inwards() ? ImprintOperation::kSubtract : ImprintOperation::kUnite;
     const ImprintLimits limits = {.min_removed_mm3 = state_.settings.min_removed_mm3};
-    ImprintedMesh finer = refined_under(tool, defect);
+    ImprintedMesh finer = *imprinted_;
+    if (!refine_under_tool(finer, tool, state_.part->patches, kFacetShare * defect.depth_mm)) {
+      count_refusal(made, too_flat_text());
+      return;
+    }
     Rng rng(defect.seed, Stream::kDefects, kJitterIndex);
     ImprintResult result = finer.imprint(tool, defect.id, operation, limits);
     for (int jitter = 1; jitter <= state_.settings.jitters && is_worth_a_jitter(result.outcome);
@@ -205,21 +215,6 @@ class DefectMaker::Making {
     } else {
       count_refusal(made, std::string(outcome_text(result.outcome)));
     }
-  }
-
-  /// The part with facets that a defect of this depth can be cut into.
-  ImprintedMesh refined_under(const TriangleMesh& tool, const Defect& defect) const {
-    ImprintedMesh finer = *imprinted_;
-    if (!refine_under_tool(finer, tool, state_.part->patches, kFacetShare * defect.depth_mm)) {
-      throw ConfigError(
-          fmt::format("defects.{}.height_um", defect.group),
-          fmt::format("{:.3g} um are too flat for an imprint of this size on a curved surface: it "
-                      "needs more than {} triangles; make it deeper or smaller, or realise it by "
-                      "its normal",
-                      defect.depth_mm / kMmPerUm,
-                      kMaxFacetsUnderTool));
-    }
-    return finer;
   }
 
   void give_up(RealisedDefect& made) {

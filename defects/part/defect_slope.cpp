@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/units.h"
+#include "defects/surface/surface_normals.h"
 #include "simulator/geometry/surface/surface_sampling.h"
 
 namespace glint {
@@ -19,17 +20,23 @@ struct Facet {
   double area_mm2 = 0.0;
 };
 
-/// The normal of the flawless surface that a facet of a defect took the place of. A round defect
-/// deeper than half the wall may be nearer to the wall's other side, which is not meant.
+/// The normal of the flawless surface that a facet of a defect took the place of. On an exact
+/// surface the one that the defect lies in, also beyond its edges; else the nearest, but of round
+/// defects none beyond a sharp edge or on the other side of a thin wall.
 Vector3d flawless_normal(const Defect& defect,
                          const Part& clean,
                          const Bvh& bvh,
                          const Vector3d& at_mm) {
+  const std::int32_t patch = clean.mesh.patch_of(static_cast<std::size_t>(defect.triangle));
+  if (patch >= 0) {
+    const auto normal = exact_normal(clean.patches[static_cast<std::size_t>(patch)], at_mm);
+    return normal.value_or(defect.place.normal);
+  }
   const auto nearest = bvh.nearest(clean.mesh, at_mm, std::numeric_limits<double>::infinity());
   GLINT_CHECK(nearest.has_value(), "a part has triangles");
   const Vector3d normal = smooth_point(clean, nearest->triangle, nearest->point_mm).normal;
-  const bool is_other_side = !is_line(defect.type) && normal.dot(defect.place.normal) <= 0.0;
-  return is_other_side ? defect.place.normal : normal;
+  const bool is_elsewhere = normal.dot(defect.place.normal) < std::cos(kSharpBend_rad);
+  return is_elsewhere && !is_line(defect.type) ? defect.place.normal : normal;
 }
 
 double slope_of(std::vector<Facet> facets) {

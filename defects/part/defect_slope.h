@@ -13,10 +13,11 @@ namespace glint {
 inline constexpr double kSlopeShare = 0.99;
 
 /// How steep each defect is [rad], in the order of made.defects: the angle between its facets and
-/// the flawless surface nearest to them, below which kSlopeShare of its area lies; at most pi / 2,
-/// which is a wall. A defect realised by its normals has the steepest angle of its height; stains,
+/// the flawless surface, below which kSlopeShare of its area lies; at most pi / 2, which is a wall.
+/// The surface is the exact one that the defect lies in, or the part's smooth surface nearest to
+/// each facet. A defect realised by its normals has the steepest angle of its height; stains,
 /// defects that were given up, and those that later ones have swallowed have 0.
-/// Cost: a search for the nearest point for each facet of a defect.
+/// Cost: without exact surfaces a search for the nearest point for each facet of a defect.
 /// @param mesh   the finished one, to which made.labels belong
 /// @param clean  the flawless part, with its bvh
 std::vector<double> defect_slopes_rad(const DefectivePart& made,

@@ -84,15 +84,23 @@ TEST(DefectSlope, OfAWallIsAtMostARightAngle) {
   }
 }
 
-// Deeper than half of the wall: the wall's other side is nearer than the one it lies in.
-TEST(DefectSlope, DoesNotTakeTheOtherSideOfTheWall) {
-  DefectGroup deep = dent(8.0, 4.0, Realisation::kImprinted);
-  deep.wall_share = 0.9;
-  // Half a ball of 4 mm: area of a zone grows as its height, so 99 % have cos >= 0.01: 1560.8 mrad.
-  EXPECT_NEAR(slope_mrad(plate(), deep), 1560.8, 12.0);
-  deep.height_mm = 3.0;
-  // Ball of (16 + 9) / 6 = 4.1667 mm: cos >= 1 - 0.99 x 3 / 4.1667 = 0.2872, acos = 1.2795 rad.
-  EXPECT_NEAR(slope_mrad(plate(), deep), 1279.5, 13.0);
+// Deeper than half of the wall: the wall's other side is nearer than the one it lies in. A quarter
+// of the dent lies beside the edge of the plate, whose sides are nearer, too.
+TEST(DefectSlope, TakesNoOtherSideOfThePart) {
+  for (const double facets_mm : {0.0, 2e-3}) {
+    PartSettings settings = plate();
+    settings.facets_mm = facets_mm;
+    DefectGroup deep = dent(8.0, 4.0, Realisation::kImprinted);
+    deep.wall_share = 0.9;
+    // Half a ball of 4 mm: area of a zone grows as its height: 99 % have cos >= 0.01: 1560.8 mrad.
+    EXPECT_NEAR(slope_mrad(settings, deep), 1560.8, 12.0);
+    deep.height_mm = 3.0;
+    // Ball of (16 + 9) / 6 = 4.1667 mm: cos >= 1 - 0.99 x 3 / 4.1667 = 0.2872, acos = 1.2795 rad.
+    EXPECT_NEAR(slope_mrad(settings, deep), 1279.5, 13.0);
+    DefectGroup beside = dent(4.0, 0.4, Realisation::kImprinted);
+    beside.x_mm = {9.0};
+    EXPECT_NEAR(slope_mrad(settings, beside), 392.8, 4.0);
+  }
 }
 
 // h / (sigma sqrt(e)) = 0.02 / (0.25 x 1.64872) = 0.048522; its angle is 48.48 mrad.

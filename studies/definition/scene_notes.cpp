@@ -52,6 +52,32 @@ std::string line_of(const IesLightSettings& light) {
   return light.file.filename().string();
 }
 
+std::string_view mount_text(LightPlacement::Mount mount) {
+  switch (mount) {
+    case LightPlacement::Mount::kPart:
+      return ", on the part";
+    case LightPlacement::Mount::kCamera:
+      return ", on the camera";
+    case LightPlacement::Mount::kScene:
+      break;
+  }
+  return ", fixed in the scene";
+}
+
+/// Lights that move with a part that is not at rest, which earlier versions left in the scene.
+std::vector<std::string> mount_notes(const SceneSettings& scene) {
+  std::vector<std::string> notes;
+  for (const NamedLight& light : scene.lights) {
+    if (is_posed(scene) && mount_of(light.settings) == LightPlacement::Mount::kPart) {
+      notes.push_back(
+          fmt::format("lighting.{}.mount is \"part\": the light moves with part.position_mm and "
+                      "part.rotation_deg. Before, it stayed in the scene, which is \"scene\" now.",
+                      light.name));
+    }
+  }
+  return notes;
+}
+
 /// Whether the scan gives every lit pixel the same number of bright positions, and what that means.
 std::string scan_note(const SceneSettings& scene) {
   const TunnelSettings& tunnel = scene.tunnel;
@@ -85,6 +111,8 @@ std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& sc
   for (const std::string& line : light_lines(scene)) {
     notes.push_back("Light " + line + ".");
   }
+  const std::vector<std::string> mounts = mount_notes(scene);
+  notes.insert(notes.end(), mounts.begin(), mounts.end());
   notes.push_back(
       fmt::format("Path tracing: {} samples per pixel, {} reflections on the part at most; powers "
                   "of lights are "
@@ -157,12 +185,12 @@ std::vector<std::string> light_lines(const SceneSettings& scene) {
     lines.push_back(std::visit(
         [&](const auto& settings) {
           using Settings = std::decay_t<decltype(settings)>;
-          const bool is_on_camera = settings.placement.mount == LightPlacement::Mount::kCamera;
-          const std::string where = std::is_same_v<Settings, EnvironmentSettings> ? ""
-                                    : is_on_camera ? ", on the camera"
-                                                   : ", on the part";
-          return fmt::format(
-              "{}: {}, {}{}", light.name, light_type(light.settings), line_of(settings), where);
+          const bool is_everywhere = std::is_same_v<Settings, EnvironmentSettings>;
+          return fmt::format("{}: {}, {}{}",
+                             light.name,
+                             light_type(light.settings),
+                             line_of(settings),
+                             is_everywhere ? "" : mount_text(settings.placement.mount));
         },
         light.settings));
   }
@@ -172,6 +200,10 @@ std::vector<std::string> light_lines(const SceneSettings& scene) {
 std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores) {
   std::vector<std::string> notes =
       needs_paths(scene) ? path_notes(scene, scores) : std::vector<std::string>{scan_note(scene)};
+  if (scene.is_tunnel_guessed) {
+    notes.push_back(
+        fmt::format("[lighting.{}] has no type, so it is read as a tunnel.", scene.tunnel_name));
+  }
   const auto share_of = [&](const char* name) {
     const auto found = scores.find(name);
     return found == scores.end() ? 0.0 : found->second;

@@ -255,6 +255,10 @@ TracedScene trace_scene(const SceneSettings& scene,
   return traced;
 }
 
+std::optional<Mask> scanned_part_mask(const SceneSettings& scene, const TracedScene& traced) {
+  return needs_paths(scene) ? std::nullopt : std::optional(traced.part_mask);
+}
+
 std::vector<DefectView> view_defects(std::span<const HeightFeature> outlines,
                                      const VisibilityBuffer& seen,
                                      const PinholeCamera& camera,

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/wall_clock.h"
-#include "studies/definition/scene_notes.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/population/pod_study.h"
 #include "studies/population/sorting.h"
@@ -78,6 +77,15 @@ SceneSettings as_searched(const Study& study) {
   return scene;
 }
 
+/// Remarks on the study's own scene.
+std::vector<std::string> baseline_notes(SceneStore& store,
+                                        const Study& study,
+                                        const Evaluation& baseline) {
+  const SceneSettings scene = first_view(store, study.scene);
+  const auto view = path_view_of(scene, baseline.traced->part);
+  return notes_of(study.scene, baseline.scores, view.get());
+}
+
 /// Seconds for the parts of the study's populations; 0 without any.
 double predicted_population_s(const Study& study, SceneStore& store) {
   return (study.sorting ? predicted_sorting_s(study, store) : 0.0) +
@@ -130,7 +138,7 @@ Json check_study(const Study& study, int threads, int jobs) {
           {"idle_variables", insensitive_variables(store, study)},
           {"baseline",
            {{"scores", scores_json(baseline.scores)},
-            {"notes", scene_notes(study.scene, baseline.scores)}}},
+            {"notes", baseline_notes(store, study, baseline)}}},
           {"prototypes", designs},
           {"evaluations", study.has_search() ? study.budget.evaluations : 0},
           {"seconds_per_evaluation", per_evaluation_s},

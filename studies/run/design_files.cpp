@@ -15,6 +15,7 @@
 #include "studies/drawing/drawing.h"
 #include "studies/drawing/light_drawing.h"
 #include "studies/imaging/path_picture.h"
+#include "studies/imaging/path_warnings.h"
 #include "studies/output/output_folder.h"
 #include "studies/run/render_files.h"
 
@@ -121,6 +122,17 @@ std::string draw_lighting(const SceneSettings& scene,
                             .title = title});
 }
 
+std::vector<std::string> notes_of(const SceneSettings& scene,
+                                  const Scores& scores,
+                                  const PathView* view) {
+  std::vector<std::string> notes = scene_notes(scene, scores);
+  if (view != nullptr) {
+    const std::vector<std::string> warnings = path_warnings(view->physical());
+    notes.insert(notes.end(), warnings.begin(), warnings.end());
+  }
+  return notes;
+}
+
 std::string rendering_note(const Json& rendering) {
   if (!rendering.contains("search_form")) {
     return "";
@@ -180,10 +192,7 @@ Json write_design(SceneStore& store,
                            view ? view->area_lights() : nullptr,
                            evaluation.traced->built(),
                            head.value("title", "")));
-  std::vector<std::string> notes = scene_notes(scene, evaluation.scores);
-  if (view) {
-    notes.insert(notes.end(), view->warnings().begin(), view->warnings().end());
-  }
+  std::vector<std::string> notes = notes_of(scene, evaluation.scores, view.get());
   if (const std::string note = shallow_note(evaluation.traced->part->made); !note.empty()) {
     notes.push_back(note + ".");
   }

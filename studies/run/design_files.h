@@ -25,8 +25,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "simulator/render/path_tracing/physical_scene.h"
 #include "studies/evaluation/evaluation.h"
+#include "studies/imaging/path_picture.h"
 
 namespace glint {
 
@@ -48,6 +48,12 @@ std::string draw_lighting(const SceneSettings& scene,
                           const PhysicalScene* area_lights,
                           const BuiltPart& built,
                           const std::string& title);
+
+/// Remarks on a design that a reader of its numbers must know.
+/// @param view  path_view_of() the scene; nullptr: no paths are traced
+std::vector<std::string> notes_of(const SceneSettings& scene,
+                                  const Scores& scores,
+                                  const PathView* view);
 
 /// How a search gets the mean of this scan, as one sentence; empty when it renders all frames.
 std::string rendering_note(const nlohmann::ordered_json& rendering);

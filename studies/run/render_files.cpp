@@ -206,7 +206,7 @@ Json defects_in_view(const RenderedView& view) {
   for (std::size_t i = 0; i < part.defects.size(); ++i) {
     if (part.defects[i].is_made && outline < part.outlines.size()) {
       const Defect& defect = part.defects[i].defect;
-      const Json seen = seen_json(view.picture.sums, defect.id);
+      const Json seen = seen_json(view.seen, defect.id);
       list.push_back(defect_in_view_json(defect, part.outlines[outline++], slopes[i], seen));
     }
   }
@@ -329,11 +329,11 @@ ViewPictures write_view_files(const RenderedView& view, const fs::path& folder, 
   if (view.has_light()) {
     pictures = write_light(view, folder, has_design);
   }
-  write_mask_png(folder / "part_mask.png", whole_part_mask(view.picture.sums));
-  write_mask_png(folder / "mask.png", defect_mask(view.picture.sums));
-  write_coverage(view.picture.sums, folder);
-  write_geometry(view.picture.sums, folder);
-  pictures.map = defect_map(view.picture.sums, view.part.made);
+  write_mask_png(folder / "part_mask.png", view.part_mask);
+  write_mask_png(folder / "mask.png", defect_mask(view.seen));
+  write_coverage(view.seen, folder);
+  write_geometry(view.seen, folder);
+  pictures.map = defect_map(view.seen, view.part.made);
   write_png(folder / "defects.png", pictures.map);
   if (view.has_light()) {
     write_png(folder / "side_by_side.png", side_by_side(pictures.image, pictures.map));

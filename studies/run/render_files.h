@@ -18,7 +18,7 @@
 //   defects.json         each defect and how many pixels show it
 //   scene.toml           the scene with this viewpoint alone
 //
-// Masks and geometry are written without light too.
+// Masks and geometry are written without light too, the same bytes.
 #pragma once
 
 #include <filesystem>
@@ -38,7 +38,9 @@ namespace glint {
 struct RenderedView {
   const SceneSettings& scene;  ///< with this viewpoint alone
   const BuiltDefects& part;
-  const PathPicture& picture;            ///< without groups: rendered without light
+  const PathPicture& picture;  ///< without groups: rendered without light
+  const Film& seen;            ///< what masks and geometry show: the samples of picture, or more
+  const Mask& part_mask;       ///< pixels that lie on the part as a whole
   std::vector<std::string> groups = {};  ///< names
 
   bool has_light() const { return !picture.sums.groups.empty(); }

@@ -35,6 +35,32 @@ TEST(LightLines, TellTypeSizeAndPlaceOfEachLight) {
   EXPECT_EQ(light_lines(scene).front(), "arch: tunnel");
 }
 
+TEST(SceneNotes, TellThatALightOnThePartMovesWithItsPose) {
+  BarSettings bar;
+  bar.placement.mount = LightPlacement::Mount::kPart;
+  SceneSettings scene = lit_by({{.name = "bar", .settings = bar}});
+  const auto has_note = Contains(HasSubstr("lighting.bar.mount is \"part\""));
+  EXPECT_THAT(scene_notes(scene, {}), Not(has_note)) << "the part stands where it always stood";
+  scene.part.position_mm = {0.0, 0.0, -20.0};
+  EXPECT_THAT(scene_notes(scene, {}), has_note);
+  scene.part.position_mm = {0.0, 0.0, 0.0};
+  scene.part.rotation_rad = {0.0, 0.1, 0.0};
+  EXPECT_THAT(scene_notes(scene, {}), has_note);
+  scene.lights.front().settings = BarSettings{};
+  EXPECT_THAT(scene_notes(scene, {}), Not(has_note)) << "it stays in the scene, as before";
+}
+
+TEST(SceneNotes, TellThatALightWithoutTypeIsReadAsATunnel) {
+  SceneSettings scene;
+  scene.tunnel_name = "left_ring";
+  const auto has_note =
+      Contains(HasSubstr("[lighting.left_ring] has no type, so it is read as a "
+                         "tunnel"));
+  EXPECT_THAT(scene_notes(scene, {}), Not(has_note));
+  scene.is_tunnel_guessed = true;
+  EXPECT_THAT(scene_notes(scene, {}), has_note);
+}
+
 // 24 positions over one period at duty 0.5 are 12 bright ones; 25 positions are 12.5.
 TEST(SceneNotes, TellWhetherAScanHasWholeBrightPositions) {
   SceneSettings scene;

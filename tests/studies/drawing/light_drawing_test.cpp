@@ -103,6 +103,23 @@ TEST(DrawingPlane, ShowsABarThatStandsAside) {
   }
 }
 
+// A bar 40 mm above a plate that is lowered by 20 mm.
+TEST(LightLines, AreDrawnWhereThePoseTakesALightOnThePart) {
+  BarSettings bar;
+  bar.placement.position_mm = {0.0, 30.0, 40.0};
+  const auto lowest_mm = [&](LightPlacement::Mount mount) {
+    bar.placement.mount = mount;
+    SceneSettings scene = lit_plate({{.name = "bar", .settings = bar}});
+    scene.part.position_mm = {0.0, 0.0, -20.0};
+    const DrawnScene drawn(scene);
+    const LightLines lines =
+        light_lines_in(drawn.view.physical(), drawing_plane(drawn.view.physical()));
+    return lines.seen.at(0)[0].y();
+  };
+  EXPECT_NEAR(lowest_mm(LightPlacement::Mount::kPart), 20.0, 1e-9);
+  EXPECT_NEAR(lowest_mm(LightPlacement::Mount::kScene), 40.0, 1e-9);
+}
+
 TEST(PartOutline, HoldsTheWholePart) {
   const DrawnScene drawn(lit_plate({{.name = "ring", .settings = RingSettings{}}}));
   const DrawingPlane plane = drawing_plane(drawn.view.physical());

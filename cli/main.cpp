@@ -6,6 +6,7 @@
 #include <exception>
 #include <iostream>
 #include <limits>
+#include <new>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -302,6 +303,11 @@ int run_program(int argc, char** argv) {
     std::string text = error.what();  // one problem; what SQLite says may have several lines
     std::ranges::replace(text, '\n', ' ');
     std::cerr << text << "\n";
+    return kExitIo;
+  } catch (const std::bad_alloc&) {
+    std::cerr
+        << "out of memory: this takes more than the machine, or a limit on this program, has; "
+           "fewer pixels, --jobs or --threads need less\n";
     return kExitIo;
   } catch (const std::exception& error) {
     std::cerr << "internal error: " << error.what() << "\n";

@@ -241,6 +241,47 @@ void read_prototypes(Study& study, std::vector<Problem>& errors) {
   }
 }
 
+/// A file that describes nothing would be the default scene, which nobody asked for.
+void check_holds_scene(const ConfigNode& root, std::vector<Problem>& errors) {
+  const std::vector<std::string>& known = scene_tables();
+  const bool has_table = std::ranges::any_of(root.names, [&](const std::string& name) {
+    return std::ranges::find(known, name) != known.end();
+  });
+  if (!has_table && errors.empty()) {
+    errors.push_back({.place = {.file = root.place.file},
+                      .text = fmt::format("describes no scene; it must hold at least one of the "
+                                          "tables [{}]",
+                                          fmt::join(known, "] ["))});
+  }
+}
+
+/// Whether the part is moved or turned in some design.
+bool may_be_posed(const Study& study) {
+  const auto is_pose = [](std::string_view path) {
+    return path == "part" || path.starts_with("part.position_mm") ||
+           path.starts_with("part.rotation_deg");
+  };
+  return is_posed(study.scene) ||
+         std::ranges::any_of(study.space.variables, is_pose, &Variable::name) ||
+         std::ranges::any_of(study.prototypes, [&](const Prototype& prototype) {
+           return std::ranges::any_of(prototype.overrides, is_pose, &Overrides::value_type::first);
+         });
+}
+
+/// Lights in the scene were "part" before lights could follow a part's pose: hashes keep that name,
+/// so that runs begun then go on. A light that does follow one gets a name no run had then.
+void name_mounts_for_hash(Study& study) {
+  ConfigNode* lighting = study.resolved.find("lighting");
+  for (std::size_t i = 0; lighting != nullptr && i < lighting->items.size(); ++i) {
+    ConfigNode* mount = lighting->items[i].find("mount");
+    if (mount != nullptr && mount->text == "scene") {
+      mount->text = "part";
+    } else if (mount != nullptr && mount->text == "part" && may_be_posed(study)) {
+      mount->text = "posed part";
+    }
+  }
+}
+
 }  // namespace
 
 Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
@@ -255,6 +296,7 @@ Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
   study.name = stem == "study" || stem == "scene" ? folder : stem;
   std::vector<Problem> errors;
   check_tables(study.root, errors);
+  check_holds_scene(study.root, errors);
   study.scene = read_scene(study.root, errors);
   throw_if_any(errors);  // what follows builds on a scene that can be read
   study.resolved = write_scene(study.scene);
@@ -355,9 +397,10 @@ std::string resolved_text(const Study& study) {
 }
 
 std::string config_hash(const Study& study) {
-  Study without_budget = study;
-  without_budget.budget = {};
-  std::string text = resolved_text(without_budget);
+  Study hashed = study;
+  hashed.budget = {};
+  name_mounts_for_hash(hashed);
+  std::string text = resolved_text(hashed);
   for (const std::filesystem::path& file : input_files(study.scene)) {
     text += read_file(file);
   }

@@ -14,6 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using ::testing::StartsWith;
+
 /// A study file that is removed again.
 class StudyFile {
  public:
@@ -107,6 +109,17 @@ TEST(Study, TheResolvedTextIsTheSameStudy) {
   EXPECT_EQ(config_hash(study), config_hash(again));
 }
 
+TEST(Study, AFileThatDescribesNoSceneIsRefused) {
+  for (const char* text : {"", "# nothing\n", "schema = 1\n", "schema = 1\ntitle = \"Mine\"\n"}) {
+    EXPECT_THAT(error_of(text),
+                StartsWith("s.toml: describes no scene; it must hold at least one "
+                           "of the tables [part] [material]"))
+        << text;
+  }
+  EXPECT_EQ(error_of("[part]\n"), "");
+  EXPECT_EQ(error_of("", {{"part.shape", "plate"}}), "") << "what is set counts as well";
+}
+
 TEST(Study, TheHashLeavesOutTheBudgetOnly) {
   const StudyFile file(kSound);
   const Study study = load_study(file.path(), {});
@@ -114,6 +127,25 @@ TEST(Study, TheHashLeavesOutTheBudgetOnly) {
   const Study other = load_study(file.path(), {{"sensor.gain", "1.7"}});
   EXPECT_EQ(config_hash(study), config_hash(longer));
   EXPECT_NE(config_hash(study), config_hash(other));
+}
+
+// Lights that stay in the scene were called "part" before; runs begun then go on. Lights that move
+// with the part are new where it is posed.
+TEST(Study, TheHashKnowsTheFormerNameOfLightsInTheScene) {
+  const auto hash_of = [](const std::string& mount, const std::string& pose) {
+    const StudyFile file("[part]\nshape = \"plate\"\n" + pose + "[lighting.bar]\nmount = \"" +
+                         mount + "\"\n");
+    return config_hash(load_study(file.path(), {}));
+  };
+  const std::string pose = "position_mm = [0, 0, -20]\n";
+  EXPECT_EQ(hash_of("scene", ""), hash_of("part", "")) << "the same picture";
+  EXPECT_NE(hash_of("scene", pose), hash_of("part", pose));
+  EXPECT_NE(hash_of("scene", pose), hash_of("camera", pose));
+  const StudyFile file("[part]\nshape = \"plate\"\nposition_mm = [0, 0, -20]\n[lighting.bar]\n");
+  Study former = load_study(file.path(), {});
+  EXPECT_EQ(config_hash(former), hash_of("scene", pose)) << "the default";
+  former.resolved.find("lighting")->items[0].find("mount")->text = "part";
+  EXPECT_NE(config_hash(former), hash_of("scene", pose)) << "moves now";
 }
 
 TEST(Study, TheHashChangesWithEveryFileOfTheScene) {

@@ -274,7 +274,10 @@ void BestFrames::add(const ImageF& frame, std::span<const std::vector<float>> fl
     }
     if (!flawless.empty()) {
       const std::vector<std::size_t>& inside = defects_[k].inside;
-      best.change = std::max(best.change, mean_change(frame, inside, flawless[k]));
+      if (const double change = mean_change(frame, inside, flawless[k]); change > best.change) {
+        best.change = change;
+        best.change_frame = frames_;
+      }
       best.union_area =
           mark_changed(frame, inside, flawless[k], change_threshold_, has_changed_[k]) /
           defects_[k].area_px;

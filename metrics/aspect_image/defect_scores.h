@@ -53,6 +53,8 @@ struct DefectScores {
   double best_frame = 0.0;  ///< largest |mean_D - mean_B|, share of full scale
   double change = 0.0;      ///< largest mean_D |f - flawless f|, share of full scale
   double union_area = 0.0;  ///< pixels of D that change in any frame, over the true area
+  int frame = -1;           ///< the one with the largest |mean_D - mean_B|; -1: none
+  int change_frame = -1;    ///< the one with the largest change; -1: none
 };
 
 /// Scores every defect.
@@ -107,6 +109,7 @@ class BestFrames {
     double difference = 0.0;  ///< largest |mean_D - mean_B| of any frame, share of full scale
     int frame = -1;           ///< the first frame with that difference; -1: no frame yet
     double change = 0.0;      ///< largest mean over D of |f - flawless f| of any frame
+    int change_frame = -1;    ///< the first frame with that change; -1: no frame changes
     double union_area = 0.0;  ///< pixels of D that changed in any frame yet, over the true area
   };
 

@@ -376,7 +376,9 @@ Point baseline_point(const Study& study) {
   return canonical(study.space, point);
 }
 
-std::string resolved_text(const Study& study) {
+namespace {
+
+ConfigNode whole_tree(const Study& study) {
   ConfigNode root = ConfigNode::table();
   root.names.emplace_back("schema");
   root.items.push_back(ConfigNode::from_integer(kSchema));
@@ -390,7 +392,45 @@ std::string resolved_text(const Study& study) {
     }
   }
   write_study_tables(study, root);
+  return root;
+}
+
+/// Calls a function with each text of a tree that is a file's full path.
+template <class Node, class Function>
+void for_each_path(Node&& node, const Function& function) {
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    if (!node.is_table() || node.names[i] != "title") {
+      for_each_path(node.items[i], function);
+    }
+  }
+  if (node.kind == ConfigNode::Kind::kText && std::filesystem::path(node.text).is_absolute()) {
+    function(node);
+  }
+}
+
+}  // namespace
+
+std::string resolved_text(const Study& study) {
+  return to_toml(whole_tree(study));
+}
+
+std::string shown_text(const Study& study) {
+  ConfigNode root = whole_tree(study);
+  for_each_path(root, [](ConfigNode& node) {
+    node.text = std::filesystem::path(node.text).filename().string();
+  });
   return to_toml(root);
+}
+
+std::string without_folders(std::string text, const Study& study) {
+  for_each_path(whole_tree(study), [&](const ConfigNode& node) {
+    const std::string folder = (std::filesystem::path(node.text).parent_path() / "").string();
+    for (auto at = text.find(folder); folder != "/" && at != std::string::npos;
+         at = text.find(folder, at)) {
+      text.erase(at, folder.size());
+    }
+  });
+  return text;
 }
 
 std::string config_hash(const Study& study) {

@@ -141,7 +141,7 @@ std::string page_html(const Study& study, const Frontier& frontier, const Json& 
                           {"details", Json::array()}}},
                         {"frontier", json},
                         {"methods", method_notes(frontier)},
-                        {"config_toml", resolved_text(study)},
+                        {"config_toml", shown_text(study)},
                         {"provenance", source}});
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <chrono>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,6 +10,15 @@ namespace glint {
 
 /// "0.1.0"
 std::string program_version();
+
+/// A moment without a place: "2026-11-23 08:10:05 UTC".
+std::string utc_text(std::chrono::system_clock::time_point moment);
+
+/// A time as a person says it: "8 s", "1 min 7 s", "2 h 5 min".
+std::string duration_text(double seconds);
+
+/// Date and duration for a page: "2026-11-23 08:10:05 UTC, 1 min 7 s".
+std::string moment_text(const std::string& started, double seconds);
 
 /// Version, compiler, instruction set and machine: what a result may depend on beside its input.
 nlohmann::ordered_json provenance();

@@ -5,14 +5,13 @@
 #include <string_view>
 #include <vector>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/image/image_io.h"
 #include "core/text.h"
-#include "metrics/scores.h"
 #include "studies/report/report_page.h"
 #include "studies/report/report_verdict.h"
+#include "studies/report/score_words.h"
 
 namespace glint {
 namespace {
@@ -21,62 +20,13 @@ using Json = nlohmann::ordered_json;
 using report_detail::member;
 using report_detail::text_of;
 
-bool ends_with_any(std::string_view text, std::initializer_list<std::string_view> ends) {
-  return std::ranges::any_of(ends, [&](std::string_view end) { return text.ends_with(end); });
-}
-
-/// "homogeneity.h_rms" -> "h (rms)", "defects.cnr_min" -> "smallest CNR",
-/// "view.slot_margin_mm" -> "slot margin (mm)", others by their last word.
-std::string default_label(const std::string& score) {
-  if (is_bound(score)) {
-    return fmt::format("{}, {} bound",
-                       default_label(std::string(without_bound(score))),
-                       score.ends_with(".low") ? "lower" : "upper");
-  }
-  if (is_error(score)) {
-    return fmt::format("{}, standard error", default_label(std::string(without_error(score))));
-  }
-  const std::vector<std::string> parts = split(score, '.');
-  std::string label = parts.back();
-  if (label == "h_rms" || label == "h_abs") {
-    return fmt::format("h ({})", label.substr(2));
-  }
-  for (const auto& [end, word] : {std::pair{"_min", "smallest "}, {"_max", "largest "}}) {
-    if (label.ends_with(end)) {
-      label = word + label.substr(0, label.size() - 4);
-    }
-  }
-  for (const std::string_view unit : {"_mm", "_px", "_um", "_mrad"}) {
-    if (label.ends_with(unit)) {
-      label = fmt::format("{} ({})", label.substr(0, label.size() - unit.size()), unit.substr(1));
-    }
-  }
-  std::ranges::replace(label, '_', ' ');
-  for (const std::string_view word : {"cnr", "snr", "auc"}) {
-    for (auto at = label.find(word); at != std::string::npos; at = label.find(word, at + 1)) {
-      std::ranges::transform(word, label.begin() + static_cast<std::ptrdiff_t>(at), [](char c) {
-        return static_cast<char>(c - 'a' + 'A');
-      });
-    }
-  }
-  const bool is_of_one_defect =
-      parts.size() > 2 && (parts.front() == "defects" || parts.front() == "inspection");
-  return is_of_one_defect ? parts[parts.size() - 2] + ": " + label : label;
-}
-
-bool is_share(std::string_view score) {
-  return ends_with_any(without_bound(without_error(score)),
-                       {"h_rms", "h_abs", "share", "contrast", "fraction", "coverage", "rate"});
-}
-
 void describe_scores(const Json& scores, Json& info) {
   if (!scores.is_object()) {
     return;
   }
   for (const auto& [name, value] : scores.items()) {
     if (!info.contains(name)) {
-      info[name] = {{"label", default_label(name)},
-                    {"format", is_share(name) ? "percent" : "number"}};
+      info[name] = report_detail::score_words(name);
     }
   }
 }
@@ -90,6 +40,7 @@ void describe_all_scores(Json& data) {
   }
   named.erase("");
   describe_scores(named, info);
+  describe_scores(member(member(data, "rendered"), "scores"), info);
   for (const char* list : {"designs", "trials", "runs"}) {
     for (const Json& entry : member(data, list)) {
       describe_scores(member(entry, "scores"), info);
@@ -130,9 +81,12 @@ nlohmann::ordered_json complete_report(nlohmann::ordered_json data) {
 }
 
 std::string render_report(const nlohmann::ordered_json& data) {
-  const Json complete = complete_report(data);
+  Json complete = complete_report(data);
+  const std::string when = text_of(complete, "when");
+  complete.erase("when");
   std::string page = report_page();
   const std::string title = text_of(complete, "title");
+  replace_mark(page, "@GLINT_WHEN@", markup_text(when));
   // The title comes last: whatever it says cannot be taken for a mark.
   replace_mark(page, "@GLINT_DATA@", script_json(complete));
   replace_mark(

@@ -5,11 +5,19 @@
 // left out; what is absent is not drawn.
 //
 //   title, subtitle   texts
+//   when              date and duration as a text: stands in the page's element of the id `when`,
+//                     the only part of a report that another run of the same study changes
 //   status            "done" | "budget" | "interrupted" | "no_feasible"; absent: not a search
 //   objective         { name: a score's name, sense: "maximise" | "minimise" }
 //   constraints       [ { name: a score's name, min?, max? } ]
 //   variables         [ { name: a dotted path, kind: "float" | "integer" | "choice" | "boolean",
 //                         low, high, log, unit, choices: [..] } ]
+//   scene             what was simulated: {
+//       picture       base64 PNG of the part, note: the line below it
+//       size_px       [ width, height ] that the marks are in
+//       marks         [ { label, window_px: [ left, top, width, height ] } ]
+//       facts         [ [ name, text ] ]
+//       defects       { head: [texts], rows: [ [texts] ], more: text } }
 //   designs           cards: winner, baseline, then the others in this order; [ {
 //       key, title    unique short name; heading (absent: the key)
 //       role          "baseline" | "prototype" | "winner"; absent: from the key
@@ -21,7 +29,10 @@
 //       variables     { path: number | text | boolean }
 //       frames        base64 PNGs, see report_png()
 //       aspect        base64 PNG
-//       closeups      [ { label, image: base64 PNG, scores: { score: number } } ]
+//       closeups      [ { label, image: base64 PNG, size: text, picture: which one it is of,
+//                     low, high: what is black and white in it, share of full scale,
+//                     pixel_mm, size_px: [ width, height ] for the scale bar,
+//                     scores: { score: number } } ]
 //       drawing       SVG text, see studies/drawing/drawing.h
 //       notes         [ texts ] } ]
 //   trials            in the order of their numbers; [ {
@@ -47,8 +58,8 @@
 //   methods           [ sentences on method and accuracy ]
 //   config_toml       the resolved configuration
 //   provenance        { version, seed, compiler, machine, ... }: shown in the order given
-//   score_info        { score: { label, format: "percent" | "number" } }; see complete_report()
-//   verdict           { title: of the section, absent: "Verdict", sentence,
+//   score_info        { score: { label, format: "percent" | "number", meaning } }; see
+//   complete_report() verdict           { title: of the section, absent: "Verdict", sentence,
 //                     tone: "good" | "neutral" | "bad", details: [texts] }; see complete_report()
 #pragma once
 

@@ -3,7 +3,8 @@
 // The folder of one design in a run directory:
 //
 //   scene.toml  sequence/frame_000.png ...  aspect.png  aspect.exr  part_mask.png  defects.json
-//   scores.json  cross_section.svg
+//   scores.json  cross_section.svg  cross_section.dxf
+//   cross_section.csv (of a tunnel: points and radii of its wall)
 //
 // scores.json holds { title, role, trial, feasible, scores, rescored, rendering, variables, notes
 // }. rendering tells how pictures and scores came about:
@@ -42,12 +43,19 @@ nlohmann::ordered_json write_design(SceneStore& store,
                                     bool is_rescored,
                                     const WantedScores& wanted);
 
+/// Drawings of a lighting, as files of the same stem.
+struct LightingDrawing {
+  std::string svg;
+  std::string dxf;
+  std::string csv;  ///< the wall's arcs; empty: there is no wall
+};
+
 /// The lighting to scale: area lights where they stand, else the tunnel's cross-section.
 /// @param area_lights  PathView::area_lights(); nullptr: no paths are traced
-std::string draw_lighting(const SceneSettings& scene,
-                          const PhysicalScene* area_lights,
-                          const BuiltPart& built,
-                          const std::string& title);
+LightingDrawing draw_lighting(const SceneSettings& scene,
+                              const PhysicalScene* area_lights,
+                              const BuiltPart& built,
+                              const std::string& title);
 
 /// Remarks on a design that a reader of its numbers must know.
 /// @param view  path_view_of() the scene; nullptr: no paths are traced

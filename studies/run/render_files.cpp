@@ -216,7 +216,12 @@ Json defects_in_view(const RenderedView& view) {
 /// What a scored, a lit, or a longer rendering left here must not stand beside this one.
 void remove_stale(const RenderedView& view, const fs::path& folder) {
   std::error_code ignored;
-  for (const char* name : {"scores.json", "aspect.png", "aspect.exr", "cross_section.svg"}) {
+  for (const char* name : {"scores.json",
+                           "aspect.png",
+                           "aspect.exr",
+                           "cross_section.svg",
+                           "cross_section.dxf",
+                           "cross_section.csv"}) {
     fs::remove(folder / name, ignored);
   }
   for (const char* name :

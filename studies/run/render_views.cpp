@@ -25,6 +25,7 @@
 #include "studies/run/render_files.h"
 #include "studies/run/render_maps.h"
 #include "studies/run/render_page.h"
+#include "studies/run/scene_facts.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -137,7 +138,7 @@ class RenderRun {
       if (const std::string note = shallow_note(part_->made); !note.empty()) {
         notes_.push_back(note + ".");
       }
-      drawing_ = draw_lighting(first_, view.area_lights(), *part_->built, "");
+      drawing_ = draw_lighting(first_, view.area_lights(), *part_->built, "").svg;
     } catch (const ConfigError& error) {
       throw with_place(study_.root, error);
     }
@@ -349,11 +350,14 @@ class RenderRun {
   }
 
   RenderPage page() const {
-    RenderPage page = {.title = study_.title.empty() ? study_.name : study_.title,
-                       .result = result_json(),
-                       .views = page_views_,
-                       .drawing = drawing_,
-                       .toml = resolved_text(study_)};
+    RenderPage page = {
+        .title = study_.title.empty() ? study_.name : study_.title,
+        .result = result_json(),
+        .views = page_views_,
+        .drawing = drawing_,
+        .toml = shown_text(study_),
+        .facts = scene_facts(first_, part_json(part_->clean->part), study_file(study_)),
+        .when = moment_text(utc_text(started_), seconds_since(start_))};
     for (const RealisedDefect& made : part_->made.defects) {
       if (made.is_made) {
         page.types.insert(made.defect.type);
@@ -368,6 +372,7 @@ class RenderRun {
   void write_run_json() const {
     Json run = provenance();
     run["study"] = study_.name;
+    run["started"] = utc_text(started_);
     run["seed"] = study_.scene.paths.seed;
     run["threads"] = options_.threads;
     run["timings"] = {{"this_run_s", seconds_since(start_)}, {"views_cpu_s", cpu_s_}};
@@ -381,6 +386,7 @@ class RenderRun {
   ThreadPool pool_;
   SceneStore store_;
   Clock::time_point start_ = Clock::now();
+  std::chrono::system_clock::time_point started_ = std::chrono::system_clock::now();
   std::vector<Viewpoint> viewpoints_;
   SceneSettings first_;
   std::shared_ptr<const BuiltDefects> part_;

@@ -18,6 +18,7 @@
 #include "studies/run/check_study.h"
 #include "studies/run/design_files.h"
 #include "studies/run/run_report.h"
+#include "studies/run/scene_facts.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -88,6 +89,7 @@ class Run {
     }
     Json result = finish(storage, search, folder);
     write_run_json(search, storage);
+    write_file(options_.out / "report.html", report_html({options_.out}));
     folder.keep();
     return result;
   }
@@ -158,7 +160,7 @@ class Run {
   }
 
   Json head(const std::string& title, const char* role, const Json& variables) const {
-    return {{"title", title}, {"role", role}, {"variables", variables}};
+    return {{"title", title}, {"study", study_.title}, {"role", role}, {"variables", variables}};
   }
 
   Json write(const std::string& key, const SceneSettings& scene, const Json& head) {
@@ -222,6 +224,8 @@ class Run {
   Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
     const Json baseline =
         write("baseline", study_.scene, head("Baseline", "baseline", baseline_variables(study_)));
+    write_part_picture(
+        store_, first_view(store_, study_.scene), options_.out / "baseline" / "part.png");
     Json prototypes = Json::object();
     for (const Prototype& prototype : study_.prototypes) {
       const Json written = write(prototype.name,
@@ -233,7 +237,9 @@ class Run {
     Json result = {{"schema", 1},
                    {"status", status_of(search, study_.has_search())},
                    {"evaluations", search.evaluations},
-                   {"failed", search.failed}};
+                   {"failed", search.failed},
+                   {"study", study_file(study_)},
+                   {"part", part_json(store_.build(study_.scene)->part)}};
     if (study_.has_objective) {
       result["objective"] = study_.goal.objective.name;
     }
@@ -262,7 +268,6 @@ class Run {
     const fs::path report = options_.out / "report.html";
     result["report"] = "report.html";
     write_file(options_.out / "result.json", result.dump(2) + "\n");
-    write_file(report, report_html({options_.out}));
     result["report"] = report.string();
     return result;
   }
@@ -270,6 +275,7 @@ class Run {
   void write_run_json(const SearchResult& search, const Storage& storage) const {
     Json json = provenance();
     json["study"] = study_.name;
+    json["started"] = utc_text(started_);
     json["seed"] = study_.search.seed;
     json["threads"] = options_.threads;
     json["jobs"] = options_.jobs;
@@ -293,6 +299,7 @@ class Run {
   ThreadPool pool_;
   SceneStore store_;
   Clock::time_point start_ = Clock::now();
+  std::chrono::system_clock::time_point started_ = std::chrono::system_clock::now();
 };
 
 }  // namespace

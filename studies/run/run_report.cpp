@@ -19,6 +19,8 @@
 #include "studies/output/provenance.h"
 #include "studies/population/population_report.h"
 #include "studies/report/report.h"
+#include "studies/run/run_closeups.h"
+#include "studies/run/scene_facts.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -28,8 +30,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kFrameWidth_px = 650;
-constexpr int kCloseupHalf_px = 20;
-constexpr std::size_t kMaxCloseups = 8;
 
 Json read_json(const fs::path& path) {
   try {
@@ -37,28 +37,6 @@ Json read_json(const fs::path& path) {
   } catch (const Json::parse_error& error) {
     throw IoError(fmt::format("{}: is damaged: {}", path.string(), error.what()));
   }
-}
-
-Json closeups(const fs::path& folder, const ImageF& aspect) {
-  // Of many defects the hardest to see are shown; the rest stands in defects.json.
-  Json list = Json::array();
-  const Json file = read_json(folder / "defects.json");
-  std::vector<Json> defects(file["defects"].begin(), file["defects"].end());
-  if (defects.size() > kMaxCloseups) {
-    std::ranges::stable_sort(
-        defects, {}, [](const Json& defect) { return defect["scores"]["cnr"].get<double>(); });
-    defects.resize(kMaxCloseups);
-  }
-  for (const Json& defect : defects) {
-    const Json& window = defect["window_px"];
-    const int x = window[0].get<int>() + window[2].get<int>() / 2;
-    const int y = window[1].get<int>() + window[3].get<int>() / 2;
-    const ImageF square = closeup(aspect, x, y, kCloseupHalf_px);
-    list.push_back({{"label", defect["label"]},
-                    {"image", report_png(square, 2 * kCloseupHalf_px + 1)},
-                    {"scores", defect["scores"]}});
-  }
-  return list;
 }
 
 Json frames(const fs::path& folder) {
@@ -72,7 +50,10 @@ Json frames(const fs::path& folder) {
   }
 }
 
-Json design_json(const fs::path& folder, const std::string& key, bool has_frames) {
+Json design_json(const fs::path& folder,
+                 const std::string& key,
+                 bool has_frames,
+                 const std::string& objective) {
   Json json = read_json(folder / "scores.json");
   json["key"] = key;
   const ImageF aspect = read_image(folder / "aspect.exr");
@@ -83,7 +64,7 @@ Json design_json(const fs::path& folder, const std::string& key, bool has_frames
     json["aspect"] = report_png(aspect, 2 * kFrameWidth_px);
   }
   json["drawing"] = read_file(folder / "cross_section.svg");
-  json["closeups"] = closeups(folder, aspect);
+  json["closeups"] = closeups_of(folder, aspect, objective);
   if (has_frames) {
     json["frames"] = frames(folder);
   }
@@ -136,7 +117,7 @@ Json trial_json(const Study& study, const Trial& trial, const std::string& algor
   const Outcome& outcome = *trial.outcome;
   json["failed"] = outcome.is_failed;
   if (outcome.is_failed) {
-    json["message"] = outcome.message;
+    json["message"] = without_folders(outcome.message, study);
     return json;
   }
   json["feasible"] = is_feasible(study.goal, outcome.scores);
@@ -207,6 +188,41 @@ struct RemarkCount {
   std::int64_t maximum = 0;
 };
 
+/// What was simulated: the study's own scene.
+Json scene_json(const Study& study, const fs::path& run, const Json& result) {
+  Json scene = {
+      {"facts",
+       scene_facts(
+           study.scene, result.value("part", Json()), result.value("study", std::string()))}};
+  const fs::path folder = run / "baseline";
+  if (!fs::exists(folder / "defects.json")) {
+    return scene;
+  }
+  const Json defects = read_json(folder / "defects.json")["defects"];
+  scene["defects"] = defect_table(defects);
+  if (fs::exists(folder / "part.png")) {
+    scene["picture"] = base64(read_file(folder / "part.png"));
+    scene["note"] = "The part as the camera sees it, shaded; its lighting is not drawn.";
+    scene["size_px"] = {study.scene.camera.width_px, study.scene.camera.height_px};
+    scene["marks"] = Json::array();
+    for (const Json& defect : defects) {
+      scene["marks"].push_back({{"label", defect["label"]}, {"window_px", defect["window_px"]}});
+    }
+  }
+  return scene;
+}
+
+/// "2026-11-23 08:10:05 UTC, 1 min 7 s"; empty where run.json does not tell.
+std::string when_text(const fs::path& run) {
+  const Json json = fs::exists(run / "run.json") ? read_json(run / "run.json") : Json::object();
+  if (!json.contains("started")) {
+    return "";
+  }
+  const Json& timings = json["timings"];
+  return moment_text(json["started"].get<std::string>(), timings["this_run_s"].get<double>()) +
+         (timings.value("replayed_evaluations", 0) > 0 ? " since it was resumed" : "");
+}
+
 Json single_run(const fs::path& run) {
   const Study study = study_of(run);
   const Json result = read_json(run / "result.json");
@@ -220,11 +236,13 @@ Json single_run(const fs::path& run) {
     data["status"] = result["status"];
     add_search(study, run, data);
   }
+  const std::string objective = study.has_objective ? study.goal.objective.name : "";
   Json designs = Json::array();
   for (const std::string& key : design_keys(study, run)) {
-    designs.push_back(design_json(run / key, key, true));
+    designs.push_back(design_json(run / key, key, true, objective));
   }
   data["designs"] = designs;
+  data["scene"] = scene_json(study, run, result);
   if (study.has_population()) {
     data["panels"] = population_panels(run, result);
     data["verdict"] = population_verdict(result);
@@ -239,11 +257,12 @@ Json single_run(const fs::path& run) {
     }
   }
   data["methods"] = methods;
-  data["config_toml"] = resolved_text(study);
+  data["config_toml"] = shown_text(study);
   Json source = provenance();
   source["seed"] = study.search.seed;
   source.erase("cores");
   data["provenance"] = source;
+  data["when"] = when_text(run);
   return data;
 }
 

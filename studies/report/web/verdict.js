@@ -51,10 +51,11 @@ function figures(facts) {
   const main = facts.mainScores().filter((name) => !facts.constraints.some((one) => one.name === name));
   const baseline = facts.designs.find((one) => facts.role(one) === 'baseline');
   const prototype = bestOf(facts, facts.designs.filter((one) => facts.role(one) === 'prototype'));
-  return h('div', { class: 'figures' }, main.map((name) => scoreFigure(facts, design, name)),
+  const shown = [main.map((name) => scoreFigure(facts, design, name)),
     baseline !== design && gainFigure(facts, design, baseline, 'against the baseline'),
     prototype !== design && gainFigure(facts, design, prototype, 'against the best prototype'),
-    facts.constraints.map((constraint) => constraintFigure(facts, design, constraint)));
+    facts.constraints.map((constraint) => constraintFigure(facts, design, constraint))].flat().filter(Boolean);
+  return h('div', { class: 'figures', style: `--count:${Math.ceil(shown.length / Math.ceil(shown.length / 6))};--half:${Math.ceil(shown.length / Math.ceil(shown.length / 3))}` }, shown);
 }
 
 function ranked(facts) {
@@ -85,11 +86,17 @@ function board(facts) {
     h('td', {}, design.feasible === undefined || design.feasible === null ? '\u2013' : design.feasible ? badge('good', 'feasible') : badge('bad', 'not feasible')));
   const heading = (name) => {
     const constraint = facts.constraints.find((one) => one.name === name);
-    return h('th', { title: name }, facts.label(name), constraint && h('small', {}, facts.limit(constraint)), name === facts.objective.name && h('small', {}, `objective, ${facts.objective.sense}`));
+    return h('th', { title: facts.meaning(name) }, facts.label(name), constraint && h('small', {}, facts.limit(constraint)), name === facts.objective.name && h('small', {}, `objective, ${facts.objective.sense}`));
   };
   return h('div', { class: 'scroll' }, h('table', { class: 'board' },
     h('thead', {}, h('tr', {}, h('th', {}, 'design'), names.map(heading), h('th', {}, 'constraints'))),
     h('tbody', {}, ranked(facts).map(row))));
+}
+
+/** The sentences of `glint explain` about the scores of the board. */
+function meanings(facts) {
+  const names = facts.mainScores().filter((name) => facts.info(name).meaning);
+  return names.length > 0 && h('dl', { class: 'meanings' }, names.map((name) => [h('dt', {}, facts.label(name)), h('dd', {}, facts.info(name).meaning)]));
 }
 
 export function verdictSection(facts) {
@@ -98,5 +105,5 @@ export function verdictSection(facts) {
   const hasFresh = facts.designs.some((design) => Object.keys(design.rescored ?? {}).length > 0);
   return section('verdict', verdict.title ?? 'Verdict', null, h('p', { class: `sentence ${verdict.tone ?? ''}` }, verdict.sentence ?? 'No result yet.'),
     (verdict.details ?? []).map((line) => h('p', { class: 'detail' }, line)), figures(facts), table,
-    table && hasFresh && h('p', { class: 'caption' }, 'Bold: scored again with fresh seeds and finer sampling, which the search never saw. Small: the number the search worked with.'));
+    table && hasFresh && h('p', { class: 'caption' }, 'Bold: scored again with fresh seeds and finer sampling, which the search never saw. Small: the number the search worked with.'), meanings(facts));
 }

@@ -32,7 +32,12 @@ TEST(LightLines, TellTypeSizeAndPlaceOfEachLight) {
                           "sky: environment, the same from everywhere"));
   scene.has_tunnel = true;
   scene.tunnel_name = "arch";
-  EXPECT_EQ(light_lines(scene).front(), "arch: tunnel");
+  EXPECT_EQ(
+      light_lines(scene).front(),
+      "arch: tunnel, semicylinder, 200 mm wide, up to 100 mm above the origin, 600 mm long, slot "
+      "20 mm, stripes of period 16 mm, bright share 0.5");
+  scene.tunnel_name = "tunnel";
+  EXPECT_EQ(light_lines(scene).front().rfind("tunnel, semicylinder", 0), 0U);
 }
 
 TEST(SceneNotes, TellThatALightOnThePartMovesWithItsPose) {

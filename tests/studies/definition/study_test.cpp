@@ -14,6 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 /// A study file that is removed again.
@@ -118,6 +120,21 @@ TEST(Study, AFileThatDescribesNoSceneIsRefused) {
   }
   EXPECT_EQ(error_of("[part]\n"), "");
   EXPECT_EQ(error_of("", {{"part.shape", "plate"}}), "") << "what is set counts as well";
+}
+
+// What leaves the machine says nothing about its folders.
+TEST(Study, TheShownTextNamesFilesWithoutTheirFolders) {
+  const TemporaryFolder folder;
+  write_file(folder / "gear part.stl", "solid gear\nendsolid gear\n");
+  const StudyFile file("title = \"/of/mine\"\n[part]\nfile = \"" +
+                       (folder / "gear part.stl").string() + "\"\n");
+  const Study study = load_study(file.path(), {});
+  const std::string name = folder.path().string();
+  EXPECT_THAT(resolved_text(study), HasSubstr(name));
+  EXPECT_THAT(shown_text(study), Not(HasSubstr(name)));
+  EXPECT_THAT(shown_text(study), HasSubstr("file = \"gear part.stl\""));
+  EXPECT_THAT(shown_text(study), HasSubstr("title = \"/of/mine\""));
+  EXPECT_EQ(without_folders("no " + name + "/gear part.stl", study), "no gear part.stl");
 }
 
 TEST(Study, TheHashLeavesOutTheBudgetOnly) {

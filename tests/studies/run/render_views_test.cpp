@@ -214,7 +214,10 @@ TEST(RenderViews, WriteTheSameBytesForAnyNumberOfThreads) {
   for (const auto& entry : fs::recursive_directory_iterator(one / "out")) {
     const fs::path name = fs::relative(entry.path(), one / "out");
     if (entry.is_regular_file() && name != "run.json") {
-      EXPECT_EQ(read_file(entry.path()), read_file(three / "out" / name)) << name;
+      const auto read = [&](const TemporaryFolder& folder) {
+        return test::without_when(read_file(folder / "out" / name));
+      };
+      EXPECT_EQ(read(one), read(three)) << name;
       ++files;
     }
   }

@@ -131,13 +131,13 @@ TEST(ReadDxf, FindsAFault) {
   EXPECT_NE(read_dxf(broken).code, 0);
 }
 
-struct CommaPoint : std::numpunct<char> {
+struct CommaDecimals : std::numpunct<char> {
   char do_decimal_point() const override { return ','; }
 };
 
 TEST(WallPlan, DoesNotDependOnTheLocale) {
   const std::string expected = wall_dxf(semicylinder()) + wall_csv(semicylinder());
-  const std::locale before = std::locale::global(std::locale(std::locale(), new CommaPoint));
+  const std::locale before = std::locale::global(std::locale(std::locale(), new CommaDecimals));
   const std::string actual = wall_dxf(semicylinder()) + wall_csv(semicylinder());
   std::locale::global(before);
   EXPECT_EQ(actual, expected);

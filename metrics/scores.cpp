@@ -90,7 +90,8 @@ constexpr std::array kDocs = {
              "area of the defect that changes visibly against the flawless part in any frame / "
              "true area of the defect"},
     ScoreDoc{"view.hidden_share",
-             "share of the part's pixels that the wall occludes from the camera"},
+             "share of the part's pixels that the wall occludes from the camera; those that it "
+             "hides in part count in part"},
     ScoreDoc{"view.slot_margin_mm",
              "smallest distance of a sight line to the flawless region from the edge of the camera "
              "slot, across the tunnel; negative: the wall occludes some of it"},

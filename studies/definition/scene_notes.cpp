@@ -244,7 +244,7 @@ std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& s
   };
   if (share_of("view.hidden_share") > 0.0) {
     notes.push_back(fmt::format(
-        "The wall occludes {:.2f} % of the part from the camera: the slot is too narrow "
+        "The wall occludes {:.3g} % of the part from the camera: the slot is too narrow "
         "there; occluded pixels are dark.",
         100.0 * share_of("view.hidden_share")));
   }

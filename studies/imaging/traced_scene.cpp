@@ -135,6 +135,7 @@ VisibilityBuffer look_at(const BuiltPart& built,
   Film sums =
       render_paths(scene, {.samples = kRaysPerPixel, .channels = 1, .has_light = false}, pool);
   VisibilityBuffer seen;
+  seen.camera = {camera, camera_from_world};
   seen.width_px = sums.width_px;
   seen.height_px = sums.height_px;
   seen.coverage = ImageF(sums.width_px, sums.height_px);

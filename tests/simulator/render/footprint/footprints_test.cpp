@@ -115,6 +115,7 @@ std::vector<LightCase> light_cases() {
     return cases.back().settings;
   };
   add("ends in the picture").length_mm = 90.0;
+  add("hidden by the wall").slot_mm = 10.0;
   add("oblique stripes").orientation_rad = 0.6;
   TunnelSettings& uneven = add("ripple and falloff");
   uneven.led_ripple = 0.3;

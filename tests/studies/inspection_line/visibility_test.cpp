@@ -295,20 +295,17 @@ TEST(VisibilityScores, PartFoundFromMissedAtTheSmallestHeight) {
   EXPECT_LT(slope_per_um, 4.04);
 }
 
-// Cut out of the part, balls have their slope at the rim: 4 h / d, from 0.6 to 1 mm 6.67 to 4 mrad
-// per um, of which 99 % of the area has 0.995.
+// Balls cut out of the part are steepest at the rim: 4 h / d, for 0.6 to 1 mm 6.67 to 4 mrad per
+// um.
 TEST(VisibilityScores, MeasureTheSmallestSlopeOnTheMesh) {
   SceneSettings scene = small_line(2.0, 2.0);
-  DefectGroup& dents = scene.defects[0].second;
-  dents.realisation = Realisation::kImprinted;
-  dents.roughness = 0.0;
+  scene.defects[0].second.realisation = Realisation::kImprinted;
+  scene.defects[0].second.roughness = 0.0;
   scene.inspection.trials.parts = 2;
-  const Scores scores =
-      scores_with(2, scene, {"inspection.smallest_height_um", "inspection.smallest_slope_mrad"});
-  const double slope_per_um =
-      scores.at("inspection.smallest_slope_mrad") / scores.at("inspection.smallest_height_um");
-  EXPECT_GT(slope_per_um, 3.9);
-  EXPECT_LT(slope_per_um, 6.7);
+  const std::string height = "inspection.smallest_height_um";
+  const std::string slope = "inspection.smallest_slope_mrad";
+  const Scores scores = scores_with(2, scene, {height, slope});
+  EXPECT_NEAR(scores.at(slope) / scores.at(height), 5.3, 1.4);
 }
 
 TEST(VisibilityScores, HaveTheSameSmallestHeightWhateverTheSceneBeginsWith) {

@@ -224,10 +224,11 @@ class OcclusionFinder {
       for (std::size_t i = 0; i < grid.tiles_along(); ++i) {
         const PixelArea tile = grid.area(i, j);
         const SightGrid::Answer answer = grid.tile(i, j);
+        if (answer == SightGrid::Answer::kSeen || !has_part(view_.seen, tile)) {
+          continue;
+        }
         if (answer == SightGrid::Answer::kOccluded) {
           mark_occluded(tile);
-        }
-        if (answer != SightGrid::Answer::kOpen || !has_part(view_.seen, tile)) {
           continue;
         }
         if (level + 1 < kTiles.size()) {

@@ -97,7 +97,7 @@ TEST_F(StudyFileError, NoiseIsWrongInputWhateverItShouldBe) {
   for (const auto& [name, tables] : scenes) {
     write_file(folder_ / name, noise);
     write_file(folder_ / "scene.toml", part + tables);
-    expect_refused({"render", "scene.toml", "--out", "out"}, 2, ".*" + name + ": .*");
+    expect_refused({"render", "scene.toml", "--out", "out"}, 2, ".*" + name + ":.*");
   }
 }
 

@@ -13,6 +13,7 @@
 
 #include "core/progress.h"
 #include "studies/definition/study.h"
+#include "studies/output/result_folder.h"
 
 namespace glint {
 
@@ -109,6 +110,11 @@ std::vector<KeyValue> key_values(const std::vector<std::string>& sets);
 
 /// Reads a study as the arguments say.
 Study load_study(const StudyArguments& arguments);
+
+/// --out, or the verb's own folder.
+std::filesystem::path out_folder(const StudyArguments& arguments,
+                                 const Study& study,
+                                 ResultKind kind);
 
 /// Prints the JSON object, or the text when --json was not given.
 void print_result(const CommonArguments& common,

@@ -37,6 +37,12 @@ Study load_study(const StudyArguments& arguments) {
   return study;
 }
 
+std::filesystem::path out_folder(const StudyArguments& arguments,
+                                 const Study& study,
+                                 ResultKind kind) {
+  return arguments.out.empty() ? default_result_folder(study.name, kind) : arguments.out;
+}
+
 void print_result(const CommonArguments& common,
                   const nlohmann::ordered_json& json,
                   const std::string& text) {

@@ -65,7 +65,7 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
                            "glint run studies/gallery/tunnel_shape/study.toml --budget 40s",
                            line);
   add_sets(*run, line.study);
-  run->add_option("--out", line.study.out, "folder of the run (default out/<study name>)");
+  run->add_option("--out", line.study.out, "folder of the run (default out/<study name>/run)");
   run->add_option("--jobs", line.study.jobs, "candidates at once; results do not depend on it")
       ->check(CLI::Range(1, 1024));
   run->add_option("--budget", line.study.budget, "wall clock, like 40s, 30m, 8h");
@@ -87,7 +87,8 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
                               "  glint render scene.toml --out out/masks --masks",
                               line);
   add_sets(*render, line.study);
-  render->add_option("--out", line.study.out, "folder for the pictures")->required();
+  render->add_option(
+      "--out", line.study.out, "folder for the pictures (default out/<study name>/render)");
   render->add_flag(
       "--masks", line.study.is_masks, "masks and geometry only, without sampling any light");
   CLI::App* frontier =
@@ -97,7 +98,8 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
                "glint frontier studies/gallery/tunnel_shape/study.toml --out out/f",
                line);
   add_sets(*frontier, line.study);
-  frontier->add_option("--out", line.study.out, "folder for chart and numbers")->required();
+  frontier->add_option(
+      "--out", line.study.out, "folder for chart and numbers (default out/<study name>/frontier)");
 }
 
 void add_imprint_verb(CLI::App& app, CommandLine& line) {
@@ -109,7 +111,8 @@ void add_imprint_verb(CLI::App& app, CommandLine& line) {
                "--seed 7",
                line);
   add_sets(*imprint, line.imprint.study);
-  imprint->add_option("--out", line.imprint.study.out, "folder for the files")->required();
+  imprint->add_option(
+      "--out", line.imprint.study.out, "folder for the files (default out/<study name>/imprint)");
   imprint
       ->add_option("--count", line.imprint.count, "number of parts, in part_0000, part_0001, ...")
       ->check(CLI::Range(1, 1'000'000));
@@ -135,7 +138,8 @@ void add_inspect_verb(CLI::App& app, CommandLine& line) {
           arguments.inputs,
           "pictures of one part, or folders of pictures (one per part), or the folder of a run")
       ->required();
-  inspect->add_option("--out", arguments.out, "folder for the results")->required();
+  inspect->add_option(
+      "--out", arguments.out, "folder for the results (default out/<name>/inspect)");
   inspect->add_flag("--each", arguments.is_each, "each picture shows another part");
   inspect->add_option("--mask", arguments.mask, "picture that is bright where the part is");
   inspect->add_option("--reference_mask",
@@ -205,6 +209,7 @@ void add_other_verbs(CLI::App& app, CommandLine& line) {
 int dispatch(const CLI::App& app, const CommandLine& line) {
   LogSettings log = {.to_stderr = !line.common.is_quiet};
   if (!line.common.log_file.empty()) {
+    check_log_file(line.common.log_file);
     log.files.push_back(line.common.log_file);
   }
   configure_log(log);

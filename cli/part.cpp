@@ -105,6 +105,9 @@ std::string report_text(const MeshReport& r) {
 }  // namespace
 
 int part_command(const PartArguments& arguments, const CommonArguments& common) {
+  if (!arguments.out.empty() && std::filesystem::exists(arguments.out)) {
+    throw ConfigError(arguments.out.string() + ": exists already; give --out another name");
+  }
   const PartSettings settings = settings_of(arguments);
   const Part part = build_part(settings);
   const MeshReport mesh_report = report(part, arguments.slope_mrad * 1e-3, settings.crease_rad);

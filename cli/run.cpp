@@ -110,14 +110,14 @@ int run_command(const StudyArguments& arguments, const CommonArguments& common) 
   const Study study = load_study(arguments);
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
-  const Json result = run_study(
-      study,
-      {.out = arguments.out.empty() ? std::filesystem::path("out") / study.name : arguments.out,
-       .threads = common.threads,
-       .jobs = jobs_of(arguments, common),
-       .progress = common.progress(),
-       .log_file = common.log_file,
-       .interrupt = &interrupts});
+  const Json result =
+      run_study(study,
+                {.out = arguments.out.empty() ? default_run_folder(study.name) : arguments.out,
+                 .threads = common.threads,
+                 .jobs = jobs_of(arguments, common),
+                 .progress = common.progress(),
+                 .log_file = common.log_file,
+                 .interrupt = &interrupts});
   print_result(common, result, summary(result));
   if (result["status"] == "interrupted") {
     return kExitInterrupted;
@@ -153,18 +153,19 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
 
 int render_command(const StudyArguments& arguments, const CommonArguments& common) {
   const Study study = load_study(arguments);
+  const std::filesystem::path out = out_folder(arguments, study, ResultKind::kRender);
   const bool is_views = arguments.is_masks || allows_many_viewpoints(study.scene);
   if (is_views) {
     std::signal(SIGINT, on_interrupt);
     std::signal(SIGTERM, on_interrupt);
   }
   const Json result = is_views ? render_views(study,
-                                              {.out = arguments.out,
+                                              {.out = out,
                                                .threads = common.threads,
                                                .has_light = !arguments.is_masks,
                                                .progress = common.progress(),
                                                .interrupt = &interrupts})
-                               : render_study(study, arguments.out, common.threads);
+                               : render_study(study, out, common.threads);
   std::string text;
   const Json scores = result.value("scores", Json::object());
   for (const auto& [name, value] : scores.items()) {

@@ -281,6 +281,10 @@ void name_mounts_for_hash(Study& study) {
 
 }  // namespace
 
+std::vector<fs::path> input_files(const Study& study) {
+  return {fs::path(study.root.place.file), study.scene.part.file};
+}
+
 Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
   Study study;
   study.root = load_toml(path);

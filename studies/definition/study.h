@@ -56,6 +56,9 @@ struct KeyValue {
 /// Reads and checks a study. @throws ConfigError with every problem, IoError
 Study load_study(const std::filesystem::path& path, const std::vector<KeyValue>& sets);
 
+/// The files that a study consists of: its own and the part's.
+std::vector<std::filesystem::path> input_files(const Study& study);
+
 /// The study's scene with other values. @throws ConfigError naming path and what is allowed
 SceneSettings scene_with(const Study& study, const Overrides& overrides);
 

@@ -163,7 +163,6 @@ std::string inspect_page(const Json& result,
       part.erase("defects");
     }
   }
-  inspection["unit"] = settings.measure == InspectionSettings::Measure::kArea ? "px" : "weight";
   inspection["sides"] = sides_of(settings.polarity);
   inspection["limits"] = {{"holes", limits_json(settings.holes)},
                           {"scratches", limits_json(settings.scratches)}};

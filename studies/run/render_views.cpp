@@ -21,10 +21,12 @@
 #include "studies/imaging/path_warnings.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
 #include "studies/run/design_files.h"
 #include "studies/run/render_files.h"
 #include "studies/run/render_maps.h"
 #include "studies/run/render_page.h"
+#include "studies/run/render_study.h"
 #include "studies/run/scene_facts.h"
 
 namespace glint {
@@ -106,6 +108,7 @@ class RenderRun {
     prepare();
     OutputFolder folder(options_.out);
     remove_unfinished_files(options_.out);
+    mark_result_folder(options_.out, ResultKind::kRender);
     write_file(options_.out / "study.resolved.toml", resolved_text(study_));
     render_all(folder);
     return finish(folder);
@@ -114,11 +117,7 @@ class RenderRun {
  private:
   /// Everything that can be refused before anything is written.
   void prepare() {
-    if (std::error_code ignored; fs::exists(options_.out / "study.sqlite", ignored)) {
-      throw ConfigError(
-          fmt::format("{}: holds the run of a study; choose another output folder for pictures",
-                      options_.out.string()));
-    }
+    check_render_folder(study_, options_.out);
     try {
       viewpoints_ = viewpoints_of(study_.scene, store_.build(study_.scene)->part);
       for (const Viewpoint& viewpoint : viewpoints_) {
@@ -371,6 +370,7 @@ class RenderRun {
 
   void write_run_json() const {
     Json run = provenance();
+    run["verb"] = command_of(ResultKind::kRender);
     run["study"] = study_.name;
     run["started"] = utc_text(started_);
     run["seed"] = study_.scene.paths.seed;

@@ -13,6 +13,7 @@
 #include "core/wall_clock.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
 #include "studies/population/pod_study.h"
 #include "studies/population/sorting.h"
 #include "studies/run/check_study.h"
@@ -64,6 +65,24 @@ Json baseline_variables(const Study& study) {
   return json;
 }
 
+/// What a run writes into its folder, beside the database.
+std::vector<std::string> names_in_run(const Study& study) {
+  std::vector<std::string> names = {"baseline",
+                                    "winner",
+                                    "result.json",
+                                    "run.json",
+                                    "report.html",
+                                    "log.txt",
+                                    "study.resolved.toml",
+                                    "trials.csv",
+                                    "sorting.csv",
+                                    "pod.csv"};
+  for (const Prototype& prototype : study.prototypes) {
+    names.push_back(prototype.name);
+  }
+  return names;
+}
+
 /// A run directory that is being worked on.
 class Run {
  public:
@@ -71,6 +90,9 @@ class Run {
       : study_(study), options_(options), pool_(options.threads), store_(pool_) {}
 
   Json execute() {
+    const std::vector<std::string> names = names_in_run(study_);
+    check_result_folder(options_.out, ResultKind::kRun, names);
+    check_inputs_kept(input_files(study_), options_.out, names);
     check_everything(store_, study_);
     OutputFolder folder(options_.out);
     Storage storage = open_storage();
@@ -274,6 +296,7 @@ class Run {
 
   void write_run_json(const SearchResult& search, const Storage& storage) const {
     Json json = provenance();
+    json["verb"] = command_of(ResultKind::kRun);
     json["study"] = study_.name;
     json["started"] = utc_text(started_);
     json["seed"] = study_.search.seed;

@@ -35,7 +35,7 @@ TEST(UsageError, UnknownOptionNamesTheNearest) {
 
 TEST(UsageError, MissingArgument) {
   expect_usage_error({"run"}, "glint run: STUDY\\.toml is required");
-  expect_usage_error({"render", "study.toml"}, "glint render: --out is required");
+  expect_usage_error({"report"}, "glint report: DIR is required");
 }
 
 TEST(UsageError, WrongNumbers) {

@@ -111,7 +111,7 @@ function histogram(part, sides) {
 function partFound(part, i, sides) {
   const [width, height] = part.size_px;
   return h('article', { class: 'part', id: `part${i + 1}` }, h('h3', {}, part.name, ' ', gradeBadge(part.grade)),
-    h('p', { class: 'lead' }, `${plural(part.pictures, 'picture')}, ${width} x ${height} px, ${part.bits} bits; part from: ${part.mask}.`),
+    h('p', { class: 'lead' }, `${plural(part.pictures, 'picture')}, ${width} x ${height} px, ${part.bits} bits; part from: ${part.mask}. Inspected: ${(100 * part.bright_share).toFixed(1)} % of what is bright.`),
     part.notes.length > 0 && h('ul', { class: 'notes' }, part.notes.map((note) => h('li', {}, note))),
     markedPicture(part), legend(part), h('div', { class: 'side' }, defectsTable(part), histogram(part, sides)));
 }

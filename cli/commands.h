@@ -100,7 +100,8 @@ struct NewArguments {
   std::string unit = "mm";
   std::string camera;  ///< a TOML file with [camera] keys, or "width_px=2448,height_px=2048,..."
   double working_distance_mm = 600.0;
-  std::filesystem::path out;  ///< empty: stdout
+  std::string light = "tunnel";  ///< kind: "tunnel", "ring", "dome", "bar", or "all" of them
+  std::filesystem::path out;     ///< empty: stdout
 };
 
 int new_command(const NewArguments& arguments, const CommonArguments& common);

@@ -203,6 +203,9 @@ void add_other_verbs(CLI::App& app, CommandLine& line) {
   fresh->add_option("--working_distance_mm", line.fresh.working_distance_mm, "pinhole to part")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
+  fresh->add_option("--light", line.fresh.light, "tunnel, ring, dome, bar, or all to compare them")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"tunnel", "ring", "dome", "bar", "all"}));
   fresh->add_option("--out", line.fresh.out, "study file to write (default: stdout)");
 }
 

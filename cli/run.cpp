@@ -76,19 +76,40 @@ class ScoreTable {
   std::string text_;
 };
 
+/// "done: 200 evaluations, 0 failed", "no feasible design: ...", "done: 3 designs, no search"
+std::string outcome(const Json& result) {
+  const auto status = result["status"].get<std::string>();
+  const std::string words = status == "no_feasible" ? "no feasible design" : status;
+  const int evaluations = result["evaluations"].get<int>();
+  return evaluations == 0
+             ? fmt::format("{}: {} designs, no search\n", words, 1 + result["prototypes"].size())
+             : fmt::format("{}: {} evaluations, {} failed\n",
+                           words,
+                           evaluations,
+                           result["failed"].get<int>());
+}
+
+/// The sentences of the verdict, one a line.
+std::string verdict_lines(const Json& result) {
+  std::string text;
+  const Json verdict = result.value("verdict", Json::object());
+  for (const Json& finding : verdict.value("findings", Json::array())) {
+    text += fmt::format("  {}\n", finding["text"].get<std::string>());
+  }
+  return text;
+}
+
 std::string summary(const Json& result) {
-  std::string text = fmt::format("{}: {} evaluations, {} failed\n",
-                                 result["status"].get<std::string>(),
-                                 result["evaluations"].get<int>(),
-                                 result["failed"].get<int>());
+  std::string text = outcome(result);
   ScoreTable table(result);
   table.add("baseline", result["baseline"]["scores"]);
   table.add_prototypes(result);
   const bool has_winner = !result["best"].is_null();
   if (has_winner) {
-    table.add(fmt::format("winner (trial {})", result["best"]["trial"].get<int>()),
+    const char* name = result["status"] == "no_feasible" ? "closest" : "winner";
+    table.add(fmt::format("{} (trial {})", name, result["best"]["trial"].get<int>()),
               result["best"]["scores"]);
-    table.add("winner, re-scored", result["rescored"]["best"]);
+    table.add(fmt::format("{}, re-scored", name), result["rescored"]["best"]);
   }
   text += table.text();
   if (has_winner) {
@@ -96,7 +117,8 @@ std::string summary(const Json& result) {
       text += fmt::format("  {} = {}\n", name, value.dump());
     }
   }
-  text += population_summary(result);
+  const std::string populations = population_summary(result);
+  text += populations.empty() ? verdict_lines(result) : populations;
   return text + fmt::format("report: {}\n", result["report"].get<std::string>());
 }
 
@@ -137,10 +159,19 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
   for (const Json& note : result["baseline"]["notes"]) {
     text += "  note: " + note.get<std::string>() + "\n";
   }
+  if (result.value("is_objective_flat", false)) {
+    text +=
+        "  warning: the objective is the same at both ends of every variable: a search would "
+        "have nothing to go by\n";
+  }
   for (const Json& name : result["idle_variables"]) {
     text += fmt::format("  warning: {} changes nothing in this scene\n", name.get<std::string>());
   }
-  text += study.has_population()
+  text += !study.has_search() && !study.has_population()
+              ? fmt::format("about {} for {} designs\n",
+                            duration_text(result["predicted_s"].get<double>()),
+                            1 + result["prototypes"].size())
+          : study.has_population()
               ? fmt::format("about {} for the parts of the study\n",
                             duration_text(result["predicted_s"].get<double>()))
               : fmt::format("{:.3f} s an evaluation, about {} for {} evaluations\n",

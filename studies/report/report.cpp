@@ -10,7 +10,9 @@
 #include "core/image/image_io.h"
 #include "core/text.h"
 #include "studies/report/report_page.h"
+#include "studies/report/report_ranking.h"
 #include "studies/report/report_verdict.h"
+#include "studies/report/report_wording.h"
 #include "studies/report/score_words.h"
 
 namespace glint {
@@ -53,6 +55,56 @@ void describe_all_scores(Json& data) {
   data["score_info"] = std::move(info);
 }
 
+std::string number_text(const Json& row, const char* name, const report_detail::Wording& wording) {
+  const auto value = report_detail::number_of(row, name);
+  return value ? wording.text(*value) : std::string("\u2013");
+}
+
+/// A section with the ranking of designs, after sections that are there.
+void add_ranking_panel(Json& data) {
+  const report_detail::Wording wording(data);
+  Json rows = Json::array();
+  for (const Json& row : data["ranking"]) {
+    std::vector<std::string> missed;
+    for (const Json& text : row["missed"]) {
+      missed.push_back(text.get<std::string>());
+    }
+    const auto chance = report_detail::number_of(row, "probability_best");
+    rows.push_back({std::to_string(rows.size() + 1),
+                    text_of(row, "title"),
+                    number_text(row, "value", wording),
+                    number_text(row, "low", wording) + " to " + number_text(row, "high", wording),
+                    chance ? fmt::format("{:.0f} %", 100.0 * *chance) : std::string("\u2013"),
+                    missed.empty() ? std::string("none") : join(missed, "; ")});
+  }
+  if (!member(data, "panels").is_array()) {
+    data["panels"] = Json::array();
+  }
+  data["panels"].push_back(
+      {{"id", "ranking"},
+       {"title", "Ranking"},
+       {"lead",
+        "All designs are scanned with the same noise, several times over: mean of these scans, its "
+        "95 % interval, and how often the design would be the best of those that miss no limit."},
+       {"tables",
+        {{{"caption", ""},
+          {"head", {"place", "design", wording.label(), "interval", "best", "limits missed"}},
+          {"rows", rows}}}}});
+}
+
+/// Designs that nothing was searched for are ranked.
+void add_ranking(Json& data) {
+  if (data.contains("ranking") || !member(data, "trials").empty() ||
+      !member(data, "runs").empty() || member(data, "designs").size() < 2) {
+    return;
+  }
+  const Json ranking = report_detail::ranking_of(data);
+  if (!ranking.empty()) {
+    data["ranking"] = ranking;
+    add_ranking_panel(data);
+  }
+}
+
 /// JSON that may stand in a script element: there `<` could end the element or open a comment.
 std::string script_json(const Json& data) {
   const std::string plain = data.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -74,6 +126,7 @@ void replace_mark(std::string& page, std::string_view mark, std::string_view tex
 
 nlohmann::ordered_json complete_report(nlohmann::ordered_json data) {
   describe_all_scores(data);
+  add_ranking(data);
   if (!member(data, "verdict").is_object()) {
     data["verdict"] = report_verdict(data);
   }

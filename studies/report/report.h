@@ -25,6 +25,8 @@
 //       trial         number of its evaluation
 //       feasible      true, false, or absent when there are no constraints
 //       scores        { score: number } with the seeds of the search
+//       repeated      { score: [numbers] } of scans with other noise, the same for all designs
+//       defects       [ { label, width_px } ]
 //       rescored      the same with fresh seeds and finer sampling
 //       variables     { path: number | text | boolean }
 //       frames        base64 PNGs, see report_png()
@@ -42,7 +44,9 @@
 //       values        one per variable, null where a condition switches it off
 //       scores        at least those of the constraints } ]
 //   runs              only in a comparison of runs; [ { title, status, evaluations, failed,
-//                     feasible, scores, rescored, best_so_far: [number | null] } ]
+//                     feasible, scores, rescored, best_so_far: [number | null],
+//                     objective, group: number of the first run that it may be ranked with (absent:
+//                     0), differs: [ texts ], what is not as in the first run } ]
 //   panels            sections of a population; [ {
 //       id, title     of the section; lead: the sentence below
 //       charts        [ { kind: "sizes" | "lightings" | "pod", its data: web/population.js } ]
@@ -59,8 +63,11 @@
 //   config_toml       the resolved configuration
 //   provenance        { version, seed, compiler, machine, ... }: shown in the order given
 //   score_info        { score: { label, format: "percent" | "number", meaning } }; see
-//   complete_report() verdict           { title: of the section, absent: "Verdict", sentence,
-//                     tone: "good" | "neutral" | "bad", details: [texts] }; see complete_report()
+//                     complete_report()
+//   ranking           of designs without a search, see report_ranking.h and complete_report()
+//   verdict           { title: of the section, absent: "Verdict", sentence,
+//                     tone: "good" | "neutral" | "bad", details: [texts], findings: [ { code,
+//                     text } ] }; see complete_report()
 #pragma once
 
 #include <string>
@@ -73,7 +80,8 @@ namespace glint {
 
 /// Fills in what is missing: `score_info` for every score in the data (shares, contrasts and both h
 /// as per cent, other scores as numbers) and the `verdict`, worked out from the designs: winner
-/// against baseline and best prototype, with the fresh-seed numbers where there are any.
+/// against baseline and best prototype, with the fresh-seed numbers where there are any. Designs
+/// without a search get a `ranking` and a section that shows it.
 nlohmann::ordered_json complete_report(nlohmann::ordered_json data);
 
 /// The page with the completed data in it. Equal data give equal bytes; numbers that are not finite

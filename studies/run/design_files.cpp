@@ -15,6 +15,7 @@
 #include "studies/drawing/drawing.h"
 #include "studies/drawing/light_drawing.h"
 #include "studies/drawing/wall_plan.h"
+#include "studies/imaging/defect_windows.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/imaging/path_warnings.h"
 #include "studies/output/output_folder.h"
@@ -38,8 +39,9 @@ double pixel_at_mm(const Eigen::Vector3d& place_mm,
   return (camera_from_world * place_mm).z() / intrinsics.focal_px.x();
 }
 
-Json view_json(const DefectView& view, const DefectScores& scores) {
+Json view_json(const DefectView& view, double width_px, const DefectScores& scores) {
   return {{"area_px", view.area_px},
+          {"width_px", width_px},
           {"best_frames", {{"difference", scores.frame}, {"change", scores.change_frame}}},
           {"window_px", {view.left_px, view.top_px, view.distance.width(), view.distance.height()}},
           {"scores",
@@ -52,12 +54,15 @@ Json view_json(const DefectView& view, const DefectScores& scores) {
 
 Json defects_json(const Evaluation& evaluation, const PinholeIntrinsics& intrinsics) {
   Json list = Json::array();
+  const PinholeCamera camera(intrinsics);
   const DefectivePart& part = evaluation.traced->part->made;
   const std::vector<double> slopes = defect_slopes_rad(*evaluation.traced->part);
   std::size_t seen = 0;  // among the defects that were made
   for (std::size_t i = 0; i < part.defects.size(); ++i) {
     if (part.defects[i].is_made && seen < evaluation.defects.size()) {
-      Json view = view_json(evaluation.traced->views[seen], evaluation.defects[seen]);
+      const double width_px =
+          narrowest_px(part.outlines[seen], camera, evaluation.traced->camera_from_world);
+      Json view = view_json(evaluation.traced->views[seen], width_px, evaluation.defects[seen]);
       view["pixel_mm"] = pixel_at_mm(
           part.outlines[seen].centre_mm, intrinsics, evaluation.traced->camera_from_world);
       list.push_back(

@@ -16,8 +16,10 @@
 #include "studies/output/result_folder.h"
 #include "studies/population/pod_study.h"
 #include "studies/population/sorting.h"
+#include "studies/report/report.h"
 #include "studies/run/check_study.h"
 #include "studies/run/design_files.h"
+#include "studies/run/repeated_scores.h"
 #include "studies/run/run_report.h"
 #include "studies/run/scene_facts.h"
 
@@ -111,7 +113,7 @@ class Run {
     }
     Json result = finish(storage, search, folder);
     write_run_json(search, storage);
-    write_file(options_.out / "report.html", report_html({options_.out}));
+    result = with_report(std::move(result));
     folder.keep();
     return result;
   }
@@ -168,10 +170,9 @@ class Run {
       std::string note = "best -";
       if (progress.best && progress.best->outcome) {
         const Scores& scores = progress.best->outcome->scores;
-        const auto found = scores.find(study_.goal.objective.name);
-        if (found != scores.end()) {
-          note = fmt::format("best {:.4f}", found->second);
-        }
+        note = is_feasible(study_.goal, scores)
+                   ? fmt::format("best {:.4f}", scores.at(study_.goal.objective.name))
+                   : "none feasible yet";
       }
       if (progress.failed > 0) {
         note += fmt::format(", {} failed", progress.failed);
@@ -193,12 +194,24 @@ class Run {
     } catch (const ConfigError& error) {
       throw with_place(study_.root, error);
     }
-    if (study_.goal.constraints.empty()) {
+    if (!study_.has_objective) {
       return json;
     }
-    json["feasible"] = is_feasible(study_.goal, scores_of(json["scores"]));
+    if (!study_.goal.constraints.empty()) {
+      json["feasible"] = is_feasible(study_.goal, scores_of(json["scores"]));
+    }
+    if (options_.interrupt == nullptr || *options_.interrupt == 0) {
+      json["repeated"] =
+          repeated_scores(store_, first_view(store_, scene), repeated_scan(), study_.goal);
+    }
     write_file(options_.out / key / "scores.json", json.dump(2) + "\n");
     return json;
+  }
+
+  /// A search's finalists are many and its lines of parts dear: there the trials have intervals.
+  WantedScores repeated_scan() const {
+    const WantedScores wanted = wanted_by(study_.goal);
+    return study_.has_search() ? wanted.of_one_scan() : wanted;
   }
 
   static Scores scores_of(const Json& json) {
@@ -269,7 +282,8 @@ class Run {
     result["best"] = nullptr;
     if (search.best) {
       const Json variables = variables_json(study_, search.best->point);
-      Json winner_head = head("Winner of the search", "winner", variables);
+      const char* title = search.is_feasible ? "Winner of the search" : "Closest to the limits";
+      Json winner_head = head(title, "winner", variables);
       winner_head["trial"] = search.best->number;
       const Json winner = write(
           "winner", scene_with(study_, overrides_of(study_, search.best->point)), winner_head);
@@ -287,9 +301,24 @@ class Run {
       result["status"] = "interrupted";
     }
     write_file(options_.out / "trials.csv", trials_csv(study_, storage));
-    const fs::path report = options_.out / "report.html";
     result["report"] = "report.html";
     write_file(options_.out / "result.json", result.dump(2) + "\n");
+    return result;
+  }
+
+  /// The report reads the folder, result.json too; the verdict that it comes to belongs in there.
+  Json with_report(Json result) const {
+    const fs::path report = options_.out / "report.html";
+    const Json data = report_data({options_.out});
+    const Json& verdict = data["verdict"];
+    result["verdict"] = {{"sentence", verdict["sentence"]},
+                         {"tone", verdict["tone"]},
+                         {"findings", verdict.value("findings", Json::array())}};
+    if (data.contains("ranking")) {
+      result["ranking"] = data["ranking"];
+    }
+    write_file(options_.out / "result.json", result.dump(2) + "\n");
+    write_file(report, render_report(data));
     result["report"] = report.string();
     return result;
   }

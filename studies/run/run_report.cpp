@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
@@ -20,6 +21,7 @@
 #include "studies/population/population_report.h"
 #include "studies/report/report.h"
 #include "studies/run/run_closeups.h"
+#include "studies/run/run_comparison.h"
 #include "studies/run/scene_facts.h"
 
 namespace glint {
@@ -37,6 +39,16 @@ Json read_json(const fs::path& path) {
   } catch (const Json::parse_error& error) {
     throw IoError(fmt::format("{}: is damaged: {}", path.string(), error.what()));
   }
+}
+
+Json defect_widths(const fs::path& folder) {
+  Json list = Json::array();
+  for (const Json& defect : read_json(folder / "defects.json")["defects"]) {
+    if (defect.contains("width_px")) {  // older runs do not have it
+      list.push_back({{"label", defect["label"]}, {"width_px", defect["width_px"]}});
+    }
+  }
+  return list;
 }
 
 Json frames(const fs::path& folder) {
@@ -65,6 +77,7 @@ Json design_json(const fs::path& folder,
   }
   json["drawing"] = read_file(folder / "cross_section.svg");
   json["closeups"] = closeups_of(folder, aspect, objective);
+  json["defects"] = defect_widths(folder);
   if (has_frames) {
     json["frames"] = frames(folder);
   }
@@ -135,7 +148,7 @@ Json trial_json(const Study& study, const Trial& trial, const std::string& algor
   return json;
 }
 
-void add_search(const Study& study, const fs::path& run, Json& data) {
+void add_goal(const Study& study, Json& data) {
   data["objective"] = {{"name", study.goal.objective.name},
                        {"sense", study.goal.objective.is_maximised ? "maximise" : "minimise"}};
   Json constraints = Json::array();
@@ -150,6 +163,9 @@ void add_search(const Study& study, const fs::path& run, Json& data) {
     constraints.push_back(json);
   }
   data["constraints"] = constraints;
+}
+
+void add_search(const Study& study, const fs::path& run, Json& data) {
   data["variables"] = variables_json(study);
   const std::string algorithm = resolved_algorithm(study.space, study.search);
   Json trials = Json::array();
@@ -232,6 +248,9 @@ Json single_run(const fs::path& run) {
         ": holds rendered views, whose page is report.html; there is no run to report");
   }
   Json data = {{"title", study.title}, {"subtitle", "Lighting study for surface inspection"}};
+  if (study.has_objective) {
+    add_goal(study, data);
+  }
   if (study.has_search()) {
     data["status"] = result["status"];
     add_search(study, run, data);
@@ -281,23 +300,58 @@ Json best_so_far(const Json& single) {
   return curve;
 }
 
+/// Titles of the studies; with the folders' names where two have the same.
+std::vector<std::string> run_labels(const std::vector<Study>& studies,
+                                    const std::vector<fs::path>& paths) {
+  std::vector<std::string> labels;
+  for (std::size_t i = 0; i < studies.size(); ++i) {
+    const auto same = std::ranges::count(studies, studies[i].title, &Study::title);
+    const std::string folder = fs::absolute(paths[i]).lexically_normal().filename().string();
+    labels.push_back(same == 1 ? studies[i].title
+                               : fmt::format("{} ({})", studies[i].title, folder));
+  }
+  return labels;
+}
+
+/// For each study the first one that it is comparable with.
+std::vector<std::size_t> comparable_groups(const std::vector<Study>& studies) {
+  std::vector<std::size_t> groups;
+  for (const Study& study : studies) {
+    const auto first = std::ranges::find_if(
+        studies, [&](const Study& other) { return is_comparable(study, other); });
+    groups.push_back(static_cast<std::size_t>(first - studies.begin()));
+  }
+  return groups;
+}
+
 Json several_runs(const std::vector<fs::path>& paths) {
   Json data = {{"title", "Comparison of runs"}};
+  std::vector<Study> studies;
+  std::ranges::transform(paths, std::back_inserter(studies), study_of);
+  const std::vector<std::string> labels = run_labels(studies, paths);
+  const std::vector<std::size_t> groups = comparable_groups(studies);
   Json designs = Json::array();
   Json runs = Json::array();
   for (const fs::path& path : paths) {
     const Json single = single_run(path);
     const Json result = read_json(path / "result.json");
-    Json run = {{"title", single["title"]}};
+    Json run = {{"title", labels[runs.size()]},
+                {"group", groups[runs.size()]},
+                {"differs", differences(studies.front(), studies[runs.size()])}};
+    if (single.contains("objective")) {
+      run["objective"] = single["objective"];
+      data["objective"] = data.contains("objective") ? data["objective"] : single["objective"];
+    }
     if (single.contains("status")) {
       run["status"] = single["status"];
       run["evaluations"] = result["evaluations"];
       run["failed"] = result["failed"];
       run["best_so_far"] = best_so_far(single);
-      data["objective"] = single["objective"];
     }
     for (Json design : single["designs"]) {
-      design["run"] = single["title"];
+      design["run"] = run["title"];
+      design["title"] = fmt::format(
+          "{}, {}", design["title"].get<std::string>(), run["title"].get<std::string>());
       design["key"] = path.filename().string() + " " + design["key"].get<std::string>();
       if (design["role"] != "prototype") {
         run["scores"] = design["scores"];
@@ -315,9 +369,12 @@ Json several_runs(const std::vector<fs::path>& paths) {
 
 }  // namespace
 
+nlohmann::ordered_json report_data(const std::vector<fs::path>& runs) {
+  return complete_report(runs.size() == 1 ? single_run(runs.front()) : several_runs(runs));
+}
+
 std::string report_html(const std::vector<fs::path>& runs) {
-  const Json data = runs.size() == 1 ? single_run(runs.front()) : several_runs(runs);
-  return render_report(data);
+  return render_report(report_data(runs));
 }
 
 std::vector<std::string> derivative_remarks(const Storage& storage) {

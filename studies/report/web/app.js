@@ -56,7 +56,7 @@ function originSection(facts) {
 
 function runTable(facts) {
   if (!facts.runs.length) return null;
-  const names = [...new Set([facts.objective.name, ...facts.runs.flatMap((run) => Object.keys(run.scores ?? {}))])].filter((name) => name && !name.endsWith('.error')).slice(0, 8);
+  const names = [...new Set([facts.objective.name, ...facts.runs.flatMap((run) => Object.keys(run.scores ?? {}))])].filter((name) => name && !name.endsWith('.error') && name.split('.').length < 3).slice(0, 8);
   const cell = (run, name) => h('td', {}, h('b', {}, facts.score(name, run.rescored?.[name] ?? run.scores?.[name])),
     isNumber(run.rescored?.[name]) && h('small', {}, `search ${facts.score(name, run.scores?.[name])}`));
   const row = (run) => h('tr', {}, h('th', {}, run.title), h('td', {}, kStatus[run.status]?.[1] ?? run.status ?? ''),

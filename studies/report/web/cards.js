@@ -75,7 +75,7 @@ function header(facts, design) {
   const role = facts.role(design);
   const trial = isNumber(design.trial) ? `evaluation ${design.trial}` : null;
   return h('header', {}, h('h3', {}, facts.title(design)),
-    h('p', {}, role !== 'design' && badge(role, role), stateBadge(design), [design.run, trial].filter(Boolean).map((text) => h('span', { class: 'muted' }, text))));
+    h('p', {}, role !== 'design' && badge(role, facts.roleName(design)), stateBadge(design), [design.run, trial].filter(Boolean).map((text) => h('span', { class: 'muted' }, text))));
 }
 
 function sequence(facts, design, players) {

@@ -114,6 +114,12 @@ export class Facts {
     return this.designs.length > 1 ? 'prototype' : 'design';
   }
 
+  /** What a design is called for its role: a winner that misses a limit is the closest one. */
+  roleName(design) {
+    const role = this.role(design);
+    return role === 'winner' && design.feasible === false ? 'closest' : role;
+  }
+
   /** Best feasible objective up to each trial; null before the first one. */
   bestSoFar() {
     let best = null;

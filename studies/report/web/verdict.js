@@ -62,7 +62,7 @@ function ranked(facts) {
   const value = (design) => facts.value(design, facts.objective.name);
   const order = (a, b) => {
     const wins = [a, b].map((design) => Number(facts.role(design) === 'winner'));
-    if (wins[0] !== wins[1]) return wins[1] - wins[0];
+    if (!facts.runs.length && wins[0] !== wins[1]) return wins[1] - wins[0];
     if (!isNumber(value(a)) || !isNumber(value(b))) return Number(isNumber(value(b))) - Number(isNumber(value(a)));
     return facts.maximise ? value(b) - value(a) : value(a) - value(b);
   };
@@ -77,11 +77,11 @@ function board(facts) {
     const fresh = design.rescored?.[name];
     const fails = constraint && !facts.meets(constraint, facts.value(design, name));
     return h('td', { class: fails ? 'fails' : '' }, h('b', {}, facts.score(name, facts.value(design, name)), fails && ' \u2717'),
-      isNumber(fresh) && h('small', {}, `search ${facts.score(name, design.scores?.[name])}`));
+      isNumber(fresh) && h('small', {}, `${facts.trials.length || facts.runs.length ? 'search' : 'study'} ${facts.score(name, design.scores?.[name])}`));
   };
   const row = (design) => h('tr', { class: facts.runs.length ? '' : facts.role(design) },
     h('th', {}, h('a', { href: `#design-${design.key}` }, facts.title(design)), ' ',
-      !facts.runs.length && facts.title(design).toLowerCase() !== facts.role(design) && badge(facts.role(design), facts.role(design))),
+      !facts.runs.length && facts.title(design).toLowerCase() !== facts.role(design) && badge(facts.role(design), facts.roleName(design))),
     names.map((name) => cell(design, name)),
     h('td', {}, design.feasible === undefined || design.feasible === null ? '\u2013' : design.feasible ? badge('good', 'feasible') : badge('bad', 'not feasible')));
   const heading = (name) => {
@@ -105,5 +105,5 @@ export function verdictSection(facts) {
   const hasFresh = facts.designs.some((design) => Object.keys(design.rescored ?? {}).length > 0);
   return section('verdict', verdict.title ?? 'Verdict', null, h('p', { class: `sentence ${verdict.tone ?? ''}` }, verdict.sentence ?? 'No result yet.'),
     (verdict.details ?? []).map((line) => h('p', { class: 'detail' }, line)), figures(facts), table,
-    table && hasFresh && h('p', { class: 'caption' }, 'Bold: scored again with fresh seeds and finer sampling, which the search never saw. Small: the number the search worked with.'), meanings(facts));
+    table && hasFresh && h('p', { class: 'caption' }, `Bold: scored again with fresh seeds and finer sampling${facts.trials.length ? ', which the search never saw. Small: the number the search worked with.' : '. Small: with the seeds of the study.'}`), meanings(facts));
 }

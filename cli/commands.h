@@ -93,7 +93,24 @@ struct PartArguments {
 
 int part_command(const PartArguments& arguments, const CommonArguments& common);
 
-int explain_command(const std::string& key, const CommonArguments& common);
+struct ExplainArguments {
+  std::string key;  ///< empty: the groups of keys
+  bool is_all = false;
+  bool is_schema = false;  ///< the JSON schema of study files
+};
+
+int explain_command(const ExplainArguments& arguments, const CommonArguments& common);
+
+struct ProgramUsage;
+
+struct HelpArguments {
+  std::string verb;  ///< empty: of the program
+  bool is_man = false;
+  std::string shell;  ///< whose completion is asked for; empty: none
+};
+
+/// @throws ConfigError for a verb or a shell that there is none of
+int help_command(const ProgramUsage& program, const HelpArguments& arguments);
 
 struct NewArguments {
   std::filesystem::path part;
@@ -108,6 +125,9 @@ int new_command(const NewArguments& arguments, const CommonArguments& common);
 
 /// --set arguments in two. @throws ConfigError for one without "="
 std::vector<KeyValue> key_values(const std::vector<std::string>& sets);
+
+/// An error of a part whose file and unit stand on the command line: says --unit, not part.unit.
+ConfigError with_option_names(const ConfigError& error);
 
 /// Reads a study as the arguments say.
 Study load_study(const StudyArguments& arguments);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <iostream>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,18 @@ std::vector<KeyValue> key_values(const std::vector<std::string>& sets) {
     values.push_back({.path = set.substr(0, equals), .value = set.substr(equals + 1)});
   }
   return values;
+}
+
+ConfigError with_option_names(const ConfigError& error) {
+  std::vector<Problem> problems = error.problems();
+  for (Problem& problem : problems) {
+    for (const char* option : {"unit", "crease_deg"}) {
+      if (problem.key == fmt::format("part.{}", option)) {
+        problem.key = fmt::format("--{}", option);
+      }
+    }
+  }
+  return ConfigError(std::move(problems));
 }
 
 Study load_study(const StudyArguments& arguments) {

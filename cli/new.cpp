@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <array>
-#include <iostream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

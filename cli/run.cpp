@@ -3,12 +3,16 @@
 
 #include <atomic>
 #include <csignal>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/scores_text.h"
+#include "core/text.h"
 #include "studies/population/population_report.h"
 #include "studies/run/check_study.h"
 #include "studies/run/render_study.h"
@@ -83,10 +87,13 @@ std::string outcome(const Json& result) {
   const int evaluations = result["evaluations"].get<int>();
   return evaluations == 0
              ? fmt::format("{}: {} designs, no search\n", words, 1 + result["prototypes"].size())
-             : fmt::format("{}: {} evaluations, {} failed\n",
+             : fmt::format("{}: {} evaluations, {} failed{}\n",
                            words,
                            evaluations,
-                           result["failed"].get<int>());
+                           result["failed"].get<int>(),
+                           result.contains("ended_by")
+                               ? "; ended by " + result["ended_by"].get<std::string>()
+                               : "");
 }
 
 /// The sentences of the verdict, one a line.
@@ -147,9 +154,41 @@ int run_command(const StudyArguments& arguments, const CommonArguments& common) 
   return result["status"] == "no_feasible" ? kExitNegative : kExitDone;
 }
 
+namespace {
+
+/// What a run will cost, apart and together.
+std::string cost_text(const Json& result) {
+  const Json& cpu_s = result["predicted_cpu_s"];
+  const auto seconds = [&](const char* name) { return duration_text(cpu_s[name].get<double>()); };
+  std::vector<std::string> parts;
+  for (const auto& [name, what] : {std::pair{"search", "search"},
+                                   {"rescoring", "re-scoring"},
+                                   {"writing", "writing"},
+                                   {"populations", "parts of the populations"}}) {
+    if (cpu_s[name].get<double>() > 0.0) {
+      parts.push_back(fmt::format("{} {}", what, seconds(name)));
+    }
+  }
+  std::string text;
+  if (result["evaluations"].get<int>() > 0) {
+    text += fmt::format("{:.3f} CPU s an evaluation, {} evaluations\n",
+                        result["seconds_per_evaluation"].get<double>(),
+                        result["evaluations"].get<int>());
+  }
+  return text + fmt::format("about {} of CPU time ({}), {} on this machine when it is idle\n",
+                            seconds("total"),
+                            join(parts, ", "),
+                            duration_text(result["predicted_s"].get<double>()));
+}
+
+}  // namespace
+
 int check_command(const StudyArguments& arguments, const CommonArguments& common) {
   const Study study = load_study(arguments);
-  const Json result = check_study(study, common.threads, jobs_of(arguments, common));
+  const Json result = check_study(study,
+                                  {.threads = common.threads,
+                                   .jobs = jobs_of(arguments, common),
+                                   .progress = common.progress()});
   std::string text = fmt::format(
       "{}: the study is sound, {} variables\n", study.name, result["variables"].get<std::size_t>());
   ScoreTable table(result);
@@ -167,18 +206,10 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
   for (const Json& name : result["idle_variables"]) {
     text += fmt::format("  warning: {} changes nothing in this scene\n", name.get<std::string>());
   }
-  text += !study.has_search() && !study.has_population()
-              ? fmt::format("about {} for {} designs\n",
-                            duration_text(result["predicted_s"].get<double>()),
-                            1 + result["prototypes"].size())
-          : study.has_population()
-              ? fmt::format("about {} for the parts of the study\n",
-                            duration_text(result["predicted_s"].get<double>()))
-              : fmt::format("{:.3f} s an evaluation, about {} for {} evaluations\n",
-                            result["seconds_per_evaluation"].get<double>(),
-                            duration_text(result["predicted_s"].get<double>()),
-                            result["evaluations"].get<int>());
-  print_result(common, result, text);
+  for (const Json& limit : result["broken_limits"]) {
+    text += "  warning: " + limit.get<std::string>() + "\n";
+  }
+  print_result(common, result, text + cost_text(result));
   return kExitDone;
 }
 
@@ -197,11 +228,7 @@ int render_command(const StudyArguments& arguments, const CommonArguments& commo
                                                .progress = common.progress(),
                                                .interrupt = &interrupts})
                                : render_study(study, out, common.threads);
-  std::string text;
-  const Json scores = result.value("scores", Json::object());
-  for (const auto& [name, value] : scores.items()) {
-    text += fmt::format("  {:<32} {:.6g}\n", name, value.get<double>());
-  }
+  std::string text = scores_text(result.value("scores", Json::object()));
   if (is_views) {
     for (const Json& note : result["notes"]) {
       text += "  note: " + note.get<std::string>() + "\n";

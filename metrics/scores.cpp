@@ -21,9 +21,13 @@ constexpr std::string_view kError = ".error";
 constexpr std::array kDocs = {
     ScoreDoc{
         "homogeneity.h_rms",
-        "1 - standard deviation / mean of the mean image over the flawless region; 1 is uniform"},
+        "1 - standard deviation / mean of the mean image over the flawless region; 1 is uniform, "
+        "below 0 (no mistake) where the deviation is larger than the mean: mostly dark, a few "
+        "spots "
+        "bright"},
     ScoreDoc{"homogeneity.h_abs",
-             "1 - mean absolute deviation / mean of the mean image over the flawless region"},
+             "1 - mean absolute deviation / mean of the mean image over the flawless region; 1 is "
+             "uniform, below 0 where the deviation is larger than the mean"},
     ScoreDoc{"homogeneity.robust",
              "1 - (P95 - P5) / (P95 + P5) of the mean image over the flawless region; a search "
              "takes percentiles only where its objective or a limit needs them"},
@@ -36,7 +40,7 @@ constexpr std::array kDocs = {
              "smallest 3 x 3 mean / mean of the mean image over the flawless region; 1 is uniform"},
     ScoreDoc{"homogeneity.residual",
              "1 - standard deviation / mean of the mean image / its shading, a Gaussian of "
-             "metrics.shading_diameters; what software cannot remove"},
+             "metrics.shading_diameters; what software cannot remove; may be below 0, as h_rms"},
     ScoreDoc{"homogeneity.low_share",
              "share of the mean image's variance at wavelengths above four defect diameters, "
              "which software can remove"},

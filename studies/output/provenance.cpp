@@ -50,7 +50,19 @@ nlohmann::ordered_json provenance() {
           {"compiler", compiler},
           {"isa", embree_isa()},
           {"machine", std::string(system.sysname) + " " + system.machine},
+          {"libraries", GLINT_LIBRARIES},
           {"cores", hardware_threads()}};
+}
+
+std::string version_text() {
+  const nlohmann::ordered_json all = provenance();
+  const auto text = [&](const char* name) { return all[name].get<std::string>(); };
+  return fmt::format("glint {}\ncompiler: {}\nmachine: {}, {}\nlibraries: {}\n",
+                     text("version"),
+                     text("compiler"),
+                     text("machine"),
+                     text("isa"),
+                     text("libraries"));
 }
 
 }  // namespace glint

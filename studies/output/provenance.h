@@ -20,7 +20,11 @@ std::string duration_text(double seconds);
 /// Date and duration for a page: "2026-11-23 08:10:05 UTC, 1 min 7 s".
 std::string moment_text(const std::string& started, double seconds);
 
-/// Version, compiler, instruction set and machine: what a result may depend on beside its input.
+/// For people: version, compiler, instruction set, machine and libraries, on a few lines.
+std::string version_text();
+
+/// Version, compiler, instruction set, machine and libraries: what a result may depend on beside
+/// its input.
 nlohmann::ordered_json provenance();
 
 }  // namespace glint

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/cpu_clock.h"
 #include "core/file.h"
 #include "core/image/image_io.h"
 #include "defects/part/defect_metadata.h"
@@ -144,6 +145,23 @@ Json rendering_json(SceneStore& store,
   return json;
 }
 
+/// Scores with fresh seeds and finer sampling.
+Json rescored_json(SceneStore& store,
+                   const SceneSettings& scene,
+                   const WantedScores& wanted,
+                   DesignWatch* watch) {
+  if (watch != nullptr && watch->on_rescoring) {
+    watch->on_rescoring();
+  }
+  const double start = process_cpu_s();
+  Json json = scores_json(
+      evaluate(store, finer_settings(scene), {}, wanted.with_whole_scan(kFreshParts)).scores);
+  if (watch != nullptr) {
+    watch->rescoring_cpu_s += process_cpu_s() - start;
+  }
+  return json;
+}
+
 }  // namespace
 
 Json scores_json(const Scores& scores) {
@@ -209,7 +227,8 @@ Json write_design(SceneStore& store,
                   const Json& head,
                   const fs::path& folder,
                   bool is_rescored,
-                  const WantedScores& wanted) {
+                  const WantedScores& wanted,
+                  DesignWatch* watch) {
   const SceneSettings scene = first_view(store, wanted_scene);
   make_folder(folder / "sequence");
   remove_unfinished_files(folder);
@@ -221,6 +240,9 @@ Json write_design(SceneStore& store,
   const auto write_frame = [&](int index, const ImageF& grey) {
     num_frames = std::max(num_frames, index + 1);
     write_png(frame_path(index), grey, depth_of(scene.sensor));
+    if (watch != nullptr && watch->on_frame) {
+      watch->on_frame(num_frames);
+    }
   };
   const Evaluation evaluation = evaluate(store, scene, write_frame, wanted.with_whole_scan());
   // A longer sequence rendered into this folder before must not follow this one.
@@ -250,8 +272,7 @@ Json write_design(SceneStore& store,
   }
   if (is_rescored) {
     try {
-      json["rescored"] = scores_json(
-          evaluate(store, finer_settings(scene), {}, wanted.with_whole_scan(kFreshParts)).scores);
+      json["rescored"] = rescored_json(store, scene, wanted, watch);
     } catch (const ConfigError& error) {  // the finer picture may not fit into memory
       json["rescored"] = nullptr;
       notes.push_back(fmt::format("Not re-scored: {}", error.what()));

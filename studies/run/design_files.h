@@ -21,6 +21,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,17 +32,26 @@
 
 namespace glint {
 
+/// Sees how a design is written.
+struct DesignWatch {
+  std::function<void(int frames)> on_frame = {};  ///< after each frame, with how many there are
+  std::function<void()> on_rescoring = {};        ///< before it is scored again
+  double rescoring_cpu_s = 0.0;                   ///< grows by what that takes
+};
+
 /// Renders and scores a design, re-scores it with fresh seeds and finer sampling, and writes its
 /// folder. @throws IoError, ConfigError
 /// @param head    title, role, trial, feasible, variables: what only the caller knows
 /// @param wanted  the scores that a search of this study looks at
+/// @param watch   nullptr: nobody looks
 /// @return the object of scores.json
 nlohmann::ordered_json write_design(SceneStore& store,
                                     const SceneSettings& scene,
                                     const nlohmann::ordered_json& head,
                                     const std::filesystem::path& folder,
                                     bool is_rescored,
-                                    const WantedScores& wanted);
+                                    const WantedScores& wanted,
+                                    DesignWatch* watch = nullptr);
 
 /// Drawings of a lighting, as files of the same stem.
 struct LightingDrawing {

@@ -123,6 +123,7 @@ class RenderRun {
       for (const Viewpoint& viewpoint : viewpoints_) {
         camera_from_world(viewpoint);
       }
+      check_cameras_outside_part(store_, study_.scene);
       if (has_light_ && !is_lit(study_.scene)) {
         throw ConfigError("lighting",
                           "holds no light; a picture needs one, masks do not (--masks)");

@@ -3,14 +3,18 @@
 
 #include <chrono>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/cpu_clock.h"
 #include "core/file.h"
 #include "core/log.h"
 #include "core/text.h"
 #include "core/wall_clock.h"
+#include "studies/definition/study_changes.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
@@ -20,7 +24,9 @@
 #include "studies/run/check_study.h"
 #include "studies/run/design_files.h"
 #include "studies/run/repeated_scores.h"
+#include "studies/run/run_costs.h"
 #include "studies/run/run_report.h"
+#include "studies/run/run_texts.h"
 #include "studies/run/scene_facts.h"
 
 namespace glint {
@@ -102,6 +108,7 @@ class Run {
     configure_run_log();
     write_file(options_.out / "study.resolved.toml", resolved_text(study_));
     SearchResult search;
+    const double search_start = process_cpu_s();
     if (study_.has_search()) {
       search = search_designs(storage, folder);
       if (search.termination == Termination::kInterrupted) {
@@ -111,10 +118,16 @@ class Run {
             search.evaluations);
       }
     }
+    const double finish_start = process_cpu_s();
+    search_cpu_s_ = finish_start - search_start;
     Json result = finish(storage, search, folder);
+    finish_cpu_s_ = process_cpu_s() - finish_start;
     write_run_json(search, storage);
     result = with_report(std::move(result));
     folder.keep();
+    if (study_.has_search()) {
+      result["ended_by"] = ended_by(search.termination);
+    }
     return result;
   }
 
@@ -131,14 +144,39 @@ class Run {
         study_.name,
         options_.threads,
         options_.jobs);
+    if (study_.has_search()) {
+      log(LogLevel::kInfo, "the search ends {}", limits_text(study_.budget));
+    }
+  }
+
+  /// A folder that holds the same study under another title is the study's own.
+  /// @throws ConfigError that says what differs
+  void adopt_title(StudyIdentity& identity, const fs::path& database) const {
+    const StudyIdentity recorded = Storage::read(database).identity();
+    if (recorded.config_hash == identity.config_hash) {
+      return;
+    }
+    if (config_hash(with_title_of(study_, recorded.config_text)) == recorded.config_hash) {
+      identity.config_hash = recorded.config_hash;
+      return;
+    }
+    throw ConfigError(fmt::format(
+        "{}: holds another study: {}; of a study that has been begun only title and [budget] may "
+        "change: give another folder with --out",
+        options_.out.string(),
+        changes_text(changed_keys(study_, recorded.config_text))));
   }
 
   Storage open_storage() {
-    return Storage::open(options_.out / "study.sqlite",
-                         {.config_hash = config_hash(study_),
-                          .config_text = resolved_text(study_),
-                          .code_version = program_version(),
-                          .seed = study_.search.seed});
+    const fs::path database = options_.out / "study.sqlite";
+    StudyIdentity identity = {.config_hash = config_hash(study_),
+                              .config_text = resolved_text(study_),
+                              .code_version = program_version(),
+                              .seed = study_.search.seed};
+    if (std::error_code ignored; fs::exists(database, ignored)) {
+      adopt_title(identity, database);
+    }
+    return Storage::open(database, identity);
   }
 
   SearchResult search_designs(Storage& storage, OutputFolder& folder) {
@@ -148,9 +186,7 @@ class Run {
                              .budget = study_.budget,
                              .start_points = {baseline_point(study_)},
                              .jobs = options_.jobs};
-    const WantedScores wanted = needs_gradient(study_.search.algorithm)
-                                    ? wanted_with_gradients(study_.goal, study_.space)
-                                    : wanted_by(study_.goal);
+    const WantedScores wanted = wanted_in_search(study_);
     const auto evaluate_point = [&](const Point& point, int /*trial*/) {
       const fs::path& file = study_.scene.part.file;
       if (!file.empty() && !fs::exists(file)) {
@@ -186,14 +222,38 @@ class Run {
     return {{"title", title}, {"study", study_.title}, {"role", role}, {"variables", variables}};
   }
 
+  /// Shows how far the design is, a step for each frame and one for re-scoring; designs have as
+  /// many frames as the baseline, about.
+  DesignWatch watch_of(const std::string& key, const SceneSettings& scene) {
+    const int frames = scene.scan.positions;
+    const auto show = [this, key, frames](int done, const std::string& what) {
+      const std::int64_t before = std::int64_t{designs_written_} * (frames + 1);
+      writing_->update(before + done, fmt::format("{}: {}", key, what));
+    };
+    return {.on_frame = [show](int done) { show(done, fmt::format("frame {}", done)); },
+            .on_rescoring = [show, frames] { show(frames, "re-scoring"); }};
+  }
+
+  /// One step more than there are, so that short work is not told.
+  std::int64_t writing_steps() const {
+    const int frames = study_.scene.scan.positions;
+    const auto designs =
+        static_cast<std::int64_t>(study_.prototypes.size()) + (study_.has_search() ? 2 : 1);
+    return designs * (frames + 1) + 1;
+  }
+
   Json write(const std::string& key, const SceneSettings& scene, const Json& head) {
     log(LogLevel::kInfo, "writing {}", key);
     Json json;
+    DesignWatch watch = watch_of(key, scene);
     try {
-      json = write_design(store_, scene, head, options_.out / key, true, wanted_by(study_.goal));
+      json = write_design(
+          store_, scene, head, options_.out / key, true, wanted_by(study_.goal), &watch);
     } catch (const ConfigError& error) {
       throw with_place(study_.root, error);
     }
+    rescoring_cpu_s_ += watch.rescoring_cpu_s;
+    ++designs_written_;
     if (!study_.has_objective) {
       return json;
     }
@@ -257,6 +317,7 @@ class Run {
   }
 
   Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
+    writing_.emplace(study_.name + ": writing", writing_steps(), options_.progress);
     const Json baseline =
         write("baseline", study_.scene, head("Baseline", "baseline", baseline_variables(study_)));
     write_part_picture(
@@ -295,7 +356,11 @@ class Run {
     rescored["baseline"] = baseline["rescored"];
     result["rescored"] = rescored;
     result["prototypes"] = prototypes;
-    if (!inspect_populations(storage, folder, result)) {
+    writing_.reset();
+    const double populations_start = process_cpu_s();
+    const bool is_inspected = inspect_populations(storage, folder, result);
+    populations_cpu_s_ = process_cpu_s() - populations_start;
+    if (!is_inspected) {
       log(LogLevel::kWarning,
           "interrupted; the inspected parts are kept, the same command resumes");
       result["status"] = "interrupted";
@@ -340,6 +405,10 @@ class Run {
                        {"reused_designs", search.reused},
                        {"traced_scenes", store_.num_traced()},
                        {"retraced_scenes", store_.num_retraced()}};
+    json["cpu_s"] = {{"search", search_cpu_s_},
+                     {"rescoring", rescoring_cpu_s_},
+                     {"writing", finish_cpu_s_ - rescoring_cpu_s_ - populations_cpu_s_},
+                     {"populations", populations_cpu_s_}};
     json["warnings"] = search.warnings;
     json["derivatives"] = derivative_remarks(storage);
     json["configuration"] = resolved_text(study_);
@@ -352,6 +421,12 @@ class Run {
   SceneStore store_;
   Clock::time_point start_ = Clock::now();
   std::chrono::system_clock::time_point started_ = std::chrono::system_clock::now();
+  double search_cpu_s_ = 0.0;
+  double finish_cpu_s_ = 0.0;  ///< all that follows the search
+  double rescoring_cpu_s_ = 0.0;
+  double populations_cpu_s_ = 0.0;
+  std::optional<Progress> writing_;
+  int designs_written_ = 0;
 };
 
 }  // namespace

@@ -142,8 +142,9 @@ TEST_F(OutputError, AnotherStudyInTheFolderIsLeftAlone) {
   const auto before = files_below(folder_ / "out");
   expect_one_line(run("out", {"--set", "lighting.tunnel.slot_mm=16"}),
                   2,
-                  "out/study\\.sqlite: holds another study; choose another output folder, or "
-                  "remove this one");
+                  "out: holds another study: lighting\\.tunnel\\.slot_mm is 16, was [0-9.]+; of a "
+                  "study that has been begun only title and \\[budget\\] may change: give another "
+                  "folder with --out");
   expect_one_line(
       glint_in(folder_, {"render", "study.toml", "--out", "out"}),
       2,

@@ -12,6 +12,8 @@ namespace fs = std::filesystem;
 
 using Json = nlohmann::json;
 
+using ::testing::HasSubstr;
+
 Arguments run_arguments(const std::string& out, const Arguments& more = {}) {
   Arguments arguments = {"run", "study.toml", "--quiet", "--json", "--out", out};
   arguments.insert(arguments.end(), more.begin(), more.end());
@@ -53,10 +55,49 @@ TEST(GlintRun, WritesTheRunDirectory) {
     EXPECT_FALSE(fs::exists(folder / "out/run" / design / "sequence/frame_008.png"));
   }
   const Json run = Json::parse(read_file(folder / "out/run/run.json"));
-  for (const std::string key :
-       {"version", "compiler", "isa", "machine", "seed", "timings", "configuration"}) {
+  for (const std::string key : {"version",
+                                "compiler",
+                                "isa",
+                                "machine",
+                                "libraries",
+                                "seed",
+                                "timings",
+                                "cpu_s",
+                                "configuration"}) {
     EXPECT_TRUE(run.contains(key)) << key;
   }
+  for (const std::string part : {"search", "rescoring", "writing"}) {
+    EXPECT_GT(run["cpu_s"][part], 0.0) << part;
+  }
+}
+
+TEST(GlintRun, GoesOnUnderAnotherTitle) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", small_study());
+  run_ok(folder, "out", {"--set", "title=First"});
+  const std::string trials = read_file(folder / "out/trials.csv");
+  run_ok(folder, "out", {"--set", "title=Second"});
+  EXPECT_EQ(read_file(folder / "out/trials.csv"), trials);
+  EXPECT_THAT(read_file(folder / "out/study.resolved.toml"), HasSubstr("title = \"Second\""));
+  EXPECT_THAT(read_file(folder / "out/report.html"), HasSubstr("Second"));
+  EXPECT_EQ(Json::parse(read_file(folder / "out/run.json"))["timings"]["replayed_evaluations"], 12);
+}
+
+TEST(GlintRun, SaysWhatEndsIt) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", small_study());
+  const ProgramResult both =
+      glint_in(folder, {"run", "study.toml", "--out", "a", "--budget", "8h"});
+  EXPECT_EQ(both.code, 0);
+  EXPECT_THAT(
+      both.err,
+      HasSubstr("the search ends after 12 evaluations (budget.evaluations) or after 8:00:00 "
+                "of searching (budget.wall_clock or --budget), whichever comes first"));
+  EXPECT_THAT(both.out, HasSubstr("12 evaluations, 0 failed; ended by budget.evaluations\n"));
+  const ProgramResult time = glint_in(
+      folder,
+      {"run", "study.toml", "--out", "b", "--budget", "1", "--set", "budget.evaluations=0"});
+  EXPECT_THAT(time.out, HasSubstr("; ended by budget.wall_clock\n"));
 }
 
 TEST(GlintRun, PrintsOneJsonObjectAsTheInterfacesSay) {

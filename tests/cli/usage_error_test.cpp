@@ -38,6 +38,16 @@ TEST(UsageError, MissingArgument) {
   expect_usage_error({"report"}, "glint report: DIR is required");
 }
 
+// --out "$folder" of a variable that is not set.
+TEST(UsageError, EmptyNames) {
+  expect_usage_error({"run", "study.toml", "--out", ""},
+                     "glint run: --out: is empty, must be a name");
+  expect_usage_error({"report", "study.toml", "--out", ""},
+                     "glint report: --out: is empty, must be a name");
+  expect_usage_error({"run", "study.toml", "--log", ""},
+                     "glint run: --log: is empty, must be a name");
+}
+
 TEST(UsageError, WrongNumbers) {
   expect_usage_error({"run", "study.toml", "--threads", "0"},
                      "glint run: --threads: Value 0 not in range 1 to 1024");

@@ -168,6 +168,20 @@ TEST(Storage, RemembersTheStudyAndItsSessions) {
   }
 }
 
+TEST(Storage, TellsWhatItWasBegunWith) {
+  const TemporaryFolder folder;
+  StudyIdentity study = identity("abc");
+  study.seed = 0xFFFFFFFFFFFFFFFFULL;
+  { EXPECT_EQ(Storage::open(folder / "s.sqlite", study).identity().config_hash, "abc"); }
+  study.config_text = "[camera]\n";
+  Storage::open(folder / "s.sqlite", study);
+  const StudyIdentity found = Storage::read(folder / "s.sqlite").identity();
+  EXPECT_EQ(found.config_hash, "abc");
+  EXPECT_EQ(found.config_text, "[part]\n") << "of the study as it was begun";
+  EXPECT_EQ(found.code_version, "test");
+  EXPECT_EQ(found.seed, study.seed);
+}
+
 TEST(Storage, LeavesNothingButTheDatabaseWhenClosed) {
   const TemporaryFolder folder;
   { Storage::open(folder / "s.sqlite", identity()); }

@@ -398,7 +398,7 @@ TEST(Sorting, GoesOnAfterKillsAsIfThereHadBeenNone) {
 }
 
 TEST(Sorting, CheckPredictsItsDuration) {
-  const Json check = check_study(StudyText(kSorting).load(), 2, 1);
+  const Json check = check_study(StudyText(kSorting).load(), {.threads = 2});
   EXPECT_GT(check.at("predicted_s").get<double>(), 0.0);
 }
 

@@ -25,7 +25,7 @@ std::string utc_text(std::chrono::system_clock::time_point moment) {
   return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(whole));
 }
 
-std::string duration_text(double seconds) {
+std::string duration_words(double seconds) {
   const auto whole = static_cast<std::int64_t>(std::llround(std::max(1.0, seconds)));
   if (whole < 60) {
     return fmt::format("{} s", whole);
@@ -35,7 +35,7 @@ std::string duration_text(double seconds) {
 }
 
 std::string moment_text(const std::string& started, double seconds) {
-  return started + ", " + duration_text(seconds);
+  return started + ", " + duration_words(seconds);
 }
 
 nlohmann::ordered_json provenance() {

@@ -15,7 +15,7 @@ std::string program_version();
 std::string utc_text(std::chrono::system_clock::time_point moment);
 
 /// A time as a person says it: "8 s", "1 min 7 s", "2 h 5 min".
-std::string duration_text(double seconds);
+std::string duration_words(double seconds);
 
 /// Date and duration for a page: "2026-11-23 08:10:05 UTC, 1 min 7 s".
 std::string moment_text(const std::string& started, double seconds);

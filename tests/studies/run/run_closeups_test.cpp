@@ -72,10 +72,10 @@ TEST(DefectSize, IsToldForLinesSpotsAndStains) {
 }
 
 TEST(Duration, IsToldAsAPersonSaysIt) {
-  EXPECT_EQ(duration_text(0.2), "1 s");
-  EXPECT_EQ(duration_text(59.6), "1 min 0 s");
-  EXPECT_EQ(duration_text(67.0), "1 min 7 s");
-  EXPECT_EQ(duration_text(7500.0), "2 h 5 min");
+  EXPECT_EQ(duration_words(0.2), "1 s");
+  EXPECT_EQ(duration_words(59.6), "1 min 0 s");
+  EXPECT_EQ(duration_words(67.0), "1 min 7 s");
+  EXPECT_EQ(duration_words(7500.0), "2 h 5 min");
   EXPECT_EQ(utc_text(std::chrono::system_clock::time_point{}), "1970-01-01 00:00:00 UTC");
 }
 

@@ -295,13 +295,13 @@ TEST(VisibilityScores, PartFoundFromMissedAtTheSmallestHeight) {
   EXPECT_LT(slope_per_um, 4.04);
 }
 
-// Balls cut out of the part are steepest at the rim: 4 h / d, for 0.6 to 1 mm 6.67 to 4 mrad per
-// um.
+// A ball cut out of the part is steepest at its rim, 4 h / d: for 0.6 to 1 mm 6.67 to 4 mrad a um.
 TEST(VisibilityScores, MeasureTheSmallestSlopeOnTheMesh) {
   SceneSettings scene = small_line(2.0, 2.0);
-  scene.defects[0].second.realisation = Realisation::kImprinted;
-  scene.defects[0].second.roughness = 0.0;
-  scene.inspection.trials.parts = 2;
+  DefectGroup& dents = scene.defects[0].second;
+  dents = {
+      .realisation = Realisation::kImprinted, .diameter_mm = dents.diameter_mm, .roughness = 0};
+  scene.inspection.trials.parts = 1;
   const std::string height = "inspection.smallest_height_um";
   const std::string slope = "inspection.smallest_slope_mrad";
   const Scores scores = scores_with(2, scene, {height, slope});

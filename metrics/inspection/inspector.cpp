@@ -157,6 +157,9 @@ ImageF Inspector::response(std::span<const ImageF> frames, ThreadPool& pool) con
 
 double Inspector::noise(const ImageF& response, ThreadPool& pool) const {
   check_size(response, mask_);
+  if (settings_.filter == Filter::kStructure) {
+    return robust_size(response, region_spans_);
+  }
   return robust_deviation(response, region_spans_, pool);
 }
 
@@ -181,7 +184,10 @@ double Inspector::threshold(const ImageF& response, std::optional<double> calibr
     return threshold_at(0.0, calibrated);
   }
   // Not by a pool of its own: as long as that lived, it would limit all others of the program.
-  return threshold_at(robust_deviation(response, region_spans_), calibrated);
+  return threshold_at(settings_.filter == Filter::kStructure
+                          ? robust_size(response, region_spans_)
+                          : robust_deviation(response, region_spans_),
+                      calibrated);
 }
 
 double Inspector::capped_threshold(const ImageF& response,

@@ -92,7 +92,7 @@ class Inspector {
   /// The lower bound of thresholds: kMinThreshold, more for filters that amplify rounding.
   double min_threshold() const { return kMinThreshold * filter_.amplification(); }
 
-  /// The response's robust standard deviation over the region.
+  /// The response's robust standard deviation over the region; of filter structure robust_size().
   double noise(const ImageF& response, ThreadPool& pool) const;
 
   /// Blobs of |response| >= threshold of the wanted polarity. @param threshold  > 0

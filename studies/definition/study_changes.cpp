@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/config/toml.h"
+#include "core/text.h"
 
 namespace glint {
 namespace {
@@ -18,9 +19,21 @@ bool holds_tables(const ConfigNode& node) {
   return node.is_table() || (node.is_array() && std::ranges::any_of(node.items, holds_tables));
 }
 
+/// A number is the same one however it is written: 95 and 95.0.
+std::string value_text(const ConfigNode& node) {
+  if (!node.is_array()) {
+    return node.is_number() ? shortest(node.number) : value_to_toml(node);
+  }
+  std::vector<std::string> items;
+  for (const ConfigNode& item : node.items) {
+    items.push_back(value_text(item));
+  }
+  return fmt::format("[{}]", join(items, ", "));
+}
+
 void collect(const ConfigNode& node, const std::string& path, std::vector<PlacedValue>& values) {
   if (!holds_tables(node)) {
-    values.emplace_back(path, value_to_toml(node));
+    values.emplace_back(path, value_text(node));
     return;
   }
   for (std::size_t i = 0; i < node.items.size(); ++i) {

@@ -27,9 +27,11 @@ TEST(StudySchema, HasEveryTableAndNoOther) {
 TEST(StudySchema, ANumberHasRangeUnitAndDefault) {
   const Json radius = study_schema()["definitions"]["tunnel"]["properties"]["radius_mm"];
   EXPECT_EQ(radius["type"], "number");
-  EXPECT_EQ(radius["exclusiveMinimum"], 0.0);
-  EXPECT_TRUE(radius["default"].is_number());
-  EXPECT_THAT(radius["description"].get<std::string>(), ::testing::HasSubstr("[mm; > 0]"));
+  EXPECT_EQ(radius.at("minimum"), 1.0);
+  EXPECT_EQ(radius.at("maximum"), 1e5);
+  EXPECT_TRUE(radius.at("default").is_number());
+  EXPECT_THAT(radius.at("description").get<std::string>(),
+              ::testing::HasSubstr("[mm; in [1, 1e+05]]"));
   const Json bits = study_schema()["properties"]["sensor"]["properties"]["bits"];
   EXPECT_EQ(bits["type"], "integer");
 }

@@ -133,8 +133,7 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
                line,
                [](const CommandLine& given) { return render_command(given.study, given.common); });
   add_study(*render, "SCENE.toml", line.study);
-  add_out(
-      *render, line.study.out, "folder for the pictures (default out/<study name>/render)");
+  add_out(*render, line.study.out, "folder for the pictures (default out/<study name>/render)");
   render->add_flag(
       "--masks", line.study.is_masks, "masks and geometry only, without sampling any light");
   CLI::App* frontier = add_verb(
@@ -160,9 +159,8 @@ void add_imprint_verb(CLI::App& app, CommandLine& line) {
       line,
       [](const CommandLine& given) { return imprint_command(given.imprint, given.common); });
   add_study(*imprint, "SCENE.toml", line.imprint.study);
-  add_out(*imprint,
-          line.imprint.study.out,
-          "folder for the files (default out/<study name>/imprint)");
+  add_out(
+      *imprint, line.imprint.study.out, "folder for the files (default out/<study name>/imprint)");
   imprint
       ->add_option("--count", line.imprint.count, "number of parts, in part_0000, part_0001, ...")
       ->type_name("N")

@@ -75,18 +75,6 @@ Overrides overrides_of(const Study& study, const Point& point);
 /// The point that the study's own scene stands at, moved into the variables' limits.
 Point baseline_point(const Study& study);
 
-/// The whole study with every key present, as TOML; load_study() of it gives the same study.
-std::string resolved_text(const Study& study);
-
-/// The same for readers elsewhere: files by their names, without their folders.
-std::string shown_text(const Study& study);
-
-/// A text without the folders of the files that the study names by their full paths.
-std::string without_folders(std::string text, const Study& study);
-
-/// Hash of everything that changes results; the budget is left out.
-std::string config_hash(const Study& study);
-
 /// "40s", "30m", "8h", "1h30m" or a number of seconds; empty when it is none of these.
 std::optional<double> parse_duration_s(const std::string& text);
 

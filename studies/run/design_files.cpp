@@ -215,9 +215,10 @@ std::string rendering_note(const Json& rendering) {
       is_linear ? "mean radiance: the sensor does not clip"
                 : fmt::format("table: the sensor clips; {} pixels", by_table),
       by_frames,
-      is_linear ? "around the defects where these are scored"
-                : "near edges of the light, on curved surface, where few positions leave a pattern, "
-                  "and around the defects where these are scored",
+      is_linear
+          ? "around the defects where these are scored"
+          : "near edges of the light, on curved surface, where few positions leave a pattern, "
+            "and around the defects where these are scored",
       std::abs(difference),
       difference < 0.0 ? "lower" : "higher");
 }

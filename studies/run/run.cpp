@@ -15,6 +15,7 @@
 #include "core/text.h"
 #include "core/wall_clock.h"
 #include "studies/definition/study_changes.h"
+#include "studies/definition/study_text.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"

@@ -100,4 +100,14 @@ Json closeups_of(const fs::path& folder, const ImageF& aspect, const std::string
   return list;
 }
 
+Json defect_widths(const fs::path& folder) {
+  Json list = Json::array();
+  for (const Json& defect : Json::parse(read_file(folder / "defects.json"))["defects"]) {
+    if (defect.contains("width_px")) {  // older runs do not have it
+      list.push_back({{"label", defect["label"]}, {"width_px", defect["width_px"]}});
+    }
+  }
+  return list;
+}
+
 }  // namespace glint

@@ -21,4 +21,8 @@ nlohmann::ordered_json closeups_of(const std::filesystem::path& folder,
                                    const ImageF& aspect,
                                    const std::string& objective);
 
+/// How narrow a design's defects are in the picture: [ { label, width_px } ]; runs of before that
+/// was told have none.
+nlohmann::ordered_json defect_widths(const std::filesystem::path& folder);
+
 }  // namespace glint

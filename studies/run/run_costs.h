@@ -14,9 +14,9 @@ namespace glint {
 
 /// CPU seconds of a run, by what they go into.
 struct RunCosts {
-  double search_s = 0.0;       ///< all evaluations of the budget
-  double rescoring_s = 0.0;    ///< fresh noise, finer sampling, repeated scans of each written design
-  double writing_s = 0.0;      ///< frames, pictures, drawings of every design
+  double search_s = 0.0;     ///< all evaluations of the budget
+  double rescoring_s = 0.0;  ///< fresh noise, finer sampling, repeated scans of each written design
+  double writing_s = 0.0;    ///< frames, pictures, drawings of every design
   double populations_s = 0.0;  ///< parts that are sorted, or inspected for their defects' size
 
   double total_s() const { return search_s + rescoring_s + writing_s + populations_s; }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/run/run_report.h"
+#include "studies/definition/study_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,16 +40,6 @@ Json read_json(const fs::path& path) {
   } catch (const Json::parse_error& error) {
     throw IoError(fmt::format("{}: is damaged: {}", path.string(), error.what()));
   }
-}
-
-Json defect_widths(const fs::path& folder) {
-  Json list = Json::array();
-  for (const Json& defect : read_json(folder / "defects.json")["defects"]) {
-    if (defect.contains("width_px")) {  // older runs do not have it
-      list.push_back({{"label", defect["label"]}, {"width_px", defect["width_px"]}});
-    }
-  }
-  return list;
 }
 
 Json frames(const fs::path& folder) {

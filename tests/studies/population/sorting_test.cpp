@@ -16,6 +16,7 @@
 #include "core/rng.h"
 #include "metrics/inspection/learn_limits.h"
 #include "studies/definition/study_tables.h"
+#include "studies/definition/study_text.h"
 #include "studies/population/sorting_parts.h"
 #include "studies/run/check_study.h"
 #include "tests/studies/population/population_support.h"

@@ -101,8 +101,9 @@ Json closeups_of(const fs::path& folder, const ImageF& aspect, const std::string
 }
 
 Json defect_widths(const fs::path& folder) {
+  const Json file = Json::parse(read_file(folder / "defects.json"));
   Json list = Json::array();
-  for (const Json& defect : Json::parse(read_file(folder / "defects.json"))["defects"]) {
+  for (const Json& defect : file["defects"]) {
     if (defect.contains("width_px")) {  // older runs do not have it
       list.push_back({{"label", defect["label"]}, {"width_px", defect["width_px"]}});
     }

@@ -295,19 +295,6 @@ TEST(VisibilityScores, PartFoundFromMissedAtTheSmallestHeight) {
   EXPECT_LT(slope_per_um, 4.04);
 }
 
-// A ball cut out of the part is steepest at its rim, 4 h / d: for 0.6 to 1 mm 6.67 to 4 mrad a um.
-TEST(VisibilityScores, MeasureTheSmallestSlopeOnTheMesh) {
-  SceneSettings scene = small_line(2.0, 2.0);
-  DefectGroup& dents = scene.defects[0].second;
-  dents = {
-      .realisation = Realisation::kImprinted, .diameter_mm = dents.diameter_mm, .roughness = 0};
-  scene.inspection.trials.parts = 1;
-  const std::string height = "inspection.smallest_height_um";
-  const std::string slope = "inspection.smallest_slope_mrad";
-  const Scores scores = scores_with(2, scene, {height, slope});
-  EXPECT_NEAR(scores.at(slope) / scores.at(height), 5.3, 1.4);
-}
-
 TEST(VisibilityScores, HaveTheSameSmallestHeightWhateverTheSceneBeginsWith) {
   const std::string name = "inspection.smallest_height_um";
   const double from_shallow = scores_with(2, small_line(0.01, 0.01), {name}).at(name);

@@ -166,7 +166,7 @@ class SightGrid {
     if (view_.ends_mm.empty()) {
       return is_finest_;  // other walls have rims, near which tiles must be small
     }
-    constexpr double kPad = 0.1;
+    constexpr double kPad = 1.0;  // half a pixel at least, also of the narrow tiles at the border
     const Vector3d& camera_mm = view_.camera_mm;
     double low = std::numeric_limits<double>::infinity();
     double high = -low;

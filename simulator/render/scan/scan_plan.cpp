@@ -33,10 +33,10 @@ constexpr double kNarrowestBlur_px = 0.7;
 /// but it is no normal number: it may be this much, or this share of the picture's own deviation,
 /// beside which it is little. Where it is coherent it does not scatter. Tiles beyond are left to
 /// frames, unless together they move h by less than the last.
-constexpr double kLargestRipple = 4.5e-3;
-constexpr double kLargestRippleShare = 0.12;
+constexpr double kLargestRipple = 5e-3;
+constexpr double kLargestRippleShare = 0.15;
 constexpr double kLargestCoherentRipple = 1e-3;
-constexpr double kSmallestEffect = 4e-4;
+constexpr double kSmallestEffect = 5e-4;
 
 /// The table's own error does not scatter either, but it varies little over a picture.
 constexpr double kBiasWeight = 3.0;

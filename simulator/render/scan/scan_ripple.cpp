@@ -22,11 +22,11 @@ constexpr int kScans = 4;
 
 /// Cells for each period that the ripple moves by from pixel to pixel, up to one; then for each
 /// factor e.
-constexpr double kCellsPerTurn = 24.0;
+constexpr double kCellsPerTurn = 16.0;
 
 /// Between the directions of cells, from the nearer axis on.
-constexpr double kDirectionStep_rad = 5.0 * kRadPerDeg;
-constexpr int kMostDirections = 16;
+constexpr double kDirectionStep_rad = 10.0 * kRadPerDeg;
+constexpr int kMostDirections = 8;
 
 /// Where the ripple moves by fewer periods from pixel to pixel no harmonic near it is aliased.
 constexpr double kAliasedTurns = 0.55;

@@ -30,8 +30,8 @@ class ScanRipple {
 
   ScanRipple(const Sensor& sensor, const StripeSettings& stripes);
 
-  /// At the nearest cell: 24 of them up to the gradient that moves the ripple by a period a pixel,
-  /// then 4 % apart, in directions 5 degrees apart.
+  /// At the nearest cell: 16 of them up to the gradient that moves the ripple by a period a pixel,
+  /// then 6 % apart, in directions 10 degrees apart.
   /// @param gx, gy  differences of the phase [periods / px]
   Size at(double gx, double gy);
 

@@ -29,7 +29,7 @@ constexpr double kDirectionStep_rad = 10.0 * kRadPerDeg;
 constexpr int kMostDirections = 8;
 
 /// Where the ripple moves by fewer periods from pixel to pixel no harmonic near it is aliased.
-constexpr double kAliasedTurns = 0.55;
+constexpr double kAliasedTurns = 0.35;
 
 /// Harmonics of so many periods a pixel are aliased and little: beyond, they count where clipping
 /// mixes them into the ripple, near the number of frames.

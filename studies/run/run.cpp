@@ -113,6 +113,7 @@ class Run {
     if (study_.has_search()) {
       search = search_designs(storage, folder);
       if (search.termination == Termination::kInterrupted) {
+        is_interrupted_ = true;
         log(LogLevel::kWarning,
             "interrupted after {} evaluations, which are kept; writing what there is (a second "
             "interrupt stops at once)",
@@ -261,7 +262,7 @@ class Run {
     if (!study_.goal.constraints.empty()) {
       json["feasible"] = is_feasible(study_.goal, scores_of(json["scores"]));
     }
-    if (options_.interrupt == nullptr || *options_.interrupt == 0) {
+    if (!is_interrupted_) {
       json["repeated"] =
           repeated_scores(store_, first_view(store_, scene), repeated_scan(), study_.goal);
     }
@@ -428,6 +429,7 @@ class Run {
   double populations_cpu_s_ = 0.0;
   std::optional<Progress> writing_;
   int designs_written_ = 0;
+  bool is_interrupted_ = false;  ///< in the search: what can be had without is left out
 };
 
 }  // namespace

@@ -197,7 +197,11 @@ std::string paths_table(StarterLight light) {
                                    {"max_reflections", "2"}});
 }
 
+/// Nothing before places are known.
 std::string defect_table(const StarterPlan& plan) {
+  if (plan.places_mm.empty()) {
+    return "";
+  }
   std::vector<std::string> xs;
   std::vector<std::string> ys;
   for (const Eigen::Vector2d& place : plan.places_mm) {

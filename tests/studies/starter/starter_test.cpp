@@ -51,9 +51,10 @@ TEST(StarterPlan, MakesTheDentAsSteepAsWanted) {
   EXPECT_NEAR(small_plan(StarterLight::kTunnel).depth_mm(), 0.0049462, 1e-7);
 }
 
-// The file itself is not read: a study names its part, a scene opens it.
+// The part need only be there: a study names it, nothing opens it yet.
 TEST(StarterText, OfEveryLightIsAStudyThatMaximisesItsDentsDetectability) {
   const TemporaryFolder folder;
+  write_file(folder / "block.stl", "solid block\nendsolid block\n");
   for (const StarterLight light : {StarterLight::kTunnel,
                                    StarterLight::kRing,
                                    StarterLight::kDome,

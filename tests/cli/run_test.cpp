@@ -149,7 +149,8 @@ TEST(GlintRun, ReportSaysWhatWasSimulatedAndNamesNoFolder) {
       folder / "study.toml",
       edited(small_study(),
              {{"shape = \"strip\"\nlength_mm = 40\nwidth_mm = 12\n", "file = \"plate.stl\"\n"},
-              {"radius_along_mm = 400\nradius_across_mm = 40\n", ""}}));
+              {"radius_along_mm = 400\nradius_across_mm = 40\n", ""},
+              {"\"defects.min_cnr\" = { min = 0.1 }\n", ""}}));
   run_ok(folder, "out");
   const std::string page = read_file(folder / "out/report.html");
   EXPECT_EQ(page.find(folder.path().string()), std::string::npos);

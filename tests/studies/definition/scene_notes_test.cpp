@@ -82,7 +82,7 @@ TEST(SceneNotes, TellWhetherAScanHasWholeBrightPositions) {
 TEST(SceneNotes, ListTheLightsOfAPathTracedSceneAndSayWhenItIsDark) {
   const SceneSettings scene = lit_by({{.name = "ring", .settings = RingSettings{}}});
   const auto notes = scene_notes(scene, {{"homogeneity.mean", 0.0}});
-  EXPECT_THAT(notes.front(), HasSubstr("Light ring: ring"));
+  EXPECT_THAT(notes.front(), HasSubstr("Light ring, radii 25 to 40 mm"));
   EXPECT_THAT(notes, Contains(HasSubstr("No light reaches the part")));
   EXPECT_THAT(scene_notes(scene, {{"homogeneity.mean", 0.1}}),
               Not(Contains(HasSubstr("No light reaches the part"))));

@@ -111,7 +111,7 @@ TEST(LightDimensions, OfATiltedRingAreTheDiametersOfItsEdges) {
     ring.segments.segments = segments;
     const DrawnScene drawn(lit_plate({{.name = "ring", .settings = ring}}));
     EXPECT_THAT(words_of(drawn),
-                ::testing::ElementsAre("\u00d8 77.321 mm", "\u00d8 42.679 mm", "z 100 mm"))
+                ::testing::ElementsAre("\u00d8 77.32 mm", "\u00d8 42.68 mm", "z 100 mm"))
         << segments;
     const auto dimensions =
         light_dimensions(drawn.view.physical(), drawing_plane(drawn.view.physical()));
@@ -241,7 +241,7 @@ TEST(AreaLightsSvg, BreaksLinesThatThePageWouldCut) {
       drawn.view.physical(),
       "Which ring shows a dent on a brushed plate best, seen from the side: Winner of the search");
   EXPECT_LE(longest_text(svg), 62U);
-  EXPECT_THAT(svg, HasSubstr(">ring, radii 43.57 to 67.465 mm, at 42.517 mm"));
+  EXPECT_THAT(svg, HasSubstr(">ring, radii 43.57 to 67.47 mm, at 42.52 mm"));
   EXPECT_THAT(svg, HasSubstr("on the camera<"));
 }
 

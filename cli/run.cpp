@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <iostream>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "studies/run/check_study.h"
 #include "studies/run/render_study.h"
 #include "studies/run/render_views.h"
+#include "studies/run/run_texts.h"
 
 namespace glint {
 namespace {
@@ -139,6 +141,9 @@ int run_command(const StudyArguments& arguments, const CommonArguments& common) 
   const Study study = load_study(arguments);
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
+  if (!arguments.budget.empty() && study.has_search() && !common.is_quiet) {
+    std::cerr << fmt::format("the search ends {}\n", limits_text(study.budget));
+  }
   const Json result =
       run_study(study,
                 {.out = arguments.out.empty() ? default_run_folder(study.name) : arguments.out,

@@ -319,9 +319,9 @@ void check_cameras_outside_part(SceneStore& store, const SceneSettings& scene) {
               : fmt::format("viewpoint.{}.position_mm", i),
           fmt::format("puts the camera at ({:.4g}, {:.4g}, {:.4g}) mm, inside the "
                       "part; it must be outside of the part, which reaches up to z = {:.4g} mm",
-                      camera_mm.x(),
-                      camera_mm.y(),
-                      camera_mm.z(),
+                      camera_mm.x() + 0.0,
+                      camera_mm.y() + 0.0,
+                      camera_mm.z() + 0.0,
                       box.max_mm.z()));
     }
   }

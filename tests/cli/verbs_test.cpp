@@ -131,7 +131,7 @@ TEST(Check, RefusesACameraInsideThePart) {
     EXPECT_EQ(inside.code, 2);
     EXPECT_THAT(
         inside.err,
-        HasSubstr("scene.toml:7:23: camera.working_distance_mm: puts the camera at (0, 0, 2) "
+        HasSubstr("scene.toml:7:1: camera.working_distance_mm: puts the camera at (0, 0, 2) "
                   "mm, inside the part"));
     EXPECT_EQ(inside.out, "");
     EXPECT_EQ(folder.count(), 2);

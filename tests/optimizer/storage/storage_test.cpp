@@ -142,25 +142,13 @@ TEST(Storage, RemembersTheStudyAndItsSessions) {
   for (int i = 0; i < 3; ++i) {
     Storage storage = Storage::open(folder / "s.sqlite", study);
     EXPECT_EQ(identity_in(folder / "s.sqlite").seed, study.seed);
+    EXPECT_EQ(storage.identity().seed, study.seed);
+    EXPECT_EQ(storage.identity().config_text, "[part]\n");
     EXPECT_EQ(identity_in(folder / "s.sqlite").config_text, "[part]\n");
     EXPECT_DOUBLE_EQ(storage.total_seconds(), 1.5 * i);
     storage.set_session_seconds(1.0);
     storage.set_session_seconds(1.5);
   }
-}
-
-TEST(Storage, TellsWhatItWasBegunWith) {
-  const TemporaryFolder folder;
-  StudyIdentity study = identity("abc");
-  study.seed = 0xFFFFFFFFFFFFFFFFULL;
-  { EXPECT_EQ(Storage::open(folder / "s.sqlite", study).identity().config_hash, "abc"); }
-  study.config_text = "[camera]\n";
-  Storage::open(folder / "s.sqlite", study);
-  const StudyIdentity found = Storage::read(folder / "s.sqlite").identity();
-  EXPECT_EQ(found.config_hash, "abc");
-  EXPECT_EQ(found.config_text, "[part]\n") << "of the study as it was begun";
-  EXPECT_EQ(found.code_version, "test");
-  EXPECT_EQ(found.seed, study.seed);
 }
 
 TEST(Storage, LeavesNothingButTheDatabaseWhenClosed) {

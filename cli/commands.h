@@ -13,6 +13,7 @@
 
 #include "core/progress.h"
 #include "studies/definition/study.h"
+#include "studies/output/result_folder.h"
 
 namespace glint {
 
@@ -92,14 +93,32 @@ struct PartArguments {
 
 int part_command(const PartArguments& arguments, const CommonArguments& common);
 
-int explain_command(const std::string& key, const CommonArguments& common);
+struct ExplainArguments {
+  std::string key;  ///< empty: the groups of keys
+  bool is_all = false;
+  bool is_schema = false;  ///< the JSON schema of study files
+};
+
+int explain_command(const ExplainArguments& arguments, const CommonArguments& common);
+
+struct ProgramUsage;
+
+struct HelpArguments {
+  std::string verb;  ///< empty: of the program
+  bool is_man = false;
+  std::string shell;  ///< whose completion is asked for; empty: none
+};
+
+/// @throws ConfigError for a verb or a shell that there is none of
+int help_command(const ProgramUsage& program, const HelpArguments& arguments);
 
 struct NewArguments {
   std::filesystem::path part;
   std::string unit = "mm";
   std::string camera;  ///< a TOML file with [camera] keys, or "width_px=2448,height_px=2048,..."
   double working_distance_mm = 600.0;
-  std::filesystem::path out;  ///< empty: stdout
+  std::string light = "tunnel";  ///< kind: "tunnel", "ring", "dome", "bar", or "all" of them
+  std::filesystem::path out;     ///< empty: stdout
 };
 
 int new_command(const NewArguments& arguments, const CommonArguments& common);
@@ -107,8 +126,16 @@ int new_command(const NewArguments& arguments, const CommonArguments& common);
 /// --set arguments in two. @throws ConfigError for one without "="
 std::vector<KeyValue> key_values(const std::vector<std::string>& sets);
 
+/// An error of a part whose file and unit stand on the command line: says --unit, not part.unit.
+ConfigError with_option_names(const ConfigError& error);
+
 /// Reads a study as the arguments say.
 Study load_study(const StudyArguments& arguments);
+
+/// --out, or the verb's own folder.
+std::filesystem::path out_folder(const StudyArguments& arguments,
+                                 const Study& study,
+                                 ResultKind kind);
 
 /// Prints the JSON object, or the text when --json was not given.
 void print_result(const CommonArguments& common,

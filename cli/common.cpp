@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <iostream>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -20,6 +21,18 @@ std::vector<KeyValue> key_values(const std::vector<std::string>& sets) {
   return values;
 }
 
+ConfigError with_option_names(const ConfigError& error) {
+  std::vector<Problem> problems = error.problems();
+  for (Problem& problem : problems) {
+    for (const char* option : {"unit", "crease_deg"}) {
+      if (problem.key == fmt::format("part.{}", option)) {
+        problem.key = fmt::format("--{}", option);
+      }
+    }
+  }
+  return ConfigError(std::move(problems));
+}
+
 Study load_study(const StudyArguments& arguments) {
   std::vector<KeyValue> sets = key_values(arguments.sets);
   if (arguments.seed) {
@@ -35,6 +48,12 @@ Study load_study(const StudyArguments& arguments) {
     study.budget.wall_clock_s = *seconds;
   }
   return study;
+}
+
+std::filesystem::path out_folder(const StudyArguments& arguments,
+                                 const Study& study,
+                                 ResultKind kind) {
+  return arguments.out.empty() ? default_result_folder(study.name, kind) : arguments.out;
 }
 
 void print_result(const CommonArguments& common,

@@ -1,27 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "core/config/key_writer.h"
 #include "core/text.h"
 #include "metrics/scores.h"
+#include "studies/definition/key_table.h"
 #include "studies/definition/scene.h"
-#include "studies/definition/study_tables.h"
+#include "studies/definition/study_schema.h"
 
 namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::vector<KeyRow> all_keys() {
-  std::vector<KeyRow> rows = scene_keys();
-  const std::vector<KeyRow> more = study_keys();
-  rows.insert(rows.end(), more.begin(), more.end());
-  return rows;
-}
 
 /// "lighting.my_light.x" and "defects.my_dents.x" are explained by the tables they are made of.
 std::string table_name(const std::string& key) {
@@ -75,17 +69,46 @@ struct Found {
   }
 };
 
+bool is_below(const std::string& path, const std::string& table) {
+  return path == table || path.starts_with(table + ".");
+}
+
 /// The key or table, or the score, of exactly that name.
 Found find_exact(const std::string& key) {
-  const std::string wanted = table_name(key);
   Found found;
+  if (const auto doc = explain_score(key)) {  // no key is called like a score
+    found.add(key, *doc);
+    return found;
+  }
+  const std::string wanted = table_name(key);
   for (const KeyRow& row : all_keys()) {
-    if (row.path == wanted || row.path.starts_with(wanted + ".")) {
+    if (is_below(row.path, wanted)) {
       found.add(row);
     }
   }
-  if (const auto doc = explain_score(key)) {
-    found.add(key, *doc);
+  for (const ScoreDoc& doc : score_docs()) {
+    if (doc.name.starts_with(key + ".")) {
+      found.add(std::string(doc.name), doc.doc);
+    }
+  }
+  return found;
+}
+
+/// The tables of a kind of light ("ring") or defect ("scratch"), or that stand within another one
+/// ("paths").
+Found find_table(const std::string& name) {
+  Found found;
+  const DefectType type = type_from_name(name);
+  if (type_name(type) == name) {
+    for (const KeyRow& row : keys_of(type)) {
+      found.add(row);
+    }
+  }
+  for (const KeyRow& row : all_keys()) {
+    const std::size_t at = row.path.find("." + name + ".");
+    if (at != std::string::npos && !row.path.starts_with("defects.")) {
+      found.add(row);
+    }
   }
   return found;
 }
@@ -104,6 +127,15 @@ Found find_part(const std::string& part) {
     }
   }
   return found;
+}
+
+Found find(const std::string& key) {
+  for (const auto& look_for : {find_exact, find_table, find_part}) {
+    if (Found found = look_for(key); !found.rows.empty()) {
+      return found;
+    }
+  }
+  return {};
 }
 
 /// The known name whose last parts, as many as the key has, are nearest to the key.
@@ -127,18 +159,89 @@ std::string nearest_name(const std::string& key) {
   return names[static_cast<std::size_t>(at)];
 }
 
+/// How many keys stand in each table below one, and how many scores: "lighting" has more than a
+/// screen can show.
+std::string tables_text(const std::string& table) {
+  std::vector<std::pair<std::string, int>> tables;
+  for (const KeyRow& row : all_keys()) {
+    if (is_below(row.path, table)) {
+      const std::string name = row.path.substr(0, row.path.find('.', table.size() + 1));
+      const auto found = std::ranges::find(tables, name, &std::pair<std::string, int>::first);
+      ++(found == tables.end() ? tables.emplace_back(name, 0) : *found).second;
+    }
+  }
+  std::string text;
+  for (const auto& [name, count] : tables) {
+    text += fmt::format("  {:<28} {} keys\n", name, count);
+  }
+  return text;
+}
+
+/// Of more keys than this only their tables are listed, where they stand in several.
+constexpr std::size_t kMostShown = 100;
+
+std::string text_of(const std::string& key, const Found& found) {
+  if (found.rows.size() <= kMostShown || key.find('.') != std::string::npos) {
+    return found.text;
+  }
+  const std::string tables = tables_text(key);
+  return std::ranges::count(tables, '\n') < 2
+             ? found.text
+             : fmt::format("{}\nglint explain TABLE shows the keys of one\n", tables);
+}
+
+int num_keys(std::string_view group) {
+  return static_cast<int>(std::ranges::count_if(all_keys(), [&](const KeyRow& row) {
+    return row.path.substr(0, row.path.find('.')) == group;
+  }));
+}
+
+/// The tables of a study file and the families of scores, a line each.
+int list_groups(const CommonArguments& common) {
+  Json groups = Json::array();
+  std::string text = "Tables of a study file, and how many keys they have:\n";
+  for (const KeyGroup& group : key_groups()) {
+    const int count = num_keys(group.name);
+    groups.push_back(
+        {{"name", std::string(group.name)}, {"doc", std::string(group.doc)}, {"keys", count}});
+    text += fmt::format("  {:<12} {:>4}  {}\n", group.name, count, group.doc);
+  }
+  std::vector<std::string> families;
+  for (const ScoreDoc& doc : score_docs()) {
+    const std::string family(doc.name.substr(0, doc.name.find('.')));
+    if (families.empty() || families.back() != family) {
+      families.push_back(family);
+    }
+  }
+  text += fmt::format("Families of scores: {}\n\n", join(families, ", "));
+  text +=
+      "glint explain NAME shows the keys of a table, a kind of light or defect (ring, scratch),\n"
+      "scores, or whatever has the text in its name; glint explain --all shows everything\n";
+  print_result(
+      common, {{"schema", 1}, {"status", "done"}, {"groups", groups}, {"scores", families}}, text);
+  return kExitDone;
+}
+
 }  // namespace
 
-int explain_command(const std::string& key, const CommonArguments& common) {
-  Found found = find_exact(key);
-  if (found.rows.empty() && !key.empty()) {
-    found = find_part(key);
+int explain_command(const ExplainArguments& arguments, const CommonArguments& common) {
+  if (arguments.is_schema) {
+    const Json schema = study_schema();
+    print_result(common, schema, schema.dump(2) + "\n");
+    return kExitDone;
   }
+  if (arguments.key.empty() && !arguments.is_all) {
+    return list_groups(common);
+  }
+  const std::string& key = arguments.key;
+  const Found found = arguments.is_all ? find_part("") : find(key);
   if (found.rows.empty()) {
     throw ConfigError(
         fmt::format("{}: no such key or score, the nearest is {}", key, nearest_name(key)));
   }
-  print_result(common, {{"schema", 1}, {"status", "done"}, {"found", found.rows}}, found.text);
+  print_result(common,
+               {{"schema", 1}, {"status", "done"}, {"found", found.rows}},
+               arguments.is_all ? found.text : text_of(key, found));
   return kExitDone;
 }
 

@@ -50,8 +50,10 @@ std::string table_text(const Json& result) {
 
 int frontier_command(const StudyArguments& arguments, const CommonArguments& common) {
   const Study study = load_study(arguments);
-  const Json result = frontier_study(
-      study, {.out = arguments.out, .threads = common.threads, .progress = common.progress()});
+  const Json result = frontier_study(study,
+                                     {.out = out_folder(arguments, study, ResultKind::kFrontier),
+                                      .threads = common.threads,
+                                      .progress = common.progress()});
   print_result(common,
                result,
                fmt::format("{}* nothing cheaper has a smaller error of one of the three kinds\n"

@@ -112,7 +112,8 @@ int imprint_command(const ImprintArguments& arguments, const CommonArguments& co
     source.seed.reset();
   }
   const Study study = load_study(source);
-  const ImprintOptions options = {.out = source.out,
+  const ResultKind kind = arguments.is_preview_of_tools ? ResultKind::kTools : ResultKind::kImprint;
+  const ImprintOptions options = {.out = out_folder(source, study, kind),
                                   .count = arguments.count,
                                   .threads = common.threads,
                                   .has_previews = !arguments.is_without_previews,

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "studies/inspect/inspect_folder.h"
 #include "studies/inspect/inspect_run.h"
 
 namespace glint {
@@ -30,16 +31,25 @@ void on_inspect_interrupt(int /*signal*/) {
   }
 }
 
-std::string part_text(const Json& part) {
-  std::string text = fmt::format("  {:<24} {:<10} {:>5} {:>9.4g} {:>9.4g} {:>5} {:>9.4g} {:>9.4g}",
-                                 part["name"].get<std::string>(),
-                                 part["grade"].is_null() ? "" : part["grade"].get<std::string>(),
-                                 part["holes"]["count"].get<int>(),
-                                 part["holes"]["biggest"].get<double>(),
-                                 part["holes"]["sum"].get<double>(),
-                                 part["scratches"]["count"].get<int>(),
-                                 part["scratches"]["biggest"].get<double>(),
-                                 part["scratches"]["sum"].get<double>());
+/// Columns of the table of parts.
+constexpr const char* kRow = "  {:<24} {:<10} {:>6} {:>12} {:>12} {:>10} {:>12} {:>12} {:>10}";
+
+std::string size_text(const Json& size, const std::string& unit) {
+  return fmt::format("{:.{}f} {}", size.get<double>(), unit == "px" ? 0 : 3, unit);
+}
+
+std::string part_text(const Json& part, const std::string& unit) {
+  std::string text =
+      fmt::format(kRow,
+                  part["name"].get<std::string>(),
+                  part["grade"].is_null() ? "" : part["grade"].get<std::string>(),
+                  part["holes"]["count"].get<int>(),
+                  size_text(part["holes"]["biggest"], unit),
+                  size_text(part["holes"]["sum"], unit),
+                  part["scratches"]["count"].get<int>(),
+                  size_text(part["scratches"]["biggest"], unit),
+                  size_text(part["scratches"]["sum"], unit),
+                  fmt::format("{:.1f} %", 100.0 * part["bright_share"].get<double>()));
   if (part.contains("truth")) {
     const Json& truth = part["truth"];
     text += fmt::format("  {} of {} found, {} false alarms",
@@ -74,23 +84,27 @@ std::string notes_text(const Json& parts) {
 
 std::string result_text(const Json& result) {
   const Json& parts = result["parts"];
-  std::string text = fmt::format("  {:<24} {:<10} {:>5} {:>9} {:>9} {:>5} {:>9} {:>9}\n",
-                                 "",
-                                 "",
+  const auto unit = result["unit"].get<std::string>();
+  std::string text = fmt::format(kRow,
+                                 "part",
+                                 "grade",
                                  "holes",
                                  "biggest",
                                  "sum",
-                                 "scr.",
+                                 "scratches",
                                  "biggest",
-                                 "sum");
+                                 "sum",
+                                 "inspected") +
+                     "\n";
   for (std::size_t i = 0; i < std::min(parts.size(), kMaxLines); ++i) {
-    text += part_text(parts[i]);
+    text += part_text(parts[i], unit);
   }
   if (parts.size() > kMaxLines) {
     text += fmt::format("  ... and {} more\n", parts.size() - kMaxLines);
   } else {
     text += notes_text(parts);
   }
+  text += "holes: also bumps; inspected: share of what is bright in the picture\n";
   if (result["has_limits"].get<bool>()) {
     const Json& grades = result["grades"];
     text += fmt::format("{} perfect, {} acceptable, {} rejected\n",
@@ -118,19 +132,20 @@ bool is_negative(const Json& result) {
 }  // namespace
 
 int inspect_command(const InspectArguments& arguments, const CommonArguments& common) {
-  const InspectOptions options = {.inputs = arguments.inputs,
-                                  .out = arguments.out,
-                                  .is_each = arguments.is_each,
-                                  .mask = arguments.mask,
-                                  .reference_mask = arguments.reference_mask,
-                                  .settings = arguments.settings,
-                                  .sets = key_values(arguments.sets),
-                                  .flawless = arguments.flawless,
-                                  .labels = arguments.labels,
-                                  .is_learning = arguments.is_learning,
-                                  .threads = common.threads,
-                                  .progress = common.progress(),
-                                  .interrupt = &inspect_interrupts};
+  const InspectOptions options = {
+      .inputs = arguments.inputs,
+      .out = arguments.out.empty() ? default_inspect_folder(arguments.inputs) : arguments.out,
+      .is_each = arguments.is_each,
+      .mask = arguments.mask,
+      .reference_mask = arguments.reference_mask,
+      .settings = arguments.settings,
+      .sets = key_values(arguments.sets),
+      .flawless = arguments.flawless,
+      .labels = arguments.labels,
+      .is_learning = arguments.is_learning,
+      .threads = common.threads,
+      .progress = common.progress(),
+      .interrupt = &inspect_interrupts};
   std::signal(SIGINT, on_inspect_interrupt);
   std::signal(SIGTERM, on_inspect_interrupt);
   const Json result = inspect_parts(options);

@@ -4,15 +4,19 @@
 #include <algorithm>
 #include <csignal>
 #include <exception>
+#include <functional>
 #include <iostream>
 #include <limits>
+#include <new>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.h"
+#include "cli/usage.h"
 #include "core/log.h"
-#include "core/text.h"
 #include "core/thread_pool.h"
 #include "studies/output/provenance.h"
 
@@ -28,92 +32,140 @@ struct CommandLine {
   ReportArguments report;
   PartArguments part;
   NewArguments fresh;
-  std::string key;
+  ExplainArguments explain;
+  HelpArguments help;
+  std::function<int(const CommandLine&)> command;  ///< of the verb that was given
 };
+
+CLI::Validator between(int min, int max) {
+  return CLI::Range(min, max).description(fmt::format("{} to {}", min, max));
+}
+
+/// A name that is empty is a slip: a variable of the shell that is not set.
+CLI::Validator not_empty() {
+  return {[](const std::string& text) {
+            return text.empty() ? std::string("is empty, must be a name") : std::string();
+          },
+          ""};
+}
+
+constexpr const char* kUnits = "mm|cm|m|inch";
 
 void add_common(CLI::App& app, CommonArguments& common) {
   app.add_flag("--json", common.is_json, "print one JSON object and nothing else on stdout");
   app.add_flag("--quiet", common.is_quiet, "no progress, no text");
   app.add_option("--threads", common.threads, "threads to use")
+      ->type_name("N")
       ->capture_default_str()
-      ->check(CLI::Range(1, 1024));
-  app.add_option("--log", common.log_file, "also write the log to this file");
+      ->check(between(1, 1024));
+  app.add_option("--log", common.log_file, "also write the log to this file")
+      ->type_name("FILE")
+      ->check(not_empty());
 }
 
 CLI::App* add_verb(CLI::App& app,
                    const std::string& name,
                    const std::string& what,
                    const std::string& example,
-                   CommandLine& line) {
+                   CommandLine& line,
+                   int (*command)(const CommandLine& line)) {
   CLI::App* verb = app.add_subcommand(name, what);
-  verb->footer("Example:\n  " + example);
+  verb->footer(example);
+  verb->callback([&line, command] { line.command = command; });
   add_common(*verb, line.common);
   return verb;
 }
 
-void add_sets(CLI::App& verb, StudyArguments& study) {
-  verb.add_option("STUDY.toml", study.study, "the study or scene")->required();
-  verb.add_option("--set", study.sets, "key=value: overrides a key of the file")
+/// @param file  what the verb takes, STUDY.toml or SCENE.toml
+void add_study(CLI::App& verb, const std::string& file, StudyArguments& study) {
+  verb.add_option(file, study.study, "the study or scene")->type_name("FILE")->required();
+  verb.add_option("--set", study.sets, "put this value in place of the file's")
+      ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
 }
 
+CLI::Option* add_out(CLI::App& verb, std::filesystem::path& out, const std::string& what) {
+  return verb.add_option("--out", out, what)->type_name("DIR")->check(not_empty());
+}
+
+void add_seed(CLI::App& verb, std::optional<int>& seed, const std::string& what) {
+  verb.add_option("--seed", seed, what)
+      ->type_name("N")
+      ->check(between(0, std::numeric_limits<int>::max()));
+}
+
+void add_jobs(CLI::App& verb, int& jobs, const std::string& what) {
+  verb.add_option("--jobs", jobs, what)->type_name("N")->check(between(1, 1024));
+}
+
 void add_study_verbs(CLI::App& app, CommandLine& line) {
-  CLI::App* run = add_verb(app,
-                           "run",
-                           "run a study, or resume the one in its folder",
-                           "glint run studies/gallery/tunnel_shape/study.toml --budget 40s",
-                           line);
-  add_sets(*run, line.study);
-  run->add_option("--out", line.study.out, "folder of the run (default out/<study name>)");
-  run->add_option("--jobs", line.study.jobs, "candidates at once; results do not depend on it")
-      ->check(CLI::Range(1, 1024));
-  run->add_option("--budget", line.study.budget, "wall clock, like 40s, 30m, 8h");
-  run->add_option("--seed", line.study.seed, "seed of the search")
-      ->check(CLI::Range(0, std::numeric_limits<int>::max()));
-  CLI::App* check = add_verb(app,
-                             "check",
-                             "validate a study, evaluate it once, predict its duration",
-                             "glint check studies/gallery/tunnel_shape/study.toml",
-                             line);
-  add_sets(*check, line.study);
-  check->add_option("--jobs", line.study.jobs, "candidates at once, for the prediction")
-      ->check(CLI::Range(1, 1024));
-  CLI::App* render = add_verb(app,
-                              "render",
-                              "render a scene: pictures of all viewpoints, masks, geometry, "
-                              "labels, scores",
-                              "glint render scene.toml --out out/scene\n"
-                              "  glint render scene.toml --out out/masks --masks",
-                              line);
-  add_sets(*render, line.study);
-  render->add_option("--out", line.study.out, "folder for the pictures")->required();
+  CLI::App* run =
+      add_verb(app,
+               "run",
+               "run a study, or resume the one in its folder",
+               "glint run studies/gallery/tunnel_shape/study.toml --budget 40s",
+               line,
+               [](const CommandLine& given) { return run_command(given.study, given.common); });
+  add_study(*run, "STUDY.toml", line.study);
+  add_out(*run, line.study.out, "folder of the run (default out/<study name>/run)");
+  add_jobs(*run, line.study.jobs, "candidates at once; results do not depend on it");
+  run->add_option("--budget",
+                  line.study.budget,
+                  "wall clock, like 40s, 30m, 8h; other limits of the study's [budget] hold too")
+      ->type_name("TIME");
+  add_seed(*run, line.study.seed, "seed of the search");
+  CLI::App* check =
+      add_verb(app,
+               "check",
+               "validate a study, evaluate it once, predict its duration",
+               "glint check studies/gallery/tunnel_shape/study.toml",
+               line,
+               [](const CommandLine& given) { return check_command(given.study, given.common); });
+  add_study(*check, "STUDY.toml", line.study);
+  add_jobs(*check, line.study.jobs, "candidates at once, for the prediction");
+  CLI::App* render =
+      add_verb(app,
+               "render",
+               "render a scene: pictures of all viewpoints, masks, geometry, "
+               "labels, scores",
+               "glint render scene.toml --out out/scene\n"
+               "  glint render scene.toml --out out/masks --masks",
+               line,
+               [](const CommandLine& given) { return render_command(given.study, given.common); });
+  add_study(*render, "SCENE.toml", line.study);
+  add_out(*render, line.study.out, "folder for the pictures (default out/<study name>/render)");
   render->add_flag(
       "--masks", line.study.is_masks, "masks and geometry only, without sampling any light");
-  CLI::App* frontier =
-      add_verb(app,
-               "frontier",
-               "chart error against time of every rendering method",
-               "glint frontier studies/gallery/tunnel_shape/study.toml --out out/f",
-               line);
-  add_sets(*frontier, line.study);
-  frontier->add_option("--out", line.study.out, "folder for chart and numbers")->required();
+  CLI::App* frontier = add_verb(
+      app,
+      "frontier",
+      "chart error against time of every rendering method",
+      "glint frontier studies/gallery/tunnel_shape/study.toml --out out/f",
+      line,
+      [](const CommandLine& given) { return frontier_command(given.study, given.common); });
+  add_study(*frontier, "SCENE.toml", line.study);
+  add_out(*frontier,
+          line.study.out,
+          "folder for chart and numbers (default out/<study name>/frontier)");
 }
 
 void add_imprint_verb(CLI::App& app, CommandLine& line) {
-  CLI::App* imprint =
-      add_verb(app,
-               "imprint",
-               "put defects on a part: meshes, labels, metadata, previews",
-               "glint imprint studies/gallery/gear_defects/scene.toml --out out/gears --count 20 "
-               "--seed 7",
-               line);
-  add_sets(*imprint, line.imprint.study);
-  imprint->add_option("--out", line.imprint.study.out, "folder for the files")->required();
+  CLI::App* imprint = add_verb(
+      app,
+      "imprint",
+      "put defects on a part: meshes, labels, metadata, previews",
+      "glint imprint studies/gallery/gear_defects/scene.toml --out out/gears --count 20 "
+      "--seed 7",
+      line,
+      [](const CommandLine& given) { return imprint_command(given.imprint, given.common); });
+  add_study(*imprint, "SCENE.toml", line.imprint.study);
+  add_out(
+      *imprint, line.imprint.study.out, "folder for the files (default out/<study name>/imprint)");
   imprint
       ->add_option("--count", line.imprint.count, "number of parts, in part_0000, part_0001, ...")
-      ->check(CLI::Range(1, 1'000'000));
-  imprint->add_option("--seed", line.imprint.study.seed, "instead of imprint.seed")
-      ->check(CLI::Range(0, std::numeric_limits<int>::max()));
+      ->type_name("N")
+      ->check(between(1, 1'000'000));
+  add_seed(*imprint, line.imprint.study.seed, "instead of imprint.seed");
   imprint->add_flag("--no_previews", line.imprint.is_without_previews, "no pictures");
   imprint->add_flag(
       "--preview_tools", line.imprint.is_preview_of_tools, "draw the tools only, make no part");
@@ -121,180 +173,243 @@ void add_imprint_verb(CLI::App& app, CommandLine& line) {
 
 void add_inspect_verb(CLI::App& app, CommandLine& line) {
   InspectArguments& arguments = line.inspect;
-  CLI::App* inspect = add_verb(app,
-                               "inspect",
-                               "find the defects in pictures of parts, and grade the parts",
-                               "glint inspect out/tunnel_shape --out out/inspected\n"
-                               "  glint inspect part/frame_*.png --mask part.png --out out/part "
-                               "--set inspection.threshold_sigmas=8",
-                               line);
+  CLI::App* inspect = add_verb(
+      app,
+      "inspect",
+      "find the defects in pictures of parts, and grade the parts",
+      "glint inspect out/tunnel_shape --out out/inspected\n"
+      "  glint inspect part/frame_*.png --mask part.png --out out/part "
+      "--set inspection.threshold_sigmas=8",
+      line,
+      [](const CommandLine& given) { return inspect_command(given.inspect, given.common); });
   inspect
       ->add_option(
           "IMAGES|RUN",
           arguments.inputs,
           "pictures of one part, or folders of pictures (one per part), or the folder of a run")
+      ->type_name("FILE")
       ->required();
-  inspect->add_option("--out", arguments.out, "folder for the results")->required();
+  add_out(*inspect, arguments.out, "folder for the results (default out/<name>/inspect)");
   inspect->add_flag("--each", arguments.is_each, "each picture shows another part");
-  inspect->add_option("--mask", arguments.mask, "picture that is bright where the part is");
-  inspect->add_option("--reference_mask",
-                      arguments.reference_mask,
-                      "mask of such a part in any pose: fitted to each part's silhouette");
+  inspect->add_option("--mask", arguments.mask, "picture that is bright where the part is")
+      ->type_name("FILE");
+  inspect
+      ->add_option("--reference_mask",
+                   arguments.reference_mask,
+                   "mask of such a part in any pose: fitted to each part's silhouette")
+      ->type_name("FILE");
   inspect->add_option("--settings", arguments.settings, "TOML file with a table [inspection]")
+      ->type_name("FILE")
       ->allow_extra_args(false);
   inspect->add_option("--set", arguments.sets, "inspection.key=value: overrides a setting")
+      ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  inspect->add_option("--flawless",
-                      arguments.flawless,
-                      "folders of flawless parts, for the setting threshold = \"false_alarms\"");
-  inspect->add_option("--labels", arguments.labels, "CSV file: part,grade as assigned by a person");
+  inspect
+      ->add_option("--flawless",
+                   arguments.flawless,
+                   "folders of flawless parts, for the setting threshold = \"false_alarms\"")
+      ->type_name("DIR");
+  inspect->add_option("--labels", arguments.labels, "CSV file: part,grade as assigned by a person")
+      ->type_name("FILE");
   inspect->add_flag("--learn",
                     arguments.is_learning,
                     "learn the limits of the classes from the labels, write grading.toml");
 }
 
-void add_other_verbs(CLI::App& app, CommandLine& line) {
-  CLI::App* report = add_verb(app,
-                              "report",
-                              "write the report of one run, or compare several",
-                              "glint report out/tunnel_shape out/fringe_design --out compare.html",
-                              line);
-  report->add_option("DIR", line.report.runs, "run directories")->required();
-  report->add_option("--out", line.report.out, "HTML file (default DIR/report.html)");
-  CLI::App* part = add_verb(app,
-                            "part",
-                            "inspect a part, convert its file",
-                            "glint part gear.stl --unit mm --out gear.ply",
-                            line);
+void add_part_verb(CLI::App& app, CommandLine& line) {
+  CLI::App* part =
+      add_verb(app,
+               "part",
+               "inspect a part, convert its file",
+               "glint part gear.stl --unit mm --out gear.ply",
+               line,
+               [](const CommandLine& given) { return part_command(given.part, given.common); });
   part->add_option("FILE", line.part.file, "STL, PLY, OBJ, OFF, or a TOML file with [part]")
+      ->type_name("FILE")
       ->required();
-  part->add_option("--out", line.part.out, "write the mesh: .stl .ply .obj .off");
-  part->add_option("--unit", line.part.unit, "of the file: mm, cm, m, inch")->capture_default_str();
+  part->add_option("--out", line.part.out, "write the mesh: .stl .ply .obj .off")
+      ->type_name("FILE")
+      ->check(not_empty());
+  part->add_option("--unit", line.part.unit, "of the file")
+      ->type_name(kUnits)
+      ->capture_default_str();
   part->add_option("--crease_deg", line.part.crease_deg, "edges sharper than this are not smoothed")
+      ->type_name("DEG")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 180.0));
+      ->check(CLI::Range(0.0, 180.0).description("0 to 180"));
   part->add_option("--slope_mrad", line.part.slope_mrad, "smallest slope of interest")
+      ->type_name("MRAD")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  CLI::App* explain = add_verb(app,
-                               "explain",
-                               "what a configuration key or a score means",
-                               "glint explain lighting.tunnel.radius_mm",
-                               line);
-  explain->add_option("KEY", line.key, "a key, a score, or a part of a name")->required();
+      ->check(CLI::Validator(CLI::PositiveNumber).description("> 0"));
+}
+
+void add_new_verb(CLI::App& app, CommandLine& line) {
   CLI::App* fresh =
       add_verb(app,
                "new",
                "write a commented study to start from",
                "glint new gear.stl --camera width_px=2448,height_px=2048,pixel_um=3.45,focal_mm=16 "
                "--working_distance_mm 300 --out gear.toml",
-               line);
-  fresh->add_option("PART", line.fresh.part, "mesh file")->required();
-  fresh->add_option("--unit", line.fresh.unit, "of the mesh: mm, cm, m, inch")
+               line,
+               [](const CommandLine& given) { return new_command(given.fresh, given.common); });
+  fresh->add_option("PART", line.fresh.part, "mesh file")->type_name("FILE")->required();
+  fresh->add_option("--unit", line.fresh.unit, "of the mesh")
+      ->type_name(kUnits)
       ->capture_default_str();
-  fresh->add_option("--camera",
-                    line.fresh.camera,
-                    "data sheet: a TOML file with [camera] keys, or key=value,key=value");
+  fresh
+      ->add_option("--camera",
+                   line.fresh.camera,
+                   "data sheet: a TOML file with [camera] keys, or key=value,key=value")
+      ->type_name("FILE|KEYS");
   fresh->add_option("--working_distance_mm", line.fresh.working_distance_mm, "pinhole to part")
+      ->type_name("MM")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  fresh->add_option("--out", line.fresh.out, "study file to write (default: stdout)");
+      ->check(CLI::Validator(CLI::PositiveNumber).description("> 0"));
+  fresh->add_option("--light", line.fresh.light, "tunnel, ring, dome, bar, or all to compare them")
+      ->type_name("KIND")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"tunnel", "ring", "dome", "bar", "all"}));
+  fresh->add_option("--out", line.fresh.out, "study file to write (default: stdout)")
+      ->type_name("FILE")
+      ->check(not_empty());
 }
 
-int dispatch(const CLI::App& app, const CommandLine& line) {
+void add_other_verbs(CLI::App& app, CommandLine& line) {
+  CLI::App* report =
+      add_verb(app,
+               "report",
+               "write the report of one run, or compare several",
+               "glint report out/tunnel_shape out/fringe_design --out compare.html",
+               line,
+               [](const CommandLine& given) { return report_command(given.report, given.common); });
+  report->add_option("DIR", line.report.runs, "run directories")->type_name("DIR")->required();
+  report->add_option("--out", line.report.out, "HTML file (default DIR/report.html)")
+      ->type_name("FILE")
+      ->check(not_empty());
+  CLI::App* explain = add_verb(
+      app,
+      "explain",
+      "what a configuration key or a score means",
+      "glint explain lighting.tunnel.radius_mm\n"
+      "  glint explain scratch\n"
+      "  glint explain --schema > study.schema.json",
+      line,
+      [](const CommandLine& given) { return explain_command(given.explain, given.common); });
+  explain
+      ->add_option("KEY",
+                   line.explain.key,
+                   "a key, a table, a score, a kind of defect or light, or a part of a name; "
+                   "without it the tables are listed")
+      ->type_name("KEY");
+  explain->add_flag("--all", line.explain.is_all, "every key and every score");
+  explain->add_flag(
+      "--schema", line.explain.is_schema, "the JSON schema of study files, for editors");
+}
+
+OptionUsage usage_of(const CLI::Option& option) {
+  const std::string type = option.get_type_name();  // "N:1 to 1024": of the value, of its check
+  const std::size_t colon = type.find(':');
+  return {.name = option.get_name(),
+          .value = option.get_items_expected_max() > 0 ? type.substr(0, colon) : "",
+          .what = option.get_description(),
+          .allowed = colon == std::string::npos ? "" : type.substr(colon + 1),
+          .default_text = option.get_default_str(),
+          .is_argument = option.get_positional(),
+          .is_required = option.get_required(),
+          .is_repeated = option.get_expected_max() > 1};
+}
+
+/// Not one of add_common().
+bool is_of_verb(const OptionUsage& option) {
+  return option.name != "--json" && option.name != "--quiet" && option.name != "--threads" &&
+         option.name != "--log";
+}
+
+ProgramUsage usage_of(const CLI::App& app) {
+  ProgramUsage program = {.name = app.get_name(), .what = app.get_description(), .verbs = {}};
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
+    program.verbs.push_back({.name = verb->get_name(),
+                             .what = verb->get_description(),
+                             .example = verb->get_footer(),
+                             .options = {}});
+    for (const CLI::Option* option : verb->get_options()) {
+      if (option != verb->get_help_ptr()) {
+        program.verbs.back().options.push_back(usage_of(*option));
+      }
+    }
+    std::ranges::stable_partition(program.verbs.back().options, is_of_verb);
+  }
+  return program;
+}
+
+void add_help_verb(CLI::App& app, CommandLine& line) {
+  HelpArguments& arguments = line.help;
+  CLI::App* help = app.add_subcommand("help", "show the options of a verb and an example");
+  help->callback([&app, &line] {
+    line.command = [&app](const CommandLine& given) {
+      return help_command(usage_of(app), given.help);
+    };
+  });
+  help->footer("glint help run\n  glint help --completion bash > ~/.glint_completion");
+  help->add_option("VERB", arguments.verb, "without it the verbs are listed")->type_name("VERB");
+  help->add_flag("--man", arguments.is_man, "the manual page instead, as source of man");
+  help->add_option("--completion", arguments.shell, "completion of the command line for a shell")
+      ->type_name("bash|zsh|fish");
+}
+
+int run_verb(const CommandLine& line) {
   LogSettings log = {.to_stderr = !line.common.is_quiet};
   if (!line.common.log_file.empty()) {
+    check_log_file(line.common.log_file);
     log.files.push_back(line.common.log_file);
   }
   configure_log(log);
-  if (app.got_subcommand("run")) {
-    return run_command(line.study, line.common);
-  }
-  if (app.got_subcommand("check")) {
-    return check_command(line.study, line.common);
-  }
-  if (app.got_subcommand("render")) {
-    return render_command(line.study, line.common);
-  }
-  if (app.got_subcommand("frontier")) {
-    return frontier_command(line.study, line.common);
-  }
-  if (app.got_subcommand("imprint")) {
-    return imprint_command(line.imprint, line.common);
-  }
-  if (app.got_subcommand("inspect")) {
-    return inspect_command(line.inspect, line.common);
-  }
-  if (app.got_subcommand("report")) {
-    return report_command(line.report, line.common);
-  }
-  if (app.got_subcommand("part")) {
-    return part_command(line.part, line.common);
-  }
-  if (app.got_subcommand("explain")) {
-    return explain_command(line.key, line.common);
-  }
-  return new_command(line.fresh, line.common);
+  return line.command(line);
 }
 
-std::vector<std::string> names_of(const std::vector<CLI::App*>& verbs) {
-  std::vector<std::string> names;
-  for (const CLI::App* verb : verbs) {
-    names.push_back(verb->get_name());
-  }
-  return names;
-}
-
-/// What is wrong with the command line, on one line; CLI11 itself does not name the nearest.
-std::string usage_problem(CLI::App& app, const CLI::Error& error, int argc, char** argv) {
-  const std::vector<std::string> verbs =
-      names_of(app.get_subcommands([](CLI::App*) { return true; }));
+/// The verb that was given; nullptr: none.
+const VerbUsage* chosen_verb(const CLI::App& app, const ProgramUsage& program) {
   const std::vector<CLI::App*> chosen = app.get_subcommands();
-  if (chosen.empty()) {
-    const std::string first = argc > 1 ? argv[1] : "";
-    return first.empty() || first.starts_with("-")
-               ? fmt::format("glint: a verb is needed: {}", fmt::join(verbs, ", "))
-               : fmt::format(
-                     "glint {}: no such verb, the nearest is {}", first, nearest(first, verbs));
+  return chosen.empty() ? nullptr : program.find(chosen.front()->get_name());
+}
+
+/// Help and version, which the parser throws, and what it refuses.
+int answer(CLI::App& app, const CLI::ParseError& error, std::span<char* const> words) {
+  const ProgramUsage program = usage_of(app);
+  const VerbUsage* verb = chosen_verb(app, program);
+  if (dynamic_cast<const CLI::CallForHelp*>(&error) != nullptr) {
+    std::cout << (verb == nullptr ? help_text(program) : help_text(program, *verb));
+    return kExitDone;
   }
-  const CLI::App& verb = *chosen.front();
-  for (const std::string& extra : app.remaining(true)) {
-    std::vector<std::string> names;
-    for (const CLI::Option* option : verb.get_options()) {
-      names.push_back(option->get_name());
-    }
-    if (extra.starts_with("-")) {
-      return fmt::format("glint {}: {}: no such option, the nearest is {}",
-                         verb.get_name(),
-                         extra,
-                         nearest(extra, names));
-    }
+  if (dynamic_cast<const CLI::CallForVersion*>(&error) != nullptr) {
+    std::cout << version_text();
+    return kExitDone;
   }
-  return fmt::format("glint {}: {}", verb.get_name(), error.what());
+  const std::vector<std::string> texts(words.begin(), words.end());
+  std::cerr << usage_problem(program, texts, app.remaining(true), verb, error.what()) << "\n";
+  return kExitUsage;
 }
 
 int run_program(int argc, char** argv) {
   CLI::App app("Glint finds the lighting under which surface defects show.", "glint");
-  app.set_version_flag("--version", program_version());
+  app.set_version_flag("-V,--version", version_text());
   app.require_subcommand(1);
-  app.footer("glint VERB --help shows the options of a verb and an example.");
   CommandLine line;
   line.common.threads = hardware_threads();
   add_study_verbs(app, line);
   add_imprint_verb(app, line);
   add_inspect_verb(app, line);
+  add_part_verb(app, line);
+  add_new_verb(app, line);
   add_other_verbs(app, line);
+  add_help_verb(app, line);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) {  // --help, --version
-      return app.exit(error) == 0 ? kExitDone : kExitUsage;
-    }
-    std::cerr << usage_problem(app, error, argc, argv) << "\n";
-    return kExitUsage;
+    return answer(app, error, {argv + std::min(argc, 1), argv + argc});
   }
   try {
-    return dispatch(app, line);
+    return run_verb(line);
   } catch (const ConfigError& error) {
     std::cerr << error.what() << "\n";
     return kExitUsage;
@@ -302,6 +417,11 @@ int run_program(int argc, char** argv) {
     std::string text = error.what();  // one problem; what SQLite says may have several lines
     std::ranges::replace(text, '\n', ' ');
     std::cerr << text << "\n";
+    return kExitIo;
+  } catch (const std::bad_alloc&) {
+    std::cerr
+        << "out of memory: this takes more than the machine, or a limit on this program, has; "
+           "fewer pixels, --jobs or --threads need less\n";
     return kExitIo;
   } catch (const std::exception& error) {
     std::cerr << "internal error: " << error.what() << "\n";

@@ -27,6 +27,9 @@ PartSettings settings_of(const PartArguments& arguments) {
       table = *part;
     }
   } else {
+    if (std::error_code ignored; !std::filesystem::exists(arguments.file, ignored)) {
+      throw IoError(arguments.file.string() + ": cannot be read: No such file or directory");
+    }
     ConfigNode file = ConfigNode::from_text(arguments.file.string());
     set_path(table, "file", std::move(file));
     set_path(table, "unit", ConfigNode::from_text(arguments.unit));
@@ -104,7 +107,10 @@ std::string report_text(const MeshReport& r) {
 
 }  // namespace
 
-int part_command(const PartArguments& arguments, const CommonArguments& common) {
+int part_command(const PartArguments& arguments, const CommonArguments& common) try {
+  if (!arguments.out.empty() && std::filesystem::exists(arguments.out)) {
+    throw ConfigError(arguments.out.string() + ": exists already; give --out another name");
+  }
   const PartSettings settings = settings_of(arguments);
   const Part part = build_part(settings);
   const MeshReport mesh_report = report(part, arguments.slope_mrad * 1e-3, settings.crease_rad);
@@ -117,6 +123,9 @@ int part_command(const PartArguments& arguments, const CommonArguments& common) 
   }
   print_result(common, json, text);
   return kExitDone;
+
+} catch (const ConfigError& error) {
+  throw arguments.file.extension() == ".toml" ? error : with_option_names(error);
 }
 
 }  // namespace glint

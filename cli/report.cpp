@@ -2,10 +2,25 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "core/error.h"
 #include "core/file.h"
 #include "studies/run/run_report.h"
 
 namespace glint {
+
+namespace {
+
+/// A report may be written anew; every other file is the user's.
+void check_page(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(file, ignored) &&
+      read_file(file).find("<meta name=\"generator\" content=\"Glint\">") == std::string::npos) {
+    throw ConfigError(file.string() +
+                      ": exists and is no report of glint; give the report another name by --out");
+  }
+}
+
+}  // namespace
 
 int report_command(const ReportArguments& arguments, const CommonArguments& common) {
   std::filesystem::path out = arguments.out;
@@ -13,6 +28,7 @@ int report_command(const ReportArguments& arguments, const CommonArguments& comm
     out = arguments.runs.size() == 1 ? arguments.runs.front() / "report.html"
                                      : std::filesystem::path("report.html");
   }
+  check_page(out);
   write_file(out, report_html(arguments.runs));
   print_result(common,
                {{"schema", 1}, {"status", "done"}, {"report", out.string()}},

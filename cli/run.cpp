@@ -3,16 +3,22 @@
 
 #include <atomic>
 #include <csignal>
+#include <iostream>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/scores_text.h"
+#include "core/text.h"
 #include "studies/population/population_report.h"
 #include "studies/run/check_study.h"
 #include "studies/run/render_study.h"
 #include "studies/run/render_views.h"
+#include "studies/run/run_texts.h"
 
 namespace glint {
 namespace {
@@ -76,19 +82,43 @@ class ScoreTable {
   std::string text_;
 };
 
+/// "done: 200 evaluations, 0 failed", "no feasible design: ...", "done: 3 designs, no search"
+std::string outcome(const Json& result) {
+  const auto status = result["status"].get<std::string>();
+  const std::string words = status == "no_feasible" ? "no feasible design" : status;
+  const int evaluations = result["evaluations"].get<int>();
+  return evaluations == 0
+             ? fmt::format("{}: {} designs, no search\n", words, 1 + result["prototypes"].size())
+             : fmt::format("{}: {} evaluations, {} failed{}\n",
+                           words,
+                           evaluations,
+                           result["failed"].get<int>(),
+                           result.contains("ended_by")
+                               ? "; ended by " + result["ended_by"].get<std::string>()
+                               : "");
+}
+
+/// The sentences of the verdict, one a line.
+std::string verdict_lines(const Json& result) {
+  std::string text;
+  const Json verdict = result.value("verdict", Json::object());
+  for (const Json& finding : verdict.value("findings", Json::array())) {
+    text += fmt::format("  {}\n", finding["text"].get<std::string>());
+  }
+  return text;
+}
+
 std::string summary(const Json& result) {
-  std::string text = fmt::format("{}: {} evaluations, {} failed\n",
-                                 result["status"].get<std::string>(),
-                                 result["evaluations"].get<int>(),
-                                 result["failed"].get<int>());
+  std::string text = outcome(result);
   ScoreTable table(result);
   table.add("baseline", result["baseline"]["scores"]);
   table.add_prototypes(result);
   const bool has_winner = !result["best"].is_null();
   if (has_winner) {
-    table.add(fmt::format("winner (trial {})", result["best"]["trial"].get<int>()),
+    const char* name = result["status"] == "no_feasible" ? "closest" : "winner";
+    table.add(fmt::format("{} (trial {})", name, result["best"]["trial"].get<int>()),
               result["best"]["scores"]);
-    table.add("winner, re-scored", result["rescored"]["best"]);
+    table.add(fmt::format("{}, re-scored", name), result["rescored"]["best"]);
   }
   text += table.text();
   if (has_winner) {
@@ -96,7 +126,8 @@ std::string summary(const Json& result) {
       text += fmt::format("  {} = {}\n", name, value.dump());
     }
   }
-  text += population_summary(result);
+  const std::string populations = population_summary(result);
+  text += populations.empty() ? verdict_lines(result) : populations;
   return text + fmt::format("report: {}\n", result["report"].get<std::string>());
 }
 
@@ -110,14 +141,17 @@ int run_command(const StudyArguments& arguments, const CommonArguments& common) 
   const Study study = load_study(arguments);
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
-  const Json result = run_study(
-      study,
-      {.out = arguments.out.empty() ? std::filesystem::path("out") / study.name : arguments.out,
-       .threads = common.threads,
-       .jobs = jobs_of(arguments, common),
-       .progress = common.progress(),
-       .log_file = common.log_file,
-       .interrupt = &interrupts});
+  if (!arguments.budget.empty() && study.has_search() && !common.is_quiet) {
+    std::cerr << fmt::format("the search ends {}\n", limits_text(study.budget));
+  }
+  const Json result =
+      run_study(study,
+                {.out = arguments.out.empty() ? default_run_folder(study.name) : arguments.out,
+                 .threads = common.threads,
+                 .jobs = jobs_of(arguments, common),
+                 .progress = common.progress(),
+                 .log_file = common.log_file,
+                 .interrupt = &interrupts});
   print_result(common, result, summary(result));
   if (result["status"] == "interrupted") {
     return kExitInterrupted;
@@ -125,9 +159,41 @@ int run_command(const StudyArguments& arguments, const CommonArguments& common) 
   return result["status"] == "no_feasible" ? kExitNegative : kExitDone;
 }
 
+namespace {
+
+/// What a run will cost, apart and together.
+std::string cost_text(const Json& result) {
+  const Json& cpu_s = result["predicted_cpu_s"];
+  const auto seconds = [&](const char* name) { return duration_text(cpu_s[name].get<double>()); };
+  std::vector<std::string> parts;
+  for (const auto& [name, what] : {std::pair{"search", "search"},
+                                   {"rescoring", "re-scoring"},
+                                   {"writing", "writing"},
+                                   {"populations", "parts of the populations"}}) {
+    if (cpu_s[name].get<double>() > 0.0) {
+      parts.push_back(fmt::format("{} {}", what, seconds(name)));
+    }
+  }
+  std::string text;
+  if (result["evaluations"].get<int>() > 0) {
+    text += fmt::format("{:.3f} CPU s an evaluation, {} evaluations\n",
+                        result["seconds_per_evaluation"].get<double>(),
+                        result["evaluations"].get<int>());
+  }
+  return text + fmt::format("about {} of CPU time ({}), {} on this machine when it is idle\n",
+                            seconds("total"),
+                            join(parts, ", "),
+                            duration_text(result["predicted_s"].get<double>()));
+}
+
+}  // namespace
+
 int check_command(const StudyArguments& arguments, const CommonArguments& common) {
   const Study study = load_study(arguments);
-  const Json result = check_study(study, common.threads, jobs_of(arguments, common));
+  const Json result = check_study(study,
+                                  {.threads = common.threads,
+                                   .jobs = jobs_of(arguments, common),
+                                   .progress = common.progress()});
   std::string text = fmt::format(
       "{}: the study is sound, {} variables\n", study.name, result["variables"].get<std::size_t>());
   ScoreTable table(result);
@@ -137,39 +203,37 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
   for (const Json& note : result["baseline"]["notes"]) {
     text += "  note: " + note.get<std::string>() + "\n";
   }
+  if (result.value("is_objective_flat", false)) {
+    text +=
+        "  warning: the objective is the same at both ends of every variable: a search would "
+        "have nothing to go by\n";
+  }
   for (const Json& name : result["idle_variables"]) {
     text += fmt::format("  warning: {} changes nothing in this scene\n", name.get<std::string>());
   }
-  text += study.has_population()
-              ? fmt::format("about {} for the parts of the study\n",
-                            duration_text(result["predicted_s"].get<double>()))
-              : fmt::format("{:.3f} s an evaluation, about {} for {} evaluations\n",
-                            result["seconds_per_evaluation"].get<double>(),
-                            duration_text(result["predicted_s"].get<double>()),
-                            result["evaluations"].get<int>());
-  print_result(common, result, text);
+  for (const Json& limit : result["broken_limits"]) {
+    text += "  warning: " + limit.get<std::string>() + "\n";
+  }
+  print_result(common, result, text + cost_text(result));
   return kExitDone;
 }
 
 int render_command(const StudyArguments& arguments, const CommonArguments& common) {
   const Study study = load_study(arguments);
+  const std::filesystem::path out = out_folder(arguments, study, ResultKind::kRender);
   const bool is_views = arguments.is_masks || allows_many_viewpoints(study.scene);
   if (is_views) {
     std::signal(SIGINT, on_interrupt);
     std::signal(SIGTERM, on_interrupt);
   }
   const Json result = is_views ? render_views(study,
-                                              {.out = arguments.out,
+                                              {.out = out,
                                                .threads = common.threads,
                                                .has_light = !arguments.is_masks,
                                                .progress = common.progress(),
                                                .interrupt = &interrupts})
-                               : render_study(study, arguments.out, common.threads);
-  std::string text;
-  const Json scores = result.value("scores", Json::object());
-  for (const auto& [name, value] : scores.items()) {
-    text += fmt::format("  {:<32} {:.6g}\n", name, value.get<double>());
-  }
+                               : render_study(study, out, common.threads);
+  std::string text = scores_text(result.value("scores", Json::object()));
   if (is_views) {
     for (const Json& note : result["notes"]) {
       text += "  note: " + note.get<std::string>() + "\n";

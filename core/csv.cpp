@@ -9,6 +9,20 @@ namespace {
 
 constexpr std::string_view kBlank = " \t\r";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr std::string_view kBeginsFormula = "=+-@";
+
+/// Whether an apostrophe goes before it, or one more before those that are there already.
+bool needs_apostrophe(std::string_view text) {
+  const std::size_t first = text.find_first_not_of('\'');
+  return first != text.npos && kBeginsFormula.find(text[first]) != kBeginsFormula.npos;
+}
+
+std::string without_apostrophe(std::string text) {
+  if (text.starts_with('\'') && needs_apostrophe(text)) {
+    text.erase(0, 1);
+  }
+  return text;
+}
 
 class CsvParser {
  public:
@@ -50,7 +64,7 @@ class CsvParser {
   CsvField field() {
     skip_blanks();
     const Place start = place();
-    return {.text = is_at('"') ? quoted() : plain(), .place = start};
+    return {.text = without_apostrophe(is_at('"') ? quoted() : plain()), .place = start};
   }
 
   std::string plain() {
@@ -104,6 +118,10 @@ std::string written(std::string_view text) {
 }
 
 }  // namespace
+
+std::string csv_plain_text(std::string_view text) {
+  return (needs_apostrophe(text) ? "'" : "") + std::string(text);
+}
 
 std::optional<double> CsvField::number() const {
   const bool has_plus = text.starts_with('+') && !text.starts_with("+-");

@@ -26,6 +26,10 @@ struct CsvField {
 /// At least one field.
 using CsvRow = std::vector<CsvField>;
 
+/// A text that begins with =, +, - or @ is a formula where a spreadsheet opens the file: it is
+/// written with an apostrophe before it, which spreadsheets hide and parse_csv() takes off.
+std::string csv_plain_text(std::string_view text);
+
 /// All rows but empty ones and those that begin with the mark of a comment ('\0': there are none).
 /// Rows may differ in length. A field in quotes may hold commas, line ends and doubled quotes.
 /// @param file  for messages
@@ -39,7 +43,7 @@ namespace detail {
 
 template <std::convertible_to<std::string_view> Text>
 std::string csv_text(const Text& text) {
-  return std::string(std::string_view(text));
+  return csv_plain_text(text);
 }
 
 template <std::integral Integer>

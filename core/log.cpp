@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/log.h"
 
+#include <algorithm>
+#include <fstream>
 #include <memory>
+#include <string>
+#include <system_error>
 #include <vector>
 
 #include <spdlog/logger.h>
@@ -52,7 +56,33 @@ std::shared_ptr<spdlog::logger>& the_logger() {
   return logger;
 }
 
+/// A line as the pattern of files makes it: "2026-03-04 05:06:07.008 info: ".
+bool is_log_line(const std::string& line) {
+  constexpr std::string_view kStamp = "dddd-dd-dd dd:dd:dd.ddd ";
+  return line.size() > kStamp.size() &&
+         std::equal(kStamp.begin(), kStamp.end(), line.begin(), [](char wanted, char is) {
+           return wanted == 'd' ? is >= '0' && is <= '9' : wanted == is;
+         });
+}
+
 }  // namespace
+
+void check_log_file(const std::filesystem::path& file) {
+  std::error_code ignored;
+  const std::filesystem::path folder = file.parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) {
+    throw IoError(file.string() + ": the log cannot be written: there is no folder " +
+                  folder.string());
+  }
+  std::string line;
+  if (std::filesystem::is_regular_file(file, ignored)) {
+    std::ifstream in(file);
+    if (std::getline(in, line) && !is_log_line(line)) {
+      throw ConfigError(file.string() +
+                        ": exists and is no log of glint; give the log another name");
+    }
+  }
+}
 
 void configure_log(const LogSettings& settings) {
   try {

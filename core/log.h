@@ -19,6 +19,10 @@ struct LogSettings {
   std::vector<std::filesystem::path> files;  ///< everything from kInfo upwards goes there
 };
 
+/// Asks whether a log may be added to a file: it is a log already, is empty, or can come to be in a
+/// folder that is there. @throws ConfigError for a file of another kind, IoError for no folder
+void check_log_file(const std::filesystem::path& file);
+
 /// @throws IoError when the log file cannot be opened.
 void configure_log(const LogSettings& settings);
 

@@ -21,9 +21,13 @@ constexpr std::string_view kError = ".error";
 constexpr std::array kDocs = {
     ScoreDoc{
         "homogeneity.h_rms",
-        "1 - standard deviation / mean of the mean image over the flawless region; 1 is uniform"},
+        "1 - standard deviation / mean of the mean image over the flawless region; 1 is uniform, "
+        "below 0 (no mistake) where the deviation is larger than the mean: mostly dark, a few "
+        "spots "
+        "bright"},
     ScoreDoc{"homogeneity.h_abs",
-             "1 - mean absolute deviation / mean of the mean image over the flawless region"},
+             "1 - mean absolute deviation / mean of the mean image over the flawless region; 1 is "
+             "uniform, below 0 where the deviation is larger than the mean"},
     ScoreDoc{"homogeneity.robust",
              "1 - (P95 - P5) / (P95 + P5) of the mean image over the flawless region; a search "
              "takes percentiles only where its objective or a limit needs them"},
@@ -36,7 +40,7 @@ constexpr std::array kDocs = {
              "smallest 3 x 3 mean / mean of the mean image over the flawless region; 1 is uniform"},
     ScoreDoc{"homogeneity.residual",
              "1 - standard deviation / mean of the mean image / its shading, a Gaussian of "
-             "metrics.shading_diameters; what software cannot remove"},
+             "metrics.shading_diameters; what software cannot remove; may be below 0, as h_rms"},
     ScoreDoc{"homogeneity.low_share",
              "share of the mean image's variance at wavelengths above four defect diameters, "
              "which software can remove"},
@@ -90,7 +94,8 @@ constexpr std::array kDocs = {
              "area of the defect that changes visibly against the flawless part in any frame / "
              "true area of the defect"},
     ScoreDoc{"view.hidden_share",
-             "share of the part's pixels that the wall occludes from the camera"},
+             "share of the part's pixels that the wall occludes from the camera; those that it "
+             "hides in part count in part"},
     ScoreDoc{"view.slot_margin_mm",
              "smallest distance of a sight line to the flawless region from the edge of the camera "
              "slot, across the tunnel; negative: the wall occludes some of it"},
@@ -120,7 +125,8 @@ constexpr std::array kDocs = {
              "depth or height at which half of the defects are found, all made larger or smaller "
              "by one factor"},
     ScoreDoc{"inspection.smallest_slope_mrad",
-             "steepest slope of the defects at inspection.smallest_height_um"},
+             "slope of the defects at inspection.smallest_height_um: the angle to the flawless "
+             "surface below which 99 % of their area lies"},
     ScoreDoc{"inspection.<group>.detection_rate",
              "share of the group's defects that the inspection finds"},
     ScoreDoc{"inspection.<group>.auc", "inspection.auc over the group's defects"},

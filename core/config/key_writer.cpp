@@ -61,7 +61,8 @@ void KeyLister::number(std::string_view key,
       {.kind = "number",
        .allowed = range.text(),
        .default_text = shortest(written_value(key, value)),
-       .doc = std::string(doc)});
+       .doc = std::string(doc),
+       .range = range});
 }
 
 void KeyLister::integer(std::string_view key,
@@ -72,7 +73,8 @@ void KeyLister::integer(std::string_view key,
       {.kind = "integer",
        .allowed = range.text(),
        .default_text = fmt::format("{}", value),
-       .doc = std::string(doc)});
+       .doc = std::string(doc),
+       .range = range});
 }
 
 void KeyLister::boolean(std::string_view key, bool& value, std::string_view doc) {
@@ -113,7 +115,9 @@ void KeyLister::numbers(std::string_view key,
       {.kind = "numbers",
        .allowed = fmt::format("{}, each {}", count.text(), range.text()),
        .default_text = fmt::format("[{}]", join(parts, ", ")),
-       .doc = std::string(doc)});
+       .doc = std::string(doc),
+       .range = range,
+       .count = count});
 }
 
 void KeyLister::interval(std::string_view key,
@@ -126,7 +130,8 @@ void KeyLister::interval(std::string_view key,
       {.kind = "interval",
        .allowed = fmt::format("a number or [min, max], each {}", range.text()),
        .default_text = value.is_fixed() ? low : fmt::format("[{}, {}]", low, high),
-       .doc = std::string(doc)});
+       .doc = std::string(doc),
+       .range = range});
 }
 
 void KeyLister::choice_index(std::string_view key,
@@ -137,7 +142,8 @@ void KeyLister::choice_index(std::string_view key,
       {.kind = "choice",
        .allowed = quoted_list(names),
        .default_text = fmt::format("\"{}\"", names[static_cast<std::size_t>(index)]),
-       .doc = std::string(doc)});
+       .doc = std::string(doc),
+       .choices = {names.begin(), names.end()}});
 }
 
 void KeyLister::table(std::string_view key,

@@ -17,11 +17,15 @@ namespace glint {
 /// A row of the key table.
 struct KeyRow {
   std::string path;  ///< "lighting.tunnel.radius_mm"
-  std::string kind;  ///< number, integer, boolean, choice, text, file, numbers
+  std::string kind;  ///< number, integer, boolean, choice, text, file, numbers, interval
   std::string unit;  ///< empty when dimensionless
   std::string allowed;
   std::string default_text;
   std::string doc;
+  // `allowed` for programs, in the written unit.
+  Range range = {};                       ///< of a number, an integer, each end of an interval
+  Count count = {};                       ///< of numbers
+  std::vector<std::string> choices = {};  ///< of a choice
 };
 
 /// Lists rows of the key table under a path.

@@ -32,7 +32,16 @@ std::string Count::text() const {
                             : fmt::format("{} to {} numbers", min, max);
 }
 
+bool Range::contains(double value) const {
+  const auto is_value = [&](int allowed) { return value == static_cast<double>(allowed); };
+  return value <= max && (min_excluded ? value > min : value >= min) &&
+         (only.empty() || std::ranges::any_of(only, is_value));
+}
+
 std::string Range::text() const {
+  if (!only.empty()) {
+    return fmt::format("one of {}", fmt::join(only, ", "));
+  }
   const bool has_min = std::isfinite(min);
   const bool has_max = std::isfinite(max);
   if (has_min && has_max) {

@@ -27,6 +27,7 @@ struct Range {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
   bool min_excluded = false;
+  std::span<const int> only = {};  ///< no other number is allowed; empty: all between min and max
 
   static Range positive() { return {.min = 0.0, .min_excluded = true}; }
 
@@ -34,11 +35,16 @@ struct Range {
 
   static Range between(double min, double max) { return {.min = min, .max = max}; }
 
-  bool contains(double value) const {
-    return value <= max && (min_excluded ? value > min : value >= min);
+  /// @param values  rising, at least one; must outlive the range
+  static Range one_of(std::span<const int> values) {
+    return {.min = static_cast<double>(values.front()),
+            .max = static_cast<double>(values.back()),
+            .only = values};
   }
 
-  std::string text() const;  ///< "> 0", "in [0, 1]", "any"
+  bool contains(double value) const;
+
+  std::string text() const;  ///< "> 0", "in [0, 1]", "one of 8, 12", "any"
 };
 
 /// A fixed number (min = max), or a range that a number is drawn from.

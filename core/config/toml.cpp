@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/config/toml.h"
 
-#include <set>
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <vector>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -66,36 +69,109 @@ ConfigNode convert(const toml::node& node, const std::string& file) {
   return result;
 }
 
-ConfigNode load_nested(const fs::path& path, std::set<fs::path>& open_files) {
-  const fs::path canonical = fs::weakly_canonical(path);
-  if (!open_files.insert(canonical).second) {
-    throw ConfigError(path.string() + ": include: the file includes itself");
+/// The path that tells files apart; a pipe has none but its own.
+fs::path identity_of(const fs::path& path) {
+  std::error_code error;
+  const fs::path canonical = fs::weakly_canonical(path, error);
+  return error ? fs::absolute(path).lexically_normal() : canonical;
+}
+
+/// What a device or a pipe holds, up to one byte more than is allowed.
+std::string read_stream(const fs::path& path, std::size_t max_bytes) {
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) {
+    throw IoError(fmt::format("{}: cannot be read: {}", path.string(), last_system_error()));
   }
-  ConfigNode root = parse_toml(read_file(path), path.string());
-  ConfigNode merged = ConfigNode::table();
-  if (const ConfigNode* includes = root.find("include")) {
-    if (!includes->is_array()) {
-      throw ConfigError(includes->place.prefix() +
+  std::string bytes(max_bytes + 1, '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  return bytes;
+}
+
+/// Reads a file and what it includes.
+class TomlLoader {
+ public:
+  /// @param asked_by  place of the include that names the file, for messages; else empty
+  ConfigNode load(const fs::path& path, const std::string& asked_by = "") {
+    enter(path, asked_by);
+    ConfigNode root = parse_toml(read(path, asked_by), path.string());
+    ConfigNode merged = ConfigNode::table();
+    if (const ConfigNode* includes = root.find("include")) {
+      merge_includes(*includes, merged);
+    }
+    open_.pop_back();
+    merge(merged, root);
+    for (std::size_t i = 0; i < merged.names.size(); ++i) {
+      if (merged.names[i] == "include") {
+        merged.names.erase(merged.names.begin() + static_cast<std::ptrdiff_t>(i));
+        merged.items.erase(merged.items.begin() + static_cast<std::ptrdiff_t>(i));
+        break;
+      }
+    }
+    return merged;
+  }
+
+ private:
+  struct OpenFile {
+    fs::path identity;
+    std::string name;
+  };
+
+  void enter(const fs::path& path, const std::string& asked_by) {
+    const OpenFile file = {.identity = identity_of(path), .name = path.string()};
+    const auto first = std::ranges::find(open_, file.identity, &OpenFile::identity);
+    if (first == open_.end()) {
+      open_.push_back(file);
+      return;
+    }
+    std::string chain;
+    for (auto at = first; at != open_.end(); ++at) {
+      chain += at->name + " -> ";
+    }
+    throw ConfigError(
+        fmt::format("{}the file includes itself: {}{}", asked_by, chain, first->name));
+  }
+
+  static std::string read(const fs::path& path, const std::string& asked_by) {
+    constexpr std::size_t kMaxBytes = std::size_t{kMaxTomlMegabytes} << 20U;
+    std::error_code ignored;
+    const fs::file_status status = fs::status(path, ignored);
+    std::string bytes;
+    bool is_large = fs::is_regular_file(status) && fs::file_size(path, ignored) > kMaxBytes;
+    if (!is_large) {
+      try {
+        bytes = fs::is_other(status) ? read_stream(path, kMaxBytes) : read_file(path);
+      } catch (const IoError& error) {
+        throw IoError(asked_by + error.what());
+      }
+      is_large = bytes.size() > kMaxBytes;
+    }
+    if (is_large) {
+      throw ConfigError(
+          fmt::format("{}{}: is no study file: it holds more than {} MB, which is the most allowed",
+                      asked_by,
+                      path.string(),
+                      kMaxTomlMegabytes));
+    }
+    return bytes;
+  }
+
+  void merge_includes(const ConfigNode& includes, ConfigNode& merged) {
+    if (!includes.is_array()) {
+      throw ConfigError(includes.place.prefix() +
                         "include: must be an array of file names, like [\"base.toml\"]");
     }
-    for (const ConfigNode& include : includes->items) {
+    for (const ConfigNode& include : includes.items) {
       if (include.kind != ConfigNode::Kind::kText) {
         throw ConfigError(include.place.prefix() + "include: must hold file names");
       }
-      merge(merged, load_nested(resolve_path(include), open_files));
+      merge(merged, load(resolve_path(include), include.place.prefix() + "include: "));
     }
   }
-  open_files.erase(canonical);
-  merge(merged, root);
-  for (std::size_t i = 0; i < merged.names.size(); ++i) {
-    if (merged.names[i] == "include") {
-      merged.names.erase(merged.names.begin() + static_cast<std::ptrdiff_t>(i));
-      merged.items.erase(merged.items.begin() + static_cast<std::ptrdiff_t>(i));
-      break;
-    }
-  }
-  return merged;
-}
+
+  std::vector<OpenFile> open_;  ///< each included by the one before it
+};
 
 /// Refuses keys of absurdly many parts (a.a.a...): the parser recurses once a part.
 void refuse_deep_keys(std::string_view text, const std::string& file) {
@@ -132,8 +208,7 @@ ConfigNode parse_toml(std::string_view text, const std::string& file) {
 }
 
 ConfigNode load_toml(const fs::path& path) {
-  std::set<fs::path> open_files;
-  return load_nested(path, open_files);
+  return TomlLoader().load(path);
 }
 
 ConfigNode parse_override(std::string_view text) {

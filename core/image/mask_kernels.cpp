@@ -153,15 +153,6 @@ GLINT_WIDE float largest_size(const unsigned char* __restrict mask,
   return std::bit_cast<float>(found);
 }
 
-GLINT_WIDE void mark_both(const float* __restrict a,
-                          const float* __restrict b,
-                          int count,
-                          unsigned char* __restrict flags) {
-  for (int i = 0; i < count; ++i) {
-    flags[i] = ((a[i] > 0.0F) & (b[i] > 0.0F)) ? 1 : 0;
-  }
-}
-
 GLINT_WIDE int count_positive(const float* __restrict values, int count) {
   int found = 0;
   for (int i = 0; i < count; ++i) {

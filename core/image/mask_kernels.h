@@ -49,9 +49,6 @@ void mark_frames(const unsigned char* region,
 /// Largest |value| in the mask where the margin is >= 0; 0 if there is none.
 float largest_size(const unsigned char* mask, const float* values, const float* margin, int count);
 
-/// 1 where both values are > 0.
-void mark_both(const float* a, const float* b, int count, unsigned char* flags);
-
 /// How many of the values are > 0.
 int count_positive(const float* values, int count);
 

@@ -71,6 +71,14 @@ ImprintResult ImprintedMesh::imprint(const TriangleMesh& tool,
   return cut.result;
 }
 
+MeshCutout ImprintedMesh::cutout(const BoundingBox& box_mm) const {
+  return state_->cutout(box_mm);
+}
+
+void ImprintedMesh::replace(const MeshCutout& finer) {
+  state_->apply(state_->change_to(finer));
+}
+
 ImprintedMesh::Labelled ImprintedMesh::result() const {
   return state_->result();
 }

@@ -51,6 +51,15 @@ struct ImprintResult {
   bool is_done() const { return outcome == ImprintOutcome::kDone; }
 };
 
+/// Some faces of a part with their vertices, to be put back finer (defects/surface/exact_facets.h).
+struct MeshCutout {
+  TriangleMesh mesh;                   ///< vertices_mm, triangles and patch
+  std::vector<std::int32_t> labels;    ///< per face, as ImprintedMesh::Labelled
+  std::vector<std::int32_t> origin;    ///< likewise
+  std::vector<std::int32_t> faces;     ///< the part's numbers of the faces that were cut out
+  std::vector<std::int32_t> vertices;  ///< and of their vertices; those added later have none
+};
+
 class ImprintedMeshState;
 
 /// A part that takes one imprint after another. Faces an imprint does not touch keep their bytes
@@ -78,6 +87,13 @@ class ImprintedMesh {
                         std::int32_t label,
                         ImprintOperation operation,
                         const ImprintLimits& limits = {});
+
+  /// The faces whose boxes meet a box.
+  MeshCutout cutout(const BoundingBox& box_mm) const;
+
+  /// Puts faces that were cut out back after some of them were cut to pieces: the first faces and
+  /// vertices are those of cutout(), further ones are new. Its border must be as it was.
+  void replace(const MeshCutout& finer);
 
   struct Labelled {
     TriangleMesh mesh;                 ///< vertices_mm, triangles and patch (unless all are -1)

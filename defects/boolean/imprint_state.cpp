@@ -2,6 +2,7 @@
 #include "defects/boolean/imprint_state.h"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "core/error.h"
 #include "defects/boolean/patch_probe.h"
@@ -75,6 +76,11 @@ std::int32_t ImprintedMeshState::origin(std::int32_t face) const {
   return face < num_base_faces() ? face : added_faces_[place(face - num_base_faces())].origin;
 }
 
+std::int32_t ImprintedMeshState::patch(std::int32_t face) const {
+  const std::int32_t from = origin(face);
+  return from < 0 ? -1 : base_->mesh.patch_of(place(from));
+}
+
 TestFace ImprintedMeshState::test_face(std::int32_t face) const {
   const Triangle& corners = triangle(face);
   return {corners, {vertex(corners[0]), vertex(corners[1]), vertex(corners[2])}};
@@ -101,6 +107,57 @@ void ImprintedMeshState::apply(const PatchChange& change) {
   is_removed_.resize(is_removed_.size() + change.faces.size(), false);
   num_alive_ += change.faces.size();
   num_alive_ -= change.removed.size();
+}
+
+MeshCutout ImprintedMeshState::cutout(const BoundingBox& box_mm) const {
+  MeshCutout out;
+  const FloatBox query = box_of(box_mm.min_mm, box_mm.min_mm, box_mm.max_mm);
+  visit_if([&](const FloatBox& box) { return box.overlaps(query); },
+           [&](std::int32_t face) { out.faces.push_back(face); });
+  std::ranges::sort(out.faces);
+  std::unordered_map<std::int32_t, std::int32_t> numbers;
+  for (const std::int32_t face : out.faces) {
+    Triangle& corners = out.mesh.triangles.emplace_back(triangle(face));
+    for (std::int32_t& corner : corners) {
+      const auto [place_of_corner, is_new] =
+          numbers.try_emplace(corner, static_cast<std::int32_t>(out.vertices.size()));
+      if (is_new) {
+        out.vertices.push_back(corner);
+        out.mesh.vertices_mm.push_back(vertex(corner));
+      }
+      corner = place_of_corner->second;
+    }
+    out.labels.push_back(label(face));
+    out.origin.push_back(origin(face));
+    out.mesh.patch.push_back(patch(face));
+  }
+  return out;
+}
+
+PatchChange ImprintedMeshState::change_to(const MeshCutout& finer) const {
+  PatchChange change;
+  const std::size_t num_old = finer.vertices.size();
+  const auto number_of = [&](std::int32_t vertex) {
+    return place(vertex) < num_old ? finer.vertices[place(vertex)]
+                                   : num_vertices() + vertex - static_cast<std::int32_t>(num_old);
+  };
+  const auto& points = finer.mesh.vertices_mm;
+  change.vertices_mm.assign(points.begin() + static_cast<std::ptrdiff_t>(num_old), points.end());
+  for (std::size_t i = 0; i < finer.mesh.num_triangles(); ++i) {
+    const Triangle& t = finer.mesh.triangles[i];
+    const Triangle corners = {number_of(t[0]), number_of(t[1]), number_of(t[2])};
+    if (i < finer.faces.size()) {
+      if (corners == triangle(finer.faces[i])) {
+        continue;
+      }
+      change.removed.push_back(finer.faces[i]);
+    }
+    change.faces.push_back(
+        {.vertices = corners, .label = finer.labels[i], .origin = finer.origin[i]});
+    change.boxes.push_back(
+        box_of(finer.mesh.vertex(i, 0), finer.mesh.vertex(i, 1), finer.mesh.vertex(i, 2)));
+  }
+  return change;
 }
 
 /// Copies the vertices that are used; returns the new index of each.
@@ -142,7 +199,7 @@ ImprintedMesh::Labelled ImprintedMeshState::result() const {
     out.labels.push_back(label(face));
     out.origin.push_back(origin(face));
     if (has_patches) {
-      out.mesh.patch.push_back(origin(face) < 0 ? -1 : base_->mesh.patch[place(origin(face))]);
+      out.mesh.patch.push_back(patch(face));
     }
   }
   return out;

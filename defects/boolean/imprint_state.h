@@ -47,6 +47,7 @@ class ImprintedMeshState {
   const Triangle& triangle(std::int32_t face) const;
   std::int32_t label(std::int32_t face) const;
   std::int32_t origin(std::int32_t face) const;
+  std::int32_t patch(std::int32_t face) const;
 
   bool is_alive(std::int32_t face) const { return !is_removed_[static_cast<std::size_t>(face)]; }
 
@@ -68,6 +69,10 @@ class ImprintedMeshState {
   bool contains(const Eigen::Vector3d& point) const;
 
   void apply(const PatchChange& change);
+
+  MeshCutout cutout(const BoundingBox& box_mm) const;
+  /// What puts the faces of a cutout back that are no longer what they were.
+  PatchChange change_to(const MeshCutout& finer) const;
 
   ImprintedMesh::Labelled result() const;
   std::size_t memory_bytes() const;

@@ -55,7 +55,18 @@ void visit_region(KeyVisitor& keys, DefectRegion& r) {
 
 bool has_places_from_above(const DefectGroup& group) {
   const DefectGroup unset;
-  return group.x_mm != unset.x_mm || group.y_mm != unset.y_mm;
+  const bool has_any = !group.x_mm.empty() || !group.y_mm.empty();
+  return has_any && (group.x_mm != unset.x_mm || group.y_mm != unset.y_mm);
+}
+
+/// The one place in the part's middle is meant where a table says nothing of count or places.
+void drop_unwanted_place(const KeyVisitor& keys, DefectGroup& g) {
+  const bool gives_places =
+      keys.is_given("x_mm") || keys.is_given("y_mm") || keys.is_given("at_mm");
+  if (keys.is_given("count") && g.count.max <= 0.0 && !gives_places) {
+    g.x_mm.clear();
+    g.y_mm.clear();
+  }
 }
 
 void visit_places(KeyVisitor& keys, DefectGroup& g) {
@@ -63,10 +74,12 @@ void visit_places(KeyVisitor& keys, DefectGroup& g) {
   keys.interval("count",
                 g.count,
                 whole,
-                "random places, a number or [min, max]; 0: the fixed places x_mm, y_mm or at_mm");
+                "random places, a number or [min, max]; 0: the fixed places x_mm, y_mm or at_mm, "
+                "none where none are given");
   keys.number("share", g.share, Range::positive(), "of imprint.count that this group gets");
-  keys.numbers("x_mm", g.x_mm, {.min = 1}, Range{}, "places on the part, along the tunnel axis");
-  keys.numbers("y_mm", g.y_mm, {.min = 1}, Range{}, "places on the part, across, as many as x_mm");
+  drop_unwanted_place(keys, g);
+  keys.numbers("x_mm", g.x_mm, {}, Range{}, "places on the part, along the tunnel axis");
+  keys.numbers("y_mm", g.y_mm, {}, Range{}, "places on the part, across, as many as x_mm");
   keys.numbers("at_mm",
                g.at_mm,
                {},

@@ -51,7 +51,7 @@ struct DefectGroup {
   Realisation realisation = Realisation::kNormal;
 
   // How many, and where: `count` random places, or else the fixed ones.
-  Interval count = 0.0;              ///< whole numbers; 0: the fixed places
+  Interval count = 0.0;              ///< whole numbers; 0: the fixed places, of which may be none
   double share = 1.0;                ///< of imprint.count, in proportion; > 0
   std::vector<double> x_mm = {0.0};  ///< fixed places in the part's frame, seen from above
   std::vector<double> y_mm = {0.0};

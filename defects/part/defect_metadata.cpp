@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/config/config.h"
@@ -134,6 +135,12 @@ Json all_refusals(const DefectivePart& part) {
 
 namespace {
 
+/// In micrometres, without an exponent.
+std::string depth_text(double depth_mm) {
+  const double depth_um = depth_mm / kMmPerUm;
+  return depth_um < 1000.0 ? fmt::format("{:.4g}", depth_um) : fmt::format("{:.0f}", depth_um);
+}
+
 Json tables_of(const std::vector<NamedGroup>& groups) {
   Json tables = Json::object();
   for (const auto& [name, group] : groups) {
@@ -143,6 +150,35 @@ Json tables_of(const std::vector<NamedGroup>& groups) {
 }
 
 }  // namespace
+
+std::string shallow_note(const DefectivePart& part) {
+  constexpr int kListed = 3;
+  int count = 0;
+  std::string list;
+  for (const RealisedDefect& made : part.defects) {
+    const Defect& defect = made.defect;
+    if (!made.is_made || defect.depth_mm >= defect.wanted_depth_mm || ++count > kListed) {
+      continue;
+    }
+    list += fmt::format("{}{} {} um deep instead of {} um in a wall of {:.3g} mm",
+                        count > 1 ? ", " : "",
+                        defect.label,
+                        depth_text(defect.depth_mm),
+                        depth_text(defect.wanted_depth_mm),
+                        defect.wall_mm);
+  }
+  if (count == 0) {
+    return "";
+  }
+  return fmt::format(
+      "{} of the defects {} shallower than height_um says, for a depth takes at "
+      "most wall_share of the wall below it: {}{}; when_thin = \"refuse\" draws "
+      "other places instead",
+      count,
+      count == 1 ? "is" : "are",
+      list,
+      count > kListed ? ", ..." : "");
+}
 
 nlohmann::ordered_json defects_json(const DefectivePart& part,
                                     const std::vector<NamedGroup>& groups,

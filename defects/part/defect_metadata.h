@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -32,5 +33,9 @@ nlohmann::ordered_json defects_json(const DefectivePart& part,
                                     const ImprintSettings& settings,
                                     std::uint64_t seed,
                                     const RigidTransform& scene_from_part = {});
+
+/// A sentence about the defects that the wall below them made shallower than they were drawn; empty
+/// when there are none.
+std::string shallow_note(const DefectivePart& part);
 
 }  // namespace glint

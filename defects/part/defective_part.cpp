@@ -15,6 +15,7 @@
 #include "defects/part/height_defects.h"
 #include "defects/places/sampler.h"
 #include "defects/surface/displacement.h"
+#include "defects/surface/exact_facets.h"
 #include "defects/surface/processing.h"
 #include "defects/surface/surface_normals.h"
 #include "defects/tools/tools.h"
@@ -28,6 +29,9 @@ constexpr double kPathSteps = 128.0;
 
 /// A path runs on beyond its line's ends by this share of its length, for the tool's own ends.
 constexpr double kPathBeyond = 0.1;
+
+/// Of a defect's depth: facets under it are at most this far off their exact surface.
+constexpr double kFacetShare = 0.01;
 
 /// Another small move of the tool may help; for all other outcomes only another place does.
 bool is_worth_a_jitter(ImprintOutcome outcome) {
@@ -43,6 +47,13 @@ void count_refusal(RealisedDefect& made, const std::string& reason) {
   } else {
     ++known->second;
   }
+}
+
+std::string too_flat_text() {
+  return fmt::format(
+      "it is too flat for so curved a surface, which would need more than {} "
+      "triangles there; make it deeper or smaller, or realise it by its normal",
+      kMaxFacetsUnderTool);
 }
 
 std::string given_up_text(const RealisedDefect& made) {
@@ -95,14 +106,18 @@ TriangleMesh placed_tool(const ToolCollection& tools,
   const auto path_of = [&](const SurfacePlace& place, double half_mm) {
     return surface_path(part, bvh, place, half_mm, 2.0 * half_mm / kPathSteps);
   };
+  const std::int32_t id = part.mesh.patch_of(static_cast<std::size_t>(defect.triangle));
+  const ExactPatch* patch = id < 0 ? nullptr : &part.patches[static_cast<std::size_t>(id)];
   if (is_line(defect.type)) {
-    return tools.tool(defect, path_of(defect.place, (0.5 + kPathBeyond) * defect.length_mm));
+    const double half_mm = (0.5 + kPathBeyond) * defect.length_mm;
+    return tools.tool(defect, path_of(defect.place, half_mm), {.patch = patch});
   }
   const double half_mm = 0.5 * defect.diameter_mm;
   return tools.tool(defect,
                     {},
                     {.along_per_mm = path_bend(path_of(defect.place, half_mm)),
-                     .across_per_mm = path_bend(path_of(turned_across(defect.place), half_mm))});
+                     .across_per_mm = path_bend(path_of(turned_across(defect.place), half_mm)),
+                     .patch = patch});
 }
 
 }  // namespace
@@ -180,17 +195,24 @@ class DefectMaker::Making {
     const ImprintOperation operation =
         tools.works_inwards() ? ImprintOperation::kSubtract : ImprintOperation::kUnite;
     const ImprintLimits limits = {.min_removed_mm3 = state_.settings.min_removed_mm3};
+    ImprintedMesh finer = *imprinted_;
+    if (!refine_under_tool(finer, tool, state_.part->patches, kFacetShare * defect.depth_mm)) {
+      count_refusal(made, too_flat_text());
+      return;
+    }
     Rng rng(defect.seed, Stream::kDefects, kJitterIndex);
-    ImprintResult result = imprinted_->imprint(tool, defect.id, operation, limits);
+    ImprintResult result = finer.imprint(tool, defect.id, operation, limits);
     for (int jitter = 1; jitter <= state_.settings.jitters && is_worth_a_jitter(result.outcome);
          ++jitter) {
       ++made.jitters;
-      result = imprinted_->imprint(
-          jittered(tool, jitter_size(jitter), rng), defect.id, operation, limits);
+      result =
+          finer.imprint(jittered(tool, jitter_size(jitter), rng), defect.id, operation, limits);
     }
     made.is_made = result.is_done();
     made.removed_volume_mm3 = result.removed_volume_mm3;
-    if (!made.is_made) {
+    if (made.is_made) {
+      imprinted_ = std::move(finer);
+    } else {
       count_refusal(made, std::string(outcome_text(result.outcome)));
     }
   }

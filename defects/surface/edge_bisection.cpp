@@ -82,7 +82,8 @@ EdgeBisection::EdgeBisection(TriangleMesh& mesh,
       patches_(patches),
       corners_(mesh),
       num_old_vertices_(mesh.vertices_mm.size()) {
-  GLINT_CHECK(mesh.corner_normals.size() == mesh.num_triangles(), "the mesh has no normals");
+  GLINT_CHECK(mesh.corner_normals.empty() || mesh.corner_normals.size() == mesh.num_triangles(),
+              "normals for every face or for none");
   GLINT_CHECK(labels.size() == mesh.num_triangles() && origin.size() == mesh.num_triangles(),
               "one label and one origin a face");
 }
@@ -184,7 +185,8 @@ void EdgeBisection::bisect(const Edge& edge) {
   const std::int32_t vertex = add_vertex(edge, faces);
   new_normals_.clear();
   for (const std::int32_t face : faces) {
-    const int normal = normal_for(face, edge, mesh_.vertices_mm[at(vertex)]);
+    const int normal =
+        has_normals() ? normal_for(face, edge, mesh_.vertices_mm[at(vertex)]) : kNoNormal;
     touched_.push_back(face);
     touched_.push_back(split_face(face, edge, vertex, normal));
   }
@@ -250,16 +252,17 @@ std::int32_t EdgeBisection::split_face(std::int32_t face,
                                        int normal) {
   const auto other = static_cast<std::int32_t>(mesh_.num_triangles());
   const Triangle triangle = mesh_.triangles[at(face)];
-  const Triangle corner_normals = mesh_.corner_normals[at(face)];
   const std::size_t from = corner_of(triangle, edge.from);
   const std::size_t to = corner_of(triangle, edge.to);
   const std::int32_t opposite = triangle[3 - from - to];
   mesh_.triangles.push_back(triangle);
-  mesh_.corner_normals.push_back(corner_normals);
   mesh_.triangles[at(face)][to] = vertex;
-  mesh_.corner_normals[at(face)][to] = normal;
   mesh_.triangles[at(other)][from] = vertex;
-  mesh_.corner_normals[at(other)][from] = normal;
+  if (has_normals()) {
+    mesh_.corner_normals.push_back(Triangle(mesh_.corner_normals[at(face)]));
+    mesh_.corner_normals[at(face)][to] = normal;
+    mesh_.corner_normals[at(other)][from] = normal;
+  }
   labels_.push_back(std::int32_t{labels_[at(face)]});
   origin_.push_back(std::int32_t{origin_[at(face)]});
   if (!mesh_.patch.empty()) {

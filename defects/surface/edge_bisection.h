@@ -43,7 +43,8 @@ class EdgeBisection {
   /// The longest edge [mm] a face may have; infinite where it may stay as it is.
   using AllowedEdge = std::function<double(std::int32_t face)>;
 
-  /// mesh must have shading normals and outlive this; labels and origin hold one entry a face.
+  /// mesh must outlive this and have shading normals for every corner, which new corners then get
+  /// too, or none at all; labels and origin hold one entry a face.
   EdgeBisection(TriangleMesh& mesh,
                 std::vector<std::int32_t>& labels,
                 std::vector<std::int32_t>& origin,
@@ -67,6 +68,10 @@ class EdgeBisection {
 
     bool operator==(const Edge& other) const { return from == other.from && to == other.to; }
   };
+
+  static constexpr int kNoNormal = -1;
+
+  bool has_normals() const { return !mesh_.corner_normals.empty(); }
 
   Edge edge_of(std::int32_t face, std::size_t corner) const;
   Edge longest_edge(std::int32_t face) const;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -12,10 +13,13 @@
 namespace glint {
 namespace {
 
-constexpr double kMargin = 0.25;     ///< how far over the surface flanks go on, share of the depth
-constexpr double kLastMargin = 0.8;  ///< where the tool ends, share of the margin
-constexpr double kSagShare = 0.05;   ///< of the depth that a chord may differ from a bent path
-constexpr double kWarpShare = 0.2;   ///< of the width that a side of a twisted slab may warp
+constexpr double kMargin = 0.25;      ///< how far over the surface flanks go on, share of the depth
+constexpr double kLastMargin = 0.8;   ///< where the tool ends, share of the margin
+constexpr double kSagShare = 0.05;    ///< of the depth that a chord may differ from a bent path
+constexpr double kExactShare = 0.01;  ///< the same where the surface is exact
+constexpr double kOnPatch = 1e-4;     ///< of the length: a path's chords are nearer to its surface
+constexpr double kMaxBend = 0.35;     ///< of the distance across that a section is bent by
+constexpr double kWarpShare = 0.2;    ///< of the width that a side of a twisted slab may warp
 constexpr int kMaxSlabs = 1000;
 constexpr double kTightBend = 0.1;  ///< size of the tool over the path's radius, see is_tight()
 constexpr double kMinStep = 0.1;    ///< of the step that remains between neighbouring sections
@@ -26,6 +30,8 @@ using Section = std::vector<Eigen::Vector2d>;
 
 /// The tool before it is swept.
 struct Sections {
+  const ExactPatch* patch = nullptr;
+  double on_patch_mm = 0.0;  ///< a path this near runs on it
   std::vector<double> arc_mm;
   std::vector<Section> sections;
   int lower = 0;  ///< points of the lower side: 2 * flank + 1
@@ -45,11 +51,11 @@ double top_of(const LineTool& shape) {
   return std::max(0.5 * shape.width_mm, std::min(shape.depth_mm, shape.width_mm));
 }
 
-int number_of_slabs(const LineTool& shape, const LineFrames& frames) {
+int number_of_slabs(const LineTool& shape, const LineFrames& frames, double sag_share) {
   double needed = 20.0 * std::pow(4.0, shape.level) / (4 * flank_steps(shape.level) + 8);
   if (!frames.is_straight()) {
     const double bend = frames.largest_bend_per_mm();
-    const double sag_step = std::sqrt(8.0 * kSagShare * shape.depth_mm / bend);
+    const double sag_step = std::sqrt(8.0 * sag_share * shape.depth_mm / bend);
     // Where the frame twists, the flanks of a thin blade warp against each other.
     const double height = std::max(shape.depth_mm, top_of(shape));
     const double twist_step = kWarpShare * shape.width_mm / (bend * height);
@@ -148,6 +154,30 @@ Sections make_sections(const LineTool& shape, int slabs) {
   return s;
 }
 
+/// How far the exact surface lies below a section's points (across, height) of height 0; empty
+/// where the path has left it, or it bends too much.
+std::optional<std::vector<double>> sags_mm(const Sections& s,
+                                           const LineFrame& frame,
+                                           const Section& section) {
+  const auto sag = [&](double across_mm) {
+    const double reach_mm = s.on_patch_mm + kMaxBend * std::abs(across_mm);
+    const Ray down = {.origin_mm = frame.at(across_mm, 0.0), .direction = -frame.normal};
+    return polish(*s.patch, down, 0.0, reach_mm);
+  };
+  std::vector<double> sags;
+  if (s.patch == nullptr || !sag(0.0)) {
+    return std::nullopt;
+  }
+  for (const Eigen::Vector2d& p : section) {
+    const auto hit = sag(p.x());
+    if (!hit) {
+      return std::nullopt;
+    }
+    sags.push_back(hit->t_mm);
+  }
+  return sags;
+}
+
 /// All sections in their frames, each as long as the others, with `lower` + 3 points.
 std::vector<Eigen::Vector3d> place_sections(const Sections& s,
                                             const std::vector<LineFrame>& frames,
@@ -165,8 +195,12 @@ std::vector<Eigen::Vector3d> place_sections(const Sections& s,
     section.emplace_back(section.back().x(), top);
     section.emplace_back(0.0, 1.15 * top);
     section.emplace_back(left, top);
-    for (const Eigen::Vector2d& p : section) {
-      points.push_back(frames[i].at(p.x() + lean * p.y(), p.y()));
+    for (Eigen::Vector2d& p : section) {
+      p.x() += lean * p.y();
+    }
+    const auto sags = sags_mm(s, frames[i], section);
+    for (std::size_t j = 0; j < section.size(); ++j) {
+      points.push_back(frames[i].at(section[j].x(), section[j].y() - (sags ? (*sags)[j] : 0.0)));
     }
   }
   return points;
@@ -278,11 +312,14 @@ TriangleMesh swept(const LineTool& shape, const Sections& s, const LineFrames& f
 
 }  // namespace
 
-TriangleMesh line_tool(const LineTool& shape, const LineFrames& frames) {
+TriangleMesh line_tool(const LineTool& shape, const LineFrames& frames, const ExactPatch* patch) {
   LineTool fitting = shape;
   const double longest = 2.0 * frames.half_length_mm() / 1.2;
   fitting.length_mm = std::min(shape.length_mm, longest);
-  const Sections s = make_sections(fitting, number_of_slabs(fitting, frames));
+  const double sag_share = patch != nullptr ? kExactShare : kSagShare;
+  Sections s = make_sections(fitting, number_of_slabs(fitting, frames, sag_share));
+  s.patch = patch;
+  s.on_patch_mm = kOnPatch * fitting.length_mm;
   return swept(fitting, s, frames);
 }
 

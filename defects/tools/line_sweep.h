@@ -5,6 +5,7 @@
 
 #include "defects/tools/line_frames.h"
 #include "simulator/geometry/mesh/triangle_mesh.h"
+#include "simulator/geometry/part/exact_surface.h"
 
 namespace glint {
 
@@ -26,6 +27,9 @@ struct LineTool {
 /// Closed, outwards, in the frame of the path. Sections stay in planes that follow one another
 /// without crossing inside the tool: where the path bends too much for that, the frame is averaged
 /// over a longer stretch and the part of the tool above the surface made lower.
-TriangleMesh line_tool(const LineTool& shape, const LineFrames& frames);
+/// @param patch  the exact surface that the path runs on: sections are bent with it; nullptr: none
+TriangleMesh line_tool(const LineTool& shape,
+                       const LineFrames& frames,
+                       const ExactPatch* patch = nullptr);
 
 }  // namespace glint

@@ -112,4 +112,27 @@ TriangleMesh bent_along(const TriangleMesh& mesh,
   return bent;
 }
 
+TriangleMesh quartered(const TriangleMesh& mesh) {
+  TriangleMesh finer;
+  finer.vertices_mm = mesh.vertices_mm;
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middles;
+  const auto middle_of = [&](std::int32_t a, std::int32_t b) {
+    const auto [place, is_new] =
+        middles.try_emplace(std::minmax(a, b), static_cast<std::int32_t>(finer.vertices_mm.size()));
+    if (is_new) {
+      const Eigen::Vector3d p = mesh.vertices_mm[static_cast<std::size_t>(a)];
+      finer.vertices_mm.emplace_back(0.5 * (p + mesh.vertices_mm[static_cast<std::size_t>(b)]));
+    }
+    return place->second;
+  };
+  for (const Triangle& t : mesh.triangles) {
+    const Triangle middle = {middle_of(t[0], t[1]), middle_of(t[1], t[2]), middle_of(t[2], t[0])};
+    finer.triangles.push_back({t[0], middle[0], middle[2]});
+    finer.triangles.push_back({middle[0], t[1], middle[1]});
+    finer.triangles.push_back({middle[2], middle[1], t[2]});
+    finer.triangles.push_back(middle);
+  }
+  return finer;
+}
+
 }  // namespace glint

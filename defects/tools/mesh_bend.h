@@ -13,4 +13,7 @@ TriangleMesh bent_along(const TriangleMesh& mesh,
                         double step_mm,
                         double window_mm);
 
+/// The same shape with every triangle cut into four at the middles of its edges.
+TriangleMesh quartered(const TriangleMesh& mesh);
+
 }  // namespace glint

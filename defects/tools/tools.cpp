@@ -21,6 +21,8 @@ namespace {
 constexpr std::uint64_t kChooseIndex = 0x746f6f6d00;  ///< draws of a defect's seed: which tool
 constexpr double kSlabShare = 1.0 / 64.0;             ///< of the length of an own tool that is bent
 constexpr double kMaxBend = 0.5;                      ///< of a round tool, times its radius
+constexpr double kChordShare = 0.005;                 ///< of the depth, of a bent tool's triangles
+constexpr std::size_t kMaxTriangles = 400'000;        ///< of a bent tool
 
 /// Pits are rougher than their setting, of features a little larger.
 constexpr double kPitRoughness = 1.2;
@@ -57,15 +59,36 @@ LineTool line_shape(const Defect& defect, const DefectGroup& group) {
   return shape;
 }
 
-/// Leans a round tool, bends it with the surface and puts it to its place.
-TriangleMesh placed(TriangleMesh mesh, const Defect& defect, const SurfaceBend& bend) {
+/// A round tool with triangles that follow the surface when it is bent: a chord of length e lies
+/// k e^2 / 8 off a bend k, and that must be little against the depth.
+TriangleMesh fine_enough(TriangleMesh mesh, const Defect& defect, const SurfaceBend& bend) {
+  const double largest = std::max(std::abs(bend.along_per_mm), std::abs(bend.across_per_mm));
+  const double allowed_mm = std::sqrt(kChordShare * 8.0 * defect.depth_mm / largest);
+  const auto is_coarse = [&](const Triangle& t) {
+    const auto at = [&](std::size_t k) -> const Eigen::Vector3d& {
+      return mesh.vertices_mm[static_cast<std::size_t>(t[k])];
+    };
+    const bool works = std::min({at(0).z(), at(1).z(), at(2).z()}) < 0.0;
+    return works && std::max({(at(1) - at(0)).head<2>().norm(),
+                              (at(2) - at(1)).head<2>().norm(),
+                              (at(0) - at(2)).head<2>().norm()}) > allowed_mm;
+  };
+  while (4 * mesh.num_triangles() <= kMaxTriangles &&
+         std::ranges::any_of(mesh.triangles, is_coarse)) {
+    mesh = quartered(mesh);
+  }
+  return mesh;
+}
+
+/// Leans a round tool, bends it with so much of the surface's sag and puts it to its place.
+TriangleMesh placed(TriangleMesh mesh, const Defect& defect, const SurfaceSag& sag, double share) {
   const double lean = std::tan(defect.tilt_rad);
   const double lean_u = lean * std::cos(defect.tilt_direction_rad);
   const double lean_v = lean * std::sin(defect.tilt_direction_rad);
   for (Eigen::Vector3d& p : mesh.vertices_mm) {
     const double u = p.x() + lean_u * p.z();
     const double v = p.y() + lean_v * p.z();
-    const double w = p.z() - 0.5 * (bend.along_per_mm * u * u + bend.across_per_mm * v * v);
+    const double w = p.z() - (share > 0.0 ? share * sag.at_mm(u, v) : 0.0);
     p = defect.place.centre_mm + u * defect.place.u_axis + v * defect.place.v_axis +
         w * defect.place.normal;
   }
@@ -75,21 +98,18 @@ TriangleMesh placed(TriangleMesh mesh, const Defect& defect, const SurfaceBend& 
 /// With as much of the bend as the tool stands: coarse triangles of a rough tool may not follow.
 TriangleMesh placed_soundly(const TriangleMesh& mesh,
                             const Defect& defect,
-                            SurfaceBend bend,
+                            const SurfaceBend& bend,
                             bool stands_any_bend) {
-  const double limit = 2.0 * kMaxBend / defect.diameter_mm;
-  bend.along_per_mm = std::clamp(bend.along_per_mm, -limit, limit);
-  bend.across_per_mm = std::clamp(bend.across_per_mm, -limit, limit);
-  const bool is_flat = bend.along_per_mm == 0.0 && bend.across_per_mm == 0.0;
+  const SurfaceSag sag(defect.place, bend, 2.0 * kMaxBend / defect.diameter_mm);
+  double share = 1.0;
   for (int halvings = 0; halvings < 6; ++halvings) {
-    TriangleMesh bent = placed(mesh, defect, bend);
-    if (is_flat || stands_any_bend || tool_fault(bent).empty()) {
+    TriangleMesh bent = placed(mesh, defect, sag, share);
+    if (sag.is_flat() || stands_any_bend || tool_fault(bent).empty()) {
       return bent;
     }
-    bend.along_per_mm *= 0.5;
-    bend.across_per_mm *= 0.5;
+    share *= 0.5;
   }
-  return placed(mesh, defect, {});
+  return placed(mesh, defect, sag, 0.0);
 }
 
 /// An own tool of a line, bent with the smallest smoothing of the path that keeps it sound.
@@ -192,7 +212,7 @@ TriangleMesh ToolCollection::tool(const Defect& defect,
   GLINT_CHECK(defect.type != DefectType::kStain, "a stain has no tool");
   if (is_line(defect.type)) {
     const LineFrames frames(path, defect.place);
-    return is_procedural() ? line_tool(line_shape(defect, group_), frames)
+    return is_procedural() ? line_tool(line_shape(defect, group_), frames, bend.patch)
                            : bent_custom_tool(custom_tool(defect.tool), defect, frames);
   }
   const bool is_bump = defect.type == DefectType::kBump;
@@ -204,6 +224,9 @@ TriangleMesh ToolCollection::tool(const Defect& defect,
     const CustomTool& own = custom_tool(defect.tool);
     mesh = scaled_tool(is_bump ? upside_down(own.mesh) : own.mesh,
                        {.across_mm = defect.diameter_mm, .depth_mm = defect.depth_mm});
+  }
+  if (bend.patch != nullptr) {
+    mesh = fine_enough(std::move(mesh), defect, bend);
   }
   const bool stands_any_bend = is_procedural() && is_shallow_cap(shape) && defect.tilt_rad == 0.0;
   return placed_soundly(

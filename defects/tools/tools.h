@@ -13,17 +13,11 @@
 #include "defects/definition/defect.h"
 #include "defects/definition/defect_settings.h"
 #include "defects/tools/custom_tools.h"
+#include "defects/tools/surface_sag.h"
 #include "simulator/geometry/mesh/triangle_mesh.h"
 #include "simulator/geometry/surface/surface_path.h"
 
 namespace glint {
-
-/// How the smooth surface bends at a round defect's place, along its u and v axis [1/mm]: positive
-/// where it bends away from the normal (1 / radius of a ball seen from outside), 0 = flat.
-struct SurfaceBend {
-  double along_per_mm = 0.0;
-  double across_per_mm = 0.0;
-};
 
 /// The bend along a path on the surface, by least squares through its points [1/mm].
 double path_bend(std::span<const SurfacePathPoint> path);
@@ -59,8 +53,8 @@ class ToolCollection {
   /// @param path    of lines: on the surface along u, arc_mm = 0 at the place, best 10 % longer
   ///                than the line at both ends (continued straight on where shorter); empty:
   ///                straight
-  /// @param bend    of round ones: the tool is bent with the surface, so that a shallow dent keeps
-  ///                its depth and opening on a curved part
+  /// @param bend    the tool is bent with the surface, so that a shallow defect keeps its depth and
+  ///                opening on a curved part; of lines only the exact surface counts, across them
   /// @throws ConfigError when defect.tool is none of names()
   TriangleMesh tool(const Defect& defect,
                     std::span<const SurfacePathPoint> path = {},

@@ -167,6 +167,21 @@ DefectScores score(const ImageF& image,
 
 }  // namespace
 
+std::string defect_table(const std::string& label) {
+  const std::size_t end = label.rfind('_');
+  const bool is_numbered = end != std::string::npos && end > 0 && end + 1 < label.size() &&
+                           label.find_first_not_of("0123456789", end + 1) == std::string::npos;
+  return "defects." + (is_numbered ? label.substr(0, end) : label);
+}
+
+ConfigError unseen_defect(const std::string& label, const std::string& why) {
+  return {defect_table(label),
+          fmt::format("{} {}; give it a place that the camera sees (x_mm and y_mm, or at_mm), or "
+                      "keep random places in sight (facing_deg, or a region)",
+                      label,
+                      why)};
+}
+
 std::vector<DefectPixels> defect_pixels(std::span<const DefectView> defects,
                                         const Mask& on_part,
                                         const MetricsSettings& settings) {
@@ -176,13 +191,14 @@ std::vector<DefectPixels> defect_pixels(std::span<const DefectView> defects,
   for (const DefectView& defect : defects) {
     DefectPixels pixels = sort_pixels(defect, on_part, background, settings);
     if (pixels.inside.empty()) {
-      throw ConfigError("defects." + defect.label,
-                        "is not in the picture, its middle must lie on the visible part");
+      throw unseen_defect(defect.label,
+                          "is not in the picture, its middle must lie on the visible part");
     }
     if (pixels.ring.empty()) {
-      throw ConfigError("defects." + defect.label,
-                        fmt::format("has no background between {} and {} radii on the visible part "
-                                    "away from other defects, at least one pixel must be left",
+      throw ConfigError(defect_table(defect.label),
+                        fmt::format("{} has no background between {} and {} radii on the visible "
+                                    "part away from other defects, at least one pixel must be left",
+                                    defect.label,
                                     settings.ring_inner_radii,
                                     settings.ring_outer_radii));
     }
@@ -258,7 +274,10 @@ void BestFrames::add(const ImageF& frame, std::span<const std::vector<float>> fl
     }
     if (!flawless.empty()) {
       const std::vector<std::size_t>& inside = defects_[k].inside;
-      best.change = std::max(best.change, mean_change(frame, inside, flawless[k]));
+      if (const double change = mean_change(frame, inside, flawless[k]); change > best.change) {
+        best.change = change;
+        best.change_frame = frames_;
+      }
       best.union_area =
           mark_changed(frame, inside, flawless[k], change_threshold_, has_changed_[k]) /
           defects_[k].area_px;

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/error.h"
 #include "metrics/aspect_image/roi.h"
 
 namespace glint {
@@ -23,6 +24,13 @@ struct DefectPixels {
   std::vector<std::size_t> window;  ///< W: within the inner radius of the ring, on the part
   double area_px = 0.0;
 };
+
+/// The table of a scene that a defect comes from: "defects.dent" for the label "dent_2".
+std::string defect_table(const std::string& label);
+
+/// The error for a defect that cannot be scored, at its table, with what to do about it.
+/// @param why  "is not in the picture"
+ConfigError unseen_defect(const std::string& label, const std::string& why);
 
 /// Sorts the pixels around each defect; once for a fixed part and camera.
 /// @param on_part  pixels wholly on the part (whole_pixels), with or without its rim
@@ -45,6 +53,8 @@ struct DefectScores {
   double best_frame = 0.0;  ///< largest |mean_D - mean_B|, share of full scale
   double change = 0.0;      ///< largest mean_D |f - flawless f|, share of full scale
   double union_area = 0.0;  ///< pixels of D that change in any frame, over the true area
+  int frame = -1;           ///< the one with the largest |mean_D - mean_B|; -1: none
+  int change_frame = -1;    ///< the one with the largest change; -1: none
 };
 
 /// Scores every defect.
@@ -99,6 +109,7 @@ class BestFrames {
     double difference = 0.0;  ///< largest |mean_D - mean_B| of any frame, share of full scale
     int frame = -1;           ///< the first frame with that difference; -1: no frame yet
     double change = 0.0;      ///< largest mean over D of |f - flawless f| of any frame
+    int change_frame = -1;    ///< the first frame with that change; -1: no frame changes
     double union_area = 0.0;  ///< pixels of D that changed in any frame yet, over the true area
   };
 

@@ -6,8 +6,8 @@
 namespace glint {
 namespace {
 
-constexpr std::array<std::string_view, 4> kFilters = {
-    "gaussian", "difference_of_gaussians", "matched", "phase"};
+constexpr std::array<std::string_view, 5> kFilters = {
+    "gaussian", "difference_of_gaussians", "matched", "phase", "structure"};
 constexpr std::array<std::string_view, 3> kThresholds = {"fixed", "noise", "false_alarms"};
 constexpr std::array<std::string_view, 3> kPolarities = {"both", "bright", "dark"};
 constexpr std::array<std::string_view, 2> kKindRules = {"elongation", "printed"};
@@ -19,7 +19,7 @@ void visit_filter(KeyVisitor& keys, InspectionSettings& settings) {
               kFilters,
               "gaussian: mean image minus its Gaussian; difference_of_gaussians: the largest of "
               "several scales; matched: correlation with a spot; phase: slopes from shifted "
-              "stripes");
+              "stripes; structure: what varies along two directions, unlike grooves and edges");
   keys.integer("kernel_px",
                settings.kernel_px,
                Range::between(3, 255),
@@ -38,6 +38,10 @@ void visit_filter(KeyVisitor& keys, InspectionSettings& settings) {
               settings.template_px,
               {.min = 1, .max = 400},
               "diameter (4 sigma) of the spot that the matched filter looks for");
+  keys.number("structure_px",
+              settings.structure_px,
+              {.min = 2, .max = 400},
+              "width (4 sigma) of the window over which filter structure averages");
   keys.number("periods",
               settings.periods,
               Range::positive(),
@@ -72,6 +76,10 @@ void visit_blobs(KeyVisitor& keys, InspectionSettings& settings) {
                "rim of the part that is not inspected");
   keys.integer(
       "min_area_px", settings.min_area_px, Range::at_least(1), "smaller blobs are no defects");
+  keys.integer("max_reports",
+               settings.max_reports,
+               Range::between(0, 1000000),
+               "reports of a part: the threshold is raised until no more are left; 0: any number");
   keys.choice(
       "kind_rule",
       settings.kind_rule,
@@ -169,6 +177,15 @@ void visit_keys(KeyVisitor& keys, InspectionSettings& settings) {
       "trials",
       [&](KeyVisitor& table) { visit_keys(table, settings.trials); },
       "simulated inspections behind the scores of a study");
+}
+
+InspectionSettings photograph_settings() {
+  InspectionSettings settings;
+  settings.filter = InspectionSettings::Filter::kStructure;
+  settings.threshold_sigmas = 3.0;  // of the structure everywhere, which is more than noise
+  settings.min_area_px = 10;
+  settings.max_reports = 20;
+  return settings;
 }
 
 }  // namespace glint

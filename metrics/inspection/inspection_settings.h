@@ -33,8 +33,9 @@ void visit_keys(KeyVisitor& keys, TrialSettings& settings);
 
 /// The [inspection] table of a scene.
 struct InspectionSettings {
-  /// What is subtracted, or what the aspect image is compared with; see masked_filter.h, phase.h.
-  enum class Filter { kGaussian, kDifferenceOfGaussians, kMatched, kPhase };
+  /// What is subtracted, or what the aspect image is compared with; see masked_filter.h, phase.h,
+  /// structure.h.
+  enum class Filter { kGaussian, kDifferenceOfGaussians, kMatched, kPhase, kStructure };
   enum class Threshold { kFixed, kNoise, kFalseAlarms };
   enum class Polarity { kBoth, kBright, kDark };
   enum class KindRule { kElongation, kPrinted };
@@ -44,8 +45,9 @@ struct InspectionSettings {
   int kernel_px = 9;      ///< odd, 3 to 255; of the Gaussian
   double sigma_px = 0.0;  ///< >= 0; of the Gaussian; 0: as its kernel has it in OpenCV
   std::vector<double> scales_px = {1.0, 2.0, 4.0};  ///< of the differences of Gaussians
-  double template_px = 5.0;  ///< > 0; diameter (4 sigma) of the spot the matched filter looks for
-  double periods = 1.0;      ///< > 0; periods of the stripes that a sequence takes, for phases
+  double template_px = 5.0;    ///< > 0; diameter (4 sigma) of the spot the matched filter looks for
+  double structure_px = 16.0;  ///< > 0; width (4 sigma) of the window of the structure tensor
+  double periods = 1.0;        ///< > 0; periods of the stripes that a sequence takes, for phases
 
   Threshold threshold = Threshold::kNoise;
   double threshold_grey = 0.02;           ///< > 0; of `fixed`, share of full scale
@@ -55,6 +57,7 @@ struct InspectionSettings {
 
   int erosion_px = 4;   ///< >= 0; rim of the part that is not looked at
   int min_area_px = 2;  ///< >= 1; smaller blobs are noise
+  int max_reports = 0;  ///< >= 0; so many blobs of a part that stand out most; 0: all
   KindRule kind_rule = KindRule::kElongation;
   double hole_compactness = 0.5;  ///< in [0, 1]; 1 - elongation from which a blob is a hole or bump
   double printed_k = 1.0;         ///< of the printed rule
@@ -69,5 +72,10 @@ struct InspectionSettings {
 
 /// Names, ranges and cross checks of the keys.
 void visit_keys(KeyVisitor& keys, InspectionSettings& settings);
+
+/// What suits a single photograph, which is no scan: grooves, edges and reflections are not evened
+/// out, so what varies along two directions is looked for, and the places that stand out most are
+/// reported. docs/inspect.md
+InspectionSettings photograph_settings();
 
 }  // namespace glint

@@ -11,9 +11,11 @@
 #include "core/error.h"
 #include "metrics/inspection/aspect.h"
 #include "metrics/inspection/blobs.h"
+#include "metrics/inspection/calibration.h"
 #include "metrics/inspection/filter_kernels.h"
 #include "metrics/inspection/phase.h"
 #include "metrics/inspection/response_noise.h"
+#include "metrics/inspection/structure.h"
 
 namespace glint {
 namespace {
@@ -104,7 +106,7 @@ void keep_all_inside(const ImageF& aspect, const Mask& mask, ThreadPool& pool, I
 [[noreturn]] void throw_needs_frames() {
   throw ConfigError("inspection.filter",
                     "phase needs the images of the sequence, allowed for a mean image are "
-                    "gaussian, difference_of_gaussians and matched");
+                    "gaussian, difference_of_gaussians, matched and structure");
 }
 
 }  // namespace
@@ -129,7 +131,12 @@ ImageF Inspector::response(const ImageF& aspect, ThreadPool& pool) const {
   ImageF result(aspect.width(), aspect.height());
   ImageF masked = scratch_->take();
   keep_all_inside(aspect, mask_, pool, masked);
-  filter_.respond(masked, pool, result);
+  if (settings_.filter == Filter::kStructure) {
+    const ImageF whole = structure_of(masked, mask_, settings_.structure_px, pool);
+    keep_all_inside(whole, region_, pool, result);
+  } else {
+    filter_.respond(masked, pool, result);
+  }
   scratch_->give_back(std::move(masked));
   return result;
 }
@@ -150,6 +157,9 @@ ImageF Inspector::response(std::span<const ImageF> frames, ThreadPool& pool) con
 
 double Inspector::noise(const ImageF& response, ThreadPool& pool) const {
   check_size(response, mask_);
+  if (settings_.filter == Filter::kStructure) {
+    return robust_size(response, region_spans_);
+  }
   return robust_deviation(response, region_spans_, pool);
 }
 
@@ -174,7 +184,20 @@ double Inspector::threshold(const ImageF& response, std::optional<double> calibr
     return threshold_at(0.0, calibrated);
   }
   // Not by a pool of its own: as long as that lived, it would limit all others of the program.
-  return threshold_at(robust_deviation(response, region_spans_), calibrated);
+  return threshold_at(settings_.filter == Filter::kStructure
+                          ? robust_size(response, region_spans_)
+                          : robust_deviation(response, region_spans_),
+                      calibrated);
+}
+
+double Inspector::capped_threshold(const ImageF& response,
+                                   double threshold,
+                                   ThreadPool& pool) const {
+  const auto most = static_cast<std::size_t>(settings_.max_reports);
+  if (most == 0 || blobs(response, threshold, pool).size() <= most) {
+    return threshold;
+  }
+  return std::max(threshold, threshold_for(*this, {&response, 1}, static_cast<double>(most), pool));
 }
 
 std::vector<FoundDefect> Inspector::blobs(const ImageF& response,
@@ -191,7 +214,7 @@ Inspection Inspector::list(const ImageF& response,
   if (settings_.threshold == Threshold::kNoise) {
     result.noise = noise(response, pool);
   }
-  result.threshold = threshold_at(result.noise, calibrated);
+  result.threshold = capped_threshold(response, threshold_at(result.noise, calibrated), pool);
   result.defects = blobs(response, result.threshold, pool);
   return result;
 }
@@ -205,6 +228,9 @@ Inspection Inspector::inspect(const ImageF& aspect,
 Inspection Inspector::inspect(std::span<const Image<std::uint8_t>> frames,
                               ThreadPool& pool,
                               std::optional<double> calibrated) const {
+  if (settings_.filter == Filter::kStructure) {
+    return inspect(aspect_of(frames, pool), pool, calibrated);
+  }
   if (settings_.filter != Filter::kPhase) {
     ImageF aspect = scratch_->take();
     masked_aspect(frames, mask_, pool, aspect);

@@ -72,7 +72,8 @@ class Inspector {
   /// Where defects are looked for: the mask without its rim.
   const Mask& region() const { return region_; }
 
-  /// The filtered aspect image, 0 outside the region, in shares of full scale.
+  /// The filtered aspect image, 0 outside the region, in shares of full scale; of filter structure
+  /// structure_of().
   /// @throws ConfigError for another size than the mask's, NaN, or filter phase
   ImageF response(const ImageF& aspect, ThreadPool& pool) const;
 
@@ -85,10 +86,13 @@ class Inspector {
   /// @throws ConfigError when it is missing
   double threshold(const ImageF& response, std::optional<double> calibrated = {}) const;
 
+  /// The threshold, raised as far as `max_reports` asks for.
+  double capped_threshold(const ImageF& response, double threshold, ThreadPool& pool) const;
+
   /// The lower bound of thresholds: kMinThreshold, more for filters that amplify rounding.
   double min_threshold() const { return kMinThreshold * filter_.amplification(); }
 
-  /// The response's robust standard deviation over the region.
+  /// The response's robust standard deviation over the region; of filter structure robust_size().
   double noise(const ImageF& response, ThreadPool& pool) const;
 
   /// Blobs of |response| >= threshold of the wanted polarity. @param threshold  > 0

@@ -70,7 +70,8 @@ double noise_gain(const HalfKernel& narrow, const HalfKernel& wide) {
   return std::sqrt(squares);
 }
 
-/// A sampled Gaussian of sum 1. @param radius  taps to either side
+}  // namespace
+
 HalfKernel gaussian_kernel(double sigma_px, int radius) {
   std::vector<double> taps;
   double sum = 0.0;
@@ -84,8 +85,6 @@ HalfKernel gaussian_kernel(double sigma_px, int radius) {
   }
   return kernel;
 }
-
-}  // namespace
 
 double gaussian_sigma(const InspectionSettings& settings) {
   return settings.sigma_px > 0.0 ? settings.sigma_px
@@ -174,6 +173,7 @@ MaskedFilter::MaskedFilter(const InspectionSettings& settings, const Mask& mask,
       add_matched(inside, settings.template_px);
       break;
     case InspectionSettings::Filter::kPhase:
+    case InspectionSettings::Filter::kStructure:
       break;
   }
 }

@@ -18,11 +18,14 @@ using HalfKernel = std::vector<float>;
 /// sigma_px, or if that is 0 what OpenCV takes for such a kernel.
 double gaussian_sigma(const InspectionSettings& settings);
 
+/// A sampled Gaussian of sum 1. @param radius  taps to either side, >= 0
+HalfKernel gaussian_kernel(double sigma_px, int radius);
+
 class MaskedFilter {
  public:
   MaskedFilter() = default;
 
-  /// The filter of the settings; not phase, which has none.
+  /// The filter of the settings; not phase and structure, which have none.
   /// @param region  pixels of the mask that get a response
   MaskedFilter(const InspectionSettings& settings, const Mask& mask, const Mask& region);
 

@@ -158,4 +158,9 @@ double robust_deviation(const ImageF& image, const Spans& spans) {
   return deviation_of(MedianFinder(image, spans, nullptr));
 }
 
+double robust_size(const ImageF& image, const Spans& spans) {
+  const MedianFinder finder(image, spans, nullptr);
+  return kSigmaOfMedian * static_cast<double>(finder.median({.is_distance = true}));
+}
+
 }  // namespace glint

@@ -16,4 +16,8 @@ double robust_deviation(const ImageF& image, const Spans& spans, ThreadPool& poo
 /// The same on the calling thread alone.
 double robust_deviation(const ImageF& image, const Spans& spans);
 
+/// 1.4826 times the median size of the values, on the calling thread alone: for responses that have
+/// one size and either sign everywhere, so that the median of the signed values tells nothing.
+double robust_size(const ImageF& image, const Spans& spans);
+
 }  // namespace glint

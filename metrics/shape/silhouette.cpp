@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The silhouette of a part in the mean of its frames: a threshold (N. Otsu 1979), a flood from the
-// border of the picture through what is darker, and the largest piece of the rest. Dark stripes and
-// holes inside the outline are thereby filled. Pictures without a clear silhouette are refused with
-// the reason, by comparing the contrast with the noise of neighbouring pixels.
+// border of the picture through what is darker, and the largest piece of the rest, or all pieces
+// but crumbs. Dark stripes and holes inside the outline are thereby filled. Pictures without a
+// clear silhouette are refused with the reason, by comparing the contrast with the noise of
+// neighbouring pixels.
 // docs/theory/inspection_masks.md, "Silhouette". Cost: linear in the pixels. Memory: some bytes per
 // pixel.
 #include "metrics/shape/silhouette.h"
@@ -155,7 +156,7 @@ constexpr unsigned char kUnknown = 0;
 constexpr unsigned char kLit = 1;
 constexpr unsigned char kOutside = 2;
 constexpr unsigned char kSeen = 3;
-constexpr unsigned char kLargest = 4;
+constexpr unsigned char kKept = 4;
 
 template <class Visit>
 void for_border(const Mask& mask, const Visit& visit) {
@@ -180,31 +181,53 @@ void flood_from_outside(Mask& mask) {
   flood(mask, std::move(seeds), kUnknown, kOutside, 4);  // 4: no way between diagonal pixels
 }
 
-/// Keeps the largest piece of what is not outside; the first of equals. @returns its size
-std::size_t keep_largest(Mask& mask) {
+struct Piece {
+  Pixel where = {0, 0};  ///< its first pixel
+  std::size_t area_px = 0;
+};
+
+/// The connected pieces of what is not outside, by their first pixels; marks them as seen.
+std::vector<Piece> pieces_of(Mask& mask) {
   for (unsigned char& pixel : mask.values()) {
     pixel = pixel == kOutside ? kUnknown : kLit;
   }
-  std::size_t largest = 0;
-  Pixel where = {0, 0};
+  std::vector<Piece> pieces;
   for (int y = 0; y < mask.height(); ++y) {
     for (int x = 0; x < mask.width(); ++x) {
       if (mask(x, y) == kLit) {
         mask(x, y) = kSeen;
-        const std::size_t size = 1 + flood(mask, {{x, y}}, kLit, kSeen, 8);
-        where = size > largest ? Pixel(x, y) : where;
-        largest = std::max(largest, size);
+        pieces.push_back({.where = {x, y}, .area_px = 1 + flood(mask, {{x, y}}, kLit, kSeen, 8)});
       }
     }
   }
-  if (largest > 0) {
-    mask(where.first, where.second) = kLargest;
-    flood(mask, {where}, kSeen, kLargest, 8);
+  return pieces;
+}
+
+/// The largest piece, the first of equals, or all but crumbs.
+std::vector<Piece> kept_of(std::vector<Piece> pieces, Pieces wanted) {
+  const auto largest = std::ranges::max_element(pieces, {}, &Piece::area_px);
+  if (largest == pieces.end() || largest->area_px < kMinAreaPx) {
+    return {};
+  }
+  if (wanted == Pieces::kLargest) {
+    return {*largest};
+  }
+  const double least = kCrumb * static_cast<double>(largest->area_px);
+  std::erase_if(pieces, [&](const Piece& piece) {
+    return piece.area_px < kMinAreaPx || static_cast<double>(piece.area_px) < least;
+  });
+  return pieces;
+}
+
+/// The mask of these pieces alone: 1 and 0.
+void keep(const std::vector<Piece>& pieces, Mask& mask) {
+  for (const Piece& piece : pieces) {
+    mask(piece.where.first, piece.where.second) = kKept;
+    flood(mask, {piece.where}, kSeen, kKept, 8);
   }
   for (unsigned char& pixel : mask.values()) {
-    pixel = pixel == kLargest ? 1 : 0;
+    pixel = pixel == kKept ? 1 : 0;
   }
-  return largest;
 }
 
 Mask lit_pixels(const ImageF& image, double threshold) {
@@ -230,17 +253,19 @@ std::optional<NoSilhouette> fault_of(const Range& range) {
 }
 
 /// Fills the mask in or says why not.
-std::optional<NoSilhouette> outline(const ImageF& aspect, Silhouette& result) {
+std::optional<NoSilhouette> outline(const ImageF& aspect, Pieces wanted, Silhouette& result) {
   Mask mask = lit_pixels(aspect, result.threshold);
   flood_from_outside(mask);
-  const std::size_t area = keep_largest(mask);
-  if (area < kMinAreaPx) {
+  const std::vector<Piece> pieces = kept_of(pieces_of(mask), wanted);
+  if (pieces.empty()) {
     return NoSilhouette::kTooSmall;
   }
-  if (area == mask.size()) {
+  if (pieces.front().area_px == mask.size()) {
     return NoSilhouette::kFillsPicture;
   }
+  keep(pieces, mask);
   for_border(mask, [&](int x, int y) { result.touches_border |= mask(x, y) != 0; });
+  result.pieces = static_cast<int>(pieces.size());
   result.mask = std::move(mask);
   return std::nullopt;
 }
@@ -263,7 +288,7 @@ std::string_view sentence(NoSilhouette reason) {
   return "";
 }
 
-Silhouette find_silhouette(const ImageF& aspect) {
+Silhouette find_silhouette(const ImageF& aspect, Pieces pieces) {
   check_picture(aspect);
   const Range range = range_of(aspect);
   Silhouette result;
@@ -274,7 +299,8 @@ Silhouette find_silhouette(const ImageF& aspect) {
   result.threshold = otsu_threshold(aspect, range);
   result.contrast = contrast_at(aspect, result.threshold);
   const double minimum = std::max(kMinContrast, kContrastOverNoise * noise_of(aspect));
-  result.fault = result.contrast < minimum ? NoSilhouette::kNoContrast : outline(aspect, result);
+  result.fault =
+      result.contrast < minimum ? NoSilhouette::kNoContrast : outline(aspect, pieces, result);
   return result;
 }
 

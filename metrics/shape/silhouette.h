@@ -24,8 +24,18 @@ enum class NoSilhouette {
 /// A sentence for the user: what is wrong and what to do.
 std::string_view sentence(NoSilhouette reason);
 
+/// Which connected pieces (8 neighbours) make up the part.
+enum class Pieces {
+  kLargest,  ///< one: what else is bright is beside the part
+  kAll       ///< all but crumbs: dark bands, like the camera slot's reflection, may cut the part
+};
+
+/// Pieces below this share of the largest one are crumbs: dust, hot pixels.
+inline constexpr double kCrumb = 0.01;
+
 struct Silhouette {
-  std::optional<Mask> mask;           ///< filled, one connected piece (8 neighbours)
+  std::optional<Mask> mask;           ///< filled
+  int pieces = 0;                     ///< of the mask
   std::optional<NoSilhouette> fault;  ///< set when there is no mask
   double threshold = 0.0;             ///< Otsu's, share of full scale: best parts dark and bright
   double contrast = 0.0;              ///< mean of the bright pixels minus mean of the dark ones
@@ -34,6 +44,6 @@ struct Silhouette {
 
 /// @param aspect  mean of the sequence (aspect_of()), in shares of full scale
 /// @throws ConfigError for an empty picture, NaN or infinity
-Silhouette find_silhouette(const ImageF& aspect);
+Silhouette find_silhouette(const ImageF& aspect, Pieces pieces = Pieces::kLargest);
 
 }  // namespace glint

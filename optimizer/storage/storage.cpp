@@ -178,12 +178,15 @@ void check_readable(Database& database) {
   }
 }
 
-std::string read_config_hash(Database& database) {
-  Statement row(database, "SELECT config_hash FROM study");
+StudyIdentity read_identity(Database& database) {
+  Statement row(database, "SELECT config_hash, config_text, code_version, seed FROM study");
   if (!row.step()) {
     throw IoError(database.path().string() + ": the study database is damaged: it names no study");
   }
-  return row.text(0);
+  return {.config_hash = row.text(0),
+          .config_text = row.text(1),
+          .code_version = row.text(2),
+          .seed = std::bit_cast<std::uint64_t>(row.integer(3))};
 }
 
 /// Written under another name and renamed when whole, so that a kill in between leaves no database
@@ -266,7 +269,7 @@ Storage Storage::open(const std::filesystem::path& path, const StudyIdentity& id
   auto state = std::make_unique<State>(path, Database::Access::kReadWrite);
   state->lock = std::move(lock);
   check_readable(state->database);
-  if (read_config_hash(state->database) != identity.config_hash) {
+  if (read_identity(state->database).config_hash != identity.config_hash) {
     throw ConfigError(path.string() +
                       ": holds another study; choose another output folder, or remove this one");
   }
@@ -287,7 +290,7 @@ Storage Storage::read(const std::filesystem::path& path) {
   auto state = std::make_unique<State>(
       path, is_running ? Database::Access::kReadOnly : Database::Access::kFrozen);
   check_readable(state->database);
-  read_config_hash(state->database);
+  read_identity(state->database);
   return Storage(std::move(state));
 }
 
@@ -339,6 +342,11 @@ double Storage::total_seconds() const {
   const std::lock_guard lock(state_->mutex);
   Statement sum(state_->database, "SELECT total(seconds) FROM session");
   return sum.step() ? sum.real(0) : 0.0;
+}
+
+StudyIdentity Storage::identity() const {
+  const std::lock_guard lock(state_->mutex);
+  return read_identity(state_->database);
 }
 
 std::vector<Event> Storage::events() const {

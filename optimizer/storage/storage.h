@@ -68,6 +68,7 @@ class Storage {
   /// Over all processes that ran this study.
   double total_seconds() const;
 
+  StudyIdentity identity() const;                   ///< as it was when the study began
   std::vector<Event> events() const;                ///< in order
   std::vector<Trial> trials(TrialKind kind) const;  ///< by number
 

@@ -10,15 +10,11 @@
 
 #include "core/error.h"
 #include "core/image/image_io.h"
+#include "core/image/unreadable_picture.h"
 #include "simulator/material/fresnel.h"
 
 namespace glint {
 namespace {
-
-IoError unreadable(const std::filesystem::path& path, std::string reason) {
-  std::ranges::replace(reason, '\n', ' ');
-  return IoError(fmt::format("{}: cannot be read as a picture: {}", path.string(), reason));
-}
 
 void check_spec(const OIIO::ImageSpec& spec, const std::filesystem::path& path) {
   const bool is_whole = spec.width > 0 && spec.height > 0 && spec.nchannels > 0 && spec.depth <= 1;
@@ -72,7 +68,7 @@ Eigen::Array3d value_at(const TexturePicture& picture, int x, int y) {
 TexturePicture read_texture_picture(const std::filesystem::path& path, TextureEncoding encoding) {
   const auto input = OIIO::ImageInput::open(path.string());
   if (!input) {
-    throw unreadable(path, OIIO::geterror());
+    throw_unreadable_picture(path, OIIO::geterror());
   }
   const OIIO::ImageSpec spec = input->spec();
   check_spec(spec, path);
@@ -80,7 +76,7 @@ TexturePicture read_texture_picture(const std::filesystem::path& path, TextureEn
   std::vector<float> values(spec.image_pixels() * channels);
   if (!input->read_image(
           0, 0, 0, static_cast<int>(channels), OIIO::TypeDesc::FLOAT, values.data())) {
-    throw unreadable(path, input->geterror());
+    throw_unreadable_picture(path, input->geterror());
   }
   // The comparison is false for values that are no numbers.
   if (!std::ranges::all_of(values, [](float v) { return v >= 0.0F && v <= 1.0F; })) {

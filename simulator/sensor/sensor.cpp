@@ -22,6 +22,7 @@ namespace kernels = sensor_kernels;
 
 constexpr double kGaussianFromElectrons = 30.0;
 constexpr double kTruncationSigmas = 4.0;
+constexpr std::array<int, 5> kBits = {0, 8, 10, 12, 16};
 
 /// Rows of the vertical blur that stay in the first cache, all of them.
 constexpr int kCachedRows_floats = 6144;
@@ -86,8 +87,8 @@ void visit_keys(KeyVisitor& keys, SensorSettings& settings) {
               "standard deviation of the Gaussian blur, 0 for none");
   keys.integer("bits",
                settings.bits,
-               Range::between(0, 16),
-               "grey values are rounded to 8, 10, 12 or 16 bits, 0 for no rounding");
+               Range::one_of(kBits),
+               "grey values are rounded to so many bits, 0 for no rounding");
   keys.number("full_well_e",
               settings.full_well_e,
               Range::between(0.0, 1e7),
@@ -109,10 +110,6 @@ void visit_keys(KeyVisitor& keys, SensorSettings& settings) {
   keys.require(settings.wavelengths_nm.size() != 2,
                "wavelengths_nm",
                "has 2 numbers, must have 1 (grey) or 3 (red, green, blue)");
-  constexpr std::array kBits = {0, 8, 10, 12, 16};
-  keys.require(std::find(kBits.begin(), kBits.end(), settings.bits) != kBits.end(),
-               "bits",
-               "is none of 8, 10, 12, 16 and 0 (no rounding)");
   keys.require(settings.full_well_e > 0.0 || settings.read_noise_e == 0.0,
                "read_noise_e",
                "is given in electrons and needs full_well_e > 0");

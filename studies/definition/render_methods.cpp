@@ -106,6 +106,15 @@ SceneSettings finer_settings(SceneSettings scene) {
   return scene;
 }
 
+SceneSettings repeated_settings(SceneSettings scene, int index) {
+  constexpr int kFirstSeed = 2000003;
+  constexpr int kStride = 1000;  // more than the scans behind one interval
+  const int seed = kFirstSeed + kStride * index;
+  scene.sensor.seed += seed;
+  scene.paths.seed += needs_paths(scene) ? seed : 0;
+  return scene;
+}
+
 std::vector<ComparedMethod> compared_methods(const SceneSettings& scene) {
   return needs_paths(scene) ? std::vector<ComparedMethod>() : MethodList(scene.render).methods();
 }

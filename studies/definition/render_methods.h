@@ -25,6 +25,10 @@ FrameMethod frame_method(const SceneSettings& scene);
 /// The scene for re-scoring a finalist: other noise, every frame, and finer rays.
 SceneSettings finer_settings(SceneSettings scene);
 
+/// The scene with noise of its own and nothing else changed: scan number `index` of a design that
+/// is scored repeatedly. Scenes that differ in their lighting share the noise of a number.
+SceneSettings repeated_settings(SceneSettings scene, int index);
+
 /// A method of rendering with one accuracy.
 struct ComparedMethod {
   std::size_t kind = 0;         ///< 0 to 3: which method, whatever its accuracy

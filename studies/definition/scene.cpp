@@ -244,6 +244,12 @@ bool is_lit(const SceneSettings& scene) {
   return scene.has_tunnel || !scene.lights.empty();
 }
 
+bool is_posed(const SceneSettings& scene) {
+  const auto is_off = [](double value) { return value != 0.0; };
+  return std::ranges::any_of(scene.part.position_mm, is_off) ||
+         std::ranges::any_of(scene.part.rotation_rad, is_off);
+}
+
 bool allows_many_viewpoints(const SceneSettings& scene) {
   return needs_paths(scene);
 }

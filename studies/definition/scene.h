@@ -43,6 +43,7 @@ struct SceneSettings {
   PathSettings paths;
   bool has_tunnel = true;
   std::string tunnel_name = "tunnel";  ///< of its table below [lighting]
+  bool is_tunnel_guessed = false;      ///< its table has no type and no name that tells one
   TunnelSettings tunnel;
   std::vector<NamedLight> lights;   ///< all others, in file order
   std::vector<NamedGroup> defects;  ///< in file order
@@ -62,6 +63,9 @@ bool needs_paths(const SceneSettings& scene);
 
 /// Whether any light shines in it.
 bool is_lit(const SceneSettings& scene);
+
+/// Whether the part is moved or turned in the scene.
+bool is_posed(const SceneSettings& scene);
 
 /// Whether it may be looked at from many viewpoints, each of which `glint render` shows by itself;
 /// a scan of a mirror has one.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -11,28 +12,53 @@
 namespace glint {
 namespace {
 
-/// Whose light a table below [lighting] is: its `type`, else its name, else a tunnel.
-std::string light_type_of(const ConfigNode& table, const std::string& name) {
+/// Whose light a table below [lighting] is.
+struct LightType {
+  std::string name;
+  bool is_guessed = false;  ///< neither `type` nor the table's name says so
+};
+
+/// Its `type`, else its name, else a tunnel.
+LightType light_type_of(const ConfigNode& table, const std::string& name) {
   const ConfigNode* type = table.find("type");
   if (type != nullptr && type->kind == ConfigNode::Kind::kText) {
-    return type->text;
+    return {.name = type->text};
   }
-  return default_light(name) ? name : "tunnel";
+  if (default_light(name)) {
+    return {.name = name};
+  }
+  return {.name = "tunnel", .is_guessed = name != "tunnel" && type == nullptr};
+}
+
+/// What is wrong with a light whose type nobody gave may be that it is no tunnel.
+void explain_guess(std::span<Problem> problems) {
+  for (Problem& problem : problems) {
+    problem.text +=
+        fmt::format("; no type, so it is read as a tunnel; types are \"tunnel\", \"{}\"",
+                    fmt::join(light_types(), "\", \""));
+  }
 }
 
 void read_tunnel(KeyReader& reader,
                  const std::string& name,
                  const ConfigNode& table,
+                 bool is_guessed,
                  SceneSettings& scene,
                  std::vector<Problem>& errors) {
   if (scene.has_tunnel) {
-    errors.push_back({.kind = Problem::Kind::kRelation,
-                      .place = table.place,
-                      .key = "lighting." + name,
-                      .text = "is a second tunnel; at most one is allowed"});
+    errors.push_back(
+        {.kind = Problem::Kind::kRelation,
+         .place = table.place,
+         .key = "lighting." + name,
+         .text = scene.is_tunnel_guessed
+                     ? fmt::format("is a second tunnel; at most one is allowed, and "
+                                   "lighting.{} has no type, so it is read as a tunnel",
+                                   scene.tunnel_name)
+                     : "is a second tunnel; at most one is allowed"});
   }
   scene.has_tunnel = true;
   scene.tunnel_name = name;
+  scene.is_tunnel_guessed = is_guessed;
   visit_keys(reader, scene.tunnel);
 }
 
@@ -40,12 +66,14 @@ void read_light(const ConfigNode& table,
                 const std::string& name,
                 SceneSettings& scene,
                 std::vector<Problem>& errors) {
+  const std::size_t before = errors.size();
   KeyReader reader(&table, "lighting." + name, errors);
   std::string type;
   reader.text("type", type, "");
-  type = light_type_of(table, name);
+  const LightType known = light_type_of(table, name);
+  type = known.name;
   if (type == "tunnel") {
-    read_tunnel(reader, name, table, scene, errors);
+    read_tunnel(reader, name, table, known.is_guessed, scene, errors);
   } else if (std::optional<LightSettings> light = default_light(type)) {
     visit_keys(reader, *light);
     scene.lights.push_back({.name = name, .settings = *std::move(light)});
@@ -59,6 +87,9 @@ void read_light(const ConfigNode& table,
     return;  // without the type no key can be judged
   }
   reader.report_unknown();
+  if (known.is_guessed) {
+    explain_guess(std::span(errors).subspan(before));
+  }
 }
 
 void write_light(ConfigNode& lighting,
@@ -92,6 +123,7 @@ void read_lighting(const ConfigNode& root,
   const SceneSettings plain;
   scene.has_tunnel = plain.has_tunnel;
   scene.tunnel_name = plain.tunnel_name;
+  scene.is_tunnel_guessed = plain.is_tunnel_guessed;
   scene.tunnel = plain.tunnel;
   scene.lights.clear();
   const ConfigNode* lighting = root.find(name);

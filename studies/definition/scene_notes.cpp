@@ -21,6 +21,25 @@ std::string degrees_text(double angle_rad) {
   return shortest(std::round(angle_rad * kDegPerRad * 10.0) / 10.0) + "\u00b0";
 }
 
+/// A light's name in front of its type, where it says more.
+std::string named(const std::string& name, std::string_view type) {
+  return name == type ? name : fmt::format("{}: {}", name, type);
+}
+
+std::string line_of(const TunnelSettings& settings) {
+  const Tunnel tunnel(settings);
+  return fmt::format(
+      "{}, {} wide, up to {} above the origin, {} long, slot {}, stripes of period {}, bright "
+      "share {:.3g}",
+      shape_name(settings.shape),
+      length_text(2.0 * tunnel.half_width_mm()),
+      length_text(tunnel.top_mm()),
+      length_text(settings.length_mm),
+      length_text(settings.slot_mm),
+      length_text(settings.period_mm),
+      settings.duty);
+}
+
 std::string line_of(const RingSettings& ring) {
   std::string text = "radii " + range_text(ring.inner_radius_mm, ring.outer_radius_mm);
   text += ring.height_mm != 0.0 ? ", at " + length_text(ring.height_mm) : "";
@@ -52,6 +71,32 @@ std::string line_of(const IesLightSettings& light) {
   return light.file.filename().string();
 }
 
+std::string_view mount_text(LightPlacement::Mount mount) {
+  switch (mount) {
+    case LightPlacement::Mount::kPart:
+      return ", on the part";
+    case LightPlacement::Mount::kCamera:
+      return ", on the camera";
+    case LightPlacement::Mount::kScene:
+      break;
+  }
+  return ", fixed in the scene";
+}
+
+/// Lights that move with a part that is not at rest, which earlier versions left in the scene.
+std::vector<std::string> mount_notes(const SceneSettings& scene) {
+  std::vector<std::string> notes;
+  for (const NamedLight& light : scene.lights) {
+    if (is_posed(scene) && mount_of(light.settings) == LightPlacement::Mount::kPart) {
+      notes.push_back(
+          fmt::format("lighting.{}.mount is \"part\": the light moves with part.position_mm and "
+                      "part.rotation_deg. Before, it stayed in the scene, which is \"scene\" now.",
+                      light.name));
+    }
+  }
+  return notes;
+}
+
 /// Whether the scan gives every lit pixel the same number of bright positions, and what that means.
 std::string scan_note(const SceneSettings& scene) {
   const TunnelSettings& tunnel = scene.tunnel;
@@ -79,18 +124,25 @@ std::string scan_note(const SceneSettings& scene) {
   return note + ".";
 }
 
+std::string reflections_text(const PathSettings& paths) {
+  return fmt::format(
+      "{} reflection{}", paths.max_reflections, paths.max_reflections == 1 ? "" : "s");
+}
+
 /// How a path-traced scene is lit and rendered.
 std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& scores) {
   std::vector<std::string> notes;
   for (const std::string& line : light_lines(scene)) {
     notes.push_back("Light " + line + ".");
   }
+  const std::vector<std::string> mounts = mount_notes(scene);
+  notes.insert(notes.end(), mounts.begin(), mounts.end());
   notes.push_back(
-      fmt::format("Path tracing: {} samples per pixel, {} reflections on the part at most; powers "
+      fmt::format("Path tracing: {} samples per pixel, at most {} on the part; powers "
                   "of lights are "
                   "factors of pictures that are rendered once.",
                   scene.paths.samples,
-                  scene.paths.max_reflections));
+                  reflections_text(scene.paths)));
   const auto mean = scores.find("homogeneity.mean");
   if (mean != scores.end() && mean->second <= 0.0) {
     notes.push_back(
@@ -117,16 +169,16 @@ constexpr const char* kHomogeneityNote =
     "defects; h_rms = 1 - standard deviation / mean, h_abs = 1 - mean absolute deviation / mean.";
 
 std::vector<std::string> path_method_notes(const PathSettings& paths) {
-  return {fmt::format(
-              "Light transport: path tracing with {} samples per pixel and {} reflections on the "
-              "part at most; pictures of all lights at power 1 are rendered once per part, camera "
-              "and position of the lights; powers are factors.",
-              paths.samples,
-              paths.max_reflections),
-          kHomogeneityNote,
-          fmt::format("Standard errors (scores that end in .error) come from the scatter of {} "
-                      "independent pictures. All designs share the same random numbers.",
-                      paths.batches)};
+  return {
+      fmt::format("Light transport: path tracing with {} samples per pixel and at most {} on the "
+                  "part; pictures of all lights at power 1 are rendered once per part, camera "
+                  "and position of the lights; powers are factors.",
+                  paths.samples,
+                  reflections_text(paths)),
+      kHomogeneityNote,
+      fmt::format("Standard errors (scores that end in .error) come from the scatter of {} "
+                  "independent pictures. All designs share the same random numbers.",
+                  paths.batches)};
 }
 
 /// @param rays        what is traced
@@ -151,34 +203,48 @@ std::vector<std::string> mirror_method_notes(const std::string& rays,
 std::vector<std::string> light_lines(const SceneSettings& scene) {
   std::vector<std::string> lines;
   if (scene.has_tunnel) {
-    lines.push_back(scene.tunnel_name + ": tunnel");
+    lines.push_back(named(scene.tunnel_name, "tunnel") + ", " + line_of(scene.tunnel));
   }
   for (const NamedLight& light : scene.lights) {
     lines.push_back(std::visit(
         [&](const auto& settings) {
           using Settings = std::decay_t<decltype(settings)>;
-          const bool is_on_camera = settings.placement.mount == LightPlacement::Mount::kCamera;
-          const std::string where = std::is_same_v<Settings, EnvironmentSettings> ? ""
-                                    : is_on_camera ? ", on the camera"
-                                                   : ", on the part";
-          return fmt::format(
-              "{}: {}, {}{}", light.name, light_type(light.settings), line_of(settings), where);
+          const bool is_everywhere = std::is_same_v<Settings, EnvironmentSettings>;
+          return fmt::format("{}, {}{}",
+                             named(light.name, light_type(light.settings)),
+                             line_of(settings),
+                             is_everywhere ? "" : mount_text(settings.placement.mount));
         },
         light.settings));
   }
   return lines;
 }
 
+std::string scan_line(const SceneSettings& scene) {
+  if (!scene.has_tunnel) {
+    return "";
+  }
+  return scene.scan.positions == 1
+             ? std::string("one image")
+             : fmt::format("{} images, a step of {} between them",
+                           scene.scan.positions,
+                           length_text(scan_step_mm(scene.scan, scene.tunnel)));
+}
+
 std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores) {
   std::vector<std::string> notes =
       needs_paths(scene) ? path_notes(scene, scores) : std::vector<std::string>{scan_note(scene)};
+  if (scene.is_tunnel_guessed) {
+    notes.push_back(
+        fmt::format("[lighting.{}] has no type, so it is read as a tunnel.", scene.tunnel_name));
+  }
   const auto share_of = [&](const char* name) {
     const auto found = scores.find(name);
     return found == scores.end() ? 0.0 : found->second;
   };
   if (share_of("view.hidden_share") > 0.0) {
     notes.push_back(fmt::format(
-        "The wall occludes {:.2f} % of the part from the camera: the slot is too narrow "
+        "The wall occludes {:.3g} % of the part from the camera: the slot is too narrow "
         "there; occluded pixels are dark.",
         100.0 * share_of("view.hidden_share")));
   }

@@ -11,8 +11,12 @@
 
 namespace glint {
 
-/// One line about each light: "ring: ring, radii 25 to 40 mm, at 30 mm, on the camera".
+/// One line about each light: "ring, radii 25 to 40 mm, at 30 mm, on the camera", with its name in
+/// front where that is not its type.
 std::vector<std::string> light_lines(const SceneSettings& scene);
+
+/// How many images the tunnel's scan takes; empty without a tunnel.
+std::string scan_line(const SceneSettings& scene);
 
 /// Remarks on a scene that a reader of its numbers must know.
 /// @param scores  of the scene

@@ -23,8 +23,6 @@ namespace {
 
 using Kind = ConfigNode::Kind;
 
-constexpr int kSchema = 1;
-
 const std::vector<std::string>& study_tables() {
   static const std::vector<std::string> names = {"schema",
                                                  "title",
@@ -241,7 +239,22 @@ void read_prototypes(Study& study, std::vector<Problem>& errors) {
   }
 }
 
+/// A file that describes nothing would be the default scene, which nobody asked for.
+void check_holds_scene(const ConfigNode& root, std::vector<Problem>& errors) {
+  const auto is_table = [](const std::string& name) { return name != "schema" && name != "title"; };
+  if (std::ranges::none_of(root.names, is_table)) {
+    errors.push_back({.place = {.file = root.place.file},
+                      .text = fmt::format("describes no scene; it must hold at least one of the "
+                                          "tables [{}]",
+                                          fmt::join(scene_tables(), "] ["))});
+  }
+}
+
 }  // namespace
+
+std::vector<fs::path> input_files(const Study& study) {
+  return {fs::path(study.root.place.file), study.scene.part.file};
+}
 
 Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
   Study study;
@@ -255,6 +268,7 @@ Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
   study.name = stem == "study" || stem == "scene" ? folder : stem;
   std::vector<Problem> errors;
   check_tables(study.root, errors);
+  check_holds_scene(study.root, errors);
   study.scene = read_scene(study.root, errors);
   throw_if_any(errors);  // what follows builds on a scene that can be read
   study.resolved = write_scene(study.scene);
@@ -335,33 +349,6 @@ Point baseline_point(const Study& study) {
     }
   }
   return canonical(study.space, point);
-}
-
-std::string resolved_text(const Study& study) {
-  ConfigNode root = ConfigNode::table();
-  root.names.emplace_back("schema");
-  root.items.push_back(ConfigNode::from_integer(kSchema));
-  root.names.emplace_back("title");
-  root.items.push_back(ConfigNode::from_text(study.title));
-  merge(root, study.resolved);
-  for (const char* table : {"variables", "prototypes", "objective", "constraints"}) {
-    if (const ConfigNode* node = study.root.find(table)) {
-      root.names.emplace_back(table);
-      root.items.push_back(*node);
-    }
-  }
-  write_study_tables(study, root);
-  return to_toml(root);
-}
-
-std::string config_hash(const Study& study) {
-  Study without_budget = study;
-  without_budget.budget = {};
-  std::string text = resolved_text(without_budget);
-  for (const std::filesystem::path& file : input_files(study.scene)) {
-    text += read_file(file);
-  }
-  return sha256_hex(text);
 }
 
 std::optional<double> parse_duration_s(const std::string& text) {

@@ -56,6 +56,9 @@ struct KeyValue {
 /// Reads and checks a study. @throws ConfigError with every problem, IoError
 Study load_study(const std::filesystem::path& path, const std::vector<KeyValue>& sets);
 
+/// The files that a study consists of: its own and the part's.
+std::vector<std::filesystem::path> input_files(const Study& study);
+
 /// The study's scene with other values. @throws ConfigError naming path and what is allowed
 SceneSettings scene_with(const Study& study, const Overrides& overrides);
 
@@ -71,12 +74,6 @@ Overrides overrides_of(const Study& study, const Point& point);
 
 /// The point that the study's own scene stands at, moved into the variables' limits.
 Point baseline_point(const Study& study);
-
-/// The whole study with every key present, as TOML; load_study() of it gives the same study.
-std::string resolved_text(const Study& study);
-
-/// Hash of everything that changes results; the budget is left out.
-std::string config_hash(const Study& study);
 
 /// "40s", "30m", "8h", "1h30m" or a number of seconds; empty when it is none of these.
 std::optional<double> parse_duration_s(const std::string& text);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/text.h"
+#include "studies/definition/scene_scores.h"
 
 namespace glint {
 namespace {
@@ -290,7 +291,7 @@ void add_default_constraints(Study& study) {
     study.goal.constraints.push_back(
         {.name = "homogeneity.clipped_share", .max = kMaxClippedShare});
   }
-  if (!study.scene.defects.empty() && !has("defects.")) {
+  if (!defect_labels(study.scene).empty() && !has("defects.")) {
     study.goal.constraints.push_back({.name = "defects.min_cnr", .min = kMinCnr});
   }
 }

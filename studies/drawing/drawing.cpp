@@ -11,6 +11,7 @@
 #include "core/text.h"
 #include "core/units.h"
 #include "studies/drawing/svg_page.h"
+#include "studies/drawing/wall_plan.h"
 
 namespace glint {
 namespace {
@@ -19,6 +20,9 @@ using Eigen::Vector2d;
 
 constexpr double kPageWidth = 440.0;
 constexpr double kMargin = 12.0;
+constexpr double kTextWidth = kPageWidth - 2.0 * kMargin;
+constexpr double kTitleWidth = 0.82 * kTextWidth;  // of larger, bold letters
+constexpr double kFootHeight = 20.0;
 constexpr double kViewLeft = 64.0;       // room for the dimensions on the left
 constexpr double kViewWidth = 308.0;     // widest a view may be
 constexpr double kViewHeight = 240.0;    // highest a view may be
@@ -358,18 +362,29 @@ std::string cross_section_svg(const CrossSection& section) {
   SvgPage page;
   double height = 8.0;
   if (!section.title.empty()) {
-    page.text(
-        {kMargin, 20.0}, section.title, "start", 0.0, "font-size=\"14\" font-weight=\"bold\"");
-    height = 32.0;
+    height = page.lines({kMargin, 20.0},
+                        {section.title},
+                        kTitleWidth,
+                        "font-size=\"14\" font-weight=\"bold\"") -
+             4.0;
   }
-  if (cross_section_scale(section) > 0.0) {
+  const double scale = cross_section_scale(section);
+  if (scale > 0.0) {
     height = draw_cross_section(page, section, height);
     if (section.length_mm > 0.0 && !panel_box(section).is_empty()) {
       height = draw_elevation(page, section, height + 10.0);
     }
+    height = page.lines({kMargin, height + 12.0}, wall_lines(section), kTextWidth) - 4.0;
   }
   const std::string title = section.title.empty() ? "Lighting, to scale" : section.title;
-  return page.document(kPageWidth, height, title);
+  if (scale <= 0.0) {
+    return page.document(kPageWidth, height, title);
+  }
+  const PaperScale paper = paper_scale(scale, kPageWidth, height + kFootHeight);
+  page.text({kMargin, height + 12.0},
+            fmt::format("cross-section {} printed at 100 %, lengths in mm", paper.words),
+            "start");
+  return page.document(kPageWidth, height + kFootHeight, title, paper.unit_mm);
 }
 
 }  // namespace glint

@@ -35,7 +35,8 @@ double cross_section_scale(const CrossSection& section);
 /// y and z with width, height above the part, overall height, slot and camera distance (broken
 /// where the camera is far away), and the side elevation in x and z with the fringes, one period
 /// and the length. Each view has one scale for both its axes and a scale bar. Equal input gives
-/// equal bytes, in any locale.
+/// equal bytes, in any locale. Below stand the wall's arcs with points and radii (wall_plan.h) and
+/// the scale: printed at 100 %, the cross-section has a usual one on A4.
 std::string cross_section_svg(const CrossSection& section);
 
 }  // namespace glint

@@ -8,6 +8,9 @@
 
 #include "core/text.h"
 #include "studies/definition/scene_notes.h"
+#include "studies/drawing/arc_chain.h"
+#include "studies/drawing/dxf_file.h"
+#include "studies/drawing/light_dimensions.h"
 #include "studies/drawing/light_section.h"
 #include "studies/drawing/svg_page.h"
 
@@ -20,7 +23,11 @@ using Eigen::Vector3d;
 constexpr double kPageWidth = 440.0;
 constexpr double kMargin = 12.0;
 constexpr double kViewLeft = 40.0;
-constexpr double kViewWidth = 360.0;
+constexpr double kViewWidth = 320.0;
+constexpr double kTitleWidth = 0.82 * (kPageWidth - 2.0 * kMargin);  ///< of larger, bold letters
+constexpr double kDimensionGap = 22.0;                               ///< between dimension lines
+constexpr double kNoteHeight_mm = 3.0;
+constexpr double kDxfTolerance_mm = 1e-3;
 constexpr double kViewHeight = 330.0;
 constexpr double kCameraRoom = 84.0;  ///< above the view, for a camera that is far away
 constexpr double kFarCamera = 1.6;    ///< times the size of the rest: drawn behind a break
@@ -143,61 +150,139 @@ void draw_lights(SvgPage& page, const LightLines& lines, const View& view) {
   }
 }
 
-}  // namespace
-
-std::string area_lights_svg(const SceneSettings& scene,
-                            const PhysicalScene& physical,
-                            const std::string& title) {
-  const DrawingPlane section = drawing_plane(physical);
-  const LightLines lines = light_lines_in(physical, section);
-  const PlaneLine part = part_outline(physical.part.mesh, section);
-  Extent extent;
-  extent.add(part);
-  for (const std::vector<PlaneLine>* list : {&lines.cut, &lines.seen}) {
-    for (const PlaneLine& line : *list) {
-      extent.add(line);
+/// Dimension lines: level ones stacked below the drawing, upright ones to the right of it, others
+/// beside what they measure. @return the height below the last of them
+double draw_dimensions(SvgPage& page,
+                       const std::vector<PlaneDimension>& dimensions,
+                       const View& view,
+                       const Vector2d& right_bottom) {
+  double bottom = right_bottom.y();
+  double right = right_bottom.x();
+  double beside = 0.0;
+  for (const PlaneDimension& one : dimensions) {
+    const Vector2d a = view(one.a_mm);
+    const Vector2d b = view(one.b_mm);
+    if (std::abs(a.y() - b.y()) < 0.01) {
+      bottom += kDimensionGap;
+      page.dimension(a, b, a.y() - bottom, one.words);
+    } else if (std::abs(a.x() - b.x()) < 0.01) {
+      right += kDimensionGap;
+      page.dimension(a, b, a.x() - right, one.words);
+    } else {
+      beside += kDimensionGap;
+      page.dimension(a, b, beside, one.words);
     }
   }
-  const Vector2d camera = section(section.origin_mm);
-  const Vector2d middle = 0.5 * (extent.low + extent.high);
-  const bool is_far = (camera - middle).norm() > kFarCamera * std::max(1e-9, extent.size().norm());
-  if (!is_far) {
-    extent.add({camera});
+  return bottom;
+}
+
+/// All that is drawn, in the plane.
+struct Sheet {
+  DrawingPlane plane;
+  LightLines lines;
+  PlaneLine part;
+  std::vector<PlaneDimension> dimensions;
+  Extent extent;  ///< of lights and part, and of a camera that is near
+  bool is_camera_far = false;
+
+  explicit Sheet(const PhysicalScene& physical)
+      : plane(drawing_plane(physical)),
+        lines(light_lines_in(physical, plane)),
+        part(part_outline(physical.part.mesh, plane)),
+        dimensions(light_dimensions(physical, plane)) {
+    extent.add(part);
+    for (const std::vector<PlaneLine>* list : {&lines.cut, &lines.seen}) {
+      for (const PlaneLine& line : *list) {
+        extent.add(line);
+      }
+    }
+    const Vector2d camera = plane(plane.origin_mm);
+    const Vector2d middle = 0.5 * (extent.low + extent.high);
+    is_camera_far = (camera - middle).norm() > kFarCamera * std::max(1e-9, extent.size().norm());
+    if (!is_camera_far) {
+      extent.add({camera});
+    }
   }
-  const Vector2d size = extent.size().cwiseMax(1e-3);
-  const double scale = std::min(kViewWidth / size.x(), kViewHeight / size.y());
-  const double top = (title.empty() ? 34.0 : 58.0) + (is_far ? kCameraRoom : 44.0);
-  const View view = {
-      .scale = scale,
-      .origin = {kViewLeft + 0.5 * (kViewWidth - scale * size.x()) - scale * extent.low.x(),
-                 top + scale * extent.high.y()}};
-  SvgPage page;
-  if (!title.empty()) {
-    page.text({kMargin, 20.0}, title, "start", 0.0, "font-size=\"14\" font-weight=\"bold\"");
-  }
-  const double head = title.empty() ? 20.0 : 44.0;
-  page.text({kMargin, head},
-            "Lights, part and camera from the side",
-            "start",
-            0.0,
-            "font-weight=\"bold\"");
-  const Vector2d origin = view(Vector2d::Zero());
-  draw_camera_view(page, physical, section, view, is_far ? origin.y() - head - 46.0 : 1e9);
+};
+
+void draw_part(SvgPage& page, const PlaneLine& part, const View& view) {
   page.shape("polygon",
              view(part),
              fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1\" stroke-linejoin=\"round\"",
                          kPart,
                          kDrawingInk));
-  draw_lights(page, lines, view);
-  double bottom = view(extent.low).y();
-  page.axes({kMargin + 2.0, bottom + 40.0}, section.across_name, "z");
-  page.scale_bar({kViewLeft + 30.0, bottom + 36.0}, scale);
-  bottom += 54.0;
-  for (const std::string& line : light_lines(scene)) {
-    bottom += 16.0;
-    page.text({kMargin, bottom - 4.0}, line, "start");
+}
+
+}  // namespace
+
+std::string area_lights_svg(const SceneSettings& scene,
+                            const PhysicalScene& physical,
+                            const std::string& title) {
+  const Sheet sheet(physical);
+  SvgPage page;
+  double head = 20.0;
+  if (!title.empty()) {
+    head =
+        page.lines({kMargin, 20.0}, {title}, kTitleWidth, "font-size=\"14\" font-weight=\"bold\"") +
+        8.0;
   }
-  return page.document(kPageWidth, bottom + 6.0, title.empty() ? "Lighting, to scale" : title);
+  page.text({kMargin, head},
+            "Lights, part and camera from the side",
+            "start",
+            0.0,
+            "font-weight=\"bold\"");
+  const Vector2d size = sheet.extent.size().cwiseMax(1e-3);
+  const double scale = std::min(kViewWidth / size.x(), kViewHeight / size.y());
+  const double top = head + 14.0 + (sheet.is_camera_far ? kCameraRoom : 44.0);
+  const double left = kViewLeft + 0.5 * (kViewWidth - scale * size.x());
+  const View view = {
+      .scale = scale,
+      .origin = {left - scale * sheet.extent.low.x(), top + scale * sheet.extent.high.y()}};
+  const Vector2d origin = view(Vector2d::Zero());
+  const double reach = sheet.is_camera_far ? origin.y() - head - 46.0 : 1e9;
+  draw_camera_view(page, physical, sheet.plane, view, reach);
+  draw_part(page, sheet.part, view);
+  draw_lights(page, sheet.lines, view);
+  const Vector2d corner = view(Vector2d(sheet.extent.high.x(), sheet.extent.low.y()));
+  double bottom = draw_dimensions(page, sheet.dimensions, view, corner);
+  page.axes({kMargin + 2.0, bottom + 48.0}, sheet.plane.across_name, "z");
+  page.scale_bar({kViewLeft + 90.0, bottom + 44.0}, scale);
+  bottom = page.lines({kMargin, bottom + 74.0}, light_lines(scene), kPageWidth - 2.0 * kMargin);
+  const PaperScale paper = paper_scale(scale, kPageWidth, bottom + 8.0);
+  page.text(
+      {kMargin, bottom}, fmt::format("{} printed at 100 %, lengths in mm", paper.words), "start");
+  return page.document(
+      kPageWidth, bottom + 8.0, title.empty() ? "Lighting, to scale" : title, paper.unit_mm);
+}
+
+std::string area_lights_dxf(const SceneSettings& scene,
+                            const PhysicalScene& physical,
+                            const std::string& title) {
+  const Sheet sheet(physical);
+  DxfFile dxf;
+  for (const PlaneLine& cut : sheet.lines.cut) {
+    dxf.chain("LIGHT", arcs_through(cut, kDxfTolerance_mm));
+  }
+  for (const PlaneLine& outline : sheet.lines.seen) {
+    dxf.polyline("LIGHT", outline, true);
+  }
+  dxf.polyline("PART", sheet.part, true);
+  const Vector2d camera = sheet.plane(sheet.plane.origin_mm);
+  if (camera.norm() > 0.0) {
+    dxf.line("CAMERA", Vector2d::Zero(), camera);
+  }
+  Vector2d at = sheet.extent.low - Vector2d(0.0, 20.0);
+  std::vector<std::string> notes = {
+      title.empty() ? std::string("Lighting") : title,
+      fmt::format("mm, 1 : 1, {} to the right, z upwards", sheet.plane.across_name)};
+  for (const std::string& line : light_lines(scene)) {
+    notes.push_back(line);
+  }
+  for (const std::string& note : notes) {
+    dxf.text("NOTES", at, kNoteHeight_mm, note);
+    at.y() -= 2.0 * kNoteHeight_mm;
+  }
+  return dxf.document();
 }
 
 }  // namespace glint

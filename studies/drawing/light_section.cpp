@@ -116,7 +116,7 @@ DrawingPlane drawing_plane(const PhysicalScene& scene) {
     section.across = Vector3d(level.x(), level.y(), 0.0).normalized();
     const bool is_x = std::abs(section.across.x()) > 1.0 - 1e-9;
     const bool is_y = std::abs(section.across.y()) > 1.0 - 1e-9;
-    section.across_name = is_x ? "x" : is_y ? "y" : "h";
+    section.across_name = is_x ? "x" : is_y ? "y" : "horizontal";
     if (is_x || is_y) {
       section.across = section.across.cwiseAbs();
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/drawing/svg_page.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -18,6 +19,9 @@ using Eigen::Vector2d;
 constexpr double kWidthPerLetter = 6.7;  // of the drawing's 12.5 unit letters, on average
 constexpr double kShortestSpan = 16.0;   // shorter dimensions get their arrows from outside
 constexpr double kLongestBar = 90.0;
+constexpr double kLineHeight = 16.0;
+constexpr double kPaperWidth_mm = 190.0;   // of A4 between its margins
+constexpr double kPaperHeight_mm = 277.0;  // likewise
 
 /// Fixed to 2 decimals and never "-0", so that equal drawings have equal text.
 std::string coordinate(double value) {
@@ -42,6 +46,39 @@ double reading_angle_deg(const Vector2d& along) {
 }
 
 }  // namespace
+
+PaperScale paper_scale(double scale, double width, double height) {
+  const double most_mm = std::min(kPaperWidth_mm / width, kPaperHeight_mm / height);
+  const double least = 1.0 / (scale * most_mm);  // mm of the drawn thing for a mm of paper
+  double ratio = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double factor : {2.0, 5.0, 10.0}) {
+    if (ratio >= least * (1.0 - 1e-9)) {
+      break;
+    }
+    ratio = factor * std::pow(10.0, std::floor(std::log10(least)));
+  }
+  return {.unit_mm = 1.0 / (scale * ratio), .words = scale_text(scale, 1.0 / (scale * ratio))};
+}
+
+std::string scale_text(double scale, double unit_mm) {
+  const double ratio = 1.0 / (scale * unit_mm);
+  return ratio >= 1.0 ? fmt::format("1 : {:.3g}", ratio) : fmt::format("{:.3g} : 1", 1.0 / ratio);
+}
+
+std::vector<std::string> wrapped(std::string_view text, std::size_t letters) {
+  std::vector<std::string> lines(1);
+  for (const std::string& word : split(text, ' ')) {
+    std::string& last = lines.back();
+    if (last.empty()) {
+      last = word;
+    } else if (last.size() + 1 + word.size() <= letters) {
+      last += " " + word;
+    } else {
+      lines.push_back(word);
+    }
+  }
+  return lines;
+}
 
 void SvgPage::line(const Vector2d& a, const Vector2d& b, std::string_view style) {
   body_ += fmt::format("<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" {}/>\n",
@@ -170,20 +207,45 @@ void SvgPage::axes(const Vector2d& corner, std::string_view across, std::string_
   line(corner, corner - Vector2d(0.0, 20.0), thin_line(1.0));
   arrow(corner + Vector2d(24.0, 0.0), {1.0, 0.0});
   arrow(corner - Vector2d(0.0, 24.0), {0.0, -1.0});
-  text(corner + Vector2d(32.0, 4.0), across);
+  text(corner + Vector2d(28.0, 4.0), across, "start");
   text(corner - Vector2d(0.0, 28.0), up);
 }
 
-std::string SvgPage::document(double width, double height, std::string_view title) const {
+double SvgPage::lines(const Vector2d& at,
+                      const std::vector<std::string>& words,
+                      double width,
+                      std::string_view style) {
+  double y = at.y();
+  for (const std::string& text_of_line : words) {
+    for (const std::string& part :
+         wrapped(text_of_line, static_cast<std::size_t>(width / kWidthPerLetter))) {
+      text({at.x(), y}, part, "start", 0.0, style);
+      y += kLineHeight;
+    }
+  }
+  return y;
+}
+
+std::string SvgPage::document(double width,
+                              double height,
+                              std::string_view title,
+                              double unit_mm) const {
+  const std::string size =
+      unit_mm > 0.0
+          ? fmt::format("width=\"{}mm\" height=\"{}mm\"",
+                        coordinate(width * unit_mm),
+                        coordinate(height * unit_mm))
+          : fmt::format("width=\"{}\" height=\"{}\"", coordinate(width), coordinate(height));
   return fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
-      "height=\"{1}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12.5\" "
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" {5} "
+      "font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12.5\" "
       "fill=\"{2}\" role=\"img\">\n<title>{3}</title>\n{4}</svg>\n",
       coordinate(width),
       coordinate(height),
       kDrawingInk,
       markup_text(title),
-      body_);
+      body_,
+      size);
 }
 
 }  // namespace glint

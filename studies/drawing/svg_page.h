@@ -13,6 +13,22 @@ namespace glint {
 inline constexpr std::string_view kDrawingInk = "#27313a";
 inline constexpr std::string_view kDrawingSoft = "#6b7680";
 
+/// How large a drawing is on paper.
+struct PaperScale {
+  double unit_mm = 0.0;  ///< of the page, printed at 100 %
+  std::string words;     ///< "1 : 5"
+};
+
+/// The largest usual scale, 1, 2 or 5 times a power of ten, at which the page fits onto A4.
+/// @param scale  units per mm of what is drawn, > 0
+PaperScale paper_scale(double scale, double width, double height);
+
+/// "1 : 3.4", what is drawn with that scale in units per mm on paper where a unit is so long.
+std::string scale_text(double scale, double unit_mm);
+
+/// The text on lines of at most that many letters, broken at blanks; longer words stay whole.
+std::vector<std::string> wrapped(std::string_view text, std::size_t letters);
+
 /// An SVG drawing under construction. Positions are in drawing units, y downwards; they are written
 /// with 2 decimals in any locale, so equal drawings are equal bytes. A style is a list of SVG
 /// attributes.
@@ -52,8 +68,19 @@ class SvgPage {
   /// The two axes of a view, from their common corner.
   void axes(const Eigen::Vector2d& corner, std::string_view across, std::string_view up);
 
+  /// Lines of words from a point downwards, each as wide as the page allows.
+  /// @return the height below the last of them
+  double lines(const Eigen::Vector2d& at,
+               const std::vector<std::string>& words,
+               double width,
+               std::string_view style = "");
+
   /// The whole document.
-  std::string document(double width, double height, std::string_view title) const;
+  /// @param unit_mm  what a unit is on paper printed at 100 %; 0: as large as a viewer likes
+  std::string document(double width,
+                       double height,
+                       std::string_view title,
+                       double unit_mm = 0.0) const;
 
  private:
   std::string body_;

@@ -43,6 +43,8 @@ std::vector<DefectScores> scored_defects(const ImageF& aspect,
     scored[i].best_frame = best.best()[i].difference;
     scored[i].change = best.best()[i].change;
     scored[i].union_area = best.best()[i].union_area;
+    scored[i].frame = best.best()[i].frame;
+    scored[i].change_frame = best.best()[i].change_frame;
   }
   return scored;
 }

@@ -341,11 +341,6 @@ class SceneGradients {
       add_remark("pixels at outlines of the part or ends of the tunnel are treated as constant",
                  detached_pixels_);
     }
-    if (scan_.footprints.hidden_share() > 0.0) {
-      add_remark(
-          "the edge of what the wall occludes from the camera is treated as constant: no term for "
-          "it by the keys of slot, shape and camera");
-    }
     const auto is_uniformity = [](const std::string& score) {
       return score == "homogeneity.h_rms" || score == "homogeneity.h_abs";
     };
@@ -359,6 +354,11 @@ class SceneGradients {
       add_remark(
           "the camera's pose moves the part's outline and the region of interest: both are treated "
           "as constant");
+      if (scan_.footprints.hidden_share() > 0.0) {
+        add_remark(
+            "the edge of what the wall occludes from the camera is treated as constant by the "
+            "camera's pose; slot and shape have their terms for it");
+      }
     }
   }
 

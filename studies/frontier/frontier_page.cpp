@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/frontier/frontier_page.h"
+#include "studies/definition/study_text.h"
 
 #include <algorithm>
 #include <chrono>
@@ -15,6 +16,7 @@
 #include "studies/frontier/frontier_methods.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
 #include "studies/report/report.h"
 
 namespace glint {
@@ -81,6 +83,15 @@ std::string time_text(double seconds) {
   return fmt::format("{:.3g} ms", seconds * 1e3);
 }
 
+/// The folder of a run is welcome: its report shows the frontier.
+void check_frontier_folder(const Study& study, const fs::path& out) {
+  const std::vector<std::string> names = {"frontier.json", "frontier.svg", "frontier.html"};
+  check_inputs_kept(input_files(study), out, names);
+  if (result_kind_of(out) != ResultKind::kRun) {
+    check_result_folder(out, ResultKind::kFrontier, names);
+  }
+}
+
 /// Everything that would be refused, before a folder is made.
 void check_study_scene(const Study& study, int threads) {
   try {
@@ -141,7 +152,7 @@ std::string page_html(const Study& study, const Frontier& frontier, const Json& 
                           {"details", Json::array()}}},
                         {"frontier", json},
                         {"methods", method_notes(frontier)},
-                        {"config_toml", resolved_text(study)},
+                        {"config_toml", shown_text(study)},
                         {"provenance", source}});
 }
 
@@ -205,18 +216,20 @@ Json frontier_json(const Study& study, const Frontier& frontier) {
 
 Json frontier_study(const Study& study, const FrontierRun& run) {
   const auto start = Clock::now();
+  check_frontier_folder(study, run.out);
   check_study_scene(study, run.threads);
   { const OutputFolder probe(run.out); }  // refused now rather than after all the work
   Frontier frontier;
   Json json = measure(study, run, frontier);
   OutputFolder folder(run.out);
   remove_unfinished_files(run.out);
+  mark_result_folder(run.out, ResultKind::kFrontier);
   write_file(run.out / "frontier.json", json.dump(2) + "\n");
   write_file(run.out / "frontier.svg", frontier_svg(frontier, study.title));
   write_file(run.out / "frontier.html", page_html(study, frontier, json));
-  std::error_code ignored;
-  if (!fs::exists(run.out / "result.json", ignored)) {
+  if (result_kind_of(run.out) == ResultKind::kFrontier) {
     Json origin = provenance();
+    origin["verb"] = command_of(ResultKind::kFrontier);
     origin["study"] = study.name;
     origin["threads"] = run.threads;
     origin["timings"] = {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "defects/part/defect_slope.h"
 #include "studies/imaging/realisation.h"
 
 namespace glint {
@@ -68,6 +69,10 @@ Part with_mesh(const Part& clean, TriangleMesh mesh) {
 
 BuiltPart build_part_with_bvh(const PartSettings& settings) {
   return with_bvh(build_part(settings));
+}
+
+std::vector<double> defect_slopes_rad(const BuiltDefects& part) {
+  return defect_slopes_rad(part.made, part.built->part.mesh, part.clean->part, *part.clean->bvh);
 }
 
 DefectMaker defect_maker(const SceneSettings& scene,

@@ -34,6 +34,9 @@ struct BuiltDefects {
   SurfaceDetail detail;                    ///< the defects realised by their normals
 };
 
+/// How steep its defects are [rad], in the order of made.defects; see defects/part/defect_slope.h.
+std::vector<double> defect_slopes_rad(const BuiltDefects& part);
+
 /// What draws and realises a scene's defects, for any number of seeds.
 /// @throws ConfigError beginning with the key at fault
 DefectMaker defect_maker(const SceneSettings& scene, const std::shared_ptr<const BuiltPart>& clean);

@@ -6,7 +6,10 @@
 #include <cstdint>
 #include <map>
 
+#include <fmt/format.h>
+
 #include "core/error.h"
+#include "core/text.h"
 
 namespace glint {
 namespace {
@@ -76,7 +79,46 @@ void add_triangle(const TriangleMesh& mesh,
   }
 }
 
+/// How far apart the ends of a line through a point are in the picture, [px].
+double length_px(const Eigen::Vector3d& centre_mm,
+                 const Eigen::Vector3d& half_line_mm,
+                 const PinholeCamera& camera,
+                 const RigidTransform& camera_from_world) {
+  const auto from = camera.project(camera_from_world * (centre_mm - half_line_mm));
+  const auto to = camera.project(camera_from_world * (centre_mm + half_line_mm));
+  return from && to ? (*to - *from).norm() : 0.0;
+}
+
 }  // namespace
+
+double narrowest_px(const HeightFeature& outline,
+                    const PinholeCamera& camera,
+                    const RigidTransform& camera_from_world) {
+  const double radius_mm = 2.0 * outline.cross_sigma_mm();
+  const auto along = [&](const Eigen::Vector3d& axis) {
+    return length_px(outline.centre_mm, radius_mm * axis, camera, camera_from_world);
+  };
+  const double across = along(outline.v_axis);
+  return outline.kind == HeightFeature::Kind::kScratch ? across
+                                                       : std::min(across, along(outline.u_axis));
+}
+
+std::string narrow_defects_note(const TracedScene& traced, const SceneSettings& scene) {
+  constexpr double kSmallest_px = 3.0;
+  const PinholeCamera camera(intrinsics_of(scene));
+  std::vector<std::string> narrow;
+  for (const HeightFeature& outline : traced.part->made.outlines) {
+    const double width_px = narrowest_px(outline, camera, traced.camera_from_world);
+    if (width_px < kSmallest_px) {
+      narrow.push_back(fmt::format("{} {:.2g} px", outline.label, width_px));
+    }
+  }
+  return narrow.empty() ? ""
+                        : fmt::format(
+                              "Narrower than three pixels: {}. Scores of such a defect "
+                              "depend on where the pixels happen to lie.",
+                              join(narrow, ", "));
+}
 
 std::vector<PixelWindow> defect_windows(const BuiltDefects& part,
                                         const TracedScene& traced,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "simulator/render/path_tracing/path_settings.h"
@@ -16,5 +17,14 @@ std::vector<PixelWindow> defect_windows(const BuiltDefects& part,
                                         const TracedScene& traced,
                                         const PinholeCamera& camera,
                                         double blur_px);
+
+/// How wide a defect looks where it is narrowest, [px]: the diameter of a round one, the width of a
+/// line, foreshortened; 0 where the camera does not see that way.
+double narrowest_px(const HeightFeature& outline,
+                    const PinholeCamera& camera,
+                    const RigidTransform& camera_from_world);
+
+/// Defects that are too narrow to be scored well, as a sentence; empty when there are none.
+std::string narrow_defects_note(const TracedScene& traced, const SceneSettings& scene);
 
 }  // namespace glint

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "simulator/render/scan/scan.h"
@@ -131,23 +132,41 @@ std::optional<Vector2d> place_at(const TracedScene& traced,
   return middle;
 }
 
-std::optional<Vector2d> first_place(const TracedScene& traced, const Mask& good, double pixel_mm) {
+/// Adds places on the good pixels until there are as many as wanted.
+void add_places(const TracedScene& traced,
+                const Mask& good,
+                double pixel_mm,
+                double apart_mm,
+                std::size_t wanted,
+                std::vector<Vector2d>& places_mm) {
+  const auto is_free = [&](const Vector2d& place) {
+    return std::ranges::all_of(
+        places_mm, [&](const Vector2d& other) { return (other - place).norm() >= apart_mm; });
+  };
+  const Part& part = traced.built().part;
   for (const Vector2d& pixel : from_the_middle(good)) {
+    if (places_mm.size() >= wanted) {
+      return;
+    }
     const auto index =
         static_cast<std::size_t>(pixel.y()) * static_cast<std::size_t>(traced.rays.width_px) +
         static_cast<std::size_t>(pixel.x());
-    if (const auto place = place_at(traced, origin_of(traced.rays, index), pixel_mm)) {
-      return place;
+    const Vector3d point_mm = origin_of(traced.rays, index);
+    if (!is_free((inverse(part.scene_from_part) * point_mm).head<2>())) {
+      continue;
+    }
+    if (const auto place = place_at(traced, point_mm, pixel_mm)) {
+      places_mm.push_back(*place);
     }
   }
-  return std::nullopt;
 }
 
 }  // namespace
 
-std::optional<IlluminatedPlace> illuminated_place(SceneStore& store,
-                                                  const SceneSettings& scene,
-                                                  double margin_mm) {
+IlluminatedPlaces illuminated_places(SceneStore& store,
+                                     const SceneSettings& scene,
+                                     double margin_mm,
+                                     std::size_t wanted) {
   SceneSettings flawless = scene;
   flawless.defects.clear();
   flawless.render.method = RenderSettings::Method::kSampled;  // any few rays a pixel will do
@@ -156,17 +175,24 @@ std::optional<IlluminatedPlace> illuminated_place(SceneStore& store,
   const double pixels_per_mm = camera.intrinsics().focal_px.x() / traced->camera_in_world_mm.norm();
   const int widest_px =
       std::max(kSmallestMargin_px, static_cast<int>(std::ceil(margin_mm * pixels_per_mm)));
+  IlluminatedPlaces found{.lit_share = lit_share(*traced, scene)};
   for (const double turn_rad : kLargestTurns_rad) {
     const Mask good = good_pixels(*traced, Tunnel(scene.tunnel), camera, turn_rad);
     const bool is_last = turn_rad == kLargestTurns_rad.back();
-    const int narrowest_px = is_last ? kSmallestMargin_px : widest_px;
-    for (int margin_px = widest_px; margin_px >= narrowest_px; margin_px = margin_px * 2 / 3) {
-      if (const auto place = first_place(*traced, eroded(good, margin_px), 1.0 / pixels_per_mm)) {
-        return IlluminatedPlace{.place_mm = *place, .lit_share = lit_share(*traced, scene)};
+    for (int margin_px = widest_px; margin_px >= kSmallestMargin_px;
+         margin_px = margin_px * 2 / 3) {
+      add_places(*traced,
+                 eroded(good, margin_px),
+                 1.0 / pixels_per_mm,
+                 2.0 * margin_mm,
+                 wanted,
+                 found.places_mm);
+      if (!is_last || !found.places_mm.empty()) {
+        break;
       }
     }
   }
-  return std::nullopt;
+  return found;
 }
 
 }  // namespace glint

@@ -3,7 +3,8 @@
 // Where on a part a defect can show at all: seen by the camera, and sending it light of the tunnel.
 #pragma once
 
-#include <optional>
+#include <cstddef>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -11,21 +12,25 @@
 
 namespace glint {
 
-struct IlluminatedPlace {
-  Eigen::Vector2d place_mm;  ///< x and y in the part's frame, as [defects.<name>] takes them
-  double lit_share = 0.0;    ///< of the part's pixels that light reaches
+struct IlluminatedPlaces {
+  /// x and y in the part's frame, as [defects.<name>] takes them, the best one first
+  std::vector<Eigen::Vector2d> places_mm;
+  double lit_share = 0.0;  ///< of the part's pixels that light reaches
 };
 
-/// The place nearest to the middle of the picture around which, over `margin_mm` on every side, the
-/// part is seen, lit after one reflection, and free of steps and creases. Where there is no such
-/// place steeper surroundings will do, then a smaller margin, down to a few pixels. The scene's own
-/// defects are left out.
+/// Places around which, over `margin_mm` on every side, the part is seen, lit after one reflection,
+/// and free of steps and creases; those nearest to the middle of the picture first, and two margins
+/// apart. Where there are too few of them, places with steeper surroundings follow, and where there
+/// are none at all those with a smaller margin, down to a few pixels. The scene's own defects are
+/// left out.
 ///
 /// @param margin_mm  > 0; as far as a defect's background reaches
-/// @return empty when no place is left
+/// @param wanted     >= 1; how many places at most
+/// @return no place when none is left
 /// @throws ConfigError, IoError as SceneStore::trace()
-std::optional<IlluminatedPlace> illuminated_place(SceneStore& store,
-                                                  const SceneSettings& scene,
-                                                  double margin_mm);
+IlluminatedPlaces illuminated_places(SceneStore& store,
+                                     const SceneSettings& scene,
+                                     double margin_mm,
+                                     std::size_t wanted = 1);
 
 }  // namespace glint

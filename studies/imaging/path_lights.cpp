@@ -151,11 +151,11 @@ TunnelSettings without_powers(TunnelSettings tunnel) {
 }
 
 UnitLights unit_lights(const SceneSettings& scene,
-                       const RigidTransform& scene_from_camera,
+                       const LightMounts& mounts,
                        const MeshLoader& load_mesh) {
   const std::vector<NamedLight> unit = without_powers(scene.lights);
   const std::optional<TunnelLight> tunnel = tunnel_of(scene);
-  UnitLights result = {.lights = build_lights(unit, scene_from_camera, load_mesh, tunnel)};
+  UnitLights result = {.lights = build_lights(unit, mounts, load_mesh, tunnel)};
   std::vector<LightGroup>& groups = result.lights.groups;
   for (LightGroup& group : groups) {
     group.factor = 1.0;
@@ -165,7 +165,7 @@ UnitLights unit_lights(const SceneSettings& scene,
   for (NamedLight light : unit) {
     if (has_joined_powers(light.settings)) {
       clear_powers(light.settings, true);
-      const Lights alone = build_lights({light}, scene_from_camera, load_mesh);
+      const Lights alone = build_lights({light}, mounts, load_mesh);
       result.unit_power_w[group] = alone.groups.front().power_w.cast<double>();
     }
     group += static_cast<std::size_t>(powers_of(light.settings).groups);

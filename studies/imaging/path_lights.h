@@ -28,7 +28,7 @@ TunnelSettings without_powers(TunnelSettings tunnel);
 
 /// @throws ConfigError, IoError as build_lights()
 UnitLights unit_lights(const SceneSettings& scene,
-                       const RigidTransform& scene_from_camera,
+                       const LightMounts& mounts,
                        const MeshLoader& load_mesh);
 
 /// What each light group contributes to one frame: a factor for each group, of its three channels

@@ -24,18 +24,6 @@ std::vector<LightTriangle> load_triangles(const std::filesystem::path& file) {
   return triangles;
 }
 
-/// Points of the part, at most some thousand.
-std::vector<Eigen::Vector3d> points_of(const Part& part) {
-  constexpr std::size_t kMax = 2000;
-  const auto& vertices = part.mesh.vertices_mm;
-  const std::size_t step = vertices.size() / kMax + 1;
-  std::vector<Eigen::Vector3d> points;
-  for (std::size_t i = 0; i < vertices.size(); i += step) {
-    points.push_back(vertices[i]);
-  }
-  return points;
-}
-
 ThinLens thin_lens_of(const SceneSettings& scene) {
   const LensGeometry geometry = lens_geometry(scene.camera, scene.lens);
   return {.aperture_mm = geometry.aperture_mm, .focus_mm = geometry.focus_mm};
@@ -240,7 +228,10 @@ struct PathView::Data {
         built(has_defects ? part->built : part->clean),
         material(scene.material, scene.sensor.wavelengths_nm),
         camera_pose(camera_from_world(viewpoint)),
-        lights(unit_lights(scene, inverse(camera_pose), load_triangles)),
+        lights(unit_lights(scene,
+                           {.scene_from_camera = inverse(camera_pose),
+                            .scene_from_part = built->part.scene_from_part},
+                           load_triangles)),
         camera(intrinsics_of(scene)),
         physical{.part = built->part,
                  .bvh = *built->bvh,
@@ -256,7 +247,6 @@ struct PathView::Data {
     }
     is_in_tunnel = scene.has_tunnel;
     frames = frame_factors(scene, lights.unit_power_w);
-    warnings = far_field_warnings(lights.lights, points_of(built->part));
   }
 
   std::shared_ptr<const BuiltDefects> part;
@@ -269,7 +259,6 @@ struct PathView::Data {
   PhysicalScene physical;
   bool is_in_tunnel = false;
   std::vector<FrameFactors> frames;
-  std::vector<std::string> warnings;
 };
 
 PathView::PathView(const SceneSettings& scene,
@@ -302,10 +291,6 @@ std::vector<std::string> PathView::group_names() const {
     names.push_back(group.name);
   }
   return names;
-}
-
-const std::vector<std::string>& PathView::warnings() const {
-  return data_->warnings;
 }
 
 std::unique_ptr<const PathView> path_view_of(const SceneSettings& scene,
@@ -374,8 +359,7 @@ PathPicture render_view(const PathView& view,
                         ThreadPool& pool,
                         std::span<const PixelWindow> windows,
                         const PathPreview& preview) {
-  // Without light there is nothing whose scatter would be asked for.
-  const int batches = paths.has_light ? std::max(1, std::min(paths.batches, paths.samples)) : 1;
+  const int batches = std::max(1, std::min(paths.batches, paths.samples));
   PathSettings of_batch = paths;
   of_batch.samples = (paths.samples + batches - 1) / batches;
   of_batch.windows.assign(windows.begin(), windows.end());

@@ -50,9 +50,6 @@ class PathView {
   /// Names of the groups: "ring", "bar.3", "tunnel.12".
   std::vector<std::string> group_names() const;
 
-  /// Sentences that a reader of the picture must know: lights too near for their far-field data.
-  const std::vector<std::string>& warnings() const;
-
  private:
   struct Data;
   std::unique_ptr<const Data> data_;

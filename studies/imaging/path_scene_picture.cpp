@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/image/spans.h"
 #include "metrics/statistics/estimate.h"
+#include "simulator/render/footprint/visible_part.h"
 #include "simulator/render/wall/occluded_pixels.h"
 #include "simulator/sensor/sensor.h"
 #include "studies/imaging/frame_exposure.h"
@@ -138,8 +139,10 @@ class PathScenePicture : public ScenePicture {
     mean.form.frame_pixels = static_cast<int>(mean.aspect.size());
     if (scene().has_tunnel && !request.without) {
       const VisibilityBuffer& seen = traced()->seen();
-      mean.hidden_share = share_of_part(
-          occluded_pixels(seen, Tunnel(scene().tunnel), traced()->camera_in_world_mm), seen);
+      mean.hidden_share =
+          hidden_share(occluded_pixels(seen, Tunnel(scene().tunnel), traced()->camera_in_world_mm),
+                       scene().tunnel,
+                       seen);
     }
     return mean;
   }

@@ -159,4 +159,7 @@ SceneSettings first_view(SceneStore& store, SceneSettings scene);
 /// @throws ConfigError when the part does not fit into the tunnel at every position of the scan
 void check_part_in_tunnel(SceneStore& store, const SceneSettings& scene);
 
+/// @throws ConfigError when the camera of a viewpoint is inside the part
+void check_cameras_outside_part(SceneStore& store, const SceneSettings& scene);
+
 }  // namespace glint

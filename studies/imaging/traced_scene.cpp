@@ -75,7 +75,7 @@ DefectView view_defect(const HeightFeature& feature,
   const double density = pixels_per_mm2(feature, camera, camera_from_world);
   const auto centre = camera.project(camera_from_world * feature.centre_mm);
   if (!centre) {
-    throw ConfigError("defects", fmt::format("{} is behind the camera", feature.label));
+    throw unseen_defect(feature.label, "is behind the camera");
   }
   const double reach_mm = 2.0 * feature.cross_sigma_mm() * window_radii + feature.half_line_mm();
   const double reach_px = 2.0 * std::sqrt(density) * reach_mm + 3.0;
@@ -87,7 +87,7 @@ DefectView view_defect(const HeightFeature& feature,
   const int top = clamp_to(centre->y() - reach_px, rays.height_px);
   const int bottom = clamp_to(centre->y() + reach_px + 1.0, rays.height_px);
   if (left >= right || top >= bottom) {
-    throw ConfigError("defects", fmt::format("{} is outside the image", feature.label));
+    throw unseen_defect(feature.label, "is outside the image");
   }
   DefectView view;
   view.label = feature.label;
@@ -135,6 +135,7 @@ VisibilityBuffer look_at(const BuiltPart& built,
   Film sums =
       render_paths(scene, {.samples = kRaysPerPixel, .channels = 1, .has_light = false}, pool);
   VisibilityBuffer seen;
+  seen.camera = {camera, camera_from_world};
   seen.width_px = sums.width_px;
   seen.height_px = sums.height_px;
   seen.coverage = ImageF(sums.width_px, sums.height_px);
@@ -253,6 +254,10 @@ TracedScene trace_scene(const SceneSettings& scene,
     trace_flawless_windows(scene, camera, pool, traced);
   }
   return traced;
+}
+
+std::optional<Mask> scanned_part_mask(const SceneSettings& scene, const TracedScene& traced) {
+  return needs_paths(scene) ? std::nullopt : std::optional(traced.part_mask);
 }
 
 std::vector<DefectView> view_defects(std::span<const HeightFeature> outlines,

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -54,6 +55,10 @@ TracedScene trace_scene(const SceneSettings& scene,
                         std::shared_ptr<const BuiltDefects> part,
                         const CornerRays* defect_free,
                         ThreadPool& pool);
+
+/// The pixels that lie on the part as a whole where a scan is scored in them: of mirrors under a
+/// tunnel. Empty where paths are traced, whose masks are those of the picture's own samples.
+std::optional<Mask> scanned_part_mask(const SceneSettings& scene, const TracedScene& traced);
 
 /// How the camera sees each defect: windows of distances in defect radii.
 std::vector<DefectView> view_defects(std::span<const HeightFeature> outlines,

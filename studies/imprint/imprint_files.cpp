@@ -53,6 +53,12 @@ PreviewView view_of(const Defect& defect, const Bvh& bvh) {
 /// What a reader of the files should know.
 Json notes_of(const DefectivePart& made, const FloatLoss& loss) {
   Json notes = Json::array();
+  if (made.defects.empty()) {
+    notes.push_back("the part has no defect: every count is 0 and no place is given");
+  }
+  if (std::string note = shallow_note(made); !note.empty()) {
+    notes.push_back(std::move(note));
+  }
   const auto by_normals = std::ranges::count_if(made.defects, [](const RealisedDefect& defect) {
     return defect.is_made && defect.defect.realisation == Realisation::kNormal &&
            defect.defect.type != DefectType::kStain;
@@ -135,6 +141,10 @@ void write_imprint_files(const fs::path& folder,
   write_defect_map(folder / "defect_map.obj", mesh, labels);
   Json metadata =
       defects_json(part.made, scene.defects, scene.imprint, seed, part.clean->part.scene_from_part);
+  const std::vector<double> slopes_rad = defect_slopes_rad(part);
+  for (std::size_t i = 0; i < slopes_rad.size(); ++i) {
+    metadata["defects"][i]["max_slope_mrad"] = 1e3 * slopes_rad[i];
+  }
   name_files_as_written(options.scene, metadata["groups"]);
   metadata["notes"] = notes_of(part.made, loss);
   write_file(folder / kImprintMetadata, metadata.dump(2) + "\n");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/imprint/imprint_folder.h"
+#include "studies/definition/study_text.h"
 
-#include <array>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -9,15 +9,12 @@
 #include "core/file.h"
 #include "core/text.h"
 #include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
 
 namespace glint {
 namespace fs = std::filesystem;
 
 namespace {
-
-/// What a part's files are called that other programs have, too.
-constexpr std::array<const char*, 5> kCommonNames = {
-    "part.stl", "part.ply", "defect_map.obj", "defect_map.mtl", "defects.json"};
 
 /// Everything in a file or a folder's files; what cannot be read is told by who needs it.
 std::string bytes_of(const fs::path& path) {
@@ -39,19 +36,6 @@ std::string first_line(const std::string& text) {
   return text.substr(0, text.find('\n'));
 }
 
-/// The folder may be the scene's own, with the user's part in it.
-void check_no_foreign_part(const fs::path& out) {
-  std::error_code ignored;
-  for (const char* name : kCommonNames) {
-    if (fs::exists(out / name, ignored)) {
-      throw ConfigError(
-          fmt::format("{}: holds a {} that is not of `glint imprint`; choose another output folder",
-                      out.string(),
-                      name));
-    }
-  }
-}
-
 }  // namespace
 
 std::string marked_scene_text(const Study& study, bool is_many) {
@@ -65,16 +49,33 @@ std::string marked_scene_text(const Study& study, bool is_many) {
                      resolved_text(study));
 }
 
-void check_imprint_folder(const fs::path& out, const std::string& marked_scene) {
-  std::error_code ignored;
-  if (fs::exists(out / "study.sqlite", ignored)) {
-    throw ConfigError(
-        fmt::format("{}: holds the run of a study; choose another output folder", out.string()));
+std::string part_name(int part) {
+  return fmt::format("part_{:04d}", part);
+}
+
+std::vector<std::string> names_of_imprint(int count) {
+  if (count == 0) {  // the folder may be the scene's own, with the user's part in it
+    return {"part.stl",
+            "part.ply",
+            "defect_map.obj",
+            "defect_map.mtl",
+            "defects.json",
+            "preview_defects.png",
+            kResolvedScene,
+            "run.json"};
   }
+  std::vector<std::string> names = {"parts.json", kResolvedScene, "run.json"};
+  for (int part = 0; part < count; ++part) {
+    names.push_back(part_name(part));
+  }
+  return names;
+}
+
+void check_imprint_folder(const fs::path& out, const std::string& marked_scene, int count) {
+  check_result_folder(out, ResultKind::kImprint, names_of_imprint(count));
   const fs::path scene = out / kResolvedScene;
-  if (!fs::exists(scene, ignored)) {
-    check_no_foreign_part(out);
-  } else if (first_line(read_file(scene)) != first_line(marked_scene)) {
+  std::error_code ignored;
+  if (fs::exists(scene, ignored) && first_line(read_file(scene)) != first_line(marked_scene)) {
     throw ConfigError(
         fmt::format("{}: holds parts of another configuration; choose another output folder, or "
                     "remove this one",

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "studies/definition/study.h"
 #include "studies/output/staged_folder.h"
@@ -17,8 +18,17 @@ namespace glint {
 /// @param is_many  whether the folder holds numbered parts or one
 std::string marked_scene_text(const Study& study, bool is_many);
 
+/// "part_0000": a numbered part and its folder.
+std::string part_name(int part);
+
+/// What appears in the folder. @param count  of numbered parts; 0: one part in the folder itself
+std::vector<std::string> names_of_imprint(int count);
+
+/// @param count  as above
 /// @throws ConfigError when the folder holds parts of another configuration, files of those names
-///         that are of nobody known, or a study's run
-void check_imprint_folder(const std::filesystem::path& out, const std::string& marked_scene);
+///         that are of nobody known, or results of another verb
+void check_imprint_folder(const std::filesystem::path& out,
+                          const std::string& marked_scene,
+                          int count);
 
 }  // namespace glint

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/imprint/imprint_run.h"
+#include "studies/definition/study_text.h"
 
 #include <algorithm>
 #include <chrono>
@@ -15,6 +16,7 @@
 #include "studies/imprint/imprint_folder.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -31,10 +33,6 @@ constexpr const char* kIndex = "parts.json";
 
 /// Thrown out of the making of a part.
 struct Interrupted {};
-
-std::string part_name(int part) {
-  return fmt::format("part_{:04d}", part);
-}
 
 /// The scene with open realisations settled: meshes go to programs whose pictures are not known.
 SceneSettings imprinted_scene(SceneSettings scene) {
@@ -86,7 +84,8 @@ class ImprintRun {
       throw ConfigError(study_.root.place.file +
                         ": defects: no table [defects.<name>], there is nothing to imprint");
     }
-    check_imprint_folder(options_.out, marked_scene_);
+    check_imprint_folder(options_.out, marked_scene_, options_.count);
+    check_inputs_kept(input_files(study_), options_.out, names_of_imprint(options_.count));
     prepare();
     OutputFolder folder(options_.out);
     remove_stale_stages(options_.out);
@@ -270,6 +269,7 @@ class ImprintRun {
 
   void write_run_json(const fs::path& folder, const Json& timings) const {
     Json json = provenance();
+    json["verb"] = command_of(ResultKind::kImprint);
     json["study"] = study_.name;
     json["seed"] = scene_.imprint.seed;
     json["threads"] = options_.threads;

@@ -13,6 +13,7 @@
 #include "simulator/render/preview/preview.h"
 #include "studies/imprint/imprint_folder.h"
 #include "studies/output/output_folder.h"
+#include "studies/output/result_folder.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -106,6 +107,8 @@ Json preview_tools(const Study& study, const ImprintOptions& options) {
     throw ConfigError(study.root.place.file +
                       ": defects: no table [defects.<name>] that has tools");
   }
+  const std::vector<std::string> names = {"tools", "tools.json", "tools.png", "run.json"};
+  check_result_folder(options.out, ResultKind::kTools, names);
   OutputFolder folder(options.out);
   remove_stale_stages(options.out);
   ThreadPool pool(options.threads);
@@ -113,6 +116,7 @@ Json preview_tools(const Study& study, const ImprintOptions& options) {
   {
     StagedFolder stage(options.out, "");
     write_tools(tools, stage.path(), result, pool);
+    mark_result_folder(stage.path(), ResultKind::kTools);
     stage.commit();
   }
   folder.keep();

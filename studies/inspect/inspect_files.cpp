@@ -76,6 +76,10 @@ Json truth_json(const InspectedPart& part) {
 
 }  // namespace
 
+std::string unit_of(InspectionSettings::Measure measure) {
+  return measure == InspectionSettings::Measure::kArea ? "px" : "weight";
+}
+
 Json part_json(const InspectedPart& part, const InspectionSettings& settings) {
   Json json = {
       {"name", part.source.name},
@@ -91,7 +95,8 @@ Json part_json(const InspectedPart& part, const InspectionSettings& settings) {
       {"is_float", part.is_float},
       {"channels", part.channels},
       {"mask", part.mask_from},
-      {"region_px", part.region_px}};
+      {"region_px", part.region_px},
+      {"bright_share", part.bright_share}};
   if (part.label) {
     json["label"] = grade_json(part.label);
   }

@@ -13,6 +13,9 @@ namespace glint {
 /// A part in result.json, docs/inspect.md.
 nlohmann::ordered_json part_json(const InspectedPart& part, const InspectionSettings& settings);
 
+/// Of the sizes in the limits: "px" or "weight".
+std::string unit_of(InspectionSettings::Measure measure);
+
 /// A row for each defect that was found.
 std::string defects_csv(std::span<const InspectedPart> parts);
 

@@ -130,6 +130,19 @@ Json limits_json(const GradeLimits& limits) {
           {"acceptable_sum", limits.acceptable_sum}};
 }
 
+/// On which sides of its background a defect may lie: 1 brighter, -1 darker.
+Json sides_of(InspectionSettings::Polarity polarity) {
+  using Polarity = InspectionSettings::Polarity;
+  Json sides = Json::array();
+  if (polarity != Polarity::kBright) {
+    sides.push_back(-1);
+  }
+  if (polarity != Polarity::kDark) {
+    sides.push_back(1);
+  }
+  return sides;
+}
+
 }  // namespace
 
 std::string page_picture(const ImageF& shown) {
@@ -150,7 +163,7 @@ std::string inspect_page(const Json& result,
       part.erase("defects");
     }
   }
-  inspection["unit"] = settings.measure == InspectionSettings::Measure::kArea ? "px" : "weight";
+  inspection["sides"] = sides_of(settings.polarity);
   inspection["limits"] = {{"holes", limits_json(settings.holes)},
                           {"scratches", limits_json(settings.scratches)}};
   return render_report({{"title", "Inspection"},

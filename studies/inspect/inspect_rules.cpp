@@ -71,10 +71,11 @@ bool put_sets(std::span<const KeyValue> sets, ConfigNode& root) {
 
 }  // namespace
 
-InspectionRules read_inspection_rules(const fs::path& scene,
+InspectionRules read_inspection_rules(const InspectionSettings& base,
+                                      const fs::path& scene,
                                       std::span<const fs::path> files,
                                       std::span<const KeyValue> sets) {
-  InspectionRules rules;
+  InspectionRules rules{.settings = base};
   ConfigNode root = ConfigNode::table();
   root.names.emplace_back(kTable);
   root.items.push_back(ConfigNode::table());

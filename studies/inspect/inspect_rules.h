@@ -21,11 +21,13 @@ struct InspectionRules {
 
 /// The table of a scene, below those of the files, in their order, below values of the command
 /// line.
+/// @param base   what keys are that none of these sets
 /// @param scene  empty: none
 /// @param files  TOML files with an [inspection] table; their other tables are not read
 /// @param sets   paths begin with "inspection."
 /// @throws ConfigError with every problem, IoError
-InspectionRules read_inspection_rules(const std::filesystem::path& scene,
+InspectionRules read_inspection_rules(const InspectionSettings& base,
+                                      const std::filesystem::path& scene,
                                       std::span<const std::filesystem::path> files,
                                       std::span<const KeyValue> sets);
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -15,12 +16,14 @@
 #include "metrics/inspection/calibration.h"
 #include "metrics/inspection/learn_limits.h"
 #include "studies/inspect/inspect_files.h"
+#include "studies/inspect/inspect_folder.h"
 #include "studies/inspect/inspect_page.h"
 #include "studies/inspect/inspect_rules.h"
 #include "studies/inspect/inspected_part.h"
 #include "studies/inspection_line/simulated_line.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
 #include "studies/output/staged_folder.h"
 
 namespace glint {
@@ -34,22 +37,6 @@ using Threshold = InspectionSettings::Threshold;
 
 /// Thrown between two parts.
 struct Interrupted {};
-
-/// The folder may hold an earlier inspection, nothing else of ours.
-void check_out(const fs::path& out) {
-  std::error_code ignored;
-  if (!fs::exists(out / "result.json", ignored) && !fs::exists(out / "study.sqlite", ignored) &&
-      !fs::exists(out / kResolvedScene, ignored)) {
-    return;
-  }
-  const Json run = fs::exists(out / "run.json", ignored)
-                       ? Json::parse(read_file(out / "run.json"), nullptr, false)
-                       : Json();
-  if (!run.is_object() || !run.contains("inspected")) {
-    throw ConfigError(out.string() +
-                      ": holds results of another kind; choose another output folder");
-  }
-}
 
 class InspectRun {
  public:
@@ -70,6 +57,7 @@ class InspectRun {
     }
     Json result = judge();
     write_all(stage.path(), result);
+    remove_outdated_maps(options_.out, stage.path(), sources_);
     stage.commit();
     folder.keep();
     result["report"] = (options_.out / "report.html").string();
@@ -91,13 +79,22 @@ class InspectRun {
       flawless_ = part_sources(options_.flawless, options_.is_each);
     }
     for (const PicturedPart& source : sources_) {
-      rules_of(source.scene);
+      rules_of(source);
     }
     if (!options_.labels.empty()) {
       labels_ = read_labels(options_.labels);
       check_labels();
     }
-    check_out(options_.out);
+    check_folder();
+  }
+
+  void check_folder() const {
+    std::vector<fs::path> inputs = options_.settings;
+    inputs.insert(inputs.end(), {options_.mask, options_.reference_mask, options_.labels});
+    for (const PicturedPart& source : flawless_) {
+      inputs.insert(inputs.end(), source.pictures.begin(), source.pictures.end());
+    }
+    check_inspect_folder(options_.out, sources_, inputs, options_.is_learning);
   }
 
   void check_labels() const {
@@ -115,13 +112,17 @@ class InspectRun {
     }
   }
 
-  const InspectionRules& rules_of(const fs::path& scene) {
-    const auto found = rules_.find(scene);
-    return found != rules_.end()
-               ? found->second
-               : rules_
-                     .emplace(scene, read_inspection_rules(scene, options_.settings, options_.sets))
-                     .first->second;
+  const InspectionRules& rules_of(const PicturedPart& source) {
+    const auto key = std::pair(source.scene, source.is_photograph());
+    const auto found = rules_.find(key);
+    if (found != rules_.end()) {
+      return found->second;
+    }
+    const InspectionSettings base =
+        source.is_photograph() ? photograph_settings() : InspectionSettings{};
+    return rules_
+        .emplace(key, read_inspection_rules(base, source.scene, options_.settings, options_.sets))
+        .first->second;
   }
 
   /// The threshold at which flawless parts have the wanted number of false alarms.
@@ -198,7 +199,7 @@ class InspectRun {
   }
 
   InspectedPart inspect_one(const PicturedPart& source) {
-    const InspectionSettings& settings = rules_of(source.scene).settings;
+    const InspectionSettings& settings = rules_of(source).settings;
     PreparedPart part = prepare_part(source, masks_, pool_);
     const Mask* region = looked_at(source, settings, part);
     return inspect_part(
@@ -263,11 +264,12 @@ class InspectRun {
       learned = learn();
     }
     Json result = {{"schema", 1}, {"status", "done"}};
+    result["unit"] = unit_of(rules_of(sources_.front()).settings.measure);
     Json parts = Json::array();
     Json counts = {{"Perfect", 0}, {"Acceptable", 0}, {"Rejected", 0}};
     bool has_limits = false;
     for (InspectedPart& part : parts_) {
-      const InspectionRules& rules = rules_of(part.source.scene);
+      const InspectionRules& rules = rules_of(part.source);
       if (rules.has_limits) {
         part.grade = grade_of(part.inspection.defects, rules.settings);
         has_limits = true;
@@ -301,7 +303,7 @@ class InspectRun {
       }
     }
     const LearnedLimits limits = learn_limits(labelled);
-    for (auto& [scene, rules] : rules_) {
+    for (auto& [key, rules] : rules_) {
       rules.settings.holes = limits.holes;
       rules.settings.scratches = limits.scratches;
       rules.has_limits = true;
@@ -346,7 +348,7 @@ class InspectRun {
   }
 
   void write_all(const fs::path& stage, const Json& result) {
-    const InspectionSettings& settings = rules_of(sources_.front().scene).settings;
+    const InspectionSettings& settings = rules_of(sources_.front()).settings;
     const std::string toml = inspection_toml(settings);
     if (options_.is_learning) {
       write_file(stage / "grading.toml", toml);
@@ -355,6 +357,7 @@ class InspectRun {
     write_file(stage / "report.html", inspect_page(result, parts_, pictures_, settings, toml));
     write_file(stage / "result.json", result.dump(2) + "\n");
     Json run = provenance();
+    run["verb"] = command_of(ResultKind::kInspect);
     run["inspected"] = parts_.size();
     run["threads"] = options_.threads;
     run["timings"] = {{"this_run_s", seconds_since(start_)}};
@@ -371,8 +374,8 @@ class InspectRun {
   Clock::time_point start_ = Clock::now();
   std::vector<PicturedPart> sources_;
   std::vector<PicturedPart> flawless_;
-  std::map<fs::path, InspectionRules> rules_;  ///< by scene
-  std::map<std::string, double> thresholds_;   ///< told by flawless parts
+  std::map<std::pair<fs::path, bool>, InspectionRules> rules_;  ///< by scene; of photographs
+  std::map<std::string, double> thresholds_;                    ///< told by flawless parts
   std::map<std::string, Grade> labels_;
   std::vector<InspectedPart> parts_;
   std::vector<std::string> pictures_;  ///< of the first parts, for the page

@@ -16,6 +16,9 @@ struct PicturedPart {
   std::filesystem::path mask = {};   ///< of a simulated part; empty: none
   std::filesystem::path scene = {};  ///< the scene it was rendered from; empty: none
   std::filesystem::path truth = {};  ///< the list of its defects; empty: none
+
+  /// A single picture of a real part: no scan that evens out the light.
+  bool is_photograph() const { return pictures.size() == 1 && scene.empty(); }
 };
 
 /// Files are the pictures of one part, or (is_each) of a part each. A folder is a part; a folder of

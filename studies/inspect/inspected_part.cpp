@@ -20,50 +20,62 @@ using Filter = InspectionSettings::Filter;
 
 constexpr int kBins = 121;
 constexpr double kGoodOverlap = 0.9;
+constexpr double kLittle = 0.75;
 constexpr double kFullShareToTell = 0.001;
 
 /// The outline of a mask without its holes, which a silhouette has not either.
 Mask filled(const Mask& mask) {
-  const Silhouette outline = find_silhouette(coverage_of(mask));
+  const Silhouette outline = find_silhouette(coverage_of(mask), Pieces::kAll);
   return outline.mask ? *outline.mask : mask;
 }
 
+/// Onto all pieces of the silhouette, or onto the largest where that fits better: what else is
+/// bright may lie beside the part.
+ShapeMatch best_match(const Mask& reference, const ImageF& aspect, const Silhouette& silhouette) {
+  const auto match = match_shapes(reference, *silhouette.mask);
+  GLINT_CHECK(match.has_value(), "neither a mask that was read nor a silhouette is empty");
+  if (silhouette.pieces > 1) {
+    const auto of_largest = match_shapes(reference, *find_silhouette(aspect).mask);
+    return of_largest->overlap > match->overlap ? *of_largest : *match;
+  }
+  return *match;
+}
+
 /// @throws ConfigError  a reference needs a silhouette to lie on
-void lay_reference(const fs::path& file, const PicturedPart& source, PreparedPart& part) {
+void lay_reference(const fs::path& file,
+                   const PicturedPart& source,
+                   const Silhouette& silhouette,
+                   PreparedPart& part) {
   const Mask reference = read_mask(file);
-  const Silhouette silhouette = find_silhouette(part.aspect);
   if (!silhouette.mask) {
     throw ConfigError(fmt::format("{}: no silhouette to lay the reference mask on: {}",
                                   source.name,
                                   sentence(*silhouette.fault)));
   }
-  const auto match = match_shapes(filled(reference), *silhouette.mask);
-  GLINT_CHECK(match.has_value(), "neither a mask that was read nor a silhouette is empty");
-  part.mask = warped(reference, match->to_part, part.aspect.width(), part.aspect.height());
+  const ShapeMatch match = best_match(filled(reference), part.aspect, silhouette);
+  part.mask = warped(reference, match.to_part, part.aspect.width(), part.aspect.height());
   part.mask_from = "reference";
-  if (const std::string_view text = warning(match->rule); !text.empty()) {
+  if (const std::string_view text = warning(match.rule); !text.empty()) {
     part.notes.emplace_back(text);
   }
   if (silhouette.touches_border) {
     part.notes.emplace_back(
         "The part leaves the picture: the reference mask cannot lie on it truly.");
   }
-  if (match->overlap < kGoodOverlap) {
+  if (match.overlap < kGoodOverlap) {
     part.notes.push_back(fmt::format(
         "The reference mask and the part overlap by {:.1f} % only: is it the mask of this part?",
-        100.0 * match->overlap));
+        100.0 * match.overlap));
   }
 }
 
-void find_part(const PicturedPart& source, PreparedPart& part) {
+void find_part(const PicturedPart& source, Silhouette silhouette, PreparedPart& part) {
   part.mask = Mask(part.aspect.width(), part.aspect.height(), 1);
   part.mask_from = "picture";
   if (source.pictures.size() == 1) {
-    part.notes.emplace_back(
-        "There is one picture and no mask: the whole picture was taken for the part.");
+    part.notes.emplace_back("No mask was given: the whole picture was taken for the part.");
     return;
   }
-  Silhouette silhouette = find_silhouette(part.aspect);
   if (!silhouette.mask) {
     part.notes.push_back(
         fmt::format("The whole picture was taken for the part: {}", sentence(*silhouette.fault)));
@@ -71,6 +83,12 @@ void find_part(const PicturedPart& source, PreparedPart& part) {
   }
   part.mask = std::move(*silhouette.mask);
   part.mask_from = "silhouette";
+  if (silhouette.pieces > 1) {
+    part.notes.push_back(
+        fmt::format("The part was found in {} pieces; the dark between them was not inspected. A "
+                    "mask (--mask) has it inspected.",
+                    silhouette.pieces));
+  }
 }
 
 /// What no defect can change: pixels of the part that are black, or at full scale in all pictures.
@@ -106,6 +124,19 @@ void check_part_light(const std::string& name, PreparedPart& part) {
   }
 }
 
+/// The share of the pixels from a grey value on that is inspected.
+double bright_share(const ImageF& aspect, const Mask& region, double threshold) {
+  std::size_t bright = 0;
+  std::size_t inspected = 0;
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    if (static_cast<double>(aspect.values()[i]) >= threshold) {
+      ++bright;
+      inspected += region.values()[i] != 0 ? 1U : 0U;
+    }
+  }
+  return bright == 0 ? 0.0 : static_cast<double>(inspected) / static_cast<double>(bright);
+}
+
 ResponseHistogram histogram_of(const ImageF& response, const Mask& region, double threshold) {
   double largest = 0.0;
   for (const float value : response.values()) {
@@ -122,6 +153,28 @@ ResponseHistogram histogram_of(const ImageF& response, const Mask& region, doubl
     }
   }
   return histogram;
+}
+
+/// What stands behind the number of reports.
+std::string limits_note(const PicturedPart& source,
+                        const InspectionSettings& settings,
+                        bool is_capped) {
+  std::string text;
+  if (source.is_photograph()) {
+    text =
+        "No scan was given but a single picture: where no setting says otherwise, it was "
+        "inspected as a photograph. (Is it the mean image of a scan? Then set "
+        "inspection.filter = \"gaussian\", inspection.threshold_sigmas = 6 and "
+        "inspection.max_reports = 0.)";
+  }
+  if (is_capped) {
+    text += fmt::format(
+        "{}The {} places that stand out most are reported (inspection.max_reports); none of them "
+        "need be a defect.",
+        text.empty() ? "" : " ",
+        settings.max_reports);
+  }
+  return text;
 }
 
 /// Takes what is not looked at out of the region. @throws ConfigError when nothing is left
@@ -156,16 +209,18 @@ PreparedPart prepare_part(const PicturedPart& source, const PartMasks& masks, Th
   PreparedPart part{.sequence = read_sequence(source.pictures, pool)};
   part.aspect = aspect_of(part.sequence, pool);
   part.notes = part.sequence.notes;
+  Silhouette silhouette = find_silhouette(part.aspect, Pieces::kAll);
+  part.bright_from = silhouette.fault ? 0.0 : silhouette.threshold;
   if (!masks.mask.empty()) {
     part.mask = read_mask(masks.mask, part.aspect.width(), part.aspect.height());
     part.mask_from = "file";
   } else if (!masks.reference.empty()) {
-    lay_reference(masks.reference, source, part);
+    lay_reference(masks.reference, source, silhouette, part);
   } else if (!source.mask.empty()) {
     part.mask = read_mask(source.mask, part.aspect.width(), part.aspect.height());
     part.mask_from = "design";
   } else {
-    find_part(source, part);
+    find_part(source, std::move(silhouette), part);
   }
   check_part_light(source.name, part);
   return part;
@@ -197,8 +252,18 @@ InspectedPart inspect_part(const PicturedPart& source,
                        .is_float = part.sequence.is_float,
                        .channels = part.sequence.channels,
                        .mask_from = part.mask_from,
-                       .region_px = count_inside(region)};
-  result.inspection.threshold = inspector.threshold(response, calibrated);
+                       .region_px = count_inside(region),
+                       .bright_share = bright_share(part.aspect, region, part.bright_from)};
+  if (result.bright_share < kLittle) {
+    part.notes.push_back(
+        fmt::format("Only {:.1f} % of what is bright in the picture was inspected.",
+                    100.0 * result.bright_share));
+  }
+  const double threshold = inspector.threshold(response, calibrated);
+  result.inspection.threshold = inspector.capped_threshold(response, threshold, pool);
+  if (source.is_photograph() || result.inspection.threshold > threshold) {
+    part.notes.push_back(limits_note(source, settings, result.inspection.threshold > threshold));
+  }
   result.inspection.noise = inspector.noise(response, pool);
   result.inspection.defects = inspector.blobs(response, result.inspection.threshold, pool);
   const std::vector<FoundDefect>& defects = result.inspection.defects;

@@ -32,6 +32,8 @@ struct InspectedPart {
   int channels = 1;
   std::string mask_from;  ///< "file", "reference", "design", "silhouette" or "picture"
   std::size_t region_px = 0;
+  double bright_share =
+      0.0;  ///< of the pixels from PreparedPart::bright_from on, that are inspected
   Inspection inspection;
   DefectSizes holes;
   DefectSizes scratches;
@@ -60,6 +62,7 @@ struct PreparedPart {
   ImageF aspect;
   Mask mask;
   std::string mask_from;
+  double bright_from = 0.0;  ///< the silhouette's threshold; 0 where none can be told
   std::vector<std::string> notes;
 };
 

@@ -170,10 +170,14 @@ struct SimulatedLine::Data {
     return truth;
   }
 
-  ScannedPart part(const DefectMaker& making, std::int64_t number) const {
+  BuiltDefects built_part(const DefectMaker& making, std::int64_t number) const {
     const auto seed =
         static_cast<std::uint64_t>(scene.imprint.seed) + static_cast<std::uint64_t>(number);
-    const BuiltDefects built = build_defects(scene, traced->part->clean, making, seed);
+    return build_defects(scene, traced->part->clean, making, seed);
+  }
+
+  ScannedPart part(const DefectMaker& making, std::int64_t number) const {
+    const BuiltDefects built = built_part(making, number);
     LineScan scan = camera->part(built, sensor_of(ScanOf::kPart, number));
     std::vector<TrueDefect> truth = truth_of(built.made, scan);
     ScannedPart result = inspected(std::move(scan));
@@ -283,6 +287,11 @@ ScannedPart SimulatedLine::part(std::int64_t number) const {
 ScannedPart SimulatedLine::part_with(const std::vector<NamedGroup>& defects,
                                      std::int64_t number) const {
   return data_->part(data_->maker_of(defects), number);
+}
+
+std::vector<double> SimulatedLine::slopes_rad(const std::vector<NamedGroup>& defects,
+                                              std::int64_t number) const {
+  return defect_slopes_rad(data_->built_part(data_->maker_of(defects), number));
 }
 
 std::vector<FoundDefect> SimulatedLine::inspect(const ScannedPart& part, double threshold) const {

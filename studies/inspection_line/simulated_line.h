@@ -81,6 +81,9 @@ class SimulatedLine {
   /// Scan of a part with given defects instead (of scene.defects' names); noise of `number`.
   ScannedPart part_with(const std::vector<NamedGroup>& defects, std::int64_t number) const;
 
+  /// How steep the defects of that part are [rad]; see defects/part/defect_slope.h.
+  std::vector<double> slopes_rad(const std::vector<NamedGroup>& defects, std::int64_t number) const;
+
   /// The inspector's list inside the line's region. @param threshold  of |response|
   std::vector<FoundDefect> inspect(const ScannedPart& part, double threshold) const;
 

@@ -144,31 +144,21 @@ class Sample {
     });
   }
 
-  /// Half of the defects are found at a part's factor; median over the parts.
-  std::optional<Statistic> smallest(double DefectTrial::*size) const {
-    const auto sizes_on = [this, size](std::span<const std::size_t> parts) {
-      auto sizes = all<double>(parts, [size](const DefectTrial& one) { return one.*size; });
-      std::erase_if(sizes, [](double value) { return value <= 0.0; });  // stains
-      return sizes;
-    };
-    const auto statistic = [this, sizes_on](std::span<const std::size_t> parts) {
-      std::vector<double> smallest;
-      for (const std::size_t k : parts) {
-        const auto own = sizes_on({&k, 1});
-        if (!own.empty()) {
-          smallest.push_back(line_.parts[k].factor * median(own));
-        }
-      }
-      return smallest.empty() ? 0.0 : median(smallest);
-    };
-    std::vector<double> factors;
-    for (const PartTrial& part : line_.parts) {
-      factors.push_back(part.factor);
-    }
-    if (sizes_on(every_part()).empty() || median(factors) >= LineTrials::kMaxFactor) {
-      return std::nullopt;
-    }
-    return resampled(statistic);
+  /// Half of the defects are found at a part's factor: their median height there, median over the
+  /// parts.
+  std::optional<Statistic> smallest_height_um() const {
+    return smallest([this](std::size_t k) {
+      auto heights = all<double>({&k, 1}, [](const DefectTrial& one) { return one.height_um; });
+      std::erase_if(heights, [](double value) { return value <= 0.0; });  // stains
+      return heights.empty() ? 0.0 : line_.parts[k].factor * median(std::move(heights));
+    });
+  }
+
+  std::optional<Statistic> smallest_slope_mrad() const {
+    return smallest([this](std::size_t k) {
+      const std::vector<double>& slopes = line_.parts[k].slopes_mrad;
+      return slopes.empty() ? 0.0 : median(slopes);
+    });
   }
 
  private:
@@ -176,6 +166,29 @@ class Sample {
     std::vector<std::size_t> parts(line_.parts.size());
     std::iota(parts.begin(), parts.end(), std::size_t{0});
     return parts;
+  }
+
+  /// @param of_part  at the part's factor; 0: it has no defect with a height
+  std::optional<Statistic> smallest(const std::function<double(std::size_t)>& of_part) const {
+    std::vector<double> factors;
+    std::vector<double> sizes;
+    for (const std::size_t k : every_part()) {
+      factors.push_back(line_.parts[k].factor);
+      sizes.push_back(of_part(k));
+    }
+    const bool has_none = std::ranges::all_of(sizes, [](double size) { return size <= 0.0; });
+    if (has_none || median(factors) >= LineTrials::kMaxFactor) {
+      return std::nullopt;
+    }
+    return resampled([&sizes](std::span<const std::size_t> parts) {
+      std::vector<double> drawn;
+      for (const std::size_t k : parts) {
+        if (sizes[k] > 0.0) {
+          drawn.push_back(sizes[k]);
+        }
+      }
+      return drawn.empty() ? 0.0 : median(std::move(drawn));
+    });
   }
 
   /// Parts are drawn again, not defects: those of one part share its noise.
@@ -229,8 +242,8 @@ std::optional<Statistic> statistic_of(const LineScore& score,
   if (score.what == "signature") {
     return sample.signature();
   }
-  return sample.smallest(score.what == "smallest_slope_mrad" ? &DefectTrial::slope_mrad
-                                                             : &DefectTrial::height_um);
+  return score.what == "smallest_slope_mrad" ? sample.smallest_slope_mrad()
+                                             : sample.smallest_height_um();
 }
 
 TrialNeeds needs_of(const std::set<std::string>& names) {

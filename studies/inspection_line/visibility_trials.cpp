@@ -46,7 +46,6 @@ bool is_stain(const TrueDefect& truth) {
 DefectTrial as_made(const TrueDefect& truth) {
   return {.group = truth.defect.group,
           .height_um = is_stain(truth) ? 0.0 : 1e3 * truth.defect.depth_mm,
-          .slope_mrad = 1e3 * truth.outline.max_slope_rad(),
           .rendering = truth.rendering};
 }
 
@@ -229,6 +228,16 @@ double factor_of(const SimulatedLine& line, std::int64_t number, double threshol
   return found.result == Detectable::kNever ? LineTrials::kMaxFactor : found.size;
 }
 
+/// Of the part's defects that have a height, all heights times a factor.
+std::vector<double> slopes_mrad_at(const SimulatedLine& line, std::int64_t number, double factor) {
+  std::vector<double> slopes = line.slopes_rad(scaled(line.scene().defects, factor), number);
+  std::erase(slopes, 0.0);  // stains
+  for (double& slope : slopes) {
+    slope *= 1e3;
+  }
+  return slopes;
+}
+
 }  // namespace
 
 LineTrials run_trials(const SimulatedLine& line,
@@ -246,6 +255,7 @@ LineTrials run_trials(const SimulatedLine& line,
       TriedPart part = inspected(line, line.part(first + k), result.threshold, needs);
       if (needs.smallest) {
         part.trial.factor = factor_of(line, first + k, result.threshold);
+        part.trial.slopes_mrad = slopes_mrad_at(line, first + k, part.trial.factor);
       }
       return part;
     });

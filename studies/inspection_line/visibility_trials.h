@@ -24,8 +24,7 @@ struct TrialNeeds {
 /// What became of one defect.
 struct DefectTrial {
   std::string group;
-  double height_um = 0.0;   ///< depth or height; 0: a stain, which has none
-  double slope_mrad = 0.0;  ///< at the steepest
+  double height_um = 0.0;  ///< depth or height; 0: a stain, which has none
   bool is_found = false;
   double signature = 0.0;        ///< area of its blobs / its true area; 0: missed
   double largest = 0.0;          ///< |response| near it; 0: masked
@@ -40,6 +39,8 @@ struct PartTrial {
   /// Of `smallest`: the factor on all heights at which half of the part's defects are found;
   /// kMaxFactor where they never are.
   double factor = 0.0;
+  /// Of `smallest`: how steep the part's defects that have a height are, made with that factor.
+  std::vector<double> slopes_mrad;
 };
 
 struct LineTrials {

@@ -34,7 +34,7 @@ void move_entries(const fs::path& from, const fs::path& to) {
   std::vector<fs::path> entries = sorted_entries(from);
   // What tells whose files these are comes first.
   std::stable_partition(entries.begin(), entries.end(), [](const fs::path& entry) {
-    return entry.filename() == kResolvedScene;
+    return entry.filename() == kResolvedScene || entry.filename() == "run.json";
   });
   for (const fs::path& entry : entries) {
     const fs::path goal = to / entry.filename();

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/population/population_report.h"
 
+#include <algorithm>
+#include <vector>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -271,6 +274,34 @@ std::string pod_line(const Json& design, const std::string& unit) {
                      unit);
 }
 
+/// "The dome finds nine of ten defects from 0.109 um on, 13 times smaller than Two panels."
+std::string pod_sentence(const Json& pod) {
+  const auto a90 = [](const Json* design) {
+    return (*design)["fit"]["a90"]["value"].get<double>();
+  };
+  std::vector<const Json*> fitted;
+  for (const Json& design : pod["designs"]) {
+    const Json& fit = design["fit"];
+    if (!fit.is_null() && !fit["a90"]["value"].is_null()) {
+      fitted.push_back(&design);
+    }
+  }
+  if (fitted.empty()) {
+    return "No lighting gives a curve from which the size of a defect that is found can be told.";
+  }
+  const auto [best, worst] = std::ranges::minmax_element(fitted, {}, a90);
+  const auto title = [](const Json* design) { return (*design)["title"].get<std::string>(); };
+  const std::string from = fmt::format("{} finds nine of ten defects from {:.3g} {} on",
+                                       title(*best),
+                                       a90(*best),
+                                       pod["unit"].get<std::string>());
+  return *best == *worst ? from + "."
+                         : fmt::format("{}, {:.2g} times smaller than under {}.",
+                                       from,
+                                       a90(*worst) / a90(*best),
+                                       title(*worst));
+}
+
 }  // namespace
 
 Json population_panels(const fs::path& run, const Json& result) {
@@ -286,23 +317,26 @@ Json population_panels(const fs::path& run, const Json& result) {
 
 Json population_verdict(const Json& result) {
   if (result.contains("sorting")) {
-    return {{"sentence", sorting_sentence(result["sorting"])},
+    const std::string sentence = sorting_sentence(result["sorting"]);
+    return {{"sentence", sentence},
             {"tone", "neutral"},
-            {"details", Json::array()}};
+            {"details", Json::array()},
+            {"findings", {{{"code", "sorted"}, {"text", sentence}}}}};
   }
   if (!result.contains("pod")) {
     return nullptr;
   }
   const Json& pod = result["pod"];
+  const std::string sentence = pod_sentence(pod);
   Json details = Json::array();
-  for (const auto& [key, design] : pod["designs"].items()) {
-    if (key != "baseline") {
-      details.push_back(pod_line(design, pod["unit"]));
-    }
+  Json findings = {{{"code", "detectable_size"}, {"text", sentence}}};
+  for (const Json& design : pod["designs"]) {
+    const std::string line = pod_line(design, pod["unit"]);
+    details.push_back(line);
+    findings.push_back({{"code", "detectable_size"}, {"text", line}});
   }
-  return {{"sentence", pod_line(pod["designs"]["baseline"], pod["unit"])},
-          {"tone", "neutral"},
-          {"details", details}};
+  return {
+      {"sentence", sentence}, {"tone", "neutral"}, {"details", details}, {"findings", findings}};
 }
 
 std::string population_summary(const Json& result) {

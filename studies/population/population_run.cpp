@@ -7,13 +7,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/wall_clock.h"
+#include "core/cpu_clock.h"
 
 namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Clock = std::chrono::steady_clock;
 
 /// @throws ConfigError with the place of the value at fault
 SceneSettings population_scene(const Study& study, const PopulationDesign& design) {
@@ -154,9 +153,9 @@ PopulationPace measure_pace(const SimulatedLine& line,
   constexpr std::int64_t kRounds = 2;
   const std::int64_t count = kRounds * pool.num_threads();
   const auto seconds_each = [&](const std::function<void(std::int64_t)>& work) {
-    const auto start = Clock::now();
+    const double start = process_cpu_s();
     pool.for_each(count, work);
-    return seconds_since(start) / static_cast<double>(count);
+    return (process_cpu_s() - start) / static_cast<double>(count);
   };
   PopulationPace pace;
   pace.part_s = seconds_each(inspect);

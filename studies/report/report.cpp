@@ -10,9 +10,11 @@
 
 #include "core/image/image_io.h"
 #include "core/text.h"
-#include "metrics/scores.h"
 #include "studies/report/report_page.h"
+#include "studies/report/report_ranking.h"
 #include "studies/report/report_verdict.h"
+#include "studies/report/report_wording.h"
+#include "studies/report/score_words.h"
 
 namespace glint {
 namespace {
@@ -21,62 +23,13 @@ using Json = nlohmann::ordered_json;
 using report_detail::member;
 using report_detail::text_of;
 
-bool ends_with_any(std::string_view text, std::initializer_list<std::string_view> ends) {
-  return std::ranges::any_of(ends, [&](std::string_view end) { return text.ends_with(end); });
-}
-
-/// "homogeneity.h_rms" -> "h (rms)", "defects.cnr_min" -> "smallest CNR",
-/// "view.slot_margin_mm" -> "slot margin (mm)", others by their last word.
-std::string default_label(const std::string& score) {
-  if (is_bound(score)) {
-    return fmt::format("{}, {} bound",
-                       default_label(std::string(without_bound(score))),
-                       score.ends_with(".low") ? "lower" : "upper");
-  }
-  if (is_error(score)) {
-    return fmt::format("{}, standard error", default_label(std::string(without_error(score))));
-  }
-  const std::vector<std::string> parts = split(score, '.');
-  std::string label = parts.back();
-  if (label == "h_rms" || label == "h_abs") {
-    return fmt::format("h ({})", label.substr(2));
-  }
-  for (const auto& [end, word] : {std::pair{"_min", "smallest "}, {"_max", "largest "}}) {
-    if (label.ends_with(end)) {
-      label = word + label.substr(0, label.size() - 4);
-    }
-  }
-  for (const std::string_view unit : {"_mm", "_px", "_um", "_mrad"}) {
-    if (label.ends_with(unit)) {
-      label = fmt::format("{} ({})", label.substr(0, label.size() - unit.size()), unit.substr(1));
-    }
-  }
-  std::ranges::replace(label, '_', ' ');
-  for (const std::string_view word : {"cnr", "snr", "auc"}) {
-    for (auto at = label.find(word); at != std::string::npos; at = label.find(word, at + 1)) {
-      std::ranges::transform(word, label.begin() + static_cast<std::ptrdiff_t>(at), [](char c) {
-        return static_cast<char>(c - 'a' + 'A');
-      });
-    }
-  }
-  const bool is_of_one_defect =
-      parts.size() > 2 && (parts.front() == "defects" || parts.front() == "inspection");
-  return is_of_one_defect ? parts[parts.size() - 2] + ": " + label : label;
-}
-
-bool is_share(std::string_view score) {
-  return ends_with_any(without_bound(without_error(score)),
-                       {"h_rms", "h_abs", "share", "contrast", "fraction", "coverage", "rate"});
-}
-
 void describe_scores(const Json& scores, Json& info) {
   if (!scores.is_object()) {
     return;
   }
   for (const auto& [name, value] : scores.items()) {
     if (!info.contains(name)) {
-      info[name] = {{"label", default_label(name)},
-                    {"format", is_share(name) ? "percent" : "number"}};
+      info[name] = report_detail::score_words(name);
     }
   }
 }
@@ -90,6 +43,7 @@ void describe_all_scores(Json& data) {
   }
   named.erase("");
   describe_scores(named, info);
+  describe_scores(member(member(data, "rendered"), "scores"), info);
   for (const char* list : {"designs", "trials", "runs"}) {
     for (const Json& entry : member(data, list)) {
       describe_scores(member(entry, "scores"), info);
@@ -100,6 +54,56 @@ void describe_all_scores(Json& data) {
     }
   }
   data["score_info"] = std::move(info);
+}
+
+std::string number_text(const Json& row, const char* name, const report_detail::Wording& wording) {
+  const auto value = report_detail::number_of(row, name);
+  return value ? wording.text(*value) : std::string("\u2013");
+}
+
+/// A section with the ranking of designs, after sections that are there.
+void add_ranking_panel(Json& data) {
+  const report_detail::Wording wording(data);
+  Json rows = Json::array();
+  for (const Json& row : data["ranking"]) {
+    std::vector<std::string> missed;
+    for (const Json& text : row["missed"]) {
+      missed.push_back(text.get<std::string>());
+    }
+    const auto chance = report_detail::number_of(row, "probability_best");
+    rows.push_back({std::to_string(rows.size() + 1),
+                    text_of(row, "title"),
+                    number_text(row, "value", wording),
+                    number_text(row, "low", wording) + " to " + number_text(row, "high", wording),
+                    chance ? fmt::format("{:.0f} %", 100.0 * *chance) : std::string("\u2013"),
+                    missed.empty() ? std::string("none") : join(missed, "; ")});
+  }
+  if (!member(data, "panels").is_array()) {
+    data["panels"] = Json::array();
+  }
+  data["panels"].push_back(
+      {{"id", "ranking"},
+       {"title", "Ranking"},
+       {"lead",
+        "All designs are scanned with the same noise, several times over: mean of these scans, its "
+        "95 % interval, and how often the design would be the best of those that miss no limit."},
+       {"tables",
+        {{{"caption", ""},
+          {"head", {"place", "design", wording.label(), "interval", "best", "limits missed"}},
+          {"rows", rows}}}}});
+}
+
+/// Designs that nothing was searched for are ranked.
+void add_ranking(Json& data) {
+  if (data.contains("ranking") || !member(data, "trials").empty() ||
+      !member(data, "runs").empty() || member(data, "designs").size() < 2) {
+    return;
+  }
+  const Json ranking = report_detail::ranking_of(data);
+  if (!ranking.empty()) {
+    data["ranking"] = ranking;
+    add_ranking_panel(data);
+  }
 }
 
 /// JSON that may stand in a script element: there `<` could end the element or open a comment.
@@ -123,6 +127,7 @@ void replace_mark(std::string& page, std::string_view mark, std::string_view tex
 
 nlohmann::ordered_json complete_report(nlohmann::ordered_json data) {
   describe_all_scores(data);
+  add_ranking(data);
   if (!member(data, "verdict").is_object()) {
     data["verdict"] = report_verdict(data);
   }
@@ -130,9 +135,12 @@ nlohmann::ordered_json complete_report(nlohmann::ordered_json data) {
 }
 
 std::string render_report(const nlohmann::ordered_json& data) {
-  const Json complete = complete_report(data);
+  Json complete = complete_report(data);
+  const std::string when = text_of(complete, "when");
+  complete.erase("when");
   std::string page = report_page();
   const std::string title = text_of(complete, "title");
+  replace_mark(page, "@GLINT_WHEN@", markup_text(when));
   // The title comes last: whatever it says cannot be taken for a mark.
   replace_mark(page, "@GLINT_DATA@", script_json(complete));
   replace_mark(

@@ -5,11 +5,19 @@
 // left out; what is absent is not drawn.
 //
 //   title, subtitle   texts
+//   when              date and duration as a text: stands in the page's element of the id `when`,
+//                     the only part of a report that another run of the same study changes
 //   status            "done" | "budget" | "interrupted" | "no_feasible"; absent: not a search
 //   objective         { name: a score's name, sense: "maximise" | "minimise" }
 //   constraints       [ { name: a score's name, min?, max? } ]
 //   variables         [ { name: a dotted path, kind: "float" | "integer" | "choice" | "boolean",
 //                         low, high, log, unit, choices: [..] } ]
+//   scene             what was simulated: {
+//       picture       base64 PNG of the part, note: the line below it
+//       size_px       [ width, height ] that the marks are in
+//       marks         [ { label, window_px: [ left, top, width, height ] } ]
+//       facts         [ [ name, text ] ]
+//       defects       { head: [texts], rows: [ [texts] ], more: text } }
 //   designs           cards: winner, baseline, then the others in this order; [ {
 //       key, title    unique short name; heading (absent: the key)
 //       role          "baseline" | "prototype" | "winner"; absent: from the key
@@ -17,11 +25,16 @@
 //       trial         number of its evaluation
 //       feasible      true, false, or absent when there are no constraints
 //       scores        { score: number } with the seeds of the search
+//       repeated      { score: [numbers] } of scans with other noise, the same for all designs
+//       defects       [ { label, width_px } ]
 //       rescored      the same with fresh seeds and finer sampling
 //       variables     { path: number | text | boolean }
 //       frames        base64 PNGs, see report_png()
 //       aspect        base64 PNG
-//       closeups      [ { label, image: base64 PNG, scores: { score: number } } ]
+//       closeups      [ { label, image: base64 PNG, size: text, picture: which one it is of,
+//                     low, high: what is black and white in it, share of full scale,
+//                     pixel_mm, size_px: [ width, height ] for the scale bar,
+//                     scores: { score: number } } ]
 //       drawing       SVG text, see studies/drawing/drawing.h
 //       notes         [ texts ] } ]
 //   trials            in the order of their numbers; [ {
@@ -31,7 +44,9 @@
 //       values        one per variable, null where a condition switches it off
 //       scores        at least those of the constraints } ]
 //   runs              only in a comparison of runs; [ { title, status, evaluations, failed,
-//                     feasible, scores, rescored, best_so_far: [number | null] } ]
+//                     feasible, scores, rescored, best_so_far: [number | null],
+//                     objective, group: number of the first run that it may be ranked with (absent:
+//                     0), differs: [ texts ], what is not as in the first run } ]
 //   panels            sections of a population; [ {
 //       id, title     of the section; lead: the sentence below
 //       charts        [ { kind: "sizes" | "lightings" | "pod", its data: web/population.js } ]
@@ -47,9 +62,12 @@
 //   methods           [ sentences on method and accuracy ]
 //   config_toml       the resolved configuration
 //   provenance        { version, seed, compiler, machine, ... }: shown in the order given
-//   score_info        { score: { label, format: "percent" | "number" } }; see complete_report()
+//   score_info        { score: { label, format: "percent" | "number", meaning } }; see
+//                     complete_report()
+//   ranking           of designs without a search, see report_ranking.h and complete_report()
 //   verdict           { title: of the section, absent: "Verdict", sentence,
-//                     tone: "good" | "neutral" | "bad", details: [texts] }; see complete_report()
+//                     tone: "good" | "neutral" | "bad", details: [texts], findings: [ { code,
+//                     text } ] }; see complete_report()
 #pragma once
 
 #include <string>
@@ -62,7 +80,8 @@ namespace glint {
 
 /// Fills in what is missing: `score_info` for every score in the data (shares, contrasts and both h
 /// as per cent, other scores as numbers) and the `verdict`, worked out from the designs: winner
-/// against baseline and best prototype, with the fresh-seed numbers where there are any.
+/// against baseline and best prototype, with the fresh-seed numbers where there are any. Designs
+/// without a search get a `ranking` and a section that shows it.
 nlohmann::ordered_json complete_report(nlohmann::ordered_json data);
 
 /// The page with the completed data in it. Equal data give equal bytes; numbers that are not finite

@@ -8,9 +8,25 @@
 
 namespace glint {
 
-/// The verdict of a report, `{ sentence, tone, details }`, from data as described in
-/// studies/report/report.h with its `score_info`. Fresh-seed numbers count where there are any, and
-/// an outcome that is worse than the baseline is said to be worse.
+/// The verdict of a report, `{ sentence, tone, details, findings: [ { code, text } ] }`, from data
+/// as described in studies/report/report.h with its `score_info`. Fresh-seed numbers count where
+/// there are any, and an outcome that is worse than the baseline is said to be worse. `findings`
+/// holds every sentence with its code: those of `sentence` first, then those of `details`.
+///
+///   winner_better, winner_level, winner_worse   a search's outcome against the baseline
+///   winner_alone        the same without a baseline
+///   lead_sure, lead_open                        whether that lead is larger than the noise
+///   limits_met          of the design the verdict is about
+///   limit_failed        one for each limit that a design misses
+///   no_feasible         a search without a design that meets every limit
+///   all_failed          no evaluation succeeded
+///   ranked              designs without a search, in the order of the objective
+///   ranking_sure, ranking_open                  whether that order is larger than the noise
+///   one_design, rendered, nothing_yet
+///   runs_ranked, runs_infeasible, runs_apart, runs_differ   a comparison of runs
+///   rescored, interrupted, budget, limit_rate   how the search went
+///
+/// and those of studies/report/report_findings.h.
 nlohmann::ordered_json report_verdict(const nlohmann::ordered_json& data);
 
 /// Reading of report data, in which any field may be absent or null.

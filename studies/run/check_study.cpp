@@ -2,87 +2,273 @@
 #include "studies/run/check_study.h"
 
 #include <algorithm>
-#include <chrono>
+#include <set>
+#include <string>
+#include <vector>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/wall_clock.h"
-#include "studies/definition/scene_notes.h"
+#include "core/text.h"
+#include "studies/imaging/defect_windows.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/population/pod_study.h"
 #include "studies/population/sorting.h"
 #include "studies/run/design_files.h"
+#include "studies/run/repeated_scores.h"
+#include "studies/run/run_costs.h"
 
 namespace glint {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Clock = std::chrono::steady_clock;
 
 /// Everything about a scene that can be refused before anything is written.
 void check_scene(SceneStore& store, const SceneSettings& scene) {
+  check_cameras_outside_part(store, scene);
   check_part_in_tunnel(store, scene);
   store.trace(first_view(store, scene));
 }
 
-/// Variables that change no score between the ends of their range, the others at the baseline: a
-/// key of another shape, most often.
-std::vector<std::string> insensitive_variables(SceneStore& store, const Study& study) {
-  const WantedScores wanted = wanted_by(study.goal).with_whole_scan();
-  std::vector<std::string> insensitive;
-  const Point start = baseline_point(study);
-  for (std::size_t i = 0; i < study.space.variables.size(); ++i) {
-    const Variable& variable = study.space.variables[i];
-    const auto scores_at = [&](double value) {
-      Point point = start;
-      point[i] = value;
-      const Overrides overrides = overrides_of(study, canonical(study.space, point));
-      return evaluate(store, scene_with(study, overrides), {}, wanted).scores;
-    };
-    const bool is_choice = variable.kind == Variable::Kind::kChoice;
-    const double last = static_cast<double>(variable.choices.size()) - 1.0;
-    try {
-      if (is_active(study.space, start, i) && scores_at(is_choice ? 0.0 : variable.low) ==
-                                                  scores_at(is_choice ? last : variable.high)) {
-        insensitive.push_back(variable.name);
-      }
-    } catch (const ConfigError&) {
-      continue;  // an end that cannot be built: the variable does act
-    }
-  }
-  return insensitive;
-}
+/// One end of a variable's range, or one of its choices.
+struct VariableEnd {
+  double value = 0.0;
+  std::string name;  ///< "60, its max", "\"ring\", one of its choices"
+};
 
-/// The study's own scene as costly as a candidate of the search: its picture is not known yet where
-/// a variable changes pictures.
-SceneSettings as_searched(const Study& study) {
-  SceneSettings scene = study.scene;
-  const Point start = baseline_point(study);
-  const auto key_at = [&](std::size_t variable, double value) {
-    Point point = start;
-    point[variable] = value;
-    const Overrides overrides = overrides_of(study, canonical(study.space, point));
-    const SceneSettings at = scene_with(study, overrides);
-    return picture_key(at, at.viewpoint());
+/// A choice has its first and its last one.
+std::vector<VariableEnd> ends_of(const Variable& variable) {
+  if (variable.kind != Variable::Kind::kChoice) {
+    return {{variable.low, shortest(variable.low) + ", the min of its variable"},
+            {variable.high, shortest(variable.high) + ", the max of its variable"}};
+  }
+  const auto choice = [&](std::size_t index) {
+    return VariableEnd{static_cast<double>(index),
+                       fmt::format("\"{}\", a choice of its variable", variable.choices[index])};
   };
-  for (std::size_t i = 0; i < study.space.variables.size(); ++i) {
-    const Variable& variable = study.space.variables[i];
-    const bool is_choice = variable.kind == Variable::Kind::kChoice;
-    const double last = static_cast<double>(variable.choices.size()) - 1.0;
-    if (key_at(i, is_choice ? 0.0 : variable.low) != key_at(i, is_choice ? last : variable.high)) {
-      ++scene.paths.seed;
-      break;
-    }
-  }
-  return scene;
+  return {choice(0), choice(variable.choices.size() - 1)};
 }
 
-/// Seconds for the parts of the study's populations; 0 without any.
+/// Which variables do what: looked at between the ends of their ranges, the others at the baseline.
+class VariableCheck {
+ public:
+  VariableCheck(SceneStore& store, const Study& study)
+      : store_(store), study_(study), start_(baseline_point(study)) {}
+
+  /// Ends that break a rule between keys, found without rendering anything.
+  void read_ends() {
+    for (std::size_t i = 0; i < study_.space.variables.size(); ++i) {
+      for (const VariableEnd& end : ends_of(study_.space.variables[i])) {
+        try {
+          scene_at(i, end);
+        } catch (const ConfigError& error) {
+          add_broken(i, end, error);
+        }
+      }
+    }
+  }
+
+  /// Whether a score differs between the ends; a key of another shape makes none differ, most
+  /// often.
+  void evaluate_ends(std::size_t index) {
+    const WantedScores wanted = wanted_by(study_.goal).with_whole_scan();
+    const Variable& variable = study_.space.variables[index];
+    if (!is_active(study_.space, start_, index)) {
+      return;
+    }
+    std::vector<Scores> scores;
+    for (const VariableEnd& end : ends_of(variable)) {
+      try {
+        scores.push_back(evaluate(store_, scene_at(index, end), {}, wanted).scores);
+        if (const auto objective = scores.back().find(study_.goal.objective.name);
+            objective != scores.back().end()) {
+          objectives_.insert(objective->second);
+        }
+      } catch (const ConfigError& error) {  // an end that cannot be built: the variable does act
+        add_broken(index, end, error);
+      }
+    }
+    if (scores.size() == 2 && scores.front() == scores.back()) {
+      idle_.push_back(variable.name);
+    }
+  }
+
+  const std::vector<std::string>& idle() const { return idle_; }
+
+  const std::vector<std::string>& broken() const { return broken_; }
+
+  /// The objective was the same at all ends: a search has nothing to go by.
+  bool is_objective_flat() const { return objectives_.size() == 1; }
+
+ private:
+  SceneSettings scene_at(std::size_t index, const VariableEnd& end) const {
+    Point point = start_;
+    point[index] = end.value;
+    return scene_with(study_, overrides_of(study_, canonical(study_.space, point)));
+  }
+
+  void add_broken(std::size_t index, const VariableEnd& end, const ConfigError& error) {
+    const std::string& name = study_.space.variables[index].name;
+    const ConfigNode* table = study_.root.find("variables")->find(name);
+    for (const Problem& problem : error.problems()) {
+      const std::string text = fmt::format("{}{} = {}, gives a design that fails: {} {}",
+                                           table->place.prefix(),
+                                           name,
+                                           end.name,
+                                           problem.key,
+                                           problem.text);
+      if (std::ranges::find(broken_, text) == broken_.end()) {
+        broken_.push_back(text);
+      }
+    }
+  }
+
+  SceneStore& store_;
+  const Study& study_;
+  Point start_;
+  std::vector<std::string> idle_;
+  std::vector<std::string> broken_;
+  std::set<double> objectives_;
+};
+
+/// Remarks on the study's own scene.
+std::vector<std::string> baseline_notes(SceneStore& store,
+                                        const Study& study,
+                                        const Evaluation& baseline) {
+  const SceneSettings scene = first_view(store, study.scene);
+  const auto view = path_view_of(scene, baseline.traced->part);
+  std::vector<std::string> notes = notes_of(study.scene, baseline.scores, view.get());
+  if (const std::string narrow = narrow_defects_note(*baseline.traced, study.scene);
+      !narrow.empty()) {
+    notes.push_back(narrow);
+  }
+  return notes;
+}
+
+/// CPU seconds for the parts of the study's populations; 0 without any.
 double predicted_population_s(const Study& study, SceneStore& store) {
   return (study.sorting ? predicted_sorting_s(study, store) : 0.0) +
          (study.pod ? predicted_pod_s(study, store) : 0.0);
 }
+
+/// What is done one after the other, and how far it is.
+class Check {
+ public:
+  Check(const Study& study, const CheckOptions& options)
+      : study_(study),
+        options_(options),
+        pool_(options.threads),
+        store_(pool_),
+        variables_(store_, study),
+        progress_(study.name + ": checking", num_steps(), options.progress) {}
+
+  Json execute() {
+    step("tracing rays");
+    check_everything(store_, study_);
+    variables_.read_ends();
+    if (study_.has_search()) {
+      evaluation_s_ = measure_evaluation_s(study_, store_, [&] { step("designs of the search"); });
+    }
+    render_designs();
+    for (std::size_t i = 0; i < study_.space.variables.size(); ++i) {
+      step("the variables");
+      variables_.evaluate_ends(i);
+    }
+    step("the populations");
+    costs_.populations_s = predicted_population_s(study_, store_);
+    costs_.search_s = study_.has_search() ? evaluation_s_ * study_.budget.evaluations : 0.0;
+    return result();
+  }
+
+ private:
+  std::int64_t num_steps() const {
+    const auto variables = static_cast<std::int64_t>(study_.space.variables.size());
+    const auto prototypes = static_cast<std::int64_t>(study_.prototypes.size());
+    return 5 + prototypes + variables + (study_.has_search() ? kSampledDesigns : 0);
+  }
+
+  void step(const std::string& what) { progress_.update(steps_++, what); }
+
+  /// Baseline and prototypes, of which a search writes a winner more.
+  void render_designs() {
+    step("the baseline");
+    const WantedScores wanted = wanted_by(study_.goal);
+    const RenderedDesign baseline = render_design(store_, study_.scene, wanted);
+    baseline_ = {{"scores", scores_json(baseline.evaluation.scores)},
+                 {"notes", baseline_notes(store_, study_, baseline.evaluation)}};
+    double rendering_s = (study_.has_search() ? 2.0 : 1.0) * baseline.cpu_s;
+    step("re-scoring");
+    const double rescoring_s = measure_rescoring_s(store_, study_.scene, wanted, baseline.cpu_s);
+    for (const Prototype& prototype : study_.prototypes) {
+      step("the prototypes");
+      const RenderedDesign design =
+          render_design(store_, scene_with(study_, prototype.overrides), wanted);
+      designs_[prototype.name] = {{"scores", scores_json(design.evaluation.scores)}};
+      rendering_s += design.cpu_s;
+    }
+    costs_.writing_s = rendering_s;
+    costs_.rescoring_s =
+        (rescoring_s + repeating_s(wanted)) * rendering_s / std::max(1e-9, baseline.cpu_s);
+  }
+
+  /// Of the baseline, as run_study() scans it again and again.
+  double repeating_s(const WantedScores& wanted) {
+    if (!study_.has_objective) {
+      return 0.0;
+    }
+    const double scan_s =
+        study_.has_search() ? evaluation_s_ : measure_scan_s(store_, study_.scene, wanted);
+    return kRepeatedScans * scan_s;
+  }
+
+  /// On a machine that has nothing else to do.
+  double predicted_s() const {
+    const int at_once = std::max(1, std::min(options_.jobs, study_.search.batch));
+    double search_s = costs_.search_s / at_once;
+    const Budget& budget = study_.budget;
+    if (study_.has_search() && budget.wall_clock_s > 0.0 &&
+        (budget.evaluations == 0 || budget.wall_clock_s < search_s)) {
+      search_s = budget.wall_clock_s;
+    }
+    return search_s + costs_.rescoring_s + costs_.writing_s +
+           costs_.populations_s / options_.threads;
+  }
+
+  Json result() const {
+    return {{"schema", 1},
+            {"status", "done"},
+            {"name", study_.name},
+            {"variables", study_.space.variables.size()},
+            {"objective", study_.goal.objective.name},
+            {"idle_variables", variables_.idle()},
+            {"broken_limits", variables_.broken()},
+            {"is_objective_flat", variables_.is_objective_flat()},
+            {"baseline", baseline_},
+            {"prototypes", designs_},
+            {"evaluations", study_.has_search() ? study_.budget.evaluations : 0},
+            {"seconds_per_evaluation", evaluation_s_},
+            {"predicted_cpu_s",
+             {{"search", costs_.search_s},
+              {"rescoring", costs_.rescoring_s},
+              {"writing", costs_.writing_s},
+              {"populations", costs_.populations_s},
+              {"total", costs_.total_s()}}},
+            {"predicted_s", predicted_s()}};
+  }
+
+  const Study& study_;
+  const CheckOptions& options_;
+  ThreadPool pool_;
+  SceneStore store_;
+  VariableCheck variables_;
+  Progress progress_;
+  std::int64_t steps_ = 0;
+  double evaluation_s_ = 0.0;
+  RunCosts costs_;
+  Json baseline_;
+  Json designs_ = Json::object();
+};
 
 }  // namespace
 
@@ -101,40 +287,8 @@ void check_everything(SceneStore& store, const Study& study) {
   }
 }
 
-Json check_study(const Study& study, int threads, int jobs) {
-  ThreadPool pool(threads);
-  SceneStore store(pool);
-  check_everything(store, study);
-  Json designs = Json::object();
-  const WantedScores wanted = wanted_by(study.goal).with_whole_scan();
-  evaluate(store, study.scene);  // the first one pays for tracing and cold caches
-  const auto start = Clock::now();
-  const Evaluation baseline = evaluate(store, as_searched(study), {}, wanted);
-  const double per_evaluation_s = seconds_since(start);
-  for (const Prototype& prototype : study.prototypes) {
-    const Evaluation evaluation =
-        evaluate(store, scene_with(study, prototype.overrides), {}, wanted);
-    designs[prototype.name] = {{"scores", scores_json(evaluation.scores)}};
-  }
-  const int at_once = std::max(1, std::min(jobs, study.search.batch));
-  double predicted_s = per_evaluation_s * study.budget.evaluations / at_once;
-  if (study.budget.wall_clock_s > 0.0 &&
-      (study.budget.evaluations == 0 || study.budget.wall_clock_s < predicted_s)) {
-    predicted_s = study.budget.wall_clock_s;
-  }
-  return {{"schema", 1},
-          {"status", "done"},
-          {"name", study.name},
-          {"variables", study.space.variables.size()},
-          {"objective", study.goal.objective.name},
-          {"idle_variables", insensitive_variables(store, study)},
-          {"baseline",
-           {{"scores", scores_json(baseline.scores)},
-            {"notes", scene_notes(study.scene, baseline.scores)}}},
-          {"prototypes", designs},
-          {"evaluations", study.has_search() ? study.budget.evaluations : 0},
-          {"seconds_per_evaluation", per_evaluation_s},
-          {"predicted_s", study.has_search() ? predicted_s : predicted_population_s(study, store)}};
+Json check_study(const Study& study, const CheckOptions& options) {
+  return Check(study, options).execute();
 }
 
 }  // namespace glint

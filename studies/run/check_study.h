@@ -5,6 +5,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "core/progress.h"
 #include "studies/definition/study.h"
 #include "studies/imaging/scene_store.h"
 
@@ -14,11 +15,18 @@ namespace glint {
 /// @throws ConfigError for what cannot be built, with its place; IoError
 void check_everything(SceneStore& store, const Study& study);
 
-/// One evaluation of the baseline and of each prototype, and two for each variable to see whether
-/// it acts; nothing written.
-/// @return { schema, status, name, variables, insensitive_variables, baseline, prototypes,
-/// evaluations,
-///         seconds_per_evaluation, predicted_s }
-nlohmann::ordered_json check_study(const Study& study, int threads, int jobs);
+struct CheckOptions {
+  int threads = 1;
+  int jobs = 1;  ///< candidates at once, for the prediction
+  Progress::Style progress = Progress::Style::kNone;
+};
+
+/// Renders the baseline and each prototype, evaluates some designs of the search space and both
+/// ends of each variable, to see whether it acts; nothing is written.
+/// @return { schema, status, name, variables, objective, idle_variables, broken_limits, baseline,
+///         prototypes, evaluations, seconds_per_evaluation, predicted_cpu_s: { search, rescoring,
+///         writing, populations, total }, predicted_s }; seconds_per_evaluation is CPU time,
+///         predicted_s the wall's on a machine that has nothing else to do
+nlohmann::ordered_json check_study(const Study& study, const CheckOptions& options);
 
 }  // namespace glint

@@ -7,13 +7,18 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/cpu_clock.h"
 #include "core/file.h"
 #include "core/image/image_io.h"
+#include "defects/part/defect_metadata.h"
 #include "studies/definition/render_methods.h"
 #include "studies/definition/scene_notes.h"
 #include "studies/drawing/drawing.h"
 #include "studies/drawing/light_drawing.h"
+#include "studies/drawing/wall_plan.h"
+#include "studies/imaging/defect_windows.h"
 #include "studies/imaging/path_picture.h"
+#include "studies/imaging/path_warnings.h"
 #include "studies/output/output_folder.h"
 #include "studies/run/render_files.h"
 
@@ -28,8 +33,17 @@ PixelDepth depth_of(const SensorSettings& sensor) {
   return sensor.bits == 8 ? PixelDepth::k8Bit : PixelDepth::k16Bit;
 }
 
-Json view_json(const DefectView& view, const DefectScores& scores) {
+/// What a pixel of the camera covers at a place of the scene, across the line of sight.
+double pixel_at_mm(const Eigen::Vector3d& place_mm,
+                   const PinholeIntrinsics& intrinsics,
+                   const RigidTransform& camera_from_world) {
+  return (camera_from_world * place_mm).z() / intrinsics.focal_px.x();
+}
+
+Json view_json(const DefectView& view, double width_px, const DefectScores& scores) {
   return {{"area_px", view.area_px},
+          {"width_px", width_px},
+          {"best_frames", {{"difference", scores.frame}, {"change", scores.change_frame}}},
           {"window_px", {view.left_px, view.top_px, view.distance.width(), view.distance.height()}},
           {"scores",
            {{"weber", scores.weber},
@@ -39,18 +53,44 @@ Json view_json(const DefectView& view, const DefectScores& scores) {
             {"signature", scores.signature}}}};
 }
 
-Json defects_json(const Evaluation& evaluation) {
+Json defects_json(const Evaluation& evaluation, const PinholeIntrinsics& intrinsics) {
   Json list = Json::array();
+  const PinholeCamera camera(intrinsics);
   const DefectivePart& part = evaluation.traced->part->made;
-  std::size_t i = 0;  // among the defects that were made
-  for (const RealisedDefect& made : part.defects) {
-    if (made.is_made && i < evaluation.defects.size()) {
-      const Json view = view_json(evaluation.traced->views[i], evaluation.defects[i]);
-      list.push_back(defect_in_view_json(made.defect, part.outlines[i], view));
-      ++i;
+  const std::vector<double> slopes = defect_slopes_rad(*evaluation.traced->part);
+  std::size_t seen = 0;  // among the defects that were made
+  for (std::size_t i = 0; i < part.defects.size(); ++i) {
+    if (part.defects[i].is_made && seen < evaluation.defects.size()) {
+      const double width_px =
+          narrowest_px(part.outlines[seen], camera, evaluation.traced->camera_from_world);
+      Json view = view_json(evaluation.traced->views[seen], width_px, evaluation.defects[seen]);
+      view["pixel_mm"] = pixel_at_mm(
+          part.outlines[seen].centre_mm, intrinsics, evaluation.traced->camera_from_world);
+      list.push_back(
+          defect_in_view_json(part.defects[i].defect, part.outlines[seen], slopes[i], view));
+      ++seen;
     }
   }
   return {{"schema", 1}, {"defects", list}};
+}
+
+/// Study and design.
+std::string sheet_title(const Json& head) {
+  const std::string study = head.value("study", "");
+  const std::string title = head.value("title", "");
+  return study.empty() || study == title ? title : study + " - " + title;
+}
+
+/// @param stem  the files' path without their ending
+void write_drawing(const LightingDrawing& drawing, const fs::path& stem) {
+  const auto path = [&](const char* ending) { return fs::path(stem).replace_extension(ending); };
+  write_file(path(".svg"), drawing.svg);
+  write_file(path(".dxf"), drawing.dxf);
+  if (drawing.csv.empty()) {
+    fs::remove(path(".csv"));  // of a tunnel that stood here before
+  } else {
+    write_file(path(".csv"), drawing.csv);
+  }
 }
 
 /// Half the angle of view across the tunnel, from the image's height or width.
@@ -60,6 +100,27 @@ double view_half_angle_rad(const SceneSettings& scene) {
   const bool rows_run_across = std::abs(pose.rotation(1, 1)) > std::abs(pose.rotation(0, 1));
   return rows_run_across ? std::atan(0.5 * in.height_px / in.focal_px.y())
                          : std::atan(0.5 * in.width_px / in.focal_px.x());
+}
+
+/// The tunnel of a scene, its part and its camera; nothing but these without a tunnel.
+CrossSection cross_section_of(const SceneSettings& scene,
+                              const BuiltPart& built,
+                              const std::string& title) {
+  const Tunnel tunnel(scene.tunnel);
+  const Eigen::Vector3d camera = inverse(camera_from_world(scene.viewpoint())).translation_mm;
+  return {.panels_yz_mm = tunnel.outline(1.0),
+          .part_yz_mm = built.outline_yz_mm,
+          .camera_mm = camera,
+          .view_half_angle_rad = view_half_angle_rad(scene),
+          .slot_mm = scene.tunnel.slot_mm,
+          .length_mm = scene.tunnel.length_mm,
+          .part_length_mm = built.max_x_mm - built.min_x_mm,
+          .period_mm = scene.tunnel.period_mm,
+          .duty = scene.tunnel.duty,
+          .orientation_rad = scene.tunnel.orientation_rad,
+          .step_mm = scan_step_mm(scene.scan, scene.tunnel),
+          .positions = scene.scan.positions,
+          .title = title};
 }
 
 /// The scene scanned once more, as a search does it, beside its full sequence.
@@ -84,6 +145,23 @@ Json rendering_json(SceneStore& store,
   return json;
 }
 
+/// Scores with fresh seeds and finer sampling.
+Json rescored_json(SceneStore& store,
+                   const SceneSettings& scene,
+                   const WantedScores& wanted,
+                   DesignWatch* watch) {
+  if (watch != nullptr && watch->on_rescoring) {
+    watch->on_rescoring();
+  }
+  const double start = process_cpu_s();
+  Json json = scores_json(
+      evaluate(store, finer_settings(scene), {}, wanted.with_whole_scan(kFreshParts)).scores);
+  if (watch != nullptr) {
+    watch->rescoring_cpu_s += process_cpu_s() - start;
+  }
+  return json;
+}
+
 }  // namespace
 
 Json scores_json(const Scores& scores) {
@@ -94,28 +172,28 @@ Json scores_json(const Scores& scores) {
   return json;
 }
 
-std::string draw_lighting(const SceneSettings& scene,
-                          const PhysicalScene* area_lights,
-                          const BuiltPart& built,
-                          const std::string& title) {
+LightingDrawing draw_lighting(const SceneSettings& scene,
+                              const PhysicalScene* area_lights,
+                              const BuiltPart& built,
+                              const std::string& title) {
+  const CrossSection section = cross_section_of(scene, built, title);
   if (area_lights != nullptr) {
-    return area_lights_svg(scene, *area_lights, title);
+    return {.svg = area_lights_svg(scene, *area_lights, title),
+            .dxf = area_lights_dxf(scene, *area_lights, title),
+            .csv = area_lights->lights.first_tunnel_group >= 0 ? wall_csv(section) : std::string()};
   }
-  const Tunnel tunnel(scene.tunnel);
-  const Eigen::Vector3d camera = inverse(camera_from_world(scene.viewpoint())).translation_mm;
-  return cross_section_svg({.panels_yz_mm = tunnel.outline(1.0),
-                            .part_yz_mm = built.outline_yz_mm,
-                            .camera_mm = camera,
-                            .view_half_angle_rad = view_half_angle_rad(scene),
-                            .slot_mm = scene.tunnel.slot_mm,
-                            .length_mm = scene.tunnel.length_mm,
-                            .part_length_mm = built.max_x_mm - built.min_x_mm,
-                            .period_mm = scene.tunnel.period_mm,
-                            .duty = scene.tunnel.duty,
-                            .orientation_rad = scene.tunnel.orientation_rad,
-                            .step_mm = scan_step_mm(scene.scan, scene.tunnel),
-                            .positions = scene.scan.positions,
-                            .title = title});
+  return {.svg = cross_section_svg(section), .dxf = wall_dxf(section), .csv = wall_csv(section)};
+}
+
+std::vector<std::string> notes_of(const SceneSettings& scene,
+                                  const Scores& scores,
+                                  const PathView* view) {
+  std::vector<std::string> notes = scene_notes(scene, scores);
+  if (view != nullptr) {
+    const std::vector<std::string> warnings = path_warnings(view->physical());
+    notes.insert(notes.end(), warnings.begin(), warnings.end());
+  }
+  return notes;
 }
 
 std::string rendering_note(const Json& rendering) {
@@ -137,9 +215,10 @@ std::string rendering_note(const Json& rendering) {
       is_linear ? "mean radiance: the sensor does not clip"
                 : fmt::format("table: the sensor clips; {} pixels", by_table),
       by_frames,
-      is_linear ? "around the defects where these are scored"
-                : "near edges of the light, on curved surface, and around the defects where these "
-                  "are scored",
+      is_linear
+          ? "around the defects where these are scored"
+          : "near edges of the light, on curved surface, where few positions leave a pattern, "
+            "and around the defects where these are scored",
       std::abs(difference),
       difference < 0.0 ? "lower" : "higher");
 }
@@ -149,7 +228,8 @@ Json write_design(SceneStore& store,
                   const Json& head,
                   const fs::path& folder,
                   bool is_rescored,
-                  const WantedScores& wanted) {
+                  const WantedScores& wanted,
+                  DesignWatch* watch) {
   const SceneSettings scene = first_view(store, wanted_scene);
   make_folder(folder / "sequence");
   remove_unfinished_files(folder);
@@ -161,6 +241,9 @@ Json write_design(SceneStore& store,
   const auto write_frame = [&](int index, const ImageF& grey) {
     num_frames = std::max(num_frames, index + 1);
     write_png(frame_path(index), grey, depth_of(scene.sensor));
+    if (watch != nullptr && watch->on_frame) {
+      watch->on_frame(num_frames);
+    }
   };
   const Evaluation evaluation = evaluate(store, scene, write_frame, wanted.with_whole_scan());
   // A longer sequence rendered into this folder before must not follow this one.
@@ -169,17 +252,18 @@ Json write_design(SceneStore& store,
   write_png(folder / "aspect.png", evaluation.aspect, depth_of(scene.sensor));
   write_exr(folder / "aspect.exr", evaluation.aspect);
   write_mask_png(folder / "part_mask.png", evaluation.traced->part_mask);
-  write_file(folder / "defects.json", defects_json(evaluation).dump(2) + "\n");
+  write_file(folder / "defects.json",
+             defects_json(evaluation, intrinsics_of(scene)).dump(2) + "\n");
   write_file(folder / "scene.toml", to_toml(write_scene(scene)));
   const std::unique_ptr<const PathView> view = path_view_of(scene, evaluation.traced->part);
-  write_file(folder / "cross_section.svg",
-             draw_lighting(scene,
-                           view ? view->area_lights() : nullptr,
-                           evaluation.traced->built(),
-                           head.value("title", "")));
-  std::vector<std::string> notes = scene_notes(scene, evaluation.scores);
-  if (view) {
-    notes.insert(notes.end(), view->warnings().begin(), view->warnings().end());
+  write_drawing(draw_lighting(scene,
+                              view ? view->area_lights() : nullptr,
+                              evaluation.traced->built(),
+                              sheet_title(head)),
+                folder / "cross_section");
+  std::vector<std::string> notes = notes_of(scene, evaluation.scores, view.get());
+  if (const std::string note = shallow_note(evaluation.traced->part->made); !note.empty()) {
+    notes.push_back(note + ".");
   }
   Json json = head;
   json["scores"] = scores_json(evaluation.scores);
@@ -189,8 +273,7 @@ Json write_design(SceneStore& store,
   }
   if (is_rescored) {
     try {
-      json["rescored"] = scores_json(
-          evaluate(store, finer_settings(scene), {}, wanted.with_whole_scan(kFreshParts)).scores);
+      json["rescored"] = rescored_json(store, scene, wanted, watch);
     } catch (const ConfigError& error) {  // the finer picture may not fit into memory
       json["rescored"] = nullptr;
       notes.push_back(fmt::format("Not re-scored: {}", error.what()));

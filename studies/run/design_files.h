@@ -3,7 +3,8 @@
 // The folder of one design in a run directory:
 //
 //   scene.toml  sequence/frame_000.png ...  aspect.png  aspect.exr  part_mask.png  defects.json
-//   scores.json  cross_section.svg
+//   scores.json  cross_section.svg  cross_section.dxf
+//   cross_section.csv (of a tunnel: points and radii of its wall)
 //
 // scores.json holds { title, role, trial, feasible, scores, rescored, rendering, variables, notes
 // }. rendering tells how pictures and scores came about:
@@ -20,34 +21,57 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "simulator/render/path_tracing/physical_scene.h"
 #include "studies/evaluation/evaluation.h"
+#include "studies/imaging/path_picture.h"
 
 namespace glint {
+
+/// Sees how a design is written.
+struct DesignWatch {
+  std::function<void(int frames)> on_frame = {};  ///< after each frame, with how many there are
+  std::function<void()> on_rescoring = {};        ///< before it is scored again
+  double rescoring_cpu_s = 0.0;                   ///< grows by what that takes
+};
 
 /// Renders and scores a design, re-scores it with fresh seeds and finer sampling, and writes its
 /// folder. @throws IoError, ConfigError
 /// @param head    title, role, trial, feasible, variables: what only the caller knows
 /// @param wanted  the scores that a search of this study looks at
+/// @param watch   nullptr: nobody looks
 /// @return the object of scores.json
 nlohmann::ordered_json write_design(SceneStore& store,
                                     const SceneSettings& scene,
                                     const nlohmann::ordered_json& head,
                                     const std::filesystem::path& folder,
                                     bool is_rescored,
-                                    const WantedScores& wanted);
+                                    const WantedScores& wanted,
+                                    DesignWatch* watch = nullptr);
+
+/// Drawings of a lighting, as files of the same stem.
+struct LightingDrawing {
+  std::string svg;
+  std::string dxf;
+  std::string csv;  ///< the wall's arcs; empty: there is no wall
+};
 
 /// The lighting to scale: area lights where they stand, else the tunnel's cross-section.
 /// @param area_lights  PathView::area_lights(); nullptr: no paths are traced
-std::string draw_lighting(const SceneSettings& scene,
-                          const PhysicalScene* area_lights,
-                          const BuiltPart& built,
-                          const std::string& title);
+LightingDrawing draw_lighting(const SceneSettings& scene,
+                              const PhysicalScene* area_lights,
+                              const BuiltPart& built,
+                              const std::string& title);
+
+/// Remarks on a design that a reader of its numbers must know.
+/// @param view  path_view_of() the scene; nullptr: no paths are traced
+std::vector<std::string> notes_of(const SceneSettings& scene,
+                                  const Scores& scores,
+                                  const PathView* view);
 
 /// How a search gets the mean of this scan, as one sentence; empty when it renders all frames.
 std::string rendering_note(const nlohmann::ordered_json& rendering);

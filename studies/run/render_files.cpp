@@ -200,12 +200,14 @@ Json seen_json(const Film& sums, std::int32_t id) {
 
 Json defects_in_view(const RenderedView& view) {
   Json list = Json::array();
-  std::size_t i = 0;  // among the defects that were made
-  for (const RealisedDefect& made : view.part.made.defects) {
-    if (made.is_made && i < view.part.made.outlines.size()) {
-      list.push_back(defect_in_view_json(
-          made.defect, view.part.made.outlines[i], seen_json(view.picture.sums, made.defect.id)));
-      ++i;
+  const std::vector<double> slopes = defect_slopes_rad(view.part);
+  const DefectivePart& part = view.part.made;
+  std::size_t outline = 0;  // among the defects that were made
+  for (std::size_t i = 0; i < part.defects.size(); ++i) {
+    if (part.defects[i].is_made && outline < part.outlines.size()) {
+      const Defect& defect = part.defects[i].defect;
+      const Json seen = seen_json(view.seen, defect.id);
+      list.push_back(defect_in_view_json(defect, part.outlines[outline++], slopes[i], seen));
     }
   }
   return {{"schema", 1}, {"defects", list}};
@@ -214,7 +216,12 @@ Json defects_in_view(const RenderedView& view) {
 /// What a scored, a lit, or a longer rendering left here must not stand beside this one.
 void remove_stale(const RenderedView& view, const fs::path& folder) {
   std::error_code ignored;
-  for (const char* name : {"scores.json", "aspect.png", "aspect.exr", "cross_section.svg"}) {
+  for (const char* name : {"scores.json",
+                           "aspect.png",
+                           "aspect.exr",
+                           "cross_section.svg",
+                           "cross_section.dxf",
+                           "cross_section.csv"}) {
     fs::remove(folder / name, ignored);
   }
   for (const char* name :
@@ -293,7 +300,10 @@ double relative_error(const PathPicture& picture, const ImageF& standard_error) 
   return light > 0.0 ? error / light : 0.0;
 }
 
-Json defect_in_view_json(const Defect& defect, const HeightFeature& outline, const Json& view) {
+Json defect_in_view_json(const Defect& defect,
+                         const HeightFeature& outline,
+                         double slope_rad,
+                         const Json& view) {
   Json json = {{"id", outline.id},
                {"label", outline.label},
                {"kind", type_name(defect.type)},
@@ -301,7 +311,7 @@ Json defect_in_view_json(const Defect& defect, const HeightFeature& outline, con
                {"centre_mm", vector_json(outline.centre_mm)},
                {"normal", vector_json(outline.normal)},
                {"height_um", outline.height_mm * 1e3},
-               {"max_slope_mrad", outline.max_slope_rad() * 1e3}};
+               {"max_slope_mrad", slope_rad * 1e3}};
   json.update(view);
   if (is_line(defect.type)) {
     json["direction"] = vector_json(outline.u_axis);
@@ -324,11 +334,11 @@ ViewPictures write_view_files(const RenderedView& view, const fs::path& folder, 
   if (view.has_light()) {
     pictures = write_light(view, folder, has_design);
   }
-  write_mask_png(folder / "part_mask.png", whole_part_mask(view.picture.sums));
-  write_mask_png(folder / "mask.png", defect_mask(view.picture.sums));
-  write_coverage(view.picture.sums, folder);
-  write_geometry(view.picture.sums, folder);
-  pictures.map = defect_map(view.picture.sums, view.part.made);
+  write_mask_png(folder / "part_mask.png", view.part_mask);
+  write_mask_png(folder / "mask.png", defect_mask(view.seen));
+  write_coverage(view.seen, folder);
+  write_geometry(view.seen, folder);
+  pictures.map = defect_map(view.seen, view.part.made);
   write_png(folder / "defects.png", pictures.map);
   if (view.has_light()) {
     write_png(folder / "side_by_side.png", side_by_side(pictures.image, pictures.map));

@@ -18,7 +18,7 @@
 //   defects.json         each defect and how many pixels show it
 //   scene.toml           the scene with this viewpoint alone
 //
-// Masks and geometry are written without light too.
+// Masks and geometry are written without light too, the same bytes.
 #pragma once
 
 #include <filesystem>
@@ -38,7 +38,9 @@ namespace glint {
 struct RenderedView {
   const SceneSettings& scene;  ///< with this viewpoint alone
   const BuiltDefects& part;
-  const PathPicture& picture;            ///< without groups: rendered without light
+  const PathPicture& picture;  ///< without groups: rendered without light
+  const Film& seen;            ///< what masks and geometry show: the samples of picture, or more
+  const Mask& part_mask;       ///< pixels that lie on the part as a whole
   std::vector<std::string> groups = {};  ///< names
 
   bool has_light() const { return !picture.sums.groups.empty(); }
@@ -56,8 +58,10 @@ ImageF standard_error_of(const PathPicture& picture);
 double relative_error(const PathPicture& picture, const ImageF& standard_error);
 
 /// An entry of defects.json: what a defect is and where, and how a view shows it.
+/// @param slope_rad  one of defect_slopes_rad()
 nlohmann::ordered_json defect_in_view_json(const Defect& defect,
                                            const HeightFeature& outline,
+                                           double slope_rad,
                                            const nlohmann::ordered_json& view);
 
 /// What write_view_files() made, for pages that show it.

@@ -61,6 +61,8 @@ std::string render_page(const RenderPage& page) {
                           {"sentence", sentence(page.result)},
                           {"tone", "neutral"},
                           {"details", page.result["notes"]}}},
+                        {"when", page.when},
+                        {"scene", {{"facts", page.facts}}},
                         {"rendered", rendered},
                         {"config_toml", page.toml},
                         {"provenance", source}});

@@ -26,6 +26,8 @@ struct RenderPage {
   std::set<DefectType> types = {};  ///< of the part's defects, for the legend
   std::string drawing;              ///< SVG
   std::string toml;
+  nlohmann::ordered_json facts;  ///< scene_facts()
+  std::string when;              ///< moment_text()
 };
 
 /// One HTML file that needs no network. Equal input gives equal bytes.

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/run/render_study.h"
+#include "studies/definition/study_text.h"
 
 #include <chrono>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
 #include "core/wall_clock.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
 #include "studies/run/check_study.h"
 #include "studies/run/design_files.h"
 #include "studies/run/run_report.h"
@@ -20,18 +21,29 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
+void check_render_folder(const Study& study, const fs::path& out) {
+  const std::vector<std::string> names = {"baseline",
+                                          "view_01",
+                                          "result.json",
+                                          "run.json",
+                                          "report.html",
+                                          "preview.png",
+                                          "contact_sheet.png",
+                                          "study.resolved.toml"};
+  check_result_folder(out, ResultKind::kRender, names);
+  check_inputs_kept(input_files(study), out, names);
+}
+
 Json render_study(const Study& whole_study, const fs::path& out, int threads) {
   const auto start = Clock::now();
   const Study study = scene_study(whole_study);
+  check_render_folder(study, out);
   ThreadPool pool(threads);
   SceneStore store(pool);
   check_everything(store, study);
-  if (std::error_code ignored; fs::exists(out / "study.sqlite", ignored)) {
-    throw ConfigError(fmt::format(
-        "{}: holds the run of a study; choose another output folder for pictures", out.string()));
-  }
   OutputFolder folder(out);
   remove_unfinished_files(out);
+  mark_result_folder(out, ResultKind::kRender);
   const Json json = write_design(store,
                                  study.scene,
                                  {{"title", study.title}, {"role", "baseline"}},
@@ -50,6 +62,8 @@ Json render_study(const Study& whole_study, const fs::path& out, int threads) {
   result["folder"] = (out / "baseline").string();
   result["report"] = (out / "report.html").string();
   Json run = provenance();
+  run["verb"] = command_of(ResultKind::kRender);
+  run["study"] = study.name;
   run["threads"] = threads;
   run["timings"] = {{"this_run_s", seconds_since(start)}};
   write_file(out / "run.json", run.dump(2) + "\n");

@@ -11,6 +11,9 @@
 
 namespace glint {
 
+/// Asks whether `glint render` may write there. @throws ConfigError
+void check_render_folder(const Study& study, const std::filesystem::path& out);
+
 /// Renders the study's own scene into a folder; no search. Of scenes with allows_many_viewpoints()
 /// render_views() shows more.
 nlohmann::ordered_json render_study(const Study& study,

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/run/render_views.h"
+#include "studies/definition/study_text.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,15 +15,20 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/wall_clock.h"
+#include "defects/part/defect_metadata.h"
 #include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/preview/preview.h"
 #include "studies/imaging/path_lights.h"
+#include "studies/imaging/path_warnings.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
 #include "studies/run/design_files.h"
 #include "studies/run/render_files.h"
 #include "studies/run/render_maps.h"
 #include "studies/run/render_page.h"
+#include "studies/run/render_study.h"
+#include "studies/run/scene_facts.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -61,13 +68,12 @@ Json number_json(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-Json view_json(const PathPicture& picture, bool has_light, double error) {
-  const Film& sums = picture.sums;
+Json view_json(const Film& sums, const Film& seen_sums, bool has_light, double error) {
   std::int64_t samples = 0;
   for (const std::int32_t of_pixel : sums.samples.values()) {
     samples += of_pixel;
   }
-  const auto seen = std::ranges::count_if(sums.defects, [](const DefectSums& defect) {
+  const auto seen = std::ranges::count_if(seen_sums.defects, [](const DefectSums& defect) {
     return std::ranges::any_of(defect.samples.values(), [](std::uint16_t n) { return n > 0; });
   });
   Json json = {
@@ -84,6 +90,13 @@ Json view_json(const PathPicture& picture, bool has_light, double error) {
   return json;
 }
 
+/// Whether a picture ended early somewhere, its error being small enough.
+bool has_ended_early(const Film& sums, const PathSettings& paths) {
+  const int batches = std::max(1, std::min(paths.batches, paths.samples));
+  const int samples = batches * ((paths.samples + batches - 1) / batches);
+  return std::ranges::any_of(sums.samples.values(), [&](int count) { return count < samples; });
+}
+
 class RenderRun {
  public:
   RenderRun(const Study& study, const RenderOptions& options)
@@ -96,6 +109,7 @@ class RenderRun {
     prepare();
     OutputFolder folder(options_.out);
     remove_unfinished_files(options_.out);
+    mark_result_folder(options_.out, ResultKind::kRender);
     write_file(options_.out / "study.resolved.toml", resolved_text(study_));
     render_all(folder);
     return finish(folder);
@@ -104,16 +118,13 @@ class RenderRun {
  private:
   /// Everything that can be refused before anything is written.
   void prepare() {
-    if (std::error_code ignored; fs::exists(options_.out / "study.sqlite", ignored)) {
-      throw ConfigError(
-          fmt::format("{}: holds the run of a study; choose another output folder for pictures",
-                      options_.out.string()));
-    }
+    check_render_folder(study_, options_.out);
     try {
       viewpoints_ = viewpoints_of(study_.scene, store_.build(study_.scene)->part);
       for (const Viewpoint& viewpoint : viewpoints_) {
         camera_from_world(viewpoint);
       }
+      check_cameras_outside_part(store_, study_.scene);
       if (has_light_ && !is_lit(study_.scene)) {
         throw ConfigError("lighting",
                           "holds no light; a picture needs one, masks do not (--masks)");
@@ -124,8 +135,11 @@ class RenderRun {
       first_ = scene_at(study_.scene, viewpoints_.front());
       part_ = store_.build_defects(first_);
       const PathView view(first_, part_, viewpoints_.front());
-      notes_ = has_light_ ? view.warnings() : std::vector<std::string>{};
-      drawing_ = draw_lighting(first_, view.area_lights(), *part_->built, "");
+      notes_ = has_light_ ? path_warnings(view.physical()) : std::vector<std::string>{};
+      if (const std::string note = shallow_note(part_->made); !note.empty()) {
+        notes_.push_back(note + ".");
+      }
+      drawing_ = draw_lighting(first_, view.area_lights(), *part_->built, "").svg;
     } catch (const ConfigError& error) {
       throw with_place(study_.root, error);
     }
@@ -163,37 +177,70 @@ class RenderRun {
       show_pass(index, view, progress);
       return !is_interrupted();
     };
-    std::shared_ptr<const PathPicture> picture;
-    const bool is_scored = index == 0 && can_be_scored();
-    if (is_scored) {
-      picture = store_.picture(scene, show);  // kept, to be scored
-    } else {
-      picture = std::make_shared<const PathPicture>(
-          render_view(view, whole_picture(path_settings(scene)), pool_, {}, show));
-    }
+    const bool is_traced = index == 0 && can_be_traced();
+    const bool is_scored = has_light_ && is_traced;
+    // Masks have the samples of the picture that would be scored, with light or without.
+    const PathSettings paths =
+        is_traced ? path_settings(scene) : whole_picture(path_settings(scene));
+    const auto picture =
+        is_scored ? store_.picture(scene, show)  // kept, to be scored
+                  : std::make_shared<const PathPicture>(render_view(view, paths, pool_, {}, show));
     const fs::path folder = options_.out / folder_of(index);
     const bool has_design = is_scored && write_scored(scene, folder);
-    const RenderedView rendered = {
-        .scene = scene, .part = *part_, .picture = *picture, .groups = view.group_names()};
+    const Film all_rays = all_camera_rays(view, paths, *picture);
+    const Film& seen = all_rays.samples.size() > 0 ? all_rays : picture->sums;
+    const Mask part_mask = part_mask_of(is_traced, seen);
+    const RenderedView rendered = {.scene = scene,
+                                   .part = *part_,
+                                   .picture = *picture,
+                                   .seen = seen,
+                                   .part_mask = part_mask,
+                                   .groups = view.group_names()};
     const ViewPictures pictures = write_view_files(rendered, folder, has_design);
+    tell_hiding_lights(index, view);
     Json row = {{"folder", folder_of(index)}, {"viewpoint", viewpoint_json(viewpoints_[index])}};
-    row.update(view_json(*picture, has_light_, pictures.relative_error));
+    row.update(view_json(picture->sums, seen, has_light_, pictures.relative_error));
     views_.push_back(row);
     cpu_s_.push_back(process_cpu_s() - start);
     keep_for_page(pictures, row);
   }
 
   /// A defect that the camera does not see is no mistake here, but leaves nothing to be scored.
-  bool can_be_scored() {
-    if (!has_light_) {
-      return false;
-    }
+  bool can_be_traced() {
     try {
       store_.trace(first_);
       return true;
     } catch (const ConfigError& error) {
-      notes_.push_back(fmt::format("Not scored: {}", error.what()));
+      if (has_light_) {
+        notes_.push_back(fmt::format("Not scored: {}", error.what()));
+      }
       return false;
+    }
+  }
+
+  /// Camera rays with all samples where a picture with light has fewer; empty where it has them.
+  Film all_camera_rays(const PathView& view, PathSettings paths, const PathPicture& picture) {
+    if (is_interrupted() || !has_ended_early(picture.sums, paths)) {
+      return {};
+    }
+    paths.has_light = false;
+    return render_view(view, paths, pool_).sums;
+  }
+
+  /// Mirrors under a tunnel have the mask that their scans are scored in.
+  Mask part_mask_of(bool is_traced, const Film& seen) {
+    const std::optional<Mask> scanned =
+        is_traced ? scanned_part_mask(first_, *store_.trace(first_)) : std::nullopt;
+    return scanned ? *scanned : whole_part_mask(seen);
+  }
+
+  /// Of views that nothing else has told about.
+  void tell_hiding_lights(std::size_t index, const PathView& view) {
+    if (!has_light_ || index == 0) {
+      return;
+    }
+    for (const std::string& warning : hiding_warnings(view.physical())) {
+      notes_.push_back(fmt::format("{}: {}", folder_of(index), warning));
     }
   }
 
@@ -304,11 +351,14 @@ class RenderRun {
   }
 
   RenderPage page() const {
-    RenderPage page = {.title = study_.title.empty() ? study_.name : study_.title,
-                       .result = result_json(),
-                       .views = page_views_,
-                       .drawing = drawing_,
-                       .toml = resolved_text(study_)};
+    RenderPage page = {
+        .title = study_.title.empty() ? study_.name : study_.title,
+        .result = result_json(),
+        .views = page_views_,
+        .drawing = drawing_,
+        .toml = shown_text(study_),
+        .facts = scene_facts(first_, part_json(part_->clean->part), study_file(study_)),
+        .when = moment_text(utc_text(started_), seconds_since(start_))};
     for (const RealisedDefect& made : part_->made.defects) {
       if (made.is_made) {
         page.types.insert(made.defect.type);
@@ -322,7 +372,9 @@ class RenderRun {
 
   void write_run_json() const {
     Json run = provenance();
+    run["verb"] = command_of(ResultKind::kRender);
     run["study"] = study_.name;
+    run["started"] = utc_text(started_);
     run["seed"] = study_.scene.paths.seed;
     run["threads"] = options_.threads;
     run["timings"] = {{"this_run_s", seconds_since(start_)}, {"views_cpu_s", cpu_s_}};
@@ -336,6 +388,7 @@ class RenderRun {
   ThreadPool pool_;
   SceneStore store_;
   Clock::time_point start_ = Clock::now();
+  std::chrono::system_clock::time_point started_ = std::chrono::system_clock::now();
   std::vector<Viewpoint> viewpoints_;
   SceneSettings first_;
   std::shared_ptr<const BuiltDefects> part_;

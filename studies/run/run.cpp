@@ -3,21 +3,32 @@
 
 #include <chrono>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/cpu_clock.h"
 #include "core/file.h"
 #include "core/log.h"
 #include "core/text.h"
 #include "core/wall_clock.h"
+#include "studies/definition/study_changes.h"
+#include "studies/definition/study_text.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
 #include "studies/population/pod_study.h"
 #include "studies/population/sorting.h"
+#include "studies/report/report.h"
 #include "studies/run/check_study.h"
 #include "studies/run/design_files.h"
+#include "studies/run/repeated_scores.h"
+#include "studies/run/run_costs.h"
 #include "studies/run/run_report.h"
+#include "studies/run/run_texts.h"
+#include "studies/run/scene_facts.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -63,6 +74,24 @@ Json baseline_variables(const Study& study) {
   return json;
 }
 
+/// What a run writes into its folder, beside the database.
+std::vector<std::string> names_in_run(const Study& study) {
+  std::vector<std::string> names = {"baseline",
+                                    "winner",
+                                    "result.json",
+                                    "run.json",
+                                    "report.html",
+                                    "log.txt",
+                                    "study.resolved.toml",
+                                    "trials.csv",
+                                    "sorting.csv",
+                                    "pod.csv"};
+  for (const Prototype& prototype : study.prototypes) {
+    names.push_back(prototype.name);
+  }
+  return names;
+}
+
 /// A run directory that is being worked on.
 class Run {
  public:
@@ -70,6 +99,9 @@ class Run {
       : study_(study), options_(options), pool_(options.threads), store_(pool_) {}
 
   Json execute() {
+    const std::vector<std::string> names = names_in_run(study_);
+    check_result_folder(options_.out, ResultKind::kRun, names);
+    check_inputs_kept(input_files(study_), options_.out, names);
     check_everything(store_, study_);
     OutputFolder folder(options_.out);
     Storage storage = open_storage();
@@ -77,18 +109,27 @@ class Run {
     configure_run_log();
     write_file(options_.out / "study.resolved.toml", resolved_text(study_));
     SearchResult search;
+    const double search_start = process_cpu_s();
     if (study_.has_search()) {
       search = search_designs(storage, folder);
       if (search.termination == Termination::kInterrupted) {
+        is_interrupted_ = true;
         log(LogLevel::kWarning,
             "interrupted after {} evaluations, which are kept; writing what there is (a second "
             "interrupt stops at once)",
             search.evaluations);
       }
     }
+    const double finish_start = process_cpu_s();
+    search_cpu_s_ = finish_start - search_start;
     Json result = finish(storage, search, folder);
+    finish_cpu_s_ = process_cpu_s() - finish_start;
     write_run_json(search, storage);
+    result = with_report(std::move(result));
     folder.keep();
+    if (study_.has_search()) {
+      result["ended_by"] = ended_by(search.termination);
+    }
     return result;
   }
 
@@ -105,14 +146,39 @@ class Run {
         study_.name,
         options_.threads,
         options_.jobs);
+    if (study_.has_search()) {
+      log(LogLevel::kInfo, "the search ends {}", limits_text(study_.budget));
+    }
+  }
+
+  /// A folder that holds the same study under another title is the study's own.
+  /// @throws ConfigError that says what differs
+  void adopt_title(StudyIdentity& identity, const fs::path& database) const {
+    const StudyIdentity recorded = Storage::read(database).identity();
+    if (recorded.config_hash == identity.config_hash) {
+      return;
+    }
+    if (config_hash(with_title_of(study_, recorded.config_text)) == recorded.config_hash) {
+      identity.config_hash = recorded.config_hash;
+      return;
+    }
+    throw ConfigError(fmt::format(
+        "{}: holds another study: {}; of a study that has been begun only title and [budget] may "
+        "change: give another folder with --out",
+        options_.out.string(),
+        changes_text(changed_keys(study_, recorded.config_text))));
   }
 
   Storage open_storage() {
-    return Storage::open(options_.out / "study.sqlite",
-                         {.config_hash = config_hash(study_),
-                          .config_text = resolved_text(study_),
-                          .code_version = program_version(),
-                          .seed = study_.search.seed});
+    const fs::path database = options_.out / "study.sqlite";
+    StudyIdentity identity = {.config_hash = config_hash(study_),
+                              .config_text = resolved_text(study_),
+                              .code_version = program_version(),
+                              .seed = study_.search.seed};
+    if (std::error_code ignored; fs::exists(database, ignored)) {
+      adopt_title(identity, database);
+    }
+    return Storage::open(database, identity);
   }
 
   SearchResult search_designs(Storage& storage, OutputFolder& folder) {
@@ -122,9 +188,7 @@ class Run {
                              .budget = study_.budget,
                              .start_points = {baseline_point(study_)},
                              .jobs = options_.jobs};
-    const WantedScores wanted = needs_gradient(study_.search.algorithm)
-                                    ? wanted_with_gradients(study_.goal, study_.space)
-                                    : wanted_by(study_.goal);
+    const WantedScores wanted = wanted_in_search(study_);
     const auto evaluate_point = [&](const Point& point, int /*trial*/) {
       const fs::path& file = study_.scene.part.file;
       if (!file.empty() && !fs::exists(file)) {
@@ -144,10 +208,9 @@ class Run {
       std::string note = "best -";
       if (progress.best && progress.best->outcome) {
         const Scores& scores = progress.best->outcome->scores;
-        const auto found = scores.find(study_.goal.objective.name);
-        if (found != scores.end()) {
-          note = fmt::format("best {:.4f}", found->second);
-        }
+        note = is_feasible(study_.goal, scores)
+                   ? fmt::format("best {:.4f}", scores.at(study_.goal.objective.name))
+                   : "none feasible yet";
       }
       if (progress.failed > 0) {
         note += fmt::format(", {} failed", progress.failed);
@@ -158,23 +221,59 @@ class Run {
   }
 
   Json head(const std::string& title, const char* role, const Json& variables) const {
-    return {{"title", title}, {"role", role}, {"variables", variables}};
+    return {{"title", title}, {"study", study_.title}, {"role", role}, {"variables", variables}};
+  }
+
+  /// Shows how far the design is, a step for each frame and one for re-scoring; designs have as
+  /// many frames as the baseline, about.
+  DesignWatch watch_of(const std::string& key, const SceneSettings& scene) {
+    const int frames = scene.scan.positions;
+    const auto show = [this, key, frames](int done, const std::string& what) {
+      const std::int64_t before = std::int64_t{designs_written_} * (frames + 1);
+      writing_->update(before + done, fmt::format("{}: {}", key, what));
+    };
+    return {.on_frame = [show](int done) { show(done, fmt::format("frame {}", done)); },
+            .on_rescoring = [show, frames] { show(frames, "re-scoring"); }};
+  }
+
+  /// One step more than there are, so that short work is not told.
+  std::int64_t writing_steps() const {
+    const int frames = study_.scene.scan.positions;
+    const auto designs =
+        static_cast<std::int64_t>(study_.prototypes.size()) + (study_.has_search() ? 2 : 1);
+    return designs * (frames + 1) + 1;
   }
 
   Json write(const std::string& key, const SceneSettings& scene, const Json& head) {
     log(LogLevel::kInfo, "writing {}", key);
     Json json;
+    DesignWatch watch = watch_of(key, scene);
     try {
-      json = write_design(store_, scene, head, options_.out / key, true, wanted_by(study_.goal));
+      json = write_design(
+          store_, scene, head, options_.out / key, true, wanted_by(study_.goal), &watch);
     } catch (const ConfigError& error) {
       throw with_place(study_.root, error);
     }
-    if (study_.goal.constraints.empty()) {
+    rescoring_cpu_s_ += watch.rescoring_cpu_s;
+    ++designs_written_;
+    if (!study_.has_objective) {
       return json;
     }
-    json["feasible"] = is_feasible(study_.goal, scores_of(json["scores"]));
+    if (!study_.goal.constraints.empty()) {
+      json["feasible"] = is_feasible(study_.goal, scores_of(json["scores"]));
+    }
+    if (!is_interrupted_) {
+      json["repeated"] =
+          repeated_scores(store_, first_view(store_, scene), repeated_scan(), study_.goal);
+    }
     write_file(options_.out / key / "scores.json", json.dump(2) + "\n");
     return json;
+  }
+
+  /// A search's finalists are many and its lines of parts dear: there the trials have intervals.
+  WantedScores repeated_scan() const {
+    const WantedScores wanted = wanted_by(study_.goal);
+    return study_.has_search() ? wanted.of_one_scan() : wanted;
   }
 
   static Scores scores_of(const Json& json) {
@@ -220,8 +319,11 @@ class Run {
   }
 
   Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
+    writing_.emplace(study_.name + ": writing", writing_steps(), options_.progress);
     const Json baseline =
         write("baseline", study_.scene, head("Baseline", "baseline", baseline_variables(study_)));
+    write_part_picture(
+        store_, first_view(store_, study_.scene), options_.out / "baseline" / "part.png");
     Json prototypes = Json::object();
     for (const Prototype& prototype : study_.prototypes) {
       const Json written = write(prototype.name,
@@ -233,7 +335,9 @@ class Run {
     Json result = {{"schema", 1},
                    {"status", status_of(search, study_.has_search())},
                    {"evaluations", search.evaluations},
-                   {"failed", search.failed}};
+                   {"failed", search.failed},
+                   {"study", study_file(study_)},
+                   {"part", part_json(store_.build(study_.scene)->part)}};
     if (study_.has_objective) {
       result["objective"] = study_.goal.objective.name;
     }
@@ -241,7 +345,8 @@ class Run {
     result["best"] = nullptr;
     if (search.best) {
       const Json variables = variables_json(study_, search.best->point);
-      Json winner_head = head("Winner of the search", "winner", variables);
+      const char* title = search.is_feasible ? "Winner of the search" : "Closest to the limits";
+      Json winner_head = head(title, "winner", variables);
       winner_head["trial"] = search.best->number;
       const Json winner = write(
           "winner", scene_with(study_, overrides_of(study_, search.best->point)), winner_head);
@@ -253,23 +358,43 @@ class Run {
     rescored["baseline"] = baseline["rescored"];
     result["rescored"] = rescored;
     result["prototypes"] = prototypes;
-    if (!inspect_populations(storage, folder, result)) {
+    writing_.reset();
+    const double populations_start = process_cpu_s();
+    const bool is_inspected = inspect_populations(storage, folder, result);
+    populations_cpu_s_ = process_cpu_s() - populations_start;
+    if (!is_inspected) {
       log(LogLevel::kWarning,
           "interrupted; the inspected parts are kept, the same command resumes");
       result["status"] = "interrupted";
     }
     write_file(options_.out / "trials.csv", trials_csv(study_, storage));
-    const fs::path report = options_.out / "report.html";
     result["report"] = "report.html";
     write_file(options_.out / "result.json", result.dump(2) + "\n");
-    write_file(report, report_html({options_.out}));
+    return result;
+  }
+
+  /// The report reads the folder, result.json too; the verdict that it comes to belongs in there.
+  Json with_report(Json result) const {
+    const fs::path report = options_.out / "report.html";
+    const Json data = report_data({options_.out});
+    const Json& verdict = data["verdict"];
+    result["verdict"] = {{"sentence", verdict["sentence"]},
+                         {"tone", verdict["tone"]},
+                         {"findings", verdict.value("findings", Json::array())}};
+    if (data.contains("ranking")) {
+      result["ranking"] = data["ranking"];
+    }
+    write_file(options_.out / "result.json", result.dump(2) + "\n");
+    write_file(report, render_report(data));
     result["report"] = report.string();
     return result;
   }
 
   void write_run_json(const SearchResult& search, const Storage& storage) const {
     Json json = provenance();
+    json["verb"] = command_of(ResultKind::kRun);
     json["study"] = study_.name;
+    json["started"] = utc_text(started_);
     json["seed"] = study_.search.seed;
     json["threads"] = options_.threads;
     json["jobs"] = options_.jobs;
@@ -282,6 +407,10 @@ class Run {
                        {"reused_designs", search.reused},
                        {"traced_scenes", store_.num_traced()},
                        {"retraced_scenes", store_.num_retraced()}};
+    json["cpu_s"] = {{"search", search_cpu_s_},
+                     {"rescoring", rescoring_cpu_s_},
+                     {"writing", finish_cpu_s_ - rescoring_cpu_s_ - populations_cpu_s_},
+                     {"populations", populations_cpu_s_}};
     json["warnings"] = search.warnings;
     json["derivatives"] = derivative_remarks(storage);
     json["configuration"] = resolved_text(study_);
@@ -293,6 +422,14 @@ class Run {
   ThreadPool pool_;
   SceneStore store_;
   Clock::time_point start_ = Clock::now();
+  std::chrono::system_clock::time_point started_ = std::chrono::system_clock::now();
+  double search_cpu_s_ = 0.0;
+  double finish_cpu_s_ = 0.0;  ///< all that follows the search
+  double rescoring_cpu_s_ = 0.0;
+  double populations_cpu_s_ = 0.0;
+  std::optional<Progress> writing_;
+  int designs_written_ = 0;
+  bool is_interrupted_ = false;  ///< in the search: what can be had without is left out
 };
 
 }  // namespace

@@ -25,7 +25,7 @@ struct RunOptions {
 /// Runs the study in options.out, resuming what is there.
 /// A configuration that is refused leaves no folder behind.
 /// @return the object of result.json (docs/conventions.md), status "done", "budget",
-///         "interrupted" or "no_feasible"
+///         "interrupted" or "no_feasible"; and ended_by, what ended a search
 /// @throws ConfigError, IoError
 nlohmann::ordered_json run_study(const Study& study, const RunOptions& options);
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/run/run_report.h"
+#include "studies/definition/study_text.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
@@ -19,6 +21,9 @@
 #include "studies/output/provenance.h"
 #include "studies/population/population_report.h"
 #include "studies/report/report.h"
+#include "studies/run/run_closeups.h"
+#include "studies/run/run_comparison.h"
+#include "studies/run/scene_facts.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -28,8 +33,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kFrameWidth_px = 650;
-constexpr int kCloseupHalf_px = 20;
-constexpr std::size_t kMaxCloseups = 8;
 
 Json read_json(const fs::path& path) {
   try {
@@ -37,28 +40,6 @@ Json read_json(const fs::path& path) {
   } catch (const Json::parse_error& error) {
     throw IoError(fmt::format("{}: is damaged: {}", path.string(), error.what()));
   }
-}
-
-Json closeups(const fs::path& folder, const ImageF& aspect) {
-  // Of many defects the hardest to see are shown; the rest stands in defects.json.
-  Json list = Json::array();
-  const Json file = read_json(folder / "defects.json");
-  std::vector<Json> defects(file["defects"].begin(), file["defects"].end());
-  if (defects.size() > kMaxCloseups) {
-    std::ranges::stable_sort(
-        defects, {}, [](const Json& defect) { return defect["scores"]["cnr"].get<double>(); });
-    defects.resize(kMaxCloseups);
-  }
-  for (const Json& defect : defects) {
-    const Json& window = defect["window_px"];
-    const int x = window[0].get<int>() + window[2].get<int>() / 2;
-    const int y = window[1].get<int>() + window[3].get<int>() / 2;
-    const ImageF square = closeup(aspect, x, y, kCloseupHalf_px);
-    list.push_back({{"label", defect["label"]},
-                    {"image", report_png(square, 2 * kCloseupHalf_px + 1)},
-                    {"scores", defect["scores"]}});
-  }
-  return list;
 }
 
 Json frames(const fs::path& folder) {
@@ -72,7 +53,10 @@ Json frames(const fs::path& folder) {
   }
 }
 
-Json design_json(const fs::path& folder, const std::string& key, bool has_frames) {
+Json design_json(const fs::path& folder,
+                 const std::string& key,
+                 bool has_frames,
+                 const std::string& objective) {
   Json json = read_json(folder / "scores.json");
   json["key"] = key;
   const ImageF aspect = read_image(folder / "aspect.exr");
@@ -83,7 +67,8 @@ Json design_json(const fs::path& folder, const std::string& key, bool has_frames
     json["aspect"] = report_png(aspect, 2 * kFrameWidth_px);
   }
   json["drawing"] = read_file(folder / "cross_section.svg");
-  json["closeups"] = closeups(folder, aspect);
+  json["closeups"] = closeups_of(folder, aspect, objective);
+  json["defects"] = defect_widths(folder);
   if (has_frames) {
     json["frames"] = frames(folder);
   }
@@ -136,7 +121,7 @@ Json trial_json(const Study& study, const Trial& trial, const std::string& algor
   const Outcome& outcome = *trial.outcome;
   json["failed"] = outcome.is_failed;
   if (outcome.is_failed) {
-    json["message"] = outcome.message;
+    json["message"] = without_folders(outcome.message, study);
     return json;
   }
   json["feasible"] = is_feasible(study.goal, outcome.scores);
@@ -154,7 +139,7 @@ Json trial_json(const Study& study, const Trial& trial, const std::string& algor
   return json;
 }
 
-void add_search(const Study& study, const fs::path& run, Json& data) {
+void add_goal(const Study& study, Json& data) {
   data["objective"] = {{"name", study.goal.objective.name},
                        {"sense", study.goal.objective.is_maximised ? "maximise" : "minimise"}};
   Json constraints = Json::array();
@@ -169,6 +154,9 @@ void add_search(const Study& study, const fs::path& run, Json& data) {
     constraints.push_back(json);
   }
   data["constraints"] = constraints;
+}
+
+void add_search(const Study& study, const fs::path& run, Json& data) {
   data["variables"] = variables_json(study);
   const std::string algorithm = resolved_algorithm(study.space, study.search);
   Json trials = Json::array();
@@ -207,6 +195,41 @@ struct RemarkCount {
   std::int64_t maximum = 0;
 };
 
+/// What was simulated: the study's own scene.
+Json scene_json(const Study& study, const fs::path& run, const Json& result) {
+  Json scene = {
+      {"facts",
+       scene_facts(
+           study.scene, result.value("part", Json()), result.value("study", std::string()))}};
+  const fs::path folder = run / "baseline";
+  if (!fs::exists(folder / "defects.json")) {
+    return scene;
+  }
+  const Json defects = read_json(folder / "defects.json")["defects"];
+  scene["defects"] = defect_table(defects);
+  if (fs::exists(folder / "part.png")) {
+    scene["picture"] = base64(read_file(folder / "part.png"));
+    scene["note"] = "The part as the camera sees it, shaded; its lighting is not drawn.";
+    scene["size_px"] = {study.scene.camera.width_px, study.scene.camera.height_px};
+    scene["marks"] = Json::array();
+    for (const Json& defect : defects) {
+      scene["marks"].push_back({{"label", defect["label"]}, {"window_px", defect["window_px"]}});
+    }
+  }
+  return scene;
+}
+
+/// "2026-11-23 08:10:05 UTC, 1 min 7 s"; empty where run.json does not tell.
+std::string when_text(const fs::path& run) {
+  const Json json = fs::exists(run / "run.json") ? read_json(run / "run.json") : Json::object();
+  if (!json.contains("started")) {
+    return "";
+  }
+  const Json& timings = json["timings"];
+  return moment_text(json["started"].get<std::string>(), timings["this_run_s"].get<double>()) +
+         (timings.value("replayed_evaluations", 0) > 0 ? " since it was resumed" : "");
+}
+
 Json single_run(const fs::path& run) {
   const Study study = study_of(run);
   const Json result = read_json(run / "result.json");
@@ -216,15 +239,20 @@ Json single_run(const fs::path& run) {
         ": holds rendered views, whose page is report.html; there is no run to report");
   }
   Json data = {{"title", study.title}, {"subtitle", "Lighting study for surface inspection"}};
+  if (study.has_objective) {
+    add_goal(study, data);
+  }
   if (study.has_search()) {
     data["status"] = result["status"];
     add_search(study, run, data);
   }
+  const std::string objective = study.has_objective ? study.goal.objective.name : "";
   Json designs = Json::array();
   for (const std::string& key : design_keys(study, run)) {
-    designs.push_back(design_json(run / key, key, true));
+    designs.push_back(design_json(run / key, key, true, objective));
   }
   data["designs"] = designs;
+  data["scene"] = scene_json(study, run, result);
   if (study.has_population()) {
     data["panels"] = population_panels(run, result);
     data["verdict"] = population_verdict(result);
@@ -239,11 +267,12 @@ Json single_run(const fs::path& run) {
     }
   }
   data["methods"] = methods;
-  data["config_toml"] = resolved_text(study);
+  data["config_toml"] = shown_text(study);
   Json source = provenance();
   source["seed"] = study.search.seed;
   source.erase("cores");
   data["provenance"] = source;
+  data["when"] = when_text(run);
   return data;
 }
 
@@ -262,23 +291,58 @@ Json best_so_far(const Json& single) {
   return curve;
 }
 
+/// Titles of the studies; with the folders' names where two have the same.
+std::vector<std::string> run_labels(const std::vector<Study>& studies,
+                                    const std::vector<fs::path>& paths) {
+  std::vector<std::string> labels;
+  for (std::size_t i = 0; i < studies.size(); ++i) {
+    const auto same = std::ranges::count(studies, studies[i].title, &Study::title);
+    const std::string folder = fs::absolute(paths[i]).lexically_normal().filename().string();
+    labels.push_back(same == 1 ? studies[i].title
+                               : fmt::format("{} ({})", studies[i].title, folder));
+  }
+  return labels;
+}
+
+/// For each study the first one that it is comparable with.
+std::vector<std::size_t> comparable_groups(const std::vector<Study>& studies) {
+  std::vector<std::size_t> groups;
+  for (const Study& study : studies) {
+    const auto first = std::ranges::find_if(
+        studies, [&](const Study& other) { return is_comparable(study, other); });
+    groups.push_back(static_cast<std::size_t>(first - studies.begin()));
+  }
+  return groups;
+}
+
 Json several_runs(const std::vector<fs::path>& paths) {
   Json data = {{"title", "Comparison of runs"}};
+  std::vector<Study> studies;
+  std::ranges::transform(paths, std::back_inserter(studies), study_of);
+  const std::vector<std::string> labels = run_labels(studies, paths);
+  const std::vector<std::size_t> groups = comparable_groups(studies);
   Json designs = Json::array();
   Json runs = Json::array();
   for (const fs::path& path : paths) {
     const Json single = single_run(path);
     const Json result = read_json(path / "result.json");
-    Json run = {{"title", single["title"]}};
+    Json run = {{"title", labels[runs.size()]},
+                {"group", groups[runs.size()]},
+                {"differs", differences(studies.front(), studies[runs.size()])}};
+    if (single.contains("objective")) {
+      run["objective"] = single["objective"];
+      data["objective"] = data.contains("objective") ? data["objective"] : single["objective"];
+    }
     if (single.contains("status")) {
       run["status"] = single["status"];
       run["evaluations"] = result["evaluations"];
       run["failed"] = result["failed"];
       run["best_so_far"] = best_so_far(single);
-      data["objective"] = single["objective"];
     }
     for (Json design : single["designs"]) {
-      design["run"] = single["title"];
+      design["run"] = run["title"];
+      design["title"] = fmt::format(
+          "{}, {}", design["title"].get<std::string>(), run["title"].get<std::string>());
       design["key"] = path.filename().string() + " " + design["key"].get<std::string>();
       if (design["role"] != "prototype") {
         run["scores"] = design["scores"];
@@ -296,9 +360,12 @@ Json several_runs(const std::vector<fs::path>& paths) {
 
 }  // namespace
 
+nlohmann::ordered_json report_data(const std::vector<fs::path>& runs) {
+  return complete_report(runs.size() == 1 ? single_run(runs.front()) : several_runs(runs));
+}
+
 std::string report_html(const std::vector<fs::path>& runs) {
-  const Json data = runs.size() == 1 ? single_run(runs.front()) : several_runs(runs);
-  return render_report(data);
+  return render_report(report_data(runs));
 }
 
 std::vector<std::string> derivative_remarks(const Storage& storage) {

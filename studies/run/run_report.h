@@ -5,10 +5,16 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "optimizer/storage/storage.h"
 #include "studies/definition/study.h"
 
 namespace glint {
+
+/// What the report of one run directory, or of several side by side, shows, completed with its
+/// verdict (studies/report/report.h). @throws IoError when a folder is no run directory
+nlohmann::ordered_json report_data(const std::vector<std::filesystem::path>& runs);
 
 /// The report of one run directory in depth, or of several side by side, made from their files.
 /// @throws IoError when a folder is no run directory

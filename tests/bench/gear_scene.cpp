@@ -120,7 +120,7 @@ Lights ring_light(const GearSetup& setup, const RigidTransform& scene_from_camer
   ring.inner_radius_mm = setup.ring_inner_mm;
   ring.outer_radius_mm = setup.ring_outer_mm;
   return build_lights({{.name = "ring", .settings = ring}},
-                      scene_from_camera,
+                      {.scene_from_camera = scene_from_camera},
                       [](const std::filesystem::path&) { return std::vector<LightTriangle>(); });
 }
 

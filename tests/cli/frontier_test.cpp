@@ -51,7 +51,6 @@ TEST(FrontierVerb, HasHelpWithAnExample) {
   const ProgramResult help = glint_in(folder, {"frontier", "--help"});
   EXPECT_EQ(help.code, 0);
   EXPECT_THAT(help.out, HasSubstr("Example:\n  glint frontier "));
-  EXPECT_EQ(glint_in(folder, {"frontier", "study.toml"}).code, 2) << "without --out";
 }
 
 TEST(FrontierVerb, PrintsATableForPeople) {

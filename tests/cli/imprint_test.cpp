@@ -83,7 +83,9 @@ TEST_F(ImprintVerb, WritesOnePartAndPrintsIt) {
 
 // The volume that is told is the volume the files have lost.
 TEST_F(ImprintVerb, TakesAwayTheVolumeItTells) {
-  write(edited(kShaft, {{"[defects.dent]", "[imprint.processing]\nlevels = 0\n[defects.dent]"}}));
+  write(edited(kShaft,
+               {{"[defects.dent]", "[imprint.processing]\nlevels = 0\n[defects.dent]"},
+                {"radius_mm = 8\n", "radius_mm = 8\nfacets_um = 2\n"}}));
   const Json result = imprint_json("out", {"--no_previews"});
   ASSERT_EQ(glint_in(folder_, {"part", "study.toml", "--out", "clean.ply", "--quiet"}).code, 0);
   const double before_mm3 = enclosed_volume_mm3(read_mesh(folder_ / "clean.ply"));
@@ -123,6 +125,41 @@ TEST_F(ImprintVerb, SaysWhatIsNotInTheMesh) {
   ASSERT_EQ(result["notes"].size(), 1U);
   EXPECT_THAT(result["notes"][0].get<std::string>(),
               HasSubstr("1 of the defects are realised by their"));
+}
+
+// The shaft is 16 mm thick: half of that is left of 12 mm.
+TEST_F(ImprintVerb, SaysWhatTheWallMadeShallower) {
+  write(edited(kShaft, {{"height_um = [50, 150]", "height_um = 12000"}}));
+  const ProgramResult result =
+      glint_in(folder_, {"imprint", "study.toml", "--out", "out", "--no_previews"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("note: "));
+  EXPECT_THAT(result.out, HasSubstr("shallower than height_um says"));
+  EXPECT_THAT(result.out, HasSubstr(" um deep instead of 12000 um in a wall of 16 mm"));
+  const Json metadata = Json::parse(read_file(folder_ / "out/defects.json"));
+  EXPECT_THAT(metadata["notes"].dump(), HasSubstr("shallower than height_um says"));
+}
+
+TEST_F(ImprintVerb, MakesNoDefectOfAGroupWhoseCountIsZero) {
+  const Json without_dents =
+      imprint_json("out", {"--no_previews", "--set", "defects.dent.count=0"});
+  EXPECT_EQ(without_dents["made"], 1);
+  EXPECT_EQ(without_dents["defects"][0]["label"], "scratch_1");
+  const Json none = imprint_json(
+      "none",
+      {"--no_previews", "--set", "defects.dent.count=0", "--set", "defects.scratch.count=0"});
+  EXPECT_EQ(none["made"], 0);
+  EXPECT_THAT(none["notes"].dump(), HasSubstr("the part has no defect"));
+}
+
+// A dent's ball is steepest at its rim: between a third and all of a right angle for 50 to 150 um
+// over 1 to 2 mm it is not.
+TEST_F(ImprintVerb, TellsHowSteepTheDefectsAre) {
+  const Json result = imprint_json("out", {"--no_previews"});
+  for (const Json& defect : result["defects"]) {
+    EXPECT_GT(defect["max_slope_mrad"], 50.0) << defect;
+    EXPECT_LT(defect["max_slope_mrad"], 1571.0) << defect;
+  }
 }
 
 TEST_F(ImprintVerb, PrintsATableForPeople) {

@@ -173,7 +173,8 @@ TEST_F(InspectVerb, ReadsColours) {
     std::fill_n(mask.row(y) + 22, kWidth - 44, static_cast<unsigned char>(1));
   }
   write_mask_png(folder_ / "mask.png", mask);
-  const Json result = inspect_json({"a.png"}, {"--mask", "mask.png"});
+  const Json result =
+      inspect_json({"a.png"}, {"--mask", "mask.png", "--set", "inspection.filter=gaussian"});
   const Json& part = result["parts"][0];
   EXPECT_EQ(part["channels"], 3);
   EXPECT_EQ(part["mask"], "file");
@@ -195,6 +196,70 @@ TEST_F(InspectVerb, TakesOnePictureForAnAspectImage) {
   EXPECT_EQ(part["mask"], "picture");
   EXPECT_EQ(part["defects"].size(), 1U);
   EXPECT_THAT(part["notes"].dump(), HasSubstr("whole picture"));
+  EXPECT_THAT(part["notes"].dump(), HasSubstr("No scan was given"));
+  // What is set holds: the filter of scans, which names dark what is dark.
+  const Json scan = inspect_json(
+      {"one.png"}, {"--set", "inspection.filter=gaussian", "--set", "inspection.max_reports=0"});
+  ASSERT_EQ(scan["parts"][0]["defects"].size(), 1U);
+  EXPECT_EQ(scan["parts"][0]["defects"][0]["is_bright"], false);
+}
+
+// Sixty specks: a photograph's report is as long as one can look through.
+TEST_F(InspectVerb, ReportsFewPlacesOfAPhotograph) {
+  ImageF picture(600, 400, 0.5F);
+  for (int i = 0; i < 60; ++i) {
+    add_spot(picture,
+             30 + 60 * (i % 10),
+             30 + 65 * (i / 10),
+             1,
+             -0.05F - 0.002F * static_cast<float>(i));
+  }
+  write_png(folder_ / "one.png", picture, PixelDepth::k8Bit);
+  const ProgramResult told = glint_in(folder_, {"inspect", "one.png", "--out", "out"});
+  EXPECT_EQ(told.code, 0) << told.err;
+  EXPECT_THAT(told.out, HasSubstr("The 20 places that stand out most are reported"));
+}
+
+TEST_F(InspectVerb, InspectsBothSidesOfADarkBand) {
+  fs::create_directories(folder_ / "cut");
+  for (int frame = 0; frame < 2; ++frame) {
+    ImageF picture = plain_part(static_cast<std::uint64_t>(frame) + 1);
+    for (int y = 46; y < 54; ++y) {
+      std::fill_n(picture.row(y), kWidth, 0.02F);
+    }
+    add_spot(picture, 60, 33, 3, -0.2F);
+    add_spot(picture, 110, 66, 3, -0.2F);
+    write_png(folder_ / fmt::format("cut/{}.png", frame), picture, PixelDepth::k8Bit);
+  }
+  const Json part = inspect_json({"cut"})["parts"][0];
+  EXPECT_EQ(part["mask"], "silhouette");
+  EXPECT_EQ(part["defects"].size(), 2U) << part["defects"];
+  EXPECT_EQ(part["region_px"], 2 * 112 * 18);
+  // 120 x 52 px are bright but for the spots of 37 px, which are not.
+  EXPECT_NEAR(part["bright_share"].get<double>(), (4032.0 - 74.0) / (6240.0 - 74.0), 0.01);
+  EXPECT_THAT(part["notes"].dump(), HasSubstr("found in 2 pieces"));
+  EXPECT_THAT(part["notes"].dump(), HasSubstr("Only 64."));
+  const ProgramResult told = glint_in(folder_, {"inspect", "cut", "--out", "out"});
+  EXPECT_THAT(told.out, HasSubstr(" inspected\n"));
+  EXPECT_THAT(told.out, HasSubstr(" 64."));
+}
+
+// The reference is whole; the part it is laid onto is cut by the band, and beside it lies
+// something.
+TEST_F(InspectVerb, LaysAReferenceMaskOntoAPartInPieces) {
+  ImageF picture = plain_part(1);
+  for (int y = 46; y < 54; ++y) {
+    std::fill_n(picture.row(y), kWidth, 0.02F);
+  }
+  ImageF reference(kWidth, kHeight);
+  for (int y = 20; y < kHeight - 20; ++y) {
+    std::fill_n(reference.row(y) + 20, kWidth - 40, 1.0F);
+  }
+  write_png(folder_ / "cut.png", picture, PixelDepth::k8Bit);
+  write_png(folder_ / "reference.png", reference, PixelDepth::k8Bit);
+  const Json part = inspect_json({"cut.png"}, {"--reference_mask", "reference.png"})["parts"][0];
+  // Of one half alone it would be 120 x 26 px less its rim, 2016.
+  EXPECT_GT(part["region_px"].get<double>(), 0.8 * 112.0 * 52.0);
 }
 
 TEST_F(InspectVerb, TakesEachPictureForAPart) {
@@ -306,6 +371,7 @@ TEST_F(InspectVerb, ComparesARunWithItsTruth) {
     known += truth["defects"].get<int>();
   }
   EXPECT_EQ(result["truth"]["defects"], known);
+  fs::remove_all(folder_ / "out");  // holds the inspection of more parts
   EXPECT_EQ(inspect_json({"run/winner"})["parts"][0]["defects"], result["parts"][1]["defects"]);
 }
 
@@ -315,7 +381,9 @@ TEST_F(InspectVerb, LeavesResultsOfAnotherKindAlone) {
   write_file(folder_ / "out/result.json", "{}");
   const ProgramResult result = inspect({"part"});
   EXPECT_EQ(result.code, 2);
-  EXPECT_EQ(result.err, "out: holds results of another kind; choose another output folder\n");
+  EXPECT_EQ(
+      result.err,
+      "out: holds a result.json that is not of `glint inspect`; choose another output folder\n");
   EXPECT_EQ(folder_.count(), 2);
 }
 
@@ -339,6 +407,8 @@ TEST_F(InspectVerb, PrintsATableForPeople) {
   const ProgramResult result = glint_in(folder_, {"inspect", "part", "--out", "out"});
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("not graded"));
+  EXPECT_THAT(result.out, HasSubstr(" px "));
+  EXPECT_EQ(result.out.find("e+"), std::string::npos);
   EXPECT_THAT(result.out, HasSubstr("report: out/report.html\n"));
   EXPECT_THAT(glint_in(folder_, {"inspect", "--help"}).out, HasSubstr("Example:\n  glint inspect"));
 }

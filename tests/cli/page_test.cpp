@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "core/image/image_io.h"
 #include "tests/cli/program.h"
@@ -16,11 +17,24 @@ namespace glint::test {
 namespace {
 namespace fs = std::filesystem;
 
+using Json = nlohmann::ordered_json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
 constexpr const char* kBrowser = "chromium";
+
+/// What a command writes to its stdout.
+std::string output_of(const std::string& command) {
+  std::FILE* pipe = popen(command.c_str(), "r");
+  std::string text;
+  std::array<char, 4096> block{};
+  for (std::size_t count = 0; (count = std::fread(block.data(), 1, block.size(), pipe)) > 0;) {
+    text.append(block.data(), count);
+  }
+  pclose(pipe);
+  return text;
+}
 
 class Page : public ::testing::Test {
  protected:
@@ -43,13 +57,7 @@ class Page : public ::testing::Test {
         kBrowser,
         (folder_ / "browser").string(),
         fs::absolute(folder_ / page).string());
-    std::FILE* pipe = popen(command.c_str(), "r");
-    std::string text;
-    std::array<char, 4096> block{};
-    for (std::size_t count = 0; (count = std::fread(block.data(), 1, block.size(), pipe)) > 0;) {
-      text.append(block.data(), count);
-    }
-    pclose(pipe);
+    const std::string text = output_of(command);
     EXPECT_THAT(text, Not(HasSubstr("Uncaught"))) << page;
     EXPECT_THAT(text, Not(HasSubstr("Content Security Policy"))) << page;
     return text.substr(0, text.find("id=\"data\""));  // without the data, which hold every text
@@ -68,6 +76,46 @@ TEST_F(Page, OfARunAndOfItsInspectionIsDrawn) {
               AllOf(HasSubstr("<h2>What was found</h2>"),
                     HasSubstr("Pixels by response"),
                     HasSubstr("<polygon")));
+}
+
+/// What tests/cli/printed_page.mjs tells of a page on paper.
+Json printed(const std::filesystem::path& page) {
+  const std::string command =
+      fmt::format("node '" GLINT_SOURCE_DIR "/tests/cli/printed_page.mjs' {} '{}'",
+                  kBrowser,
+                  fs::absolute(page).string());
+  const std::string text = output_of(command);
+  return Json::parse(text, nullptr, false);
+}
+
+// Baseline, winner and three prototypes, with all their scores, folded, and a resolved TOML.
+TEST_F(Page, OfFiveDesignsIsPrintedOnSixPagesWithNothingOverNothing) {
+  write_file(
+      folder_ / "study.toml",
+      small_study() +
+          "[defects.bumps]\ntype = \"bump\"\nx_mm = [-9, -5, 6, 9]\ny_mm = [1, -2, 2, -1]\n"
+          "height_um = 5\ndiameter_mm = 1.5\n"
+          "[prototypes.flat]\ntitle = \"Flat panels\"\n\"lighting.tunnel.shape\" = \"flat\"\n"
+          "[prototypes.wide]\n\"lighting.tunnel.radius_mm\" = 110\n"
+          "[prototypes.free]\ntitle = \"A free wall\"\n\"lighting.tunnel.shape\" = \"free\"\n");
+  glint({"run", "study.toml", "--quiet", "--out", "run"});
+  const Json paper = printed(folder_ / "run/report.html");
+  ASSERT_TRUE(paper.is_object());
+  EXPECT_GE(paper["pages"], 2);
+  EXPECT_LE(paper["pages"], 6);
+  EXPECT_GT(paper["boxes"], 300);
+  EXPECT_EQ(paper["overlaps"], Json::array());
+}
+
+// Two texts and a drawing over each other: the test above would see it.
+TEST_F(Page, OverlapsAreSeen) {
+  write_file(folder_ / "bad.html",
+             "<main><p style='position:absolute;top:20px'>one sentence</p>"
+             "<p style='position:absolute;top:25px'>another one</p></main>");
+  const Json paper = printed(folder_ / "bad.html");
+  ASSERT_TRUE(paper.is_object());
+  EXPECT_EQ(paper["pages"], 1);
+  EXPECT_NE(paper["overlaps"], Json::array());
 }
 
 TEST_F(Page, TakesNamesOfFilesForText) {
@@ -131,7 +179,7 @@ TEST_F(Page, OfRenderedViewsIsDrawn) {
   EXPECT_THAT(drawn("out/report.html"),
               AllOf(HasSubstr("<h1>A &lt;b&gt;plate&lt;/b&gt;</h1>"),
                     HasSubstr("1 defect in view."),
-                    HasSubstr("<h2>Scores of the first view</h2>")));
+                    HasSubstr("<h3>Scores of the first view</h3>")));
 }
 
 }  // namespace

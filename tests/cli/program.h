@@ -76,7 +76,8 @@ std::string place_of(const std::string& study, const std::string& text);
 std::string rectangle_stl(double length, double width);
 
 /// Every file below a folder by relative path. Files that tell times (run.json, log.txt, the
-/// database) are left out: the rest must be the same bytes for the same study.
+/// database, the element of report.html that has the date) are left out: the rest must be the same
+/// bytes for the same study.
 std::map<std::string, std::string> files_below(const std::filesystem::path& folder);
 
 /// files_below() of both folders agree; names the files that do not.

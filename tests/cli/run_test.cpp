@@ -4,12 +4,15 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/program.h"
+#include "tests/support/page_data.h"
 
 namespace glint::test {
 namespace {
 namespace fs = std::filesystem;
 
 using Json = nlohmann::json;
+
+using ::testing::HasSubstr;
 
 Arguments run_arguments(const std::string& out, const Arguments& more = {}) {
   Arguments arguments = {"run", "study.toml", "--quiet", "--json", "--out", out};
@@ -43,16 +46,58 @@ TEST(GlintRun, WritesTheRunDirectory) {
                                    "aspect.exr",
                                    "part_mask.png",
                                    "defects.json",
-                                   "scores.json"}) {
+                                   "scores.json",
+                                   "cross_section.svg",
+                                   "cross_section.dxf",
+                                   "cross_section.csv"}) {
       EXPECT_TRUE(fs::is_regular_file(folder / "out/run" / design / name)) << design << " " << name;
     }
     EXPECT_FALSE(fs::exists(folder / "out/run" / design / "sequence/frame_008.png"));
   }
   const Json run = Json::parse(read_file(folder / "out/run/run.json"));
-  for (const std::string key :
-       {"version", "compiler", "isa", "machine", "seed", "timings", "configuration"}) {
+  for (const std::string key : {"version",
+                                "compiler",
+                                "isa",
+                                "machine",
+                                "libraries",
+                                "seed",
+                                "timings",
+                                "cpu_s",
+                                "configuration"}) {
     EXPECT_TRUE(run.contains(key)) << key;
   }
+  for (const std::string part : {"search", "rescoring", "writing"}) {
+    EXPECT_GT(run["cpu_s"][part], 0.0) << part;
+  }
+}
+
+TEST(GlintRun, GoesOnUnderAnotherTitle) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", small_study());
+  run_ok(folder, "out", {"--set", "title=First"});
+  const std::string trials = read_file(folder / "out/trials.csv");
+  run_ok(folder, "out", {"--set", "title=Second"});
+  EXPECT_EQ(read_file(folder / "out/trials.csv"), trials);
+  EXPECT_THAT(read_file(folder / "out/study.resolved.toml"), HasSubstr("title = \"Second\""));
+  EXPECT_THAT(read_file(folder / "out/report.html"), HasSubstr("Second"));
+  EXPECT_EQ(Json::parse(read_file(folder / "out/run.json"))["timings"]["replayed_evaluations"], 12);
+}
+
+TEST(GlintRun, SaysWhatEndsIt) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", small_study());
+  const ProgramResult both =
+      glint_in(folder, {"run", "study.toml", "--out", "a", "--budget", "8h"});
+  EXPECT_EQ(both.code, 0);
+  EXPECT_THAT(
+      both.err,
+      HasSubstr("the search ends after 12 evaluations (budget.evaluations) or after 8:00:00 "
+                "of searching (budget.wall_clock or --budget), whichever comes first"));
+  EXPECT_THAT(both.out, HasSubstr("12 evaluations, 0 failed; ended by budget.evaluations\n"));
+  const ProgramResult time = glint_in(
+      folder,
+      {"run", "study.toml", "--out", "b", "--budget", "1", "--set", "budget.evaluations=0"});
+  EXPECT_THAT(time.out, HasSubstr("; ended by budget.wall_clock\n"));
 }
 
 TEST(GlintRun, PrintsOneJsonObjectAsTheInterfacesSay) {
@@ -96,14 +141,58 @@ TEST(GlintRun, TextNamesWinnerAndReport) {
   EXPECT_THAT(printed.err, ::testing::HasSubstr("12/12"));
 }
 
+// A reader of a mailed file knows what was simulated, and nothing of the sender's folders.
+TEST(GlintRun, ReportSaysWhatWasSimulatedAndNamesNoFolder) {
+  const TemporaryFolder folder;
+  write_file(folder / "plate.stl", rectangle_stl(40, 12));
+  write_file(
+      folder / "study.toml",
+      edited(small_study(),
+             {{"shape = \"strip\"\nlength_mm = 40\nwidth_mm = 12\n", "file = \"plate.stl\"\n"},
+              {"radius_along_mm = 400\nradius_across_mm = 40\n", ""},
+              {"\"defects.min_cnr\" = { min = 0.1 }\n", ""}}));
+  run_ok(folder, "out");
+  const std::string page = read_file(folder / "out/report.html");
+  EXPECT_EQ(page.find(folder.path().string()), std::string::npos);
+  EXPECT_NE(read_file(folder / "out/study.resolved.toml").find(folder.path().string()),
+            std::string::npos)
+      << "the folder itself must be resumed";
+  EXPECT_THAT(page, ::testing::ContainsRegex("<span id=\"when\">20[0-9-]* [0-9:]* UTC, [0-9]"));
+  const Json data = page_data(page);
+  std::map<std::string, std::string> facts;
+  for (const Json& fact : data["scene"]["facts"]) {
+    facts[fact[0]] = fact[1];
+  }
+  EXPECT_EQ(facts["Part"], "plate.stl, 40 x 12 x 0 mm, 2 triangles");
+  EXPECT_EQ(facts["Surface"], "mirror");
+  EXPECT_EQ(facts["Camera"], "200 x 60 px of 0.2 mm on the part, 300 mm away, 8 bits");
+  EXPECT_THAT(facts["Light"],
+              ::testing::StartsWith("tunnel, semicylinder, 160 mm wide, up to 80 mm"));
+  EXPECT_EQ(facts["Study file"], "study.toml");
+  const Json& defects = data["scene"]["defects"]["rows"];
+  ASSERT_EQ(defects.size(), 1U);
+  EXPECT_EQ(defects[0][2], "1.5 mm wide, 4 \u00b5m deep");
+  EXPECT_EQ(defects[0][4], "2, 1, 0");
+  EXPECT_EQ(data["scene"]["marks"].size(), 1U);
+  EXPECT_GT(data["scene"]["picture"].get<std::string>().size(), 1000U);
+  const Json& closeup = data["designs"][0]["closeups"][0];
+  EXPECT_NEAR(closeup["pixel_mm"].get<double>(), 0.2, 1e-6);
+  EXPECT_EQ(closeup["picture"], "mean image");
+  EXPECT_LT(closeup["low"].get<double>(), closeup["high"].get<double>());
+}
+
 TEST(GlintRun, AgainGivesTheSameAtOnce) {
   const TemporaryFolder folder;
   write_file(folder / "study.toml", mixed_study());
   const ProgramResult first = glint_in(folder, run_arguments("out"));
   const auto files = files_below(folder / "out");
+  const std::string report = read_file(folder / "out/report.html");
   const ProgramResult second = glint_in(folder, run_arguments("out"));
   EXPECT_EQ(second.code, 0);
   EXPECT_EQ(second.out, first.out);
+  const std::string again = read_file(folder / "out/report.html");
+  EXPECT_NE(again, report) << "the second was resumed and says so";
+  EXPECT_EQ(without_when(again), without_when(report)) << "and says nothing else that is new";
   EXPECT_EQ(files_below(folder / "out"), files);
   const Json run = Json::parse(read_file(folder / "out/run.json"));
   EXPECT_EQ(run["timings"]["replayed_evaluations"], 12);

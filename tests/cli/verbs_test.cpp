@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Every verb but run, on small input.
-#include <set>
-
+// Every verb but run, explain and help, on small input.
 #include <nlohmann/json.hpp>
 
-#include "core/config/key_writer.h"
-#include "metrics/scores.h"
-#include "studies/definition/scene.h"
-#include "studies/definition/study_tables.h"
 #include "tests/cli/program.h"
 
 namespace glint::test {
@@ -18,6 +12,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// The one JSON object a call prints.
 Json json_of(const TemporaryFolder& folder, Arguments arguments) {
@@ -25,84 +20,6 @@ Json json_of(const TemporaryFolder& folder, Arguments arguments) {
   const ProgramResult result = glint_in(folder, arguments);
   EXPECT_EQ(result.code, 0) << result.err;
   return Json::parse(result.out);
-}
-
-TEST(Help, OfEveryVerbShowsAnExample) {
-  const TemporaryFolder folder;
-  for (const std::string verb :
-       {"run", "check", "render", "frontier", "report", "part", "explain", "new"}) {
-    const ProgramResult help = glint_in(folder, {verb, "--help"});
-    EXPECT_EQ(help.code, 0);
-    EXPECT_EQ(help.err, "");
-    EXPECT_THAT(help.out, HasSubstr("Example:\n  glint " + verb + " "));
-    for (const std::string option : {"--json", "--quiet", "--threads", "--log"}) {
-      EXPECT_THAT(help.out, HasSubstr(option)) << verb;
-    }
-  }
-}
-
-TEST(Help, OfTheProgramNamesTheVerbsAndItsVersion) {
-  const TemporaryFolder folder;
-  const ProgramResult help = glint_in(folder, {"--help"});
-  EXPECT_EQ(help.code, 0);
-  for (const std::string verb :
-       {"run", "check", "render", "frontier", "report", "part", "explain", "new"}) {
-    EXPECT_THAT(help.out, HasSubstr("\n  " + verb + " "));
-  }
-  const ProgramResult version = glint_in(folder, {"--version"});
-  EXPECT_EQ(version.code, 0);
-  EXPECT_THAT(version.out, ::testing::MatchesRegex("[0-9]+\\.[0-9]+\\.[0-9]+.*\n"));
-}
-
-TEST(Explain, KnowsEveryKeyOfTheKeyTable) {
-  const TemporaryFolder folder;
-  std::vector<KeyRow> rows = scene_keys();
-  const std::vector<KeyRow> more = study_keys();
-  rows.insert(rows.end(), more.begin(), more.end());
-  std::map<std::string, std::set<std::string>> families;
-  for (const KeyRow& row : rows) {
-    families[row.path.substr(0, row.path.find('.'))].insert(row.path);
-    EXPECT_NE(row.doc, "") << row.path;
-  }
-  EXPECT_EQ(families.size(), 22U);
-  for (const auto& [family, paths] : families) {
-    std::set<std::string> found;
-    const Json json = json_of(folder, {"explain", family});
-    for (const Json& row : json["found"]) {
-      if (row.contains("key")) {
-        found.insert(row["key"]);
-      }
-    }
-    for (const std::string& path : paths) {
-      EXPECT_TRUE(found.contains(path)) << path;
-    }
-  }
-}
-
-TEST(Explain, TellsUnitRangeAndDefault) {
-  const TemporaryFolder folder;
-  const Json found = json_of(folder, {"explain", "lighting.tunnel.radius_mm"})["found"];
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0]["unit"], "mm");
-  EXPECT_EQ(found[0]["kind"], "number");
-  EXPECT_NE(found[0]["allowed"], "");
-  EXPECT_NE(found[0]["default"], "");
-  // Named lights, named defects and array elements are explained by what they are made of.
-  EXPECT_EQ(json_of(folder, {"explain", "lighting.top.radius_mm"})["found"], found);
-  EXPECT_EQ(json_of(folder, {"explain", "viewpoint.0.position_mm.2"})["found"][0]["key"],
-            "viewpoint.0.position_mm");
-}
-
-TEST(Explain, KnowsScoresAndPartsOfNames) {
-  const TemporaryFolder folder;
-  const ProgramResult score = glint_in(folder, {"explain", "homogeneity.h_rms"});
-  EXPECT_EQ(score.code, 0);
-  EXPECT_THAT(score.out, HasSubstr("1 - standard deviation / mean"));
-  EXPECT_THAT(score.out, HasSubstr("a score"));
-  EXPECT_EQ(json_of(folder, {"explain", "defects.dent_3.cnr"})["found"][0]["score"],
-            "defects.dent_3.cnr");
-  EXPECT_EQ(json_of(folder, {"explain", "period_mm"})["found"][0]["key"],
-            "lighting.tunnel.period_mm");
 }
 
 TEST(Part, ReportsAndConvertsAMesh) {
@@ -138,7 +55,16 @@ TEST(Part, WithoutAUnitThatFitsAsksForIt) {
   const ProgramResult result = glint_in(folder, {"part", "plate.stl", "--json"});
   EXPECT_EQ(result.code, 2);
   EXPECT_EQ(result.out, "");
-  EXPECT_THAT(result.err, HasSubstr("is the file in m?"));
+  EXPECT_THAT(result.err,
+              ::testing::MatchesRegex("--unit: plate\\.stl is 0\\.2 mm large: is the file "
+                                      "in m\\? The unit \"m\" makes it 200 mm.*"));
+}
+
+TEST(Part, ThatIsNotThereIsAFileThatCannotBeRead) {
+  const TemporaryFolder folder;
+  const ProgramResult result = glint_in(folder, {"part", "gone.stl"});
+  EXPECT_EQ(result.code, 3);
+  EXPECT_EQ(result.err, "gone.stl: cannot be read: No such file or directory\n");
 }
 
 TEST(Check, PredictsWithoutWriting) {
@@ -150,6 +76,13 @@ TEST(Check, PredictsWithoutWriting) {
   EXPECT_EQ(json["evaluations"], 12);
   EXPECT_GT(json["seconds_per_evaluation"], 0.0);
   EXPECT_GT(json["predicted_s"], 0.0);
+  const Json& cpu_s = json["predicted_cpu_s"];
+  EXPECT_NEAR(
+      cpu_s["search"].get<double>(), 12.0 * json["seconds_per_evaluation"].get<double>(), 1e-9);
+  EXPECT_GT(cpu_s["rescoring"], 0.0);
+  EXPECT_GT(cpu_s["writing"], 0.0);
+  EXPECT_EQ(cpu_s["populations"], 0.0);
+  EXPECT_TRUE(json["broken_limits"].empty());
   EXPECT_TRUE(json["baseline"]["scores"].contains("homogeneity.h_rms"));
   EXPECT_EQ(json["prototypes"].size(), 2U);
   EXPECT_EQ(folder.count(), 1);
@@ -164,6 +97,59 @@ TEST(Check, NamesVariablesThatChangeNothing) {
       json_of(folder, {"check", "study.toml", "--set", "lighting.tunnel.shape=ellipse"});
   ASSERT_EQ(json["idle_variables"].size(), 1U);
   EXPECT_EQ(json["idle_variables"][0], "lighting.tunnel.radius_mm");
+}
+
+// The ring's outer radius is 60 mm, which its inner one reaches at the end of its range.
+TEST(Check, NamesTheLimitThatBreaksARule) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml",
+             edited(small_study(),
+                    {{"[lighting.tunnel]",
+                      "[lighting.ring]\nheight_mm = 80\ninner_radius_mm = 40\nouter_radius_mm = "
+                      "60\n[lighting.tunnel]"},
+                     {"[variables]",
+                      "[variables]\n\"lighting.ring.inner_radius_mm\" = { min = 20, max = 60 }"}}));
+  const Json json = json_of(folder, {"check", "study.toml", "--set", "render.paths.samples=4"});
+  ASSERT_EQ(json["broken_limits"].size(), 1U);
+  EXPECT_THAT(
+      json["broken_limits"][0].get<std::string>(),
+      ::testing::MatchesRegex("study\\.toml:[0-9]+:[0-9]+: lighting\\.ring\\.inner_radius_mm "
+                              "= 60, the max of its variable, gives a design that fails: "
+                              "lighting\\.ring\\.outer_radius_mm is 60, must be .*"));
+}
+
+TEST(Check, RefusesACameraInsideThePart) {
+  const TemporaryFolder folder;
+  write_file(folder / "cube.off",
+             "OFF\n8 6 0\n0 0 0\n20 0 0\n20 20 0\n0 20 0\n0 0 20\n20 0 20\n20 20 20\n0 20 20\n"
+             "4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n");
+  write_file(folder / "scene.toml",
+             "[part]\nfile = \"cube.off\"\n[camera]\nwidth_px = 40\nheight_px = 40\n"
+             "object_pixel_mm = 0.1\nworking_distance_mm = 2\n[lighting.tunnel]\nradius_mm = 90\n");
+  for (const std::string verb : {"check", "run"}) {
+    const ProgramResult inside = glint_in(folder, {verb, "scene.toml"});
+    EXPECT_EQ(inside.code, 2);
+    EXPECT_THAT(
+        inside.err,
+        HasSubstr("scene.toml:7:1: camera.working_distance_mm: puts the camera at (0, 0, 2) "
+                  "mm, inside the part"));
+    EXPECT_EQ(inside.out, "");
+    EXPECT_EQ(folder.count(), 2);
+  }
+}
+
+TEST(Render, TellsScoresWithUnitAndMeaning) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", mixed_study());
+  const ProgramResult result = glint_in(folder, {"render", "study.toml", "--out", "pictures"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(
+      result.out,
+      ::testing::ContainsRegex("  homogeneity\\.h_rms +-?[0-9.]+ %  1 - standard deviation"));
+  EXPECT_THAT(result.out,
+              ::testing::ContainsRegex("  fringe\\.period_px +[0-9.]+ px  mean stripe"));
+  EXPECT_THAT(result.out, ::testing::ContainsRegex("\n  defect +cnr +dprime +weber"));
+  EXPECT_THAT(result.out, Not(HasSubstr("defects.dent_1.cnr  ")));
 }
 
 TEST(Render, WritesPicturesOfTheStudysOwnScene) {
@@ -235,6 +221,14 @@ TEST(New, WritesAStudyThatChecks) {
   const Json checked = json_of(folder, {"check", "studies/plate.toml"});
   EXPECT_EQ(checked["status"], "done");
   EXPECT_EQ(checked["name"], "plate");
+}
+
+TEST(New, PrintsOneJsonObjectWithoutAFileToWrite) {
+  const TemporaryFolder folder;
+  write_file(folder / "plate.stl", rectangle_stl(60, 20));
+  const Json json = json_of(folder, {"new", "plate.stl", "--working_distance_mm", "300"});
+  EXPECT_THAT(json["text"].get<std::string>(), HasSubstr("[lighting.tunnel]"));
+  EXPECT_EQ(folder.count(), 1);
 }
 
 TEST(LogOption, AlsoWritesTheLogThere) {

@@ -78,6 +78,25 @@ TEST(CsvRow, QuotesOnlyWhatNeedsIt) {
   EXPECT_EQ(csv_row_of("", "a,b", " a", 0.1F), ",\"a,b\",\" a\",0.10000000149011612\n");
 }
 
+// A spreadsheet takes what follows = + - @ for a formula; an apostrophe before it makes it a text.
+TEST(CsvRow, WritesNoFormulas) {
+  EXPECT_EQ(csv_row_of("=1+1", "+a", "-b", "@sum", -2, "'=x", "'y"),
+            "'=1+1,'+a,'-b,'@sum,-2,''=x,'y\n");
+  EXPECT_THAT(texts_of("'=1+1,\"'=a,b\",''=x,'y,''"),
+              ElementsAre(ElementsAre("=1+1", "=a,b", "'=x", "'y", "''")));
+  Rng rng(2, Stream::kTest, 0);
+  const std::string letters = "'=+-@ab,\"";
+  for (int i = 0; i < 1000; ++i) {
+    std::string text;
+    while (rng.uniform() < 0.8) {
+      text += letters[rng.next_u32() % letters.size()];
+    }
+    const std::string row = csv_row_of("x", text);
+    EXPECT_THAT(texts_of(row), ElementsAre(ElementsAre("x", text))) << row;
+    EXPECT_EQ(std::string("=+-@").find(row.at(2)), std::string::npos) << row;
+  }
+}
+
 // Texts of letters that need care, and doubles to the last bit.
 TEST(CsvRow, ReadsBackAsTheSame) {
   Rng rng(1, Stream::kTest, 0);

@@ -19,4 +19,15 @@ inline nlohmann::ordered_json page_data(const std::string& page) {
   return nlohmann::ordered_json::parse(page_text(page));
 }
 
+/// The page with its element of date and duration empty: what the same study gives at any time.
+inline std::string without_when(std::string page) {
+  const std::string start = "<span id=\"when\">";
+  const auto at = page.find(start);
+  if (at != std::string::npos) {
+    const auto text = at + start.size();
+    page.erase(text, page.find("</span>", text) - text);
+  }
+  return page;
+}
+
 }  // namespace glint::test

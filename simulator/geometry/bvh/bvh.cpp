@@ -38,10 +38,12 @@ using Geometry = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, GeometryRel
 
 void throw_on_error(RTCDevice device) {
   const RTCError error = rtcGetDeviceError(device);
+  if (error == RTC_ERROR_OUT_OF_MEMORY) {
+    throw std::bad_alloc();
+  }
   if (error != RTC_ERROR_NONE) {
-    throw Error(fmt::format("the ray tracer failed with Embree's error {}{}",
-                            static_cast<int>(error),
-                            error == RTC_ERROR_OUT_OF_MEMORY ? " (out of memory)" : ""));
+    throw Error(
+        fmt::format("the ray tracer failed with Embree's error {}", static_cast<int>(error)));
   }
 }
 

@@ -59,6 +59,36 @@ void measure_facets(const TriangleMesh& mesh,
   report.facet_angle_95_rad = angles_rad[static_cast<std::size_t>(rank)];
 }
 
+/// Three digits, never with an exponent.
+std::string plain_number(double value) {
+  return std::abs(value) < 1000.0 ? fmt::format("{:.3g}", value) : fmt::format("{:.0f}", value);
+}
+
+/// Advice that can be followed: edges can be made some times shorter, not some hundred times, and
+/// no surface is steeper than a right angle.
+std::string what_helps(double facet_rad, double allowed_rad) {
+  constexpr double kMostTimesShorter = 10.0;
+  constexpr double kSteepest_rad = 0.5;
+  const double times = facet_rad / allowed_rad;
+  const double slope_rad = facet_rad / kFacetShare;
+  const std::string finer =
+      times <= kMostTimesShorter
+          ? fmt::format(
+                "export the part with edges {:.2g} times shorter (a facet angle below {:.2g} "
+                "deg), use a parametric part",
+                times,
+                allowed_rad * kDegPerRad)
+          : "use a parametric part, or a mesh made from exact CAD surfaces with a facet angle "
+            "below " +
+                fmt::format("{:.2g} deg", allowed_rad * kDegPerRad);
+  return slope_rad <= kSteepest_rad
+             ? fmt::format("{}, or trust only defects that are steeper than {} mrad ({:.2g} deg)",
+                           finer,
+                           plain_number(1e3 * slope_rad),
+                           slope_rad * kDegPerRad)
+             : finer + "; with this mesh no defect can be told from its facets by its slope";
+}
+
 void check_facets(MeshReport& report) {
   const double allowed_rad = kFacetShare * report.smallest_slope_rad;
   report.is_fine_enough = report.has_exact_surface || report.facet_angle_95_rad <= allowed_rad;
@@ -67,23 +97,18 @@ void check_facets(MeshReport& report) {
     return;
   }
   const std::string measured = fmt::format(
-      "95 % of the bent edges turn by less than {:.3g} mrad (largest {:.3g}), {:.3g} mrad are "
-      "allowed (0.1 of the smallest slope of {:.3g} mrad)",
-      1e3 * report.facet_angle_95_rad,
-      1e3 * report.largest_facet_angle_rad,
-      1e3 * allowed_rad,
-      1e3 * report.smallest_slope_rad);
+      "95 % of the bent edges turn by less than {} mrad (largest {}), {} mrad are "
+      "allowed (0.1 of the smallest slope of {} mrad)",
+      plain_number(1e3 * report.facet_angle_95_rad),
+      plain_number(1e3 * report.largest_facet_angle_rad),
+      plain_number(1e3 * allowed_rad),
+      plain_number(1e3 * report.smallest_slope_rad));
   if (report.is_fine_enough) {
     report.verdict = "the mesh is fine enough: " + measured;
     return;
   }
   report.verdict = "facets show up as defects under fringes: " + measured;
-  report.action = fmt::format(
-      "export the part with edges {0:.2g} times shorter (a facet angle below {1:.2g} deg), use a "
-      "parametric part, or trust defects steeper than {2:.3g} mrad only",
-      report.facet_angle_95_rad / allowed_rad,
-      allowed_rad * kDegPerRad,
-      1e3 * report.facet_angle_95_rad / kFacetShare);
+  report.action = what_helps(report.facet_angle_95_rad, allowed_rad);
 }
 
 void add_warnings(MeshReport& report) {

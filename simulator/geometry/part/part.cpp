@@ -176,9 +176,8 @@ void check_size(const Part& part) {
   for (const Unit unit : {Unit::kMillimetre, Unit::kMetre, Unit::kCentimetre, Unit::kInch}) {
     const double guess_mm = in_file * mm_per_unit(unit);
     if (unit != part.unit && guess_mm >= 10.0 && guess_mm <= 1000.0) {
-      question = fmt::format(": is the file in {0}? set part.unit = \"{0}\" (then {1:.4g} mm)",
-                             unit_name(unit),
-                             guess_mm);
+      question = fmt::format(
+          ": is the file in {0}? The unit \"{0}\" makes it {1:.4g} mm", unit_name(unit), guess_mm);
       break;
     }
   }

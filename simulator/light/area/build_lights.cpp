@@ -30,18 +30,18 @@ Array3f to_channels(const std::vector<double>& values) {
                             : Array3f::Constant(static_cast<float>(values.at(0)));
 }
 
-/// The frame moved along its axis: a height of lights on the part counts against the way they
-/// shine, on the camera along it.
+/// The frame moved along its axis: a height counts against the way a light shines, of those on the
+/// camera along it.
 EmitterFrame raised(EmitterFrame frame, Mount mount, double height_mm) {
-  frame.origin_mm += (mount == Mount::kPart ? -height_mm : height_mm) * frame.z;
+  frame.origin_mm += (mount == Mount::kCamera ? height_mm : -height_mm) * frame.z;
   return frame;
 }
 
 /// Collects what one light after the other adds.
 class Builder {
  public:
-  Builder(const RigidTransform& scene_from_camera, const MeshLoader& load_mesh)
-      : scene_from_camera_(scene_from_camera), load_mesh_(load_mesh) {}
+  Builder(const LightMounts& mounts, const MeshLoader& load_mesh)
+      : mounts_(mounts), load_mesh_(load_mesh) {}
 
   void add(const NamedLight& light) {
     name_ = light.name;
@@ -69,7 +69,7 @@ class Builder {
   void add_body_faces(const IesLightSettings& s, int group);
 
   EmitterFrame frame_of(const LightPlacement& placement) const {
-    return placed_frame(placement, scene_from_camera_);
+    return placed_frame(placement, mounts_);
   }
 
   int add_group(std::string name, double factor = 1.0) {
@@ -93,7 +93,7 @@ class Builder {
   void end_lobes(const LightEmission& emission, const LightSegments& segments = {});
   void scale_to_power(const Array3f& power_w);
 
-  RigidTransform scene_from_camera_;
+  LightMounts mounts_;
   const MeshLoader& load_mesh_;
   Lights lights_;
   std::string name_;
@@ -309,18 +309,30 @@ void Builder::build(const IesLightSettings& s) {
   lights_.groups.back().power_w = to_channels(s.scale) * static_cast<float>(flux);
 }
 
+RigidTransform scene_from_mount_of(Mount mount, const LightMounts& mounts) {
+  switch (mount) {
+    case Mount::kPart:
+      return mounts.scene_from_part;
+    case Mount::kCamera:
+      return mounts.scene_from_camera;
+    case Mount::kScene:
+      break;
+  }
+  return {};
+}
+
 }  // namespace
 
-EmitterFrame placed_frame(const LightPlacement& p, const RigidTransform& scene_from_camera) {
-  const bool on_part = p.mount == Mount::kPart;
-  const Vector3d z = p.direction.empty() ? Vector3d(0.0, 0.0, on_part ? -1.0 : 1.0)
+EmitterFrame placed_frame(const LightPlacement& p, const LightMounts& mounts) {
+  const bool on_camera = p.mount == Mount::kCamera;
+  const Vector3d z = p.direction.empty() ? Vector3d(0.0, 0.0, on_camera ? 1.0 : -1.0)
                                          : to_vector(p.direction).normalized();
   const Vector3d wanted = std::abs(z.x()) < 1.0 - 1e-9 ? Vector3d::UnitX() : Vector3d::UnitY();
   const Vector3d x = (wanted - wanted.dot(z) * z).normalized();
   const Vector3d y = z.cross(x);
   const double c = std::cos(p.roll_rad);
   const double s = std::sin(p.roll_rad);
-  const RigidTransform scene_from_mount = on_part ? RigidTransform{} : scene_from_camera;
+  const RigidTransform scene_from_mount = scene_from_mount_of(p.mount, mounts);
   return {.origin_mm = scene_from_mount * to_vector(p.position_mm),
           .x = scene_from_mount.rotation * (c * x + s * y),
           .y = scene_from_mount.rotation * (c * y - s * x),
@@ -328,10 +340,10 @@ EmitterFrame placed_frame(const LightPlacement& p, const RigidTransform& scene_f
 }
 
 Lights build_lights(const std::vector<NamedLight>& lights,
-                    const RigidTransform& scene_from_camera,
+                    const LightMounts& mounts,
                     const MeshLoader& load_mesh,
                     const std::optional<TunnelLight>& tunnel) {
-  Builder builder(scene_from_camera, load_mesh);
+  Builder builder(mounts, load_mesh);
   for (const NamedLight& light : lights) {
     builder.add(light);
   }

@@ -24,7 +24,12 @@ struct IesTable {
   double lumens_per_lamp = 0.0;               ///< <= 0: absolute
   bool is_round = false;                      ///< the opening is a disc or a cylinder
   Eigen::Vector3d size_mm = {0.0, 0.0, 0.0};  ///< of the opening: length (0 degrees), width, height
-  std::vector<std::string> keywords;          ///< lines before TILT
+  /// TILT=INCLUDE: the file has factors of the lamp's output against its tilt, which at() leaves
+  /// out.
+  bool has_tilt = false;
+  double min_tilt_factor = 1.0;
+  double max_tilt_factor = 1.0;
+  std::vector<std::string> keywords;  ///< lines before TILT
 
   /// @param direction  unit, away from the light, in its axes: z its axis, x the 0 degree plane.
   /// 0 outside the measured range.

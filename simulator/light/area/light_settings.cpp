@@ -11,7 +11,7 @@
 namespace glint {
 namespace {
 
-constexpr std::array<std::string_view, 2> kMountNames = {"part", "camera"};
+constexpr std::array<std::string_view, 3> kMountNames = {"scene", "part", "camera"};
 constexpr std::array<std::string_view, 7> kTypeNames = {
     "ring", "dome", "bar", "coaxial", "mesh", "environment", "ies"};
 static_assert(kTypeNames.size() == std::variant_size_v<LightSettings>);
@@ -37,12 +37,18 @@ std::optional<LightSettings> default_of(std::size_t wanted, std::index_sequence<
 
 void visit_keys(KeyVisitor& keys, LightPlacement& s) {
   const Count three = {.min = 3, .max = 3};
-  keys.choice("mount", s.mount, kMountNames, "what the light is fixed to and moves with");
-  keys.numbers("position_mm",
-               s.position_mm,
-               three,
-               kPlace_mm,
-               "of the light in the part's frame, or in the camera's (x right, y down, z forward)");
+  keys.choice(
+      "mount",
+      s.mount,
+      kMountNames,
+      "what the light is fixed to: the scene (it stays), the part (it moves with the part's "
+      "position and rotation), or the camera");
+  keys.numbers(
+      "position_mm",
+      s.position_mm,
+      three,
+      kPlace_mm,
+      "of the light in the frame it is fixed in; the camera's: x right, y down, z forward");
   keys.numbers("direction",
                s.direction,
                {.min = 0, .max = 3},
@@ -101,8 +107,8 @@ void visit_keys(KeyVisitor& keys, RingSettings& s) {
   keys.number("height_mm",
               s.height_mm,
               kPlace_mm,
-              "part: of the ring above its position, against the way it shines; camera: of the "
-              "ring in front of its position");
+              "of the ring above its position, against the way it shines; mount = \"camera\": in "
+              "front of it");
   keys.number("tilt_deg",
               s.tilt_rad,
               Range::between(-90, 90),
@@ -131,7 +137,7 @@ void visit_keys(KeyVisitor& keys, DomeSettings& s) {
   keys.number("height_mm",
               s.height_mm,
               kPlace_mm,
-              "of the sphere's centre: part: above the position, camera: in front of it");
+              "of the sphere's centre above the position; mount = \"camera\": in front of it");
   keys.number("opening_mm",
               s.opening_mm,
               Range::between(0, 1e5),
@@ -149,7 +155,8 @@ void visit_keys(KeyVisitor& keys, DomeSettings& s) {
 
 void visit_keys(KeyVisitor& keys, BarSettings& s) {
   visit_keys(keys, s.placement);
-  keys.number("length_mm", s.length_mm, kSize_mm, "along the scene's x axis at roll 0");
+  keys.number(
+      "length_mm", s.length_mm, kSize_mm, "along the x axis of what it is fixed to, at roll 0");
   keys.number("width_mm", s.width_mm, kSize_mm, "of the luminous strip");
   visit_keys(keys, s.segments);
   visit_keys(keys, s.emission);
@@ -218,6 +225,10 @@ std::optional<LightSettings> default_light(std::string_view type) {
 
 std::string_view light_type(const LightSettings& settings) {
   return kTypeNames[settings.index()];
+}
+
+LightPlacement::Mount mount_of(const LightSettings& settings) {
+  return std::visit([](const auto& held) { return held.placement.mount; }, settings);
 }
 
 }  // namespace glint

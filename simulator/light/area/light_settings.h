@@ -19,13 +19,18 @@ namespace glint {
 
 /// Where a light is fixed and how it stands there.
 struct LightPlacement {
-  enum class Mount { kPart, kCamera };
+  enum class Mount {
+    kScene,  ///< stays where it is, wherever part and camera stand
+    kPart,   ///< moves with part.position_mm and part.rotation_deg
+    kCamera  ///< moves with the viewpoint
+  };
 
-  Mount mount = Mount::kPart;
-  /// In the part's frame, or in the camera's (x right, y down, z forward, origin in the pinhole).
+  Mount mount = Mount::kScene;
+  /// In the frame of the scene, of the part, or of the camera (x right, y down, z forward, origin
+  /// in the pinhole).
   std::vector<double> position_mm = {0.0, 0.0, 0.0};
-  /// The way its axis shines, any length; empty: towards the part (-z of the part, +z of the
-  /// camera).
+  /// The way its axis shines, any length; empty: towards the part (-z of scene and part,
+  /// +z of the camera).
   std::vector<double> direction;
   double roll_rad = 0.0;  ///< about the axis
 };
@@ -129,5 +134,8 @@ std::span<const std::string_view> light_types();
 std::optional<LightSettings> default_light(std::string_view type);
 
 std::string_view light_type(const LightSettings& settings);
+
+/// What the light is fixed to.
+LightPlacement::Mount mount_of(const LightSettings& settings);
 
 }  // namespace glint

@@ -131,6 +131,22 @@ bool is_occluded(const Lights& lights, const Vector3d& point_mm, const LightSamp
       .has_value();
 }
 
+std::vector<std::string> tilt_warnings(const Lights& lights) {
+  std::vector<std::string> warnings;
+  for (const IesBody& body : lights.bodies) {
+    if (!body.table.has_tilt) {
+      continue;
+    }
+    warnings.push_back(fmt::format(
+        "{}: the table of TILT=INCLUDE (factors {:g} to {:g}) is not applied: the light "
+        "shines as it was measured, however it is turned here",
+        body.table.file,
+        body.table.min_tilt_factor,
+        body.table.max_tilt_factor));
+  }
+  return warnings;
+}
+
 std::vector<std::string> far_field_warnings(const Lights& lights,
                                             const std::vector<Vector3d>& points_mm) {
   std::vector<std::string> warnings;

@@ -76,6 +76,10 @@ double light_density(const Lights& lights, const Ray& ray, const LightHit& hit);
 /// True when a light stands in the way of a sample: hit_light() would not see its emitter.
 bool is_occluded(const Lights& lights, const Eigen::Vector3d& point_mm, const LightSample& sample);
 
+/// Sentences for lights whose files (IES) have a table of the lamp's output against its tilt, which
+/// is not applied.
+std::vector<std::string> tilt_warnings(const Lights& lights);
+
 /// Sentences for lights whose intensities were measured from afar (IES) and that stand nearer to
 /// one of the points than five times the size of their opening.
 std::vector<std::string> far_field_warnings(const Lights& lights,

@@ -9,14 +9,10 @@
 
 #include "core/error.h"
 #include "core/image/image_io.h"
+#include "core/image/unreadable_picture.h"
 
 namespace glint {
 namespace {
-
-std::string reason(std::string text) {
-  std::ranges::replace(text, '\n', ' ');
-  return text;
-}
 
 void check_size(const OIIO::ImageSpec& spec, const std::string& file) {
   const bool is_whole = spec.width > 0 && spec.height > 0 && spec.nchannels > 0 && spec.depth <= 1;
@@ -30,7 +26,7 @@ void check_size(const OIIO::ImageSpec& spec, const std::string& file) {
 Environment read_environment(const std::filesystem::path& path, const Eigen::Array3f& scale) {
   const auto input = OIIO::ImageInput::open(path.string());
   if (!input) {
-    throw IoError(fmt::format("{}: cannot be read: {}", path.string(), reason(OIIO::geterror())));
+    throw_unreadable_picture(path, OIIO::geterror());
   }
   const OIIO::ImageSpec spec = input->spec();
   check_size(spec, path.string());
@@ -39,7 +35,7 @@ Environment read_environment(const std::filesystem::path& path, const Eigen::Arr
   std::vector<float> values(static_cast<std::size_t>(spec.width) *
                             static_cast<std::size_t>(spec.height) * stride);
   if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data())) {
-    throw IoError(fmt::format("{}: cannot be read: {}", path.string(), reason(input->geterror())));
+    throw_unreadable_picture(path, input->geterror());
   }
   if (!std::ranges::all_of(values, [](float v) { return v >= 0.0F && std::isfinite(v); })) {
     throw ConfigError(path.string() + ": holds negative values or values that are no numbers");

@@ -133,14 +133,17 @@ Tilt read_head(IesCursor& cursor, IesTable& table) {
 
 /// The lamp's output against the luminaire's tilt. It is checked but not applied: the table holds
 /// for the position in which the light was measured.
-void skip_tilt(IesCursor& cursor) {
+void read_tilt(IesCursor& cursor, IesTable& table) {
   cursor.count("the lamp's position (TILT=INCLUDE)", 1, 3);
   const int pairs = cursor.count("the number of tilt angles", 1, kMaxAngles);
   for (int i = 0; i < pairs; ++i) {
     cursor.number("a tilt angle");
   }
+  table.has_tilt = true;
   for (int i = 0; i < pairs; ++i) {
-    cursor.number("a tilt factor");
+    const double factor = cursor.number("a tilt factor");
+    table.min_tilt_factor = i == 0 ? factor : std::min(table.min_tilt_factor, factor);
+    table.max_tilt_factor = i == 0 ? factor : std::max(table.max_tilt_factor, factor);
   }
 }
 
@@ -312,7 +315,7 @@ IesTable parse_ies(std::string_view text, const std::string& file) {
   IesTable table;
   table.file = file;
   if (read_head(cursor, table) == Tilt::kInclude) {
-    skip_tilt(cursor);
+    read_tilt(cursor, table);
   }
   const Counts counts = read_numbers(cursor, table);
   const auto vertical = read_angles(cursor, counts.vertical, "vertical angle");

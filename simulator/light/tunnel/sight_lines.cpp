@@ -71,20 +71,6 @@ void set_crossing(const Tunnel& tunnel,
 
 }  // namespace
 
-void occluded_block(const Tunnel& tunnel,
-                    const RayBlock& points,
-                    const Vector3d& camera_mm,
-                    float* occluded) {
-  if (!tunnel.settings().blocks_view) {
-    std::fill_n(occluded, points.count, 0.0F);
-    return;
-  }
-  Sight sight;
-  for (int begin = 0; begin < points.count; begin += kSightLines) {
-    look(tunnel, part_of(points, begin, kSightLines), camera_mm, sight, occluded + begin);
-  }
-}
-
 SightLines sight_lines(const Tunnel& tunnel, const RayBlock& points, const Vector3d& camera_mm) {
   const auto count = static_cast<std::size_t>(points.count);
   SightLines lines;

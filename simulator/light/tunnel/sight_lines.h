@@ -11,16 +11,11 @@
 
 namespace glint {
 
-/// True for each point that the wall hides from the camera (sight line through the wall and not
-/// through the slot). @param occluded 1 hidden, 0 seen; as long as the block's origins
-void occluded_block(const Tunnel& tunnel,
-                    const RayBlock& points,
-                    const Eigen::Vector3d& camera_mm,
-                    float* occluded);
-
 /// Where sight lines cross the wall, for points that stand for their neighbourhood.
 struct SightLines {
-  std::vector<float> occluded;          ///< as occluded_block()
+  /// 1 where the wall hides the point from the camera (sight line through the wall and not through
+  /// the slot), else 0.
+  std::vector<float> occluded;
   std::vector<float> x_mm, y_mm, z_mm;  ///< of the crossing; kNoHitMargin_mm: none
   /// From the crossing to where `occluded` changes, along x and across it.
   std::vector<float> to_end_mm, to_edge_mm;

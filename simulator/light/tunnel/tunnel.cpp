@@ -165,10 +165,12 @@ WallHit Tunnel::wall_hit(const Ray& ray, double t_mm) const {
   const std::size_t piece = profile_piece(point);
   // The profile runs from y < 0 over the top to y > 0: the inside is on its right.
   const Vector2d along = (profile_yz_mm_[piece + 1] - profile_yz_mm_[piece]).normalized();
+  // The wall's continuation below its first rim lies before the piece's beginning.
+  const Vector2d from_node = point - profile_yz_mm_[piece];
   return {.t_mm = t_mm,
           .point_mm = point_mm,
           .normal = {0.0, along.y(), -along.x()},
-          .arc_mm = arc_mm_[piece] + (point - profile_yz_mm_[piece]).norm()};
+          .arc_mm = arc_mm_[piece] + std::copysign(from_node.norm(), from_node.dot(along))};
 }
 
 void Tunnel::hit_profile(const RayBlock& rays, bool is_whole, float* t_mm) const {

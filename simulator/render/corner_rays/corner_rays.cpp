@@ -8,8 +8,10 @@
 namespace glint {
 namespace {
 
-CornerRays empty_corner_rays(const PinholeIntrinsics& in) {
+CornerRays empty_corner_rays(const PlacedCamera& placed) {
+  const PinholeIntrinsics& in = placed.camera.intrinsics();
   CornerRays result;
+  result.camera = placed;
   result.width_px = in.width_px;
   result.height_px = in.height_px;
   for (ImageF* image : {&result.coverage, &result.seen_x, &result.seen_y, &result.seen_z}) {
@@ -67,7 +69,13 @@ CornerRays trace_corner_rays(const Part& part,
   const TraceScene scene(part, bvh, detail, settings);
   const RefinementNeed need(camera, camera_from_world, part, detail);
   const CameraRays camera_rays(camera, camera_from_world);
-  return trace_planned(scene, camera_rays, need, UpdatePlan(), nullptr, empty_corner_rays(in), pool)
+  return trace_planned(scene,
+                       camera_rays,
+                       need,
+                       UpdatePlan(),
+                       nullptr,
+                       empty_corner_rays({camera, camera_from_world}),
+                       pool)
       .rays;
 }
 
@@ -79,7 +87,6 @@ RetracedRays retrace_detail(const CornerRays& without_detail,
                             const RigidTransform& camera_from_world,
                             const RenderSettings& settings,
                             ThreadPool& pool) {
-  const PinholeIntrinsics& in = camera.intrinsics();
   const TraceScene scene(part, bvh, detail, settings);
   const RefinementNeed need(camera, camera_from_world, part, detail);
   const CameraRays camera_rays(camera, camera_from_world);
@@ -88,7 +95,7 @@ RetracedRays retrace_detail(const CornerRays& without_detail,
                        need,
                        UpdatePlan(without_detail, need),
                        &without_detail,
-                       empty_corner_rays(in),
+                       empty_corner_rays({camera, camera_from_world}),
                        pool);
 }
 

@@ -17,6 +17,7 @@ namespace {
 constexpr int kRim = 0;
 constexpr int kLeftOfSlot = 3;
 constexpr int kRightOfSlot = 4;
+constexpr int kLightLabels = 5;  ///< the edges of what is hidden come after them
 
 void add(std::array<double, 4>& to, const LinearGradient& gradient, double factor) {
   const std::array<double, 4> by_corners = gradient.by_corners();
@@ -104,23 +105,27 @@ CornerGradient CellGradient::gradient_of_waiting(const Waiting& cell,
   return gradient;
 }
 
-/// False where the cell is treated as constant: at the tunnel's end, or where a corner meets no
-/// wall.
-bool CellGradient::is_boundary(const CellCorners& corners,
-                               double share,
-                               const std::vector<double>& by_radiance,
-                               CornerGradient& gradient) {
+/// A cell is treated as constant at the tunnel's end, and where a corner meets no wall.
+bool CellGradient::is_detached(const CellCorners& corners) {
   const auto [x_low, x_high] = std::ranges::minmax(corners.x_mm);
-  if (!p_.is_inside_ends(x_low, x_high) || std::ranges::min(corners.margin_mm) < -1e20) {
-    has_detached = true;
-    return false;
-  }
+  const bool is_constant =
+      !p_.is_inside_ends(x_low, x_high) || std::ranges::min(corners.margin_mm) < kNoHitBelow_mm;
+  has_detached = has_detached || is_constant;
+  return is_constant;
+}
+
+/// @param parts       polygons of the cell
+/// @param boundaries  by label; those of the light are set
+StripeGradient CellGradient::gradient_of_polygons(const CellCorners& corners,
+                                                  std::span<const PixelPolygon> parts,
+                                                  std::span<LinearFunction> boundaries,
+                                                  double share,
+                                                  const std::vector<double>& by_radiance) {
   weights_ = by_radiance;
   for (double& weight : weights_) {
     weight *= share * corners.mean_gain();
   }
   const LinearFunction phase = phase_of(corners);
-  std::array<LinearFunction, 5> boundaries;
   const LinearFunction y = linear_through(corners.y_mm);
   boundaries[kRim] = linear_through(corners.margin_mm);
   boundaries[kLeftOfSlot] = {.value = -p_.half_slot_mm - y.value, .dx = -y.dx, .dy = -y.dy};
@@ -130,25 +135,82 @@ bool CellGradient::is_boundary(const CellCorners& corners,
     sums.add(
         polygon, phase, boundaries, p_.shift_periods, weights_, p_.duty, p_.dark, 1.0 - p_.dark);
   };
-  PixelPolygon wall;
-  wall.clip(boundaries[kRim], kRim);
   const auto [low, high] = std::ranges::minmax(corners.y_mm);
-  if (low >= p_.half_slot_mm || high <= -p_.half_slot_mm) {
-    integrate(wall);
-  } else {
+  const bool is_beside_slot = low >= p_.half_slot_mm || high <= -p_.half_slot_mm;
+  for (PixelPolygon wall : parts) {
+    wall.clip(boundaries[kRim], kRim);
+    if (is_beside_slot) {
+      integrate(wall);
+      continue;
+    }
     PixelPolygon left = wall;
     left.clip(boundaries[kLeftOfSlot], kLeftOfSlot);
     wall.clip(boundaries[kRightOfSlot], kRightOfSlot);
     integrate(left);
     integrate(wall);
   }
-  add_stripes(phase, sums.phase, gradient);
+  return sums;
+}
+
+void CellGradient::add_polygons(const CellCorners& corners,
+                                const StripeGradient& sums,
+                                CornerGradient& gradient) {
+  add_stripes(phase_of(corners), sums.phase, gradient);
   add(gradient.margin, sums.boundary[kRim], 1.0);
   add(gradient.y, sums.boundary[kLeftOfSlot], -1.0);
   add(gradient.y, sums.boundary[kRightOfSlot], 1.0);
   slot_mm -= 0.5 * (sums.boundary[kLeftOfSlot].value + sums.boundary[kRightOfSlot].value);
   duty += sums.duty;
   dark += sums.area - sums.share;
+}
+
+/// False where the cell is treated as constant.
+bool CellGradient::is_boundary(const CellCorners& corners,
+                               double share,
+                               const std::vector<double>& by_radiance,
+                               CornerGradient& gradient) {
+  if (is_detached(corners)) {
+    return false;
+  }
+  std::array<LinearFunction, kLightLabels> boundaries;
+  const PixelPolygon whole;
+  add_polygons(corners,
+               gradient_of_polygons(corners, {&whole, 1}, boundaries, share, by_radiance),
+               gradient);
+  return true;
+}
+
+/// The same for a cell that is hidden in part.
+bool CellGradient::is_visible(const CellCorners& corners,
+                              const VisiblePart& visible,
+                              const SquareOfPixel& square,
+                              const std::vector<double>& by_radiance,
+                              CornerGradient& gradient) {
+  if (is_detached(corners)) {
+    return false;
+  }
+  static_assert(StripeGradient::kLabels == kLightLabels + 2 * VisiblePart::kEdges);
+  std::array<LinearFunction, StripeGradient::kLabels> boundaries;
+  for (int i = 0; i < VisiblePart::kEdges; ++i) {
+    const LinearFunction f = visible.edge(i, square);
+    const auto label = static_cast<std::size_t>(kLightLabels + 2 * i);
+    boundaries[label] = f;
+    boundaries[label + 1] = {.value = -f.value, .dx = -f.dx, .dy = -f.dy};
+  }
+  const StripeGradient sums = gradient_of_polygons(corners,
+                                                   visible.polygons(square, kLightLabels),
+                                                   boundaries,
+                                                   square.side * square.side,
+                                                   by_radiance);
+  add_polygons(corners, sums, gradient);
+  for (std::size_t i = 0; i < by_edges.size(); ++i) {
+    const LinearGradient& inside = sums.boundary[kLightLabels + 2 * i];
+    const LinearGradient& beside = sums.boundary[kLightLabels + 2 * i + 1];
+    const double value = inside.value - beside.value;
+    by_edges[i].value += value;
+    by_edges[i].dx += square.x * value + square.side * (inside.dx - beside.dx);
+    by_edges[i].dy += square.y * value + square.side * (inside.dy - beside.dy);
+  }
   return true;
 }
 

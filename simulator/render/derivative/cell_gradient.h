@@ -4,11 +4,14 @@
 // backwards.
 #pragma once
 
+#include <array>
+#include <span>
 #include <vector>
 
 #include "simulator/render/derivative/gradient_kernels.h"
 #include "simulator/render/derivative/stripe_gradient.h"
 #include "simulator/render/footprint/cell_sum.h"
+#include "simulator/render/footprint/visible_part.h"
 
 namespace glint {
 
@@ -37,6 +40,24 @@ class CellGradient {
       add(at, gradient);
     }
   }
+
+  /// A smooth cell of which the wall hides a part from the camera. What the edges of that part
+  /// change is collected in by_edges. @param square  that the cell is of the pixel
+  template <class Add>
+  void add_visible(const CellCorners& corners,
+                   const std::array<std::size_t, 4>& at,
+                   const VisiblePart& visible,
+                   const SquareOfPixel& square,
+                   const std::vector<double>& by_radiance,
+                   const Add& add) {
+    CornerGradient gradient;
+    if (is_visible(corners, visible, square, by_radiance, gradient)) {
+      add(at, gradient);
+    }
+  }
+
+  /// By VisiblePart::edge() of the pixel; to be cleared for the next one.
+  std::array<LinearGradient, VisiblePart::kEdges> by_edges;
 
   /// The waiting cells of a pixel.
   template <class Add>
@@ -67,6 +88,20 @@ class CellGradient {
                    double share,
                    const std::vector<double>& by_radiance,
                    CornerGradient& gradient);
+  bool is_visible(const CellCorners& corners,
+                  const VisiblePart& visible,
+                  const SquareOfPixel& square,
+                  const std::vector<double>& by_radiance,
+                  CornerGradient& gradient);
+  bool is_detached(const CellCorners& corners);
+  StripeGradient gradient_of_polygons(const CellCorners& corners,
+                                      std::span<const PixelPolygon> parts,
+                                      std::span<LinearFunction> boundaries,
+                                      double share,
+                                      const std::vector<double>& by_radiance);
+  void add_polygons(const CellCorners& corners,
+                    const StripeGradient& sums,
+                    CornerGradient& gradient);
   CornerGradient gradient_of_waiting(const Waiting& cell, const std::vector<double>& by_radiance);
   LinearFunction phase_of(const CellCorners& corners) const;
   void add_stripes(const LinearFunction& phase,

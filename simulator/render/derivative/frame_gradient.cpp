@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/image/spans.h"
@@ -20,6 +21,7 @@
 #include "simulator/render/derivative/gradient_kernels.h"
 #include "simulator/render/derivative/plain_gradient.h"
 #include "simulator/render/footprint/footprint_frames.h"
+#include "simulator/render/footprint/visible_part.h"
 
 namespace glint {
 namespace {
@@ -178,14 +180,13 @@ class CellPixelGradient {
       const auto row = static_cast<std::size_t>(cell_pixels_[i] / rays_.width_px);
       gradient_.corners.open(row);
       gradient_.corners.open(row + 1);
+      turn_to(cell_pixels_[i]);
       add_cell(footprints_.hits(),
                rays_.corners.weight.data(),
                {at, at + 1, at + corner_width, at + corner_width + 1},
-               0,
-               1.0,
-               gradient_.corners);
-      cells_.finish(weights_, CellAdder{gradient_.corners});
-      gradient_.detached_pixels += cells_.has_detached ? 1 : 0;
+               {},
+               {gradient_.corners});
+      finish_pixel(cell_pixels_[i], {gradient_.corners});
     }
     for (std::size_t g = 0; !index_of.empty() && g < rays_.refined.size(); ++g) {
       const RefinedGroup& group = rays_.refined[g];
@@ -215,6 +216,8 @@ class CellPixelGradient {
                     static_cast<int>((n + 1) * (n + 1)),
                     hits_);
     load_weights(index);
+    turn_to(group.pixels[pixel]);
+    const double side = 1.0 / static_cast<double>(n);
     for (std::size_t cell = 0; cell < n * n; ++cell) {
       if (group.is_smooth[pixel * n * n + cell] == 0) {
         cells_.has_detached = true;
@@ -224,23 +227,63 @@ class CellPixelGradient {
       add_cell(hits_,
                group.rays.weight.data() + first,
                {at, at + 1, at + n + 1, at + n + 2},
-               offset,
-               1.0 / static_cast<double>(n * n),
-               by_hits);
+               {.x = (static_cast<double>(cell % n) + 0.5) * side - 0.5,
+                .y = (static_cast<double>(cell / n) + 0.5) * side - 0.5,
+                .side = side},
+               {by_hits, offset});
     }
-    cells_.finish(weights_, CellAdder{by_hits, offset});
-    gradient_.detached_pixels += cells_.has_detached ? 1 : 0;
+    finish_pixel(group.pixels[pixel], {by_hits, offset});
   }
 
-  /// @param offset  of the hits' arrays in those of the derivatives
+  /// The pixel that cells are added of next.
+  void turn_to(std::int32_t pixel) {
+    const OccludedEdge* edge = footprints_.occluded_edge(pixel);
+    visible_.reset();
+    if (edge != nullptr) {
+      visible_.emplace(*edge, footprints_.tunnel().settings());
+    }
+  }
+
+  /// @param square  that the cell is of the pixel
   void add_cell(const WallHits& hits,
                 const float* weight,
                 const std::array<std::size_t, 4>& at,
-                std::size_t offset,
-                double share,
-                GradientByHits& by_hits) {
-    cells_.add_smooth(
-        CellCorners(hits, weight, at), at, share, weights_, CellAdder{by_hits, offset});
+                const SquareOfPixel& square,
+                const CellAdder& add) {
+    const CellCorners corners(hits, weight, at);
+    if (visible_) {
+      cells_.add_visible(corners, at, *visible_, square, weights_, add);
+    } else {
+      cells_.add_smooth(corners, at, square.side * square.side, weights_, add);
+    }
+  }
+
+  void finish_pixel(std::int32_t pixel, const CellAdder& add) {
+    cells_.finish(weights_, add);
+    gradient_.detached_pixels += cells_.has_detached ? 1 : 0;
+    if (visible_) {
+      add_edges(pixel);
+    }
+  }
+
+  /// The slot's edges are |y| = half of its width, the ends |x| = half of the length.
+  void add_edges(std::int32_t pixel) {
+    const auto& [rim, start, end, left, right] = cells_.by_edges;
+    const auto difference = [](const LinearGradient& a, const LinearGradient& b) {
+      return LinearGradient{.value = a.value - b.value, .dx = a.dx - b.dx, .dy = a.dy - b.dy};
+    };
+    const auto corners = [](const LinearGradient& by) {
+      OccludedEdge::Corners floats = {};
+      std::ranges::transform(
+          by.by_corners(), floats.begin(), [](double value) { return static_cast<float>(value); });
+      return floats;
+    };
+    gradient_.edges.push_back({.pixel = pixel,
+                               .x = corners(difference(start, end)),
+                               .y = corners(difference(left, right)),
+                               .margin = corners(rim)});
+    gradient_.slot_mm += 0.5 * (left.value + right.value);
+    cells_.by_edges = {};
   }
 
   /// False when the pixel has no derivative.
@@ -262,6 +305,7 @@ class CellPixelGradient {
   std::vector<double> weights_;
   WallHits hits_;
   CellGradient cells_;
+  std::optional<VisiblePart> visible_;  ///< of the pixel in work; empty: all of it
 };
 
 /// From blurred radiances to derivatives by them, frame by frame.

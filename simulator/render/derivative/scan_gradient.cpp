@@ -239,6 +239,20 @@ void ScanGradient::collect(const Footprints& footprints, ShapeDerivative& motion
                     .margin_mm = hits.margin_mm.data() + first},
                    gradient);
   });
+  for (const EdgeGradient& by : edges) {
+    const OccludedEdge* edge = footprints.occluded_edge(by.pixel);
+    GLINT_CHECK(edge != nullptr, "derivatives of these footprints");
+    motion.collect(
+        {.origin_x = edge->origin_x.data(),
+         .origin_y = edge->origin_y.data(),
+         .origin_z = edge->origin_z.data(),
+         .direction_x = edge->direction_x.data(),
+         .direction_y = edge->direction_y.data(),
+         .direction_z = edge->direction_z.data(),
+         .count = static_cast<int>(edge->x_mm.size())},
+        {.x_mm = edge->x_mm.data(), .y_mm = edge->y_mm.data(), .margin_mm = edge->margin_mm.data()},
+        {.x = by.x.data(), .y = by.y.data(), .margin = by.margin.data()});
+  }
   WallHits met;
   for (std::size_t g = 0; g < refined.size(); ++g) {
     const RefinedGroup& group = footprints.rays().refined[g];

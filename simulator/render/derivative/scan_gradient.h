@@ -6,9 +6,10 @@
 // forwards (simulator/light/tunnel/shape_derivative.h), so any number of keys costs one pass
 // (docs/theory/derivatives.md).
 //
-// Exact for smooth cells, with the light's boundaries moving through them. Held, and therefore
-// missing where they move: the part's outline, cells of rays that have nothing to do with each
-// other, the region, which pixels the wall hides, and the tunnel's ends.
+// Exact for smooth cells, with the light's boundaries and the edges of what the wall hides moving
+// through them. Held, and therefore missing where they move: the part's outline, cells of rays that
+// have nothing to do with each other, the region, the tunnel's ends, and what the camera's pose
+// does to the edges of what the wall hides.
 #pragma once
 
 #include <memory>
@@ -66,9 +67,17 @@ struct RefinedGradient {
   GradientByHits by_hits;           ///< (n + 1)^2 rays of each
 };
 
+/// Derivatives by where the sight lines through the corners of a pixel that is hidden in part cross
+/// the wall, as OccludedEdge.
+struct EdgeGradient {
+  std::int32_t pixel = 0;
+  OccludedEdge::Corners x = {}, y = {}, margin = {};  ///< [1 / mm]
+};
+
 struct ScanGradient {
   GradientByHits corners;                ///< of CornerRays::corners
   std::vector<RefinedGradient> refined;  ///< of each group
+  std::vector<EdgeGradient> edges;       ///< of what the wall hides
   double period_mm = 0.0;                ///< [1 / mm]
   double offset_mm = 0.0;                ///< [1 / mm]
   double slot_mm = 0.0;                  ///< [1 / mm] of the slot's width

@@ -111,7 +111,7 @@ std::array<double, 4> LinearGradient::by_corners() const {
 ///   d share / d clip c = integral of stripes along the edge / |gradient of c|.
 void StripeGradient::add(const PixelPolygon& polygon,
                          const LinearFunction& phase_of_pixel,
-                         const std::array<LinearFunction, 5>& boundaries,
+                         std::span<const LinearFunction> boundaries,
                          const std::vector<double>& shifts,
                          const std::vector<double>& weights,
                          double stripe_duty,

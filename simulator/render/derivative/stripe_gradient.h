@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "simulator/render/footprint/stripe_integral.h"
@@ -24,15 +25,18 @@ struct LinearGradient {
 /// Derivative of a polygon's lit and bright area, summed over frames with weights w_k:
 /// sum of w_k (dark * area + bright * share_k).
 struct StripeGradient {
+  static constexpr int kLabels = 15;  ///< that edges of polygons may have
+
   LinearGradient phase;
-  std::array<LinearGradient, 5> boundary;  ///< by the function that clipped, for each label
+  std::array<LinearGradient, kLabels> boundary;  ///< by the function that clipped, for each label
   double duty = 0.0;
   double share = 0.0;  ///< sum of w_k * share_k
   double area = 0.0;   ///< sum of w_k * area
 
+  /// @param boundaries  the functions that clipped, by their labels
   void add(const PixelPolygon& polygon,
            const LinearFunction& phase_of_pixel,
-           const std::array<LinearFunction, 5>& boundaries,
+           std::span<const LinearFunction> boundaries,
            const std::vector<double>& shifts,
            const std::vector<double>& weights,
            double stripe_duty,

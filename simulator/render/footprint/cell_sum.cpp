@@ -146,19 +146,31 @@ void CellSum::add_smooth(const CellCorners& corners, double share) {
       return;
     }
   }
+  const PixelPolygon whole;
+  add_visible(corners, share, {&whole, 1});
+}
+
+void CellSum::add_visible(const CellCorners& corners,
+                          double share,
+                          std::span<const PixelPolygon> visible) {
   if (std::ranges::min(corners.margin_mm) < kNoHitBelow_mm) {
-    add_points(corners, share);
+    double area = 0.0;
+    for (const PixelPolygon& part : visible) {
+      area += part.area();
+    }
+    add_points(corners, share * area);
     return;
   }
+  const auto [x_low, x_high] = std::ranges::minmax(corners.x_mm);
   if (p_.is_inside_ends(x_low, x_high)) {
-    integrate(corners, p_.shift_periods, nullptr);
+    integrate(corners, visible, p_.shift_periods, nullptr);
     accumulate(corners, share, 0, p_.shift_periods);
     return;
   }
   std::vector<double> one_shift(1);
   for (std::size_t k = 0; k < sum_.size(); ++k) {
     one_shift[0] = p_.shift_periods[k];
-    integrate(corners, one_shift, &p_.shift_mm[k]);
+    integrate(corners, visible, one_shift, &p_.shift_mm[k]);
     accumulate(corners, share, k, one_shift);
   }
 }
@@ -195,43 +207,54 @@ void CellSum::add_place(
   }
 }
 
+LinearFunction CellSum::phase_of(const CellCorners& corners) const {
+  const LinearFunction stripes = linear_through(corners.stripes_mm);
+  return {.value = (stripes.value - p_.offset_mm) / p_.period_mm,
+          .dx = stripes.dx / p_.period_mm,
+          .dy = stripes.dy / p_.period_mm};
+}
+
 /// Lit area and bright area at the given shifts; the ends count when the tunnel's place is given.
 void CellSum::integrate(const CellCorners& corners,
+                        std::span<const PixelPolygon> visible,
                         const std::vector<double>& shifts,
                         const double* tunnel_mm) {
   stripes_.clear();
-  LinearFunction phase = linear_through(corners.stripes_mm);
-  phase = {.value = (phase.value - p_.offset_mm) / p_.period_mm,
-           .dx = phase.dx / p_.period_mm,
-           .dy = phase.dy / p_.period_mm};
-  PixelPolygon wall;
   const LinearFunction margin = linear_through(corners.margin_mm);
-  if (smallest_of(margin) < 0.0) {
-    wall.clip(margin, 0);
+  for (PixelPolygon wall : visible) {
+    if (smallest_of(margin) < 0.0) {
+      wall.clip(margin, 0);
+    }
+    if (tunnel_mm != nullptr) {
+      LinearFunction x = linear_through(corners.x_mm);
+      x.value += p_.half_length_mm - *tunnel_mm;
+      wall.clip(x, 1);
+      wall.clip({.value = 2.0 * p_.half_length_mm - x.value, .dx = -x.dx, .dy = -x.dy}, 2);
+    }
+    integrate_on_wall(corners, wall);
   }
-  if (tunnel_mm != nullptr) {
-    LinearFunction x = linear_through(corners.x_mm);
-    x.value += p_.half_length_mm - *tunnel_mm;
-    wall.clip(x, 1);
-    wall.clip({.value = 2.0 * p_.half_length_mm - x.value, .dx = -x.dx, .dy = -x.dy}, 2);
-  }
+  shares_.resize(shifts.size());
+  stripes_.evaluate(shifts, p_.duty, shares_.data());
+}
+
+/// A part of the cell that lies on the wall or its slot.
+void CellSum::integrate_on_wall(const CellCorners& corners, const PixelPolygon& wall) {
+  const LinearFunction phase = phase_of(corners);
   const LinearFunction y = linear_through(corners.y_mm);
   const auto [low, high] = std::ranges::minmax(corners.y_mm);
   if (low >= p_.half_slot_mm || high <= -p_.half_slot_mm) {
     stripes_.add(wall, phase);
-  } else {
-    const LinearFunction to_left = {.value = -p_.half_slot_mm - y.value, .dx = -y.dx, .dy = -y.dy};
-    const LinearFunction to_right = {.value = y.value - p_.half_slot_mm, .dx = y.dx, .dy = y.dy};
-    for (const auto& [beside, label] : {std::pair(to_left, 3), std::pair(to_right, 4)}) {
-      if (largest_of(beside) >= 0.0) {
-        PixelPolygon part = wall;
-        part.clip(beside, label);
-        stripes_.add(part, phase);
-      }
+    return;
+  }
+  const LinearFunction to_left = {.value = -p_.half_slot_mm - y.value, .dx = -y.dx, .dy = -y.dy};
+  const LinearFunction to_right = {.value = y.value - p_.half_slot_mm, .dx = y.dx, .dy = y.dy};
+  for (const auto& [beside, label] : {std::pair(to_left, 3), std::pair(to_right, 4)}) {
+    if (largest_of(beside) >= 0.0) {
+      PixelPolygon part = wall;
+      part.clip(beside, label);
+      stripes_.add(part, phase);
     }
   }
-  shares_.resize(shifts.size());
-  stripes_.evaluate(shifts, p_.duty, shares_.data());
 }
 
 void CellSum::accumulate(const CellCorners& corners,

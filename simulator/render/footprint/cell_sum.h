@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "simulator/render/footprint/cell_samples.h"
@@ -36,6 +37,9 @@ class CellSum {
   /// A cell that its corners describe, `share` of the pixel.
   void add_smooth(const CellCorners& corners, double share);
 
+  /// The same of which the camera sees some polygons only (visible_part.h).
+  void add_visible(const CellCorners& corners, double share, std::span<const PixelPolygon> visible);
+
   /// True when the light's boundaries pass none of the places within these limits.
   bool is_lit_throughout(const std::array<double, 2>& x_mm,
                          const std::array<double, 2>& y_mm,
@@ -64,8 +68,11 @@ class CellSum {
   void add_points(const CellCorners& corners, double share);
   void add_sample(float stripes_mm, float gx_mm, float gy_mm, float gain);
   void integrate(const CellCorners& corners,
+                 std::span<const PixelPolygon> visible,
                  const std::vector<double>& shifts,
                  const double* tunnel_mm);
+  void integrate_on_wall(const CellCorners& corners, const PixelPolygon& wall);
+  LinearFunction phase_of(const CellCorners& corners) const;
   void accumulate(const CellCorners& corners,
                   double share,
                   std::size_t first,

@@ -24,6 +24,7 @@
 #include "simulator/render/footprint/cut_limits.h"
 #include "simulator/render/footprint/footprints.h"
 #include "simulator/render/footprint/refined_cells.h"
+#include "simulator/render/footprint/visible_part.h"
 
 namespace glint {
 namespace {
@@ -76,7 +77,9 @@ class CellSummer {
   bool wants_mean_;
   const Spans* near_;
   kernels::CutLimits limits_;
-  Places unrefined_, far_;             ///< far: refined, far from where a mean is wanted
+  Places unrefined_;
+  Places occluded_;                    ///< not refined, hidden in part
+  Places far_;                         ///< refined, far from where a mean is wanted
   std::vector<std::int32_t> refined_;  ///< other refined pixels, increasing
   CutBatch batch_;
   std::vector<std::size_t> simple_;  ///< of the batch
@@ -104,11 +107,14 @@ CellSummer::CellSummer(const Footprints& footprints, bool wants_mean, const Span
 
 PixelCells CellSummer::sum(const Spans& where) {
   sort_pixels(where);
-  const std::size_t count = unrefined_.size() + far_.size() + refined_.size();
+  const std::size_t count = unrefined_.size() + occluded_.size() + far_.size() + refined_.size();
   cells_.pixels.reserve(count);
   cells_.values.reserve(count * stripes_.frames.size());
   add_far();
   add_unrefined();
+  for (std::size_t i = 0; i < occluded_.size(); ++i) {
+    add_by_polygons(occluded_.pixels[i], occluded_.corners[i]);
+  }
   for (const RefinedGroup& group : footprints_.rays().refined) {
     add_group(group);
   }
@@ -129,9 +135,12 @@ void CellSummer::sort_pixels(const Spans& where) {
     };
     for (int x = next_cells(span.begin); x < span.end; x = next_cells(x + 1)) {
       const std::int32_t pixel = span.y * rays.width_px + x;
-      if (rays.kind(x, span.y) != PixelKind::kRefined) {
+      const bool is_edge = footprints_.occluded_edge(pixel) != nullptr;
+      if (is_edge && rays.kind(x, span.y) != PixelKind::kRefined) {
+        occluded_.add(pixel, span.y);
+      } else if (rays.kind(x, span.y) != PixelKind::kRefined) {
         unrefined_.add(pixel, span.y);
-      } else if (!near.has(x, span.y)) {
+      } else if (!is_edge && !near.has(x, span.y)) {
         far_.add(pixel, span.y);
       } else {
         refined_.push_back(pixel);
@@ -176,7 +185,7 @@ void CellSummer::add_far() {
   std::ranges::inplace_merge(refined_, refined_.begin() + static_cast<std::ptrdiff_t>(num_near));
 }
 
-/// Pixels that one straight boundary cuts are cut together, others one by one.
+/// Pixels that one straight boundary of the light cuts are cut together, others one by one.
 void CellSummer::add_unrefined() {
   for (std::size_t first = 0; first < unrefined_.size(); first += kernels::kBatch) {
     load_pixels(unrefined_, first);
@@ -222,7 +231,11 @@ void CellSummer::add_by_polygons(std::int32_t pixel, std::int32_t corner) {
       footprints_.hits(), rays.corners.weight.data(), {at, at + 1, below, below + 1});
   const auto [low, high] = std::ranges::minmax(corners.x_mm);
   CellSum& sum = sum_for(low, high);
-  sum.add_smooth(corners, 1.0);
+  if (const OccludedEdge* edge = footprints_.occluded_edge(pixel)) {
+    sum.add_visible(corners, 1.0, VisiblePart(*edge, footprints_.tunnel().settings()).polygons());
+  } else {
+    sum.add_smooth(corners, 1.0);
+  }
   store(pixel, sum);
 }
 
@@ -248,7 +261,11 @@ void CellSummer::add_group(const RefinedGroup& group) {
     for (std::size_t index = begin; index < end; ++index) {
       const auto [low_mm, high_mm] = refined_cells_.turn_to(index);
       CellSum& sum = sum_for(low_mm, high_mm);
-      refined_cells_.add_to(sum);
+      if (const OccludedEdge* edge = footprints_.occluded_edge(group.pixels[index])) {
+        refined_cells_.add_to(sum, VisiblePart(*edge, footprints_.tunnel().settings()));
+      } else {
+        refined_cells_.add_to(sum);
+      }
       store(group.pixels[index], sum);
     }
     begin = end - 1;

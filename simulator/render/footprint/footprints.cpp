@@ -15,7 +15,7 @@
 
 #include "core/error.h"
 #include "simulator/render/corner_rays/sparse_kernels.h"
-#include "simulator/render/wall/occluded_pixels.h"
+#include "simulator/render/footprint/visible_part.h"
 
 namespace glint {
 namespace {
@@ -121,7 +121,8 @@ std::size_t WallView::bytes() const {
        {&limits.x_low_mm, &limits.y_low_mm, &limits.margin_low_mm, &limits.stripes_low_mm}) {
     floats += 2 * array->size();
   }
-  return sizeof(float) * floats + limits.kind.size() + occluded.size();
+  return sizeof(float) * floats + limits.kind.size() + occluded.whole.size() +
+         sizeof(OccludedEdge) * occluded.edges.size();
 }
 
 Footprints::Footprints(const CornerRays& rays,
@@ -156,6 +157,16 @@ void Footprints::classify() {
   } else {
     classify_pixels(0, rays_.height_px, 0, rays_.width_px);
   }
+  for (const OccludedEdge& edge : view_->occluded.edges) {
+    State& state = state_.values()[static_cast<std::size_t>(edge.pixel)];
+    state = state == State::kPlain ? State::kCells : state;
+  }
+}
+
+const OccludedEdge* Footprints::occluded_edge(std::int32_t pixel) const {
+  const std::vector<OccludedEdge>& edges = view_->occluded.edges;
+  const auto found = std::ranges::lower_bound(edges, pixel, {}, &OccludedEdge::pixel);
+  return found != edges.end() && found->pixel == pixel ? &*found : nullptr;
 }
 
 const unsigned char* Footprints::occluded_row(int y) const {
@@ -247,7 +258,7 @@ void Footprints::classify_pixels(int top, int bottom, int left, int right) {
 }
 
 double Footprints::hidden_share() const {
-  return share_of_part(occluded(), rays_);
+  return glint::hidden_share(view_->occluded, tunnel_.settings(), rays_);
 }
 
 }  // namespace glint

@@ -24,6 +24,7 @@
 #include "simulator/render/footprint/distinct_stripes.h"
 #include "simulator/render/footprint/footprint_kernels.h"
 #include "simulator/render/footprint/lit_pixels.h"
+#include "simulator/render/wall/occluded_pixels.h"
 #include "simulator/render/wall/sparse_intersection.h"
 
 namespace glint {
@@ -41,9 +42,9 @@ void intersect_light(
 /// What of a picture depends on the wall and not on its stripes: equal for all tunnels of the same
 /// shape, slot, length and orientation.
 struct WallView {
-  TileLimits limits;  ///< of hits in tiles; empty where corners are intersected one by one
-  WallHits hits;      ///< of the corner rays
-  Mask occluded;      ///< pixels of the part that the wall hides from the camera; empty: none
+  TileLimits limits;        ///< of hits in tiles; empty where corners are intersected one by one
+  WallHits hits;            ///< of the corner rays
+  OccludedPixels occluded;  ///< pixels of the part that the wall hides from the camera
 
   WallView(const CornerRays& rays, const Tunnel& tunnel, const Eigen::Vector3d& camera_in_world_mm);
 
@@ -118,14 +119,17 @@ class Footprints {
 
   const Image<State>& state() const { return state_; }
 
-  /// Empty: none.
-  const Mask& occluded() const { return view_->occluded; }
+  /// Wholly; empty: none.
+  const Mask& occluded() const { return view_->occluded.whole; }
+
+  /// Where the wall hides a part of a pixel; nullptr: it does not.
+  const OccludedEdge* occluded_edge(std::int32_t pixel) const;
 
   const WallHits& hits() const { return view_->hits; }
 
   const Tunnel& tunnel() const { return tunnel_; }
 
-  /// Share of the part's pixels that the wall hides from the camera.
+  /// Share of the part's pixels that the wall hides from the camera; in part where it hides a part.
   double hidden_share() const;
 
  private:

@@ -67,7 +67,29 @@ void RefinedCells::add_to(CellSum& sum) {
   if (!is_added) {
     add_smooth_cells(sum);
   }
-  add_corners(sum);
+  add_corners(sum, nullptr);
+}
+
+void RefinedCells::add_to(CellSum& sum, const VisiblePart& visible) {
+  if (places_.x_low_mm > places_.x_high_mm) {
+    return;
+  }
+  const int n = pixel_.cells_per_axis;
+  const double side = 1.0 / n;
+  for (int cell = 0; cell < n * n; ++cell) {
+    if (pixel_.is_smooth[cell] == 0) {
+      continue;
+    }
+    const int row = cell / n;
+    const int column = cell % n;
+    const std::vector<PixelPolygon> seen = visible.polygons(
+        {.x = (column + 0.5) * side - 0.5, .y = (row + 0.5) * side - 0.5, .side = side});
+    const std::size_t a = pixel_.first + static_cast<std::size_t>(row * (n + 1) + column);
+    const std::size_t b = a + static_cast<std::size_t>(n) + 1;
+    sum.add_visible(
+        CellCorners(hits_, pixel_.weight - pixel_.first, {a, a + 1, b, b + 1}), side * side, seen);
+  }
+  add_corners(sum, &visible);
 }
 
 kernels::CellGrid RefinedCells::cells(const unsigned char* is_wanted) const {
@@ -137,8 +159,8 @@ void RefinedCells::add_cut_cells(double share, CellSum& sum) {
   }
 }
 
-/// What cells that are not smooth leave to their corners.
-void RefinedCells::add_corners(CellSum& sum) {
+/// What cells that are not smooth leave to their corners, each for the square around it.
+void RefinedCells::add_corners(CellSum& sum, const VisiblePart* visible) {
   const auto n = static_cast<std::size_t>(pixel_.cells_per_axis);
   if (std::memchr(pixel_.is_smooth, 0, n * n) == nullptr) {
     return;
@@ -150,11 +172,17 @@ void RefinedCells::add_corners(CellSum& sum) {
     const float gain = weight_[i] * gain_[i];
     if (gain > 0.0F) {
       const std::size_t at = pixel_.first + i;
+      const double side = 1.0 / static_cast<double>(n);
+      const double seen = visible != nullptr
+                              ? visible->area({.x = static_cast<double>(i % (n + 1)) * side - 0.5,
+                                               .y = static_cast<double>(i / (n + 1)) * side - 0.5,
+                                               .side = side})
+                              : 1.0;
       sum.add_place(static_cast<double>(hits_.x_mm[at]),
                     static_cast<double>(hits_.stripes_mm()[at]),
                     static_cast<double>(hits_.y_mm[at]),
                     static_cast<double>(hits_.margin_mm[at]),
-                    static_cast<double>(gain));
+                    seen * static_cast<double>(gain));
     }
   }
 }

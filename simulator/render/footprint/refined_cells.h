@@ -14,6 +14,7 @@
 #include "simulator/render/footprint/cell_samples.h"
 #include "simulator/render/footprint/cell_sum.h"
 #include "simulator/render/footprint/cut_batch.h"
+#include "simulator/render/footprint/visible_part.h"
 
 namespace glint {
 
@@ -36,11 +37,15 @@ class RefinedCells {
   /// Adds the pixel.
   void add_to(CellSum& sum);
 
+  /// Adds what of it the camera sees.
+  void add_to(CellSum& sum, const VisiblePart& visible);
+
  private:
   const unsigned char* find_cut_cells(CellSum& sum);
   void add_smooth_cells(CellSum& sum);
   void add_cut_cells(double share, CellSum& sum);
-  void add_corners(CellSum& sum);
+  /// @param visible  nullptr: all of the pixel
+  void add_corners(CellSum& sum, const VisiblePart* visible);
   cut_kernels::CellGrid cells(const unsigned char* is_wanted) const;
 
   /// The pixel in work.

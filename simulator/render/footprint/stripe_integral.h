@@ -35,7 +35,7 @@ LinearFunction linear_through(const std::array<double, 4>& corners);
 /// A convex polygon inside the unit square, counter-clockwise.
 class PixelPolygon {
  public:
-  static constexpr int kMaxVertices = 12;
+  static constexpr int kMaxVertices = 16;
 
   struct Vertex {
     double x = 0.0;

@@ -200,8 +200,10 @@ class RowTracer {
 };
 
 /// All numbers unset.
-RayCache uninitialized_cache(const PinholeIntrinsics& in, int samples) {
+RayCache uninitialized_cache(const PlacedCamera& placed, int samples) {
+  const PinholeIntrinsics& in = placed.camera.intrinsics();
   RayCache cache;
+  cache.camera = placed;
   cache.width_px = in.width_px;
   cache.height_px = in.height_px;
   cache.samples = samples;
@@ -253,7 +255,7 @@ RayCache trace_rays(const Part& part,
                                in.width_px,
                                in.height_px,
                                samples));
-  RayCache cache = uninitialized_cache(in, samples);
+  RayCache cache = uninitialized_cache({camera, camera_from_world}, samples);
   const TraceScene scene(part, bvh, detail, settings);
   const CameraRays camera_rays(camera, camera_from_world);
   const RowTracer tracer(scene, camera_rays, cache);

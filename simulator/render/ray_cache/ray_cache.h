@@ -10,10 +10,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/image/image.h"
 #include "core/image/uninitialized_allocator.h"
+#include "core/pose.h"
 #include "core/thread_pool.h"
 #include "simulator/camera/pinhole_camera.h"
 #include "simulator/geometry/bvh/bvh.h"
@@ -33,12 +35,19 @@ struct RayCounts {
   std::int64_t grazing = 0;   ///< left almost along the triangles, taken as escaped
 };
 
+/// A camera at its place.
+struct PlacedCamera {
+  PinholeCamera camera;
+  RigidTransform camera_from_world;
+};
+
 /// What of the part each pixel sees. 16 bytes a pixel.
 struct VisibilityBuffer {
   int width_px = 0;
   int height_px = 0;
-  ImageF coverage;                ///< share of the pixel that lies on the part
-  ImageF seen_x, seen_y, seen_z;  ///< [mm] mean point of the part that its rays met first
+  ImageF coverage;                     ///< share of the pixel that lies on the part
+  ImageF seen_x, seen_y, seen_z;       ///< [mm] mean point of the part that its rays met first
+  std::optional<PlacedCamera> camera;  ///< whose pixels they are; empty: not known
 
   std::int64_t num_pixels() const {
     return static_cast<std::int64_t>(width_px) * static_cast<std::int64_t>(height_px);

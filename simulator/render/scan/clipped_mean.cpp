@@ -92,9 +92,7 @@ double by_edges(double f, double duty, double w) {
 
 struct Node {
   double bias = 0.0;      ///< of the mean, by noise that is clipped
-  double by_phase = 0.0;  ///< standard deviation of the mean over the frames, by their phase ...
-  double by_noise = 0.0;  ///< ... and by noise
-  double smallest = 0.0;  ///< radiance
+  double by_noise = 0.0;  ///< standard deviation of the mean over the frames
 };
 
 /// Grey value of a radiance before noise and clipping.
@@ -109,23 +107,16 @@ struct LinearResponse {
   double at(double radiance) const { return offset + slope * radiance; }
 };
 
-/// Phases of one frame step are averaged apart: what varies between them is the phase's share.
 constexpr int kPhases = 96;
 
-/// The phases at which a table looks at the stripes: evenly over a period, those of one scan after
-/// those of another that starts a little later.
+/// The phases at which a table looks at noisy stripes: evenly over a period.
 class Phases {
  public:
-  explicit Phases(const StripeSettings& stripes)
-      : duty(stripes.duty),
-        offsets(std::max(1, (kPhases + stripes.num_phases() - 1) / stripes.num_phases())),
-        frames(std::min(stripes.num_phases(), kPhases)) {
-    for (int offset = 0; offset < offsets; ++offset) {
-      for (int k = 0; k < frames; ++k) {
-        const double phase = (k + (offset + 0.5) / offsets) / frames;
-        phases_.push_back(phase);
-        cosines_.push_back(std::cos(2.0 * kPi * (phase - 0.5 * stripes.duty)));
-      }
+  explicit Phases(double duty) : duty_(duty) {
+    for (int i = 0; i < kPhases; ++i) {
+      const double phase = (i + 0.5) / kPhases;
+      phases_.push_back(phase);
+      cosines_.push_back(std::cos(2.0 * kPi * (phase - 0.5 * duty)));
     }
     shares.resize(phases_.size());
   }
@@ -134,90 +125,45 @@ class Phases {
   void blur(double w) {
     if (w < kSeriesFrom) {
       for (std::size_t i = 0; i < shares.size(); ++i) {
-        shares[i] = blurred_stripe(phases_[i], duty, w);
+        shares[i] = blurred_stripe(phases_[i], duty_, w);
       }
       return;
     }
-    const StripeSeries series({.duty = duty, .w = w}, kSmallestTerm);
-    footprint_kernels::cosine_series(series.terms(),
-                                     series.size(),
-                                     duty,
-                                     cosines_.data(),
-                                     static_cast<int>(cosines_.size()),
-                                     shares.data());
+    const StripeSeries series({.duty = duty_, .w = w}, kSmallestTerm);
+    footprint_kernels::cosine_series(
+        series.terms(), series.size(), duty_, cosines_.data(), kPhases, shares.data());
   }
 
-  const double duty;
-  const int offsets;
-  const int frames;
   std::vector<double> shares;
 
  private:
+  double duty_;
   std::vector<double> phases_;
   std::vector<double> cosines_;
 };
-
-/// Means over the phases of one scan after another, and how they differ.
-struct ScanMeans {
-  double sum = 0.0;
-  double squares = 0.0;
-
-  void add(double mean) {
-    sum += mean;
-    squares += mean * mean;
-  }
-
-  double deviation(int scans) const {
-    const double mean = sum / scans;
-    return std::sqrt(std::max(0.0, squares / scans - mean * mean));
-  }
-};
-
-/// Without noise a grey value is the clipped radiance.
-Node quiet_node(const Phases& phases, const StripeSettings& stripes, const LinearResponse& linear) {
-  Node node = {.smallest = std::numeric_limits<double>::infinity()};
-  ScanMeans means;
-  const double* share = phases.shares.data();
-  const double rise = stripes.gain * (1.0 - stripes.dark);
-  const double dark = stripes.gain * stripes.dark;
-  for (int offset = 0; offset < phases.offsets; ++offset) {
-    double sum = 0.0;
-    for (int k = 0; k < phases.frames; ++k, ++share) {
-      const double radiance = dark + rise * *share;
-      sum += std::min(1.0, linear.slope * radiance);
-      node.smallest = std::min(node.smallest, radiance);
-    }
-    means.add(sum / phases.frames);
-  }
-  node.by_phase = means.deviation(phases.offsets);
-  return node;
-}
 
 Node noisy_node(const Phases& phases,
                 const StripeSettings& stripes,
                 const LinearResponse& linear,
                 const ResponseTable& response) {
-  Node node = {.smallest = std::numeric_limits<double>::infinity()};
-  ScanMeans means;
+  Node node;
   double noise = 0.0;
-  const double* share = phases.shares.data();
-  for (int offset = 0; offset < phases.offsets; ++offset) {
-    double sum = 0.0;
-    for (int k = 0; k < phases.frames; ++k, ++share) {
-      const double radiance = stripes.gain * (stripes.dark + (1.0 - stripes.dark) * *share);
-      const GreyResponse grey = response.at(radiance);
-      sum += grey.mean;
-      node.bias += grey.mean - std::min(1.0, linear.at(radiance));
-      noise += grey.variance;
-      node.smallest = std::min(node.smallest, radiance);
-    }
-    means.add(sum / phases.frames);
+  for (const double share : phases.shares) {
+    const double radiance = stripes.gain * (stripes.dark + (1.0 - stripes.dark) * share);
+    const GreyResponse grey = response.at(radiance);
+    node.bias += grey.mean - std::min(1.0, linear.at(radiance));
+    noise += grey.variance;
   }
-  const int count = phases.offsets * phases.frames;
-  node.bias /= count;
-  node.by_phase = means.deviation(phases.offsets);
-  node.by_noise = std::sqrt(noise / count / stripes.frames);
+  node.bias /= kPhases;
+  node.by_noise = std::sqrt(noise / kPhases / stripes.frames);
   return node;
+}
+
+/// The smallest radiance of stripes blurred by w: in the middle of the dark one.
+double darkest_of(const StripeSettings& stripes, double w) {
+  const double middle = 0.5 * (stripes.duty + 1.0);
+  const double share = stripes.duty < 1.0 ? blurred_stripe(middle, stripes.duty, w) : 1.0;
+  return stripes.gain * (stripes.dark + (1.0 - stripes.dark) * share);
 }
 
 struct TablePlace {
@@ -312,25 +258,23 @@ ClippedMean::ClippedMean(const SensorSettings& sensor, const StripeSettings& str
   const bool has_noise = sensor.full_well_e > 0.0;
   const ResponseTable table(sensor, has_noise && largest > 0.0 ? largest : 1.0, has_noise);
   const LinearResponse linear(sensor);
-  Phases phases(stripes);
-  std::vector<Node> nodes;
+  Phases phases(stripes.duty);
   for (int i = 0; i <= kIntervals; ++i) {
     const double w = kWidest * i / kIntervals;
-    phases.blur(w);
-    const Node node = has_noise ? noisy_node(phases, stripes, linear, table)
-                                : quiet_node(phases, stripes, linear);
+    Node node;
+    if (has_noise) {
+      phases.blur(w);
+      node = noisy_node(phases, stripes, linear, table);
+    }
     nodes_.push_back(exact_mean(stripes, linear, w) + node.bias);
-    nodes.push_back(node);
-    const bool is_saturated = sensor.gain * sensor.exposure * node.smallest >= 1.0 - 0.5 * step;
+    deviations_.push_back(static_cast<float>(node.by_noise));
+    const double darkest = darkest_of(stripes, w);
+    const bool is_saturated = sensor.gain * sensor.exposure * darkest >= 1.0 - 0.5 * step;
     if (is_saturated && w < saturated_from_) {
       saturated_from_ = w;
     }
   }
   coefficients_ = pieces_through(nodes_);
-  for (const Node& node : nodes) {
-    deviations_.push_back(static_cast<float>(std::hypot(node.by_noise, node.by_phase)));
-    phase_deviations_.push_back(static_cast<float>(node.by_phase));
-  }
   const GreyResponse dark = grey_response(sensor, 0.0);
   dark_level_ = rounded_mean(sensor, 0.0, dark);
   dark_deviation_ = std::sqrt(dark.variance / stripes.frames);
@@ -371,11 +315,6 @@ double ClippedMean::slope(double w) const {
   const float* c = coefficients_.data() + 4 * at.interval;
   const auto term = [&](int i) { return static_cast<double>(c[i]); };
   return (term(1) + at.s * (2.0 * term(2) + at.s * 3.0 * term(3))) * kIntervals / kWidest;
-}
-
-double ClippedMean::phase_deviation(double w) const {
-  const std::size_t i = place_of(w).interval;
-  return static_cast<double>(std::max(phase_deviations_[i], phase_deviations_[i + 1]));
 }
 
 double ClippedMean::deviation(double w) const {

@@ -53,12 +53,9 @@ class ClippedMean {
   double mean(double w) const;
   double slope(double w) const;  ///< of mean()
 
-  /// Standard deviation of a pixel's mean over the frames: noise, and the phase, where a scan has
-  /// few frames.
+  /// Standard deviation of a pixel's mean over the frames by noise. What few frames add is in
+  /// scan_ripple.h.
   double deviation(double w) const;
-
-  /// The phase's share of it, at the nearer nodes: the larger.
-  double phase_deviation(double w) const;
 
   /// No frame is ever below full scale.
   bool is_saturated(double w) const { return w >= saturated_from_; }
@@ -87,7 +84,6 @@ class ClippedMean {
   std::vector<double> nodes_;
   std::vector<float> coefficients_;
   std::vector<float> deviations_;
-  std::vector<float> phase_deviations_;
   double saturated_from_ = 0.0;
   double dark_level_ = 0.0;
   double dark_deviation_ = 0.0;

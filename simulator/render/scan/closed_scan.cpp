@@ -135,7 +135,8 @@ void count_full(const Spans& spans, ClosedScan& result) {
   }
 }
 
-void look_up_means(const ScanPlan& plan, const ClippedMean& table, ClosedScan& result) {
+void look_up_means(const ScanPlan& plan, bool has_noise, ClosedScan& result) {
+  const ClippedMean& table = *plan.table;
   const int width = plan.width.width();
   const int height = plan.width.height();
   const kernels::PieceTables tables = {
@@ -152,6 +153,11 @@ void look_up_means(const ScanPlan& plan, const ClippedMean& table, ClosedScan& r
     const unsigned char* by_table = plan.by_table.row(y);
     kernels::look_up_where(
         by_table, w, width, tables, dark, result.aspect.row(y), result.deviation.row(y));
+    kernels::add_in_squares(by_table,
+                            plan.ripple.row(y / kRippleTileHeight_px),
+                            width,
+                            has_noise,
+                            result.deviation.row(y));
     if (table.saturated_from() < ClippedMean::kWidest) {
       for (int x = 0; x < width; ++x) {
         const bool is_saturated = by_table[x] != 0 && table.is_saturated(static_cast<double>(w[x]));
@@ -176,7 +182,7 @@ ClosedScan scan_closed(const Footprints& footprints,
     result.clipped_frames = Image<std::uint16_t>(width, height);
   }
   if (plan.form.kind == ScanForm::Kind::kTable) {
-    look_up_means(plan, *plan.table, result);
+    look_up_means(plan, sensor.settings().full_well_e > 0.0, result);
   } else if (plan.form.kind == ScanForm::Kind::kMeanRadiance) {
     result.aspect = zero_beside(plan.by_mean_radiance, width, height);
     expose_mean(footprints, sensor, plan, result);

@@ -3,15 +3,16 @@
 // The reference method: frames from point samples of the cached rays. Each ray is intersected with
 // the wall once per lighting, in blocks that stay in the first-level cache, and then asked once per
 // frame whether a bright stripe stands at its hit, eight frames at a time so that rays are read
-// once for all of them. docs/theory/tunnel.md. Cost: one test per ray and frame; a point sees an
-// edge or does not, so the error falls only slowly with the number of rays (footprints.md is the
-// way out). Memory: 8 bytes per ray, 12 with oblique stripes.
+// once for all of them. Rays that the wall stops on their way to the camera are dark.
+// docs/theory/tunnel.md. Cost: one test per ray and frame; a point sees an edge or does not, so the
+// error falls only slowly with the number of rays (footprints.md is the way out). Memory: 8 bytes
+// per ray, 12 with oblique stripes.
 #include "simulator/render/scan/scan.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "simulator/light/tunnel/sight_lines.h"
+#include "simulator/render/footprint/visible_part.h"
 
 namespace glint {
 namespace {
@@ -22,17 +23,40 @@ constexpr std::int64_t kBlock = 4096;
 /// Frames that are rendered together: rays are read once for all of them.
 constexpr std::size_t kFramesAtOnce = 8;
 
-void multiply_gains(const float* __restrict weight,
-                    const float* __restrict seen,
-                    int count,
-                    float* __restrict gain) {
+void multiply_gains(const float* __restrict weight, int count, float* __restrict gain) {
   for (int i = 0; i < count; ++i) {
-    gain[i] *= weight[i] * seen[i];
+    gain[i] *= weight[i];
   }
 }
 
 int block_size(std::int64_t begin, std::int64_t count) {
   return static_cast<int>(std::min(kBlock, count - begin));
+}
+
+/// Takes the light from rays that the wall stops on their way to the camera.
+void hide(const OccludedPixels& occluded,
+          const TunnelSettings& tunnel,
+          const RayCache& cache,
+          std::vector<float>& gain) {
+  const auto pixels = static_cast<std::size_t>(cache.num_pixels());
+  const auto samples = static_cast<std::size_t>(cache.samples);
+  for (std::size_t i = 0; i < occluded.whole.size(); ++i) {
+    for (std::size_t sample = 0; sample < samples && occluded.whole.values()[i] != 0; ++sample) {
+      gain[sample * pixels + i] = 0.0F;
+    }
+  }
+  const auto per_axis = static_cast<std::size_t>(std::lround(std::sqrt(cache.samples)));
+  const auto place = [&](std::size_t index) {
+    return (static_cast<double>(index) + 0.5) / static_cast<double>(per_axis) - 0.5;
+  };
+  for (const OccludedEdge& edge : occluded.edges) {
+    const VisiblePart visible(edge, tunnel);
+    for (std::size_t sample = 0; sample < samples; ++sample) {
+      if (!visible.contains(place(sample % per_axis), place(sample / per_axis))) {
+        gain[sample * pixels + static_cast<std::size_t>(edge.pixel)] = 0.0F;
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -47,27 +71,20 @@ WallRays intersect_wall(const RayCache& cache,
   rays.gain.resize(total);
   const bool is_straight = tunnel.settings().orientation_rad == 0.0;
   rays.pattern_mm.resize(is_straight ? 0 : total);
-  rays.occluded = Image<unsigned char>(cache.width_px, cache.height_px);
   std::vector<float> scratch(static_cast<std::size_t>(kBlock));
-  std::vector<float> occluded(static_cast<std::size_t>(kBlock));
   for (std::int64_t pixel = 0; pixel < pixels; pixel += kBlock) {
     const int count = block_size(pixel, pixels);
-    occluded_block(tunnel, cache.seen_points(pixel, count), camera_in_world_mm, occluded.data());
-    for (int i = 0; i < count; ++i) {
-      const auto at = static_cast<std::size_t>(pixel + i);
-      const bool is_occluded =
-          occluded[static_cast<std::size_t>(i)] > 0.0F && cache.coverage.values()[at] > 0.0F;
-      occluded[static_cast<std::size_t>(i)] = is_occluded ? 0.0F : 1.0F;
-      rays.occluded.values()[at] = is_occluded ? 1 : 0;
-    }
     for (std::int64_t sample = 0; sample < cache.samples; ++sample) {
       const std::int64_t begin = sample * pixels + pixel;
       float* pattern = is_straight ? scratch.data() : rays.pattern_mm.data() + begin;
       float* gain = rays.gain.data() + begin;
       tunnel.hit_block(cache.block(begin, count), rays.x_mm.data() + begin, pattern, gain);
-      multiply_gains(cache.weight.data() + begin, occluded.data(), count, gain);
+      multiply_gains(cache.weight.data() + begin, count, gain);
     }
   }
+  const OccludedPixels occluded = occluded_pixels(cache, tunnel, camera_in_world_mm);
+  hide(occluded, tunnel.settings(), cache, rays.gain);
+  rays.hidden_share = hidden_share(occluded, tunnel.settings(), cache);
   return rays;
 }
 
@@ -140,7 +157,7 @@ ScanResult take_scan(const RayCache& cache,
     }
   }
   result.aspect = result.sums.aspect();
-  result.hidden_share = share_of_part(rays.occluded, cache);
+  result.hidden_share = rays.hidden_share;
   return result;
 }
 

@@ -24,10 +24,10 @@ struct WallRays {
   std::vector<float> x_mm;
   std::vector<float> pattern_mm;  ///< empty: equal to x_mm
   std::vector<float> gain;        ///< 0: dark at every position
-  Image<unsigned char> occluded;  ///< 1 where the wall hides the part from the camera
+  double hidden_share = 0.0;      ///< of the part's pixels, hidden from the camera by the wall
 };
 
-/// Evaluates the cache against a tunnel.
+/// Evaluates the cache against a tunnel. @param cache  of a camera that it knows, standing there
 WallRays intersect_wall(const RayCache& cache,
                         const Tunnel& tunnel,
                         const Eigen::Vector3d& camera_in_world_mm);

@@ -11,6 +11,7 @@
 #include "core/image/spans.h"
 #include "simulator/render/footprint/footprints.h"
 #include "simulator/render/scan/clipped_mean.h"
+#include "simulator/render/scan/width_kernels.h"
 
 namespace glint {
 
@@ -37,6 +38,10 @@ ScanForm::Kind form_of(const ScanPositions& positions,
 /// spreads to it from one side [px].
 int reach_of(const Sensor& sensor, double reflectance);
 
+/// Tiles of pixels that few frames are taken to disturb alike.
+inline constexpr int kRippleTileWidth_px = footprint_kernels::kRun;
+inline constexpr int kRippleTileHeight_px = 8;
+
 /// Pixels sorted by what their mean needs. What remains of the region is dark in every frame.
 struct ScanPlan {
   ScanForm form;
@@ -44,6 +49,7 @@ struct ScanPlan {
   Mask by_table;           ///< from T(w); empty where it is not used
   Mask by_frames;          ///< and the watched pixels; empty: none
   ImageF width;            ///< w of T(w) [periods], where by_table
+  ImageF ripple;           ///< deviation by few frames where by_table, tile by tile
   double reflectance = 1.0;
   std::shared_ptr<const ClippedMean> table;  ///< T; empty where it is not used
 };

@@ -209,4 +209,31 @@ GLINT_WIDE void cosine_series(const double* __restrict terms,
   }
 }
 
+GLINT_WIDE void add_in_squares(const unsigned char* __restrict mask,
+                               const float* __restrict more,
+                               int count,
+                               bool has_any,
+                               float* __restrict deviation) {
+  for (int begin = 0; begin < count; begin += kRun) {
+    const float added = more[begin / kRun];
+    const int size = count - begin < kRun ? count - begin : kRun;
+    const unsigned char* __restrict is_used = mask + begin;
+    float* __restrict values = deviation + begin;
+    if (added > 0.0F && has_any) {
+      for (int i = 0; i < size; ++i) {
+        const float sum = std::sqrt(values[i] * values[i] + added * added);
+        values[i] = is_used[i] != 0 ? sum : values[i];
+      }
+    } else if (added > 0.0F && size == kRun) {
+      for (int i = 0; i < kRun; ++i) {
+        values[i] = is_used[i] != 0 ? added : values[i];
+      }
+    } else if (added > 0.0F) {
+      for (int i = 0; i < size; ++i) {
+        values[i] = is_used[i] != 0 ? added : values[i];
+      }
+    }
+  }
+}
+
 }  // namespace glint::footprint_kernels

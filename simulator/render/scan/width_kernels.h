@@ -63,4 +63,12 @@ void look_up_where(const unsigned char* mask,
                    float* cubic,
                    float* straight);
 
+/// Neighbours in a row that share a number.
+inline constexpr int kRun = 32;
+
+/// Adds to deviations, in squares, one of `more` for each run of pixels, where the mask is set.
+/// @param has_any  whether any of the deviations is more than 0 there
+void add_in_squares(
+    const unsigned char* mask, const float* more, int count, bool has_any, float* deviation);
+
 }  // namespace glint::footprint_kernels

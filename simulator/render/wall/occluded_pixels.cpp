@@ -4,22 +4,20 @@
 // smoothly over the picture whatever the part looks like. So the four corners of a tile of 128 x 32
 // pixels decide for all of it when they agree and cross the wall further from its edges than they
 // are apart; other tiles are split once, into 32 x 8, and what is then undecided is tested pixel by
-// pixel. Own method; docs/theory/tunnel.md, "The slot". Cost: a few hundred sight lines for a
-// picture in which nothing is occluded, one per pixel along the slot's edge. Memory: one byte per
-// pixel, none where nothing is occluded.
+// pixel (corner_sights.h). Own method; docs/theory/tunnel.md, "The slot". Cost: a few hundred sight
+// lines for a picture in which nothing is occluded, one per pixel along the slot's edge. Memory:
+// one byte per pixel, none where nothing is occluded, and 150 bytes per pixel hidden in part.
 #include "simulator/render/wall/occluded_pixels.h"
 
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/image/mask_kernels.h"
 #include "simulator/light/tunnel/sight_lines.h"
 #include "simulator/light/tunnel/tunnel_profile.h"
-#include "simulator/render/wall/pixel_rays.h"
 
 namespace glint {
 namespace {
@@ -38,24 +36,6 @@ constexpr std::array<TileSize, 2> kTiles = {{{128, 32}, {32, 8}}};
 /// Crossings this near a boundary of the wall are looked at one by one.
 constexpr float kClose_mm = 0.1F;
 
-/// Tests pixels [begin, end) of a row.
-void test_row(const VisibilityBuffer& seen,
-              const Tunnel& tunnel,
-              const Vector3d& camera_mm,
-              int y,
-              int begin,
-              int end,
-              std::vector<float>& scratch,
-              Mask& occluded) {
-  const auto count = static_cast<std::size_t>(end - begin);
-  scratch.resize(count);
-  const std::int64_t first = static_cast<std::int64_t>(y) * seen.width_px + begin;
-  occluded_block(
-      tunnel, seen.seen_points(first, static_cast<int>(count)), camera_mm, scratch.data());
-  mask_kernels::mark_both(
-      scratch.data(), seen.coverage.row(y) + begin, end - begin, occluded.row(y) + begin);
-}
-
 /// begin, begin + step, ... and end.
 std::vector<int> grid_places(int begin, int end, int step) {
   std::vector<int> places;
@@ -66,13 +46,7 @@ std::vector<int> grid_places(int begin, int end, int step) {
   return places;
 }
 
-/// Pixels [left, right) of rows [top, bottom). A tile's corners are pixels: its first ones, and
-/// those behind its last ones or, where the picture ends, the last ones.
-struct TileArea {
-  int left = 0, right = 0, top = 0, bottom = 0;
-};
-
-bool has_part(const VisibilityBuffer& seen, const TileArea& area) {
+bool has_part(const VisibilityBuffer& seen, const PixelArea& area) {
   for (int y = area.top; y < area.bottom; ++y) {
     if (mask_kernels::is_any_positive(seen.coverage.row(y) + area.left, area.right - area.left)) {
       return true;
@@ -102,13 +76,15 @@ struct View {
   const Tunnel& tunnel;
   Vector3d camera_mm;
   std::vector<Eigen::Vector2d> ends_mm;  ///< of a flat tunnel's panels
-  std::optional<PixelRays> rays;         ///< where the pixels' sight lines were found to follow it
+  CornerSights& sights;
+  double distance_mm = 0.0;  ///< from the camera to about where the part is
 };
 
-/// Sight lines of the corners of an area's tiles.
+/// Sight lines of the corners of an area's tiles. These corners are pixels: a tile's first ones,
+/// and those behind its last ones or, where the picture ends, the last ones.
 class SightGrid {
  public:
-  SightGrid(const View& view, const TileArea& area, const TileSize& tile)
+  SightGrid(const View& view, const PixelArea& area, const TileSize& tile)
       : view_(view),
         columns_(
             grid_places(area.left, std::min(area.right, view.seen.width_px - 1), tile.width_px)),
@@ -132,7 +108,7 @@ class SightGrid {
 
   std::size_t tiles_down() const { return rows_.size() - 1; }
 
-  TileArea area(std::size_t i, std::size_t j) const {
+  PixelArea area(std::size_t i, std::size_t j) const {
     const auto end = [](int place, int size) { return place == size - 1 ? size : place; };
     return {.left = columns_[i],
             .right = end(columns_[i + 1], view_.seen.width_px),
@@ -146,14 +122,13 @@ class SightGrid {
   Answer tile(std::size_t i, std::size_t j) const {
     const std::size_t at = j * columns_.size() + i;
     const Corners corners = {at, at + 1, at + columns_.size(), at + columns_.size() + 1};
-    const auto is_unknown = [&](std::size_t c) { return is_known_[c] == 0; };
     const bool is_occluded = lines_.occluded[at] > 0.0F;
     const bool is_crossing = lines_.x_mm[at] != kNoHitMargin_mm;
     const auto differs = [&](std::size_t c) {
       return (lines_.occluded[c] > 0.0F) != is_occluded ||
              (lines_.x_mm[c] != kNoHitMargin_mm) != is_crossing;
     };
-    if (std::ranges::any_of(corners, is_unknown) || std::ranges::any_of(corners, differs) ||
+    if (std::ranges::any_of(corners, differs) ||
         !(is_crossing ? is_far_from_edges(corners) : is_clear_of_panels(corners))) {
       return Answer::kOpen;
     }
@@ -165,15 +140,14 @@ class SightGrid {
 
   void add_point(int x, int y) {
     const VisibilityBuffer& seen = view_.seen;
-    const bool is_on_part = seen.coverage(x, y) > 0.0F;
-    Vector3d point = vector_of(seen.seen_x(x, y), seen.seen_y(x, y), seen.seen_z(x, y));
-    if (!is_on_part && view_.rays) {
-      point = view_.rays->point(x, y);
-    }
+    const Vector3d point =
+        seen.coverage(x, y) > 0.0F
+            ? vector_of(seen.seen_x(x, y), seen.seen_y(x, y), seen.seen_z(x, y))
+            : Vector3d(view_.camera_mm +
+                       view_.distance_mm * view_.sights.direction(x + 0.5, y + 0.5));
     x_mm_.push_back(static_cast<float>(point.x()));
     y_mm_.push_back(static_cast<float>(point.y()));
     z_mm_.push_back(static_cast<float>(point.z()));
-    is_known_.push_back(is_on_part || view_.rays ? 1 : 0);
   }
 
   bool is_far_from_edges(const Corners& c) const {
@@ -192,7 +166,7 @@ class SightGrid {
     if (view_.ends_mm.empty()) {
       return is_finest_;  // other walls have rims, near which tiles must be small
     }
-    constexpr double kPad = 0.1;
+    constexpr double kPad = 1.0;  // half a pixel at least, also of the narrow tiles at the border
     const Vector3d& camera_mm = view_.camera_mm;
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
@@ -229,7 +203,6 @@ class SightGrid {
   std::vector<int> columns_, rows_;
   bool is_finest_;
   std::vector<float> x_mm_, y_mm_, z_mm_;  ///< of what the corners see
-  std::vector<unsigned char> is_known_;
   SightLines lines_;
 };
 
@@ -238,21 +211,24 @@ class OcclusionFinder {
  public:
   explicit OcclusionFinder(const View& view) : view_(view) {}
 
-  /// Empty where no tile was hidden or had to be tested.
-  Mask take() { return std::move(occluded_); }
+  OccludedPixels take() {
+    std::ranges::sort(found_.edges, {}, &OccludedEdge::pixel);
+    return std::move(found_);
+  }
 
   /// @param level  of kTiles
-  void split(const TileArea& area, std::size_t level) {
+  void split(const PixelArea& area, std::size_t level) {
     const SightGrid grid(view_, area, kTiles[level]);
     for (std::size_t j = 0; j < grid.tiles_down(); ++j) {
-      TileArea open;  // neighbouring tiles that are tested pixel by pixel; none at first
+      PixelArea open;  // neighbouring tiles that are tested pixel by pixel; none at first
       for (std::size_t i = 0; i < grid.tiles_along(); ++i) {
-        const TileArea tile = grid.area(i, j);
+        const PixelArea tile = grid.area(i, j);
         const SightGrid::Answer answer = grid.tile(i, j);
+        if (answer == SightGrid::Answer::kSeen || !has_part(view_.seen, tile)) {
+          continue;
+        }
         if (answer == SightGrid::Answer::kOccluded) {
           mark_occluded(tile);
-        }
-        if (answer != SightGrid::Answer::kOpen || !has_part(view_.seen, tile)) {
           continue;
         }
         if (level + 1 < kTiles.size()) {
@@ -260,63 +236,60 @@ class OcclusionFinder {
         } else if (open.right > open.left && open.right == tile.left) {
           open.right = tile.right;
         } else {
-          test(open);
+          view_.sights.add_hidden(open, found_);
           open = tile;
         }
       }
-      test(open);
+      view_.sights.add_hidden(open, found_);
     }
   }
 
  private:
-  void need_mask() {
-    if (occluded_.empty()) {
-      occluded_ = Mask(view_.seen.width_px, view_.seen.height_px);
+  void mark_occluded(const PixelArea& area) {
+    if (found_.whole.empty()) {
+      found_.whole = Mask(view_.seen.width_px, view_.seen.height_px);
     }
-  }
-
-  void mark_occluded(const TileArea& area) {
-    need_mask();
     for (int y = area.top; y < area.bottom; ++y) {
       const float* coverage = view_.seen.coverage.row(y);
       for (int x = area.left; x < area.right; ++x) {
-        occluded_(x, y) = coverage[x] > 0.0F ? 1 : 0;
+        found_.whole(x, y) = coverage[x] > 0.0F ? 1 : 0;
       }
     }
   }
 
-  void test(const TileArea& area) {
-    if (area.left >= area.right) {
-      return;
-    }
-    need_mask();
-    for (int y = area.top; y < area.bottom; ++y) {
-      test_row(
-          view_.seen, view_.tunnel, view_.camera_mm, y, area.left, area.right, scratch_, occluded_);
-    }
-  }
-
   const View& view_;
-  Mask occluded_;
-  std::vector<float> scratch_;
+  OccludedPixels found_;
 };
+
+/// From the camera to the first pixel that sees the part; 0 where none does.
+double distance_to_part_mm(const VisibilityBuffer& seen, const Vector3d& camera_mm) {
+  const auto& coverage = seen.coverage.values();
+  const auto found = std::ranges::find_if(coverage, [](float share) { return share > 0.0F; });
+  if (found == coverage.end()) {
+    return 0.0;
+  }
+  const auto i = static_cast<std::size_t>(found - coverage.begin());
+  const Vector3d point =
+      vector_of(seen.seen_x.values()[i], seen.seen_y.values()[i], seen.seen_z.values()[i]);
+  return (point - camera_mm).norm();
+}
 
 }  // namespace
 
-Mask occluded_pixels_one_by_one(const VisibilityBuffer& seen,
-                                const Tunnel& tunnel,
-                                const Vector3d& camera_in_world_mm) {
-  Mask occluded(seen.width_px, seen.height_px);
-  std::vector<float> scratch;
-  for (int y = 0; y < seen.height_px && tunnel.settings().blocks_view; ++y) {
-    test_row(seen, tunnel, camera_in_world_mm, y, 0, seen.width_px, scratch, occluded);
+OccludedPixels occluded_pixels_one_by_one(const VisibilityBuffer& seen,
+                                          const Tunnel& tunnel,
+                                          const Vector3d& camera_in_world_mm) {
+  OccludedPixels found;
+  if (tunnel.settings().blocks_view) {
+    CornerSights(seen, tunnel, camera_in_world_mm)
+        .add_hidden({.right = seen.width_px, .bottom = seen.height_px}, found);
   }
-  return occluded;
+  return found;
 }
 
-Mask occluded_pixels(const VisibilityBuffer& seen,
-                     const Tunnel& tunnel,
-                     const Vector3d& camera_in_world_mm) {
+OccludedPixels occluded_pixels(const VisibilityBuffer& seen,
+                               const Tunnel& tunnel,
+                               const Vector3d& camera_in_world_mm) {
   if (!tunnel.settings().blocks_view) {
     return {};
   }
@@ -324,11 +297,13 @@ Mask occluded_pixels(const VisibilityBuffer& seen,
   if (!is_tiled) {
     return occluded_pixels_one_by_one(seen, tunnel, camera_in_world_mm);
   }
+  CornerSights sights(seen, tunnel, camera_in_world_mm);
   const View view = {.seen = seen,
                      .tunnel = tunnel,
                      .camera_mm = camera_in_world_mm,
                      .ends_mm = panel_ends(tunnel.settings()),
-                     .rays = PixelRays::through(seen, camera_in_world_mm)};
+                     .sights = sights,
+                     .distance_mm = distance_to_part_mm(seen, camera_in_world_mm)};
   OcclusionFinder finder(view);
   finder.split({.right = seen.width_px, .bottom = seen.height_px}, 0);
   return finder.take();

@@ -7,9 +7,10 @@ import { convergenceSection, parallelSection, runCurvesSection, sliceSection } f
 import { frontierSection, frontierTableSection } from './frontier.js';
 import { foundSection, gradesSection, partsSection } from './inspection.js';
 import { panelSections } from './panels.js';
+import { sceneSection } from './scene.js';
 import { evaluationSection, failureSection } from './table.js';
 import { verdictSection } from './verdict.js';
-import { lightingSection, viewScoresSection, viewsSection } from './views.js';
+import { lightingSection, viewsSection } from './views.js';
 
 const kStatus = {
   done: ['good', 'search complete'],
@@ -26,10 +27,10 @@ function masthead(facts) {
       : facts.designs.length ? `${plural(facts.designs.length, 'design')}, no search` : null;
   return h('header', { class: 'masthead' }, h('p', { class: 'brand' }, 'Glint', h('span', {}, ' report')),
     h('h1', {}, data.title ?? 'Report'), data.subtitle && h('p', { class: 'lead' }, data.subtitle),
-    h('p', { class: 'meta' }, text && badge(kind, text), counts && h('span', {}, counts)));
+    h('p', { class: 'meta' }, text && badge(kind, text), counts && h('span', {}, counts), document.getElementById('when')));
 }
 
-const kShort = { designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', measured: 'All methods', methods: 'Method', origin: 'Configuration', curves: 'Convergence' };
+const kShort = { scene: 'Part', designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', measured: 'All methods', methods: 'Method', origin: 'Configuration', curves: 'Convergence' };
 
 function navigation(sections) {
   return h('nav', {}, sections.map((node) => h('a', { href: `#${node.id}` }, kShort[node.id] ?? node.querySelector('h2').textContent)));
@@ -49,13 +50,13 @@ function originSection(facts) {
   const licences = document.getElementById('licences')?.textContent.trim();
   return section('origin', 'Configuration and provenance', null,
     rows.length > 0 && h('table', { class: 'provenance' }, h('tbody', {}, rows)),
-    config && h('details', {}, h('summary', {}, 'Resolved configuration (TOML)'), h('pre', {}, config)),
+    config && h('details', { class: 'screen-only' }, h('summary', {}, 'Resolved configuration (TOML)'), h('pre', {}, config)),
     licences && h('details', { class: 'screen-only' }, h('summary', {}, 'Licences of the software in this file'), h('pre', {}, licences)));
 }
 
 function runTable(facts) {
   if (!facts.runs.length) return null;
-  const names = [...new Set([facts.objective.name, ...facts.runs.flatMap((run) => Object.keys(run.scores ?? {}))])].filter((name) => name && !name.endsWith('.error')).slice(0, 8);
+  const names = [...new Set([facts.objective.name, ...facts.runs.flatMap((run) => Object.keys(run.scores ?? {}))])].filter((name) => name && !name.endsWith('.error') && name.split('.').length < 3).slice(0, 8);
   const cell = (run, name) => h('td', {}, h('b', {}, facts.score(name, run.rescored?.[name] ?? run.scores?.[name])),
     isNumber(run.rescored?.[name]) && h('small', {}, `search ${facts.score(name, run.scores?.[name])}`));
   const row = (run) => h('tr', {}, h('th', {}, run.title), h('td', {}, kStatus[run.status]?.[1] ?? run.status ?? ''),
@@ -72,20 +73,20 @@ function main() {
   const facts = new Facts(data);
   const table = evaluationSection(facts);
   const sections = [
-    verdictSection(facts), ...panelSections(facts), runTable(facts), runCurvesSection(facts), designSection(facts), convergenceSection(facts),
+    verdictSection(facts), sceneSection(facts), ...panelSections(facts), runTable(facts), runCurvesSection(facts), designSection(facts), convergenceSection(facts),
     parallelSection(facts, (chosen) => table?.choose(chosen)), sliceSection(facts), table?.node, failureSection(facts),
-    frontierSection(facts), frontierTableSection(facts), viewsSection(facts), lightingSection(facts), viewScoresSection(facts),
+    frontierSection(facts), frontierTableSection(facts), viewsSection(facts), lightingSection(facts),
     partsSection(facts), gradesSection(facts), foundSection(facts), methodSection(facts), originSection(facts),
   ].filter(Boolean);
   document.getElementById('report').append(masthead(facts), navigation(sections), h('main', {}, sections));
   document.body.dispatchEvent(new CustomEvent('glint-attached'));
 }
 
-/** On paper everything is unfolded, except what is for the screen only. */
+/** On paper the variables are unfolded; the rest is for the screen. */
 function unfoldForPrint() {
   let opened = [];
   window.addEventListener('beforeprint', () => {
-    opened = [...document.querySelectorAll('details:not(.screen-only):not([open])')];
+    opened = [...document.querySelectorAll('details.variables:not([open])')];
     for (const details of opened) details.open = true;
   });
   window.addEventListener('afterprint', () => {

@@ -3,19 +3,45 @@
 
 export const minus = (text) => text.replace('-', '\u2212');
 
-/** A few significant digits (four unless told), no trailing zeros. */
-export function number(value, significant = 4) {
-  if (typeof value !== 'number') return value === null || value === undefined ? '\u2013' : String(value);
-  if (!Number.isFinite(value)) return '\u2013';
-  if (value !== 0 && (Math.abs(value) >= 1e6 || Math.abs(value) < 1e-3)) return minus(value.toExponential(2));
-  const digits = Math.abs(value) >= 1000 ? 0 : Math.max(0, significant - 1 - Math.floor(Math.log10(Math.abs(value) || 1)));
-  return minus(String(Number(value.toFixed(Math.min(digits, 5)))));
+const kSuperscripts = '\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079';
+
+/** Very large and very small numbers: "3.21 \u00d7 10\u2078". */
+function power(value, significant) {
+  const [mantissa, exponent] = value.toExponential(significant - 1).split('e');
+  const raised = [...String(Math.abs(Number(exponent)))].map((digit) => kSuperscripts[Number(digit)]).join('');
+  return `${minus(mantissa)}\u00a0\u00d7\u00a010${Number(exponent) < 0 ? '\u207b' : ''}${raised}`;
 }
 
+/** So many significant digits, also where the last are zeros; never fewer than the whole number has. */
+function rounded(value, significant) {
+  if (typeof value !== 'number') return value === null || value === undefined ? '\u2013' : String(value);
+  if (!Number.isFinite(value)) return '\u2013';
+  if (value === 0) return '0';
+  const size = Number(Math.abs(value).toPrecision(significant));
+  if (size >= 1e6 || size < 1e-4) return power(value, significant);
+  return minus(value.toFixed(Math.max(0, significant - 1 - Math.floor(Math.log10(size)))));
+}
+
+/** What was measured: three significant digits, "13.0", "0.380". */
+export const measured = (value) => rounded(value, 3);
+
+/** What was set: four significant digits (unless told), zeros at the end left out, "13", "12.35". */
+export function number(value, significant = 4) {
+  const text = rounded(value, significant);
+  return typeof value === 'number' && /^[^\u00d7]*\.[^\u00d7]*$/.test(text) ? text.replace(/\.?0+$/, '') : text;
+}
+
+/** One decimal; two below 1 %. */
 export function percent(value) {
   const scaled = 100 * value;
-  const digits = scaled !== 0 && Math.abs(scaled) < 1 ? 2 : 1;
+  const digits = scaled !== 0 && Math.abs(scaled) < 0.995 ? 2 : 1;
   return `${minus(scaled.toFixed(digits))}\u00a0%`;
+}
+
+/** A value and its standard error, both to the second digit of the error: "81.23 \u00b1 0.31". */
+function withError(value, error, unit) {
+  const digits = error > 0 ? Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(Number(error.toPrecision(2)))))) : 1;
+  return `${minus(value.toFixed(digits))}${unit} \u00b1 ${error.toFixed(digits)}${unit}`;
 }
 
 /** The reader of one data object: labels, formats and comparisons. */
@@ -34,24 +60,25 @@ export class Facts {
 
   info(score) { return this.data.score_info?.[score] ?? { label: score, format: 'number' }; }
   label(score) { return this.info(score).label; }
+
+  /** What a score is, for a tip: the sentence of `glint explain` and the name in files. */
+  meaning(score) { return [this.info(score).meaning, score].filter(Boolean).join('\n'); }
   score(name, value) {
     if (typeof value !== 'number') return number(value);
-    return this.info(name).format === 'percent' ? percent(value) : number(value, 3);
+    return this.info(name).format === 'percent' ? percent(value) : measured(value);
   }
 
   /** With its standard error where it has one: "81.2 % \u00b1 0.3 %". */
   scoreWithError(name, scores) {
-    const error = scores?.[`${name}.error`];
-    const text = this.score(name, scores?.[name]);
-    if (!isNumber(error)) return text;
-    const isPercent = this.info(name).format === 'percent';
-    return `${text} \u00b1 ${isPercent ? `${number(100 * error, 2)} %` : number(error, 2)}`;
+    const [value, error] = [scores?.[name], scores?.[`${name}.error`]];
+    if (!isNumber(value) || !isNumber(error)) return this.score(name, value);
+    return this.info(name).format === 'percent' ? withError(100 * value, 100 * error, '\u00a0%') : withError(value, error, '');
   }
 
   /** A difference of two values, signed, and its unit: points for per cents. */
   difference(name, value) {
     const isPercent = this.info(name).format === 'percent';
-    const text = isPercent ? minus((100 * value).toFixed(1)) : number(value, 3);
+    const text = isPercent ? minus((100 * value).toFixed(1)) : measured(value);
     return { text: `${value > 0 ? '+' : ''}${text}`, unit: isPercent ? 'points' : '' };
   }
 
@@ -87,6 +114,12 @@ export class Facts {
     return this.designs.length > 1 ? 'prototype' : 'design';
   }
 
+  /** What a design is called for its role: a winner that misses a limit is the closest one. */
+  roleName(design) {
+    const role = this.role(design);
+    return role === 'winner' && design.feasible === false ? 'closest' : role;
+  }
+
   /** Best feasible objective up to each trial; null before the first one. */
   bestSoFar() {
     let best = null;
@@ -111,6 +144,9 @@ export class Facts {
   }
 }
 
+/** Of very many things: "321 million". */
+export const count = (value) => (value >= 1e6 ? `${measured(value / 1e6)} million` : String(value));
+
 export const plural = (count, word) => `${count} ${word}${count === 1 ? '' : 's'}`;
 export const isNumber = (value) => typeof value === 'number' && Number.isFinite(value);
 export const isDone = (trial) => !trial.failed && isNumber(trial.objective);
@@ -128,12 +164,24 @@ export function shortNames(paths) {
   return paths;
 }
 
+/** Keys of three numbers, and what the numbers are called; others count from 1. */
+const kAlongAxes = ['x', 'y', 'z'];
+const kVectors = ['position', 'direction', 'up', 'normal', 'centre'];
+
+/** "control_mm", "2" -> "control point 3"; "rotation_deg", "2" -> "rotation about z". */
+function element(key, index) {
+  if (kVectors.includes(key)) return `${key} ${kAlongAxes[index] ?? index + 1}`;
+  if (key === 'rotation') return `rotation about ${kAlongAxes[index] ?? index + 1}`;
+  return { control: `control point ${index + 1}`, 'segment power': `power of segment ${index + 1}` }[key] ?? `${key} ${index + 1}`;
+}
+
 function readable(path, kept) {
   const parts = path.split('.');
-  let first = parts.length - kept;
-  if (/^\d+$/.test(parts[parts.length - 1])) first -= 1;
-  const text = parts.slice(Math.max(0, first)).join(' ');
-  const unit = /_(mm|um|nm|deg|px|s|ms)(?= |$)/.exec(text);
-  const name = text.replace(/_(mm|um|nm|deg|px|s|ms)(?= |$)/g, '').replaceAll('_', ' ');
-  return unit ? `${name} (${unit[1] === 'deg' ? '\u00b0' : microns(unit[1])})` : name;
+  const index = /^\d+$/.test(parts[parts.length - 1]) ? Number(parts.pop()) : null;
+  const key = parts[parts.length - 1];
+  const unit = /_(mm|um|nm|deg|px|s|ms)$/.exec(key)?.[1];
+  const plain = (unit ? key.slice(0, -unit.length - 1) : key).replaceAll('_', ' ');
+  const name = [...parts.slice(Math.max(0, parts.length - kept), -1).map((part) => part.replaceAll('_', ' ')),
+    index === null ? plain : element(plain, index)].join(' ');
+  return unit ? `${name} (${unit === 'deg' ? '\u00b0' : microns(unit)})` : name;
 }

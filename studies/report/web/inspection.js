@@ -73,7 +73,7 @@ function legend(part) {
 function defectsTable(part) {
   if (!part.defects.length) return h('p', { class: 'lead' }, 'No defect was found.');
   const fixed = (value, digits) => cell(minus(value.toFixed(digits)));
-  const row = (defect) => h('tr', {}, cell(defect.number), h('td', {}, `${defect.is_bright ? 'bright' : 'dark'} ${defect.kind}`), fixed(defect.x_px, 1), fixed(defect.y_px, 1),
+  const row = (defect) => h('tr', {}, cell(defect.number), h('td', {}, `${defect.is_bright ? 'bright' : 'dark'} ${defect.kind === 'hole' ? 'spot' : defect.kind}`), fixed(defect.x_px, 1), fixed(defect.y_px, 1),
     cell(defect.area_px), cell(number(defect.weight)), cell(number(defect.peak)), fixed(defect.length_px, 1), fixed(defect.width_px, 1), fixed(defect.angle_deg, 0), fixed(defect.elongation, 2),
     part.truth && h('td', {}, defect.known_as));
   const count = defectsOf(part);
@@ -83,15 +83,16 @@ function defectsTable(part) {
   count > kMostRows && h('p', { class: 'lead' }, `The ${kMostRows} biggest of ${count}; defects.csv has all.`));
 }
 
-/** Pixels by their response, with the threshold. */
-function histogram(part) {
+/** Pixels by their response, with the threshold on the sides, 1 bright and -1 dark, that defects may lie on. */
+function histogram(part, sides) {
   const { reach, counts } = part.histogram;
   const bin = (2 * reach) / counts.length;
   const bars = counts.map((count, i) => [-reach + i * bin, -reach + (i + 1) * bin, count]).filter((bar) => bar[2] > 0);
   const renderItem = (params, api) => {
     const [left, top] = api.coord([api.value(0), api.value(2)]);
     const [right, bottom] = api.coord([api.value(1), 0.5]);
-    const isBeyond = Math.abs(0.5 * (api.value(0) + api.value(1))) >= part.threshold;
+    const middle = 0.5 * (api.value(0) + api.value(1));
+    const isBeyond = sides.some((side) => side * middle >= part.threshold);
     return { type: 'rect', shape: { x: left, y: top, width: right - left, height: bottom - top }, style: { fill: isBeyond ? '#d55e00' : '#7f9db5' } };
   };
   const option = () => ({
@@ -102,23 +103,23 @@ function histogram(part) {
       axisLabel: { ...axisStyle.axisLabel, formatter: (value) => number(value), showMinLabel: false, showMaxLabel: false } },
     series: [{ type: 'custom', silent: true, renderItem, data: bars, encode: { x: [0, 1], y: 2 },
       markLine: { silent: true, symbol: 'none', precision: 9, lineStyle: { color: '#b84a00', type: 'solid', width: 1.5 },
-        data: [-1, 1].map((side) => ({ xAxis: side * part.threshold, label: { show: side > 0, formatter: 'threshold', position: 'insideEndBottom', ...kHalo, color: '#b84a00' } })) } }],
+        data: sides.map((side) => ({ xAxis: side * part.threshold, label: { show: side === sides[sides.length - 1], formatter: 'threshold', position: 'insideEndBottom', ...kHalo, color: '#b84a00' } })) } }],
   });
   return h('div', { class: 'histogram' }, h('h4', {}, 'Pixels by response'), chart(240, `Pixels by response of ${part.name}`, 0, option));
 }
 
-function partFound(part, i) {
+function partFound(part, i, sides) {
   const [width, height] = part.size_px;
   return h('article', { class: 'part', id: `part${i + 1}` }, h('h3', {}, part.name, ' ', gradeBadge(part.grade)),
-    h('p', { class: 'lead' }, `${plural(part.pictures, 'picture')}, ${width} x ${height} px, ${part.bits} bits; part from: ${part.mask}.`),
+    h('p', { class: 'lead' }, `${plural(part.pictures, 'picture')}, ${width} x ${height} px, ${part.bits} bits; part from: ${part.mask}. Inspected: ${(100 * part.bright_share).toFixed(1)} % of what is bright.`),
     part.notes.length > 0 && h('ul', { class: 'notes' }, part.notes.map((note) => h('li', {}, note))),
-    markedPicture(part), legend(part), h('div', { class: 'side' }, defectsTable(part), histogram(part)));
+    markedPicture(part), legend(part), h('div', { class: 'side' }, defectsTable(part), histogram(part, sides)));
 }
 
 export function foundSection(facts) {
   const parts = facts.data.inspection?.parts;
   if (!parts) return null;
   const shown = parts.filter((part) => part.image);
-  return section('found', 'What was found', null, shown.map(partFound),
+  return section('found', 'What was found', null, shown.map((part, i) => partFound(part, i, facts.data.inspection.sides)),
     shown.length < parts.length && h('p', { class: 'lead' }, `The first ${shown.length} parts; the folder has pictures of all.`));
 }

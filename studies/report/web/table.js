@@ -1,45 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The table of evaluations (sorted, filtered, in pages) and the list of failures.
 import { badge, h, section } from './dom.js';
+import { parseFilter } from './filter.js';
 import { isNumber, number, stateOf } from './format.js';
 
 const kPageRows = 25;
+const kPrintedRows = 10;
 
-/** What the table shows: name, heading, value for sorting, text. */
+const scoreColumn = (facts, name) => ({ name, heading: facts.label(name), meaning: facts.meaning(name), isNumber: true, isPercent: facts.info(name).format === 'percent' });
+
+/** What the table shows: name, heading, meaning, value for sorting, text. */
 function columns(facts) {
   const scored = facts.mainScores().filter((name) => name !== facts.objective.name && facts.trials.some((trial) => isNumber(trial.scores?.[name])));
   return [
     { name: 'number', heading: '#', value: (trial) => trial.number, text: (trial) => String(trial.number) },
     { name: 'state', heading: 'state', value: stateOf, text: stateOf },
     facts.trials.some((trial) => trial.kind) && { name: 'kind', heading: 'origin', value: (trial) => trial.kind ?? '', text: (trial) => trial.kind ?? '' },
-    { name: facts.objective.name || 'objective', heading: facts.label(facts.objective.name) || 'objective', isNumber: true, value: (trial) => trial.objective, text: (trial) => facts.score(facts.objective.name, trial.objective) },
-    ...scored.map((name) => ({ name, heading: facts.label(name), isNumber: true, value: (trial) => trial.scores?.[name], text: (trial) => facts.score(name, trial.scores?.[name]) })),
+    { ...scoreColumn(facts, facts.objective.name || 'objective'), value: (trial) => trial.objective, text: (trial) => facts.score(facts.objective.name, trial.objective) },
+    ...scored.map((name) => ({ ...scoreColumn(facts, name), value: (trial) => trial.scores?.[name], text: (trial) => facts.score(name, trial.scores?.[name]) })),
     ...facts.variables.map((variable, i) => ({ name: variable.name, heading: facts.names[i], isNumber: !variable.choices?.length, value: (trial) => trial.values?.[i], text: (trial) => number(trial.values?.[i]) })),
   ].filter(Boolean);
-}
-
-/** "radius > 80 cnr >= 3 feasible": comparisons on columns, other words are looked for in the row. */
-export function parseFilter(text, all) {
-  const conditions = [];
-  const rest = text.replace(/([\w.()]+)\s*(<=|>=|<|>|=)\s*(\S+)/g, (whole, name, sign, wanted) => {
-    const column = all.find((one) => [one.name, one.heading].some((known) => known.toLowerCase() === name.toLowerCase()))
-      ?? all.find((one) => [one.name, one.heading].some((known) => known.toLowerCase().includes(name.toLowerCase())));
-    if (!column) return whole;
-    conditions.push((trial) => compare(column, trial, sign, wanted));
-    return ' ';
-  });
-  for (const word of rest.toLowerCase().split(/\s+/).filter(Boolean)) {
-    const exact = ['feasible', 'infeasible', 'failed'].includes(word);
-    conditions.push((trial) => (exact ? stateOf(trial) === word : all.some((column) => column.text(trial).toLowerCase().includes(word))));
-  }
-  return (trial) => conditions.every((condition) => condition(trial));
-}
-
-function compare(column, trial, sign, wanted) {
-  const value = column.value(trial);
-  const limit = wanted.endsWith('%') ? Number(wanted.slice(0, -1)) / 100 : Number(wanted);
-  if (!isNumber(value) || Number.isNaN(limit)) return sign === '=' && String(value).toLowerCase() === wanted.toLowerCase();
-  return { '<': value < limit, '>': value > limit, '<=': value <= limit, '>=': value >= limit, '=': value === limit }[sign];
 }
 
 const missing = (value) => value === undefined || value === null || (typeof value === 'number' && Number.isNaN(value));
@@ -72,19 +52,22 @@ class EvaluationTable {
     this.ascending = !facts.maximise;
     this.page = 0;
     this.chosen = null;
-    this.filter = h('input', { type: 'search', placeholder: 'filter: feasible   cnr >= 4   radius < 120', 'aria-label': 'Filter', oninput: () => this.restart() });
+    this.filter = h('input', { type: 'search', placeholder: 'filter: feasible   h_rms > 80   radius < 120', 'aria-label': 'Filter', oninput: () => this.restart() });
     this.count = h('span', { class: 'muted' });
-    this.head = h('tr', {}, this.columns.map((column) => h('th', { title: column.name }, h('button', { type: 'button', onclick: () => this.sort(column) }, column.heading))));
+    this.problems = h('span', { class: 'fails', role: 'status' });
+    this.head = h('tr', {}, this.columns.map((column) => h('th', { title: column.meaning ?? column.name }, h('button', { type: 'button', onclick: () => this.sort(column) }, column.heading))));
     this.body = h('tbody', {});
+    this.onPaper = h('p', { class: 'muted paper-only' });
     this.pager = h('p', { class: 'toolbar screen-only' });
     const save = h('button', { type: 'button', class: 'screen-only', onclick: () => download(this.columns, this.rows()) }, 'Save as CSV');
-    this.node = section('evaluations', 'Evaluations', null, h('p', { class: 'toolbar' }, h('span', { class: 'grow screen-only' }, this.filter), this.count, save),
-      h('div', { class: 'scroll' }, h('table', { class: 'evaluations' }, h('thead', {}, this.head), this.body)), this.pager);
+    this.node = section('evaluations', 'Evaluations', null, h('p', { class: 'toolbar' }, h('span', { class: 'grow screen-only' }, this.filter), this.count, this.problems, save),
+      h('div', { class: 'scroll' }, h('table', { class: 'evaluations' }, h('thead', {}, this.head), this.body)), this.pager, this.onPaper);
     this.draw();
   }
 
   rows() {
-    const keep = parseFilter(this.filter.value, this.columns);
+    const { keep, problems } = parseFilter(this.filter.value, this.columns, this.facts.trials);
+    this.problems.textContent = problems.join('; ');
     return this.facts.trials.filter((trial) => (!this.chosen || this.chosen.has(trial.number)) && keep(trial)).sort(order(this.sorted, this.ascending));
   }
 
@@ -109,11 +92,12 @@ class EvaluationTable {
     const pages = Math.max(1, Math.ceil(rows.length / kPageRows));
     const shown = rows.slice(this.page * kPageRows, (this.page + 1) * kPageRows);
     const cell = (column, trial) => h('td', { class: column.isNumber ? 'number' : '' }, column.name === 'state' ? badge({ feasible: 'good', infeasible: 'neutral', failed: 'bad' }[stateOf(trial)], stateOf(trial)) : column.text(trial));
-    this.body.replaceChildren(...shown.map((trial) => h('tr', { class: stateOf(trial) }, this.columns.map((column) => cell(column, trial)))));
+    this.body.replaceChildren(...shown.map((trial, i) => h('tr', { class: `${stateOf(trial)}${i < kPrintedRows ? '' : ' screen-only'}` }, this.columns.map((column) => cell(column, trial)))));
     if (!rows.length) this.body.replaceChildren(h('tr', {}, h('td', { colspan: String(this.columns.length), class: 'muted' }, 'Nothing passes the filter.')));
     this.columns.forEach((column, i) => this.head.children[i].setAttribute('aria-sort', column === this.sorted ? (this.ascending ? 'ascending' : 'descending') : 'none'));
     this.count.textContent = `${rows.length} of ${this.facts.trials.length}${this.chosen ? ', chosen above' : ''}`;
     const go = (step) => () => { this.page += step; this.draw(); };
+    this.onPaper.textContent = rows.length > kPrintedRows ? `The first ${Math.min(shown.length, kPrintedRows)} of ${rows.length}; trials.csv in the folder of the run has all.` : '';
     this.pager.replaceChildren(...(pages === 1 ? [] : [h('button', { type: 'button', disabled: this.page === 0, onclick: go(-1) }, 'Previous'),
       h('span', { class: 'muted' }, `page ${this.page + 1} of ${pages}`), h('button', { type: 'button', disabled: this.page === pages - 1, onclick: go(1) }, 'Next')]));
   }

@@ -51,17 +51,18 @@ function figures(facts) {
   const main = facts.mainScores().filter((name) => !facts.constraints.some((one) => one.name === name));
   const baseline = facts.designs.find((one) => facts.role(one) === 'baseline');
   const prototype = bestOf(facts, facts.designs.filter((one) => facts.role(one) === 'prototype'));
-  return h('div', { class: 'figures' }, main.map((name) => scoreFigure(facts, design, name)),
+  const shown = [main.map((name) => scoreFigure(facts, design, name)),
     baseline !== design && gainFigure(facts, design, baseline, 'against the baseline'),
     prototype !== design && gainFigure(facts, design, prototype, 'against the best prototype'),
-    facts.constraints.map((constraint) => constraintFigure(facts, design, constraint)));
+    facts.constraints.map((constraint) => constraintFigure(facts, design, constraint))].flat().filter(Boolean);
+  return h('div', { class: 'figures', style: `--count:${Math.ceil(shown.length / Math.ceil(shown.length / 6))};--half:${Math.ceil(shown.length / Math.ceil(shown.length / 3))}` }, shown);
 }
 
 function ranked(facts) {
   const value = (design) => facts.value(design, facts.objective.name);
   const order = (a, b) => {
     const wins = [a, b].map((design) => Number(facts.role(design) === 'winner'));
-    if (wins[0] !== wins[1]) return wins[1] - wins[0];
+    if (!facts.runs.length && wins[0] !== wins[1]) return wins[1] - wins[0];
     if (!isNumber(value(a)) || !isNumber(value(b))) return Number(isNumber(value(b))) - Number(isNumber(value(a)));
     return facts.maximise ? value(b) - value(a) : value(a) - value(b);
   };
@@ -76,20 +77,26 @@ function board(facts) {
     const fresh = design.rescored?.[name];
     const fails = constraint && !facts.meets(constraint, facts.value(design, name));
     return h('td', { class: fails ? 'fails' : '' }, h('b', {}, facts.score(name, facts.value(design, name)), fails && ' \u2717'),
-      isNumber(fresh) && h('small', {}, `search ${facts.score(name, design.scores?.[name])}`));
+      isNumber(fresh) && h('small', {}, `${facts.trials.length || facts.runs.length ? 'search' : 'study'} ${facts.score(name, design.scores?.[name])}`));
   };
   const row = (design) => h('tr', { class: facts.runs.length ? '' : facts.role(design) },
     h('th', {}, h('a', { href: `#design-${design.key}` }, facts.title(design)), ' ',
-      !facts.runs.length && facts.title(design).toLowerCase() !== facts.role(design) && badge(facts.role(design), facts.role(design))),
+      !facts.runs.length && facts.title(design).toLowerCase() !== facts.role(design) && badge(facts.role(design), facts.roleName(design))),
     names.map((name) => cell(design, name)),
     h('td', {}, design.feasible === undefined || design.feasible === null ? '\u2013' : design.feasible ? badge('good', 'feasible') : badge('bad', 'not feasible')));
   const heading = (name) => {
     const constraint = facts.constraints.find((one) => one.name === name);
-    return h('th', { title: name }, facts.label(name), constraint && h('small', {}, facts.limit(constraint)), name === facts.objective.name && h('small', {}, `objective, ${facts.objective.sense}`));
+    return h('th', { title: facts.meaning(name) }, facts.label(name), constraint && h('small', {}, facts.limit(constraint)), name === facts.objective.name && h('small', {}, `objective, ${facts.objective.sense}`));
   };
   return h('div', { class: 'scroll' }, h('table', { class: 'board' },
     h('thead', {}, h('tr', {}, h('th', {}, 'design'), names.map(heading), h('th', {}, 'constraints'))),
     h('tbody', {}, ranked(facts).map(row))));
+}
+
+/** The sentences of `glint explain` about the scores of the board. */
+function meanings(facts) {
+  const names = facts.mainScores().filter((name) => facts.info(name).meaning);
+  return names.length > 0 && h('dl', { class: 'meanings' }, names.map((name) => [h('dt', {}, facts.label(name)), h('dd', {}, facts.info(name).meaning)]));
 }
 
 export function verdictSection(facts) {
@@ -98,5 +105,5 @@ export function verdictSection(facts) {
   const hasFresh = facts.designs.some((design) => Object.keys(design.rescored ?? {}).length > 0);
   return section('verdict', verdict.title ?? 'Verdict', null, h('p', { class: `sentence ${verdict.tone ?? ''}` }, verdict.sentence ?? 'No result yet.'),
     (verdict.details ?? []).map((line) => h('p', { class: 'detail' }, line)), figures(facts), table,
-    table && hasFresh && h('p', { class: 'caption' }, 'Bold: scored again with fresh seeds and finer sampling, which the search never saw. Small: the number the search worked with.'));
+    table && hasFresh && h('p', { class: 'caption' }, `Bold: scored again with fresh seeds and finer sampling${facts.trials.length ? ', which the search never saw. Small: the number the search worked with.' : '. Small: with the seeds of the study.'}`), meanings(facts));
 }

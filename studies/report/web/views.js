@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The page of `glint render`: pictures with their defect maps, the lighting, scores of the first view.
 import { h, picture, section, svgNode } from './dom.js';
-import { isNumber, number, plural } from './format.js';
+import { count, isNumber, number, plural } from './format.js';
 
 function legend(colours) {
   const entry = ({ name, colour }) => h('span', {}, h('i', { class: 'key', style: `background:${colour}` }), name);
@@ -10,7 +10,7 @@ function legend(colours) {
 
 function caption(view) {
   const { camera, shadow, bounce } = view.rays;
-  return [`${view.folder}: ${view.mean_samples.toFixed(0)} samples a pixel, ${camera} camera, ${shadow} shadow and ${bounce} reflected rays`,
+  return [`${view.folder}: ${view.mean_samples.toFixed(0)} samples a pixel, ${count(camera)} camera, ${count(shadow)} shadow and ${count(bounce)} reflected rays`,
     isNumber(view.relative_error) && `standard error of a pixel ${number(100 * view.relative_error, 2)} % of the brightness`,
     `${plural(view.defects_seen, 'defect')} in view.`].filter(Boolean).join('; ');
 }
@@ -24,24 +24,23 @@ export function viewsSection(facts) {
     h('div', { class: 'views' }, data.views.map((view) => figure(view.image, view.folder, caption(view)))));
 }
 
-export function lightingSection(facts) {
-  const data = facts.data.rendered;
-  return data ? section('lighting', 'Lighting', null, h('div', { class: 'drawing' }, svgNode(data.drawing))) : null;
-}
-
 const isOfOneDefect = (name) => /^defects\..*\./.test(name);
 
-function scoresTable(scores, names) {
-  const cell = (name) => h('td', { class: 'number' }, isNumber(scores[name]) ? number(scores[name]) : '');
+function scoresTable(facts, scores, names) {
+  const row = (name) => h('tr', { title: name }, h('td', {}, facts.label(name)), h('td', { class: 'number' }, facts.scoreWithError(name, scores)),
+    h('td', { class: 'wide muted' }, facts.info(name).meaning ?? ''));
   return h('div', { class: 'scroll' }, h('table', { class: 'evaluations' },
-    h('thead', {}, h('tr', {}, h('th', {}, 'score'), h('th', { class: 'number' }, 'value'), h('th', { class: 'number' }, 'standard error'))),
-    h('tbody', {}, names.map((name) => h('tr', {}, h('td', {}, name), cell(name), cell(`${name}.error`))))));
+    h('thead', {}, h('tr', {}, h('th', {}, 'score'), h('th', { class: 'number' }, 'value'), h('th', {}, 'what it is'))), h('tbody', {}, names.map(row))));
 }
 
-export function viewScoresSection(facts) {
-  const scores = facts.data.rendered?.scores;
-  if (!scores) return null;
+function viewScores(facts, scores) {
   const names = Object.keys(scores).filter((name) => !name.endsWith('.error') && isNumber(scores[name]));
-  return section('scores', 'Scores of the first view', null, scoresTable(scores, names.filter((name) => !isOfOneDefect(name))),
-    h('details', {}, h('summary', {}, 'Each defect'), scoresTable(scores, names.filter(isOfOneDefect))));
+  return h('div', {}, h('h3', {}, 'Scores of the first view'), scoresTable(facts, scores, names.filter((name) => !isOfOneDefect(name))),
+    h('details', { class: 'screen-only' }, h('summary', {}, 'Each defect'), scoresTable(facts, scores, names.filter(isOfOneDefect))));
+}
+
+export function lightingSection(facts) {
+  const data = facts.data.rendered;
+  return data ? section('lighting', data.scores ? 'Lighting and scores' : 'Lighting', null,
+    h('div', { class: 'scene' }, h('div', { class: 'drawing' }, svgNode(data.drawing)), data.scores && viewScores(facts, data.scores))) : null;
 }

@@ -90,6 +90,19 @@ TEST(Range, SaysWhatIsAllowed) {
   EXPECT_EQ((Range{.min = 0, .max = 1, .min_excluded = true}).text(), "in (0, 1]");
   EXPECT_EQ((Range{.max = 3}).text(), "<= 3");
   EXPECT_EQ(Range{}.text(), "any");
+  constexpr std::array<int, 3> kOdd = {1, 3, 5};
+  EXPECT_EQ(Range::one_of(kOdd).text(), "one of 1, 3, 5");
+}
+
+TEST(Range, OfSomeNumbersContainsNoOther) {
+  constexpr std::array<int, 3> kOdd = {-1, 3, 5};
+  const Range odd = Range::one_of(kOdd);
+  for (const double value : {-1.0, 3.0, 5.0}) {
+    EXPECT_TRUE(odd.contains(value)) << value;
+  }
+  for (const double value : {-2.0, 0.0, 3.5, 4.0, 6.0}) {
+    EXPECT_FALSE(odd.contains(value)) << value;
+  }
 }
 
 TEST(Range, ContainsItsEndsUnlessExcluded) {

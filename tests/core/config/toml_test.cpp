@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <unistd.h>
+
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,6 +16,7 @@
 namespace glint {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
@@ -118,10 +122,38 @@ TEST(LoadToml, RefusesAFileThatIncludesItself) {
   const TemporaryFolder folder;
   write_file(folder / "a.toml", "include = [\"a.toml\"]\n");
   EXPECT_THAT(text_thrown_by<ConfigError>([&] { load_toml(folder / "a.toml"); }),
-              EndsWith("a.toml: include: the file includes itself"));
+              AllOf(HasSubstr("a.toml:1:12: include: the file includes itself: "),
+                    EndsWith("a.toml -> " + (folder / "a.toml").string())));
+  write_file(folder / "top.toml", "include = [\"b.toml\"]\n");
   write_file(folder / "b.toml", "include = [\"c.toml\"]\n");
   write_file(folder / "c.toml", "include = [\"./b.toml\"]\n");
-  EXPECT_THROW(load_toml(folder / "b.toml"), ConfigError);
+  const std::string b = (folder / "b.toml").string();
+  const std::string c = (folder / "c.toml").string();
+  EXPECT_EQ(text_thrown_by<ConfigError>([&] { load_toml(folder / "top.toml"); }),
+            c + ":1:12: include: the file includes itself: " + b + " -> " + c + " -> " + b);
+}
+
+TEST(LoadToml, RefusesDevicesAndFilesThatAreNoStudies) {
+  const TemporaryFolder folder;
+  write_file(folder / "a.toml", "include = [\"/dev/zero\"]\n");
+  EXPECT_THAT(text_thrown_by<ConfigError>([&] { load_toml(folder / "a.toml"); }),
+              AllOf(HasSubstr("a.toml:1:12: include: /dev/zero: is no study file"),
+                    HasSubstr("more than 4 MB")));
+  write_file(folder / "large.toml", std::string((4U << 20U) + 1, '#'));
+  EXPECT_THAT(text_thrown_by<ConfigError>([&] { load_toml(folder / "large.toml"); }),
+              HasSubstr("large.toml: is no study file"));
+  write_file(folder / "just.toml", std::string(4U << 20U, '#'));
+  EXPECT_TRUE(load_toml(folder / "just.toml").names.empty());
+}
+
+TEST(LoadToml, ReadsPipes) {
+  int ends[2] = {};
+  ASSERT_EQ(::pipe(ends), 0);
+  const std::string text = "seed = 3\n";
+  ASSERT_EQ(::write(ends[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  ::close(ends[1]);
+  EXPECT_EQ(load_toml(fmt::format("/dev/fd/{}", ends[0])).at_path("seed")->integer, 3);
+  ::close(ends[0]);
 }
 
 TEST(LoadToml, RefusesAnIncludeThatIsNoListOfFiles) {
@@ -140,8 +172,9 @@ TEST(LoadToml, NamesAMissingFile) {
   EXPECT_THAT(text_thrown_by<IoError>([&] { load_toml(folder / "none.toml"); }),
               HasSubstr("none.toml: cannot be read: No such file or directory"));
   write_file(folder / "a.toml", "include = [\"gone.toml\"]\n");
-  EXPECT_THAT(text_thrown_by<IoError>([&] { load_toml(folder / "a.toml"); }),
-              HasSubstr("gone.toml: cannot be read"));
+  EXPECT_THAT(
+      text_thrown_by<IoError>([&] { load_toml(folder / "a.toml"); }),
+      AllOf(HasSubstr("a.toml:1:12: include: "), HasSubstr("gone.toml: cannot be read: No")));
 }
 
 TEST(ParseOverride, ReadsTomlValues) {

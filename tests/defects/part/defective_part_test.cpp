@@ -72,9 +72,14 @@ int num_made(const DefectivePart& part) {
   return static_cast<int>(std::ranges::count_if(part.defects, &RealisedDefect::is_made));
 }
 
+// Of facets that are the surface themselves: under an exact one they would be made finer first.
 TEST(DefectMaker, ImprintsAreClosedLabelledAndTakeAwayWhatTheySay) {
+  PartSettings settings = cylinder_settings();
+  settings.facets_mm = kChordTolerance_mm;
   const Workshop shop(
-      {{"dents", random_dents(6, Realisation::kImprinted)}, {"scratches", random_scratches(4)}});
+      {{"dents", random_dents(6, Realisation::kImprinted)}, {"scratches", random_scratches(4)}},
+      {},
+      settings);
   const DefectivePart made = shop.make();
   ASSERT_EQ(num_made(made), 10);
   ASSERT_TRUE(made.has_own_mesh());
@@ -91,6 +96,31 @@ TEST(DefectMaker, ImprintsAreClosedLabelledAndTakeAwayWhatTheySay) {
   const double before_mm3 = enclosed_volume_mm3(shop.part().mesh);
   const double after_mm3 = enclosed_volume_mm3(made.mesh);
   EXPECT_NEAR(removed_mm3, before_mm3 - after_mm3, 1e-9 * before_mm3);
+}
+
+// Nothing is refined twice and nothing is left open where dents lie on top of each other, and a
+// refused imprint leaves no finer facets behind: all there are lie beside a dent.
+TEST(DefectMaker, DentsThatOverlapOnAnExactSurfaceAreClosed) {
+  DefectGroup dents = random_dents(30, Realisation::kImprinted);
+  dents.height_mm = {0.004, 0.05};
+  dents.region.kind = DefectRegion::Kind::kSphere;
+  dents.region.centre_mm = {0.0, 0.0, 15.0};
+  dents.region.radius_mm = 3.0;
+  const Workshop shop({{"dents", dents}});
+  const DefectivePart made = shop.make();
+  EXPECT_GE(num_made(made), 20);
+  EXPECT_TRUE(find_faults(made.mesh).none());
+}
+
+TEST(DefectMaker, AGroupWithoutCountAndPlacesHasNoDefect) {
+  DefectGroup none = random_dents(0, Realisation::kImprinted);
+  none.x_mm.clear();
+  none.y_mm.clear();
+  const Workshop shop({{"none", none}, {"dents", random_dents(2, Realisation::kImprinted)}});
+  const DefectivePart made = shop.make();
+  ASSERT_EQ(made.defects.size(), 2U);
+  EXPECT_EQ(made.defects[0].defect.label, "dents_1");
+  EXPECT_TRUE(Workshop({{"none", none}}).make().defects.empty());
 }
 
 TEST(DefectMaker, BumpsAddMaterial) {

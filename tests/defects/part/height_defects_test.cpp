@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/config/key_writer.h"
 #include "core/config/toml.h"
 
 namespace glint {
@@ -66,6 +67,33 @@ TEST(DefectGroup, XAndYMustBeAsMany) {
   ASSERT_EQ(errors.size(), 1U);
   EXPECT_THAT(errors[0].message(),
               ::testing::StartsWith("d.toml:2:1: defects.dent.y_mm: has 1 places"));
+}
+
+std::size_t most_of(const std::string& toml) {
+  const ConfigNode root = parse_toml(toml, "d.toml");
+  std::vector<Problem> errors;
+  DefectGroup group;
+  KeyReader reader(&root, "defects.dent", errors);
+  visit_keys(reader, group);
+  EXPECT_TRUE(errors.empty());
+  ConfigNode written = ConfigNode::table();
+  KeyWriter writer(written);
+  visit_keys(writer, group);
+  DefectGroup again;
+  KeyReader rereader(&written, "defects.dent", errors);
+  visit_keys(rereader, again);
+  EXPECT_TRUE(errors.empty());
+  EXPECT_EQ(max_defects(again, {}), max_defects(group, {})) << "every key present";
+  return max_defects(group, {});
+}
+
+TEST(DefectGroup, ACountOfZeroIsNoneUnlessPlacesAreGiven) {
+  EXPECT_EQ(most_of(""), 1U) << "the part's middle";
+  EXPECT_EQ(most_of("height_um = 3"), 1U);
+  EXPECT_EQ(most_of("count = 0"), 0U);
+  EXPECT_EQ(most_of("count = 0\nx_mm = [0]\ny_mm = [0]"), 1U);
+  EXPECT_EQ(most_of("count = 0\nat_mm = [0, 0, 1, 0, 0, 2]"), 2U);
+  EXPECT_EQ(most_of("count = [0, 3]"), 3U);
 }
 
 TEST(DefectGroup, ARangeRunsFromSmallToLarge) {

@@ -146,11 +146,29 @@ TEST(DefectPixels, RefuseADefectOffThePartOrWithoutBackground) {
   using ::testing::HasSubstr;
   const std::vector<DefectView> views = {disc_view("dent", 20.0, 20.0, 3.0, 40, 40)};
   Mask part(40, 40);
-  EXPECT_THAT([&] { defect_pixels(views, part); },
-              ::testing::ThrowsMessage<ConfigError>(HasSubstr("defects.dent: is not in the pic")));
+  EXPECT_THAT(
+      [&] { defect_pixels(views, part); },
+      ::testing::ThrowsMessage<ConfigError>(HasSubstr("defects.dent: dent is not in the pic")));
   part(20, 20) = 1;
-  EXPECT_THAT([&] { defect_pixels(views, part); },
-              ::testing::ThrowsMessage<ConfigError>(HasSubstr("defects.dent: has no background")));
+  EXPECT_THAT(
+      [&] { defect_pixels(views, part); },
+      ::testing::ThrowsMessage<ConfigError>(HasSubstr("defects.dent: dent has no background")));
+}
+
+TEST(DefectPixels, NameTheTableOfADefectAndWhatToDo) {
+  EXPECT_EQ(defect_table("dent_2"), "defects.dent");
+  EXPECT_EQ(defect_table("dent2_12"), "defects.dent2");
+  EXPECT_EQ(defect_table("small_dent_1"), "defects.small_dent");
+  EXPECT_EQ(defect_table("dent_"), "defects.dent_");
+  EXPECT_EQ(defect_table("_1"), "defects._1");
+  const std::vector<DefectView> views = {disc_view("dent2_2", 20.0, 20.0, 3.0, 40, 40)};
+  try {
+    defect_pixels(views, Mask(40, 40));
+    FAIL() << "a defect without pixels";
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(error.problems()[0].key, "defects.dent2");
+    EXPECT_THAT(error.problems()[0].text, ::testing::HasSubstr("facing_deg"));
+  }
 }
 
 TEST(Summarise, TakesTheWorstDefect) {

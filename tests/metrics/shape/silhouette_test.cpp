@@ -102,6 +102,33 @@ TEST(FindSilhouette, TakesTheLargestPieceOnly) {
   EXPECT_NEAR(area_of(found), kPi * 400.0, 20.0);
 }
 
+// A disc of radius 40 that a band of 7 rows cuts in two, as a camera slot's reflection does: the
+// halves have pi 1600 less some 7 x 80 px, 7 x 3 px, below 1 % of a half, are a crumb.
+TEST(FindSilhouette, KeepsAllPiecesButCrumbs) {
+  ImageF image = disc_picture([](double r) { return r <= 40.0 ? 0.5 : 0.0; });
+  for (int y = 47; y < 54; ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      image(x, y) = 0.02F;
+    }
+  }
+  for (int y = 2; y < 5; ++y) {
+    for (int x = 2; x < 9; ++x) {
+      image(x, y) = 0.9F;
+    }
+  }
+  const Silhouette largest = find_silhouette(image);
+  EXPECT_EQ(largest.pieces, 1);
+  EXPECT_NEAR(area_of(largest), 0.5 * (kDiscArea - 560.0), 30.0);
+  const Silhouette all = find_silhouette(image, Pieces::kAll);
+  ASSERT_TRUE(all.mask.has_value());
+  EXPECT_EQ(all.pieces, 2);
+  EXPECT_NEAR(area_of(all), kDiscArea - 560.0, 60.0);
+  EXPECT_EQ((*all.mask)(5, 3), 0) << "a crumb";
+  EXPECT_EQ((*all.mask)(60, 50), 0) << "the band";
+  EXPECT_EQ((*all.mask)(60, 40), 1);
+  EXPECT_EQ((*all.mask)(60, 60), 1);
+}
+
 // A rim at 0.06 under a middle at 0.8.
 TEST(FindSilhouette, CutsOffADarkRim) {
   ImageF image = disc_picture([](double r) { return r <= 25.0 ? 0.8 : r <= 40.0 ? 0.06 : 0.005; });

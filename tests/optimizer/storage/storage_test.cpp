@@ -4,8 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <bit>
 #include <cmath>
@@ -16,32 +14,15 @@
 #include "core/file.h"
 #include "optimizer/storage/sqlite.h"
 #include "tests/optimizer/algorithm/problems.h"
+#include "tests/optimizer/storage/some_trials.h"
 
 namespace glint {
 namespace {
 
 using test::identity;
+using test::open_error;
+using test::write_some_trials;
 using testing::HasSubstr;
-
-std::string open_error(const std::filesystem::path& path, const std::string& hash = "abc") {
-  try {
-    Storage::open(path, identity(hash));
-  } catch (const IoError& error) {
-    return std::string("IoError ") + error.what();
-  } catch (const ConfigError& error) {
-    return std::string("ConfigError ") + error.what();
-  }
-  return "";
-}
-
-void write_some_trials(Storage& storage, int count) {
-  for (int n = 1; n <= count; ++n) {
-    const std::vector<Trial> trials = {{.number = n, .point = {1.0 / n, 2.0 * n}}};
-    storage.append(std::vector<Event>{{.kind = EventKind::kAsk, .trial = n}}, trials);
-    storage.record(TrialKind::kSearch, n, {.scores = {{"h", 1.0 / n}}, .seconds = 0.5});
-    storage.append(std::vector<Event>{{.kind = EventKind::kTell, .trial = n, .value = -1.0 / n}});
-  }
-}
 
 TEST(Storage, GivesBackNumbersBitForBit) {
   const TemporaryFolder folder;
@@ -161,6 +142,8 @@ TEST(Storage, RemembersTheStudyAndItsSessions) {
   for (int i = 0; i < 3; ++i) {
     Storage storage = Storage::open(folder / "s.sqlite", study);
     EXPECT_EQ(identity_in(folder / "s.sqlite").seed, study.seed);
+    EXPECT_EQ(storage.identity().seed, study.seed);
+    EXPECT_EQ(storage.identity().config_text, "[part]\n");
     EXPECT_EQ(identity_in(folder / "s.sqlite").config_text, "[part]\n");
     EXPECT_DOUBLE_EQ(storage.total_seconds(), 1.5 * i);
     storage.set_session_seconds(1.0);
@@ -406,37 +389,6 @@ TEST(Storage, ASearchBegunUnderSchema1GoesOn) {
   EXPECT_EQ(result.replayed, 1);
   EXPECT_EQ(calls, 19);
   EXPECT_EQ(result.evaluations, 20);
-}
-
-TEST(Storage, OnlyOneProcessMayHoldIt) {
-  const TemporaryFolder folder;
-  const Storage storage = Storage::open(folder / "s.sqlite", identity());
-  EXPECT_THAT(open_error(folder / "s.sqlite"), HasSubstr("another process is running this study"));
-  EXPECT_NO_THROW(Storage::read(folder / "s.sqlite"));
-}
-
-TEST(Storage, ALockDiesWithItsProcess) {
-  const TemporaryFolder folder;
-  int ready[2];
-  ASSERT_EQ(::pipe(ready), 0);
-  const pid_t child = ::fork();
-  if (child == 0) {
-    Storage storage = Storage::open(folder / "s.sqlite", identity());
-    write_some_trials(storage, 3);
-    const bool is_written = ::write(ready[1], "x", 1) == 1;
-    ::pause();
-    ::_exit(is_written ? 0 : 1);
-  }
-  char byte = 0;
-  ASSERT_EQ(::read(ready[0], &byte, 1), 1);
-  EXPECT_THAT(open_error(folder / "s.sqlite"), HasSubstr("another process"));
-  EXPECT_EQ(Storage::read(folder / "s.sqlite").trials(TrialKind::kSearch).size(), 3U);
-  ::kill(child, SIGKILL);
-  ::waitpid(child, nullptr, 0);
-  ::close(ready[0]);
-  ::close(ready[1]);
-  EXPECT_EQ(open_error(folder / "s.sqlite"), "");
-  EXPECT_EQ(Storage::read(folder / "s.sqlite").events().size(), 6U);
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ TEST(TexturePicture, NamesAFileThatIsMissingOrNoPicture) {
               ThrowsMessage<IoError>(HasSubstr("absent.png")));
   const auto text = picture_file("text.png", "no picture");
   EXPECT_THAT([&] { read_texture_picture(text, TextureEncoding::kAuto); },
-              ThrowsMessage<IoError>(HasSubstr("text.png")));
+              ThrowsMessage<ConfigError>(HasSubstr("text.png: is no picture")));
 }
 
 // Centres of the 2 x 2 pixels lie at 0.25 and 0.75; linear values 0, 0.2, 0.4, 1.

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include <gmock/gmock.h>
 
+#include "core/config/key_writer.h"
 #include "core/config/toml.h"
 #include "simulator/sensor/sensor.h"
 
 namespace glint {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -39,8 +45,23 @@ TEST(SensorSettings, RefuseABitDepthThatNoCameraHas) {
   for (const int bits : {0, 8, 10, 12, 16}) {
     EXPECT_THAT(problems_of("[sensor]\nbits = " + std::to_string(bits)), IsEmpty());
   }
-  EXPECT_THAT(problems_of("[sensor]\nbits = 9"), ElementsAre(HasSubstr("scene.toml:2:")));
-  EXPECT_THAT(problems_of("[sensor]\nbits = 9"), ElementsAre(HasSubstr("8, 10, 12, 16")));
+  for (const int bits : {-8, 1, 7, 9, 14, 17}) {
+    const std::string text = std::to_string(bits);
+    EXPECT_THAT(problems_of("[sensor]\nbits = " + text),
+                ElementsAre(AllOf(HasSubstr("scene.toml:2:"),
+                                  HasSubstr("is " + text + ", must be one of 0, 8, 10, 12, 16"))));
+  }
+}
+
+// What `glint explain` prints.
+TEST(SensorSettings, ListTheBitDepthsThatAreAllowed) {
+  std::vector<KeyRow> rows;
+  KeyLister lister("sensor", rows);
+  SensorSettings settings;
+  visit_keys(lister, settings);
+  const auto bits = std::ranges::find(rows, "sensor.bits", &KeyRow::path);
+  ASSERT_NE(bits, rows.end());
+  EXPECT_EQ(bits->allowed, "one of 0, 8, 10, 12, 16");
 }
 
 TEST(SensorSettings, NeedTheFullWellForElectrons) {

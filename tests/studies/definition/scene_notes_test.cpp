@@ -32,7 +32,38 @@ TEST(LightLines, TellTypeSizeAndPlaceOfEachLight) {
                           "sky: environment, the same from everywhere"));
   scene.has_tunnel = true;
   scene.tunnel_name = "arch";
-  EXPECT_EQ(light_lines(scene).front(), "arch: tunnel");
+  EXPECT_EQ(
+      light_lines(scene).front(),
+      "arch: tunnel, semicylinder, 200 mm wide, up to 100 mm above the origin, 600 mm long, slot "
+      "20 mm, stripes of period 16 mm, bright share 0.5");
+  scene.tunnel_name = "tunnel";
+  EXPECT_EQ(light_lines(scene).front().rfind("tunnel, semicylinder", 0), 0U);
+}
+
+TEST(SceneNotes, TellThatALightOnThePartMovesWithItsPose) {
+  BarSettings bar;
+  bar.placement.mount = LightPlacement::Mount::kPart;
+  SceneSettings scene = lit_by({{.name = "bar", .settings = bar}});
+  const auto has_note = Contains(HasSubstr("lighting.bar.mount is \"part\""));
+  EXPECT_THAT(scene_notes(scene, {}), Not(has_note)) << "the part stands where it always stood";
+  scene.part.position_mm = {0.0, 0.0, -20.0};
+  EXPECT_THAT(scene_notes(scene, {}), has_note);
+  scene.part.position_mm = {0.0, 0.0, 0.0};
+  scene.part.rotation_rad = {0.0, 0.1, 0.0};
+  EXPECT_THAT(scene_notes(scene, {}), has_note);
+  scene.lights.front().settings = BarSettings{};
+  EXPECT_THAT(scene_notes(scene, {}), Not(has_note)) << "it stays in the scene, as before";
+}
+
+TEST(SceneNotes, TellThatALightWithoutTypeIsReadAsATunnel) {
+  SceneSettings scene;
+  scene.tunnel_name = "left_ring";
+  const auto has_note =
+      Contains(HasSubstr("[lighting.left_ring] has no type, so it is read as a "
+                         "tunnel"));
+  EXPECT_THAT(scene_notes(scene, {}), Not(has_note));
+  scene.is_tunnel_guessed = true;
+  EXPECT_THAT(scene_notes(scene, {}), has_note);
 }
 
 // 24 positions over one period at duty 0.5 are 12 bright ones; 25 positions are 12.5.
@@ -51,7 +82,7 @@ TEST(SceneNotes, TellWhetherAScanHasWholeBrightPositions) {
 TEST(SceneNotes, ListTheLightsOfAPathTracedSceneAndSayWhenItIsDark) {
   const SceneSettings scene = lit_by({{.name = "ring", .settings = RingSettings{}}});
   const auto notes = scene_notes(scene, {{"homogeneity.mean", 0.0}});
-  EXPECT_THAT(notes.front(), HasSubstr("Light ring: ring"));
+  EXPECT_THAT(notes.front(), HasSubstr("Light ring, radii 25 to 40 mm"));
   EXPECT_THAT(notes, Contains(HasSubstr("No light reaches the part")));
   EXPECT_THAT(scene_notes(scene, {{"homogeneity.mean", 0.1}}),
               Not(Contains(HasSubstr("No light reaches the part"))));

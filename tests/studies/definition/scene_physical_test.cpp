@@ -8,8 +8,10 @@
 namespace glint {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr const char* kRingScene = R"(
 [part]
@@ -122,6 +124,25 @@ TEST(Scene, WhatDoesNotGoTogetherIsToldWithItsPlace) {
               ElementsAre(HasSubstr("scene.toml:2:1: lighting.ring.radius_mm: unknown key")));
   EXPECT_THAT(errors_of("[sensor]\nwavelengths_nm = [500, 600]\n"),
               ElementsAre(HasSubstr("sensor.wavelengths_nm: has 2 numbers")));
+}
+
+// A ring whose name is no kind is taken for a tunnel, which has none of its keys.
+TEST(Scene, SaysThatALightWithoutTypeIsReadAsATunnel) {
+  EXPECT_THAT(errors_of("[lighting.left_ring]\ninner_radius_mm = 30\n"),
+              ElementsAre(AllOf(HasSubstr("scene.toml:2:1: lighting.left_ring.inner_radius_mm: "
+                                          "unknown key"),
+                                HasSubstr("no type, so it is read as a tunnel"))));
+  for (const char* order :
+       {"[lighting.tunnel]\n[lighting.left_ring]\n", "[lighting.left_ring]\n[lighting.tunnel]\n"}) {
+    EXPECT_THAT(errors_of(order),
+                ElementsAre(AllOf(HasSubstr("is a second tunnel"),
+                                  HasSubstr("no type, so it is read as a tunnel"))))
+        << order;
+  }
+  EXPECT_THAT(errors_of("[lighting.tunnel]\ninner_radius_mm = 30\n"),
+              ElementsAre(Not(HasSubstr("no type"))));
+  EXPECT_THAT(errors_of("[lighting.left_ring]\ntype = \"ring\"\nradius_mm = 30\n"),
+              ElementsAre(Not(HasSubstr("no type"))));
 }
 
 TEST(ViewpointsOf, AlongTheSurfaceStandAtTheWorkingDistanceApartFromEachOther) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/definition/study.h"
+#include "studies/definition/study_text.h"
 
 #include <filesystem>
 
@@ -13,6 +14,10 @@ namespace glint {
 namespace {
 
 namespace fs = std::filesystem;
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
 
 /// A study file that is removed again.
 class StudyFile {
@@ -107,6 +112,32 @@ TEST(Study, TheResolvedTextIsTheSameStudy) {
   EXPECT_EQ(config_hash(study), config_hash(again));
 }
 
+TEST(Study, AFileThatDescribesNoSceneIsRefused) {
+  for (const char* text : {"", "# nothing\n", "schema = 1\n", "schema = 1\ntitle = \"Mine\"\n"}) {
+    EXPECT_THAT(error_of(text),
+                StartsWith("s.toml: describes no scene; it must hold at least one "
+                           "of the tables [part] [material]"))
+        << text;
+  }
+  EXPECT_EQ(error_of("[part]\n"), "");
+  EXPECT_EQ(error_of("", {{"part.shape", "plate"}}), "") << "what is set counts as well";
+}
+
+// What leaves the machine says nothing about its folders.
+TEST(Study, TheShownTextNamesFilesWithoutTheirFolders) {
+  const TemporaryFolder folder;
+  write_file(folder / "gear part.stl", "solid gear\nendsolid gear\n");
+  const StudyFile file("title = \"/of/mine\"\n[part]\nfile = \"" +
+                       (folder / "gear part.stl").string() + "\"\n");
+  const Study study = load_study(file.path(), {});
+  const std::string name = folder.path().string();
+  EXPECT_THAT(resolved_text(study), HasSubstr(name));
+  EXPECT_THAT(shown_text(study), Not(HasSubstr(name)));
+  EXPECT_THAT(shown_text(study), HasSubstr("file = \"gear part.stl\""));
+  EXPECT_THAT(shown_text(study), HasSubstr("title = \"/of/mine\""));
+  EXPECT_EQ(without_folders("no " + name + "/gear part.stl", study), "no gear part.stl");
+}
+
 TEST(Study, TheHashLeavesOutTheBudgetOnly) {
   const StudyFile file(kSound);
   const Study study = load_study(file.path(), {});
@@ -114,6 +145,25 @@ TEST(Study, TheHashLeavesOutTheBudgetOnly) {
   const Study other = load_study(file.path(), {{"sensor.gain", "1.7"}});
   EXPECT_EQ(config_hash(study), config_hash(longer));
   EXPECT_NE(config_hash(study), config_hash(other));
+}
+
+// Lights that stay in the scene were called "part" before; runs begun then go on. Lights that move
+// with the part are new where it is posed.
+TEST(Study, TheHashKnowsTheFormerNameOfLightsInTheScene) {
+  const auto hash_of = [](const std::string& mount, const std::string& pose) {
+    const StudyFile file("[part]\nshape = \"plate\"\n" + pose + "[lighting.bar]\nmount = \"" +
+                         mount + "\"\n");
+    return config_hash(load_study(file.path(), {}));
+  };
+  const std::string pose = "position_mm = [0, 0, -20]\n";
+  EXPECT_EQ(hash_of("scene", ""), hash_of("part", "")) << "the same picture";
+  EXPECT_NE(hash_of("scene", pose), hash_of("part", pose));
+  EXPECT_NE(hash_of("scene", pose), hash_of("camera", pose));
+  const StudyFile file("[part]\nshape = \"plate\"\nposition_mm = [0, 0, -20]\n[lighting.bar]\n");
+  Study former = load_study(file.path(), {});
+  EXPECT_EQ(config_hash(former), hash_of("scene", pose)) << "the default";
+  former.resolved.find("lighting")->items[0].find("mount")->text = "part";
+  EXPECT_NE(config_hash(former), hash_of("scene", pose)) << "moves now";
 }
 
 TEST(Study, TheHashChangesWithEveryFileOfTheScene) {

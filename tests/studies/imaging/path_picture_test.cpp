@@ -40,7 +40,9 @@ struct RenderedView {
 /// Rendered with the powers where build_lights() puts them: in the radiances.
 ImageF with_powers_in_radiances(const SceneSettings& scene, const RenderedView& rendered) {
   const Lights lights =
-      build_lights(scene.lights, inverse(rendered.view.physical().camera_from_world), MeshLoader());
+      build_lights(scene.lights,
+                   {.scene_from_camera = inverse(rendered.view.physical().camera_from_world)},
+                   MeshLoader());
   const PhysicalScene& unit = rendered.view.physical();
   const PhysicalScene physical = {.part = unit.part,
                                   .bvh = unit.bvh,

@@ -94,8 +94,8 @@ TEST(RemoveStaleStages, TakesThoseOfEndedProcessesOnly) {
 TEST(CheckImprintFolder, RefusesTheRunOfAStudy) {
   const TemporaryFolder folder;
   write_file(folder / "study.sqlite", "");
-  EXPECT_THAT(text_thrown_by<ConfigError>([&] { check_imprint_folder(folder.path(), "x"); }),
-              HasSubstr("holds the run of a study"));
+  EXPECT_THAT(text_thrown_by<ConfigError>([&] { check_imprint_folder(folder.path(), "x", 0); }),
+              HasSubstr("holds results of `glint run`"));
 }
 
 /// What studies/gallery/gear_defects promises in expected.json.

@@ -98,5 +98,20 @@ TEST(VisibilityHonesty, StudentOfEightScansCoversTheMeanOfFourHundred) {
   EXPECT_NEAR(scores.at("defects.mean_weber.low"), first.low, 1e-3 * std::abs(first.low));
 }
 
+// A ball cut out of the part is steepest at its rim, 4 h / d: for 0.6 to 1 mm 6.67 to 4 mrad a um.
+TEST(VisibilityScores, MeasureTheSmallestSlopeOnTheMesh) {
+  SceneSettings scene = small_line(2.0, 2.0);
+  DefectGroup& dents = scene.defects[0].second;
+  dents = {
+      .realisation = Realisation::kImprinted, .diameter_mm = dents.diameter_mm, .roughness = 0};
+  scene.inspection.trials.parts = 1;
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  const std::string height = "inspection.smallest_height_um";
+  const std::string slope = "inspection.smallest_slope_mrad";
+  const Scores scores = visibility_scores(store, scene, std::vector{height, slope}, 0);
+  EXPECT_NEAR(scores.at(slope) / scores.at(height), 5.3, 1.4);
+}
+
 }  // namespace
 }  // namespace glint

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/population/pod_study.h"
+#include "studies/definition/study_text.h"
 
 #include <algorithm>
 

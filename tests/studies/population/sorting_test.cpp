@@ -16,6 +16,7 @@
 #include "core/rng.h"
 #include "metrics/inspection/learn_limits.h"
 #include "studies/definition/study_tables.h"
+#include "studies/definition/study_text.h"
 #include "studies/population/sorting_parts.h"
 #include "studies/run/check_study.h"
 #include "tests/studies/population/population_support.h"
@@ -398,7 +399,7 @@ TEST(Sorting, GoesOnAfterKillsAsIfThereHadBeenNone) {
 }
 
 TEST(Sorting, CheckPredictsItsDuration) {
-  const Json check = check_study(StudyText(kSorting).load(), 2, 1);
+  const Json check = check_study(StudyText(kSorting).load(), {.threads = 2});
   EXPECT_GT(check.at("predicted_s").get<double>(), 0.0);
 }
 

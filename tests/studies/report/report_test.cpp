@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -232,10 +233,55 @@ TEST(CompleteReport, LabelsScoresAndKnowsWhichArePerCent) {
                                   {"defects.dent.signature_area_ratio", 6.1}};
   data["score_info"]["homogeneity.clipped_share"] = {{"label", "clipped"}, {"format", "number"}};
   const Json info = complete_report(data)["score_info"];
-  EXPECT_EQ(info["homogeneity.h_abs"], (Json{{"label", "h (abs)"}, {"format", "percent"}}));
+  EXPECT_EQ(info["homogeneity.h_abs"]["label"], "h (abs)");
+  EXPECT_EQ(info["homogeneity.h_abs"]["format"], "percent");
+  EXPECT_THAT(info["homogeneity.h_abs"]["meaning"].get<std::string>(),
+              HasSubstr("1 - mean absolute deviation / mean"));
   EXPECT_EQ(info["defects.cnr_min"], (Json{{"label", "smallest CNR"}, {"format", "number"}}));
   EXPECT_EQ(info["defects.dent.signature_area_ratio"]["label"], "dent: signature area ratio");
   EXPECT_EQ(info["homogeneity.clipped_share"]["label"], "clipped");
+}
+
+TEST(CompleteReport, CallsScoresByWords) {
+  Json scores = Json::object();
+  const std::vector<std::pair<std::string, std::string>> expected = {
+      {"homogeneity.h_rms", "h (rms)"},
+      {"homogeneity.h_rms.low", "h (rms), lower bound"},
+      {"homogeneity.h_rms.error", "h (rms), standard error"},
+      {"homogeneity.clipped_share", "clipped share"},
+      {"defects.min_dprime", "smallest d'"},
+      {"defects.min_cnr", "smallest CNR"},
+      {"defects.mean_weber", "mean Weber contrast"},
+      {"defects.min_rms_contrast", "smallest RMS contrast"},
+      {"defects.mean_depth_um", "mean depth (\u00b5m)"},
+      {"defects.removed_volume_mm3", "removed volume (mm\u00b3)"},
+      {"defects.dent_1.weber", "dent_1: Weber contrast"},
+      {"defects.dent_1.union", "dent_1: area that changes"},
+      {"inspection.smallest_slope_mrad", "smallest slope (mrad)"},
+      {"inspection.dents.auc", "dents: AUC"},
+      {"view.slot_margin_mm", "slot margin (mm)"},
+      {"weber", "Weber contrast"}};
+  for (const auto& [name, label] : expected) {
+    scores[name] = 0.5;
+  }
+  const Json info =
+      complete_report({{"designs", {{{"key", "a"}, {"scores", scores}}}}})["score_info"];
+  for (const auto& [name, label] : expected) {
+    EXPECT_EQ(info[name]["label"], label);
+    EXPECT_FALSE(info[name].value("meaning", "").empty()) << name;
+  }
+}
+
+// Another run of the same study differs in its element alone.
+TEST(RenderReport, HasDateAndDurationInOneElementOnly) {
+  Json data = search_report();
+  const std::string without = render_report(data);
+  data["when"] = "2026-11-23 08:10:05 UTC, <1 min";
+  const std::string with = render_report(data);
+  EXPECT_THAT(with, HasSubstr("<span id=\"when\">2026-11-23 08:10:05 UTC, &lt;1 min</span>"));
+  EXPECT_NE(with, without);
+  EXPECT_EQ(test::without_when(with), test::without_when(without));
+  EXPECT_THAT(page_text(with), Not(HasSubstr("2026")));
 }
 
 TEST(CompleteReport, NeverCallsAWorseWinnerBetter) {

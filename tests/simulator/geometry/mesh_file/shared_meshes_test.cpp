@@ -69,7 +69,7 @@ TEST(SharedMeshes, InTheWrongUnitAreRefused) {
   settings.shape = PartSettings::Shape::kMesh;
   settings.file = mesh_folder() / "stanford-bunny.obj";
   EXPECT_THAT(text_thrown_by<ConfigError>([&] { build_part(settings); }),
-              ::testing::HasSubstr("is the file in m? set part.unit = \"m\""));
+              ::testing::HasSubstr("is the file in m? The unit \"m\""));
 }
 
 }  // namespace

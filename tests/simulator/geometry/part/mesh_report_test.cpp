@@ -14,6 +14,7 @@ using Eigen::Vector3d;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 constexpr double kCrease_rad = 30.0 * kRadPerDeg;
 
@@ -102,6 +103,20 @@ TEST(MeshReport, CallsFacetsADefectAboveATenthOfTheSlope) {
   const MeshReport fine = report(part_of(band(100, 1e-3)), 11e-3, kCrease_rad);
   EXPECT_TRUE(fine.is_fine_enough);
   EXPECT_THAT(fine.verdict, HasSubstr("fine enough"));
+}
+
+// 30 mrad between facets against 2 mrad: 150 times too coarse, and 300 mrad is the slope to trust;
+// at 0.3 rad between facets no slope of a surface is left to trust.
+TEST(MeshReport, AdvisesNothingThatCannotBeDone) {
+  const MeshReport coarse = report(part_of(band(60, 30e-3)), 2e-3, kCrease_rad);
+  EXPECT_THAT(coarse.action, Not(HasSubstr("times shorter")));
+  EXPECT_THAT(coarse.action, HasSubstr("steeper than 300 mrad (17 deg)"));
+  const MeshReport coarsest = report(part_of(band(12, 0.3)), 2e-3, kCrease_rad);
+  EXPECT_THAT(coarsest.action, HasSubstr("parametric part"));
+  EXPECT_THAT(coarsest.action, HasSubstr("no defect can be told from its facets"));
+  for (const MeshReport& told : {coarse, coarsest}) {
+    EXPECT_THAT(told.verdict + told.action, Not(HasSubstr("e+")));
+  }
 }
 
 TEST(MeshReport, LeavesOutEdgesSharperThanTheCrease) {

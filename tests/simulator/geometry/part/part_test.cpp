@@ -130,10 +130,9 @@ TEST(BuildPart, ReadsAMeshInItsUnitAndCentresIt) {
 
 TEST(BuildPart, AsksForTheUnitOfAnImplausibleSize) {
   const TemporaryFolder folder;
-  EXPECT_THAT(
-      refusal_of(cube_file(folder, 0.2)),
-      AllOf(HasSubstr("part.unit"),
-            HasSubstr("0.2 mm large: is the file in m? set part.unit = \"m\" (then 200 mm)")));
+  EXPECT_THAT(refusal_of(cube_file(folder, 0.2)),
+              AllOf(HasSubstr("part.unit"),
+                    HasSubstr("0.2 mm large: is the file in m? The unit \"m\" makes it 200 mm")));
   PartSettings in_metres = cube_file(folder, 40.0);
   in_metres.unit = PartSettings::Unit::kMetre;
   EXPECT_THAT(refusal_of(in_metres), HasSubstr("4e+04 mm large: is the file in mm?"));

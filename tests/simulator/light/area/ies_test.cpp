@@ -17,6 +17,7 @@ namespace glint {
 namespace {
 
 using Eigen::Vector3d;
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 /// A file with these planes; intensity = 100 + plane's number.
@@ -104,9 +105,17 @@ TEST(ParseIes, UnfoldsEverySymmetry) {
   EXPECT_NEAR(whole.at(towards(60, 315)), 103.5, 1e-9);  // no symmetry
 }
 
-TEST(ParseIes, PassesOverIncludedTilt) {
+TEST(ParseIes, PassesOverIncludedTiltAndSaysSo) {
   const std::string head = "IESNA91\nTILT=INCLUDE\n1\n3\n0 45 90\n1 0.9 0.8\n";
-  EXPECT_DOUBLE_EQ(parse_ies(file_of(head, "2 0 0 0", {0}), "").at({0, 0, 1}), 100.0);
+  const IesTable table = parse_ies(file_of(head, "2 0 0 0", {0}), "lamp.ies");
+  EXPECT_DOUBLE_EQ(table.at({0, 0, 1}), 100.0);
+  Lights lights;
+  lights.bodies.push_back({.table = table});
+  EXPECT_THAT(tilt_warnings(lights),
+              ElementsAre(HasSubstr("lamp.ies: the table of TILT=INCLUDE (factors 0.8 to 1) is not "
+                                    "applied")));
+  lights.bodies[0].table = parse_ies(file_of(k1995, "2 0 0 0", {0}), "lamp.ies");
+  EXPECT_THAT(tilt_warnings(lights), ElementsAre());
 }
 
 TEST(ParseIes, SaysWhereAndWhatIsWrong) {

@@ -31,7 +31,7 @@ inline std::vector<LightTriangle> tetrahedron_mm() {
 inline Lights lights_of(const LightSettings& settings,
                         const RigidTransform& scene_from_camera = {}) {
   return build_lights({{.name = "light", .settings = settings}},
-                      scene_from_camera,
+                      {.scene_from_camera = scene_from_camera},
                       [](const std::filesystem::path&) { return tetrahedron_mm(); });
 }
 

@@ -59,21 +59,82 @@ TEST(LightSettings, RefuseWhatCannotBe) {
 }
 
 // The camera at (0, 0, 150) looks down with its x axis along the part's.
-TEST(PlacedFrame, StandsOnThePartOrOnTheCamera) {
-  const RigidTransform scene_from_camera = {.rotation = Eigen::DiagonalMatrix<double, 3>(1, -1, -1),
-                                            .translation_mm = {0.0, 0.0, 150.0}};
-  const EmitterFrame part = placed_frame({.position_mm = {1.0, 2.0, 3.0}}, scene_from_camera);
-  EXPECT_EQ(part.origin_mm, Eigen::Vector3d(1.0, 2.0, 3.0));
+// The part is lowered by 20 mm and turned by a quarter about z: its x axis is the scene's y.
+TEST(PlacedFrame, StandsInTheSceneOnThePartOrOnTheCamera) {
+  Eigen::Matrix3d quarter_turn;
+  quarter_turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  const LightMounts mounts = {
+      .scene_from_camera = {.rotation = Eigen::DiagonalMatrix<double, 3>(1, -1, -1),
+                            .translation_mm = {0.0, 0.0, 150.0}},
+      .scene_from_part = {.rotation = quarter_turn, .translation_mm = {0.0, 0.0, -20.0}}};
+  const EmitterFrame scene = placed_frame({.position_mm = {1.0, 2.0, 3.0}}, mounts);
+  EXPECT_EQ(scene.origin_mm, Eigen::Vector3d(1.0, 2.0, 3.0));
+  EXPECT_EQ(scene.z, Eigen::Vector3d(0.0, 0.0, -1.0));
+  EXPECT_EQ(scene.x, Eigen::Vector3d(1.0, 0.0, 0.0));
+  const EmitterFrame part =
+      placed_frame({.mount = LightPlacement::Mount::kPart, .position_mm = {1.0, 2.0, 3.0}}, mounts);
+  EXPECT_EQ(part.origin_mm, Eigen::Vector3d(-2.0, 1.0, -17.0));
   EXPECT_EQ(part.z, Eigen::Vector3d(0.0, 0.0, -1.0));
-  EXPECT_EQ(part.x, Eigen::Vector3d(1.0, 0.0, 0.0));
-  const EmitterFrame camera =
-      placed_frame({.mount = LightPlacement::Mount::kCamera, .position_mm = {0.0, 5.0, 16.0}},
-                   scene_from_camera);
+  EXPECT_EQ(part.x, Eigen::Vector3d(0.0, 1.0, 0.0));
+  const EmitterFrame camera = placed_frame(
+      {.mount = LightPlacement::Mount::kCamera, .position_mm = {0.0, 5.0, 16.0}}, mounts);
   EXPECT_EQ(camera.origin_mm, Eigen::Vector3d(0.0, -5.0, 134.0));
   EXPECT_EQ(camera.z, Eigen::Vector3d(0.0, 0.0, -1.0));
   const EmitterFrame turned =
       placed_frame({.direction = {2.0, 0.0, 0.0}, .roll_rad = kPi / 2.0}, {});
   EXPECT_LT((turned.x.cross(turned.y) - turned.z).norm(), 1e-12);
+}
+
+/// The middle of each emitter of a ring, in the picture: x to the right, y downwards.
+std::vector<Eigen::Vector2d> places_in_picture(const RingSettings& ring,
+                                               const LightMounts& mounts) {
+  const Lights lights = build_lights({{.name = "ring", .settings = ring}}, mounts, {});
+  std::vector<Eigen::Vector2d> places;
+  for (const Emitter& emitter : lights.emitters) {
+    const auto& shape = std::get<RingShape>(emitter.shape);
+    const double middle = shape.first_rad + 0.5 * shape.span_rad;
+    const double radius = ring.leds > 0 ? 0.0 : shape.middle_radius_mm;
+    const Eigen::Vector3d at = shape.frame.origin_mm + radius * (std::cos(middle) * shape.frame.x +
+                                                                 std::sin(middle) * shape.frame.y);
+    places.push_back((inverse(mounts.scene_from_camera) * at).head<2>());
+  }
+  return places;
+}
+
+// docs/images/ring_segments.svg: segment 0 from the right to the bottom, LED 0 half a pitch after
+// the right, whatever the ring is fixed to. The camera looks down, the picture's top is +y.
+TEST(RingLight, SegmentsAndLedsRunClockwiseFromTheRightOfThePicture) {
+  const LightMounts mounts = {
+      .scene_from_camera = {.rotation = Eigen::DiagonalMatrix<double, 3>(1, -1, -1),
+                            .translation_mm = {0.0, 0.0, 150.0}}};
+  using Mount = LightPlacement::Mount;
+  for (const Mount mount : {Mount::kScene, Mount::kPart, Mount::kCamera}) {
+    RingSettings ring = {.placement = {.mount = mount}, .segments = {.segments = 4}};
+    const auto segments = places_in_picture(ring, mounts);
+    ASSERT_EQ(segments.size(), 4U);
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_NEAR(std::atan2(segments[k].y(), segments[k].x()),
+                  std::remainder((static_cast<double>(k) + 0.5) * kPi / 2.0, 2.0 * kPi),
+                  1e-12);
+    }
+    ring.leds = 12;
+    const auto leds = places_in_picture(ring, mounts);
+    ASSERT_EQ(leds.size(), 12U);
+    EXPECT_NEAR(std::atan2(leds[0].y(), leds[0].x()), 15.0 * kRadPerDeg, 1e-12);
+    EXPECT_NEAR(std::atan2(leds[1].y(), leds[1].x()), 45.0 * kRadPerDeg, 1e-12);
+  }
+}
+
+// The same figure: a bar's segment 0 is the one towards -x.
+TEST(BarLight, SegmentsRunAlongX) {
+  const BarSettings bar = {.segments = {.segments = 4}, .length_mm = 80.0};
+  const Lights lights = build_lights({{.name = "bar", .settings = bar}}, {}, {});
+  ASSERT_EQ(lights.emitters.size(), 4U);
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_NEAR(std::get<RectangleShape>(lights.emitters[k].shape).frame.origin_mm.x(),
+                -30.0 + 20.0 * static_cast<double>(k),
+                1e-12);
+  }
 }
 
 TEST(BuildLights, RefusesASecondEnvironmentAndALightWithoutArea) {

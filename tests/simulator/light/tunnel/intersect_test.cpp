@@ -168,6 +168,27 @@ TEST_P(IntersectBlock, RunsOnSmoothlyOverSlotAndRim) {
   }
 }
 
+// So do oblique stripes over the rims of both sides: the arc goes on beyond its first point as
+// beyond its last. A step is 0.26 mm of arc; an arc that turned back would bend by twice that.
+TEST_P(IntersectBlock, ObliqueStripesRunOnSmoothlyOverBothRims) {
+  TunnelSettings oblique = settings();
+  oblique.orientation_rad = 0.6;
+  const Tunnel tunnel(oblique);
+  for (const auto& [from, to] :
+       {std::pair{0.03, 0.3}, std::pair{-0.3, -0.03}, std::pair{1.3, 1.72}, {-1.72, -1.3}}) {
+    if (GetParam() == Shape::kSuperellipse && std::abs(from) > 1.0) {
+      continue;
+    }
+    Met met = fan(from, to, 2e-3);
+    met.intersect(tunnel);
+    for (std::size_t i = 2; i < met.size(); ++i) {
+      const auto at = [&](std::size_t k) { return static_cast<double>(met.pattern[k]); };
+      ASSERT_LE(std::abs(at(i) - 2.0 * at(i - 1) + at(i - 2)), 0.02)
+          << "ray " << i << " of those from " << from;
+    }
+  }
+}
+
 TEST_P(IntersectBlock, DetailsFollowTheExactHit) {
   TunnelSettings oblique = settings();
   oblique.orientation_rad = 0.6;

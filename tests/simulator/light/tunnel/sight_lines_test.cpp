@@ -27,17 +27,6 @@ TunnelSettings slotted() {
   return {.radius_mm = 100.0, .length_mm = 600.0, .slot_mm = 20.0};
 }
 
-TEST(OccludedBlock, HidesWhatTheSlotDoesNotShow) {
-  TunnelSettings settings = slotted();
-  const TwoPoints points;
-  std::array<float, 2> occluded = {};
-  occluded_block(Tunnel(settings), points.block(), kAbove_mm, occluded.data());
-  EXPECT_EQ(occluded, (std::array<float, 2>{0.0F, 1.0F}));
-  settings.blocks_view = false;
-  occluded_block(Tunnel(settings), points.block(), kAbove_mm, occluded.data());
-  EXPECT_EQ(occluded, (std::array<float, 2>{0.0F, 0.0F}));
-}
-
 // (50 - 50 t)^2 + (600 t)^2 = 100^2 at t = 0.150901: y = 42.455, z = 90.540. From there to the
 // slot's edge at y = 10 are 32.455 mm, to the tunnel's end 300.
 TEST(SightLines, TellWhereTheyCrossTheWallAndHowFarItsEdgesAre) {

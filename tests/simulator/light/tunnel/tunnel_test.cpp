@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/light/tunnel/tunnel.h"
 
+#include <array>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -155,6 +156,42 @@ TEST(Tunnel, ALevelCeilingHasItsSlotAtAnyHeight) {
     EXPECT_EQ(gain[0], 0.0F) << base_mm;
     EXPECT_EQ(gain[1], 1.0F) << base_mm;
   }
+}
+
+/// Whether a bright stripe stands at a place of the wall, seen straight up from (x, y, base).
+bool is_bright(const Tunnel& tunnel, double shift_mm, double place_x_mm, double place_y_mm) {
+  const std::array<float, 6> ray = {
+      static_cast<float>(place_x_mm), static_cast<float>(place_y_mm), 0.0F, 0.0F, 0.0F, 1.0F};
+  float x = 0.0F;
+  float pattern = 0.0F;
+  float gain = 0.0F;
+  float radiance = 0.0F;
+  tunnel.hit_block({&ray[0], &ray[1], &ray[2], &ray[3], &ray[4], &ray[5], 1}, &x, &pattern, &gain);
+  add_stripes(&x, &pattern, &gain, 1, tunnel.pattern(shift_mm), 1.0F, &radiance);
+  return radiance > 0.5F;
+}
+
+// docs/images/stripes_frame_0.svg: a bright stripe from 4 to 12 mm, and 4 mm further in frame 1.
+TEST(Tunnel, StripesOfFrameZeroBeginAtTheOffsetAndMoveAlongX) {
+  const Tunnel tunnel({.slot_mm = 0.0, .period_mm = 16.0, .duty = 0.5, .offset_mm = 4.0});
+  for (const double step_mm : {0.0, 4.0}) {
+    EXPECT_FALSE(is_bright(tunnel, step_mm, step_mm + 3.9, 0.0)) << step_mm;
+    EXPECT_TRUE(is_bright(tunnel, step_mm, step_mm + 4.1, 0.0)) << step_mm;
+    EXPECT_TRUE(is_bright(tunnel, step_mm, step_mm + 11.9, 0.0)) << step_mm;
+    EXPECT_FALSE(is_bright(tunnel, step_mm, step_mm + 12.1, 0.0)) << step_mm;
+  }
+}
+
+// On a wall of radius 100 mm y = 50 is 100 pi / 6 = 52.36 mm of arc from the top: stripes turned by
+// 30 degrees stand 52.36 tan 30 = 30.23 mm further to -x there.
+TEST(Tunnel, ObliqueStripesLeanTowardsMinusXAtPositiveY) {
+  const Tunnel tunnel({.slot_mm = 0.0, .period_mm = 40.0, .orientation_rad = 30.0 * kRadPerDeg});
+  EXPECT_FALSE(is_bright(tunnel, 0.0, -0.2, 0.0));
+  EXPECT_TRUE(is_bright(tunnel, 0.0, 0.2, 0.0));
+  EXPECT_FALSE(is_bright(tunnel, 0.0, -30.4, 50.0));
+  EXPECT_TRUE(is_bright(tunnel, 0.0, -30.0, 50.0));
+  EXPECT_FALSE(is_bright(tunnel, 0.0, 30.0, -50.0));
+  EXPECT_TRUE(is_bright(tunnel, 0.0, 30.4, -50.0));
 }
 
 // 1e9 mm is a whole number of periods of 16 mm: nothing changes.

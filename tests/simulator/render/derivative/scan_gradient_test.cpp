@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -252,6 +253,10 @@ class SmallScanSum {
     return found;
   }
 
+  void collect(const ScanGradient& gradient, ShapeDerivative& motion) const {
+    gradient.collect(footprints_, motion);
+  }
+
   double at(const SmallScan& moved) const {
     const Tunnel tunnel(moved.tunnel);
     const Footprints footprints(rays(), tunnel, moved.scan, bench_.camera_mm);
@@ -278,9 +283,10 @@ class SmallScanSum {
 
 double scan_difference(const SmallScanSum& sum,
                        const std::function<double&(SmallScan&)>& number,
-                       double step) {
-  SmallScan high;
-  SmallScan low;
+                       double step,
+                       const SmallScan& at = {}) {
+  SmallScan high = at;
+  SmallScan low = at;
   number(high) += step;
   number(low) -= step;
   return (sum.at(high) - sum.at(low)) / (2.0 * step);
@@ -316,6 +322,61 @@ TEST(GradientOfScan, AgreeWithDifferencesOfASmallScene) {
   expect("radius", motion.derivative_by("radius_mm").value(), 1e-2, [](SmallScan& s) -> double& {
     return s.tunnel.radius_mm;
   });
+}
+
+/// A slot through which the camera sees 6 mm of the strip: the wall hides both sides of the region.
+SmallScan hidden_scan(TunnelSettings::Shape shape) {
+  SmallScan scene;
+  scene.tunnel.shape = shape;
+  scene.tunnel.slot_mm = 4.0;
+  scene.tunnel.half_width_mm = 80.0;
+  scene.tunnel.height_mm = 105.0;
+  scene.tunnel.exponent = 2.6;
+  scene.tunnel.opening_rad = 1.2;
+  scene.tunnel.distance_mm = 60.0;
+  scene.tunnel.panel_height_mm = 150.0;  // a roof
+  return scene;
+}
+
+// The edges of what the wall hides move with the slot and the wall.
+TEST(GradientOfScan, AgreeWithDifferencesWhereTheWallHidesTheView) {
+  using Shape = TunnelSettings::Shape;
+  using Number = std::function<double&(SmallScan&)>;
+  const Number slot = [](SmallScan& s) -> double& { return s.tunnel.slot_mm; };
+  const Number base = [](SmallScan& s) -> double& { return s.tunnel.base_mm; };
+  const Number distance = [](SmallScan& s) -> double& { return s.tunnel.distance_mm; };
+  const Number height = [](SmallScan& s) -> double& { return s.tunnel.height_mm; };
+  const Number radius = [](SmallScan& s) -> double& { return s.tunnel.radius_mm; };
+  for (const auto& [shape, key, number] : {std::tuple(Shape::kSemicylinder, "radius_mm", radius),
+                                           std::tuple(Shape::kEllipse, "height_mm", height),
+                                           std::tuple(Shape::kSuperellipse, "height_mm", height),
+                                           std::tuple(Shape::kFlat, "distance_mm", distance)}) {
+    for (const double gain : {0.8, 1.7}) {
+      SmallScan scene = hidden_scan(shape);
+      scene.sensor.gain = gain;
+      const SmallScanSum sum(scene);
+      ShapeDerivative motion{Tunnel(scene.tunnel)};
+      const ScanGradient gradient = sum.gradient(motion);
+      EXPECT_GT(gradient.edges.size(), 100U);
+      const auto expect = [&](const char* name, double found, const Number& moved) {
+        const double expected = scan_difference(sum, moved, 2e-3, scene);
+        EXPECT_GT(std::abs(expected), 1e-4) << name;
+        EXPECT_NEAR(found, expected, 1e-2 * std::abs(expected)) << name << " " << key;
+      };
+      expect("slot", gradient.slot_mm, slot);
+      expect("base", motion.derivative_by("base_mm").value(), base);
+      expect(key, motion.derivative_by(key).value(), number);
+      // Negative control: without the edges' own term it would be noticed.
+      ShapeDerivative other{Tunnel(scene.tunnel)};
+      ScanGradient held = sum.gradient(other);
+      ShapeDerivative without{Tunnel(scene.tunnel)};
+      held.edges.clear();
+      sum.collect(held, without);
+      const double expected = scan_difference(sum, base, 2e-3, scene);
+      EXPECT_GT(std::abs(without.derivative_by("base_mm").value() - expected),
+                0.1 * std::abs(expected));
+    }
+  }
 }
 
 // A pixel a thousand periods away has the derivatives of one nearby, in plain pixels as in cells.

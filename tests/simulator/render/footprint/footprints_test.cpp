@@ -33,6 +33,7 @@ struct FrameError {
   double plain = 0.0;  ///< RMS over all frames, of full scale
   double all = 0.0;
   double largest_plain = 0.0;
+  double largest = 0.0;
   std::int64_t num_plain = 0;
   std::int64_t num_cells = 0;
 };
@@ -53,6 +54,7 @@ FrameError error_of(const Footprints& footprints,
     for (std::size_t i = 0; i < expected.size(); ++i) {
       const double d = static_cast<double>(frames[k].values()[i] - expected.values()[i]);
       all += d * d;
+      error.largest = std::max(error.largest, std::abs(d));
       if (footprints.state().values()[i] == State::kPlain) {
         plain += d * d;
         ++error.num_plain;
@@ -113,6 +115,7 @@ std::vector<LightCase> light_cases() {
     return cases.back().settings;
   };
   add("ends in the picture").length_mm = 90.0;
+  add("hidden by the wall").slot_mm = 10.0;
   add("oblique stripes").orientation_rad = 0.6;
   TunnelSettings& uneven = add("ripple and falloff");
   uneven.led_ripple = 0.3;
@@ -162,6 +165,27 @@ TEST(Footprints, MayBeWiderThanThePeriod) {
   EXPECT_EQ(found.integrated.num_plain, 0);
   EXPECT_LE(found.integrated.all, 0.006);
   EXPECT_GT(found.one_ray.all, 0.1);
+}
+
+// A cylinder of 20 mm sends the camera's rays over the slot and both lower rims of the wall. There
+// the pixels' corners below the rim must have the phase of the wall's continuation.
+TEST(Footprints, ObliqueStripesAreRightInEveryPixelAroundBothRims) {
+  CameraSettings camera = test::bench_camera();
+  camera.height_px = 140;
+  const test::FootprintBench bench(
+      {.shape = PartSettings::Shape::kCylinder, .length_mm = 70.0, .radius_mm = 20.0}, camera);
+  const RayCache truth = bench.sampled(16);
+  for (const double turn_deg : {30.0, -30.0, 55.0}) {
+    TunnelSettings oblique = test::bench_tunnel();
+    oblique.orientation_rad = turn_deg * kRadPerDeg;
+    oblique.blocks_view = false;  // else the wall hides the cylinder's sides
+    const Tunnel tunnel(oblique);
+    const Footprints footprints(bench.rays, tunnel, {.positions = kPositions}, bench.camera_mm);
+    const FrameError error =
+        error_of(footprints, test::integrated_frames(footprints), truth, tunnel, bench.camera_mm);
+    EXPECT_LE(error.largest, 0.02) << turn_deg << " degrees";
+    EXPECT_GT(error.num_cells, 300) << "pixels on a boundary of the light";
+  }
 }
 
 // Strip 18 mm wide, camera 300 mm above, wall at 100 mm: a slot of 18 * 2 / 3 = 12 mm shows all of

@@ -19,9 +19,9 @@ inline constexpr std::array<double, 1> kGreen_nm = {550.0};
 
 inline Lights lights_of(const std::vector<NamedLight>& lights,
                         const RigidTransform& scene_from_camera) {
-  return build_lights(lights, scene_from_camera, [](const std::filesystem::path&) {
-    return std::vector<LightTriangle>();
-  });
+  return build_lights(lights,
+                      {.scene_from_camera = scene_from_camera},
+                      [](const std::filesystem::path&) { return std::vector<LightTriangle>(); });
 }
 
 inline NamedLight white_sky(double radiance = 1.0) {

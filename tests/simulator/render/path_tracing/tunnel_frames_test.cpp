@@ -162,8 +162,11 @@ TEST(MirrorUnderATunnel, ShowsTheFramesOfLevel0) {
   free.shape = TunnelSettings::Shape::kFree;
   free.control_mm = {70.0, 90.0, 120.0, 110.0, 100.0};
   free.blocks_view = false;
+  TunnelSettings narrow = strip_tunnel();  // hides a fifth of the part
+  narrow.slot_mm = 9.5;
   const std::vector<std::pair<const char*, TunnelSettings>> cases = {
       {"semicylinder", strip_tunnel()},
+      {"hidden by the wall", narrow},
       {"oblique, duty 0.3", oblique},
       {"grey superellipse", grey},
       {"leaning panels", flat},

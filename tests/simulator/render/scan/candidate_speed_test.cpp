@@ -9,8 +9,6 @@
 
 #include "simulator/render/derivative/gradient_kernels.h"
 #include "simulator/render/footprint/stripe_shares.h"
-#include "simulator/render/wall/occluded_pixels.h"
-#include "simulator/render/wall/pixel_rays.h"
 #include "tests/simulator/render/footprint/footprint_fixtures.h"
 
 namespace glint {
@@ -21,96 +19,6 @@ namespace kernels = footprint_kernels;
 const test::FootprintBench& strip_bench() {
   static const test::FootprintBench bench(test::bench_strip(), test::bench_camera(), 0.4);
   return bench;
-}
-
-TunnelSettings random_wall(Rng& rng) {
-  using Shape = TunnelSettings::Shape;
-  const double size = rng.uniform(30.0, 200.0);
-  return {.shape = static_cast<Shape>(rng.next_u32() % 5),
-          .base_mm = rng.uniform(-20.0, 5.0),
-          .radius_mm = size,
-          .half_width_mm = size,
-          .height_mm = rng.uniform(30.0, 350.0),
-          .exponent = rng.uniform(1.2, 8.0),
-          .distance_mm = rng.uniform(20.0, 60.0),
-          .opening_rad = rng.uniform(0.0, 1.0),
-          .panel_height_mm = rng.uniform(50.0, 400.0),
-          .control_mm = {size, rng.uniform(30.0, 200.0), size, rng.uniform(30.0, 350.0), 150.0},
-          .length_mm = rng.uniform(20.0, 200.0),
-          .slot_mm = rng.uniform(0.0, 30.0)};
-}
-
-/// occluded_pixels() with a mask in any case.
-Mask find_occluded(const CornerRays& rays, const Tunnel& tunnel, const Eigen::Vector3d& camera_mm) {
-  Mask occluded = occluded_pixels(rays, tunnel, camera_mm);
-  return occluded.empty() ? Mask(rays.width_px, rays.height_px) : occluded;
-}
-
-// Walls of all shapes, some with their ends, their rim or the camera in view.
-TEST(OccludedPixels, TilesFindWhatEveryPixelByItselfFinds) {
-  const CornerRays& rays = strip_bench().rays;
-  Rng rng(3, Stream::kTest, 0);
-  int partly = 0;
-  for (int trial = 0; trial < 1000; ++trial) {
-    const Tunnel tunnel(random_wall(rng));
-    const Eigen::Vector3d camera_mm(
-        rng.uniform(-40.0, 40.0), rng.uniform(-60.0, 60.0), rng.uniform(60.0, 400.0));
-    const Mask occluded = find_occluded(rays, tunnel, camera_mm);
-    ASSERT_EQ(occluded, occluded_pixels_one_by_one(rays, tunnel, camera_mm))
-        << "trial " << trial << ", " << shape_name(tunnel.settings().shape);
-    const auto count = std::ranges::count(occluded.values(), 1);
-    partly += count > 0 && count < 5000 ? 1 : 0;
-  }
-  EXPECT_GT(partly, 100);
-}
-
-// A part that fills the picture: its first tile has no neighbour.
-TEST(OccludedPixels, TilesFindThemInThePicturesCorner) {
-  PartSettings large = test::bench_strip();
-  large.length_mm = 90.0;
-  large.width_mm = 60.0;
-  const test::FootprintBench bench(large, test::bench_camera());
-  const CornerRays& rays = bench.rays;
-  ASSERT_GT(rays.coverage(0, 0), 0.0F);
-  Rng rng(6, Stream::kTest, 0);
-  int in_corner = 0;
-  for (int trial = 0; trial < 300; ++trial) {
-    const Tunnel tunnel(random_wall(rng));
-    const Mask occluded = find_occluded(rays, tunnel, bench.camera_mm);
-    ASSERT_EQ(occluded, occluded_pixels_one_by_one(rays, tunnel, bench.camera_mm))
-        << "trial " << trial << ", " << shape_name(tunnel.settings().shape);
-    in_corner += occluded(0, 0);
-  }
-  EXPECT_GT(in_corner, 10);
-  EXPECT_LT(in_corner, 290);
-}
-
-// The camera that took the picture: its rays beside the part are known, too.
-TEST(OccludedPixels, TilesFindThemAroundThePartsOutline) {
-  const CornerRays& rays = strip_bench().rays;
-  const Eigen::Vector3d& camera_mm = strip_bench().camera_mm;
-  ASSERT_TRUE(PixelRays::through(rays, camera_mm));
-  Rng rng(4, Stream::kTest, 0);
-  int partly = 0;
-  for (int trial = 0; trial < 1000; ++trial) {
-    const Tunnel tunnel(random_wall(rng));
-    const Mask occluded = find_occluded(rays, tunnel, camera_mm);
-    ASSERT_EQ(occluded, occluded_pixels_one_by_one(rays, tunnel, camera_mm))
-        << "trial " << trial << ", " << shape_name(tunnel.settings().shape);
-    const auto count = std::ranges::count(occluded.values(), 1);
-    partly += count > 0 && count < 5000 ? 1 : 0;
-  }
-  EXPECT_GT(partly, 100);
-}
-
-TEST(OccludedPixels, NothingHidesWhereTheWallDoesNotBlockTheView) {
-  TunnelSettings settings = test::bench_tunnel();
-  settings.slot_mm = 2.0;
-  const CornerRays& rays = strip_bench().rays;
-  const Eigen::Vector3d& camera_mm = strip_bench().camera_mm;
-  EXPECT_GT(std::ranges::count(occluded_pixels(rays, Tunnel(settings), camera_mm).values(), 1), 0);
-  settings.blocks_view = false;
-  EXPECT_EQ(std::ranges::count(occluded_pixels(rays, Tunnel(settings), camera_mm).values(), 1), 0);
 }
 
 // Stripes do not change where the wall is met.

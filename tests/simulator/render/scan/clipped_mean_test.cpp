@@ -149,17 +149,6 @@ TEST(ClippedMean, IsSaturatedWhereTheDarkestPhaseIsAtFullScale) {
   EXPECT_TRUE(ClippedMean(pure_sensor(1.0), {.duty = 1.0}).is_saturated(0.0));
 }
 
-// Five frames, duty 0.5, no blur: a pixel is bright in 2 or 3 of them, half of the phases each:
-// mean 0.5 and deviation 0.1. With four frames it is always 2.
-TEST(ClippedMean, FewFramesScatterByTheirPhase) {
-  const ClippedMean five(pure_sensor(1.0), {.frames = 5});
-  EXPECT_NEAR(five.mean(0.0), 0.5, 1e-6);
-  EXPECT_NEAR(five.deviation(0.0), 0.1, 1e-6);
-  const ClippedMean four(pure_sensor(1.0), {.frames = 4});
-  EXPECT_NEAR(four.mean(0.0), 0.5, 1e-6);
-  EXPECT_NEAR(four.deviation(0.0), 0.0, 1e-6);
-}
-
 struct Scatter {
   double mean = 0.0;
   double deviation = 0.0;

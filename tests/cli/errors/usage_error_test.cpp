@@ -35,7 +35,17 @@ TEST(UsageError, UnknownOptionNamesTheNearest) {
 
 TEST(UsageError, MissingArgument) {
   expect_usage_error({"run"}, "glint run: STUDY\\.toml is required");
-  expect_usage_error({"render", "study.toml"}, "glint render: --out is required");
+  expect_usage_error({"report"}, "glint report: DIR is required");
+}
+
+// --out "$folder" of a variable that is not set.
+TEST(UsageError, EmptyNames) {
+  expect_usage_error({"run", "study.toml", "--out", ""},
+                     "glint run: --out: is empty, must be a name");
+  expect_usage_error({"report", "study.toml", "--out", ""},
+                     "glint report: --out: is empty, must be a name");
+  expect_usage_error({"run", "study.toml", "--log", ""},
+                     "glint run: --log: is empty, must be a name");
 }
 
 TEST(UsageError, WrongNumbers) {

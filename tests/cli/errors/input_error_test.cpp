@@ -237,6 +237,18 @@ TEST_F(InputError, DefectBesideThePart) {
                  "the part; the part reaches over 40 x 12 mm");
 }
 
+// The defect out of sight is of the second table; the first has one that is seen.
+TEST_F(InputError, DefectOutOfSightNamesItsOwnTableAndWhatToDo) {
+  const std::string study = small(
+      {{"[variables]",
+        "[defects.dent2]\ntype = \"dent\"\nat_mm = [5, 0, 1.9, 0, 0, -1.97]\n\n[variables]"}});
+  expect_refused(study,
+                 kUsage,
+                 place_of(study, "defects.dent2]") +
+                     "defects\\.dent2: dent2_2 is not in the picture, .*; give it a place .*at_mm.*"
+                     "facing_deg.*");
+}
+
 TEST_F(InputError, DistortionThatFolds) {
   const std::string study = small({{"height_px = 60", "height_px = 60\nk1 = -800"}});
   expect_refused(

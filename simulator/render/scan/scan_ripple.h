@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the few frames of a scan leave of the stripes in their mean, which the table T(w) of
+// clipped_mean.h does not have. Stripes whose phase is linear, gx and gy periods a pixel, reach a
+// pixel as
+//
+//     duty + sum over j of 2 / (pi j) sin(pi j duty) B(j gx) B(j gy) cos(2 pi j (phase - duty / 2))
+//
+// where B(f) = sinc(f) (w_0 + 2 sum of w_k cos(2 pi k f)) for a box pixel and the weights w_k of
+// the blur. The weights' part has period 1 in f: harmonics of whole periods a pixel pass the blur
+// (aliasing). Clipped, the wave has all harmonics, and the mean over N frames keeps those of N, 2
+// N, ...: a ripple of N times the phase. docs/theory/clipped_mean.md, "Few frames". Own derivation.
+#pragma once
+
+#include <unordered_map>
+#include <vector>
+
+#include "simulator/render/scan/clipped_mean.h"
+
+namespace glint {
+
+/// Keeps what it has computed; not to be shared between threads.
+class ScanRipple {
+ public:
+  /// As shares of the mean over all phases, noise left out.
+  struct Size {
+    double deviation = 0.0;  ///< of the mean over the frames, root mean square over the phase
+    double bias = 0.0;       ///< |mean over all phases - T(w)|
+  };
+
+  ScanRipple(const Sensor& sensor, const StripeSettings& stripes);
+
+  /// At the nearest cell: 16 of them up to the gradient that moves the ripple by a period a pixel,
+  /// then 6 % apart, in directions 10 degrees apart.
+  /// @param gx, gy  differences of the phase [periods / px]
+  Size at(double gx, double gy);
+
+  /// Whether the ripple stays nearly the same from pixel to pixel, or from every second one to the
+  /// next: it does not average out over a picture then.
+  bool is_coherent(double gx, double gy) const;
+
+ private:
+  Size size_at(double gx, double gy);
+  void start(int count, std::vector<double>& terms);
+  void transfer(double g, std::vector<double>& terms);
+
+  StripeSettings stripes_;
+  double slope_;   ///< of the grey value by the share of bright stripes
+  double offset_;  ///< grey value of dark stripes
+  double variance_px2_;
+  std::vector<double> weights_;  ///< of the blur: its centre, then both sides
+  std::vector<double> cosines_;  ///< at the phases, one scan after another
+  std::vector<double> shares_, harmonics_, terms_, cosines_of_g_, blur_;
+  std::unordered_map<int, Size> sizes_;  ///< by cell
+};
+
+}  // namespace glint

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/key_table.h"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "core/text.h"
+#include "studies/definition/scene.h"
+#include "studies/definition/study_tables.h"
+
+namespace glint {
+namespace {
+
+constexpr std::array kGroups = {
+    KeyGroup{"schema", "which version of the format the file is written in"},
+    KeyGroup{"title", "what the study is called in its report"},
+    KeyGroup{"include", "files that this one builds on"},
+    KeyGroup{"part", "the part: a mesh file or a parametric shape, its unit and pose"},
+    KeyGroup{"material", "how the part reflects"},
+    KeyGroup{"camera", "pixels, focal length, working distance, distortion"},
+    KeyGroup{"lens", "aperture and focus"},
+    KeyGroup{"viewpoint", "[[viewpoint]]: where cameras stand, one table each"},
+    KeyGroup{"viewpoints", "many cameras at once: on a sphere, along the surface, from a file"},
+    KeyGroup{"sensor", "exposure, gain, blur, noise, bits"},
+    KeyGroup{"scan", "how the tunnel moves between pictures, and how many are taken"},
+    KeyGroup{"render", "how pictures are computed, and how finely"},
+    KeyGroup{"lighting", "a table for each light: the fringe tunnel, rings, domes, bars ..."},
+    KeyGroup{"defects", "a table for each group of defects: dents, bumps, scratches ..."},
+    KeyGroup{"imprint", "what holds for all groups of defects"},
+    KeyGroup{"metrics", "over which pixels scores are taken"},
+    KeyGroup{"inspection", "how pictures are searched for defects, and parts graded"},
+    KeyGroup{"variables", "the keys that a search may change, with their limits"},
+    KeyGroup{"prototypes", "designs to be compared with the study's own"},
+    KeyGroup{"objective", "the score that a search makes large or small"},
+    KeyGroup{"constraints", "limits that scores of a design must keep"},
+    KeyGroup{"search", "how a search chooses designs"},
+    KeyGroup{"budget", "when a search ends"},
+    KeyGroup{"sorting", "a population of simulated parts, sorted into classes"},
+    KeyGroup{"pod", "how often defects are found, against their size"},
+};
+
+void add_file_keys(std::vector<KeyRow>& rows) {
+  rows.push_back({.path = "schema",
+                  .kind = "integer",
+                  .allowed = "1",
+                  .default_text = "1",
+                  .doc = "version of the format of this file",
+                  .range = Range::between(1, 1)});
+  rows.push_back({.path = "title",
+                  .kind = "text",
+                  .allowed = "any",
+                  .default_text = "none",
+                  .doc = "of the report; without it the name of the file or its folder"});
+  rows.push_back({.path = "include",
+                  .kind = "texts",
+                  .allowed = "names of TOML files, relative to this one",
+                  .default_text = "[]",
+                  .doc = "files whose keys hold where this one is silent; later files win"});
+}
+
+/// The type of a light's table is read before its other keys.
+void add_light_types(std::vector<KeyRow>& rows) {
+  std::vector<std::string> types = {"tunnel"};
+  types.insert(types.end(), light_types().begin(), light_types().end());
+  for (const std::string& type : types) {
+    rows.push_back({.path = fmt::format("lighting.{}.type", type),
+                    .kind = "choice",
+                    .allowed = fmt::format("\"{}\"", fmt::join(types, "\", \"")),
+                    .default_text = fmt::format("\"{}\"", type),
+                    .doc = "kind of light; without it the table's name is its kind, and a table "
+                           "of any other name is a tunnel",
+                    .choices = types});
+  }
+}
+
+/// Whether a doc that begins with types of defects ("scratch, gouge: from end to end") begins with
+/// others only.
+bool is_of_other_types(std::string_view doc, DefectType type) {
+  const std::size_t colon = doc.find(':');
+  bool names_types = colon != std::string_view::npos;
+  bool names_this = false;
+  for (const std::string& word : split(std::string(doc.substr(0, colon)), ',')) {
+    const std::string name = word.substr(std::min(word.find_first_not_of(' '), word.size()));
+    names_types = names_types && type_name(type_from_name(name)) == name;
+    names_this = names_this || name == type_name(type);
+  }
+  return names_types && !names_this;
+}
+
+}  // namespace
+
+std::span<const KeyGroup> key_groups() {
+  return kGroups;
+}
+
+std::vector<KeyRow> all_keys() {
+  std::vector<KeyRow> rows;
+  add_file_keys(rows);
+  std::ranges::copy(scene_keys(), std::back_inserter(rows));
+  add_light_types(rows);
+  std::ranges::copy(study_keys(), std::back_inserter(rows));
+  return rows;
+}
+
+std::vector<KeyRow> keys_of(DefectType type) {
+  const std::string table = "defects.dent.";
+  std::vector<KeyRow> rows;
+  for (KeyRow& row : scene_keys()) {
+    if (row.path.starts_with(table) && !is_of_other_types(row.doc, type)) {
+      row.path = fmt::format("defects.{}.{}", type_name(type), row.path.substr(table.size()));
+      rows.push_back(std::move(row));
+    }
+  }
+  return rows;
+}
+
+}  // namespace glint

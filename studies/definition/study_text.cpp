@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/study_text.h"
+
+#include <algorithm>
+
+#include "core/config/toml.h"
+#include "core/file.h"
+#include "core/text.h"
+#include "studies/definition/overrides.h"
+#include "studies/definition/study_tables.h"
+
+namespace glint {
+namespace {
+
+constexpr int kSchema = 1;
+
+/// Whether the part is moved or turned in some design.
+bool may_be_posed(const Study& study) {
+  const auto is_pose = [](std::string_view path) {
+    return path == "part" || path.starts_with("part.position_mm") ||
+           path.starts_with("part.rotation_deg");
+  };
+  return is_posed(study.scene) ||
+         std::ranges::any_of(study.space.variables, is_pose, &Variable::name) ||
+         std::ranges::any_of(study.prototypes, [&](const Prototype& prototype) {
+           return std::ranges::any_of(prototype.overrides, is_pose, &Overrides::value_type::first);
+         });
+}
+
+/// Lights in the scene were "part" before lights could follow a part's pose: hashes keep that name,
+/// so that runs begun then go on. A light that does follow one gets a name no run had then.
+void name_mounts_for_hash(Study& study) {
+  ConfigNode* lighting = study.resolved.find("lighting");
+  for (std::size_t i = 0; lighting != nullptr && i < lighting->items.size(); ++i) {
+    ConfigNode* mount = lighting->items[i].find("mount");
+    if (mount != nullptr && mount->text == "scene") {
+      mount->text = "part";
+    } else if (mount != nullptr && mount->text == "part" && may_be_posed(study)) {
+      mount->text = "posed part";
+    }
+  }
+}
+
+ConfigNode whole_tree(const Study& study) {
+  ConfigNode root = ConfigNode::table();
+  root.names.emplace_back("schema");
+  root.items.push_back(ConfigNode::from_integer(kSchema));
+  root.names.emplace_back("title");
+  root.items.push_back(ConfigNode::from_text(study.title));
+  merge(root, study.resolved);
+  for (const char* table : {"variables", "prototypes", "objective", "constraints"}) {
+    if (const ConfigNode* node = study.root.find(table)) {
+      root.names.emplace_back(table);
+      root.items.push_back(*node);
+    }
+  }
+  write_study_tables(study, root);
+  return root;
+}
+
+/// Calls a function with each text of a tree that is a file's full path.
+template <class Node, class Function>
+void for_each_path(Node&& node, const Function& function) {
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    if (!node.is_table() || node.names[i] != "title") {
+      for_each_path(node.items[i], function);
+    }
+  }
+  if (node.kind == ConfigNode::Kind::kText && std::filesystem::path(node.text).is_absolute()) {
+    function(node);
+  }
+}
+
+}  // namespace
+
+std::string resolved_text(const Study& study) {
+  return to_toml(whole_tree(study));
+}
+
+std::string shown_text(const Study& study) {
+  ConfigNode root = whole_tree(study);
+  for_each_path(root, [](ConfigNode& node) {
+    node.text = std::filesystem::path(node.text).filename().string();
+  });
+  return to_toml(root);
+}
+
+std::string without_folders(std::string text, const Study& study) {
+  for_each_path(whole_tree(study), [&](const ConfigNode& node) {
+    const std::string folder = (std::filesystem::path(node.text).parent_path() / "").string();
+    for (auto at = text.find(folder); folder != "/" && at != std::string::npos;
+         at = text.find(folder, at)) {
+      text.erase(at, folder.size());
+    }
+  });
+  return text;
+}
+
+std::string config_hash(const Study& study) {
+  Study hashed = study;
+  hashed.budget = {};
+  name_mounts_for_hash(hashed);
+  std::string text = resolved_text(hashed);
+  for (const std::filesystem::path& file : input_files(study.scene)) {
+    text += read_file(file);
+  }
+  return sha256_hex(text);
+}
+
+}  // namespace glint

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/output/result_folder.h"
+
+#include <algorithm>
+#include <array>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "studies/output/provenance.h"
+#include "studies/output/staged_folder.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct KindNames {
+  ResultKind kind;
+  std::string_view command;
+  const char* folder;  ///< in out/<name>
+};
+
+constexpr std::array<KindNames, 6> kKinds = {
+    {{ResultKind::kRun, "run", "run"},
+     {ResultKind::kRender, "render", "render"},
+     {ResultKind::kImprint, "imprint", "imprint"},
+     {ResultKind::kTools, "imprint --preview_tools", "tools"},
+     {ResultKind::kInspect, "inspect", "inspect"},
+     {ResultKind::kFrontier, "frontier", "frontier"}}};
+
+const KindNames& names_of(ResultKind kind) {
+  return *std::ranges::find(kKinds, kind, &KindNames::kind);
+}
+
+bool is_there(const fs::path& path) {
+  std::error_code error;
+  return fs::symlink_status(path, error).type() != fs::file_type::not_found && !error;
+}
+
+/// The object of run.json; null when there is none that can be read.
+Json run_json_in(const fs::path& folder) {
+  std::error_code ignored;
+  const fs::path file = folder / "run.json";
+  const Json json = fs::is_regular_file(file, ignored)
+                        ? Json::parse(read_file(file), nullptr, false)
+                        : Json(nullptr);
+  return json.is_object() ? json : Json(nullptr);
+}
+
+std::optional<ResultKind> kind_told_by(const Json& run) {
+  if (!run.is_object()) {
+    return std::nullopt;
+  }
+  if (const auto verb = run.find("verb"); verb != run.end() && verb->is_string()) {
+    const auto found = std::ranges::find(kKinds, verb->get<std::string>(), &KindNames::command);
+    return found != kKinds.end() ? std::optional(found->kind) : std::nullopt;
+  }
+  if (run.contains("inspected")) {
+    return ResultKind::kInspect;
+  }
+  return run.contains("algorithm") ? std::optional(ResultKind::kRun) : std::nullopt;
+}
+
+/// Folders of versions whose run.json did not tell.
+std::optional<ResultKind> kind_by_files(const fs::path& folder) {
+  const auto has = [&](const char* name) { return is_there(folder / name); };
+  if (has(kResolvedScene) && read_file(folder / kResolvedScene).starts_with("# glint imprint:")) {
+    return ResultKind::kImprint;
+  }
+  if (has("study.resolved.toml") && has("run.json")) {
+    return ResultKind::kRender;
+  }
+  if (has("frontier.json") && has("frontier.html")) {
+    return ResultKind::kFrontier;
+  }
+  return has("tools.json") && has("tools.png") ? std::optional(ResultKind::kTools) : std::nullopt;
+}
+
+/// ", study gear" where run.json names one.
+std::string study_of(const Json& run) {
+  const auto study = run.is_object() ? run.find("study") : run.end();
+  return study != run.end() && study->is_string() ? fmt::format(" of {}", study->get<std::string>())
+                                                  : std::string();
+}
+
+}  // namespace
+
+std::string_view command_of(ResultKind kind) {
+  return names_of(kind).command;
+}
+
+std::optional<ResultKind> result_kind_of(const fs::path& folder) {
+  if (is_there(folder / "study.sqlite")) {
+    return ResultKind::kRun;
+  }
+  const auto told = kind_told_by(run_json_in(folder));
+  return told ? told : kind_by_files(folder);
+}
+
+void check_result_folder(const fs::path& folder,
+                         ResultKind kind,
+                         std::span<const std::string> names) {
+  if (const auto found = result_kind_of(folder)) {
+    if (*found != kind) {
+      throw ConfigError(
+          fmt::format("{}: holds results of `glint {}`{}; choose another output folder",
+                      folder.string(),
+                      command_of(*found),
+                      study_of(run_json_in(folder))));
+    }
+    return;
+  }
+  for (const std::string& name : names) {
+    if (is_there(folder / name)) {
+      throw ConfigError(
+          fmt::format("{}: holds a {} that is not of `glint {}`; choose another output folder",
+                      folder.string(),
+                      name,
+                      command_of(kind)));
+    }
+  }
+}
+
+void check_inputs_kept(std::span<const fs::path> inputs,
+                       const fs::path& folder,
+                       std::span<const std::string> names) {
+  std::error_code ignored;
+  const fs::path whole = fs::weakly_canonical(fs::absolute(folder, ignored), ignored);
+  for (const fs::path& input : inputs) {
+    const fs::path inside =
+        input.empty()
+            ? fs::path()
+            : fs::weakly_canonical(fs::absolute(input), ignored).lexically_relative(whole);
+    if (!inside.empty() && std::ranges::count(names, inside.begin()->string()) > 0) {
+      throw ConfigError(fmt::format(
+          "{}: is read, and lies where results are written; choose another output folder than {}",
+          input.string(),
+          folder.string()));
+    }
+  }
+}
+
+void mark_result_folder(const fs::path& folder, ResultKind kind) {
+  if (!result_kind_of(folder)) {
+    const Json mark = {{"version", program_version()}, {"verb", std::string(command_of(kind))}};
+    write_file(folder / "run.json", mark.dump(2) + "\n");
+  }
+}
+
+fs::path default_result_folder(const std::string& name, ResultKind kind) {
+  return fs::path("out") / name / names_of(kind).folder;
+}
+
+fs::path default_run_folder(const std::string& name) {
+  const fs::path folder = default_result_folder(name, ResultKind::kRun);
+  const fs::path older = folder.parent_path();
+  const bool is_older = result_kind_of(older) == ResultKind::kRun && !result_kind_of(folder);
+  return is_older ? older : folder;
+}
+
+}  // namespace glint

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Whose results a folder holds. A folder takes the results of one verb only, files that are of
+// nobody known are left alone, and what a verb reads it does not overwrite.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace glint {
+
+/// What makes folders of results.
+enum class ResultKind { kRun, kRender, kImprint, kTools, kInspect, kFrontier };
+
+/// As it is typed: "run", "render", "imprint", "imprint --preview_tools", "inspect", "frontier".
+std::string_view command_of(ResultKind kind);
+
+/// Whose results a folder holds: by the field "verb" of its run.json, in folders of older versions
+/// by what is in them. Empty: it is no folder of results.
+std::optional<ResultKind> result_kind_of(const std::filesystem::path& folder);
+
+/// Asks before anything is written.
+/// @param names  files and folders directly in `folder` that the results consist of
+/// @throws ConfigError when the folder holds results of another kind, or, being no folder of
+///         results, something of one of these names
+void check_result_folder(const std::filesystem::path& folder,
+                         ResultKind kind,
+                         std::span<const std::string> names);
+
+/// @param inputs  files that are read; an empty path is none
+/// @param names   as above
+/// @throws ConfigError naming an input that is one of these files or lies in one of these folders
+void check_inputs_kept(std::span<const std::filesystem::path> inputs,
+                       const std::filesystem::path& folder,
+                       std::span<const std::string> names);
+
+/// Writes a run.json that tells whose folder it is, where nothing tells it yet: for results whose
+/// files appear one by one. The run.json of the finished results replaces it.
+/// @throws IoError
+void mark_result_folder(const std::filesystem::path& folder, ResultKind kind);
+
+/// Where results go unless --out tells: out/<name>/<last word of the command>.
+std::filesystem::path default_result_folder(const std::string& name, ResultKind kind);
+
+/// The same of a study's run; the folder of older versions, out/<name>, when a run is there and
+/// none in the new one.
+std::filesystem::path default_run_folder(const std::string& name);
+
+}  // namespace glint

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a verdict says beside the objective: each finding is a sentence with a code that a program
+// can ask for. Private to the module.
+//
+//   defects_clearer, defects_fainter, defects_level   the worst defect against the baseline
+//   defects_shown       its score, where there is nothing to compare with
+//   defects_hidden      no design tells it from its background
+//   no_defects          the scene has none: nothing says whether one would show
+//   narrow_defect       a defect of less than three pixels
+//   on_limits           variables of the design that lie on their limits
+//   dark_part           how much of the part is dark, hidden or clipped
+//   not_inspected       how much of the part the inspection looks at
+//   objective_flat      almost all evaluations score the same
+//   limit_lost          a limit that the design met in the search and misses with fresh seeds
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "studies/report/report_wording.h"
+
+namespace glint::report_detail {
+
+struct Finding {
+  std::string code;  ///< of the list above, or of studies/report/report_verdict.h
+  std::string text;  ///< a sentence for people
+};
+
+/// The score that tells how well the worst defect shows: the objective or a limit where these are
+/// about defects, else its CNR.
+Wording defect_wording(const nlohmann::ordered_json& data);
+
+/// Everything of the list above that holds for a design of the data.
+std::vector<Finding> findings_on(const nlohmann::ordered_json& data,
+                                 const nlohmann::ordered_json& design);
+
+}  // namespace glint::report_detail

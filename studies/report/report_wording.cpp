@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/report/report_wording.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/text.h"
+#include "metrics/scores.h"
+#include "metrics/statistics/estimate.h"
+#include "studies/report/report_verdict.h"
+
+namespace glint::report_detail {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kLevelPoints = 0.05;  // differences that would print as 0.0 points
+
+/// Half the width of the interval that holds 95 % of single values like these; mean_of() tells
+/// that of their mean, which is narrower by the root of their number.
+double spread_of(const std::vector<double>& values) {
+  const Estimate mean = mean_of(values);
+  return 0.5 * (mean.high - mean.low) * std::sqrt(static_cast<double>(values.size()));
+}
+
+}  // namespace
+
+Wording::Wording(const Json& data)
+    : Wording(data,
+              text_of(member(data, "objective"), "name"),
+              !text_of(member(data, "objective"), "sense").starts_with("min")) {}
+
+Wording::Wording(const Json& data, std::string score, bool is_maximised)
+    : score_(std::move(score)), is_maximised_(is_maximised) {
+  const Json& info = member(member(data, "score_info"), score_.c_str());
+  label_ = text_of(info, "label").empty() ? score_ : text_of(info, "label");
+  is_percent_ = text_of(info, "format") == "percent";
+}
+
+std::optional<double> Wording::value(const Json& design) const {
+  const auto fresh = number_of(member(design, "rescored"), score_);
+  return fresh ? fresh : searched(design);
+}
+
+std::optional<double> Wording::searched(const Json& design) const {
+  return number_of(member(design, "scores"), score_);
+}
+
+std::vector<double> Wording::repeated(const Json& design) const {
+  std::vector<double> values;
+  for (const Json& value : member(member(design, "repeated"), score_.c_str())) {
+    if (!value.is_number()) {
+      return {};
+    }
+    values.push_back(value.get<double>());
+  }
+  return values;
+}
+
+std::optional<double> Wording::noise(const Json& design) const {
+  const bool is_fresh = number_of(member(design, "rescored"), score_).has_value();
+  const Json& scores = member(design, is_fresh ? "rescored" : "scores");
+  const std::string whole(without_bound(score_));
+  const auto low = number_of(scores, whole + ".low");
+  const auto high = number_of(scores, whole + ".high");
+  const auto error = number_of(scores, error_name(whole));
+  if (error || (low && high)) {
+    return std::hypot(low && high ? 0.5 * (*high - *low) : 0.0, 2.0 * error.value_or(0.0));
+  }
+  const std::vector<double> values = repeated(design);
+  return values.size() < 2 ? std::nullopt : std::optional(spread_of(values));
+}
+
+std::optional<double> Wording::noise(const Json& design, const Json& other) const {
+  const std::vector<double> here = repeated(design);
+  const std::vector<double> there = repeated(other);
+  if (here.size() > 1 && here.size() == there.size()) {
+    std::vector<double> gaps(here.size());
+    std::ranges::transform(here, there, gaps.begin(), std::minus());
+    return spread_of(gaps);
+  }
+  const auto own = noise(design);
+  const auto its = noise(other);
+  return own && its ? std::optional(std::hypot(*own, *its)) : std::nullopt;
+}
+
+bool Wording::is_level(double a, double b) const {
+  const double gap = std::abs(a - b);
+  return is_percent_ ? 100 * gap < kLevelPoints : gap <= 1e-4 * std::max(std::abs(a), std::abs(b));
+}
+
+std::string Wording::text(double value) const {
+  return is_percent_ ? fmt::format("{:.1f} %", 100 * value) : fmt::format("{:.4g}", value);
+}
+
+std::string Wording::size(double gap) const {
+  return is_percent_ ? fmt::format("{:.1f} points", 100 * gap) : fmt::format("{:.3g}", gap);
+}
+
+std::string Wording::against(double value, double other) const {
+  if (is_level(value, other)) {
+    return "level with";
+  }
+  return size(std::abs(value - other)) + (is_better(value, other) ? " better than" : " worse than");
+}
+
+std::string role_of(const Json& design) {
+  const std::string role = text_of(design, "role");
+  const std::string key = text_of(design, "key");
+  if (!role.empty()) {
+    return role;
+  }
+  return key == "winner" || key == "baseline" ? key : "prototype";
+}
+
+std::string title_of(const Json& design) {
+  const std::string title = text_of(design, "title");
+  return title.empty() ? text_of(design, "key") : title;
+}
+
+const Json* best_design(const Json& designs, const Wording& wording, std::string_view role) {
+  const Json* best = nullptr;
+  for (const Json& design : designs) {
+    const auto value = wording.value(design);
+    if (!value || (!role.empty() && role_of(design) != role)) {
+      continue;
+    }
+    const bool is_feasible = member(design, "feasible") != Json(false);
+    const bool best_is_feasible = best != nullptr && member(*best, "feasible") != Json(false);
+    if (best == nullptr || (is_feasible && !best_is_feasible) ||
+        (is_feasible == best_is_feasible && wording.is_better(*value, *wording.value(*best)))) {
+      best = &design;
+    }
+  }
+  return best;
+}
+
+bool meets(const Json& constraint, const std::optional<double>& value) {
+  const auto low = number_of(constraint, "min");
+  const auto high = number_of(constraint, "max");
+  return value && (!low || *value >= *low) && (!high || *value <= *high);
+}
+
+std::string limit_text(const Json& constraint, const Wording& wording) {
+  std::vector<std::string> parts;
+  if (const auto low = number_of(constraint, "min")) {
+    parts.push_back("at least " + wording.text(*low));
+  }
+  if (const auto high = number_of(constraint, "max")) {
+    parts.push_back("at most " + wording.text(*high));
+  }
+  return join(parts, " and ");
+}
+
+std::vector<std::string> missed_limits(const Json& data, const Json& design) {
+  std::vector<std::string> missed;
+  for (const Json& constraint : member(data, "constraints")) {
+    const Wording wording(data, text_of(constraint, "name"), true);
+    const auto value = wording.searched(design);
+    if (value && !meets(constraint, value)) {
+      missed.push_back(fmt::format("{} is {}, must be {}",
+                                   wording.label(),
+                                   wording.text(*value),
+                                   limit_text(constraint, wording)));
+    }
+  }
+  return missed;
+}
+
+}  // namespace glint::report_detail

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Words about a score of report data: how a value and a difference of it are written, what is
+// better, and how large its noise is. Private to the module.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace glint::report_detail {
+
+/// How one score of the designs is read and written.
+class Wording {
+ public:
+  /// Of the objective.
+  explicit Wording(const nlohmann::ordered_json& data);
+
+  /// Of any score.
+  Wording(const nlohmann::ordered_json& data, std::string score, bool is_maximised);
+
+  const std::string& score() const { return score_; }
+
+  const std::string& label() const { return label_; }
+
+  bool is_maximised() const { return is_maximised_; }
+
+  /// Fresh seeds first: the search's own number is the best of many and so a little too good.
+  std::optional<double> value(const nlohmann::ordered_json& design) const;
+
+  /// With the seeds of the search.
+  std::optional<double> searched(const nlohmann::ordered_json& design) const;
+
+  /// The same design scored again and again, each time with other noise; empty: it was not.
+  std::vector<double> repeated(const nlohmann::ordered_json& design) const;
+
+  /// Half the width of the 95 % interval of value(); empty: it has none.
+  std::optional<double> noise(const nlohmann::ordered_json& design) const;
+
+  /// The same of the difference of two designs, which share their noise where both are repeated.
+  std::optional<double> noise(const nlohmann::ordered_json& design,
+                              const nlohmann::ordered_json& other) const;
+
+  bool is_better(double a, double b) const { return is_maximised_ ? a > b : a < b; }
+
+  /// Whether two values print as one.
+  bool is_level(double a, double b) const;
+
+  std::string text(double value) const;  ///< "74.5 %", "12.8"
+
+  std::string size(double gap) const;  ///< of a difference: "6.4 points", "0.12"
+
+  /// "6.4 points better than", "level with".
+  std::string against(double value, double other) const;
+
+ private:
+  std::string score_;
+  std::string label_;
+  bool is_maximised_ = true;
+  bool is_percent_ = false;
+};
+
+/// "winner", "baseline" or "prototype".
+std::string role_of(const nlohmann::ordered_json& design);
+
+/// Its title, or else its key.
+std::string title_of(const nlohmann::ordered_json& design);
+
+/// The best of the designs with that role ("" = any) that has a value, feasible ones first; nullptr
+/// when there is none.
+const nlohmann::ordered_json* best_design(const nlohmann::ordered_json& designs,
+                                          const Wording& wording,
+                                          std::string_view role);
+
+/// Whether a value keeps the limits of an entry of `constraints`; a missing one does not.
+bool meets(const nlohmann::ordered_json& constraint, const std::optional<double>& value);
+
+/// "at least 3", "at most 1.0 %", "at least 1 and at most 2".
+std::string limit_text(const nlohmann::ordered_json& constraint, const Wording& wording);
+
+/// What a design lacks: "smallest CNR is 2.1, must be at least 3", one for each limit that it
+/// misses, by the seeds of the search. Empty where nothing is missed, or nothing is known.
+std::vector<std::string> missed_limits(const nlohmann::ordered_json& data,
+                                       const nlohmann::ordered_json& design);
+
+}  // namespace glint::report_detail

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/run/run_texts.h"
+
+#include <algorithm>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "core/progress.h"
+#include "core/text.h"
+
+namespace glint {
+
+std::string limits_text(const Budget& budget) {
+  std::vector<std::string> limits;
+  if (budget.evaluations > 0) {
+    limits.push_back(fmt::format("after {} evaluations (budget.evaluations)", budget.evaluations));
+  }
+  if (budget.wall_clock_s > 0.0) {
+    limits.push_back(fmt::format("after {} of searching (budget.wall_clock or --budget)",
+                                 duration_text(budget.wall_clock_s)));
+  }
+  if (budget.stall > 0) {
+    limits.push_back(
+        fmt::format("after {} evaluations without a better design (budget.stall)", budget.stall));
+  }
+  if (budget.target) {
+    limits.push_back(fmt::format("at {} (budget.target)", shortest(*budget.target)));
+  }
+  return join(limits, " or ") + (limits.size() > 1 ? ", whichever comes first" : "");
+}
+
+std::string ended_by(Termination termination) {
+  switch (termination) {
+    case Termination::kEvaluations:
+      return "budget.evaluations";
+    case Termination::kWallClock:
+      return "budget.wall_clock";
+    case Termination::kStall:
+      return "budget.stall";
+    case Termination::kTarget:
+      return "budget.target";
+    case Termination::kInterrupted:
+      return "an interrupt";
+    case Termination::kExhausted:
+      return "the search space, of which every design has been evaluated";
+    case Termination::kFailures:
+      break;
+  }
+  return "the first ten evaluations, which all failed";
+}
+
+std::string changes_text(const std::vector<std::string>& changes) {
+  constexpr std::size_t kMostTold = 3;
+  if (changes.empty()) {
+    return "the content of a file that it names has changed";
+  }
+  const std::size_t told = std::min(changes.size(), kMostTold);
+  std::string text = join(std::span(changes).first(told), ", ");
+  return changes.size() == told ? text : fmt::format("{} and {} more", text, changes.size() - told);
+}
+
+}  // namespace glint

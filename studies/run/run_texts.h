@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a run says of itself, in words.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "optimizer/search/search.h"
+
+namespace glint {
+
+/// "after 200 evaluations (budget.evaluations) or after 8:00:00 of searching (budget.wall_clock or
+/// --budget), whichever comes first"
+std::string limits_text(const Budget& budget);
+
+/// The key of the budget that ended a search, or what else did.
+std::string ended_by(Termination termination);
+
+/// The first few of changed_keys(); without any a file must be another one.
+std::string changes_text(const std::vector<std::string>& changes);
+
+}  // namespace glint

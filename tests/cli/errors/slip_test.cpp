@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Slips of the hand: no file of the user's and no earlier result is lost by them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "tests/cli/imprint_fixture.h"
+#include "tests/cli/inspect_fixture.h"
+
+namespace glint::test {
+namespace {
+namespace fs = std::filesystem;
+
+using ::testing::HasSubstr;
+
+/// gear.toml, that can be run, rendered and imprinted, beside a mesh and a report of the user's
+/// own.
+class Slip : public ImprintVerb {
+ protected:
+  void SetUp() override {
+    write_file(folder_ / "gear.toml", small_study());
+    write_file(folder_ / "shaft.toml", kShaft);
+    write_file(folder_ / "plate.stl", rectangle_stl(40, 12));
+    before_ = files_below(folder_.path());
+  }
+
+  ProgramResult glint(Arguments arguments) const {
+    arguments.emplace_back("--quiet");
+    return glint_in(folder_, arguments);
+  }
+
+  void expect_done(const Arguments& arguments) const {
+    const ProgramResult result = glint(arguments);
+    EXPECT_EQ(result.code, 0) << result.err;
+  }
+
+  /// Nothing is written.
+  void expect_refused(const Arguments& arguments, const std::string& message) const {
+    const auto before = files_below(folder_.path());
+    const ProgramResult result = glint(arguments);
+    EXPECT_EQ(result.code, 2) << arguments.front();
+    EXPECT_THAT(result.err, HasSubstr(message));
+    EXPECT_EQ(files_below(folder_.path()), before) << arguments.front();
+  }
+
+  std::map<std::string, std::string> before_;
+};
+
+TEST_F(Slip, ReportReplacesReportsOnly) {
+  expect_done({"run", "gear.toml", "--out", "run"});
+  expect_refused({"report", "run", "--out", "gear.toml"},
+                 "gear.toml: exists and is no report of glint");
+  expect_done({"report", "run", "--out", "page.html"});
+  expect_done({"report", "run", "--out", "page.html"});
+  expect_done({"report", "run"});
+  write_file(folder_ / "run/report.html", "<p>mine</p>");
+  expect_refused({"report", "run"}, "run/report.html: exists and is no report of glint");
+}
+
+TEST_F(Slip, PartIsNotWrittenOverAFile) {
+  expect_refused({"part", "plate.stl", "--out", "plate.stl"}, "plate.stl: exists already");
+  write_file(folder_ / "other.ply", "mine");
+  expect_refused({"part", "plate.stl", "--out", "other.ply"}, "other.ply: exists already");
+}
+
+TEST_F(Slip, LogIsAddedToLogsOnly) {
+  expect_refused({"check", "gear.toml", "--log", "gear.toml"},
+                 "gear.toml: exists and is no log of glint");
+  const ProgramResult nowhere = glint({"check", "gear.toml", "--log", "no/where/x.log"});
+  EXPECT_EQ(nowhere.code, 3);
+  EXPECT_THAT(nowhere.err,
+              HasSubstr("no/where/x.log: the log cannot be written: there is no folder"));
+  EXPECT_EQ(files_below(folder_.path()), before_);
+  expect_done({"run", "gear.toml", "--out", "run", "--log", "run.log"});
+  expect_done({"run", "gear.toml", "--out", "run", "--log", "run.log"});
+}
+
+TEST_F(Slip, VerbsRefuseTheFoldersOfOthers) {
+  write_png(folder_ / "photo.png", ImageF(40, 30, 0.5F), PixelDepth::k8Bit);
+  const std::vector<std::pair<std::string, Arguments>> verbs = {
+      {"run", {"run", "gear.toml"}},
+      {"render", {"render", "gear.toml"}},
+      {"imprint", {"imprint", "shaft.toml", "--no_previews"}},
+      {"imprint --preview_tools", {"imprint", "shaft.toml", "--preview_tools"}},
+      {"inspect", {"inspect", "photo.png"}},
+      {"frontier", {"frontier", "gear.toml"}}};
+  for (const auto& [name, arguments] : verbs) {
+    if (name != "frontier") {  // takes seconds, and has a test of its own
+      Arguments first = arguments;
+      first.insert(first.end(), {"--out", name});
+      expect_done(first);
+    }
+  }
+  for (const auto& [owner, owners] : verbs) {
+    for (const auto& [name, arguments] : verbs) {
+      const bool is_of_run = owner == "run" && name == "frontier";  // in its report
+      if (owner != name && owner != "frontier" && !is_of_run) {
+        Arguments second = arguments;
+        second.insert(second.end(), {"--out", owner});
+        expect_refused(second, owner + ": holds results of `glint " + owner + "`");
+      }
+    }
+  }
+}
+
+TEST_F(Slip, VerbsLeaveForeignFilesAlone) {
+  write_png(folder_ / "photo.png", ImageF(40, 30, 0.5F), PixelDepth::k8Bit);
+  const std::vector<std::pair<Arguments, std::string>> verbs = {
+      {{"run", "gear.toml"}, "report.html"},
+      {{"render", "gear.toml"}, "report.html"},
+      {{"imprint", "shaft.toml"}, "part.stl"},
+      {{"imprint", "shaft.toml", "--count", "2"}, "parts.json"},
+      {{"imprint", "shaft.toml", "--preview_tools"}, "tools.png"},
+      {{"inspect", "photo.png"}, "defects.csv"},
+      {{"frontier", "gear.toml"}, "frontier.svg"}};
+  for (const auto& [arguments, file] : verbs) {
+    const fs::path folder = folder_ / "mine";
+    fs::create_directories(folder);
+    write_file(folder / file, "mine");
+    Arguments into = arguments;
+    into.insert(into.end(), {"--out", "mine"});
+    expect_refused(into, "mine: holds a " + file + " that is not of `glint " + arguments.front());
+    fs::remove_all(folder);
+  }
+}
+
+TEST_F(Slip, InputsAreNeverOutputs) {
+  expect_done({"render", "gear.toml", "--out", "pictures"});
+  expect_refused({"render", "pictures/baseline/scene.toml", "--out", "pictures"},
+                 "pictures/baseline/scene.toml: is read, and lies where results are written");
+  expect_refused({"run", "pictures/study.resolved.toml", "--out", "pictures"},
+                 "pictures: holds results of `glint render`");
+}
+
+TEST_F(Slip, EachVerbHasADefaultFolderOfItsOwn) {
+  expect_done({"run", "gear.toml"});
+  expect_done({"render", "gear.toml"});
+  expect_done({"imprint", "shaft.toml", "--no_previews"});
+  expect_done({"imprint", "shaft.toml", "--preview_tools"});
+  expect_done({"inspect", "out/gear/run"});
+  for (const char* file : {"out/gear/run/study.sqlite",
+                           "out/gear/render/baseline/aspect.png",
+                           "out/shaft/imprint/part.stl",
+                           "out/shaft/tools/tools.png",
+                           "out/gear/inspect/winner/overlay.png"}) {
+    EXPECT_TRUE(fs::exists(folder_ / file)) << file;
+  }
+}
+
+TEST_F(Slip, ARunInTheFormerDefaultFolderIsResumed) {
+  expect_done({"run", "gear.toml", "--out", "out/gear"});
+  const auto before = files_below(folder_ / "out/gear");
+  const auto result =
+      nlohmann::json::parse(glint_in(folder_, {"run", "gear.toml", "--quiet", "--json"}).out);
+  EXPECT_EQ(result["report"], "out/gear/report.html");
+  EXPECT_FALSE(fs::exists(folder_ / "out/gear/run"));
+  EXPECT_EQ(files_below(folder_ / "out/gear"), before);
+  const auto run = nlohmann::json::parse(read_file(folder_ / "out/gear/run.json"));
+  EXPECT_GT(run["timings"]["replayed_evaluations"], 0);
+}
+
+TEST_F(InspectVerb, DoesNotMixTwoInspections) {
+  write_part("a");
+  write_part("b", false);
+  inspect_json({"a"});
+  const auto before = files_below(folder_ / "out");
+  const ProgramResult other = inspect({"b"});
+  EXPECT_EQ(other.code, 2);
+  EXPECT_THAT(other.err, HasSubstr("out: holds the inspection of another part, a; choose another"));
+  EXPECT_EQ(files_below(folder_ / "out"), before);
+  inspect_json({"a"}, {"--set", "inspection.kernel_px=11"});
+  inspect_json({"a", "b"});
+  EXPECT_EQ(inspect({"a"}).code, 2) << "b would stay";
+}
+
+TEST_F(InspectVerb, KeepsNoMapsOfAnotherFilter) {
+  write_part("a");
+  inspect_json({"a"}, {"--set", "inspection.filter=phase"});
+  EXPECT_TRUE(fs::exists(folder_ / "out/a/phase_rad.exr"));
+  inspect_json({"a"});
+  EXPECT_FALSE(fs::exists(folder_ / "out/a/phase_rad.exr"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/a/modulation.exr"));
+}
+
+TEST_F(InspectVerb, KeepsLearnedLimitsAndInputs) {
+  write_part("bad");
+  write_part("good", false);
+  write_file(folder_ / "labels.csv", "good,perfect\nbad,Rejected\n");
+  inspect_json({"bad", "good"}, {"--labels", "labels.csv", "--learn"});
+  const ProgramResult again = inspect({"bad", "good"});
+  EXPECT_EQ(again.code, 2);
+  EXPECT_THAT(again.err, HasSubstr("out: holds grading.toml, the limits that an earlier"));
+  const ProgramResult used = inspect({"bad", "good"}, {"--settings", "out/grading.toml"});
+  EXPECT_EQ(used.code, 2);
+  EXPECT_THAT(used.err, HasSubstr("out/grading.toml: is read, and lies where results are written"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/grading.toml"));
+  const ProgramResult beside =
+      glint_in(folder_, {"inspect", "bad", "good", "--quiet", "--out", "."});
+  EXPECT_EQ(beside.code, 2);
+  EXPECT_THAT(beside.err, HasSubstr("lies where results are written"));
+  EXPECT_FALSE(fs::exists(folder_ / "bad/aspect.png"));
+}
+
+}  // namespace
+}  // namespace glint::test

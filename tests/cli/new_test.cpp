@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The first job of one's own: `glint new`, prototypes without a search, comparisons of runs.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.h"
+
+namespace glint::test {
+namespace {
+namespace fs = std::filesystem;
+
+using Json = nlohmann::json;
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Json object_of(const TemporaryFolder& folder, Arguments arguments) {
+  arguments.emplace_back("--json");
+  const ProgramResult result = glint_in(folder, arguments);
+  EXPECT_EQ(result.code, 0) << result.err;
+  return Json::parse(result.out);
+}
+
+std::vector<std::string> codes_in(const Json& result) {
+  std::vector<std::string> codes;
+  for (const Json& finding : result["verdict"]["findings"]) {
+    codes.push_back(finding["code"].get<std::string>());
+  }
+  return codes;
+}
+
+/// mixed_study() as engineers compare prototypes: an objective, three designs, nothing to search.
+std::string prototype_study() {
+  const std::string text = edited(
+      mixed_study(),
+      {{"homogeneity.h_rms\"", "defects.min_dprime\""},
+       {"\"homogeneity.clipped_share\" = { max = 0.9 }", "\"homogeneity.h_rms\" = { min = 0.2 }"}});
+  const auto from = text.find("[variables]");
+  const auto to = text.find("[objective]");
+  const auto search = text.find("[search]");
+  return text.substr(0, from) + text.substr(to, search - to);
+}
+
+TEST(NewStudy, StartsWithADentThatShowsAndEndsWithOneThatShowsBetter) {
+  const TemporaryFolder folder;
+  write_file(folder / "plate.stl", rectangle_stl(60, 20));
+  const Json written = object_of(
+      folder, {"new", "plate.stl", "--working_distance_mm", "300", "--out", "plate.toml"});
+  EXPECT_EQ(written["is_dent_visible"], true);
+  const Json result = object_of(
+      folder, {"run", "plate.toml", "--out", "run", "--set", "budget.evaluations=12", "--quiet"});
+  EXPECT_EQ(result["objective"], "defects.min_cnr");
+  const double before = result["baseline"]["scores"]["defects.min_cnr"];
+  EXPECT_NEAR(before, written["start_score"].get<double>(), 1e-6 * before);
+  EXPECT_GE(before, 3.0);
+  EXPECT_GE(result["best"]["scores"]["defects.min_cnr"].get<double>(), before);
+  EXPECT_THAT(codes_in(result), Not(::testing::Contains("defects_fainter")));
+}
+
+TEST(NewStudy, AsJsonOnStdoutIsOneObject) {
+  const TemporaryFolder folder;
+  write_file(folder / "plate.stl", rectangle_stl(60, 20));
+  const Json printed = object_of(folder, {"new", "plate.stl", "--working_distance_mm", "300"});
+  EXPECT_THAT(printed["text"].get<std::string>(), HasSubstr("maximise = \"defects.min_cnr\""));
+}
+
+TEST(NewStudy, OfEachKindOfLightChecks) {
+  const TemporaryFolder folder;
+  write_file(folder / "plate.stl", rectangle_stl(60, 20));
+  for (const std::string light : {"ring", "dome", "bar"}) {
+    SCOPED_TRACE(light);
+    object_of(folder,
+              {"new",
+               "plate.stl",
+               "--working_distance_mm",
+               "200",
+               "--camera",
+               "width_px=176,height_px=64,object_pixel_mm=0.4",
+               "--light",
+               light,
+               "--out",
+               light + ".toml"});
+    const std::string text = read_file(folder / (light + ".toml"));
+    EXPECT_THAT(text, HasSubstr("[lighting." + light + "]"));
+    EXPECT_THAT(text, HasSubstr("maximise = \"defects.min_dprime\""));
+    const Json checked = object_of(folder, {"check", light + ".toml"});
+    EXPECT_TRUE(checked["idle_variables"].empty()) << checked["idle_variables"];
+    const double mean = checked["baseline"]["scores"]["homogeneity.mean"];
+    EXPECT_GT(mean, 0.15);
+    EXPECT_LT(mean, 0.75);
+  }
+}
+
+TEST(NewStudy, OfAllLightsRanksThem) {
+  const TemporaryFolder folder;
+  write_file(folder / "plate.stl", rectangle_stl(60, 20));
+  object_of(folder,
+            {"new",
+             "plate.stl",
+             "--working_distance_mm",
+             "200",
+             "--camera",
+             "width_px=176,height_px=64,object_pixel_mm=0.4",
+             "--light",
+             "all",
+             "--out",
+             "all.toml"});
+  const Json result = object_of(folder, {"run", "all.toml", "--out", "all", "--quiet"});
+  ASSERT_EQ(result["ranking"].size(), 4U);
+  double sum = 0.0;
+  for (const Json& row : result["ranking"]) {
+    EXPECT_LE(row["low"].get<double>(), row["value"].get<double>());
+    sum += row["probability_best"].get<double>();
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-9);
+}
+
+TEST(Prototypes, WithoutVariablesAreRankedByTheObjective) {
+  const TemporaryFolder folder;
+  write_file(folder / "two.toml", prototype_study());
+  const Json result = object_of(folder, {"run", "two.toml", "--out", "two", "--quiet"});
+  ASSERT_EQ(result["ranking"].size(), 3U);
+  EXPECT_GE(result["ranking"][0]["value"].get<double>(),
+            result["ranking"][1]["value"].get<double>());
+  EXPECT_THAT(codes_in(result), ::testing::Contains("ranked"));
+  EXPECT_THAT(read_file(folder / "two/report.html"), Not(HasSubstr("no objective is set")));
+  const ProgramResult printed = glint_in(folder, {"run", "two.toml", "--out", "two"});
+  EXPECT_THAT(printed.out, ::testing::StartsWith("done: 3 designs, no search\n"));
+  EXPECT_THAT(printed.out, HasSubstr("Of 3 designs, "));
+  EXPECT_GT(object_of(folder, {"check", "two.toml"})["predicted_s"].get<double>(), 0.0);
+}
+
+TEST(Prototypes, ThatMissALimitAreSaidToMissIt) {
+  const TemporaryFolder folder;
+  write_file(folder / "two.toml",
+             edited(prototype_study(), {{"{ min = 0.2 }", "{ min = 0.9999 }"}}));
+  const ProgramResult printed = glint_in(folder, {"run", "two.toml", "--out", "two"});
+  EXPECT_THAT(printed.out, HasSubstr("It misses a limit: h (rms) is "));
+  EXPECT_THAT(printed.out, HasSubstr("must be at least 100.0 %"));
+}
+
+TEST(InfeasibleRun, SaysWhichLimitFailedAndCallsNoDesignAWinner) {
+  const TemporaryFolder folder;
+  write_file(
+      folder / "study.toml",
+      edited(small_study(),
+             {{"\"defects.min_cnr\" = { min = 0.1 }", "\"defects.min_cnr\" = { min = 1e6 }"}}));
+  const ProgramResult printed = glint_in(folder, {"run", "study.toml", "--out", "out"});
+  EXPECT_EQ(printed.code, 1);
+  EXPECT_THAT(printed.out, ::testing::StartsWith("no feasible design: 12 evaluations, 0 failed\n"));
+  EXPECT_THAT(printed.out, HasSubstr("closest (trial "));
+  EXPECT_THAT(printed.out, HasSubstr("must be at least 1e+06"));
+  EXPECT_THAT(printed.out, Not(HasSubstr("winner")));
+  // The best of designs that are not feasible is no best.
+  EXPECT_THAT(printed.err, HasSubstr("none feasible yet"));
+  EXPECT_THAT(printed.err, Not(HasSubstr("best 0.")));
+}
+
+TEST(ComparisonOfRuns, NamesDesignsByTheirRunAndRanksWhatBelongsTogether) {
+  const TemporaryFolder folder;
+  write_file(folder / "a.toml", "title = \"First\"\n" + small_study());
+  write_file(
+      folder / "b.toml",
+      "title = \"Second\"\n" + edited(small_study(), {{"radius_mm = 80", "radius_mm = 90"}}));
+  write_file(folder / "c.toml",
+             "title = \"Third\"\n" + edited(small_study(), {{"length_mm = 40", "length_mm = 36"}}));
+  for (const std::string name : {"a", "b", "c"}) {
+    object_of(folder, {"run", name + ".toml", "--out", name, "--quiet"});
+  }
+  object_of(folder, {"report", "a", "b", "--out", "same.html"});
+  const std::string same = read_file(folder / "same.html");
+  EXPECT_THAT(same, HasSubstr("Of 2 runs, "));
+  EXPECT_THAT(same, HasSubstr("Winner of the search, First"));
+  EXPECT_THAT(same, HasSubstr("Baseline, Second"));
+  object_of(folder, {"report", "a", "c", "--out", "other.html"});
+  const std::string other = read_file(folder / "other.html");
+  EXPECT_THAT(other, HasSubstr("These 2 runs are not ranked together"));
+  EXPECT_THAT(other, HasSubstr("Third differs from First in part (length_mm)"));
+}
+
+}  // namespace
+}  // namespace glint::test

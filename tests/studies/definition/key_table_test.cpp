@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/key_table.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "metrics/scores.h"
+
+namespace glint {
+namespace {
+
+std::set<std::string> paths_of(const std::vector<KeyRow>& rows) {
+  std::set<std::string> paths;
+  for (const KeyRow& row : rows) {
+    paths.insert(row.path);
+  }
+  return paths;
+}
+
+TEST(KeyTable, EveryKeyIsOfAGroupAndEveryGroupHasKeys) {
+  std::set<std::string> groups;
+  for (const KeyGroup& group : key_groups()) {
+    EXPECT_NE(group.doc, "") << group.name;
+    groups.emplace(group.name);
+  }
+  EXPECT_EQ(groups.size(), key_groups().size());
+  std::set<std::string> used;
+  for (const KeyRow& row : all_keys()) {
+    used.insert(row.path.substr(0, row.path.find('.')));
+  }
+  EXPECT_EQ(used, groups);
+}
+
+TEST(KeyTable, EveryKeyIsThereOnceAndIsNoScore) {
+  const std::vector<KeyRow> rows = all_keys();
+  EXPECT_EQ(paths_of(rows).size(), rows.size());
+  for (const KeyRow& row : rows) {
+    EXPECT_EQ(explain_score(row.path), std::nullopt) << row.path;
+  }
+}
+
+TEST(KeyTable, TellsProgramsWhatItTellsPeople) {
+  for (const KeyRow& row : all_keys()) {
+    if (row.kind == "number" || row.kind == "integer") {
+      EXPECT_TRUE(row.allowed == row.range.text() || row.path == "schema") << row.path;
+    }
+    if (row.kind == "numbers") {
+      EXPECT_EQ(row.allowed, row.count.text() + ", each " + row.range.text()) << row.path;
+    }
+    EXPECT_EQ(row.kind == "choice", !row.choices.empty()) << row.path;
+  }
+}
+
+// A scratch is drawn out along a line, a dent is round, a stain has a colour.
+TEST(KeysOf, ADefectAreThoseThatItsTypeHasAUseFor) {
+  const std::set<std::string> scratch = paths_of(keys_of(DefectType::kScratch));
+  EXPECT_TRUE(scratch.contains("defects.scratch.length_mm"));
+  EXPECT_TRUE(scratch.contains("defects.scratch.width_mm"));
+  EXPECT_TRUE(scratch.contains("defects.scratch.height_um"));
+  EXPECT_TRUE(scratch.contains("defects.scratch.tool_level")) << "imprinted: is no type";
+  EXPECT_TRUE(scratch.contains("defects.scratch.type")) << "its doc names several types";
+  EXPECT_FALSE(scratch.contains("defects.scratch.diameter_mm"));
+  EXPECT_FALSE(scratch.contains("defects.scratch.colour"));
+  const std::set<std::string> stain = paths_of(keys_of(DefectType::kStain));
+  EXPECT_TRUE(stain.contains("defects.stain.diameter_mm"));
+  EXPECT_TRUE(stain.contains("defects.stain.colour"));
+  EXPECT_FALSE(stain.contains("defects.stain.length_mm"));
+}
+
+}  // namespace
+}  // namespace glint

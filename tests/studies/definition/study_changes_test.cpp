@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/study_changes.h"
+#include "studies/definition/study_text.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr const char* kStudy = R"(title = "First"
+[lighting.tunnel]
+radius_mm = 90
+[defects.dent]
+x_mm = [5]
+y_mm = [10]
+[variables]
+"lighting.tunnel.radius_mm" = { min = 60, max = 200 }
+[objective]
+maximise = "homogeneity.h_rms"
+[budget]
+evaluations = 10
+)";
+
+class StudyChanges : public ::testing::Test {
+ protected:
+  Study load(const std::vector<KeyValue>& sets = {}) {
+    write_file(folder_ / "s.toml", kStudy);
+    return load_study(folder_ / "s.toml", sets);
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_F(StudyChanges, TitleAndBudgetChangeNothing) {
+  const Study study = load();
+  const Study renamed = load({{"title", "Second"}, {"budget.evaluations", "500"}});
+  EXPECT_NE(config_hash(renamed), config_hash(study)) << "the title is part of what is recorded";
+  EXPECT_THAT(changed_keys(renamed, resolved_text(study)), IsEmpty());
+  const Study again = with_title_of(renamed, resolved_text(study));
+  EXPECT_EQ(again.title, "First");
+  EXPECT_EQ(config_hash(again), config_hash(study));
+}
+
+TEST_F(StudyChanges, AreToldWithBothValues) {
+  const std::string recorded = resolved_text(load());
+  EXPECT_THAT(changed_keys(load({{"lighting.tunnel.radius_mm", "95"},
+                                 {"defects.dent.x_mm", "[7]"},
+                                 {"variables.\"lighting.tunnel.radius_mm\".max", "150"}}),
+                           recorded),
+              ElementsAre("lighting.tunnel.radius_mm is 95, was 90",
+                          "defects.dent.x_mm is [7], was [5]",
+                          "variables.lighting.tunnel.radius_mm.max is 150, was 200"));
+  const Study other = load({{"title", "Second"}, {"sensor.gain", "1.7"}});
+  EXPECT_NE(config_hash(with_title_of(other, recorded)), config_hash(load()));
+}
+
+TEST_F(StudyChanges, KeysThatCameAndWentAreToldToo) {
+  const std::string recorded = resolved_text(load());
+  const std::string more = recorded + "\n[pod]\nlevels = 5\n";
+  EXPECT_THAT(changed_keys(load(), more), ElementsAre("pod.levels was 5, is gone"));
+  const auto at = recorded.find("[imprint]");
+  ASSERT_NE(at, std::string::npos);
+  const std::string less = recorded.substr(0, recorded.find("seed = 1\n", at)) +
+                           recorded.substr(recorded.find("seed = 1\n", at) + 9);
+  EXPECT_THAT(changed_keys(load(), less), ElementsAre("imprint.seed is 1, was not there"));
+}
+
+}  // namespace
+}  // namespace glint

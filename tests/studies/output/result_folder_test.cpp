@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/output/result_folder.h"
+
+#include <array>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+namespace fs = std::filesystem;
+
+using ::testing::HasSubstr;
+
+constexpr std::array kAll = {ResultKind::kRun,
+                             ResultKind::kRender,
+                             ResultKind::kImprint,
+                             ResultKind::kTools,
+                             ResultKind::kInspect,
+                             ResultKind::kFrontier};
+
+const std::vector<std::string> kNames = {"result.json", "report.html", "baseline"};
+
+TEST(ResultFolder, IsOfWhomItsMarkTells) {
+  for (const ResultKind kind : kAll) {
+    const TemporaryFolder folder;
+    EXPECT_EQ(result_kind_of(folder.path()), std::nullopt);
+    mark_result_folder(folder.path(), kind);
+    EXPECT_EQ(result_kind_of(folder.path()), kind);
+    for (const ResultKind other : kAll) {
+      if (other == kind) {
+        EXPECT_NO_THROW(check_result_folder(folder.path(), other, kNames));
+      } else {
+        EXPECT_THAT(
+            text_thrown_by<ConfigError>([&] { check_result_folder(folder.path(), other, kNames); }),
+            HasSubstr("holds results of `glint " + std::string(command_of(kind)) + "`"));
+      }
+    }
+  }
+}
+
+// What versions wrote whose run.json did not tell.
+TEST(ResultFolder, OfOlderVersionsIsKnownByItsFiles) {
+  using Files = std::vector<std::pair<std::string, std::string>>;
+  const std::vector<std::pair<Files, ResultKind>> older = {
+      {{{"study.sqlite", ""}}, ResultKind::kRun},
+      {{{"run.json", R"({"study": "gear", "algorithm": "cobyla"})"}}, ResultKind::kRun},
+      {{{"run.json", R"({"threads": 2})"}, {"study.resolved.toml", ""}}, ResultKind::kRender},
+      {{{"run.json", R"({"inspected": 3})"}, {"result.json", "{}"}}, ResultKind::kInspect},
+      {{{"scene.resolved.toml", "# glint imprint: one part\n"}}, ResultKind::kImprint},
+      {{{"tools.json", "{}"}, {"tools.png", ""}}, ResultKind::kTools},
+      {{{"frontier.json", "{}"}, {"frontier.html", ""}}, ResultKind::kFrontier}};
+  for (const auto& [files, kind] : older) {
+    const TemporaryFolder folder;
+    for (const auto& [name, text] : files) {
+      write_file(folder / name, text);
+    }
+    EXPECT_EQ(result_kind_of(folder.path()), kind) << files.front().first;
+  }
+}
+
+TEST(ResultFolder, OfNobodyKnownKeepsItsFiles) {
+  const TemporaryFolder folder;
+  write_file(folder / "notes.txt", "mine");
+  EXPECT_NO_THROW(check_result_folder(folder.path(), ResultKind::kRun, kNames));
+  EXPECT_NO_THROW(check_result_folder(folder / "to_be_made", ResultKind::kRun, kNames));
+  fs::create_directories(folder / "baseline");
+  EXPECT_THAT(text_thrown_by<ConfigError>(
+                  [&] { check_result_folder(folder.path(), ResultKind::kRun, kNames); }),
+              HasSubstr("holds a baseline that is not of `glint run`"));
+  fs::remove(folder / "baseline");
+  fs::create_symlink("nowhere", folder / "report.html");
+  EXPECT_THROW(check_result_folder(folder.path(), ResultKind::kRun, kNames), ConfigError)
+      << "a dangling link is somebody's, too";
+  write_file(folder / "run.json", "[1, 2]");
+  EXPECT_EQ(result_kind_of(folder.path()), std::nullopt);
+}
+
+TEST(ResultFolder, NeverTakesAnInputForAnOutput) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "baseline");
+  const fs::path scene = folder / "baseline/scene.toml";
+  const fs::path study = folder / "study.toml";
+  write_file(scene, "");
+  write_file(study, "");
+  const auto check = [&](const fs::path& input, const fs::path& out) {
+    check_inputs_kept(std::vector{fs::path(), input}, out, kNames);
+  };
+  EXPECT_NO_THROW(check(study, folder.path()));
+  EXPECT_NO_THROW(check(scene, folder / "elsewhere"));
+  EXPECT_THROW(check(scene, folder.path()), ConfigError);
+  EXPECT_THROW(check(folder / "baseline/../report.html", folder.path()), ConfigError);
+  fs::create_directory_symlink(folder.path(), folder / "link");
+  EXPECT_THROW(check(scene, folder / "link"), ConfigError) << "the same folder by another name";
+}
+
+TEST(ResultFolder, OfARunIsTheOlderOneWhereThatHoldsTheRun) {
+  const TemporaryFolder folder;
+  const fs::path before = fs::current_path();
+  fs::current_path(folder.path());
+  EXPECT_EQ(default_run_folder("gear"), "out/gear/run");
+  fs::create_directories("out/gear");
+  EXPECT_EQ(default_run_folder("gear"), "out/gear/run");
+  write_file("out/gear/study.sqlite", "");
+  EXPECT_EQ(default_run_folder("gear"), "out/gear");
+  fs::create_directories("out/gear/run");
+  write_file("out/gear/run/study.sqlite", "");
+  EXPECT_EQ(default_run_folder("gear"), "out/gear/run");
+  fs::current_path(before);
+}
+
+TEST(ResultFolder, DefaultsDifferFromVerbToVerb) {
+  for (const ResultKind one : kAll) {
+    for (const ResultKind other : kAll) {
+      EXPECT_EQ(default_result_folder("gear", one) == default_result_folder("gear", other),
+                one == other);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// usage: node page_words.mjs ROOT
+//
+// How the report's page writes numbers and names, and what the filter of its table keeps.
+import assert from 'node:assert/strict';
+import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+
+const source = (name) => import(pathToFileURL(join(process.argv[2], 'studies/report/web', name)).href);
+const { count, Facts, measured, number, percent, shortNames } = await source('format.js');
+const { parseFilter } = await source('filter.js');
+
+// Three significant digits for what was measured, also where the last are zeros.
+for (const [value, text] of [[13, '13.0'], [12.34, '12.3'], [9.006, '9.01'], [0.38, '0.380'], [8.614e-4, '0.000861'], [0, '0'],
+  [-2.5, '\u22122.50'], [9.996, '10.0'], [1234.5, '1235'], [5.123e-6, '5.12\u00a0\u00d7\u00a010\u207b\u2076'], [null, '\u2013'], [NaN, '\u2013']]) assert.equal(measured(value), text);
+// Four for what was set, without zeros at the end.
+for (const [value, text] of [[13, '13'], [12.35, '12.35'], [60, '60'], [0.1, '0.1'], [1000, '1000'], [123456, '123456'], ['flat', 'flat'], [true, 'true']]) assert.equal(number(value), text);
+for (const [value, text] of [[0.801, '80.1\u00a0%'], [0.0063, '0.63\u00a0%'], [-0.3705, '\u221237.0\u00a0%'], [0, '0.0\u00a0%']]) assert.equal(percent(value), text);
+assert.equal(count(321177600), '321 million');
+assert.equal(count(1234), '1234');
+
+// A value ends where the second digit of its error does.
+const facts = new Facts({ score_info: { h: { label: 'h', format: 'percent' }, d: { label: 'd', format: 'number' } } });
+assert.equal(facts.scoreWithError('h', { h: 0.8312, 'h.error': 0.00063 }), '83.120\u00a0% \u00b1 0.063\u00a0%');
+assert.equal(facts.scoreWithError('d', { d: 12.345, 'd.error': 1.24 }), '12.3 \u00b1 1.2');
+assert.equal(facts.scoreWithError('d', { d: 3 }), '3.00');
+
+// Names in words; numbers of a list count from 1 or have their axis.
+assert.deepEqual(shortNames(['lighting.tunnel.radius_mm', 'lighting.tunnel.control_mm.2', 'part.rotation_deg.0', 'lighting.ring.position_mm.2', 'lighting.ring.segment_power.0', 'defects.dent.height_um']),
+  ['radius (mm)', 'control point 3 (mm)', 'rotation about x (\u00b0)', 'position z (mm)', 'power of segment 1', 'height (\u00b5m)']);
+assert.deepEqual(shortNames(['lighting.left.position_mm.0', 'lighting.right.position_mm.0']), ['left position x (mm)', 'right position x (mm)']);
+
+// The filter works in the units that the table shows.
+const rows = [{ h: 0.801, cnr: 4, state: 'feasible', radius: 80 }, { h: 0.7, cnr: null, state: 'infeasible', radius: 120 }, { h: 0.95, cnr: 2, state: 'failed', radius: 100 }];
+const columns = [
+  { name: 'state', heading: 'state', value: (row) => row.state, text: (row) => row.state },
+  { name: 'homogeneity.h_rms', heading: 'h (rms)', isPercent: true, value: (row) => row.h, text: (row) => percent(row.h) },
+  { name: 'defects.min_cnr', heading: 'smallest CNR', value: (row) => row.cnr, text: (row) => String(row.cnr) },
+  { name: 'lighting.tunnel.radius_mm', heading: 'radius (mm)', value: (row) => row.radius, text: (row) => number(row.radius) }];
+const kept = (text) => {
+  const { keep, problems } = parseFilter(text, columns, rows);
+  assert.deepEqual(problems, [], text);
+  return rows.filter(keep).map((row) => rows.indexOf(row));
+};
+assert.deepEqual(kept(''), [0, 1, 2]);
+assert.deepEqual(kept('h_rms > 80'), [0, 2]);
+assert.deepEqual(kept('h_rms>80%'), [0, 2]);
+assert.deepEqual(kept('cnr >= 4'), [0]);
+assert.deepEqual(kept('radius < 110 feasible'), [0]);
+assert.deepEqual(kept('infeasible'), [1]);
+assert.deepEqual(kept('state = failed'), [2]);
+// What cannot be meant is told, and keeps every row.
+for (const [text, problem] of [['cnr => 3', '"=>" is no comparison'], ['((', 'no row has "(("'], ['size > 3', 'no column is called "size"'], ['cnr > x', '"x" is no number'], ['cnr >', 'what is cnr > to be compared with?']]) {
+  const { keep, problems } = parseFilter(text, columns, rows);
+  assert.equal(rows.filter(keep).length, 3, text);
+  assert.equal(problems.length, 1, text);
+  assert.ok(problems[0].startsWith(problem), problems[0]);
+}

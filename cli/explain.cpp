@@ -76,13 +76,13 @@ bool is_below(const std::string& path, const std::string& table) {
 /// The key or table, or the score, of exactly that name.
 Found find_exact(const std::string& key) {
   Found found;
-  if (const auto doc = explain_score(key)) {  // no key is called like a score
-    found.add(key, *doc);
-    return found;
+  const auto score = explain_score(key);
+  if (score) {
+    found.add(key, *score);
   }
   const std::string wanted = table_name(key);
   for (const KeyRow& row : all_keys()) {
-    if (is_below(row.path, wanted)) {
+    if (score ? row.path == key : is_below(row.path, wanted)) {
       found.add(row);
     }
   }

@@ -85,7 +85,8 @@ std::string time_text(double seconds) {
 
 /// The folder of a run is welcome: its report shows the frontier.
 void check_frontier_folder(const Study& study, const fs::path& out) {
-  const std::vector<std::string> names = {"frontier.json", "frontier.svg", "frontier.html"};
+  const std::vector<std::string> names = {
+      "frontier.json", "frontier.svg", "frontier.html", "run.json"};
   check_inputs_kept(input_files(study), out, names);
   if (result_kind_of(out) != ResultKind::kRun) {
     check_result_folder(out, ResultKind::kFrontier, names);

@@ -11,7 +11,6 @@
 #include "core/config/key_digest.h"
 #include "core/file.h"
 #include "core/text.h"
-#include "simulator/geometry/mesh/winding_number.h"
 
 namespace glint {
 namespace {
@@ -302,28 +301,10 @@ void check_part_in_tunnel(SceneStore& store, const SceneSettings& scene) {
 }
 
 void check_cameras_outside_part(SceneStore& store, const SceneSettings& scene) {
-  // Closed but for small holes: an open surface never surrounds a camera that much.
-  constexpr double kInside = 0.99;
   const Part& part = store.build(scene)->part;
-  const BoundingBox box = bounding_box(part.mesh);
   const std::vector<Viewpoint> viewpoints = viewpoints_of(scene, part);
-  const Viewpoint usual = default_viewpoint(scene.camera);
   for (std::size_t i = 0; i < viewpoints.size(); ++i) {
-    const Eigen::Vector3d camera_mm = inverse(camera_from_world(viewpoints[i])).translation_mm;
-    const bool is_in_box = (camera_mm.array() > box.min_mm.array()).all() &&
-                           (camera_mm.array() < box.max_mm.array()).all();
-    if (is_in_box && std::abs(winding_number(part.mesh, camera_mm)) > kInside) {
-      throw ConfigError(
-          viewpoints[i].position_mm == usual.position_mm
-              ? std::string("camera.working_distance_mm")
-              : fmt::format("viewpoint.{}.position_mm", i),
-          fmt::format("puts the camera at ({:.4g}, {:.4g}, {:.4g}) mm, inside the "
-                      "part; it must be outside of the part, which reaches up to z = {:.4g} mm",
-                      camera_mm.x() + 0.0,
-                      camera_mm.y() + 0.0,
-                      camera_mm.z() + 0.0,
-                      box.max_mm.z()));
-    }
+    check_camera_outside_part(scene.camera, viewpoints[i], i, part.mesh);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "simulator/geometry/mesh/winding_number.h"
 #include "simulator/render/path_tracing/render_paths.h"
 
 namespace glint {
@@ -15,29 +16,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-/// True when the point is inside the closed surface: an odd number of crossings on two of three
-/// unrelated lines, so that one line through an edge does not decide.
-bool is_inside(const Bvh& bvh, const Vector3d& point_mm) {
-  int votes = 0;
-  for (const Vector3d& direction :
-       {Vector3d(0.31, 0.52, 0.79), Vector3d(-0.62, 0.17, 0.77), Vector3d(0.13, -0.71, -0.69)}) {
-    const Vector3d unit = direction.normalized();
-    int crossings = 0;
-    double from_mm = 0.0;
-    while (crossings < 1000) {
-      const Hit hit =
-          bvh.intersect(point_mm, unit, from_mm, std::numeric_limits<double>::infinity());
-      if (!hit) {
-        break;
-      }
-      ++crossings;
-      from_mm = static_cast<double>(hit.t_mm) * (1.0 + 1e-6) + 1e-6;
-    }
-    votes += crossings % 2;
-  }
-  return votes >= 2;
-}
 
 /// Distance of a surface point from a feature, in feature radii (2 sigma of its cross-section).
 double distance_in_radii(const HeightFeature& feature, const Vector3d& point_mm) {
@@ -219,18 +197,8 @@ TracedScene trace_scene(const SceneSettings& scene,
   traced.part = std::move(part);
   traced.camera_from_world = camera_from_world(scene.viewpoint());
   traced.camera_in_world_mm = inverse(traced.camera_from_world).translation_mm;
-  if (is_inside(*traced.built().bvh, traced.camera_in_world_mm)) {
-    const std::vector<double>& at_mm = scene.viewpoint().position_mm;
-    const bool is_default = at_mm == default_viewpoint(scene.camera).position_mm;
-    throw ConfigError(
-        is_default ? "camera.working_distance_mm" : "viewpoint.0.position_mm",
-        fmt::format(
-            "the camera at ({:g}, {:g}, {:g}) mm is inside the part; it must stand outside, at a "
-            "working distance",
-            at_mm[0],
-            at_mm[1],
-            at_mm[2]));
-  }
+  check_camera_outside_part(
+      scene.camera, scene.viewpoint(), 0, traced.built().part.mesh);
   const PinholeCamera camera(intrinsics_of(scene));
   trace_camera(scene, camera, defect_free, pool, traced);
   const VisibilityBuffer& seen = traced.seen();
@@ -270,6 +238,30 @@ std::vector<DefectView> view_defects(std::span<const HeightFeature> outlines,
     views.push_back(view_defect(feature, seen, camera, camera_from_world, window_radii));
   }
   return views;
+}
+
+void check_camera_outside_part(const CameraSettings& camera,
+                               const Viewpoint& viewpoint,
+                               std::size_t index,
+                               const TriangleMesh& part) {
+  // Closed but for small holes: an open surface never surrounds a camera that much.
+  constexpr double kInside = 0.99;
+  const BoundingBox box = bounding_box(part);
+  const Vector3d camera_mm = inverse(camera_from_world(viewpoint)).translation_mm;
+  const bool is_in_box = (camera_mm.array() > box.min_mm.array()).all() &&
+                         (camera_mm.array() < box.max_mm.array()).all();
+  if (is_in_box && std::abs(winding_number(part, camera_mm)) > kInside) {
+    throw ConfigError(
+        viewpoint.position_mm == default_viewpoint(camera).position_mm
+            ? std::string("camera.working_distance_mm")
+            : fmt::format("viewpoint.{}.position_mm", index),
+        fmt::format("puts the camera at ({:.4g}, {:.4g}, {:.4g}) mm, inside the "
+                    "part; it must be outside of the part, which reaches up to z = {:.4g} mm",
+                    camera_mm.x() + 0.0,
+                    camera_mm.y() + 0.0,
+                    camera_mm.z() + 0.0,
+                    box.max_mm.z()));
+  }
 }
 
 void check_part_in_tunnel(const BuiltPart& built,

@@ -67,6 +67,13 @@ std::vector<DefectView> view_defects(std::span<const HeightFeature> outlines,
                                      const RigidTransform& camera_from_world,
                                      double window_radii);
 
+/// @param index  of the viewpoint in its list, for the error
+/// @throws ConfigError when the camera is inside the part
+void check_camera_outside_part(const CameraSettings& camera,
+                               const Viewpoint& viewpoint,
+                               std::size_t index,
+                               const TriangleMesh& part);
+
 /// @throws ConfigError when the part does not fit into the tunnel at every position of the scan.
 void check_part_in_tunnel(const BuiltPart& built,
                           const Tunnel& tunnel,

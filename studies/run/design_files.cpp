@@ -33,13 +33,6 @@ PixelDepth depth_of(const SensorSettings& sensor) {
   return sensor.bits == 8 ? PixelDepth::k8Bit : PixelDepth::k16Bit;
 }
 
-/// What a pixel of the camera covers at a place of the scene, across the line of sight.
-double pixel_at_mm(const Eigen::Vector3d& place_mm,
-                   const PinholeIntrinsics& intrinsics,
-                   const RigidTransform& camera_from_world) {
-  return (camera_from_world * place_mm).z() / intrinsics.focal_px.x();
-}
-
 Json view_json(const DefectView& view, double width_px, const DefectScores& scores) {
   return {{"area_px", view.area_px},
           {"width_px", width_px},
@@ -64,8 +57,12 @@ Json defects_json(const Evaluation& evaluation, const PinholeIntrinsics& intrins
       const double width_px =
           narrowest_px(part.outlines[seen], camera, evaluation.traced->camera_from_world);
       Json view = view_json(evaluation.traced->views[seen], width_px, evaluation.defects[seen]);
-      view["pixel_mm"] = pixel_at_mm(
-          part.outlines[seen].centre_mm, intrinsics, evaluation.traced->camera_from_world);
+      const Eigen::Vector3d centre_mm =
+          evaluation.traced->camera_from_world * part.outlines[seen].centre_mm;
+      view["pixel_mm"] = centre_mm.z() / intrinsics.focal_px.x();  // across the line of sight
+      if (const auto place_px = camera.project(centre_mm)) {
+        view["place_px"] = {place_px->x(), place_px->y()};
+      }
       list.push_back(
           defect_in_view_json(part.defects[i].defect, part.outlines[seen], slopes[i], view));
       ++seen;

@@ -125,11 +125,11 @@ class Run {
     Json result = finish(storage, search, folder);
     finish_cpu_s_ = process_cpu_s() - finish_start;
     write_run_json(search, storage);
-    result = with_report(std::move(result));
-    folder.keep();
     if (study_.has_search()) {
       result["ended_by"] = ended_by(search.termination);
     }
+    result = with_report(std::move(result));
+    folder.keep();
     return result;
   }
 

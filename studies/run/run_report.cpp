@@ -213,7 +213,7 @@ Json scene_json(const Study& study, const fs::path& run, const Json& result) {
     scene["size_px"] = {study.scene.camera.width_px, study.scene.camera.height_px};
     scene["marks"] = Json::array();
     for (const Json& defect : defects) {
-      scene["marks"].push_back({{"label", defect["label"]}, {"window_px", defect["window_px"]}});
+      scene["marks"].push_back({{"label", defect["label"]}, {"window_px", marked_px(defect)}});
     }
   }
   return scene;

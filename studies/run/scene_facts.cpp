@@ -175,4 +175,16 @@ std::string defect_size_text(const Json& defect) {
   return text;
 }
 
+Json marked_px(const Json& defect) {
+  if (!defect.contains("place_px")) {
+    return defect["window_px"];
+  }
+  const double size_mm = defect.value("length_mm", defect.value("diameter_mm", 0.0));
+  const double side_px = 1.5 * size_mm / defect["pixel_mm"].get<double>();
+  return {defect["place_px"][0].get<double>() - 0.5 * side_px,
+          defect["place_px"][1].get<double>() - 0.5 * side_px,
+          side_px,
+          side_px};
+}
+
 }  // namespace glint

@@ -39,4 +39,8 @@ nlohmann::ordered_json defect_table(const nlohmann::ordered_json& defects);
 /// "2 mm wide, 40 um deep", "5 mm long, 0.2 mm wide, 10 um high", of an entry of defects.json.
 std::string defect_size_text(const nlohmann::ordered_json& defect);
 
+/// The frame about a defect of defects.json in the part's picture, [left, top, width, height]: half
+/// as large again as the defect. Older runs tell only the window of its scores, which is larger.
+nlohmann::ordered_json marked_px(const nlohmann::ordered_json& defect);
+
 }  // namespace glint

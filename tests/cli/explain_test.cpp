@@ -99,15 +99,25 @@ TEST(Explain, KnowsTheKeysOfTheFileItself) {
 TEST(Explain, OfAKindOfDefectOrLightIsItsTable) {
   const TemporaryFolder folder;
   std::set<std::string> keys;
-  for (const Json& row : json_of(folder, {"explain", "scratch"})["found"]) {
+  const Json of_scratch = json_of(folder, {"explain", "scratch"});
+  for (const Json& row : of_scratch["found"]) {
     keys.insert(row["key"]);
   }
   EXPECT_TRUE(keys.contains("defects.scratch.width_mm"));
   EXPECT_FALSE(keys.contains("defects.scratch.diameter_mm"));
-  for (const Json& row : json_of(folder, {"explain", "ring"})["found"]) {
+  const Json of_ring = json_of(folder, {"explain", "ring"});
+  for (const Json& row : of_ring["found"]) {
     EXPECT_TRUE(row["key"].get<std::string>().starts_with("lighting.ring.")) << row;
   }
   EXPECT_THAT(glint_in(folder, {"explain", "lighting.left.type"}).out, HasSubstr("\"ring\""));
+}
+
+TEST(Explain, OfAKeyThatIsAScoreTooTellsBoth) {
+  const TemporaryFolder folder;
+  const Json found = json_of(folder, {"explain", "inspection.threshold"})["found"];
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0]["score"], "inspection.threshold");
+  EXPECT_EQ(found[1]["key"], "inspection.threshold");
 }
 
 TEST(Explain, ListsTheTablesAndAllKeys) {

@@ -79,8 +79,8 @@ TEST_F(InputError, MetresGivenAsMillimetres) {
   expect_refused(study,
                  kUsage,
                  place_of(study, "part]") +
-                     "part\\.unit: rectangle\\.stl is 0\\.2 mm large: is the file in m\\? set "
-                     "part\\.unit = \"m\" \\(then 200 mm\\); allowed: 1 to 5000 mm");
+                     "part\\.unit: rectangle\\.stl is 0\\.2 mm large: is the file in m\\? The unit "
+                     "\"m\" makes it 200 mm; allowed: 1 to 5000 mm");
 }
 
 TEST_F(InputError, EmptyMesh) {
@@ -186,13 +186,13 @@ TEST_F(InputError, CameraInsideThePart) {
   expect_refused(study,
                  kUsage,
                  place_of(study, "working_distance_mm") +
-                     "camera\\.working_distance_mm: the camera at \\(0, 0, 1\\) mm is inside the "
-                     "part; it must stand outside, at a working distance");
+                     "camera\\.working_distance_mm: puts the camera at \\(0, 0, 1\\) mm, inside the "
+                     "part; it must be outside of the part, which reaches up to z = .* mm");
   study = small({{"[render]", "[[viewpoint]]\nposition_mm = [3, 0, -0.5]\n\n[render]"}});
   expect_refused(study,
                  kUsage,
                  place_of(study, "position_mm") +
-                     "viewpoint\\.0\\.position_mm: the camera at \\(3, 0, -0\\.5\\) mm is inside "
+                     "viewpoint\\.0\\.position_mm: puts the camera at \\(3, 0, -0\\.5\\) mm, inside "
                      "the part; .*");
 }
 
@@ -241,11 +241,12 @@ TEST_F(InputError, DefectBesideThePart) {
 TEST_F(InputError, DefectOutOfSightNamesItsOwnTableAndWhatToDo) {
   const std::string study = small(
       {{"[variables]",
-        "[defects.dent2]\ntype = \"dent\"\nat_mm = [5, 0, 1.9, 0, 0, -1.97]\n\n[variables]"}});
+        "[defects.dent2]\ntype = \"dent\"\nat_mm = [5, 0, 1.9, 16, 0, 1.7]\n\n[variables]"},
+       {"width_px = 200", "width_px = 100"}});
   expect_refused(study,
                  kUsage,
-                 place_of(study, "defects.dent2]") +
-                     "defects\\.dent2: dent2_2 is not in the picture, .*; give it a place .*at_mm.*"
+                 place_of(study, "dent2]") +
+                     "defects\\.dent2: dent2_2 is outside the image; give it a place .*at_mm.*"
                      "facing_deg.*");
 }
 

@@ -301,8 +301,9 @@ TEST(FrontierStudy, WritesItsFilesAndLeavesARunsFilesAlone) {
                                   {"camera.object_pixel_mm", "1.2"},
                                   {"scan.positions", "4"}});
   write_file(folder / "run.json", "{}");
-  write_file(folder / "result.json", "{}");
   const FrontierRun run = {.out = folder.path(), .progress = Progress::Style::kNone};
+  EXPECT_THROW(frontier_study(study, run), ConfigError) << "whose run.json is not known";
+  write_file(folder / "study.sqlite", "");  // a search's folder
   const auto json = frontier_study(study, run);
   EXPECT_EQ(json["report"], (folder / "frontier.html").string());
   EXPECT_EQ(read_file(folder / "run.json"), "{}");

@@ -179,7 +179,7 @@ TEST_P(IntersectBlock, ObliqueStripesRunOnSmoothlyOverBothRims) {
     if (GetParam() == Shape::kSuperellipse && std::abs(from) > 1.0) {
       continue;
     }
-    Met met = fan(from, to, 2e-3);
+    TunnelHits met = fan(from, to, 2e-3);
     met.intersect(tunnel);
     for (std::size_t i = 2; i < met.size(); ++i) {
       const auto at = [&](std::size_t k) { return static_cast<double>(met.pattern[k]); };

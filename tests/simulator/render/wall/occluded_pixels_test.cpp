@@ -62,6 +62,28 @@ Viewpoint random_viewpoint(Rng& rng) {
           .up = {rng.uniform(-1.0, 1.0), 1.0, 0.0}};
 }
 
+/// Whether the part stands between flat walls, as scenes must, and the slot stays above half their
+/// height (docs/theory/tunnel.md, "Limits").
+bool is_sensible(const Tunnel& tunnel, const CornerRays& rays) {
+  const TunnelSettings& s = tunnel.settings();
+  if (s.shape != TunnelSettings::Shape::kFlat) {
+    return true;
+  }
+  const double middle_mm = 0.5 * (s.base_mm + tunnel.top_mm());
+  const double at_middle_mm = s.distance_mm - std::tan(s.opening_rad) * (middle_mm - s.base_mm);
+  if (at_middle_mm < 0.5 * s.slot_mm) {
+    return false;
+  }
+  for (std::size_t i = 0; i < rays.coverage.values().size(); ++i) {
+    if (rays.coverage.values()[i] > 0.0F &&
+        !tunnel.contains(static_cast<double>(rays.seen_y.values()[i]),
+                         static_cast<double>(rays.seen_z.values()[i]))) {
+      return false;
+    }
+  }
+  return true;
+}
+
 /// How many of some walls hide some of the part and not all of it; tiles must find what every pixel
 /// by itself finds.
 int compare_with_pixels(const CornerRays& rays,
@@ -72,6 +94,9 @@ int compare_with_pixels(const CornerRays& rays,
   int partly = 0;
   for (int trial = 0; trial < walls; ++trial) {
     const Tunnel tunnel(random_wall(rng));
+    if (!is_sensible(tunnel, rays)) {
+      continue;
+    }
     const OccludedPixels found = occluded_pixels(rays, tunnel, camera_mm);
     const OccludedPixels expected = occluded_pixels_one_by_one(rays, tunnel, camera_mm);
     EXPECT_EQ(found, expected) << "seed " << seed << ", trial " << trial << ", "
@@ -93,7 +118,7 @@ TEST(OccludedPixels, TilesFindWhatEveryPixelByItselfFinds) {
     const SightBench bench(test::bench_strip(), camera, random_viewpoint(rng));
     partly += compare_with_pixels(bench.rays, bench.camera_mm, 40, place);
   }
-  EXPECT_GT(partly, 100);
+  EXPECT_GT(partly, 80);
 }
 
 // A part that fills the picture: its first tile has no neighbour.

@@ -13,6 +13,7 @@
 #include <cmath>
 
 #include "core/rng.h"
+#include "simulator/sensor/blur_kernel.h"
 #include "simulator/sensor/sensor_kernels.h"
 
 namespace glint {
@@ -21,7 +22,6 @@ namespace {
 namespace kernels = sensor_kernels;
 
 constexpr double kGaussianFromElectrons = 30.0;
-constexpr double kTruncationSigmas = 4.0;
 constexpr std::array<int, 5> kBits = {0, 8, 10, 12, 16};
 
 /// Rows of the vertical blur that stay in the first cache, all of them.
@@ -39,21 +39,12 @@ int levels_of(const SensorSettings& settings) {
   return settings.bits == 0 ? 0 : (1 << settings.bits) - 1;
 }
 
-/// Centre and one side of a Gaussian cut at four sigma, both sides summing to 1.
-std::vector<float> gaussian_weights(double sigma_px) {
-  const int radius = sigma_px > 0.0 ? static_cast<int>(std::ceil(kTruncationSigmas * sigma_px)) : 0;
-  std::vector<double> weights(static_cast<std::size_t>(radius) + 1, 1.0);
-  double total = 1.0;
-  for (std::size_t k = 1; k < weights.size(); ++k) {
-    const double distance = static_cast<double>(k) / sigma_px;
-    weights[k] = std::exp(-0.5 * distance * distance);
-    total += 2.0 * weights[k];
+std::vector<float> in_float(const std::vector<double>& values) {
+  std::vector<float> rounded;
+  for (const double value : values) {
+    rounded.push_back(static_cast<float>(value));
   }
-  std::vector<float> normalised;
-  for (const double weight : weights) {
-    normalised.push_back(static_cast<float>(weight / total));
-  }
-  return normalised;
+  return rounded;
 }
 
 /// The smallest k with P(Poisson(mean) <= k) >= u, by adding up probabilities.
@@ -161,7 +152,8 @@ Sensor::Sensor(const SensorSettings& settings, int width_px, int height_px)
       width_px_(width_px),
       height_px_(height_px),
       whole_(whole_image(width_px, height_px)),
-      weights_(gaussian_weights(settings.blur_px)) {
+      weights_(in_float(blur_kernel(settings.blur_px))),
+      has_negative_weights_(std::ranges::any_of(weights_, [](float w) { return w < 0.0F; })) {
   if (width_px <= 0 || height_px <= 0) {
     throw ConfigError("sensor", "the image has no pixel, width and height must be > 0");
   }
@@ -170,9 +162,11 @@ Sensor::Sensor(const SensorSettings& settings, int width_px, int height_px)
 int Sensor::blur_reach_px(double tail) const {
   double beyond = 0.0;
   int reach = blur_radius_px();
-  while (reach > 0 &&
-         beyond + static_cast<double>(weights_[static_cast<std::size_t>(reach)]) < tail) {
-    beyond += static_cast<double>(weights_[static_cast<std::size_t>(reach)]);
+  const auto weight_at = [&](int k) {
+    return std::abs(static_cast<double>(weights_[static_cast<std::size_t>(k)]));
+  };
+  while (reach > 0 && beyond + weight_at(reach) < tail) {
+    beyond += weight_at(reach);
     --reach;
   }
   return reach;
@@ -187,7 +181,7 @@ double Sensor::blur_variance_px2() const {
 }
 
 /// Vertical pass into the padded row, then horizontal pass into the row. What they write behind the
-/// span, up to a whole vector, is not used.
+/// span, up to a whole vector, is not used. There is no negative light.
 void Sensor::blur_span(const ImageF& radiance, const RowSpan& span, Scratch& scratch) const {
   const int radius = blur_radius_px();
   const int low = std::max(0, span.begin - radius);
@@ -226,6 +220,9 @@ void Sensor::blur_span(const ImageF& radiance, const RowSpan& span, Scratch& scr
   }
   taps.centre = centre;
   kernels::weigh_rows(taps, whole_vectors(span.size()), scratch.row.data());
+  if (has_negative_weights_) {
+    kernels::cut_off_negative(span.size(), scratch.row.data());
+  }
 }
 
 /// Turns the span's blurred radiance into noisy electrons.

@@ -25,7 +25,7 @@ namespace glint {
 struct SensorSettings {
   double exposure = 1.0;      ///< > 0; factor of the radiance
   double gain = 1.0;          ///< > 0; factor of the signal
-  double blur_px = 0.7;       ///< >= 0; sigma of the Gaussian blur, 0: none
+  double blur_px = 0.7;       ///< >= 0; sigma of the Gaussian blur (blur_kernel.h), 0: none
   int bits = 8;               ///< 8, 10, 12 or 16; 0: no quantisation
   double full_well_e = 0.0;   ///< >= 0; electrons at full scale and gain 1, 0: no noise
   double read_noise_e = 0.0;  ///< >= 0; standard deviation, needs full_well_e
@@ -108,6 +108,10 @@ class Sensor {
   /// Variance of the blur along one axis [px^2], as it is: cut and sampled.
   double blur_variance_px2() const;
 
+  /// Whether the blur would make less than none of light beside an edge, and is cut off there
+  /// (blur_kernel.h).
+  bool blur_is_cut_off() const { return has_negative_weights_; }
+
   const SensorSettings& settings() const { return settings_; }
 
  private:
@@ -127,6 +131,7 @@ class Sensor {
   int height_px_ = 0;
   Spans whole_;
   std::vector<float> weights_;  ///< of the blur's centre and one side; both sides sum to 1
+  bool has_negative_weights_ = false;
 };
 
 }  // namespace glint

@@ -102,6 +102,12 @@ GLINT_WIDE void weigh_rows(const TapRows& taps, int width, float* __restrict out
   }
 }
 
+GLINT_WIDE void cut_off_negative(int width, float* __restrict values) {
+  for (int x = 0; x < width; ++x) {
+    values[x] = values[x] > 0.0f ? values[x] : 0.0f;
+  }
+}
+
 GLINT_WIDE void to_grey(
     const float* __restrict values, float scale, int levels, int width, float* __restrict grey) {
   if (levels == 0) {

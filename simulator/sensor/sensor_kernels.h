@@ -21,6 +21,9 @@ struct TapRows {
 /// out = w0 centre + sum_k wk (low_k + high_k), summed from the centre outwards.
 void weigh_rows(const TapRows& taps, int width, float* out);
 
+/// values = max(values, 0)
+void cut_off_negative(int width, float* values);
+
 /// grey = min(max(scale x values, 0), 1), rounded to multiples of 1 / levels; 0 levels: not
 /// rounded.
 void to_grey(const float* values, float scale, int levels, int width, float* grey);

@@ -11,9 +11,9 @@
 
 namespace glint {
 
-/// How a blurred frame changes with the blur's sigma. A weight w at the distance k changes by
-/// w (k^2 - m) / sigma^3, m the mean of k^2. So the sum with weights w_x w_y (k_x^2 + k_y^2) says
-/// it, to the rounding of a sum; the difference of two blurs would have that over a short step.
+/// How a blurred frame changes with the blur's sigma. The sum with the derivatives of the weights
+/// along one axis and the weights along the other, both ways, says it, to the rounding of a sum;
+/// the difference of two blurs would have that over a short step.
 class BlurDerivative {
  public:
   /// @param sensor, wanted, around  must outlive this object
@@ -21,7 +21,7 @@ class BlurDerivative {
   BlurDerivative(const Sensor& sensor, const Spans& wanted, const Spans& around);
 
   /// The change of a number with these derivatives by blurred pixels.
-  double derivative(const ImageF& radiance, const ImageF& blurred, const ImageF& by_blurred);
+  double derivative(const ImageF& radiance, const ImageF& by_blurred);
 
  private:
   void blur_rows(const ImageF& radiance);
@@ -29,10 +29,8 @@ class BlurDerivative {
   const std::vector<float>& weights_;
   const Spans& wanted_;
   const Spans& around_;
-  std::vector<float> squares_;  ///< weights times squares of their distances
-  double mean_square_ = 0.0;
-  double per_cube_ = 0.0;
-  ImageF across_, across_squares_;
+  std::vector<float> slopes_;  ///< derivatives of the weights
+  ImageF across_, across_slopes_;
   std::vector<float> padded_, row_;
 };
 

@@ -344,6 +344,9 @@ class AdjointOfTheSensor {
       const float* grey = blurred_.row(span.y) + span.begin;
       float* by = by_blurred_.row(span.y) + span.begin;
       response_.at(grey, span.size(), by);
+      if (blur_.blur_is_cut_off()) {
+        gradient_kernels::clear_where_dark(grey, span.size(), by);
+      }
       gradient_kernels::multiply_by(by_aspect_.row(span.y) + span.begin, span.size(), by);
       if (has_gain_) {
         const auto count = static_cast<std::size_t>(span.size());
@@ -353,7 +356,7 @@ class AdjointOfTheSensor {
       }
     }
     if (has_blur_) {
-      gradient_.blur_px += per_weight_ * change_.derivative(radiance, blurred_, by_blurred_);
+      gradient_.blur_px += per_weight_ * change_.derivative(radiance, by_blurred_);
     }
     return by_blurred_;
   }

@@ -18,6 +18,7 @@
 #include "simulator/render/derivative/frame_gradient.h"
 #include "simulator/render/derivative/gradient_kernels.h"
 #include "simulator/render/derivative/table_kernels.h"
+#include "simulator/sensor/blur_kernel.h"
 
 namespace glint {
 namespace {
@@ -138,20 +139,14 @@ class TableGradient {
     return by_gradient;
   }
 
-  /// A weight w at the distance k changes by w (k^2 - variance) / sigma^3 with the blur's sigma.
+  /// By the blur's sigma.
   double variance_derivative() const {
-    const double sigma = sensor_.settings().blur_px;
-    if (sigma == 0.0) {
-      return 0.0;
+    const std::vector<double> slopes = blur_kernel_slope(sensor_.settings().blur_px);
+    double derivative = 0.0;
+    for (std::size_t k = 1; k < slopes.size(); ++k) {
+      derivative += 2.0 * static_cast<double>(k * k) * slopes[k];
     }
-    const double variance = sensor_.blur_variance_px2();
-    const std::vector<float>& weights = sensor_.blur_weights();
-    double fourth = 0.0;  // mean of k^4
-    for (std::size_t k = 1; k < weights.size(); ++k) {
-      const auto square = static_cast<double>(k * k);
-      fourth += 2.0 * square * square * static_cast<double>(weights[k]);
-    }
-    return (fourth - variance * variance) / (sigma * sigma * sigma);
+    return derivative;
   }
 
   const Footprints& footprints_;

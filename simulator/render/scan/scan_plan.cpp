@@ -17,6 +17,7 @@
 #include "core/image/mask_kernels.h"
 #include "simulator/render/scan/scan_ripple.h"
 #include "simulator/render/scan/width_rows.h"
+#include "simulator/sensor/blur_kernel.h"
 
 namespace glint {
 namespace {
@@ -274,6 +275,7 @@ ScanForm::Kind form_of(const ScanPositions& positions,
   const double darkest = reflectance * (positions.duty < 1.0 ? std::min(1.0, positions.dark) : 1.0);
   const double step = sensor.bits > 0 ? 1.0 / ((1 << sensor.bits) - 1) : 0.0;
   const bool is_linear =
+      blur_overshoot(sensor.blur_px) == 0.0 &&  // else cut off at 0
       slope * brightest + offset <= 1.0 && slope * darkest + offset < 1.0 - 0.5 * step &&
       std::abs(bright.mean - slope * brightest - offset) <= kLargestBias &&
       std::abs(dark.mean - slope * reflectance * positions.dark - offset) <= kLargestBias;

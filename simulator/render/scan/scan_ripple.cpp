@@ -68,6 +68,7 @@ ScanRipple::ScanRipple(const Sensor& sensor, const StripeSettings& stripes)
   const double linear = settings.gain * settings.exposure * stripes.gain;
   slope_ = linear * (1.0 - stripes.dark);
   offset_ = dark_grey(settings) + linear * stripes.dark;
+  floor_ = sensor.blur_is_cut_off() ? dark_grey(settings) : -1.0;
   const int phases = stripes.num_phases();
   for (int scan = 0; scan < kScans; ++scan) {
     for (int k = 0; k < phases; ++k) {
@@ -162,7 +163,7 @@ ScanRipple::Size ScanRipple::size_at(double gx, double gy) {
   for (int scan = 0; scan < kScans; ++scan) {
     double total = 0.0;
     for (int k = 0; k < phases; ++k, ++share) {
-      total += std::min(1.0, offset_ + slope_ * *share);
+      total += std::clamp(offset_ + slope_ * *share, floor_, 1.0);
     }
     const double mean = total / phases;
     sum += mean;

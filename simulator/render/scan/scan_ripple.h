@@ -47,6 +47,7 @@ class ScanRipple {
   StripeSettings stripes_;
   double slope_;   ///< of the grey value by the share of bright stripes
   double offset_;  ///< grey value of dark stripes
+  double floor_;   ///< grey value where the blur is cut off; none is lower
   double variance_px2_;
   std::vector<double> weights_;  ///< of the blur: its centre, then both sides
   std::vector<double> cosines_;  ///< at the phases, one scan after another

@@ -62,15 +62,16 @@ TEST(Sensor, FullScaleIsExactlyOneAndStepsAreThoseOfTheBitDepth) {
   }
 }
 
-// sigma 0.7, radius 3: exp(-1/0.98) = 0.360448, exp(-4/0.98) = 0.016880, exp(-9/0.98) = 0.000103;
-// 1 + 2 x 0.377430 = 1.754861; centre 1 / 1.754861^2 = 0.324724, next 0.360448 x that = 0.117046.
+// sigma 1, radius 4: exp(-1/2) = 0.606531, exp(-2) = 0.135335, exp(-9/2) = 0.011109,
+// exp(-8) = 0.000335; 1 + 2 x 0.753310 = 2.506621; centre 1 / 2.506621^2 = 0.159156, next 0.606531 x
+// that = 0.096533.
 TEST(Sensor, SpreadsAnImpulseAsAGaussianAndKeepsItsTotal) {
   ImageF impulse(21, 15);
   impulse(10, 7) = 1.0f;
-  const ImageF spread = exposed({.blur_px = 0.7, .bits = 0}, impulse);
-  EXPECT_NEAR(spread(10, 7), 0.324724, 2e-6);
-  EXPECT_NEAR(spread(11, 7), 0.117046, 2e-6);
-  EXPECT_NEAR(spread(10, 6), 0.117046, 2e-6);
+  const ImageF spread = exposed({.blur_px = 1.0, .bits = 0}, impulse);
+  EXPECT_NEAR(spread(10, 7), 0.159156, 2e-6);
+  EXPECT_NEAR(spread(11, 7), 0.096533, 2e-6);
+  EXPECT_NEAR(spread(10, 6), 0.096533, 2e-6);
   EXPECT_NEAR(total(spread), 1.0, 1e-6);
 }
 

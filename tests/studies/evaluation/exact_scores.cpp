@@ -6,23 +6,17 @@
 #include <functional>
 #include <limits>
 
+#include "simulator/sensor/blur_kernel.h"
+
 namespace glint {
 namespace {
 
 using Eigen::Vector3d;
 
-/// Centre and one side of the sensor's blur, in double.
+/// Centre and one side of the sensor's blur, in double. Its reach is that of another, near sigma.
 std::vector<double> blur_weights(double sigma_px, int radius) {
-  std::vector<double> weights;
-  double total = 0.0;
-  for (int k = 0; k <= radius; ++k) {
-    const double distance = k / sigma_px;
-    weights.push_back(std::exp(-0.5 * distance * distance));
-    total += (k == 0 ? 1.0 : 2.0) * weights.back();
-  }
-  for (double& weight : weights) {
-    weight /= total;
-  }
+  std::vector<double> weights = blur_kernel(sigma_px);
+  weights.resize(static_cast<std::size_t>(radius) + 1, 0.0);
   return weights;
 }
 

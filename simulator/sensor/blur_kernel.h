@@ -6,9 +6,9 @@
 // and its contrast (MTF) at 0.3 and 0.45 cycles a pixel; between the two a smooth mixture.
 //
 // Below 0.683 px the second weight is negative: no weights >= 0 have both that variance and that
-// contrast. A picture within [0, 1] then blurs to [-o, 1 + o] with o <= 0.08 (blur_overshoot), 0.015
-// beside a straight edge; the sensor cuts it off at 0. docs/theory/sensor.md, "Narrow blur". Own
-// derivation.
+// contrast. A picture within [0, 1] then blurs to [-o, 1 + o] with o <= 0.08 (blur_overshoot),
+// 0.015 beside a straight edge; the sensor cuts it off at 0. docs/theory/sensor.md, "Narrow blur".
+// Own derivation.
 #pragma once
 
 #include <vector>

@@ -74,6 +74,13 @@ class ResponseDerivative {
   std::vector<float> gradient_;
 };
 
+/// Where the blur is cut off at 0 nothing changes.
+void clear_where_dark(const float* blurred, int count, float* derivative) {
+  for (int i = 0; i < count; ++i) {
+    derivative[i] = blurred[i] > 0.0F ? derivative[i] : 0.0F;
+  }
+}
+
 /// The pixels that see light.
 Spans lit_pixels(const Footprints& footprints, const Spans& pixels) {
   constexpr int kGapTolerance_px = 8;  // gaps that are not worth another start
@@ -345,7 +352,7 @@ class AdjointOfTheSensor {
       float* by = by_blurred_.row(span.y) + span.begin;
       response_.at(grey, span.size(), by);
       if (blur_.blur_is_cut_off()) {
-        gradient_kernels::clear_where_dark(grey, span.size(), by);
+        clear_where_dark(grey, span.size(), by);
       }
       gradient_kernels::multiply_by(by_aspect_.row(span.y) + span.begin, span.size(), by);
       if (has_gain_) {

@@ -395,14 +395,6 @@ GLINT_WIDE void mark_unclipped(const float* __restrict radiance,
   }
 }
 
-GLINT_WIDE void clear_where_dark(const float* __restrict radiance,
-                                 int count,
-                                 float* __restrict values) {
-  for (int i = 0; i < count; ++i) {
-    values[i] = radiance[i] > 0.0F ? values[i] : 0.0F;
-  }
-}
-
 GLINT_WIDE double exact_sum(const float* values, std::size_t count) {
   double sums[kDoubleLanes] = {};
   std::size_t i = 0;

@@ -129,9 +129,6 @@ void add_scaled(const float* from, int count, float factor, float* to);
 /// 1 where linear * radiance does not clip, else 0.
 void mark_unclipped(const float* radiance, int count, float linear, float* marks);
 
-/// values = 0 where there is no radiance
-void clear_where_dark(const float* radiance, int count, float* values);
-
 /// Derivatives by gx and gy of a row of pixels to those by its corners. Before and after the row's
 /// there must be a 0.
 void add_gradients_to_corners(

@@ -63,8 +63,8 @@ TEST(Sensor, FullScaleIsExactlyOneAndStepsAreThoseOfTheBitDepth) {
 }
 
 // sigma 1, radius 4: exp(-1/2) = 0.606531, exp(-2) = 0.135335, exp(-9/2) = 0.011109,
-// exp(-8) = 0.000335; 1 + 2 x 0.753310 = 2.506621; centre 1 / 2.506621^2 = 0.159156, next 0.606531 x
-// that = 0.096533.
+// exp(-8) = 0.000335; 1 + 2 x 0.753310 = 2.506621; centre 1 / 2.506621^2 = 0.159156, next 0.606531
+// x that = 0.096533.
 TEST(Sensor, SpreadsAnImpulseAsAGaussianAndKeepsItsTotal) {
   ImageF impulse(21, 15);
   impulse(10, 7) = 1.0f;

@@ -107,17 +107,21 @@ class TableGradient {
     std::vector<double> sums(others.size());
     // A row's, between two zeros.
     std::vector<float> by_gx(static_cast<std::size_t>(width) + 2), by_gy(by_gx);
+    std::vector<float> by_table_mean(static_cast<std::size_t>(width));
     double by_gradient = 0.0;
     for (int y = 0; y < by_aspect_.height(); ++y) {
       const unsigned char* by_table = plan_.by_table.row(y);
       if (std::memchr(by_table, 1, static_cast<std::size_t>(width)) == nullptr) {
         continue;
       }
+      std::copy_n(by_aspect_.row(y), width, by_table_mean.data());
+      footprint_kernels::multiply_runs(
+          by_table, plan_.correction.row(y / kRippleTileHeight_px), width, by_table_mean.data());
       const std::size_t corner = static_cast<std::size_t>(y) * corner_width;
       const float* stripes_mm = footprints_.hits().stripes_mm().data() + corner;
       by_gradient += gradient_kernels::table_gradient(
           {.by_table = by_table,
-           .derivative = by_aspect_.row(y),
+           .derivative = by_table_mean.data(),
            .w = plan_.width.row(y),
            .corners = {.top = stripes_mm, .bottom = stripes_mm + corner_width},
            .count = width,

@@ -153,11 +153,10 @@ void look_up_means(const ScanPlan& plan, bool has_noise, ClosedScan& result) {
     const unsigned char* by_table = plan.by_table.row(y);
     kernels::look_up_where(
         by_table, w, width, tables, dark, result.aspect.row(y), result.deviation.row(y));
-    kernels::add_in_squares(by_table,
-                            plan.ripple.row(y / kRippleTileHeight_px),
-                            width,
-                            has_noise,
-                            result.deviation.row(y));
+    const int tiles = y / kRippleTileHeight_px;
+    kernels::multiply_runs(by_table, plan.correction.row(tiles), width, result.aspect.row(y));
+    kernels::add_in_squares(
+        by_table, plan.ripple.row(tiles), width, has_noise, result.deviation.row(y));
     if (table.saturated_from() < ClippedMean::kWidest) {
       for (int x = 0; x < width; ++x) {
         const bool is_saturated = by_table[x] != 0 && table.is_saturated(static_cast<double>(w[x]));

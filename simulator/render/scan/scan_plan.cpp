@@ -11,11 +11,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "core/image/grown_mask.h"
 #include "core/image/mask_kernels.h"
-#include "simulator/render/scan/scan_ripple.h"
+#include "simulator/render/scan/ripple_tiles.h"
 #include "simulator/render/scan/width_rows.h"
 #include "simulator/sensor/blur_kernel.h"
 
@@ -27,23 +26,8 @@ constexpr std::array<std::string_view, 3> kFormNames = {"floors", "table", "fram
 /// A pixel beyond this share of the blur, on one side and times the gain, does not count.
 constexpr double kSmallestTail = 7e-3;
 
-/// A sampled blur narrower than this is no Gaussian any more.
-constexpr double kNarrowestBlur_px = 0.7;
-
-/// What few frames may move a pixel's mean by, as a share of it. Their ripple is in the deviation,
-/// but it is no normal number: it may be this much, or this share of the picture's own deviation,
-/// beside which it is little. Where it is coherent it does not scatter. Tiles beyond are left to
-/// frames, unless together they move h by less than the last.
-constexpr double kLargestRipple = 5e-3;
-constexpr double kLargestRippleShare = 0.15;
-constexpr double kLargestCoherentRipple = 1e-3;
-constexpr double kSmallestEffect = 5e-4;
-
-/// The table's own error does not scatter either, but it varies little over a picture.
-constexpr double kBiasWeight = 3.0;
-
-/// A ripple's mean size differs by so much of it from that of a normal number.
-constexpr double kNotNormal = 0.15;
+/// Behind a blur narrower than this, pixels are boxes rather than Gaussians.
+constexpr double kNarrowestBlur_px = 0.45;
 
 /// Noise may shift the mean by this much where it is cut off.
 constexpr double kLargestBias = 1e-4;
@@ -114,128 +98,6 @@ void sort_pixels(const Footprints& footprints,
     }
   }
 }
-
-/// What few frames leave in tiles of pixels that the table gives.
-class RippleTiles {
- public:
-  RippleTiles(const Footprints& footprints, const Sensor& sensor, ScanPlan& plan)
-      : footprints_(footprints),
-        plan_(plan),
-        ripple_(sensor, stripes_of(footprints.positions(), plan.reflectance)) {}
-
-  /// Fills the plan's ripple, and takes the pixels of tiles that are disturbed too much by frames.
-  void sort() {
-    find_tiles();
-    const double largest = std::max(kLargestRipple, kLargestRippleShare * unevenness());
-    const auto is_disturbed = [&](const Tile& tile) {
-      return tile.disturbance > (tile.is_coherent ? kLargestCoherentRipple : largest);
-    };
-    double squares = 0.0;
-    for (const Tile& tile : tiles_) {
-      const double effect = (tile.is_coherent ? 1.0 : kNotNormal) * tile.disturbance;
-      squares += is_disturbed(tile) ? effect * effect : 0.0;
-    }
-    const bool is_much =
-        squares > kSmallestEffect * kSmallestEffect * static_cast<double>(tiles_.size());
-    for (const Tile& tile : tiles_) {
-      if (is_much && is_disturbed(tile)) {
-        take_by_frames(tile);
-      } else {
-        plan_.ripple(tile.column, tile.row) = tile.deviation;
-      }
-    }
-  }
-
- private:
-  struct Tile {
-    int column = 0;
-    int row = 0;
-    bool is_coherent = false;
-    double mean = 0.0;         ///< T(w)
-    double disturbance = 0.0;  ///< as a share of it
-    float deviation = 0.0F;
-  };
-
-  int left(int column) const { return column * kRippleTileWidth_px; }
-
-  int right(int column) const {
-    return std::min(left(column + 1), static_cast<int>(plan_.by_table.width()));
-  }
-
-  int top(int row) const { return row * kRippleTileHeight_px; }
-
-  int bottom(int row) const {
-    return std::min(top(row + 1), static_cast<int>(plan_.by_table.height()));
-  }
-
-  void find_tiles() {
-    for (int row = 0; row < plan_.ripple.height(); ++row) {
-      for (int column = 0; column < plan_.ripple.width(); ++column) {
-        add_tile(column, row);
-      }
-    }
-  }
-
-  /// By the first of its pixels that the table gives.
-  void add_tile(int column, int row) {
-    for (int y = top(row); y < bottom(row); ++y) {
-      const unsigned char* by_table = plan_.by_table.row(y);
-      const unsigned char* const end = by_table + right(column);
-      const unsigned char* const found = std::find(by_table + left(column), end, 1);
-      if (found != end) {
-        const auto x = static_cast<int>(found - by_table);
-        const auto [gx, gy] = phase_gradient(x, y);
-        const ScanRipple::Size size = ripple_.at(gx, gy);
-        const double mean = plan_.table->mean(static_cast<double>(plan_.width(x, y)));
-        tiles_.push_back({.column = column,
-                          .row = row,
-                          .is_coherent = ripple_.is_coherent(gx, gy),
-                          .mean = mean,
-                          .disturbance = std::max(size.deviation, kBiasWeight * size.bias),
-                          .deviation = static_cast<float>(size.deviation * mean)});
-        return;
-      }
-    }
-  }
-
-  /// [periods / px]
-  std::pair<double, double> phase_gradient(int x, int y) const {
-    const std::size_t corner_width = static_cast<std::size_t>(footprints_.rays().width_px) + 1;
-    const float* top = footprints_.hits().stripes_mm().data() +
-                       static_cast<std::size_t>(y) * corner_width + static_cast<std::size_t>(x);
-    const float* bottom = top + corner_width;
-    const double per_mm = 0.5 / footprints_.positions().period_mm;
-    const auto of = [&](float difference) { return per_mm * static_cast<double>(difference); };
-    return {of(top[1] - top[0] + (bottom[1] - bottom[0])),
-            of(bottom[0] - top[0] + (bottom[1] - top[1]))};
-  }
-
-  /// Standard deviation of T(w) over its mean, from tile to tile.
-  double unevenness() const {
-    double sum = 0.0;
-    double squares = 0.0;
-    for (const Tile& tile : tiles_) {
-      sum += tile.mean;
-      squares += tile.mean * tile.mean;
-    }
-    const auto count = static_cast<double>(tiles_.size());
-    return sum > 0.0 ? std::sqrt(std::max(0.0, squares * count / (sum * sum) - 1.0)) : 0.0;
-  }
-
-  void take_by_frames(const Tile& tile) {
-    for (int y = top(tile.row); y < bottom(tile.row); ++y) {
-      for (int x = left(tile.column); x < right(tile.column); ++x) {
-        plan_.by_frames(x, y) = plan_.by_frames(x, y) | plan_.by_table(x, y);
-        plan_.by_table(x, y) = 0;
-      }
-    }
-  }
-
-  const Footprints& footprints_;
-  ScanPlan& plan_;
-  ScanRipple ripple_;
-  std::vector<Tile> tiles_;
-};
 
 Mask without(const Mask& mask, const Mask& taken) {
   Mask rest = Mask::uninitialized(mask.width(), mask.height());
@@ -314,15 +176,13 @@ ScanPlan plan_scan(const Footprints& footprints,
   if (plan.form.kind == ScanForm::Kind::kTable) {
     plan.width = ImageF::uninitialized(mask.width(), mask.height());
     plan.by_table = Mask::uninitialized(mask.width(), mask.height());
-    plan.ripple = ImageF((mask.width() + kRippleTileWidth_px - 1) / kRippleTileWidth_px,
-                         (mask.height() + kRippleTileHeight_px - 1) / kRippleTileHeight_px);
     plan.table = std::make_shared<const ClippedMean>(
         sensor.settings(), stripes_of(footprints.positions(), reflectance));
     if (watched.empty()) {
       plan.by_frames = Mask(mask.width(), mask.height());
     }
     sort_pixels(footprints, sensor, mask, plan);
-    RippleTiles(footprints, sensor, plan).sort();
+    sort_tiles(footprints, sensor, count_of(mask), plan);
   }
   plan.form.frame_pixels = count_of(plan.by_frames);
   plan.form.table_pixels = count_of(plan.by_table);

@@ -50,6 +50,7 @@ struct ScanPlan {
   Mask by_frames;          ///< and the watched pixels; empty: none
   ImageF width;            ///< w of T(w) [periods], where by_table
   ImageF ripple;           ///< deviation by few frames where by_table, tile by tile
+  ImageF correction;       ///< of T(w) there, tile by tile: 1 where pixels are Gaussians
   double reflectance = 1.0;
   std::shared_ptr<const ClippedMean> table;  ///< T; empty where it is not used
 };

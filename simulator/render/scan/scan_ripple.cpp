@@ -7,6 +7,7 @@
 #include "simulator/render/scan/scan_ripple.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/units.h"
@@ -16,9 +17,11 @@
 namespace glint {
 namespace {
 
-/// Scans that begin at different phases. With their mirror images about the middle of a stripe,
-/// which give the same means, they tell the ripple and two overtones.
-constexpr int kScans = 4;
+/// Scans that begin at different phases, so many at least, and so many phases in all. With their
+/// mirror images about the middle of a stripe, which give the same means, four tell the ripple and
+/// two overtones.
+constexpr int kFewestScans = 4;
+constexpr int kFewestPhases = 40;
 
 /// Cells for each period that the ripple moves by from pixel to pixel, up to one; then for each
 /// factor e.
@@ -42,15 +45,22 @@ constexpr int kMostHarmonics = 1024;
 /// The ripple counts as the same at the next pixel when it moves by less than this many turns.
 constexpr double kCoherent = 0.02;
 
-/// Which cell has so many turns a pixel.
-int cell_of(double turns) {
-  return static_cast<int>(
-      std::lround(kCellsPerTurn * (turns < 1.0 ? turns : 1.0 + std::log(turns))));
+/// Between which cells so many turns a pixel lie.
+double place_of(double turns, double per_turn) {
+  return per_turn * (turns < 1.0 ? turns : 1.0 + std::log(turns));
 }
 
-double turns_of(int cell) {
-  const double place = cell / kCellsPerTurn;
+double turns_of(int cell, double per_turn) {
+  const double place = cell / per_turn;
   return place < 1.0 ? place : std::exp(place - 1.0);
+}
+
+/// What four neighbours at -1, 0, 1 and 2 add to the value at t in [0, 1): Catmull and Rom's cubic.
+std::array<double, 4> cubic_shares(double t) {
+  return {0.5 * t * (t * (2.0 - t) - 1.0),
+          1.0 + 0.5 * t * t * (3.0 * t - 5.0),
+          0.5 * t * (1.0 + t * (4.0 - 3.0 * t)),
+          0.5 * t * t * (t - 1.0)};
 }
 
 double distance_to_whole(double x) {
@@ -62,6 +72,7 @@ double distance_to_whole(double x) {
 ScanRipple::ScanRipple(const Sensor& sensor, const StripeSettings& stripes)
     : stripes_(stripes),
       variance_px2_(sensor.blur_variance_px2() + 1.0 / 12.0),
+      cells_per_turn_(kCellsPerTurn * std::sqrt(variance_px2_)),
       weights_(sensor.blur_weights().begin(), sensor.blur_weights().end()) {
   std::for_each(weights_.begin() + 1, weights_.end(), [](double& weight) { weight *= 2.0; });
   const SensorSettings& settings = sensor.settings();
@@ -70,13 +81,19 @@ ScanRipple::ScanRipple(const Sensor& sensor, const StripeSettings& stripes)
   offset_ = dark_grey(settings) + linear * stripes.dark;
   floor_ = sensor.blur_is_cut_off() ? dark_grey(settings) : -1.0;
   const int phases = stripes.num_phases();
-  for (int scan = 0; scan < kScans; ++scan) {
+  scans_ = std::clamp((kFewestPhases + phases - 1) / phases, kFewestScans, kMostScans);
+  for (int scan = 0; scan < scans_; ++scan) {
     for (int k = 0; k < phases; ++k) {
-      const double from_middle = (k + (scan + 0.5) / (2 * kScans)) / phases;
+      const double from_middle = (k + (scan + 0.5) / (2 * scans_)) / phases;
       cosines_.push_back(std::cos(2.0 * kPi * from_middle));
     }
   }
   shares_.resize(cosines_.size());
+  for (int scan = 0; scan < scans_; ++scan) {
+    for (int j = 0; j < scans_; ++j) {
+      cosines_of_scans_.push_back(2.0 / scans_ * std::cos(kPi * (scan + 0.5) * j / scans_));
+    }
+  }
 }
 
 bool ScanRipple::is_coherent(double gx, double gy) const {
@@ -92,12 +109,31 @@ ScanRipple::Size ScanRipple::at(double gx, double gy) {
   const double turns = stripes_.num_phases() * std::sqrt(x * x + y * y);
   // Where nothing is aliased the direction does not matter.
   const double angle = turns > kAliasedTurns ? std::atan2(y, x) : 0.0;
-  const int cell = cell_of(turns);
+  const double place = place_of(turns, cells_per_turn_);
+  const int cell = static_cast<int>(place);
   const auto direction = static_cast<int>(std::lround(angle / kDirectionStep_rad));
-  const auto [found, is_new] = sizes_.try_emplace(cell * kMostDirections + direction);
+  const std::array<double, 4> shares = cubic_shares(place - cell);
+  Wave wave;
+  for (int i = 0; i < 4; ++i) {
+    const Wave& near = of_cell(std::abs(cell + i - 1), direction);
+    const double share = shares[static_cast<std::size_t>(i)];
+    wave.bias += share * near.bias;
+    for (std::size_t j = 0; j + 1 < static_cast<std::size_t>(scans_); ++j) {
+      wave.amplitudes[j] += share * near.amplitudes[j];
+    }
+  }
+  double squares = 0.0;
+  for (const double amplitude : wave.amplitudes) {
+    squares += 0.5 * amplitude * amplitude;
+  }
+  return {.deviation = std::sqrt(squares), .bias = wave.bias};
+}
+
+const ScanRipple::Wave& ScanRipple::of_cell(int cell, int direction) {
+  const auto [found, is_new] = waves_.try_emplace(cell * kMostDirections + direction);
   if (is_new) {
-    const double length = turns_of(cell) / stripes_.num_phases();
-    found->second = size_at(length * std::cos(direction * kDirectionStep_rad),
+    const double length = turns_of(cell, cells_per_turn_) / stripes_.num_phases();
+    found->second = wave_at(length * std::cos(direction * kDirectionStep_rad),
                             length * std::sin(direction * kDirectionStep_rad));
   }
   return found->second;
@@ -142,7 +178,7 @@ void ScanRipple::start(int count, std::vector<double>& terms) {
   terms.assign(harmonics_.begin(), harmonics_.begin() + count);
 }
 
-ScanRipple::Size ScanRipple::size_at(double gx, double gy) {
+ScanRipple::Wave ScanRipple::wave_at(double gx, double gy) {
   const int phases = stripes_.num_phases();
   const double w = std::sqrt(variance_px2_) * std::hypot(gx, gy);
   const double steepest = std::max({gx, gy, kMostPeriods_per_px / kMostHarmonics});
@@ -158,24 +194,30 @@ ScanRipple::Size ScanRipple::size_at(double gx, double gy) {
                                    static_cast<int>(cosines_.size()),
                                    shares_.data());
   double sum = 0.0;
-  double squares = 0.0;
+  Wave wave;
   const double* share = shares_.data();
-  for (int scan = 0; scan < kScans; ++scan) {
+  for (int scan = 0; scan < scans_; ++scan) {
     double total = 0.0;
     for (int k = 0; k < phases; ++k, ++share) {
       total += std::clamp(offset_ + slope_ * *share, floor_, 1.0);
     }
     const double mean = total / phases;
     sum += mean;
-    squares += mean * mean;
+    for (int j = 1; j < scans_; ++j) {
+      const auto at = static_cast<std::size_t>(scan * scans_ + j);
+      wave.amplitudes[static_cast<std::size_t>(j - 1)] += cosines_of_scans_[at] * mean;
+    }
   }
-  const double mean = sum / kScans;
+  const double mean = sum / scans_;
   if (mean <= 0.0) {
     return {};
   }
+  for (double& amplitude : wave.amplitudes) {
+    amplitude /= mean;
+  }
   const double table = clipped_mean_of({.duty = stripes_.duty, .w = w}, slope_, offset_);
-  return {.deviation = std::sqrt(std::max(0.0, squares / kScans - mean * mean)) / mean,
-          .bias = std::abs(mean - table) / mean};
+  wave.bias = (table - mean) / mean;
+  return wave;
 }
 
 }  // namespace glint

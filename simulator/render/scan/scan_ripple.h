@@ -12,6 +12,7 @@
 // N, ...: a ripple of N times the phase. docs/theory/clipped_mean.md, "Few frames". Own derivation.
 #pragma once
 
+#include <array>
 #include <unordered_map>
 #include <vector>
 
@@ -25,13 +26,13 @@ class ScanRipple {
   /// As shares of the mean over all phases, noise left out.
   struct Size {
     double deviation = 0.0;  ///< of the mean over the frames, root mean square over the phase
-    double bias = 0.0;       ///< |mean over all phases - T(w)|
+    double bias = 0.0;       ///< T(w) - mean over all phases
   };
 
   ScanRipple(const Sensor& sensor, const StripeSettings& stripes);
 
-  /// At the nearest cell: 16 of them up to the gradient that moves the ripple by a period a pixel,
-  /// then 6 % apart, in directions 10 degrees apart.
+  /// Between the two nearest cells: 16 of them up to the gradient that moves the ripple by a period
+  /// a pixel, then 6 % apart, in directions 10 degrees apart.
   /// @param gx, gy  differences of the phase [periods / px]
   Size at(double gx, double gy);
 
@@ -40,19 +41,31 @@ class ScanRipple {
   bool is_coherent(double gx, double gy) const;
 
  private:
-  Size size_at(double gx, double gy);
+  static constexpr int kMostScans = 16;
+
+  /// Of a scan's mean as a function of the phase at which it begins, as shares of their mean.
+  struct Wave {
+    std::array<double, kMostScans - 1> amplitudes = {};  ///< of its cosines
+    double bias = 0.0;
+  };
+
+  const Wave& of_cell(int cell, int direction);
+  Wave wave_at(double gx, double gy);
   void start(int count, std::vector<double>& terms);
   void transfer(double g, std::vector<double>& terms);
 
   StripeSettings stripes_;
+  int scans_ = 0;  ///< that begin at different phases
   double slope_;   ///< of the grey value by the share of bright stripes
   double offset_;  ///< grey value of dark stripes
   double floor_;   ///< grey value where the blur is cut off; none is lower
   double variance_px2_;
-  std::vector<double> weights_;  ///< of the blur: its centre, then both sides
-  std::vector<double> cosines_;  ///< at the phases, one scan after another
+  double cells_per_turn_;
+  std::vector<double> weights_;           ///< of the blur: its centre, then both sides
+  std::vector<double> cosines_;           ///< at the phases, one scan after another
+  std::vector<double> cosines_of_scans_;  ///< of the j-th overtone, scans_ for each scan
   std::vector<double> shares_, harmonics_, terms_, cosines_of_g_, blur_;
-  std::unordered_map<int, Size> sizes_;  ///< by cell
+  std::unordered_map<int, Wave> waves_;  ///< by cell
 };
 
 }  // namespace glint

@@ -236,4 +236,19 @@ GLINT_WIDE void add_in_squares(const unsigned char* __restrict mask,
   }
 }
 
+GLINT_WIDE void multiply_runs(const unsigned char* __restrict mask,
+                              const float* __restrict factors,
+                              int count,
+                              float* __restrict values) {
+  for (int begin = 0; begin < count; begin += kRun) {
+    const float factor = factors[begin / kRun];
+    const int size = count - begin < kRun ? count - begin : kRun;
+    const unsigned char* __restrict is_used = mask + begin;
+    float* __restrict run = values + begin;
+    for (int i = 0; i < size; ++i) {
+      run[i] = is_used[i] != 0 ? factor * run[i] : run[i];
+    }
+  }
+}
+
 }  // namespace glint::footprint_kernels

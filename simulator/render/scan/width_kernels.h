@@ -71,4 +71,7 @@ inline constexpr int kRun = 32;
 void add_in_squares(
     const unsigned char* mask, const float* more, int count, bool has_any, float* deviation);
 
+/// Multiplies values by one of `factors` for each run of pixels, where the mask is set.
+void multiply_runs(const unsigned char* mask, const float* factors, int count, float* values);
+
 }  // namespace glint::footprint_kernels

@@ -192,7 +192,10 @@ std::vector<double> ExactScores::aspect_of(const SceneSettings& scene,
         if (plan_.by_table.values()[i] != 0 && wanted_.values()[i] == 0) {
           const auto at = static_cast<int>(i);
           const LinearFunction phase = frames.phase_at(at % wanted_.width(), at / wanted_.width());
-          aspect[i] = table.at(std::sqrt(variance) * std::hypot(phase.dx, phase.dy));
+          const float correction = plan_.correction(at % wanted_.width() / kRippleTileWidth_px,
+                                                    at / wanted_.width() / kRippleTileHeight_px);
+          aspect[i] = static_cast<double>(correction) *
+                      table.at(std::sqrt(variance) * std::hypot(phase.dx, phase.dy));
         }
       }
     }

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/rng.h"
 #include "core/units.h"
 #include "metrics/aspect_image/noise_variance.h"
 #include "simulator/render/footprint/stripe_integral.h"
@@ -60,7 +61,7 @@ ScanRipple::Size size_by_sensor(const SensorSettings& settings,
   }
   const double w = std::sqrt(sensor.blur_variance_px2() + 1.0 / 12.0) * std::hypot(g.gx, g.gy);
   return {.deviation = std::sqrt(std::max(0.0, squares - mean * mean)) / mean,
-          .bias = std::abs(mean - ClippedMean(settings, stripes).mean(w)) / mean};
+          .bias = ClippedMean(settings, stripes).mean(w) / mean - 1.0};
 }
 
 // 16 positions and stripes of 64 to 8 px, at the middles of cells, so that nothing is rounded:
@@ -88,6 +89,37 @@ TEST(ScanRipple, IsWhatFewFramesLeaveOfALinearPhase) {
       EXPECT_GT(largest, 2e-3) << "something to be told";
     }
   }
+}
+
+// Anywhere between the cells, at any phase count from 4 to 30; blurs below 0.683 px are cut off at
+// 0. Negative control: the ripple's size changes by more than half between neighbouring cells.
+TEST(ScanRipple, IsRightBetweenItsCells) {
+  Rng rng(64, Stream::kTest, 0);
+  double largest = 0.0;
+  double steepest = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    const SensorSettings settings = {
+        .gain = rng.uniform(0.9, 3.2), .blur_px = rng.uniform(0.45, 2.1), .bits = 0};
+    const StripeSettings stripes = {.duty = rng.uniform(0.2, 0.8),
+                                    .dark = i % 3 == 0 ? 0.3 : 0.0,
+                                    .frames = 4 + static_cast<int>(rng.uniform(0.0, 26.0))};
+    const Sensor sensor(settings, 9, 9);
+    ScanRipple ripple(sensor, stripes);
+    const double turns = rng.uniform(0.02, 0.35);
+    const Gradient g = {.gx = turns / stripes.frames};
+    const ScanRipple::Size found = ripple.at(g.gx, g.gy);
+    const ScanRipple::Size expected = size_by_sensor(settings, stripes, g);
+    SCOPED_TRACE(::testing::Message()
+                 << i << ": gain " << settings.gain << ", blur " << settings.blur_px << ", turns "
+                 << turns << ", frames " << stripes.frames << ", duty " << stripes.duty);
+    EXPECT_NEAR(found.deviation, expected.deviation, 3e-4 + 0.1 * expected.deviation);
+    EXPECT_NEAR(found.bias, expected.bias, 4e-4 + 0.1 * std::abs(expected.bias));
+    largest = std::max(largest, expected.deviation);
+    const double beyond = ripple.at(g.gx + 1.0 / 16.0 / stripes.frames, 0.0).deviation;
+    steepest = std::max(steepest, std::abs(beyond / found.deviation - 1.0));
+  }
+  EXPECT_GT(largest, 0.05);
+  EXPECT_GT(steepest, 0.5);
 }
 
 // 16 positions: at 1 / 16 of a period a pixel the ripple moves by a whole turn a pixel, at 1 / 32

@@ -19,6 +19,7 @@ fuzz           - each fuzzer for a minute
 slow           - tests labelled slow, but those below
 slow_search    - the searches of the gallery again, from their study files
 slow_golden    - every file that the studies of the gallery write, against its digest
+slow_stranger  - eleven parts that no study was made for: glint new, glint run, the verdict
 '
 
 list_deep_parts() {
@@ -104,9 +105,10 @@ fuzz_for_a_minute() { # program, name
 
 search_tests='^gallery_search$'
 golden_tests='^golden'
+stranger_tests='^stranger'
 
 deep_slow() {
-  build_preset dev && run_tests dev -L slow -E "$search_tests|$golden_tests"
+  build_preset dev && run_tests dev -L slow -E "$search_tests|$golden_tests|$stranger_tests"
 }
 
 deep_slow_search() {
@@ -115,6 +117,10 @@ deep_slow_search() {
 
 deep_slow_golden() {
   build_preset dev && run_tests dev -R "$golden_tests"
+}
+
+deep_slow_stranger() {
+  build_preset dev && run_tests dev -L slow -R "$stranger_tests"
 }
 
 # Runs the named parts, all without a name, and says of each how it ended and how long it took.

@@ -263,8 +263,10 @@ class Run {
       json["feasible"] = is_feasible(study_.goal, scores_of(json["scores"]));
     }
     if (!is_interrupted_) {
+      const double start = process_cpu_s();
       json["repeated"] =
           repeated_scores(store_, first_view(store_, scene), repeated_scan(), study_.goal);
+      rescoring_cpu_s_ += process_cpu_s() - start;
     }
     write_file(options_.out / key / "scores.json", json.dump(2) + "\n");
     return json;

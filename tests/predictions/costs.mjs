@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// usage: node costs.mjs GLINT SOURCE_DIR WORK_DIR [STUDY...]
+//
+// Compares the CPU seconds that `glint check` predicts for studies of the gallery with those that
+// `glint run` takes (cpu_s of its run.json): search, re-scoring, writing and populations apart, and
+// their sum. Long searches get fewer evaluations, the same number for both. CPU seconds, since the
+// clock on the wall shows what else the machine does.
+//
+// Of each kind of cost, those below SHORTEST_S are left out: there a clock's tick and one cold cache
+// decide. Of the others, and of the sums, at least 8 of 10 must be predicted within 30 %. Prints the
+// ratios, predicted / taken; WORK_DIR/costs.json has the seconds. Exit 1 otherwise.
+import { spawnSync } from "node:child_process";
+import fs from "node:fs";
+import path from "node:path";
+
+const WANTED_SHARE = 0.8;
+const FACTOR = 1.3;
+const SHORTEST_S = 0.5;
+
+/// Study file, and what makes it shorter.
+const STUDIES = {
+  tunnel_shape: [],
+  gradient_tunnel: [],
+  fringe_design: [],
+  my_part: [],
+  worst_dent: [],
+  visible_first: ["budget.evaluations=40"],
+  ring_geometry: ["budget.evaluations=100"],
+  sort_parts: [],
+  pod: [],
+  gear_ring: ["camera.width_px=612", "camera.height_px=512", "camera.pixel_um=13.8"],
+};
+
+const KINDS = ["search", "rescoring", "writing", "populations", "total"];
+
+const [glint, source, work, ...chosen] = process.argv.slice(2);
+
+function objectOf(args) {
+  const result = spawnSync(glint, [...args, "--json", "--quiet", "--threads", "2"], {
+    encoding: "utf8",
+    maxBuffer: 2 ** 28,
+  });
+  if (result.error || result.stdout.trim() === "") {
+    throw new Error(`glint ${args.join(" ")}: ${result.error?.message ?? result.stderr}`);
+  }
+  return JSON.parse(result.stdout);
+}
+
+function fileOf(name) {
+  const folder = path.join(source, "studies", "gallery", name);
+  return ["study.toml", "scene.toml"].map((file) => path.join(folder, file)).find(fs.existsSync);
+}
+
+function compare(name) {
+  const file = fileOf(name);
+  const settings = STUDIES[name].flatMap((one) => ["--set", one]);
+  const out = path.join(work, name);
+  const predicted = objectOf(["check", file, ...settings]).predicted_cpu_s;
+  objectOf(["run", file, ...settings, "--out", out]);
+  const taken = JSON.parse(fs.readFileSync(path.join(out, "run.json"), "utf8")).cpu_s;
+  taken.total = Object.values(taken).reduce((sum, one) => sum + one, 0);
+  return { name, predicted, taken };
+}
+
+/// undefined: too short to tell.
+function ratioOf({ predicted, taken }, kind) {
+  return taken[kind] < SHORTEST_S ? undefined : predicted[kind] / taken[kind];
+}
+
+function cellOf(row, kind) {
+  const ratio = ratioOf(row, kind);
+  const seconds = `${row.predicted[kind].toFixed(1)}/${row.taken[kind].toFixed(1)}`;
+  return `${seconds.padStart(13)}${(ratio === undefined ? "-" : ratio.toFixed(2)).padStart(6)}`;
+}
+
+const isRight = (ratio) => ratio < FACTOR && ratio > 1 / FACTOR;
+
+fs.rmSync(work, { recursive: true, force: true });
+fs.mkdirSync(work, { recursive: true });
+console.log(`predicted/taken CPU s, ratio${KINDS.map((kind) => kind.padStart(19)).join("").slice(11)}`);
+const rows = (chosen.length > 0 ? chosen : Object.keys(STUDIES)).map((name) => {
+  const row = compare(name);
+  console.log(`${name.padEnd(17)}${KINDS.map((kind) => cellOf(row, kind)).join("")}`);
+  return row;
+});
+fs.writeFileSync(path.join(work, "costs.json"), `${JSON.stringify(rows, null, 2)}\n`);
+const failures = KINDS.filter((kind) => {
+  const ratios = rows.map((row) => ratioOf(row, kind)).filter((ratio) => ratio !== undefined);
+  const right = ratios.filter(isRight).length;
+  console.log(`${kind}: ${right} of ${ratios.length} within a factor of ${FACTOR}`);
+  return right < WANTED_SHARE * ratios.length;
+});
+process.exit(failures.length > 0 ? 1 : 0);

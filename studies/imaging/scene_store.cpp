@@ -214,10 +214,11 @@ std::shared_ptr<const CornerRays> SceneStore::defect_free_rays(const SceneSettin
   if (defect_free_key_ != key) {
     defect_free_key_ = key;
     defect_free_.reset();
+    is_defect_free_too_large_ = false;
     traced_.set_max_bytes(max_bytes_ / 2);
     return nullptr;
   }
-  if (!defect_free_) {
+  if (!defect_free_ && !is_defect_free_too_large_) {
     auto rays =
         std::make_shared<const CornerRays>(trace_corner_rays(part.clean->part,
                                                              *part.clean->bvh,
@@ -228,7 +229,8 @@ std::shared_ptr<const CornerRays> SceneStore::defect_free_rays(const SceneSettin
                                                              pool_));
     const std::size_t bytes = bytes_of(*rays);
     if (bytes > max_bytes_ / 8) {
-      return nullptr;
+      is_defect_free_too_large_ = true;
+      return rays;  // for this scene; made again for each they would cost what they save
     }
     defect_free_ = std::move(rays);
     traced_.set_max_bytes(max_bytes_ / 2 - bytes);

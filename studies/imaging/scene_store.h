@@ -142,6 +142,7 @@ class SceneStore {
   mutable std::mutex bare_mutex_;
   std::string defect_free_key_;                    ///< of the last camera that was traced
   std::shared_ptr<const CornerRays> defect_free_;  ///< its rays without defects
+  bool is_defect_free_too_large_ = false;          ///< to be kept
   LineStore lines_;
   FramePicturePool frame_pictures_;
   std::atomic<int> num_retraced_ = 0;

@@ -185,18 +185,33 @@ class StarterMaker {
     }
   }
 
-  /// Leaves the candidates that can be scored: with a pixel and a background of their own.
+  /// Whether each dent at these places has a pixel and a background of its own.
+  bool can_be_scored(const std::vector<Eigen::Vector2d>& places, RenderSettings::Method method) {
+    StarterPlan plan = plan_;
+    plan.places_mm = places;
+    try {
+      SceneSettings scene = scene_of(plan);
+      scene.render.method = method;
+      scene.render.rays_per_axis = 1;
+      store_.trace(scene);
+      return true;
+    } catch (const ConfigError&) {
+      return false;
+    }
+  }
+
+  /// Leaves the candidates that can be scored.
   void drop_unscored() {
-    std::erase_if(candidates_, [&](const Eigen::Vector2d& place) {
-      StarterPlan plan = plan_;
-      plan.places_mm = {place};
-      try {
-        store_.trace(scene_of(plan));
-        return false;
-      } catch (const ConfigError&) {
-        return true;
-      }
-    });
+    using Method = RenderSettings::Method;
+    const auto drop = [&](Method method) {
+      std::erase_if(candidates_,
+                    [&](const auto& place) { return !can_be_scored({place}, method); });
+    };
+    // A ray a pixel tells nearly as much, in a hundredth of the time where facets are many.
+    drop(is_mirror(request_.light) ? Method::kSampled : Method::kAuto);
+    if (is_mirror(request_.light) && !can_be_scored(candidates_, Method::kAuto)) {
+      drop(Method::kAuto);
+    }
     if (candidates_.empty()) {
       throw ConfigError(
           fmt::format("{}: no place of the part has room for a dent and its "

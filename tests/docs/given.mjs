@@ -59,9 +59,7 @@ export function writePictures(glint, folder) {
   picturesOf(glint, folder, "new/g", 0);
   const lines = Object.entries(grades).map(([name, grade]) => `${name},${grade}`);
   fs.writeFileSync(path.join(folder, "judged.csv"), `part,grade\n${lines.join("\n")}\n`);
-  fs.writeFileSync(
-    path.join(folder, "grading.toml"),
-    "[inspection.holes]\nperfect_biggest = 100000\nacceptable_biggest = 200000\n" +
-      "perfect_sum = 100000\nacceptable_sum = 200000\n",
-  );
+  const limits = ["perfect_biggest", "perfect_sum", "acceptable_biggest", "acceptable_sum"];
+  const table = (kind) => `[inspection.${kind}]\n${limits.map((key) => `${key} = 1e5\n`).join("")}`;
+  fs.writeFileSync(path.join(folder, "grading.toml"), table("holes") + table("scratches"));
 }

@@ -113,6 +113,14 @@ TEST(SceneStore, TracesOnlyAroundDefectsThatChange) {
   }
   EXPECT_EQ(store.num_traced(), 3);
   EXPECT_EQ(store.num_retraced(), 2);
+  // Rays too large to be kept are not made again for each set of defects.
+  SceneStore tiny(pool, 1);
+  for (const double x_mm : {0.0, 1.0, 2.0, 3.0}) {
+    scene.defects[0].second.x_mm = {x_mm};
+    tiny.trace(scene);
+  }
+  EXPECT_EQ(tiny.num_traced(), 4);
+  EXPECT_EQ(tiny.num_retraced(), 1);
 }
 
 TEST(SceneStore, TracesAgainForEveryTableThatTracingDependsOn) {

@@ -106,6 +106,14 @@ SceneSettings finer_settings(SceneSettings scene) {
   return scene;
 }
 
+SceneSettings coarse_settings(SceneSettings scene) {
+  if (!needs_paths(scene)) {
+    scene.render.method = Method::kSampled;
+    scene.render.rays_per_axis = 1;
+  }
+  return scene;
+}
+
 SceneSettings repeated_settings(SceneSettings scene, int index) {
   constexpr int kFirstSeed = 2000003;
   constexpr int kStride = 1000;  // more than the scans behind one interval

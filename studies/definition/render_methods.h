@@ -25,6 +25,9 @@ FrameMethod frame_method(const SceneSettings& scene);
 /// The scene for re-scoring a finalist: other noise, every frame, and finer rays.
 SceneSettings finer_settings(SceneSettings scene);
 
+/// The scene for looking where things lie in the picture: a ray a pixel, but for path tracing.
+SceneSettings coarse_settings(SceneSettings scene);
+
 /// The scene with noise of its own and nothing else changed: scan number `index` of a design that
 /// is scored repeatedly. Scenes that differ in their lighting share the noise of a number.
 SceneSettings repeated_settings(SceneSettings scene, int index);

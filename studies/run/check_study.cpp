@@ -168,7 +168,8 @@ class Check {
     check_everything(store_, study_);
     variables_.read_ends();
     if (study_.has_search()) {
-      evaluation_s_ = measure_evaluation_s(study_, store_, [&] { step("designs of the search"); });
+      sample_ = sample_search(
+          study_, store_, options_.jobs, [&] { step("the first designs of the search"); });
     }
     render_designs();
     for (std::size_t i = 0; i < study_.space.variables.size(); ++i) {
@@ -177,7 +178,7 @@ class Check {
     }
     step("the populations");
     costs_.populations_s = predicted_population_s(study_, store_);
-    costs_.search_s = study_.has_search() ? evaluation_s_ * study_.budget.evaluations : 0.0;
+    costs_.search_s = study_.has_search() ? sample_.evaluation_s * study_.budget.evaluations : 0.0;
     return result();
   }
 
@@ -185,41 +186,33 @@ class Check {
   std::int64_t num_steps() const {
     const auto variables = static_cast<std::int64_t>(study_.space.variables.size());
     const auto prototypes = static_cast<std::int64_t>(study_.prototypes.size());
-    return 5 + prototypes + variables + (study_.has_search() ? kSampledDesigns : 0);
+    return 3 + prototypes + variables + (study_.has_search() ? 1 + kSampledDesigns : 0);
   }
 
   void step(const std::string& what) { progress_.update(steps_++, what); }
 
-  /// Baseline and prototypes, of which a search writes a winner more.
-  void render_designs() {
-    step("the baseline");
-    const WantedScores wanted = wanted_by(study_.goal);
-    const RenderedDesign baseline = render_design(store_, study_.scene, wanted);
-    baseline_ = {{"scores", scores_json(baseline.evaluation.scores)},
-                 {"notes", baseline_notes(store_, study_, baseline.evaluation)}};
-    double rendering_s = (study_.has_search() ? 2.0 : 1.0) * baseline.cpu_s;
-    step("re-scoring");
-    const double rescoring_s = measure_rescoring_s(store_, study_.scene, wanted, baseline.cpu_s);
-    for (const Prototype& prototype : study_.prototypes) {
-      step("the prototypes");
-      const RenderedDesign design =
-          render_design(store_, scene_with(study_, prototype.overrides), wanted);
-      designs_[prototype.name] = {{"scores", scores_json(design.evaluation.scores)}};
-      rendering_s += design.cpu_s;
-    }
-    costs_.writing_s = rendering_s;
-    costs_.rescoring_s =
-        (rescoring_s + repeating_s(wanted)) * rendering_s / std::max(1e-9, baseline.cpu_s);
+  /// Renders and re-scores a design as a run does, and adds what that costs.
+  Evaluation render(const SceneSettings& scene) {
+    RenderedDesign design = render_design(store_, scene, wanted_by(study_.goal));
+    costs_.writing_s += design.cpu_s;
+    costs_.rescoring_s += measure_rescoring_s(store_, study_, scene, design.cpu_s);
+    return std::move(design.evaluation);
   }
 
-  /// Of the baseline, as run_study() scans it again and again.
-  double repeating_s(const WantedScores& wanted) {
-    if (!study_.has_objective) {
-      return 0.0;
+  void render_designs() {
+    step("the baseline");
+    const Evaluation baseline = render(study_.scene);
+    baseline_ = {{"scores", scores_json(baseline.scores)},
+                 {"notes", baseline_notes(store_, study_, baseline)}};
+    for (const Prototype& prototype : study_.prototypes) {
+      step("the prototypes");
+      const Evaluation design = render(scene_with(study_, prototype.overrides));
+      designs_[prototype.name] = {{"scores", scores_json(design.scores)}};
     }
-    const double scan_s =
-        study_.has_search() ? evaluation_s_ : measure_scan_s(store_, study_.scene, wanted);
-    return kRepeatedScans * scan_s;
+    if (sample_.best) {
+      step("the best of the first designs");
+      render(scene_with(study_, overrides_of(study_, *sample_.best)));
+    }
   }
 
   /// On a machine that has nothing else to do.
@@ -247,7 +240,7 @@ class Check {
             {"baseline", baseline_},
             {"prototypes", designs_},
             {"evaluations", study_.has_search() ? study_.budget.evaluations : 0},
-            {"seconds_per_evaluation", evaluation_s_},
+            {"seconds_per_evaluation", sample_.evaluation_s},
             {"predicted_cpu_s",
              {{"search", costs_.search_s},
               {"rescoring", costs_.rescoring_s},
@@ -264,7 +257,7 @@ class Check {
   VariableCheck variables_;
   Progress progress_;
   std::int64_t steps_ = 0;
-  double evaluation_s_ = 0.0;
+  SearchSample sample_;
   RunCosts costs_;
   Json baseline_;
   Json designs_ = Json::object();

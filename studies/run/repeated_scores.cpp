@@ -22,20 +22,32 @@ std::set<std::string> kept_scores(const Goal& goal) {
 
 }  // namespace
 
+WantedScores wanted_of_repeats(const Study& study) {
+  const WantedScores wanted = wanted_by(study.goal);
+  return study.has_search() ? wanted.of_one_scan() : wanted;
+}
+
+Scores repeated_scan(SceneStore& store,
+                     const SceneSettings& scene,
+                     const WantedScores& wanted,
+                     int index) {
+  WantedScores scan = wanted;
+  scan.gradients = {};
+  scan.errors = false;
+  scan.defects = true;
+  scan.first_part = (index + 2) * kFreshParts;
+  return evaluate(store, repeated_settings(scene, index), {}, scan).scores;
+}
+
 Json repeated_scores(SceneStore& store,
                      const SceneSettings& scene,
                      const WantedScores& wanted,
                      const Goal& goal) {
   const std::set<std::string> names = kept_scores(goal);
-  WantedScores scan = wanted;
-  scan.gradients = {};
-  scan.errors = false;
-  scan.defects = true;
   Json repeated = Json::object();
   for (int k = 0; k < kRepeatedScans; ++k) {
-    scan.first_part = (k + 2) * kFreshParts;
     try {
-      const Scores scores = evaluate(store, repeated_settings(scene, k), {}, scan).scores;
+      const Scores scores = repeated_scan(store, scene, wanted, k);
       for (const std::string& name : names) {
         if (const auto found = scores.find(name); found != scores.end()) {
           repeated[name].push_back(found->second);

@@ -5,12 +5,23 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
 
 namespace glint {
 
 /// How often a design is scored for it.
 inline constexpr int kRepeatedScans = 8;
+
+/// What is wanted of each of these scans. A search's finalists are many and its lines of parts
+/// dear: there the trials have intervals.
+WantedScores wanted_of_repeats(const Study& study);
+
+/// Scan number `index` alone. @throws ConfigError where it cannot be made; IoError
+Scores repeated_scan(SceneStore& store,
+                     const SceneSettings& scene,
+                     const WantedScores& wanted,
+                     int index);
 
 /// Scores a design kRepeatedScans times as a search would, each time with other noise; scan k of
 /// every design has the same noise (common random numbers).

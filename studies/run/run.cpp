@@ -25,10 +25,10 @@
 #include "studies/run/check_study.h"
 #include "studies/run/design_files.h"
 #include "studies/run/repeated_scores.h"
-#include "studies/run/run_costs.h"
 #include "studies/run/run_report.h"
 #include "studies/run/run_texts.h"
 #include "studies/run/scene_facts.h"
+#include "studies/run/study_search.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -182,25 +182,8 @@ class Run {
   }
 
   SearchResult search_designs(Storage& storage, OutputFolder& folder) {
-    const SearchTask task = {.space = study_.space,
-                             .settings = study_.search,
-                             .goal = study_.goal,
-                             .budget = study_.budget,
-                             .start_points = {baseline_point(study_)},
-                             .jobs = options_.jobs};
-    const WantedScores wanted = wanted_in_search(study_);
     const auto evaluate_point = [&](const Point& point, int /*trial*/) {
-      const fs::path& file = study_.scene.part.file;
-      if (!file.empty() && !fs::exists(file)) {
-        throw IoError(file.string() + ": has gone while the study was running");
-      }
-      Outcome outcome;
-      Evaluation found =
-          evaluate(store_, scene_with(study_, overrides_of(study_, point)), {}, wanted);
-      outcome.scores = std::move(found.scores);
-      outcome.gradients = std::move(found.gradients.by_score);
-      outcome.remarks = std::move(found.gradients.remarks);
-      return outcome;
+      return evaluate_candidate(store_, study_, point);
     };
     Progress bar(study_.name, std::max(1, study_.budget.evaluations), options_.progress);
     const auto show = [&](const SearchProgress& progress) {
@@ -217,7 +200,8 @@ class Run {
       }
       bar.update(progress.evaluations, note);
     };
-    return run_search(task, storage, evaluate_point, options_.interrupt, show);
+    return run_search(
+        search_task(study_, options_.jobs), storage, evaluate_point, options_.interrupt, show);
   }
 
   Json head(const std::string& title, const char* role, const Json& variables) const {
@@ -264,18 +248,12 @@ class Run {
     }
     if (!is_interrupted_) {
       const double start = process_cpu_s();
-      json["repeated"] =
-          repeated_scores(store_, first_view(store_, scene), repeated_scan(), study_.goal);
+      json["repeated"] = repeated_scores(
+          store_, first_view(store_, scene), wanted_of_repeats(study_), study_.goal);
       rescoring_cpu_s_ += process_cpu_s() - start;
     }
     write_file(options_.out / key / "scores.json", json.dump(2) + "\n");
     return json;
-  }
-
-  /// A search's finalists are many and its lines of parts dear: there the trials have intervals.
-  WantedScores repeated_scan() const {
-    const WantedScores wanted = wanted_by(study_.goal);
-    return study_.has_search() ? wanted.of_one_scan() : wanted;
   }
 
   static Scores scores_of(const Json& json) {

@@ -1,18 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/run/run_costs.h"
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
-#include <cmath>
+#include <filesystem>
 #include <utility>
-#include <vector>
+
+#include <fmt/format.h>
+#include <unistd.h>
 
 #include "core/cpu_clock.h"
 #include "core/image/image_io.h"
 #include "core/wall_clock.h"
 #include "studies/definition/render_methods.h"
 #include "studies/report/report.h"
+#include "studies/run/repeated_scores.h"
+#include "studies/run/study_search.h"
 
 namespace glint {
+namespace fs = std::filesystem;
+
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -22,58 +30,92 @@ constexpr double kLong_s = 5.0;
 
 constexpr int kPage_px = 650;  ///< width of a frame on the report's page, about
 
-/// Points spread evenly over the unit cube: the additive recurrence whose steps are powers of the
-/// root of x^(d+1) = x + 1, which for d = 1 is the golden ratio.
-///
-/// Source: M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018.
-std::vector<double> spread_point(std::size_t dimensions, int index) {
-  double root = 2.0;
-  for (int i = 0; i < 40; ++i) {
-    root = std::pow(1.0 + root, 1.0 / (static_cast<double>(dimensions) + 1.0));
+/// A folder of its own among the system's temporary files.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::error_code error;
+    path_ = fs::temp_directory_path(error) / fmt::format("glint_check_{}", ::getpid());
+    if (error || (!fs::create_directory(path_, error) && error)) {
+      throw IoError("no scratch folder for the first designs of the search: " + error.message());
+    }
   }
-  std::vector<double> point(dimensions);
-  for (std::size_t i = 0; i < dimensions; ++i) {
-    const double step = std::pow(root, -static_cast<double>(i + 1));
-    const double sum = 0.5 + step * index;
-    point[i] = sum - std::floor(sum);
-  }
-  return point;
-}
 
-/// CPU seconds of evaluating a point of the space; one that cannot be built costs what that takes.
-double evaluation_s(const Study& study, SceneStore& store, const Point& point) {
-  const double start = process_cpu_s();
-  try {
-    evaluate(store, scene_with(study, overrides_of(study, point)), {}, wanted_in_search(study));
-  } catch (const ConfigError&) {
-    return process_cpu_s() - start;
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
   }
-  return process_cpu_s() - start;
-}
+
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// CPU seconds of a search while it goes on. Its first evaluations, as many as there are jobs, pay
+/// for cold caches.
+class SearchClock {
+ public:
+  explicit SearchClock(int jobs) : jobs_(jobs) {}
+
+  void note(int evaluations) {
+    count_ = evaluations;
+    last_s_ = process_cpu_s() - start_;
+    if (evaluations <= jobs_) {
+      first_s_ = last_s_;
+    }
+  }
+
+  bool is_long() const { return count_ > 2 * jobs_ && seconds_since(wall_start_) > 2.0 * kLong_s; }
+
+  /// The mean over so many evaluations. @param evaluations  >= 1
+  double mean_s(int evaluations) const {
+    if (count_ <= jobs_) {
+      return last_s_ / std::max(1, count_);
+    }
+    const double each_s = (last_s_ - first_s_) / (count_ - jobs_);
+    return (first_s_ + each_s * std::max(0, evaluations - jobs_)) / std::max(jobs_, evaluations);
+  }
+
+ private:
+  int jobs_ = 1;
+  Clock::time_point wall_start_ = Clock::now();
+  double start_ = process_cpu_s();
+  double first_s_ = 0.0;
+  double last_s_ = 0.0;
+  int count_ = 0;
+};
 
 }  // namespace
 
-WantedScores wanted_in_search(const Study& study) {
-  return needs_gradient(study.search.algorithm) ? wanted_with_gradients(study.goal, study.space)
-                                                : wanted_by(study.goal);
-}
-
-double measure_evaluation_s(const Study& study,
-                            SceneStore& store,
-                            const std::function<void()>& step) {
-  step();
-  const auto start = Clock::now();
-  const double first_s = evaluation_s(study, store, baseline_point(study));  // pays for cold caches
-  double sum_s = 0.0;
-  int count = 0;
-  while (count + 1 < kSampledDesigns && (count < 2 || seconds_since(start) < 2.0 * kLong_s)) {
+SearchSample sample_search(const Study& study,
+                           SceneStore& store,
+                           int jobs,
+                           const std::function<void()>& step) {
+  const ScratchFolder scratch;
+  Storage storage = Storage::open(scratch.path() / "study.sqlite", {.seed = study.search.seed});
+  SearchTask task = search_task(study, jobs);
+  const int planned = study.budget.evaluations > 0 ? study.budget.evaluations : kSampledDesigns;
+  task.budget = {.evaluations = std::min(planned, kSampledDesigns)};
+  SearchClock clock(std::min(jobs, study.search.batch));
+  std::atomic<int> enough = 0;
+  const auto look = [&](const SearchProgress& progress) {
     step();
-    const std::vector<double> unit = spread_point(study.space.variables.size(), ++count);
-    sum_s += evaluation_s(study, store, point_from_unit(study.space, unit));
+    clock.note(progress.evaluations);
+    enough = clock.is_long() ? 1 : 0;
+  };
+  const auto evaluate_point = [&](const Point& point, int /*trial*/) {
+    return evaluate_candidate(store, study, point);
+  };
+  const SearchResult result = run_search(task, storage, evaluate_point, &enough, look);
+  SearchSample sample{.evaluation_s = clock.mean_s(planned)};
+  if (result.best) {
+    sample.best = result.best->point;
   }
-  const double each_s = sum_s / count;
-  const int evaluations = study.budget.evaluations;
-  return evaluations > 1 ? (first_s + each_s * (evaluations - 1)) / evaluations : each_s;
+  return sample;
 }
 
 RenderedDesign render_design(SceneStore& store,
@@ -94,16 +136,17 @@ RenderedDesign render_design(SceneStore& store,
   return {.evaluation = std::move(evaluation), .cpu_s = process_cpu_s() - start};
 }
 
-double measure_rescoring_s(SceneStore& store,
-                           const SceneSettings& wanted_scene,
-                           const WantedScores& wanted,
-                           double rendering_s) {
+namespace {
+
+double finer_scan_s(SceneStore& store,
+                    const SceneSettings& scene,
+                    const WantedScores& wanted,
+                    double rendering_s) {
   constexpr double kTimesFiner = 4.0;
   if (rendering_s > kLong_s) {
     return kTimesFiner * rendering_s;
   }
   const double start = process_cpu_s();
-  const SceneSettings scene = first_view(store, wanted_scene);
   try {
     evaluate(store, finer_settings(scene), {}, wanted.with_whole_scan(kFreshParts));
   } catch (const ConfigError&) {  // the finer picture may not fit into memory: left out
@@ -112,14 +155,37 @@ double measure_rescoring_s(SceneStore& store,
   return process_cpu_s() - start;
 }
 
-double measure_scan_s(SceneStore& store, const SceneSettings& scene, const WantedScores& wanted) {
-  const double start = process_cpu_s();
-  try {
-    evaluate(store, repeated_settings(first_view(store, scene), 0), {}, wanted);
-  } catch (const ConfigError&) {  // a scan that cannot be made: left out
-    return 0.0;
+/// Where the light meets the wall is kept from the second scan on: the third is like all further.
+double repeated_scans_s(SceneStore& store, const SceneSettings& scene, const WantedScores& wanted) {
+  constexpr int kMeasured = 3;
+  double sum_s = 0.0;
+  for (int k = 0; k < kMeasured; ++k) {
+    const double start = process_cpu_s();
+    try {
+      repeated_scan(store, scene, wanted, k);
+    } catch (const ConfigError&) {  // a scan that cannot be made: left out
+      return 0.0;
+    }
+    const double scan_s = process_cpu_s() - start;
+    const bool is_last = k + 1 == kMeasured || scan_s > 0.2 * kLong_s;
+    sum_s += is_last ? (kRepeatedScans - k) * scan_s : scan_s;
+    if (is_last) {
+      break;
+    }
   }
-  return process_cpu_s() - start;
+  return sum_s;
+}
+
+}  // namespace
+
+double measure_rescoring_s(SceneStore& store,
+                           const Study& study,
+                           const SceneSettings& wanted_scene,
+                           double rendering_s) {
+  const SceneSettings scene = first_view(store, wanted_scene);
+  const double finer_s = finer_scan_s(store, scene, wanted_by(study.goal), rendering_s);
+  return finer_s +
+         (study.has_objective ? repeated_scans_s(store, scene, wanted_of_repeats(study)) : 0.0);
 }
 
 }  // namespace glint

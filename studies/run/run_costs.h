@@ -5,7 +5,7 @@
 #pragma once
 
 #include <functional>
-#include <string>
+#include <optional>
 
 #include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
@@ -22,16 +22,23 @@ struct RunCosts {
   double total_s() const { return search_s + rescoring_s + writing_s + populations_s; }
 };
 
-/// What a search wants of each candidate.
-WantedScores wanted_in_search(const Study& study);
+/// The first evaluations of a study's search.
+struct SearchSample {
+  double evaluation_s = 0.0;  ///< CPU seconds, mean over the evaluations of the budget
+  std::optional<Point> best;  ///< of those that were made; empty: all failed
+};
 
-/// CPU seconds of one evaluation: the mean over designs spread over the search space.
-/// @param step  called before each of at most kSampledDesigns evaluations
-double measure_evaluation_s(const Study& study,
-                            SceneStore& store,
-                            const std::function<void()>& step);
+inline constexpr int kSampledDesigns = 24;
 
-inline constexpr int kSampledDesigns = 8;
+/// Begins the search as a run does, in a scratch folder, and ends it after kSampledDesigns
+/// evaluations, or earlier where they take long.
+/// @param jobs  candidates at once, >= 1
+/// @param step  called after each evaluation
+/// @throws IoError when no scratch folder can be made
+SearchSample sample_search(const Study& study,
+                           SceneStore& store,
+                           int jobs,
+                           const std::function<void()>& step);
 
 /// A design rendered as write_design() does, with its frames encoded and nothing written.
 struct RenderedDesign {
@@ -43,14 +50,12 @@ RenderedDesign render_design(SceneStore& store,
                              const SceneSettings& scene,
                              const WantedScores& wanted);
 
-/// CPU seconds of re-scoring a scene; where that takes long, estimated from how long rendering
-/// took.
+/// CPU seconds of scoring a design again as a run does: once with finer sampling, estimated from
+/// rendering_s where that takes long, and, of studies with an objective, in repeated scans, of
+/// which the first are made.
 double measure_rescoring_s(SceneStore& store,
+                           const Study& study,
                            const SceneSettings& scene,
-                           const WantedScores& wanted,
                            double rendering_s);
-
-/// CPU seconds of one scan of repeated_scores().
-double measure_scan_s(SceneStore& store, const SceneSettings& scene, const WantedScores& wanted);
 
 }  // namespace glint

@@ -81,14 +81,33 @@ void Tunnel::build_profile() {
   }
   // A little below, so that a level ceiling is above its own slot's floor in float, too.
   slot_floor_mm_ = 0.5 * (s.base_mm + top_mm()) - 1e-3 - 1e-5 * std::abs(top_mm());
-  const double slot_rad = 2.0 * std::atan2(0.5 * s.slot_mm, std::max(1e-9, top_mm() - s.base_mm));
-  const double reflected = s.dark_reflectance * s.duty;
-  const double slot_share = s.shape == Shape::kFlat ? 0.0 : slot_rad / (2.0 * kPi);
-  const double fill =
-      reflected > 0.0
-          ? reflected * std::max(0.0, wall_share(profile_yz_mm_, s.base_mm) - slot_share)
-          : 0.0;
-  dark_radiance_ = fill / (1.0 - fill);
+  if (s.dark_reflectance > 0.0 && s.duty > 0.0) {
+    const bool is_flat = s.shape == Shape::kFlat;
+    dark_ = DarkRadiance(
+        s, half_wall(), is_flat ? walls_[0].length_mm : 0.0, is_flat && panels_touch());
+  }
+}
+
+/// The wall at y <= 0, from its rim to its slot or the middle.
+std::vector<Vector2d> Tunnel::half_wall() const {
+  const double half_slot_mm = 0.5 * settings_.slot_mm;
+  std::vector<Vector2d> half;
+  for (std::size_t i = 0; i < (profile_yz_mm_.size() + 1) / 2; ++i) {
+    const Vector2d& point = profile_yz_mm_[i];
+    if (!in_slot(point)) {
+      half.push_back(point);
+      continue;
+    }
+    if (!half.empty()) {  // where it crosses the slot's side, or its floor
+      const Vector2d from = half.back();
+      const bool is_beside = from.x() < -half_slot_mm;
+      const double t = is_beside ? (-half_slot_mm - from.x()) / (point.x() - from.x())
+                                 : (slot_floor_mm_ - from.y()) / (point.y() - from.y());
+      half.emplace_back(from + t * (point - from));
+    }
+    break;
+  }
+  return half;
 }
 
 double Tunnel::half_width_mm() const {
@@ -318,7 +337,7 @@ StripePattern Tunnel::pattern(double shift_mm) const {
               std::remainder(shift_mm * std::cos(s.orientation_rad) + s.offset_mm, s.period_mm)),
           .periods_per_mm = static_cast<float>(1.0 / s.period_mm),
           .duty = static_cast<float>(s.duty),
-          .dark = static_cast<float>(dark_radiance_),
+          .dark = static_cast<float>(dark_.is_even() ? dark_.mean() : 0.0),
           .half_length_mm = static_cast<float>(0.5 * s.length_mm),
           .led_ripple = static_cast<float>(s.led_ripple),
           .led_per_mm = static_cast<float>(1.0 / s.led_pitch_mm),

@@ -12,9 +12,8 @@
 //                 rim (control_mm[0]) to the top (the last), mirrored in the x-z plane
 //
 // A Lambertian wall has constant radiance: 1 on bright stripes, times the unevenness of the LEDs.
-// Dark stripes of reflectance rho return rho F / (1 - rho F) of it, F = duty times the share of all
-// directions that the wall fills (field survey, section 4). Radiance is linear, 1 = full scale of
-// the sensor at exposure and gain 1.
+// Dark stripes of reflectance rho return some of it, more where they see more of the wall
+// (dark_radiance.h). Radiance is linear, 1 = full scale of the sensor at exposure and gain 1.
 #pragma once
 
 #include <optional>
@@ -23,6 +22,7 @@
 #include <Eigen/Core>
 
 #include "core/pose.h"
+#include "simulator/light/tunnel/dark_radiance.h"
 #include "simulator/light/tunnel/spline_kernels.h"
 #include "simulator/light/tunnel/tunnel_kernels.h"
 #include "simulator/light/tunnel/tunnel_settings.h"
@@ -85,7 +85,8 @@ class Tunnel {
   /// From a point (y, z) of the wall to where its cross-section ends, at a rim or the slot.
   double to_edge_mm(const Eigen::Vector2d& point) const;
 
-  /// The stripes when the tunnel has moved by shift_mm along x.
+  /// The stripes when the tunnel has moved by shift_mm along x. Where the radiance of dark ones
+  /// depends on the place, the pattern's is 0: the place's has to be mixed in.
   StripePattern pattern(double shift_mm) const;
 
   /// True when the point (y, z) lies inside the cross-section.
@@ -94,7 +95,13 @@ class Tunnel {
   /// The luminous wall as polylines in the y-z plane, the slot left out.
   std::vector<std::vector<Eigen::Vector2d>> outline(double max_step_mm) const;
 
-  double dark_radiance() const { return dark_radiance_; }  ///< of dark stripes
+  /// Radiance of dark stripes along the cross-section.
+  const DarkRadiance& dark() const { return dark_; }
+
+  /// That of a point (y, z) of the wall.
+  double dark_at(const Eigen::Vector2d& point) const {
+    return dark_.at(point.x(), to_rim_mm(point));
+  }
 
   double half_width_mm() const;  ///< largest |y| of the wall
   double top_mm() const;         ///< largest z of the wall
@@ -113,6 +120,7 @@ class Tunnel {
   bool in_slot(const Eigen::Vector2d& point) const;
   double to_rim_mm(const Eigen::Vector2d& point) const;
   void build_profile();
+  std::vector<Eigen::Vector2d> half_wall() const;
 
   TunnelSettings settings_;
   std::vector<FlatWall> walls_;                   ///< flat
@@ -121,7 +129,7 @@ class Tunnel {
   std::vector<Eigen::Vector2d> profile_yz_mm_;    ///< dense, from y < 0 to y > 0
   std::vector<double> arc_mm_;                    ///< per profile point, 0 in the middle
   double slot_floor_mm_ = 0.0;                    ///< the slot is cut above this height
-  double dark_radiance_ = 0.0;
+  DarkRadiance dark_;
 };
 
 }  // namespace glint

@@ -254,17 +254,4 @@ std::optional<double> hit_superellipse_exact(const EllipseAxes& axes,
   return high > min_t && is_upper ? std::optional(high) : std::nullopt;
 }
 
-double wall_share(const std::vector<Vector2d>& profile_yz_mm, double base_mm) {
-  double filled = 0.0;
-  for (std::size_t i = 1; i < profile_yz_mm.size(); ++i) {
-    if (profile_yz_mm.size() == 4 && i == 2) {
-      continue;  // the gap between two flat panels
-    }
-    const Vector2d a = profile_yz_mm[i - 1] - Vector2d(0.0, base_mm);
-    const Vector2d b = profile_yz_mm[i] - Vector2d(0.0, base_mm);
-    filled += std::abs(std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b)));
-  }
-  return filled / (2.0 * kPi);
-}
-
 }  // namespace glint

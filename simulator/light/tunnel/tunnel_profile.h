@@ -60,8 +60,4 @@ std::optional<double> hit_superellipse_exact(const EllipseAxes& axes,
                                              const Eigen::Vector2d& direction,
                                              double min_t);
 
-/// Share of all directions from (0, base) in which a profile of infinite length lies: the angle it
-/// fills in the y-z plane over 2 pi (directions are uniform in that angle).
-double wall_share(const std::vector<Eigen::Vector2d>& profile_yz_mm, double base_mm);
-
 }  // namespace glint

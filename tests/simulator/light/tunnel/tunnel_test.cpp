@@ -124,13 +124,6 @@ TEST(Tunnel, ContainsAgreesWithTheOutline) {
   }
 }
 
-// rho 0.8, duty 0.5; a semicylinder fills half of all directions: F = 0.25, rho F = 0.2,
-// dark / bright = 0.2 / 0.8 = 0.25.
-TEST(Tunnel, DarkStripesReturnTheLightOfTheBrightOnes) {
-  const Tunnel tunnel({.slot_mm = 0.0, .duty = 0.5, .dark_reflectance = 0.8});
-  EXPECT_NEAR(tunnel.pattern(0.0).dark, 0.25F, 1e-6F);
-}
-
 TEST(Tunnel, ALevelCeilingHasItsSlotAtAnyHeight) {
   for (const double base_mm : {0.0, 10.0, 33.0, 200.0, 3000.0}) {
     const Tunnel tunnel({.shape = Shape::kFlat,

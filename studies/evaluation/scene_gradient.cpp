@@ -41,8 +41,10 @@ double unit_of(const std::string& key) {
   return internal_per_written(has_index ? std::string_view(key).substr(0, dot) : key);
 }
 
-/// Derivative of the dark stripes' radiance by a key: of a few numbers only, so by differences.
-double dark_derivative(const SceneSettings& scene, const std::string& key, double step) {
+/// What a key changes by the radiance of the dark stripes at fixed places: this is a matter of the
+/// wall alone, so by differences.
+double by_dark(const SceneSettings& scene, const std::string& key, const ScanGradient& gradient) {
+  constexpr double kStep = 1e-4;
   if (scene.tunnel.dark_reflectance == 0.0) {
     return 0.0;
   }
@@ -55,9 +57,17 @@ double dark_derivative(const SceneSettings& scene, const std::string& key, doubl
     std::vector<Problem> errors;
     KeyReader reader(&table, "", errors);
     visit_keys(reader, tunnel);
-    return Tunnel(tunnel).dark_radiance();
+    return Tunnel(tunnel).dark();
   };
-  return (dark_at(step) - dark_at(-step)) / (2.0 * step);
+  const DarkRadiance here = dark_at(0.0);
+  const DarkRadiance high = dark_at(kStep);
+  const DarkRadiance low = dark_at(-kStep);
+  double sum = gradient.dark * (high.mean() - low.mean());
+  for (std::size_t i = 0; i < gradient.dark_nodes.size(); ++i) {
+    const auto node = static_cast<int>(i);
+    sum += gradient.dark_nodes[i] * (high.at_node_of(here, node) - low.at_node_of(here, node));
+  }
+  return sum / (2.0 * kStep);
 }
 
 /// How the camera moves when a number of its viewpoint changes.
@@ -230,7 +240,7 @@ class SceneGradients {
       return derivative_by_pose(path, gradient, motion);
     }
     const std::string key = tunnel_key(scene_, path);
-    const double dark = gradient.dark * dark_derivative(scene_, key, 1e-4);
+    const double dark = by_dark(scene_, key, gradient);
     if (key == "slot_mm") {
       return gradient.slot_mm + dark;
     }

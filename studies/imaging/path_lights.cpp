@@ -146,7 +146,9 @@ std::vector<NamedLight> without_powers(std::vector<NamedLight> lights) {
 }
 
 TunnelSettings without_powers(TunnelSettings tunnel) {
-  tunnel.dark_reflectance = 0.0;
+  if (Tunnel(tunnel).dark().is_even()) {
+    tunnel.dark_reflectance = 0.0;
+  }
   return tunnel;
 }
 

@@ -23,7 +23,8 @@ struct UnitLights {
 /// The scene's lights without their powers.
 std::vector<NamedLight> without_powers(std::vector<NamedLight> lights);
 
-/// The tunnel as its picture depends on it: the darkness of dark stripes is a factor.
+/// The tunnel as its picture depends on it: the light of dark stripes is a factor where one value
+/// stands for all places.
 TunnelSettings without_powers(TunnelSettings tunnel);
 
 /// @throws ConfigError, IoError as build_lights()

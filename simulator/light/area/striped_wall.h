@@ -19,6 +19,10 @@ struct StripedWall {
   double periods_per_x_mm = 0.0;         ///< phase = x ... + arc ... - offset, without whole turns
   double periods_per_arc_mm = 0.0;
   double offset_periods = 0.0;
+  // Where the light of dark stripes depends on the place there are as many groups again, and a
+  // place belongs to one of the second set with this probability; empty: there are none.
+  std::vector<double> second_share;         ///< of each emitter, at its centre ...
+  std::vector<double> second_share_per_mm;  ///< ... and along the cross-section
 
   bool has(int emitter) const {
     return emitter >= first_emitter &&
@@ -27,6 +31,9 @@ struct StripedWall {
 
   /// @param phase  in [0, 1) @return from 0
   int bin_at(double phase) const;
+
+  /// True when the point belongs to the second set: the same for the same point.
+  bool is_second(std::size_t wall_emitter, const Eigen::Vector3d& point_mm) const;
 
   /// The light group of a point on one of the wall's emitters.
   int group_at(int emitter, const Eigen::Vector3d& point_mm) const;

@@ -132,22 +132,54 @@ Eigen::Array3f add_wall(const TunnelLight& light, Lights& lights, StripedWall& w
   return power_w;
 }
 
+/// The share of the wall in the second set of groups.
+double second_share_of(const StripedWall& wall, const Lights& lights) {
+  double area = 0.0;
+  double second = 0.0;
+  for (std::size_t i = 0; i < wall.second_share.size(); ++i) {
+    const auto& emitter = lights.emitters[static_cast<std::size_t>(wall.first_emitter) + i];
+    const double width_mm = std::get<RectangleShape>(emitter.shape).half_x_mm;
+    area += width_mm;
+    second += width_mm * wall.second_share[i];
+  }
+  return area > 0.0 ? second / area : 0.0;
+}
+
+/// How the light of dark stripes is shared between the darkest and the brightest of them.
+void share_dark(const Tunnel& tunnel, StripedWall& wall) {
+  const DarkRadiance& dark = tunnel.dark();
+  if (dark.is_even()) {
+    return;
+  }
+  const auto share_at = [&](const Vector2d& point) {
+    return (tunnel.dark_at(point) - dark.lowest()) / (dark.highest() - dark.lowest());
+  };
+  for (const WallStrip& strip : wall_outline(tunnel)) {
+    const double from = share_at(strip.from_mm);
+    const double to = share_at(strip.to_mm);
+    wall.second_share.push_back(0.5 * (from + to));
+    wall.second_share_per_mm.push_back((to - from) / (strip.to_mm - strip.from_mm).norm());
+  }
+}
+
 void add_groups(const TunnelLight& light,
                 const Eigen::Array3f& power_w,
                 const StripedWall& wall,
                 Lights& lights) {
   const auto factors = tunnel_frame_factors(light);
-  double begin = 0.0;
-  for (std::size_t bin = 0; bin < wall.bin_ends.size(); ++bin) {
+  const std::size_t bins = wall.bin_ends.size();
+  for (std::size_t group = 0; group < factors.front().size(); ++group) {
     double sum = 0.0;
     for (const auto& of_frame : factors) {
-      sum += of_frame[bin];
+      sum += of_frame[group];
     }
-    const double width = wall.bin_ends[bin] - begin;
-    begin = wall.bin_ends[bin];
-    lights.groups.push_back({.name = fmt::format("{}.{}", light.name, bin),
+    const std::size_t bin = group % bins;
+    const double width = wall.bin_ends[bin] - (bin > 0 ? wall.bin_ends[bin - 1] : 0.0);
+    const double second = second_share_of(wall, lights);
+    const double share = group < bins ? 1.0 - second : second;
+    lights.groups.push_back({.name = fmt::format("{}.{}", light.name, group),
                              .factor = sum / light.positions,
-                             .power_w = power_w * static_cast<float>(width)});
+                             .power_w = power_w * static_cast<float>(width * share)});
   }
 }
 
@@ -156,20 +188,27 @@ void add_groups(const TunnelLight& light,
 std::vector<std::vector<double>> tunnel_frame_factors(const TunnelLight& light) {
   GLINT_CHECK(light.positions > 0, "a scan has a position");
   const std::vector<double> ends = bin_ends(light);
-  const double dark = Tunnel(light.settings).dark_radiance();
+  const DarkRadiance dark = Tunnel(light.settings).dark();
   const double duty = light.settings.duty;
   std::vector<std::vector<double>> factors;
   for (int frame = 0; frame < light.positions; ++frame) {
     const double moved = fraction(moved_periods(light, frame));
-    std::vector<double>& of_frame = factors.emplace_back();
+    std::vector<double> shares;
     double begin = 0.0;
     for (const double end : ends) {
       double share =
           (bright_until(end - moved, duty) - bright_until(begin - moved, duty)) / (end - begin);
       // What rounding of an edge takes from a bin beside it.
       share = share < 1e-6 ? 0.0 : share > 1.0 - 1e-6 ? 1.0 : share;
-      of_frame.push_back(share + (1.0 - share) * dark);
+      shares.push_back(share);
       begin = end;
+    }
+    std::vector<double>& of_frame = factors.emplace_back();
+    for (const double share : shares) {
+      of_frame.push_back(share + (1.0 - share) * dark.lowest());
+    }
+    for (std::size_t i = 0; i < shares.size() && !dark.is_even(); ++i) {
+      of_frame.push_back(shares[i] + (1.0 - shares[i]) * dark.highest());
     }
   }
   return factors;
@@ -193,6 +232,7 @@ void add_tunnel(const TunnelLight& light, Lights& lights) {
   for (std::size_t i = 0; i < wall.middle_mm.size(); ++i) {
     lights.emitters[static_cast<std::size_t>(wall.first_emitter) + i].is_drawn = is_drawn;
   }
+  share_dark(Tunnel(s), wall);
   add_groups(light, power_w, wall, lights);
   lights.first_tunnel_group = wall.first_group;
   lights.wall = std::move(wall);

@@ -16,6 +16,10 @@
 //
 //     frame k = sum over bins of tunnel_frame_factors()[k][bin] * picture of that bin.
 //
+// Where the light of dark stripes depends on the place (simulator/light/tunnel/dark_radiance.h)
+// every bin is there twice, once with the radiance of the darkest place and once with that of the
+// brightest, and light from a place between them goes to either as often as its radiance lies near.
+//
 // Bins end where an edge of a stripe stands in one of the frames, so this is exact: twice as many
 // bins as positions at most, as many when step = period / positions and positions * duty is a whole
 // number. Scans that would need more than kMaxTunnelBins have that many of equal width, with
@@ -50,7 +54,8 @@ struct TunnelLight {
 };
 
 /// For each frame the factors of the tunnel's groups, in their order: 1 for bright phases, the dark
-/// radiance for dark ones.
+/// radiance for dark ones: the lowest for all bins and then, where there is more than one, the
+/// highest for all bins.
 std::vector<std::vector<double>> tunnel_frame_factors(const TunnelLight& light);
 
 /// Adds the wall's emitters and its groups behind those that are there; the tree is left alone. A

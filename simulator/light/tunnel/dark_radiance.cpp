@@ -88,6 +88,12 @@ MatrixXd view_factors(const std::vector<Vector2d>& ends) {
   return factors;
 }
 
+/// The table's piece; 0 for a place that is none (a hit that no ray had).
+int piece_of(const DarkRadiance::Place& place) {
+  const double node = place.at * (DarkRadiance::kNodes - 1);
+  return node > 0.0 ? std::min(static_cast<int>(node), DarkRadiance::kNodes - 2) : 0;
+}
+
 /// Between the given places, and straight on for half of the last distance beyond them.
 double value_at(const std::vector<double>& places, const std::vector<double>& values, double at) {
   const std::size_t last = places.size() - 1;
@@ -167,18 +173,15 @@ DarkRadiance::Place DarkRadiance::place_of(double y_mm, double margin_mm) const 
     return {};
   }
   const double sum = y + margin_mm;
-  return {.at = margin_mm / sum,
-          .by_y = -margin_mm / (sum * sum),
-          .by_margin = y / (sum * sum)};
+  return {.at = margin_mm / sum, .by_y = -margin_mm / (sum * sum), .by_margin = y / (sum * sum)};
 }
 
 double DarkRadiance::at(const Place& place) const {
   if (is_even()) {
     return mean_;
   }
-  const double x = place.at * (kNodes - 1);
-  const int i = std::min(static_cast<int>(x), kNodes - 2);
-  const double t = x - i;
+  const int i = piece_of(place);
+  const double t = place.at * (kNodes - 1) - i;
   const double* nodes = nodes_.data() + static_cast<std::ptrdiff_t>(place.part) * kNodes + i;
   return nodes[0] + t * (nodes[1] - nodes[0]);
 }
@@ -187,9 +190,22 @@ double DarkRadiance::slope_at(const Place& place) const {
   if (is_even()) {
     return 0.0;
   }
-  const int i = std::min(static_cast<int>(place.at * (kNodes - 1)), kNodes - 2);
-  const double* nodes = nodes_.data() + static_cast<std::ptrdiff_t>(place.part) * kNodes + i;
+  const double* nodes =
+      nodes_.data() + static_cast<std::ptrdiff_t>(place.part) * kNodes + piece_of(place);
   return (nodes[1] - nodes[0]) * (kNodes - 1);
+}
+
+void DarkRadiance::add_gradient(const Place& place,
+                                double factor,
+                                std::span<double> by_nodes) const {
+  if (is_even()) {
+    return;
+  }
+  const int i = piece_of(place);
+  const double t = place.at * (kNodes - 1) - i;
+  const auto node = static_cast<std::size_t>(place.part * kNodes + i);
+  by_nodes[node] += factor * (1.0 - t);
+  by_nodes[node + 1] += factor * t;
 }
 
 double DarkRadiance::at_node_of(const DarkRadiance& other, int node) const {

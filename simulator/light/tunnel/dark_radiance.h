@@ -6,12 +6,13 @@
 //   D(s) = rho * integral over the wall of K(s, s') [duty + (1 - duty) D(s')] ds',
 //   K = cos cos' / (2 r) where s sees s'
 //
-// the radiosity of a two-dimensional enclosure (M. F. Modest, "Radiative Heat Transfer", chapter 5).
-// It is solved on pieces of equal length; what a piece's middle sees of another is the difference of
-// two sines, exact for straight pieces. docs/theory/tunnel.md, "Dark stripes". Cost: some 0.3 ms a
-// tunnel whose dark stripes reflect, nothing for others.
+// the radiosity of a two-dimensional enclosure (M. F. Modest, "Radiative Heat Transfer", chapter
+// 5). It is solved on pieces of equal length; what a piece's middle sees of another is the
+// difference of two sines, exact for straight pieces. docs/theory/tunnel.md, "Dark stripes". Cost:
+// some 0.3 ms a tunnel whose dark stripes reflect, nothing for others.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -33,8 +34,8 @@ class DarkRadiance {
   /// halves are part 1; `at` in [0, 1] from the part's end at the rim (or the panel's end) on.
   struct Place {
     int part = 0;
-    double at = 0.0;     ///< in [0, 1]
-    double by_y = 0.0;   ///< derivative of `at` by |y| [1 / mm]
+    double at = 0.0;         ///< in [0, 1]
+    double by_y = 0.0;       ///< derivative of `at` by |y| [1 / mm]
     double by_margin = 0.0;  ///< ... by the margin [1 / mm]
   };
 
@@ -57,6 +58,7 @@ class DarkRadiance {
 
   /// @return mean() for an even wall
   double lowest() const { return lowest_; }
+
   double highest() const { return highest_; }
 
   /// The wall's view factor to itself: the share of what it throws off that it meets again.
@@ -67,6 +69,7 @@ class DarkRadiance {
 
   /// Of an even wall its mean.
   double at(const Place& place) const;
+
   double at(double y_mm, double margin_mm) const { return at(place_of(y_mm, margin_mm)); }
 
   /// Derivative of at() by Place::at.
@@ -75,12 +78,16 @@ class DarkRadiance {
   /// kNodes of part 0, and where there is one of part 1; none where the wall is even.
   int num_nodes() const { return static_cast<int>(nodes_.size()); }
 
+  /// Adds `factor` times the derivatives of at() by the nodes. @param by_nodes  num_nodes()
+  void add_gradient(const Place& place, double factor, std::span<double> by_nodes) const;
+
   /// This wall's radiance where another one has a node: at the same distance from the panel's end.
   /// @return the mean where this wall is even
   double at_node_of(const DarkRadiance& other, int node) const;
 
  private:
   void tabulate(const std::vector<double>& along, const std::vector<double>& dark);
+
   double depth_mm() const { return is_split_ ? 0.5 * panel_mm_ : panel_mm_; }
 
   double mean_ = 0.0;

@@ -12,6 +12,8 @@
 #include <array>
 #include <cmath>
 
+#include "simulator/render/footprint/pixel_dark.h"
+
 namespace glint {
 namespace {
 
@@ -97,6 +99,9 @@ PlainGradient::PlainGradient(const Footprints& footprints, const Spans& pixels)
       gain_[at] = is_plain ? rays.corners.weight[corner + static_cast<std::size_t>(x)] : 0.0F;
     }
   }
+  if (!p.is_dark_even) {
+    find_dark();
+  }
   const float limit = footprint_kernels::narrow_limit(static_cast<float>(p.duty));
   for (std::size_t begin = 0; begin < count; begin += kTile) {
     bool is_narrow = true;
@@ -105,6 +110,42 @@ PlainGradient::PlainGradient(const Footprints& footprints, const Spans& pixels)
       is_narrow = is_narrow && (gain_[i] == 0.0F || outer <= limit);
     }
     is_narrow_.push_back(is_narrow ? 1 : 0);
+  }
+}
+
+/// What bright stripes add is a factor of all derivatives but that by the dark ones.
+void PlainGradient::find_dark() {
+  bright_.reserve(gain_.size());
+  by_dark_.resize(gain_.size());
+  const float* dark = footprints_.dark().data();
+  for (const RowSpan& span : pixels_) {
+    for (int x = span.begin; x < span.end; ++x) {
+      const auto [a, b, c, d] = footprints_.corners_of(span.y * footprints_.rays().width_px + x);
+      bright_.push_back(1.0F - 0.25F * ((dark[a] + dark[b]) + (dark[c] + dark[d])));
+    }
+  }
+  gradient_kernels::multiply(
+      gain_.data(), bright_.data(), static_cast<int>(gain_.size()), gain_.data());
+}
+
+void PlainGradient::add_dark_nodes(double per_weight, ScanGradient& gradient) const {
+  const CornerRays& rays = footprints_.rays();
+  std::size_t at = 0;
+  for (const RowSpan& span : pixels_) {
+    gradient.corners.open(static_cast<std::size_t>(span.y));
+    gradient.corners.open(static_cast<std::size_t>(span.y) + 1);
+    for (int x = span.begin; x < span.end; ++x, ++at) {
+      if (by_dark_[at] != 0.0) {
+        add_mean_dark_gradient(footprints_.tunnel().dark(),
+                               footprints_.hits(),
+                               rays.corners.weight.data(),
+                               footprints_.corners_of(span.y * rays.width_px + x),
+                               per_weight * by_dark_[at] / static_cast<double>(bright_[at]),
+                               gradient.dark_nodes,
+                               gradient.corners.y.data(),
+                               gradient.corners.margin.data());
+      }
+    }
   }
 }
 
@@ -121,6 +162,9 @@ void PlainGradient::add_frames(int first, const std::vector<std::vector<float>>&
     }
     duty_ += gradient_kernels::exact_sum(tile.by_duty.data(), tile.count);
     dark_ += gradient_kernels::exact_sum(tile.by_dark.data(), tile.count);
+    for (std::size_t i = 0; i < tile.count && !by_dark_.empty(); ++i) {
+      by_dark_[begin + i] += static_cast<double>(tile.by_dark[i]);
+    }
   }
 }
 
@@ -205,7 +249,11 @@ void PlainGradient::finish(double per_weight, ScanGradient& gradient) const {
                                  gradient_kernels::exact_dot(by_gy_.data(), gy_.data(), count));
   gradient.offset_mm -= scale * gradient_kernels::exact_sum(by_v_.data(), count);
   gradient.duty += bright * duty_;
-  gradient.dark += per_weight * dark_;
+  if (p.is_dark_even) {
+    gradient.dark += per_weight * dark_;
+  } else {
+    add_dark_nodes(per_weight, gradient);
+  }
 }
 
 }  // namespace glint

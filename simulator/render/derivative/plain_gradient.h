@@ -27,6 +27,8 @@ class PlainGradient {
  private:
   struct Tile;
 
+  void find_dark();
+  void add_dark_nodes(double per_weight, ScanGradient& gradient) const;
   void add_narrow(int first,
                   const std::vector<std::vector<float>>& by_radiance,
                   std::size_t begin,
@@ -45,6 +47,9 @@ class PlainGradient {
   std::vector<unsigned char> is_narrow_;  ///< tile by tile: each sees one edge at most
   double duty_ = 0.0;
   double dark_ = 0.0;
+  // Where the radiance of dark stripes depends on the place, else empty:
+  std::vector<float> bright_;    ///< what bright stripes add to it, pixel by pixel
+  std::vector<double> by_dark_;  ///< times bright_
 };
 
 }  // namespace glint

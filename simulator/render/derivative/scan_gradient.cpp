@@ -269,8 +269,10 @@ void ScanGradient::collect(const Footprints& footprints, ShapeDerivative& motion
 
 namespace {
 
-ScanGradient empty_gradient(const CornerRays& rays) {
+ScanGradient empty_gradient(const Footprints& footprints) {
+  const CornerRays& rays = footprints.rays();
   ScanGradient gradient;
+  gradient.dark_nodes.resize(static_cast<std::size_t>(footprints.tunnel().dark().num_nodes()));
   gradient.corners.resize(static_cast<std::size_t>(rays.height_px) + 1,
                           static_cast<std::size_t>(rays.width_px) + 1);
   gradient.refined.resize(rays.refined.size());
@@ -291,7 +293,7 @@ ScanGradient gradient_of_scan(const Footprints& footprints,
                       "there are no derivatives under an uneven light (led_ripple, "
                       "end_falloff)");
   }
-  ScanGradient gradient = empty_gradient(footprints.rays());
+  ScanGradient gradient = empty_gradient(footprints);
   if (plan.form.kind == ScanForm::Kind::kTable) {
     add_table(footprints, sensor, plan, reflectance, by_aspect, wanted, gradient);
   }

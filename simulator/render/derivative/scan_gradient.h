@@ -82,7 +82,8 @@ struct ScanGradient {
   double offset_mm = 0.0;                ///< [1 / mm]
   double slot_mm = 0.0;                  ///< [1 / mm] of the slot's width
   double duty = 0.0;
-  double dark = 0.0;  ///< by the radiance of dark stripes
+  double dark = 0.0;  ///< by the radiance of dark stripes, where it is one for all places
+  std::vector<double> dark_nodes;  ///< by the nodes of DarkRadiance, where it is not
   double gain = 0.0;
   double exposure = 0.0;
   double blur_px = 0.0;  ///< [1 / px]

@@ -23,6 +23,7 @@
 #include "simulator/render/footprint/cut_batch.h"
 #include "simulator/render/footprint/cut_limits.h"
 #include "simulator/render/footprint/footprints.h"
+#include "simulator/render/footprint/pixel_dark.h"
 #include "simulator/render/footprint/refined_cells.h"
 #include "simulator/render/footprint/visible_part.h"
 
@@ -57,9 +58,25 @@ class CellSummer {
   void add_far();
   void add_unrefined();
   void add_simple(const std::int32_t* pixels);
+  void add_shining(const std::int32_t* pixels);
+  void expand_simple(const std::int32_t* pixels);
   void add_by_polygons(std::int32_t pixel, std::int32_t corner);
   void add_group(const RefinedGroup& group);
   void store(std::int32_t pixel, CellSum& sum);
+
+  /// The pixel that is summed next. @param dark  radiance of its dark stripes
+  void shine(double dark) {
+    all_in_work_.shine(positions_, dark);
+    inside_in_work_.shine(inside_positions_, dark);
+  }
+
+  /// Radiance of dark stripes over a pixel that is not refined or far.
+  double dark_of(std::int32_t pixel) const {
+    return mean_dark(footprints_.tunnel().dark(),
+                     footprints_.hits(),
+                     footprints_.rays().corners.weight.data(),
+                     footprints_.corners_of(pixel));
+  }
 
   /// Of places that the ends do not pass not every position is needed.
   CellSum& sum_for(double low_mm, double high_mm) {
@@ -72,6 +89,8 @@ class CellSummer {
   const ScanPositions& positions_;
   const DistinctStripes stripes_;         ///< of the frames, or of their mean
   const ScanPositions inside_positions_;  ///< of these stripes
+  ScanPositions all_in_work_;             ///< the same with the light of a pixel's dark stripes
+  ScanPositions inside_in_work_;
   CellSum frames_;
   CellSum between_ends_;
   bool wants_mean_;
@@ -94,8 +113,10 @@ CellSummer::CellSummer(const Footprints& footprints, bool wants_mean, const Span
       stripes_(wants_mean ? DistinctStripes() : positions_.distinct_stripes()),
       inside_positions_(wants_mean ? positions_.mean_position()
                                    : positions_.with_stripes_at(stripes_.shift_periods)),
-      frames_(positions_),
-      between_ends_(inside_positions_),
+      all_in_work_(positions_),
+      inside_in_work_(inside_positions_),
+      frames_(all_in_work_),
+      between_ends_(inside_in_work_),
       wants_mean_(wants_mean),
       near_(near),
       limits_{
@@ -178,8 +199,11 @@ void CellSummer::add_far() {
         refined_.push_back(pixel);
         continue;
       }
+      const double dark = positions_.is_dark_even ? 0.0 : dark_of(pixel);
+      const float shining = mean + static_cast<float>(dark) * (1.0F - mean);
       cells_.pixels.push_back(pixel);
-      cells_.values.push_back(coverage.values()[static_cast<std::size_t>(pixel)] * mean * gain[i]);
+      cells_.values.push_back(coverage.values()[static_cast<std::size_t>(pixel)] * shining *
+                              gain[i]);
     }
   }
   std::ranges::inplace_merge(refined_, refined_.begin() + static_cast<std::ptrdiff_t>(num_near));
@@ -211,12 +235,40 @@ void CellSummer::add_simple(const std::int32_t* pixels) {
   batch_.cut(p);
   std::array<float, kernels::kBatch> radiance = {};
   of_sources_.resize(simple_.size() * sources);
+  if (!positions_.is_dark_even) {
+    add_shining(pixels);
+    return;
+  }
   for (std::size_t k = 0; k < sources; ++k) {
     batch_.integrate(p, k, radiance.data());
     for (std::size_t j = 0; j < simple_.size(); ++j) {
       of_sources_[j * sources + k] = static_cast<double>(radiance[simple_[j]]);
     }
   }
+  expand_simple(pixels);
+}
+
+/// The same where the light of dark stripes depends on the pixel.
+void CellSummer::add_shining(const std::int32_t* pixels) {
+  const std::size_t sources = inside_positions_.shift_periods.size();
+  std::array<float, kernels::kBatch> radiance = {};
+  std::array<float, kernels::kBatch> lit = {};
+  ScanPositions all_bright = inside_positions_;
+  all_bright.shine(inside_positions_, 1.0);
+  batch_.integrate(all_bright, 0, lit.data());
+  for (std::size_t k = 0; k < sources; ++k) {
+    batch_.integrate(inside_positions_, k, radiance.data());
+    for (std::size_t j = 0; j < simple_.size(); ++j) {
+      const auto black = static_cast<double>(radiance[simple_[j]]);
+      const double dark = dark_of(pixels[simple_[j]]);
+      of_sources_[j * sources + k] = black + dark * (static_cast<double>(lit[simple_[j]]) - black);
+    }
+  }
+  expand_simple(pixels);
+}
+
+void CellSummer::expand_simple(const std::int32_t* pixels) {
+  const std::size_t sources = inside_positions_.shift_periods.size();
   for (std::size_t j = 0; j < simple_.size(); ++j) {
     cells_.pixels.push_back(pixels[simple_[j]]);
     stripes_.expand(of_sources_.data() + j * sources, cells_.values);
@@ -229,6 +281,9 @@ void CellSummer::add_by_polygons(std::int32_t pixel, std::int32_t corner) {
   const std::size_t below = at + static_cast<std::size_t>(rays.width_px) + 1;
   const CellCorners corners(
       footprints_.hits(), rays.corners.weight.data(), {at, at + 1, below, below + 1});
+  if (!positions_.is_dark_even) {
+    shine(dark_of(pixel));
+  }
   const auto [low, high] = std::ranges::minmax(corners.x_mm);
   CellSum& sum = sum_for(low, high);
   if (const OccludedEdge* edge = footprints_.occluded_edge(pixel)) {
@@ -260,6 +315,9 @@ void CellSummer::add_group(const RefinedGroup& group) {
     refined_cells_.intersect(group, footprints_.tunnel(), begin, end);
     for (std::size_t index = begin; index < end; ++index) {
       const auto [low_mm, high_mm] = refined_cells_.turn_to(index);
+      if (!positions_.is_dark_even) {
+        shine(refined_cells_.mean_dark(footprints_.tunnel().dark()));
+      }
       CellSum& sum = sum_for(low_mm, high_mm);
       if (const OccludedEdge* edge = footprints_.occluded_edge(group.pixels[index])) {
         refined_cells_.add_to(sum, VisiblePart(*edge, footprints_.tunnel().settings()));

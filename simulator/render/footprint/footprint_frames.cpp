@@ -53,6 +53,7 @@ struct FootprintFrames::Tile {
   using Values = std::array<float, kTile>;
   int count = 0;
   alignas(64) Values v, gx, gy, outer, inner, per_major, per_both, gain, x_mm, other_frame;
+  alignas(64) Values dark;  ///< radiance of dark stripes, where it depends on the place
 
   kernels::Trapezoids shape() {
     return {.outer = outer.data(),
@@ -86,6 +87,11 @@ const unsigned char* FootprintFrames::load(const RowSpan& span, int begin, Tile&
       reinterpret_cast<const unsigned char*>(footprints_.state().row(span.y) + begin);
   static_assert(static_cast<int>(Footprints::State::kPlain) == 1);
   const float* cosine = hits.cosine.empty() ? nullptr : hits.cosine.data() + top;
+  if (!p.is_dark_even) {
+    const float* dark = footprints_.dark().data() + top;
+    kernels::means_of_corners(
+        {.top = dark, .bottom = dark + corner_width}, tile.count, tile.dark.data());
+  }
   if (rays.smooth_weight >= 0.0F) {
     kernels::even_gains(state, rays.smooth_weight, cosine, tile.count, tile.gain.data());
   } else {
@@ -105,7 +111,7 @@ void FootprintFrames::render_span(int first,
   const ScanPositions& p = footprints_.positions();
   Tile tile;
   for (int begin = span.begin; begin < span.end; begin += tile.count) {
-    load(span, begin, tile);
+    const unsigned char* state = load(span, begin, tile);
     kernels::trapezoids(tile.gx.data(), tile.gy.data(), tile.count, tile.shape());
     const bool is_narrow = kernels::largest_lit(tile.outer.data(), tile.gain.data(), tile.count) <=
                            kernels::narrow_limit(static_cast<float>(p.duty));
@@ -135,12 +141,27 @@ void FootprintFrames::render_span(int first,
       } else if (of_source != out) {
         std::copy_n(of_source, tile.count, out);
       }
-      if (!p.is_even) {
-        kernels::Unevenness uneven = p.unevenness;
-        uneven.shift_mm = static_cast<float>(p.shift_mm[frame]);
-        kernels::modulate(tile.x_mm.data(), tile.count, uneven, out);
-      }
     }
+    // After all frames: others may have followed from this one.
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      finish(state, static_cast<std::size_t>(first) + k, tile, frames[k].row(span.y) + begin);
+    }
+  }
+}
+
+/// What depends on the place: the light of dark stripes and an uneven one of the wall.
+void FootprintFrames::finish(const unsigned char* state,
+                             std::size_t frame,
+                             const Tile& tile,
+                             float* out) const {
+  const ScanPositions& p = footprints_.positions();
+  if (!p.is_dark_even) {
+    kernels::shine_beside_cells(state, tile.dark.data(), tile.gain.data(), tile.count, out);
+  }
+  if (!p.is_even) {
+    kernels::Unevenness uneven = p.unevenness;
+    uneven.shift_mm = static_cast<float>(p.shift_mm[frame]);
+    kernels::modulate(tile.x_mm.data(), tile.count, uneven, out);
   }
 }
 
@@ -189,6 +210,10 @@ void FootprintFrames::render_mean(const Spans& near,
                                 static_cast<float>(p.dark),
                                 static_cast<float>(p.bright),
                                 mean.row(span.y) + begin);
+      if (!p.is_dark_even) {
+        kernels::shine_beside_cells(
+            state, tile.dark.data(), tile.gain.data(), tile.count, mean.row(span.y) + begin);
+      }
     }
   }
   if (done) {

@@ -46,6 +46,7 @@ class FootprintFrames {
   struct Tile;
 
   const unsigned char* load(const RowSpan& span, int begin, Tile& tile) const;
+  void finish(const unsigned char* state, std::size_t frame, const Tile& tile, float* out) const;
   void render_span(int first,
                    const RowSpan& span,
                    const DistinctStripes& stripes,

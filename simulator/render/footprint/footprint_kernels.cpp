@@ -219,6 +219,26 @@ GLINT_WIDE void mix_beside_cells(const unsigned char* __restrict state,
   }
 }
 
+GLINT_WIDE void shine_beside_cells(const unsigned char* __restrict state,
+                                   const float* __restrict dark,
+                                   const float* __restrict gain,
+                                   int count,
+                                   float* __restrict out) {
+  for (int i = 0; i < count; ++i) {
+    // Where there is no light the place is none.
+    const float mixed = gain[i] > 0.0F ? out[i] + dark[i] * (gain[i] - out[i]) : out[i];
+    out[i] = state[i] == 2 ? out[i] : mixed;
+  }
+}
+
+GLINT_WIDE void means_of_corners(const CornerRows& corners, int count, float* __restrict out) {
+  const float* __restrict top = corners.top;
+  const float* __restrict bottom = corners.bottom;
+  for (int i = 0; i < count; ++i) {
+    out[i] = 0.25F * ((top[i] + top[i + 1]) + (bottom[i] + bottom[i + 1]));
+  }
+}
+
 namespace {
 
 /// In pairs, so that additions do not wait for each other.

@@ -99,6 +99,13 @@ void mix_beside_cells(const unsigned char* state,
                       float bright,
                       float* out);
 
+/// Dark stripes that shine beside black ones: out += dark * (gain - out), state not 2 (cells)
+void shine_beside_cells(
+    const unsigned char* state, const float* dark, const float* gain, int count, float* out);
+
+/// The mean over the four corners of each pixel.
+void means_of_corners(const CornerRows& corners, int count, float* out);
+
 /// Samples of sum_box_frames come in groups of this many, filled up with gain 0.
 inline constexpr int kLanes = 16;
 

@@ -15,6 +15,7 @@
 
 #include "core/error.h"
 #include "simulator/render/corner_rays/sparse_kernels.h"
+#include "simulator/render/footprint/pixel_dark.h"
 #include "simulator/render/footprint/visible_part.h"
 
 namespace glint {
@@ -49,6 +50,8 @@ ScanPositions::ScanPositions(const Tunnel& tunnel, const ScanSettings& scan) {
   duty = s.duty;
   dark = static_cast<double>(pattern.dark);
   bright = 1.0 - dark;
+  is_dark_even = tunnel.dark().is_even();
+  darkest = tunnel.dark().lowest();
   // Without a slot every y is beside it.
   half_slot_mm = s.slot_mm > 0.0 ? 0.5 * s.slot_mm : -1e30;
   half_length_mm = 0.5 * s.length_mm;
@@ -139,6 +142,27 @@ Footprints::Footprints(const CornerRays& rays,
     : rays_(rays), tunnel_(tunnel), positions_(tunnel, scan), view_(std::move(view)) {
   GLINT_CHECK(view_->hits.x_mm.size() == rays.corners.weight.size(), "a view of these rays");
   classify();
+  if (!positions_.is_dark_even) {
+    find_dark();
+  }
+}
+
+void Footprints::find_dark() {
+  const DarkRadiance& dark = tunnel_.dark();
+  const WallHits& hits = view_->hits;
+  dark_.resize(hits.y_mm.size());
+  for (std::size_t i = 0; i < dark_.size(); ++i) {
+    const bool is_met = has_place(hits, rays_.corners.weight.data(), i);
+    dark_[i] = is_met ? static_cast<float>(dark.at(static_cast<double>(hits.y_mm[i]),
+                                                   static_cast<double>(hits.margin_mm[i])))
+                      : 0.0F;
+  }
+}
+
+std::array<std::size_t, 4> Footprints::corners_of(std::int32_t pixel) const {
+  const auto row = static_cast<std::size_t>(rays_.width_px) + 1;
+  const auto at = static_cast<std::size_t>(pixel) + static_cast<std::size_t>(pixel) / (row - 1);
+  return {at, at + 1, at + row, at + row + 1};
 }
 
 kernels::LitLimits Footprints::lit_limits() const {

@@ -9,6 +9,7 @@
 // See docs/theory/footprints.md.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <new>
 #include <optional>
@@ -66,6 +67,13 @@ struct ScanPositions {
   /// and places that the tunnel's ends never pass.
   ScanPositions mean_position() const;
 
+  /// Takes over the stripes of a tunnel with black dark ones and has these shine.
+  /// @param dark  radiance of dark stripes, where bright ones have 1
+  void shine(const ScanPositions& black, double dark_radiance) {
+    dark = black.dark + dark_radiance * (1.0 - black.dark);
+    bright = black.bright * (1.0 - dark_radiance);
+  }
+
   /// The same tunnel with its stripes at other places.
   /// @param shift_periods  each in [0, 1)
   ScanPositions with_stripes_at(const std::vector<double>& shift_periods) const;
@@ -82,8 +90,10 @@ struct ScanPositions {
   double period_mm = 1.0;
   double offset_mm = 0.0;
   double duty = 0.5;
-  double dark = 0.0;    ///< radiance of dark stripes
-  double bright = 1.0;  ///< what bright ones add to it
+  double dark = 0.0;         ///< radiance of dark stripes; 0 where it depends on the place
+  double bright = 1.0;       ///< what bright ones add to it
+  double darkest = 0.0;      ///< the smallest radiance of dark stripes
+  bool is_dark_even = true;  ///< the radiance of dark stripes does not depend on the place
   double half_slot_mm = 0.0;
   double half_length_mm = 0.0;
   footprint_kernels::Unevenness unevenness;  ///< at shift 0
@@ -129,12 +139,19 @@ class Footprints {
 
   const Tunnel& tunnel() const { return tunnel_; }
 
+  /// Radiance of dark stripes where each corner ray meets the wall; empty: that of positions().
+  const std::vector<float>& dark() const { return dark_; }
+
+  /// Of the four rays at the corners of a pixel, from the left and from the top.
+  std::array<std::size_t, 4> corners_of(std::int32_t pixel) const;
+
   /// Share of the part's pixels that the wall hides from the camera; in part where it hides a part.
   double hidden_share() const;
 
  private:
   void classify();
   void classify_tiles();
+  void find_dark();
   const unsigned char* occluded_row(int y) const;
   void classify_pixels(int top, int bottom, int left, int right);
   footprint_kernels::LitLimits lit_limits() const;
@@ -144,6 +161,7 @@ class Footprints {
   ScanPositions positions_;
   std::shared_ptr<const WallView> view_;
   Image<State> state_;
+  std::vector<float> dark_;
   std::vector<unsigned char> none_occluded_;  ///< in a row
 };
 

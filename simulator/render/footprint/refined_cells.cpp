@@ -2,9 +2,11 @@
 #include "simulator/render/footprint/refined_cells.h"
 
 #include <cstring>
+#include <numeric>
 #include <span>
 
 #include "simulator/render/footprint/lit_cells.h"
+#include "simulator/render/footprint/pixel_dark.h"
 
 namespace glint {
 
@@ -51,6 +53,12 @@ std::array<double, 2> RefinedCells::turn_to(std::size_t index) {
                                  pixel_.weight,
                                  static_cast<int>(corners));
   return {static_cast<double>(places_.x_low_mm), static_cast<double>(places_.x_high_mm)};
+}
+
+double RefinedCells::mean_dark(const DarkRadiance& dark) const {
+  std::vector<std::size_t> rays(corners_of_pixel(*group_));
+  std::iota(rays.begin(), rays.end(), pixel_.first);
+  return glint::mean_dark(dark, hits_, pixel_.weight - pixel_.first, rays);
 }
 
 void RefinedCells::add_to(CellSum& sum) {

@@ -34,6 +34,9 @@ class RefinedCells {
   /// @return limits of its places along the tunnel [mm], low > high where there are none
   std::array<double, 2> turn_to(std::size_t index);
 
+  /// Radiance of dark stripes over the pixel.
+  double mean_dark(const DarkRadiance& dark) const;
+
   /// Adds the pixel.
   void add_to(CellSum& sum);
 

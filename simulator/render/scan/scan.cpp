@@ -10,6 +10,7 @@
 #include "simulator/render/scan/scan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "simulator/render/footprint/visible_part.h"
@@ -19,6 +20,9 @@ namespace {
 
 /// Rays that are worked on together: their arrays stay in the first caches.
 constexpr std::int64_t kBlock = 4096;
+
+/// Small enough that a block's rays stay in the first caches from one frame to the next.
+constexpr int kBlockOfFrames = 1024;
 
 /// Frames that are rendered together: rays are read once for all of them.
 constexpr std::size_t kFramesAtOnce = 8;
@@ -59,6 +63,49 @@ void hide(const OccludedPixels& occluded,
   }
 }
 
+/// Gain times the radiance of dark stripes where each ray meets the wall.
+std::vector<float> shine_of(const RayCache& cache,
+                            const Tunnel& tunnel,
+                            const std::vector<float>& gain) {
+  std::vector<float> shine(gain.size());
+  std::vector<float> x(static_cast<std::size_t>(kBlock)), y(x), margin(x);
+  const auto total = static_cast<std::int64_t>(gain.size());
+  for (std::int64_t begin = 0; begin < total; begin += kBlock) {
+    const int count = block_size(begin, total);
+    tunnel.intersect_block(cache.block(begin, count), x.data(), y.data(), margin.data());
+    for (int i = 0; i < count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const auto ray = static_cast<std::size_t>(begin) + k;
+      if (gain[ray] > 0.0F) {
+        const double dark =
+            tunnel.dark().at(static_cast<double>(y[k]), static_cast<double>(margin[k]));
+        shine[ray] = gain[ray] * static_cast<float>(dark);
+      }
+    }
+  }
+  return shine;
+}
+
+/// The light of dark stripes that depends on the place: what they have in common with bright ones
+/// is as bright everywhere, the rest is that of bright stripes beside black ones.
+void add_shining_stripes(const float* x_mm,
+                         const float* q_mm,
+                         const float* gain,
+                         const float* shine,
+                         int count,
+                         const StripePattern& pattern,
+                         float scale,
+                         float* out) {
+  std::array<float, kBlockOfFrames> rest = {};
+  for (int i = 0; i < count; ++i) {
+    rest[static_cast<std::size_t>(i)] = gain[i] - shine[i];
+  }
+  add_stripes(x_mm, q_mm, rest.data(), count, pattern, scale, out);
+  StripePattern even = pattern;
+  even.dark = 1.0F;
+  add_stripes(x_mm, q_mm, shine, count, even, scale, out);
+}
+
 }  // namespace
 
 WallRays intersect_wall(const RayCache& cache,
@@ -84,6 +131,9 @@ WallRays intersect_wall(const RayCache& cache,
   }
   const OccludedPixels occluded = occluded_pixels(cache, tunnel, camera_in_world_mm);
   hide(occluded, tunnel.settings(), cache, rays.gain);
+  if (!tunnel.dark().is_even()) {
+    rays.shine = shine_of(cache, tunnel, rays.gain);
+  }
   rays.hidden_share = hidden_share(occluded, tunnel.settings(), cache);
   return rays;
 }
@@ -93,8 +143,6 @@ void render_frames(const RayCache& cache,
                    std::span<const StripePattern> patterns,
                    std::span<ImageF> frames) {
   GLINT_CHECK(patterns.size() == frames.size(), "a picture for each position");
-  // Small enough that a block's rays stay in the first caches from one frame to the next.
-  constexpr int kBlockOfFrames = 1024;
   const std::int64_t pixels = cache.num_pixels();
   for (ImageF& frame : frames) {
     if (frame.width() != cache.width_px || frame.height() != cache.height_px) {
@@ -110,6 +158,17 @@ void render_frames(const RayCache& cache,
       std::fill_n(out, count, 0.0F);
       for (std::int64_t sample = 0; sample < cache.samples; ++sample) {
         const std::int64_t begin = sample * pixels + pixel;
+        if (!rays.shine.empty()) {
+          add_shining_stripes(rays.x_mm.data() + begin,
+                              pattern_mm.data() + begin,
+                              rays.gain.data() + begin,
+                              rays.shine.data() + begin,
+                              count,
+                              patterns[k],
+                              share,
+                              out);
+          continue;
+        }
         add_stripes(rays.x_mm.data() + begin,
                     pattern_mm.data() + begin,
                     rays.gain.data() + begin,

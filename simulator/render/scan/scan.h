@@ -24,7 +24,9 @@ struct WallRays {
   std::vector<float> x_mm;
   std::vector<float> pattern_mm;  ///< empty: equal to x_mm
   std::vector<float> gain;        ///< 0: dark at every position
-  double hidden_share = 0.0;      ///< of the part's pixels, hidden from the camera by the wall
+  /// Gain times the radiance of dark stripes at the hit; empty: that of the pattern.
+  std::vector<float> shine;
+  double hidden_share = 0.0;  ///< of the part's pixels, hidden from the camera by the wall
 };
 
 /// Evaluates the cache against a tunnel. @param cache  of a camera that it knows, standing there

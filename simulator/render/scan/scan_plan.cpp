@@ -130,21 +130,23 @@ ScanForm::Kind form_of(const ScanPositions& positions,
   }
   const double brightest = reflectance * std::max(1.0, positions.dark);
   const GreyResponse bright = grey_response(sensor, brightest);
-  const GreyResponse dark = grey_response(sensor, reflectance * positions.dark);
+  const GreyResponse dark = grey_response(sensor, reflectance * positions.darkest);
   const double slope = sensor.gain * sensor.exposure;
   const double offset = dark_grey(sensor);
   // Where even the dark stripes reach full scale every frame is saturated; the table knows that.
-  const double darkest = reflectance * (positions.duty < 1.0 ? std::min(1.0, positions.dark) : 1.0);
+  const double darkest =
+      reflectance * (positions.duty < 1.0 ? std::min(1.0, positions.darkest) : 1.0);
   const double step = sensor.bits > 0 ? 1.0 / ((1 << sensor.bits) - 1) : 0.0;
   const bool is_linear =
       blur_overshoot(sensor.blur_px) == 0.0 &&  // else cut off at 0
       slope * brightest + offset <= 1.0 && slope * darkest + offset < 1.0 - 0.5 * step &&
       std::abs(bright.mean - slope * brightest - offset) <= kLargestBias &&
-      std::abs(dark.mean - slope * reflectance * positions.dark - offset) <= kLargestBias;
+      std::abs(dark.mean - slope * reflectance * positions.darkest - offset) <= kLargestBias;
   if (is_linear) {
     return ScanForm::Kind::kMeanRadiance;
   }
-  return sensor.blur_px < kNarrowestBlur_px ? ScanForm::Kind::kFrames : ScanForm::Kind::kTable;
+  const bool has_table = sensor.blur_px >= kNarrowestBlur_px && positions.is_dark_even;
+  return has_table ? ScanForm::Kind::kTable : ScanForm::Kind::kFrames;
 }
 
 int reach_of(const Sensor& sensor, double reflectance) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "simulator/render/scan/closed_scan.h"
@@ -30,12 +31,12 @@ class ExactFrames {
         picture_(picture),
         errors_(errors),
         settings_(scene.tunnel),
+        wall_dark_(Tunnel(settings_).dark()),
         wall_(settings_),
         positions_(Tunnel(settings_), scene.scan),
         wants_mean_(wants_mean),
         frames_(wants_mean ? 1 : static_cast<std::size_t>(positions_.frames())),
         sum_(settings_.duty) {
-    dark_ = Tunnel(settings_).dark_radiance();
     for (std::size_t i = 0; i < picture.corners.origin_mm.size(); ++i) {
       places_.push_back(intersect(picture.corners, errors.corners, i));
     }
@@ -56,6 +57,7 @@ class ExactFrames {
         const std::size_t b = corner_of(x, y + 1);
         if (where(x, y) != 0 && rays_.kind(x, y) == PixelKind::kSmooth &&
             lowest_of(corners_at(x, y)) < kLowest) {
+          turn_to(corners_at(x, y), weights_at(x, y));
           for (const std::size_t at : {a, a + 1, b, b + 1}) {
             const auto weight = static_cast<double>(rays_.corners.weight[at]);
             add_place(places_[at], 0.25 * weight, index_of(x, y), images);
@@ -88,6 +90,7 @@ class ExactFrames {
         if (where(x, y) != 0 && rays_.kind(x, y) == PixelKind::kSmooth &&
             !is_dark(corners_at(x, y))) {
           radiance.assign(frames_, 0.0);
+          turn_to(corners_at(x, y), weights_at(x, y));
           add_cell(corners_at(x, y), mean_weight(x, y), radiance);
           store(index_of(x, y));
         }
@@ -136,14 +139,32 @@ class ExactFrames {
     return {places_[top], places_[top + 1], places_[bottom], places_[bottom + 1]};
   }
 
+  std::array<float, 4> weights_at(int x, int y) const {
+    const float* top = rays_.corners.weight.data() + corner_of(x, y);
+    const float* bottom = rays_.corners.weight.data() + corner_of(x, y + 1);
+    return {top[0], top[1], bottom[0], bottom[1]};
+  }
+
   double mean_weight(int x, int y) const {
-    const std::size_t top = corner_of(x, y);
-    const std::size_t bottom = corner_of(x, y + 1);
     double sum = 0.0;
-    for (const std::size_t at : {top, top + 1, bottom, bottom + 1}) {
-      sum += static_cast<double>(rays_.corners.weight[at]);
+    for (const float weight : weights_at(x, y)) {
+      sum += static_cast<double>(weight);
     }
     return 0.25 * sum;
+  }
+
+  /// The light of dark stripes over the pixel whose rays these are: the mean over those that meet
+  /// the wall.
+  void turn_to(std::span<const ExactPlace> places, std::span<const float> weights) const {
+    double sum = 0.0;
+    double count = 0.0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (weights[i] > 0.0F && places[i].margin_mm > kLowest) {
+        sum += wall_dark_.at(places[i].y_mm, places[i].margin_mm);
+        count += 1.0;
+      }
+    }
+    dark_ = count > 0.0 ? sum / count : 0.0;
   }
 
   LinearFunction phase_of(const Corners& c) const {
@@ -194,6 +215,11 @@ class ExactFrames {
     const auto n = static_cast<std::size_t>(group.cells_per_axis);
     const std::size_t first = pixel * (n + 1) * (n + 1);
     const double share = 0.25 / static_cast<double>(n * n);
+    std::vector<ExactPlace> all;
+    for (std::size_t i = 0; i < (n + 1) * (n + 1); ++i) {
+      all.push_back(intersect(rays, errors, first + i));
+    }
+    turn_to(all, std::span(group.rays.weight).subspan(first));
     for (std::size_t cell = 0; cell < n * n; ++cell) {
       const std::size_t a = first + cell / n * (n + 1) + cell % n;
       const std::size_t b = a + n + 1;
@@ -267,6 +293,7 @@ class ExactFrames {
     for (std::size_t i = 0; i < (n + 1) * (n + 1); ++i) {
       met_.push_back(intersect(rays, errors, first + i));
     }
+    turn_to(met_, std::span(group.rays.weight).subspan(first));
     const double share = 1.0 / static_cast<double>(n * n);
     for (std::size_t cell = 0; cell < n * n; ++cell) {
       if (group.is_smooth[pixel * n * n + cell] == 0) {
@@ -286,11 +313,12 @@ class ExactFrames {
   const ExactPicture& picture_;
   const HitErrors& errors_;
   const TunnelSettings& settings_;
+  DarkRadiance wall_dark_;
   ExactWall wall_;
   ScanPositions positions_;
   bool wants_mean_;
   std::size_t frames_;
-  double dark_ = 0.0;
+  mutable double dark_ = 0.0;       ///< of the pixel in work
   std::vector<ExactPlace> places_;  ///< of the corners
   std::vector<ExactPlace> met_;     ///< of a refined pixel
   ExactStripes sum_;

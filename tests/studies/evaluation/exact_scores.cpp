@@ -184,7 +184,7 @@ std::vector<double> ExactScores::aspect_of(const SceneSettings& scene,
     }
     if (is_first && plan_.form.kind == ScanForm::Kind::kTable) {
       StripeSettings stripes = stripes_of(frames.positions(), scene.render.reflectance);
-      stripes.dark = Tunnel(scene.tunnel).dark_radiance();  // the positions have it in float
+      stripes.dark = Tunnel(scene.tunnel).dark().mean();  // the positions have it in float
       const ExactTable table(ClippedMean::nodes_of(scene.sensor, stripes));
       const double variance =
           variance_of(blur_weights(scene.sensor.blur_px, sensor.blur_radius_px())) + 1.0 / 12.0;

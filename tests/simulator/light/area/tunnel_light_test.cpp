@@ -85,9 +85,9 @@ TEST(TunnelLight, BinsTogetherAreTheWholeWall) {
   const Vector3d point(20.0, -15.0, 12.0);
   for (const TunnelSettings& settings : striped_tunnels()) {
     const Lights striped = lights_under(settings, 7);
-    const int bins = static_cast<int>(striped.groups.size());
+    const int groups = static_cast<int>(striped.groups.size());
     const double whole = irradiance(striped, point, Vector3d::UnitZ(), 100)[0];
-    std::vector<double> of_bin(striped.groups.size(), 0.0);
+    std::vector<double> of_bin(striped.wall->bin_ends.size(), 0.0);
     Rng rng(7, Stream::kTest, 1);  // the samples of irradiance()
     for (int i = 0; i < 100 * 100; ++i) {
       const double u = (i % 100 + rng.uniform()) / 100;
@@ -95,8 +95,8 @@ TEST(TunnelLight, BinsTogetherAreTheWholeWall) {
       const auto s = sample_light(striped, point, u, v);
       if (s && s->direction.z() > 0.0 && !is_occluded(striped, point, *s)) {
         ASSERT_GE(s->group, 0);
-        ASSERT_LT(s->group, bins);
-        of_bin[static_cast<std::size_t>(s->group)] +=
+        ASSERT_LT(s->group, groups);
+        of_bin[static_cast<std::size_t>(s->group) % of_bin.size()] +=
             static_cast<double>(s->radiance[0]) * s->direction.z() / s->density / 1e4;
       }
     }
@@ -155,9 +155,45 @@ TEST(TunnelFrameFactors, KeepTheBrightShareOfEveryFrameWhenThereAreManyPositions
 
 TEST(TunnelFrameFactors, AreTheDarkRadianceOnDarkStripes) {
   const TunnelLight light = scan_of({.dark_reflectance = 0.5}, 4);
-  const double dark = Tunnel(light.settings).dark_radiance();
-  EXPECT_GT(dark, 0.05);
+  const DarkRadiance dark = Tunnel(light.settings).dark();
+  const double low = dark.lowest();
+  const double high = dark.highest();
+  EXPECT_GT(low, 0.05);
+  EXPECT_GT(high, 1.5 * low);
+  EXPECT_EQ(tunnel_frame_factors(light)[0],
+            (std::vector<double>{1, 1, low, low, 1, 1, high, high}));
+}
+
+TEST(TunnelFrameFactors, AreOneSetWhereOneValueStandsForAllPlaces) {
+  const TunnelLight light = scan_of({.dark_reflectance = 0.02}, 4);
+  const double dark = Tunnel(light.settings).dark().mean();
+  EXPECT_GT(dark, 0.003);
   EXPECT_EQ(tunnel_frame_factors(light)[0], (std::vector<double>{1, 1, dark, dark}));
+}
+
+// The share of places in the second set grows from the darkest to the brightest; by hand for the
+// semicylinder: none at the top's darkest stripe, all at the rim.
+TEST(TunnelLight, PlacesGoToTheSecondSetAsOftenAsTheyAreBright) {
+  const TunnelSettings settings = {.slot_mm = 0.0, .dark_reflectance = 0.5};
+  const Lights lights = lights_under(settings, 4);
+  ASSERT_EQ(lights.groups.size(), 8U);
+  const Tunnel tunnel(settings);
+  const DarkRadiance& dark = tunnel.dark();
+  for (const double angle_rad : {0.05, 0.4, 0.9, 1.3, 1.52}) {
+    const Vector3d direction(0.0, std::sin(angle_rad), std::cos(angle_rad));
+    int second = 0;
+    constexpr int kPlaces = 20000;
+    for (int i = 0; i < kPlaces; ++i) {
+      const Ray ray = {.origin_mm = {0.01 * i - 100.0, 0.0, 0.0}, .direction = direction};
+      const auto hit = hit_light(lights, ray);
+      ASSERT_TRUE(hit.has_value());
+      second += hit->group - lights.first_tunnel_group >= 4 ? 1 : 0;
+    }
+    const double place = tunnel.dark_at({100.0 * direction.y(), 100.0 * direction.z()});
+    const double expected = (place - dark.lowest()) / (dark.highest() - dark.lowest());
+    // Four standard deviations of so many coins.
+    EXPECT_NEAR(static_cast<double>(second) / kPlaces, expected, 0.015) << angle_rad;
+  }
 }
 
 /// What level 0 sees along a ray in one frame; the distance to the next edge of a stripe in
@@ -174,7 +210,7 @@ SeenStripe seen_stripe(const Tunnel& tunnel, const WallHit& hit, const Ray& ray,
   const double v = (q - shift_mm * std::cos(s.orientation_rad) - s.offset_mm) / s.period_mm;
   const double f = v - std::floor(v);
   const double law = s.cosine_law ? -hit.normal.dot(ray.direction) : 1.0;
-  return {.radiance = law * (f < s.duty ? 1.0 : tunnel.dark_radiance()),
+  return {.radiance = law * (f < s.duty ? 1.0 : tunnel.dark_at(hit.point_mm.tail<2>())),
           .to_edge = std::min({f, std::abs(f - s.duty), 1.0 - f})};
 }
 
@@ -203,11 +239,24 @@ TEST(TunnelLight, ShowsRaysTheStripesOfLevel0InEveryFrame) {
         continue;
       }
       EXPECT_NEAR(hit->distance_mm, exact->t_mm, 0.3);
-      const auto bin = static_cast<std::size_t>(hit->group - lights.first_tunnel_group);
+      const StripedWall& wall = *lights.wall;
+      const auto group = static_cast<std::size_t>(hit->group - lights.first_tunnel_group);
+      const std::size_t bins = wall.bin_ends.size();
+      const auto emitter = static_cast<std::size_t>(hit->emitter - wall.first_emitter);
+      const Vector3d from_middle =
+          ray.origin_mm + hit->distance_mm * ray.direction - wall.middle_mm[emitter];
+      const double second =
+          wall.second_share.empty()
+              ? 0.0
+              : wall.second_share[emitter] +
+                    wall.second_share_per_mm[emitter] * wall.along[emitter].dot(from_middle);
       for (std::size_t k = 0; k < kPositions; ++k) {
         const SeenStripe seen =
             seen_stripe(tunnel, *exact, ray, static_cast<double>(k) * light.step_mm);
-        const double found = factors[k][bin] * static_cast<double>(hit->radiance[0]);
+        const std::vector<double>& of = factors[k];
+        const double mean =
+            (1.0 - second) * of[group % bins] + second * of[of.size() - bins + group % bins];
+        const double found = mean * static_cast<double>(hit->radiance[0]);
         ++compared;
         if (std::abs(found - seen.radiance) > 0.03) {
           EXPECT_LT(seen.to_edge, 0.02) << shape_name(settings.shape);

@@ -155,8 +155,8 @@ Vector3d around(const Vector3d& normal, double u, double v) {
          std::sqrt(1.0 - u) * normal;
 }
 
-/// Light on its way between real stripes, the wall 20 widths long and a polygon of its own: how often
-/// it comes from a bright stripe after so many reflections, by zones from the rim to the top.
+/// Light on its way between real stripes, the wall 20 widths long and a polygon of its own: how
+/// often it comes from a bright stripe after so many reflections, by zones from the rim to the top.
 class StripedEnclosure {
  public:
   static constexpr int kZones = 4;
@@ -242,8 +242,8 @@ class StripedEnclosure {
 
   void follow(int index) {
     const double way = halton(index, 2) * ends_.back();
-    auto at = static_cast<std::size_t>(std::lower_bound(ends_.begin(), ends_.end(), way) -
-                                       ends_.begin());
+    auto at =
+        static_cast<std::size_t>(std::lower_bound(ends_.begin(), ends_.end(), way) - ends_.begin());
     const Vector2d start =
         walls_[at].from + walls_[at].way - (ends_[at] - way) * walls_[at].way.normalized();
     Zone& zone = zones_[std::min<std::size_t>(
@@ -276,7 +276,7 @@ class StripedEnclosure {
 // light that is followed between real stripes a tenth of the width apart, or within 0.002 where one
 // value stands for all.
 TEST(DarkRadiance, AgreesWithLightFollowedBetweenRealStripes) {
-  constexpr int kPaths = 200000;
+  constexpr int kPaths = 600000;
   double worst = 0.0;
   double control = 0.0;
   for (TunnelSettings s : five_shapes()) {

@@ -20,11 +20,13 @@ constexpr cut_kernels::CutLimits kLimits = {
     .half_slot_mm = 8.0, .x_low_mm = -100.0F, .x_high_mm = 100.0F, .no_hit_below_mm = -1e20F};
 
 /// A tunnel of period 12 mm and 6 frames, its slot +-8 mm.
-ScanPositions cut_positions(double duty, double dark_reflectance) {
+ScanPositions cut_positions(double duty, double dark_radiance) {
   TunnelSettings settings = test::bench_tunnel();
   settings.duty = duty;
-  settings.dark_reflectance = dark_reflectance;
-  return {Tunnel(settings), {.positions = 6}};
+  const ScanPositions black(Tunnel(settings), {.positions = 6});
+  ScanPositions positions = black;
+  positions.shine(black, dark_radiance);
+  return positions;
 }
 
 /// Pixels by their corners, as one batch and as hits with four rays a pixel.

@@ -155,6 +155,8 @@ TEST(MirrorUnderATunnel, ShowsTheFramesOfLevel0) {
   grey.shape = TunnelSettings::Shape::kSuperellipse;
   grey.dark_reflectance = 0.5;
   grey.cosine_law = true;
+  TunnelSettings shining = strip_tunnel();  // dark stripes that are brighter at the rims
+  shining.dark_reflectance = 0.8;
   TunnelSettings flat = strip_tunnel();
   flat.shape = TunnelSettings::Shape::kFlat;
   flat.opening_rad = 1.0;
@@ -169,6 +171,7 @@ TEST(MirrorUnderATunnel, ShowsTheFramesOfLevel0) {
       {"hidden by the wall", narrow},
       {"oblique, duty 0.3", oblique},
       {"grey superellipse", grey},
+      {"shining dark stripes", shining},
       {"leaning panels", flat},
       {"free", free}};
   for (const auto& [name, tunnel] : cases) {
@@ -178,6 +181,34 @@ TEST(MirrorUnderATunnel, ShowsTheFramesOfLevel0) {
     EXPECT_LT(d.rms, 0.01) << name;
     EXPECT_LT(d.mean, 0.002) << name;
   }
+}
+
+// A strip bent to 12 degrees to either side mirrors the wall up to 24 degrees and more from its
+// top. The control has one value, the wall's mean, in all dark stripes.
+TEST(MirrorUnderATunnel, ShowsDarkStripesAsBrightAsTheirPlaceIs) {
+  TunnelSettings shining = strip_tunnel();
+  shining.dark_reflectance = 0.8;
+  const PathBench bench = under_tunnel(shining, white_mirror());
+  const std::vector<ImageF> traced = traced_frames(bench, shining, {.samples = 64, .channels = 1});
+  TunnelSettings black = strip_tunnel();
+  TunnelSettings bright = strip_tunnel();
+  bright.duty = 1.0;
+  std::vector<ImageF> one_value = level0_frames(bench, black);
+  const std::vector<ImageF> all_bright = level0_frames(bench, bright);
+  const auto mean = static_cast<float>(Tunnel(shining).dark().mean());
+  for (std::size_t k = 0; k < one_value.size(); ++k) {
+    for (std::size_t i = 0; i < one_value[k].size(); ++i) {
+      float& value = one_value[k].values()[i];
+      value += mean * (all_bright[k].values()[i] - value);
+    }
+  }
+  const Image<unsigned char> where = away_from_silhouettes(bench);
+  const FrameDifference by_place = difference(traced, level0_frames(bench, shining), where);
+  const FrameDifference control = difference(traced, one_value, where);
+  fmt::print(
+      "dark stripes by their place: mean {:.5f}; one value: {:.5f}\n", by_place.mean, control.mean);
+  EXPECT_LT(by_place.mean, 0.001);
+  EXPECT_GT(control.mean, 0.01);
 }
 
 /// A lobe of width alpha smears stripes by about 2 alpha of their distance from the part, 200 um at

@@ -8,7 +8,8 @@
 //   table   the sensor clips: T(w) of clipped_mean.h where the phase is linear over the blur;
 //   frames
 //           for the other pixels
-//   frames  neither: stripes that do not complete a period, an uneven light
+//   frames  neither: stripes that do not complete a period, an uneven light, or a clipping sensor
+//           under dark stripes whose light depends on the place
 #pragma once
 
 #include <memory>

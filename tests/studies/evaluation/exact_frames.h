@@ -8,16 +8,10 @@
 #include <vector>
 
 #include "simulator/render/scan/closed_scan.h"
+#include "tests/studies/evaluation/exact_places.h"
 #include "tests/studies/imaging/exact_stripes.h"
-#include "tests/studies/imaging/exact_wall.h"
 
 namespace glint {
-
-/// The program's hits, in float and partly interpolated, less exact ones: x, y and margin.
-struct HitErrors {
-  std::vector<Eigen::Vector3d> corners;
-  std::vector<std::vector<Eigen::Vector3d>> refined;
-};
 
 /// Frames of some pixels, in double.
 class ExactFrames {
@@ -56,7 +50,7 @@ class ExactFrames {
         const std::size_t a = corner_of(x, y);
         const std::size_t b = corner_of(x, y + 1);
         if (where(x, y) != 0 && rays_.kind(x, y) == PixelKind::kSmooth &&
-            lowest_of(corners_at(x, y)) < kLowest) {
+            lowest_of(corners_at(x, y)) < kLowestMargin_mm) {
           turn_to(corners_at(x, y), weights_at(x, y));
           for (const std::size_t at : {a, a + 1, b, b + 1}) {
             const auto weight = static_cast<double>(rays_.corners.weight[at]);
@@ -88,7 +82,7 @@ class ExactFrames {
     for (int y = 0; y < where.height(); ++y) {
       for (int x = 0; x < where.width(); ++x) {
         if (where(x, y) != 0 && rays_.kind(x, y) == PixelKind::kSmooth &&
-            !is_dark(corners_at(x, y))) {
+            !is_dark(corners_at(x, y), positions_.half_slot_mm)) {
           radiance.assign(frames_, 0.0);
           turn_to(corners_at(x, y), weights_at(x, y));
           add_cell(corners_at(x, y), mean_weight(x, y), radiance);
@@ -111,8 +105,6 @@ class ExactFrames {
   }
 
  private:
-  using Corners = std::array<ExactPlace, 4>;
-
   std::size_t index_of(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(rays_.width_px) +
            static_cast<std::size_t>(x);
@@ -153,18 +145,9 @@ class ExactFrames {
     return 0.25 * sum;
   }
 
-  /// The light of dark stripes over the pixel whose rays these are: the mean over those that meet
-  /// the wall.
+  /// The pixel that is rendered next.
   void turn_to(std::span<const ExactPlace> places, std::span<const float> weights) const {
-    double sum = 0.0;
-    double count = 0.0;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      if (weights[i] > 0.0F && places[i].margin_mm > kLowest) {
-        sum += wall_dark_.at(places[i].y_mm, places[i].margin_mm);
-        count += 1.0;
-      }
-    }
-    dark_ = count > 0.0 ? sum / count : 0.0;
+    dark_ = exact_mean_dark(wall_dark_, places, weights);
   }
 
   LinearFunction phase_of(const Corners& c) const {
@@ -173,21 +156,6 @@ class ExactFrames {
     return {.value = (x.value - settings_.offset_mm) / period_mm,
             .dx = x.dx / period_mm,
             .dy = x.dy / period_mm};
-  }
-
-  /// Margins below this are no places on the wall.
-  static constexpr double kLowest = -1e20;
-
-  static double lowest_of(const Corners& c) {
-    return std::min({c[0].margin_mm, c[1].margin_mm, c[2].margin_mm, c[3].margin_mm});
-  }
-
-  /// Without a corner that meets light.
-  bool is_dark(const Corners& corners) const {
-    const double half_slot = positions_.half_slot_mm;
-    return std::ranges::all_of(corners, [](const ExactPlace& p) { return p.margin_mm < 0.0; }) ||
-           std::ranges::all_of(corners,
-                               [&](const ExactPlace& p) { return std::abs(p.y_mm) < half_slot; });
   }
 
   void add_place(const ExactPlace& place,
@@ -228,7 +196,7 @@ class ExactFrames {
       for (std::size_t i = 0; i < 4; ++i) {
         met[i] = intersect(rays, errors, at[i]);
       }
-      if (group.is_smooth[pixel * n * n + cell] != 0 && lowest_of(met) >= kLowest) {
+      if (group.is_smooth[pixel * n * n + cell] != 0 && lowest_of(met) >= kLowestMargin_mm) {
         continue;
       }
       for (std::size_t i = 0; i < 4; ++i) {
@@ -241,7 +209,7 @@ class ExactFrames {
   /// @param gain  of the light, times the cell's share of the pixel
   void add_cell(const Corners& c, double gain, std::vector<double>& radiance) {
     const double lowest = lowest_of(c);
-    if (lowest < kLowest) {
+    if (lowest < kLowestMargin_mm) {
       return;
     }
     const LinearFunction phase = phase_of(c);

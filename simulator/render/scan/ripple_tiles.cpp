@@ -27,7 +27,7 @@ constexpr double kLargestEffect = 5e-4;
 constexpr double kLargestPart = 0.5;
 
 /// A ripple's size, and what it adds to h_abs as no normal number, is known but for this share.
-constexpr double kUnknownShare = 0.1;
+constexpr double kUnknownShare = 0.12;
 
 /// Of the correction of T(w) this share may be wrong.
 constexpr double kUnknownCorrection = 0.3;

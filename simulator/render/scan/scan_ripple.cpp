@@ -19,13 +19,15 @@ namespace {
 
 /// Scans that begin at different phases, so many at least, and so many phases in all. With their
 /// mirror images about the middle of a stripe, which give the same means, four tell the ripple and
-/// two overtones.
+/// two overtones. Stripes with sharp edges, in the first cells, have more overtones.
 constexpr int kFewestScans = 4;
 constexpr int kFewestPhases = 40;
+constexpr int kSharpScans = 8;
+constexpr int kSharpCells = 4;
 
 /// Cells for each period that the ripple moves by from pixel to pixel, up to one; then for each
 /// factor e.
-constexpr double kCellsPerTurn = 16.0;
+constexpr double kCellsPerTurn = 20.0;
 
 /// Between the directions of cells, from the nearer axis on.
 constexpr double kDirectionStep_rad = 10.0 * kRadPerDeg;
@@ -81,17 +83,22 @@ ScanRipple::ScanRipple(const Sensor& sensor, const StripeSettings& stripes)
   offset_ = dark_grey(settings) + linear * stripes.dark;
   floor_ = sensor.blur_is_cut_off() ? dark_grey(settings) : -1.0;
   const int phases = stripes.num_phases();
-  scans_ = std::clamp((kFewestPhases + phases - 1) / phases, kFewestScans, kMostScans);
-  for (int scan = 0; scan < scans_; ++scan) {
+  const int scans = std::clamp((kFewestPhases + phases - 1) / phases, kFewestScans, kMostScans);
+  smooth_ = Scans(scans, phases);
+  sharp_ = Scans(std::max(scans, kSharpScans), phases);
+}
+
+ScanRipple::Scans::Scans(int number, int phases) : count(number) {
+  for (int scan = 0; scan < count; ++scan) {
     for (int k = 0; k < phases; ++k) {
-      const double from_middle = (k + (scan + 0.5) / (2 * scans_)) / phases;
-      cosines_.push_back(std::cos(2.0 * kPi * from_middle));
+      const double from_middle = (k + (scan + 0.5) / (2 * count)) / phases;
+      cosines.push_back(std::cos(2.0 * kPi * from_middle));
+      // In 2 count phases steps from the middle to the next stripe's, or back from there.
+      const int step = 2 * count * k + scan;
+      order.push_back(std::min(step, 2 * count * phases - 1 - step));
     }
-  }
-  shares_.resize(cosines_.size());
-  for (int scan = 0; scan < scans_; ++scan) {
-    for (int j = 0; j < scans_; ++j) {
-      cosines_of_scans_.push_back(2.0 / scans_ * std::cos(kPi * (scan + 0.5) * j / scans_));
+    for (int j = 0; j < count; ++j) {
+      overtones.push_back(2.0 / count * std::cos(kPi * (scan + 0.5) * j / count));
     }
   }
 }
@@ -112,13 +119,22 @@ ScanRipple::Size ScanRipple::at(double gx, double gy) {
   const double place = place_of(turns, cells_per_turn_);
   const int cell = static_cast<int>(place);
   const auto direction = static_cast<int>(std::lround(angle / kDirectionStep_rad));
-  const std::array<double, 4> shares = cubic_shares(place - cell);
+  std::array<double, 4> shares = cubic_shares(place - cell);
+  int first = cell - 1;
+  if (cell == 0) {
+    // The wave's edges move with |g|: there is nothing before 0 but what the next three continue.
+    shares = {shares[1] + 3.0 * shares[0], shares[2] - 3.0 * shares[0], shares[3] + shares[0], 0.0};
+    first = 0;
+  }
   Wave wave;
   for (int i = 0; i < 4; ++i) {
-    const Wave& near = of_cell(std::abs(cell + i - 1), direction);
     const double share = shares[static_cast<std::size_t>(i)];
+    if (share == 0.0) {
+      continue;
+    }
+    const Wave& near = of_cell(first + i, direction);
     wave.bias += share * near.bias;
-    for (std::size_t j = 0; j + 1 < static_cast<std::size_t>(scans_); ++j) {
+    for (std::size_t j = 0; j + 1 < static_cast<std::size_t>(sharp_.count); ++j) {
       wave.amplitudes[j] += share * near.amplitudes[j];
     }
   }
@@ -131,12 +147,23 @@ ScanRipple::Size ScanRipple::at(double gx, double gy) {
 
 const ScanRipple::Wave& ScanRipple::of_cell(int cell, int direction) {
   const auto [found, is_new] = waves_.try_emplace(cell * kMostDirections + direction);
-  if (is_new) {
-    const double length = turns_of(cell, cells_per_turn_) / stripes_.num_phases();
-    found->second = wave_at(length * std::cos(direction * kDirectionStep_rad),
-                            length * std::sin(direction * kDirectionStep_rad));
+  Wave& wave = found->second;  // stays where it is when others come
+  if (!is_new) {
+    return wave;
   }
-  return found->second;
+  if (cell == 0) {
+    wave = sharp_wave();
+    return wave;
+  }
+  const double length = turns_of(cell, cells_per_turn_) / stripes_.num_phases();
+  wave = wave_at(length * std::cos(direction * kDirectionStep_rad),
+                 length * std::sin(direction * kDirectionStep_rad),
+                 cell < kSharpCells ? sharp_ : smooth_);
+  if (cell < kSharpCells) {
+    // Edges far from each other err by their width, which so few phases hardly tell.
+    wave.bias = of_cell(kSharpCells, direction).bias * cell / kSharpCells;
+  }
+  return wave;
 }
 
 /// Multiplies the harmonics j from 1 on by B(j g); sines by rotation, the blur from cos(2 pi j g).
@@ -178,7 +205,41 @@ void ScanRipple::start(int count, std::vector<double>& terms) {
   terms.assign(harmonics_.begin(), harmonics_.begin() + count);
 }
 
-ScanRipple::Wave ScanRipple::wave_at(double gx, double gy) {
+/// Without blur a pixel is bright in a whole number of frames: their share has the harmonics of the
+/// stripes whose order is a multiple of the number of phases.
+ScanRipple::Wave ScanRipple::sharp_wave() const {
+  const double dark = std::min(offset_, 1.0);
+  const double height = std::min(offset_ + slope_, 1.0) - dark;
+  const double mean = dark + stripes_.duty * height;
+  Wave wave;
+  for (int j = 1; j < sharp_.count && mean > 0.0; ++j) {
+    const double turn = kPi * j * stripes_.num_phases();
+    wave.amplitudes[static_cast<std::size_t>(j - 1)] =
+        2.0 / turn * std::sin(turn * stripes_.duty) * height / mean;
+  }
+  return wave;
+}
+
+/// What the mean over equal steps of a wave that falls from the first misses because it is cut off,
+/// at full scale or at the floor. A kink between two steps, a part t of them after the first, adds
+/// its jump of slope times t (1 - t) / 2 - 1 / 12 (Euler and Maclaurin's sum).
+double ScanRipple::missed_at_kinks() const {
+  const auto of_kink = [](double t) { return 0.5 * t * (1.0 - t) - 1.0 / 12.0; };
+  double missed = 0.0;
+  for (std::size_t i = 0; i + 1 < values_.size(); ++i) {
+    const double high = values_[i];
+    const double fall = high - values_[i + 1];
+    if (high > 1.0 && high - fall < 1.0) {
+      missed += fall * of_kink((high - 1.0) / fall);
+    }
+    if (high > floor_ && high - fall < floor_) {
+      missed -= fall * of_kink((high - floor_) / fall);
+    }
+  }
+  return missed / static_cast<double>(values_.size());
+}
+
+ScanRipple::Wave ScanRipple::wave_at(double gx, double gy, const Scans& scans) {
   const int phases = stripes_.num_phases();
   const double w = std::sqrt(variance_px2_) * std::hypot(gx, gy);
   const double steepest = std::max({gx, gy, kMostPeriods_per_px / kMostHarmonics});
@@ -187,28 +248,32 @@ ScanRipple::Wave ScanRipple::wave_at(double gx, double gy) {
   start(count, terms_);
   transfer(gx, terms_);
   transfer(gy, terms_);
+  shares_.resize(scans.cosines.size());
+  values_.resize(scans.cosines.size());
   footprint_kernels::cosine_series(terms_.data(),
                                    count,
                                    stripes_.duty,
-                                   cosines_.data(),
-                                   static_cast<int>(cosines_.size()),
+                                   scans.cosines.data(),
+                                   static_cast<int>(scans.cosines.size()),
                                    shares_.data());
   double sum = 0.0;
   Wave wave;
-  const double* share = shares_.data();
-  for (int scan = 0; scan < scans_; ++scan) {
+  std::size_t at = 0;
+  for (int scan = 0; scan < scans.count; ++scan) {
     double total = 0.0;
-    for (int k = 0; k < phases; ++k, ++share) {
-      total += std::clamp(offset_ + slope_ * *share, floor_, 1.0);
+    for (int k = 0; k < phases; ++k, ++at) {
+      const double value = offset_ + slope_ * shares_[at];
+      values_[static_cast<std::size_t>(scans.order[at])] = value;
+      total += std::clamp(value, floor_, 1.0);
     }
     const double mean = total / phases;
     sum += mean;
-    for (int j = 1; j < scans_; ++j) {
-      const auto at = static_cast<std::size_t>(scan * scans_ + j);
-      wave.amplitudes[static_cast<std::size_t>(j - 1)] += cosines_of_scans_[at] * mean;
+    for (int j = 1; j < scans.count; ++j) {
+      wave.amplitudes[static_cast<std::size_t>(j - 1)] +=
+          scans.overtones[static_cast<std::size_t>(scan * scans.count + j)] * mean;
     }
   }
-  const double mean = sum / scans_;
+  const double mean = sum / scans.count + missed_at_kinks();
   if (mean <= 0.0) {
     return {};
   }

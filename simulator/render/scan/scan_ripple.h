@@ -31,8 +31,9 @@ class ScanRipple {
 
   ScanRipple(const Sensor& sensor, const StripeSettings& stripes);
 
-  /// Between the two nearest cells: 16 of them up to the gradient that moves the ripple by a period
-  /// a pixel, then 6 % apart, in directions 10 degrees apart.
+  /// Between the nearest cells: 20 for each step of one by which N |g| times the blur's deviation
+  /// grows, up to the gradient that moves the ripple by a period a pixel, then as far apart in log
+  /// |g|; in directions 10 degrees apart.
   /// @param gx, gy  differences of the phase [periods / px]
   Size at(double gx, double gy);
 
@@ -49,22 +50,33 @@ class ScanRipple {
     double bias = 0.0;
   };
 
+  /// Scans that begin at phases (scan + 1/2) / (2 count) of a step from one frame to the next.
+  struct Scans {
+    int count = 0;
+    std::vector<double> cosines;    ///< at the phases from the stripe's middle, scan after scan
+    std::vector<int> order;         ///< of these phases, by their distance from the middle
+    std::vector<double> overtones;  ///< weights of the scans in the j-th, count for each scan
+
+    Scans() = default;
+    Scans(int number, int phases);
+  };
+
   const Wave& of_cell(int cell, int direction);
-  Wave wave_at(double gx, double gy);
+  Wave wave_at(double gx, double gy, const Scans& scans);
+  Wave sharp_wave() const;
+  double missed_at_kinks() const;
   void start(int count, std::vector<double>& terms);
   void transfer(double g, std::vector<double>& terms);
 
   StripeSettings stripes_;
-  int scans_ = 0;  ///< that begin at different phases
   double slope_;   ///< of the grey value by the share of bright stripes
   double offset_;  ///< grey value of dark stripes
   double floor_;   ///< grey value where the blur is cut off; none is lower
   double variance_px2_;
   double cells_per_turn_;
-  std::vector<double> weights_;           ///< of the blur: its centre, then both sides
-  std::vector<double> cosines_;           ///< at the phases, one scan after another
-  std::vector<double> cosines_of_scans_;  ///< of the j-th overtone, scans_ for each scan
-  std::vector<double> shares_, harmonics_, terms_, cosines_of_g_, blur_;
+  std::vector<double> weights_;  ///< of the blur: its centre, then both sides
+  Scans smooth_, sharp_;
+  std::vector<double> shares_, values_, harmonics_, terms_, cosines_of_g_, blur_;
   std::unordered_map<int, Wave> waves_;  ///< by cell
 };
 

@@ -110,12 +110,16 @@ bool ScanRipple::is_coherent(double gx, double gy) const {
   return is_still(stripes_.num_phases()) || is_still(2.0 * stripes_.num_phases());
 }
 
+bool ScanRipple::is_aliased(double gx, double gy) const {
+  return stripes_.num_phases() * std::sqrt(gx * gx + gy * gy) > kAliasedTurns;
+}
+
 ScanRipple::Size ScanRipple::at(double gx, double gy) {
   const double x = std::max(std::abs(gx), std::abs(gy));
   const double y = std::min(std::abs(gx), std::abs(gy));
   const double turns = stripes_.num_phases() * std::sqrt(x * x + y * y);
   // Where nothing is aliased the direction does not matter.
-  const double angle = turns > kAliasedTurns ? std::atan2(y, x) : 0.0;
+  const double angle = is_aliased(gx, gy) ? std::atan2(y, x) : 0.0;
   const double place = place_of(turns, cells_per_turn_);
   const int cell = static_cast<int>(place);
   const auto direction = static_cast<int>(std::lround(angle / kDirectionStep_rad));

@@ -41,6 +41,9 @@ class ScanRipple {
   /// next: it does not average out over a picture then.
   bool is_coherent(double gx, double gy) const;
 
+  /// Whether harmonics near the ripple may be of whole periods a pixel.
+  bool is_aliased(double gx, double gy) const;
+
  private:
   static constexpr int kMostScans = 16;
 

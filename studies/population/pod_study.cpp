@@ -295,9 +295,11 @@ double predicted_pod_s(const Study& study, SceneStore& store) {
   const PopulationPace pace = measure_pace(line, store.pool(), [&](std::int64_t number) {
     inspect_sized_part(line, settings, threshold, number % num_parts(settings));
   });
+  const std::int64_t for_threshold = num_threshold_scans(study.scene.inspection);
   double seconds = 0.0;
   for (const PopulationDesign& design : population_designs(study)) {
-    seconds += pace.part_s * num_parts(settings) + pace.flawless_s * flawless_of(settings, design);
+    const std::int64_t flawless = for_threshold + flawless_of(settings, design);
+    seconds += pace.part_s * num_parts(settings) + pace.flawless_s * static_cast<double>(flawless);
   }
   return seconds;
 }

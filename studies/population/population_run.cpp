@@ -147,10 +147,15 @@ Json false_alarms_json(std::int64_t blobs, std::int64_t scans, double confidence
           {"per_part", estimate_json(poisson_rate(blobs, static_cast<double>(scans), confidence))}};
 }
 
+std::int64_t num_threshold_scans(const InspectionSettings& settings) {
+  using Threshold = InspectionSettings::Threshold;
+  return settings.threshold == Threshold::kFalseAlarms ? settings.trials.flawless : 0;
+}
+
 PopulationPace measure_pace(const SimulatedLine& line,
                             ThreadPool& pool,
                             const std::function<void(std::int64_t number)>& inspect) {
-  constexpr std::int64_t kRounds = 2;
+  constexpr std::int64_t kRounds = 4;
   const std::int64_t count = kRounds * pool.num_threads();
   const auto seconds_each = [&](const std::function<void(std::int64_t)>& work) {
     const double start = process_cpu_s();

@@ -106,6 +106,9 @@ nlohmann::ordered_json estimate_json(const Estimate& estimate);
 /// { scans, blobs, per_part: { value, low, high } } with Garwood's interval
 nlohmann::ordered_json false_alarms_json(std::int64_t blobs, std::int64_t scans, double confidence);
 
+/// Flawless scans that each lighting's threshold is set with.
+std::int64_t num_threshold_scans(const InspectionSettings& settings);
+
 /// CPU seconds one inspected part and one flawless scan take at the study's own lighting.
 struct PopulationPace {
   double part_s = 0.0;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/cpu_clock.h"
 #include "core/csv.h"
 #include "core/file.h"
 #include "metrics/inspection/learn_limits.h"
@@ -332,16 +333,44 @@ SortingCounts sorting_counts(const Study& study) {
   return counts;
 }
 
+namespace {
+
+/// The numbers of parts without imprinted defects, in order.
+std::int64_t plain_number(const SortingSettings& settings, std::int64_t index) {
+  if (settings.imprinted_every == 1) {
+    return index;  // there are none
+  }
+  std::int64_t number = 0;
+  for (std::int64_t left = index; left > 0 || is_imprinted(settings, number); ++number) {
+    left -= is_imprinted(settings, number) ? 0 : 1;
+  }
+  return number;
+}
+
+}  // namespace
+
 double predicted_sorting_s(const Study& study, SceneStore& store) {
   const SortingSettings& settings = *study.sorting;
   const SimulatedLine line(store, study.scene);
   const double threshold = study.scene.inspection.threshold_grey;
-  const PopulationPace pace = measure_pace(line, store.pool(), [&](std::int64_t number) {
-    inspect_part(line, settings, threshold, number);
+  const PopulationPace pace = measure_pace(line, store.pool(), [&](std::int64_t index) {
+    inspect_part(line, settings, threshold, plain_number(settings, index));
   });
   const SortingCounts counts = sorting_counts(study);
-  return pace.part_s * static_cast<double>(counts.parts) +
-         pace.flawless_s * static_cast<double>(counts.flawless);
+  const std::int64_t imprinted =
+      settings.imprinted_every > 0 ? counts.parts / settings.imprinted_every : 0;
+  double imprinted_s = 0.0;
+  if (imprinted > 0) {
+    const double start = process_cpu_s();
+    inspect_part(line, settings, threshold, 0);  // the first one is imprinted
+    imprinted_s = process_cpu_s() - start;
+  }
+  const auto designs = static_cast<std::int64_t>(population_designs(study).size());
+  const std::int64_t flawless =
+      counts.flawless + designs * num_threshold_scans(study.scene.inspection);
+  return pace.part_s * static_cast<double>(counts.parts - imprinted) +
+         imprinted_s * static_cast<double>(imprinted) +
+         pace.flawless_s * static_cast<double>(flawless);
 }
 
 }  // namespace glint

@@ -69,7 +69,7 @@ class SearchClock {
     }
   }
 
-  bool is_long() const { return count_ > 2 * jobs_ && seconds_since(wall_start_) > 2.0 * kLong_s; }
+  bool is_long() const { return count_ > jobs_ && seconds_since(wall_start_) > 2.0 * kLong_s; }
 
   /// The mean over so many evaluations. @param evaluations  >= 1
   double mean_s(int evaluations) const {

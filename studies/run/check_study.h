@@ -21,8 +21,8 @@ struct CheckOptions {
   Progress::Style progress = Progress::Style::kNone;
 };
 
-/// Renders the baseline and each prototype, evaluates some designs of the search space and both
-/// ends of each variable, to see whether it acts; nothing is written.
+/// Begins the search, renders and re-scores the baseline, each prototype and the best design it
+/// met, and evaluates both ends of each variable, to see whether it acts; nothing is kept on disk.
 /// @return { schema, status, name, variables, objective, idle_variables, broken_limits, baseline,
 ///         prototypes, evaluations, seconds_per_evaluation, predicted_cpu_s: { search, rescoring,
 ///         writing, populations, total }, predicted_s }; seconds_per_evaluation is CPU time,

@@ -29,8 +29,19 @@ const STUDIES = {
   ring_geometry: ["budget.evaluations=40"],
   sort_parts: [],
   pod: [],
-  gear_ring: ["camera.width_px=612", "camera.height_px=512", "camera.pixel_um=13.8"],
+  even_first: [
+    "objective.maximise=homogeneity.h_rms",
+    'constraints."homogeneity.h_rms".min=0',
+    'constraints."defects.min_cnr".min=3',
+    "defects.dent.height_um=2",
+    "defects.dent.count=20",
+    "search.algorithm=cobyla",
+    "budget.evaluations=60",
+  ],
 };
+
+/// The study of which another is a variant.
+const BASES = { even_first: "visible_first" };
 
 const KINDS = ["search", "rescoring", "writing", "populations", "total"];
 
@@ -48,8 +59,7 @@ function objectOf(args) {
 }
 
 function fileOf(name) {
-  const folder = path.join(source, "studies", "gallery", name);
-  return ["study.toml", "scene.toml"].map((file) => path.join(folder, file)).find(fs.existsSync);
+  return path.join(source, "studies", "gallery", BASES[name] ?? name, "study.toml");
 }
 
 function compare(name) {

@@ -26,10 +26,8 @@ constexpr double kLargestEffect = 5e-4;
 /// Where more of the table's pixels would go to the frames, all do.
 constexpr double kLargestPart = 0.5;
 
-/// A ripple's size, and what it adds to h_abs as no normal number, is known but for this share;
-/// where harmonics are aliased it also depends on a direction, which is rounded.
+/// A ripple's size, and what it adds to h_abs as no normal number, is known but for this share.
 constexpr double kUnknownShare = 0.1;
-constexpr double kUnknownShareAliased = 0.2;
 
 /// Of the correction of T(w) this share may be wrong.
 constexpr double kUnknownCorrection = 0.3;
@@ -39,7 +37,6 @@ struct Tile {
   int row = 0;
   int pixels = 0;  ///< that the table gives
   bool is_coherent = false;
-  bool is_aliased = false;
   double mean = 0.0;  ///< over the frames
   double bias = 0.0;  ///< of T(w), as a share of it
   double deviation = 0.0;
@@ -134,7 +131,6 @@ class RippleTiles {
                       .row = row,
                       .pixels = pixels,
                       .is_coherent = ripple_.is_coherent(gx, gy),
-                      .is_aliased = ripple_.is_aliased(gx, gy),
                       .mean = mean,
                       .bias = size.bias,
                       .deviation = size.deviation * mean});
@@ -179,9 +175,8 @@ class RippleTiles {
       if (tile.mean <= 0.0) {
         continue;
       }
-      const double unknown = tile.is_aliased ? kUnknownShareAliased : kUnknownShare;
-      const double scattered =
-          unknown * tile.deviation * tile.deviation / std::max(spread.deviation, tile.deviation);
+      const double scattered = kUnknownShare * tile.deviation * tile.deviation /
+                               std::max(spread.deviation, tile.deviation);
       const double error = kUnknownCorrection * std::abs(tile.bias) * tile.mean;
       tile.effect = ((tile.is_coherent ? tile.deviation : scattered) + error) * tile.pixels /
                     (region_pixels * spread.mean);

@@ -41,9 +41,6 @@ class ScanRipple {
   /// next: it does not average out over a picture then.
   bool is_coherent(double gx, double gy) const;
 
-  /// Whether harmonics near the ripple may be of whole periods a pixel.
-  bool is_aliased(double gx, double gy) const;
-
  private:
   static constexpr int kMostScans = 16;
 
@@ -64,6 +61,8 @@ class ScanRipple {
     Scans(int number, int phases);
   };
 
+  /// Whether harmonics near the ripple may be of whole periods a pixel.
+  bool is_aliased(double gx, double gy) const;
   const Wave& of_cell(int cell, int direction);
   Wave wave_at(double gx, double gy, const Scans& scans);
   Wave sharp_wave() const;

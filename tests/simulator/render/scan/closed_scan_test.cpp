@@ -125,6 +125,15 @@ TEST(FormOf, ClippingDecidesBetweenMeanRadianceAndTable) {
   EXPECT_EQ(form_with(light, {.gain = 0.8, .full_well_e = 10000.0}, 1.0), Kind::kMeanRadiance);
 }
 
+// Below 0.683 px the blur is cut off at 0, which is not linear.
+TEST(FormOf, ANarrowBlurHasNoMeanRadiance) {
+  const TunnelSettings light = test::bench_tunnel();
+  EXPECT_EQ(form_with(light, {.gain = 0.9, .blur_px = 0.7}, 1.0), Kind::kMeanRadiance);
+  EXPECT_EQ(form_with(light, {.gain = 0.9, .blur_px = 0.6}, 1.0), Kind::kTable);
+  EXPECT_EQ(form_with(light, {.gain = 0.9, .blur_px = 0.4}, 1.0), Kind::kFrames);
+  EXPECT_EQ(form_with(light, {.gain = 0.9, .blur_px = 0.0}, 1.0), Kind::kMeanRadiance);
+}
+
 TEST(FormOf, BrokenPeriodsAndUnevenLightNeedFrames) {
   const TunnelSettings light = test::bench_tunnel();  // period 12 mm
   EXPECT_EQ(form_with(light, {}, 1.0, {.positions = 23, .step_mm = 0.5}), Kind::kFrames);

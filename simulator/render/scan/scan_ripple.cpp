@@ -44,8 +44,10 @@ constexpr int kHarmonicsBeyond = 8;
 
 constexpr int kMostHarmonics = 1024;
 
-/// The ripple counts as the same at the next pixel when it moves by less than this many turns.
+/// The ripple counts as the same at the next pixel when it moves by less than this many turns, or
+/// by whole turns and less than so many: what is aliased there swings around them.
 constexpr double kCoherent = 0.02;
+constexpr double kCoherentAliased = 0.05;
 
 /// Between which cells so many turns a pixel lie.
 double place_of(double turns, double per_turn) {
@@ -104,8 +106,9 @@ ScanRipple::Scans::Scans(int number, int phases) : count(number) {
 }
 
 bool ScanRipple::is_coherent(double gx, double gy) const {
+  const double most = is_aliased(gx, gy) ? kCoherentAliased : kCoherent;
   const auto is_still = [&](double turns) {
-    return distance_to_whole(turns * gx) < kCoherent && distance_to_whole(turns * gy) < kCoherent;
+    return distance_to_whole(turns * gx) < most && distance_to_whole(turns * gy) < most;
   };
   return is_still(stripes_.num_phases()) || is_still(2.0 * stripes_.num_phases());
 }

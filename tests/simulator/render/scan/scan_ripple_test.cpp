@@ -123,14 +123,16 @@ TEST(ScanRipple, IsRightBetweenItsCells) {
 }
 
 // 16 positions: at 1 / 16 of a period a pixel the ripple moves by a whole turn a pixel, at 1 / 32
-// by half a one; at 0.06 by 0.96.
+// by half a one; at 0.058 by 0.93.
 TEST(ScanRipple, IsCoherentWhereItMovesByWholeOrHalfTurnsAPixel) {
   const ScanRipple ripple(Sensor({.blur_px = 1.0}, 9, 9), {.frames = 16});
   EXPECT_TRUE(ripple.is_coherent(1.0 / 16.0, 0.0));
   EXPECT_TRUE(ripple.is_coherent(0.0, -1.0 / 16.0));
   EXPECT_TRUE(ripple.is_coherent(1.0 / 32.0, 1e-4));
   EXPECT_TRUE(ripple.is_coherent(0.0, 0.0));
-  EXPECT_FALSE(ripple.is_coherent(0.06, 0.0));
+  EXPECT_FALSE(ripple.is_coherent(0.058, 0.0));
+  EXPECT_TRUE(ripple.is_coherent(0.06, 0.0));
+  EXPECT_FALSE(ripple.is_coherent(0.002, 0.0));
   EXPECT_FALSE(ripple.is_coherent(1.0 / 16.0, 0.02));
 }
 

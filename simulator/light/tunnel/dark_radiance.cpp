@@ -13,7 +13,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::VectorXd;
 
-/// Pieces of half a cross-section: D is known to 1e-4 of itself (docs/theory/tunnel.md).
+/// Pieces of half a cross-section.
 constexpr int kPieces = 96;
 
 /// Points at equal distances along a polyline, its ends among them.
@@ -102,7 +102,8 @@ double value_at(const std::vector<double>& places, const std::vector<double>& va
   const double c = std::clamp(at, low, high);
   const auto after = std::upper_bound(places.begin() + 1, places.end() - 1, c);
   const auto i = static_cast<std::size_t>(after - places.begin());
-  const double t = (c - places[i - 1]) / (places[i] - places[i - 1]);
+  const double step = places[i] - places[i - 1];
+  const double t = step > 0.0 ? (c - places[i - 1]) / step : 0.0;
   return std::max(0.0, values[i - 1] + t * (values[i] - values[i - 1]));
 }
 
@@ -112,8 +113,8 @@ DarkRadiance::DarkRadiance(const TunnelSettings& settings,
                            const std::vector<Vector2d>& half_yz_mm,
                            double panel_mm,
                            bool touch)
-    : panel_mm_(panel_mm), is_split_(panel_mm > 0.0 && !touch) {
-  if (half_yz_mm.size() < 2) {
+    : panel_mm_(panel_mm) {
+  if (half_yz_mm.size() < 2 || (half_yz_mm.back() - half_yz_mm.front()).norm() < 1e-9) {
     return;
   }
   const double foot_y_mm = std::abs(half_yz_mm.front().x());
@@ -132,7 +133,8 @@ DarkRadiance::DarkRadiance(const TunnelSettings& settings,
   if (panel_mm_ > 0.0) {
     const double length_mm = (half_yz_mm.back() - half_yz_mm.front()).norm();
     const double by_mm = rise_y_mm / length_mm;
-    leans_ = is_split_ && std::abs(by_mm) > 1e-9;
+    leans_ = !touch && std::abs(by_mm) > 1e-9;
+    table_mm_ = std::exp2(std::ceil(std::log2(touch ? panel_mm_ : 0.5 * panel_mm_)));
     middle_y_mm_ = foot_y_mm + 0.5 * panel_mm_ * by_mm;
   }
   std::vector<double> along;
@@ -150,7 +152,7 @@ void DarkRadiance::tabulate(const std::vector<double>& along, const std::vector<
   for (int part = 0; part <= (leans_ ? 1 : 0); ++part) {
     for (int k = 0; k < kNodes; ++k) {
       const double at = static_cast<double>(k) / (kNodes - 1);
-      const double from_end = panel_mm_ > 0.0 ? at * depth_mm() : at;
+      const double from_end = panel_mm_ > 0.0 ? at * table_mm_ : at;
       nodes_.push_back(value_at(along, dark, part == 0 ? from_end : panel_mm_ - from_end));
     }
   }
@@ -163,11 +165,11 @@ DarkRadiance::Place DarkRadiance::place_of(double y_mm, double margin_mm) const 
   const double y = std::abs(y_mm);
   if (panel_mm_ > 0.0) {
     const bool is_upper = leans_ && y < middle_y_mm_;
-    const double at = margin_mm / depth_mm();
+    const double at = margin_mm / table_mm_;
     const bool is_inside = at > 0.0 && at < 1.0;
     return {.part = is_upper ? 1 : 0,
             .at = std::clamp(at, 0.0, 1.0),
-            .by_margin = is_inside ? 1.0 / depth_mm() : 0.0};
+            .by_margin = is_inside ? 1.0 / table_mm_ : 0.0};
   }
   if (!(margin_mm > 0.0)) {
     return {};
@@ -176,23 +178,67 @@ DarkRadiance::Place DarkRadiance::place_of(double y_mm, double margin_mm) const 
   return {.at = margin_mm / sum, .by_y = -margin_mm / (sum * sum), .by_margin = y / (sum * sum)};
 }
 
+/// Catmull and Rom's cubic through four nodes. Beyond the rim and a panel's end it goes straight
+/// on; beyond the top of a curve it is mirrored, so that there is no bend in the middle.
+DarkRadiance::Stencil DarkRadiance::stencil_of(const Place& place) const {
+  const int i = piece_of(place);
+  const double t = place.at * (kNodes - 1) - i;
+  const double t2 = t * t;
+  const double t3 = t2 * t;
+  Stencil s;
+  s.weight = {0.5 * (-t + 2.0 * t2 - t3),
+              0.5 * (2.0 - 5.0 * t2 + 3.0 * t3),
+              0.5 * (t + 4.0 * t2 - 3.0 * t3),
+              0.5 * (t3 - t2)};
+  s.slope = {0.5 * (-1.0 + 4.0 * t - 3.0 * t2),
+             0.5 * (-10.0 * t + 9.0 * t2),
+             0.5 * (1.0 + 8.0 * t - 9.0 * t2),
+             0.5 * (3.0 * t2 - 2.0 * t)};
+  for (int k = 0; k < 4; ++k) {
+    const int node = std::clamp(i - 1 + k, 0, kNodes - 1);
+    s.node[static_cast<std::size_t>(k)] = static_cast<std::size_t>(place.part * kNodes + node);
+  }
+  for (auto* w : {&s.weight, &s.slope}) {
+    auto& [before, from, to, after] = *w;
+    if (i == 0) {
+      from += 2.0 * before;
+      to -= before;
+      before = 0.0;
+    }
+    if (i == kNodes - 2) {
+      from += panel_mm_ > 0.0 ? -after : after;
+      to += panel_mm_ > 0.0 ? 2.0 * after : 0.0;
+      after = 0.0;
+    }
+    for (double& weight : *w) {
+      weight *= w == &s.slope ? kNodes - 1 : 1;
+    }
+  }
+  return s;
+}
+
 double DarkRadiance::at(const Place& place) const {
   if (is_even()) {
     return mean_;
   }
-  const int i = piece_of(place);
-  const double t = place.at * (kNodes - 1) - i;
-  const double* nodes = nodes_.data() + static_cast<std::ptrdiff_t>(place.part) * kNodes + i;
-  return nodes[0] + t * (nodes[1] - nodes[0]);
+  const Stencil s = stencil_of(place);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    sum += s.weight[k] * nodes_[s.node[k]];
+  }
+  return sum;
 }
 
 double DarkRadiance::slope_at(const Place& place) const {
   if (is_even()) {
     return 0.0;
   }
-  const double* nodes =
-      nodes_.data() + static_cast<std::ptrdiff_t>(place.part) * kNodes + piece_of(place);
-  return (nodes[1] - nodes[0]) * (kNodes - 1);
+  const Stencil s = stencil_of(place);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    sum += s.slope[k] * nodes_[s.node[k]];
+  }
+  return sum;
 }
 
 void DarkRadiance::add_gradient(const Place& place,
@@ -201,17 +247,16 @@ void DarkRadiance::add_gradient(const Place& place,
   if (is_even()) {
     return;
   }
-  const int i = piece_of(place);
-  const double t = place.at * (kNodes - 1) - i;
-  const auto node = static_cast<std::size_t>(place.part * kNodes + i);
-  by_nodes[node] += factor * (1.0 - t);
-  by_nodes[node + 1] += factor * t;
+  const Stencil s = stencil_of(place);
+  for (std::size_t k = 0; k < 4; ++k) {
+    by_nodes[s.node[k]] += factor * s.weight[k];
+  }
 }
 
 double DarkRadiance::at_node_of(const DarkRadiance& other, int node) const {
   Place place = {.part = node / kNodes, .at = static_cast<double>(node % kNodes) / (kNodes - 1)};
   if (panel_mm_ > 0.0) {
-    place.at = std::min(1.0, place.at * other.depth_mm() / depth_mm());
+    place.at = std::min(1.0, place.at * other.table_mm_ / table_mm_);
   }
   if (leans_ && !other.leans_) {  // upright panels see the same from both of their ends
     return 0.5 * (at(place) + at({.part = 1, .at = place.at}));

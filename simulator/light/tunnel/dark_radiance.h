@@ -12,6 +12,8 @@
 // some 0.3 ms a tunnel whose dark stripes reflect, nothing for others.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -31,7 +33,9 @@ class DarkRadiance {
   static constexpr int kNodes = 257;
 
   /// A place on the cross-section: `part` 0, but for panels that lean and do not touch, whose upper
-  /// halves are part 1; `at` in [0, 1] from the part's end at the rim (or the panel's end) on.
+  /// halves are part 1; `at` in [0, 1] from the part's end at the rim (or the panel's end) on. On
+  /// curves z / (|y| + z) with z from the base, on panels a share of a power of two in mm: so what
+  /// a key changes of the wall does not move the nodes.
   struct Place {
     int part = 0;
     double at = 0.0;         ///< in [0, 1]
@@ -86,18 +90,23 @@ class DarkRadiance {
   double at_node_of(const DarkRadiance& other, int node) const;
 
  private:
-  void tabulate(const std::vector<double>& along, const std::vector<double>& dark);
+  /// The nodes that make up a place, with what they count and how that changes by Place::at.
+  struct Stencil {
+    std::array<std::size_t, 4> node = {};
+    std::array<double, 4> weight = {}, slope = {};
+  };
 
-  double depth_mm() const { return is_split_ ? 0.5 * panel_mm_ : panel_mm_; }
+  Stencil stencil_of(const Place& place) const;
+  void tabulate(const std::vector<double>& along, const std::vector<double>& dark);
 
   double mean_ = 0.0;
   double lowest_ = 0.0;
   double highest_ = 0.0;
   double view_factor_ = 0.0;
   double panel_mm_ = 0.0;     ///< 0: not flat
+  double table_mm_ = 0.0;     ///< flat: the margin at the last node, a power of two
   double middle_y_mm_ = 0.0;  ///< flat: |y| in the middle of a panel
-  bool is_split_ = false;     ///< flat: margins count from both ends
-  bool leans_ = false;        ///< flat and split: the upper half is known by its |y|
+  bool leans_ = false;        ///< flat, margins count from both ends: told apart by |y|
   std::vector<double> nodes_;
 };
 

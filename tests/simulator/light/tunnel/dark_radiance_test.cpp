@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -114,16 +115,10 @@ TEST(DarkRadiance, ChangesSmoothlyWithThePlaceAndItsSlopeIsItsDerivative) {
     s.dark_reflectance = 0.6;
     const Tunnel tunnel(s);
     const DarkRadiance& dark = tunnel.dark();
-    int compared = 0;
     for (int i = 0; i < 1000; ++i) {
       const double y = rng.uniform(-100.0, 100.0);
       const double margin = rng.uniform(1.0, 89.0);
       const auto place = dark.place_of(y, margin);
-      const double node = place.at * (DarkRadiance::kNodes - 1);
-      if (std::abs(node - std::round(node)) < 0.01) {
-        continue;  // a bend of the table
-      }
-      ++compared;
       const double h = 1e-5;
       const double sign = y < 0.0 ? -1.0 : 1.0;
       const double by_y = (dark.at(y + h, margin) - dark.at(y - h, margin)) / (2.0 * h);
@@ -132,7 +127,6 @@ TEST(DarkRadiance, ChangesSmoothlyWithThePlaceAndItsSlopeIsItsDerivative) {
       ASSERT_NEAR(by_y, sign * slope * place.by_y, 1e-8) << i;
       ASSERT_NEAR(by_margin, slope * place.by_margin, 1e-8) << i;
     }
-    EXPECT_GT(compared, 900);
   }
 }
 

@@ -197,8 +197,7 @@ TracedScene trace_scene(const SceneSettings& scene,
   traced.part = std::move(part);
   traced.camera_from_world = camera_from_world(scene.viewpoint());
   traced.camera_in_world_mm = inverse(traced.camera_from_world).translation_mm;
-  check_camera_outside_part(
-      scene.camera, scene.viewpoint(), 0, traced.built().part.mesh);
+  check_camera_outside_part(scene.camera, scene.viewpoint(), 0, traced.built().part.mesh);
   const PinholeCamera camera(intrinsics_of(scene));
   trace_camera(scene, camera, defect_free, pool, traced);
   const VisibilityBuffer& seen = traced.seen();

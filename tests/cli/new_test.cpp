@@ -149,7 +149,8 @@ TEST(InfeasibleRun, SaysWhichLimitFailedAndCallsNoDesignAWinner) {
              {{"\"defects.min_cnr\" = { min = 0.1 }", "\"defects.min_cnr\" = { min = 1e6 }"}}));
   const ProgramResult printed = glint_in(folder, {"run", "study.toml", "--out", "out"});
   EXPECT_EQ(printed.code, 1);
-  EXPECT_THAT(printed.out, ::testing::StartsWith("no feasible design: 12 evaluations, 0 failed; ended by"));
+  EXPECT_THAT(printed.out,
+              ::testing::StartsWith("no feasible design: 12 evaluations, 0 failed; ended by"));
   EXPECT_THAT(printed.out, HasSubstr("closest (trial "));
   EXPECT_THAT(printed.out, HasSubstr("must be at least 1e+06"));
   EXPECT_THAT(printed.out, Not(HasSubstr("winner")));
@@ -166,7 +167,13 @@ TEST(ComparisonOfRuns, NamesDesignsByTheirRunAndRanksWhatBelongsTogether) {
   for (const auto& [name, title] :
        {std::pair("a", "First"), std::pair("b", "Second"), std::pair("c", "Third")}) {
     object_of(folder,
-              {"run", std::string(name) + ".toml", "--out", name, "--quiet", "--set", std::string("title=") + title});
+              {"run",
+               std::string(name) + ".toml",
+               "--out",
+               name,
+               "--quiet",
+               "--set",
+               std::string("title=") + title});
   }
   object_of(folder, {"report", "a", "b", "--out", "same.html"});
   const std::string same = read_file(folder / "same.html");

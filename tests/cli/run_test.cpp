@@ -135,7 +135,9 @@ TEST(GlintRun, TextNamesWinnerAndReport) {
   const ProgramResult printed = glint_in(folder, {"run", "study.toml"});
   EXPECT_EQ(printed.code, 0);
   const std::string name = folder.path().filename().string();
-  EXPECT_THAT(printed.out, ::testing::StartsWith("done: 12 evaluations, 0 failed; ended by budget.evaluations\n"));
+  EXPECT_THAT(
+      printed.out,
+      ::testing::StartsWith("done: 12 evaluations, 0 failed; ended by budget.evaluations\n"));
   EXPECT_THAT(printed.out, ::testing::HasSubstr("winner (trial "));
   EXPECT_THAT(printed.out, ::testing::EndsWith("report: out/" + name + "/run/report.html\n"));
   EXPECT_THAT(printed.err, ::testing::HasSubstr("12/12"));

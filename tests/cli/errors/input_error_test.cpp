@@ -183,17 +183,19 @@ TEST_F(InputError, UnknownFieldOfAVariable) {
 TEST_F(InputError, CameraInsideThePart) {
   std::string study = small({{"working_distance_mm = 300", "working_distance_mm = 1"}});
   study = edited(study, {{"shape = \"strip\"", "shape = \"strip\"\nthickness_mm = 30"}});
-  expect_refused(study,
-                 kUsage,
-                 place_of(study, "working_distance_mm") +
-                     "camera\\.working_distance_mm: puts the camera at \\(0, 0, 1\\) mm, inside the "
-                     "part; it must be outside of the part, which reaches up to z = .* mm");
+  expect_refused(
+      study,
+      kUsage,
+      place_of(study, "working_distance_mm") +
+          "camera\\.working_distance_mm: puts the camera at \\(0, 0, 1\\) mm, inside the "
+          "part; it must be outside of the part, which reaches up to z = .* mm");
   study = small({{"[render]", "[[viewpoint]]\nposition_mm = [3, 0, -0.5]\n\n[render]"}});
-  expect_refused(study,
-                 kUsage,
-                 place_of(study, "position_mm") +
-                     "viewpoint\\.0\\.position_mm: puts the camera at \\(3, 0, -0\\.5\\) mm, inside "
-                     "the part; .*");
+  expect_refused(
+      study,
+      kUsage,
+      place_of(study, "position_mm") +
+          "viewpoint\\.0\\.position_mm: puts the camera at \\(3, 0, -0\\.5\\) mm, inside "
+          "the part; .*");
 }
 
 TEST_F(InputError, PartOutsideTheImage) {
@@ -239,10 +241,10 @@ TEST_F(InputError, DefectBesideThePart) {
 
 // The defect out of sight is of the second table; the first has one that is seen.
 TEST_F(InputError, DefectOutOfSightNamesItsOwnTableAndWhatToDo) {
-  const std::string study = small(
-      {{"[variables]",
-        "[defects.dent2]\ntype = \"dent\"\nat_mm = [5, 0, 1.9, 16, 0, 1.7]\n\n[variables]"},
-       {"width_px = 200", "width_px = 100"}});
+  const std::string study =
+      small({{"[variables]",
+              "[defects.dent2]\ntype = \"dent\"\nat_mm = [5, 0, 1.9, 16, 0, 1.7]\n\n[variables]"},
+             {"width_px = 200", "width_px = 100"}});
   expect_refused(study,
                  kUsage,
                  place_of(study, "dent2]") +

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What one picture shows of a calibration board.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace glint {
+
+/// What became of a picture.
+enum class ViewOutcome {
+  kAccepted,
+  kNoBoard,    ///< no board, or not this one
+  kCutOff,     ///< some of the board's corners lie outside the picture or at its border
+  kBlurred,    ///< more than a fifth of a square
+  kSaturated,  ///< corners lie in clipped light
+  kDark,       ///< too little contrast above the noise
+  kDoubled     ///< the same view as an earlier picture
+};
+
+/// "accepted", "no board", "cut off", "blurred", "saturated", "dark", "doubled"
+std::string outcome_name(ViewOutcome outcome);
+
+/// The corners of a board in one picture. Corners are only given where it was accepted.
+struct BoardView {
+  ViewOutcome outcome = ViewOutcome::kNoBoard;
+  std::string why;  ///< of a picture that was not accepted, for people: "37 of 63 corners found"
+  std::vector<Eigen::Vector3d> board_mm;    ///< corners on the board, z = 0
+  std::vector<Eigen::Vector2d> picture_px;  ///< the same in the picture
+  std::vector<double> blur_px;              ///< standard deviation at each corner, pixel included
+  double noise = 0.0;                       ///< of a pixel, share of full scale (median)
+  double contrast = 0.0;                    ///< bright minus dark, share of full scale (median)
+  bool is_orientation_known = false;  ///< else the board may be turned round (num_symmetries())
+
+  bool is_accepted() const { return outcome == ViewOutcome::kAccepted; }
+};
+
+/// Rejects views that show the board where an earlier accepted one has it: all corners within
+/// limit_px of each other. Their `why` tells the earlier picture's name.
+/// @param names  of the pictures, as many as views
+void reject_doubled(std::vector<BoardView>& views,
+                    const std::vector<std::string>& names,
+                    double limit_px = 0.1);
+
+}  // namespace glint

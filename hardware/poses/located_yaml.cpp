@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/poses/located_yaml.h"
+
+#include <yaml.h>
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "hardware/poses/plain_value.h"
+
+namespace glint {
+namespace {
+
+constexpr int kMaxDepth = 64;
+constexpr std::string_view kOpenCvHead = "%YAML:";
+
+/// An event that frees itself.
+class Event {
+ public:
+  Event() = default;
+
+  ~Event() { yaml_event_delete(&event_); }
+
+  Event(const Event&) = delete;
+  Event& operator=(const Event&) = delete;
+
+  yaml_event_t* get() { return &event_; }
+
+  yaml_event_type_t type() const { return event_.type; }
+
+  std::string_view text() const {
+    return {reinterpret_cast<const char*>(event_.data.scalar.value), event_.data.scalar.length};
+  }
+
+  bool is_plain() const { return event_.data.scalar.style == YAML_PLAIN_SCALAR_STYLE; }
+
+  const yaml_mark_t& mark() const { return event_.start_mark; }
+
+ private:
+  yaml_event_t event_ = {};
+};
+
+class TreeBuilder {
+ public:
+  TreeBuilder(std::string_view text, const std::string& file) : file_(file) {
+    if (yaml_parser_initialize(&parser_) == 0) {
+      throw ConfigError(file + ": no memory to read it");
+    }
+    yaml_parser_set_input_string(
+        &parser_, reinterpret_cast<const unsigned char*>(text.data()), text.size());
+  }
+
+  ~TreeBuilder() { yaml_parser_delete(&parser_); }
+
+  TreeBuilder(const TreeBuilder&) = delete;
+  TreeBuilder& operator=(const TreeBuilder&) = delete;
+
+  ConfigNode build() {
+    expect(YAML_STREAM_START_EVENT);
+    Event begin;
+    read(begin);
+    if (begin.type() != YAML_DOCUMENT_START_EVENT) {
+      throw ConfigError(Place{.file = file_, .line = 1, .column = 1}.prefix() + "holds no value");
+    }
+    Event first;
+    read(first);
+    ConfigNode root = value(first, 0);
+    expect(YAML_DOCUMENT_END_EVENT);
+    expect(YAML_STREAM_END_EVENT);
+    return root;
+  }
+
+ private:
+  Place place(const yaml_mark_t& mark) const {
+    return {.file = file_,
+            .line = static_cast<int>(mark.line) + 1,
+            .column = static_cast<int>(mark.column) + 1};
+  }
+
+  [[noreturn]] void fail(const yaml_mark_t& mark, const std::string& text) const {
+    throw ConfigError(place(mark).prefix() + text);
+  }
+
+  void read(Event& event) {
+    if (yaml_parser_parse(&parser_, event.get()) == 0) {
+      const bool has_mark = parser_.problem_mark.line + parser_.problem_mark.column > 0;
+      const yaml_mark_t& mark = has_mark ? parser_.problem_mark : parser_.mark;
+      fail(mark, parser_.problem != nullptr ? parser_.problem : "is no YAML");
+    }
+  }
+
+  void expect(yaml_event_type_t type) {
+    Event event;
+    read(event);
+    if (event.type() != type) {
+      fail(event.mark(), "a second document follows, one is allowed");
+    }
+  }
+
+  ConfigNode value(Event& event, int depth) {
+    if (depth > kMaxDepth) {
+      fail(event.mark(), fmt::format("YAML nested deeper than {} levels", kMaxDepth));
+    }
+    ConfigNode node;
+    switch (event.type()) {
+      case YAML_SCALAR_EVENT:
+        node = event.is_plain() ? plain(event) : ConfigNode::from_text(std::string(event.text()));
+        break;
+      case YAML_SEQUENCE_START_EVENT:
+        node = sequence(depth);
+        break;
+      case YAML_MAPPING_START_EVENT:
+        node = mapping(depth);
+        break;
+      default:
+        fail(event.mark(), "refers to an anchor, which is not understood here");
+    }
+    node.place = place(event.mark());
+    return node;
+  }
+
+  ConfigNode plain(const Event& event) const {
+    if (event.text().empty() || event.text() == "~" || event.text() == "null") {
+      fail(event.mark(), "found no value, expected one");
+    }
+    return plain_value(event.text());
+  }
+
+  ConfigNode sequence(int depth) {
+    ConfigNode node = ConfigNode::array();
+    while (true) {
+      Event event;
+      read(event);
+      if (event.type() == YAML_SEQUENCE_END_EVENT) {
+        return node;
+      }
+      node.items.push_back(value(event, depth + 1));
+    }
+  }
+
+  ConfigNode mapping(int depth) {
+    ConfigNode node = ConfigNode::table();
+    while (true) {
+      Event key;
+      read(key);
+      if (key.type() == YAML_MAPPING_END_EVENT) {
+        return node;
+      }
+      if (key.type() != YAML_SCALAR_EVENT) {
+        fail(key.mark(), "a key must be a plain word");
+      }
+      std::string name(key.text());
+      if (node.find(name) != nullptr) {
+        fail(key.mark(), fmt::format("{}: appears twice in this mapping", name));
+      }
+      Event event;
+      read(event);
+      ConfigNode item = value(event, depth + 1);
+      node.names.push_back(std::move(name));
+      node.items.push_back(std::move(item));
+    }
+  }
+
+  const std::string& file_;
+  yaml_parser_t parser_ = {};
+};
+
+}  // namespace
+
+ConfigNode parse_located_yaml(std::string_view text, const std::string& file) {
+  if (!text.starts_with(kOpenCvHead)) {
+    return TreeBuilder(text, file).build();
+  }
+  // YAML wants a blank where OpenCV writes a colon.
+  std::string standard(text);
+  standard[kOpenCvHead.size() - 1] = ' ';
+  return TreeBuilder(standard, file).build();
+}
+
+}  // namespace glint

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string_view>
+
+#include "core/config/config.h"
+
+namespace glint {
+
+/// A word without quotes as a number (also with a plus sign, .nan, nan, .inf, -inf), true or false,
+/// else a text. It has no place yet.
+ConfigNode plain_value(std::string_view word);
+
+}  // namespace glint

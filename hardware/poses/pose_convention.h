@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the numbers of a robot's pose mean. Robots, pendants and programs write the same pose in
+// many ways; what the user does not say is guessed from the numbers, and what was guessed is told.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "core/config/keys.h"
+#include "core/error.h"
+
+namespace glint {
+
+enum class PoseUnit { kAuto, kMillimetre, kMetre };
+enum class PoseDirection { kAuto, kBaseFromFlange, kFlangeFromBase };
+enum class PoseRotation {
+  kAuto,
+  kMatrix,
+  kQuaternionWxyz,
+  kQuaternionXyzw,
+  kRotationVector,
+  kEuler
+};
+enum class PoseAngle { kAuto, kRadian, kDegree };
+
+/// Keys of [convention] in a file of poses, and of [poses] in a study.
+struct PoseConvention {
+  PoseUnit unit = PoseUnit::kAuto;
+  PoseDirection direction = PoseDirection::kAuto;
+  PoseRotation rotation = PoseRotation::kAuto;
+  PoseAngle angle = PoseAngle::kAuto;  ///< of rotation vectors and Euler angles
+  /// Axes of Euler angles in the order of the numbers, each turning about the axes as the ones
+  /// before have left them: "zyx" is Rz(a) Ry(b) Rx(c). Fixed axes: the same in reverse.
+  std::string euler_order = "zyx";
+  /// When the poses are of a tool's tip as set on the pendant: where the tip is on the flange.
+  /// Empty or six numbers: x y z in mm, rotation vector in rad.
+  std::vector<double> flange_from_tcp;
+};
+
+void visit_keys(KeyVisitor& keys, PoseConvention& convention);
+
+/// A pose as it was written.
+struct WrittenPose {
+  std::string name;             ///< of the picture or the file; empty: none
+  std::vector<double> numbers;  ///< 6, 7: position, rotation; 12, 16: matrix row by row
+  bool has_stamp = false;
+  double stamp_s = 0.0;
+  Place place;  ///< of its first number
+};
+
+/// The convention with nothing left open, and for each thing that was guessed one sentence with the
+/// key that overrules it. Guessed are: the unit by the robot's reach (mm when the median distance
+/// from the base is 10 or more), a rotation vector for six numbers, Euler angles in degrees when
+/// one is greater than a whole turn in radians, a quaternion with w last for seven numbers, and
+/// base_from_flange.
+struct ResolvedConvention {
+  PoseConvention convention;
+  std::vector<std::string> told;
+};
+
+/// @param poses  at least one, equally many numbers in each
+/// @throws ConfigError naming what the numbers contradict: NaN, another count of numbers than the
+/// rotation needs, degrees given as radians, metres given as mm and the other way round
+ResolvedConvention resolved_convention(std::span<const WrittenPose> poses,
+                                       const PoseConvention& convention);
+
+/// Every other reading of the numbers that passes the same checks, the likelier ones first: for
+/// comparing them by how well they agree with the pictures. Changes only what was left open.
+std::vector<PoseConvention> other_conventions(std::span<const WrittenPose> poses,
+                                              const PoseConvention& convention);
+
+/// base_from_flange of one pose, in mm.
+/// @param convention  resolved
+/// @throws ConfigError with the place: no rotation (by how much), no unit quaternion
+Eigen::Isometry3d base_from_flange(const WrittenPose& pose, const PoseConvention& convention);
+
+}  // namespace glint

@@ -1,0 +1,404 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/poses/pose_file.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "core/config/located_json.h"
+#include "core/config/toml.h"
+#include "core/csv.h"
+#include "core/file.h"
+#include "hardware/poses/located_yaml.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::array<std::string_view, 4> kNameKeys = {"name", "picture", "file", "image"};
+constexpr std::array<std::string_view, 4> kStampKeys = {"stamp_s", "stamp", "time", "timestamp"};
+constexpr std::array<std::string_view, 3> kPoseKeys = {
+    "pose", "base_from_flange", "flange_from_base"};
+
+bool is_one_of(std::string_view word, std::span<const std::string_view> words) {
+  return std::ranges::find(words, word) != words.end();
+}
+
+[[noreturn]] void refuse(const Place& place, const std::string& key, const std::string& text) {
+  throw ConfigError(Problem{.place = place, .key = key, .text = text});
+}
+
+// --- Trees ---------------------------------------------------------------------------------------
+
+/// Numbers of a list, or of a list of rows, row by row.
+void add_numbers(const ConfigNode& node, int depth, std::vector<double>& numbers) {
+  for (const ConfigNode& item : node.items) {
+    if (item.is_number()) {
+      numbers.push_back(item.number);
+    } else if (item.is_array() && depth == 0) {
+      add_numbers(item, 1, numbers);
+    } else {
+      refuse(item.place, "pose", "must be a list of numbers, or of rows of numbers");
+    }
+  }
+}
+
+/// The list of a matrix as ViSP and OpenCV write it; nullptr when it is none.
+const ConfigNode* matrix_data(const ConfigNode& node) {
+  const ConfigNode* data = node.find("data");
+  return node.find("rows") != nullptr && node.find("cols") != nullptr && data != nullptr ? data
+                                                                                         : nullptr;
+}
+
+std::vector<double> numbers_of(const ConfigNode& node) {
+  const ConfigNode* data = node.is_table() ? matrix_data(node) : &node;
+  if (data == nullptr || !data->is_array()) {
+    refuse(node.place, "pose", "must be a list of numbers, or of rows of numbers");
+  }
+  std::vector<double> numbers;
+  add_numbers(*data, 0, numbers);
+  return numbers;
+}
+
+std::string text_of(const ConfigNode& node, std::string_view key) {
+  if (node.kind == ConfigNode::Kind::kText) {
+    return node.text;
+  }
+  if (node.kind == ConfigNode::Kind::kInteger || node.kind == ConfigNode::Kind::kNumber) {
+    return shortest(node.number);
+  }
+  refuse(node.place, std::string(key), "must be a text or a number");
+}
+
+void set_direction(PoseFile& file, std::string_view key, const Place& place) {
+  if (key == "pose") {
+    return;
+  }
+  const PoseDirection direction =
+      key == "base_from_flange" ? PoseDirection::kBaseFromFlange : PoseDirection::kFlangeFromBase;
+  PoseDirection& known = file.convention.direction;
+  if (known != PoseDirection::kAuto && known != direction) {
+    refuse(place, std::string(key), "an earlier pose has the other direction, all must have one");
+  }
+  known = direction;
+}
+
+WrittenPose table_pose(const ConfigNode& table, PoseFile& file) {
+  WrittenPose pose = {.place = table.place};
+  for (std::size_t i = 0; i < table.items.size(); ++i) {
+    const std::string& key = table.names[i];
+    const ConfigNode& item = table.items[i];
+    if (is_one_of(key, kNameKeys)) {
+      pose.name = text_of(item, key);
+    } else if (is_one_of(key, kStampKeys)) {
+      if (!item.is_number()) {
+        refuse(item.place, key, "must be a number of seconds");
+      }
+      pose.has_stamp = true;
+      pose.stamp_s = item.number;
+    } else if (is_one_of(key, kPoseKeys)) {
+      if (!pose.numbers.empty()) {
+        refuse(item.place, key, "a second set of numbers, a pose has one");
+      }
+      pose.numbers = numbers_of(item);
+      pose.place = item.place;
+      set_direction(file, key, item.place);
+    } else {
+      refuse(item.place,
+             key,
+             fmt::format("unknown key, known are {}, {}, {}",
+                         quoted_list(kNameKeys),
+                         quoted_list(kStampKeys),
+                         quoted_list(kPoseKeys)));
+    }
+  }
+  if (pose.numbers.empty()) {
+    refuse(table.place,
+           "pose",
+           fmt::format("is missing, one of {} is needed", quoted_list(kPoseKeys)));
+  }
+  return pose;
+}
+
+const ConfigNode* pose_list(const ConfigNode& root) {
+  if (root.is_array()) {
+    return &root;
+  }
+  const ConfigNode* list = root.find("poses");
+  return list != nullptr ? list : root.find("pose");
+}
+
+/// A matrix alone in its file, also below one name.
+const ConfigNode* single_matrix(const ConfigNode& root) {
+  if (!root.is_table()) {
+    return nullptr;
+  }
+  if (matrix_data(root) != nullptr) {
+    return &root;
+  }
+  return root.items.size() == 1 && root.items.front().is_table() &&
+                 matrix_data(root.items.front()) != nullptr
+             ? &root.items.front()
+             : nullptr;
+}
+
+void read_convention(const ConfigNode& root, PoseFile& file) {
+  std::vector<Problem> errors;
+  KeyReader reader(root.find("convention"), "convention", errors);
+  visit_keys(reader, file.convention);
+  reader.report_unknown();
+  for (std::size_t i = 0; i < root.names.size(); ++i) {
+    if (!is_one_of(root.names[i], std::array<std::string_view, 3>{"convention", "pose", "poses"})) {
+      errors.push_back({.kind = Problem::Kind::kUnknownKey,
+                        .place = root.items[i].place,
+                        .key = root.names[i],
+                        .text = "unknown key, known are \"convention\", \"poses\""});
+    }
+  }
+  throw_if_any(errors);
+}
+
+PoseFile poses_of_tree(const ConfigNode& root, const std::string& name) {
+  PoseFile file;
+  if (const ConfigNode* matrix = single_matrix(root)) {
+    file.poses.push_back({.name = name, .numbers = numbers_of(*matrix), .place = matrix->place});
+    return file;
+  }
+  if (root.is_table()) {
+    read_convention(root, file);
+  }
+  const ConfigNode* list = pose_list(root);
+  if (list == nullptr || !list->is_array()) {
+    refuse(root.place, "poses", "is missing, must be a list of poses");
+  }
+  const bool is_flat =
+      !list->items.empty() && std::ranges::all_of(list->items, &ConfigNode::is_number);
+  if (is_flat) {
+    file.poses.push_back({.name = name, .numbers = numbers_of(*list), .place = list->place});
+    return file;
+  }
+  for (const ConfigNode& item : list->items) {
+    file.poses.push_back(item.is_table() && matrix_data(item) == nullptr
+                             ? table_pose(item, file)
+                             : WrittenPose{.numbers = numbers_of(item), .place = item.place});
+  }
+  return file;
+}
+
+// --- CSV -----------------------------------------------------------------------------------------
+
+/// What the columns hold.
+struct Columns {
+  std::optional<std::size_t> name;
+  std::optional<std::size_t> stamp;
+  std::size_t count = 0;
+
+  bool is_number(std::size_t column) const { return column != name && column != stamp; }
+};
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return text;
+}
+
+/// A line of nothing but words is a head.
+bool is_head(const CsvRow& row) {
+  return row.size() > 1 && std::ranges::none_of(row, [](const CsvField& field) {
+           return field.number().has_value();
+         });
+}
+
+Columns head_columns(const CsvRow& head, PoseConvention& convention) {
+  Columns columns = {.count = head.size()};
+  std::optional<std::size_t> qx;
+  std::optional<std::size_t> qw;
+  for (std::size_t i = 0; i < head.size(); ++i) {
+    const std::string word = lower(head[i].text);
+    if (is_one_of(word, kNameKeys)) {
+      columns.name = i;
+    } else if (is_one_of(word, kStampKeys)) {
+      columns.stamp = i;
+    } else if (word == "qw") {
+      qw = i;
+    } else if (word == "qx") {
+      qx = i;
+    }
+  }
+  if (qx && qw) {
+    convention.rotation = *qw < *qx ? PoseRotation::kQuaternionWxyz : PoseRotation::kQuaternionXyzw;
+  }
+  return columns;
+}
+
+/// Without a head: a first column of words is names, and so is one too many of numbers.
+Columns plain_columns(const std::vector<CsvRow>& rows) {
+  Columns columns = {.count = rows.front().size()};
+  const bool has_words = std::ranges::any_of(
+      rows, [](const CsvRow& row) { return !row.front().number().has_value(); });
+  if (has_words || columns.count == 8 || columns.count == 13 || columns.count == 17) {
+    columns.name = 0;
+  }
+  return columns;
+}
+
+WrittenPose row_pose(const CsvRow& row, const Columns& columns) {
+  if (row.size() != columns.count) {
+    refuse(row.front().place,
+           "pose",
+           fmt::format("has {} columns, the first line has {}", row.size(), columns.count));
+  }
+  WrittenPose pose = {.place = row.front().place};
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    if (i == columns.name) {
+      pose.name = row[i].text;
+      continue;
+    }
+    const std::optional<double> number = row[i].number();
+    if (!number) {
+      refuse(row[i].place, "pose", fmt::format("'{}' is no number", row[i].text));
+    }
+    if (i == columns.stamp) {
+      pose.has_stamp = true;
+      pose.stamp_s = *number;
+    } else {
+      pose.numbers.push_back(*number);
+    }
+  }
+  return pose;
+}
+
+PoseFile poses_of_csv(std::string_view text, const std::string& name) {
+  PoseFile file;
+  std::vector<CsvRow> rows = parse_csv(text, name, '#');
+  if (rows.empty()) {
+    return file;
+  }
+  Columns columns;
+  if (is_head(rows.front())) {
+    columns = head_columns(rows.front(), file.convention);
+    rows.erase(rows.begin());
+  } else {
+    columns = plain_columns(rows);
+  }
+  for (const CsvRow& row : rows) {
+    file.poses.push_back(row_pose(row, columns));
+  }
+  return file;
+}
+
+// --- All files -----------------------------------------------------------------------------------
+
+void merge_choice(auto& known, const auto& said) {
+  if (said != std::remove_cvref_t<decltype(said)>{}) {
+    known = said;
+  }
+}
+
+PoseConvention overruled(PoseConvention known, const PoseConvention& said) {
+  merge_choice(known.unit, said.unit);
+  merge_choice(known.direction, said.direction);
+  merge_choice(known.rotation, said.rotation);
+  merge_choice(known.angle, said.angle);
+  merge_choice(known.flange_from_tcp, said.flange_from_tcp);
+  if (said.euler_order != PoseConvention{}.euler_order) {
+    known.euler_order = said.euler_order;
+  }
+  return known;
+}
+
+void check_doubled(std::span<const WrittenPose> poses) {
+  std::vector<Problem> errors;
+  std::map<std::string, const WrittenPose*> names;
+  std::map<double, const WrittenPose*> stamps;
+  const auto where = [](const WrittenPose& pose) {
+    return fmt::format("{}:{}", pose.place.file, pose.place.line);
+  };
+  for (const WrittenPose& pose : poses) {
+    if (!pose.name.empty()) {
+      const auto [known, is_new] = names.try_emplace(pose.name, &pose);
+      if (!is_new) {
+        errors.push_back(
+            {.place = pose.place,
+             .key = "name",
+             .text = fmt::format(
+                 "\"{}\" is the name of an earlier pose, {}", pose.name, where(*known->second))});
+      }
+    }
+    if (pose.has_stamp) {
+      const auto [known, is_new] = stamps.try_emplace(pose.stamp_s, &pose);
+      if (!is_new) {
+        errors.push_back({.place = pose.place,
+                          .key = "stamp_s",
+                          .text = fmt::format("{} is the stamp of an earlier pose, {}",
+                                              shortest(pose.stamp_s),
+                                              where(*known->second))});
+      }
+    }
+  }
+  throw_if_any(errors);
+}
+
+}  // namespace
+
+PoseFile parse_pose_file(std::string_view text, const std::string& file, std::string_view ending) {
+  const std::string name = fs::path(file).stem().string();
+  if (ending == ".csv") {
+    return poses_of_csv(text, file);
+  }
+  if (ending == ".json") {
+    return poses_of_tree(parse_located_json(text, file), name);
+  }
+  if (ending == ".toml") {
+    return poses_of_tree(parse_toml(text, file), name);
+  }
+  if (ending == ".yaml" || ending == ".yml") {
+    return poses_of_tree(parse_located_yaml(text, file), name);
+  }
+  throw ConfigError(
+      fmt::format("{}: a file of poses must end in .csv, .json, .toml, .yaml or .yml", file));
+}
+
+RobotPoses robot_poses(const PoseFile& written, const PoseConvention& said) {
+  if (written.poses.empty()) {
+    throw ConfigError("poses", "there is none, at least one is needed");
+  }
+  const PoseConvention known = overruled(written.convention, said);
+  ResolvedConvention resolved = resolved_convention(written.poses, known);
+  check_doubled(written.poses);
+  RobotPoses result = {.convention = resolved.convention,
+                       .told = std::move(resolved.told),
+                       .written = written.poses,
+                       .otherwise = other_conventions(written.poses, known)};
+  std::vector<Problem> errors;
+  for (const WrittenPose& pose : written.poses) {
+    try {
+      result.poses.push_back({.name = pose.name,
+                              .base_from_flange = base_from_flange(pose, result.convention),
+                              .place = pose.place});
+    } catch (const ConfigError& error) {
+      errors.insert(errors.end(), error.problems().begin(), error.problems().end());
+    }
+  }
+  throw_if_any(errors);
+  return result;
+}
+
+RobotPoses read_poses(std::span<const fs::path> files, const PoseConvention& said) {
+  PoseFile all;
+  for (const fs::path& file : files) {
+    PoseFile one = parse_pose_file(read_file(file), file.string(), file.extension().string());
+    if (one.poses.empty()) {
+      throw ConfigError(file.string() + ": poses: there is none, at least one is needed");
+    }
+    all.poses.insert(all.poses.end(), one.poses.begin(), one.poses.end());
+    all.convention = overruled(all.convention, one.convention);
+  }
+  return robot_poses(all, said);
+}
+
+}  // namespace glint

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+
+#include "hardware/poses/located_xml.h"
+#include "hardware/poses/located_yaml.h"
+
+namespace glint {
+namespace {
+
+using testing::HasSubstr;
+
+std::string yaml_error(const std::string& text) {
+  try {
+    parse_located_yaml(text, "a.yaml");
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string xml_error(const std::string& text) {
+  try {
+    parse_located_xml(text, "a.xml");
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(LocatedYaml, ReadsWhatViSPWritesWithPlaces) {
+  const ConfigNode root =
+      parse_located_yaml("rows: 2\ncols: 1\ndata: \n  - [0.335091]\n  - [-3.01226]\n", "a.yaml");
+  EXPECT_EQ(root.find("rows")->integer, 2);
+  const ConfigNode& second = root.find("data")->items[1].items[0];
+  EXPECT_EQ(second.number, -3.01226);
+  EXPECT_EQ(second.place.line, 5);
+  EXPECT_EQ(second.place.column, 6);
+}
+
+TEST(LocatedYaml, ReadsOpenCvsHeadAndItsMatrices) {
+  const ConfigNode root = parse_located_yaml(
+      "%YAML:1.0\n---\nK: !!opencv-matrix\n   rows: 1\n   cols: 2\n   dt: d\n   data: [ 1., .Nan "
+      "]\n",
+      "a.yaml");
+  const ConfigNode& data = *root.find("K")->find("data");
+  EXPECT_EQ(data.items[0].number, 1.0);
+  EXPECT_TRUE(std::isnan(data.items[1].number));
+  EXPECT_EQ(root.find("K")->find("dt")->text, "d");
+}
+
+TEST(LocatedYaml, RefusesWithPlace) {
+  EXPECT_THAT(yaml_error("a: [1, 2\nb: 3\n"), HasSubstr("a.yaml:2:"));
+  EXPECT_THAT(yaml_error("a: 1\na: 2\n"), HasSubstr("a.yaml:2:1: a: appears twice"));
+  EXPECT_THAT(yaml_error("a:\n"), HasSubstr("found no value"));
+  EXPECT_THAT(yaml_error("a: &x 1\nb: *x\n"), HasSubstr("a.yaml:2:4: refers to an anchor"));
+  EXPECT_THAT(yaml_error(""), HasSubstr("holds no value"));
+  EXPECT_THAT(yaml_error("a: 1\n---\nb: 2\n"), HasSubstr("second document"));
+  EXPECT_THAT(yaml_error(std::string(100, '[')), HasSubstr("deeper than 64"));
+}
+
+TEST(LocatedXml, ReadsElementsWithPlacesAndListsOfEqualNames) {
+  const ConfigNode root = parse_located_xml(
+      "<?xml version=\"1.0\"?>\n<!-- a > b --><root>\n  <px a='1>2'> 607.5 </px>\n"
+      "  <m>1</m><m>two &lt;3</m>\n  <none/>\n</root>\n",
+      "a.xml");
+  EXPECT_EQ(root.find("px")->number, 607.5);
+  EXPECT_EQ(root.find("px")->place.line, 3);
+  EXPECT_EQ(root.find("px")->place.column, 16);
+  ASSERT_EQ(root.find("m")->items.size(), 2U);
+  EXPECT_EQ(root.find("m")->items[0].integer, 1);
+  EXPECT_EQ(root.find("m")->items[1].text, "two <3");
+  EXPECT_EQ(root.find("none")->text, "");
+}
+
+TEST(LocatedXml, RefusesWithPlace) {
+  EXPECT_THAT(xml_error("<a>\n <b>1</c></a>"), HasSubstr("a.xml:2:8: closes c, but b is open"));
+  EXPECT_THAT(xml_error("<a><b>1</b>"), HasSubstr("a.xml:1:12: "));
+  EXPECT_THAT(xml_error("<a>1</a><b/>"), HasSubstr("a.xml:1:9: something follows"));
+  EXPECT_THAT(xml_error("nothing"), HasSubstr("a.xml:1:1: expected an element"));
+  EXPECT_THAT(xml_error("<!-- x"), HasSubstr("closing --> is missing"));
+  std::string deep;
+  for (int i = 0; i < 100; ++i) {
+    deep += "<a>";
+  }
+  EXPECT_THAT(xml_error(deep), HasSubstr("deeper than 64"));
+}
+
+}  // namespace
+}  // namespace glint

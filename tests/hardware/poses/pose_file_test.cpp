@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/poses/pose_file.h"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+namespace glint {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Contains;
+using testing::HasSubstr;
+
+RobotPoses read(const std::string& text,
+                const std::string& ending,
+                const PoseConvention& said = {}) {
+  return robot_poses(parse_pose_file(text, "robot_1" + ending, ending), said);
+}
+
+std::string error_of(const std::string& text,
+                     const std::string& ending,
+                     const PoseConvention& said = {}) {
+  try {
+    read(text, ending, said);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+/// x of the flange in every file of these tests is 400 mm, and it is turned about x by 1 rad.
+void expect_pose(const RobotPoses& poses, const std::string& name) {
+  ASSERT_EQ(poses.poses.size(), 1U);
+  EXPECT_EQ(poses.poses[0].name, name);
+  EXPECT_NEAR(poses.poses[0].base_from_flange.translation().x(), 400.0, 1e-9);
+  EXPECT_NEAR(poses.poses[0].base_from_flange.linear()(2, 1), std::sin(1.0), 1e-9);
+}
+
+TEST(PoseFile, ReadsCsvWithAndWithoutNamesAndHeads) {
+  expect_pose(read("a.png, 0.4, 0, 0, 1, 0, 0\n", ".csv"), "a.png");
+  expect_pose(read("# x y z\n400,0,0,1,0,0\n", ".csv"), "");
+  expect_pose(read("7,0.4,0,0,0.479425538604203,0,0,0.877582561890373\n", ".csv"), "7");
+  expect_pose(read("time,file,x,y,z,qw,qx,qy,qz\n"
+                   "12.5,a.png,0.4,0,0,0.877582561890373,0.479425538604203,0,0\n",
+                   ".csv"),
+              "a.png");
+}
+
+TEST(PoseFile, ReadsJsonTomlAndYaml) {
+  expect_pose(read(R"([[400, 0, 0, 1, 0, 0]])", ".json"), "");
+  expect_pose(read(R"({"poses": [{"picture": "a.png", "pose": [400, 0, 0, 1, 0, 0]}]})", ".json"),
+              "a.png");
+  expect_pose(read("[[pose]]\nname = \"a.png\"\nstamp_s = 3.5\nbase_from_flange = "
+                   "[[1,0,0,400],[0,0.5403023058681398,-0.8414709848078965,0],"
+                   "[0,0.8414709848078965,0.5403023058681398,0],[0,0,0,1]]\n",
+                   ".toml"),
+              "a.png");
+  expect_pose(
+      read("rows: 6\ncols: 1\ndata:\n  - [0.4]\n  - [0]\n  - [0]\n  - [1]\n  - [0]\n  - [0]\n",
+           ".yaml"),
+      "robot_1");
+  expect_pose(read("poses:\n  - name: a.png\n    pose: [0.4, 0, 0, 1, 0, 0]\n", ".yml"), "a.png");
+}
+
+TEST(PoseFile, TakesTheFilesConventionAndTheUsersBeforeIt) {
+  const std::string text =
+      "[convention]\nunit = \"mm\"\nrotation = \"euler\"\nangle = \"rad\"\neuler_order = \"xyz\"\n"
+      "direction = \"flange_from_base\"\n[[pose]]\npose = [400, 0, 0, 1, 0, 0]\n";
+  const RobotPoses by_file = read(text, ".toml");
+  EXPECT_TRUE(by_file.told.empty());
+  EXPECT_EQ(by_file.convention.direction, PoseDirection::kFlangeFromBase);
+  EXPECT_NEAR(by_file.poses[0].base_from_flange.translation().x(), -400.0, 1e-9);
+  expect_pose(read(text, ".toml", {.direction = PoseDirection::kBaseFromFlange}), "");
+}
+
+TEST(PoseFile, TellsWhereSomethingIsWrong) {
+  EXPECT_THAT(error_of("a,1,2,3,0,0,0\nb,1,2,x,0,0,0\n", ".csv"),
+              HasSubstr("robot_1.csv:2:7: pose: 'x' is no number"));
+  EXPECT_THAT(error_of("a,1,2,3,0,0,0\nb,1,2,3,0,0\n", ".csv"),
+              HasSubstr("robot_1.csv:2:1: pose: has 6 columns, the first line has 7"));
+  EXPECT_THAT(error_of("a,1,2,3,0,0,nan\n", ".csv"),
+              HasSubstr("robot_1.csv:1:1: pose: number 6 is nan"));
+  EXPECT_THAT(
+      error_of("a,1,2,3,0,0,0\na,1,2,3,0,0,1\n", ".csv"),
+      HasSubstr("robot_1.csv:2:1: name: \"a\" is the name of an earlier pose, robot_1.csv:1"));
+  EXPECT_THAT(
+      error_of("time,x,y,z,a,b,c\n5,1,2,3,0,0,0\n5,1,2,3,0,0,1\n", ".csv"),
+      HasSubstr("robot_1.csv:3:1: stamp_s: 5 is the stamp of an earlier pose, robot_1.csv:2"));
+  EXPECT_THAT(error_of("[[pose]]\nposition = [1]\n", ".toml"),
+              HasSubstr("robot_1.toml:2:1: position: unknown key"));
+  EXPECT_THAT(error_of("{\"posess\": []}", ".json"), HasSubstr("posess: unknown key"));
+  EXPECT_THAT(error_of("[]", ".json"), HasSubstr("poses: there is none"));
+  EXPECT_THAT(error_of("", ".csv"), HasSubstr("poses: there is none"));
+  EXPECT_THAT(error_of("[convention]\nunit = \"inch\"\n", ".toml"),
+              HasSubstr("robot_1.toml:2:1: convention.unit: is \"inch\", must be one of \"auto\""));
+  EXPECT_THAT(error_of("[convention]\neuler_order = \"xxy\"\n", ".toml"),
+              HasSubstr("convention.euler_order: is \"xxy\", must be three of x, y, z"));
+  EXPECT_THAT(error_of("x", ".txt"), HasSubstr("must end in .csv"));
+}
+
+TEST(PoseFile, ReadsThePosesOfTheBoardOnARobot) {
+  const fs::path file = fs::path(GLINT_SHARED_DIR) / "data/calibration/board_on_robot/poses.csv";
+  if (!fs::exists(file)) {
+    GTEST_SKIP() << "no " << file;
+  }
+  const RobotPoses poses = read_poses({{file}}, {});
+  ASSERT_EQ(poses.poses.size(), 19U);
+  EXPECT_EQ(poses.poses[3].name, "img04.png");
+  EXPECT_EQ(poses.convention.unit, PoseUnit::kMillimetre);
+  EXPECT_EQ(poses.convention.rotation, PoseRotation::kMatrix);
+  EXPECT_NEAR(poses.poses[0].base_from_flange.translation().y(), -391.619027, 1e-9);
+}
+
+TEST(PoseFile, ReadsThePosesOfAViSPHandEye) {
+  const fs::path folder = fs::path(GLINT_SHARED_DIR) / "data/field/handeye_franka";
+  if (!fs::exists(folder)) {
+    GTEST_SKIP() << "no " << folder;
+  }
+  std::vector<fs::path> files;
+  for (int i = 1; i <= 8; ++i) {
+    files.push_back(folder / fmt::format("franka_pose_rPe_{}.yaml", i));
+  }
+  const RobotPoses poses = read_poses(files, {});
+  ASSERT_EQ(poses.poses.size(), 8U);
+  EXPECT_EQ(poses.poses[7].name, "franka_pose_rPe_8");
+  EXPECT_EQ(poses.convention.unit, PoseUnit::kMetre);
+  EXPECT_EQ(poses.convention.rotation, PoseRotation::kRotationVector);
+  EXPECT_NEAR(poses.poses[0].base_from_flange.translation().x(), 335.091, 1e-9);
+  const Eigen::AngleAxisd turn(poses.poses[0].base_from_flange.linear());
+  // |(-3.01226, 0.0236777, -0.451343)| = sqrt(9.07371 + 0.00056 + 0.20371) = 3.04598.
+  EXPECT_NEAR(turn.angle(), 3.04598, 1e-5);
+}
+
+}  // namespace
+}  // namespace glint

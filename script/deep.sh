@@ -88,6 +88,7 @@ fuzz_for_a_minute() { # program, name
     toml) seeds=("$root/studies/gallery/tunnel_shape" "$root/studies/gallery/gear_ring") ;;
     mesh) seeds=("$root/../shared/data/meshes") ;;
     ies) seeds=("$root/../shared/data/field/ies") ;;
+    pose) seeds=("$root/../shared/data/field/handeye_franka") ;;
   esac
   local corpus=$root/build/fuzz/corpus_$2 seed
   local -a folders=("$corpus")

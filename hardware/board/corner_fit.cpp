@@ -33,6 +33,7 @@ enum Unknown {
 constexpr double kWantedPx = 0.018;
 constexpr double kLeastBlurPx = 0.3;
 constexpr double kMostOfClearance = 0.42;
+constexpr double kMostForNoise = 12.0;  ///< px of a level
 
 /// erf(d / (sqrt(2) s)) and its derivative by d.
 struct Edge {
@@ -273,7 +274,7 @@ double wanted_radius(const LevelFit& fit, double factor, double clearance_px) {
   const double step = 2.0 * std::abs(fit.unknowns[kHalf]);
   const double wanted = kWantedPx / factor;
   const double relative = fit.noise / (step * wanted);
-  const double by_noise = relative * relative * std::sqrt(kPi) * blur;
+  const double by_noise = std::min(relative * relative * std::sqrt(kPi) * blur, kMostForNoise);
   const double most = kMostOfClearance * clearance_px / factor;
   return std::min(std::max({by_noise, 2.2 * blur + 1.5, 3.5}), most);
 }

@@ -15,7 +15,8 @@
 // Window: of an edge of length 2 r, blurred by s, whose grey values have a noise of n and a step of
 // 2 c, the place is known to n sqrt(2 sqrt(pi) s / (2 r)) / (2 c) (Cramer-Rao; own derivation:
 // the derivative across the edge squared has the integral (2 c)^2 / (2 sqrt(pi) s)). r is chosen to
-// make that 0.018 px of the picture, at least 2.2 s + 1.5 px, and less than 0.42 squares.
+// make that 0.018 px of the picture, but at most 12 px, at least 2.2 s + 1.5 px, and less than 0.42
+// squares; all but squares in px of the level, of which one is taken on which s is 1 to 2.4 px.
 #pragma once
 
 #include <array>

@@ -129,7 +129,9 @@ BoardView find_checkerboard(PictureLevels& levels, const Board& board) {
       if (view.outcome != ViewOutcome::kNoBoard && view.outcome != ViewOutcome::kCutOff) {
         return view;
       }
-      refusal = refusal ? refusal : std::move(view);
+      if (!refusal || view.outcome == ViewOutcome::kCutOff) {
+        refusal = std::move(view);
+      }
     }
     if (best && (!most || best->found.num_found > most->found.num_found)) {
       most = std::move(best);

@@ -14,7 +14,7 @@
 namespace glint {
 namespace {
 
-constexpr double kBorderPx = 4.0;        ///< of a level: too little for a window
+constexpr double kBorderPx = 3.0;        ///< of a level: too little for a window
 constexpr double kMostBlur = 0.2;        ///< of the way to the next edges
 constexpr double kFewestNoises = 4.0;    ///< of the contrast
 constexpr double kLeastContrast = 0.02;  ///< of full scale
@@ -162,6 +162,23 @@ ChosenPlacement chosen(PictureLevels& levels,
           .is_known = !board.mark && num_symmetries(board) == 1 && placements.size() == 1};
 }
 
+/// The first corner of the board that a window does not fit around, when there is one.
+std::optional<Eigen::Vector2i> corner_outside(const PictureLevels& levels,
+                                              int level,
+                                              const Board& board,
+                                              const BoardPlane& plane,
+                                              const GridPlacement& placement) {
+  for (int row = 0; row < board.rows; ++row) {
+    for (int col = 0; col < board.cols; ++col) {
+      const Eigen::Vector2d at_px = plane(placement.place(col, row).cast<double>());
+      if (!(inside_px(levels, at_px) > kBorderPx * (1 << level))) {
+        return Eigen::Vector2i(col, row);
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 /// The board's corners, fitted one by one.
 struct FittedBoard {
   std::vector<Eigen::Vector2i> col_row;
@@ -195,13 +212,7 @@ FittedBoard fitted_board(PictureLevels& levels,
       }
       const auto fit = fit_corner(levels, level, guess);
       if (!fit) {
-        const bool is_out = inside_px(levels, guess.at_px) < kBorderPx * (1 << level);
-        result.outcome = is_out ? ViewOutcome::kCutOff : ViewOutcome::kNoBoard;
-        result.fault = fmt::format(
-            "the corner at column {}, row {} {}",
-            col,
-            row,
-            is_out ? "lies outside the picture or at its border" : "cannot be measured");
+        result.fault = fmt::format("the corner at column {}, row {} cannot be measured", col, row);
         return result;
       }
       result.col_row.emplace_back(col, row);
@@ -293,6 +304,14 @@ BoardView measured_board(PictureLevels& levels,
   }
   const ChosenPlacement choice =
       chosen(levels, level, board, *plane, placements, points[grid.front().point].contrast);
+  const auto outside = corner_outside(levels, level, board, *plane, choice.placement);
+  if (outside) {
+    return refused(
+        ViewOutcome::kCutOff,
+        fmt::format("the corner at column {}, row {} lies outside the picture or at its border",
+                    outside->x(),
+                    outside->y()));
+  }
   FittedBoard fitted = fitted_board(levels, board, level, *plane, points, grid, choice.placement);
   if (fitted.fault.empty()) {
     find_fault(fitted);

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-std::string error_of(const std::string& text) {
+std::string board_error(const std::string& text) {
   try {
     parse_board_json(text, "b.json");
   } catch (const ConfigError& error) {
@@ -53,22 +53,22 @@ TEST(Board, IsWrittenAsTomlThatReadsBackAsTheSame) {
 }
 
 TEST(Board, TellsWhereItsFileIsWrong) {
-  EXPECT_THAT(error_of("{\"cols\": 2, \"rows\": 7, \"square_mm\": 1}"),
+  EXPECT_THAT(board_error("{\"cols\": 2, \"rows\": 7, \"square_mm\": 1}"),
               HasSubstr("b.json:1:10: cols: is 2, must be in [3, 100]"));
-  EXPECT_THAT(error_of("{\"cols\": 9,\n \"row\": 7, \"square_mm\": 1}"),
+  EXPECT_THAT(board_error("{\"cols\": 9,\n \"row\": 7, \"square_mm\": 1}"),
               HasSubstr("b.json:2:9: row: unknown key, the nearest known one is \"rows\""));
-  EXPECT_THAT(error_of("{\"cols\": 9, \"rows\": 7}"), HasSubstr("square_mm: is missing"));
-  EXPECT_THAT(error_of("{\"cols\": 9, \"rows\": 7, \"square_mm\": 0}"),
+  EXPECT_THAT(board_error("{\"cols\": 9, \"rows\": 7}"), HasSubstr("square_mm: is missing"));
+  EXPECT_THAT(board_error("{\"cols\": 9, \"rows\": 7, \"square_mm\": 0}"),
               HasSubstr("must be in (0, "));
-  EXPECT_THAT(error_of(R"({"cols": 9, "rows": 7, "square_mm": 9, "marker_mm": 5})"),
+  EXPECT_THAT(board_error(R"({"cols": 9, "rows": 7, "square_mm": 9, "marker_mm": 5})"),
               HasSubstr("marker_mm: is for kind = \"charuco\""));
   EXPECT_THAT(
-      error_of(R"({"kind": "charuco", "cols": 9, "rows": 7, "square_mm": 9, "marker_mm": 9})"),
+      board_error(R"({"kind": "charuco", "cols": 9, "rows": 7, "square_mm": 9, "marker_mm": 9})"),
       HasSubstr("must be below 0.95 of square_mm"));
   EXPECT_THAT(
-      error_of(R"({"kind": "charuco", "cols": 9, "rows": 7, "square_mm": 9, "mark": true})"),
+      board_error(R"({"kind": "charuco", "cols": 9, "rows": 7, "square_mm": 9, "mark": true})"),
       HasSubstr("mark: is for checkerboards"));
-  EXPECT_THAT(error_of("[1]"), HasSubstr("b.json:1:1: "));
+  EXPECT_THAT(board_error("[1]"), HasSubstr("b.json:1:1: "));
   EXPECT_THROW(read_board("board.txt"), ConfigError);
   EXPECT_THROW(read_board("no_such_board.json"), IoError);
 }

@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-std::string error_of(const std::string& text, const std::string& ending) {
+std::string camera_error(const std::string& text, const std::string& ending) {
   try {
     parse_camera_file(text, "cam" + ending, ending);
   } catch (const ConfigError& error) {
@@ -72,20 +72,21 @@ TEST(CameraFile, ReadsAViSPCamera) {
 }
 
 TEST(CameraFile, TellsWhereSomethingIsWrong) {
-  EXPECT_THAT(error_of("a: 1\n", ".yaml"), HasSubstr("cam.yaml:1:1: camera_matrix: is missing"));
-  EXPECT_THAT(error_of("K: [500, 1, 320, 0, 500, 240, 0, 0, 1]\n", ".yaml"),
+  EXPECT_THAT(camera_error("a: 1\n", ".yaml"),
+              HasSubstr("cam.yaml:1:1: camera_matrix: is missing"));
+  EXPECT_THAT(camera_error("K: [500, 1, 320, 0, 500, 240, 0, 0, 1]\n", ".yaml"),
               HasSubstr("cam.yaml:1:4: camera_matrix: must be fx 0 cx"));
-  EXPECT_THAT(error_of("K: [500, 0, 320, 0, -500, 240, 0, 0, 1]\n", ".yaml"),
+  EXPECT_THAT(camera_error("K: [500, 0, 320, 0, -500, 240, 0, 0, 1]\n", ".yaml"),
               HasSubstr("must be > 0"));
-  EXPECT_THAT(error_of("K: [500, 0, .nan, 0, 500, 240, 0, 0, 1]\n", ".yaml"),
+  EXPECT_THAT(camera_error("K: [500, 0, .nan, 0, 500, 240, 0, 0, 1]\n", ".yaml"),
               HasSubstr("cam.yaml:1:13: camera_matrix: must be a finite number"));
-  EXPECT_THAT(error_of("K: [1, 0, 3, 0, 5, 2, 0, 0, 1]\nD: [0, 0, 0, 0, 0, 1]\n", ".yaml"),
+  EXPECT_THAT(camera_error("K: [1, 0, 3, 0, 5, 2, 0, 0, 1]\nD: [0, 0, 0, 0, 0, 1]\n", ".yaml"),
               HasSubstr("cam.yaml:2:4: distortion_coefficients: number 6 is 1"));
-  EXPECT_THAT(error_of("<root><camera><model><type>x</type></model></camera></root>", ".xml"),
+  EXPECT_THAT(camera_error("<root><camera><model><type>x</type></model></camera></root>", ".xml"),
               HasSubstr("type: must be perspectiveProjWithDistortion"));
-  EXPECT_THAT(error_of("[camera]\nwidht_px = 5\n", ".toml"),
+  EXPECT_THAT(camera_error("[camera]\nwidht_px = 5\n", ".toml"),
               HasSubstr("cam.toml:2:1: camera.widht_px: unknown key, the nearest known one"));
-  EXPECT_THAT(error_of("x = 1\n[a]\n", ".toml"), HasSubstr("camera: is missing"));
+  EXPECT_THAT(camera_error("x = 1\n[a]\n", ".toml"), HasSubstr("camera: is missing"));
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ WrittenPose pose_of(std::vector<double> numbers) {
   return {.numbers = std::move(numbers), .place = {.file = "p.csv", .line = 3, .column = 1}};
 }
 
-std::string error_of(const std::vector<WrittenPose>& poses, const PoseConvention& convention) {
+std::string convention_error(const std::vector<WrittenPose>& poses,
+                             const PoseConvention& convention) {
   try {
     const PoseConvention resolved = resolved_convention(poses, convention).convention;
     for (const WrittenPose& pose : poses) {
@@ -101,26 +102,28 @@ TEST(PoseConvention, TakesTheToolsTipOff) {
 
 TEST(PoseConvention, NamesWhatTheNumbersContradict) {
   const std::string where = "p.csv:3:1: ";
-  EXPECT_THAT(error_of({pose_of({100, 0, 0, 0, NAN, 0})}, {}),
+  EXPECT_THAT(convention_error({pose_of({100, 0, 0, 0, NAN, 0})}, {}),
               HasSubstr(where + "pose: number 5 is nan"));
-  EXPECT_THAT(error_of({pose_of({1, 2, 3, 4, 5})}, {}), HasSubstr(where + "pose: has 5 numbers"));
-  EXPECT_THAT(error_of({pose_of({1, 2, 3, 0, 0, 0}), pose_of({1, 2, 3, 0, 0, 0, 1})}, {}),
+  EXPECT_THAT(convention_error({pose_of({1, 2, 3, 4, 5})}, {}),
+              HasSubstr(where + "pose: has 5 numbers"));
+  EXPECT_THAT(convention_error({pose_of({1, 2, 3, 0, 0, 0}), pose_of({1, 2, 3, 0, 0, 0, 1})}, {}),
               HasSubstr("has 7 numbers, the first pose has 6"));
-  EXPECT_THAT(error_of({pose_of({100, 0, 0, 0, 0, 92.5})}, {.angle = PoseAngle::kRadian}),
+  EXPECT_THAT(convention_error({pose_of({100, 0, 0, 0, 0, 92.5})}, {.angle = PoseAngle::kRadian}),
               HasSubstr("angle: is \"rad\", but an angle is 92.5"));
-  EXPECT_THAT(error_of({pose_of({0.4, 0, 0, 0, 0, 1})}, {.unit = PoseUnit::kMillimetre}),
+  EXPECT_THAT(convention_error({pose_of({0.4, 0, 0, 0, 0, 1})}, {.unit = PoseUnit::kMillimetre}),
               HasSubstr("unit: is \"mm\", but the flange is 0.4"));
-  EXPECT_THAT(error_of({pose_of({400, 0, 0, 0, 0, 1})}, {.unit = PoseUnit::kMetre}),
+  EXPECT_THAT(convention_error({pose_of({400, 0, 0, 0, 0, 1})}, {.unit = PoseUnit::kMetre}),
               HasSubstr("unit: is \"m\", but the flange is 400"));
-  EXPECT_THAT(error_of({pose_of({400, 0, 0, 0, 0, 1})}, {.rotation = PoseRotation::kMatrix}),
-              HasSubstr("rotation: is \"matrix\", which needs 12 or 16 numbers"));
-  EXPECT_THAT(error_of({pose_of({1, 0, 0, 100, 0, 1.1, 0, 0, 0, 0, 1, 0})}, {}),
+  EXPECT_THAT(
+      convention_error({pose_of({400, 0, 0, 0, 0, 1})}, {.rotation = PoseRotation::kMatrix}),
+      HasSubstr("rotation: is \"matrix\", which needs 12 or 16 numbers"));
+  EXPECT_THAT(convention_error({pose_of({1, 0, 0, 100, 0, 1.1, 0, 0, 0, 0, 1, 0})}, {}),
               HasSubstr("its matrix is no rotation: rows times rows differ from 1 by 0.21"));
-  EXPECT_THAT(error_of({pose_of({1, 0, 0, 100, 0, 1, 0, 0, 0, 0, -1, 0})}, {}),
+  EXPECT_THAT(convention_error({pose_of({1, 0, 0, 100, 0, 1, 0, 0, 0, 0, -1, 0})}, {}),
               HasSubstr("a mirror"));
-  EXPECT_THAT(error_of({pose_of({1, 0, 0, 100, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 1})}, {}),
+  EXPECT_THAT(convention_error({pose_of({1, 0, 0, 100, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 1})}, {}),
               HasSubstr("last row"));
-  EXPECT_THAT(error_of({pose_of({400, 0, 0, 0, 0, 0.5, 0.5})}, {}),
+  EXPECT_THAT(convention_error({pose_of({400, 0, 0, 0, 0, 0.5, 0.5})}, {}),
               HasSubstr("its quaternion has the length 0.7071"));
 }
 

@@ -18,9 +18,9 @@ RobotPoses read(const std::string& text,
   return robot_poses(parse_pose_file(text, "robot_1" + ending, ending), said);
 }
 
-std::string error_of(const std::string& text,
-                     const std::string& ending,
-                     const PoseConvention& said = {}) {
+std::string file_error(const std::string& text,
+                       const std::string& ending,
+                       const PoseConvention& said = {}) {
   try {
     read(text, ending, said);
   } catch (const ConfigError& error) {
@@ -75,28 +75,28 @@ TEST(PoseFile, TakesTheFilesConventionAndTheUsersBeforeIt) {
 }
 
 TEST(PoseFile, TellsWhereSomethingIsWrong) {
-  EXPECT_THAT(error_of("a,1,2,3,0,0,0\nb,1,2,x,0,0,0\n", ".csv"),
+  EXPECT_THAT(file_error("a,1,2,3,0,0,0\nb,1,2,x,0,0,0\n", ".csv"),
               HasSubstr("robot_1.csv:2:7: pose: 'x' is no number"));
-  EXPECT_THAT(error_of("a,1,2,3,0,0,0\nb,1,2,3,0,0\n", ".csv"),
+  EXPECT_THAT(file_error("a,1,2,3,0,0,0\nb,1,2,3,0,0\n", ".csv"),
               HasSubstr("robot_1.csv:2:1: pose: has 6 columns, the first line has 7"));
-  EXPECT_THAT(error_of("a,1,2,3,0,0,nan\n", ".csv"),
+  EXPECT_THAT(file_error("a,1,2,3,0,0,nan\n", ".csv"),
               HasSubstr("robot_1.csv:1:1: pose: number 6 is nan"));
   EXPECT_THAT(
-      error_of("a,1,2,3,0,0,0\na,1,2,3,0,0,1\n", ".csv"),
+      file_error("a,1,2,3,0,0,0\na,1,2,3,0,0,1\n", ".csv"),
       HasSubstr("robot_1.csv:2:1: name: \"a\" is the name of an earlier pose, robot_1.csv:1"));
   EXPECT_THAT(
-      error_of("time,x,y,z,a,b,c\n5,1,2,3,0,0,0\n5,1,2,3,0,0,1\n", ".csv"),
+      file_error("time,x,y,z,a,b,c\n5,1,2,3,0,0,0\n5,1,2,3,0,0,1\n", ".csv"),
       HasSubstr("robot_1.csv:3:1: stamp_s: 5 is the stamp of an earlier pose, robot_1.csv:2"));
-  EXPECT_THAT(error_of("[[pose]]\nposition = [1]\n", ".toml"),
+  EXPECT_THAT(file_error("[[pose]]\nposition = [1]\n", ".toml"),
               HasSubstr("robot_1.toml:2:1: position: unknown key"));
-  EXPECT_THAT(error_of("{\"posess\": []}", ".json"), HasSubstr("posess: unknown key"));
-  EXPECT_THAT(error_of("[]", ".json"), HasSubstr("poses: there is none"));
-  EXPECT_THAT(error_of("", ".csv"), HasSubstr("poses: there is none"));
-  EXPECT_THAT(error_of("[convention]\nunit = \"inch\"\n", ".toml"),
+  EXPECT_THAT(file_error("{\"posess\": []}", ".json"), HasSubstr("posess: unknown key"));
+  EXPECT_THAT(file_error("[]", ".json"), HasSubstr("poses: there is none"));
+  EXPECT_THAT(file_error("", ".csv"), HasSubstr("poses: there is none"));
+  EXPECT_THAT(file_error("[convention]\nunit = \"inch\"\n", ".toml"),
               HasSubstr("robot_1.toml:2:1: convention.unit: is \"inch\", must be one of \"auto\""));
-  EXPECT_THAT(error_of("[convention]\neuler_order = \"xxy\"\n", ".toml"),
+  EXPECT_THAT(file_error("[convention]\neuler_order = \"xxy\"\n", ".toml"),
               HasSubstr("convention.euler_order: is \"xxy\", must be three of x, y, z"));
-  EXPECT_THAT(error_of("x", ".txt"), HasSubstr("must end in .csv"));
+  EXPECT_THAT(file_error("x", ".txt"), HasSubstr("must end in .csv"));
 }
 
 TEST(PoseFile, ReadsThePosesOfTheBoardOnARobot) {

@@ -12,7 +12,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using Names = std::vector<std::string>;
 
-std::string error_of(const Names& pictures, const Names& poses, PairBy by = PairBy::kAuto) {
+std::string pairing_error(const Names& pictures, const Names& poses, PairBy by = PairBy::kAuto) {
   try {
     pair_poses(pictures, poses, by);
   } catch (const ConfigError& error) {
@@ -41,12 +41,12 @@ TEST(PairPoses, TakesNamesFirstThenLastNumbersThenTheOrder) {
 }
 
 TEST(PairPoses, RefusesWhatIsMissingSurplusOrAmbiguous) {
-  EXPECT_THAT(error_of({"a.png", "b.png"}, {"a.png"}), HasSubstr("no pose for b.png"));
-  EXPECT_THAT(error_of({"a.png"}, {"a.png", "b.png"}), HasSubstr("no picture for b.png"));
-  EXPECT_THAT(error_of({"l/1.png", "r/1.png"}, {"p1", "q1"}), HasSubstr("occurs twice"));
-  EXPECT_THAT(error_of({"x.png", "y.png"}, {"p", "q"}), HasSubstr("cannot be paired"));
-  EXPECT_THAT(error_of({"x.png", "y.png"}, {""}), HasSubstr("2 pictures and 1 poses"));
-  EXPECT_THAT(error_of({"a1.png"}, {"b1"}, PairBy::kName), HasSubstr("no pose for a1.png"));
+  EXPECT_THAT(pairing_error({"a.png", "b.png"}, {"a.png"}), HasSubstr("no pose for b.png"));
+  EXPECT_THAT(pairing_error({"a.png"}, {"a.png", "b.png"}), HasSubstr("no picture for b.png"));
+  EXPECT_THAT(pairing_error({"l/1.png", "r/1.png"}, {"p1", "q1"}), HasSubstr("occurs twice"));
+  EXPECT_THAT(pairing_error({"x.png", "y.png"}, {"p", "q"}), HasSubstr("cannot be paired"));
+  EXPECT_THAT(pairing_error({"x.png", "y.png"}, {""}), HasSubstr("2 pictures and 1 poses"));
+  EXPECT_THAT(pairing_error({"a1.png"}, {"b1"}, PairBy::kName), HasSubstr("no pose for a1.png"));
 }
 
 }  // namespace

@@ -197,22 +197,39 @@ struct LevelFit {
   double noise = 0.0;
 };
 
-/// Steps of Gauss-Newton, each cut to what the model is good for.
+/// The next step of Gauss-Newton; a blur at its lower bound stays there when it would go below.
+Vector11 gauss_newton_step(Sums& sums, const Vector11& u) {
+  sums.normal.diagonal() *= 1.0 + 1e-9;
+  Vector11 change = sums.normal.ldlt().solve(sums.right);
+  if (change[kLogBlur] < 0.0 && u[kLogBlur] <= std::log(kLeastBlurPx)) {
+    sums.normal.row(kLogBlur).setZero();
+    sums.normal.col(kLogBlur).setZero();
+    sums.normal(kLogBlur, kLogBlur) = 1.0;
+    sums.right[kLogBlur] = 0.0;
+    change = sums.normal.ldlt().solve(sums.right);
+  }
+  return change;
+}
+
+/// Steps of Gauss-Newton, each cut to what the model is good for. Edges sharper than a pixel make
+/// them swing, so later ones are shorter.
 std::optional<LevelFit> settle(const Window& window, Vector11 u) {
-  constexpr int kMostSteps = 12;
+  constexpr int kMostSteps = 20;
+  constexpr int kFullSteps = 6;
+  constexpr double kSettledPx = 1e-3;
   for (int step = 0; step < kMostSteps; ++step) {
     Sums sums = sums_over(window, u);
-    sums.normal.diagonal() *= 1.0 + 1e-9;
-    const Vector11 change = sums.normal.ldlt().solve(sums.right);
+    const Vector11 change = gauss_newton_step(sums, u);
     const double largest = std::max({change.head<2>().norm() / (0.4 * window.radius_px),
                                      change.segment<2>(kAngle1).cwiseAbs().maxCoeff() / 0.3,
                                      std::abs(change[kLogBlur]) / 0.5});
     if (!std::isfinite(largest)) {
       return std::nullopt;
     }
-    u += change / std::max(1.0, largest);
+    u += (step < kFullSteps ? 1.0 : 0.5) * change / std::max(1.0, largest);
     u[kLogBlur] = std::max(u[kLogBlur], std::log(kLeastBlurPx));
-    if (change.head<2>().norm() < 1e-3 && std::abs(change[kLogBlur]) < 0.01) {
+    const double enough = step < kFullSteps ? kSettledPx : 5.0 * kSettledPx;
+    if (change.head<2>().norm() < enough && std::abs(change[kLogBlur]) < 10.0 * enough) {
       const double spare = std::max(1.0, sums.weights - static_cast<double>(u.size()));
       return LevelFit{.unknowns = u, .noise = std::sqrt(sums.squares / spare)};
     }

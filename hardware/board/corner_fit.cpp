@@ -303,10 +303,13 @@ double clipped_share(const Window& window, double clipped_value) {
   return static_cast<double>(clipped) / static_cast<double>(values.size());
 }
 
-/// The level on which a blur is one to two px wide.
-int level_for(double blur_px) {
+/// The level on which a blur is 1 to 2.4 px wide, but none on which the widest window is too small
+/// for the model's unknowns.
+int level_for(double blur_px, double clearance_px) {
+  constexpr double kLeastRadius = 3.5;
   int level = 0;
-  while (blur_px > 2.4 * (1 << level) && level < 6) {
+  while (blur_px > 2.4 * (1 << level) &&
+         kMostOfClearance * clearance_px > kLeastRadius * (2 << level) && level < 6) {
     ++level;
   }
   return level;
@@ -320,7 +323,7 @@ std::optional<CornerFit> fit_corner(PictureLevels& levels, int level, const Corn
   auto window = window_around(levels, level, guess.at_px / factor, first_radius);
   auto fit = window ? settle(*window, begin_at(*window, guess, factor)) : std::nullopt;
   for (int pass = 0; pass < 2 && fit; ++pass) {
-    const int next = level_for(blur_of(fit->unknowns, factor));
+    const int next = level_for(blur_of(fit->unknowns, factor), guess.clearance_px);
     const double next_factor = 1 << next;
     LevelFit moved = {.unknowns = on_level(fit->unknowns, factor, next_factor, 1.0),
                       .noise = fit->noise * factor / next_factor};

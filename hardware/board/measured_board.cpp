@@ -179,6 +179,14 @@ std::optional<Eigen::Vector2i> corner_outside(const PictureLevels& levels,
   return std::nullopt;
 }
 
+/// Whether light is clipped at a point.
+bool is_clipped(PictureLevels& levels, int level, const Eigen::Vector2d& at_px) {
+  const ImageF& picture = levels.level(level);
+  const int x = std::clamp(static_cast<int>(at_px.x()) >> level, 0, picture.width() - 1);
+  const int y = std::clamp(static_cast<int>(at_px.y()) >> level, 0, picture.height() - 1);
+  return static_cast<double>(picture(x, y)) >= levels.clipped_value();
+}
+
 /// The board's corners, fitted one by one.
 struct FittedBoard {
   std::vector<Eigen::Vector2i> col_row;
@@ -212,6 +220,8 @@ FittedBoard fitted_board(PictureLevels& levels,
       }
       const auto fit = fit_corner(levels, level, guess);
       if (!fit) {
+        result.outcome = is_clipped(levels, level, guess.at_px) ? ViewOutcome::kSaturated
+                                                                : ViewOutcome::kNoBoard;
         result.fault = fmt::format("the corner at column {}, row {} cannot be measured", col, row);
         return result;
       }

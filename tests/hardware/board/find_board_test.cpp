@@ -36,8 +36,8 @@ TEST(FindBoard, PlacesCornersToAFewHundredthsOfAPixel) {
   constexpr int kViews = 6;
   for (int i = 0; i < kViews; ++i) {
     BoardScene scene = small_scene(kBoard);
-    scene.camera_from_board = random_pose(kBoard, 150.0, 25 * kRadPerDeg, 0.6, 3.0, rng);
-    scene.blur_px_at = [&](double depth) { return 0.4 + 0.06 * std::abs(depth - 150.0); };
+    scene.camera_from_board = random_pose(kBoard, 175.0, 25 * kRadPerDeg, 0.6, 3.0, rng);
+    scene.blur_px_at = [&](double depth) { return 0.4 + 0.06 * std::abs(depth - 175.0); };
     const BoardView view = view_of(scene, static_cast<std::uint64_t>(i));
     ASSERT_TRUE(view.is_accepted()) << view.why;
     const double rms = rms_px(kBoard, view.picture_px, true_corners_px(scene));
@@ -169,7 +169,7 @@ TEST(FindBoard, FindsPartsOfACharucoBoard) {
   const Board board = {.kind = BoardKind::kCharuco, .cols = 6, .rows = 5, .square_mm = 12.0};
   Rng rng(8, Stream::kTest, 0);
   BoardScene scene = small_scene(board);
-  scene.camera_from_board = random_pose(board, 180.0, 0.3, 0.6, 2.0, rng);
+  scene.camera_from_board = random_pose(board, 230.0, 0.3, 0.6, 2.0, rng);
   const BoardView whole = view_of(scene, 9);
   ASSERT_TRUE(whole.is_accepted()) << whole.why;
   ASSERT_EQ(whole.picture_px.size(), 30U);

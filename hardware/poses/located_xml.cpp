@@ -135,8 +135,10 @@ class XmlParser {
       words += text_.substr(at_, end - at_);
       at_ = end;
     }
-    at_ += 2;
+    const std::size_t begin = at_ + 2;
+    at_ = begin;
     if (const std::string closed = name(); closed != tag) {
+      at_ = begin;
       fail(fmt::format("closes {}, but {} is open", closed, tag));
     }
     skip_past(">");

@@ -17,7 +17,7 @@ ConfigNode plain_value(std::string_view word) {
     digits.remove_prefix(1);
   }
   std::string without_dot;
-  for (const std::string_view special : {".nan", ".NaN", ".NAN", ".inf", ".Inf", ".INF"}) {
+  for (const std::string_view special : {".nan", ".NaN", ".Nan", ".NAN", ".inf", ".Inf", ".INF"}) {
     if (digits == special || (digits.starts_with('-') && digits.substr(1) == special)) {
       without_dot = digits;
       without_dot.erase(without_dot.find('.'), 1);

@@ -173,7 +173,7 @@ ImageF blurred(const ImageF& sharp, const ImageF& sigma) {
 }  // namespace
 
 Image<std::uint8_t> photographed(const BoardScene& scene, Rng& rng) {
-  constexpr int kSamples = 5;
+  constexpr int kSamples = 4;
   const int width = scene.camera.width_px;
   const int height = scene.camera.height_px;
   const Rays rays(scene.camera);

@@ -29,7 +29,7 @@ struct BoardScene {
   bool has_clutter = true;   ///< soft grey spots around the board, else white
 };
 
-/// The board as the camera sees it: each pixel the mean of 5 x 5 points of black and white squares,
+/// The board as the camera sees it: each pixel the mean of 4 x 4 points of black and white squares,
 /// dots and markers, blurred by Gaussians, with noise, in 8 bits. The board has a white border of
 /// one square.
 Image<std::uint8_t> photographed(const BoardScene& scene, Rng& rng);

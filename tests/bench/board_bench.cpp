@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A checkerboard looked for in a picture of 5 megapixels, where it is and where it is not, by us and
-// by OpenCV's classic search with and without its fast check.
+// A checkerboard looked for in a picture of 5 megapixels, where it is and where it is not, by us
+// and by OpenCV's classic search with and without its fast check.
 #include <benchmark/benchmark.h>
 #include <opencv2/calib3d.hpp>
 
@@ -23,9 +23,9 @@ Image<std::uint8_t> make_picture(bool has_board) {
                   .tangential = {1e-3, -8e-4}};
   scene.blur_px_at = [](double depth) { return std::hypot(0.4, 0.15 * (depth - 146.0)); };
   Rng rng(1, Stream::kTest, 0);
-  scene.camera_from_board =
-      has_board ? random_pose(kBoard, 146.0, 0.4, 0.5, 3.0, rng)
-                : Eigen::Isometry3d(Eigen::Translation3d(1000.0, 1000.0, 146.0));
+  scene.camera_from_board = has_board
+                                ? random_pose(kBoard, 146.0, 0.4, 0.5, 3.0, rng)
+                                : Eigen::Isometry3d(Eigen::Translation3d(1000.0, 1000.0, 146.0));
   return photographed(scene, rng);
 }
 
@@ -52,7 +52,8 @@ void find_by_opencv(benchmark::State& state, bool has_board, int more_flags) {
   const int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | more_flags;
   for (auto _ : state) {
     std::vector<cv::Point2f> corners;
-    const bool is_found = cv::findChessboardCorners(image, {kBoard.cols, kBoard.rows}, corners, flags);
+    const bool is_found =
+        cv::findChessboardCorners(image, {kBoard.cols, kBoard.rows}, corners, flags);
     benchmark::DoNotOptimize(is_found);
   }
 }

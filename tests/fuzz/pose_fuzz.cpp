@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Any bytes as a file of poses or of a camera, of the format that the last byte tells: they are refused with a text, or give poses
-// whose rotations are rotations.
+// Any bytes as a file of poses or of a camera, of the format that the last byte tells: they are
+// refused with a text, or give poses whose rotations are rotations.
 #include <array>
 #include <cstddef>
 #include <cstdint>

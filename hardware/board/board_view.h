@@ -31,8 +31,9 @@ struct BoardView {
   std::vector<Eigen::Vector3d> board_mm;    ///< corners on the board, z = 0
   std::vector<Eigen::Vector2d> picture_px;  ///< the same in the picture
   std::vector<double> blur_px;              ///< standard deviation at each corner, pixel included
-  double noise = 0.0;                       ///< of a pixel, share of full scale (median)
-  double contrast = 0.0;                    ///< bright minus dark, share of full scale (median)
+  double noise =
+      0.0;  ///< of a pixel and what the model of a corner lacks, share of full scale (median)
+  double contrast = 0.0;              ///< bright minus dark, share of full scale (median)
   bool is_orientation_known = false;  ///< else the board may be turned round (num_symmetries())
 
   bool is_accepted() const { return outcome == ViewOutcome::kAccepted; }

@@ -137,11 +137,11 @@ BoardView find_checkerboard(PictureLevels& levels, const Board& board) {
       most = std::move(best);
     }
   }
-  constexpr int kFewest = 6;
+  // A few that look like a part of a grid are found in any noise.
+  const int fewest = num_corners(board) / 4;
   if (refusal) {
     return *refusal;
   }
-  const int fewest = std::max(kFewest, num_corners(board) / 10);
   return most && most->found.num_found >= fewest ? incomplete(levels, board, *most)
                                                  : without_board(levels);
 }

@@ -173,9 +173,9 @@ ConfigNode parse_located_yaml(std::string_view text, const std::string& file) {
   if (!text.starts_with(kOpenCvHead)) {
     return TreeBuilder(text, file).build();
   }
-  // YAML wants a blank where OpenCV writes a colon.
+  // No directive of YAML has a colon, and its version 1.0 is refused: a comment in its place.
   std::string standard(text);
-  standard[kOpenCvHead.size() - 1] = ' ';
+  standard.front() = '#';
   return TreeBuilder(standard, file).build();
 }
 

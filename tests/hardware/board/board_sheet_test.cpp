@@ -76,7 +76,9 @@ TEST(BoardSheet, PdfHasItsObjectsWhereItsTableSays) {
   EXPECT_TRUE(pdf.starts_with("%PDF-1.4\n"));
   // 260 mm are 260 / 25.4 x 72 = 737.0079 points.
   EXPECT_THAT(pdf, HasSubstr("/MediaBox [0 0 737.0079 "));
-  EXPECT_THAT(pdf, HasSubstr("0.0000 20.0000 20.0000 re"));
+  // The sheet is 9 squares, two borders and three lines high: 180 + 40 + 3 x 4.2 = 232.6 mm. The
+  // first square's lower edge is 40 mm below its top.
+  EXPECT_THAT(pdf, HasSubstr("20.0000 192.6000 20.0000 20.0000 re"));
   const std::size_t table = pdf.find("xref\n0 6\n");
   ASSERT_NE(table, pdf.npos);
   EXPECT_THAT(pdf, HasSubstr(fmt::format("startxref\n{}\n", table)));

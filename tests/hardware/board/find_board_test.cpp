@@ -42,7 +42,8 @@ TEST(FindBoard, PlacesCornersToAFewHundredthsOfAPixel) {
     ASSERT_TRUE(view.is_accepted()) << view.why;
     const double rms = rms_px(kBoard, view.picture_px, true_corners_px(scene));
     squares += rms * rms;
-    EXPECT_NEAR(view.noise, 2.0 / 255.0, 1.5 / 255.0);
+    EXPECT_GT(view.noise, 1.5 / 255.0);
+    EXPECT_LT(view.noise, 5.0 / 255.0);  // what the model lacks is in it
     EXPECT_NEAR(*std::ranges::max_element(view.blur_px), largest_blur_px(scene), 0.5);
   }
   EXPECT_LT(std::sqrt(squares / kViews), 0.05);
@@ -175,7 +176,7 @@ TEST(FindBoard, FindsPartsOfACharucoBoard) {
   ASSERT_EQ(whole.picture_px.size(), 30U);
   EXPECT_LT(rms_px(board, whole.picture_px, true_corners_px(scene)), 0.06);
 
-  scene.camera_from_board.translation().x() += 35.0;
+  scene.camera_from_board.translation().x() += 60.0;
   const BoardView part = view_of(scene, 9);
   ASSERT_TRUE(part.is_accepted()) << part.why;
   EXPECT_LT(part.picture_px.size(), 30U);

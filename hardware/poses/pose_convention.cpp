@@ -23,6 +23,7 @@ constexpr std::array<std::string_view, 3> kAngles = {"auto", "rad", "deg"};
 constexpr double kMostFromRotation = 0.01;  ///< of an element of R R^T - 1; rounding leaves 1e-3
 constexpr double kMostReachInMetres = 10.0;
 constexpr double kLeastReachInMm = 10.0;
+constexpr double kLargestNumber = 1e6;  ///< of a pose: no robot reaches a kilometre
 constexpr double kFullTurnRad = 2.0 * kPi;
 
 template <class Enum, std::size_t N>
@@ -93,14 +94,16 @@ void check_numbers(std::span<const WrittenPose> poses) {
   std::vector<Problem> errors;
   const std::size_t count = poses.front().numbers.size();
   for (const WrittenPose& pose : poses) {
-    const auto bad =
-        std::ranges::find_if_not(pose.numbers, [](double v) { return std::isfinite(v); });
+    const auto bad = std::ranges::find_if_not(
+        pose.numbers, [](double v) { return std::abs(v) <= kLargestNumber; });
     if (bad != pose.numbers.end()) {
       errors.push_back({.place = pose.place,
                         .key = "pose",
-                        .text = fmt::format("number {} is {}, all must be finite",
+                        .text = fmt::format("number {} is {}, all must lie between -{} and {}",
                                             bad - pose.numbers.begin() + 1,
-                                            shortest(*bad))});
+                                            shortest(*bad),
+                                            kLargestNumber,
+                                            kLargestNumber)});
     } else if (pose.numbers.size() != count) {
       errors.push_back({.place = pose.place,
                         .key = "pose",

@@ -63,8 +63,9 @@ struct ResolvedConvention {
 };
 
 /// @param poses  at least one, equally many numbers in each
-/// @throws ConfigError naming what the numbers contradict: NaN, another count of numbers than the
-/// rotation needs, degrees given as radians, metres given as mm and the other way round
+/// @throws ConfigError naming what the numbers contradict: NaN or beyond 1e6, another count of
+/// numbers than the rotation needs, degrees given as radians, metres given as mm and the other way
+/// round
 ResolvedConvention resolved_convention(std::span<const WrittenPose> poses,
                                        const PoseConvention& convention);
 

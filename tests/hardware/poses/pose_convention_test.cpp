@@ -104,6 +104,8 @@ TEST(PoseConvention, NamesWhatTheNumbersContradict) {
   const std::string where = "p.csv:3:1: ";
   EXPECT_THAT(convention_error({pose_of({100, 0, 0, 0, NAN, 0})}, {}),
               HasSubstr(where + "pose: number 5 is nan"));
+  EXPECT_THAT(convention_error({pose_of({1e300, 0, 0, 0, 0, 0})}, {}),
+              HasSubstr("number 1 is 1e+300, all must lie between -1000000 and 1000000"));
   EXPECT_THAT(convention_error({pose_of({1, 2, 3, 4, 5})}, {}),
               HasSubstr(where + "pose: has 5 numbers"));
   EXPECT_THAT(convention_error({pose_of({1, 2, 3, 0, 0, 0}), pose_of({1, 2, 3, 0, 0, 0, 1})}, {}),

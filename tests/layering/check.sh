@@ -29,7 +29,7 @@ trap 'rm -f "$violations"' EXIT
 read -r -d '' cpp_rules <<'AWK' || true
 BEGIN {
   tops = "^(core|simulator|defects|metrics|optimizer|hardware|studies|cli|tests)$"
-  heavy = "^(CGAL/|opencv2/|toml\\+\\+|sqlite3|embree3/|embree4/|nlopt|OpenImageIO/|spdlog/|CLI/)"
+  heavy = "^(CGAL/|ceres/|opencv2/|toml\\+\\+|sqlite3|embree3/|embree4/|nlopt|OpenImageIO/|spdlog/|CLI/)"
   unwanted = "std::format[^_a-z]|<format>|std::expected|<expected>|source_location|[^_a-z]views::"
   unwanted = unwanted "|std::random_device|std::mt19937|std::[a-z_]+_distribution|ffast-math"
   unfinished = "TO" "DO|FIX" "ME"

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a joint calibration is worth: covariance, error of a projected point, size of the squares.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "hardware/calibration/bundle.h"
+
+namespace glint {
+
+/// Covariance of the nine intrinsics, the hand-eye's and the board's increments (rotation in rad,
+/// translation in mm, both in the source's frame: hand_eye * motion_of(increment)). Rows and columns
+/// of what is not estimated are zero.
+using SharedCovariance = Eigen::Matrix<double, 21, 21>;
+
+/// By the pictures' information with the robot's errors integrated out (shared_information()), the
+/// bundle's noise sizes taken as known.
+SharedCovariance shared_covariance(const Bundle& bundle);
+
+/// Standard deviation of the distance, in px, between the computed and the true place of a point.
+struct PointError {
+  double rms_px = 0.0;     ///< over the picture
+  double center_px = 0.0;  ///< in the middle of the picture
+  double edge_px = 0.0;    ///< in its corners, rms of the four
+};
+
+/// For points in the board's plane, given in its frame, seen from a robot pose without error: the
+/// calibration's part of the error between a rendered and a real picture. The robot poses are those
+/// of the pictures, the points those that fall on a grid of 7 x 7 pixels, the middle and the corners.
+PointError point_error(const Bundle& bundle,
+                       const SharedCovariance& covariance,
+                       int width_px,
+                       int height_px);
+
+/// How much larger the board is than it was given.
+struct BoardScale {
+  double factor = 1.0;  ///< true size over given size
+  double sigma = 0.0;   ///< infinite: poses say nothing of it
+};
+
+/// One step of least squares with the size as a further unknown, from a solved joint bundle: right
+/// to first order for factors near one. Pictures alone cannot tell a board's size, poses can.
+BoardScale board_scale(const Bundle& bundle);
+
+}  // namespace glint

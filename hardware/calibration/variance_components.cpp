@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/calibration/variance_components.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+namespace glint {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+const Vector3d kLeast(1e-5, 1e-9, 1e-7);
+
+bool has_limits(const NoiseSizes& noise) { return noise.robot_rad > 0.0 && noise.robot_mm > 0.0; }
+
+NoiseSizes noise_of(const Vector3d& logs) {
+  const Vector3d sizes = logs.array().exp().matrix().cwiseMax(kLeast);
+  return {.corner_px = sizes[0], .robot_rad = sizes[1], .robot_mm = sizes[2]};
+}
+
+double log_determinant(const Eigen::LDLT<MatrixXd>& solved) {
+  return solved.vectorD().array().abs().max(1e-300).log().sum();
+}
+
+/// Scales a Hessian to a unit diagonal before it is factored: its unknowns have different units.
+struct ScaledFactor {
+  explicit ScaledFactor(const MatrixXd& hessian)
+      : scale(hessian.diagonal().array().max(1e-300).rsqrt()),
+        factor(scale.asDiagonal() * hessian * scale.asDiagonal()) {}
+
+  VectorXd solve(const VectorXd& right) const {
+    return scale.cwiseProduct(factor.solve(scale.cwiseProduct(right)));
+  }
+
+  double log_det() const { return log_determinant(factor) - 2.0 * scale.array().log().sum(); }
+
+  VectorXd scale;
+  Eigen::LDLT<MatrixXd> factor;
+};
+
+double minus_two_log_likelihood(const Bundle& bundle,
+                                const CompressedBundle& compressed,
+                                const Vector3d& logs) {
+  return shared_information(bundle, compressed, noise_of(logs)).minus_two_log_likelihood;
+}
+
+struct Slopes {
+  Vector3d gradient = Vector3d::Zero();
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+};
+
+/// By central differences: the likelihood is smooth in the logarithms.
+template <class Function>
+Slopes slopes_at(const Vector3d& at, const Function& function) {
+  constexpr double kStep = 1e-2;
+  Slopes slopes;
+  const double middle = function(at);
+  for (int i = 0; i < 3; ++i) {
+    const Vector3d a = kStep * Vector3d::Unit(i);
+    const double up = function(at + a);
+    const double down = function(at - a);
+    slopes.gradient[i] = (up - down) / (2.0 * kStep);
+    slopes.hessian(i, i) = (up - 2.0 * middle + down) / (kStep * kStep);
+    for (int j = 0; j < i; ++j) {
+      const Vector3d b = kStep * Vector3d::Unit(j);
+      const double mixed = (function(at + a + b) - function(at + a - b) - function(at - a + b) +
+                            function(at - a - b)) /
+                           (4.0 * kStep * kStep);
+      slopes.hessian(i, j) = slopes.hessian(j, i) = mixed;
+    }
+  }
+  return slopes;
+}
+
+/// A step of Newton with the curvature made positive, at most a factor of e in each size.
+Vector3d newton_step(const Slopes& slopes) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(slopes.hessian);
+  const Vector3d curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-2);
+  const Vector3d along = eigen.eigenvectors().transpose() * slopes.gradient;
+  const Vector3d step = -eigen.eigenvectors() * along.cwiseQuotient(curvature);
+  return step / std::max(1.0, step.cwiseAbs().maxCoeff());
+}
+
+EstimatedNoise corner_noise_only(const Bundle& bundle, const CompressedBundle& compressed) {
+  const double freedom = std::max(1.0, compressed.rest_count - num_shared(bundle));
+  // At the minimum the shared unknowns explain nothing more; elsewhere their step's part goes.
+  MatrixXd hessian = compressed.rest_hessian;
+  VectorXd gradient = compressed.rest_gradient;
+  const double explained =
+      gradient.size() > 0 ? gradient.dot(ScaledFactor(hessian).solve(gradient)) : 0.0;
+  const double square = std::max(0.0, compressed.rest_square_px2 - explained);
+  NoiseSizes noise = bundle.noise;
+  noise.corner_px = std::max(kLeast[0], std::sqrt(square / freedom));
+  return {.noise = noise, .log_sigma = Vector3d(std::sqrt(0.5 / freedom), 0.0, 0.0)};
+}
+
+}  // namespace
+
+CompressedBundle compress(const Bundle& bundle) {
+  const Eigen::Index size = num_shared(bundle);
+  CompressedBundle result{.rest_hessian = MatrixXd::Zero(size, size),
+                          .rest_gradient = VectorXd::Zero(size)};
+  for (const BundleView& view : bundle.views) {
+    const auto system = weighted_system(bundle, view);
+    if (!system.has_value()) {
+      continue;
+    }
+    const Eigen::Index rows = system->residual_px.size();
+    const Eigen::HouseholderQR<MatrixXd> qr(system->by_error);
+    const MatrixXd q = qr.householderQ() * MatrixXd::Identity(rows, 6);
+    const VectorXd y = system->residual_px - system->by_error * view.error;
+    CompressedBundle::View& compressed = result.views.emplace_back();
+    compressed.reached = q.transpose() * y;
+    compressed.by_shared = q.transpose() * system->by_shared;
+    compressed.by_error = qr.matrixQR().topRows<6>().triangularView<Eigen::Upper>();
+    // Subtracted before the products: the rest is small against the whole.
+    const VectorXd rest = y - q * compressed.reached;
+    const MatrixXd rest_by = system->by_shared - q * compressed.by_shared;
+    result.rest_hessian += rest_by.transpose() * rest_by;
+    result.rest_gradient += rest_by.transpose() * rest;
+    result.rest_square_px2 += rest.squaredNorm();
+    result.rest_count += static_cast<double>(rows - 6);
+  }
+  return result;
+}
+
+SharedInformation shared_information(const Bundle& bundle,
+                                     const CompressedBundle& compressed,
+                                     const NoiseSizes& noise) {
+  const double variance = noise.corner_px * noise.corner_px;
+  SharedInformation result{.hessian = compressed.rest_hessian / variance,
+                           .gradient = compressed.rest_gradient / variance};
+  double sum = compressed.rest_count * std::log(variance) + compressed.rest_square_px2 / variance;
+  if (has_limits(noise)) {
+    Vector6d robot;
+    robot << Vector3d::Constant(noise.robot_rad), Vector3d::Constant(noise.robot_mm);
+    for (const CompressedBundle::View& view : compressed.views) {
+      const Matrix6d moved = view.by_error * robot.asDiagonal();
+      const Matrix6d covariance = moved * moved.transpose() + variance * Matrix6d::Identity();
+      const Eigen::LLT<Matrix6d> root(covariance);
+      const Eigen::Matrix<double, 6, Eigen::Dynamic> by = root.matrixL().solve(view.by_shared);
+      const Vector6d reached = root.matrixL().solve(view.reached);
+      result.hessian += by.transpose() * by;
+      result.gradient += by.transpose() * reached;
+      sum += 2.0 * root.matrixLLT().diagonal().array().log().sum() + reached.squaredNorm();
+    }
+  }
+  add_lens_prior(bundle, result.hessian, result.gradient);
+  if (result.gradient.size() > 0) {
+    const ScaledFactor factor(result.hessian);
+    sum += factor.log_det() - result.gradient.dot(factor.solve(result.gradient));
+  }
+  result.minus_two_log_likelihood = sum;
+  return result;
+}
+
+MatrixXd inverse_information(const MatrixXd& hessian) {
+  if (hessian.rows() == 0) {
+    return hessian;
+  }
+  const VectorXd scale = hessian.diagonal().array().max(1e-300).rsqrt();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.asDiagonal() * hessian *
+                                                      scale.asDiagonal());
+  const VectorXd values = eigen.eigenvalues().cwiseMax(1e-16 * eigen.eigenvalues().maxCoeff());
+  const MatrixXd inverse =
+      eigen.eigenvectors() * values.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+  return scale.asDiagonal() * inverse * scale.asDiagonal();
+}
+
+EstimatedNoise estimate_noise(const Bundle& bundle) {
+  const CompressedBundle compressed = compress(bundle);
+  if (!has_limits(bundle.noise)) {
+    return corner_noise_only(bundle, compressed);
+  }
+  const auto function = [&](const Vector3d& logs) {
+    return minus_two_log_likelihood(bundle, compressed, logs);
+  };
+  const Vector3d sizes(bundle.noise.corner_px, bundle.noise.robot_rad, bundle.noise.robot_mm);
+  Vector3d logs = sizes.cwiseMax(kLeast).array().log();
+  double value = function(logs);
+  Slopes slopes;
+  for (int round = 0; round < 60; ++round) {
+    slopes = slopes_at(logs, function);
+    Vector3d step = newton_step(slopes);
+    double stepped = function(logs + step);
+    for (int halved = 0; halved < 20 && !(stepped <= value); ++halved) {
+      step *= 0.5;
+      stepped = function(logs + step);
+    }
+    if (!(stepped <= value)) {
+      break;
+    }
+    // A size that only falls ends at its least.
+    logs = (logs + step).cwiseMax(Vector3d(kLeast.array().log()));
+    const bool is_done = value - stepped < 1e-6;
+    value = function(logs);
+    if (is_done) {
+      break;
+    }
+  }
+  const Vector3d spread =
+      (0.5 * slopes.hessian.diagonal()).cwiseMax(1e-3).cwiseInverse().cwiseSqrt();
+  return {.noise = noise_of(logs), .log_sigma = spread};
+}
+
+}  // namespace glint

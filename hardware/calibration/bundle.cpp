@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/QR>
+
 namespace glint {
 namespace {
 
@@ -90,6 +92,21 @@ std::optional<WeightedSystem> weighted_system(const Bundle& bundle, const Bundle
     result.by_shared.middleCols<6>(column + 6) = roots.asDiagonal() * system.by_board;
   }
   return result;
+}
+
+Eigen::MatrixXd patterns_of(const WeightedSystem& system) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(system.by_error);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(system.by_error.rows(), 6);
+}
+
+void take_patterns(Bundle& bundle) {
+  for (BundleView& view : bundle.views) {
+    view.patterns.resize(0, 0);
+    if (bundle.noise.pattern_px > bundle.noise.corner_px) {
+      const auto system = weighted_system(bundle, view);
+      view.patterns = system.has_value() ? patterns_of(*system) : Eigen::MatrixXd();
+    }
+  }
 }
 
 void add_lens_prior(const Bundle& bundle, Eigen::MatrixXd& hessian, Eigen::VectorXd& gradient) {

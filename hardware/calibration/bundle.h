@@ -4,6 +4,7 @@
 // residuals become near a solution.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -18,9 +19,15 @@ namespace glint {
 
 /// Standard deviations of independent errors.
 struct NoiseSizes {
-  double corner_px = 0.2;    ///< of a corner along one axis
-  double robot_rad = 3e-4;   ///< of a robot pose's rotation about one axis; 0: no limit
-  double robot_mm = 0.05;    ///< of a robot pose's place along one axis; 0: no limit
+  double corner_px = 0.2;   ///< of a corner along one axis
+  double robot_rad = 3e-4;  ///< of a robot pose's rotation about one axis; 0: no limit
+  double robot_mm = 0.05;   ///< of a robot pose's place along one axis; 0: no limit
+  /// Of the six patterns in a picture's corners that a movement of the board would make, each of
+  /// length one over all corners. Errors that neighbours share (a board that is not flat, blur,
+  /// what the lens model lacks) look like movements, so this is at least corner_px; 0: equal to it.
+  double pattern_px = 0.0;
+
+  double whole_pattern_px() const { return std::max(corner_px, pattern_px); }
 };
 
 /// One picture.
@@ -29,6 +36,9 @@ struct BundleView {
   Eigen::Isometry3d base_from_flange = Eigen::Isometry3d::Identity();
   Vector6d error = Vector6d::Zero();  ///< of the robot's pose, rad and mm; an unknown
   Eigen::VectorXd weights;            ///< of the corners, 0 to 1
+  /// 2 m x 6, orthonormal: how the weighted corners move with the error; empty: pattern_px is not
+  /// looked at by the minimiser. take_patterns() sets it.
+  Eigen::MatrixXd patterns;
 };
 
 /// What is known of the intrinsics beforehand: independent normal distributions.
@@ -56,9 +66,10 @@ struct Bundle {
 /// The same unknowns with no pictures.
 Bundle without_views(const Bundle& bundle);
 
-/// Residuals (computed minus found, px, corner by corner x then y) of one picture and how they move.
+/// Residuals (computed minus found, px, corner by corner x then y) of one picture and how they
+/// move.
 struct ViewSystem {
-  Eigen::VectorXd residual_px;                    ///< 2 m
+  Eigen::VectorXd residual_px;  ///< 2 m
   Eigen::Matrix<double, Eigen::Dynamic, 9> by_lens;
   Eigen::Matrix<double, Eigen::Dynamic, 6> by_hand_eye;
   Eigen::Matrix<double, Eigen::Dynamic, 6> by_board;
@@ -87,7 +98,15 @@ struct WeightedSystem {
   Eigen::MatrixXd by_shared;  ///< 2 m x num_shared()
   Eigen::Matrix<double, Eigen::Dynamic, 6> by_error;
 };
+
 std::optional<WeightedSystem> weighted_system(const Bundle& bundle, const BundleView& view);
+
+/// An orthonormal base of the columns of by_error.
+Eigen::MatrixXd patterns_of(const WeightedSystem& system);
+
+/// Sets the patterns of all views at the bundle's state, or empties them when pattern_px is not
+/// larger than corner_px.
+void take_patterns(Bundle& bundle);
 
 /// Adds what the prior knows of the free intrinsics to the normal equations of the shared unknowns.
 /// @param hessian, gradient  of minus the logarithm of the likelihood

@@ -21,6 +21,7 @@ class ViewCost final : public ceres::CostFunction {
     for (Eigen::Index i = 0; i < view.weights.size(); ++i) {
       scales_.segment<2>(2 * i).setConstant(std::sqrt(view.weights[i]) / bundle.noise.corner_px);
     }
+    damped_ = 1.0 - bundle.noise.corner_px / bundle.noise.whole_pattern_px();
   }
 
   bool Evaluate(double const* const* parameters,
@@ -34,8 +35,7 @@ class ViewCost final : public ceres::CostFunction {
     if (!evaluate_view(bundle_, view_, lens, increment, jacobians != nullptr, system)) {
       return false;
     }
-    Eigen::Map<Eigen::VectorXd>(residuals, num_residuals()) =
-        scales_.cwiseProduct(system.residual_px);
+    Eigen::Map<Eigen::VectorXd>(residuals, num_residuals()) = whitened(system.residual_px);
     if (jacobians != nullptr) {
       write(system.by_lens, jacobians[0]);
       write(system.by_hand_eye, jacobians[1]);
@@ -51,22 +51,33 @@ class ViewCost final : public ceres::CostFunction {
     using RowMajor =
         Eigen::Matrix<double, Eigen::Dynamic, Matrix::ColsAtCompileTime, Eigen::RowMajor>;
     if (rows != nullptr) {
-      Eigen::Map<RowMajor>(rows, by.rows(), by.cols()) = scales_.asDiagonal() * by;
+      Eigen::Map<RowMajor>(rows, by.rows(), by.cols()) = whitened(by);
     }
+  }
+
+  /// In units of the noise: what looks like a movement of the board counts less.
+  template <class Matrix>
+  Matrix whitened(const Matrix& plain) const {
+    Matrix result = scales_.asDiagonal() * plain;
+    if (view_.patterns.rows() == result.rows()) {
+      const Eigen::MatrixXd along = view_.patterns.transpose() * result;
+      result -= damped_ * view_.patterns * along;
+    }
+    return result;
   }
 
   const Bundle& bundle_;
   const BundleView& view_;
   Eigen::VectorXd scales_;
+  double damped_ = 0.0;  ///< share of the patterns that is taken away
 };
 
-/// (x - mean) / sigma of each number; one without a limit (sigma infinite, or 0 as it does not move)
-/// is left alone.
+/// (x - mean) / sigma of each number; one without a limit (sigma infinite, or 0 as it does not
+/// move) is left alone.
 class NormalCost final : public ceres::CostFunction {
  public:
   NormalCost(Eigen::VectorXd mean, const Eigen::VectorXd& sigma)
-      : mean_(std::move(mean)),
-        scale_((sigma.array() > 0.0).select(sigma.cwiseInverse(), 0.0)) {
+      : mean_(std::move(mean)), scale_((sigma.array() > 0.0).select(sigma.cwiseInverse(), 0.0)) {
     set_num_residuals(static_cast<int>(mean_.size()));
     *mutable_parameter_block_sizes() = {static_cast<int>(mean_.size())};
   }
@@ -151,8 +162,7 @@ ceres::Solver::Options options_for(Unknowns& unknowns) {
   for (Vector6d& error : unknowns.errors) {
     ordering->AddElementToGroup(error.data(), 0);
   }
-  for (double* shared :
-       {unknowns.lens.data(), unknowns.hand_eye.data(), unknowns.board.data()}) {
+  for (double* shared : {unknowns.lens.data(), unknowns.hand_eye.data(), unknowns.board.data()}) {
     ordering->AddElementToGroup(shared, 1);
   }
   options.linear_solver_ordering = ordering;

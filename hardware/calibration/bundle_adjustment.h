@@ -15,11 +15,12 @@ struct AdjustmentSummary {
 };
 
 /// Moves the free intrinsics, the poses and each view's error to the least sum of
-/// weights |residual / corner_px|^2 + |error / robot|^2 + |(lens - mean) / sigma|^2.
+/// weights |residual / corner_px|^2 (pattern_px along the views' patterns) + |error / robot|^2 +
+/// |(lens - mean) / sigma|^2.
 ///
 /// Levenberg-Marquardt with the views' errors eliminated (Schur complement), analytic derivatives,
-/// one thread: same input, same bytes. Nothing moves when a corner is behind the camera at the start.
-/// Cost: per iteration O(corners) + O(views).
+/// one thread: same input, same bytes. Nothing moves when a corner is behind the camera at the
+/// start. Cost: per iteration O(corners) + O(views).
 AdjustmentSummary adjust_bundle(Bundle& bundle);
 
 }  // namespace glint

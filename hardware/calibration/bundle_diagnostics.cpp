@@ -98,7 +98,11 @@ VectorXd by_scale(const Bundle& bundle, const BundleView& view) {
     for (Vector3d& point : scaled.corners.board_mm) {
       point *= 1.0 + (side == 0 ? -kStep : kStep);
     }
-    evaluate_view(bundle, scaled, bundle.lens, {.error = view.error}, false,
+    evaluate_view(bundle,
+                  scaled,
+                  bundle.lens,
+                  {.error = view.error},
+                  false,
                   systems[static_cast<std::size_t>(side)]);
   }
   VectorXd slope = (systems[1].residual_px - systems[0].residual_px) / (2.0 * kStep);
@@ -114,15 +118,18 @@ MatrixXd residual_covariance(const Bundle& bundle, const WeightedSystem& system)
   robot << Vector3d::Constant(bundle.noise.robot_rad), Vector3d::Constant(bundle.noise.robot_mm);
   const MatrixXd moved = system.by_error * robot.asDiagonal();
   MatrixXd covariance = moved * moved.transpose();
-  covariance.diagonal().array() += bundle.noise.corner_px * bundle.noise.corner_px;
+  const double corner = bundle.noise.corner_px * bundle.noise.corner_px;
+  const double pattern = std::pow(bundle.noise.whole_pattern_px(), 2);
+  const MatrixXd patterns = patterns_of(system);
+  covariance += (pattern - corner) * patterns * patterns.transpose();
+  covariance.diagonal().array() += corner;
   return covariance;
 }
 
 }  // namespace
 
 SharedCovariance shared_covariance(const Bundle& bundle) {
-  const SharedInformation information =
-      shared_information(bundle, compress(bundle), bundle.noise);
+  const SharedInformation information = shared_information(bundle, compress(bundle), bundle.noise);
   const MatrixXd small = inverse_information(information.hessian);
   const std::vector<Index> rows = rows_of(bundle);
   SharedCovariance covariance = SharedCovariance::Zero();

@@ -10,8 +10,8 @@
 namespace glint {
 
 /// Covariance of the nine intrinsics, the hand-eye's and the board's increments (rotation in rad,
-/// translation in mm, both in the source's frame: hand_eye * motion_of(increment)). Rows and columns
-/// of what is not estimated are zero.
+/// translation in mm, both in the source's frame: hand_eye * motion_of(increment)). Rows and
+/// columns of what is not estimated are zero.
 using SharedCovariance = Eigen::Matrix<double, 21, 21>;
 
 /// By the pictures' information with the robot's errors integrated out (shared_information()), the
@@ -27,7 +27,8 @@ struct PointError {
 
 /// For points in the board's plane, given in its frame, seen from a robot pose without error: the
 /// calibration's part of the error between a rendered and a real picture. The robot poses are those
-/// of the pictures, the points those that fall on a grid of 7 x 7 pixels, the middle and the corners.
+/// of the pictures, the points those that fall on a grid of 7 x 7 pixels, the middle and the
+/// corners.
 PointError point_error(const Bundle& bundle,
                        const SharedCovariance& covariance,
                        int width_px,

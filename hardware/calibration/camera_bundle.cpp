@@ -32,9 +32,14 @@ void weigh_corners(Bundle& bundle) {
     if (!evaluate_view(bundle, view, bundle.lens, {.error = view.error}, false, system)) {
       continue;
     }
+    // What is left of the patterns is spread over all corners.
+    const double sigma = std::hypot(bundle.noise.corner_px,
+                                    bundle.noise.whole_pattern_px() *
+                                        std::sqrt(6.0 / static_cast<double>(std::max<Eigen::Index>(
+                                                            6, 2 * view.weights.size()))));
     for (Eigen::Index i = 0; i < view.weights.size(); ++i) {
       const double away = system.residual_px.segment<2>(2 * i).norm();
-      const double ratio = 3.0 * bundle.noise.corner_px / std::max(away, 1e-12);
+      const double ratio = 3.0 * sigma / std::max(away, 1e-12);
       view.weights[i] = std::min(1.0, ratio * ratio);
     }
   }

@@ -34,6 +34,7 @@ struct FittedView {
   BundleView view;
   double rms_px = 0.0;
 };
+
 std::optional<FittedView> fit_view(const BoardCorners& corners, const LensVector& lens);
 
 }  // namespace glint

@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include <Eigen/LU>
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include "hardware/calibration/camera_bundle.h"
 #include "hardware/calibration/lens_choice.h"
@@ -70,9 +70,8 @@ double squares_of(const Work& work, const LensVector& lens) {
   double sum = 0.0;
   for (const std::size_t i : work.used) {
     const auto pose = board_pose(work.pictures[i], lens);
-    sum += pose.has_value()
-               ? std::pow(rms_px(bundle, free_view(work.pictures[i], *pose)), 2)
-               : std::numeric_limits<double>::infinity();
+    sum += pose.has_value() ? std::pow(rms_px(bundle, free_view(work.pictures[i], *pose)), 2)
+                            : std::numeric_limits<double>::infinity();
   }
   return sum;
 }
@@ -105,9 +104,9 @@ LensMask allowed_terms(const CameraOptions& options) {
   LensMask mask;
   mask.fill(true);
   for (std::size_t i = 0; i < kLensSize; ++i) {
-    const bool is_exact = options.known.has_value() &&
-                          (!options.known->sigma.has_value() ||
-                           (*options.known->sigma)[static_cast<Eigen::Index>(i)] <= 0.0);
+    const bool is_exact =
+        options.known.has_value() && (!options.known->sigma.has_value() ||
+                                      (*options.known->sigma)[static_cast<Eigen::Index>(i)] <= 0.0);
     const bool is_left_out = options.free_terms.has_value() && !(*options.free_terms)[i];
     mask[i] = !is_exact && !is_left_out;
   }
@@ -164,7 +163,8 @@ bool reject_misfits(Work& work) {
     picture.rms_px = rms[i];
     reject(picture,
            fmt::format("its corners fit no pose: {:.3g} px rms, the median of all is {:.3g} px",
-                       rms[i], middle));
+                       rms[i],
+                       middle));
   }
   const bool has_rejected = used.size() < work.used.size();
   work.bundle.views = std::move(views);
@@ -262,9 +262,11 @@ std::string weakness_of(const CameraCalibration& result) {
       result.sigma().head<2>().cwiseQuotient(result.lens.head<2>().cwiseAbs());
   if (!(share.maxCoeff() <= kWorstFocalShare)) {
     return fmt::format(
-        "the focal length stays unknown by {:.2g} %: the board is tilted by at most {:.1f} degrees, "
+        "the focal length stays unknown by {:.2g} %: the board is tilted by at most {:.1f} "
+        "degrees, "
         "tilt it by 20 to 30 degrees about both axes",
-        100.0 * share.maxCoeff(), result.largest_tilt_rad * 180.0 / std::numbers::pi);
+        100.0 * share.maxCoeff(),
+        result.largest_tilt_rad * 180.0 / std::numbers::pi);
   }
   return {};
 }
@@ -282,8 +284,8 @@ std::string refusal_before(const Work& work) {
   const bool knows_focal = !allowed_terms(work.options)[0];
   const std::size_t needed = knows_focal ? 1 : 3;
   if (work.used.size() < needed) {
-    return fmt::format("{} usable pictures of the board, at least {} are needed",
-                       work.used.size(), needed);
+    return fmt::format(
+        "{} usable pictures of the board, at least {} are needed", work.used.size(), needed);
   }
   return {};
 }

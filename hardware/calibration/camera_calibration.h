@@ -60,13 +60,14 @@ struct CameraCalibration {
   LensVector lens = LensVector::Zero();
   LensMask is_free = {};
   Eigen::Matrix<double, 9, 9> covariance = Eigen::Matrix<double, 9, 9>::Zero();
-  double rms_px = 0.0;           ///< over all corners of the accepted pictures
-  double corner_sigma_px = 0.0;  ///< of a corner along one axis, degrees of freedom counted
+  double rms_px = 0.0;            ///< over all corners of the accepted pictures
+  double corner_sigma_px = 0.0;   ///< of a corner along one axis, degrees of freedom counted
   double largest_tilt_rad = 0.0;  ///< between the board's normal and the view
   std::vector<CalibratedPicture> pictures;  ///< as many as observations
   std::vector<LensChoice> choices;          ///< those tried; empty when the terms were given
 
   LensVector sigma() const { return covariance.diagonal().cwiseSqrt(); }
+
   PinholeIntrinsics intrinsics() const { return intrinsics_from(lens, width_px, height_px); }
 };
 

@@ -43,8 +43,8 @@ bool is_rigid(const Isometry3d& pose) {
 
 std::string fault_of_input(const Work& work) {
   if (work.pictures.size() != work.base_from_flange.size()) {
-    return fmt::format("{} pictures but {} robot poses", work.pictures.size(),
-                       work.base_from_flange.size());
+    return fmt::format(
+        "{} pictures but {} robot poses", work.pictures.size(), work.base_from_flange.size());
   }
   for (std::size_t i = 0; i < work.base_from_flange.size(); ++i) {
     if (!is_rigid(work.base_from_flange[i])) {
@@ -146,7 +146,8 @@ void take_members(Work& work) {
 
 /// Looser while the noise sizes rest on few pictures.
 double chi_square_limit(const Work& work, bool is_first) {
-  const double freedom = std::max(1.0, 6.0 * static_cast<double>(work.result.bundle.views.size()) - 12.0);
+  const double freedom =
+      std::max(1.0, 6.0 * static_cast<double>(work.result.bundle.views.size()) - 12.0);
   return kChiSquareLimit * (1.0 + 20.0 / freedom) * (is_first ? 2.0 : 1.0);
 }
 
@@ -155,8 +156,8 @@ bool accept_again(Work& work, bool is_first) {
   bool is_same = true;
   for (const std::size_t i : work.seen) {
     HandEyePicture& picture = work.result.pictures[i];
-    const Agreement agreement = agreement_of(
-        work.result.bundle, work.pictures[i], work.base_from_flange[i], work.symmetry);
+    const Agreement agreement =
+        agreement_of(work.result.bundle, work.pictures[i], work.base_from_flange[i], work.symmetry);
     const bool accepted = agreement.chi_square <= chi_square_limit(work, is_first);
     is_same = is_same && accepted == picture.accepted && agreement.turn == picture.board_turn;
     picture.accepted = accepted;
@@ -172,8 +173,7 @@ bool accept_again(Work& work, bool is_first) {
 bool solve(Work& work) {
   for (int round = 0; round < 8; ++round) {
     take_members(work);
-    if (work.result.bundle.views.size() < 3 ||
-        !fit_joint(work.result.bundle, 8, &work.estimated)) {
+    if (work.result.bundle.views.size() < 3 || !fit_joint(work.result.bundle, 8, &work.estimated)) {
       return false;
     }
     if (accept_again(work, round == 0) && round > 0) {
@@ -228,7 +228,8 @@ void explain_rejections(Work& work) {
     }
     picture.reason = fmt::format(
         "its robot pose disagrees with the other pictures by {:.3g} mm and {:.3g} degrees",
-        nearest.translation().norm(), angle_rad(nearest.linear()) / kDegree);
+        nearest.translation().norm(),
+        angle_rad(nearest.linear()) / kDegree);
     if (picture.fits_pose_of >= 0) {
       picture.reason +=
           fmt::format("; it fits the robot pose of picture {}", picture.fits_pose_of + 1);
@@ -268,14 +269,16 @@ std::string refusal_after(const Work& work) {
     return fmt::format(
         "robot poses and pictures contradict each other by {:.3g} mm and {:.3g} degrees rms: other "
         "order, unit, direction or rotation than assumed, or the board or the camera has moved",
-        result.noise.robot_mm, result.noise.robot_rad / kDegree);
+        result.noise.robot_mm,
+        result.noise.robot_rad / kDegree);
   }
   if (!(result.rotation_sigma_rad() <= kWorstHandEyeRad) ||
       !(result.translation_sigma_mm() <= limit_mm)) {
     return fmt::format(
         "the hand-eye stays unknown by {:.2g} degrees and {:.2g} mm: take more pictures, with the "
         "robot turned by 20 to 30 degrees about two axes",
-        result.rotation_sigma_rad() / kDegree, result.translation_sigma_mm());
+        result.rotation_sigma_rad() / kDegree,
+        result.translation_sigma_mm());
   }
   return {};
 }
@@ -289,7 +292,8 @@ void add_warnings(Work& work) {
     result.warnings.push_back(fmt::format(
         "the robot's motion says that the board's squares are {:.4f} times (+- {:.4f}) as large as "
         "given",
-        result.scale.factor, result.scale.sigma));
+        result.scale.factor,
+        result.scale.sigma));
   }
 }
 

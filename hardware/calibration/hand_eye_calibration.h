@@ -59,11 +59,11 @@ struct HandEyeCalibration {
   std::string refusal;                ///< what is missing; empty when it succeeded
   std::vector<std::string> warnings;  ///< what is weak or odd
   Mounting mounting = Mounting::kEyeInHand;
-  CameraCalibration camera;  ///< from the pictures without the poses
+  CameraCalibration camera;              ///< from the pictures without the poses
   LensVector lens = LensVector::Zero();  ///< from all together
   HandEye poses;
   SharedCovariance covariance = SharedCovariance::Zero();
-  NoiseSizes noise;                                        ///< estimated
+  NoiseSizes noise;                                           ///< estimated
   Eigen::Vector3d noise_log_sigma = Eigen::Vector3d::Zero();  ///< of their logarithms
   double rms_px = 0.0;  ///< over all corners of the accepted pictures
   std::vector<HandEyePicture> pictures;
@@ -80,9 +80,7 @@ struct HandEyeCalibration {
   LensVector lens_sigma() const { return covariance.diagonal().head<9>().cwiseSqrt(); }
 
   /// Roots of the sums of the three axes' variances.
-  double rotation_sigma_rad() const {
-    return std::sqrt(covariance.diagonal().segment<3>(9).sum());
-  }
+  double rotation_sigma_rad() const { return std::sqrt(covariance.diagonal().segment<3>(9).sum()); }
 
   double translation_sigma_mm() const {
     return std::sqrt(covariance.diagonal().segment<3>(12).sum());

@@ -17,8 +17,8 @@ namespace {
 /// Chi-square of 6 degrees of freedom that leaves no doubt about a board's turn.
 constexpr double kSurelyRight = 30.0;
 
-Eigen::Vector3d sizes_of(const NoiseSizes& noise) {
-  return {noise.corner_px, noise.robot_rad, noise.robot_mm};
+Eigen::Vector4d sizes_of(const NoiseSizes& noise) {
+  return {noise.corner_px, noise.robot_rad, noise.robot_mm, noise.whole_pattern_px()};
 }
 
 /// Of the six numbers that the robot's error reaches, at the view's most likely error.
@@ -32,9 +32,8 @@ double chi_square(const Bundle& bundle) {
   sigma << Eigen::Vector3d::Constant(bundle.noise.robot_rad),
       Eigen::Vector3d::Constant(bundle.noise.robot_mm);
   const Matrix6d moved = compressed.views[0].by_error * sigma.asDiagonal();
-  const Matrix6d covariance = moved * moved.transpose() + bundle.noise.corner_px *
-                                                              bundle.noise.corner_px *
-                                                              Matrix6d::Identity();
+  const double pattern = bundle.noise.whole_pattern_px();
+  const Matrix6d covariance = moved * moved.transpose() + pattern * pattern * Matrix6d::Identity();
   const Vector6d& reached = compressed.views[0].reached;
   return reached.dot(covariance.llt().solve(reached));
 }
@@ -63,21 +62,23 @@ BoardCorners turned_corners(const BoardCorners& corners, const BoardSymmetry& sy
 
 bool fit_joint(Bundle& bundle, int rounds, EstimatedNoise* estimated) {
   for (int round = 0; round < rounds; ++round) {
+    take_patterns(bundle);
     if (!adjust_bundle(bundle).has_converged) {
       return false;
     }
-    const Eigen::Vector3d before = sizes_of(bundle.noise);
+    const Eigen::Vector4d before = sizes_of(bundle.noise);
     const EstimatedNoise now = estimate_noise(bundle);
     bundle.noise = now.noise;
     if (estimated != nullptr) {
       *estimated = now;
     }
-    const Eigen::Vector3d change = sizes_of(bundle.noise).cwiseQuotient(before).array().log();
+    const Eigen::Vector4d change = sizes_of(bundle.noise).cwiseQuotient(before).array().log();
     if (change.cwiseAbs().maxCoeff() < 1e-3) {
       return true;
     }
     weigh_corners(bundle);
   }
+  take_patterns(bundle);
   return adjust_bundle(bundle).has_converged;
 }
 
@@ -100,6 +101,7 @@ Agreement agreement_of(const Bundle& bundle,
                  .rms_px = std::numeric_limits<double>::infinity()};
   for (const auto& [start_px, turn] : order) {
     alone.views = {joint_view(turned_corners(corners, symmetry, turn), base_from_flange)};
+    take_patterns(alone);
     if (adjust_bundle(alone).iterations == 0) {
       continue;
     }

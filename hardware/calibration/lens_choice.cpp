@@ -126,8 +126,8 @@ std::size_t choose_lens_terms(const Bundle& bundle,
   std::vector<std::vector<double>> squares;
   for (LensChoice& choice : choices) {
     Bundle fitted = restricted(bundle, choice.is_free);
-    const bool is_usable = fit_camera(fitted, 3) &&
-                           is_possible_lens(fitted.lens, options.width_px, options.height_px);
+    const bool is_usable =
+        fit_camera(fitted, 3) && is_possible_lens(fitted.lens, options.width_px, options.height_px);
     squares.push_back(is_usable ? held_out_squares(fitted, folds, num_folds)
                                 : std::vector<double>());
     choice.held_out_rms_px = squares.back().empty() ? std::numeric_limits<double>::infinity()

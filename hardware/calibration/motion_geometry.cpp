@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
+#include <Eigen/Eigenvalues>
 
 #include "hardware/calibration/rotation.h"
 
@@ -16,7 +16,9 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kLeastPoses = 5;
 
-double degrees(double angle) { return angle / kDegree; }
+double degrees(double angle) {
+  return angle / kDegree;
+}
 
 }  // namespace
 
@@ -31,8 +33,8 @@ MotionGeometry motion_geometry(std::span<const Eigen::Isometry3d> base_from_flan
     const Eigen::Vector3d turn = rotation_vector_rad(mean.transpose() * pose.linear());
     sum += turn * turn.transpose();
     for (const Eigen::Isometry3d& other : base_from_flange) {
-      motion.largest_rotation_rad = std::max(
-          motion.largest_rotation_rad, angle_rad(pose.linear().transpose() * other.linear()));
+      motion.largest_rotation_rad = std::max(motion.largest_rotation_rad,
+                                             angle_rad(pose.linear().transpose() * other.linear()));
     }
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(sum / motion.num_poses);
@@ -42,8 +44,8 @@ MotionGeometry motion_geometry(std::span<const Eigen::Isometry3d> base_from_flan
 
 std::string refusal_of(const MotionGeometry& motion) {
   if (motion.num_poses < kLeastPoses) {
-    return fmt::format("{} pictures with robot poses, at least {} are needed",
-                       motion.num_poses, kLeastPoses);
+    return fmt::format(
+        "{} pictures with robot poses, at least {} are needed", motion.num_poses, kLeastPoses);
   }
   if (motion.largest_rotation_rad < kDegree) {
     return fmt::format(
@@ -63,9 +65,9 @@ std::string refusal_of(const MotionGeometry& motion) {
 std::vector<std::string> warnings_of(const MotionGeometry& motion) {
   std::vector<std::string> warnings;
   if (motion.largest_rotation_rad < 5.0 * kDegree) {
-    warnings.push_back(
-        fmt::format("the robot turned by at most {:.1f} degrees between pictures, 20 to 30 are wanted",
-                    degrees(motion.largest_rotation_rad)));
+    warnings.push_back(fmt::format(
+        "the robot turned by at most {:.1f} degrees between pictures, 20 to 30 are wanted",
+        degrees(motion.largest_rotation_rad)));
   } else if (motion.spread_rad[1] < 2.0 * kDegree) {
     warnings.push_back(fmt::format(
         "the robot turned almost about one axis: {:.1f} degrees rms about the first, {:.1f} about "

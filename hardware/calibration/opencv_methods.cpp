@@ -18,8 +18,15 @@ constexpr std::array<std::string_view, 7> kNames = {
 /// Poses as OpenCV takes them: rotations and translations in metres.
 struct CvPoses {
   void add(const Isometry3d& pose) {
-    const cv::Matx33d turn(pose(0, 0), pose(0, 1), pose(0, 2), pose(1, 0), pose(1, 1), pose(1, 2),
-                           pose(2, 0), pose(2, 1), pose(2, 2));
+    const cv::Matx33d turn(pose(0, 0),
+                           pose(0, 1),
+                           pose(0, 2),
+                           pose(1, 0),
+                           pose(1, 1),
+                           pose(1, 2),
+                           pose(2, 0),
+                           pose(2, 1),
+                           pose(2, 2));
     const Eigen::Vector3d at = kMetre * pose.translation();
     rotations.emplace_back(turn);
     translations.emplace_back(cv::Vec3d(at.x(), at.y(), at.z()));
@@ -65,23 +72,36 @@ Isometry3d solve(HandEyeMethod method, std::span<const Isometry3d> robot, const 
   cv::Mat rotation;
   cv::Mat translation;
   if (!is_robot_world) {
-    cv::calibrateHandEye(poses.rotations, poses.translations, camera.rotations,
-                         camera.translations, rotation, translation, opencv_method(method));
+    cv::calibrateHandEye(poses.rotations,
+                         poses.translations,
+                         camera.rotations,
+                         camera.translations,
+                         rotation,
+                         translation,
+                         opencv_method(method));
     return from_opencv(rotation, translation);
   }
   cv::Mat ignored_rotation;
   cv::Mat ignored_translation;
-  cv::calibrateRobotWorldHandEye(
-      camera.rotations, camera.translations, poses.rotations, poses.translations, ignored_rotation,
-      ignored_translation, rotation, translation,
-      method == HandEyeMethod::kShah ? cv::CALIB_ROBOT_WORLD_HAND_EYE_SHAH
+  cv::calibrateRobotWorldHandEye(camera.rotations,
+                                 camera.translations,
+                                 poses.rotations,
+                                 poses.translations,
+                                 ignored_rotation,
+                                 ignored_translation,
+                                 rotation,
+                                 translation,
+                                 method == HandEyeMethod::kShah
+                                     ? cv::CALIB_ROBOT_WORLD_HAND_EYE_SHAH
                                      : cv::CALIB_ROBOT_WORLD_HAND_EYE_LI);
   return from_opencv(rotation, translation).inverse();
 }
 
 }  // namespace
 
-std::string_view name_of(HandEyeMethod method) { return kNames[static_cast<std::size_t>(method)]; }
+std::string_view name_of(HandEyeMethod method) {
+  return kNames[static_cast<std::size_t>(method)];
+}
 
 std::optional<HandEyeMethod> hand_eye_method(std::string_view name) {
   for (const HandEyeMethod method : kHandEyeMethods) {

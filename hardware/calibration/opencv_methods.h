@@ -16,10 +16,13 @@ namespace glint {
 /// Five methods for A X = X B and two that find the board in the same step.
 enum class HandEyeMethod { kTsai, kPark, kHoraud, kAndreff, kDaniilidis, kShah, kLi };
 
-inline constexpr std::array<HandEyeMethod, 7> kHandEyeMethods = {
-    HandEyeMethod::kTsai,       HandEyeMethod::kPark, HandEyeMethod::kHoraud,
-    HandEyeMethod::kAndreff,    HandEyeMethod::kDaniilidis,
-    HandEyeMethod::kShah,       HandEyeMethod::kLi};
+inline constexpr std::array<HandEyeMethod, 7> kHandEyeMethods = {HandEyeMethod::kTsai,
+                                                                 HandEyeMethod::kPark,
+                                                                 HandEyeMethod::kHoraud,
+                                                                 HandEyeMethod::kAndreff,
+                                                                 HandEyeMethod::kDaniilidis,
+                                                                 HandEyeMethod::kShah,
+                                                                 HandEyeMethod::kLi};
 
 /// "tsai", "park", "horaud", "andreff", "daniilidis", "shah", "li".
 std::string_view name_of(HandEyeMethod method);

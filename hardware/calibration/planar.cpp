@@ -42,7 +42,8 @@ struct Normaliser {
   double scale = 1.0;
 };
 
-std::optional<Matrix3d> homography_of(std::span<const Vector2d> from, std::span<const Vector2d> to) {
+std::optional<Matrix3d> homography_of(std::span<const Vector2d> from,
+                                      std::span<const Vector2d> to) {
   if (from.size() < 4 || from.size() != to.size()) {
     return std::nullopt;
   }
@@ -63,7 +64,8 @@ std::optional<Matrix3d> homography_of(std::span<const Vector2d> from, std::span<
     return std::nullopt;
   }
   const Eigen::Matrix<double, 9, 1> h = svd.matrixV().col(8);
-  const Matrix3d normalised = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data());
+  const Matrix3d normalised =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data());
   return target.matrix().inverse() * normalised * source.matrix();
 }
 
@@ -102,7 +104,8 @@ std::optional<Matrix3d> homography(const BoardCorners& corners) {
   return homography_of(from, corners.picture_px);
 }
 
-std::optional<Vector2d> focal_px(std::span<const Matrix3d> homographies, const Vector2d& center_px) {
+std::optional<Vector2d> focal_px(std::span<const Matrix3d> homographies,
+                                 const Vector2d& center_px) {
   Matrix3d shift = Matrix3d::Identity();
   shift.col(2).head<2>() = -center_px;
   Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();

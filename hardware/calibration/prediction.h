@@ -16,9 +16,9 @@ namespace glint {
 
 /// Distances between found and predicted corners.
 struct Prediction {
-  bool has_failed = false;  ///< some fold could not be solved, or predicts nothing
-  double rms_px = 0.0;      ///< over all corners; infinite when it has failed
-  double median_px = 0.0;   ///< of the pictures' rms
+  bool has_failed = false;             ///< some fold could not be solved, or predicts nothing
+  double rms_px = 0.0;                 ///< over all corners; infinite when it has failed
+  double median_px = 0.0;              ///< of the pictures' rms
   std::vector<double> picture_rms_px;  ///< of each of the bundle's views
 };
 
@@ -28,8 +28,8 @@ std::vector<int> leave_one_out(int count);
 /// Solves all folds but one, noise sizes included, and predicts the pictures left out without any
 /// error of the robot; for each fold in turn.
 ///
-/// The pictures are the accepted ones, the lens terms those chosen from all of them; everything else
-/// is estimated within the fold.
+/// The pictures are the accepted ones, the lens terms those chosen from all of them; everything
+/// else is estimated within the fold.
 /// @param solved  a joint bundle at its solution, where each fold starts
 /// @param folds   of each view, 0, 1, 2, ...
 Prediction predict_left_out(const Bundle& solved, std::span<const int> folds, ThreadPool& pool);

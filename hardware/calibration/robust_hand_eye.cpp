@@ -71,8 +71,8 @@ Vector3d park_translation(std::span<const MotionPair> motions, const Matrix3d& r
   for (const MotionPair& motion : motions) {
     const Matrix3d rows = motion.robot.linear() - Matrix3d::Identity();
     normal += rows.transpose() * rows;
-    right += rows.transpose() *
-             (rotation * motion.camera.translation() - motion.robot.translation());
+    right +=
+        rows.transpose() * (rotation * motion.camera.translation() - motion.robot.translation());
   }
   return normal.ldlt().solve(right);
 }
@@ -130,21 +130,21 @@ class Search {
   }
 
   PosePair turned(std::size_t i, int turn) const {
-    return {.base_from_flange = pairs_[i].base_from_flange,
-            .camera_from_board =
-                pairs_[i].camera_from_board * turns_[static_cast<std::size_t>(turn)]};
+    return {
+        .base_from_flange = pairs_[i].base_from_flange,
+        .camera_from_board = pairs_[i].camera_from_board * turns_[static_cast<std::size_t>(turn)]};
   }
 
   /// The turn of a picture that makes its angle to the first one the robot's.
   int turn_against(const PosePair& first, std::size_t i) const {
-    const Matrix3d robot = first.base_from_flange.linear().transpose() *
-                           pairs_[i].base_from_flange.linear();
+    const Matrix3d robot =
+        first.base_from_flange.linear().transpose() * pairs_[i].base_from_flange.linear();
     const double wanted = angle_rad(robot);
     int best = 0;
     double least = std::numeric_limits<double>::infinity();
     for (int turn = 0; turn < symmetry_.turns; ++turn) {
-      const Matrix3d camera = turned(i, turn).camera_from_board.linear() *
-                              first.camera_from_board.linear().transpose();
+      const Matrix3d camera =
+          turned(i, turn).camera_from_board.linear() * first.camera_from_board.linear().transpose();
       const double off = std::abs(angle_rad(camera) - wanted);
       if (off < least) {
         least = off;
@@ -238,12 +238,12 @@ class Search {
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
       found.is_inlier.push_back(is_inlier(i));
     }
-    const auto first = static_cast<std::size_t>(
-        std::ranges::find(found.is_inlier, true) - found.is_inlier.begin());
+    const auto first = static_cast<std::size_t>(std::ranges::find(found.is_inlier, true) -
+                                                found.is_inlier.begin());
     const int shift = found.turns[first];
     found.poses.board =
-        found.poses.board * turns_[static_cast<std::size_t>((symmetry_.turns - shift) %
-                                                            symmetry_.turns)];
+        found.poses.board *
+        turns_[static_cast<std::size_t>((symmetry_.turns - shift) % symmetry_.turns)];
     for (int& turn : found.turns) {
       turn = (turn - shift + symmetry_.turns) % symmetry_.turns;
     }

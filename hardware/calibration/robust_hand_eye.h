@@ -55,10 +55,10 @@ BoardScatter board_scatter(Mounting mounting,
 /// A hand-eye that most pictures agree on.
 struct RobustHandEye {
   HandEye poses;
-  std::vector<int> turns;          ///< of each picture: 0 is what was detected
-  std::vector<bool> is_inlier;     ///< agrees with the others
+  std::vector<int> turns;            ///< of each picture: 0 is what was detected
+  std::vector<bool> is_inlier;       ///< agrees with the others
   std::vector<double> deviation_mm;  ///< rms of the board's corners from the common board
-  double median_mm = 0.0;          ///< of the deviations
+  double median_mm = 0.0;            ///< of the deviations
 };
 
 /// Tries Park's method on random subsets of five pictures, a subset's turns being those that make

@@ -58,7 +58,9 @@ Vector6d six_of(const Isometry3d& motion) {
   return six;
 }
 
-double angle_rad(const Matrix3d& rotation) { return rotation_vector_rad(rotation).norm(); }
+double angle_rad(const Matrix3d& rotation) {
+  return rotation_vector_rad(rotation).norm();
+}
 
 Matrix3d nearest_rotation(const Matrix3d& matrix) {
   const Eigen::JacobiSVD<Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);

@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <Eigen/QR>
 
 namespace glint {
@@ -13,16 +14,34 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
+using Eigen::Vector4d;
 using Eigen::VectorXd;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-const Vector3d kLeast(1e-5, 1e-9, 1e-7);
+const Vector3d kLeast(1e-5, 1e-7, 1e-5);
 
-bool has_limits(const NoiseSizes& noise) { return noise.robot_rad > 0.0 && noise.robot_mm > 0.0; }
+bool has_limits(const NoiseSizes& noise) {
+  return noise.robot_rad > 0.0 && noise.robot_mm > 0.0;
+}
 
-NoiseSizes noise_of(const Vector3d& logs) {
-  const Vector3d sizes = logs.array().exp().matrix().cwiseMax(kLeast);
-  return {.corner_px = sizes[0], .robot_rad = sizes[1], .robot_mm = sizes[2]};
+/// Logarithms of corner_px, robot_rad, robot_mm, then w with pattern_px = corner_px sqrt(1 + w^2).
+NoiseSizes noise_of(const Vector4d& at) {
+  const Vector3d sizes = at.head<3>().array().exp().matrix().cwiseMax(kLeast);
+  return {.corner_px = sizes[0],
+          .robot_rad = sizes[1],
+          .robot_mm = sizes[2],
+          .pattern_px = sizes[0] * std::hypot(1.0, at[3])};
+}
+
+/// Inverse of noise_of(). Where patterns are not known to be worse than corners w starts at one: at
+/// zero the likelihood has no slope.
+Vector4d coordinates_of(const NoiseSizes& noise) {
+  const Vector3d sizes(noise.corner_px, noise.robot_rad, noise.robot_mm);
+  const double ratio = noise.whole_pattern_px() / noise.corner_px;
+  Vector4d at;
+  at << sizes.cwiseMax(kLeast).array().log().matrix(),
+      noise.pattern_px > 0.0 ? std::sqrt(std::max(0.01, ratio * ratio - 1.0)) : 1.0;
+  return at;
 }
 
 double log_determinant(const Eigen::LDLT<MatrixXd>& solved) {
@@ -47,29 +66,29 @@ struct ScaledFactor {
 
 double minus_two_log_likelihood(const Bundle& bundle,
                                 const CompressedBundle& compressed,
-                                const Vector3d& logs) {
-  return shared_information(bundle, compressed, noise_of(logs)).minus_two_log_likelihood;
+                                const Vector4d& at) {
+  return shared_information(bundle, compressed, noise_of(at)).minus_two_log_likelihood;
 }
 
 struct Slopes {
-  Vector3d gradient = Vector3d::Zero();
-  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+  Vector4d gradient = Vector4d::Zero();
+  Eigen::Matrix4d hessian = Eigen::Matrix4d::Zero();
 };
 
-/// By central differences: the likelihood is smooth in the logarithms.
+/// By central differences: the likelihood is smooth in the coordinates.
 template <class Function>
-Slopes slopes_at(const Vector3d& at, const Function& function) {
+Slopes slopes_at(const Vector4d& at, const Function& function) {
   constexpr double kStep = 1e-2;
   Slopes slopes;
   const double middle = function(at);
-  for (int i = 0; i < 3; ++i) {
-    const Vector3d a = kStep * Vector3d::Unit(i);
+  for (int i = 0; i < 4; ++i) {
+    const Vector4d a = kStep * Vector4d::Unit(i);
     const double up = function(at + a);
     const double down = function(at - a);
     slopes.gradient[i] = (up - down) / (2.0 * kStep);
     slopes.hessian(i, i) = (up - 2.0 * middle + down) / (kStep * kStep);
     for (int j = 0; j < i; ++j) {
-      const Vector3d b = kStep * Vector3d::Unit(j);
+      const Vector4d b = kStep * Vector4d::Unit(j);
       const double mixed = (function(at + a + b) - function(at + a - b) - function(at - a + b) +
                             function(at - a - b)) /
                            (4.0 * kStep * kStep);
@@ -79,12 +98,12 @@ Slopes slopes_at(const Vector3d& at, const Function& function) {
   return slopes;
 }
 
-/// A step of Newton with the curvature made positive, at most a factor of e in each size.
-Vector3d newton_step(const Slopes& slopes) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(slopes.hessian);
-  const Vector3d curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-2);
-  const Vector3d along = eigen.eigenvectors().transpose() * slopes.gradient;
-  const Vector3d step = -eigen.eigenvectors() * along.cwiseQuotient(curvature);
+/// A step of Newton with the curvature made positive, at most one in each coordinate.
+Vector4d newton_step(const Slopes& slopes) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(slopes.hessian);
+  const Vector4d curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-2);
+  const Vector4d along = eigen.eigenvectors().transpose() * slopes.gradient;
+  const Vector4d step = -eigen.eigenvectors() * along.cwiseQuotient(curvature);
   return step / std::max(1.0, step.cwiseAbs().maxCoeff());
 }
 
@@ -135,6 +154,7 @@ SharedInformation shared_information(const Bundle& bundle,
                                      const CompressedBundle& compressed,
                                      const NoiseSizes& noise) {
   const double variance = noise.corner_px * noise.corner_px;
+  const double pattern = noise.whole_pattern_px() * noise.whole_pattern_px();
   SharedInformation result{.hessian = compressed.rest_hessian / variance,
                            .gradient = compressed.rest_gradient / variance};
   double sum = compressed.rest_count * std::log(variance) + compressed.rest_square_px2 / variance;
@@ -143,7 +163,7 @@ SharedInformation shared_information(const Bundle& bundle,
     robot << Vector3d::Constant(noise.robot_rad), Vector3d::Constant(noise.robot_mm);
     for (const CompressedBundle::View& view : compressed.views) {
       const Matrix6d moved = view.by_error * robot.asDiagonal();
-      const Matrix6d covariance = moved * moved.transpose() + variance * Matrix6d::Identity();
+      const Matrix6d covariance = moved * moved.transpose() + pattern * Matrix6d::Identity();
       const Eigen::LLT<Matrix6d> root(covariance);
       const Eigen::Matrix<double, 6, Eigen::Dynamic> by = root.matrixL().solve(view.by_shared);
       const Vector6d reached = root.matrixL().solve(view.reached);
@@ -179,35 +199,36 @@ EstimatedNoise estimate_noise(const Bundle& bundle) {
   if (!has_limits(bundle.noise)) {
     return corner_noise_only(bundle, compressed);
   }
-  const auto function = [&](const Vector3d& logs) {
-    return minus_two_log_likelihood(bundle, compressed, logs);
+  const auto function = [&](const Vector4d& at) {
+    return minus_two_log_likelihood(bundle, compressed, at);
   };
-  const Vector3d sizes(bundle.noise.corner_px, bundle.noise.robot_rad, bundle.noise.robot_mm);
-  Vector3d logs = sizes.cwiseMax(kLeast).array().log();
-  double value = function(logs);
+  Vector4d at = coordinates_of(bundle.noise);
+  double value = function(at);
   Slopes slopes;
   for (int round = 0; round < 60; ++round) {
-    slopes = slopes_at(logs, function);
-    Vector3d step = newton_step(slopes);
-    double stepped = function(logs + step);
+    slopes = slopes_at(at, function);
+    Vector4d step = newton_step(slopes);
+    double stepped = function(at + step);
     for (int halved = 0; halved < 20 && !(stepped <= value); ++halved) {
       step *= 0.5;
-      stepped = function(logs + step);
+      stepped = function(at + step);
     }
     if (!(stepped <= value)) {
       break;
     }
+    at += step;
     // A size that only falls ends at its least.
-    logs = (logs + step).cwiseMax(Vector3d(kLeast.array().log()));
+    at.head<3>() = at.head<3>().cwiseMax(Vector3d(kLeast.array().log()));
     const bool is_done = value - stepped < 1e-6;
-    value = function(logs);
+    value = function(at);
     if (is_done) {
       break;
     }
   }
-  const Vector3d spread =
-      (0.5 * slopes.hessian.diagonal()).cwiseMax(1e-3).cwiseInverse().cwiseSqrt();
-  return {.noise = noise_of(logs), .log_sigma = spread};
+  const Eigen::Matrix3d information =
+      0.5 * slopes.hessian.topLeftCorner<3, 3>() + 1e-3 * Eigen::Matrix3d::Identity();
+  const Vector3d variances = information.inverse().diagonal();
+  return {.noise = noise_of(at), .log_sigma = variances.cwiseMax(0.0).cwiseSqrt()};
 }
 
 }  // namespace glint

@@ -14,15 +14,17 @@ namespace glint {
 /// What all pictures say about the shared unknowns and the noise near a solution, compressed.
 ///
 /// Near a solution the residuals y of a picture are normal with mean -J d, d the step of the shared
-/// unknowns, and covariance s^2 I + L S L', s the corner noise, S the covariance of the robot's
-/// error, L how the corners move with it. L = Q R splits y into the six numbers Q'y, which the
-/// error reaches, and the rest, which it does not.
+/// unknowns. With S the covariance of the robot's error and L how the corners move with it, L = Q R
+/// splits y into the six numbers Q'y, which the error reaches, with covariance t^2 I + R S R', t
+/// the noise of patterns, and the rest, which it does not reach, with covariance s^2 I, s the
+/// corner noise.
 struct CompressedBundle {
   struct View {
-    Vector6d reached = Vector6d::Zero();      ///< Q'y, px
+    Vector6d reached = Vector6d::Zero();                 ///< Q'y, px
     Eigen::Matrix<double, 6, Eigen::Dynamic> by_shared;  ///< Q'J
-    Eigen::Matrix<double, 6, 6> by_error;     ///< R
+    Eigen::Matrix<double, 6, 6> by_error;                ///< R
   };
+
   std::vector<View> views;
   Eigen::MatrixXd rest_hessian;   ///< sum of J'(I - QQ')J
   Eigen::VectorXd rest_gradient;  ///< sum of J'(I - QQ')y
@@ -36,10 +38,11 @@ CompressedBundle compress(const Bundle& bundle);
 
 /// Information about the shared unknowns with these noise sizes, pictures' errors integrated out.
 struct SharedInformation {
-  Eigen::MatrixXd hessian;   ///< inverse covariance
-  Eigen::VectorXd gradient;  ///< of minus the logarithm of the likelihood
+  Eigen::MatrixXd hessian;                ///< inverse covariance
+  Eigen::VectorXd gradient;               ///< of minus the logarithm of the likelihood
   double minus_two_log_likelihood = 0.0;  ///< restricted: of what no step of the unknowns explains
 };
+
 SharedInformation shared_information(const Bundle& bundle,
                                      const CompressedBundle& compressed,
                                      const NoiseSizes& noise);
@@ -58,7 +61,8 @@ struct EstimatedNoise {
 /// The sizes that maximise the restricted likelihood (variance components), found by Newton's
 /// method on their logarithms from the bundle's sizes. Without limits of the robot's errors
 /// (NoiseSizes 0) only the corner noise is estimated, as rms over degrees of freedom.
-/// Sizes are at least 1e-5 px, 1e-9 rad, 1e-7 mm, so that perfect data can be solved.
+/// Sizes are at least 1e-5 px, 1e-7 rad, 1e-5 mm, so that perfect data can be solved; the noise of
+/// patterns is s sqrt(1 + w^2) with w free, so that it is at least the corner noise s.
 ///
 /// Source: D. A. Harville, "Maximum likelihood approaches to variance component estimation", JASA
 /// 72(358), 1977; the compression is our own.

@@ -3,11 +3,12 @@
 // Hand-eye calibrations of simulated cells, 60 seeds a case: our own against OpenCV's seven methods
 // on the same corners and poses. Corner noise, robot errors and cases are those of the reference's
 // Monte Carlo; a trial has failed when the rotation is off by over 0.3 degrees, the translation by
-// over 1 mm, or there is no answer. Medians: error of the hand-eye in degrees (`deg`) and mm (`mm`),
-// rms error of points over the picture at noise-free robot poses (`px`), each over the same trial's
-// Cramer-Rao bound (`deg_of_bound` ...); `edge_px` and `middle_px` beyond 1000 and within 400 px of
-// the middle. The bound is that of all pictures with the right terms of the lens and known sizes of
-// all errors. `refused` counts trials that were told to be unsolvable; they are no failures.
+// over 1 mm, or there is no answer. Medians: error of the hand-eye in degrees (`deg`) and mm
+// (`mm`), rms error of points over the picture at noise-free robot poses (`px`), each over the same
+// trial's Cramer-Rao bound (`deg_of_bound` ...); `edge_px` and `middle_px` beyond 1000 and within
+// 400 px of the middle. The bound is that of all pictures with the right terms of the lens and
+// known sizes of all errors. `refused` counts trials that were told to be unsolvable; they are no
+// failures.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -82,7 +83,10 @@ struct Bound {
   double px = 0.0;
 };
 
-void add(Row& row, const Bound& bound, const SimulatedCell& cell, const LensVector& lens,
+void add(Row& row,
+         const Bound& bound,
+         const SimulatedCell& cell,
+         const LensVector& lens,
          const std::optional<HandEye>& poses) {
   if (!poses.has_value()) {
     ++row.failures;
@@ -120,8 +124,8 @@ void run_trial(const CellSettings& settings, std::uint64_t seed, Rows& rows) {
     }
   }
   for (const HandEyeMethod method : kHandEyeMethods) {
-    const auto poses = pairs.size() < 3 ? std::nullopt
-                                        : hand_eye_by(method, settings.mounting, pairs);
+    const auto poses =
+        pairs.size() < 3 ? std::nullopt : hand_eye_by(method, settings.mounting, pairs);
     add(rows[std::string(name_of(method))], bound, cell, own.camera.lens, poses);
   }
 }
@@ -181,10 +185,9 @@ void bench_case(benchmark::State& state, const Case& one, const std::string& met
       methods.emplace_back(name_of(method));
     }
     for (const std::string& method : methods) {
-      benchmark::RegisterBenchmark(("calibrate/" + one.name + "/" + method).c_str(),
-                                   [one, method](benchmark::State& state) {
-                                     bench_case(state, one, method);
-                                   })
+      benchmark::RegisterBenchmark(
+          ("calibrate/" + one.name + "/" + method).c_str(),
+          [one, method](benchmark::State& state) { bench_case(state, one, method); })
           ->Unit(benchmark::kMillisecond)
           ->Iterations(1);
     }

@@ -90,8 +90,7 @@ TEST(CalibrateCamera, RejectsAPictureThatFitsNoPose) {
 
 TEST(CalibrateCamera, PriorHoldsWhatPicturesDoNotTell) {
   // One square view: focal length and distance are the prior's business.
-  SimulatedCell cell =
-      simulate_cell({.num_poses = 1, .tilt_x_deg = 0.0, .tilt_y_deg = 0.0}, 8);
+  SimulatedCell cell = simulate_cell({.num_poses = 1, .tilt_x_deg = 0.0, .tilt_y_deg = 0.0}, 8);
   CameraOptions options = kOptions;
   options.known = KnownLens{.lens = cell.lens, .sigma = LensVector::Constant(1e-4)};
   (*options.known->sigma).head<4>().setConstant(5.0);
@@ -118,8 +117,8 @@ TEST(CalibrateCamera, RefusesWhatCannotBeSolved) {
 }
 
 TEST(CalibrateCamera, RefusesFlatViewsAndSaysWhatToTilt) {
-  SimulatedCell cell = simulate_cell(
-      {.num_poses = 6, .tilt_x_deg = 0.0, .tilt_y_deg = 0.0, .distance_mm = 0.0}, 10);
+  SimulatedCell cell =
+      simulate_cell({.num_poses = 6, .tilt_x_deg = 0.0, .tilt_y_deg = 0.0, .distance_mm = 0.0}, 10);
   const CameraCalibration result = calibrate_camera(cell.pictures, with_terms(kTrueTerms));
   EXPECT_FALSE(result.succeeded);
   EXPECT_THAT(result.refusal, HasSubstr("tilt"));

@@ -26,11 +26,10 @@ TEST(PredictLeftOut, IsAsGoodAsTheRobotIsAndNotBetterThanTheFit) {
   EXPECT_GT(alone.rms_px, result.rms_px);
   EXPECT_GT(alone.rms_px, 1.5);
   EXPECT_LT(alone.rms_px, 4.0);
-  const Prediction folds =
-      predict_left_out(result.bundle, shuffled_folds(24, 5, 1), pool);
+  const Prediction folds = predict_left_out(result.bundle, shuffled_folds(24, 5, 1), pool);
   EXPECT_NEAR(folds.rms_px / alone.rms_px, 1.0, 0.2);
-  const Prediction park = predict_left_out(
-      result.bundle, leave_one_out(24), HandEyeMethod::kPark, pool);
+  const Prediction park =
+      predict_left_out(result.bundle, leave_one_out(24), HandEyeMethod::kPark, pool);
   ASSERT_FALSE(park.has_failed);
   EXPECT_GT(park.rms_px, 0.95 * alone.rms_px);
 }

@@ -16,7 +16,9 @@ using Eigen::Vector3d;
 
 const BoardSymmetry kHalfTurn{.turns = 2, .center_mm = {29.7, 23.1, 0.0}, .radius_mm = 25.0};
 
-double degrees(double angle) { return angle * 180.0 / std::numbers::pi; }
+double degrees(double angle) {
+  return angle * 180.0 / std::numbers::pi;
+}
 
 /// Exact views of the board, with the robot's poses as reported.
 std::vector<PosePair> pairs_of(const SimulatedCell& cell) {
@@ -24,9 +26,9 @@ std::vector<PosePair> pairs_of(const SimulatedCell& cell) {
   for (std::size_t i = 0; i < cell.pictures.size(); ++i) {
     const Isometry3d seen =
         camera_from_board(cell.settings.mounting, cell.poses, cell.true_base_from_flange[i]);
-    pairs.push_back({.base_from_flange = cell.base_from_flange[i],
-                     .camera_from_board = cell.is_flipped[i] ? seen * board_turn(kHalfTurn, 1)
-                                                             : seen});
+    pairs.push_back(
+        {.base_from_flange = cell.base_from_flange[i],
+         .camera_from_board = cell.is_flipped[i] ? seen * board_turn(kHalfTurn, 1) : seen});
   }
   return pairs;
 }
@@ -34,8 +36,11 @@ std::vector<PosePair> pairs_of(const SimulatedCell& cell) {
 class ClosedForms : public testing::TestWithParam<Mounting> {};
 
 TEST_P(ClosedForms, AreExactOnCleanPoses) {
-  const SimulatedCell cell = simulate_cell(
-      {.mounting = GetParam(), .num_poses = 12, .noise = {.corner_px = 0, .robot_rad = 0, .robot_mm = 0}}, 1);
+  const SimulatedCell cell =
+      simulate_cell({.mounting = GetParam(),
+                     .num_poses = 12,
+                     .noise = {.corner_px = 0, .robot_rad = 0, .robot_mm = 0}},
+                    1);
   const std::vector<PosePair> pairs = pairs_of(cell);
   const auto own = park(GetParam(), pairs);
   ASSERT_TRUE(own.has_value());
@@ -113,7 +118,8 @@ TEST(RobustHandEye, BoardLiesAsTheFirstInlierSawIt) {
 }
 
 TEST(RobustHandEye, IsTheSameForTheSameSeed) {
-  const std::vector<PosePair> pairs = pairs_of(simulate_cell({.num_poses = 30, .wrong_share = 0.2}, 4));
+  const std::vector<PosePair> pairs =
+      pairs_of(simulate_cell({.num_poses = 30, .wrong_share = 0.2}, 4));
   const auto a = robust_hand_eye(Mounting::kEyeInHand, pairs, kHalfTurn, 5);
   const auto b = robust_hand_eye(Mounting::kEyeInHand, pairs, kHalfTurn, 5);
   EXPECT_EQ(a->poses.hand_eye.matrix(), b->poses.hand_eye.matrix());

@@ -22,7 +22,8 @@ Vector3d random_vector(Rng& rng, double size) {
 
 TEST(RotationOf, QuarterTurnTakesXToY) {
   // A right-handed quarter turn about z.
-  const Vector3d turned = rotation_of(0.5 * std::numbers::pi * Vector3d::UnitZ()) * Vector3d::UnitX();
+  const Vector3d turned =
+      rotation_of(0.5 * std::numbers::pi * Vector3d::UnitZ()) * Vector3d::UnitX();
   EXPECT_LT((turned - Vector3d::UnitY()).norm(), 1e-15);
 }
 
@@ -42,8 +43,8 @@ TEST(RightJacobian, IsTheDerivativeOfTheRotation) {
     Rng rng(2, Stream::kTest, i);
     const Vector3d vector = random_vector(rng, std::pow(10.0, rng.uniform(-6.0, 0.4)));
     const Vector3d step = random_vector(rng, 1e-5);
-    const Vector3d moved = rotation_vector_rad(rotation_of(vector - step).transpose() *
-                                               rotation_of(vector + step));
+    const Vector3d moved =
+        rotation_vector_rad(rotation_of(vector - step).transpose() * rotation_of(vector + step));
     // Central differences: an error of the order of the step's square, 1e-10 relative.
     EXPECT_LT((moved - 2.0 * right_jacobian(vector) * step).norm(), 1e-12);
   }

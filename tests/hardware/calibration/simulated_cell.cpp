@@ -49,7 +49,8 @@ Isometry3d random_view(const CellSettings& s, Rng& rng) {
   const double x = s.spread_mm * rng.uniform(-1.0, 1.0);
   const Vector3d target = kMiddle + Vector3d(x, s.spread_mm * rng.uniform(-1.0, 1.0), 0.0);
   Isometry3d pose = Isometry3d::Identity();
-  pose.linear() = rotation_of(Vector3d(tilt_x, tilt_y, 0.0)) * rotation_of(roll * Vector3d::UnitZ());
+  pose.linear() =
+      rotation_of(Vector3d(tilt_x, tilt_y, 0.0)) * rotation_of(roll * Vector3d::UnitZ());
   pose.translation() = Vector3d(0.0, 0.0, distance) - pose.linear() * target;
   return pose;
 }
@@ -84,6 +85,21 @@ void add_noise(SimulatedCell& cell, Rng& rng) {
     for (Vector2d& pixel : cell.pictures[i].picture_px) {
       const double x = noise.corner_px * rng.normal();
       pixel += Vector2d(x, noise.corner_px * rng.normal());
+    }
+  }
+}
+
+/// The same random bend in all corners of a picture.
+void add_shared_errors(SimulatedCell& cell, Rng& rng) {
+  for (BoardCorners& corners : cell.pictures) {
+    Eigen::Matrix<double, 2, 6> factors;
+    for (Eigen::Index i = 0; i < 12; ++i) {
+      factors(i % 2, i / 2) = cell.settings.shared_px * rng.normal();
+    }
+    for (std::size_t i = 0; i < corners.board_mm.size(); ++i) {
+      const double x = corners.board_mm[i].x() / kMiddle.x() - 1.0;
+      const double y = corners.board_mm[i].y() / kMiddle.y() - 1.0;
+      corners.picture_px[i] += factors * Vector6d{1.0, x, y, x * x, x * y, y * y};
     }
   }
 }
@@ -141,6 +157,9 @@ SimulatedCell simulate_cell(const CellSettings& settings, std::uint64_t seed) {
     }
   }
   add_noise(cell, rng);
+  if (settings.shared_px > 0.0) {
+    add_shared_errors(cell, rng);
+  }
   spoil(cell, rng);
   return cell;
 }

@@ -21,6 +21,9 @@ struct CellSettings {
   double distance_mm = 12.0;  ///< largest change of the distance
   double spread_mm = 16.0;    ///< largest shift of the board
   NoiseSizes noise = {.corner_px = 0.2, .robot_rad = 0.02 * 0.017453292519943295, .robot_mm = 0.05};
+  /// Errors that neighbouring corners share, as of a board that is not flat: a random polynomial of
+  /// second order in each picture, this size in each of its terms.
+  double shared_px = 0.0;
   double flipped_share = 0.0;  ///< pictures whose board is detected upside down, never the first
   double wrong_share = 0.0;    ///< pictures with the robot pose of the next one
 };

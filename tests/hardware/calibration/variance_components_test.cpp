@@ -45,13 +45,26 @@ TEST_P(Sizes, AreFoundFromTheDataWhateverTheStart) {
 
 INSTANTIATE_TEST_SUITE_P(Starts, Sizes, testing::Values(0.2, 1.0, 5.0));
 
+TEST(EstimateNoise, DoesNotBlameTheRobotForErrorsThatNeighboursShare) {
+  const NoiseSizes truth = {.corner_px = 0.1, .robot_rad = 1e-4, .robot_mm = 0.02};
+  const SimulatedCell cell = simulate_cell({.num_poses = 30, .noise = truth, .shared_px = 0.3}, 4);
+  Bundle bundle = noisy_bundle(cell, 1.0);
+  ASSERT_TRUE(fit_joint(bundle, 10, nullptr));
+  EXPECT_GT(bundle.noise.pattern_px, 3.0 * bundle.noise.corner_px);
+  EXPECT_LT(bundle.noise.robot_mm, 0.05);
+  // Negative control: corners with independent errors, the patterns' size is near the corners'.
+  const SimulatedCell plain = simulate_cell({.num_poses = 30, .noise = truth}, 4);
+  Bundle other = noisy_bundle(plain, 1.0);
+  ASSERT_TRUE(fit_joint(other, 10, nullptr));
+  EXPECT_LT(other.noise.pattern_px, 2.0 * other.noise.corner_px);
+}
+
 TEST(EstimateNoise, MaximisesTheRestrictedLikelihood) {
   const SimulatedCell cell = simulate_cell({.num_poses = 20}, 2);
   Bundle bundle = noisy_bundle(cell, 1.0);
   ASSERT_TRUE(fit_joint(bundle, 10, nullptr));
   const CompressedBundle compressed = compress(bundle);
-  const double best =
-      shared_information(bundle, compressed, bundle.noise).minus_two_log_likelihood;
+  const double best = shared_information(bundle, compressed, bundle.noise).minus_two_log_likelihood;
   for (const double factor : {0.9, 1.1}) {
     NoiseSizes corner = bundle.noise;
     corner.corner_px *= factor;
@@ -71,11 +84,9 @@ TEST(SharedInformation, HasNoGradientAtTheSolution) {
   Bundle bundle = noisy_bundle(cell, 1.0);
   ASSERT_TRUE(fit_joint(bundle, 10, nullptr));
   ASSERT_TRUE(adjust_bundle(bundle).has_converged);
-  const SharedInformation information =
-      shared_information(bundle, compress(bundle), bundle.noise);
+  const SharedInformation information = shared_information(bundle, compress(bundle), bundle.noise);
   const Eigen::VectorXd step = inverse_information(information.hessian) * information.gradient;
-  const Eigen::VectorXd sigma =
-      inverse_information(information.hessian).diagonal().cwiseSqrt();
+  const Eigen::VectorXd sigma = inverse_information(information.hessian).diagonal().cwiseSqrt();
   EXPECT_LT(step.cwiseQuotient(sigma).cwiseAbs().maxCoeff(), 1e-3);
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/calibration/camera_calibration.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr CameraOptions kOptions = {.width_px = kCellWidth, .height_px = kCellHeight};
+const CameraOptions kOptions = {.width_px = kCellWidth, .height_px = kCellHeight};
 constexpr LensMask kTrueTerms = {true, true, true, true, true, true, false, true, true};
 constexpr NoiseSizes kNone = {.corner_px = 0.0, .robot_rad = 0.0, .robot_mm = 0.0};
 

@@ -17,12 +17,12 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using testing::HasSubstr;
 
-constexpr LensMask kTrueTerms = {true, true, true, true, true, true, false, true, true};
+constexpr LensMask kRightTerms = {true, true, true, true, true, true, false, true, true};
 
 HandEyeCalibration calibrate(const SimulatedCell& cell, bool chooses_terms = false) {
   HandEyeOptions options = cell_options(cell.settings);
   if (!chooses_terms) {
-    options.camera.free_terms = kTrueTerms;
+    options.camera.free_terms = kRightTerms;
   }
   return calibrate_hand_eye(cell.pictures, cell.base_from_flange, options);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/calibration/lens_vector.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "core/rng.h"

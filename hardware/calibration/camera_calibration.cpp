@@ -143,11 +143,31 @@ double median(std::vector<double> values) {
   return *nth;
 }
 
+/// As rms_px(), without the worst tenth of the corners: a single wrong one is weighed, not the
+/// picture rejected.
+double trimmed_rms_px(const Bundle& bundle, const BundleView& view) {
+  ViewSystem system;
+  if (!evaluate_view(bundle, view, bundle.lens, {.error = view.error}, false, system)) {
+    return std::numeric_limits<double>::infinity();
+  }
+  std::vector<double> squares;
+  for (Eigen::Index i = 0; i < system.residual_px.size(); i += 2) {
+    squares.push_back(system.residual_px.segment<2>(i).squaredNorm());
+  }
+  std::ranges::sort(squares);
+  squares.resize(squares.size() - squares.size() / 10);
+  double sum = 0.0;
+  for (const double square : squares) {
+    sum += square;
+  }
+  return std::sqrt(sum / static_cast<double>(squares.size()));
+}
+
 /// Rejects the pictures that fit far worse than the others. True when there were any.
 bool reject_misfits(Work& work) {
   std::vector<double> rms;
   for (const BundleView& view : work.bundle.views) {
-    rms.push_back(rms_px(work.bundle, view));
+    rms.push_back(trimmed_rms_px(work.bundle, view));
   }
   const double middle = median(rms);
   const double limit = std::max(kRejectedRatio * middle, 1e-3);
@@ -322,8 +342,13 @@ CameraCalibration calibrate_camera(std::span<const BoardCorners> pictures,
   result.is_free = work.bundle.is_free;
   take_covariance(work);
   take_pictures(work);
-  result.refusal =
-      is_fitted ? weakness_of(result) : "the corners fit no camera: the solution does not converge";
+  result.refusal = weakness_of(result);
+  if (result.refusal.empty() && !is_fitted) {
+    result.refusal = fmt::format(
+        "the corners fit no camera, the solution does not converge: the board is tilted by at most "
+        "{:.1f} degrees, tilt it by 20 to 30 degrees about both axes",
+        result.largest_tilt_rad * 180.0 / std::numbers::pi);
+  }
   result.succeeded = result.refusal.empty();
   add_warnings(result);
   return result;

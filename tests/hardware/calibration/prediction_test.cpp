@@ -16,22 +16,22 @@ HandEyeCalibration calibrate(const SimulatedCell& cell) {
 }
 
 TEST(PredictLeftOut, IsAsGoodAsTheRobotIsAndNotBetterThanTheFit) {
-  const SimulatedCell cell = simulate_cell({.num_poses = 24}, 1);
+  const SimulatedCell cell = simulate_cell({.num_poses = 12}, 1);
   const HandEyeCalibration result = calibrate(cell);
   ASSERT_TRUE(result.succeeded) << result.refusal;
   ThreadPool pool(1);
-  const Prediction alone = predict_left_out(result.bundle, leave_one_out(24), pool);
+  const Prediction alone = predict_left_out(result.bundle, leave_one_out(12), pool);
   ASSERT_FALSE(alone.has_failed);
   // 0.05 mm across at 26 px/mm and 0.02 degrees at 170 mm of lever: about 2.5 px.
   EXPECT_GT(alone.rms_px, result.rms_px);
   EXPECT_GT(alone.rms_px, 1.5);
   EXPECT_LT(alone.rms_px, 4.0);
-  const Prediction folds = predict_left_out(result.bundle, shuffled_folds(24, 5, 1), pool);
-  EXPECT_NEAR(folds.rms_px / alone.rms_px, 1.0, 0.2);
+  const Prediction folds = predict_left_out(result.bundle, shuffled_folds(12, 6, 1), pool);
+  EXPECT_NEAR(folds.rms_px / alone.rms_px, 1.0, 0.4);
   const Prediction park =
-      predict_left_out(result.bundle, leave_one_out(24), HandEyeMethod::kPark, pool);
+      predict_left_out(result.bundle, leave_one_out(12), HandEyeMethod::kPark, pool);
   ASSERT_FALSE(park.has_failed);
-  EXPECT_GT(park.rms_px, 0.95 * alone.rms_px);
+  EXPECT_GT(park.rms_px, 0.8 * alone.rms_px);
 }
 
 TEST(PredictLeftOut, IsTheSameWithTwoThreads) {

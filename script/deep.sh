@@ -8,6 +8,7 @@
 # part, minutes on two cores when it was last measured, what it does
 deep_parts='
 clang          - the fast tests, built by clang
+release        - the release build of program and benchmarks
 asan           - the fast tests but those of studies and cli, under AddressSanitizer and UBSan
 asan_studies   - those of studies and cli, under AddressSanitizer and UBSan
 tsan           - tests of core, optimizer and studies under ThreadSanitizer
@@ -44,6 +45,11 @@ outside='^(layering|bench_against|golden)'
 # `&&` throughout: bash forgets `set -e` in what a condition calls.
 deep_clang() {
   "$root/script/bootstrap" --fuzz && build_preset clang && run_tests clang -LE slow
+}
+
+# What users build: at -O3 the compiler warns of other things than in the tests' build.
+deep_release() {
+  build_preset release && build_preset bench
 }
 
 # A sanitizer makes everything two to ten times slower.

@@ -76,6 +76,20 @@ struct InspectArguments {
 
 int inspect_command(const InspectArguments& arguments, const CommonArguments& common);
 
+struct CalibrateArguments {
+  std::vector<std::filesystem::path> pictures;
+  std::filesystem::path board;
+  std::vector<std::filesystem::path> poses;
+  std::filesystem::path camera;
+  std::filesystem::path out;
+  std::string setup;              ///< empty: as the board's file says
+  std::string method;             ///< empty: our own
+  std::vector<std::string> sets;  ///< "convention.key=value"
+  std::filesystem::path printed;  ///< a board to print instead
+};
+
+int calibrate_command(const CalibrateArguments& arguments, const CommonArguments& common);
+
 struct ReportArguments {
   std::vector<std::filesystem::path> runs;
   std::filesystem::path out;

@@ -27,13 +27,15 @@ struct KindNames {
   const char* folder;  ///< in out/<name>
 };
 
-constexpr std::array<KindNames, 6> kKinds = {
+constexpr std::array<KindNames, 8> kKinds = {
     {{ResultKind::kRun, "run", "run"},
      {ResultKind::kRender, "render", "render"},
      {ResultKind::kImprint, "imprint", "imprint"},
      {ResultKind::kTools, "imprint --preview_tools", "tools"},
      {ResultKind::kInspect, "inspect", "inspect"},
-     {ResultKind::kFrontier, "frontier", "frontier"}}};
+     {ResultKind::kFrontier, "frontier", "frontier"},
+     {ResultKind::kCalibrate, "calibrate", "calibrate"},
+     {ResultKind::kBoard, "calibrate --print_board", "board"}}};
 
 const KindNames& names_of(ResultKind kind) {
   return *std::ranges::find(kKinds, kind, &KindNames::kind);

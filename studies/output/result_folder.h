@@ -13,9 +13,10 @@
 namespace glint {
 
 /// What makes folders of results.
-enum class ResultKind { kRun, kRender, kImprint, kTools, kInspect, kFrontier };
+enum class ResultKind { kRun, kRender, kImprint, kTools, kInspect, kFrontier, kCalibrate, kBoard };
 
-/// As it is typed: "run", "render", "imprint", "imprint --preview_tools", "inspect", "frontier".
+/// As it is typed: "run", "render", "imprint", "imprint --preview_tools", "inspect", "frontier",
+/// "calibrate", "calibrate --print_board".
 std::string_view command_of(ResultKind kind);
 
 /// Whose results a folder holds: by the field "verb" of its run.json, in folders of older versions

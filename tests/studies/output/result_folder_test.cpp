@@ -22,7 +22,9 @@ constexpr std::array kAll = {ResultKind::kRun,
                              ResultKind::kImprint,
                              ResultKind::kTools,
                              ResultKind::kInspect,
-                             ResultKind::kFrontier};
+                             ResultKind::kFrontier,
+                             ResultKind::kCalibrate,
+                             ResultKind::kBoard};
 
 const std::vector<std::string> kNames = {"result.json", "report.html", "baseline"};
 

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/calibrate/calibrate_files.h"
+
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/units.h"
+#include "hardware/calibration/rotation.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector3d;
+using Json = nlohmann::ordered_json;
+
+/// JSON has no infinity.
+Json number_json(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json vector_json(const Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+/// Nine numbers as the tables of a camera.
+Json lens_json(const LensVector& v) {
+  return {{"focal_px", {v[0], v[1]}},
+          {"center_px", {v[2], v[3]}},
+          {"radial", {v[4], v[5], v[6]}},
+          {"tangential", {v[7], v[8]}}};
+}
+
+Json intrinsics_json(const CalibrateInput& input, const SolvedCalibration& solved) {
+  Json json = lens_json(solved.lens);
+  json["width_px"] = input.width_px;
+  json["height_px"] = input.height_px;
+  json["sigma"] = lens_json(solved.lens_sigma);
+  json["free"] = Json::array();
+  for (std::size_t i = 0; i < kLensSize; ++i) {
+    if (solved.camera.is_free[i]) {
+      json["free"].push_back(std::string(kLensNames[i]));
+    }
+  }
+  return json;
+}
+
+std::string reason_of_view(const BoardView& view) {
+  const std::string name = outcome_name(view.outcome);
+  return view.why.empty() || view.why == name ? name : fmt::format("{}: {}", name, view.why);
+}
+
+Json picture_json(const CalibrateInput& input, const SolvedCalibration& solved, std::size_t i) {
+  Json json = {{"file", input.names[i]}};
+  if (!input.views[i].is_accepted()) {
+    json["accepted"] = false;
+    json["reason"] = reason_of_view(input.views[i]);
+    json["rms_px"] = nullptr;
+    return json;
+  }
+  const auto put = [&](bool accepted, const std::string& reason, double rms_px) {
+    json["accepted"] = accepted;
+    json["reason"] = reason;
+    json["rms_px"] = number_json(rms_px);
+  };
+  if (!solved.joint) {
+    const CalibratedPicture& picture = solved.camera.pictures[i];
+    put(picture.accepted, picture.reason, picture.rms_px);
+    return json;
+  }
+  const HandEyePicture& picture = solved.joint->pictures[i];
+  put(picture.accepted, picture.reason, picture.rms_px);
+  json["pose"] = input.poses->poses[input.pose_of[i]].name;
+  json["chi_square"] = number_json(picture.chi_square);
+  json["board_turn"] = picture.board_turn;
+  return json;
+}
+
+const char* flange_or_base(bool is_flange) {
+  return is_flange ? "flange" : "base";
+}
+
+Json pose_json(const char* from, const char* to, const Eigen::Isometry3d& pose) {
+  return {{"from", from},
+          {"to", to},
+          {"rotation_vector_rad", vector_json(rotation_vector_rad(pose.linear()))},
+          {"translation_mm", vector_json(pose.translation())}};
+}
+
+bool is_in_hand(const HandEyeCalibration& joint) {
+  return joint.mounting == Mounting::kEyeInHand;
+}
+
+Json hand_eye_json(const CalibrateInput& input, const SolvedCalibration& solved) {
+  const HandEyeCalibration& joint = *solved.joint;
+  Json json = pose_json("camera", flange_or_base(is_in_hand(joint)), solved.poses.hand_eye);
+  json["method"] = input.method ? std::string(name_of(*input.method)) : "glint";
+  // Closed forms do not tell how well they are known.
+  json["sigma_deg"] =
+      input.method ? Json(nullptr) : number_json(joint.rotation_sigma_rad() * kDegPerRad);
+  json["sigma_mm"] = input.method ? Json(nullptr) : number_json(joint.translation_sigma_mm());
+  json["scatter_deg"] = number_json(solved.scatter.rotation_rad * kDegPerRad);
+  json["scatter_mm"] = number_json(solved.scatter.translation_mm);
+  return json;
+}
+
+std::string orientation_name(BoardOrientation orientation) {
+  switch (orientation) {
+    case BoardOrientation::kMark:
+      return "mark";
+    case BoardOrientation::kPattern:
+      return "pattern";
+    case BoardOrientation::kFirstPicture:
+      break;
+  }
+  return "first picture";
+}
+
+Json board_json(const CalibrateInput& input, const SolvedCalibration& solved) {
+  const Board& board = input.board;
+  Json json = {{"kind", board.kind == BoardKind::kCharuco ? "charuco" : "checkerboard"},
+               {"cols", board.cols},
+               {"rows", board.rows},
+               {"square_mm", board.square_mm},
+               {"mark", board.mark}};
+  if (solved.joint) {
+    const HandEyeCalibration& joint = *solved.joint;
+    json["orientation"] = orientation_name(joint.orientation);
+    json["pose"] = pose_json("board", flange_or_base(!is_in_hand(joint)), solved.poses.board);
+    json["measured_scale"] = {{"factor", number_json(joint.scale.factor)},
+                              {"sigma", number_json(joint.scale.sigma)}};
+  }
+  return json;
+}
+
+/// Of intrinsics, hand-eye and board, row by row; of the intrinsics alone without poses.
+Json covariance_json(const Eigen::MatrixXd& covariance) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index k = 0; k < covariance.cols(); ++k) {
+      row.push_back(number_json(covariance(i, k)));
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json methods_json(const SolvedCalibration& solved) {
+  Json methods = Json::array();
+  for (const MethodPrediction& method : solved.methods) {
+    methods.push_back({{"name", method.name},
+                       {"prediction_rms_px", number_json(method.rms_px)},
+                       {"failed", method.has_failed}});
+  }
+  return methods;
+}
+
+void put_joint(const CalibrateInput& input, const SolvedCalibration& solved, Json& json) {
+  const HandEyeCalibration& joint = *solved.joint;
+  json["setup"] = is_in_hand(joint) ? "eye_in_hand" : "eye_to_hand";
+  json["hand_eye"] = hand_eye_json(input, solved);
+  json["noise"] = {{"corner_px", joint.noise.corner_px},
+                   {"pattern_px", joint.noise.whole_pattern_px()},
+                   {"robot_deg", joint.noise.robot_rad * kDegPerRad},
+                   {"robot_mm", joint.noise.robot_mm}};
+  json["point_error_px"] = {{"rms", number_json(joint.point.rms_px)},
+                            {"center", number_json(joint.point.center_px)},
+                            {"edge", number_json(joint.point.edge_px)}};
+}
+
+std::string sigma_comment(const LensVector& sigma) {
+  std::string text;
+  for (std::size_t i = 0; i < kLensSize; ++i) {
+    text += fmt::format(" {} {:.3g}", kLensNames[i], sigma[static_cast<Eigen::Index>(i)]);
+  }
+  return text;
+}
+
+}  // namespace
+
+Json calibration_json(const CalibrateInput& input, const SolvedCalibration& solved) {
+  Json json = {{"schema", 1}, {"status", "done"}, {"setup", "none"}, {"pictures", Json::array()}};
+  for (std::size_t i = 0; i < input.names.size(); ++i) {
+    json["pictures"].push_back(picture_json(input, solved, i));
+  }
+  json["intrinsics"] = intrinsics_json(input, solved);
+  json["rms_px"] = number_json(solved.rms_px);
+  json["hand_eye"] = nullptr;
+  json["board"] = board_json(input, solved);
+  json["prediction_rms_px"] =
+      solved.prediction_rms_px ? number_json(*solved.prediction_rms_px) : Json(nullptr);
+  json["prediction_folds"] = solved.prediction_folds;
+  json["methods"] = methods_json(solved);
+  if (solved.joint) {
+    put_joint(input, solved, json);
+  }
+  json["covariance"] = solved.joint && !input.method ? covariance_json(solved.joint->covariance)
+                                                     : covariance_json(solved.camera.covariance);
+  json["warnings"] = solved.joint ? solved.joint->warnings : solved.camera.warnings;
+  json["notes"] = input.notes;
+  for (const std::string& note : solved.notes) {
+    json["notes"].push_back(note);
+  }
+  return json;
+}
+
+std::string calibration_toml(const CalibrateInput& input, const SolvedCalibration& solved) {
+  constexpr std::array<const char*, kLensSize> kKeys = {
+      "focal_x_px", "focal_y_px", "center_x_px", "center_y_px", "k1", "k2", "k3", "p1", "p2"};
+  std::string text =
+      "# glint calibrate: include = [\"calibration.toml\"] in a scene takes this camera\n";
+  text += fmt::format("# standard deviations:{}\n", sigma_comment(solved.lens_sigma));
+  if (solved.joint) {
+    const Eigen::Isometry3d& pose = solved.poses.hand_eye;
+    const Vector3d turn = rotation_vector_rad(pose.linear());
+    const Vector3d& at = pose.translation();
+    text += fmt::format("# {}_from_camera: rotation vector {} {} {} rad, then {} {} {} mm\n",
+                        flange_or_base(is_in_hand(*solved.joint)),
+                        turn.x(),
+                        turn.y(),
+                        turn.z(),
+                        at.x(),
+                        at.y(),
+                        at.z());
+  }
+  text += fmt::format("[camera]\nwidth_px = {}\nheight_px = {}\n", input.width_px, input.height_px);
+  for (std::size_t i = 0; i < kLensSize; ++i) {
+    text += fmt::format("{} = {}\n", kKeys[i], solved.lens[static_cast<Eigen::Index>(i)]);
+  }
+  return text;
+}
+
+}  // namespace glint

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What `glint calibrate` is given: pictures of a board, robot poses, a camera that is known
+// already.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "core/thread_pool.h"
+#include "hardware/board/find_board.h"
+#include "hardware/calibration/observations.h"
+#include "hardware/calibration/opencv_methods.h"
+#include "hardware/poses/camera_file.h"
+#include "hardware/poses/pose_file.h"
+#include "studies/definition/study.h"
+
+namespace glint {
+
+struct CalibrateOptions {
+  std::vector<std::filesystem::path> pictures;
+  std::filesystem::path board;               ///< board.toml or board.json
+  std::vector<std::filesystem::path> poses;  ///< empty: the camera alone
+  std::filesystem::path camera;              ///< known intrinsics; empty: all are estimated
+  std::filesystem::path out;                 ///< empty: out/<the pictures' folder>/calibrate
+  std::string setup;           ///< "eye_in_hand", "eye_to_hand"; empty: as the board's file says
+  std::string method;          ///< of OpenCV's, name_of(HandEyeMethod); empty: our own
+  std::vector<KeyValue> sets;  ///< convention.key and poses.pair_by, over what files say
+  int threads = 1;
+};
+
+/// Everything that was read, with the boards found in the pictures.
+struct CalibrateInput {
+  Board board;
+  BoardSetup setup = BoardSetup::kNone;  ///< kNone with poses: to be found out
+  std::optional<HandEyeMethod> method;   ///< none: our own
+  std::optional<CameraFile> camera;
+  std::optional<RobotPoses> poses;
+  std::vector<std::size_t> pose_of;  ///< of each picture; empty without poses
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<std::string> names;     ///< of the pictures, as they were given
+  std::vector<BoardView> views;       ///< of each picture
+  std::vector<BoardCorners> corners;  ///< of each picture; no corners where it was not accepted
+  std::vector<std::string> notes;     ///< what was guessed
+};
+
+/// base_from_flange of each picture. @throws ConfigError where a pose cannot be read that way
+std::vector<Eigen::Isometry3d> picture_poses(const CalibrateInput& input,
+                                             const PoseConvention& convention);
+
+/// Reads what is small first, so that slips are told before pictures are searched.
+/// @throws ConfigError  no pictures, no board's file, a board in none of the pictures, pictures of
+///         different sizes, poses that do not pair, values with their places; IoError
+CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool& pool);
+
+}  // namespace glint

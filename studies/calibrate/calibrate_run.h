@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint calibrate`: a real camera from pictures of a board, on or beside a robot where there are
+// its poses.
+#pragma once
+
+#include <filesystem>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "studies/calibrate/calibrate_input.h"
+
+namespace glint {
+
+/// Writes calibration.toml, calibration.json and run.json.
+/// @return what calibration.json holds, and "folder"
+/// @throws ConfigError for wrong input and for pictures that do not suffice, IoError; nothing is
+///         left behind
+nlohmann::ordered_json calibrate_pictures(const CalibrateOptions& options);
+
+}  // namespace glint

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/calibrate/print_board.h"
+
+#include <array>
+
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "hardware/board/board.h"
+#include "hardware/board/board_sheet.h"
+#include "studies/output/output_folder.h"
+#include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
+#include "studies/output/staged_folder.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+Json print_board(const fs::path& board, const fs::path& out) {
+  const fs::path goal =
+      out.empty() ? default_result_folder(board.stem().string(), ResultKind::kBoard) : out;
+  const std::array<std::string, 4> names = {"board.svg", "board.pdf", "board.toml", "run.json"};
+  check_result_folder(goal, ResultKind::kBoard, names);
+  check_inputs_kept(std::array{board}, goal, names);
+  const Board read = read_board(board);
+  const BoardSheet sheet = board_sheet(read);
+  OutputFolder folder(goal);
+  remove_stale_stages(goal);
+  StagedFolder stage(goal, "");
+  write_file(stage.path() / "board.svg", sheet_svg(sheet));
+  write_file(stage.path() / "board.pdf", sheet_pdf(sheet));
+  write_file(stage.path() / "board.toml", board_toml(read));
+  Json run = provenance();
+  run["verb"] = command_of(ResultKind::kBoard);
+  write_file(stage.path() / "run.json", run.dump(2) + "\n");
+  stage.commit();
+  folder.keep();
+  return {{"schema", 1},
+          {"status", "done"},
+          {"cols", read.cols},
+          {"rows", read.rows},
+          {"square_mm", read.square_mm},
+          {"size_mm", {sheet.size_mm.x(), sheet.size_mm.y()}},
+          {"folder", goal.string()}};
+}
+
+}  // namespace glint

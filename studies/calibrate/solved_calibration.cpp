@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/calibrate/solved_calibration.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "core/config/key_writer.h"
+#include "hardware/calibration/lens_choice.h"
+#include "hardware/calibration/prediction.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Isometry3d;
+
+constexpr int kMostFolds = 20;
+
+CameraOptions camera_options(const CalibrateInput& input) {
+  const auto seen = std::ranges::count_if(input.views, &BoardView::is_accepted);
+  CameraOptions options = {
+      .width_px = input.width_px,
+      .height_px = input.height_px,
+      .folds = input.poses ? 5 : std::clamp(static_cast<int>(seen), 2, kMostFolds)};
+  if (input.camera) {
+    options.known = KnownLens{.lens = lens_vector(input.camera->intrinsics)};
+  }
+  return options;
+}
+
+HandEyeOptions hand_eye_options(const CalibrateInput& input, Mounting mounting) {
+  return {.mounting = mounting,
+          .camera = camera_options(input),
+          .board_turns = num_symmetries(input.board),
+          .has_mark = input.board.mark,
+          .board_center_mm = Eigen::Vector2d(0.5 * (input.board.cols - 1) * input.board.square_mm,
+                                             0.5 * (input.board.rows - 1) * input.board.square_mm)};
+}
+
+/// "convention.unit=m convention.direction=flange_from_base": what one reading has otherwise.
+std::string difference(const PoseConvention& taken, PoseConvention other) {
+  ConfigNode before = ConfigNode::table();
+  ConfigNode after = ConfigNode::table();
+  PoseConvention written = taken;
+  KeyWriter before_writer(before);
+  visit_keys(before_writer, written);
+  KeyWriter after_writer(after);
+  visit_keys(after_writer, other);
+  std::string text;
+  for (std::size_t i = 0; i < after.names.size(); ++i) {
+    const ConfigNode* old = before.find(after.names[i]);
+    if (old == nullptr || value_to_toml(*old) != value_to_toml(after.items[i])) {
+      const ConfigNode& value = after.items[i];
+      text +=
+          fmt::format(" --set convention.{}={}",
+                      after.names[i],
+                      value.kind == ConfigNode::Kind::kText ? value.text : value_to_toml(value));
+    }
+  }
+  return text;
+}
+
+/// The other setup, or the first other reading of the poses, that agrees with the pictures; empty
+/// when none does.
+std::string reading_that_agrees(const CalibrateInput& input, const HandEyeCalibration& failed) {
+  if (!failed.camera.succeeded) {
+    return {};
+  }
+  HandEyeOptions options = hand_eye_options(input, failed.mounting);
+  options.camera.free_terms = failed.camera.is_free;
+  const bool is_in_hand = failed.mounting == Mounting::kEyeInHand;
+  options.mounting = is_in_hand ? Mounting::kEyeToHand : Mounting::kEyeInHand;
+  const std::vector<Isometry3d> poses = picture_poses(input, input.poses->convention);
+  if (calibrate_hand_eye(input.corners, poses, options).succeeded) {
+    return is_in_hand ? " --setup eye_to_hand" : " --setup eye_in_hand";
+  }
+  options.mounting = failed.mounting;
+  for (const PoseConvention& other : input.poses->otherwise) {
+    try {
+      if (calibrate_hand_eye(input.corners, picture_poses(input, other), options).succeeded) {
+        return difference(input.poses->convention, other);
+      }
+    } catch (const ConfigError&) {
+      continue;  // read that way they are no motions
+    }
+  }
+  return {};
+}
+
+/// @throws ConfigError
+HandEyeCalibration joint_calibration(const CalibrateInput& input, std::vector<std::string>& notes) {
+  const std::vector<Isometry3d> poses = picture_poses(input, input.poses->convention);
+  const bool is_open = input.setup == BoardSetup::kNone;
+  const Mounting first =
+      input.setup == BoardSetup::kEyeToHand ? Mounting::kEyeToHand : Mounting::kEyeInHand;
+  HandEyeCalibration result =
+      calibrate_hand_eye(input.corners, poses, hand_eye_options(input, first));
+  if (!result.succeeded && is_open && result.camera.succeeded) {
+    HandEyeCalibration other =
+        calibrate_hand_eye(input.corners, poses, hand_eye_options(input, Mounting::kEyeToHand));
+    if (other.succeeded) {
+      result = std::move(other);
+    }
+  }
+  if (!result.succeeded) {
+    const std::string reading = reading_that_agrees(input, result);
+    throw ConfigError(reading.empty()
+                          ? result.refusal
+                          : fmt::format("{}; they agree with{}", result.refusal, reading));
+  }
+  if (is_open) {
+    notes.push_back(
+        fmt::format("setup = \"{}\": guessed, neither --setup nor the board's file tells",
+                    result.mounting == Mounting::kEyeInHand ? "eye_in_hand" : "eye_to_hand"));
+  }
+  return result;
+}
+
+/// The accepted pictures with the board turned as the calibration found it.
+std::vector<PosePair> accepted_pairs(const CalibrateInput& input, const HandEyeCalibration& joint) {
+  const HandEyeOptions options = hand_eye_options(input, joint.mounting);
+  BoardSymmetry symmetry{.turns = options.board_turns};
+  symmetry.center_mm.head<2>() = *options.board_center_mm;
+  const std::vector<Isometry3d> poses = picture_poses(input, input.poses->convention);
+  std::vector<PosePair> pairs;
+  for (std::size_t i = 0; i < joint.pictures.size(); ++i) {
+    if (joint.pictures[i].accepted) {
+      pairs.push_back({.base_from_flange = poses[i],
+                       .camera_from_board = joint.camera.pictures[i].camera_from_board *
+                                            board_turn(symmetry, joint.pictures[i].board_turn)});
+    }
+  }
+  return pairs;
+}
+
+void predict_all(SolvedCalibration& solved, ThreadPool& pool) {
+  const Bundle& bundle = solved.joint->bundle;
+  const int count = static_cast<int>(bundle.views.size());
+  const std::vector<int> folds =
+      count <= kMostFolds ? leave_one_out(count) : shuffled_folds(count, kMostFolds, 1);
+  solved.prediction_folds = std::min(count, kMostFolds);
+  const Prediction own = predict_left_out(bundle, folds, pool);
+  solved.methods.push_back({.name = "glint", .has_failed = own.has_failed, .rms_px = own.rms_px});
+  for (const HandEyeMethod method : kHandEyeMethods) {
+    const Prediction other = predict_left_out(bundle, folds, method, pool);
+    solved.methods.push_back({.name = std::string(name_of(method)),
+                              .has_failed = other.has_failed,
+                              .rms_px = other.rms_px});
+  }
+}
+
+void take_joint(SolvedCalibration& solved) {
+  solved.lens = solved.joint->lens;
+  solved.lens_sigma = solved.joint->lens_sigma();
+  solved.poses = solved.joint->poses;
+  solved.rms_px = solved.joint->rms_px;
+}
+
+void take_camera(SolvedCalibration& solved) {
+  solved.lens = solved.camera.lens;
+  solved.lens_sigma = solved.camera.sigma();
+  solved.rms_px = solved.camera.rms_px;
+}
+
+/// The held-out rms of the terms that were chosen.
+void take_camera_prediction(const CalibrateInput& input, SolvedCalibration& solved) {
+  for (const LensChoice& choice : solved.camera.choices) {
+    if (choice.is_free == solved.camera.is_free) {
+      solved.prediction_rms_px = choice.held_out_rms_px;
+      solved.prediction_folds = camera_options(input).folds;
+    }
+  }
+}
+
+void solve_with_poses(const CalibrateInput& input, SolvedCalibration& solved, ThreadPool& pool) {
+  solved.joint = joint_calibration(input, solved.notes);
+  solved.camera = solved.joint->camera;
+  const std::vector<PosePair> pairs = accepted_pairs(input, *solved.joint);
+  take_joint(solved);
+  if (input.method) {
+    const auto poses = hand_eye_by(*input.method, solved.joint->mounting, pairs);
+    if (!poses) {
+      throw ConfigError(
+          fmt::format("--method {}: finds no hand-eye for these poses", name_of(*input.method)));
+    }
+    take_camera(solved);
+    solved.poses = *poses;
+  }
+  solved.scatter = board_scatter(solved.joint->mounting, solved.poses.hand_eye, pairs);
+  predict_all(solved, pool);
+  const std::string name = input.method ? std::string(name_of(*input.method)) : "glint";
+  solved.prediction_rms_px =
+      std::ranges::find(solved.methods, name, &MethodPrediction::name)->rms_px;
+}
+
+}  // namespace
+
+SolvedCalibration solve_calibration(const CalibrateInput& input, ThreadPool& pool) {
+  SolvedCalibration solved;
+  if (input.poses) {
+    solve_with_poses(input, solved, pool);
+    return solved;
+  }
+  solved.camera = calibrate_camera(input.corners, camera_options(input));
+  if (!solved.camera.succeeded) {
+    throw ConfigError(solved.camera.refusal);
+  }
+  take_camera(solved);
+  take_camera_prediction(input, solved);
+  return solved;
+}
+
+}  // namespace glint

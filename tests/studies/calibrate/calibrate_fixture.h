@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "tests/cli/program.h"
+
+namespace glint::test {
+
+/// Photographs by others, which not every checkout has beside it.
+inline std::filesystem::path photographs(const std::string& name) {
+  return std::filesystem::path(GLINT_SHARED_DIR) / "data" / name;
+}
+
+/// The files of a folder whose names begin and end so, sorted.
+inline Arguments files_in(const std::filesystem::path& folder,
+                          const std::string& begin,
+                          const std::string& ending) {
+  Arguments files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(begin) && name.ends_with(ending)) {
+      files.push_back(entry.path().string());
+    }
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+/// `glint calibrate` in a folder of its own.
+class CalibrateVerb : public ::testing::Test {
+ protected:
+  ProgramResult calibrate(const Arguments& pictures, const Arguments& more) const {
+    Arguments arguments = {"calibrate"};
+    arguments.insert(arguments.end(), pictures.begin(), pictures.end());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    arguments.insert(arguments.end(), {"--out", "out"});
+    return glint_in(folder_, arguments);
+  }
+
+  nlohmann::json calibrate_json(const Arguments& pictures, Arguments more) const {
+    more.emplace_back("--json");
+    const ProgramResult result = calibrate(pictures, more);
+    EXPECT_EQ(result.code, 0) << result.err;
+    return result.out.empty() ? nlohmann::json() : nlohmann::json::parse(result.out);
+  }
+
+  /// Exit code 2 or as told, nothing on stdout, no folder.
+  void expect_refused(const Arguments& pictures,
+                      const Arguments& more,
+                      const std::string& message,
+                      int code = 2) const {
+    const ProgramResult result = calibrate(pictures, more);
+    EXPECT_EQ(result.code, code) << result.err;
+    EXPECT_THAT(result.err, ::testing::HasSubstr(message));
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+  }
+
+  TemporaryFolder folder_;
+};
+
+}  // namespace glint::test

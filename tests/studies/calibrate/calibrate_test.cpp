@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint calibrate` on photographs by others, and what its files are good for.
+#include <set>
+
+#include "core/config/keys.h"
+#include "core/config/toml.h"
+#include "hardware/board/board.h"
+#include "simulator/camera/camera_settings.h"
+#include "tests/studies/calibrate/calibrate_fixture.h"
+
+namespace glint::test {
+namespace {
+namespace fs = std::filesystem;
+
+using Json = nlohmann::json;
+using ::testing::HasSubstr;
+
+std::set<std::string> rejected(const Json& result) {
+  std::set<std::string> names;
+  for (const Json& picture : result["pictures"]) {
+    if (!picture["accepted"].get<bool>()) {
+      names.insert(fs::path(picture["file"].get<std::string>()).filename().string());
+      EXPECT_NE(picture["reason"], "");
+    }
+  }
+  return names;
+}
+
+TEST_F(CalibrateVerb, AcceptsAllOfAChessboardAndWritesACameraForScenes) {
+  const fs::path set = photographs("calibration/chessboard_left");
+  if (!fs::exists(set)) {
+    GTEST_SKIP() << "no " << set;
+  }
+  const Json result =
+      calibrate_json(files_in(set, "left", ".jpg"), {"--board", (set / "board.json").string()});
+  EXPECT_EQ(result["status"], "done");
+  EXPECT_EQ(result["setup"], "none");
+  EXPECT_EQ(result["pictures"].size(), 13U);
+  EXPECT_EQ(rejected(result), std::set<std::string>());
+  EXPECT_EQ(result["hand_eye"], nullptr);
+  // OpenCV's own sample gives 536 px for this camera.
+  EXPECT_NEAR(result["intrinsics"]["focal_px"][0].get<double>(), 536.0, 5.0);
+  EXPECT_LT(result["rms_px"].get<double>(), 0.3);
+  EXPECT_GE(result["prediction_rms_px"].get<double>(), result["rms_px"].get<double>());
+  EXPECT_LT(result["prediction_rms_px"].get<double>(), 0.4);
+
+  const Json written = Json::parse(read_file(folder_ / "out/calibration.json"));
+  EXPECT_EQ(written["intrinsics"], result["intrinsics"]);
+  EXPECT_EQ(Json::parse(read_file(folder_ / "out/run.json"))["verb"], "calibrate");
+  const ConfigNode root = load_toml(folder_ / "out/calibration.toml");
+  CameraSettings camera;
+  std::vector<Problem> errors;
+  KeyReader reader(root.find("camera"), "camera", errors);
+  visit_keys(reader, camera);
+  reader.report_unknown();
+  EXPECT_TRUE(errors.empty()) << (errors.empty() ? "" : errors.front().message());
+  const PinholeIntrinsics read = intrinsics_of(camera);
+  EXPECT_EQ(read.width_px, 640);
+  EXPECT_EQ(read.focal_px.x(), result["intrinsics"]["focal_px"][0].get<double>());
+  EXPECT_EQ(read.center_px.y(), result["intrinsics"]["center_px"][1].get<double>());
+  EXPECT_EQ(read.tangential[1], result["intrinsics"]["tangential"][1].get<double>());
+}
+
+TEST_F(CalibrateVerb, MakesASceneTakeTheCameraByInclude) {
+  const fs::path set = photographs("calibration/chessboard_left");
+  if (!fs::exists(set)) {
+    GTEST_SKIP() << "no " << set;
+  }
+  calibrate_json(files_in(set, "left0", ".jpg"), {"--board", (set / "board.json").string()});
+  const std::string study = small_study();
+  // The scene's own size of a picture would win over the calibration's.
+  const std::string own = edited(study, {{"width_px = 200\nheight_px = 60\n", ""}});
+  write_file(folder_ / "scene.toml", "include = [\"out/calibration.toml\"]\n" + own);
+  const ProgramResult masks =
+      glint_in(folder_, {"render", "scene.toml", "--masks", "--out", "masks", "--quiet"});
+  EXPECT_EQ(masks.code, 0) << masks.err;
+  EXPECT_THAT(read_file(folder_ / "masks/study.resolved.toml"), HasSubstr("width_px = 640"));
+}
+
+TEST_F(CalibrateVerb, FindsTheCameraBesideARobot) {
+  const fs::path set = photographs("calibration/board_on_robot");
+  if (!fs::exists(set)) {
+    GTEST_SKIP() << "no " << set;
+  }
+  const Json result = calibrate_json(
+      files_in(set, "img", ".png"),
+      {"--board", (set / "board.json").string(), "--poses", (set / "poses.csv").string()});
+  EXPECT_EQ(result["setup"], "eye_to_hand");
+  EXPECT_EQ(rejected(result), (std::set<std::string>{"img02.png", "img17.png"}));
+  EXPECT_LE(result["prediction_rms_px"].get<double>(), 0.75);
+  EXPECT_EQ(result["hand_eye"]["from"], "camera");
+  EXPECT_EQ(result["hand_eye"]["to"], "base");
+  EXPECT_EQ(result["board"]["pose"]["to"], "flange");
+  ASSERT_EQ(result["methods"].size(), 8U);
+  EXPECT_EQ(result["methods"][0]["name"], "glint");
+  for (std::size_t i = 1; i < 8; ++i) {
+    const Json& method = result["methods"][i];
+    EXPECT_TRUE(method["failed"].get<bool>() ||
+                method["prediction_rms_px"] > result["prediction_rms_px"])
+        << method;
+  }
+}
+
+TEST_F(CalibrateVerb, FindsTheCameraOnAFrankaArm) {
+  const fs::path set = photographs("field/handeye_franka");
+  if (!fs::exists(set)) {
+    GTEST_SKIP() << "no " << set;
+  }
+  write_file(folder_ / "board.toml", "[board]\ncols = 9\nrows = 6\nsquare_mm = 23.6\n");
+  Arguments more = {
+      "--board", "board.toml", "--camera", (set / "franka_camera.xml").string(), "--poses"};
+  const Arguments poses = files_in(set, "franka_pose_rPe_", ".yaml");
+  more.insert(more.end(), poses.begin(), poses.end());
+  const Json result = calibrate_json(files_in(set, "franka_image-", ".png"), more);
+  EXPECT_EQ(result["setup"], "eye_in_hand");
+  EXPECT_THAT(result["notes"].dump(), HasSubstr("setup = \\\"eye_in_hand\\\": guessed"));
+  EXPECT_EQ(rejected(result), std::set<std::string>());
+  EXPECT_EQ(result["intrinsics"]["focal_px"][0], 607.5931396484375);
+  EXPECT_NEAR(result["hand_eye"]["scatter_deg"].get<double>(), 0.47, 0.03);
+  EXPECT_NEAR(result["hand_eye"]["scatter_mm"].get<double>(), 5.42, 0.1);
+  EXPECT_GT(result["noise"]["robot_mm"], 1.0);
+
+  fs::remove_all(folder_ / "out");
+  more.insert(more.end(), {"--method", "park"});
+  const Json park = calibrate_json(files_in(set, "franka_image-", ".png"), more);
+  EXPECT_EQ(park["hand_eye"]["method"], "park");
+  EXPECT_EQ(park["hand_eye"]["sigma_mm"], nullptr);
+  EXPECT_NEAR(park["hand_eye"]["scatter_deg"].get<double>(), 0.458, 0.02);
+  EXPECT_NEAR(park["hand_eye"]["scatter_mm"].get<double>(), 5.415, 0.06);
+}
+
+TEST_F(CalibrateVerb, PrintsABoard) {
+  write_file(folder_ / "b.toml", "[board]\ncols = 10\nrows = 7\nsquare_mm = 12.5\nmark = true\n");
+  const ProgramResult result =
+      glint_in(folder_, {"calibrate", "--print_board", "b.toml", "--out", "out", "--json"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(Json::parse(result.out)["status"], "done");
+  EXPECT_THAT(read_file(folder_ / "out/board.svg"), HasSubstr("<svg"));
+  EXPECT_TRUE(read_file(folder_ / "out/board.pdf").starts_with("%PDF-1.4"));
+  const Board board = read_board(folder_ / "out/board.toml");
+  EXPECT_EQ(board.cols, 10);
+  EXPECT_EQ(board.square_mm, 12.5);
+  EXPECT_TRUE(board.mark);
+}
+
+TEST_F(CalibrateVerb, HasItsHelp) {
+  const ProgramResult help = glint_in(folder_, {"help", "calibrate"});
+  EXPECT_EQ(help.code, 0);
+  for (const std::string option : {"PICTURES", "--board", "--poses", "--camera", "--print_board"}) {
+    EXPECT_THAT(help.out, HasSubstr(option));
+  }
+  EXPECT_THAT(glint_in(folder_, {"help"}).out, HasSubstr("calibrate"));
+}
+
+}  // namespace
+}  // namespace glint::test

@@ -19,14 +19,6 @@ using Json = nlohmann::json;
 
 using ::testing::HasSubstr;
 
-/// The one JSON object a call prints.
-Json json_of(const TemporaryFolder& folder, Arguments arguments) {
-  arguments.emplace_back("--json");
-  const ProgramResult result = glint_in(folder, arguments);
-  EXPECT_EQ(result.code, 0) << result.err;
-  return Json::parse(result.out);
-}
-
 TEST(Explain, KnowsEveryKeyOfTheKeyTable) {
   const TemporaryFolder folder;
   std::vector<KeyRow> rows = scene_keys();

@@ -16,13 +16,6 @@ using Json = nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-Json object_of(const TemporaryFolder& folder, Arguments arguments) {
-  arguments.emplace_back("--json");
-  const ProgramResult result = glint_in(folder, arguments);
-  EXPECT_EQ(result.code, 0) << result.err;
-  return Json::parse(result.out);
-}
-
 std::vector<std::string> codes_in(const Json& result) {
   std::vector<std::string> codes;
   for (const Json& finding : result["verdict"]["findings"]) {
@@ -46,10 +39,10 @@ std::string prototype_study() {
 TEST(NewStudy, StartsWithADentThatShowsAndEndsWithOneThatShowsBetter) {
   const TemporaryFolder folder;
   write_file(folder / "plate.stl", rectangle_stl(60, 20));
-  const Json written = object_of(
-      folder, {"new", "plate.stl", "--working_distance_mm", "300", "--out", "plate.toml"});
+  const Json written =
+      json_of(folder, {"new", "plate.stl", "--working_distance_mm", "300", "--out", "plate.toml"});
   EXPECT_EQ(written["is_dent_visible"], true);
-  const Json result = object_of(
+  const Json result = json_of(
       folder, {"run", "plate.toml", "--out", "run", "--set", "budget.evaluations=12", "--quiet"});
   EXPECT_EQ(result["objective"], "defects.min_cnr");
   const double before = result["baseline"]["scores"]["defects.min_cnr"];
@@ -62,7 +55,7 @@ TEST(NewStudy, StartsWithADentThatShowsAndEndsWithOneThatShowsBetter) {
 TEST(NewStudy, AsJsonOnStdoutIsOneObject) {
   const TemporaryFolder folder;
   write_file(folder / "plate.stl", rectangle_stl(60, 20));
-  const Json printed = object_of(folder, {"new", "plate.stl", "--working_distance_mm", "300"});
+  const Json printed = json_of(folder, {"new", "plate.stl", "--working_distance_mm", "300"});
   EXPECT_THAT(printed["text"].get<std::string>(), HasSubstr("maximise = \"defects.min_cnr\""));
 }
 
@@ -71,21 +64,21 @@ TEST(NewStudy, OfEachKindOfLightChecks) {
   write_file(folder / "plate.stl", rectangle_stl(60, 20));
   for (const std::string light : {"ring", "dome", "bar"}) {
     SCOPED_TRACE(light);
-    object_of(folder,
-              {"new",
-               "plate.stl",
-               "--working_distance_mm",
-               "200",
-               "--camera",
-               "width_px=176,height_px=64,object_pixel_mm=0.4",
-               "--light",
-               light,
-               "--out",
-               light + ".toml"});
+    json_of(folder,
+            {"new",
+             "plate.stl",
+             "--working_distance_mm",
+             "200",
+             "--camera",
+             "width_px=176,height_px=64,object_pixel_mm=0.4",
+             "--light",
+             light,
+             "--out",
+             light + ".toml"});
     const std::string text = read_file(folder / (light + ".toml"));
     EXPECT_THAT(text, HasSubstr("[lighting." + light + "]"));
     EXPECT_THAT(text, HasSubstr("maximise = \"defects.min_dprime\""));
-    const Json checked = object_of(folder, {"check", light + ".toml"});
+    const Json checked = json_of(folder, {"check", light + ".toml"});
     EXPECT_TRUE(checked["idle_variables"].empty()) << checked["idle_variables"];
     const double mean = checked["baseline"]["scores"]["homogeneity.mean"];
     EXPECT_GT(mean, 0.15);
@@ -96,18 +89,18 @@ TEST(NewStudy, OfEachKindOfLightChecks) {
 TEST(NewStudy, OfAllLightsRanksThem) {
   const TemporaryFolder folder;
   write_file(folder / "plate.stl", rectangle_stl(60, 20));
-  object_of(folder,
-            {"new",
-             "plate.stl",
-             "--working_distance_mm",
-             "200",
-             "--camera",
-             "width_px=176,height_px=64,object_pixel_mm=0.4",
-             "--light",
-             "all",
-             "--out",
-             "all.toml"});
-  const Json result = object_of(folder, {"run", "all.toml", "--out", "all", "--quiet"});
+  json_of(folder,
+          {"new",
+           "plate.stl",
+           "--working_distance_mm",
+           "200",
+           "--camera",
+           "width_px=176,height_px=64,object_pixel_mm=0.4",
+           "--light",
+           "all",
+           "--out",
+           "all.toml"});
+  const Json result = json_of(folder, {"run", "all.toml", "--out", "all", "--quiet"});
   ASSERT_EQ(result["ranking"].size(), 4U);
   double sum = 0.0;
   for (const Json& row : result["ranking"]) {
@@ -120,7 +113,7 @@ TEST(NewStudy, OfAllLightsRanksThem) {
 TEST(Prototypes, WithoutVariablesAreRankedByTheObjective) {
   const TemporaryFolder folder;
   write_file(folder / "two.toml", prototype_study());
-  const Json result = object_of(folder, {"run", "two.toml", "--out", "two", "--quiet"});
+  const Json result = json_of(folder, {"run", "two.toml", "--out", "two", "--quiet"});
   ASSERT_EQ(result["ranking"].size(), 3U);
   EXPECT_GE(result["ranking"][0]["value"].get<double>(),
             result["ranking"][1]["value"].get<double>());
@@ -129,7 +122,7 @@ TEST(Prototypes, WithoutVariablesAreRankedByTheObjective) {
   const ProgramResult printed = glint_in(folder, {"run", "two.toml", "--out", "two"});
   EXPECT_THAT(printed.out, ::testing::StartsWith("done: 3 designs, no search\n"));
   EXPECT_THAT(printed.out, HasSubstr("Of 3 designs, "));
-  EXPECT_GT(object_of(folder, {"check", "two.toml"})["predicted_s"].get<double>(), 0.0);
+  EXPECT_GT(json_of(folder, {"check", "two.toml"})["predicted_s"].get<double>(), 0.0);
 }
 
 TEST(Prototypes, ThatMissALimitAreSaidToMissIt) {
@@ -166,21 +159,21 @@ TEST(ComparisonOfRuns, NamesDesignsByTheirRunAndRanksWhatBelongsTogether) {
   write_file(folder / "c.toml", edited(small_study(), {{"length_mm = 40", "length_mm = 36"}}));
   for (const auto& [name, title] :
        {std::pair("a", "First"), std::pair("b", "Second"), std::pair("c", "Third")}) {
-    object_of(folder,
-              {"run",
-               std::string(name) + ".toml",
-               "--out",
-               name,
-               "--quiet",
-               "--set",
-               std::string("title=") + title});
+    json_of(folder,
+            {"run",
+             std::string(name) + ".toml",
+             "--out",
+             name,
+             "--quiet",
+             "--set",
+             std::string("title=") + title});
   }
-  object_of(folder, {"report", "a", "b", "--out", "same.html"});
+  json_of(folder, {"report", "a", "b", "--out", "same.html"});
   const std::string same = read_file(folder / "same.html");
   EXPECT_THAT(same, HasSubstr("Of 2 runs, "));
   EXPECT_THAT(same, HasSubstr("Winner of the search, First"));
   EXPECT_THAT(same, HasSubstr("Baseline, Second"));
-  object_of(folder, {"report", "a", "c", "--out", "other.html"});
+  json_of(folder, {"report", "a", "c", "--out", "other.html"});
   const std::string other = read_file(folder / "other.html");
   EXPECT_THAT(other, HasSubstr("These 2 runs are not ranked together"));
   EXPECT_THAT(other, HasSubstr("Third differs from First in part (length_mm)"));

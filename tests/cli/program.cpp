@@ -9,6 +9,9 @@
 #include <csignal>
 #include <set>
 
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
 #include "tests/support/page_data.h"
 
 namespace glint::test {
@@ -155,6 +158,13 @@ ProgramResult glint_in(const fs::path& folder,
 
 ProgramResult glint_in(const TemporaryFolder& folder, const Arguments& arguments) {
   return glint_in(folder.path(), arguments);
+}
+
+nlohmann::json json_of(const TemporaryFolder& folder, Arguments arguments) {
+  arguments.emplace_back("--json");
+  const ProgramResult result = glint_in(folder, arguments);
+  EXPECT_EQ(result.code, 0) << result.err;
+  return nlohmann::json::parse(result.out);
 }
 
 std::string small_study() {

@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "tests/support/temporary_folder.h"
 
 namespace glint::test {
@@ -54,6 +56,9 @@ ProgramResult glint_in(const std::filesystem::path& folder,
                        const Arguments& arguments,
                        const std::function<void()>& in_child = {});
 ProgramResult glint_in(const TemporaryFolder& folder, const Arguments& arguments);
+
+/// The one JSON object that a call with --json prints; the call must end with exit code 0.
+nlohmann::json json_of(const TemporaryFolder& folder, Arguments arguments);
 
 /// A study whose evaluations take about a millisecond: 200 x 60 pixels, 8 positions, 1 ray a pixel,
 /// two variables, 12 evaluations.

@@ -14,14 +14,6 @@ using Json = nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// The one JSON object a call prints.
-Json json_of(const TemporaryFolder& folder, Arguments arguments) {
-  arguments.emplace_back("--json");
-  const ProgramResult result = glint_in(folder, arguments);
-  EXPECT_EQ(result.code, 0) << result.err;
-  return Json::parse(result.out);
-}
-
 TEST(Part, ReportsAndConvertsAMesh) {
   const TemporaryFolder folder;
   write_file(folder / "plate.stl", rectangle_stl(4, 1.2));

@@ -6,29 +6,17 @@
 #include <gtest/gtest.h>
 
 #include "core/rng.h"
+#include "tests/simulator/geometry/geometry_fixtures.h"
 
 namespace glint {
 namespace {
 
 /// A box of 2 x 4 x 6 mm about the origin.
 TriangleMesh box() {
-  TriangleMesh mesh;
-  for (int i = 0; i < 8; ++i) {
-    mesh.vertices_mm.emplace_back(
-        (i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 2 : -2, (i & 4) != 0 ? 3 : -3);
+  TriangleMesh mesh = cube_mesh(1.0);
+  for (Eigen::Vector3d& vertex_mm : mesh.vertices_mm) {
+    vertex_mm = vertex_mm.cwiseProduct(Eigen::Vector3d(1.0, 2.0, 3.0));
   }
-  mesh.triangles = {{0, 2, 3},
-                    {0, 3, 1},
-                    {4, 5, 7},
-                    {4, 7, 6},
-                    {0, 1, 5},
-                    {0, 5, 4},
-                    {2, 6, 7},
-                    {2, 7, 3},
-                    {0, 4, 6},
-                    {0, 6, 2},
-                    {1, 3, 7},
-                    {1, 7, 5}};
   return mesh;
 }
 

@@ -59,22 +59,27 @@ TEST(NewStudy, AsJsonOnStdoutIsOneObject) {
   EXPECT_THAT(printed["text"].get<std::string>(), HasSubstr("maximise = \"defects.min_cnr\""));
 }
 
+/// `glint new` for a small picture of a plate, into a file called like the light.
+void write_new_study(const TemporaryFolder& folder, const std::string& light) {
+  write_file(folder / "plate.stl", rectangle_stl(60, 20));
+  json_of(folder,
+          {"new",
+           "plate.stl",
+           "--working_distance_mm",
+           "200",
+           "--camera",
+           "width_px=176,height_px=64,object_pixel_mm=0.4",
+           "--light",
+           light,
+           "--out",
+           light + ".toml"});
+}
+
 TEST(NewStudy, OfEachKindOfLightChecks) {
   const TemporaryFolder folder;
-  write_file(folder / "plate.stl", rectangle_stl(60, 20));
   for (const std::string light : {"ring", "dome", "bar"}) {
     SCOPED_TRACE(light);
-    json_of(folder,
-            {"new",
-             "plate.stl",
-             "--working_distance_mm",
-             "200",
-             "--camera",
-             "width_px=176,height_px=64,object_pixel_mm=0.4",
-             "--light",
-             light,
-             "--out",
-             light + ".toml"});
+    write_new_study(folder, light);
     const std::string text = read_file(folder / (light + ".toml"));
     EXPECT_THAT(text, HasSubstr("[lighting." + light + "]"));
     EXPECT_THAT(text, HasSubstr("maximise = \"defects.min_dprime\""));
@@ -88,18 +93,7 @@ TEST(NewStudy, OfEachKindOfLightChecks) {
 
 TEST(NewStudy, OfAllLightsRanksThem) {
   const TemporaryFolder folder;
-  write_file(folder / "plate.stl", rectangle_stl(60, 20));
-  json_of(folder,
-          {"new",
-           "plate.stl",
-           "--working_distance_mm",
-           "200",
-           "--camera",
-           "width_px=176,height_px=64,object_pixel_mm=0.4",
-           "--light",
-           "all",
-           "--out",
-           "all.toml"});
+  write_new_study(folder, "all");
   const Json result = json_of(folder, {"run", "all.toml", "--out", "all", "--quiet"});
   ASSERT_EQ(result["ranking"].size(), 4U);
   double sum = 0.0;

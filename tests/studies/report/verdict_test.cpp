@@ -139,15 +139,23 @@ Json changed(Json data, const std::function<void(Json&)>& change) {
   return data;
 }
 
+using Change = std::function<void(Json&)>;
+
+/// A sound search, changed.
+Json with(const Change& change) {
+  return changed(sound_search(), change);
+}
+
+void mended(Json& data) {
+  data = sound_search();
+}
+
+Change winner_at(double cnr) {
+  return [cnr](Json& data) { set_cnr(data["designs"][1], cnr); };
+}
+
 std::vector<Case> search_cases() {
   const Json sound = sound_search();
-  const auto with = [&](const std::function<void(Json&)>& change) {
-    return changed(sound, change);
-  };
-  const auto mended = [sound](Json& data) { data = sound; };
-  const auto winner_at = [](double cnr) {
-    return [cnr](Json& data) { set_cnr(data["designs"][1], cnr); };
-  };
   return {{"winner_better", sound, winner_at(5.0)},
           {"winner_level", with(winner_at(5.0)), mended},
           {"winner_worse", with(winner_at(4.0)), mended},
@@ -168,13 +176,6 @@ std::vector<Case> search_cases() {
 
 std::vector<Case> finding_cases() {
   const Json sound = sound_search();
-  const auto with = [&](const std::function<void(Json&)>& change) {
-    return changed(sound, change);
-  };
-  const auto mended = [sound](Json& data) { data = sound; };
-  const auto winner_at = [](double cnr) {
-    return [cnr](Json& data) { set_cnr(data["designs"][1], cnr); };
-  };
   return {{"defects_clearer", sound, winner_at(4.0)},
           {"defects_fainter", with(winner_at(4.0)), mended},
           {"defects_level", with(winner_at(5.0)), mended},

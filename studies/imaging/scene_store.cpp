@@ -11,6 +11,7 @@
 #include "core/config/key_digest.h"
 #include "core/file.h"
 #include "core/text.h"
+#include "studies/definition/scene_viewpoints.h"
 
 namespace glint {
 namespace {

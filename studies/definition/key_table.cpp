@@ -38,6 +38,7 @@ constexpr std::array kGroups = {
     KeyGroup{"inspection", "how pictures are searched for defects, and parts graded"},
     KeyGroup{"reference", "real pictures to compare with"},
     KeyGroup{"validate", "room for validations on the real cell"},
+    KeyGroup{"coverage", "what it takes for a view to inspect a place of the surface"},
     KeyGroup{"variables", "the keys that a search may change, with their limits"},
     KeyGroup{"prototypes", "designs to be compared with the study's own"},
     KeyGroup{"objective", "the score that a search makes large or small"},

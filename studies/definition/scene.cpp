@@ -137,6 +137,14 @@ std::vector<Problem> check_level(const SceneSettings& scene) {
   return errors;
 }
 
+void read_coverage(const ConfigNode& root,
+                   const std::string& table,
+                   SceneSettings& scene,
+                   std::vector<Problem>& errors) {
+  read_member<&SceneSettings::coverage>(root, table, scene, errors);
+  scene.has_coverage = root.find(table) != nullptr;
+}
+
 void read_defects(const ConfigNode& root,
                   const std::string& table,
                   SceneSettings& scene,
@@ -195,6 +203,7 @@ const std::vector<SceneTable>& tables_of_scene() {
       {"metrics", read_member<&Scene::metrics>},
       {"inspection", read_member<&Scene::inspection>},
       {"reference", read_optional<&Scene::reference>},
+      {"coverage", read_coverage},
       {"validate", read_validate}};
   return tables;
 }
@@ -335,6 +344,9 @@ ConfigNode write_scene(const SceneSettings& scene) {
     root.names.emplace_back("validate");
     root.items.push_back(ConfigNode::table());
   }
+  if (scene.has_coverage) {
+    write_table(root, "coverage", scene.coverage);
+  }
   return root;
 }
 
@@ -365,6 +377,7 @@ std::vector<KeyRow> scene_keys() {
                   .allowed = "an empty table",
                   .default_text = "none",
                   .doc = "room for what a validation on the real cell will be told; no keys yet"});
+  list_table("coverage", CoverageSettings{}, rows);
   return rows;
 }
 

@@ -17,6 +17,7 @@
 #include "core/config/keys.h"
 #include "defects/definition/defect_settings.h"
 #include "metrics/aspect_image/settings.h"
+#include "metrics/coverage/coverage_settings.h"
 #include "metrics/inspection/inspection_settings.h"
 #include "simulator/camera/lens_settings.h"
 #include "simulator/camera/viewpoint_set.h"
@@ -56,6 +57,8 @@ struct SceneSettings {
   std::optional<CellSettings> cell;
   std::optional<ReferenceSettings> reference;
   bool has_validate = false;  ///< its table is there
+  CoverageSettings coverage;
+  bool has_coverage = false;  ///< its table is there; written only then
 
   /// The first of the list: the one that is scanned and scored.
   const Viewpoint& viewpoint() const { return viewpoints.front(); }

@@ -73,6 +73,7 @@ TEST(Scene, EveryKeyOfTheTableIsWritten) {
                 .flange_from_part = MeasuredPoseSettings{}};
   scene.reference.emplace();
   scene.has_validate = true;
+  scene.has_coverage = true;
   const ConfigNode written = write_scene(scene);
   scene.viewpoint().base_from_flange.emplace();
   const ConfigNode by_flange = write_scene(scene);
@@ -81,6 +82,17 @@ TEST(Scene, EveryKeyOfTheTableIsWritten) {
         << row.path;
     EXPECT_FALSE(row.doc.empty()) << row.path;
   }
+}
+
+TEST(Scene, ATableOfCoverageIsWrittenWhereThereIsOne) {
+  std::vector<Problem> errors;
+  const SceneSettings without = read_scene_text("[part]\n", errors);
+  EXPECT_EQ(write_scene(without).find("coverage"), nullptr);
+  const SceneSettings with = read_scene_text("[coverage]\nmax_incidence_deg = 45\n", errors);
+  ASSERT_TRUE(errors.empty());
+  EXPECT_NEAR(with.coverage.max_incidence_rad, 0.25 * kPi, 1e-12);
+  ASSERT_NE(write_scene(with).at_path("coverage.max_incidence_deg"), nullptr);
+  EXPECT_NEAR(write_scene(with).at_path("coverage.max_incidence_deg")->number, 45.0, 1e-9);
 }
 
 TEST(Scene, TwoTunnelsAreAnErrorWithItsPlace) {

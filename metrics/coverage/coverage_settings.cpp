@@ -15,7 +15,7 @@ void visit_light(KeyVisitor& keys, CoverageSettings& s) {
   keys.number("max_grey",
               s.max_grey,
               Range::between(0.0, 1.0),
-              "brightest frame that is not clipped, share of full scale; 1: any");
+              "a place whose frames are all brighter is clipped, share of full scale; 1: any");
   keys.number("min_lit_share",
               s.min_lit_share,
               Range::between(0.0, 1.0),

@@ -15,7 +15,7 @@ struct CoverageSettings {
   double max_blur_px = 1.0;    ///< diameter of the circle of confusion
   bool has_light = true;       ///< brightness counts; else geometry alone
   double min_grey = 0.02;      ///< mean of the frames; share of full scale
-  double max_grey = 0.98;      ///< of the brightest frame
+  double max_grey = 0.98;      ///< of the darkest frame: above, all are clipped
   double min_lit_share = 0.5;  ///< mirrors under a tunnel: of the scan's positions
   double separation_rad = 15.0 * kRadPerDeg;  ///< between views that count as two for Ck
   double defect_px = 3.0;                     ///< a defect must be this wide in the picture

@@ -51,13 +51,14 @@ class MirrorPlaces {
     PlaceLight result = {.lit_share = 0.0, .is_hidden = true};
     for (std::size_t k = 0; k < shifts_mm_.size(); ++k) {
       const bool is_blocked = is_in_front && is_between_ends(*in_the_way, k);
+      double grey = 0.0;
       result.is_hidden = result.is_hidden && is_blocked;
       if (wall && !is_blocked && is_between_ends(*wall, k)) {
-        const double grey = factor_ * radiance(mirrored, k);
+        grey = factor_ * radiance(mirrored, k);
         result.lit_share += 1.0;
-        result.mean += grey;
-        result.brightest = std::max(result.brightest, grey);
       }
+      result.mean += grey;
+      result.darkest = k == 0 ? grey : std::min(result.darkest, grey);
     }
     const auto positions = static_cast<double>(shifts_mm_.size());
     result.lit_share /= positions;
@@ -159,7 +160,7 @@ class PicturedPlaces {
       const double grey =
           sensor_.exposure * sensor_.gain * sum / static_cast<double>(pixels.size());
       result.mean += grey / static_cast<double>(frames_.size());
-      result.brightest = std::max(result.brightest, grey);
+      result.darkest = &frame == frames_.data() ? grey : std::min(result.darkest, grey);
     }
     result.mean += dark_grey(sensor_);
     return result;

@@ -23,8 +23,8 @@ struct SeenPlace {
 
 /// Grey values are shares of full scale, without noise, before clipping.
 struct PlaceLight {
-  double mean = 0.0;       ///< over the frames
-  double brightest = 0.0;  ///< of the frames
+  double mean = 0.0;     ///< over the frames
+  double darkest = 0.0;  ///< of the frames: at full scale there is none that shows anything
   /// Mirrors under a tunnel: of the scan's positions, those at which the mirrored ray meets the
   /// luminous wall between its ends and the wall does not stand in the camera's way; after one
   /// reflection. 1 in all other scenes.

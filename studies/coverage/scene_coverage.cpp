@@ -24,8 +24,8 @@ CellState state_in_light(const PlaceLight& light, const CoverageSettings& settin
   if (light.mean < settings.min_grey) {
     return CellState::kDark;
   }
-  return settings.max_grey < 1.0 && light.brightest > settings.max_grey ? CellState::kClipped
-                                                                        : CellState::kInspected;
+  return settings.max_grey < 1.0 && light.darkest > settings.max_grey ? CellState::kClipped
+                                                                      : CellState::kInspected;
 }
 
 class Covering {

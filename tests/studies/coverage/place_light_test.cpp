@@ -75,7 +75,7 @@ TEST(LightOfPlaces, OfAMirrorHasTheMeanOfTheStripes) {
   scene.sensor.exposure = 0.8;
   const auto lights = light_of(scene, {place_at(scene, {3.1, 15.0, 0.0})});
   EXPECT_NEAR(lights[0].mean, 0.4, 1e-6);
-  EXPECT_NEAR(lights[0].brightest, 0.8, 1e-6);
+  EXPECT_EQ(lights[0].darkest, 0.0);
   EXPECT_FALSE(lights[0].is_hidden);
 }
 
@@ -113,7 +113,7 @@ TEST(LightOfPlaces, OfADiffusePlateUnderAnEvenSkyIsItsReflectance) {
       light_of(scene, {place_at(scene, {0.0, 0.0, 1.0}), place_at(scene, {29.9, 19.9, 1.0})});
   for (const PlaceLight& light : lights) {
     EXPECT_NEAR(light.mean, 0.6, 0.03);
-    EXPECT_EQ(light.mean, light.brightest);
+    EXPECT_EQ(light.mean, light.darkest);
     EXPECT_EQ(light.lit_share, 1.0);
     EXPECT_FALSE(light.is_hidden);
   }
@@ -132,6 +132,22 @@ TEST(LightOfPlaces, IsHiddenByALightBeforeTheCamera) {
       light_of(scene, {place_at(scene, {-40.0, 0.0, 1.0}), place_at(scene, {-20.0, 0.0, 1.0})});
   EXPECT_TRUE(lights[0].is_hidden);
   EXPECT_FALSE(lights[1].is_hidden);
+}
+
+// Bright stripes at 1.5 times full scale are clipped, the frames between them are not.
+TEST(CoverScene, OfAMirrorIsNotClippedWhereSomeFramesAreDark) {
+  SceneSettings scene = mirror_scene();
+  scene.sensor.gain = 1.5;
+  scene.coverage.points = 4000;
+  const auto share_of = [&](CellState state) {
+    return cover(scene).state_shares[static_cast<std::size_t>(state)];
+  };
+  EXPECT_EQ(share_of(CellState::kClipped), 0.0);
+  EXPECT_GT(share_of(CellState::kInspected), 0.1);
+  scene.tunnel.dark_reflectance = 0.0;
+  scene.tunnel.duty = 0.999;
+  scene.coverage.min_lit_share = 1.0;
+  EXPECT_GT(share_of(CellState::kClipped), 0.1);
 }
 
 TEST(CoverScene, TellsWhatIsDarkAndWhatIsClipped) {

@@ -232,6 +232,25 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       ->check(not_empty());
 }
 
+void add_cover_verb(CLI::App& app, CommandLine& line) {
+  CLI::App* cover =
+      add_verb(app,
+               "cover",
+               "which surface the views of a scene inspect, and which views to choose",
+               "glint cover studies/gallery/viewpoints/scene.toml --out out/cover\n"
+               "  glint cover scene.toml --set viewpoints.source=surface --set coverage.choose=6",
+               line,
+               [](const CommandLine& given) { return cover_command(given.cover, given.common); });
+  add_study(*cover, "SCENE.toml", line.cover.study);
+  add_out(*cover, line.cover.study.out, "folder for the results (default out/<study name>/cover)");
+  cover
+      ->add_option("--pod",
+                   line.cover.pod,
+                   "folder of a run with [pod]: the smallest defect that is found then follows it")
+      ->type_name("DIR")
+      ->check(not_empty());
+}
+
 void add_part_verb(CLI::App& app, CommandLine& line) {
   CLI::App* part =
       add_verb(app,
@@ -329,6 +348,7 @@ void add_verbs(CLI::App& app, CommandLine& line) {
   add_imprint_verb(app, line);
   add_inspect_verb(app, line);
   add_calibrate_verb(app, line);
+  add_cover_verb(app, line);
   add_part_verb(app, line);
   add_new_verb(app, line);
   add_other_verbs(app, line);

@@ -20,6 +20,7 @@ struct CommandLine {
   ImprintArguments imprint;
   InspectArguments inspect;
   CalibrateArguments calibrate;
+  CoverArguments cover;
   ReportArguments report;
   PartArguments part;
   NewArguments fresh;

@@ -90,6 +90,13 @@ struct CalibrateArguments {
 
 int calibrate_command(const CalibrateArguments& arguments, const CommonArguments& common);
 
+struct CoverArguments {
+  StudyArguments study;
+  std::filesystem::path pod;  ///< folder of a run; empty: none
+};
+
+int cover_command(const CoverArguments& arguments, const CommonArguments& common);
+
 struct ReportArguments {
   std::vector<std::filesystem::path> runs;
   std::filesystem::path out;

@@ -135,6 +135,13 @@ constexpr std::array kDocs = {
              "group's defects"},
     ScoreDoc{"inspection.<group>.pod_a90_um", "inspection.pod_a90_um over the group's defects"},
     ScoreDoc{"inspection.<group>.signature", "inspection.signature over the group's defects"},
+    ScoreDoc{"coverage.c1", "share of the part's surface that at least one of the views inspects"},
+    ScoreDoc{"coverage.c2",
+             "share of the part's surface that at least two views inspect, from directions "
+             "coverage.separation_deg or more apart"},
+    ScoreDoc{"coverage.redundancy", "how many views inspect a place of the surface, on average"},
+    ScoreDoc{"coverage.largest_gap_mm2",
+             "area of the largest connected piece of the surface that no view inspects"},
     ScoreDoc{"rays.followed_share", "share of the rays that hit the part again and were followed"},
     ScoreDoc{"rays.blocked_share", "share of the rays that were given up as dark"},
 };
@@ -337,6 +344,10 @@ void add_scores(Scores& scores, const HomogeneityFamily& family) {
   if (family.ripple) {
     scores["homogeneity.ripple"] = *family.ripple;
   }
+}
+
+bool is_of_coverage(std::string_view name) {
+  return name.starts_with("coverage.");
 }
 
 bool is_of_family(std::string_view name) {

@@ -80,6 +80,9 @@ bool is_of_family(std::string_view name);
 /// spacing.
 bool needs_fringes(std::string_view name);
 
+/// Whether the score tells what the views of a scene inspect: it needs no picture of its own.
+bool is_of_coverage(std::string_view name);
+
 /// What a part's defects are, however they show.
 struct DefectTotals {
   int made = 0;

@@ -42,6 +42,15 @@ void KeyDigest::file(std::string_view, std::filesystem::path& value, std::string
   append_text(bytes_, value.string());
 }
 
+void KeyDigest::files(std::string_view,
+                      std::vector<std::filesystem::path>& values,
+                      std::string_view) {
+  append_bytes(bytes_, values.size());
+  for (const std::filesystem::path& value : values) {
+    append_text(bytes_, value.string());
+  }
+}
+
 void KeyDigest::numbers(
     std::string_view, std::vector<double>& values, Count, const Range&, std::string_view) {
   append_bytes(bytes_, values.size());

@@ -23,6 +23,9 @@ class KeyDigest final : public KeyVisitor {
   void boolean(std::string_view, bool& value, std::string_view) override;
   void text(std::string_view, std::string& value, std::string_view) override;
   void file(std::string_view, std::filesystem::path& value, std::string_view) override;
+  void files(std::string_view,
+             std::vector<std::filesystem::path>& values,
+             std::string_view) override;
   void numbers(std::string_view,
                std::vector<double>& values,
                Count,

@@ -14,6 +14,11 @@
 namespace glint {
 namespace {
 
+/// Absolute, so that the written file can be read from anywhere.
+std::string full_name(const std::filesystem::path& file) {
+  return file.empty() ? "" : std::filesystem::absolute(file).lexically_normal().string();
+}
+
 double rounded_to_digits(double value, int digits) {
   const std::string text = fmt::format("{:.{}g}", value, digits);
   double rounded = value;
@@ -101,6 +106,16 @@ void KeyLister::file(std::string_view key, std::filesystem::path& value, std::st
        .doc = std::string(doc)});
 }
 
+void KeyLister::files(std::string_view key,
+                      std::vector<std::filesystem::path>&,
+                      std::string_view doc) {
+  add(key,
+      {.kind = "texts",
+       .allowed = "names of existing files",
+       .default_text = "[]",
+       .doc = std::string(doc)});
+}
+
 void KeyLister::numbers(std::string_view key,
                         std::vector<double>& values,
                         Count count,
@@ -153,6 +168,14 @@ void KeyLister::table(std::string_view key,
   visit(lister);
 }
 
+bool KeyLister::optional_table(std::string_view key,
+                               bool,
+                               const std::function<void(KeyVisitor&)>& visit,
+                               std::string_view doc) {
+  table(key, visit, doc);
+  return true;
+}
+
 void KeyWriter::put(std::string_view key, ConfigNode node) {
   table_.names.emplace_back(key);
   table_.items.push_back(std::move(node));
@@ -175,10 +198,17 @@ void KeyWriter::text(std::string_view key, std::string& value, std::string_view)
 }
 
 void KeyWriter::file(std::string_view key, std::filesystem::path& value, std::string_view) {
-  // Absolute, so that the written file can be read from anywhere.
-  const std::filesystem::path full =
-      value.empty() ? value : std::filesystem::absolute(value).lexically_normal();
-  put(key, ConfigNode::from_text(full.string()));
+  put(key, ConfigNode::from_text(full_name(value)));
+}
+
+void KeyWriter::files(std::string_view key,
+                      std::vector<std::filesystem::path>& values,
+                      std::string_view) {
+  ConfigNode node = ConfigNode::array();
+  for (const std::filesystem::path& value : values) {
+    node.items.push_back(ConfigNode::from_text(full_name(value)));
+  }
+  put(key, std::move(node));
 }
 
 void KeyWriter::numbers(

@@ -17,7 +17,7 @@ namespace glint {
 /// A row of the key table.
 struct KeyRow {
   std::string path;  ///< "lighting.tunnel.radius_mm"
-  std::string kind;  ///< number, integer, boolean, choice, text, file, numbers, interval
+  std::string kind;  ///< number, integer, boolean, choice, text, file, texts, numbers, interval
   std::string unit;  ///< empty when dimensionless
   std::string allowed;
   std::string default_text;
@@ -38,6 +38,7 @@ class KeyLister final : public KeyVisitor {
   void boolean(std::string_view, bool&, std::string_view) override;
   void text(std::string_view, std::string&, std::string_view) override;
   void file(std::string_view, std::filesystem::path&, std::string_view) override;
+  void files(std::string_view, std::vector<std::filesystem::path>&, std::string_view) override;
   void numbers(
       std::string_view, std::vector<double>&, Count, const Range&, std::string_view) override;
   void interval(std::string_view, Interval&, const Range&, std::string_view) override;
@@ -46,6 +47,12 @@ class KeyLister final : public KeyVisitor {
                     std::span<const std::string_view>,
                     std::string_view) override;
   void table(std::string_view, const std::function<void(KeyVisitor&)>&, std::string_view) override;
+  bool optional_table(std::string_view,
+                      bool,
+                      const std::function<void(KeyVisitor&)>&,
+                      std::string_view) override;
+
+  using KeyVisitor::optional_table;
 
   void require(bool, std::string_view, const std::string&) override {}
 
@@ -68,6 +75,7 @@ class KeyWriter final : public KeyVisitor {
   void boolean(std::string_view, bool&, std::string_view) override;
   void text(std::string_view, std::string&, std::string_view) override;
   void file(std::string_view, std::filesystem::path&, std::string_view) override;
+  void files(std::string_view, std::vector<std::filesystem::path>&, std::string_view) override;
   void numbers(
       std::string_view, std::vector<double>&, Count, const Range&, std::string_view) override;
   void interval(std::string_view, Interval&, const Range&, std::string_view) override;

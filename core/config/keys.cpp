@@ -53,6 +53,16 @@ std::string Range::text() const {
   return has_max ? fmt::format("<= {}", shortest(max)) : "any";
 }
 
+bool KeyVisitor::optional_table(std::string_view key,
+                                bool is_there,
+                                const std::function<void(KeyVisitor&)>& visit,
+                                std::string_view doc) {
+  if (is_there) {
+    table(key, visit, doc);
+  }
+  return is_there;
+}
+
 KeyReader::KeyReader(const ConfigNode* table, std::string path, std::vector<Problem>& errors)
     : table_(table), path_(std::move(path)), errors_(errors) {
   if (table_ != nullptr && !table_->is_table()) {
@@ -160,19 +170,43 @@ void KeyReader::text(std::string_view key, std::string& value, std::string_view 
   value = node->text;
 }
 
+std::optional<std::filesystem::path> KeyReader::existing_file(const ConfigNode& node,
+                                                              std::string_view key) {
+  if (node.kind != ConfigNode::Kind::kText) {
+    error(&node, key, "must be a file name in quotes", Kind::kWrongType);
+    return std::nullopt;
+  }
+  std::filesystem::path file = node.text.empty() ? std::filesystem::path() : resolve_path(node);
+  std::error_code ignored;
+  if (!file.empty() && !std::filesystem::exists(file, ignored)) {
+    error(&node, key, fmt::format("the file {} does not exist", file.string()));
+  }
+  return file;
+}
+
 void KeyReader::file(std::string_view key, std::filesystem::path& value, std::string_view /*doc*/) {
+  const ConfigNode* node = take(key);
+  if (node != nullptr) {
+    value = existing_file(*node, key).value_or(value);
+  }
+}
+
+void KeyReader::files(std::string_view key,
+                      std::vector<std::filesystem::path>& values,
+                      std::string_view /*doc*/) {
   const ConfigNode* node = take(key);
   if (node == nullptr) {
     return;
   }
-  if (node->kind != ConfigNode::Kind::kText) {
-    error(node, key, "must be a file name in quotes", Kind::kWrongType);
+  if (!node->is_array()) {
+    error(node, key, "must be an array of file names in quotes", Kind::kWrongType);
     return;
   }
-  value = node->text.empty() ? std::filesystem::path() : resolve_path(*node);
-  std::error_code ignored;
-  if (!value.empty() && !std::filesystem::exists(value, ignored)) {
-    error(node, key, fmt::format("the file {} does not exist", value.string()));
+  values.clear();
+  for (const ConfigNode& item : node->items) {
+    if (auto file = existing_file(item, key)) {
+      values.push_back(std::move(*file));
+    }
   }
 }
 
@@ -264,6 +298,17 @@ void KeyReader::table(std::string_view key,
   KeyReader reader(take(key), joined_path(path_, key), errors_);
   visit(reader);
   reader.report_unknown();
+}
+
+bool KeyReader::optional_table(std::string_view key,
+                               bool /*is_there*/,
+                               const std::function<void(KeyVisitor&)>& visit,
+                               std::string_view doc) {
+  if (take(key) == nullptr) {
+    return false;
+  }
+  table(key, visit, doc);
+  return true;
 }
 
 void KeyReader::require(bool holds, std::string_view key, const std::string& message) {

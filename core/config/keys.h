@@ -13,9 +13,11 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/config/config.h"
@@ -98,6 +100,9 @@ class KeyVisitor {
   virtual void boolean(std::string_view key, bool& value, std::string_view doc) = 0;
   virtual void text(std::string_view key, std::string& value, std::string_view doc) = 0;
   virtual void file(std::string_view key, std::filesystem::path& value, std::string_view doc) = 0;
+  virtual void files(std::string_view key,
+                     std::vector<std::filesystem::path>& values,
+                     std::string_view doc) = 0;
   virtual void numbers(std::string_view key,
                        std::vector<double>& values,
                        Count count,
@@ -116,6 +121,12 @@ class KeyVisitor {
   virtual void table(std::string_view key,
                      const std::function<void(KeyVisitor&)>& visit,
                      std::string_view doc) = 0;
+  /// A nested table that may be missing. @return whether it was visited: when it is written in the
+  /// file, when there is one to be written, and always by lists of keys
+  virtual bool optional_table(std::string_view key,
+                              bool is_there,
+                              const std::function<void(KeyVisitor&)>& visit,
+                              std::string_view doc);
   /// A condition between keys; the message says what is wrong and what is allowed.
   virtual void require(bool holds, std::string_view key, const std::string& message) = 0;
   /// True when the user wrote that key (always false outside reading).
@@ -130,6 +141,16 @@ class KeyVisitor {
     int index = static_cast<int>(value);
     choice_index(key, index, names, doc);
     value = static_cast<Enum>(index);
+  }
+
+  /// A nested table of settings that may be missing.
+  template <class Settings>
+  void optional_table(std::string_view key, std::optional<Settings>& value, std::string_view doc) {
+    Settings settings = value.value_or(Settings{});
+    const auto visit = [&](KeyVisitor& inner) { visit_keys(inner, settings); };
+    if (optional_table(key, value.has_value(), visit, doc)) {
+      value = std::move(settings);
+    }
   }
 };
 
@@ -146,6 +167,9 @@ class KeyReader final : public KeyVisitor {
   void boolean(std::string_view key, bool& value, std::string_view) override;
   void text(std::string_view key, std::string& value, std::string_view) override;
   void file(std::string_view key, std::filesystem::path& value, std::string_view) override;
+  void files(std::string_view key,
+             std::vector<std::filesystem::path>& values,
+             std::string_view) override;
   void numbers(std::string_view key,
                std::vector<double>& values,
                Count count,
@@ -162,6 +186,11 @@ class KeyReader final : public KeyVisitor {
   void table(std::string_view key,
              const std::function<void(KeyVisitor&)>& visit,
              std::string_view) override;
+  bool optional_table(std::string_view key,
+                      bool is_there,
+                      const std::function<void(KeyVisitor&)>& visit,
+                      std::string_view) override;
+  using KeyVisitor::optional_table;
   void require(bool holds, std::string_view key, const std::string& message) override;
   bool is_given(std::string_view key) const override;
 
@@ -176,6 +205,7 @@ class KeyReader final : public KeyVisitor {
              Problem::Kind kind = Problem::Kind::kOther);
 
  private:
+  std::optional<std::filesystem::path> existing_file(const ConfigNode& node, std::string_view key);
   bool number_in_range(const ConfigNode& node,
                        std::string_view key,
                        const Range& range,

@@ -4,10 +4,12 @@
 // distance) or by calibration (focal lengths and principal point in px), and where it stands.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/config/keys.h"
+#include "core/config/pose_keys.h"
 #include "core/pose.h"
 #include "simulator/camera/pinhole_camera.h"
 
@@ -33,6 +35,9 @@ struct Viewpoint {
   std::vector<double> position_mm = {0.0, 0.0, 600.0};
   std::vector<double> direction = {0.0, 0.0, -1.0};  ///< of the view, any length
   std::vector<double> up = {0.0, 1.0, 0.0};          ///< towards the top of the image
+  /// What the nine numbers were made of, when a file gives a robot's pose instead; no key by
+  /// itself.
+  std::optional<PoseSettings> base_from_flange = {};
 };
 
 void visit_keys(KeyVisitor& keys, CameraSettings& settings);

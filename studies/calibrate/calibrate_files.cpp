@@ -3,12 +3,15 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/config/key_writer.h"
 #include "core/units.h"
 #include "hardware/calibration/rotation.h"
+#include "studies/definition/cell_settings.h"
 
 namespace glint {
 namespace {
@@ -171,12 +174,53 @@ void put_joint(const CalibrateInput& input, const SolvedCalibration& solved, Jso
                             {"edge", number_json(joint.point.edge_px)}};
 }
 
-std::string sigma_comment(const LensVector& sigma) {
-  std::string text;
+/// [camera] with the calibrated intrinsics alone: all else is the scene's own.
+ConfigNode camera_node(const CalibrateInput& input, const SolvedCalibration& solved) {
+  constexpr std::array<const char*, kLensSize> kKeys = {
+      "focal_x_px", "focal_y_px", "center_x_px", "center_y_px", "k1", "k2", "k3", "p1", "p2"};
+  ConfigNode camera = ConfigNode::table();
+  set_path(camera, "width_px", ConfigNode::from_integer(input.width_px));
+  set_path(camera, "height_px", ConfigNode::from_integer(input.height_px));
   for (std::size_t i = 0; i < kLensSize; ++i) {
-    text += fmt::format(" {} {:.3g}", kLensNames[i], sigma[static_cast<Eigen::Index>(i)]);
+    set_path(camera, kKeys[i], ConfigNode::from_number(solved.lens[static_cast<Eigen::Index>(i)]));
   }
-  return text;
+  return camera;
+}
+
+/// Closed forms do not tell how well their hand-eye is known: then of the intrinsics alone.
+std::optional<CovarianceSettings> known_covariance(const CalibrateInput& input,
+                                                   const SolvedCalibration& solved) {
+  constexpr Eigen::Index kWithHandEye = 15;
+  Eigen::MatrixXd covariance = solved.camera.covariance;
+  if (solved.joint && !input.method) {
+    covariance = solved.joint->covariance.topLeftCorner<kWithHandEye, kWithHandEye>();
+  }
+  if (!covariance.allFinite()) {
+    return std::nullopt;
+  }
+  return covariance_settings(covariance);
+}
+
+CalibrationSettings calibration_settings(const CalibrateInput& input,
+                                         const SolvedCalibration& solved) {
+  CalibrationSettings settings = {.covariance = known_covariance(input, solved)};
+  if (!solved.joint) {
+    return settings;
+  }
+  const Eigen::Isometry3d& hand_eye = solved.poses.hand_eye;
+  MeasuredPoseSettings pose = {.pose = pose_settings({.rotation = hand_eye.linear(),
+                                                      .translation_mm = hand_eye.translation()})};
+  if (settings.covariance) {
+    take_sigmas(*settings.covariance, pose);
+  }
+  if (is_in_hand(*solved.joint)) {
+    settings.setup = CalibrationSetup::kEyeInHand;
+    settings.flange_from_camera = pose;
+  } else {
+    settings.setup = CalibrationSetup::kEyeToHand;
+    settings.base_from_camera = pose;
+  }
+  return settings;
 }
 
 }  // namespace
@@ -208,29 +252,16 @@ Json calibration_json(const CalibrateInput& input, const SolvedCalibration& solv
 }
 
 std::string calibration_toml(const CalibrateInput& input, const SolvedCalibration& solved) {
-  constexpr std::array<const char*, kLensSize> kKeys = {
-      "focal_x_px", "focal_y_px", "center_x_px", "center_y_px", "k1", "k2", "k3", "p1", "p2"};
-  std::string text =
-      "# glint calibrate: include = [\"calibration.toml\"] in a scene takes this camera\n";
-  text += fmt::format("# standard deviations:{}\n", sigma_comment(solved.lens_sigma));
-  if (solved.joint) {
-    const Eigen::Isometry3d& pose = solved.poses.hand_eye;
-    const Vector3d turn = rotation_vector_rad(pose.linear());
-    const Vector3d& at = pose.translation();
-    text += fmt::format("# {}_from_camera: rotation vector {} {} {} rad, then {} {} {} mm\n",
-                        flange_or_base(is_in_hand(*solved.joint)),
-                        turn.x(),
-                        turn.y(),
-                        turn.z(),
-                        at.x(),
-                        at.y(),
-                        at.z());
-  }
-  text += fmt::format("[camera]\nwidth_px = {}\nheight_px = {}\n", input.width_px, input.height_px);
-  for (std::size_t i = 0; i < kLensSize; ++i) {
-    text += fmt::format("{} = {}\n", kKeys[i], solved.lens[static_cast<Eigen::Index>(i)]);
-  }
-  return text;
+  ConfigNode root = ConfigNode::table();
+  set_path(root, "schema", ConfigNode::from_integer(kNewestSchema));
+  set_path(root, "camera", camera_node(input, solved));
+  ConfigNode calibration = ConfigNode::table();
+  CalibrationSettings settings = calibration_settings(input, solved);
+  KeyWriter writer(calibration);
+  visit_keys(writer, settings);
+  set_path(root, "calibration", std::move(calibration));
+  return "# glint calibrate: include = [\"calibration.toml\"] in a scene takes this camera\n" +
+         to_toml(root);
 }
 
 }  // namespace glint

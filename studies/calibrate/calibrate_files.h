@@ -16,7 +16,8 @@ namespace glint {
 nlohmann::ordered_json calibration_json(const CalibrateInput& input,
                                         const SolvedCalibration& solved);
 
-/// A table [camera] with the calibrated intrinsics alone; hand-eye and spread stand in comments.
+/// Tables that a scene takes: [camera] with the calibrated intrinsics alone, [calibration] with the
+/// hand-eye and the covariances.
 std::string calibration_toml(const CalibrateInput& input, const SolvedCalibration& solved);
 
 }  // namespace glint

@@ -10,6 +10,7 @@
 
 #include "core/text.h"
 #include "studies/definition/scene.h"
+#include "studies/definition/study.h"
 #include "studies/definition/study_tables.h"
 
 namespace glint {
@@ -23,6 +24,8 @@ constexpr std::array kGroups = {
     KeyGroup{"material", "how the part reflects"},
     KeyGroup{"camera", "pixels, focal length, working distance, distortion"},
     KeyGroup{"lens", "aperture and focus"},
+    KeyGroup{"calibration", "how well the camera is known, and where it is on or beside a robot"},
+    KeyGroup{"cell", "where the part is at the robot"},
     KeyGroup{"viewpoint", "[[viewpoint]]: where cameras stand, one table each"},
     KeyGroup{"viewpoints", "many cameras at once: on a sphere, along the surface, from a file"},
     KeyGroup{"sensor", "exposure, gain, blur, noise, bits"},
@@ -33,6 +36,9 @@ constexpr std::array kGroups = {
     KeyGroup{"imprint", "what holds for all groups of defects"},
     KeyGroup{"metrics", "over which pixels scores are taken"},
     KeyGroup{"inspection", "how pictures are searched for defects, and parts graded"},
+    KeyGroup{"reference", "real pictures to compare with"},
+    KeyGroup{"validate", "room for validations on the real cell"},
+    KeyGroup{"coverage", "what it takes for a view to inspect a place of the surface"},
     KeyGroup{"variables", "the keys that a search may change, with their limits"},
     KeyGroup{"prototypes", "designs to be compared with the study's own"},
     KeyGroup{"objective", "the score that a search makes large or small"},
@@ -46,10 +52,11 @@ constexpr std::array kGroups = {
 void add_file_keys(std::vector<KeyRow>& rows) {
   rows.push_back({.path = "schema",
                   .kind = "integer",
-                  .allowed = "1",
-                  .default_text = "1",
-                  .doc = "version of the format of this file",
-                  .range = Range::between(1, 1)});
+                  .allowed = fmt::format("1 to {}", kNewestSchema),
+                  .default_text = fmt::format("{}", kNewestSchema),
+                  .doc = "version of the format of this file; 2 added [calibration] [cell] "
+                         "[reference] [validate], and older files keep working",
+                  .range = Range::between(1, kNewestSchema)});
   rows.push_back({.path = "title",
                   .kind = "text",
                   .allowed = "any",

@@ -3,14 +3,11 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
-#include <span>
 
 #include <fmt/format.h>
 
-#include "core/rng.h"
-#include "simulator/geometry/surface/surface_sampling.h"
 #include "studies/definition/scene_lights.h"
+#include "studies/definition/scene_viewpoints.h"
 
 namespace glint {
 namespace {
@@ -35,6 +32,27 @@ void read_member(const ConfigNode& root,
   read_table(root, name, scene.*Member, errors);
 }
 
+/// Reads a table that a scene may be without.
+template <auto Member>
+void read_optional(const ConfigNode& root,
+                   const std::string& name,
+                   SceneSettings& scene,
+                   std::vector<Problem>& errors) {
+  (scene.*Member).reset();
+  if (root.find(name) != nullptr) {
+    read_table(root, name, (scene.*Member).emplace(), errors);
+  }
+}
+
+/// The table of validations holds no keys yet.
+void read_validate(const ConfigNode& root,
+                   const std::string& name,
+                   SceneSettings& scene,
+                   std::vector<Problem>& errors) {
+  scene.has_validate = root.find(name) != nullptr;
+  KeyReader(root.find(name), name, errors).report_unknown();
+}
+
 template <class Settings>
 void write_table(ConfigNode& root, const std::string& name, Settings settings) {
   ConfigNode table = ConfigNode::table();
@@ -45,33 +63,18 @@ void write_table(ConfigNode& root, const std::string& name, Settings settings) {
 }
 
 template <class Settings>
+void write_optional(ConfigNode& root,
+                    const std::string& name,
+                    const std::optional<Settings>& settings) {
+  if (settings) {
+    write_table(root, name, *settings);
+  }
+}
+
+template <class Settings>
 void list_table(const std::string& path, Settings settings, std::vector<KeyRow>& rows) {
   KeyLister lister(path, rows);
   visit_keys(lister, settings);
-}
-
-void read_viewpoint(const ConfigNode& root,
-                    const std::string& name,
-                    SceneSettings& scene,
-                    std::vector<Problem>& errors) {
-  scene.viewpoints = {default_viewpoint(scene.camera)};
-  const ConfigNode* list = root.find(name);
-  if (list == nullptr) {
-    return;
-  }
-  if (!list->is_array() || list->items.empty()) {
-    errors.push_back({.kind = Problem::Kind::kWrongType,
-                      .place = list->place,
-                      .key = "viewpoint",
-                      .text = "must be one or more [[viewpoint]]; position_mm, direction, up"});
-    return;
-  }
-  scene.viewpoints.assign(list->items.size(), default_viewpoint(scene.camera));
-  for (std::size_t i = 0; i < list->items.size(); ++i) {
-    KeyReader reader(&list->items[i], fmt::format("viewpoint.{}", i), errors);
-    visit_keys(reader, scene.viewpoints[i]);
-    reader.report_unknown();
-  }
 }
 
 /// [render] and what it holds.
@@ -134,42 +137,12 @@ std::vector<Problem> check_level(const SceneSettings& scene) {
   return errors;
 }
 
-/// Of some random points the one farthest from all others so far.
-AreaSampler::Sample far_point(const TriangleMesh& mesh,
-                              const AreaSampler& sampler,
-                              std::span<const Eigen::Vector3d> others_mm,
-                              Rng& rng) {
-  constexpr int kCandidates = 32;
-  AreaSampler::Sample best;
-  double max_mm2 = -1.0;
-  for (int k = 0; k < kCandidates; ++k) {
-    const AreaSampler::Sample candidate = sampler.draw(mesh, rng);
-    double nearest_mm2 = std::numeric_limits<double>::max();
-    for (const Eigen::Vector3d& other_mm : others_mm) {
-      nearest_mm2 = std::min(nearest_mm2, (candidate.point_mm - other_mm).squaredNorm());
-    }
-    if (nearest_mm2 > max_mm2) {
-      max_mm2 = nearest_mm2;
-      best = candidate;
-    }
-  }
-  return best;
-}
-
-/// Points spread over the part's surface, seen from outside.
-std::vector<Viewpoint> along_surface(const SceneSettings& scene, const Part& part) {
-  const AreaSampler sampler(part.mesh);
-  Rng rng(0, Stream::kViewpoints, 0);
-  std::vector<Eigen::Vector3d> points_mm;
-  std::vector<Eigen::Vector3d> normals;
-  for (int i = 0; i < scene.viewpoint_set.count; ++i) {
-    const AreaSampler::Sample at = far_point(part.mesh, sampler, points_mm, rng);
-    const SurfacePoint smooth = smooth_point(part, at.triangle, at.point_mm);
-    points_mm.push_back(smooth.point_mm);
-    normals.push_back(smooth.normal);
-  }
-  return surface_viewpoints(
-      points_mm, normals, scene.camera.working_distance_mm, scene.viewpoint_set);
+void read_coverage(const ConfigNode& root,
+                   const std::string& table,
+                   SceneSettings& scene,
+                   std::vector<Problem>& errors) {
+  read_member<&SceneSettings::coverage>(root, table, scene, errors);
+  scene.has_coverage = root.find(table) != nullptr;
 }
 
 void read_defects(const ConfigNode& root,
@@ -212,20 +185,26 @@ struct SceneTable {
 /// In the order in which they are read.
 const std::vector<SceneTable>& tables_of_scene() {
   using Scene = SceneSettings;
-  static const std::vector<SceneTable> tables = {{"part", read_member<&Scene::part>},
-                                                 {"material", read_member<&Scene::material>},
-                                                 {"camera", read_member<&Scene::camera>},
-                                                 {"lens", read_member<&Scene::lens>},
-                                                 {"viewpoint", read_viewpoint, {"camera"}},
-                                                 {"viewpoints", read_member<&Scene::viewpoint_set>},
-                                                 {"sensor", read_member<&Scene::sensor>},
-                                                 {"scan", read_member<&Scene::scan>},
-                                                 {"render", read_render, {"material", "sensor"}},
-                                                 {"lighting", read_lighting},
-                                                 {"defects", read_defects},
-                                                 {"imprint", read_member<&Scene::imprint>},
-                                                 {"metrics", read_member<&Scene::metrics>},
-                                                 {"inspection", read_member<&Scene::inspection>}};
+  static const std::vector<SceneTable> tables = {
+      {"part", read_member<&Scene::part>},
+      {"material", read_member<&Scene::material>},
+      {"camera", read_member<&Scene::camera>},
+      {"lens", read_member<&Scene::lens>},
+      {"calibration", read_optional<&Scene::calibration>},
+      {"cell", read_optional<&Scene::cell>},
+      {"viewpoint", read_listed_viewpoints, {"part", "camera", "calibration", "cell"}},
+      {"viewpoints", read_member<&Scene::viewpoint_set>},
+      {"sensor", read_member<&Scene::sensor>},
+      {"scan", read_member<&Scene::scan>},
+      {"render", read_render, {"material", "sensor"}},
+      {"lighting", read_lighting},
+      {"defects", read_defects},
+      {"imprint", read_member<&Scene::imprint>},
+      {"metrics", read_member<&Scene::metrics>},
+      {"inspection", read_member<&Scene::inspection>},
+      {"reference", read_optional<&Scene::reference>},
+      {"coverage", read_coverage},
+      {"validate", read_validate}};
   return tables;
 }
 
@@ -254,6 +233,14 @@ bool allows_many_viewpoints(const SceneSettings& scene) {
   return needs_paths(scene);
 }
 
+bool needs_schema_2(const SceneSettings& scene) {
+  const auto is_by_flange = [](const Viewpoint& viewpoint) {
+    return viewpoint.base_from_flange.has_value();
+  };
+  return scene.calibration || scene.cell || scene.reference || scene.has_validate ||
+         std::ranges::any_of(scene.viewpoints, is_by_flange);
+}
+
 std::vector<std::filesystem::path> input_files(const SceneSettings& scene) {
   std::vector<std::filesystem::path> files = {scene.part.file,
                                               scene.material.nk_file,
@@ -261,6 +248,11 @@ std::vector<std::filesystem::path> input_files(const SceneSettings& scene) {
                                               scene.material.texture.roughness_file};
   if (scene.viewpoint_set.source == ViewpointSource::kFile) {
     files.push_back(scene.viewpoint_set.file);
+  }
+  if (scene.reference) {
+    std::ranges::copy(scene.reference->pictures, std::back_inserter(files));
+    std::ranges::copy(scene.reference->masks, std::back_inserter(files));
+    files.push_back(scene.reference->calibration);
   }
   for (const NamedLight& light : scene.lights) {
     std::visit(
@@ -277,19 +269,6 @@ std::vector<std::filesystem::path> input_files(const SceneSettings& scene) {
 
 PinholeIntrinsics intrinsics_of(const SceneSettings& scene) {
   return intrinsics_of(scene.camera, scene.lens);
-}
-
-std::vector<Viewpoint> viewpoints_of(const SceneSettings& scene, const Part& part) {
-  switch (scene.viewpoint_set.source) {
-    case ViewpointSource::kListed:
-      return scene.viewpoints;
-    case ViewpointSource::kSurface:
-      return along_surface(scene, part);
-    case ViewpointSource::kFile:
-    case ViewpointSource::kSphere:
-      break;
-  }
-  return make_viewpoints(scene.viewpoint_set, scene.camera.working_distance_mm);
 }
 
 const std::vector<std::string>& scene_tables() {
@@ -340,14 +319,10 @@ ConfigNode write_scene(const SceneSettings& scene) {
   write_table(root, "material", scene.material);
   write_table(root, "camera", scene.camera);
   write_table(root, "lens", scene.lens);
-  ConfigNode viewpoints = ConfigNode::array();
-  for (const Viewpoint& viewpoint : scene.viewpoints) {
-    ConfigNode holder = ConfigNode::table();
-    write_table(holder, "", viewpoint);
-    viewpoints.items.push_back(std::move(holder.items.front()));
-  }
+  write_optional(root, "calibration", scene.calibration);
+  write_optional(root, "cell", scene.cell);
   root.names.emplace_back("viewpoint");
-  root.items.push_back(std::move(viewpoints));
+  root.items.push_back(write_listed_viewpoints(scene));
   write_table(root, "viewpoints", scene.viewpoint_set);
   write_table(root, "sensor", scene.sensor);
   write_table(root, "scan", scene.scan);
@@ -364,6 +339,14 @@ ConfigNode write_scene(const SceneSettings& scene) {
   write_table(root, "imprint", scene.imprint);
   write_table(root, "metrics", scene.metrics);
   write_table(root, "inspection", scene.inspection);
+  write_optional(root, "reference", scene.reference);
+  if (scene.has_validate) {
+    root.names.emplace_back("validate");
+    root.items.push_back(ConfigNode::table());
+  }
+  if (scene.has_coverage) {
+    write_table(root, "coverage", scene.coverage);
+  }
   return root;
 }
 
@@ -373,7 +356,9 @@ std::vector<KeyRow> scene_keys() {
   list_table("material", MaterialSettings{}, rows);
   list_table("camera", CameraSettings{}, rows);
   list_table("lens", LensSettings{}, rows);
-  list_table("viewpoint.0", Viewpoint{}, rows);
+  list_table("calibration", CalibrationSettings{}, rows);
+  list_table("cell", CellSettings{}, rows);
+  std::ranges::move(listed_viewpoint_keys(), std::back_inserter(rows));
   list_table("viewpoints", ViewpointSettings{}, rows);
   list_table("sensor", SensorSettings{}, rows);
   list_table("scan", ScanSettings{}, rows);
@@ -386,6 +371,13 @@ std::vector<KeyRow> scene_keys() {
   list_table("imprint", ImprintSettings{}, rows);
   list_table("metrics", MetricsSettings{}, rows);
   list_table("inspection", InspectionSettings{}, rows);
+  list_table("reference", ReferenceSettings{}, rows);
+  rows.push_back({.path = "validate",
+                  .kind = "table",
+                  .allowed = "an empty table",
+                  .default_text = "none",
+                  .doc = "room for what a validation on the real cell will be told; no keys yet"});
+  list_table("coverage", CoverageSettings{}, rows);
   return rows;
 }
 

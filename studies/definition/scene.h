@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // A scene as its file describes it: part, material, camera, lens, viewpoints, sensor, scan, render,
-// lighting, defects, imprint, metrics, inspection. Plain settings;
+// lighting, defects, imprint, metrics, inspection, calibration, cell, reference. Plain settings;
 // studies/imaging/traced_scene.h and studies/imaging/path_picture.h turn them into something that
 // can be rendered.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "core/config/keys.h"
 #include "defects/definition/defect_settings.h"
 #include "metrics/aspect_image/settings.h"
+#include "metrics/coverage/coverage_settings.h"
 #include "metrics/inspection/inspection_settings.h"
 #include "simulator/camera/lens_settings.h"
 #include "simulator/camera/viewpoint_set.h"
@@ -27,6 +29,7 @@
 #include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/ray_cache/render_settings.h"
 #include "simulator/sensor/sensor.h"
+#include "studies/definition/cell_settings.h"
 
 namespace glint {
 
@@ -50,6 +53,12 @@ struct SceneSettings {
   ImprintSettings imprint;          ///< what holds for all of them
   MetricsSettings metrics;
   InspectionSettings inspection;
+  std::optional<CalibrationSettings> calibration;
+  std::optional<CellSettings> cell;
+  std::optional<ReferenceSettings> reference;
+  bool has_validate = false;  ///< its table is there
+  CoverageSettings coverage;
+  bool has_coverage = false;  ///< its table is there; written only then
 
   /// The first of the list: the one that is scanned and scored.
   const Viewpoint& viewpoint() const { return viewpoints.front(); }
@@ -71,15 +80,14 @@ bool is_posed(const SceneSettings& scene);
 /// a scan of a mirror has one.
 bool allows_many_viewpoints(const SceneSettings& scene);
 
+/// Whether it has something that files of schema 1 did not know.
+bool needs_schema_2(const SceneSettings& scene);
+
 /// All files that the scene reads, but for those that are empty.
 std::vector<std::filesystem::path> input_files(const SceneSettings& scene);
 
 /// The pinhole of [camera] and [lens]. @throws ConfigError as lens_geometry()
 PinholeIntrinsics intrinsics_of(const SceneSettings& scene);
-
-/// All viewpoints of the scene: listed, from a file, on a sphere, or along the part's surface.
-/// @throws ConfigError beginning with the key at fault, IoError
-std::vector<Viewpoint> viewpoints_of(const SceneSettings& scene, const Part& part);
 
 /// Names of the top-level tables of a scene.
 const std::vector<std::string>& scene_tables();

@@ -16,6 +16,9 @@
 
 namespace glint {
 
+/// Format of study files. 2: [calibration] [cell] [reference] [validate], base_from_flange.
+inline constexpr int kNewestSchema = 2;
+
 /// Values put at dotted paths of a scene.
 using Overrides = std::vector<std::pair<std::string, ConfigNode>>;
 

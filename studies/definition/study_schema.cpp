@@ -39,6 +39,10 @@ Json array_schema(const Json& items, const Count& count) {
   return schema;
 }
 
+Json new_table() {
+  return {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};
+}
+
 /// What a value may be.
 Json value_schema(const KeyRow& row) {
   if (row.kind == "number" || row.kind == "integer") {
@@ -53,6 +57,9 @@ Json value_schema(const KeyRow& row) {
   }
   if (row.kind == "choice") {
     return {{"enum", row.choices}};
+  }
+  if (row.kind == "table") {
+    return new_table();
   }
   if (row.kind == "texts") {
     return array_schema({{"type", "string"}}, {});
@@ -69,10 +76,6 @@ Json key_schema(const KeyRow& row) {
     schema["default"] = written;
   }
   return schema;
-}
-
-Json new_table() {
-  return {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};
 }
 
 /// The table below another one that a part of a path means, made where there is none yet.

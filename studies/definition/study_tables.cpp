@@ -327,9 +327,10 @@ void read_study_tables(Study& study, std::vector<Problem>& errors) {
     study.title = title->text;
   }
   if (const ConfigNode* schema = study.root.find("schema")) {
-    if (schema->kind != Kind::kInteger || schema->integer != 1) {
-      errors.push_back(
-          {.place = schema->place, .key = "schema", .text = "this program reads schema 1"});
+    if (schema->kind != Kind::kInteger || schema->integer < 1 || schema->integer > kNewestSchema) {
+      errors.push_back({.place = schema->place,
+                        .key = "schema",
+                        .text = fmt::format("this program reads schema 1 to {}", kNewestSchema)});
     }
   }
   read_variables(study, errors);

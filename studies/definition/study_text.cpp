@@ -12,8 +12,6 @@
 namespace glint {
 namespace {
 
-constexpr int kSchema = 1;
-
 /// Whether the part is moved or turned in some design.
 bool may_be_posed(const Study& study) {
   const auto is_pose = [](std::string_view path) {
@@ -44,7 +42,7 @@ void name_mounts_for_hash(Study& study) {
 ConfigNode whole_tree(const Study& study) {
   ConfigNode root = ConfigNode::table();
   root.names.emplace_back("schema");
-  root.items.push_back(ConfigNode::from_integer(kSchema));
+  root.items.push_back(ConfigNode::from_integer(needs_schema_2(study.scene) ? 2 : 1));
   root.names.emplace_back("title");
   root.items.push_back(ConfigNode::from_text(study.title));
   merge(root, study.resolved);

@@ -7,6 +7,7 @@
 
 #include "metrics/aspect_image/noise_variance.h"
 #include "metrics/statistics/estimate.h"
+#include "studies/coverage/scene_coverage.h"
 #include "studies/evaluation/evaluation_parts.h"
 #include "studies/inspection_line/visibility.h"
 
@@ -192,7 +193,10 @@ WantedScores WantedScores::of_one_scan() const {
 
 WantedScores wanted_by(const Goal& goal) {
   WantedScores wanted = {.fringes = false, .defects = false, .robust = false, .slot = false};
+  wanted.picture = false;
   const auto look_at = [&](const std::string& name) {
+    wanted.coverage = wanted.coverage || is_of_coverage(name);
+    wanted.picture = wanted.picture || !is_of_coverage(name);
     wanted.family = wanted.family || is_of_family(name);
     wanted.fringes = wanted.fringes || needs_fringes(name);
     wanted.robust = wanted.robust || without_bound(name) == "homogeneity.robust";
@@ -250,6 +254,9 @@ Evaluation evaluate(SceneStore& store,
                     const SceneSettings& scene,
                     const FrameConsumer& consume,
                     const WantedScores& wanted) {
+  if (!wanted.picture) {
+    return {.scores = coverage_scores(store, scene)};
+  }
   const auto picture = picture_of(
       store,
       scene,
@@ -260,6 +267,9 @@ Evaluation evaluate(SceneStore& store,
   if (!wanted.trials.empty()) {
     result.scores.merge(
         visibility_scores(store, picture->scene(), wanted.trials, wanted.first_part));
+  }
+  if (wanted.coverage) {
+    result.scores.merge(coverage_scores(store, scene));
   }
   return result;
 }

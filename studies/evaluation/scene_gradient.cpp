@@ -91,8 +91,12 @@ CameraTwist twist_by(const Viewpoint& viewpoint, const std::string& key) {
 }
 
 bool is_pose(const std::string& path) {
-  return path.starts_with(kPose) && path.size() > 2 && path[path.size() - 2] == '.' &&
-         path.back() >= '0' && path.back() <= '2';
+  constexpr std::array<std::string_view, 3> kVectors = {"position_mm", "direction", "up"};
+  return std::ranges::any_of(kVectors, [&](std::string_view vector) {
+    const std::string begin = fmt::format("{}{}.", kPose, vector);
+    return path.starts_with(begin) && path.size() == begin.size() + 1 && path.back() >= '0' &&
+           path.back() <= '2';
+  });
 }
 
 constexpr std::array<std::string_view, 8> kShapeKeys = {"base_mm",

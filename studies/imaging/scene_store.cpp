@@ -11,6 +11,7 @@
 #include "core/config/key_digest.h"
 #include "core/file.h"
 #include "core/text.h"
+#include "studies/definition/scene_viewpoints.h"
 
 namespace glint {
 namespace {
@@ -290,7 +291,7 @@ std::size_t bytes_of(const TracedScene& traced) {
 
 SceneSettings first_view(SceneStore& store, SceneSettings scene) {
   if (scene.viewpoint_set.source != ViewpointSource::kListed) {
-    scene.viewpoints = {viewpoints_of(scene, store.build(scene)->part).front()};
+    scene.viewpoints = viewpoints_of(scene, store.build(scene)->part);
     scene.viewpoint_set = {};
   }
   return scene;

@@ -152,7 +152,7 @@ class SceneStore {
 /// Memory that the rays of a scene take, about.
 std::size_t bytes_of(const TracedScene& traced);
 
-/// The scene from the first viewpoint of its set: the one that is scored.
+/// The scene with the viewpoints of its set as a list, whose first one is scored.
 /// @throws ConfigError beginning with the key at fault, IoError
 SceneSettings first_view(SceneStore& store, SceneSettings scene);
 

@@ -59,6 +59,9 @@
 //       drawing       SVG text
 //       scores        { score: number } of the first view }
 //   inspection        of `glint inspect`: its result.json with what inspect_page.cpp adds
+//   coverage          of `glint cover`: its result.json with
+//                     pictures: [ { caption, image: base64 PNG } ]
+//                     and legend: [ { name, colour, share } ]
 //   methods           [ sentences on method and accuracy ]
 //   config_toml       the resolved configuration
 //   provenance        { version, seed, compiler, machine, ... }: shown in the order given

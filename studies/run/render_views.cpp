@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/run/render_views.h"
+#include "studies/definition/scene_viewpoints.h"
 #include "studies/definition/study_text.h"
 
 #include <algorithm>

@@ -23,7 +23,9 @@ std::set<std::string> kept_scores(const Goal& goal) {
 }  // namespace
 
 WantedScores wanted_of_repeats(const Study& study) {
-  const WantedScores wanted = wanted_by(study.goal);
+  WantedScores wanted = wanted_by(study.goal);
+  wanted.picture = true;
+  wanted.coverage = false;  // noise does not change it
   return study.has_search() ? wanted.of_one_scan() : wanted;
 }
 

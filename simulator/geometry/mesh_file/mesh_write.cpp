@@ -45,19 +45,26 @@ std::string stl_bytes(const TriangleMesh& mesh) {
   return out;
 }
 
-std::string ply_bytes(const TriangleMesh& mesh, const FaceValues& values) {
+std::string ply_bytes(const TriangleMesh& mesh,
+                      const FaceValues& values,
+                      std::span<const VertexColour> colours) {
   const bool has_values = !values.values.empty();
   GLINT_CHECK(!has_values || values.values.size() == mesh.num_triangles(), "one value a face");
+  GLINT_CHECK(colours.empty() || colours.size() == mesh.vertices_mm.size(), "one colour a vertex");
   std::string out = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment unit mm, written by Glint\n"
-      "element vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
+      "element vertex {}\nproperty double x\nproperty double y\nproperty double z\n{}"
       "element face {}\nproperty list uchar int vertex_indices\n{}end_header\n",
       mesh.vertices_mm.size(),
+      colours.empty() ? "" : "property uchar red\nproperty uchar green\nproperty uchar blue\n",
       mesh.num_triangles(),
       has_values ? fmt::format("property int {}\n", values.name) : "");
-  for (const Vector3d& vertex : mesh.vertices_mm) {
-    for (const double value : vertex) {
+  for (std::size_t i = 0; i < mesh.vertices_mm.size(); ++i) {
+    for (const double value : mesh.vertices_mm[i]) {
       append(out, value);
+    }
+    if (!colours.empty()) {
+      append(out, colours[i]);
     }
   }
   for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {

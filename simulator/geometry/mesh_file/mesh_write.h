@@ -3,6 +3,7 @@
 // Triangle meshes to files: STL (binary), PLY (binary), OBJ, OFF.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -24,9 +25,15 @@ struct FaceValues {
   std::span<const std::int32_t> values = {};  ///< one a face; empty: no such property
 };
 
-/// The bytes of write_mesh() for .stl, and for .ply with a property more.
+/// Red, green and blue of a vertex, as a screen shows them.
+using VertexColour = std::array<std::uint8_t, 3>;
+
+/// The bytes of write_mesh() for .stl, and for .ply with properties more.
+/// @param colours  one a vertex; empty: no such properties
 std::string stl_bytes(const TriangleMesh& mesh);
-std::string ply_bytes(const TriangleMesh& mesh, const FaceValues& values = {});
+std::string ply_bytes(const TriangleMesh& mesh,
+                      const FaceValues& values = {},
+                      std::span<const VertexColour> colours = {});
 
 /// Lines of an OBJ file: all vertices; one face.
 void append_obj_vertices(std::string& text, const TriangleMesh& mesh);

@@ -4,6 +4,7 @@ import { designSection } from './cards.js';
 import { badge, h, section } from './dom.js';
 import { Facts, isNumber, plural } from './format.js';
 import { convergenceSection, parallelSection, runCurvesSection, sliceSection } from './charts.js';
+import { coverageSection, coverageViewsSection } from './coverage.js';
 import { frontierSection, frontierTableSection } from './frontier.js';
 import { foundSection, gradesSection, partsSection } from './inspection.js';
 import { panelSections } from './panels.js';
@@ -75,7 +76,7 @@ function main() {
   const sections = [
     verdictSection(facts), sceneSection(facts), ...panelSections(facts), runTable(facts), runCurvesSection(facts), designSection(facts), convergenceSection(facts),
     parallelSection(facts, (chosen) => table?.choose(chosen)), sliceSection(facts), table?.node, failureSection(facts),
-    frontierSection(facts), frontierTableSection(facts), viewsSection(facts), lightingSection(facts),
+    frontierSection(facts), frontierTableSection(facts), viewsSection(facts), lightingSection(facts), coverageSection(facts), coverageViewsSection(facts),
     partsSection(facts), gradesSection(facts), foundSection(facts), methodSection(facts), originSection(facts),
   ].filter(Boolean);
   document.getElementById('report').append(masthead(facts), navigation(sections), h('main', {}, sections));

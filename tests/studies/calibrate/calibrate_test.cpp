@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // `glint calibrate` on photographs by others, and what its files are good for.
+#include <cmath>
 #include <set>
+
+#include <fmt/format.h>
 
 #include "core/config/keys.h"
 #include "core/config/toml.h"
@@ -100,6 +103,46 @@ TEST_F(CalibrateVerb, FindsTheCameraBesideARobot) {
                 method["prediction_rms_px"] > result["prediction_rms_px"])
         << method;
   }
+}
+
+// The robot holds the board before the camera: a scene with a plate where the board is, seen at a
+// pose of the flange.
+TEST_F(CalibrateVerb, PlacesTheCameraOfASceneByTheFlange) {
+  const fs::path set = photographs("calibration/board_on_robot");
+  if (!fs::exists(set)) {
+    GTEST_SKIP() << "no " << set;
+  }
+  const Json result = calibrate_json(
+      files_in(set, "img", ".png"),
+      {"--board", (set / "board.json").string(), "--poses", (set / "poses.csv").string()});
+  const ConfigNode root = load_toml(folder_ / "out/calibration.toml");
+  EXPECT_EQ(root.find("schema")->integer, 2);
+  EXPECT_EQ(root.at_path("calibration.setup")->text, "eye_to_hand");
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(
+        root.at_path(fmt::format("calibration.base_from_camera.translation_mm.{}", i))->number,
+        result["hand_eye"]["translation_mm"][i].get<double>());
+  }
+  // The square of the standard deviation of fx is the first number of its covariance.
+  EXPECT_NEAR(std::sqrt(root.at_path("calibration.covariance.intrinsics.0")->number),
+              result["intrinsics"]["sigma"]["focal_px"][0].get<double>(),
+              1e-9);
+  std::string scene =
+      "include = [\"out/calibration.toml\"]\n[part]\nshape = \"plate\"\n"
+      "length_mm = 90\nwidth_mm = 70\nthickness_mm = 2\n[[viewpoint]]\n"
+      "[viewpoint.base_from_flange]\ntranslation_mm = [300, 0, 300]\n";
+  write_file(folder_ / "scene.toml", scene);
+  const Arguments masks = {"render", "scene.toml", "--masks", "--out", "masks", "--quiet"};
+  const ProgramResult refused = glint_in(folder_, masks);
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err,
+              HasSubstr("scene.toml:8:12: viewpoint.0.base_from_flange: needs "
+                        "[cell.flange_from_part]"));
+  write_file(folder_ / "scene.toml", scene + "[cell.flange_from_part]\n");
+  const ProgramResult done = glint_in(folder_, masks);
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(read_file(folder_ / "masks/study.resolved.toml"),
+              HasSubstr("[viewpoint.base_from_flange]"));
 }
 
 TEST_F(CalibrateVerb, FindsTheCameraOnAFrankaArm) {

@@ -4,6 +4,7 @@
 
 #include "core/config/toml.h"
 #include "studies/definition/scene.h"
+#include "studies/definition/scene_viewpoints.h"
 
 namespace glint {
 namespace {

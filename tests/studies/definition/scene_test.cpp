@@ -66,11 +66,33 @@ TEST(Scene, EveryKeyOfTheTableIsWritten) {
   for (const std::string_view type : light_types()) {
     scene.lights.push_back({.name = std::string(type), .settings = default_light(type).value()});
   }
+  scene.calibration = {.flange_from_camera = MeasuredPoseSettings{},
+                       .base_from_camera = MeasuredPoseSettings{},
+                       .covariance = CovarianceSettings{}};
+  scene.cell = {.base_from_part = MeasuredPoseSettings{},
+                .flange_from_part = MeasuredPoseSettings{}};
+  scene.reference.emplace();
+  scene.has_validate = true;
+  scene.has_coverage = true;
   const ConfigNode written = write_scene(scene);
+  scene.viewpoint().base_from_flange.emplace();
+  const ConfigNode by_flange = write_scene(scene);
   for (const KeyRow& row : scene_keys()) {
-    EXPECT_NE(written.at_path(row.path), nullptr) << row.path;
+    EXPECT_TRUE(written.at_path(row.path) != nullptr || by_flange.at_path(row.path) != nullptr)
+        << row.path;
     EXPECT_FALSE(row.doc.empty()) << row.path;
   }
+}
+
+TEST(Scene, ATableOfCoverageIsWrittenWhereThereIsOne) {
+  std::vector<Problem> errors;
+  const SceneSettings without = read_scene_text("[part]\n", errors);
+  EXPECT_EQ(write_scene(without).find("coverage"), nullptr);
+  const SceneSettings with = read_scene_text("[coverage]\nmax_incidence_deg = 45\n", errors);
+  ASSERT_TRUE(errors.empty());
+  EXPECT_NEAR(with.coverage.max_incidence_rad, 0.25 * kPi, 1e-12);
+  ASSERT_NE(write_scene(with).at_path("coverage.max_incidence_deg"), nullptr);
+  EXPECT_NEAR(write_scene(with).at_path("coverage.max_incidence_deg")->number, 45.0, 1e-9);
 }
 
 TEST(Scene, TwoTunnelsAreAnErrorWithItsPlace) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/rng.h"
+#include "studies/definition/scene_viewpoints.h"
 #include "tests/studies/imaging/path_support.h"
 
 namespace glint {

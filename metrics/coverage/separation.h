@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+
+#include <Eigen/Core>
+
+namespace glint {
+
+/// How many of some directions can be chosen so that any two of them are at least an angle apart:
+/// the largest such choice, but no more than `enough`, at which the search ends. Two views from
+/// nearly the same direction show a defect in the same way and are no second look at it.
+/// Cost: exponential in `enough` at worst; some comparisons where directions are spread.
+/// @param directions      unit
+/// @param separation_rad  in [0, pi]; 0: all count
+int separated_count(std::span<const Eigen::Vector3d> directions, double separation_rad, int enough);
+
+}  // namespace glint

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// An edge tells only the part of its motion along its normal n. Least squares of
+//   offset = n . (shift + radial(r) e_r + tangential(r) e_t)
+// give both: in each ring as constants, over all rings as straight lines of the radius.
+#include "metrics/overlap/ring_offsets.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+namespace glint {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr std::size_t kBlocks = 24;  ///< of neighbours that are left out together
+
+struct Polar {
+  double radius_px = 0.0;
+  double radial = 0.0;  ///< of the normal
+  double tangential = 0.0;
+};
+
+Polar polar_of(const EdgeOffset& edge, const Vector2d& centre_px) {
+  const Vector2d from = edge.at_px - centre_px;
+  const double radius = from.norm();
+  const Vector2d out = radius > 0.0 ? Vector2d(from / radius) : Vector2d::UnitX();
+  return {.radius_px = radius,
+          .radial = edge.normal.dot(out),
+          .tangential = edge.normal.dot(Vector2d(-out.y(), out.x()))};
+}
+
+void fill_ring(std::span<const EdgeOffset> offsets, const Vector2d& centre_px, OffsetRing& ring) {
+  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+  Vector2d right = Vector2d::Zero();
+  for (const EdgeOffset& edge : offsets) {
+    const Polar polar = polar_of(edge, centre_px);
+    if (polar.radius_px >= ring.inner_px && polar.radius_px < ring.outer_px) {
+      const Vector2d row(polar.radial, polar.tangential);
+      normal += row * row.transpose();
+      right += row * edge.offset_px;
+      ++ring.points;
+    }
+  }
+  // A direction that less than some edges' worth of normals tells of is not known.
+  constexpr double kLeast = 5.0;
+  ring.has_radial = normal(0, 0) >= kLeast;
+  ring.has_tangential = normal(1, 1) >= kLeast;
+  if (ring.has_radial && ring.has_tangential &&
+      normal.determinant() > 0.01 * normal(0, 0) * normal(1, 1)) {
+    const Vector2d both = normal.inverse() * right;
+    ring.radial_px = both[0];
+    ring.tangential_px = both[1];
+  } else {
+    ring.radial_px = ring.has_radial ? right[0] / normal(0, 0) : 0.0;
+    ring.has_tangential = ring.has_tangential && !ring.has_radial;
+    ring.tangential_px = ring.has_tangential ? right[1] / normal(1, 1) : 0.0;
+  }
+}
+
+/// Shift, slope of the radial and slope of the tangential offset per 1000 px. The constant part of
+/// the radial offset along straight lines of the radius is no lens: a disc that is too large has it
+/// at every radius alike, as `radial` below.
+using Lines = Eigen::Matrix<double, 6, 1>;
+using LinesNormal = Eigen::Matrix<double, 6, 6>;
+
+struct LinesSums {
+  LinesNormal normal = LinesNormal::Zero();
+  Lines right = Lines::Zero();
+};
+
+LinesSums sums_of(std::span<const EdgeOffset> offsets, const Vector2d& centre_px) {
+  LinesSums sums;
+  for (const EdgeOffset& edge : offsets) {
+    const Polar polar = polar_of(edge, centre_px);
+    Lines row;
+    row << edge.normal.x(), edge.normal.y(), polar.radial, polar.radial * polar.radius_px / 1000.0,
+        polar.tangential, polar.tangential * polar.radius_px / 1000.0;
+    sums.normal += row * row.transpose();
+    sums.right += row * edge.offset_px;
+  }
+  return sums;
+}
+
+/// A faint pull to zero keeps directions that no edge tells of from running away.
+Lines solved(const LinesSums& sums) {
+  LinesNormal normal = sums.normal;
+  normal.diagonal().array() += 1e-9 * std::max(normal.diagonal().maxCoeff(), 1e-300);
+  return normal.ldlt().solve(sums.right);
+}
+
+Estimate with_interval(double value, std::span<const double> without_one) {
+  const double reach = 1.96 * jackknife_error(without_one);
+  return {.value = value, .low = value - reach, .high = value + reach};
+}
+
+}  // namespace
+
+RingOffsets ring_offsets(std::span<const EdgeOffset> offsets,
+                         const Vector2d& centre_px,
+                         int num_rings) {
+  RingOffsets result;
+  double reach = 0.0;
+  for (const EdgeOffset& edge : offsets) {
+    reach = std::max(reach, (edge.at_px - centre_px).norm());
+  }
+  const double width = (reach + 1e-6) / num_rings;
+  for (int i = 0; i < num_rings && reach > 0.0; ++i) {
+    OffsetRing ring = {.inner_px = i * width, .outer_px = (i + 1) * width};
+    fill_ring(offsets, centre_px, ring);
+    result.rings.push_back(ring);
+  }
+  if (offsets.size() < 4 * kBlocks) {
+    return result;
+  }
+  std::vector<LinesSums> blocks;
+  LinesSums all;
+  for (std::size_t i = 0; i < kBlocks; ++i) {
+    const std::size_t begin = offsets.size() * i / kBlocks;
+    const std::size_t end = offsets.size() * (i + 1) / kBlocks;
+    blocks.push_back(sums_of(offsets.subspan(begin, end - begin), centre_px));
+    all.normal += blocks.back().normal;
+    all.right += blocks.back().right;
+  }
+  std::vector<double> radial;
+  std::vector<double> tangential;
+  for (const LinesSums& block : blocks) {
+    const Lines line =
+        solved({.normal = all.normal - block.normal, .right = all.right - block.right});
+    radial.push_back(line[3]);
+    tangential.push_back(line[5]);
+  }
+  const Lines line = solved(all);
+  result.radial_slope = with_interval(line[3], radial);
+  result.tangential_slope = with_interval(line[5], tangential);
+  result.has_slopes = true;
+  return result;
+}
+
+}  // namespace glint

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/text.h"
+#include "simulator/geometry/mesh_file/mesh_io.h"
+#include "studies/cover/cover_json.h"
+#include "studies/cover/cover_run.h"
+#include "tests/support/page_data.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+namespace fs = std::filesystem;
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+using Json = nlohmann::ordered_json;
+
+/// A rough plate of 60 x 40 x 2 mm under an even sky, looked at from above and below.
+constexpr const char* kPlate = R"(
+schema = 1
+title = "Plate & two views"
+[part]
+shape = "plate"
+length_mm = 60
+width_mm = 40
+thickness_mm = 2
+[material]
+type = "diffuse"
+reflectance = [0.5]
+[camera]
+width_px = 240
+height_px = 180
+object_pixel_mm = 0.4
+working_distance_mm = 300
+[[viewpoint]]
+position_mm = [0, 0, 300]
+direction = [0, 0, -1]
+up = [0, 1, 0]
+[[viewpoint]]
+position_mm = [0, 0, -300]
+direction = [0, 0, 1]
+up = [0, 1, 0]
+[lighting.environment]
+[coverage]
+points = 2000
+samples = 4
+)";
+
+class CoverStudy : public ::testing::Test {
+ protected:
+  Json cover(const std::string& text, const fs::path& pod = {}) {
+    write_file(folder_ / "scene.toml", text);
+    return cover_study(
+        load_study(folder_ / "scene.toml", {}),
+        {.out = folder_ / "out", .pod = pod, .threads = 2, .progress = Progress::Style::kNone});
+  }
+
+  TemporaryFolder folder_;
+};
+
+// Top and bottom are 2400 mm2 each of 2 (2400 + 120 + 80) = 5200 mm2.
+TEST_F(CoverStudy, TellsWhatTheViewsInspect) {
+  const Json result = cover(kPlate);
+  EXPECT_EQ(result["schema"], 1);
+  EXPECT_EQ(result["status"], "done");
+  EXPECT_NEAR(result["c1"].get<double>(), 4800.0 / 5200.0, 1e-3);
+  ASSERT_EQ(result["ck"].size(), 2U);
+  EXPECT_EQ(result["ck"][0], result["c1"]);
+  EXPECT_EQ(result["ck"][1], 0.0);
+  ASSERT_EQ(result["views"].size(), 2U);
+  EXPECT_EQ(result["views"][1]["name"], "view_02");
+  EXPECT_NEAR(result["views"][1]["adds"].get<double>(), 2400.0 / 5200.0, 1e-3);
+  EXPECT_NEAR(result["largest_gap_mm2"].get<double>(), 400.0, 5.0);  // the rim, all around
+  EXPECT_EQ(result["largest_gap"]["mostly"], "unseen");
+  // 3 pixels of 0.4 mm 299 / 300 at least, a little more at the corners.
+  EXPECT_NEAR(result["smallest_defect"]["median_um"].get<double>(), 1200.0, 10.0);
+}
+
+TEST_F(CoverStudy, WritesItsFiles) {
+  const Json result = cover(kPlate);
+  const fs::path out = folder_ / "out";
+  for (const char* name : {"coverage.ply",
+                           "views.csv",
+                           "result.json",
+                           "report.html",
+                           "run.json",
+                           "study.resolved.toml"}) {
+    EXPECT_TRUE(fs::exists(out / name)) << name;
+  }
+  const Json file = Json::parse(read_file(out / "result.json"));
+  EXPECT_EQ(file["c1"], result["c1"]);
+  EXPECT_EQ(Json::parse(read_file(out / "run.json"))["verb"], "cover");
+  const TriangleMesh mesh = read_mesh(out / "coverage.ply");
+  EXPECT_EQ(mesh.num_triangles(), result["points"].get<std::size_t>());
+  EXPECT_THAT(read_file(out / "coverage.ply"), HasSubstr("property uchar red"));
+  const Json page = test::page_data(read_file(out / "report.html"));
+  EXPECT_EQ(page["coverage"]["views"].size(), 2U);
+  EXPECT_EQ(page["coverage"]["pictures"].size(), 5U);
+  EXPECT_THAT(page["verdict"]["sentence"].get<std::string>(),
+              HasSubstr("92.3 % of the surface is inspected by 2 views"));
+  EXPECT_THAT(read_file(out / "study.resolved.toml"), HasSubstr("[coverage]"));
+}
+
+TEST_F(CoverStudy, GivesTheSameBytesAgain) {
+  cover(kPlate);
+  const std::string result = read_file(folder_ / "out/result.json");
+  const std::string ply = read_file(folder_ / "out/coverage.ply");
+  cover(kPlate);
+  EXPECT_EQ(read_file(folder_ / "out/result.json"), result);
+  EXPECT_EQ(read_file(folder_ / "out/coverage.ply"), ply);
+}
+
+TEST_F(CoverStudy, ChoosesAmongItsViews) {
+  const Json result = cover(std::string(kPlate) + "choose = 1\nchoice = \"exact\"\n");
+  EXPECT_EQ(result["views"].size(), 1U);
+  EXPECT_EQ(result["choice"]["candidates"], 2);
+  EXPECT_EQ(result["choice"]["method"], "exact");
+  EXPECT_EQ(result["choice"]["proven"], true);
+  EXPECT_NEAR(result["c1"].get<double>(), 2400.0 / 5200.0, 1e-3);
+  EXPECT_THAT(read_file(folder_ / "out/views.csv"), HasSubstr("\nview_02,"));
+}
+
+// a90 of 2 mm where a pixel was 0.2 mm: 4 mm where one is 0.4 mm, more than 3 pixels.
+TEST_F(CoverStudy, FollowsAStudyOfDetection) {
+  fs::create_directory(folder_ / "pod");
+  write_file(folder_ / "pod/result.json",
+             R"({"pod": {"size": "diameter_mm", "designs": {
+               "baseline": {"fit": {"a90": {"value": 2.5}}},
+               "best": {"fit": {"a90": {"value": 2.0}}},
+               "never": {"fit": null}}}})");
+  write_file(folder_ / "pod/study.resolved.toml",
+             "[camera]\nobject_pixel_mm = 0.2\nworking_distance_mm = 300\n");
+  const Json result = cover(kPlate, folder_ / "pod");
+  EXPECT_EQ(result["pod"]["design"], "best");
+  EXPECT_NEAR(result["smallest_defect"]["median_um"].get<double>(), 4000.0, 40.0);
+}
+
+TEST_F(CoverStudy, RefusesAStudyOfDetectionThatIsNone) {
+  fs::create_directory(folder_ / "pod");
+  const auto with = [&](const char* json) {
+    write_file(folder_ / "pod/result.json", json);
+    return [&] { read_pod(folder_ / "pod"); };
+  };
+  EXPECT_THROW(read_pod(folder_ / "nowhere"), IoError);
+  EXPECT_THAT(with("no json"), ThrowsMessage<ConfigError>(HasSubstr("folder of a run with [pod]")));
+  EXPECT_THAT(with(R"({"status": "done"})"), ThrowsMessage<ConfigError>(HasSubstr("[pod]")));
+  EXPECT_THAT(with(R"({"pod": {"size": "height_um", "designs": {}}})"),
+              ThrowsMessage<ConfigError>(AllOf(HasSubstr("height_um"), HasSubstr("diameter_mm"))));
+  EXPECT_THAT(with(R"({"pod": {"size": "width_mm", "designs": {"a": {"fit": null}}}})"),
+              ThrowsMessage<ConfigError>(HasSubstr("a90")));
+}
+
+TEST_F(CoverStudy, RefusesKeysOutOfTheirRangeWithTheirPlace) {
+  const auto refused = [&](const std::string& line) {
+    return [this, line] { cover(std::string(kPlate) + line + "\n"); };
+  };
+  EXPECT_THAT(refused("max_incidence_deg = 95"),
+              ThrowsMessage<ConfigError>(
+                  AllOf(HasSubstr("scene.toml:29"), HasSubstr("coverage.max_incidence_deg"))));
+  EXPECT_THAT(refused("max_incidence_deg = 0"), ThrowsMessage<ConfigError>(HasSubstr("(0, 90]")));
+  EXPECT_THAT(refused("min_grey = 0.99"),
+              ThrowsMessage<ConfigError>(HasSubstr("must not be greater than max_grey")));
+  EXPECT_THAT(refused("chose = 2"), ThrowsMessage<ConfigError>(HasSubstr("\"choose\"")));
+  EXPECT_THAT(refused("choice = \"best\""), ThrowsMessage<ConfigError>(HasSubstr("\"exact\"")));
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+}
+
+TEST_F(CoverStudy, RefusesACameraInThePartWithItsPlace) {
+  std::string text = kPlate;
+  text.replace(text.find("[0, 0, -300]"), 12, "[0, 0, 0.5]");
+  EXPECT_THAT([&] { cover(text); },
+              ThrowsMessage<ConfigError>(AllOf(HasSubstr("scene.toml"), HasSubstr("viewpoint.1"))));
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+}
+
+TEST_F(CoverStudy, LeavesTheFolderOfAnotherVerbAlone) {
+  fs::create_directory(folder_ / "out");
+  write_file(folder_ / "out/run.json", R"({"verb": "render"})");
+  EXPECT_THAT([&] { cover(kPlate); },
+              ThrowsMessage<ConfigError>(HasSubstr("holds results of `glint render`")));
+}
+
+}  // namespace
+}  // namespace glint

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "hardware/calibration/joint_fit.h"
+#include "hardware/calibration/lens_choice.h"
 
 namespace glint {
 namespace {
@@ -106,12 +107,9 @@ Bundle start_bundle(const Work& work, const RobustHandEye& robust) {
   Bundle bundle{.mounting = work.options.mounting,
                 .lens = camera.lens,
                 .is_free = camera.is_free,
+                .lens_prior = prior_of(work.options.camera),
                 .poses = robust.poses,
                 .are_poses_free = true};
-  if (work.options.camera.known.has_value() && work.options.camera.known->sigma.has_value()) {
-    bundle.lens_prior = LensPrior{.mean = work.options.camera.known->lens,
-                                  .sigma = *work.options.camera.known->sigma};
-  }
   // A deviation is that of about six numbers in the robot's and the picture's pose.
   const double size = std::max(0.5 * robust.median_mm, 1e-6);
   bundle.noise = {.corner_px = camera.corner_sigma_px,

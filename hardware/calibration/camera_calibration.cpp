@@ -100,26 +100,6 @@ LensVector start_lens(const Work& work, std::span<const Eigen::Matrix3d> homogra
   return best;
 }
 
-LensMask allowed_terms(const CameraOptions& options) {
-  LensMask mask;
-  mask.fill(true);
-  for (std::size_t i = 0; i < kLensSize; ++i) {
-    const bool is_exact =
-        options.known.has_value() && (!options.known->sigma.has_value() ||
-                                      (*options.known->sigma)[static_cast<Eigen::Index>(i)] <= 0.0);
-    const bool is_left_out = options.free_terms.has_value() && !(*options.free_terms)[i];
-    mask[i] = !is_exact && !is_left_out;
-  }
-  return mask;
-}
-
-std::optional<LensPrior> prior_of(const CameraOptions& options) {
-  if (!options.known.has_value() || !options.known->sigma.has_value()) {
-    return std::nullopt;
-  }
-  return LensPrior{.mean = options.known->lens, .sigma = *options.known->sigma};
-}
-
 /// Views at poses from their homographies; pictures that have none are rejected.
 void start_bundle(Work& work, std::span<const Eigen::Matrix3d> homographies) {
   work.bundle = camera_bundle(start_lens(work, homographies), allowed_terms(work.options));
@@ -218,13 +198,7 @@ void choose_terms(Work& work) {
     return;
   }
   const std::size_t taken = choose_lens_terms(work.bundle, work.options, work.result.choices);
-  const LensMask& chosen = work.result.choices[taken].is_free;
-  for (std::size_t i = 0; i < kLensSize; ++i) {
-    if (work.bundle.is_free[i] && !chosen[i]) {
-      work.bundle.lens[static_cast<Eigen::Index>(i)] = 0.0;
-    }
-  }
-  work.bundle.is_free = chosen;
+  take_lens_terms(work.bundle, work.result.choices[taken].is_free);
 }
 
 void take_covariance(Work& work) {
@@ -274,6 +248,7 @@ void take_pictures(Work& work) {
   }
   result.rms_px = std::sqrt(squares / corners);
   result.corner_sigma_px = work.bundle.noise.corner_px;
+  result.bundle = work.bundle;
 }
 
 /// Empty when the focal lengths are known well enough.

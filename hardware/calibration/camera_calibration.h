@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "hardware/calibration/bundle.h"
 #include "hardware/calibration/lens_vector.h"
 #include "hardware/calibration/observations.h"
 
@@ -65,6 +66,7 @@ struct CameraCalibration {
   double largest_tilt_rad = 0.0;  ///< between the board's normal and the view
   std::vector<CalibratedPicture> pictures;  ///< as many as observations
   std::vector<LensChoice> choices;          ///< those tried; empty when the terms were given
+  Bundle bundle;  ///< what was solved: the accepted pictures in their order
 
   LensVector sigma() const { return covariance.diagonal().cwiseSqrt(); }
 

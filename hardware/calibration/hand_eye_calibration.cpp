@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include "hardware/calibration/joint_fit.h"
+#include "hardware/calibration/lens_choice.h"
+#include "hardware/calibration/moved_board.h"
 
 namespace glint {
 namespace {
@@ -21,6 +23,8 @@ constexpr double kChiSquareLimit = 33.1;
 constexpr double kWorstHandEyeRad = kDegree;
 constexpr double kWorstRobotRad = 3.0 * kDegree;
 constexpr double kWorstShareOfDistance = 0.05;
+constexpr const char* kContradiction =
+    "other order, unit, direction or rotation than assumed, or the board or the camera has moved";
 
 /// A calibration on its way.
 struct Work {
@@ -106,12 +110,9 @@ Bundle start_bundle(const Work& work, const RobustHandEye& robust) {
   Bundle bundle{.mounting = work.options.mounting,
                 .lens = camera.lens,
                 .is_free = camera.is_free,
+                .lens_prior = prior_of(work.options.camera),
                 .poses = robust.poses,
                 .are_poses_free = true};
-  if (work.options.camera.known.has_value() && work.options.camera.known->sigma.has_value()) {
-    bundle.lens_prior = LensPrior{.mean = work.options.camera.known->lens,
-                                  .sigma = *work.options.camera.known->sigma};
-  }
   // A deviation is that of about six numbers in the robot's and the picture's pose.
   const double size = std::max(0.5 * robust.median_mm, 1e-6);
   bundle.noise = {.corner_px = camera.corner_sigma_px,
@@ -267,10 +268,10 @@ std::string refusal_after(const Work& work) {
   }
   if (result.noise.robot_rad > kWorstRobotRad || result.noise.robot_mm > limit_mm) {
     return fmt::format(
-        "robot poses and pictures contradict each other by {:.3g} mm and {:.3g} degrees rms: other "
-        "order, unit, direction or rotation than assumed, or the board or the camera has moved",
+        "robot poses and pictures contradict each other by {:.3g} mm and {:.3g} degrees rms: {}",
         result.noise.robot_mm,
-        result.noise.robot_rad / kDegree);
+        result.noise.robot_rad / kDegree,
+        kContradiction);
   }
   if (!(result.rotation_sigma_rad() <= kWorstHandEyeRad) ||
       !(result.translation_sigma_mm() <= limit_mm)) {
@@ -295,6 +296,36 @@ void add_warnings(Work& work) {
         result.scale.factor,
         result.scale.sigma));
   }
+}
+
+/// Whether so many pictures, or so much of all, disagree that the board may have moved.
+bool is_suspicious(const Work& work) {
+  constexpr double kManyRejected = 0.15;
+  constexpr double kLargeShareOfDistance = 0.002;
+  const auto rejected = std::ranges::count_if(
+      work.seen, [&](std::size_t i) { return !work.result.pictures[i].accepted; });
+  return !work.result.refusal.empty() ||
+         static_cast<double>(rejected) > kManyRejected * static_cast<double>(work.seen.size()) ||
+         work.result.noise.robot_mm > kLargeShareOfDistance * work.distance_mm;
+}
+
+/// Empty when nothing has moved.
+std::string refusal_of_moves(const Work& work) {
+  if (work.pairs.empty() || !is_suspicious(work)) {
+    return {};
+  }
+  const auto moved =
+      find_moved_board(work.options.mounting, work.pairs, work.symmetry, work.options.seed);
+  if (!moved.has_value()) {
+    return {};
+  }
+  return fmt::format(
+      "board or camera moved between pictures {} and {}, by {:.3g} mm and {:.3g} degrees: "
+      "calibrate from the pictures before or after it",
+      work.seen[moved->first_after - 1] + 1,
+      work.seen[moved->first_after] + 1,
+      moved->moved_mm,
+      moved->turned_rad / kDegree);
 }
 
 BoardOrientation orientation_of(const HandEyeOptions& options) {
@@ -330,7 +361,8 @@ std::string run(Work& work) {
   }
   result.bundle = start_bundle(work, *robust);
   if (!solve(work)) {
-    return "robot poses and pictures do not go together: the solution does not converge";
+    return fmt::format("robot poses and pictures contradict each other, no solution converges: {}",
+                       kContradiction);
   }
   explain_rejections(work);
   std::vector<std::size_t> members;
@@ -357,6 +389,9 @@ HandEyeCalibration calibrate_hand_eye(std::span<const BoardCorners> pictures,
   work.result.orientation = orientation_of(options);
   work.result.pictures.resize(pictures.size());
   work.result.refusal = run(work);
+  if (std::string moved = refusal_of_moves(work); !moved.empty()) {
+    work.result.refusal = std::move(moved);
+  }
   work.result.succeeded = work.result.refusal.empty();
   return work.result;
 }

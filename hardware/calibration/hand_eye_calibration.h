@@ -97,7 +97,8 @@ struct HandEyeCalibration {
 ///
 /// Refused: other numbers of pictures and poses, poses that are no rigid motions, what
 /// refusal_of(MotionGeometry) says, a hand-eye that stays unknown by more than 1 degree or 5 % of
-/// the distance, poses that contradict the pictures by more than 3 degrees or 5 % of it.
+/// the distance, poses that contradict the pictures by more than 3 degrees or 5 % of it, a board or
+/// a camera that moved between two pictures (find_moved_board()).
 /// @param pictures, base_from_flange  equally many
 /// @throws nothing for bad data
 /// Cost: about 0.3 s for 80 pictures of 80 corners, and the choice of terms.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/calibrate/calibrate_files.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -55,18 +56,33 @@ std::string reason_of_view(const BoardView& view) {
   return view.why.empty() || view.why == name ? name : fmt::format("{}: {}", name, view.why);
 }
 
+/// How far the solution moves without the picture.
+Json influence_json(const SolvedCalibration& solved, std::size_t i) {
+  const ViewInfluence& influence = solved.influences[i];
+  Json json = {{"cook", number_json(influence.cook)},
+               {"focal_px", number_json(influence.focal_px)},
+               {"center_px", number_json(influence.center_px)}};
+  if (solved.joint) {
+    json["hand_eye_deg"] = number_json(influence.rotation_rad * kDegPerRad);
+    json["hand_eye_mm"] = number_json(influence.translation_mm);
+  }
+  return json;
+}
+
 Json picture_json(const CalibrateInput& input, const SolvedCalibration& solved, std::size_t i) {
   Json json = {{"file", input.names[i]}};
   if (!input.views[i].is_accepted()) {
     json["accepted"] = false;
     json["reason"] = reason_of_view(input.views[i]);
     json["rms_px"] = nullptr;
+    json["influence"] = nullptr;
     return json;
   }
   const auto put = [&](bool accepted, const std::string& reason, double rms_px) {
     json["accepted"] = accepted;
     json["reason"] = reason;
     json["rms_px"] = number_json(rms_px);
+    json["influence"] = accepted ? influence_json(solved, i) : Json(nullptr);
   };
   if (!solved.joint) {
     const CalibratedPicture& picture = solved.camera.pictures[i];
@@ -156,9 +172,35 @@ Json methods_json(const SolvedCalibration& solved) {
   for (const MethodPrediction& method : solved.methods) {
     methods.push_back({{"name", method.name},
                        {"prediction_rms_px", number_json(method.rms_px)},
+                       {"prediction_5fold_rms_px", number_json(method.five_fold.rms_px)},
                        {"failed", method.has_failed}});
   }
   return methods;
+}
+
+/// Of the method that was asked for.
+Json five_fold_json(const SolvedCalibration& solved) {
+  const auto method = std::ranges::find(solved.methods, solved.method, &MethodPrediction::name);
+  return method == solved.methods.end() ? Json(nullptr) : number_json(method->five_fold.rms_px);
+}
+
+/// What to photograph next, the best first.
+Json next_json(const CalibrateInput& input, const SolvedCalibration& solved) {
+  Json views = Json::array();
+  for (const NextView& view : solved.next.views) {
+    Json json = {{"text", text_of(view, input.width_px, input.height_px)},
+                 {"tilt_deg", view.tilt_rad * kDegPerRad},
+                 {"near_side_deg", view.near_side_rad * kDegPerRad},
+                 {"roll_deg", view.roll_rad * kDegPerRad},
+                 {"middle_px", {view.middle_px.x(), view.middle_px.y()}},
+                 {"distance_mm", view.distance_mm},
+                 {"point_error_px", number_json(view.point_error_px)}};
+    if (view.base_from_flange) {
+      json["base_from_flange"] = pose_json("flange", "base", *view.base_from_flange);
+    }
+    views.push_back(std::move(json));
+  }
+  return {{"point_error_px", number_json(solved.next.point_error_px)}, {"views", std::move(views)}};
 }
 
 void put_joint(const CalibrateInput& input, const SolvedCalibration& solved, Json& json) {
@@ -237,7 +279,10 @@ Json calibration_json(const CalibrateInput& input, const SolvedCalibration& solv
   json["prediction_rms_px"] =
       solved.prediction_rms_px ? number_json(*solved.prediction_rms_px) : Json(nullptr);
   json["prediction_folds"] = solved.prediction_folds;
+  json["prediction_5fold_rms_px"] = five_fold_json(solved);
+  json["prediction_5fold_splits"] = solved.five_fold_splits;
   json["methods"] = methods_json(solved);
+  json["next"] = next_json(input, solved);
   if (solved.joint) {
     put_joint(input, solved, json);
   }

@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kTable = "convention";
+constexpr const char* kPriorTable = "prior";
 constexpr const char* kPairBy = "poses.pair_by";
 
 /// What the command line says of which pose belongs to which picture.
@@ -36,30 +37,69 @@ PairBy said_pairing(const std::vector<KeyValue>& sets) {
   return by;
 }
 
-/// What the command line says of the poses' numbers.
-PoseConvention said_convention(const std::vector<KeyValue>& sets) {
+/// The settings that the command line gives a table.
+template <class Settings>
+Settings said_settings(const std::vector<KeyValue>& sets, const std::string& name) {
   ConfigNode root = ConfigNode::table();
   for (const KeyValue& set : sets) {
-    if (set.path == kPairBy) {
-      continue;
+    if (set.path.starts_with(name + ".")) {
+      ConfigNode value = parse_override(set.value);
+      value.place = {.file = "--set"};
+      set_path(root, set.path, std::move(value));
     }
-    if (!set.path.starts_with(std::string(kTable) + ".")) {
+  }
+  Settings settings;
+  std::vector<Problem> errors;
+  KeyReader reader(root.find(name), name, errors);
+  visit_keys(reader, settings);
+  reader.report_unknown();
+  throw_if_any(errors);
+  return settings;
+}
+
+/// Each --set with what it needs.
+void check_sets(const CalibrateOptions& options) {
+  for (const KeyValue& set : options.sets) {
+    const bool is_prior = set.path.starts_with(std::string(kPriorTable) + ".");
+    if (!is_prior && set.path != kPairBy && !set.path.starts_with(std::string(kTable) + ".")) {
       throw ConfigError(fmt::format(
-          "--set: {}: must begin with \"convention.\", like convention.unit=m, or be {}",
+          "--set: {}: must begin with \"convention.\", like convention.unit=m, or with \"prior.\", "
+          "like prior.focal_px=5, or be {}",
           set.path,
           kPairBy));
     }
-    ConfigNode value = parse_override(set.value);
-    value.place = {.file = "--set"};
-    set_path(root, set.path, std::move(value));
+    if (is_prior ? options.camera.empty() : options.poses.empty()) {
+      throw ConfigError(
+          fmt::format("--set: {}: needs {}", set.path, is_prior ? "--camera" : "--poses"));
+    }
   }
-  PoseConvention convention;
-  std::vector<Problem> errors;
-  KeyReader reader(root.find(kTable), kTable, errors);
-  visit_keys(reader, convention);
-  reader.report_unknown();
-  throw_if_any(errors);
-  return convention;
+}
+
+/// Standard deviations of a known camera's numbers; 0: exact.
+struct CameraPrior {
+  double focal_px = 0.0;
+  double center_px = 0.0;
+  double radial = 0.0;
+  double tangential = 0.0;
+};
+
+void visit_keys(KeyVisitor& keys, CameraPrior& prior) {
+  const Range sigma = Range::at_least(0.0);
+  keys.number("focal_px", prior.focal_px, sigma, "of each focal length; 0: exact");
+  keys.number("center_px", prior.center_px, sigma, "of each coordinate of the principal point");
+  keys.number("radial", prior.radial, sigma, "of k1, k2 and k3");
+  keys.number("tangential", prior.tangential, sigma, "of p1 and p2");
+}
+
+void read_known_camera(const CalibrateOptions& options, CalibrateInput& input) {
+  input.camera = read_camera_file(options.camera);
+  const auto prior = said_settings<CameraPrior>(options.sets, kPriorTable);
+  LensVector sigma;
+  sigma << prior.focal_px, prior.focal_px, prior.center_px, prior.center_px,
+      Eigen::Vector3d::Constant(prior.radial), Eigen::Vector2d::Constant(prior.tangential);
+  if (sigma.maxCoeff() > 0.0) {
+    input.camera_sigma = sigma;
+  }
 }
 
 BoardSetup setup_of(const std::string& name) {
@@ -91,13 +131,13 @@ void check_given(const CalibrateOptions& options) {
     throw ConfigError("--board: is missing; give the board's board.toml or board.json");
   }
   const std::pair<const char*, bool> of_poses[] = {{"--method", !options.method.empty()},
-                                                   {"--setup", !options.setup.empty()},
-                                                   {"--set", !options.sets.empty()}};
+                                                   {"--setup", !options.setup.empty()}};
   for (const auto& [option, is_given] : of_poses) {
     if (is_given && options.poses.empty()) {
       throw ConfigError(fmt::format("{}: needs --poses", option));
     }
   }
+  check_sets(options);
 }
 
 void read_robot(const CalibrateOptions& options, CalibrateInput& input) {
@@ -105,7 +145,7 @@ void read_robot(const CalibrateOptions& options, CalibrateInput& input) {
   if (!options.method.empty()) {
     input.method = method_of(options.method);
   }
-  input.poses = read_poses(options.poses, said_convention(options.sets));
+  input.poses = read_poses(options.poses, said_settings<PoseConvention>(options.sets, kTable));
   input.notes = input.poses->told;
   std::vector<std::string> pose_names;
   for (const RobotPose& pose : input.poses->poses) {
@@ -214,7 +254,7 @@ CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool&
   }
   input.board = read_board(options.board);
   if (!options.camera.empty()) {
-    input.camera = read_camera_file(options.camera);
+    read_known_camera(options, input);
   }
   if (!options.poses.empty()) {
     read_robot(options, input);

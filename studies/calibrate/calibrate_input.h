@@ -13,6 +13,7 @@
 
 #include "core/thread_pool.h"
 #include "hardware/board/find_board.h"
+#include "hardware/calibration/lens_vector.h"
 #include "hardware/calibration/observations.h"
 #include "hardware/calibration/opencv_methods.h"
 #include "hardware/poses/camera_file.h"
@@ -29,7 +30,7 @@ struct CalibrateOptions {
   std::filesystem::path out;                 ///< empty: out/<the pictures' folder>/calibrate
   std::string setup;           ///< "eye_in_hand", "eye_to_hand"; empty: as the board's file says
   std::string method;          ///< of OpenCV's, name_of(HandEyeMethod); empty: our own
-  std::vector<KeyValue> sets;  ///< convention.key and poses.pair_by, over what files say
+  std::vector<KeyValue> sets;  ///< convention.key, poses.pair_by, prior.key, over what files say
   int threads = 1;
 };
 
@@ -39,6 +40,7 @@ struct CalibrateInput {
   BoardSetup setup = BoardSetup::kNone;  ///< kNone with poses: to be found out
   std::optional<HandEyeMethod> method;   ///< none: our own
   std::optional<CameraFile> camera;
+  std::optional<LensVector> camera_sigma;  ///< the camera is only known to these; none: exactly
   std::optional<RobotPoses> poses;
   std::vector<std::size_t> pose_of;  ///< of each picture; empty without poses
   int width_px = 0;

@@ -7,7 +7,6 @@
 
 #include "core/config/key_writer.h"
 #include "hardware/calibration/lens_choice.h"
-#include "hardware/calibration/prediction.h"
 
 namespace glint {
 namespace {
@@ -23,7 +22,8 @@ CameraOptions camera_options(const CalibrateInput& input) {
       .height_px = input.height_px,
       .folds = input.poses ? 5 : std::clamp(static_cast<int>(seen), 2, kMostFolds)};
   if (input.camera) {
-    options.known = KnownLens{.lens = lens_vector(input.camera->intrinsics)};
+    options.known =
+        KnownLens{.lens = lens_vector(input.camera->intrinsics), .sigma = input.camera_sigma};
   }
   return options;
 }
@@ -133,19 +133,26 @@ std::vector<PosePair> accepted_pairs(const CalibrateInput& input, const HandEyeC
   return pairs;
 }
 
-void predict_all(SolvedCalibration& solved, ThreadPool& pool) {
+/// Each picture alone, or twenty parts of more pictures.
+std::vector<int> prediction_folds(int count) {
+  return count <= kMostFolds ? leave_one_out(count) : shuffled_folds(count, kMostFolds, 1);
+}
+
+void predict_all(const CalibrateInput& input, SolvedCalibration& solved, ThreadPool& pool) {
   const Bundle& bundle = solved.joint->bundle;
+  const CameraOptions camera = camera_options(input);
   const int count = static_cast<int>(bundle.views.size());
-  const std::vector<int> folds =
-      count <= kMostFolds ? leave_one_out(count) : shuffled_folds(count, kMostFolds, 1);
   solved.prediction_folds = std::min(count, kMostFolds);
-  const Prediction own = predict_left_out(bundle, folds, pool);
-  solved.methods.push_back({.name = "glint", .has_failed = own.has_failed, .rms_px = own.rms_px});
-  for (const HandEyeMethod method : kHandEyeMethods) {
-    const Prediction other = predict_left_out(bundle, folds, method, pool);
-    solved.methods.push_back({.name = std::string(name_of(method)),
-                              .has_failed = other.has_failed,
-                              .rms_px = other.rms_px});
+  // Many pictures: a split says more, and takes longer.
+  solved.five_fold_splits = std::clamp(400 / std::max(1, count), 4, 20);
+  const auto left_out = predict_by_all(bundle, camera, prediction_folds(count), pool);
+  const auto splits = predict_five_fold(bundle, camera, solved.five_fold_splits, pool);
+  for (std::size_t i = 0; i < left_out.size(); ++i) {
+    solved.methods.push_back(
+        {.name = i == 0 ? "glint" : std::string(name_of(kHandEyeMethods[i - 1])),
+         .has_failed = left_out[i].has_failed || splits[i].has_failed,
+         .rms_px = left_out[i].rms_px,
+         .five_fold = splits[i]});
   }
 }
 
@@ -162,14 +169,42 @@ void take_camera(SolvedCalibration& solved) {
   solved.rms_px = solved.camera.rms_px;
 }
 
-/// The held-out rms of the terms that were chosen.
-void take_camera_prediction(const CalibrateInput& input, SolvedCalibration& solved) {
-  for (const LensChoice& choice : solved.camera.choices) {
-    if (choice.is_free == solved.camera.is_free) {
-      solved.prediction_rms_px = choice.held_out_rms_px;
-      solved.prediction_folds = camera_options(input).folds;
+void take_camera_prediction(const CalibrateInput& input,
+                            SolvedCalibration& solved,
+                            ThreadPool& pool) {
+  if (std::ranges::count(solved.camera.is_free, true) == 0) {
+    return;
+  }
+  std::vector<BoardCorners> accepted;
+  for (std::size_t i = 0; i < input.corners.size(); ++i) {
+    if (solved.camera.pictures[i].accepted) {
+      accepted.push_back(input.corners[i]);
     }
   }
+  const std::vector<int> folds = prediction_folds(static_cast<int>(accepted.size()));
+  const Prediction prediction =
+      predict_camera_left_out(accepted, solved.camera.lens, camera_options(input), folds, pool);
+  solved.prediction_rms_px = prediction.rms_px;
+  solved.prediction_folds = std::min(static_cast<int>(accepted.size()), kMostFolds);
+}
+
+/// Which pictures pull, and what to photograph next. The views of a bundle are the accepted ones.
+template <class Picture>
+void review(const CalibrateInput& input,
+            const Bundle& bundle,
+            const std::vector<Picture>& pictures,
+            SolvedCalibration& solved) {
+  constexpr int kAdvisedViews = 3;
+  const std::vector<ViewInfluence> influences = view_influences(bundle);
+  solved.influences.resize(pictures.size());
+  std::size_t view = 0;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    if (pictures[i].accepted) {
+      solved.influences[i] = influences[view++];
+    }
+  }
+  solved.next =
+      next_views(bundle, corners_mm(input.board), input.width_px, input.height_px, kAdvisedViews);
 }
 
 void solve_with_poses(const CalibrateInput& input, SolvedCalibration& solved, ThreadPool& pool) {
@@ -184,13 +219,14 @@ void solve_with_poses(const CalibrateInput& input, SolvedCalibration& solved, Th
           fmt::format("--method {}: finds no hand-eye for these poses", name_of(*input.method)));
     }
     take_camera(solved);
+    solved.method = std::string(name_of(*input.method));
     solved.poses = *poses;
   }
   solved.scatter = board_scatter(solved.joint->mounting, solved.poses.hand_eye, pairs);
-  predict_all(solved, pool);
-  const std::string name = input.method ? std::string(name_of(*input.method)) : "glint";
+  predict_all(input, solved, pool);
+  review(input, solved.joint->bundle, solved.joint->pictures, solved);
   solved.prediction_rms_px =
-      std::ranges::find(solved.methods, name, &MethodPrediction::name)->rms_px;
+      std::ranges::find(solved.methods, solved.method, &MethodPrediction::name)->rms_px;
 }
 
 }  // namespace
@@ -206,7 +242,8 @@ SolvedCalibration solve_calibration(const CalibrateInput& input, ThreadPool& poo
     throw ConfigError(solved.camera.refusal);
   }
   take_camera(solved);
-  take_camera_prediction(input, solved);
+  take_camera_prediction(input, solved, pool);
+  review(input, solved.camera.bundle, solved.camera.pictures, solved);
   return solved;
 }
 

@@ -9,6 +9,9 @@
 
 #include "core/thread_pool.h"
 #include "hardware/calibration/hand_eye_calibration.h"
+#include "hardware/calibration_review/next_views.h"
+#include "hardware/calibration_review/prediction.h"
+#include "hardware/calibration_review/view_influence.h"
 #include "studies/calibrate/calibrate_input.h"
 
 namespace glint {
@@ -18,6 +21,7 @@ struct MethodPrediction {
   std::string name;  ///< "glint", or name_of(HandEyeMethod)
   bool has_failed = false;
   double rms_px = 0.0;  ///< infinite when it has failed
+  SplitMean five_fold;  ///< mean over random splits in five parts
 };
 
 struct SolvedCalibration {
@@ -25,12 +29,16 @@ struct SolvedCalibration {
   std::optional<HandEyeCalibration> joint;  ///< with poses
   LensVector lens = LensVector::Zero();     ///< what is written: joint, or the camera's own
   LensVector lens_sigma = LensVector::Zero();
-  HandEye poses;         ///< of the method that was asked for
-  BoardScatter scatter;  ///< of the board's places that the pictures say one by one
+  std::string method = "glint";  ///< that was asked for
+  HandEye poses;                 ///< of the method that was asked for
+  BoardScatter scatter;          ///< of the board's places that the pictures say one by one
   double rms_px = 0.0;
   int prediction_folds = 0;                 ///< 0: there is no prediction
   std::optional<double> prediction_rms_px;  ///< of the method that was asked for
+  int five_fold_splits = 0;                 ///< 0: without poses
   std::vector<MethodPrediction> methods;    ///< with poses: our own, then OpenCV's
+  std::vector<ViewInfluence> influences;    ///< of each picture; 0 where it is rejected
+  ViewAdvice next;                          ///< what to photograph next
   std::vector<std::string> notes;           ///< what was guessed
 };
 

@@ -1,189 +1,87 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Hand-eye calibrations of simulated cells, 60 seeds a case: our own against OpenCV's seven methods
-// on the same corners and poses. Corner noise, robot errors and cases are those of the reference's
-// Monte Carlo; a trial has failed when the rotation is off by over 0.3 degrees, the translation by
-// over 1 mm, or there is no answer. Medians: error of the hand-eye in degrees (`deg`) and mm
-// (`mm`), rms error of points over the picture at noise-free robot poses (`px`), each over the same
-// trial's Cramer-Rao bound (`deg_of_bound` ...); `edge_px` and `middle_px` beyond 1000 and within
-// 400 px of the middle. The bound is that of all pictures with the right terms of the lens and
-// known sizes of all errors. `refused` counts trials that were told to be unsolvable; they are no
-// failures.
+// Hand-eye calibrations of simulated cells (monte_carlo.h), 60 seeds a case: our own against
+// OpenCV's seven methods on the same corners and poses. A trial has failed when the rotation is off
+// by over 0.3 degrees, the translation by over 1 mm, or there is no answer. Medians: error of the
+// hand-eye in degrees (`deg`) and mm (`mm`), rms error of points over the picture at noise-free
+// robot poses (`px`), each over the same trial's Cramer-Rao bound (`deg_of_bound` ...); `edge_px`
+// and `middle_px` beyond 1000 and within 400 px of the middle. `refused` counts trials that were
+// told to be unsolvable; they are no failures. `turned`: the board's frame is upside down.
+//
+// Rows calibrate/coverage/CASE: shares of 500 trials whose 95 % interval holds the truth.
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
 #include "hardware/calibration/opencv_methods.h"
-#include "tests/hardware/calibration/simulated_cell.h"
+#include "tests/hardware/calibration/monte_carlo.h"
 
 namespace glint {
 namespace {
 
 constexpr int kTrials = 60;
-constexpr double kDegree = std::numbers::pi / 180.0;
-
-struct Case {
-  std::string name;
-  CellSettings settings;
-};
-
-NoiseSizes noise(double corner_px, double robot_mm, double robot_deg) {
-  return {.corner_px = corner_px, .robot_rad = robot_deg * kDegree, .robot_mm = robot_mm};
-}
-
-std::vector<Case> cases() {
-  return {{"mid", {}},
-          {"good", {.noise = noise(0.1, 0.03, 0.01)}},
-          {"bad", {.noise = noise(0.3, 0.1, 0.05)}},
-          {"eye_to_hand", {.mounting = Mounting::kEyeToHand}},
-          {"one_axis", {.tilt_y_deg = 1.0, .roll_deg = 1.0}},
-          {"small_rotations", {.tilt_x_deg = 5.0, .tilt_y_deg = 5.0, .roll_deg = 5.0}},
-          {"flat_narrow", {.tilt_x_deg = 8.0, .tilt_y_deg = 8.0, .distance_mm = 3.0}},
-          {"poses20", {.num_poses = 20}},
-          {"poses5", {.num_poses = 5}},
-          {"flips10", {.flipped_share = 0.1}},
-          {"stamps10", {.wrong_share = 0.1}},
-          {"flips10_stamps10", {.flipped_share = 0.1, .wrong_share = 0.1}}};
-}
-
-/// What one method makes of one trial.
-struct Errors {
-  bool is_there = false;
-  double deg = 0.0;
-  double mm = 0.0;
-  PointError px;
-};
-
-/// One method's trials of a case.
-struct Row {
-  std::vector<Errors> errors;
-  std::vector<double> deg_of_bound;
-  std::vector<double> mm_of_bound;
-  std::vector<double> px_of_bound;
-  int failures = 0;
-  int refused = 0;
-};
-
-struct Bound {
-  explicit Bound(const SimulatedCell& cell) {
-    const Bundle truth = bundle_at_truth(cell);
-    const SharedCovariance covariance = shared_covariance(truth);
-    deg = std::sqrt(covariance.diagonal().segment<3>(9).sum()) / kDegree;
-    mm = std::sqrt(covariance.diagonal().segment<3>(12).sum());
-    px = point_error(truth, covariance, kCellWidth, kCellHeight).rms_px;
-  }
-
-  double deg = 0.0;
-  double mm = 0.0;
-  double px = 0.0;
-};
-
-void add(Row& row,
-         const Bound& bound,
-         const SimulatedCell& cell,
-         const LensVector& lens,
-         const std::optional<HandEye>& poses) {
-  if (!poses.has_value()) {
-    ++row.failures;
-    return;
-  }
-  const auto miss = miss_of(cell, lens, *poses);
-  const Errors errors{.is_there = true,
-                      .deg = miss.segment<3>(9).norm() / kDegree,
-                      .mm = miss.segment<3>(12).norm(),
-                      .px = overlap_error(cell, lens, *poses)};
-  row.errors.push_back(errors);
-  row.failures += errors.deg > 0.3 || errors.mm > 1.0 || !std::isfinite(errors.px.rms_px) ? 1 : 0;
-  row.deg_of_bound.push_back(errors.deg / bound.deg);
-  row.mm_of_bound.push_back(errors.mm / bound.mm);
-  row.px_of_bound.push_back(errors.px.rms_px / bound.px);
-}
-
-using Rows = std::map<std::string, Row>;
-
-void run_trial(const CellSettings& settings, std::uint64_t seed, Rows& rows) {
-  const SimulatedCell cell = simulate_cell(settings, seed);
-  const HandEyeCalibration own =
-      calibrate_hand_eye(cell.pictures, cell.base_from_flange, cell_options(settings));
-  const Bound bound(cell);
-  if (own.succeeded) {
-    add(rows["glint"], bound, cell, own.lens, own.poses);
-  } else {
-    ++rows["glint"].refused;
-  }
-  std::vector<PosePair> pairs;
-  for (std::size_t i = 0; i < cell.pictures.size(); ++i) {
-    if (own.camera.pictures[i].accepted) {
-      pairs.push_back({.base_from_flange = cell.base_from_flange[i],
-                       .camera_from_board = own.camera.pictures[i].camera_from_board});
-    }
-  }
-  for (const HandEyeMethod method : kHandEyeMethods) {
-    const auto poses =
-        pairs.size() < 3 ? std::nullopt : hand_eye_by(method, settings.mounting, pairs);
-    add(rows[std::string(name_of(method))], bound, cell, own.camera.lens, poses);
-  }
-}
+constexpr int kCoverageTrials = 500;
+constexpr std::uint64_t kFirstSeed = 1000;
+constexpr std::uint64_t kCoverageSeed = 10'000;
 
 /// All methods share the trials of a case.
-const Rows& rows_of(const Case& one) {
-  static std::map<std::string, Rows> known;
-  auto [at, is_new] = known.try_emplace(one.name);
-  for (int trial = 0; is_new && trial < kTrials; ++trial) {
-    run_trial(one.settings, 1000 + static_cast<std::uint64_t>(trial), at->second);
+const TrialsByMethod& trials_of(const MonteCarloCase& one) {
+  static std::map<std::string, TrialsByMethod> known;
+  const auto found = known.find(one.name);
+  if (found != known.end()) {
+    return found->second;
   }
-  return at->second;
+  ThreadPool pool(hardware_threads());
+  return known.emplace(one.name, run_trials(one.settings, kFirstSeed, kTrials, pool)).first->second;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) {
-    return std::nan("");
-  }
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
+int count_of(const std::vector<TrialErrors>& trials, bool TrialErrors::*flag) {
+  return static_cast<int>(std::ranges::count(trials, true, flag));
 }
 
-template <class Value>
-double median_of(const Row& row, const Value& value) {
-  std::vector<double> values;
-  for (const Errors& errors : row.errors) {
-    values.push_back(value(errors));
-  }
-  return median(values);
-}
-
-void bench_case(benchmark::State& state, const Case& one, const std::string& method) {
+void bench_case(benchmark::State& state, const MonteCarloCase& one, const std::string& method) {
   for (auto _ : state) {
-    rows_of(one);
+    trials_of(one);
   }
-  const Rows& rows = rows_of(one);
-  const auto found = rows.find(method);
-  const Row row = found != rows.end() ? found->second : Row{};
-  state.counters["failures"] = row.failures;
-  state.counters["refused"] = row.refused;
-  state.counters["deg"] = median_of(row, [](const Errors& e) { return e.deg; });
-  state.counters["mm"] = median_of(row, [](const Errors& e) { return e.mm; });
-  state.counters["px"] = median_of(row, [](const Errors& e) { return e.px.rms_px; });
-  state.counters["middle_px"] = median_of(row, [](const Errors& e) { return e.px.center_px; });
-  state.counters["edge_px"] = median_of(row, [](const Errors& e) { return e.px.edge_px; });
-  state.counters["deg_of_bound"] = median(row.deg_of_bound);
-  state.counters["mm_of_bound"] = median(row.mm_of_bound);
-  state.counters["px_of_bound"] = median(row.px_of_bound);
+  const std::vector<TrialErrors>& trials = trials_of(one).at(method);
+  const auto put = [&](const char* name, auto value) {
+    state.counters[name] = median_of(trials, value);
+  };
+  state.counters["failures"] = count_of(trials, &TrialErrors::has_failed);
+  state.counters["refused"] = count_of(trials, &TrialErrors::is_refused);
+  state.counters["turned"] = count_of(trials, &TrialErrors::is_turned);
+  put("deg", [](const TrialErrors& e) { return e.deg; });
+  put("mm", [](const TrialErrors& e) { return e.mm; });
+  put("px", [](const TrialErrors& e) { return e.px.rms_px; });
+  put("middle_px", [](const TrialErrors& e) { return e.px.center_px; });
+  put("edge_px", [](const TrialErrors& e) { return e.px.edge_px; });
+  put("deg_of_bound", [](const TrialErrors& e) { return e.deg_of_bound; });
+  put("mm_of_bound", [](const TrialErrors& e) { return e.mm_of_bound; });
+  put("px_of_bound", [](const TrialErrors& e) { return e.px_of_bound; });
+}
+
+void bench_coverage(benchmark::State& state, const MonteCarloCase& one) {
+  ThreadPool pool(hardware_threads());
+  Coverage coverage;
+  for (auto _ : state) {
+    coverage = run_coverage(one.settings, kCoverageSeed, kCoverageTrials, pool);
+  }
+  state.counters["refused"] = coverage.refused;
+  for (std::size_t i = 0; i < Coverage::kNames.size(); ++i) {
+    state.counters[Coverage::kNames[i]] = coverage.share(i);
+  }
 }
 
 /// Rows calibrate/CASE/METHOD; the first row of a case has the time of all its trials.
 [[maybe_unused]] const bool is_registered = [] {
-  for (const Case& one : cases()) {
-    std::vector<std::string> methods = {"glint"};
-    for (const HandEyeMethod method : kHandEyeMethods) {
-      methods.emplace_back(name_of(method));
-    }
+  std::vector<std::string> methods = {"glint"};
+  for (const HandEyeMethod method : kHandEyeMethods) {
+    methods.emplace_back(name_of(method));
+  }
+  for (const MonteCarloCase& one : monte_carlo_cases()) {
     for (const std::string& method : methods) {
       benchmark::RegisterBenchmark(
           ("calibrate/" + one.name + "/" + method).c_str(),
@@ -191,6 +89,13 @@ void bench_case(benchmark::State& state, const Case& one, const std::string& met
           ->Unit(benchmark::kMillisecond)
           ->Iterations(1);
     }
+  }
+  for (const char* name : {"mid", "poses20", "small_rotations", "flips10_stamps10"}) {
+    const MonteCarloCase one = monte_carlo_case(name);
+    benchmark::RegisterBenchmark(("calibrate/coverage/" + one.name).c_str(),
+                                 [one](benchmark::State& state) { bench_coverage(state, one); })
+        ->Unit(benchmark::kMillisecond)
+        ->Iterations(1);
   }
   return true;
 }();

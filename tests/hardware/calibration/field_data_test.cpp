@@ -13,7 +13,6 @@
 
 #include "hardware/calibration/hand_eye_calibration.h"
 #include "hardware/calibration/opencv_methods.h"
-#include "hardware/calibration/prediction.h"
 
 namespace glint {
 namespace {

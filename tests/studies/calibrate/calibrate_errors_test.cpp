@@ -68,6 +68,21 @@ TEST_F(CalibrateErrors, WordsAreChecked) {
       {"grey1.png"}, {"--board", "board.toml", "--method", "park"}, "--method: needs --poses");
 }
 
+TEST_F(CalibrateErrors, APriorNeedsItsCamera) {
+  const Arguments prior = {"--board", "board.toml", "--set", "prior.focal_px=5"};
+  expect_refused({"grey1.png"}, prior, "--set: prior.focal_px: needs --camera");
+  expect_refused({"grey1.png"},
+                 {"--board", "board.toml", "--set", "convention.unit=m"},
+                 "--set: convention.unit: needs --poses");
+  write_file(folder_ / "camera.toml",
+             "[camera]\nwidth_px = 80\nheight_px = 60\nfocal_x_px = 500\n");
+  for (const auto& [set, told] :
+       {std::pair("prior.focal_px=-1", "must be >= 0"), std::pair("prior.fx=1", "prior.fx")}) {
+    expect_refused(
+        {"grey1.png"}, {"--board", "board.toml", "--camera", "camera.toml", "--set", set}, told);
+  }
+}
+
 TEST_F(CalibrateErrors, FilesOfOthersAreKept) {
   fs::create_directories(folder_ / "out");
   write_file(folder_ / "out/calibration.toml", "mine");

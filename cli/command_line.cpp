@@ -202,6 +202,10 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       [](const CommandLine& given) { return calibrate_command(given.calibrate, given.common); });
   calibrate->add_option("PICTURES", arguments.pictures, "pictures of the board, of one camera")
       ->type_name("FILE");
+  calibrate
+      ->add_option("--from", arguments.from, "corners.csv of an earlier calibration, no pictures")
+      ->type_name("FILE")
+      ->check(not_empty());
   calibrate->add_option("--board", arguments.board, "the board: board.toml or board.json")
       ->type_name("FILE")
       ->check(not_empty());

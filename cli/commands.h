@@ -78,6 +78,7 @@ int inspect_command(const InspectArguments& arguments, const CommonArguments& co
 
 struct CalibrateArguments {
   std::vector<std::filesystem::path> pictures;
+  std::filesystem::path from;  ///< corners.csv instead of pictures
   std::filesystem::path board;
   std::vector<std::filesystem::path> poses;
   std::filesystem::path camera;
@@ -89,6 +90,7 @@ struct CalibrateArguments {
 };
 
 int calibrate_command(const CalibrateArguments& arguments, const CommonArguments& common);
+
 
 struct ReportArguments {
   std::vector<std::filesystem::path> runs;

@@ -140,6 +140,7 @@ void predict_all(SolvedCalibration& solved, ThreadPool& pool) {
       count <= kMostFolds ? leave_one_out(count) : shuffled_folds(count, kMostFolds, 1);
   solved.prediction_folds = std::min(count, kMostFolds);
   const Prediction own = predict_left_out(bundle, folds, pool);
+  solved.predicted_rms_px = own.picture_rms_px;
   solved.methods.push_back({.name = "glint", .has_failed = own.has_failed, .rms_px = own.rms_px});
   for (const HandEyeMethod method : kHandEyeMethods) {
     const Prediction other = predict_left_out(bundle, folds, method, pool);

@@ -30,8 +30,9 @@ struct SolvedCalibration {
   double rms_px = 0.0;
   int prediction_folds = 0;                 ///< 0: there is no prediction
   std::optional<double> prediction_rms_px;  ///< of the method that was asked for
-  std::vector<MethodPrediction> methods;    ///< with poses: our own, then OpenCV's
-  std::vector<std::string> notes;           ///< what was guessed
+  std::vector<double> predicted_rms_px;   ///< with poses: of each picture used, when it is left out
+  std::vector<MethodPrediction> methods;  ///< with poses: our own, then OpenCV's
+  std::vector<std::string> notes;         ///< what was guessed
 };
 
 /// @throws ConfigError with what is missing, or with the reading of the poses that would agree

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What people see of a calibration: page, corners, check, straight pictures, plan, points.
+#include <cmath>
+#include <regex>
+
+#include <Eigen/Geometry>
+
+#include "core/csv.h"
+#include "core/image/image_io.h"
+#include "simulator/camera/pinhole_camera.h"
+#include "tests/studies/calibrate/calibrate_fixture.h"
+#include "tests/support/page_data.h"
+
+namespace glint::test {
+namespace {
+namespace fs = std::filesystem;
+
+using Json = nlohmann::json;
+using ::testing::HasSubstr;
+
+/// Pictures of a chessboard by others, or none where they are not.
+class CalibrateOutput : public CalibrateVerb {
+ protected:
+  void SetUp() override {
+    if (!fs::exists(left_)) {
+      GTEST_SKIP() << "no " << left_;
+    }
+  }
+
+  Json result_of(const Arguments& arguments, int code = 0) const {
+    Arguments all = arguments;
+    all.emplace_back("--json");
+    const ProgramResult result = glint_in(folder_, all);
+    EXPECT_EQ(result.code, code) << result.err;
+    return result.out.empty() ? Json() : Json::parse(result.out);
+  }
+
+  Json calibrated_left() const {
+    return calibrate_json(files_in(left_, "left", ".jpg"), {"--board", board_});
+  }
+
+  const fs::path left_ = photographs("calibration/chessboard_left");
+  const std::string board_ = (left_ / "board.json").string();
+};
+
+TEST_F(CalibrateOutput, PageHasVerdictPicturesAndWhatTheResultSays) {
+  const Json result = calibrated_left();
+  EXPECT_EQ(result["report"], "out/report.html");
+  const auto data = page_data(read_file(folder_ / "out/report.html"));
+  EXPECT_THAT(data["verdict"]["sentence"].get<std::string>(), HasSubstr("13 of 13 pictures agree"));
+  ASSERT_EQ(data["calibration"]["pictures"].size(), 13U);
+  for (const auto& picture : data["calibration"]["pictures"]) {
+    EXPECT_EQ(picture["corners"].size(), 4U * 54U);
+    EXPECT_GT(picture["image"].get<std::string>().size(), 1000U);
+  }
+  EXPECT_EQ(Json(data["calibration"]["intrinsics"]), result["intrinsics"]);
+  std::size_t corners = 0;
+  for (const auto& cell : result["residual_map"]["cells"]) {
+    corners += cell["corners"].get<std::size_t>();
+  }
+  EXPECT_EQ(corners, 13U * 54U);
+  // 702 corners, each in one ring, and the rings' squares add up to the rms of all.
+  double square = 0.0;
+  for (const Json& ring : result["growth"]) {
+    if (ring["corners"].get<int>() > 0) {
+      square += ring["corners"].get<double>() * std::pow(ring["rms_px"].get<double>(), 2);
+    }
+  }
+  EXPECT_NEAR(std::sqrt(square / 702.0), result["rms_px"].get<double>(), 1e-6);
+}
+
+TEST_F(CalibrateOutput, CornersFileHoldsAllThatTheResultNeeds) {
+  const Json result = calibrated_left();
+  const std::vector<CsvRow> rows = parse_csv(read_file(folder_ / "out/corners.csv"), "corners.csv");
+  ASSERT_EQ(rows.size(), 1U + 702U);
+  double square = 0.0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    square += std::pow(*rows[i][7].number(), 2) + std::pow(*rows[i][8].number(), 2);
+  }
+  EXPECT_NEAR(std::sqrt(square / 702.0), result["rms_px"].get<double>(), 1e-6);
+
+  const Json again =
+      result_of({"calibrate", "--from", "out/corners.csv", "--board", board_, "--out", "again"});
+  for (const char* key : {"pictures", "intrinsics", "rms_px", "prediction_rms_px", "covariance"}) {
+    EXPECT_EQ(again[key], result[key]) << key;
+  }
+  EXPECT_EQ(read_file(folder_ / "again/corners.csv"), read_file(folder_ / "out/corners.csv"));
+}
+
+TEST_F(CalibrateOutput, CornersOfARobotsPicturesGiveTheSameHandEye) {
+  const fs::path set = photographs("calibration/board_on_robot");
+  const Arguments robot = {
+      "--board", (set / "board.json").string(), "--poses", (set / "poses.csv").string()};
+  const Json result = calibrate_json(files_in(set, "img", ".png"), robot);
+  Arguments from = {"calibrate", "--from", "out/corners.csv", "--out", "again"};
+  from.insert(from.end(), robot.begin(), robot.end());
+  const Json again = result_of(from);
+  EXPECT_EQ(again["hand_eye"], result["hand_eye"]);
+  EXPECT_EQ(again["pictures"], result["pictures"]);
+}
+
+}  // namespace
+}  // namespace glint::test

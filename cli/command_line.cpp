@@ -236,6 +236,26 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       ->check(not_empty());
 }
 
+void add_undistort_verb(CLI::App& app, CommandLine& line) {
+  UndistortArguments& arguments = line.undistort;
+  CLI::App* undistort = add_verb(
+      app,
+      "undistort",
+      "pictures as a camera without distortion would have taken them",
+      "glint undistort photos/*.png --camera out/camera/calibration.toml --out out/straight",
+      line,
+      [](const CommandLine& given) { return undistort_command(given.undistort, given.common); });
+  undistort->add_option("PICTURES", arguments.pictures, "pictures of one camera")
+      ->type_name("FILE");
+  undistort
+      ->add_option("--camera",
+                   arguments.camera,
+                   "calibration.toml; YAML of OpenCV or ROS, XML of ViSP or OpenCV")
+      ->type_name("FILE")
+      ->check(not_empty());
+  add_out(*undistort, arguments.out, "folder for the pictures (default out/<folder>/undistort)");
+}
+
 void add_part_verb(CLI::App& app, CommandLine& line) {
   CLI::App* part =
       add_verb(app,
@@ -333,6 +353,7 @@ void add_verbs(CLI::App& app, CommandLine& line) {
   add_imprint_verb(app, line);
   add_inspect_verb(app, line);
   add_calibrate_verb(app, line);
+  add_undistort_verb(app, line);
   add_part_verb(app, line);
   add_new_verb(app, line);
   add_other_verbs(app, line);

@@ -20,6 +20,7 @@ struct CommandLine {
   ImprintArguments imprint;
   InspectArguments inspect;
   CalibrateArguments calibrate;
+  UndistortArguments undistort;
   ReportArguments report;
   PartArguments part;
   NewArguments fresh;

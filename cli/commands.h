@@ -92,6 +92,14 @@ struct CalibrateArguments {
 int calibrate_command(const CalibrateArguments& arguments, const CommonArguments& common);
 
 
+struct UndistortArguments {
+  std::vector<std::filesystem::path> pictures;
+  std::filesystem::path camera;
+  std::filesystem::path out;
+};
+
+int undistort_command(const UndistortArguments& arguments, const CommonArguments& common);
+
 struct ReportArguments {
   std::vector<std::filesystem::path> runs;
   std::filesystem::path out;

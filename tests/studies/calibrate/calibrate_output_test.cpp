@@ -100,5 +100,58 @@ TEST_F(CalibrateOutput, CornersOfARobotsPicturesGiveTheSameHandEye) {
   EXPECT_EQ(again["pictures"], result["pictures"]);
 }
 
+TEST_F(CalibrateOutput, UndistortWritesStraightPicturesOfTheSameDepthAndTheirCamera) {
+  calibrated_left();
+  write_png(folder_ / "deep.png", ImageF(640, 480, 0.31F), PixelDepth::k16Bit);
+  write_exr(folder_ / "float.exr", ImageF(640, 480, 1.7F));
+  const Json result = result_of({"undistort",
+                                 (left_ / "left01.jpg").string(),
+                                 "deep.png",
+                                 "float.exr",
+                                 "--camera",
+                                 "out/calibration.toml",
+                                 "--out",
+                                 "straight"});
+  EXPECT_EQ(result["pictures"][0]["written"], "left01.png");
+  EXPECT_EQ(read_picture(folder_ / "straight/left01.png").bits, 8);
+  EXPECT_EQ(read_picture(folder_ / "straight/deep.png").bits, 16);
+  EXPECT_TRUE(read_picture(folder_ / "straight/float.exr").is_float);
+  EXPECT_NEAR(read_image(folder_ / "straight/deep.png")(320, 240), 0.31F, 1e-5F);
+
+  // The board in the straight picture fits a camera without distortion.
+  Arguments straighten = {"undistort", "--camera", "out/calibration.toml", "--out", "all"};
+  const Arguments pictures = files_in(left_, "left", ".jpg");
+  straighten.insert(straighten.end(), pictures.begin(), pictures.end());
+  result_of(straighten);
+  Arguments again = {
+      "calibrate", "--board", board_, "--camera", "all/camera.toml", "--out", "fixed"};
+  const Arguments straight = files_in(folder_ / "all", "left", ".png");
+  again.insert(again.end(), straight.begin(), straight.end());
+  const Json fixed = result_of(again);
+  EXPECT_LT(fixed["rms_px"].get<double>(), 0.35);
+  EXPECT_EQ(fixed["intrinsics"]["radial"], Json({0.0, 0.0, 0.0}));
+}
+
+TEST_F(CalibrateOutput, UndistortRefusesWhatDoesNotGoTogether) {
+  write_png(folder_ / "a.png", ImageF(64, 48, 0.5F), PixelDepth::k8Bit);
+  write_file(folder_ / "camera.toml", "[camera]\nwidth_px = 65\nheight_px = 48\nfocal_x_px = 90\n");
+  fs::create_directories(folder_ / "b");
+  write_png(folder_ / "b/a.png", ImageF(64, 48, 0.5F), PixelDepth::k8Bit);
+  const auto refused = [&](Arguments arguments, const std::string& message, int code = 2) {
+    arguments.insert(arguments.begin(), "undistort");
+    arguments.insert(arguments.end(), {"--out", "out"});
+    const ProgramResult result = glint_in(folder_, arguments);
+    EXPECT_EQ(result.code, code) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(message));
+    EXPECT_FALSE(fs::exists(folder_ / "out"));
+  };
+  refused({"--camera", "camera.toml"}, "PICTURES: there are none");
+  refused({"a.png"}, "--camera: is missing");
+  refused({"a.png", "--camera", "camera.toml"},
+          "a.png: has 64 x 48 pixels, the camera of camera.toml");
+  refused({"a.png", "b/a.png", "--camera", "camera.toml"}, "b/a.png: another picture of that name");
+  refused({"none.png", "--camera", "camera.toml"}, "none.png", 3);
+}
+
 }  // namespace
 }  // namespace glint::test

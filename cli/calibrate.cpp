@@ -128,6 +128,9 @@ int calibrate_command(const CalibrateArguments& arguments, const CommonArguments
   if (!arguments.printed.empty()) {
     return print_command(arguments, common);
   }
+  if (!arguments.checked.empty()) {
+    return check_calibration_command(arguments, common);
+  }
   const Json result = calibrate_pictures({.pictures = arguments.pictures,
                                           .from = arguments.from,
                                           .board = arguments.board,

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "studies/calibrate/check_run.h"
 #include "studies/calibrate/undistort_run.h"
 
 namespace glint {
@@ -16,7 +17,70 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Options that a mode does not take.
+void refuse_given(const char* mode, std::initializer_list<std::pair<const char*, bool>> others) {
+  for (const auto& [option, is_given] : others) {
+    if (is_given) {
+      throw ConfigError(fmt::format("{} takes no {}", mode, option));
+    }
+  }
+}
+
+std::string check_text(const Json& result) {
+  std::string text;
+  for (const Json& picture : result["pictures"]) {
+    const std::filesystem::path file = picture["file"].get<std::string>();
+    text += fmt::format("  {:<28} ", file.filename().string());
+    text += picture["accepted"].get<bool>()
+                ? fmt::format("{:>8.3f} px\n", picture["rms_px"].get<double>())
+                : fmt::format("not used: {}\n", picture["reason"].get<std::string>());
+  }
+  const bool is_valid = result["status"] == "valid";
+  const bool is_predicted = result["by"] == "prediction";
+  text += fmt::format("{}: {:.3g} px rms {}, {:.3g} px expected, up to {:.3g} px allowed\n",
+                      is_valid ? "still valid" : "drifted",
+                      result["rms_px"].get<double>(),
+                      is_predicted ? "from the robot's poses alone" : "with a free pose a picture",
+                      result["expected_px"].get<double>(),
+                      result["limit_px"].get<double>());
+  if (!is_valid) {
+    text += fmt::format("drift {:.3g} px; mean shift {:.3g}, {:.3g} px\n",
+                        result["drift_px"].get<double>(),
+                        result["mean_px"][0].get<double>(),
+                        result["mean_px"][1].get<double>());
+    const Json& moved = result["board_moved"];
+    if (!moved.is_null() && moved["rms_px"].get<double>() < result["rms_px"].get<double>()) {
+      text += fmt::format(
+          "with the board moved by {:.3g} mm and {:.3g} degrees it would be {:.3g} px\n",
+          moved["translation_mm"].get<double>(),
+          moved["rotation_deg"].get<double>(),
+          moved["rms_px"].get<double>());
+    }
+  }
+  for (const Json& note : result["notes"]) {
+    text += "note: " + note.get<std::string>() + "\n";
+  }
+  return text;
+}
+
 }  // namespace
+
+int check_calibration_command(const CalibrateArguments& arguments, const CommonArguments& common) {
+  refuse_given("--check",
+               {{"--camera", !arguments.camera.empty()},
+                {"--from", !arguments.from.empty()},
+                {"--method", !arguments.method.empty()},
+                {"--setup", !arguments.setup.empty()},
+                {"--out", !arguments.out.empty()}});
+  const Json result = check_calibration(arguments.checked,
+                                        {.pictures = arguments.pictures,
+                                         .board = arguments.board,
+                                         .poses = arguments.poses,
+                                         .sets = key_values(arguments.sets),
+                                         .threads = common.threads});
+  print_result(common, result, check_text(result));
+  return result["status"] == "valid" ? kExitDone : kExitNegative;
+}
 
 int undistort_command(const UndistortArguments& arguments, const CommonArguments& common) {
   const Json result = undistort_pictures({.pictures = arguments.pictures,

@@ -189,6 +189,15 @@ void add_inspect_verb(CLI::App& app, CommandLine& line) {
                     "learn the limits of the classes from the labels, write grading.toml");
 }
 
+void add_calibrate_modes(CLI::App& calibrate, CalibrateArguments& arguments) {
+  calibrate
+      .add_option("--check",
+                  arguments.checked,
+                  "whether this calibration.json, or the one in this folder, holds for PICTURES")
+      ->type_name("FILE")
+      ->check(not_empty());
+}
+
 void add_calibrate_verb(CLI::App& app, CommandLine& line) {
   CalibrateArguments& arguments = line.calibrate;
   CLI::App* calibrate = add_verb(
@@ -197,7 +206,8 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       "a real camera from pictures of a board, its place on a robot from poses",
       "glint calibrate board/*.png --board board.toml --out out/camera\n"
       "  glint calibrate board/*.png --board board.toml --poses poses.csv --setup eye_in_hand\n"
-      "  glint calibrate --print_board board.toml --out out/board",
+      "  glint calibrate --print_board board.toml --out out/board\n"
+      "  glint calibrate --check out/camera new/*.png",
       line,
       [](const CommandLine& given) { return calibrate_command(given.calibrate, given.common); });
   calibrate->add_option("PICTURES", arguments.pictures, "pictures of the board, of one camera")
@@ -234,6 +244,7 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       ->add_option("--print_board", arguments.printed, "write this board as SVG and PDF instead")
       ->type_name("FILE")
       ->check(not_empty());
+  add_calibrate_modes(*calibrate, arguments);
 }
 
 void add_undistort_verb(CLI::App& app, CommandLine& line) {

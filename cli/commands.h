@@ -87,10 +87,13 @@ struct CalibrateArguments {
   std::string method;             ///< empty: our own
   std::vector<std::string> sets;  ///< "convention.key=value"
   std::filesystem::path printed;  ///< a board to print instead
+  std::filesystem::path checked;  ///< a calibration to check instead
 };
 
 int calibrate_command(const CalibrateArguments& arguments, const CommonArguments& common);
 
+/// The modes of `glint calibrate` that are no calibration from a board.
+int check_calibration_command(const CalibrateArguments& arguments, const CommonArguments& common);
 
 struct UndistortArguments {
   std::vector<std::filesystem::path> pictures;

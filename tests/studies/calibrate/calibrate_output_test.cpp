@@ -100,6 +100,58 @@ TEST_F(CalibrateOutput, CornersOfARobotsPicturesGiveTheSameHandEye) {
   EXPECT_EQ(again["pictures"], result["pictures"]);
 }
 
+TEST_F(CalibrateOutput, CheckTellsWhetherACalibrationStillHolds) {
+  calibrate_json(files_in(left_, "left0", ".jpg"), {"--board", board_});
+  Arguments check = {"calibrate", "--check", "out"};
+  const Arguments fresh = files_in(left_, "left1", ".jpg");
+  check.insert(check.end(), fresh.begin(), fresh.end());
+  const Json valid = result_of(check);
+  EXPECT_EQ(valid["status"], "valid");
+  EXPECT_EQ(valid["by"], "reprojection");
+  EXPECT_LT(valid["rms_px"].get<double>(), valid["limit_px"].get<double>());
+  EXPECT_EQ(valid["pictures"].size(), 4U);
+
+  // The lens was turned: another k1.
+  Json calibration = Json::parse(read_file(folder_ / "out/calibration.json"));
+  calibration["intrinsics"]["radial"][0] =
+      calibration["intrinsics"]["radial"][0].get<double>() + 0.06;
+  write_file(folder_ / "out/calibration.json", calibration.dump());
+  const Json drifted = result_of(check, 1);
+  EXPECT_EQ(drifted["status"], "drifted");
+  EXPECT_GT(drifted["drift_px"].get<double>(), 0.1);
+}
+
+TEST_F(CalibrateOutput, CheckByPosesFindsACameraThatWasMoved) {
+  const fs::path set = photographs("calibration/board_on_robot");
+  const Arguments pictures = files_in(set, "img0", ".png");
+  const std::string poses = (set / "poses.csv").string();
+  calibrate_json(files_in(set, "img", ".png"),
+                 {"--board", (set / "board.json").string(), "--poses", poses});
+  // img02 is wrong in the set itself.
+  std::string chosen = read_file(poses);
+  chosen = std::regex_replace(chosen, std::regex("[^\n]*(img1|img02)[^\n]*\n"), "");
+  write_file(folder_ / "chosen.csv", chosen);
+  Arguments check = {"calibrate"};
+  for (const std::string& picture : pictures) {
+    if (picture.find("img02") == std::string::npos) {
+      check.push_back(picture);
+    }
+  }
+  check.insert(check.end(), {"--check", "out/calibration.json", "--poses", "chosen.csv"});
+  const Json valid = result_of(check);
+  EXPECT_EQ(valid["status"], "valid") << valid;
+  EXPECT_EQ(valid["by"], "prediction");
+
+  Json calibration = Json::parse(read_file(folder_ / "out/calibration.json"));
+  Json& place = calibration["hand_eye"]["translation_mm"];
+  place[0] = place[0].get<double>() + 20.0;
+  write_file(folder_ / "out/calibration.json", calibration.dump());
+  const Json drifted = result_of(check, 1);
+  EXPECT_EQ(drifted["status"], "drifted");
+  EXPECT_GT(std::hypot(drifted["mean_px"][0].get<double>(), drifted["mean_px"][1].get<double>()),
+            2.0);
+}
+
 TEST_F(CalibrateOutput, UndistortWritesStraightPicturesOfTheSameDepthAndTheirCamera) {
   calibrated_left();
   write_png(folder_ / "deep.png", ImageF(640, 480, 0.31F), PixelDepth::k16Bit);

@@ -131,6 +131,12 @@ int calibrate_command(const CalibrateArguments& arguments, const CommonArguments
   if (!arguments.checked.empty()) {
     return check_calibration_command(arguments, common);
   }
+  if (!arguments.sensor.empty()) {
+    return sensor_command(arguments, common);
+  }
+  if (arguments.bits) {
+    throw ConfigError("--bits: is for --sensor");
+  }
   const Json result = calibrate_pictures({.pictures = arguments.pictures,
                                           .from = arguments.from,
                                           .board = arguments.board,

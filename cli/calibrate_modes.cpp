@@ -11,6 +11,7 @@
 #include "cli/commands.h"
 #include "studies/calibrate/check_run.h"
 #include "studies/calibrate/undistort_run.h"
+#include "studies/sensor_calibration/sensor_run.h"
 
 namespace glint {
 namespace {
@@ -63,6 +64,29 @@ std::string check_text(const Json& result) {
   return text;
 }
 
+std::string sensor_text(const Json& result) {
+  const Json& sensor = result["sensor"];
+  std::string text = fmt::format(
+      "  gain          {:.4g} +- {:.2g} DN per electron (weighted affine fit)\n"
+      "  full_well_e   {:.5g}\n  read_noise_e  {:.4g}\n  dark_e        {:.4g}\n"
+      "  linearity     {:.2g} %   PRNU {:.3g} %   DSNU {:.3g} e   largest SNR {:.4g}\n",
+      result["gain_dn_per_e"].get<double>(),
+      result["gain_sigma"].get<double>(),
+      sensor["full_well_e"].get<double>(),
+      sensor["read_noise_e"].get<double>(),
+      sensor["dark_e"].get<double>(),
+      100.0 * result["linearity_error"].get<double>(),
+      100.0 * result["prnu"].get<double>(),
+      result["dsnu_e"].get<double>(),
+      result["largest_snr"].get<double>());
+  for (const Json& warning : result["warnings"]) {
+    text += "warning: " + warning.get<std::string>() + "\n";
+  }
+  return text + fmt::format("report: {}\nsensor for scenes: {}/sensor.toml\n",
+                            result["report"].get<std::string>(),
+                            result["folder"].get<std::string>());
+}
+
 }  // namespace
 
 int check_calibration_command(const CalibrateArguments& arguments, const CommonArguments& common) {
@@ -71,6 +95,7 @@ int check_calibration_command(const CalibrateArguments& arguments, const CommonA
                 {"--from", !arguments.from.empty()},
                 {"--method", !arguments.method.empty()},
                 {"--setup", !arguments.setup.empty()},
+                {"--sensor", !arguments.sensor.empty()},
                 {"--out", !arguments.out.empty()}});
   const Json result = check_calibration(arguments.checked,
                                         {.pictures = arguments.pictures,
@@ -80,6 +105,24 @@ int check_calibration_command(const CalibrateArguments& arguments, const CommonA
                                          .threads = common.threads});
   print_result(common, result, check_text(result));
   return result["status"] == "valid" ? kExitDone : kExitNegative;
+}
+
+int sensor_command(const CalibrateArguments& arguments, const CommonArguments& common) {
+  refuse_given("--sensor",
+               {{"PICTURES", !arguments.pictures.empty()},
+                {"--from", !arguments.from.empty()},
+                {"--board", !arguments.board.empty()},
+                {"--poses", !arguments.poses.empty()},
+                {"--camera", !arguments.camera.empty()},
+                {"--method", !arguments.method.empty()},
+                {"--setup", !arguments.setup.empty()},
+                {"--set", !arguments.sets.empty()}});
+  const Json result = calibrate_sensor({.folder = arguments.sensor,
+                                        .out = arguments.out,
+                                        .bits = arguments.bits,
+                                        .threads = common.threads});
+  print_result(common, result, sensor_text(result));
+  return kExitDone;
 }
 
 int undistort_command(const UndistortArguments& arguments, const CommonArguments& common) {

@@ -196,6 +196,16 @@ void add_calibrate_modes(CLI::App& calibrate, CalibrateArguments& arguments) {
                   "whether this calibration.json, or the one in this folder, holds for PICTURES")
       ->type_name("FILE")
       ->check(not_empty());
+  calibrate
+      .add_option("--sensor",
+                  arguments.sensor,
+                  "gain and noise of the sensor from this folder's pictures of even light instead")
+      ->type_name("DIR")
+      ->check(not_empty());
+  calibrate
+      .add_option("--bits", arguments.bits, "of their codes; not given: what the largest one needs")
+      ->type_name("8|10|12|16")
+      ->check(CLI::IsMember({8, 10, 12, 16}).description("8, 10, 12 or 16"));
 }
 
 void add_calibrate_verb(CLI::App& app, CommandLine& line) {
@@ -207,7 +217,8 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       "glint calibrate board/*.png --board board.toml --out out/camera\n"
       "  glint calibrate board/*.png --board board.toml --poses poses.csv --setup eye_in_hand\n"
       "  glint calibrate --print_board board.toml --out out/board\n"
-      "  glint calibrate --check out/camera new/*.png",
+      "  glint calibrate --check out/camera new/*.png\n"
+      "  glint calibrate --sensor flat_pictures --out out/sensor",
       line,
       [](const CommandLine& given) { return calibrate_command(given.calibrate, given.common); });
   calibrate->add_option("PICTURES", arguments.pictures, "pictures of the board, of one camera")

@@ -88,12 +88,15 @@ struct CalibrateArguments {
   std::vector<std::string> sets;  ///< "convention.key=value"
   std::filesystem::path printed;  ///< a board to print instead
   std::filesystem::path checked;  ///< a calibration to check instead
+  std::filesystem::path sensor;   ///< a folder of pictures of even light instead
+  std::optional<int> bits;        ///< of their codes
 };
 
 int calibrate_command(const CalibrateArguments& arguments, const CommonArguments& common);
 
 /// The modes of `glint calibrate` that are no calibration from a board.
 int check_calibration_command(const CalibrateArguments& arguments, const CommonArguments& common);
+int sensor_command(const CalibrateArguments& arguments, const CommonArguments& common);
 
 struct UndistortArguments {
   std::vector<std::filesystem::path> pictures;

@@ -134,6 +134,9 @@ int calibrate_command(const CalibrateArguments& arguments, const CommonArguments
   if (!arguments.sensor.empty()) {
     return sensor_command(arguments, common);
   }
+  if (arguments.planned) {
+    return plan_command(arguments, common);
+  }
   if (arguments.bits) {
     throw ConfigError("--bits: is for --sensor");
   }

@@ -10,6 +10,7 @@
 
 #include "cli/commands.h"
 #include "studies/calibrate/check_run.h"
+#include "studies/calibrate/plan_run.h"
 #include "studies/calibrate/undistort_run.h"
 #include "studies/sensor_calibration/sensor_run.h"
 
@@ -87,6 +88,20 @@ std::string sensor_text(const Json& result) {
                             result["folder"].get<std::string>());
 }
 
+std::string plan_text(const Json& plan) {
+  const Json& promised = plan["promised"];
+  return fmt::format(
+      "{} poses of {}; they promise a focal length to {:.2g} px, the centre to {:.2g} px,\n"
+      "a hand-eye to {:.2g} mm and {:.2g} degrees\nposes: {}/poses.csv\n",
+      plan["poses"].size(),
+      plan["pose"].get<std::string>(),
+      promised["focal_px"][0].get<double>(),
+      promised["center_px"][0].get<double>(),
+      promised["hand_eye_mm"].get<double>(),
+      promised["hand_eye_deg"].get<double>(),
+      plan["folder"].get<std::string>());
+}
+
 }  // namespace
 
 int check_calibration_command(const CalibrateArguments& arguments, const CommonArguments& common) {
@@ -122,6 +137,22 @@ int sensor_command(const CalibrateArguments& arguments, const CommonArguments& c
                                         .bits = arguments.bits,
                                         .threads = common.threads});
   print_result(common, result, sensor_text(result));
+  return kExitDone;
+}
+
+int plan_command(const CalibrateArguments& arguments, const CommonArguments& common) {
+  refuse_given("--plan",
+               {{"PICTURES", !arguments.pictures.empty()},
+                {"--from", !arguments.from.empty()},
+                {"--poses", !arguments.poses.empty()},
+                {"--method", !arguments.method.empty()},
+                {"--setup", !arguments.setup.empty()}});
+  const Json plan = plan_poses({.count = *arguments.planned,
+                                .board = arguments.board,
+                                .camera = arguments.camera,
+                                .out = arguments.out,
+                                .sets = key_values(arguments.sets)});
+  print_result(common, plan, plan_text(plan));
   return kExitDone;
 }
 

@@ -206,6 +206,12 @@ void add_calibrate_modes(CLI::App& calibrate, CalibrateArguments& arguments) {
       .add_option("--bits", arguments.bits, "of their codes; not given: what the largest one needs")
       ->type_name("8|10|12|16")
       ->check(CLI::IsMember({8, 10, 12, 16}).description("8, 10, 12 or 16"));
+  calibrate
+      .add_option("--plan",
+                  arguments.planned,
+                  "so many poses to photograph --board from, for a rough --camera, instead")
+      ->type_name("N")
+      ->check(between(1, 1000));
 }
 
 void add_calibrate_verb(CLI::App& app, CommandLine& line) {

@@ -90,6 +90,7 @@ struct CalibrateArguments {
   std::filesystem::path checked;  ///< a calibration to check instead
   std::filesystem::path sensor;   ///< a folder of pictures of even light instead
   std::optional<int> bits;        ///< of their codes
+  std::optional<int> planned;     ///< so many poses to photograph the board from instead
 };
 
 int calibrate_command(const CalibrateArguments& arguments, const CommonArguments& common);
@@ -97,6 +98,7 @@ int calibrate_command(const CalibrateArguments& arguments, const CommonArguments
 /// The modes of `glint calibrate` that are no calibration from a board.
 int check_calibration_command(const CalibrateArguments& arguments, const CommonArguments& common);
 int sensor_command(const CalibrateArguments& arguments, const CommonArguments& common);
+int plan_command(const CalibrateArguments& arguments, const CommonArguments& common);
 
 struct UndistortArguments {
   std::vector<std::filesystem::path> pictures;

@@ -205,5 +205,33 @@ TEST_F(CalibrateOutput, UndistortRefusesWhatDoesNotGoTogether) {
   refused({"none.png", "--camera", "camera.toml"}, "none.png", 3);
 }
 
+TEST_F(CalibrateOutput, PlanGivesPosesThatThePosesReaderTakes) {
+  calibrated_left();
+  const Json plan = result_of({"calibrate",
+                               "--plan",
+                               "8",
+                               "--board",
+                               board_,
+                               "--camera",
+                               "out/calibration.toml",
+                               "--out",
+                               "plan"});
+  EXPECT_EQ(plan["pose"], "board_from_camera");
+  EXPECT_EQ(plan["poses"].size(), 8U);
+  for (const Json& pose : plan["poses"]) {
+    EXPECT_LE(pose["tilt_deg"].get<double>(), 30.5);
+  }
+  const Json strided = result_of({"calibrate",
+                                  "--plan",
+                                  "8",
+                                  "--camera",
+                                  "out",
+                                  "--set",
+                                  "plan.method=strided",
+                                  "--out",
+                                  "strided"});
+  EXPECT_NE(strided["poses"], plan["poses"]);
+}
+
 }  // namespace
 }  // namespace glint::test

@@ -11,6 +11,7 @@
 #include "cli/commands.h"
 #include "studies/calibrate/check_run.h"
 #include "studies/calibrate/plan_run.h"
+#include "studies/calibrate/points_run.h"
 #include "studies/calibrate/undistort_run.h"
 #include "studies/sensor_calibration/sensor_run.h"
 
@@ -102,6 +103,19 @@ std::string plan_text(const Json& plan) {
       plan["folder"].get<std::string>());
 }
 
+std::string points_text(const Json& result) {
+  std::size_t seen = 0;
+  for (const Json& picture : result["pictures"]) {
+    for (const Json& point : picture["points"]) {
+      seen += point["is_in_picture"].get<bool>() ? 1U : 0U;
+    }
+  }
+  return fmt::format("{} crosses in {} pictures: {}\n",
+                     seen,
+                     result["pictures"].size(),
+                     result["folder"].get<std::string>());
+}
+
 }  // namespace
 
 int check_calibration_command(const CalibrateArguments& arguments, const CommonArguments& common) {
@@ -153,6 +167,23 @@ int plan_command(const CalibrateArguments& arguments, const CommonArguments& com
                                 .out = arguments.out,
                                 .sets = key_values(arguments.sets)});
   print_result(common, plan, plan_text(plan));
+  return kExitDone;
+}
+
+int points_command(const CalibrateArguments& arguments, const CommonArguments& common) {
+  refuse_given("--points",
+               {{"--from", !arguments.from.empty()},
+                {"--board", !arguments.board.empty()},
+                {"--method", !arguments.method.empty()},
+                {"--setup", !arguments.setup.empty()}});
+  const Json result = draw_points(arguments.points,
+                                  {.pictures = arguments.pictures,
+                                   .poses = arguments.poses,
+                                   .camera = arguments.camera,
+                                   .out = arguments.out,
+                                   .sets = key_values(arguments.sets),
+                                   .threads = common.threads});
+  print_result(common, result, points_text(result));
   return kExitDone;
 }
 

@@ -212,6 +212,13 @@ void add_calibrate_modes(CLI::App& calibrate, CalibrateArguments& arguments) {
                   "so many poses to photograph --board from, for a rough --camera, instead")
       ->type_name("N")
       ->check(between(1, 1000));
+  calibrate
+      .add_option(
+          "--points",
+          arguments.points,
+          "CSV of points in the robot's base: drawn into PICTURES by the calibration --camera")
+      ->type_name("FILE")
+      ->check(not_empty());
 }
 
 void add_calibrate_verb(CLI::App& app, CommandLine& line) {

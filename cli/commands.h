@@ -91,6 +91,7 @@ struct CalibrateArguments {
   std::filesystem::path sensor;   ///< a folder of pictures of even light instead
   std::optional<int> bits;        ///< of their codes
   std::optional<int> planned;     ///< so many poses to photograph the board from instead
+  std::filesystem::path points;   ///< points of the cell to draw into the pictures instead
 };
 
 int calibrate_command(const CalibrateArguments& arguments, const CommonArguments& common);
@@ -99,6 +100,7 @@ int calibrate_command(const CalibrateArguments& arguments, const CommonArguments
 int check_calibration_command(const CalibrateArguments& arguments, const CommonArguments& common);
 int sensor_command(const CalibrateArguments& arguments, const CommonArguments& common);
 int plan_command(const CalibrateArguments& arguments, const CommonArguments& common);
+int points_command(const CalibrateArguments& arguments, const CommonArguments& common);
 
 struct UndistortArguments {
   std::vector<std::filesystem::path> pictures;

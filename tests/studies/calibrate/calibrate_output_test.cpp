@@ -233,5 +233,52 @@ TEST_F(CalibrateOutput, PlanGivesPosesThatThePosesReaderTakes) {
   EXPECT_NE(strided["poses"], plan["poses"]);
 }
 
+TEST_F(CalibrateOutput, PlanForARobotIsInItsBaseAndPointsFallWhereTheBoardIs) {
+  const fs::path set = photographs("calibration/board_on_robot");
+  const Arguments pictures = files_in(set, "img", ".png");
+  const Json result = calibrate_json(
+      pictures,
+      {"--board", (set / "board.json").string(), "--poses", (set / "poses.csv").string()});
+  const Json plan = result_of({"calibrate", "--plan", "5", "--camera", "out", "--out", "plan"});
+  EXPECT_EQ(plan["pose"], "base_from_flange");
+  EXPECT_THAT(read_file(folder_ / "plan/poses.toml"),
+              HasSubstr("direction = \"base_from_flange\""));
+
+  // A point 500 mm before the camera on its axis is drawn at the principal point, in every picture.
+  const Json& eye = result["hand_eye"];
+  const auto at = [&](const char* key, std::size_t i) { return eye[key][i].get<double>(); };
+  const auto vector = [&](const char* key) {
+    return Eigen::Vector3d(at(key, 0), at(key, 1), at(key, 2));
+  };
+  const Eigen::Vector3d turn = vector("rotation_vector_rad");
+  const Eigen::Vector3d axis =
+      Eigen::AngleAxisd(turn.norm(), turn.normalized()) * Eigen::Vector3d(0, 0, 500);
+  const Eigen::Vector3d point = vector("translation_mm") + axis;
+  const Eigen::Vector3d behind = vector("translation_mm") - axis;
+  write_file(folder_ / "points.csv",
+             "name,x_mm,y_mm,z_mm\n" + csv_row_of("axis", point.x(), point.y(), point.z()) +
+                 csv_row_of("behind", behind.x(), behind.y(), behind.z()));
+  const Json drawn = result_of({"calibrate",
+                                pictures[0],
+                                pictures[1],
+                                "--points",
+                                "points.csv",
+                                "--camera",
+                                "out",
+                                "--out",
+                                "drawn"});
+  ASSERT_EQ(drawn["pictures"].size(), 2U);
+  for (const Json& picture : drawn["pictures"]) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_NEAR(picture["points"][0]["pixel_px"][i].get<double>(),
+                  result["intrinsics"]["center_px"][i].get<double>(),
+                  1e-6);
+    }
+    EXPECT_EQ(picture["points"][0]["is_in_picture"], true);
+    EXPECT_EQ(picture["points"][1]["is_in_picture"], false);
+  }
+  EXPECT_TRUE(fs::exists(folder_ / "drawn/img00.png"));
+}
+
 }  // namespace
 }  // namespace glint::test

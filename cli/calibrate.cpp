@@ -99,12 +99,14 @@ std::string calibration_text(const Json& result) {
   for (const Json& note : result["notes"]) {
     text += "note: " + note.get<std::string>() + "\n";
   }
-  return text + fmt::format("camera for scenes: {}/calibration.toml\n",
+  return text + fmt::format("report: {}\ncamera for scenes: {}/calibration.toml\n",
+                            result["report"].get<std::string>(),
                             result["folder"].get<std::string>());
 }
 
 int print_command(const CalibrateArguments& arguments, const CommonArguments& common) {
-  if (!arguments.pictures.empty() || !arguments.board.empty() || !arguments.poses.empty()) {
+  if (!arguments.pictures.empty() || !arguments.from.empty() || !arguments.board.empty() ||
+      !arguments.poses.empty()) {
     throw ConfigError("--print_board takes no pictures, no --board and no --poses");
   }
   const Json result = print_board(arguments.printed, arguments.out);
@@ -126,7 +128,23 @@ int calibrate_command(const CalibrateArguments& arguments, const CommonArguments
   if (!arguments.printed.empty()) {
     return print_command(arguments, common);
   }
+  if (!arguments.checked.empty()) {
+    return check_calibration_command(arguments, common);
+  }
+  if (!arguments.sensor.empty()) {
+    return sensor_command(arguments, common);
+  }
+  if (arguments.planned) {
+    return plan_command(arguments, common);
+  }
+  if (!arguments.points.empty()) {
+    return points_command(arguments, common);
+  }
+  if (arguments.bits) {
+    throw ConfigError("--bits: is for --sensor");
+  }
   const Json result = calibrate_pictures({.pictures = arguments.pictures,
+                                          .from = arguments.from,
                                           .board = arguments.board,
                                           .poses = arguments.poses,
                                           .camera = arguments.camera,

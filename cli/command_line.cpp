@@ -189,6 +189,38 @@ void add_inspect_verb(CLI::App& app, CommandLine& line) {
                     "learn the limits of the classes from the labels, write grading.toml");
 }
 
+void add_calibrate_modes(CLI::App& calibrate, CalibrateArguments& arguments) {
+  calibrate
+      .add_option("--check",
+                  arguments.checked,
+                  "whether this calibration.json, or the one in this folder, holds for PICTURES")
+      ->type_name("FILE")
+      ->check(not_empty());
+  calibrate
+      .add_option("--sensor",
+                  arguments.sensor,
+                  "gain and noise of the sensor from this folder's pictures of even light instead")
+      ->type_name("DIR")
+      ->check(not_empty());
+  calibrate
+      .add_option("--bits", arguments.bits, "of their codes; not given: what the largest one needs")
+      ->type_name("8|10|12|16")
+      ->check(CLI::IsMember({8, 10, 12, 16}).description("8, 10, 12 or 16"));
+  calibrate
+      .add_option("--plan",
+                  arguments.planned,
+                  "so many poses to photograph --board from, for a rough --camera, instead")
+      ->type_name("N")
+      ->check(between(1, 1000));
+  calibrate
+      .add_option(
+          "--points",
+          arguments.points,
+          "CSV of points in the robot's base: drawn into PICTURES by the calibration --camera")
+      ->type_name("FILE")
+      ->check(not_empty());
+}
+
 void add_calibrate_verb(CLI::App& app, CommandLine& line) {
   CalibrateArguments& arguments = line.calibrate;
   CLI::App* calibrate = add_verb(
@@ -197,11 +229,17 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       "a real camera from pictures of a board, its place on a robot from poses",
       "glint calibrate board/*.png --board board.toml --out out/camera\n"
       "  glint calibrate board/*.png --board board.toml --poses poses.csv --setup eye_in_hand\n"
-      "  glint calibrate --print_board board.toml --out out/board",
+      "  glint calibrate --print_board board.toml --out out/board\n"
+      "  glint calibrate --check out/camera new/*.png\n"
+      "  glint calibrate --sensor flat_pictures --out out/sensor",
       line,
       [](const CommandLine& given) { return calibrate_command(given.calibrate, given.common); });
   calibrate->add_option("PICTURES", arguments.pictures, "pictures of the board, of one camera")
       ->type_name("FILE");
+  calibrate
+      ->add_option("--from", arguments.from, "corners.csv of an earlier calibration, no pictures")
+      ->type_name("FILE")
+      ->check(not_empty());
   calibrate->add_option("--board", arguments.board, "the board: board.toml or board.json")
       ->type_name("FILE")
       ->check(not_empty());
@@ -231,6 +269,27 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       ->add_option("--print_board", arguments.printed, "write this board as SVG and PDF instead")
       ->type_name("FILE")
       ->check(not_empty());
+  add_calibrate_modes(*calibrate, arguments);
+}
+
+void add_undistort_verb(CLI::App& app, CommandLine& line) {
+  UndistortArguments& arguments = line.undistort;
+  CLI::App* undistort = add_verb(
+      app,
+      "undistort",
+      "pictures as a camera without distortion would have taken them",
+      "glint undistort photos/*.png --camera out/camera/calibration.toml --out out/straight",
+      line,
+      [](const CommandLine& given) { return undistort_command(given.undistort, given.common); });
+  undistort->add_option("PICTURES", arguments.pictures, "pictures of one camera")
+      ->type_name("FILE");
+  undistort
+      ->add_option("--camera",
+                   arguments.camera,
+                   "calibration.toml; YAML of OpenCV or ROS, XML of ViSP or OpenCV")
+      ->type_name("FILE")
+      ->check(not_empty());
+  add_out(*undistort, arguments.out, "folder for the pictures (default out/<folder>/undistort)");
 }
 
 void add_cover_verb(CLI::App& app, CommandLine& line) {
@@ -350,6 +409,7 @@ void add_verbs(CLI::App& app, CommandLine& line) {
   add_inspect_verb(app, line);
   add_calibrate_verb(app, line);
   add_cover_verb(app, line);
+  add_undistort_verb(app, line);
   add_part_verb(app, line);
   add_new_verb(app, line);
   add_other_verbs(app, line);

@@ -21,6 +21,7 @@ struct CommandLine {
   InspectArguments inspect;
   CalibrateArguments calibrate;
   CoverArguments cover;
+  UndistortArguments undistort;
   ReportArguments report;
   PartArguments part;
   NewArguments fresh;

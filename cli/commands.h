@@ -78,6 +78,7 @@ int inspect_command(const InspectArguments& arguments, const CommonArguments& co
 
 struct CalibrateArguments {
   std::vector<std::filesystem::path> pictures;
+  std::filesystem::path from;  ///< corners.csv instead of pictures
   std::filesystem::path board;
   std::vector<std::filesystem::path> poses;
   std::filesystem::path camera;
@@ -86,6 +87,11 @@ struct CalibrateArguments {
   std::string method;             ///< empty: our own
   std::vector<std::string> sets;  ///< "convention.key=value"
   std::filesystem::path printed;  ///< a board to print instead
+  std::filesystem::path checked;  ///< a calibration to check instead
+  std::filesystem::path sensor;   ///< a folder of pictures of even light instead
+  std::optional<int> bits;        ///< of their codes
+  std::optional<int> planned;     ///< so many poses to photograph the board from instead
+  std::filesystem::path points;   ///< points of the cell to draw into the pictures instead
 };
 
 int calibrate_command(const CalibrateArguments& arguments, const CommonArguments& common);
@@ -96,6 +102,19 @@ struct CoverArguments {
 };
 
 int cover_command(const CoverArguments& arguments, const CommonArguments& common);
+/// The modes of `glint calibrate` that are no calibration from a board.
+int check_calibration_command(const CalibrateArguments& arguments, const CommonArguments& common);
+int sensor_command(const CalibrateArguments& arguments, const CommonArguments& common);
+int plan_command(const CalibrateArguments& arguments, const CommonArguments& common);
+int points_command(const CalibrateArguments& arguments, const CommonArguments& common);
+
+struct UndistortArguments {
+  std::vector<std::filesystem::path> pictures;
+  std::filesystem::path camera;
+  std::filesystem::path out;
+};
+
+int undistort_command(const UndistortArguments& arguments, const CommonArguments& common);
 
 struct ReportArguments {
   std::vector<std::filesystem::path> runs;

@@ -162,6 +162,22 @@ PointError point_error(const Bundle& bundle,
   return {.rms_px = all.rms(), .center_px = middle.rms(), .edge_px = corners.rms()};
 }
 
+std::vector<double> point_errors_px(const Bundle& bundle,
+                                    const SharedCovariance& covariance,
+                                    const Eigen::Vector2i& size_px,
+                                    std::span<const Vector2d> pixels_px) {
+  const PinholeCamera camera(intrinsics_from(bundle.lens, size_px.x(), size_px.y()));
+  std::vector<double> errors;
+  for (const Vector2d& pixel : pixels_px) {
+    ErrorSum sum(bundle, covariance, camera);
+    for (const BundleView& view : bundle.views) {
+      sum.add(view, pixel);
+    }
+    errors.push_back(sum.rms());
+  }
+  return errors;
+}
+
 BoardScale board_scale(const Bundle& bundle) {
   const Index size = num_shared(bundle) + 1;
   MatrixXd hessian = MatrixXd::Zero(size, size);

@@ -3,6 +3,9 @@
 // What a joint calibration is worth: covariance, error of a projected point, size of the squares.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "hardware/calibration/bundle.h"
@@ -33,6 +36,13 @@ PointError point_error(const Bundle& bundle,
                        const SharedCovariance& covariance,
                        int width_px,
                        int height_px);
+
+/// The same at single pixels, rms over the pictures' poses; infinite where no ray meets the board's
+/// plane.
+std::vector<double> point_errors_px(const Bundle& bundle,
+                                    const SharedCovariance& covariance,
+                                    const Eigen::Vector2i& size_px,
+                                    std::span<const Eigen::Vector2d> pixels_px);
 
 /// How much larger the board is than it was given.
 struct BoardScale {

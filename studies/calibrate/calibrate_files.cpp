@@ -12,6 +12,7 @@
 #include "core/config/key_writer.h"
 #include "core/units.h"
 #include "hardware/calibration/rotation.h"
+#include "studies/calibrate/corner_residuals.h"
 #include "studies/definition/cell_settings.h"
 
 namespace glint {
@@ -51,9 +52,16 @@ Json intrinsics_json(const CalibrateInput& input, const SolvedCalibration& solve
   return json;
 }
 
-std::string reason_of_view(const BoardView& view) {
-  const std::string name = outcome_name(view.outcome);
-  return view.why.empty() || view.why == name ? name : fmt::format("{}: {}", name, view.why);
+/// How the picture is predicted when it is left out.
+Json prediction_json(const SolvedCalibration& solved, std::size_t picture) {
+  if (!is_used(solved, picture)) {
+    return nullptr;
+  }
+  std::size_t place = 0;
+  for (std::size_t i = 0; i < picture; ++i) {
+    place += is_used(solved, i) ? 1U : 0U;
+  }
+  return number_json(solved.predicted_rms_px[place]);
 }
 
 /// How far the solution moves without the picture.
@@ -73,7 +81,7 @@ Json picture_json(const CalibrateInput& input, const SolvedCalibration& solved, 
   Json json = {{"file", input.names[i]}};
   if (!input.views[i].is_accepted()) {
     json["accepted"] = false;
-    json["reason"] = reason_of_view(input.views[i]);
+    json["reason"] = reason_of(input, solved, i);
     json["rms_px"] = nullptr;
     json["influence"] = nullptr;
     return json;
@@ -91,6 +99,7 @@ Json picture_json(const CalibrateInput& input, const SolvedCalibration& solved, 
   }
   const HandEyePicture& picture = solved.joint->pictures[i];
   put(picture.accepted, picture.reason, picture.rms_px);
+  json["prediction_px"] = prediction_json(solved, i);
   json["pose"] = input.poses->poses[input.pose_of[i]].name;
   json["chi_square"] = number_json(picture.chi_square);
   json["board_turn"] = picture.board_turn;
@@ -144,6 +153,10 @@ Json board_json(const CalibrateInput& input, const SolvedCalibration& solved) {
                {"rows", board.rows},
                {"square_mm", board.square_mm},
                {"mark", board.mark}};
+  if (board.kind == BoardKind::kCharuco) {
+    json["marker_mm"] = marker_side_mm(board);
+    json["dictionary"] = fmt::format("{0}x{0}", 4 + static_cast<int>(board.dictionary));
+  }
   if (solved.joint) {
     const HandEyeCalibration& joint = *solved.joint;
     json["orientation"] = orientation_name(joint.orientation);
@@ -152,6 +165,28 @@ Json board_json(const CalibrateInput& input, const SolvedCalibration& solved) {
                               {"sigma", number_json(joint.scale.sigma)}};
   }
   return json;
+}
+
+Json map_json(const ResidualMap& map) {
+  Json json = {{"cols", map.cols}, {"rows", map.rows}, {"cells", Json::array()}};
+  for (const ResidualCell& cell : map.cells) {
+    json["cells"].push_back({{"corners", cell.corners},
+                             {"mean_px", {cell.mean_px.x(), cell.mean_px.y()}},
+                             {"rms_px", cell.rms_px}});
+  }
+  return json;
+}
+
+Json rings_json(const std::vector<ErrorRing>& rings) {
+  Json list = Json::array();
+  for (const ErrorRing& ring : rings) {
+    list.push_back({{"from_px", ring.from_px},
+                    {"to_px", ring.to_px},
+                    {"corners", ring.corners},
+                    {"rms_px", ring.corners > 0 ? Json(ring.rms_px) : Json(nullptr)},
+                    {"error_px", number_json(ring.error_px)}});
+  }
+  return list;
 }
 
 /// Of intrinsics, hand-eye and board, row by row; of the intrinsics alone without poses.
@@ -267,7 +302,24 @@ CalibrationSettings calibration_settings(const CalibrateInput& input,
 
 }  // namespace
 
-Json calibration_json(const CalibrateInput& input, const SolvedCalibration& solved) {
+std::string reason_of_view(const BoardView& view) {
+  const std::string name = outcome_name(view.outcome);
+  return view.why.empty() || view.why == name ? name : fmt::format("{}: {}", name, view.why);
+}
+
+std::string reason_of(const CalibrateInput& input,
+                      const SolvedCalibration& solved,
+                      std::size_t picture) {
+  if (!input.views[picture].is_accepted()) {
+    return reason_of_view(input.views[picture]);
+  }
+  return solved.joint ? solved.joint->pictures[picture].reason
+                      : solved.camera.pictures[picture].reason;
+}
+
+Json calibration_json(const CalibrateInput& input,
+                      const SolvedCalibration& solved,
+                      const std::vector<std::vector<Eigen::Vector2d>>& residuals_px) {
   Json json = {{"schema", 1}, {"status", "done"}, {"setup", "none"}, {"pictures", Json::array()}};
   for (std::size_t i = 0; i < input.names.size(); ++i) {
     json["pictures"].push_back(picture_json(input, solved, i));
@@ -286,6 +338,8 @@ Json calibration_json(const CalibrateInput& input, const SolvedCalibration& solv
   if (solved.joint) {
     put_joint(input, solved, json);
   }
+  json["residual_map"] = map_json(residual_map(input, solved, residuals_px));
+  json["growth"] = rings_json(error_rings(input, solved, residuals_px));
   json["covariance"] = solved.joint && !input.method ? covariance_json(solved.joint->covariance)
                                                      : covariance_json(solved.camera.covariance);
   json["warnings"] = solved.joint ? solved.joint->warnings : solved.camera.warnings;

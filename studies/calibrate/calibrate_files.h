@@ -4,7 +4,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include <Eigen/Core>
 #include <nlohmann/json_fwd.hpp>
 
 #include "studies/calibrate/calibrate_input.h"
@@ -12,9 +14,20 @@
 
 namespace glint {
 
+/// What became of a picture without corners: "cut off: 37 of 63 corners found".
+std::string reason_of_view(const BoardView& view);
+
+/// Why a picture does not take part in the calibration; empty when it does.
+std::string reason_of(const CalibrateInput& input,
+                      const SolvedCalibration& solved,
+                      std::size_t picture);
+
 /// What calibration.json holds (docs/calibrate.md); numbers that are not known are null.
-nlohmann::ordered_json calibration_json(const CalibrateInput& input,
-                                        const SolvedCalibration& solved);
+/// @param residuals_px  corner_residuals_px()
+nlohmann::ordered_json calibration_json(
+    const CalibrateInput& input,
+    const SolvedCalibration& solved,
+    const std::vector<std::vector<Eigen::Vector2d>>& residuals_px);
 
 /// Tables that a scene takes: [camera] with the calibrated intrinsics alone, [calibration] with the
 /// hand-eye and the covariances.

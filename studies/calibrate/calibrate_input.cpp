@@ -8,14 +8,18 @@
 
 #include "core/config/keys.h"
 #include "core/config/toml.h"
+#include "core/file.h"
 #include "core/image/image_io.h"
 #include "hardware/poses/pose_pairing.h"
+#include "studies/calibrate/corner_file.h"
+#include "studies/report/report.h"
 
 namespace glint {
 namespace fs = std::filesystem;
 
 namespace {
 
+constexpr std::int64_t kFewPictures = 16;  ///< that many are shown larger on the report's page
 constexpr const char* kTable = "convention";
 constexpr const char* kPriorTable = "prior";
 constexpr const char* kPairBy = "poses.pair_by";
@@ -124,10 +128,13 @@ HandEyeMethod method_of(const std::string& name) {
 }
 
 void check_given(const CalibrateOptions& options) {
-  if (options.pictures.empty()) {
+  if (options.pictures.empty() && options.from.empty()) {
     throw ConfigError("PICTURES: there are none; give the pictures of the board");
   }
-  if (options.board.empty()) {
+  if (!options.pictures.empty() && !options.from.empty()) {
+    throw ConfigError("--from: takes the corners of a file; give no PICTURES beside it");
+  }
+  if (options.board.empty() && !options.known_board) {
     throw ConfigError("--board: is missing; give the board's board.toml or board.json");
   }
   const std::pair<const char*, bool> of_poses[] = {{"--method", !options.method.empty()},
@@ -161,13 +168,22 @@ struct SeenPicture {
   int width_px = 0;
   int height_px = 0;
   BoardView view;
+  std::string shown;
 };
 
-SeenPicture seen_picture(const fs::path& file, const Board& board) {
+/// Small and as bright as it can be: the report's contact sheet.
+std::string small_picture(const Pixels& pixels, int width_px) {
+  const ImageF values = linear_values(pixels);
+  const float brightest = std::ranges::max(values.values());
+  return report_png(stretched(values, 0.0F, brightest), width_px);
+}
+
+SeenPicture seen_picture(const fs::path& file, const Board& board, int shown_width_px) {
   const Picture picture = read_picture(file);
   return {.width_px = picture.width(),
           .height_px = picture.height(),
-          .view = find_board(picture.pixels, board)};
+          .view = find_board(picture.pixels, board),
+          .shown = small_picture(picture.pixels, shown_width_px)};
 }
 
 void take_size(CalibrateInput& input, const std::vector<SeenPicture>& seen) {
@@ -218,14 +234,27 @@ void check_any_board(const CalibrateInput& input) {
 
 void find_boards(const CalibrateOptions& options, CalibrateInput& input, ThreadPool& pool) {
   const auto count = static_cast<std::int64_t>(options.pictures.size());
+  const int shown_width_px = count <= kFewPictures ? 640 : 420;
   std::vector<SeenPicture> seen = pool.map<SeenPicture>(count, [&](std::int64_t i) {
-    return seen_picture(options.pictures[static_cast<std::size_t>(i)], input.board);
+    return seen_picture(options.pictures[static_cast<std::size_t>(i)], input.board, shown_width_px);
   });
   take_size(input, seen);
-  check_camera_size(options, input);
   for (SeenPicture& picture : seen) {
     input.views.push_back(std::move(picture.view));
+    input.shown.push_back(std::move(picture.shown));
   }
+}
+
+void take_corners(CalibrateInput& input, FoundCorners found) {
+  input.width_px = found.width_px;
+  input.height_px = found.height_px;
+  input.views = std::move(found.views);
+  input.shown.resize(input.views.size());
+}
+
+/// What was found in the pictures is judged, and becomes the corners of the calibration.
+void judge_boards(const CalibrateOptions& options, CalibrateInput& input) {
+  check_camera_size(options, input);
   check_any_board(input);
   reject_doubled(input.views, input.names);
   for (const BoardView& view : input.views) {
@@ -246,20 +275,39 @@ std::vector<Eigen::Isometry3d> picture_poses(const CalibrateInput& input,
   return poses;
 }
 
-CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool& pool) {
-  check_given(options);
+std::vector<Eigen::Isometry3d> poses_of_pictures(const CalibrateOptions& options) {
   CalibrateInput input;
   for (const fs::path& picture : options.pictures) {
     input.names.push_back(picture.string());
   }
-  input.board = read_board(options.board);
+  read_robot(options, input);
+  return picture_poses(input, input.poses->convention);
+}
+
+CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool& pool) {
+  check_given(options);
+  CalibrateInput input;
+  FoundCorners found;
+  if (!options.from.empty()) {
+    found = parse_corners(read_file(options.from), options.from.string());
+    input.names = found.names;
+  }
+  for (const fs::path& picture : options.pictures) {
+    input.names.push_back(picture.string());
+  }
+  input.board = options.board.empty() ? *options.known_board : read_board(options.board);
   if (!options.camera.empty()) {
     read_known_camera(options, input);
   }
   if (!options.poses.empty()) {
     read_robot(options, input);
   }
-  find_boards(options, input, pool);
+  if (options.from.empty()) {
+    find_boards(options, input, pool);
+  } else {
+    take_corners(input, std::move(found));
+  }
+  judge_boards(options, input);
   return input;
 }
 

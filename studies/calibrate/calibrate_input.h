@@ -24,7 +24,9 @@ namespace glint {
 
 struct CalibrateOptions {
   std::vector<std::filesystem::path> pictures;
-  std::filesystem::path board;               ///< board.toml or board.json
+  std::filesystem::path from;        ///< corners.csv of an earlier calibration instead of pictures
+  std::filesystem::path board;       ///< board.toml or board.json
+  std::optional<Board> known_board;  ///< where there is no file of it
   std::vector<std::filesystem::path> poses;  ///< empty: the camera alone
   std::filesystem::path camera;              ///< known intrinsics; empty: all are estimated
   std::filesystem::path out;                 ///< empty: out/<the pictures' folder>/calibrate
@@ -48,6 +50,7 @@ struct CalibrateInput {
   std::vector<std::string> names;     ///< of the pictures, as they were given
   std::vector<BoardView> views;       ///< of each picture
   std::vector<BoardCorners> corners;  ///< of each picture; no corners where it was not accepted
+  std::vector<std::string> shown;     ///< of each picture, small, as report_png(); empty: none
   std::vector<std::string> notes;     ///< what was guessed
 };
 
@@ -55,7 +58,11 @@ struct CalibrateInput {
 std::vector<Eigen::Isometry3d> picture_poses(const CalibrateInput& input,
                                              const PoseConvention& convention);
 
+/// base_from_flange of each picture, without looking for boards. @throws ConfigError, IoError
+std::vector<Eigen::Isometry3d> poses_of_pictures(const CalibrateOptions& options);
+
 /// Reads what is small first, so that slips are told before pictures are searched.
+/// With --from the corners are read instead of pictures.
 /// @throws ConfigError  no pictures, no board's file, a board in none of the pictures, pictures of
 ///         different sizes, poses that do not pair, values with their places; IoError
 CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool& pool);

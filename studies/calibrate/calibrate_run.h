@@ -12,8 +12,8 @@
 
 namespace glint {
 
-/// Writes calibration.toml, calibration.json and run.json.
-/// @return what calibration.json holds, and "folder"
+/// Writes calibration.toml, calibration.json, corners.csv, report.html and run.json.
+/// @return what calibration.json holds, "report" and "folder"
 /// @throws ConfigError for wrong input and for pictures that do not suffice, IoError; nothing is
 ///         left behind
 nlohmann::ordered_json calibrate_pictures(const CalibrateOptions& options);

@@ -2,22 +2,22 @@
 #include "studies/calibrate/print_board.h"
 
 #include <array>
+#include <chrono>
 
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
 #include "hardware/board/board.h"
 #include "hardware/board/board_sheet.h"
-#include "studies/output/output_folder.h"
-#include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
-#include "studies/output/staged_folder.h"
+#include "studies/output/result_writer.h"
 
 namespace glint {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 Json print_board(const fs::path& board, const fs::path& out) {
+  const auto start = std::chrono::steady_clock::now();
   const fs::path goal =
       out.empty() ? default_result_folder(board.stem().string(), ResultKind::kBoard) : out;
   const std::array<std::string, 4> names = {"board.svg", "board.pdf", "board.toml", "run.json"};
@@ -25,17 +25,11 @@ Json print_board(const fs::path& board, const fs::path& out) {
   check_inputs_kept(std::array{board}, goal, names);
   const Board read = read_board(board);
   const BoardSheet sheet = board_sheet(read);
-  OutputFolder folder(goal);
-  remove_stale_stages(goal);
-  StagedFolder stage(goal, "");
-  write_file(stage.path() / "board.svg", sheet_svg(sheet));
-  write_file(stage.path() / "board.pdf", sheet_pdf(sheet));
-  write_file(stage.path() / "board.toml", board_toml(read));
-  Json run = provenance();
-  run["verb"] = command_of(ResultKind::kBoard);
-  write_file(stage.path() / "run.json", run.dump(2) + "\n");
-  stage.commit();
-  folder.keep();
+  ResultWriter writer(goal, ResultKind::kBoard);
+  write_file(writer.path() / "board.svg", sheet_svg(sheet));
+  write_file(writer.path() / "board.pdf", sheet_pdf(sheet));
+  write_file(writer.path() / "board.toml", board_toml(read));
+  writer.finish(Json::object(), start);
   return {{"schema", 1},
           {"status", "done"},
           {"cols", read.cols},

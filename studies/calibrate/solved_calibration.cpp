@@ -147,6 +147,7 @@ void predict_all(const CalibrateInput& input, SolvedCalibration& solved, ThreadP
   solved.five_fold_splits = std::clamp(400 / std::max(1, count), 4, 20);
   const auto left_out = predict_by_all(bundle, camera, prediction_folds(count), pool);
   const auto splits = predict_five_fold(bundle, camera, solved.five_fold_splits, pool);
+  solved.predicted_rms_px = left_out.front().picture_rms_px;
   for (std::size_t i = 0; i < left_out.size(); ++i) {
     solved.methods.push_back(
         {.name = i == 0 ? "glint" : std::string(name_of(kHandEyeMethods[i - 1])),

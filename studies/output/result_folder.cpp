@@ -27,7 +27,7 @@ struct KindNames {
   const char* folder;  ///< in out/<name>
 };
 
-constexpr std::array<KindNames, 9> kKinds = {
+constexpr std::array<KindNames, 13> kKinds = {
     {{ResultKind::kRun, "run", "run"},
      {ResultKind::kRender, "render", "render"},
      {ResultKind::kImprint, "imprint", "imprint"},
@@ -36,6 +36,10 @@ constexpr std::array<KindNames, 9> kKinds = {
      {ResultKind::kFrontier, "frontier", "frontier"},
      {ResultKind::kCalibrate, "calibrate", "calibrate"},
      {ResultKind::kBoard, "calibrate --print_board", "board"},
+     {ResultKind::kSensor, "calibrate --sensor", "sensor"},
+     {ResultKind::kPlan, "calibrate --plan", "plan"},
+     {ResultKind::kPoints, "calibrate --points", "points"},
+     {ResultKind::kUndistort, "undistort", "undistort"},
      {ResultKind::kCover, "cover", "cover"}}};
 
 const KindNames& names_of(ResultKind kind) {
@@ -159,6 +163,14 @@ void mark_result_folder(const fs::path& folder, ResultKind kind) {
 
 fs::path default_result_folder(const std::string& name, ResultKind kind) {
   return fs::path("out") / name / names_of(kind).folder;
+}
+
+fs::path folder_of_pictures(std::span<const fs::path> files, ResultKind kind) {
+  std::error_code ignored;
+  const fs::path first = files.empty() ? fs::path() : files.front();
+  const fs::path folder =
+      fs::weakly_canonical(fs::absolute(first, ignored), ignored).parent_path().filename();
+  return default_result_folder(folder.empty() ? "camera" : folder.string(), kind);
 }
 
 fs::path default_run_folder(const std::string& name) {

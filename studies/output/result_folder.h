@@ -22,11 +22,16 @@ enum class ResultKind {
   kFrontier,
   kCalibrate,
   kBoard,
+  kSensor,
+  kPlan,
+  kPoints,
+  kUndistort,
   kCover
 };
 
 /// As it is typed: "run", "render", "imprint", "imprint --preview_tools", "inspect", "frontier",
-/// "calibrate", "calibrate --print_board", "cover".
+/// "calibrate", "calibrate --print_board", "calibrate --sensor", "calibrate --plan",
+/// "calibrate --points", "undistort", "cover".
 std::string_view command_of(ResultKind kind);
 
 /// Whose results a folder holds: by the field "verb" of its run.json, in folders of older versions
@@ -55,6 +60,10 @@ void mark_result_folder(const std::filesystem::path& folder, ResultKind kind);
 
 /// Where results go unless --out tells: out/<name>/<last word of the command>.
 std::filesystem::path default_result_folder(const std::string& name, ResultKind kind);
+
+/// The same with the name of the folder that the first file is in.
+std::filesystem::path folder_of_pictures(std::span<const std::filesystem::path> files,
+                                         ResultKind kind);
 
 /// The same of a study's run; the folder of older versions, out/<name>, when a run is there and
 /// none in the new one.

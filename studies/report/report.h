@@ -49,7 +49,8 @@
 //                     0), differs: [ texts ], what is not as in the first run } ]
 //   panels            sections of a population; [ {
 //       id, title     of the section; lead: the sentence below
-//       charts        [ { kind: "sizes" | "lightings" | "pod", its data: web/population.js } ]
+//       charts        [ { kind: "sizes" | "lightings" | "pod", its data: web/population.js, or
+//                       "curves": web/curves.js } ]
 //       tables        [ { caption, head: [texts], rows: [ [texts] ] } ] } ]
 //   frontier          the object of frontier.json, see docs/frontier.md
 //   rendered          of `glint render`; {
@@ -62,6 +63,7 @@
 //   coverage          of `glint cover`: its result.json with
 //                     pictures: [ { caption, image: base64 PNG } ]
 //                     and legend: [ { name, colour, share } ]
+//   calibration       of `glint calibrate`: its calibration.json with what calibrate_page.cpp adds
 //   methods           [ sentences on method and accuracy ]
 //   config_toml       the resolved configuration
 //   provenance        { version, seed, compiler, machine, ... }: shown in the order given
@@ -70,7 +72,8 @@
 //   ranking           of designs without a search, see report_ranking.h and complete_report()
 //   verdict           { title: of the section, absent: "Verdict", sentence,
 //                     tone: "good" | "neutral" | "bad", details: [texts], findings: [ { code,
-//                     text } ] }; see complete_report()
+//                     text } ], figures: big numbers instead of those of a design, [ { label,
+//                     value: text, unit, note } ] }; see complete_report()
 #pragma once
 
 #include <string>

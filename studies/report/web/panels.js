@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sections of populations: charts, and tables as the program made them; see studies/report/report.h.
+import { curvesChart } from './curves.js';
 import { h, section } from './dom.js';
 import { lightingsChart, podChart, sizesChart } from './population.js';
 
 const kNumber = /^(> )?[-\u2013]?[0-9.]+( |$)/;
-const kCharts = { lightings: lightingsChart, pod: podChart, sizes: sizesChart };
+const kCharts = { curves: curvesChart, lightings: lightingsChart, pod: podChart, sizes: sizesChart };
 
 function table(data) {
   if (!data.rows?.length) return data.caption ? h('p', { class: 'muted' }, data.caption) : null;

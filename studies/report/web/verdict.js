@@ -45,7 +45,11 @@ function bestOf(facts, designs) {
     (best && !facts.better(facts.value(design, facts.objective.name), facts.value(best, facts.objective.name)) ? best : design), null);
 }
 
+const columns = (shown) => h('div', { class: 'figures', style: `--count:${Math.ceil(shown.length / Math.ceil(shown.length / 6))};--half:${Math.ceil(shown.length / Math.ceil(shown.length / 3))}` }, shown);
+
 function figures(facts) {
+  const given = facts.data.verdict?.figures;
+  if (given) return columns(given.map((one) => figure(one.label, one.value, one.note, one.tone, one.unit)));
   const design = subject(facts);
   if (!design) return null;
   const main = facts.mainScores().filter((name) => !facts.constraints.some((one) => one.name === name));
@@ -55,7 +59,7 @@ function figures(facts) {
     baseline !== design && gainFigure(facts, design, baseline, 'against the baseline'),
     prototype !== design && gainFigure(facts, design, prototype, 'against the best prototype'),
     facts.constraints.map((constraint) => constraintFigure(facts, design, constraint))].flat().filter(Boolean);
-  return h('div', { class: 'figures', style: `--count:${Math.ceil(shown.length / Math.ceil(shown.length / 6))};--half:${Math.ceil(shown.length / Math.ceil(shown.length / 3))}` }, shown);
+  return columns(shown);
 }
 
 function ranked(facts) {

@@ -53,6 +53,103 @@ TEST_F(CalibrateErrors, EveryPictureHasAPose) {
   expect_refused({"grey1.png"}, {"--board", "board.toml", "--poses", "nan.csv"}, "nan.csv:1:");
 }
 
+/// A pose a line: place in mm, matrix row by row below each other, ... as the caller has it.
+TEST_F(CalibrateErrors, PosesThatCannotBeAreTold) {
+  const auto refused = [&](const std::string& name,
+                           const std::string& text,
+                           const std::string& message,
+                           const Arguments& more = {}) {
+    write_file(folder_ / name, text);
+    Arguments all = {"--board", "board.toml", "--poses", name};
+    all.insert(all.end(), more.begin(), more.end());
+    expect_refused({"grey1.png", "grey2.png"}, all, message);
+  };
+  const std::string two = "grey1.png,300,10,500,0.1,0.2,0.3\ngrey2.png,310,20,480,0.4,0.2,0.1\n";
+  refused("surplus.csv", two + "grey3.png,310,20,480,0,0,0.1\n", "grey3");
+  refused("twice.csv", two + "grey2.png,310,20,480,0,0,0.1\n", "twice.csv:3:");
+  refused("radians.csv",
+          "grey1.png,300,10,500,90,0,20\ngrey2.png,310,20,480,80,0,10\n",
+          "are they degrees?",
+          {"--set", "convention.angle=rad", "--set", "convention.rotation=rotation_vector"});
+  refused("metres.csv",
+          "grey1.png,0.3,0.1,0.5,0,0,0.1\ngrey2.png,0.3,0.2,0.4,0,0.1,0\n",
+          "are they metres?",
+          {"--set", "convention.unit=mm"});
+  refused("matrix.csv",
+          "grey1.png,1,0,0,300, 0,1,0,10, 0,0,1.1,500\ngrey2.png,1,0,0,310, 0,1,0,20, 0,0,1,480\n",
+          "matrix.csv:1:1: pose: its matrix is no rotation");
+  refused("mirror.csv",
+          "grey1.png,1,0,0,300, 0,1,0,10, 0,0,-1,500\ngrey2.png,1,0,0,310, 0,1,0,20, 0,0,1,480\n",
+          "no rotation but a mirror");
+  refused("stamps.csv",
+          "name,stamp,x,y,z,a,b,c\ngrey1.png,5.0,300,10,500,0,0,0.1\n"
+          "grey2.png,5.0,310,20,480,0,0.1,0\n",
+          "is the stamp of an earlier pose");
+  refused("text.csv", "grey1.png,300,ten,500,0,0,0.1\n", "text.csv:1:");
+  refused("empty.csv", "", "empty.csv");
+  refused("corrupt.json", "{\"poses\": [", "corrupt.json:1:");
+  refused("poses.txt", two, "poses.txt");
+}
+
+TEST_F(CalibrateErrors, CorruptFilesAreToldWithTheirPlace) {
+  const auto refused = [&](const std::string& option,
+                           const std::string& name,
+                           const std::string& text,
+                           const std::string& message) {
+    write_file(folder_ / name, text);
+    Arguments all = {option, name};
+    if (option != "--board") {
+      all.insert(all.end(), {"--board", "board.toml"});
+    }
+    expect_refused(option == "--from" ? Arguments{} : Arguments{"grey1.png"}, all, message);
+  };
+  refused("--board", "cut.toml", "[board\n", "cut.toml:1:");
+  refused("--board", "cut.json", "{\"cols\": 9,", "cut.json:1:");
+  refused("--camera", "cut.xml", "<root><camera>", "cut.xml:1:");
+  refused("--camera", "cut.yaml", "camera_matrix: [1, 2", "cut.yaml:");
+  refused("--from", "cut.csv", "picture,width_px\n", "cut.csv:1:1: has no column height_px");
+  refused("--from",
+          "number.csv",
+          "picture,width_px,height_px,board_x_mm,board_y_mm,x_px,y_px\na.png,80,60,0,0,1,nan\n",
+          "number.csv:2:19: y_px: must be a number");
+  refused("--from",
+          "sizes.csv",
+          "picture,width_px,height_px,board_x_mm,board_y_mm,x_px,y_px\na.png,80,60,0,0,1,1\n"
+          "b.png,80,61,0,0,1,1\n",
+          "sizes.csv:3:7: width_px: pictures of one camera have one size");
+  expect_refused({"grey1.png"},
+                 {"--board", "board.toml", "--from", "sizes.csv"},
+                 "--from: takes the corners of a file; give no PICTURES beside it");
+}
+
+TEST_F(CalibrateErrors, ModesTakeTheirOwnOptionsOnly) {
+  write_file(folder_ / "camera.toml", "[camera]\nwidth_px = 80\nheight_px = 60\nfocal_x_px = 90\n");
+  expect_refused({}, {"--check", "none.json"}, "none.json", 3);
+  write_file(folder_ / "other.json", "{\"rms_px\": 1}");
+  const auto without_out = [&](const Arguments& arguments, const std::string& message) {
+    Arguments all = {"calibrate"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const ProgramResult result = glint_in(folder_, all);
+    EXPECT_EQ(result.code, 2) << result.err;
+    EXPECT_THAT(result.err, ::testing::HasSubstr(message));
+  };
+  without_out({"--check", "other.json", "grey1.png"}, "is no calibration.json of glint");
+  without_out({"--check", "other.json", "--camera", "camera.toml"}, "--check takes no --camera");
+  expect_refused({"grey1.png"}, {"--sensor", "."}, "--sensor takes no PICTURES");
+  expect_refused({}, {"--sensor", "."}, "holds neither levels.csv");
+  expect_refused({}, {"--bits", "8"}, "--bits: is for --sensor");
+  expect_refused({}, {"--plan", "5", "--board", "board.toml"}, "--camera: is missing");
+  expect_refused(
+      {},
+      {"--plan", "5", "--board", "board.toml", "--camera", "camera.toml", "--set", "seed=2"},
+      "must begin with \"plan.\"");
+  write_file(folder_ / "points.csv", "name,x_mm,y_mm\na,1,2\n");
+  expect_refused({"grey1.png"}, {"--points", "points.csv"}, "--camera: is missing");
+  expect_refused({"grey1.png"},
+                 {"--points", "points.csv", "--camera", "other.json"},
+                 "points.csv:1:1: has no column z_mm");
+}
+
 TEST_F(CalibrateErrors, WordsAreChecked) {
   write_file(folder_ / "poses.csv", "grey1.png,100,200,300,0,0,0.1\n");
   const Arguments poses = {"--board", "board.toml", "--poses", "poses.csv"};
@@ -98,6 +195,51 @@ TEST_F(CalibrateErrors, OnePictureDoesNotSuffice) {
     GTEST_SKIP() << "no " << set;
   }
   expect_refused({(set / "left01.jpg").string()}, {"--board", "board.toml"}, "picture");
+}
+
+TEST_F(CalibrateErrors, AnotherBoardThanThePicturesShowIsTold) {
+  const fs::path set = photographs("calibration/chessboard_left");
+  if (!fs::exists(set)) {
+    GTEST_SKIP() << "no " << set;
+  }
+  write_file(folder_ / "larger.toml", "[board]\ncols = 12\nrows = 9\nsquare_mm = 25\n");
+  expect_refused(files_in(set, "left0", ".jpg"),
+                 {"--board", "larger.toml"},
+                 "no picture shows the whole board of 12 x 9 corners");
+}
+
+TEST_F(CalibrateErrors, PosesThatContradictThePicturesAreTold) {
+  const fs::path set = photographs("calibration/board_on_robot");
+  if (!fs::exists(set)) {
+    GTEST_SKIP() << "no " << set;
+  }
+  const Arguments pictures = files_in(set, "img", ".png");
+  // Every picture gets the pose of another one.
+  expect_refused({pictures.rbegin(), pictures.rend()},
+                 {"--board",
+                  (set / "board.json").string(),
+                  "--poses",
+                  (set / "poses.csv").string(),
+                  "--set",
+                  "poses.pair_by=order"},
+                 "robot poses and pictures do not go together");
+}
+
+TEST_F(CalibrateErrors, SquaresOfAnotherSizeAreToldByHowMuch) {
+  const fs::path set = photographs("calibration/board_on_robot");
+  if (!fs::exists(set)) {
+    GTEST_SKIP() << "no " << set;
+  }
+  // They are of 10 mm: 0.833 times as large.
+  write_file(folder_ / "larger.toml",
+             "[board]\ncols = 9\nrows = 7\nsquare_mm = 12\nsetup = \"eye_to_hand\"\n");
+  const nlohmann::json result =
+      calibrate_json(files_in(set, "img", ".png"),
+                     {"--board", "larger.toml", "--poses", (set / "poses.csv").string()});
+  EXPECT_NEAR(result["board"]["measured_scale"]["factor"].get<double>(), 10.0 / 12.0, 0.05);
+  ASSERT_EQ(result["warnings"].size(), 1U);
+  EXPECT_THAT(result["warnings"][0].get<std::string>(),
+              ::testing::HasSubstr("the board's squares are 0.8"));
 }
 
 TEST_F(CalibrateErrors, ACameraOfAnotherSizeIsTold) {

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What is done beside calibrating a camera: checking a calibration, straight pictures, the sensor,
+// a plan of poses, points drawn into pictures.
+#include <initializer_list>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "studies/calibrate/check_run.h"
+#include "studies/calibrate/plan_run.h"
+#include "studies/calibrate/points_run.h"
+#include "studies/calibrate/undistort_run.h"
+#include "studies/sensor_calibration/sensor_run.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Options that a mode does not take.
+void refuse_given(const char* mode, std::initializer_list<std::pair<const char*, bool>> others) {
+  for (const auto& [option, is_given] : others) {
+    if (is_given) {
+      throw ConfigError(fmt::format("{} takes no {}", mode, option));
+    }
+  }
+}
+
+std::string check_text(const Json& result) {
+  std::string text;
+  for (const Json& picture : result["pictures"]) {
+    const std::filesystem::path file = picture["file"].get<std::string>();
+    text += fmt::format("  {:<28} ", file.filename().string());
+    text += picture["accepted"].get<bool>()
+                ? fmt::format("{:>8.3f} px\n", picture["rms_px"].get<double>())
+                : fmt::format("not used: {}\n", picture["reason"].get<std::string>());
+  }
+  const bool is_valid = result["status"] == "valid";
+  const bool is_predicted = result["by"] == "prediction";
+  text += fmt::format("{}: {:.3g} px rms {}, {:.3g} px expected, up to {:.3g} px allowed\n",
+                      is_valid ? "still valid" : "drifted",
+                      result["rms_px"].get<double>(),
+                      is_predicted ? "from the robot's poses alone" : "with a free pose a picture",
+                      result["expected_px"].get<double>(),
+                      result["limit_px"].get<double>());
+  if (!is_valid) {
+    text += fmt::format("drift {:.3g} px; mean shift {:.3g}, {:.3g} px\n",
+                        result["drift_px"].get<double>(),
+                        result["mean_px"][0].get<double>(),
+                        result["mean_px"][1].get<double>());
+    const Json& moved = result["board_moved"];
+    if (!moved.is_null() && moved["rms_px"].get<double>() < result["rms_px"].get<double>()) {
+      text += fmt::format(
+          "with the board moved by {:.3g} mm and {:.3g} degrees it would be {:.3g} px\n",
+          moved["translation_mm"].get<double>(),
+          moved["rotation_deg"].get<double>(),
+          moved["rms_px"].get<double>());
+    }
+  }
+  for (const Json& note : result["notes"]) {
+    text += "note: " + note.get<std::string>() + "\n";
+  }
+  return text;
+}
+
+std::string sensor_text(const Json& result) {
+  const Json& sensor = result["sensor"];
+  std::string text = fmt::format(
+      "  gain          {:.4g} +- {:.2g} DN per electron (weighted affine fit)\n"
+      "  full_well_e   {:.5g}\n  read_noise_e  {:.4g}\n  dark_e        {:.4g}\n"
+      "  linearity     {:.2g} %   PRNU {:.3g} %   DSNU {:.3g} e   largest SNR {:.4g}\n",
+      result["gain_dn_per_e"].get<double>(),
+      result["gain_sigma"].get<double>(),
+      sensor["full_well_e"].get<double>(),
+      sensor["read_noise_e"].get<double>(),
+      sensor["dark_e"].get<double>(),
+      100.0 * result["linearity_error"].get<double>(),
+      100.0 * result["prnu"].get<double>(),
+      result["dsnu_e"].get<double>(),
+      result["largest_snr"].get<double>());
+  for (const Json& warning : result["warnings"]) {
+    text += "warning: " + warning.get<std::string>() + "\n";
+  }
+  return text + fmt::format("report: {}\nsensor for scenes: {}/sensor.toml\n",
+                            result["report"].get<std::string>(),
+                            result["folder"].get<std::string>());
+}
+
+std::string plan_text(const Json& plan) {
+  const Json& promised = plan["promised"];
+  return fmt::format(
+      "{} poses of {}; they promise a focal length to {:.2g} px, the centre to {:.2g} px,\n"
+      "a hand-eye to {:.2g} mm and {:.2g} degrees\nposes: {}/poses.csv\n",
+      plan["poses"].size(),
+      plan["pose"].get<std::string>(),
+      promised["focal_px"][0].get<double>(),
+      promised["center_px"][0].get<double>(),
+      promised["hand_eye_mm"].get<double>(),
+      promised["hand_eye_deg"].get<double>(),
+      plan["folder"].get<std::string>());
+}
+
+std::string points_text(const Json& result) {
+  std::size_t seen = 0;
+  for (const Json& picture : result["pictures"]) {
+    for (const Json& point : picture["points"]) {
+      seen += point["is_in_picture"].get<bool>() ? 1U : 0U;
+    }
+  }
+  return fmt::format("{} crosses in {} pictures: {}\n",
+                     seen,
+                     result["pictures"].size(),
+                     result["folder"].get<std::string>());
+}
+
+}  // namespace
+
+int check_calibration_command(const CalibrateArguments& arguments, const CommonArguments& common) {
+  refuse_given("--check",
+               {{"--camera", !arguments.camera.empty()},
+                {"--from", !arguments.from.empty()},
+                {"--method", !arguments.method.empty()},
+                {"--setup", !arguments.setup.empty()},
+                {"--sensor", !arguments.sensor.empty()},
+                {"--out", !arguments.out.empty()}});
+  const Json result = check_calibration(arguments.checked,
+                                        {.pictures = arguments.pictures,
+                                         .board = arguments.board,
+                                         .poses = arguments.poses,
+                                         .sets = key_values(arguments.sets),
+                                         .threads = common.threads});
+  print_result(common, result, check_text(result));
+  return result["status"] == "valid" ? kExitDone : kExitNegative;
+}
+
+int sensor_command(const CalibrateArguments& arguments, const CommonArguments& common) {
+  refuse_given("--sensor",
+               {{"PICTURES", !arguments.pictures.empty()},
+                {"--from", !arguments.from.empty()},
+                {"--board", !arguments.board.empty()},
+                {"--poses", !arguments.poses.empty()},
+                {"--camera", !arguments.camera.empty()},
+                {"--method", !arguments.method.empty()},
+                {"--setup", !arguments.setup.empty()},
+                {"--set", !arguments.sets.empty()}});
+  const Json result = calibrate_sensor({.folder = arguments.sensor,
+                                        .out = arguments.out,
+                                        .bits = arguments.bits,
+                                        .threads = common.threads});
+  print_result(common, result, sensor_text(result));
+  return kExitDone;
+}
+
+int plan_command(const CalibrateArguments& arguments, const CommonArguments& common) {
+  refuse_given("--plan",
+               {{"PICTURES", !arguments.pictures.empty()},
+                {"--from", !arguments.from.empty()},
+                {"--poses", !arguments.poses.empty()},
+                {"--method", !arguments.method.empty()},
+                {"--setup", !arguments.setup.empty()}});
+  const Json plan = plan_poses({.count = *arguments.planned,
+                                .board = arguments.board,
+                                .camera = arguments.camera,
+                                .out = arguments.out,
+                                .sets = key_values(arguments.sets)});
+  print_result(common, plan, plan_text(plan));
+  return kExitDone;
+}
+
+int points_command(const CalibrateArguments& arguments, const CommonArguments& common) {
+  refuse_given("--points",
+               {{"--from", !arguments.from.empty()},
+                {"--board", !arguments.board.empty()},
+                {"--method", !arguments.method.empty()},
+                {"--setup", !arguments.setup.empty()}});
+  const Json result = draw_points(arguments.points,
+                                  {.pictures = arguments.pictures,
+                                   .poses = arguments.poses,
+                                   .camera = arguments.camera,
+                                   .out = arguments.out,
+                                   .sets = key_values(arguments.sets),
+                                   .threads = common.threads});
+  print_result(common, result, points_text(result));
+  return kExitDone;
+}
+
+int undistort_command(const UndistortArguments& arguments, const CommonArguments& common) {
+  const Json result = undistort_pictures({.pictures = arguments.pictures,
+                                          .camera = arguments.camera,
+                                          .out = arguments.out,
+                                          .threads = common.threads});
+  print_result(common,
+               result,
+               fmt::format("{} picture{}; {:.2g} % of their pixels show nothing\n"
+                           "their camera: {}/camera.toml\n",
+                           result["pictures"].size(),
+                           result["pictures"].size() == 1 ? "" : "s",
+                           100.0 * result["outside_share"].get<double>(),
+                           result["folder"].get<std::string>()));
+  return kExitDone;
+}
+
+}  // namespace glint

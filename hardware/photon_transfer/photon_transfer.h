@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a sensor is, from its mean and its noise at several levels of light (photon transfer).
+//
+//   variance = K mean + K^2 read_noise^2 - K offset + 1/12      all in DN and electrons
+//
+// A weighted affine fit of variance against mean: the slope is K. Dark levels lie on the same line,
+// since electrons of dark current have shot noise as all others.
+// Source: EMVA Standard 1288, release 4.0 Linear; docs/theory/sensor_calibration.md.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hardware/photon_transfer/level_statistics.h"
+
+namespace glint {
+
+/// y = offset + slope x.
+struct LineFit {
+  double offset = 0.0;
+  double slope = 0.0;
+  double slope_sigma =
+      0.0;  ///< from the scatter about the line where that is larger than the weights say
+  int points = 0;
+};
+
+/// Weighted least squares. At least 2 points with different x.
+/// @param weight  of each point, > 0
+/// @param sigma   of each y, > 0
+LineFit fitted_line(std::span<const double> x,
+                    std::span<const double> y,
+                    std::span<const double> weight,
+                    std::span<const double> sigma);
+
+struct PhotonTransfer {
+  LineFit fit;  ///< of temporal variance against mean; its slope is K, DN per electron
+  std::vector<bool> is_fitted;     ///< of each level
+  double full_scale_dn = 0.0;      ///< largest code
+  double saturation_dn = 0.0;      ///< mean at which the variance is largest
+  bool has_saturated = false;      ///< else saturation_dn is the full scale
+  double dark_mean_dn = 0.0;       ///< mean over the dark levels
+  double dark_variance_dn2 = 0.0;  ///< likewise
+  double dark_rate_dn = 0.0;       ///< growth of the dark mean with exposure, per its unit
+  double full_scale_e = 0.0;       ///< electrons at the largest code
+  double saturation_e = 0.0;       ///< electrons of light at saturation
+  double dark_e = 0.0;             ///< electrons that make the dark mean
+  double read_noise_e = 0.0;       ///< so that the dark variance comes out with dark_e
+  double dark_noise_e = 0.0;       ///< square root of the dark variance without rounding
+  LineFit response;      ///< mean without dark mean against exposure, 5 to 95 % of saturation
+  double rate_dn = 0.0;  ///< mean of light over exposure, 5 to 70 % of saturation
+  double linearity_error = 0.0;     ///< mean deviation from it, share of the value
+  double responsivity_dn = 0.0;     ///< DN per photon; 0: photons not known
+  double quantum_efficiency = 0.0;  ///< 0: photons not known
+  double photo_response_nonuniformity =
+      0.0;                            ///< PRNU at the level nearest to half saturation, share
+  double dark_nonuniformity_e = 0.0;  ///< DSNU
+  double largest_snr = 0.0;           ///< at saturation
+  double dynamic_range = 0.0;         ///< saturation over the least signal that equals its noise
+  std::vector<std::string> warnings;
+};
+
+/// Levels above 70 % of saturation do not count.
+/// @param levels  in any order
+/// @throws ConfigError: no dark level, fewer than 3 bright levels below 70 % of saturation, noise
+/// that
+///         does not grow with the mean
+PhotonTransfer photon_transfer(std::span<const LevelStatistics> levels, double full_scale_dn);
+
+}  // namespace glint

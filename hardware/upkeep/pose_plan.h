@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// From where to photograph a board, before a camera is known well.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "hardware/calibration/bundle.h"
+#include "simulator/camera/pinhole_camera.h"
+
+namespace glint {
+
+struct PlanRequest {
+  PinholeIntrinsics camera;  ///< roughly known
+  /// All places of the board that must be in view and in focus: its inner corners, or the outline.
+  std::vector<Eigen::Vector3d> board_mm;
+  int count = 20;              ///< of poses, >= 1
+  double near_mm = 0.0;        ///< in focus from here, along the view
+  double far_mm = 0.0;         ///< to here; both 0: where the board fills 40 to 90 % of the picture
+  double tilt_min_rad = 0.35;  ///< of the board against the view; one pose in eight is not tilted
+  double tilt_max_rad = 0.52;
+  double roll_rad = 0.7;    ///< about the view, to both sides
+  double margin_px = 10.0;  ///< that the board keeps from the picture's border
+  std::uint64_t seed = 1;
+};
+
+/// Poses in the order to take them.
+struct PosePlan {
+  std::vector<Eigen::Isometry3d> board_from_camera;
+  /// Standard deviations that the poses promise with the noise sizes that NoiseSizes starts with.
+  LensVector lens_sigma = LensVector::Zero();
+  double hand_eye_rad = 0.0;  ///< root of the sum of the three axes' variances
+  double hand_eye_mm = 0.0;
+};
+
+/// Out of 600 random poses that show the whole board in focus those are taken, one after another,
+/// that add most information about intrinsics, hand-eye and board (greedy D-optimal design), so
+/// that any first part of the plan is a good plan, too.
+/// @throws ConfigError when hardly any pose shows the whole board
+PosePlan informative_poses(const PlanRequest& request);
+
+/// The same ranges, cut evenly: distance, tilt about both axes, roll and place in the picture on a
+/// grid, of which every n-th that shows the whole board is taken; then shuffled.
+/// @throws ConfigError likewise
+PosePlan strided_poses(const PlanRequest& request);
+
+}  // namespace glint

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/calibrate/corner_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "core/csv.h"
+#include "studies/calibrate/calibrate_files.h"
+#include "studies/calibrate/corner_residuals.h"
+
+namespace glint {
+namespace {
+
+constexpr std::array<const char*, 11> kColumns = {"picture",
+                                                  "width_px",
+                                                  "height_px",
+                                                  "board_x_mm",
+                                                  "board_y_mm",
+                                                  "x_px",
+                                                  "y_px",
+                                                  "residual_x_px",
+                                                  "residual_y_px",
+                                                  "used",
+                                                  "reason"};
+
+std::string head_row() {
+  return csv_row(std::vector<std::string>(kColumns.begin(), kColumns.end()));
+}
+
+/// Reads rows by the names of their columns.
+class CornerTable {
+ public:
+  CornerTable(std::string_view text, const std::string& file) : rows_(parse_csv(text, file, '#')) {
+    if (rows_.empty()) {
+      throw ConfigError(
+          fmt::format("{}: is empty; a table of corners begins with {}", file, head_row()));
+    }
+    for (std::size_t i = 0; i < rows_.front().size(); ++i) {
+      column_[rows_.front()[i].text] = i;
+    }
+    for (const char* needed :
+         {"picture", "width_px", "height_px", "board_x_mm", "board_y_mm", "x_px", "y_px"}) {
+      if (!column_.contains(needed)) {
+        throw ConfigError(
+            fmt::format("{}has no column {}", rows_.front().front().place.prefix(), needed));
+      }
+    }
+  }
+
+  std::size_t num_rows() const { return rows_.size() - 1; }
+
+  /// Of row 0, 1, ... below the head; empty where the column or the field is missing.
+  std::string text(std::size_t row, const char* column) const {
+    const CsvField* field = find(row, column);
+    return field == nullptr ? std::string() : field->text;
+  }
+
+  bool is_empty(std::size_t row, const char* column) const { return text(row, column).empty(); }
+
+  /// @throws ConfigError
+  double number(std::size_t row, const char* column) const {
+    const CsvField* field = find(row, column);
+    const auto value = field == nullptr ? std::nullopt : field->number();
+    if (!value || !std::isfinite(*value)) {
+      fail(row, column, "must be a number");
+    }
+    return *value;
+  }
+
+  int size(std::size_t row, const char* column) const {
+    const double value = number(row, column);
+    if (!(value >= 1.0 && value <= 1e6) || value != std::floor(value)) {
+      fail(row, column, "must be a whole number from 1 on");
+    }
+    return static_cast<int>(value);
+  }
+
+  [[noreturn]] void fail(std::size_t row, const char* column, const std::string& what) const {
+    const CsvField* field = find(row, column);
+    const Place& place = field != nullptr ? field->place : rows_[row + 1].front().place;
+    throw ConfigError(fmt::format("{}{}: {}", place.prefix(), column, what));
+  }
+
+ private:
+  const CsvField* find(std::size_t row, const char* column) const {
+    const auto at = column_.find(column);
+    return at == column_.end() || at->second >= rows_[row + 1].size() ? nullptr
+                                                                      : &rows_[row + 1][at->second];
+  }
+
+  std::vector<CsvRow> rows_;
+  std::map<std::string, std::size_t> column_;
+};
+
+/// What became of a picture without corners, from the text that reason_of_view() made.
+BoardView view_without_corners(const std::string& reason) {
+  for (int i = static_cast<int>(ViewOutcome::kNoBoard);
+       i <= static_cast<int>(ViewOutcome::kDoubled);
+       ++i) {
+    const auto outcome = static_cast<ViewOutcome>(i);
+    const std::string name = outcome_name(outcome);
+    if (reason.starts_with(name)) {
+      return {.outcome = outcome,
+              .why = reason.size() > name.size() + 2 ? reason.substr(name.size() + 2) : ""};
+    }
+  }
+  return {.outcome = ViewOutcome::kNoBoard, .why = reason};
+}
+
+/// A row's numbers are added to the picture that it belongs to.
+void add_row(const CornerTable& table, std::size_t row, FoundCorners& found) {
+  const std::string name = table.text(row, "picture");
+  if (name.empty()) {
+    table.fail(row, "picture", "is empty, must be the picture's name");
+  }
+  if (found.names.empty() || found.names.back() != name) {
+    if (std::ranges::find(found.names, name) != found.names.end()) {
+      table.fail(row, "picture", "corners of one picture must stand together");
+    }
+    found.names.push_back(name);
+    found.views.push_back(view_without_corners(table.text(row, "reason")));
+  }
+  if (table.is_empty(row, "x_px") && table.is_empty(row, "y_px")) {
+    return;
+  }
+  BoardView& view = found.views.back();
+  view.outcome = ViewOutcome::kAccepted;
+  view.why.clear();
+  view.board_mm.emplace_back(table.number(row, "board_x_mm"), table.number(row, "board_y_mm"), 0.0);
+  view.picture_px.emplace_back(table.number(row, "x_px"), table.number(row, "y_px"));
+}
+
+}  // namespace
+
+std::string corners_csv(const CalibrateInput& input,
+                        const SolvedCalibration& solved,
+                        const std::vector<std::vector<Eigen::Vector2d>>& residuals_px) {
+  std::string text = head_row();
+  for (std::size_t i = 0; i < input.names.size(); ++i) {
+    const BoardCorners& corners = input.corners[i];
+    const char* used = is_used(solved, i) ? "yes" : "no";
+    const std::string reason = reason_of(input, solved, i);
+    if (corners.picture_px.empty()) {
+      text += csv_row_of(
+          input.names[i], input.width_px, input.height_px, "", "", "", "", "", "", used, reason);
+    }
+    for (std::size_t k = 0; k < corners.picture_px.size(); ++k) {
+      const bool is_known = !residuals_px[i].empty();
+      text += csv_row_of(input.names[i],
+                         input.width_px,
+                         input.height_px,
+                         corners.board_mm[k].x(),
+                         corners.board_mm[k].y(),
+                         corners.picture_px[k].x(),
+                         corners.picture_px[k].y(),
+                         is_known ? shortest(residuals_px[i][k].x()) : std::string(),
+                         is_known ? shortest(residuals_px[i][k].y()) : std::string(),
+                         used,
+                         reason);
+    }
+  }
+  return text;
+}
+
+FoundCorners parse_corners(std::string_view text, const std::string& file) {
+  const CornerTable table(text, file);
+  FoundCorners found;
+  for (std::size_t row = 0; row < table.num_rows(); ++row) {
+    const int width = table.size(row, "width_px");
+    const int height = table.size(row, "height_px");
+    if (row > 0 && (width != found.width_px || height != found.height_px)) {
+      table.fail(row, "width_px", "pictures of one camera have one size");
+    }
+    found.width_px = width;
+    found.height_px = height;
+    add_row(table, row, found);
+  }
+  if (found.names.empty()) {
+    throw ConfigError(fmt::format("{}: has no corners", file));
+  }
+  return found;
+}
+
+}  // namespace glint

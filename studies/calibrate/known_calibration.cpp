@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/calibrate/known_calibration.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "hardware/calibration/rotation.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Eigen::Vector3d vector_of(const Json& json) {
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
+}
+
+Eigen::Isometry3d pose_of(const Json& json) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = rotation_of(vector_of(json.at("rotation_vector_rad")));
+  pose.translation() = vector_of(json.at("translation_mm"));
+  return pose;
+}
+
+PinholeIntrinsics intrinsics_of(const Json& json) {
+  PinholeIntrinsics intrinsics;
+  intrinsics.width_px = json.at("width_px").get<int>();
+  intrinsics.height_px = json.at("height_px").get<int>();
+  for (const int i : {0, 1}) {
+    const auto k = static_cast<std::size_t>(i);
+    intrinsics.focal_px[i] = json.at("focal_px").at(k).get<double>();
+    intrinsics.center_px[i] = json.at("center_px").at(k).get<double>();
+    intrinsics.tangential[k] = json.at("tangential").at(k).get<double>();
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    intrinsics.radial[i] = json.at("radial").at(i).get<double>();
+  }
+  return intrinsics;
+}
+
+/// The keys of a board's file alone: beside them stands what the calibration says of it.
+Board board_of(const Json& json, const std::string& file) {
+  Json keys = Json::object();
+  for (const char* name :
+       {"kind", "cols", "rows", "square_mm", "mark", "marker_mm", "dictionary"}) {
+    if (json.contains(name)) {
+      keys[name] = json[name];
+    }
+  }
+  return parse_board_json(keys.dump(), file);
+}
+
+KnownCalibration calibration_of(const Json& json, const fs::path& file) {
+  KnownCalibration known{.file = file,
+                         .intrinsics = intrinsics_of(json.at("intrinsics")),
+                         .board = board_of(json.at("board"), file.string()),
+                         .rms_px = json.at("rms_px").get<double>()};
+  if (json.at("prediction_rms_px").is_number()) {
+    known.prediction_rms_px = json["prediction_rms_px"].get<double>();
+  }
+  if (json.at("hand_eye").is_object()) {
+    const bool is_in_hand = json["hand_eye"].at("to").get<std::string>() == "flange";
+    known.mounting = is_in_hand ? Mounting::kEyeInHand : Mounting::kEyeToHand;
+    known.poses = {.hand_eye = pose_of(json["hand_eye"]),
+                   .board = pose_of(json.at("board").at("pose"))};
+  }
+  return known;
+}
+
+}  // namespace
+
+KnownCalibration read_calibration(const fs::path& path) {
+  std::error_code ignored;
+  const fs::path file = fs::is_directory(path, ignored) ? path / "calibration.json" : path;
+  const Json json = Json::parse(read_file(file), nullptr, false);
+  try {
+    if (json.is_object()) {
+      return calibration_of(json, file);
+    }
+  } catch (const Json::exception&) {
+    // said below
+  }
+  throw ConfigError(fmt::format("{}: is no calibration.json of glint calibrate", file.string()));
+}
+
+}  // namespace glint

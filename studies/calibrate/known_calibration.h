@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A calibration that was made before, from its calibration.json.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "hardware/board/board.h"
+#include "hardware/calibration/pose_chain.h"
+#include "simulator/camera/pinhole_camera.h"
+
+namespace glint {
+
+struct KnownCalibration {
+  std::filesystem::path file;
+  PinholeIntrinsics intrinsics;
+  Board board;
+  std::optional<Mounting> mounting;  ///< with poses
+  HandEye poses;                     ///< with a mounting
+  double rms_px = 0.0;               ///< of its own pictures
+  std::optional<double> prediction_rms_px;
+};
+
+/// @param path  calibration.json or the folder that it is in
+/// @throws ConfigError when it is none, IoError
+KnownCalibration read_calibration(const std::filesystem::path& path);
+
+}  // namespace glint

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint calibrate --plan`: from where to photograph the board.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/config/keys.h"
+#include "studies/definition/study.h"
+
+namespace glint {
+
+enum class PlanMethod { kInformation, kStrided };
+
+/// Keys of --set plan.key=value.
+struct PlanSettings {
+  PlanMethod method = PlanMethod::kInformation;
+  double near_mm = 0.0;  ///< in focus from here
+  double far_mm = 0.0;   ///< to here
+  double tilt_min_deg = 20.0;
+  double tilt_max_deg = 30.0;
+  double roll_deg = 40.0;
+  double margin_px = 10.0;
+  int seed = 1;
+};
+
+void visit_keys(KeyVisitor& keys, PlanSettings& settings);
+
+struct PlanOptions {
+  int count = 20;
+  std::filesystem::path board;  ///< empty: that of the calibration
+  /// A camera's file, or a calibration.json or its folder: then with the robot's poses.
+  std::filesystem::path camera;
+  std::filesystem::path out;   ///< empty: out/<name of the camera's file>/plan
+  std::vector<KeyValue> sets;  ///< "plan.key=value"
+};
+
+/// Writes poses.csv, poses.toml, plan.json and run.json. Poses are base_from_flange where the
+/// camera is a calibration with a hand-eye, else board_from_camera.
+/// @return what plan.json holds, and "folder"
+/// @throws ConfigError, IoError; nothing is left behind
+nlohmann::ordered_json plan_poses(const PlanOptions& options);
+
+}  // namespace glint

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/photon_transfer/photon_transfer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+
+namespace glint {
+namespace {
+
+/// A sensor as the model has it: 0.25 DN per electron, 8 electrons of read noise, 40 of dark
+/// signal.
+struct Model {
+  double gain = 0.25;
+  double read_e = 8.0;
+  double dark_e = 40.0;
+  double full_dn = 4095.0;
+  double bend = 0.0;  ///< share that the response loses at full scale
+
+  LevelStatistics level(double exposure, bool is_dark) const {
+    const double light_e = is_dark ? 0.0 : 1000.0 * exposure;
+    const double mean = gain * (light_e * (1.0 - bend * light_e * gain / full_dn) + dark_e);
+    const double variance = gain * gain * (light_e + dark_e + read_e * read_e) + 1.0 / 12.0;
+    LevelStatistics level{.is_dark = is_dark, .exposure = exposure, .pictures = 2};
+    level.photons = is_dark ? 0.0 : 2000.0 * exposure;
+    level.mean_dn = std::min(mean, full_dn);
+    level.temporal_variance_dn2 = mean < full_dn ? variance : 0.0;
+    level.clipped_share = mean < full_dn ? 0.0 : 1.0;
+    level.variance_error_dn2 = 0.002 * level.temporal_variance_dn2;
+    return level;
+  }
+
+  std::vector<LevelStatistics> series(double most) const {
+    std::vector<LevelStatistics> levels;
+    for (int i = 1; i <= 12; ++i) {
+      levels.push_back(level(most * i / 12.0, false));
+      levels.push_back(level(most * i / 12.0, true));
+    }
+    return levels;
+  }
+};
+
+TEST(PhotonTransfer, FindsTheModelThatMadeTheLevels) {
+  const Model model;
+  const PhotonTransfer found = photon_transfer(model.series(20.0), model.full_dn);
+  EXPECT_NEAR(found.fit.slope, 0.25, 1e-9);
+  // 0.0625 x 64 + 1/12 = 4.0833 DN^2 at mean 0.
+  EXPECT_NEAR(found.fit.offset, 4.08333, 1e-5);
+  EXPECT_NEAR(found.read_noise_e, 8.0, 1e-6);
+  EXPECT_NEAR(found.dark_e, 40.0, 1e-9);
+  EXPECT_NEAR(found.full_scale_e, 4095.0 / 0.25, 1e-6);
+  EXPECT_NEAR(found.quantum_efficiency, 0.5, 1e-9);
+  EXPECT_NEAR(found.linearity_error, 0.0, 1e-9);
+  EXPECT_TRUE(found.has_saturated);
+  // Of 1.667, 3.333, ... thousand electrons the last below 4095 DN is 15 thousand: 3760 DN.
+  EXPECT_NEAR(found.saturation_dn, 3760.0, 1e-6);
+  EXPECT_EQ(found.warnings, std::vector<std::string>());
+}
+
+TEST(PhotonTransfer, LevelsAboveSeventyPerCentDoNotCount) {
+  const Model model;
+  const std::vector<LevelStatistics> levels = model.series(20.0);
+  const PhotonTransfer found = photon_transfer(levels, model.full_dn);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    EXPECT_EQ(found.is_fitted[i], levels[i].is_dark || levels[i].mean_dn < 0.7 * 3760.0 + 3.0)
+        << levels[i].mean_dn;
+  }
+}
+
+TEST(PhotonTransfer, TellsAResponseThatIsBent) {
+  const Model straight;
+  const Model bent{.bend = 0.05};
+  EXPECT_GT(photon_transfer(bent.series(14.0), bent.full_dn).linearity_error, 0.004);
+  EXPECT_LT(photon_transfer(straight.series(14.0), 4095.0).linearity_error, 1e-9);
+}
+
+TEST(PhotonTransfer, WarnsWhereTheSimulatedSensorCannotFollow) {
+  Model black_level;
+  std::vector<LevelStatistics> levels = black_level.series(14.0);
+  for (LevelStatistics& level : levels) {
+    level.mean_dn += 100.0;
+  }
+  const PhotonTransfer found = photon_transfer(levels, black_level.full_dn);
+  EXPECT_NEAR(found.fit.slope, 0.25, 1e-9);
+  EXPECT_EQ(found.read_noise_e, 0.0);
+  ASSERT_EQ(found.warnings.size(), 2U);  // and no level saturates
+  EXPECT_NE(found.warnings[0].find("black level"), std::string::npos);
+}
+
+TEST(PhotonTransfer, RefusesWhatSaysNothingOfNoise) {
+  const Model model;
+  std::vector<LevelStatistics> bright;
+  for (const LevelStatistics& level : model.series(10.0)) {
+    if (!level.is_dark) {
+      bright.push_back(level);
+    }
+  }
+  EXPECT_THROW(photon_transfer(bright, model.full_dn), ConfigError);
+  const std::vector<LevelStatistics> two = {
+      model.level(1.0, false), model.level(2.0, false), model.level(1.0, true)};
+  EXPECT_THROW(photon_transfer(two, model.full_dn), ConfigError);
+  std::vector<LevelStatistics> quiet = model.series(10.0);
+  for (LevelStatistics& level : quiet) {
+    level.temporal_variance_dn2 = 5.0 - 1e-4 * level.mean_dn;
+  }
+  EXPECT_THROW(photon_transfer(quiet, model.full_dn), ConfigError);
+}
+
+TEST(FittedLine, WeighsItsPoints) {
+  // Two points on y = 1 + 2 x that count and one that hardly does.
+  const std::array x = {0.0, 1.0, 2.0};
+  const std::array y = {1.0, 3.0, 9.0};
+  const std::array one = {1.0, 1.0, 1.0};
+  const LineFit fit = fitted_line(x, y, std::array{1e6, 1e6, 1e-6}, one);
+  EXPECT_NEAR(fit.offset, 1.0, 1e-6);
+  EXPECT_NEAR(fit.slope, 2.0, 1e-6);
+  // Equal weights: slope 4, offset 1/3; residuals 2/3, -4/3, 2/3, their squares' sum 8/3 over one
+  // degree of freedom, xx = 2: sigma = sqrt(8/3 / 2).
+  const LineFit even = fitted_line(x, y, one, one);
+  EXPECT_DOUBLE_EQ(even.slope, 4.0);
+  EXPECT_NEAR(even.offset, 1.0 / 3.0, 1e-12);
+  EXPECT_NEAR(even.slope_sigma, std::sqrt(4.0 / 3.0), 1e-12);
+  // Points on a line: what the errors say, sqrt(1 / 2).
+  EXPECT_NEAR(fitted_line(x, x, one, one).slope_sigma, std::sqrt(0.5), 1e-12);
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/upkeep/pose_plan.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/rng.h"
+#include "tests/hardware/calibration/simulated_cell.h"
+
+namespace glint {
+namespace {
+
+PlanRequest request() {
+  return {.camera = {.width_px = 1224,
+                     .height_px = 1025,
+                     .focal_px = {1895, 1895},
+                     .center_px = {612, 512}},
+          .board_mm = cell_board(),
+          .count = 12};
+}
+
+void expect_all_in_view(const PlanRequest& request, const PosePlan& plan) {
+  const PinholeCamera camera(request.camera);
+  ASSERT_EQ(plan.board_from_camera.size(), static_cast<std::size_t>(request.count));
+  for (const Eigen::Isometry3d& pose : plan.board_from_camera) {
+    for (const Eigen::Vector3d& point : request.board_mm) {
+      const Eigen::Vector3d seen = pose.inverse() * point;
+      const auto pixel = camera.project(seen);
+      ASSERT_TRUE(pixel.has_value());
+      EXPECT_GE(pixel->minCoeff(), request.margin_px - 1e-9);
+      EXPECT_LE(pixel->x(), request.camera.width_px - request.margin_px + 1e-9);
+      EXPECT_LE(pixel->y(), request.camera.height_px - request.margin_px + 1e-9);
+      EXPECT_TRUE(request.near_mm == 0.0 || seen.z() >= request.near_mm);
+      EXPECT_TRUE(request.far_mm == 0.0 || seen.z() <= request.far_mm);
+    }
+  }
+}
+
+TEST(PosePlan, ShowsTheWholeBoardInFocus) {
+  PlanRequest wanted = request();
+  expect_all_in_view(wanted, informative_poses(wanted));
+  expect_all_in_view(wanted, strided_poses(wanted));
+  wanted.near_mm = 150.0;
+  wanted.far_mm = 260.0;
+  expect_all_in_view(wanted, informative_poses(wanted));
+  expect_all_in_view(wanted, strided_poses(wanted));
+}
+
+/// Largest tilt of the board about the picture's x (0) or y (1), as the normal in the camera says.
+double largest_tilt(const PosePlan& plan, int axis) {
+  double most = 0.0;
+  for (const Eigen::Isometry3d& pose : plan.board_from_camera) {
+    most = std::max(most, std::abs(std::asin(pose.linear().transpose()(1 - axis, 2))));
+  }
+  return most;
+}
+
+TEST(PosePlan, TiltsAboutBothAxes) {
+  const PosePlan plan = informative_poses(request());
+  EXPECT_GT(largest_tilt(plan, 0), 0.3);
+  EXPECT_GT(largest_tilt(plan, 1), 0.3);
+  EXPECT_LT(largest_tilt(plan, 0), 0.53);
+}
+
+TEST(PosePlan, ChosenPosesPromiseMoreThanTheSameNumberByStrides) {
+  const PosePlan chosen = informative_poses(request());
+  const PosePlan strided = strided_poses(request());
+  EXPECT_LT(chosen.lens_sigma[0], strided.lens_sigma[0]);
+  EXPECT_LT(chosen.hand_eye_rad, strided.hand_eye_rad);
+  PlanRequest more = request();
+  more.count = 24;
+  EXPECT_LT(informative_poses(more).lens_sigma[0], chosen.lens_sigma[0]);
+}
+
+TEST(PosePlan, BeginsWithThePlanOfFewerPoses) {
+  PlanRequest fewer = request();
+  fewer.count = 5;
+  const PosePlan few = informative_poses(fewer);
+  const PosePlan many = informative_poses(request());
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_TRUE(few.board_from_camera[i].isApprox(many.board_from_camera[i], 0.0));
+  }
+}
+
+/// Error of fx of a calibration from the planned poses, in standard deviations that were promised.
+double miss_of_focal(const PlanRequest& wanted, const PosePlan& plan, std::uint64_t seed) {
+  Rng rng(seed, Stream::kTest, 0);
+  const NoiseSizes noise;
+  const LensVector lens = lens_vector(wanted.camera);
+  std::vector<BoardCorners> pictures;
+  for (const Eigen::Isometry3d& pose : plan.board_from_camera) {
+    BoardCorners corners{.board_mm = wanted.board_mm};
+    for (const Eigen::Vector3d& point : wanted.board_mm) {
+      corners.picture_px.emplace_back(*project_by_lens(lens, pose.inverse() * point, nullptr) +
+                                      noise.corner_px *
+                                          Eigen::Vector2d(rng.normal(), rng.normal()));
+    }
+    pictures.push_back(corners);
+  }
+  std::vector<Eigen::Isometry3d> robot;
+  for (const Eigen::Isometry3d& pose : plan.board_from_camera) {
+    Vector6d error;
+    for (int i = 0; i < 6; ++i) {
+      error[i] = (i < 3 ? noise.robot_rad : noise.robot_mm) * rng.normal();
+    }
+    robot.push_back(pose * motion_of(error));
+  }
+  LensMask all;
+  all.fill(true);
+  const HandEyeCalibration found =
+      calibrate_hand_eye(pictures,
+                         robot,
+                         {.camera = {.width_px = wanted.camera.width_px,
+                                     .height_px = wanted.camera.height_px,
+                                     .free_terms = all}});
+  EXPECT_TRUE(found.succeeded) << found.refusal;
+  return (found.lens[0] - lens[0]) / plan.lens_sigma[0];
+}
+
+TEST(PosePlan, KeepsItsPromise) {
+  const PlanRequest wanted = request();
+  const PosePlan plan = informative_poses(wanted);
+  constexpr int kTrials = 12;
+  double square = 0.0;
+  for (int seed = 1; seed <= kTrials; ++seed) {
+    square += std::pow(miss_of_focal(wanted, plan, static_cast<std::uint64_t>(seed)), 2);
+  }
+  // Chi-square with 12 degrees of freedom is between 1.9 and 36 but once in 2000 times.
+  EXPECT_GT(square, 1.9);
+  EXPECT_LT(square, 36.0);
+}
+
+TEST(PosePlan, RefusesABoardThatDoesNotFit) {
+  PlanRequest wanted = request();
+  wanted.near_mm = 20.0;
+  wanted.far_mm = 30.0;
+  EXPECT_THROW(informative_poses(wanted), ConfigError);
+  EXPECT_THROW(strided_poses(wanted), ConfigError);
+}
+
+}  // namespace
+}  // namespace glint

@@ -11,20 +11,12 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "cli/shell/exit_codes.h"
 #include "core/progress.h"
 #include "studies/definition/study.h"
 #include "studies/output/result_folder.h"
 
 namespace glint {
-
-enum ExitCode {
-  kExitDone = 0,
-  kExitNegative = 1,
-  kExitUsage = 2,
-  kExitIo = 3,
-  kExitInternal = 4,
-  kExitInterrupted = 130
-};
 
 struct CommonArguments {
   bool is_json = false;

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include "cli/commands.h"
-#include "cli/completion.h"
-#include "cli/man_page.h"
-#include "cli/usage.h"
+#include "cli/shell/completion.h"
+#include "cli/shell/man_page.h"
+#include "cli/shell/usage.h"
 #include "studies/definition/key_table.h"
 #include "studies/output/provenance.h"
 

@@ -14,7 +14,7 @@
 
 #include "cli/command_line.h"
 #include "cli/commands.h"
-#include "cli/usage.h"
+#include "cli/shell/usage.h"
 #include "core/log.h"
 #include "core/thread_pool.h"
 #include "studies/output/provenance.h"

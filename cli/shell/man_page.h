@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "cli/usage.h"
+#include "cli/shell/usage.h"
 
 namespace glint {
 

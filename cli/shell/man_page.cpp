@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cli/man_page.h"
+#include "cli/shell/man_page.h"
 
 #include <array>
 #include <cctype>
 
 #include <fmt/format.h>
 
-#include "cli/commands.h"
+#include "cli/shell/exit_codes.h"
 #include "core/text.h"
 
 namespace glint {

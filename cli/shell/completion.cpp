@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cli/completion.h"
+#include "cli/shell/completion.h"
 
 #include <string_view>
 #include <vector>

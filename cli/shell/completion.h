@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "cli/usage.h"
+#include "cli/shell/usage.h"
 
 namespace glint {
 

@@ -59,6 +59,7 @@
 //       drawing       SVG text
 //       scores        { score: number } of the first view }
 //   inspection        of `glint inspect`: its result.json with what inspect_page.cpp adds
+//   comparison        of `glint compare`: its result.json with what compare_page.cpp adds
 //   methods           [ sentences on method and accuracy ]
 //   config_toml       the resolved configuration
 //   provenance        { version, seed, compiler, machine, ... }: shown in the order given

@@ -6,6 +6,7 @@ import { Facts, isNumber, plural } from './format.js';
 import { convergenceSection, parallelSection, runCurvesSection, sliceSection } from './charts.js';
 import { frontierSection, frontierTableSection } from './frontier.js';
 import { foundSection, gradesSection, partsSection } from './inspection.js';
+import { comparisonSection, pairsSection, yardstickSection } from './comparison.js';
 import { panelSections } from './panels.js';
 import { sceneSection } from './scene.js';
 import { evaluationSection, failureSection } from './table.js';
@@ -30,7 +31,7 @@ function masthead(facts) {
     h('p', { class: 'meta' }, text && badge(kind, text), counts && h('span', {}, counts), document.getElementById('when')));
 }
 
-const kShort = { scene: 'Part', designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', measured: 'All methods', methods: 'Method', origin: 'Configuration', curves: 'Convergence' };
+const kShort = { scene: 'Part', designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', measured: 'All methods', yardstick: 'Yardstick', methods: 'Method', origin: 'Configuration', curves: 'Convergence' };
 
 function navigation(sections) {
   return h('nav', {}, sections.map((node) => h('a', { href: `#${node.id}` }, kShort[node.id] ?? node.querySelector('h2').textContent)));
@@ -76,7 +77,7 @@ function main() {
     verdictSection(facts), sceneSection(facts), ...panelSections(facts), runTable(facts), runCurvesSection(facts), designSection(facts), convergenceSection(facts),
     parallelSection(facts, (chosen) => table?.choose(chosen)), sliceSection(facts), table?.node, failureSection(facts),
     frontierSection(facts), frontierTableSection(facts), viewsSection(facts), lightingSection(facts),
-    partsSection(facts), gradesSection(facts), foundSection(facts), methodSection(facts), originSection(facts),
+    partsSection(facts), gradesSection(facts), foundSection(facts), pairsSection(facts), yardstickSection(facts), comparisonSection(facts), methodSection(facts), originSection(facts),
   ].filter(Boolean);
   document.getElementById('report').append(masthead(facts), navigation(sections), h('main', {}, sections));
   document.body.dispatchEvent(new CustomEvent('glint-attached'));

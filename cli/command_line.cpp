@@ -221,6 +221,47 @@ void add_calibrate_modes(CLI::App& calibrate, CalibrateArguments& arguments) {
       ->check(not_empty());
 }
 
+void add_compare_verb(CLI::App& app, CommandLine& line) {
+  CompareArguments& arguments = line.compare;
+  CLI::App* compare = add_verb(
+      app,
+      "compare",
+      "how far simulated pictures and photographs agree",
+      "glint compare out/scene photo.png --out out/compare\n"
+      "  glint compare out/scene photos/*.png --pairs pairs.csv",
+      line,
+      [](const CommandLine& given) { return compare_command(given.compare, given.common); });
+  compare
+      ->add_option("SIMULATED REAL",
+                   arguments.pictures,
+                   "pictures, folders of pictures, folders of runs or their views: first the "
+                   "simulated side, then the real ones")
+      ->type_name("FILE")
+      ->required();
+  add_out(*compare, arguments.out, "folder for the results (default out/<name>/compare)");
+  compare
+      ->add_option("--pairs", arguments.pairs, "CSV file: simulated,real; else by name, or order")
+      ->type_name("FILE")
+      ->check(not_empty());
+  compare->add_option("--mask", arguments.mask, "picture that is bright where the real part is")
+      ->type_name("FILE")
+      ->check(not_empty());
+  compare
+      ->add_option("--outline",
+                   arguments.outline,
+                   "how the real part is found: by brightness, by a cut, or edges inside it")
+      ->type_name("auto|threshold|grab_cut|inner")
+      ->capture_default_str();
+  compare->add_flag(
+      "--offset", arguments.has_offset, "exposures may differ by an offset, not by a gain alone");
+  compare->add_flag("--calibrated",
+                    arguments.is_lens_known,
+                    "the scene's camera is calibrated: only pose and gain may differ");
+  compare->add_flag("--refine",
+                    arguments.is_refining,
+                    "write the scene with what explains the differences put in");
+}
+
 void add_calibrate_verb(CLI::App& app, CommandLine& line) {
   CalibrateArguments& arguments = line.calibrate;
   CLI::App* calibrate = add_verb(
@@ -407,6 +448,7 @@ void add_verbs(CLI::App& app, CommandLine& line) {
   add_study_verbs(app, line);
   add_imprint_verb(app, line);
   add_inspect_verb(app, line);
+  add_compare_verb(app, line);
   add_calibrate_verb(app, line);
   add_cover_verb(app, line);
   add_undistort_verb(app, line);

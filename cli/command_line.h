@@ -19,6 +19,7 @@ struct CommandLine {
   StudyArguments study;
   ImprintArguments imprint;
   InspectArguments inspect;
+  CompareArguments compare;
   CalibrateArguments calibrate;
   CoverArguments cover;
   UndistortArguments undistort;

@@ -68,6 +68,19 @@ struct InspectArguments {
 
 int inspect_command(const InspectArguments& arguments, const CommonArguments& common);
 
+struct CompareArguments {
+  std::vector<std::filesystem::path> pictures;  ///< the simulated side, then the real ones
+  std::filesystem::path out;
+  std::filesystem::path pairs;  ///< CSV; empty: by name or order
+  std::filesystem::path mask;   ///< of the real part; empty: it is found
+  std::string outline = "auto";
+  bool has_offset = false;
+  bool is_lens_known = false;
+  bool is_refining = false;
+};
+
+int compare_command(const CompareArguments& arguments, const CommonArguments& common);
+
 struct CalibrateArguments {
   std::vector<std::filesystem::path> pictures;
   std::filesystem::path from;  ///< corners.csv instead of pictures

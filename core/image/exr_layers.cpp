@@ -13,6 +13,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/image/unreadable_picture.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -111,6 +112,28 @@ void write_exr_channels(const fs::path& path,
   check_written(output->close(), *output, path);
   // As bytes that lie there already: pictures of many channels fill much memory.
   write_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
+std::vector<ImageF> read_exr_channels(const fs::path& path, std::span<const std::string> names) {
+  const auto input = OIIO::ImageInput::open(path.string());
+  if (!input) {
+    throw_unreadable_picture(path, OIIO::geterror());
+  }
+  const ImageSpec& spec = input->spec();
+  std::vector<ImageF> images;
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(spec.channelnames, name);
+    if (found == spec.channelnames.end()) {
+      throw ConfigError(fmt::format("{}: has no channel {}", path.string(), name));
+    }
+    const int channel = static_cast<int>(found - spec.channelnames.begin());
+    ImageF image(spec.width, spec.height);
+    if (!input->read_image(0, 0, channel, channel + 1, TypeDesc::FLOAT, image.values().data())) {
+      throw_unreadable_picture(path, input->geterror());
+    }
+    images.push_back(std::move(image));
+  }
+  return images;
 }
 
 void write_tiff(const fs::path& path, std::span<const ImageF> channels) {

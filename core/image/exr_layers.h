@@ -8,6 +8,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/image/image_io.h"
 
@@ -31,6 +32,14 @@ void write_exr_channels(const std::filesystem::path& path,
                         int width_px,
                         int height_px,
                         std::span<const ExrChannel> channels);
+
+/// Channels of an OpenEXR file.
+/// @param names  as they are called in the file
+/// @returns an image for each name @throws IoError when the file cannot be read, ConfigError when
+/// it
+///          holds no such channel
+std::vector<ImageF> read_exr_channels(const std::filesystem::path& path,
+                                      std::span<const std::string> names);
 
 /// Writes linear values as TIFF of 16 bits, clamped to [0, 1].
 /// @param channels  1 (grey) or 3 (red, green, blue) images of one size

@@ -27,7 +27,7 @@ struct KindNames {
   const char* folder;  ///< in out/<name>
 };
 
-constexpr std::array<KindNames, 13> kKinds = {
+constexpr std::array<KindNames, 14> kKinds = {
     {{ResultKind::kRun, "run", "run"},
      {ResultKind::kRender, "render", "render"},
      {ResultKind::kImprint, "imprint", "imprint"},
@@ -40,7 +40,8 @@ constexpr std::array<KindNames, 13> kKinds = {
      {ResultKind::kPlan, "calibrate --plan", "plan"},
      {ResultKind::kPoints, "calibrate --points", "points"},
      {ResultKind::kUndistort, "undistort", "undistort"},
-     {ResultKind::kCover, "cover", "cover"}}};
+     {ResultKind::kCover, "cover", "cover"},
+     {ResultKind::kCompare, "compare", "compare"}}};
 
 const KindNames& names_of(ResultKind kind) {
   return *std::ranges::find(kKinds, kind, &KindNames::kind);

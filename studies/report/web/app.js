@@ -8,6 +8,7 @@ import { convergenceSection, parallelSection, runCurvesSection, sliceSection } f
 import { coverageSection, coverageViewsSection } from './coverage.js';
 import { frontierSection, frontierTableSection } from './frontier.js';
 import { foundSection, gradesSection, partsSection } from './inspection.js';
+import { comparisonSection, pairsSection, yardstickSection } from './comparison.js';
 import { panelSections } from './panels.js';
 import { sceneSection } from './scene.js';
 import { evaluationSection, failureSection } from './table.js';
@@ -32,7 +33,7 @@ function masthead(facts) {
     h('p', { class: 'meta' }, text && badge(kind, text), counts && h('span', {}, counts), document.getElementById('when')));
 }
 
-const kShort = { residuals: 'Residuals', compared: 'Methods', accuracy: 'Accuracy', list: 'Table', scene: 'Part', designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', measured: 'All methods', methods: 'Method', origin: 'Configuration', curves: 'Convergence' };
+const kShort = { residuals: 'Residuals', compared: 'Methods', accuracy: 'Accuracy', list: 'Table', scene: 'Part', designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', measured: 'All methods', yardstick: 'Yardstick', methods: 'Method', origin: 'Configuration', curves: 'Convergence' };
 
 function navigation(sections) {
   return h('nav', {}, sections.map((node) => h('a', { href: `#${node.id}` }, kShort[node.id] ?? node.querySelector('h2').textContent)));
@@ -79,7 +80,7 @@ function main() {
     parallelSection(facts, (chosen) => table?.choose(chosen)), sliceSection(facts), table?.node, failureSection(facts),
     frontierSection(facts), frontierTableSection(facts), viewsSection(facts), lightingSection(facts), coverageSection(facts), coverageViewsSection(facts),
     contactSection(facts), residualSection(facts), comparedSection(facts), accuracySection(facts), pictureTableSection(facts),
-    partsSection(facts), gradesSection(facts), foundSection(facts), methodSection(facts), originSection(facts),
+    partsSection(facts), gradesSection(facts), foundSection(facts), pairsSection(facts), yardstickSection(facts), comparisonSection(facts), methodSection(facts), originSection(facts),
   ].filter(Boolean);
   document.getElementById('report').append(masthead(facts), navigation(sections), h('main', {}, sections));
   document.body.dispatchEvent(new CustomEvent('glint-attached'));

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "studies/compare/compare_run.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A number, or a dash where there is none.
+std::string cell(const Json& value, int digits) {
+  return value.is_number() ? fmt::format("{:.{}f}", value.get<double>(), digits) : std::string("-");
+}
+
+constexpr const char* kCompareRow = "  {:<20} {:<20} {:>8} {:>9} {:>8} {:>9} {:>7} {:>10}\n";
+
+std::string comparison_text(const Json& result) {
+  std::string text = fmt::format(kCompareRow,
+                                 "simulated",
+                                 "real",
+                                 "IoU",
+                                 "mean px",
+                                 "HD95 px",
+                                 "offset px",
+                                 "SSIM",
+                                 "histogram");
+  for (const Json& pair : result["pairs"]) {
+    text += fmt::format(kCompareRow,
+                        pair["simulated"].get<std::string>(),
+                        pair["real"].get<std::string>(),
+                        cell(pair["iou"], 4),
+                        cell(pair["mean_distance_px"], 3),
+                        cell(pair["hd95_px"], 3),
+                        cell(pair["offset_px"], 3),
+                        cell(pair["ssim"], 3),
+                        cell(pair["histogram_distance"], 4));
+    for (const Json& cause : pair["causes"]) {
+      text += fmt::format("    {:<24} {:>10} +- {} {}  explains {} %\n",
+                          cause["name"].get<std::string>(),
+                          cell(cause["value"], 4),
+                          cell(cause["sigma"], 4),
+                          cause["unit"].get<std::string>(),
+                          cell(Json(100.0 * cause["share"].get<double>()), 0));
+    }
+    for (const Json& note : pair["notes"]) {
+      text += "    note: " + note.get<std::string>() + "\n";
+    }
+  }
+  for (const Json& note : result["notes"]) {
+    text += "note: " + note.get<std::string>() + "\n";
+  }
+  return text + fmt::format("{}\nreport: {}\n",
+                            result["verdict"].get<std::string>(),
+                            result["report"].get<std::string>());
+}
+
+}  // namespace
+
+int compare_command(const CompareArguments& arguments, const CommonArguments& common) {
+  if (arguments.pictures.size() < 2) {
+    throw ConfigError("compare needs a simulated picture and at least one real one");
+  }
+  const Json result = compare_pictures(
+      {.inputs = {.simulated = arguments.pictures.front(),
+                  .reals = {arguments.pictures.begin() + 1, arguments.pictures.end()},
+                  .pairs = arguments.pairs},
+       .out = arguments.out,
+       .mask = arguments.mask,
+       .outline = arguments.outline,
+       .has_offset = arguments.has_offset,
+       .is_lens_known = arguments.is_lens_known,
+       .is_refining = arguments.is_refining,
+       .threads = common.threads,
+       .progress = common.progress()});
+  print_result(common, result, comparison_text(result));
+  return kExitDone;
+}
+
+}  // namespace glint

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Why a simulated picture differs from a real one: from its scene and the geometry that was
+// rendered with it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simulator/camera/pinhole_camera.h"
+#include "studies/compare/cause_fit.h"
+#include "studies/compare/compared_pair.h"
+#include "studies/definition/scene.h"
+
+namespace glint {
+
+/// A cause as the result tells it.
+struct ToldCause {
+  std::string name;
+  double value = 0.0;
+  std::string unit;
+  double sigma = 0.0;
+  double share = 0.0;                   ///< of the misfit that it is about, in [0, 1]
+  std::string of;                       ///< that misfit: "edges" or "grey"
+  std::vector<std::string> group = {};  ///< all that cannot be told apart, itself among them
+};
+
+struct PairCauses {
+  std::vector<ToldCause> told;
+  std::optional<CauseFit> edges;                         ///< empty: no geometry, or too few edges
+  Eigen::Vector3d middle_mm = Eigen::Vector3d::UnitZ();  ///< turns are about it; camera frame
+  double gain = 1.0;                                     ///< 1: none beyond noise
+};
+
+/// Edges of the pair with their places in space.
+/// @param scene  of the simulated picture @throws ConfigError, IoError
+std::vector<SpaceEdge> space_edges(const ComparedPair& pair, const SceneSettings& scene);
+
+/// @throws ConfigError, IoError for files of the simulated view that cannot be read
+/// @param is_lens_known  only pose and gain may differ
+PairCauses find_causes(const ComparedPair& pair, bool is_lens_known);
+
+/// The scene with the causes put in: camera, viewpoint (which moves against the part as the part
+/// does against it) and gain.
+SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes);
+
+/// The same as a TOML file. @param source  a rendered view @throws ConfigError, IoError
+std::string refined_toml(const CompareSource& source, const PairCauses& causes);
+
+}  // namespace glint

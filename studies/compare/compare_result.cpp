@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/compare/compare_result.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/units.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json optional_json(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json slope_json(const Estimate& slope) {
+  return {{"value", slope.value}, {"low", slope.low}, {"high", slope.high}, {"unit", "px/1000 px"}};
+}
+
+Json rings_json(const RingOffsets& rings) {
+  Json list = Json::array();
+  for (const OffsetRing& ring : rings.rings) {
+    Json& row = list.emplace_back();
+    row["inner_px"] = ring.inner_px;
+    row["outer_px"] = ring.outer_px;
+    row["points"] = ring.points;
+    row["radial_px"] = ring.has_radial ? Json(ring.radial_px) : Json(nullptr);
+    row["tangential_px"] = ring.has_tangential ? Json(ring.tangential_px) : Json(nullptr);
+  }
+  return list;
+}
+
+Json texture_json(const SurfaceTexture& texture) {
+  return {{"windows", texture.windows},
+          {"window_px", texture.window_px},
+          {"spread", texture.spread},
+          {"autocorrelation_px", texture.autocorrelation_px},
+          {"longest_px", texture.longest_px},
+          {"lay_deg", texture.lay_rad * 180.0 / kPi},
+          {"lay_strength", texture.lay_strength},
+          {"cooccurrence",
+           {{"contrast", texture.cooccurrence.contrast},
+            {"correlation", texture.cooccurrence.correlation},
+            {"energy", texture.cooccurrence.energy},
+            {"entropy_bits", texture.cooccurrence.entropy}}},
+          {"radial_spectrum", texture.radial},
+          {"angular_spectrum", texture.angular}};
+}
+
+Json texture_pair_json(const PairAppearance& look) {
+  if (!look.texture) {
+    return nullptr;
+  }
+  return {{"simulated", texture_json(look.simulated)},
+          {"real", texture_json(look.real)},
+          {"radial_spectrum_distance", look.texture->radial},
+          {"angular_spectrum_distance", look.texture->angular},
+          {"contrast_distance", look.texture->contrast},
+          {"length_distance", look.texture->length},
+          {"lay_distance_deg", look.texture->lay_rad * 180.0 / kPi}};
+}
+
+Json causes_json(const PairCauses& causes) {
+  Json list = Json::array();
+  for (const ToldCause& cause : causes.told) {
+    Json& row = list.emplace_back();
+    row["name"] = cause.name;
+    row["value"] = cause.value;
+    row["unit"] = cause.unit;
+    row["sigma"] = cause.sigma;
+    row["share"] = cause.share;
+    row["of"] = cause.of;
+    if (!cause.group.empty()) {
+      row["group"] = cause.group;
+    }
+  }
+  return list;
+}
+
+Json seen_json(const SeenDefect& seen) {
+  Json json = {{"found", seen.is_found}};
+  json["found_as"] = seen.is_found ? Json(seen.found_as) : Json(nullptr);
+  json["contrast"] = seen.contrast ? Json{{"value", seen.contrast->value},
+                                          {"low", seen.contrast->low},
+                                          {"high", seen.contrast->high}}
+                                   : Json(nullptr);
+  return json;
+}
+
+/// Median of a number that each pair may have.
+std::optional<double> median_of(const Json& pairs, const char* key) {
+  std::vector<double> values;
+  for (const Json& pair : pairs) {
+    if (pair[key].is_number()) {
+      values.push_back(pair[key].get<double>());
+    }
+  }
+  if (values.empty()) {
+    return std::nullopt;
+  }
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+/// Of a single pair: "; explained by k1 = 0.0194 +- 0.0004, gain = 1.2".
+std::string causes_sentence(const Json& pairs) {
+  if (pairs.size() != 1 || pairs[0]["causes"].empty()) {
+    return "";
+  }
+  std::string text;
+  for (const Json& cause : pairs[0]["causes"]) {
+    const std::string unit = cause["unit"].get<std::string>();
+    text += fmt::format("{}{} = {:.3g}{} +- {:.1g}",
+                        text.empty() ? "; explained by " : ", ",
+                        cause["name"].get<std::string>(),
+                        cause["value"].get<double>(),
+                        unit.empty() ? "" : " " + unit,
+                        cause["sigma"].get<double>());
+  }
+  return text;
+}
+
+std::string overlap_sentence(const Json& pairs) {
+  std::string text;
+  if (const auto iou = median_of(pairs, "iou")) {
+    text += fmt::format("The silhouettes overlap by {:.2f} %", 100.0 * *iou);
+  }
+  if (const auto distance = median_of(pairs, "mean_distance_px")) {
+    text += fmt::format(
+        "{} edges lie {:.3f} px apart on average", text.empty() ? "The" : ", their", *distance);
+  }
+  return text.empty() ? "No edges were found in both pictures" : text;
+}
+
+}  // namespace
+
+Json pair_json(const ComparedPair& pair, const PairCauses& causes) {
+  const PairGeometry& geometry = pair.geometry;
+  const PairAppearance& look = pair.appearance;
+  const bool has_edges = geometry.distance.points > 0;
+  const auto if_edges = [&](double value) { return has_edges ? Json(value) : Json(nullptr); };
+  Json json;
+  json["simulated"] = pair.simulated.source.name;
+  json["real"] = pair.real.source.name;
+  json["iou"] = optional_json(geometry.iou);
+  json["dice"] = optional_json(geometry.dice);
+  json["mean_distance_px"] = if_edges(geometry.distance.mean_px);
+  json["hd95_px"] = if_edges(geometry.distance.p95_px);
+  json["offset_px"] = if_edges(geometry.distance.offset_px);
+  const bool has_slopes = geometry.rings.has_slopes;
+  json["ring_slope"] = has_slopes ? slope_json(geometry.rings.radial_slope) : Json(nullptr);
+  json["tangential_slope"] =
+      has_slopes ? slope_json(geometry.rings.tangential_slope) : Json(nullptr);
+  json["causes"] = causes_json(causes);
+  if (causes.edges) {
+    json["edge_misfit_px"] = {{"before", causes.edges->before_px},
+                              {"after", causes.edges->after_px},
+                              {"noise", causes.edges->noise_px}};
+  }
+  json["ssim"] = look.ssim;
+  json["histogram_distance"] = look.histogram_distance;
+  json["exposure"] = {{"gain", look.exposure.gain}, {"offset", look.exposure.offset}};
+  json["residual_rms"] = look.residual_rms;
+  json["correlation"] = look.correlation;
+  json["gmsd"] = look.gmsd;
+  json["outline"] = {{"simulated", name_of(geometry.outlines.simulated.method)},
+                     {"real", name_of(geometry.outlines.real.method)},
+                     {"points", geometry.distance.points},
+                     {"share", geometry.distance.share}};
+  json["rings"] = rings_json(geometry.rings);
+  json["texture"] = texture_pair_json(look);
+  json["notes"] = pair.notes;
+  return json;
+}
+
+Json inspection_json(const InspectedPair& pair) {
+  Json result;
+  const auto side = [&](const InspectedSide& inspected) {
+    return Json{{"found", inspected.found},
+                {"missed", inspected.missed},
+                {"false_alarms", inspected.false_alarms}};
+  };
+  result["simulated"] = side(pair.simulated);
+  result["real"] = side(pair.real);
+  result["defects"] = Json::array();
+  for (std::size_t i = 0; i < pair.known.size(); ++i) {
+    Json& row = result["defects"].emplace_back();
+    row["id"] = pair.known[i].id;
+    row["label"] = pair.known[i].label;
+    row["kind"] = pair.known[i].kind;
+    row["simulated"] = seen_json(pair.simulated.defects[i]);
+    row["real"] = seen_json(pair.real.defects[i]);
+  }
+  result["notes"] = pair.notes;
+  return result;
+}
+
+Json yardstick_json(const std::optional<Yardstick>& yardstick) {
+  if (!yardstick) {
+    return nullptr;
+  }
+  Json rows = Json::array();
+  for (const YardstickRow& row : yardstick->rows) {
+    rows.push_back({{"name", row.name},
+                    {"real", row.real},
+                    {"real_quartiles", {row.real_low, row.real_high}},
+                    {"simulated", row.simulated},
+                    {"multiple", row.multiple}});
+  }
+  return {{"reals", yardstick->reals},
+          {"pairs", yardstick->pairs},
+          {"multiple", yardstick->multiple},
+          {"low", yardstick->low},
+          {"high", yardstick->high},
+          {"measures", rows}};
+}
+
+std::string compare_verdict(const Json& pairs, const std::optional<Yardstick>& yardstick) {
+  std::string text;
+  if (yardstick && yardstick->multiple > 0.0) {
+    text = fmt::format(
+        "The simulation differs from the photographs {:.1f} times as much as they differ from each "
+        "other",
+        yardstick->multiple);
+    text += yardstick->high > yardstick->low
+                ? fmt::format(" ({:.1f} to {:.1f}). ", yardstick->low, yardstick->high)
+                : std::string(". ");
+  }
+  text += overlap_sentence(pairs);
+  if (const auto ssim = median_of(pairs, "ssim")) {
+    text += fmt::format("; structural similarity {:.3f}", *ssim);
+  }
+  text += causes_sentence(pairs);
+  return text + (pairs.size() > 1 ? fmt::format(" (medians of {} pairs).", pairs.size()) : ".");
+}
+
+}  // namespace glint

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/compare/compare_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/image/image_io.h"
+#include "core/thread_pool.h"
+#include "core/wall_clock.h"
+#include "studies/compare/compare_page.h"
+#include "studies/compare/compare_result.h"
+#include "studies/compare/compared_pair.h"
+#include "studies/compare/inspected_pair.h"
+#include "studies/compare/yardstick.h"
+#include "studies/output/output_folder.h"
+#include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
+#include "studies/output/staged_folder.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+fs::path default_folder(const CompareInputs& inputs) {
+  std::error_code ignored;
+  const fs::path whole = fs::weakly_canonical(fs::absolute(inputs.simulated, ignored), ignored);
+  const std::string name =
+      whole.filename().empty() ? whole.parent_path().filename().string() : whole.stem().string();
+  return default_result_folder(name.empty() ? "comparison" : name, ResultKind::kCompare);
+}
+
+std::string folder_of(std::size_t index) {
+  return fmt::format("pair_{:02d}", index + 1);
+}
+
+/// A pair and why its pictures differ.
+struct Explained {
+  ComparedPair pair;
+  PairCauses causes;
+};
+
+class CompareRun {
+ public:
+  explicit CompareRun(const CompareOptions& options)
+      : options_(options),
+        out_(options.out.empty() ? default_folder(options.inputs) : options.out),
+        pool_(options.threads) {}
+
+  Json execute() {
+    plan_ = plan_comparison(options_.inputs);
+    check_folder();
+    pair_options_ = {
+        .real_mask = options_.mask,
+        .outline = outline_choice(options_.outline),
+        .exposure = options_.has_offset ? ExposureModel::kGainAndOffset : ExposureModel::kGain};
+    OutputFolder folder(out_);
+    remove_stale_stages(out_);
+    StagedFolder stage(out_, "");
+    compare_all(stage.path());
+    Json result = result_json();
+    write_all(stage.path(), result);
+    stage.commit();
+    folder.keep();
+    result["report"] = (out_ / "report.html").string();
+    result["folder"] = out_.string();
+    return result;
+  }
+
+ private:
+  void check_folder() const {
+    std::vector<std::string> names = {"result.json", "report.html", "run.json"};
+    for (std::size_t i = 0; i < plan_.pairs.size(); ++i) {
+      names.push_back(folder_of(i));
+    }
+    check_result_folder(out_, ResultKind::kCompare, names);
+    std::vector<fs::path> inputs = {options_.mask, options_.inputs.pairs};
+    for (const ComparePair& pair : plan_.pairs) {
+      inputs.insert(inputs.end(), {pair.simulated.picture, pair.real.picture});
+    }
+    check_inputs_kept(inputs, out_, names);
+  }
+
+  /// Pictures are large: as many pairs at a time as there are threads, each given up when its files
+  /// are written.
+  void compare_all(const fs::path& stage) {
+    const std::size_t count = plan_.pairs.size();
+    Progress bar("compare", static_cast<std::int64_t>(count), options_.progress);
+    const auto at_once = static_cast<std::size_t>(pool_.num_threads());
+    for (std::size_t begin = 0; begin < count; begin += at_once) {
+      const std::size_t size = std::min(at_once, count - begin);
+      const auto compared =
+          pool_.map<Explained>(static_cast<std::int64_t>(size), [&](std::int64_t i) {
+            const ComparePair& pair = plan_.pairs[begin + static_cast<std::size_t>(i)];
+            Explained result = {.pair = compare_pair(pair, pair_options_)};
+            result.causes = find_causes(result.pair, options_.is_lens_known);
+            return result;
+          });
+      for (std::size_t i = 0; i < size; ++i) {
+        keep(compared[i], stage / folder_of(begin + i));
+        bar.update(static_cast<std::int64_t>(begin + i + 1), compared[i].pair.real.source.name);
+      }
+    }
+  }
+
+  void keep(const Explained& explained, const fs::path& folder) {
+    const ComparedPair& pair = explained.pair;
+    make_folder(folder);
+    write_exr(folder / "difference.exr", residual_picture(pair.exposed, pair.real.grey));
+    write_png(folder / "simulated.png", pair.exposed, PixelDepth::k16Bit);
+    write_file(folder / "overlay.png", png_bytes(overlay_of(pair)));
+    if (options_.is_refining && !explained.causes.told.empty() &&
+        pair.simulated.source.is_rendered()) {
+      write_file(folder / "refined.toml", refined_toml(pair.simulated.source, explained.causes));
+    }
+    pages_.push_back(page_pair(pair));
+    Json row = pair_json(pair, explained.causes);
+    add_inspection(pair, row);
+    pairs_.push_back(std::move(row));
+    add_sample(pair.simulated, pair.region, pair.appearance.simulated, simulated_);
+    add_sample(pair.real, pair.region, pair.appearance.real, reals_);
+  }
+
+  /// A part that cannot be inspected is compared all the same.
+  void add_inspection(const ComparedPair& pair, Json& row) {
+    try {
+      if (const auto inspected = inspect_pair(pair, pool_)) {
+        row["inspection"] = inspection_json(*inspected);
+      }
+    } catch (const ConfigError& error) {
+      row["notes"].push_back(fmt::format("Not inspected: {}", error.what()));
+    }
+  }
+
+  /// Each picture once.
+  void add_sample(const ComparedPicture& picture,
+                  const Mask& region,
+                  const SurfaceTexture& texture,
+                  std::map<std::string, TextureSample>& samples) {
+    const std::string key = picture.source.picture.string();
+    if (!samples.contains(key)) {
+      samples.emplace(key, texture_sample(picture.source.name, picture.grey, region, texture));
+    }
+  }
+
+  /// Only where photographs are of one kind: compared with the same simulated picture.
+  std::optional<Yardstick> yardstick() const {
+    if (simulated_.size() != 1 || reals_.size() < 2) {
+      return std::nullopt;
+    }
+    const auto values = [](const std::map<std::string, TextureSample>& samples) {
+      std::vector<TextureSample> list;
+      for (const auto& [key, sample] : samples) {
+        list.push_back(sample);
+      }
+      return list;
+    };
+    return measure_yardstick(values(reals_), values(simulated_));
+  }
+
+  Json result_json() const {
+    const std::optional<Yardstick> stick = yardstick();
+    Json result = {{"schema", 1}, {"status", "done"}};
+    result["pairs"] = pairs_;
+    result["yardstick"] = yardstick_json(stick);
+    result["verdict"] = compare_verdict(result["pairs"], stick);
+    result["notes"] = plan_.notes;
+    result["report"] = "report.html";
+    return result;
+  }
+
+  void write_all(const fs::path& stage, const Json& result) const {
+    write_file(stage / "result.json", result.dump(2) + "\n");
+    write_file(stage / "report.html", compare_page(result, pages_));
+    Json run = provenance();
+    run["verb"] = command_of(ResultKind::kCompare);
+    run["pairs"] = plan_.pairs.size();
+    run["threads"] = options_.threads;
+    run["timings"] = {{"this_run_s", seconds_since(start_)}};
+    write_file(stage / "run.json", run.dump(2) + "\n");
+  }
+
+  const CompareOptions& options_;
+  fs::path out_;
+  ThreadPool pool_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  ComparePlan plan_;
+  PairOptions pair_options_;
+  Json pairs_ = Json::array();
+  std::vector<PagePair> pages_;
+  std::map<std::string, TextureSample> simulated_;
+  std::map<std::string, TextureSample> reals_;
+};
+
+}  // namespace
+
+Json compare_pictures(const CompareOptions& options) {
+  return CompareRun(options).execute();
+}
+
+}  // namespace glint

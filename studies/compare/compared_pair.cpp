@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/compare/compared_pair.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/image/spans.h"
+#include "metrics/appearance/structure_similarity.h"
+#include "metrics/overlap/region_overlap.h"
+#include "studies/compare/better_turn.h"
+
+namespace glint {
+namespace {
+
+constexpr double kMaxDistanceShare = 0.05;  ///< of the picture's width: farther edges are others
+constexpr int kMarginPx = 3;                ///< from the outline, where grey values are compared
+
+void check_sizes(const ComparedPicture& simulated, const ComparedPicture& real) {
+  const bool is_same = simulated.width() == real.width() && simulated.height() == real.height();
+  if (is_same) {
+    return;
+  }
+  const bool is_turned = simulated.width() == real.height() && simulated.height() == real.width();
+  throw ConfigError(fmt::format("{}: is {} x {} pixels, {} is {} x {}: {}",
+                                simulated.source.picture.string(),
+                                simulated.width(),
+                                simulated.height(),
+                                real.source.picture.string(),
+                                real.width(),
+                                real.height(),
+                                is_turned ? "one of them is turned by 90 degrees"
+                                          : "pictures to compare must have one size"));
+}
+
+void note_formats(const ComparedPicture& simulated,
+                  const ComparedPicture& real,
+                  std::vector<std::string>& notes) {
+  if ((simulated.channels >= 3) != (real.channels >= 3)) {
+    notes.emplace_back("One picture has colours, the other has not: luminance was compared.");
+  }
+  if (simulated.is_float != real.is_float) {
+    notes.emplace_back(
+        "One picture holds floats, the other codes: exposures were matched before greys were "
+        "compared.");
+  } else if (simulated.bits != real.bits) {
+    notes.push_back(
+        fmt::format("The pictures have {} and {} bits: both were brought to one full "
+                    "scale.",
+                    simulated.bits,
+                    real.bits));
+  }
+}
+
+PairGeometry geometry_of(const ComparedPicture& simulated,
+                         const ComparedPicture& real,
+                         const PairOptions& options) {
+  PairGeometry geometry = {.outlines =
+                               find_outlines(simulated, real, options.real_mask, options.outline)};
+  const PartOutline& first = geometry.outlines.simulated;
+  const PartOutline& second = geometry.outlines.real;
+  if (!first.coverage.empty() && !second.coverage.empty()) {
+    const RegionOverlap overlap = overlap_of(first.coverage, second.coverage);
+    geometry.iou = overlap.iou;
+    geometry.dice = overlap.dice;
+  }
+  const double reach = kMaxDistanceShare * simulated.width();
+  geometry.distance = boundary_distance(first.located, second.located, reach);
+  for (const BoundaryGap& gap : gaps_between(first.located, second.located, reach)) {
+    geometry.offsets.push_back(
+        {.at_px = gap.from.at_px, .normal = gap.from.normal, .offset_px = gap.offset_px});
+  }
+  geometry.rings =
+      ring_offsets(geometry.offsets, {0.5 * simulated.width(), 0.5 * simulated.height()});
+  return geometry;
+}
+
+/// Pixels wholly on the part in both pictures; all where there is no silhouette.
+Mask common_region(const PairGeometry& geometry) {
+  const ImageF& a = geometry.outlines.simulated.coverage;
+  const ImageF& b = geometry.outlines.real.coverage;
+  Mask region(a.width(), a.height());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    region.values()[i] = a.values()[i] >= 0.999F && b.values()[i] >= 0.999F ? 1 : 0;
+  }
+  return std::ranges::count(region.values(), 1) >= 100 ? region : Mask();
+}
+
+Mask eroded(const Mask& mask, int radius) {
+  Mask outside = mask;
+  for (unsigned char& pixel : outside.values()) {
+    pixel = pixel == 0 ? 1 : 0;
+  }
+  Mask result = dilated(outside, radius);
+  for (unsigned char& pixel : result.values()) {
+    pixel = pixel == 0 ? 1 : 0;
+  }
+  return result;
+}
+
+PairAppearance appearance_of(ComparedPair& pair, const PairOptions& options) {
+  const ImageF& simulated = pair.simulated.grey;
+  const ImageF& real = pair.real.grey;
+  PairAppearance look;
+  look.exposure = match_exposure(simulated, real, pair.region, options.exposure);
+  pair.exposed = exposed(simulated, look.exposure);
+  look.residual_rms = look.exposure.rms;
+  look.correlation = correlation_of(simulated, real, pair.region);
+  pair.similarity = ssim_map(pair.exposed, real);
+  look.ssim = mean_in(pair.similarity, pair.region);
+  look.gmsd = gmsd(pair.exposed, real, pair.region);
+  look.histogram_distance = histogram_distance(pair.exposed, real, pair.region, pair.region);
+  look.simulated = texture_in(simulated, pair.region);
+  look.real = texture_in(real, pair.region);
+  if (look.simulated.windows > 0 && look.real.windows > 0) {
+    look.texture = distance_between(look.simulated, look.real);
+  }
+  return look;
+}
+
+}  // namespace
+
+SurfaceTexture texture_in(const ImageF& picture, const Mask& region) {
+  return texture_of(picture, region.empty() ? region : eroded(region, kMarginPx));
+}
+
+ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options) {
+  ComparedPair result;
+  result.simulated = read_compared(pair.simulated);
+  result.real = read_compared(pair.real);
+  check_sizes(result.simulated, result.real);
+  note_formats(result.simulated, result.real, result.notes);
+  result.better_turn = find_better_turn(result.simulated.grey, result.real.grey);
+  if (result.better_turn) {
+    result.notes.push_back(fmt::format(
+        "The real picture seems to be {}: so it correlates by {:.2f} with the simulated one, as it "
+        "is by {:.2f}.",
+        result.better_turn->name,
+        result.better_turn->correlation,
+        result.better_turn->correlation_as_is));
+  }
+  result.geometry = geometry_of(result.simulated, result.real, options);
+  const std::vector<std::string>& notes = result.geometry.outlines.notes;
+  result.notes.insert(result.notes.end(), notes.begin(), notes.end());
+  result.region = common_region(result.geometry);
+  result.appearance = appearance_of(result, options);
+  return result;
+}
+
+}  // namespace glint

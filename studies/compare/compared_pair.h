@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A simulated picture beside a real one: outlines, grey values, textures.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/image/image.h"
+#include "metrics/appearance/grey_match.h"
+#include "metrics/appearance/surface_texture.h"
+#include "metrics/overlap/boundary_distance.h"
+#include "metrics/overlap/ring_offsets.h"
+#include "studies/compare/compared_picture.h"
+#include "studies/compare/outlines.h"
+
+namespace glint {
+
+/// Where the outlines are against each other.
+struct PairGeometry {
+  OutlinePair outlines;
+  std::optional<double> iou;  ///< empty: no silhouette
+  std::optional<double> dice;
+  BoundaryDistance distance;        ///< of points 0 where no edges were located on both sides
+  std::vector<EdgeOffset> offsets;  ///< from the simulated to the real edge
+  RingOffsets rings;
+};
+
+/// How alike grey values are, in the part's pixels.
+struct PairAppearance {
+  ExposureMatch exposure;     ///< real = gain simulated + offset
+  double residual_rms = 0.0;  ///< in shares of full scale, after the match
+  double correlation = 0.0;
+  double ssim = 0.0;
+  double gmsd = 0.0;
+  double histogram_distance = 0.0;  ///< after the match, in shares of full scale
+  SurfaceTexture simulated;
+  SurfaceTexture real;
+  std::optional<TextureDistance> texture;  ///< empty: no window fits into the part
+};
+
+/// A turn or mirror image of the real picture that fits the simulated one better than itself.
+struct BetterTurn {
+  std::string name;  ///< "mirrored from left to right", "turned by 180 degrees"
+  double correlation = 0.0;
+  double correlation_as_is = 0.0;
+};
+
+struct ComparedPair {
+  ComparedPicture simulated;
+  ComparedPicture real;
+  PairGeometry geometry;
+  PairAppearance appearance;
+  ImageF exposed;     ///< the simulated picture in the real one's exposure
+  Mask region;        ///< where grey values are compared
+  ImageF similarity;  ///< ssim_map()
+  std::optional<BetterTurn> better_turn;
+  std::vector<std::string> notes;
+};
+
+struct PairOptions {
+  std::filesystem::path real_mask;  ///< empty: none
+  OutlineChoice outline = OutlineChoice::kAuto;
+  ExposureModel exposure = ExposureModel::kGain;
+};
+
+/// @throws ConfigError for pictures of different sizes, and as read_compared() and find_outlines()
+ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options);
+
+/// The texture of a picture over its mean, in a region shrunk by some pixels.
+SurfaceTexture texture_in(const ImageF& picture, const Mask& region);
+
+}  // namespace glint

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/compare/outlines.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/image/image_io.h"
+#include "metrics/overlap/edge_location.h"
+#include "metrics/overlap/outline.h"
+#include "metrics/overlap/region_overlap.h"
+#include "metrics/shape/silhouette.h"
+#include "studies/compare/grab_cut.h"
+#include "studies/inspect/picture_sequence.h"
+
+namespace glint {
+namespace {
+
+constexpr int kReducedPx = 600;  ///< pictures are reduced to not less than this
+constexpr int kMaxFactor = 4;
+constexpr double kInnerReachPx = 8.0;   ///< from a simulated edge to the real one
+constexpr double kFillsPicture = 0.98;  ///< share from which a part leaves no background
+constexpr double kLeastAlike = 0.2;     ///< IoU below which two silhouettes are not of one part
+constexpr double kLeastLocated = 0.3;   ///< share of a cut's outline at which there are edges
+constexpr std::size_t kMinInnerPoints = 20;
+
+int factor_of(const ImageF& picture) {
+  return std::clamp(std::max(picture.width(), picture.height()) / kReducedPx, 1, kMaxFactor);
+}
+
+ImageF reduced(const ImageF& picture, int factor) {
+  return factor == 1 ? picture : reduce(picture, factor);
+}
+
+Mask at_least(const ImageF& values, float limit) {
+  Mask mask(values.width(), values.height());
+  std::ranges::transform(values.values(), mask.values().begin(), [&](float value) {
+    return static_cast<unsigned char>(value >= limit ? 1 : 0);
+  });
+  return mask;
+}
+
+double share_of(const Mask& mask) {
+  return static_cast<double>(std::ranges::count_if(mask.values(), [](auto v) { return v != 0; })) /
+         static_cast<double>(std::max<std::size_t>(mask.size(), 1));
+}
+
+ImageF as_image(const Mask& mask) {
+  ImageF image(mask.width(), mask.height());
+  std::ranges::transform(
+      mask.values(), image.values().begin(), [](auto v) { return v != 0 ? 1.0F : 0.0F; });
+  return image;
+}
+
+/// Reduced mask of what the renderer says, or of a mask's file.
+std::optional<Mask> known_mask(const CompareSource& source, int factor) {
+  if (source.mask.empty()) {
+    return std::nullopt;
+  }
+  return at_least(reduced(as_image(read_mask(source.mask)), factor), 0.5F);
+}
+
+/// Both silhouettes, reduced, and how they were found.
+struct MaskPair {
+  Mask simulated;
+  Mask real;
+  OutlineMethod simulated_method = OutlineMethod::kThreshold;
+  OutlineMethod real_method = OutlineMethod::kThreshold;
+};
+
+class MaskFinder {
+ public:
+  MaskFinder(const ComparedPicture& simulated, const ComparedPicture& real)
+      : factor_(factor_of(real.grey)),
+        simulated_(reduced(simulated.grey, factor_)),
+        real_(reduced(real.grey, factor_)),
+        truth_(known_mask(simulated.source, factor_)) {}
+
+  int factor() const { return factor_; }
+
+  bool fills_picture() const { return truth_ && share_of(*truth_) > kFillsPicture; }
+
+  MaskPair with_real_mask(const Mask& mask) const {
+    const Silhouette bright = find_silhouette(simulated_, Pieces::kAll);
+    if (!truth_ && !bright.mask) {
+      throw ConfigError("the simulated part: " + std::string(sentence(*bright.fault)));
+    }
+    return {.simulated = truth_ ? *truth_ : *bright.mask,
+            .real = at_least(reduced(as_image(mask), factor_), 0.5F),
+            .simulated_method = truth_ ? OutlineMethod::kTruth : OutlineMethod::kThreshold,
+            .real_method = OutlineMethod::kMask};
+  }
+
+  /// @param why  receives why there is none
+  std::optional<MaskPair> by_threshold(std::string& why) const {
+    const Silhouette simulated = find_silhouette(simulated_, Pieces::kAll);
+    const Silhouette real = find_silhouette(real_, Pieces::kAll);
+    if (!simulated.mask || !real.mask) {
+      why = sentence(!real.mask ? *real.fault : *simulated.fault);
+      return std::nullopt;
+    }
+    if (real.touches_border && !simulated.touches_border) {
+      why = "what is bright in the real picture leaves it, the simulated part does not";
+      return std::nullopt;
+    }
+    return MaskPair{.simulated = *simulated.mask, .real = *real.mask};
+  }
+
+  std::optional<MaskPair> by_cut(std::string& why) const {
+    std::optional<Mask> rough = truth_;
+    if (!rough) {
+      rough = find_silhouette(simulated_, Pieces::kAll).mask;
+    }
+    if (!rough) {
+      why = "the simulated part has no outline that a cut could begin with";
+      return std::nullopt;
+    }
+    std::optional<Mask> cut = grab_cut(real_, *rough);
+    if (!cut) {
+      why = "the cut left nothing on one side";
+      return std::nullopt;
+    }
+    return MaskPair{.simulated = std::move(*rough),
+                    .real = std::move(*cut),
+                    .simulated_method = truth_ ? OutlineMethod::kTruth : OutlineMethod::kThreshold,
+                    .real_method = OutlineMethod::kGrabCut};
+  }
+
+ private:
+  int factor_;
+  ImageF simulated_;
+  ImageF real_;
+  std::optional<Mask> truth_;
+};
+
+PartOutline outline_in(const ComparedPicture& picture,
+                       const Mask& mask,
+                       int factor,
+                       OutlineMethod method) {
+  PartOutline outline = {.method = method, .rough = outlines_of(mask, factor)};
+  const std::vector<LocatedEdge> edges =
+      locate_edges(picture.grey, outline.rough, {.reach_px = 3.0 + 0.75 * factor});
+  outline.located = joined(edges, outline.rough);
+  outline.coverage = filled(refined(outline.rough, edges), picture.width(), picture.height());
+  return outline;
+}
+
+std::size_t points_of(const std::vector<Boundary>& lines) {
+  std::size_t count = 0;
+  for (const Boundary& line : lines) {
+    count += line.points.size();
+  }
+  return count;
+}
+
+/// Of the points of the rough outline, those that an edge was found at.
+double located_share(const PartOutline& outline) {
+  return static_cast<double>(points_of(outline.located)) /
+         static_cast<double>(std::max<std::size_t>(points_of(outline.rough), 1));
+}
+
+/// Grey between the dark and the bright half of a picture.
+std::optional<double> middle_grey(const ImageF& picture) {
+  const Silhouette found = find_silhouette(picture, Pieces::kAll);
+  return found.threshold > 0.0 ? std::optional(found.threshold) : std::nullopt;
+}
+
+/// 3 x 3 means: lines of a level through noise would be frayed.
+ImageF smoothed(const ImageF& picture) {
+  ImageF result = picture;
+  for (int y = 1; y + 1 < picture.height(); ++y) {
+    for (int x = 1; x + 1 < picture.width(); ++x) {
+      float sum = 0.0F;
+      for (int j = -1; j <= 1; ++j) {
+        for (int i = -1; i <= 1; ++i) {
+          sum += picture(x + i, y + j);
+        }
+      }
+      result(x, y) = sum / 9.0F;
+    }
+  }
+  return result;
+}
+
+OutlinePair inner_edges(const ComparedPicture& simulated, const ComparedPicture& real) {
+  const std::optional<double> level = middle_grey(simulated.grey);
+  OutlinePair pair;
+  if (!level) {
+    pair.notes.emplace_back("The simulated picture has no edges to look for in the real one.");
+    return pair;
+  }
+  const std::vector<Boundary> lines =
+      boundaries_at(smoothed(simulated.grey), static_cast<float>(*level), kMinInnerPoints);
+  const std::vector<LocatedEdge> edges = locate_edges(simulated.grey, lines);
+  pair.simulated.rough = lines;
+  pair.simulated.located = joined(edges, lines);
+  pair.real.rough = pair.simulated.located;
+  pair.real.located =
+      joined(locate_edges(real.grey, pair.simulated.located, {.reach_px = kInnerReachPx}),
+             pair.simulated.located);
+  return pair;
+}
+
+/// As chosen, or the first of threshold and cut that two silhouettes of one part come from.
+std::optional<MaskPair> masks_of(const MaskFinder& finder,
+                                 OutlineChoice choice,
+                                 std::vector<std::string>& notes) {
+  std::string why;
+  if (choice == OutlineChoice::kAuto || choice == OutlineChoice::kThreshold) {
+    std::optional<MaskPair> masks = finder.by_threshold(why);
+    const bool is_alike = masks && overlap_of(masks->simulated, masks->real).iou >= kLeastAlike;
+    if (masks && (is_alike || choice == OutlineChoice::kThreshold)) {
+      return masks;
+    }
+    if (choice == OutlineChoice::kThreshold) {
+      throw ConfigError("--outline threshold: " + why);
+    }
+    notes.push_back("No silhouette by brightness: " +
+                    (why.empty() ? std::string("both overlap by less than a fifth") : why) + ".");
+  }
+  std::optional<MaskPair> masks = finder.by_cut(why);
+  if (!masks && choice == OutlineChoice::kGrabCut) {
+    throw ConfigError("--outline grab_cut: " + why);
+  }
+  return masks;
+}
+
+}  // namespace
+
+std::string name_of(OutlineMethod method) {
+  switch (method) {
+    case OutlineMethod::kMask:
+      return "mask";
+    case OutlineMethod::kTruth:
+      return "truth";
+    case OutlineMethod::kThreshold:
+      return "threshold";
+    case OutlineMethod::kGrabCut:
+      return "grab_cut";
+    case OutlineMethod::kInner:
+      return "inner_edges";
+  }
+  return "";
+}
+
+OutlineChoice outline_choice(const std::string& name) {
+  constexpr std::array<std::pair<const char*, OutlineChoice>, 4> kNames = {
+      {{"auto", OutlineChoice::kAuto},
+       {"threshold", OutlineChoice::kThreshold},
+       {"grab_cut", OutlineChoice::kGrabCut},
+       {"inner", OutlineChoice::kInner}}};
+  for (const auto& [known, choice] : kNames) {
+    if (name == known) {
+      return choice;
+    }
+  }
+  throw ConfigError(
+      fmt::format("--outline: is {}, must be auto, threshold, grab_cut or inner", name));
+}
+
+OutlinePair find_outlines(const ComparedPicture& simulated,
+                          const ComparedPicture& real,
+                          const std::filesystem::path& real_mask,
+                          OutlineChoice choice) {
+  const MaskFinder finder(simulated, real);
+  std::optional<MaskPair> masks;
+  std::vector<std::string> notes;
+  if (!real_mask.empty()) {
+    masks = finder.with_real_mask(read_mask(real_mask, real.width(), real.height()));
+  } else if (choice != OutlineChoice::kInner && !finder.fills_picture()) {
+    masks = masks_of(finder, choice, notes);
+  }
+  OutlinePair found = {.notes = std::move(notes)};
+  if (masks) {
+    found.simulated =
+        outline_in(simulated, masks->simulated, finder.factor(), masks->simulated_method);
+    found.real = outline_in(real, masks->real, finder.factor(), masks->real_method);
+    if (masks->real_method != OutlineMethod::kGrabCut ||
+        located_share(found.real) >= kLeastLocated) {
+      return found;
+    }
+    if (choice == OutlineChoice::kGrabCut) {
+      throw ConfigError("--outline grab_cut: the cut follows no edge of the real picture");
+    }
+    found.notes.emplace_back("A cut around where the part should be follows no edge.");
+  }
+  OutlinePair inner = inner_edges(simulated, real);
+  inner.notes.insert(inner.notes.begin(), found.notes.begin(), found.notes.end());
+  inner.notes.emplace_back("The part has no silhouette in the pictures: edges inside them serve.");
+  return inner;
+}
+
+}  // namespace glint

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Where the part is in both pictures of a comparison.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/image/image.h"
+#include "metrics/overlap/boundary.h"
+#include "studies/compare/compared_picture.h"
+
+namespace glint {
+
+/// How the part was found.
+enum class OutlineMethod {
+  kMask,       ///< a mask was given
+  kTruth,      ///< the simulated picture's own coverage
+  kThreshold,  ///< brighter than the background
+  kGrabCut,    ///< by a cut around where the simulation says it is
+  kInner       ///< not at all: edges inside the pictures serve
+};
+
+std::string name_of(OutlineMethod method);
+
+/// The part's outline in a picture.
+struct PartOutline {
+  OutlineMethod method = OutlineMethod::kInner;
+  std::vector<Boundary> rough;    ///< closed outlines, or edges inside the picture
+  std::vector<Boundary> located;  ///< at the edges by grey values, broken where there are none
+  ImageF coverage;                ///< of the refined outline; empty for kInner
+};
+
+struct OutlinePair {
+  PartOutline simulated;
+  PartOutline real;
+  std::vector<std::string> notes;
+};
+
+/// What the user allows.
+enum class OutlineChoice { kAuto, kThreshold, kGrabCut, kInner };
+
+/// "auto", "threshold", "grab_cut", "inner". @throws ConfigError for anything else
+OutlineChoice outline_choice(const std::string& name);
+
+/// Outlines of both pictures, found alike, so that what finding them does to both cancels:
+/// segmented at up to a quarter of the size, refined at the edges.
+/// @param real_mask  bright where the real part is; empty: to be found
+/// @throws ConfigError where the mask has another size, or where what was chosen cannot be done
+OutlinePair find_outlines(const ComparedPicture& simulated,
+                          const ComparedPicture& real,
+                          const std::filesystem::path& real_mask,
+                          OutlineChoice choice);
+
+}  // namespace glint

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/compare/yardstick.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "metrics/appearance/grey_match.h"
+#include "metrics/statistics/estimate.h"
+
+namespace glint {
+namespace {
+
+constexpr int kResamples = 400;
+constexpr double kLeastDistance = 1e-6;  ///< equal photographs would make every multiple infinite
+
+/// Distances of all pairs, found once: [first][second].
+using DistanceTable = std::vector<std::vector<SampleDistances>>;
+
+DistanceTable table_of(std::span<const TextureSample> first,
+                       std::span<const TextureSample> second) {
+  DistanceTable table(first.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    for (const TextureSample& other : second) {
+      table[i].push_back(distances_between(first[i], other));
+    }
+  }
+  return table;
+}
+
+double median_of(std::vector<double> values) {
+  std::ranges::sort(values);
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 != 0 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+double quantile_of(std::vector<double> values, double share) {
+  std::ranges::sort(values);
+  const double at = share * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(at);
+  const double above = values[std::min(below + 1, values.size() - 1)];
+  return values[below] + (at - static_cast<double>(below)) * (above - values[below]);
+}
+
+class Measure {
+ public:
+  Measure(std::span<const TextureSample> reals, std::span<const TextureSample> simulated)
+      : among_(table_of(reals, reals)), across_(table_of(simulated, reals)) {}
+
+  /// Of the real pictures at these indices, which may repeat.
+  Yardstick of(std::span<const std::size_t> reals) const {
+    Yardstick result = {.reals = reals.size()};
+    double logarithm = 0.0;
+    for (std::size_t k = 0; k < kYardstickNames.size(); ++k) {
+      const std::vector<double> among = among_at(reals, k);
+      const std::vector<double> across = across_at(reals, k);
+      YardstickRow row = {.name = kYardstickNames[k]};
+      if (!among.empty()) {
+        row.real = median_of(among);
+        row.real_low = quantile_of(among, 0.25);
+        row.real_high = quantile_of(among, 0.75);
+      }
+      if (!across.empty()) {
+        row.simulated = median_of(across);
+        row.multiple = row.simulated / std::max(row.real, kLeastDistance);
+        logarithm += std::log(std::max(row.multiple, 1e-9));
+      }
+      result.pairs = among.size();
+      result.rows.push_back(row);
+    }
+    result.multiple = across_.empty() ? 0.0 : std::exp(logarithm / kYardstickNames.size());
+    return result;
+  }
+
+ private:
+  std::vector<double> among_at(std::span<const std::size_t> reals, std::size_t k) const {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < reals.size(); ++i) {
+      for (std::size_t j = i + 1; j < reals.size(); ++j) {
+        if (reals[i] != reals[j]) {
+          values.push_back(among_[reals[i]][reals[j]][k]);
+        }
+      }
+    }
+    return values;
+  }
+
+  std::vector<double> across_at(std::span<const std::size_t> reals, std::size_t k) const {
+    std::vector<double> values;
+    for (const std::vector<SampleDistances>& row : across_) {
+      for (const std::size_t j : reals) {
+        values.push_back(row[j][k]);
+      }
+    }
+    return values;
+  }
+
+  DistanceTable among_;
+  DistanceTable across_;
+};
+
+bool are_alike(std::span<const TextureSample> reals, std::span<const TextureSample> simulated) {
+  const int window_px = reals.front().texture.window_px;
+  const auto fits = [&](const TextureSample& sample) {
+    return sample.texture.windows > 0 && sample.texture.window_px == window_px;
+  };
+  return std::ranges::all_of(reals, fits) && std::ranges::all_of(simulated, fits);
+}
+
+}  // namespace
+
+TextureSample texture_sample(std::string name,
+                             const ImageF& picture,
+                             const Mask& region,
+                             SurfaceTexture texture) {
+  TextureSample sample = {
+      .name = std::move(name), .grey = picture, .region = region, .texture = std::move(texture)};
+  double sum = 0.0;
+  double count = 0.0;
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    if (region.empty() || region.values()[i] != 0) {
+      sum += static_cast<double>(picture.values()[i]);
+      count += 1.0;
+    }
+  }
+  const auto mean = static_cast<float>(std::max(sum / std::max(count, 1.0), 1e-9));
+  for (float& grey : sample.grey.values()) {
+    grey /= mean;
+  }
+  return sample;
+}
+
+SampleDistances distances_between(const TextureSample& first, const TextureSample& second) {
+  const TextureDistance texture = distance_between(first.texture, second.texture);
+  return {histogram_distance(first.grey, second.grey, first.region, second.region),
+          texture.radial,
+          texture.contrast,
+          texture.length};
+}
+
+std::optional<Yardstick> measure_yardstick(std::span<const TextureSample> reals,
+                                           std::span<const TextureSample> simulated) {
+  if (reals.size() < 2 || !are_alike(reals, simulated)) {
+    return std::nullopt;
+  }
+  const Measure measure(reals, simulated);
+  std::vector<std::size_t> all(reals.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i] = i;
+  }
+  Yardstick result = measure.of(all);
+  result.low = result.high = result.multiple;
+  if (!simulated.empty() && reals.size() >= 3) {
+    const auto multiple = [&](std::span<const std::size_t> chosen) {
+      const bool is_one = std::ranges::all_of(chosen, [&](auto i) { return i == chosen[0]; });
+      return is_one ? result.multiple : measure.of(chosen).multiple;
+    };
+    const Estimate interval = bootstrap(reals.size(), multiple, kResamples, 1);
+    result.low = interval.low;
+    result.high = interval.high;
+  }
+  return result;
+}
+
+}  // namespace glint

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What people will give `glint compare` by mistake.
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/image/exr_layers.h"
+#include "studies/compare/compared_pair.h"
+#include "tests/studies/compare/compare_fixture.h"
+
+namespace glint {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+class BadInput : public CompareFiles {
+ protected:
+  ComparedPair compare(const std::filesystem::path& simulated,
+                       const std::filesystem::path& real,
+                       const PairOptions& options = {}) {
+    return compare_pair(
+        {.simulated = {.name = "s", .picture = simulated}, .real = {.name = "r", .picture = real}},
+        options);
+  }
+
+  std::filesystem::path good() { return write("good.png", drawn_blade()); }
+};
+
+template <class Place>
+ImageF rearranged(const ImageF& picture, int width, int height, const Place& place) {
+  ImageF result(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      result(x, y) = place(picture, x, y);
+    }
+  }
+  return result;
+}
+
+TEST_F(BadInput, PicturesOfOtherSizeAreRefusedWithBothSizes) {
+  const auto other = write("other.png", drawn_disc(100, 50, 50, 30, 0.7));
+  EXPECT_THAT([&] { compare(good(), other); },
+              ThrowsMessage<ConfigError>(AllOf(HasSubstr("200 x 160"), HasSubstr("100 x 100"))));
+}
+
+TEST_F(BadInput, APictureTurnedByAQuarterIsTold) {
+  const auto turned =
+      write("turned.png", rearranged(drawn_blade(), 160, 200, [](const ImageF& p, int x, int y) {
+              return p(y, 159 - x);
+            }));
+  EXPECT_THAT([&] { compare(good(), turned); },
+              ThrowsMessage<ConfigError>(HasSubstr("turned by 90 degrees")));
+}
+
+TEST_F(BadInput, AMirroredOrTurnedPictureIsTold) {
+  const auto mirrored =
+      write("mirrored.png", rearranged(drawn_blade(), 200, 160, [](const ImageF& p, int x, int y) {
+              return p(199 - x, y);
+            }));
+  EXPECT_EQ(compare(good(), mirrored).better_turn->name, "mirrored from left to right");
+  const auto turned =
+      write("turned.png", rearranged(drawn_blade(), 200, 160, [](const ImageF& p, int x, int y) {
+              return p(199 - x, 159 - y);
+            }));
+  const ComparedPair pair = compare(good(), turned);
+  EXPECT_EQ(pair.better_turn->name, "turned by 180 degrees");
+  EXPECT_THAT(pair.notes, Contains(HasSubstr("turned by 180 degrees")));
+}
+
+TEST_F(BadInput, BlackWhiteAndEmptyPicturesAreRefused) {
+  EXPECT_THAT([&] { compare(good(), write("black.png", ImageF(200, 160))); },
+              ThrowsMessage<ConfigError>(HasSubstr("black.png: is black all over")));
+  EXPECT_THAT([&] { compare(write("white.png", ImageF(200, 160, 1.0F)), good()); },
+              ThrowsMessage<ConfigError>(HasSubstr("white.png: is at full scale all over")));
+  EXPECT_THAT([&] { compare(good(), write("grey.png", ImageF(200, 160, 0.3F))); },
+              ThrowsMessage<ConfigError>(HasSubstr("one grey value all over")));
+}
+
+// Noise alone has no silhouette and no edges; appearance is still compared.
+TEST_F(BadInput, APictureWithoutAPartHasNoGeometry) {
+  ImageF noise(200, 160, 0.1F);
+  add_normal_noise(noise, 0.01, 7);
+  const ComparedPair pair = compare(good(), write("noise.png", noise));
+  EXPECT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kInner);
+  EXPECT_FALSE(pair.geometry.iou.has_value());
+  EXPECT_LT(pair.geometry.distance.share, 0.1);
+  EXPECT_LT(pair.appearance.correlation, 0.1);
+  EXPECT_THAT(pair.notes, Contains(HasSubstr("no silhouette")));
+}
+
+TEST_F(BadInput, ColourAgainstGreyComparesLuminance) {
+  const ImageF blade = drawn_blade();
+  write_png(folder() / "colour.png", rgb_of(std::vector<ImageF>{blade, blade, blade}));
+  const ComparedPair pair = compare(good(), folder() / "colour.png");
+  EXPECT_GT(pair.geometry.iou.value(), 0.99);
+  EXPECT_THAT(pair.notes, Contains(HasSubstr("luminance")));
+}
+
+TEST_F(BadInput, OtherDepthIsTheSamePicture) {
+  const auto coarse = write("coarse.png", drawn_blade({.index = 1}), PixelDepth::k8Bit);
+  const ComparedPair pair = compare(good(), coarse);
+  EXPECT_GT(pair.geometry.iou.value(), 0.998);
+  EXPECT_NEAR(pair.appearance.exposure.gain, 1.0, 0.005);
+  EXPECT_THAT(pair.notes, Contains(HasSubstr("16 and 8 bits")));
+}
+
+// Radiance of any scale against codes: exposures are matched.
+TEST_F(BadInput, FloatsAgainstCodesAreTheSamePictureInAnotherExposure) {
+  ImageF radiance = drawn_blade();
+  for (float& value : radiance.values()) {
+    value = std::max(20.0F * value, 0.0F);
+  }
+  const ComparedPair pair = compare(write("radiance.exr", radiance), good());
+  EXPECT_GT(pair.geometry.iou.value(), 0.998);
+  EXPECT_LT(pair.appearance.histogram_distance, 0.003);
+  EXPECT_THAT(pair.notes, Contains(HasSubstr("floats")));
+}
+
+TEST_F(BadInput, ValuesThatAreNoNumbersAreRefused) {
+  ImageF broken = drawn_blade();
+  broken(3, 4) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT([&] { compare(write("broken.exr", broken), good()); },
+              ThrowsMessage<ConfigError>(HasSubstr("no finite number")));
+}
+
+TEST_F(BadInput, AMaskOfAnotherSizeIsRefused) {
+  const auto mask = write("mask.png", ImageF(50, 50, 1.0F));
+  EXPECT_THAT([&] { compare(good(), good(), {.real_mask = mask}); },
+              ThrowsMessage<ConfigError>(HasSubstr("mask")));
+}
+
+TEST_F(BadInput, WhatWasChosenAndCannotBeDoneIsRefused) {
+  ImageF noise(200, 160, 0.1F);
+  add_normal_noise(noise, 0.01, 7);
+  const auto real = write("noise.png", noise);
+  EXPECT_THAT([&] { compare(good(), real, {.outline = OutlineChoice::kThreshold}); },
+              ThrowsMessage<ConfigError>(HasSubstr("--outline threshold")));
+  EXPECT_THROW(outline_choice("edges"), ConfigError);
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/compare/compared_pair.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "studies/compare/grab_cut.h"
+#include "tests/studies/compare/compare_fixture.h"
+
+namespace glint {
+namespace {
+
+class ComparePairTest : public CompareFiles {
+ protected:
+  ComparedPair compare(const ImageF& simulated,
+                       const ImageF& real,
+                       const PairOptions& options = {}) {
+    return compare_pair({.simulated = {.name = "s", .picture = write("s.png", simulated)},
+                         .real = {.name = "r", .picture = write("r.png", real)}},
+                        options);
+  }
+};
+
+TEST_F(ComparePairTest, OfAPictureAndItselfWithOtherNoiseAgrees) {
+  const ComparedPair pair = compare(drawn_blade(), drawn_blade({.index = 1}));
+  EXPECT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kThreshold);
+  EXPECT_GE(pair.geometry.iou.value(), 0.998);
+  EXPECT_LE(pair.geometry.distance.mean_px, 0.03);
+  EXPECT_GT(pair.geometry.distance.share, 0.85);
+  EXPECT_GT(pair.appearance.ssim, 0.97);
+  EXPECT_LT(pair.appearance.histogram_distance, 0.002);
+  EXPECT_FALSE(pair.better_turn.has_value());
+  EXPECT_TRUE(pair.notes.empty());
+}
+
+// 1 % larger: at the radius r the edge lies 0.01 r outside, whatever was done to find it.
+TEST_F(ComparePairTest, MeasuresAScale) {
+  const ComparedPair pair = compare(drawn_blade(), drawn_blade({.scale = 1.01, .index = 1}));
+  ASSERT_TRUE(pair.geometry.rings.has_slopes);
+  EXPECT_NEAR(pair.geometry.rings.radial_slope.value, 10.0, 1.0);
+  EXPECT_GT(pair.geometry.distance.offset_px, 0.2);
+}
+
+TEST_F(ComparePairTest, MeasuresAShiftAlongNormals) {
+  const ComparedPair pair = compare(drawn_blade(), drawn_blade({.shift_x_px = 0.8, .index = 1}));
+  double along = 0.0;
+  double weight = 0.0;
+  for (const EdgeOffset& edge : pair.geometry.offsets) {
+    along += edge.offset_px * edge.normal.x();
+    weight += edge.normal.x() * edge.normal.x();
+  }
+  EXPECT_NEAR(along / weight, 0.8, 0.03);
+  EXPECT_NEAR(pair.geometry.distance.offset_px, 0.0, 0.03);
+}
+
+TEST_F(ComparePairTest, MatchesTheExposureBeforeGreysAreCompared) {
+  const ComparedPair pair = compare(drawn_blade(), drawn_blade({.gain = 1.3, .index = 1}));
+  EXPECT_NEAR(pair.appearance.exposure.gain, 1.3, 0.005);
+  EXPECT_LT(pair.appearance.histogram_distance, 0.003);
+}
+
+ImageF brighter_background(ImageF picture) {
+  for (float& grey : picture.values()) {
+    grey = 0.9F - grey;
+  }
+  return picture;
+}
+
+// A dark part on a bright ground is found by a cut that begins with the simulated part.
+TEST_F(ComparePairTest, FindsAPartThatIsDarkerThanItsBackground) {
+  const ComparedPair pair = compare(drawn_blade(), brighter_background(drawn_blade({.index = 1})));
+  EXPECT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kGrabCut);
+  EXPECT_GE(pair.geometry.iou.value(), 0.99);
+  EXPECT_LE(pair.geometry.distance.mean_px, 0.1);
+}
+
+TEST_F(ComparePairTest, TakesAGivenMask) {
+  ImageF whole = drawn_blade({.noise = 0.0});
+  for (float& grey : whole.values()) {
+    grey = grey > 0.25F ? 1.0F : 0.0F;
+  }
+  const ComparedPair pair =
+      compare(drawn_blade(), drawn_blade({.index = 1}), {.real_mask = write("m.png", whole)});
+  EXPECT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kMask);
+  EXPECT_GE(pair.geometry.iou.value(), 0.998);
+}
+
+// A surface that fills both pictures: its own edges serve.
+TEST_F(ComparePairTest, UsesInnerEdgesWhereThereIsNoSilhouette) {
+  const auto squares = [](double shift_px) {
+    return drawn(160, 120, [=](double x, double y) {
+      return std::sin(0.16 * (x - shift_px)) * std::sin(0.16 * y) > 0.0 ? 0.8 : 0.2;
+    });
+  };
+  const ComparedPair pair = compare(squares(0.0), squares(0.5), {.outline = OutlineChoice::kInner});
+  EXPECT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kInner);
+  EXPECT_FALSE(pair.geometry.iou.has_value());
+  EXPECT_GT(pair.geometry.distance.points, 500U);
+  EXPECT_NEAR(pair.geometry.distance.mean_px, 0.25, 0.08);  // half of the edges are upright
+}
+
+TEST(GrabCut, HasNoAnswerWithoutABackground) {
+  EXPECT_FALSE(grab_cut(ImageF(30, 30, 0.5F), Mask(30, 30, 1)).has_value());
+  EXPECT_FALSE(grab_cut(ImageF(30, 30, 0.5F), Mask(30, 30)).has_value());
+}
+
+}  // namespace
+}  // namespace glint

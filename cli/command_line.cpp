@@ -1,26 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/command_line.h"
 
-#include <limits>
 #include <string>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+
+#include "cli/hardware_verbs.h"
+#include "cli/shell/options.h"
 
 namespace glint {
 namespace {
-
-CLI::Validator between(int min, int max) {
-  return CLI::Range(min, max).description(fmt::format("{} to {}", min, max));
-}
-
-/// A name that is empty is a slip: a variable of the shell that is not set.
-CLI::Validator not_empty() {
-  return {[](const std::string& text) {
-            return text.empty() ? std::string("is empty, must be a name") : std::string();
-          },
-          ""};
-}
 
 constexpr const char* kUnits = "mm|cm|m|inch";
 
@@ -36,6 +25,8 @@ void add_common(CLI::App& app, CommonArguments& common) {
       ->check(not_empty());
 }
 
+}  // namespace
+
 CLI::App* add_verb(CLI::App& app,
                    const std::string& name,
                    const std::string& what,
@@ -49,7 +40,6 @@ CLI::App* add_verb(CLI::App& app,
   return verb;
 }
 
-/// @param file  what the verb takes, STUDY.toml or SCENE.toml
 void add_study(CLI::App& verb, const std::string& file, StudyArguments& study) {
   verb.add_option(file, study.study, "the study or scene")->type_name("FILE")->required();
   verb.add_option("--set", study.sets, "put this value in place of the file's")
@@ -57,19 +47,7 @@ void add_study(CLI::App& verb, const std::string& file, StudyArguments& study) {
       ->allow_extra_args(false);
 }
 
-CLI::Option* add_out(CLI::App& verb, std::filesystem::path& out, const std::string& what) {
-  return verb.add_option("--out", out, what)->type_name("DIR")->check(not_empty());
-}
-
-void add_seed(CLI::App& verb, std::optional<int>& seed, const std::string& what) {
-  verb.add_option("--seed", seed, what)
-      ->type_name("N")
-      ->check(between(0, std::numeric_limits<int>::max()));
-}
-
-void add_jobs(CLI::App& verb, int& jobs, const std::string& what) {
-  verb.add_option("--jobs", jobs, what)->type_name("N")->check(between(1, 1024));
-}
+namespace {
 
 void add_study_verbs(CLI::App& app, CommandLine& line) {
   CLI::App* run =
@@ -189,169 +167,6 @@ void add_inspect_verb(CLI::App& app, CommandLine& line) {
                     "learn the limits of the classes from the labels, write grading.toml");
 }
 
-void add_calibrate_modes(CLI::App& calibrate, CalibrateArguments& arguments) {
-  calibrate
-      .add_option("--check",
-                  arguments.checked,
-                  "whether this calibration.json, or the one in this folder, holds for PICTURES")
-      ->type_name("FILE")
-      ->check(not_empty());
-  calibrate
-      .add_option("--sensor",
-                  arguments.sensor,
-                  "gain and noise of the sensor from this folder's pictures of even light instead")
-      ->type_name("DIR")
-      ->check(not_empty());
-  calibrate
-      .add_option("--bits", arguments.bits, "of their codes; not given: what the largest one needs")
-      ->type_name("8|10|12|16")
-      ->check(CLI::IsMember({8, 10, 12, 16}).description("8, 10, 12 or 16"));
-  calibrate
-      .add_option("--plan",
-                  arguments.planned,
-                  "so many poses to photograph --board from, for a rough --camera, instead")
-      ->type_name("N")
-      ->check(between(1, 1000));
-  calibrate
-      .add_option(
-          "--points",
-          arguments.points,
-          "CSV of points in the robot's base: drawn into PICTURES by the calibration --camera")
-      ->type_name("FILE")
-      ->check(not_empty());
-}
-
-void add_compare_verb(CLI::App& app, CommandLine& line) {
-  CompareArguments& arguments = line.compare;
-  CLI::App* compare = add_verb(
-      app,
-      "compare",
-      "how far simulated pictures and photographs agree",
-      "glint compare out/scene photo.png --out out/compare\n"
-      "  glint compare out/scene photos/*.png --pairs pairs.csv",
-      line,
-      [](const CommandLine& given) { return compare_command(given.compare, given.common); });
-  compare
-      ->add_option("SIMULATED REAL",
-                   arguments.pictures,
-                   "pictures, folders of pictures, folders of runs or their views: first the "
-                   "simulated side, then the real ones")
-      ->type_name("FILE")
-      ->required();
-  add_out(*compare, arguments.out, "folder for the results (default out/<name>/compare)");
-  compare
-      ->add_option("--pairs", arguments.pairs, "CSV file: simulated,real; else by name, or order")
-      ->type_name("FILE")
-      ->check(not_empty());
-  compare->add_option("--mask", arguments.mask, "picture that is bright where the real part is")
-      ->type_name("FILE")
-      ->check(not_empty());
-  compare
-      ->add_option("--outline",
-                   arguments.outline,
-                   "how the real part is found: by brightness, by a cut, or edges inside it")
-      ->type_name("auto|threshold|grab_cut|inner")
-      ->capture_default_str();
-  compare->add_flag(
-      "--offset", arguments.has_offset, "exposures may differ by an offset, not by a gain alone");
-  compare->add_flag("--calibrated",
-                    arguments.is_lens_known,
-                    "the scene's camera is calibrated: only pose and gain may differ");
-  compare->add_flag("--refine",
-                    arguments.is_refining,
-                    "write the scene with what explains the differences put in");
-}
-
-void add_calibrate_verb(CLI::App& app, CommandLine& line) {
-  CalibrateArguments& arguments = line.calibrate;
-  CLI::App* calibrate = add_verb(
-      app,
-      "calibrate",
-      "a real camera from pictures of a board, its place on a robot from poses",
-      "glint calibrate board/*.png --board board.toml --out out/camera\n"
-      "  glint calibrate board/*.png --board board.toml --poses poses.csv --setup eye_in_hand\n"
-      "  glint calibrate --print_board board.toml --out out/board\n"
-      "  glint calibrate --check out/camera new/*.png\n"
-      "  glint calibrate --sensor flat_pictures --out out/sensor",
-      line,
-      [](const CommandLine& given) { return calibrate_command(given.calibrate, given.common); });
-  calibrate->add_option("PICTURES", arguments.pictures, "pictures of the board, of one camera")
-      ->type_name("FILE");
-  calibrate
-      ->add_option("--from", arguments.from, "corners.csv of an earlier calibration, no pictures")
-      ->type_name("FILE")
-      ->check(not_empty());
-  calibrate->add_option("--board", arguments.board, "the board: board.toml or board.json")
-      ->type_name("FILE")
-      ->check(not_empty());
-  calibrate
-      ->add_option("--poses", arguments.poses, "the robot's poses: .csv, .json, .toml, .yaml files")
-      ->type_name("FILE");
-  calibrate
-      ->add_option("--camera",
-                   arguments.camera,
-                   "intrinsics that are known: TOML, YAML of OpenCV or ROS, XML of ViSP or OpenCV")
-      ->type_name("FILE")
-      ->check(not_empty());
-  add_out(*calibrate, arguments.out, "folder for the results (default out/<folder>/calibrate)");
-  calibrate->add_option("--setup", arguments.setup, "the robot carries the camera, or the board")
-      ->type_name("eye_in_hand|eye_to_hand");
-  calibrate
-      ->add_option("--method", arguments.method, "a closed form of OpenCV instead of our solution")
-      ->type_name("tsai|park|horaud|andreff|daniilidis|shah|li");
-  calibrate
-      ->add_option("--set",
-                   arguments.sets,
-                   "convention.key=value: what the poses' numbers mean; poses.pair_by=order; "
-                   "prior.focal_px=5: --camera is known to 5 px")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
-  calibrate
-      ->add_option("--print_board", arguments.printed, "write this board as SVG and PDF instead")
-      ->type_name("FILE")
-      ->check(not_empty());
-  add_calibrate_modes(*calibrate, arguments);
-}
-
-void add_undistort_verb(CLI::App& app, CommandLine& line) {
-  UndistortArguments& arguments = line.undistort;
-  CLI::App* undistort = add_verb(
-      app,
-      "undistort",
-      "pictures as a camera without distortion would have taken them",
-      "glint undistort photos/*.png --camera out/camera/calibration.toml --out out/straight",
-      line,
-      [](const CommandLine& given) { return undistort_command(given.undistort, given.common); });
-  undistort->add_option("PICTURES", arguments.pictures, "pictures of one camera")
-      ->type_name("FILE");
-  undistort
-      ->add_option("--camera",
-                   arguments.camera,
-                   "calibration.toml; YAML of OpenCV or ROS, XML of ViSP or OpenCV")
-      ->type_name("FILE")
-      ->check(not_empty());
-  add_out(*undistort, arguments.out, "folder for the pictures (default out/<folder>/undistort)");
-}
-
-void add_cover_verb(CLI::App& app, CommandLine& line) {
-  CLI::App* cover =
-      add_verb(app,
-               "cover",
-               "which surface the views of a scene inspect, and which views to choose",
-               "glint cover studies/gallery/viewpoints/scene.toml --out out/cover\n"
-               "  glint cover scene.toml --set viewpoints.source=surface --set coverage.choose=6",
-               line,
-               [](const CommandLine& given) { return cover_command(given.cover, given.common); });
-  add_study(*cover, "SCENE.toml", line.cover.study);
-  add_out(*cover, line.cover.study.out, "folder for the results (default out/<study name>/cover)");
-  cover
-      ->add_option("--pod",
-                   line.cover.pod,
-                   "folder of a run with [pod]: the smallest defect that is found then follows it")
-      ->type_name("DIR")
-      ->check(not_empty());
-}
-
 void add_part_verb(CLI::App& app, CommandLine& line) {
   CLI::App* part =
       add_verb(app,
@@ -448,10 +263,7 @@ void add_verbs(CLI::App& app, CommandLine& line) {
   add_study_verbs(app, line);
   add_imprint_verb(app, line);
   add_inspect_verb(app, line);
-  add_compare_verb(app, line);
-  add_calibrate_verb(app, line);
-  add_cover_verb(app, line);
-  add_undistort_verb(app, line);
+  add_hardware_verbs(app, line);
   add_part_verb(app, line);
   add_new_verb(app, line);
   add_other_verbs(app, line);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "cli/commands.h"
 
@@ -30,6 +31,21 @@ struct CommandLine {
   HelpArguments help;
   std::function<int(const CommandLine&)> command;  ///< of the verb that was given
 };
+
+/// Adds a verb with the options that all have.
+/// @param what  one line for its help
+/// @param example  for its help
+/// @param command  runs it
+CLI::App* add_verb(CLI::App& app,
+                   const std::string& name,
+                   const std::string& what,
+                   const std::string& example,
+                   CommandLine& line,
+                   int (*command)(const CommandLine& line));
+
+/// Adds the file of a study or scene, and --set.
+/// @param file  what the verb takes, STUDY.toml or SCENE.toml
+void add_study(CLI::App& verb, const std::string& file, StudyArguments& study);
 
 /// Adds all verbs but help.
 /// @param line  receives what is given; outlives the app

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "cli/scores_text.h"
+#include "cli/shell/scores_text.h"
 #include "core/text.h"
 #include "studies/population/population_report.h"
 #include "studies/run/check_study.h"

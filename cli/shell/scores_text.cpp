@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cli/scores_text.h"
+#include "cli/shell/scores_text.h"
 
 #include <algorithm>
 #include <array>

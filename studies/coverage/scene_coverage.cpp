@@ -8,6 +8,7 @@
 
 #include "metrics/coverage/separation.h"
 #include "studies/coverage/place_light.h"
+#include "studies/definition/scene_viewpoints.h"
 
 namespace glint {
 namespace {

@@ -20,6 +20,7 @@ struct CommandLine {
   ImprintArguments imprint;
   InspectArguments inspect;
   CalibrateArguments calibrate;
+  CellArguments cell;
   ReportArguments report;
   PartArguments part;
   NewArguments fresh;

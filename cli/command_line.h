@@ -24,6 +24,7 @@ struct CommandLine {
   CalibrateArguments calibrate;
   CoverArguments cover;
   UndistortArguments undistort;
+  CellArguments cell;
   ReportArguments report;
   PartArguments part;
   NewArguments fresh;

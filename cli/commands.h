@@ -121,6 +121,24 @@ struct UndistortArguments {
 
 int undistort_command(const UndistortArguments& arguments, const CommonArguments& common);
 
+struct CellArguments {
+  std::string action;                ///< of cell_actions()
+  std::vector<std::string> words;    ///< what follows it: the cell's file, of twins their kind too
+  bool is_move = false;              ///< --move: a person in front of the robot lets it move
+  std::string view;                  ///< name or number of a view, or name of a safe position
+  double speed_share = 0.5;          ///< of the cell's limits of speed
+  bool is_off = false;               ///< power: off
+  double duration_s = 10.0;          ///< watch
+  int count = 1;                     ///< grab: how many pictures
+  std::filesystem::path out;         ///< grab
+  std::filesystem::path twin;        ///< ready file whose ports take the place of the cell's
+  std::optional<int> port;           ///< twin
+  bool is_detached = false;          ///< twin
+  std::filesystem::path ready_file;  ///< twin
+};
+
+int cell_command(const CellArguments& arguments, const CommonArguments& common);
+
 struct ReportArguments {
   std::vector<std::filesystem::path> runs;
   std::filesystem::path out;

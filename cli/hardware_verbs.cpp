@@ -173,6 +173,52 @@ void add_cover_verb(CLI::App& app, CommandLine& line) {
       ->check(not_empty());
 }
 
+void add_cell_twin_options(CLI::App& cell, CellArguments& arguments) {
+  cell.add_option("--port", arguments.port, "twin: first port; 0: free ones; else the cell's")
+      ->type_name("N")
+      ->check(between(0, 65532));
+  cell.add_flag("--detach", arguments.is_detached, "twin: go on in the background");
+  cell.add_option("--ready_file", arguments.ready_file, "twin: appears when the twins serve")
+      ->type_name("FILE")
+      ->check(not_empty());
+  cell.add_option("--twin", arguments.twin, "ports of this ready file instead of the cell's")
+      ->type_name("FILE")
+      ->check(not_empty());
+}
+
+void add_cell_verb(CLI::App& app, CommandLine& line) {
+  CellArguments& arguments = line.cell;
+  CLI::App* cell =
+      add_verb(app,
+               "cell",
+               "a real camera and robot, and their twins",
+               "glint cell status cell.toml\n"
+               "  glint cell move cell.toml --view 3 --move\n"
+               "  glint cell twin robot cell.toml --detach --ready_file out/twin.json\n"
+               "  glint cell twin stop out/twin.json",
+               line,
+               [](const CommandLine& given) { return cell_command(given.cell, given.common); });
+  cell->add_option("ACTION", arguments.action, "what to do")
+      ->type_name("status|watch|move|safe|unlock|power|twin")
+      ->required();
+  cell->add_option("CELL", arguments.words, "the cell's file; of twins before it: robot or stop")
+      ->type_name("FILE");
+  cell->add_flag(
+      "--move", arguments.is_move, "let the robot move: type it when nobody is within its reach");
+  cell->add_option("--view", arguments.view, "move: name or number of a view; safe: a position")
+      ->type_name("NAME");
+  cell->add_option("--speed_share", arguments.speed_share, "of the cell's limits of speed")
+      ->type_name("SHARE")
+      ->capture_default_str()
+      ->check(CLI::Range(0.01, 1.0).description("0.01 to 1"));
+  cell->add_flag("--off", arguments.is_off, "power: off instead of on");
+  cell->add_option("--duration_s", arguments.duration_s, "watch: for so long")
+      ->type_name("S")
+      ->capture_default_str()
+      ->check(CLI::Validator(CLI::PositiveNumber).description("> 0"));
+  add_cell_twin_options(*cell, arguments);
+}
+
 }  // namespace
 
 void add_hardware_verbs(CLI::App& app, CommandLine& line) {
@@ -180,6 +226,7 @@ void add_hardware_verbs(CLI::App& app, CommandLine& line) {
   add_undistort_verb(app, line);
   add_compare_verb(app, line);
   add_cover_verb(app, line);
+  add_cell_verb(app, line);
 }
 
 }  // namespace glint

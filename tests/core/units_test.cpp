@@ -16,6 +16,15 @@ TEST(WrittenUnit, IsTheSuffixOfTheKey) {
   EXPECT_EQ(written_unit("read_noise_e"), "e");
 }
 
+TEST(WrittenUnit, OfASpeedIsTheWholeOfIt) {
+  EXPECT_EQ(written_unit("tool_speed_mm_s"), "mm_s");
+  EXPECT_EQ(written_unit("joint_acceleration_deg_s2"), "deg_s2");
+  EXPECT_DOUBLE_EQ(180.0 * internal_per_written("joint_speed_deg_s"), kPi);
+  EXPECT_EQ(internal_per_written("tool_speed_mm_s"), 1.0);
+  EXPECT_EQ(written_unit("settle_s"), "s");
+  EXPECT_EQ(written_unit("mm_s"), "s");
+}
+
 TEST(WrittenUnit, IsEmptyForAKeyWithoutOne) {
   EXPECT_EQ(written_unit("duty"), "");
   EXPECT_EQ(written_unit("mm"), "");

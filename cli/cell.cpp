@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint cell`: the camera and the robot of a cell, and their twins.
+#include <algorithm>
+#include <array>
+#include <iostream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/cell.h"
+#include "studies/cell/cell_robot.h"
+#include "studies/cell/twin_process.h"
+#include "studies/cell/typed_permit.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string joined(const Json& numbers, const char* format) {
+  std::string text;
+  for (const Json& number : numbers) {
+    text += fmt::format(fmt::runtime(format), number.get<double>());
+  }
+  return text;
+}
+
+std::string state_text(const Json& state) {
+  return fmt::format("  robot mode    {}\n  safety mode   {}\n  program       {}\n",
+                     state["robot_mode"].get<std::string>(),
+                     state["safety_mode"].get<std::string>(),
+                     state["program"].get<std::string>()) +
+         fmt::format("  joints        {} degrees\n", joined(state["joints_deg"], " {:9.3f}")) +
+         fmt::format("  TCP           {} mm\n",
+                     joined(state["base_from_tcp"]["translation_mm"], " {:9.3f}"));
+}
+
+std::string status_text(const Json& status) {
+  std::string text = fmt::format("{} at {:.0f} Hz, controller {}\n",
+                                 status["twin"].get<bool>() ? "twin of a robot" : "robot",
+                                 status["rate_hz"].get<double>(),
+                                 status["controller"].get<std::string>());
+  text += state_text(status["robot"]);
+  return text + (status["movable"].get<bool>()
+                     ? std::string("  may be moved\n")
+                     : fmt::format("  may not be moved: {}\n",
+                                   status["not_movable_because"].get<std::string>()));
+}
+
+std::string move_text(const Json& result) {
+  const std::string outcome = result["outcome"].get<std::string>();
+  const std::string why = result["text"].get<std::string>();
+  return fmt::format("{} {}{}{}\n",
+                     result["twin"].get<bool>() ? "twin:" : "robot:",
+                     outcome,
+                     why.empty() ? "" : ": ",
+                     why);
+}
+
+std::string replies_text(const Json& result) {
+  std::string text;
+  for (const Json& reply : result["replies"]) {
+    text += fmt::format(
+        "{}: {}\n", reply["command"].get<std::string>(), reply["reply"].get<std::string>());
+  }
+  return text;
+}
+
+int exit_code(const Json& result) {
+  return result.value("ok", true) ? kExitDone : kExitNegative;
+}
+
+Cell cell_of(const CellArguments& arguments) {
+  Cell cell = read_cell(the_word(arguments, "the cell's file"));
+  return arguments.twin.empty() ? cell : with_ports(std::move(cell), arguments.twin);
+}
+
+int status_action(const CellArguments& arguments, const CommonArguments& common) {
+  const Json result = robot_status(cell_of(arguments));
+  print_result(common, result, status_text(result));
+  return exit_code(result);
+}
+
+int watch_action(const CellArguments& arguments, const CommonArguments& common) {
+  const bool is_text = !common.is_json && !common.is_quiet;
+  const Json result =
+      watch_robot(cell_of(arguments), arguments.duration_s, 0.5, [is_text](const Json& state) {
+        if (is_text) {
+          std::cout << state_text(state) << std::flush;
+        }
+        return true;
+      });
+  print_result(common, result, move_text(result));
+  return exit_code(result);
+}
+
+MotionPermit permit_of(const CellArguments& arguments) {
+  return typed_permit(arguments.is_move, "cell " + arguments.action);
+}
+
+int move_action(const CellArguments& arguments, const CommonArguments& common) {
+  const MotionPermit permit = permit_of(arguments);
+  const Cell cell = cell_of(arguments);
+  if (arguments.view.empty()) {
+    throw ConfigError("glint cell move: needs --view with a name or number of a [[view]]");
+  }
+  const Json result =
+      move_robot(cell, view_of(cell, arguments.view), arguments.speed_share, permit);
+  print_result(common, result, move_text(result));
+  return exit_code(result);
+}
+
+int safe_action(const CellArguments& arguments, const CommonArguments& common) {
+  const MotionPermit permit = permit_of(arguments);
+  const Cell cell = cell_of(arguments);
+  const Json result =
+      move_robot(cell, safe_position_of(cell, arguments.view), arguments.speed_share, permit);
+  print_result(common, result, move_text(result));
+  return exit_code(result);
+}
+
+int unlock_action(const CellArguments& arguments, const CommonArguments& common) {
+  const MotionPermit permit = permit_of(arguments);
+  const Json result = unlock_robot(cell_of(arguments), permit);
+  print_result(common, result, replies_text(result));
+  return exit_code(result);
+}
+
+int power_action(const CellArguments& arguments, const CommonArguments& common) {
+  const MotionPermit permit = permit_of(arguments);
+  const Json result = power_robot(cell_of(arguments), !arguments.is_off, permit);
+  print_result(common, result, replies_text(result));
+  return exit_code(result);
+}
+
+std::string twins_text(const Json& ready) {
+  std::string text = fmt::format("twins serve, process {}\n", ready["pid"].get<int>());
+  for (const Json& twin : ready["twins"]) {
+    text += fmt::format("  {} {}\n", twin["kind"].get<std::string>(), twin.dump());
+  }
+  return text;
+}
+
+int twin_stop(const CellArguments& arguments, const CommonArguments& common) {
+  if (arguments.words.size() != 2) {
+    throw ConfigError("glint cell twin stop: needs the file of --ready_file");
+  }
+  const Json result = stop_twins(arguments.words[1]);
+  print_result(
+      common,
+      result,
+      result["was_running"].get<bool>() ? "twins ended\n" : "the twins had ended already\n");
+  return kExitDone;
+}
+
+int twin_action(const CellArguments& arguments, const CommonArguments& common) {
+  if (!arguments.words.empty() && arguments.words[0] == "stop") {
+    return twin_stop(arguments, common);
+  }
+  if (arguments.words.size() != 2) {
+    throw ConfigError("glint cell twin: needs robot and the cell's file, or stop and a ready file");
+  }
+  const std::string& kind = arguments.words[0];
+  if (kind != "robot") {
+    throw ConfigError(fmt::format("glint cell twin {}: there are robot and stop", kind));
+  }
+  const Cell cell = read_cell(arguments.words[1]);
+  serve_twins(
+      [&] {
+        ServingTwins twins;
+        twins.push_back(robot_twin_of(cell, arguments.port));
+        return twins;
+      },
+      {.is_detached = arguments.is_detached, .ready_file = arguments.ready_file},
+      [&common](const Json& ready) { print_result(common, ready, twins_text(ready)); });
+  return kExitDone;
+}
+
+}  // namespace
+
+std::span<const CellAction> cell_actions() {
+  static constexpr std::array<CellAction, 7> kActions = {{
+      {"status", false, status_action},
+      {"watch", false, watch_action},
+      {"move", true, move_action},
+      {"safe", true, safe_action},
+      {"unlock", true, unlock_action},
+      {"power", true, power_action},
+      {"twin", false, twin_action},
+  }};
+  return kActions;
+}
+
+std::filesystem::path the_word(const CellArguments& arguments, const std::string& what) {
+  if (arguments.words.size() != 1) {
+    throw ConfigError(fmt::format("glint cell {}: needs {}", arguments.action, what));
+  }
+  return arguments.words[0];
+}
+
+int cell_command(const CellArguments& arguments, const CommonArguments& common) {
+  const std::span<const CellAction> actions = cell_actions();
+  const auto action =
+      std::ranges::find(actions, std::string_view(arguments.action), &CellAction::name);
+  if (action == actions.end()) {
+    std::string names;
+    for (const CellAction& known : actions) {
+      names += fmt::format("{}{}", names.empty() ? "" : ", ", known.name);
+    }
+    throw ConfigError(fmt::format("glint cell {}: there are {}", arguments.action, names));
+  }
+  if (action->may_move) {
+    permit_of(arguments);  // before any file is read and any address is looked up
+  }
+  return action->run(arguments, common);
+}
+
+}  // namespace glint

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/robot/motion_watch.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include <fmt/format.h>
+
+namespace glint {
+namespace {
+
+constexpr double kBeginTimeoutS = 2.0;
+constexpr double kReasonS =
+    0.1;  ///< how long the controller's reason may come after the stop itself
+constexpr double kSpeedTolerance = 1.1;
+constexpr double kStillRadS = 1e-3;
+constexpr double kArrivedRad = 2e-3;
+constexpr double kSlowestScaling = 0.05;
+
+/// Words by which controllers name poses that they find no joints for.
+constexpr std::array<std::string_view, 5> kKinematicWords = {
+    "inverse kin", "singular", "joint limit", "unreachable", "reach"};
+
+bool is_kinematic(std::string_view text) {
+  std::string lower(text);
+  std::ranges::transform(lower, lower.begin(), [](char c) {
+    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  });
+  return std::ranges::any_of(kKinematicWords, [&lower](std::string_view word) {
+    return lower.find(word) != std::string::npos;
+  });
+}
+
+}  // namespace
+
+double stall_s(double rate_hz) {
+  return std::max(5.0 / rate_hz, 0.2);
+}
+
+MotionOutcome stop_of(SafetyMode mode) {
+  if (allows_motion(mode)) {
+    return MotionOutcome::kDone;
+  }
+  if (is_emergency_stop(mode)) {
+    return MotionOutcome::kEmergencyStop;
+  }
+  return mode == SafetyMode::kSafeguardStop ? MotionOutcome::kSafeguardStop
+                                            : MotionOutcome::kProtectiveStop;
+}
+
+MotionWatch::MotionWatch(const CheckedMotion& motion,
+                         const ScriptAck& ack,
+                         const ArmWithTool& arm,
+                         const UrSettings& settings,
+                         double speed_scaling,
+                         double now_s)
+    : motion_(motion),
+      ack_(ack),
+      arm_(arm),
+      settings_(settings),
+      begin_by_s_(now_s + kBeginTimeoutS),
+      end_by_s_(begin_by_s_ + 1.0 +
+                1.5 * motion.duration_s / std::clamp(speed_scaling, kSlowestScaling, 1.0)) {}
+
+void MotionWatch::end(MotionOutcome outcome, std::string text, bool must_stop) {
+  if (!result_) {
+    result_ = MotionResult{.outcome = outcome, .text = std::move(text)};
+    must_stop_ = must_stop;
+  }
+}
+
+void MotionWatch::on_package(const RobotState& state, double now_s) {
+  if (const MotionOutcome stop = stop_of(state.safety_mode); stop != MotionOutcome::kDone) {
+    end(stop, fmt::format("safety mode {}", name_of(state.safety_mode)), false);
+  } else if (state.robot_mode != RobotMode::kRunning) {
+    end(MotionOutcome::kProgramStopped,
+        fmt::format("robot mode {}", name_of(state.robot_mode)),
+        false);
+  } else if (is_within_limits(state)) {
+    look_at_program(state, now_s);
+  }
+}
+
+bool MotionWatch::is_within_limits(const RobotState& state) {
+  const double limit_mm_s = kSpeedTolerance * arm_.limits.tool_speed_mm_s;
+  if (!(state.tool_speed_mm_s <= limit_mm_s)) {
+    end(MotionOutcome::kLimit,
+        fmt::format("the tool moved at {:.1f} mm/s, limits.tool_speed_mm_s is {:.1f}",
+                    state.tool_speed_mm_s,
+                    arm_.limits.tool_speed_mm_s),
+        true);
+  } else if (std::string text = outside_box(arm_, state.actual_q_rad, 0.0); !text.empty()) {
+    end(MotionOutcome::kLimit, std::move(text), true);
+  } else if (std::string other = tcp_difference(state, arm_, settings_); !other.empty()) {
+    end(MotionOutcome::kLimit, std::move(other), true);
+  }
+  return !result_;
+}
+
+void MotionWatch::look_at_program(const RobotState& state, double now_s) {
+  has_begun_ = has_begun_ || state.ack == ack_.begun || state.ack == ack_.ended;
+  const bool is_still = state.actual_qd_rad_s.cwiseAbs().maxCoeff() < kStillRadS;
+  if (!has_begun_ || state.is_program_running() || !is_still) {
+    stopped_at_s_.reset();
+    return;
+  }
+  stopped_at_s_ = stopped_at_s_.value_or(now_s);
+  const double left_rad = (state.actual_q_rad - motion_.goal_rad).cwiseAbs().maxCoeff();
+  if (state.ack == ack_.ended && left_rad < kArrivedRad) {
+    end(MotionOutcome::kDone, "", false);
+  } else if (now_s - *stopped_at_s_ > kReasonS) {
+    end(is_kinematic_ ? MotionOutcome::kUnreachable : MotionOutcome::kProgramStopped,
+        message_.empty() ? "the program ended before the arm had arrived" : message_,
+        false);
+  }
+}
+
+void MotionWatch::on_message(const PrimaryMessage& message) {
+  if (message.kind == PrimaryMessage::Kind::kText) {
+    return;
+  }
+  message_ = message.text;
+  is_kinematic_ = is_kinematic(message.text);
+  if (!has_begun_ && message.kind == PrimaryMessage::Kind::kRuntimeException) {
+    end(is_kinematic_ ? MotionOutcome::kUnreachable : MotionOutcome::kProgramStopped,
+        message_,
+        false);
+  }
+}
+
+void MotionWatch::on_lost(const std::string& why) {
+  end(MotionOutcome::kLost, why, true);
+}
+
+void MotionWatch::on_time(double now_s) {
+  if (!has_begun_ && now_s > begin_by_s_) {
+    end(MotionOutcome::kTimeout, "the controller did not begin the motion", true);
+  } else if (now_s > end_by_s_) {
+    end(MotionOutcome::kTimeout, "the arm did not arrive in time", true);
+  }
+}
+
+}  // namespace glint

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// One motion from the moment its script was sent until it is known how it ended: a state machine
+// fed with packages, messages and the time, without a network.
+#pragma once
+
+#include <optional>
+
+#include "hardware/robot/path_check.h"
+#include "hardware/robot/protocol/primary_message.h"
+#include "hardware/robot/robot.h"
+#include "hardware/robot/ur_script.h"
+
+namespace glint {
+
+/// No new package for so long means that the link is lost: 5 periods, 0.2 s at least.
+double stall_s(double rate_hz);
+
+/// done for a state that may go on, else the stop that it names.
+MotionOutcome stop_of(SafetyMode mode);
+
+class MotionWatch {
+ public:
+  /// @param arm, settings  outlive the watch
+  MotionWatch(const CheckedMotion& motion,
+              const ScriptAck& ack,
+              const ArmWithTool& arm,
+              const UrSettings& settings,
+              double speed_scaling,
+              double now_s);
+
+  void on_package(const RobotState& state, double now_s);
+  void on_message(const PrimaryMessage& message);
+  void on_lost(const std::string& why);
+  void on_time(double now_s);
+
+  const std::optional<MotionResult>& result() const { return result_; }
+
+  /// The arm may still be moving, or begin to: a stop has to be sent.
+  bool must_stop() const { return must_stop_; }
+
+ private:
+  void end(MotionOutcome outcome, std::string text, bool must_stop);
+  bool is_within_limits(const RobotState& state);
+  void look_at_program(const RobotState& state, double now_s);
+
+  CheckedMotion motion_;
+  ScriptAck ack_;
+  const ArmWithTool& arm_;
+  const UrSettings& settings_;
+  double begin_by_s_;
+  double end_by_s_;
+  bool has_begun_ = false;
+  std::optional<double> stopped_at_s_;  ///< when the program was first seen not to run any more
+  std::string message_;                 ///< the controller's reason
+  bool is_kinematic_ = false;           ///< the reason is that there are no joints for the pose
+  std::optional<MotionResult> result_;
+  bool must_stop_ = false;
+};
+
+}  // namespace glint

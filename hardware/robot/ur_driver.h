@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A UR robot without a network: bytes of RTDE and of the primary interface in, bytes out, and the
+// time. UrRobot connects it with sockets, tests with a controller on an injected clock.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "hardware/robot/motion_permit.h"
+#include "hardware/robot/motion_watch.h"
+#include "hardware/robot/rtde_client.h"
+
+namespace glint {
+
+class UrDriver {
+ public:
+  UrDriver(UrSettings settings, ArmWithTool arm);
+  UrDriver(const UrDriver&) = delete;
+  UrDriver& operator=(const UrDriver&) = delete;
+
+  /// Without it no byte for the primary interface is ever made.
+  void allow_motion(const MotionPermit&) { may_move_ = true; }
+
+  std::string take_rtde_output() { return rtde_.take_output(); }
+
+  std::string take_script_output() { return std::exchange(script_output_, {}); }
+
+  /// All times are seconds of one clock that never goes back.
+  void on_rtde(std::string_view bytes, double now_s);
+  void on_rtde_closed(const std::string& why);
+  void on_primary(std::string_view bytes);
+  void on_primary_closed(const std::string& why);
+  void on_time(double now_s);
+
+  bool is_streaming() const { return state_.has_value(); }
+
+  std::optional<RobotState> state(double now_s) const;
+
+  const RtdeClient& rtde() const { return rtde_; }
+
+  const UrSettings& settings() const { return settings_; }
+
+  const ArmWithTool& arm() const { return arm_; }
+
+  /// Begins a motion, or says at once why not.
+  /// @return none: it goes on, until result() has one
+  std::optional<MotionResult> begin(const CheckedMotion& motion, double now_s);
+  std::optional<MotionResult> begin_stop(double now_s);
+
+  /// Of the motion or stop that was begun last; none: it goes on.
+  const std::optional<MotionResult>& result() const { return result_; }
+
+  /// After this stop nothing moves any more; none: there was none.
+  const std::optional<MotionResult>& halted() const { return halted_; }
+
+  std::optional<StillPose> still_pose() const { return still_.pose(); }
+
+  /// Waits for packages of a standstill from now on.
+  void restart_still_pose() { still_ = StillPoseRule(); }
+
+ private:
+  void on_package(double now_s);
+  void halt(const MotionResult& result);
+  void look_at_motion();
+  void lose(const std::string& why);
+
+  UrSettings settings_;
+  ArmWithTool arm_;
+  RtdeClient rtde_;
+  FrameSplitter primary_ = FrameSplitter::of_primary();
+  std::string script_output_;
+  bool may_move_ = false;
+  std::optional<RobotState> state_;
+  double new_at_s_ = 0.0;  ///< when the newest package came
+  std::optional<MotionWatch> watch_;
+  std::optional<double> stop_by_s_;  ///< a stop was sent and must have worked by then
+  std::optional<MotionResult> result_;
+  std::optional<MotionResult> halted_;
+  StillPoseRule still_;
+};
+
+}  // namespace glint

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/robot/ur_robot.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "core/wall_clock.h"
+#include "hardware/robot/dashboard.h"
+#include "hardware/robot/protocol/dashboard_text.h"
+#include "hardware/robot/tcp_link.h"
+
+namespace glint {
+namespace {
+
+constexpr double kReadS = 0.005;  ///< how long the reader waits for one connection
+constexpr double kWriteS = 0.5;
+constexpr auto kPoll = std::chrono::milliseconds(20);
+
+}  // namespace
+
+struct UrRobot::Impl {
+  Impl(const UrSettings& settings, const ArmWithTool& arm, double timeout_s)
+      : driver(settings, arm), rtde(settings.host, settings.rtde_port, timeout_s) {}
+
+  double now_s() const { return seconds_since(start); }
+
+  /// One round of the reader: sends what waits, reads what has come, tells the time.
+  void serve_rtde() {
+    std::string output;
+    {
+      const std::lock_guard lock(mutex);
+      output = driver.take_rtde_output();
+    }
+    if (!output.empty()) {
+      rtde.write(output, kWriteS);
+    }
+    const std::string bytes = rtde.read(kReadS);
+    const std::lock_guard lock(mutex);
+    driver.on_rtde(bytes, now_s());
+    driver.on_time(now_s());
+  }
+
+  void serve_primary() {
+    std::string output;
+    TcpLink* link = nullptr;
+    {
+      const std::lock_guard lock(mutex);
+      link = primary.get();
+      output = driver.take_script_output();
+    }
+    if (link == nullptr) {
+      return;
+    }
+    if (!output.empty()) {
+      link->write(output, kWriteS);
+    }
+    const std::string bytes = link->read(0.0);
+    const std::lock_guard lock(mutex);
+    driver.on_primary(bytes);
+  }
+
+  /// @return the connection still stands
+  template <class Serve, class Lose>
+  bool try_serve(const Serve& serve, const Lose& lose) {
+    try {
+      serve();
+      return true;
+    } catch (const IoError& error) {
+      const std::lock_guard lock(mutex);
+      failure = failure.empty() ? error.what() : failure;
+      lose(error.what());
+      return false;
+    }
+  }
+
+  /// A stop that is due when the connection is gone is sent on a new one: the controller goes on
+  /// with the motion that it has.
+  void send_last_stop() {
+    std::string output;
+    {
+      const std::lock_guard lock(mutex);
+      output = driver.take_script_output();
+    }
+    if (output.empty()) {
+      return;
+    }
+    try {
+      TcpLink link(driver.settings().host, driver.settings().primary_port, kWriteS);
+      link.write(output, kWriteS);
+      link.read(kWriteS);  // closed too early, the controller might drop what it has not read yet
+    } catch (const IoError&) {
+      return;  // there is nobody to stop; the result says that the link is lost
+    }
+  }
+
+  void read(const std::stop_token& token) {
+    bool has_rtde = true;
+    bool has_primary = true;
+    while (!token.stop_requested() && (has_rtde || has_primary)) {
+      // Scripts first: a stop must go out even when RTDE has fallen silent.
+      has_primary = has_primary &&
+                    try_serve([this] { serve_primary(); },
+                              [this](const std::string& why) { driver.on_primary_closed(why); });
+      if (!has_primary) {
+        send_last_stop();
+      }
+      if (has_rtde) {
+        has_rtde = try_serve([this] { serve_rtde(); },
+                             [this](const std::string& why) { driver.on_rtde_closed(why); });
+      } else {
+        std::this_thread::sleep_for(kPoll);
+        const std::lock_guard lock(mutex);
+        driver.on_time(now_s());
+      }
+      changed.notify_all();
+    }
+  }
+
+  mutable std::mutex mutex;
+  std::condition_variable changed;
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  UrDriver driver;
+  TcpLink rtde;
+  std::unique_ptr<TcpLink> primary;
+  std::string failure;
+  std::jthread reader;  // last: ends before what it uses
+};
+
+UrRobot::UrRobot(const UrSettings& settings, const ArmWithTool& arm, double timeout_s)
+    : impl_(std::make_unique<Impl>(settings, arm, timeout_s)) {
+  impl_->reader =
+      std::jthread([impl = impl_.get()](const std::stop_token& token) { impl->read(token); });
+  std::unique_lock lock(impl_->mutex);
+  const double by_s = impl_->now_s() + timeout_s;
+  while (!impl_->driver.is_streaming() && impl_->failure.empty() && impl_->now_s() < by_s) {
+    impl_->changed.wait_for(lock, kPoll);
+  }
+  if (!impl_->driver.is_streaming()) {
+    const std::string why = impl_->failure.empty()
+                                ? fmt::format("sends no data within {:.1f} s", timeout_s)
+                                : impl_->failure;
+    throw IoError(fmt::format("{}: {}", impl_->rtde.peer(), why));
+  }
+}
+
+UrRobot::~UrRobot() = default;
+
+void UrRobot::allow_motion(const MotionPermit& permit) {
+  const UrSettings settings = impl_->driver.settings();
+  constexpr double kTimeoutS = 2.0;
+  if (!is_cb3(settings.model)) {
+    Dashboard dashboard(settings.host, settings.dashboard_port, kTimeoutS);
+    const std::string reply = dashboard.ask("is in remote control");
+    if (flag_of_reply(reply) != true) {
+      throw ConfigError(
+          fmt::format("{}: the controller takes no scripts: remote control is off (\"{}\"); "
+                      "switch it on at the pendant",
+                      settings.host,
+                      reply.substr(0, 80)));
+    }
+  }
+  auto link = std::make_unique<TcpLink>(settings.host, settings.primary_port, kTimeoutS);
+  const std::lock_guard lock(impl_->mutex);
+  impl_->driver.allow_motion(permit);
+  impl_->primary = std::move(link);
+}
+
+std::optional<RobotState> UrRobot::state() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->driver.state(impl_->now_s());
+}
+
+MotionResult UrRobot::run(
+    const std::function<std::optional<MotionResult>(UrDriver&, double)>& begin) {
+  std::unique_lock lock(impl_->mutex);
+  if (auto refusal = begin(impl_->driver, impl_->now_s())) {
+    return *refusal;
+  }
+  while (!impl_->driver.result()) {
+    impl_->changed.wait_for(lock, kPoll);
+  }
+  return *impl_->driver.result();
+}
+
+MotionResult UrRobot::move_joints(const JointVector& goal_rad, double share) {
+  return run([&](UrDriver& driver, double now_s) -> std::optional<MotionResult> {
+    const auto state = driver.state(now_s);
+    const JointVector start_rad = state ? state->actual_q_rad : goal_rad;
+    return driver.begin(check_joint_motion(driver.arm(), start_rad, goal_rad, share), now_s);
+  });
+}
+
+MotionResult UrRobot::move_line(const Eigen::Isometry3d& base_from_tcp, double share) {
+  return run([&](UrDriver& driver, double now_s) -> std::optional<MotionResult> {
+    const auto state = driver.state(now_s);
+    const JointVector start_rad = state ? state->actual_q_rad : JointVector::Zero();
+    return driver.begin(check_line_motion(driver.arm(), start_rad, base_from_tcp, share), now_s);
+  });
+}
+
+MotionResult UrRobot::stop() {
+  return run([](UrDriver& driver, double now_s) { return driver.begin_stop(now_s); });
+}
+
+std::optional<StillPose> UrRobot::still_pose(double timeout_s) {
+  std::unique_lock lock(impl_->mutex);
+  const double by_s = impl_->now_s() + timeout_s;
+  impl_->driver.restart_still_pose();
+  while (!impl_->driver.still_pose() && !impl_->driver.halted() && impl_->now_s() < by_s) {
+    impl_->changed.wait_for(lock, kPoll);
+  }
+  return impl_->driver.halted() ? std::nullopt : impl_->driver.still_pose();
+}
+
+std::optional<MotionResult> UrRobot::halted() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->driver.halted();
+}
+
+ControllerVersion UrRobot::controller() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->driver.rtde().controller();
+}
+
+std::uint64_t UrRobot::num_packages() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->driver.rtde().num_packages();
+}
+
+double UrRobot::rate_hz() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->driver.rtde().rate_hz();
+}
+
+bool UrRobot::is_loopback() const {
+  return impl_->rtde.is_loopback();
+}
+
+}  // namespace glint

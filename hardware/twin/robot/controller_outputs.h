@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "hardware/robot/protocol/rtde_field.h"
+
+namespace glint {
+
+class TwinController;
+
+/// What a twin tells by RTDE.
+class ControllerOutputs {
+ public:
+  explicit ControllerOutputs(const TwinController& twin) : twin_(twin) {}
+
+  /// None: NOT_FOUND.
+  std::optional<RtdeType> type_of(std::string_view name) const;
+  std::optional<RtdeValue> value_of(std::string_view name) const;
+
+ private:
+  RtdeValue plain_value_of(std::string_view name) const;
+
+  const TwinController& twin_;
+};
+
+}  // namespace glint

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A cell as its file describes it: camera, robot, lights, limits, and the positions it may take.
+//
+//     [camera]            id or address, exposure, gain ...
+//     [robot]             model, host, TCP, payload (hardware/robot/ur_settings.h)
+//     [limits]            speeds and the box; without default (hardware/robot/motion_limits.h)
+//     [lights.ring]       a digital output, or a person
+//     [calibration]       what `glint calibrate` wrote
+//     [twin]              what its twins are in truth
+//     [[safe_position]]   where the arm waits
+//     [[view]]            where pictures are taken from
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/config/keys.h"
+#include "hardware/robot/ur_settings.h"
+
+namespace glint {
+
+enum class CellPixelFormat { kMono8, kMono10, kMono12, kMono16, kMono10Packed, kMono12Packed };
+
+/// In the order of CellPixelFormat.
+inline constexpr std::array<std::string_view, 6> kCellPixelFormats = {
+    "mono8", "mono10", "mono12", "mono16", "mono10_packed", "mono12_packed"};
+
+/// A feature by the camera's own name for it, as the file has it: "LineSelector" = "Line1".
+struct CellFeature {
+  std::string name;
+  std::string value;  ///< numbers and booleans as text
+};
+
+/// [camera]. Its width, height and lens are those of the calibration.
+struct CellCamera {
+  std::string id;       ///< empty: the only one that answers, or that of the address
+  std::string address;  ///< IPv4; empty: found by id
+  CellPixelFormat pixel_format = CellPixelFormat::kMono8;
+  double exposure_s = 0.01;
+  double gain_db = 0.0;
+  int packet_bytes = 0;           ///< 0: as large as a test packet gets through
+  std::vector<double> region_px;  ///< x, y, width, height; empty: the whole sensor
+  std::vector<CellFeature> features;
+};
+
+/// [lights.<name>]
+struct CellLight {
+  enum class Kind {
+    kDigitalOutput,  ///< of the robot's controller
+    kManual          ///< a person is asked to switch it
+  };
+
+  std::string name;
+  Kind kind = Kind::kDigitalOutput;
+  int output = 0;         ///< 0 to 7: of the standard digital outputs
+  double settle_s = 0.1;  ///< until it shines evenly
+};
+
+/// [[safe_position]] and [[view]]
+struct CellPosition {
+  std::string name;
+  std::vector<double> joints_rad;    ///< six
+  std::vector<std::string> lights;   ///< of a view: those that are on
+  std::optional<double> exposure_s;  ///< of a view; none: the camera's
+  Place place;
+};
+
+struct Cell {
+  std::filesystem::path file;
+  std::optional<CellCamera> camera;
+  std::optional<UrSettings> robot;
+  MotionLimits limits;  ///< of the robot
+  std::vector<CellLight> lights;
+  std::filesystem::path calibration;  ///< calibration.toml; empty: none
+  std::filesystem::path truth;        ///< a scene for twins of the camera; empty: none
+  std::vector<CellPosition> safe_positions;
+  std::vector<CellPosition> views;
+};
+
+void visit_keys(KeyVisitor& keys, CellCamera& camera);
+void visit_keys(KeyVisitor& keys, CellLight& light);
+
+/// @throws ConfigError with the places of all problems, IoError
+Cell read_cell(const std::filesystem::path& path);
+
+/// The robot of a cell. @throws ConfigError when the file has no [robot]
+const UrSettings& robot_of(const Cell& cell);
+
+/// The camera of a cell. @throws ConfigError when the file has no [camera]
+const CellCamera& camera_of(const Cell& cell);
+
+/// A view by its name, or by its number counted from 1.
+/// @throws ConfigError naming those that there are
+const CellPosition& view_of(const Cell& cell, const std::string& name);
+
+/// A safe position by its name; without one the first.
+const CellPosition& safe_position_of(const Cell& cell, const std::string& name);
+
+}  // namespace glint

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/cell/cell_robot.h"
+
+#include <chrono>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/units.h"
+#include "core/wall_clock.h"
+#include "hardware/robot/dashboard.h"
+#include "hardware/robot/protocol/dashboard_text.h"
+#include "hardware/robot/twin_proof.h"
+#include "hardware/robot/ur_robot.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDashboardS = 2.0;
+constexpr double kStillS = 3.0;
+constexpr double kPowerS = 30.0;
+
+Json numbers(const auto& vector, double factor) {
+  Json list = Json::array();
+  for (const double value : vector) {
+    list.push_back(value * factor);
+  }
+  return list;
+}
+
+Json pose_json(const Eigen::Isometry3d& pose) {
+  const JointVector six = pose_difference(pose, Eigen::Isometry3d::Identity());
+  return {{"translation_mm", numbers(Eigen::Vector3d(six.head<3>()), 1.0)},
+          {"rotation_vector_rad", numbers(Eigen::Vector3d(six.tail<3>()), 1.0)}};
+}
+
+Json state_json(const RobotState& state) {
+  return {{"timestamp_s", state.timestamp_s},
+          {"age_s", state.age_s},
+          {"robot_mode", name_of(state.robot_mode)},
+          {"safety_mode", name_of(state.safety_mode)},
+          {"program", name_of(state.runtime_state)},
+          {"speed_scaling", state.speed_scaling},
+          {"joints_deg", numbers(state.actual_q_rad, kDegPerRad)},
+          {"base_from_tcp", pose_json(state.base_from_tcp)},
+          {"tool_speed_mm_s", state.tool_speed_mm_s},
+          {"digital_outputs", state.digital_outputs}};
+}
+
+Json result_json(const MotionResult& result) {
+  return {{"ok", result.is_done()}, {"outcome", name_of(result.outcome)}, {"text", result.text}};
+}
+
+Json still_json(const StillPose& pose) {
+  return {{"timestamp_s", pose.timestamp_s},
+          {"packages", pose.packages},
+          {"joints_deg", numbers(pose.joints_rad, kDegPerRad)},
+          {"base_from_tcp", pose_json(pose.base_from_tcp)}};
+}
+
+/// Asks, and says what went wrong instead of throwing: the rest of a status is of use without it.
+std::string asked(Dashboard& dashboard, const char* query) {
+  try {
+    return value_of_reply(dashboard.ask(query));
+  } catch (const IoError& error) {
+    return error.what();
+  }
+}
+
+Json dashboard_json(const UrSettings& settings) {
+  try {
+    Dashboard dashboard(settings.host, settings.dashboard_port, kDashboardS);
+    Json json = {{"model", asked(dashboard, "get robot model")},
+                 {"serial_number", asked(dashboard, "get serial number")},
+                 {"program", asked(dashboard, "programState")}};
+    if (!is_cb3(settings.model)) {
+      json["remote_control"] = asked(dashboard, "is in remote control");
+    }
+    return json;
+  } catch (const IoError& error) {
+    return {{"error", error.what()}};
+  }
+}
+
+JointVector joints_of(const CellPosition& position) {
+  return Eigen::Map<const JointVector>(position.joints_rad.data());
+}
+
+/// Commands of the dashboard one after the other, until one fails.
+Json command_all(const UrSettings& settings,
+                 const std::vector<std::string>& commands,
+                 const MotionPermit& permit) {
+  Dashboard dashboard(settings.host, settings.dashboard_port, kDashboardS);
+  Json json = {{"ok", true}, {"replies", Json::array()}};
+  for (const std::string& command : commands) {
+    const std::string reply = dashboard.command(command, permit);
+    json["replies"].push_back({{"command", command}, {"reply", reply}});
+    if (!is_success(reply)) {
+      json["ok"] = false;
+      return json;
+    }
+  }
+  return json;
+}
+
+/// Waits for a state of the robot. @return it came in time
+template <class Condition>
+bool wait_for(const UrRobot& robot, double timeout_s, const Condition& condition) {
+  const auto start = std::chrono::steady_clock::now();
+  while (seconds_since(start) < timeout_s) {
+    const auto state = robot.state();
+    if (state && condition(*state)) {
+      return true;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return false;
+}
+
+Json head_json(const Cell& cell, bool is_twin) {
+  return {{"schema", 1}, {"cell", cell.file.string()}, {"twin", is_twin}};
+}
+
+}  // namespace
+
+Json robot_status(const Cell& cell) {
+  const UrSettings& settings = robot_of(cell);
+  const ArmWithTool arm = arm_with_tool(settings, cell.limits);
+  const UrRobot robot(settings, arm);
+  const RobotState state = *robot.state();
+  Json json = head_json(cell, is_proven_twin(settings.host, settings.rtde_port));
+  json["status"] = "done";
+  json["ok"] = true;
+  json["controller"] = robot.controller().text();
+  json["rate_hz"] = robot.rate_hz();
+  json["robot"] = state_json(state);
+  json["dashboard"] = dashboard_json(settings);
+  const std::string refusal = motion_refusal(state, arm, settings);
+  json["movable"] = refusal.empty();
+  json["not_movable_because"] = refusal;
+  json["outside_box"] = outside_box(arm, state.actual_q_rad, 0.0);
+  return json;
+}
+
+Json watch_robot(const Cell& cell,
+                 double duration_s,
+                 double every_s,
+                 const std::function<bool(const Json&)>& tell) {
+  const UrSettings& settings = robot_of(cell);
+  const UrRobot robot(settings, arm_with_tool(settings, cell.limits));
+  const auto start = std::chrono::steady_clock::now();
+  int count = 0;
+  bool is_going_on = true;
+  while (is_going_on && seconds_since(start) < duration_s && !robot.halted()) {
+    is_going_on = tell(state_json(*robot.state()));
+    ++count;
+    std::this_thread::sleep_for(std::chrono::duration<double>(every_s));
+  }
+  Json json = head_json(cell, is_proven_twin(settings.host, settings.rtde_port));
+  const auto halted = robot.halted();
+  json["status"] = "done";
+  json["ok"] = !halted.has_value();
+  json["states"] = count;
+  json["packages"] = robot.num_packages();
+  json["outcome"] = halted ? name_of(halted->outcome) : "done";
+  json["text"] = halted ? halted->text : "";
+  return json;
+}
+
+Json move_robot(const Cell& cell,
+                const CellPosition& position,
+                double share,
+                const MotionPermit& permit) {
+  const UrSettings& settings = robot_of(cell);
+  const bool is_twin = is_proven_twin(settings.host, settings.rtde_port);
+  UrRobot robot(settings, arm_with_tool(settings, cell.limits));
+  robot.allow_motion(permit);
+  const auto start = std::chrono::steady_clock::now();
+  const MotionResult result = robot.move_joints(joints_of(position), share);
+  Json json = head_json(cell, is_twin);
+  json["status"] = "done";
+  json.update(result_json(result));
+  json["position"] = position.name;
+  json["duration_s"] = seconds_since(start);
+  if (result.is_done()) {
+    const auto pose = robot.still_pose(kStillS);
+    json["still"] = pose ? still_json(*pose) : Json(nullptr);
+    json["ok"] = pose.has_value();
+    json["text"] = pose ? "" : "the arm arrived, but does not stand still";
+  }
+  return json;
+}
+
+Json unlock_robot(const Cell& cell, const MotionPermit& permit) {
+  const UrSettings& settings = robot_of(cell);
+  Json json = head_json(cell, is_proven_twin(settings.host, settings.rtde_port));
+  json["status"] = "done";
+  json.update(command_all(settings, {"close safety popup", "unlock protective stop"}, permit));
+  return json;
+}
+
+Json power_robot(const Cell& cell, bool is_on, const MotionPermit& permit) {
+  const UrSettings& settings = robot_of(cell);
+  const UrRobot robot(settings, arm_with_tool(settings, cell.limits));
+  Json json = head_json(cell, is_proven_twin(settings.host, settings.rtde_port));
+  json["status"] = "done";
+  json.update(command_all(settings, {is_on ? "power on" : "power off"}, permit));
+  if (json["ok"] == true && is_on) {
+    const bool has_power = wait_for(robot, kPowerS, [](const RobotState& state) {
+      return state.robot_mode == RobotMode::kIdle || state.robot_mode == RobotMode::kRunning;
+    });
+    Json released = has_power ? command_all(settings, {"brake release"}, permit)
+                              : Json{{"ok", false}, {"replies", Json::array()}};
+    json["ok"] = released["ok"];
+    json["replies"].insert(
+        json["replies"].end(), released["replies"].begin(), released["replies"].end());
+  }
+  const RobotMode wanted = is_on ? RobotMode::kRunning : RobotMode::kPowerOff;
+  if (json["ok"] == true) {
+    json["ok"] = wait_for(
+        robot, kPowerS, [wanted](const RobotState& state) { return state.robot_mode == wanted; });
+  }
+  json["robot"] = state_json(*robot.state());
+  return json;
+}
+
+}  // namespace glint

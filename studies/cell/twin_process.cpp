@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/cell/twin_process.h"
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/wall_clock.h"
+#include "hardware/robot/twin_proof.h"
+#include "hardware/twin/robot/twin_server.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kReadyS = 60.0;
+constexpr double kEndS = 10.0;
+constexpr auto kPoll = std::chrono::milliseconds(20);
+
+std::atomic<bool> interrupted = false;
+
+void on_signal(int) {
+  interrupted = true;
+}
+
+class RobotTwin final : public ServingTwin {
+ public:
+  explicit RobotTwin(TwinServerSettings settings) : server_(std::move(settings)) {}
+
+  Json description() const override {
+    const TwinPorts& ports = server_.ports();
+    return {{"kind", "robot"},
+            {"address", "127.0.0.1"},
+            {"rtde_port", ports.rtde},
+            {"primary_port", ports.primary},
+            {"secondary_port", ports.secondary},
+            {"dashboard_port", ports.dashboard},
+            {"side_channel", server_.side_channel().string()},
+            {"token", server_.token()}};
+  }
+
+  bool has_ended() const override { return server_.is_stop_asked(); }
+
+ private:
+  TwinServer server_;
+};
+
+/// Serves in this process. @return the ready file's object
+Json serve_here(const std::function<ServingTwins()>& make,
+                const std::filesystem::path& ready_file,
+                const std::function<void(const Json&)>& tell) {
+  interrupted = false;
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+  const ServingTwins twins = make();
+  Json ready = {{"schema", 1}, {"status", "done"}, {"pid", ::getpid()}, {"twins", Json::array()}};
+  for (const auto& twin : twins) {
+    ready["twins"].push_back(twin->description());
+  }
+  if (!ready_file.empty()) {
+    write_file(ready_file, ready.dump(2) + "\n");
+  }
+  tell(ready);
+  const auto is_over = [&twins] {
+    return interrupted ||
+           std::ranges::any_of(twins, [](const auto& twin) { return twin->has_ended(); });
+  };
+  while (!is_over()) {
+    std::this_thread::sleep_for(kPoll);
+  }
+  return ready;
+}
+
+/// In the child: no terminal, no output; what goes wrong is left where the parent looks for it.
+[[noreturn]] void serve_as_child(const std::function<ServingTwins()>& make,
+                                 const std::filesystem::path& ready_file,
+                                 const std::filesystem::path& error_file) {
+  int code = 0;
+  ::setsid();
+  const bool has_no_terminal = std::freopen("/dev/null", "r", stdin) != nullptr &&
+                               std::freopen("/dev/null", "w", stdout) != nullptr &&
+                               std::freopen("/dev/null", "w", stderr) != nullptr;
+  try {
+    if (!has_no_terminal) {
+      throw IoError("/dev/null: " + last_system_error());
+    }
+    serve_here(make, ready_file, [](const Json&) {});
+  } catch (const std::exception& error) {
+    code = 1;
+    try {
+      write_file(error_file, error.what());
+    } catch (const std::exception&) {
+      code = 2;
+    }
+  }
+  std::error_code ignored;
+  std::filesystem::remove(ready_file, ignored);
+  std::_Exit(code);
+}
+
+Json read_ready(const std::filesystem::path& file) {
+  const Json json = Json::parse(read_file(file), nullptr, false);
+  if (!json.is_object() || !json.contains("pid") || !json.contains("twins") ||
+      !json["pid"].is_number_integer() || !json["twins"].is_array()) {
+    throw ConfigError(fmt::format("{}: is no ready file of twins", file.string()));
+  }
+  return json;
+}
+
+Json wait_until_ready(pid_t child,
+                      const std::filesystem::path& ready_file,
+                      const std::filesystem::path& error_file) {
+  const auto start = std::chrono::steady_clock::now();
+  while (seconds_since(start) < kReadyS) {
+    if (std::filesystem::exists(ready_file)) {
+      return read_ready(ready_file);
+    }
+    int status = 0;
+    if (::waitpid(child, &status, WNOHANG) == child) {
+      std::string why = "the twins ended before they were ready";
+      if (std::filesystem::exists(error_file)) {
+        why = read_file(error_file);
+        std::filesystem::remove(error_file);
+      }
+      throw IoError(why);
+    }
+    std::this_thread::sleep_for(kPoll);
+  }
+  ::kill(child, SIGTERM);
+  throw IoError(fmt::format("the twins were not ready within {:.0f} s", kReadyS));
+}
+
+bool is_alive(pid_t pid) {
+  return ::kill(pid, 0) == 0 || errno == EPERM;
+}
+
+/// Tells one twin to end. @return it was there, and the same
+bool tell_to_stop(const Json& twin) {
+  if (!twin.contains("side_channel") || !twin.contains("token")) {
+    return false;
+  }
+  const std::filesystem::path socket = twin["side_channel"].get<std::string>();
+  const auto token = ask_side_channel(socket, "token");
+  return token && *token == fmt::format("{}", twin["token"].get<std::uint64_t>()) &&
+         ask_side_channel(socket, "stop").has_value();
+}
+
+const Json* robot_in(const Json& ready) {
+  for (const Json& twin : ready["twins"]) {
+    if (twin.value("kind", "") == "robot") {
+      return &twin;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Json serve_twins(const std::function<ServingTwins()>& make,
+                 const TwinProcessOptions& options,
+                 const std::function<void(const Json&)>& tell) {
+  if (!options.is_detached) {
+    Json ready = serve_here(make, options.ready_file, tell);
+    std::error_code ignored;
+    std::filesystem::remove(options.ready_file, ignored);
+    return ready;
+  }
+  if (options.ready_file.empty()) {
+    throw ConfigError("--detach needs --ready_file, which glint cell twin stop ends them by");
+  }
+  if (std::filesystem::exists(options.ready_file)) {
+    throw ConfigError(fmt::format(
+        "{}: is there already; glint cell twin stop ends the twins it names, or remove the file",
+        options.ready_file.string()));
+  }
+  if (options.ready_file.has_parent_path()) {
+    make_folder(options.ready_file.parent_path());
+  }
+  const std::filesystem::path error_file = options.ready_file.string() + ".error";
+  const pid_t child = ::fork();
+  if (child < 0) {
+    throw IoError("no process for the twins: " + last_system_error());
+  }
+  if (child == 0) {
+    serve_as_child(make, options.ready_file, error_file);
+  }
+  Json ready = wait_until_ready(child, options.ready_file, error_file);
+  tell(ready);
+  return ready;
+}
+
+Json stop_twins(const std::filesystem::path& ready_file) {
+  const Json ready = read_ready(ready_file);
+  const auto pid = ready["pid"].get<pid_t>();
+  bool was_told = false;
+  for (const Json& twin : ready["twins"]) {
+    was_told = tell_to_stop(twin) || was_told;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  while (was_told && is_alive(pid) && seconds_since(start) < kEndS) {
+    std::this_thread::sleep_for(kPoll);
+  }
+  if (was_told && is_alive(pid)) {
+    throw IoError(fmt::format("the twins (process {}) do not end", pid));
+  }
+  std::error_code ignored;
+  std::filesystem::remove(ready_file, ignored);
+  return {{"schema", 1}, {"status", "done"}, {"pid", pid}, {"was_running", was_told}};
+}
+
+std::unique_ptr<ServingTwin> robot_twin_of(const Cell& cell, std::optional<int> port) {
+  const UrSettings& robot = robot_of(cell);
+  const ArmWithTool arm = arm_with_tool(robot, cell.limits);
+  const CellPosition& start = safe_position_of(cell, "");
+  TwinPorts ports = {.rtde = robot.rtde_port,
+                     .primary = robot.primary_port,
+                     .secondary = robot.secondary_port,
+                     .dashboard = robot.dashboard_port};
+  if (port) {
+    const auto at = [&port](int offset) { return *port == 0 ? 0 : *port + offset; };
+    ports = {.rtde = at(0), .primary = at(1), .secondary = at(2), .dashboard = at(3)};
+  }
+  return std::make_unique<RobotTwin>(TwinServerSettings{
+      .twin = {.arm = arm.arm,
+               .start_rad = Eigen::Map<const JointVector>(start.joints_rad.data()),
+               .flange_from_tcp = arm.flange_from_tcp,
+               .payload_kg = robot.payload_kg,
+               .payload_cog_mm = Eigen::Map<const Eigen::Vector3d>(robot.payload_cog_mm.data())},
+      .address = "127.0.0.1",
+      .ports = ports});
+}
+
+Cell with_ports(Cell cell, const std::filesystem::path& ready_file) {
+  const Json ready = read_ready(ready_file);
+  const Json* twin = robot_in(ready);
+  if (cell.robot && twin != nullptr) {
+    cell.robot->host = twin->at("address").get<std::string>();
+    cell.robot->rtde_port = twin->at("rtde_port").get<int>();
+    cell.robot->primary_port = twin->at("primary_port").get<int>();
+    cell.robot->secondary_port = twin->at("secondary_port").get<int>();
+    cell.robot->dashboard_port = twin->at("dashboard_port").get<int>();
+  }
+  return cell;
+}
+
+}  // namespace glint

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint cell`: what must not be sent, and the twin of a robot from beginning to end.
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "tests/cli/program.h"
+#include "tests/support/loopback_listener.h"
+
+namespace glint::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+/// Listens on a free port and counts who comes and what they send.
+class CountingPeer {
+ public:
+  CountingPeer() : thread_([this] { count(); }) {}
+
+  ~CountingPeer() {
+    listener_.shut_down();
+    thread_.join();
+  }
+
+  CountingPeer(const CountingPeer&) = delete;
+  CountingPeer& operator=(const CountingPeer&) = delete;
+
+  int port() const { return listener_.port(); }
+
+  int connections() const { return connections_; }
+
+  long bytes() const { return bytes_; }
+
+ private:
+  void count() {
+    for (;;) {
+      const int peer = listener_.accept(300);
+      if (peer < 0) {
+        return;
+      }
+      ++connections_;
+      std::array<char, 4096> buffer = {};
+      ssize_t count = 0;
+      while ((count = ::recv(peer, buffer.data(), buffer.size(), 0)) > 0) {
+        bytes_ += count;
+      }
+      ::close(peer);
+    }
+  }
+
+  LoopbackListener listener_;
+  std::atomic<int> connections_ = 0;
+  std::atomic<long> bytes_ = 0;
+  std::thread thread_;  // last: uses the others
+};
+
+std::string cell_text(int rtde, int primary, int secondary, int dashboard) {
+  return fmt::format(R"([robot]
+model = "ur3"
+host = "127.0.0.1"
+rtde_port = {}
+primary_port = {}
+secondary_port = {}
+dashboard_port = {}
+flange_from_tcp = [0, 0, 80, 0, 0, 0]
+tool_radius_mm = 35
+payload_kg = 0.6
+payload_cog_mm = [0, 0, 40]
+[limits]
+tool_speed_mm_s = 250
+tool_acceleration_mm_s2 = 500
+joint_speed_deg_s = 60
+joint_acceleration_deg_s2 = 120
+box_min_mm = [-600, -600, 20]
+box_max_mm = [600, 600, 900]
+[[safe_position]]
+name = "home"
+joints_deg = [0, -100, 100, -90, -90, 0]
+[[view]]
+name = "left"
+joints_deg = [10, -95, 95, -85, -90, 0]
+)",
+                     rtde,
+                     primary,
+                     secondary,
+                     dashboard);
+}
+
+// A verb that may move gets a row here.
+const std::vector<Arguments> kMovingVerbs = {{"cell", "move", "cell.toml", "--view", "left"},
+                                             {"cell", "safe", "cell.toml"},
+                                             {"cell", "unlock", "cell.toml"},
+                                             {"cell", "power", "cell.toml"},
+                                             {"cell", "power", "cell.toml", "--off"}};
+
+TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
+  const TemporaryFolder folder;
+  const CountingPeer rtde;
+  const CountingPeer primary;
+  const CountingPeer secondary;
+  const CountingPeer dashboard;
+  write_file(folder / "cell.toml",
+             cell_text(rtde.port(), primary.port(), secondary.port(), dashboard.port()));
+  for (const Arguments& verb : kMovingVerbs) {
+    const ProgramResult result = glint_in(folder, verb);
+    EXPECT_EQ(result.code, 2) << verb[1];
+    EXPECT_THAT(result.err, HasSubstr("--move"));
+    EXPECT_EQ(result.out, "");
+  }
+  for (const CountingPeer* peer : {&rtde, &primary, &secondary, &dashboard}) {
+    EXPECT_EQ(peer->connections(), 0);
+    EXPECT_EQ(peer->bytes(), 0);
+  }
+}
+
+// The control: with --move somebody is called, so the peers above would have counted.
+TEST(CellSafety, WithMoveThePeerIsCalled) {
+  const TemporaryFolder folder;
+  const CountingPeer rtde;
+  const CountingPeer primary;
+  write_file(folder / "cell.toml", cell_text(rtde.port(), primary.port(), 1, 1));
+  const ProgramResult result =
+      glint_in(folder, {"cell", "move", "cell.toml", "--view", "left", "--move"});
+  EXPECT_EQ(result.code, 3) << "a peer that says nothing is no robot";
+  EXPECT_GT(rtde.bytes(), 0);
+  EXPECT_EQ(primary.bytes(), 0) << "no script before the state is known";
+}
+
+TEST(CellSafety, ReadingVerbsSendNothingToTheScriptPorts) {
+  const TemporaryFolder folder;
+  const CountingPeer primary;
+  const CountingPeer secondary;
+  write_file(folder / "twin.toml", cell_text(30004, 30001, 30002, 29999));
+  const json ready = json_of(folder,
+                             {"cell",
+                              "twin",
+                              "robot",
+                              "twin.toml",
+                              "--port",
+                              "0",
+                              "--detach",
+                              "--ready_file",
+                              "twin.json"});
+  const json& twin = ready["twins"][0];
+  write_file(
+      folder / "cell.toml",
+      cell_text(twin["rtde_port"], primary.port(), secondary.port(), twin["dashboard_port"]));
+  EXPECT_EQ(json_of(folder, {"cell", "status", "cell.toml"})["twin"], true);
+  EXPECT_EQ(json_of(folder, {"cell", "watch", "cell.toml", "--duration_s", "0.2"})["ok"], true);
+  EXPECT_EQ(primary.connections(), 0);
+  EXPECT_EQ(secondary.connections(), 0);
+  EXPECT_EQ(json_of(folder, {"cell", "twin", "stop", "twin.json"})["was_running"], true);
+}
+
+TEST(Cell, ATwinIsServedMovedAndStopped) {
+  const TemporaryFolder folder;
+  write_file(folder / "cell.toml", cell_text(30004, 30001, 30002, 29999));
+  json_of(folder,
+          {"cell",
+           "twin",
+           "robot",
+           "cell.toml",
+           "--port",
+           "0",
+           "--detach",
+           "--ready_file",
+           "out/twin.json"});
+  const Arguments on_twin = {"--twin", "out/twin.json"};
+  const auto call = [&](Arguments arguments) {
+    arguments.insert(arguments.end(), on_twin.begin(), on_twin.end());
+    return json_of(folder, arguments);
+  };
+  const json status = call({"cell", "status", "cell.toml"});
+  EXPECT_EQ(status["movable"], true) << status["not_movable_because"];
+  EXPECT_EQ(status["rate_hz"], 125.0);
+  const json moved = call({"cell", "move", "cell.toml", "--view", "left", "--move"});
+  EXPECT_EQ(moved["outcome"], "done");
+  EXPECT_NEAR(moved["still"]["joints_deg"][0].get<double>(), 10.0, 1e-3);
+  EXPECT_GE(moved["still"]["packages"], 25);
+  EXPECT_EQ(call({"cell", "safe", "cell.toml", "--move"})["outcome"], "done");
+  const json stopped = json_of(folder, {"cell", "twin", "stop", "out/twin.json"});
+  EXPECT_EQ(stopped["was_running"], true);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/twin.json"));
+  EXPECT_EQ(glint_in(folder, {"cell", "twin", "stop", "out/twin.json"}).code, 3);
+}
+
+TEST(Cell, ATwinThatCannotServeSaysWhy) {
+  const TemporaryFolder folder;
+  const CountingPeer taken;
+  write_file(folder / "cell.toml", cell_text(taken.port(), 1, 1, 1));
+  const ProgramResult result = glint_in(
+      folder, {"cell", "twin", "robot", "cell.toml", "--detach", "--ready_file", "twin.json"});
+  EXPECT_EQ(result.code, 3);
+  EXPECT_THAT(result.err, HasSubstr(fmt::format("127.0.0.1:{}", taken.port())));
+  EXPECT_FALSE(std::filesystem::exists(folder / "twin.json"));
+}
+
+TEST(Cell, SlipsAreNamed) {
+  const TemporaryFolder folder;
+  write_file(folder / "cell.toml", cell_text(30004, 30001, 30002, 29999));
+  EXPECT_THAT(glint_in(folder, {"cell", "jump", "cell.toml"}).err, HasSubstr("status, watch"));
+  EXPECT_EQ(glint_in(folder, {"cell", "status"}).code, 2);
+  EXPECT_THAT(glint_in(folder, {"cell", "move", "cell.toml", "--view", "7", "--move"}).err,
+              HasSubstr("1 to 1"));
+  EXPECT_THAT(glint_in(folder, {"cell", "twin", "robot", "cell.toml", "--detach"}).err,
+              HasSubstr("--ready_file"));
+  EXPECT_THAT(glint_in(folder, {"cell", "twin", "stop", "cell.toml"}).err,
+              HasSubstr("is no ready file"));
+}
+
+}  // namespace
+}  // namespace glint::test

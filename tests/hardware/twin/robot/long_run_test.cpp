@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Hours of protocol time, and many faults over the wire.
+#include <chrono>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "core/rng.h"
+#include "core/wall_clock.h"
+#include "hardware/robot/rtde_client.h"
+#include "hardware/robot/tcp_link.h"
+#include "hardware/robot/ur_robot.h"
+#include "hardware/twin/robot/twin_server.h"
+#include "tests/hardware/robot/cell_robot_settings.h"
+#include "tests/hardware/twin/robot/twin_harness.h"
+#include "tests/support/resident_memory.h"
+
+namespace glint {
+namespace {
+
+TEST(LongRun, ADayOnTheInjectedClockTakesNoMemory) {
+  TwinHarness harness(ArmModel::kUr3);
+  harness.run(600.0);
+  const double before_mb = resident_mb();
+  for (int hour = 0; hour < 24; ++hour) {
+    JointVector goal_rad = test_start_rad();
+    goal_rad[0] += hour % 2 == 0 ? 0.3 : 0.0;
+    ASSERT_TRUE(harness.move(goal_rad)->is_done());
+    harness.run(3600.0);
+  }
+  EXPECT_GT(harness.now_s(), 24.0 * 3600.0);
+  EXPECT_LT(resident_mb() - before_mb, 5.0);
+}
+
+TEST(LongRun, AnHourOfPackagesOverTheWireIsCompleteAndTakesNoMemory) {
+  TwinServer server(
+      {.twin = test_twin(ArmModel::kUr3), .ports = {0, 0, 0, 0}, .is_as_fast_as_possible = true});
+  TcpLink link("127.0.0.1", server.ports().rtde, 2.0);
+  RtdeClient client(
+      {.outputs = state_outputs(0), .newer = newer_outputs(), .inputs = {}, .rate_hz = 0.0});
+  double first_s = 0.0;
+  double last_s = 0.0;
+  double before_mb = 0.0;
+  std::uint64_t gaps = 0;
+  while (client.num_packages() < 3600 * 125 + 1) {
+    if (const std::string output = client.take_output(); !output.empty()) {
+      link.write(output, 1.0);
+    }
+    client.feed(link.read(1.0), [&] {
+      const double stamp_s = client.get<double>("timestamp");
+      gaps += client.num_packages() > 1 && std::abs(stamp_s - last_s - 0.008) > 1e-6 ? 1U : 0U;
+      first_s = client.num_packages() == 1 ? stamp_s : first_s;
+      last_s = stamp_s;
+      if (client.num_packages() == 10000) {
+        before_mb = resident_mb();
+      }
+    });
+  }
+  EXPECT_EQ(gaps, 0U);
+  EXPECT_NEAR(last_s - first_s, 3600.0, 0.1);
+  EXPECT_LT(resident_mb() - before_mb, 5.0);
+}
+
+TEST(LongRun, FiftyRandomFaultsOverTheWireEachHaveAResult) {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    Rng rng(seed, Stream::kTest, 9);
+    const ArmModel model = seed % 2 == 0 ? ArmModel::kUr3 : ArmModel::kUr3e;
+    TwinServer server({.twin = test_twin(model), .ports = {0, 0, 0, 0}});
+    UrSettings settings = test_robot(model);
+    settings.rtde_port = server.ports().rtde;
+    settings.primary_port = server.ports().primary;
+    settings.dashboard_port = server.ports().dashboard;
+    UrRobot robot(settings, arm_with_tool(settings, test_limits()));
+    robot.allow_motion(MotionPermit::from_command_line(true, "test"));
+    server.add_fault({.kind = static_cast<FaultKind>(rng.next_u32() % (kFaultNames.size() - 1)),
+                      .when = static_cast<Fault::When>(rng.next_u32() % 3),
+                      .delay_s = rng.uniform(0.0, 1.0)});
+    JointVector goal_rad = test_start_rad();
+    goal_rad[0] += rng.uniform(-0.4, 0.4);
+    const auto start = std::chrono::steady_clock::now();
+    const MotionResult result = robot.move_joints(goal_rad, 1.0);
+    EXPECT_LT(seconds_since(start), 20.0);
+    if (!result.is_done()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+      const JointVector at_rad = server.view().joints_rad;
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+      EXPECT_EQ(server.view().joints_rad, at_rad) << seed << " " << name_of(result.outcome);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/twin/robot/twin_controller.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hardware/robot/trapezoid.h"
+#include "tests/hardware/robot/cell_robot_settings.h"
+#include "tests/hardware/twin/robot/twin_harness.h"
+
+namespace glint {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+void run(TwinController& twin, const std::string& line) {
+  ScriptReader reader;
+  twin.run(*reader.add_line(line));
+}
+
+void step(TwinController& twin, double duration_s) {
+  for (double t = 0.0; t < duration_s; t += 1.0 / twin.rate_hz()) {
+    twin.step(1.0 / twin.rate_hz());
+  }
+}
+
+// Joint 1 by 1 rad at 0.5 rad/s and 1 rad/s2: 0.5 s up, 1.5 s along, 0.5 s down; half way at 1.25
+// s.
+TEST(TwinController, MovesInATrapezoid) {
+  TwinController twin(test_twin(ArmModel::kUr3));
+  run(twin,
+      "movej([1, -1.7453292519943295, 1.7453292519943295, -1.5707963267948966, "
+      "-1.5707963267948966, 0], a=1, v=0.5)");
+  step(twin, 1.25 + 0.008);
+  EXPECT_NEAR(twin.view().joints_rad[0], 0.5, 0.5 * 0.009);
+  EXPECT_FALSE(twin.view().is_still);
+  ASSERT_TRUE(twin.view().goal_rad.has_value());
+  EXPECT_NEAR((*twin.view().goal_rad)[0], 1.0, 1e-12);
+  step(twin, 1.4);
+  EXPECT_TRUE(twin.view().is_still);
+  EXPECT_NEAR(twin.view().joints_rad[0], 1.0, 1e-12);
+}
+
+TEST(TwinController, MotionWaitsWhileItIsHeldAndTheClockGoesOn) {
+  TwinController twin(test_twin(ArmModel::kUr3));
+  run(twin, "movej([1, -1.7, 1.7, -1.5, -1.5, 0], a=1, v=0.5)");
+  step(twin, 0.5);
+  twin.hold_motion(true);
+  const JointVector held_rad = twin.view().joints_rad;
+  const double time_s = twin.view().time_s;
+  step(twin, 1.0);
+  EXPECT_EQ(twin.view().joints_rad, held_rad);
+  EXPECT_NEAR(twin.view().time_s, time_s + 1.0, 0.01);
+  twin.hold_motion(false);
+  step(twin, 4.0);
+  EXPECT_TRUE(twin.view().is_still);
+}
+
+TEST(TwinController, UnlocksAProtectiveStopAfterFiveSeconds) {
+  TwinController twin(test_twin(ArmModel::kUr3e));
+  twin.add_fault({.kind = FaultKind::kProtectiveStop});
+  step(twin, 0.1);
+  EXPECT_EQ(twin.reply("safetymode"), "Safetymode: PROTECTIVE_STOP");
+  EXPECT_THAT(twin.reply("unlock protective stop"), StartsWith("Cannot unlock"));
+  step(twin, 5.1);
+  EXPECT_EQ(twin.reply("unlock protective stop"), "Protective stop releasing");
+  EXPECT_EQ(twin.reply("safetymode"), "Safetymode: NORMAL");
+}
+
+TEST(TwinController, NeedsPowerAndBrakesAfterAnEmergencyStop) {
+  TwinController twin(test_twin(ArmModel::kUr3));
+  twin.add_fault({.kind = FaultKind::kEmergencyStop});
+  step(twin, 1.0);
+  EXPECT_EQ(twin.robot_mode(), RobotMode::kPowerOff);
+  EXPECT_THAT(twin.reply("power on"), HasSubstr("Failed"));
+  twin.add_fault({.kind = FaultKind::kRelease});
+  step(twin, 0.1);
+  EXPECT_THAT(twin.reply("brake release"), HasSubstr("Failed"));
+  EXPECT_EQ(twin.reply("power on"), "Powering on");
+  step(twin, 1.1);
+  EXPECT_EQ(twin.robot_mode(), RobotMode::kIdle);
+  EXPECT_EQ(twin.reply("brake release"), "Brake releasing");
+  step(twin, 1.0);
+  EXPECT_EQ(twin.robot_mode(), RobotMode::kRunning);
+}
+
+TEST(TwinController, DashboardAnswersEveryLine) {
+  TwinController twin(test_twin(ArmModel::kUr3));
+  EXPECT_EQ(twin.reply("robotmode"), "Robotmode: RUNNING");
+  EXPECT_EQ(twin.reply("running"), "Program running: false");
+  EXPECT_EQ(twin.reply("get robot model"), "UR3");
+  EXPECT_THAT(twin.reply("PolyscopeVersion"), StartsWith("URSoftware 3."));
+  EXPECT_THAT(twin.reply("jump"), StartsWith("could not understand"));
+  EXPECT_THAT(twin.reply("is in remote control"), StartsWith("could not understand"));
+  EXPECT_THAT(twin.reply("play"), StartsWith("Failed to execute"));
+  EXPECT_EQ(TwinController(test_twin(ArmModel::kUr3e)).reply("is in remote control"), "true");
+}
+
+TEST(TwinController, ProgramsThatFailTellWhy) {
+  const auto message_of = [](const std::string& line) {
+    TwinController twin(test_twin(ArmModel::kUr3));
+    run(twin, line);
+    step(twin, 20.0);
+    const std::vector<PrimaryMessage> messages = twin.take_messages();
+    EXPECT_FALSE(twin.is_program_running());
+    return messages.empty() ? std::string() : messages.back().text;
+  };
+  EXPECT_THAT(message_of("movej(p[3, 0, 0, 0, 0, 0])"), HasSubstr("inverse kin"));
+  EXPECT_THAT(message_of("movej([7, 0, 0, 0, 0, 0])"), HasSubstr("joint limit"));
+  EXPECT_THAT(message_of("movel(p[3, 0, 0.2, 0, 0, 0])"), HasSubstr("singular"));
+  EXPECT_THAT(message_of("fly(1)"), HasSubstr("compile error"));
+  EXPECT_THAT(message_of("set_digital_out(99, True)"), HasSubstr("out of range"));
+  EXPECT_EQ(message_of("sleep(0.1)"), "");
+}
+
+TEST(TwinController, ASecondaryProgramRunsBesideAndMovesNothing) {
+  TwinController twin(test_twin(ArmModel::kUr3));
+  ScriptReader reader;
+  reader.add_line("sec light():");
+  reader.add_line("  set_standard_digital_out(2, True)");
+  reader.add_line("  movej([1, 0, 0, 0, 0, 0])");
+  twin.run(*reader.add_line("end"));
+  step(twin, 1.0);
+  EXPECT_EQ(twin.view().digital_outputs, 4U);
+  EXPECT_EQ(twin.view().joints_rad, test_start_rad());
+}
+
+TEST(ParseFault, ReadsKindMomentAndDelay) {
+  const auto fault = parse_fault("protective_stop moving 0.3");
+  ASSERT_TRUE(fault.has_value());
+  EXPECT_EQ(fault->kind, FaultKind::kProtectiveStop);
+  EXPECT_EQ(fault->when, Fault::When::kMoving);
+  EXPECT_EQ(fault->delay_s, 0.3);
+  for (const char* text : {"",
+                           "fire",
+                           "silence later",
+                           "silence now x",
+                           "silence now -1",
+                           "silence now 1 2",
+                           "silence now 1e9"}) {
+    EXPECT_FALSE(parse_fault(text).has_value()) << text;
+  }
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The product's driver and a twin without a network, on one injected clock.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "hardware/robot/ur_driver.h"
+#include "hardware/twin/robot/rtde_session.h"
+#include "hardware/twin/robot/twin_controller.h"
+
+namespace glint {
+
+TwinSettings test_twin(ArmModel model);
+
+class TwinHarness {
+ public:
+  explicit TwinHarness(ArmModel model = ArmModel::kUr3e);
+
+  /// Cycles of the controller for so long.
+  void run(double duration_s);
+
+  /// Begins a motion, and runs until it has a result.
+  /// @return none: it has none within 60 s
+  std::optional<MotionResult> move(const JointVector& goal_rad, double share = 1.0);
+  std::optional<MotionResult> move_line(const Eigen::Isometry3d& base_from_tcp, double share = 1.0);
+
+  /// How far the joints of the twin move within a time, all motions added.
+  double motion_rad(double duration_s);
+
+  double now_s() const { return now_s_; }
+
+  /// When the newest fault came to act; none: none did.
+  std::optional<double> fault_at_s() const { return fault_at_s_; }
+
+  /// Bytes that were sent as scripts.
+  const std::string& scripts() const { return scripts_; }
+
+  TwinController twin;
+  UrDriver driver;
+
+ private:
+  void cycle();
+  void pass_to_driver(const std::string& bytes);
+  void look_for_fault();
+  std::optional<MotionResult> finish(const CheckedMotion& motion);
+
+  HeldInputs held_;
+  std::unique_ptr<RtdeSession> session_;
+  ScriptReader reader_;
+  std::string scripts_;
+  double now_s_ = 0.0;
+  bool is_split_ = false;
+  bool is_linked_ = true;
+  std::optional<double> fault_at_s_;
+};
+
+}  // namespace glint

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The twin and the product on the wire of the loopback network.
+#include "hardware/twin/robot/twin_server.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/wall_clock.h"
+#include "hardware/robot/dashboard.h"
+#include "hardware/robot/digital_outputs.h"
+#include "hardware/robot/twin_proof.h"
+#include "hardware/robot/ur_robot.h"
+#include "tests/hardware/robot/cell_robot_settings.h"
+#include "tests/hardware/twin/robot/twin_harness.h"
+
+namespace glint {
+namespace {
+
+using testing::HasSubstr;
+
+TwinServerSettings on_free_ports(ArmModel model) {
+  return {.twin = test_twin(model), .address = "127.0.0.1", .ports = {0, 0, 0, 0}};
+}
+
+UrSettings settings_for(const TwinServer& server, ArmModel model) {
+  UrSettings settings = test_robot(model);
+  settings.rtde_port = server.ports().rtde;
+  settings.primary_port = server.ports().primary;
+  settings.secondary_port = server.ports().secondary;
+  settings.dashboard_port = server.ports().dashboard;
+  return settings;
+}
+
+JointVector near_goal_rad() {
+  return test_start_rad() + JointVector{0.3, 0.05, -0.1, 0.0, 0.1, 0.2};
+}
+
+TEST(UrRobot, MovesATwinAndReadsWhereItStands) {
+  for (const ArmModel model : {ArmModel::kUr3, ArmModel::kUr3e}) {
+    TwinServer server(on_free_ports(model));
+    const UrSettings settings = settings_for(server, model);
+    UrRobot robot(settings, arm_with_tool(settings, test_limits()));
+    EXPECT_EQ(robot.rate_hz(), model == ArmModel::kUr3 ? 125.0 : 500.0);
+    EXPECT_EQ(robot.move_joints(near_goal_rad(), 1.0).outcome, MotionOutcome::kRefused);
+    EXPECT_EQ(server.num_command_bytes(), 0U) << "nothing is sent without a permit";
+    robot.allow_motion(MotionPermit::from_command_line(true, "test"));
+    const MotionResult result = robot.move_joints(near_goal_rad(), 1.0);
+    ASSERT_TRUE(result.is_done()) << result.text;
+    const auto pose = robot.still_pose(5.0);
+    ASSERT_TRUE(pose.has_value());
+    EXPECT_LT((pose->joints_rad - near_goal_rad()).norm(), 1e-6);
+    EXPECT_LT(robot.state()->age_s, 0.3);
+  }
+}
+
+TEST(UrRobot, ReadingSendsNothingToScriptsAndDashboard) {
+  TwinServer server(on_free_ports(ArmModel::kUr3));
+  const UrSettings settings = settings_for(server, ArmModel::kUr3);
+  const UrRobot robot(settings, arm_with_tool(settings, test_limits()));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_GT(robot.num_packages(), 3U);
+  EXPECT_EQ(server.num_command_bytes(), 0U);
+}
+
+TEST(UrRobot, FaultsOnTheWireBecomeTheRightResults) {
+  struct Case {
+    FaultKind fault;
+    MotionOutcome outcome;
+  };
+
+  const Case cases[] = {{FaultKind::kProtectiveStop, MotionOutcome::kProtectiveStop},
+                        {FaultKind::kEmergencyStop, MotionOutcome::kEmergencyStop},
+                        {FaultKind::kSilence, MotionOutcome::kLost},
+                        {FaultKind::kCut, MotionOutcome::kLost},
+                        {FaultKind::kRestart, MotionOutcome::kLost},
+                        {FaultKind::kSplit, MotionOutcome::kDone}};
+  for (const Case& one : cases) {
+    TwinServer server(on_free_ports(ArmModel::kUr3));
+    const UrSettings settings = settings_for(server, ArmModel::kUr3);
+    UrRobot robot(settings, arm_with_tool(settings, test_limits()));
+    robot.allow_motion(MotionPermit::from_command_line(true, "test"));
+    server.add_fault({.kind = one.fault, .when = Fault::When::kMoving, .delay_s = 0.2});
+    const MotionResult result = robot.move_joints(near_goal_rad(), 1.0);
+    EXPECT_EQ(name_of(result.outcome), name_of(one.outcome)) << result.text;
+    if (one.outcome == MotionOutcome::kLost) {
+      // A stop went out on the connection that was left, or on a new one.
+      std::this_thread::sleep_for(std::chrono::milliseconds(700));
+      const JointVector at_rad = server.view().joints_rad;
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+      EXPECT_EQ(server.view().joints_rad, at_rad);
+      EXPECT_GT((at_rad - near_goal_rad()).norm(), 0.01) << "it was stopped on its way";
+    }
+  }
+}
+
+TEST(UrRobot, RemoteControlOffIsRefused) {
+  TwinServer server(on_free_ports(ArmModel::kUr3e));
+  const UrSettings settings = settings_for(server, ArmModel::kUr3e);
+  server.add_fault({.kind = FaultKind::kRemoteOff});
+  UrRobot robot(settings, arm_with_tool(settings, test_limits()));
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_THROW(robot.allow_motion(MotionPermit::from_command_line(true, "test")), ConfigError);
+}
+
+TEST(TwinServer, ServesTwoClientsAtOnceAndTheDashboard) {
+  TwinServer server(on_free_ports(ArmModel::kUr3));
+  const UrSettings settings = settings_for(server, ArmModel::kUr3);
+  const UrRobot first(settings, arm_with_tool(settings, test_limits()));
+  const UrRobot second(settings, arm_with_tool(settings, test_limits()));
+  EXPECT_TRUE(first.state().has_value());
+  EXPECT_TRUE(second.state().has_value());
+  Dashboard dashboard(settings.host, settings.dashboard_port, 2.0);
+  EXPECT_EQ(dashboard.ask("robotmode"), "Robotmode: RUNNING");
+  EXPECT_EQ(dashboard.ask("get serial number"), "20190000000");
+}
+
+TEST(SetDigitalOutputs, SwitchesThoseOfTheMaskAndWaitsForThem) {
+  TwinServer server(on_free_ports(ArmModel::kUr3));
+  set_digital_outputs("127.0.0.1", server.ports().rtde, 0b0110, 0b1111);
+  EXPECT_EQ(server.view().digital_outputs, 0b0110U);
+  set_digital_outputs("127.0.0.1", server.ports().rtde, 0b0010, 0b0000);
+  EXPECT_EQ(server.view().digital_outputs, 0b0100U);
+  EXPECT_EQ(server.num_command_bytes(), 0U);
+}
+
+TEST(TwinProof, ATwinProvesItselfAndNothingElseDoes) {
+  int port = 0;
+  {
+    TwinServer server(on_free_ports(ArmModel::kUr3));
+    port = server.ports().rtde;
+    EXPECT_TRUE(is_proven_twin("127.0.0.1", port));
+    struct stat status = {};
+    ASSERT_EQ(::lstat(server.side_channel().c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777, 0600U);
+    ASSERT_EQ(::lstat(server.side_channel().parent_path().c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777, 0700U);
+    ::chmod(server.side_channel().c_str(), 0666);
+    EXPECT_FALSE(is_proven_twin("127.0.0.1", port)) << "a channel open to others proves nothing";
+    ::chmod(server.side_channel().c_str(), 0600);
+    // Its RTDE under the name of another twin: tokens differ.
+    TwinServer other(on_free_ports(ArmModel::kUr3));
+    std::filesystem::rename(server.side_channel(), server.side_channel().string() + ".moved");
+    std::filesystem::create_hard_link(other.side_channel(), server.side_channel());
+    EXPECT_FALSE(is_proven_twin("127.0.0.1", port));
+    std::filesystem::remove(server.side_channel().string() + ".moved");
+  }
+  EXPECT_FALSE(is_proven_twin("127.0.0.1", port)) << "gone";
+}
+
+/// Inodes of this process' sockets.
+std::set<std::string> own_sockets() {
+  std::set<std::string> inodes;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code ignored;
+    const std::string link = std::filesystem::read_symlink(entry.path(), ignored).string();
+    if (link.starts_with("socket:[")) {
+      inodes.insert(link.substr(8, link.size() - 9));
+    }
+  }
+  return inodes;
+}
+
+/// Local addresses, in hex as /proc/net has them, of sockets of this process.
+std::vector<std::string> local_addresses(const std::string& table) {
+  const std::set<std::string> inodes = own_sockets();
+  std::vector<std::string> addresses;
+  std::ifstream file("/proc/net/" + table);
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    std::istringstream words(line);
+    std::vector<std::string> fields;
+    for (std::string word; words >> word;) {
+      fields.push_back(word);
+    }
+    if (fields.size() > 9 && inodes.contains(fields[9])) {
+      addresses.push_back(fields[1]);
+    }
+  }
+  return addresses;
+}
+
+// 127.x.y.z is written as the hexadecimal of its bytes in reverse: ...7F.
+TEST(TwinServer, IsBoundToTheLoopbackNetworkAlone) {
+  TwinServer server(on_free_ports(ArmModel::kUr3));
+  const UrSettings settings = settings_for(server, ArmModel::kUr3);
+  const UrRobot robot(settings, arm_with_tool(settings, test_limits()));
+  const std::vector<std::string> addresses = local_addresses("tcp");
+  EXPECT_GE(addresses.size(), 6U) << "four listening, two ends of a connection";
+  for (const std::string& address : addresses) {
+    EXPECT_EQ(address.substr(6, 2), "7F") << address;
+  }
+  for (const char* table : {"tcp6", "udp", "udp6", "raw"}) {
+    EXPECT_TRUE(local_addresses(table).empty()) << table;
+  }
+  TwinServerSettings open = on_free_ports(ArmModel::kUr3);
+  for (const char* address : {"0.0.0.0", "192.168.1.10", "128.0.0.1", "::1", "localhost", ""}) {
+    open.address = address;
+    EXPECT_THROW(TwinServer{open}, ConfigError) << address;
+  }
+}
+
+TEST(TwinServer, APortThatIsTakenIsNamed) {
+  TwinServer server(on_free_ports(ArmModel::kUr3));
+  TwinServerSettings same = on_free_ports(ArmModel::kUr3);
+  same.ports.rtde = server.ports().rtde;
+  EXPECT_THROW(TwinServer{same}, IoError);
+  EXPECT_TRUE(is_proven_twin("127.0.0.1", server.ports().rtde)) << "the first one goes on";
+}
+
+// Written from the protocol's table alone, in another language.
+TEST(TwinServer, ASecondClientReadsItAsTheProtocolSays) {
+  for (const ArmModel model : {ArmModel::kUr3, ArmModel::kUr3e}) {
+    const TwinServer server(on_free_ports(model));
+    const std::string command =
+        fmt::format("python3 {}/tests/hardware/twin/robot/rtde_client.py {} {} > /dev/null",
+                    GLINT_SOURCE_DIR,
+                    server.ports().rtde,
+                    is_cb3(model) ? 125 : 500);
+    EXPECT_EQ(std::system(command.c_str()), 0);
+  }
+}
+
+TEST(SideChannel, TakesFaultsAndTellsTheState) {
+  TwinServer server(on_free_ports(ArmModel::kUr3));
+  const auto ask = [&server](const std::string& line) {
+    return ask_side_channel(server.side_channel(), line).value_or("nothing");
+  };
+  EXPECT_EQ(ask("token"), fmt::format("{}", server.token()));
+  EXPECT_EQ(ask("fault emergency_stop"), "ok");
+  EXPECT_THAT(ask("fault fire"), HasSubstr("error"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_THAT(ask("state"), HasSubstr("ROBOT_EMERGENCY_STOP"));
+  EXPECT_FALSE(server.is_stop_asked());
+  EXPECT_EQ(ask("stop"), "ok");
+  EXPECT_TRUE(server.is_stop_asked());
+}
+
+}  // namespace
+}  // namespace glint

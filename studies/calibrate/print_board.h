@@ -9,7 +9,8 @@
 
 namespace glint {
 
-/// Writes board.svg, board.pdf, board.toml and run.json.
+/// Writes board.svg, board.pdf and board.toml; board.png and board_part.toml, which a scene takes
+/// as its part; run.json.
 /// @param board  board.toml or board.json
 /// @param out    empty: out/<name of the file>/board
 /// @return status, the board's keys, size_mm of the sheet, folder

@@ -210,6 +210,13 @@ TEST_F(CalibrateVerb, PrintsABoard) {
   EXPECT_EQ(board.cols, 10);
   EXPECT_EQ(board.square_mm, 12.5);
   EXPECT_TRUE(board.mark);
+  // The sheet as the part of a scene.
+  write_file(folder_ / "scene.toml",
+             "include = [\"out/board_part.toml\"]\n[camera]\nwidth_px = 80\nheight_px = 60\n"
+             "object_pixel_mm = 2\n[lighting.ring]\nmount = \"camera\"\n[render.paths]\n"
+             "samples = 1\n");
+  const ProgramResult scene = glint_in(folder_, {"render", "scene.toml", "--quiet"});
+  EXPECT_EQ(scene.code, 0) << scene.err;
 }
 
 TEST_F(CalibrateVerb, HasItsHelp) {

@@ -14,6 +14,7 @@
 #include "cli/commands.h"
 #include "cli/shell/scores_text.h"
 #include "core/text.h"
+#include "studies/calibration_trial/trial_run.h"
 #include "studies/population/population_report.h"
 #include "studies/run/check_study.h"
 #include "studies/run/render_study.h"
@@ -135,12 +136,28 @@ int jobs_of(const StudyArguments& arguments, const CommonArguments& common) {
   return arguments.jobs > 0 ? arguments.jobs : common.threads;
 }
 
+int run_trial_command(const Study& study,
+                      const StudyArguments& arguments,
+                      const CommonArguments& common) {
+  const Json result = run_calibration_trial(
+      study,
+      {.out = arguments.out.empty() ? default_run_folder(study.name) : arguments.out,
+       .threads = common.threads,
+       .progress = common.progress(),
+       .interrupt = &interrupts});
+  print_result(common, result, trial_summary(result));
+  return result["status"] == "interrupted" ? kExitInterrupted : kExitDone;
+}
+
 }  // namespace
 
 int run_command(const StudyArguments& arguments, const CommonArguments& common) {
   const Study study = load_study(arguments);
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
+  if (study.calibration_trial) {
+    return run_trial_command(study, arguments, common);
+  }
   if (!arguments.budget.empty() && study.has_search() && !common.is_quiet) {
     std::cerr << fmt::format("the search ends {}\n", limits_text(study.budget));
   }

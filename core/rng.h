@@ -16,7 +16,9 @@ enum class Stream : std::uint32_t {
   kLight,
   kAspectNoise,
   kResampling,
-  kViewpoints
+  kViewpoints,
+  kBoardPoses,
+  kRobotErrors
 };
 
 /// Philox 4x32-10: a keyed bijection from a 128-bit counter to 128 random bits.

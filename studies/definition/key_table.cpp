@@ -47,6 +47,8 @@ constexpr std::array kGroups = {
     KeyGroup{"budget", "when a search ends"},
     KeyGroup{"sorting", "a population of simulated parts, sorted into classes"},
     KeyGroup{"pod", "how often defects are found, against their size"},
+    KeyGroup{"calibration_trial",
+             "pictures of a board, rendered and calibrated as photographs are"},
 };
 
 void add_file_keys(std::vector<KeyRow>& rows) {

@@ -33,7 +33,8 @@ const std::vector<std::string>& study_tables() {
                                                  "search",
                                                  "budget",
                                                  "sorting",
-                                                 "pod"};
+                                                 "pod",
+                                                 "calibration_trial"};
   return names;
 }
 
@@ -253,7 +254,11 @@ void check_holds_scene(const ConfigNode& root, std::vector<Problem>& errors) {
 }  // namespace
 
 std::vector<fs::path> input_files(const Study& study) {
-  return {fs::path(study.root.place.file), study.scene.part.file};
+  std::vector<fs::path> files = {fs::path(study.root.place.file), study.scene.part.file};
+  if (study.calibration_trial) {
+    files.push_back(study.calibration_trial->board);
+  }
+  return files;
 }
 
 Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
@@ -283,8 +288,13 @@ Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
 }
 
 Study scene_study(Study study) {
-  for (const char* table :
-       {"variables", "prototypes", "objective", "constraints", "sorting", "pod"}) {
+  for (const char* table : {"variables",
+                            "prototypes",
+                            "objective",
+                            "constraints",
+                            "sorting",
+                            "pod",
+                            "calibration_trial"}) {
     for (std::size_t i = study.root.names.size(); i-- > 0;) {
       if (study.root.names[i] == table) {
         study.root.names.erase(study.root.names.begin() + static_cast<std::ptrdiff_t>(i));
@@ -298,6 +308,7 @@ Study scene_study(Study study) {
   study.prototypes.clear();
   study.sorting.reset();
   study.pod.reset();
+  study.calibration_trial.reset();
   return study;
 }
 

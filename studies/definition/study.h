@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "optimizer/search/search.h"
+#include "studies/definition/calibration_trial_settings.h"
 #include "studies/definition/population_settings.h"
 #include "studies/definition/scene.h"
 
@@ -42,8 +43,9 @@ struct Study {
   SearchSettings search;
   Budget budget;
   std::vector<Prototype> prototypes;
-  std::optional<SortingSettings> sorting;  ///< never beside variables
-  std::optional<PodSettings> pod;          ///< the same
+  std::optional<SortingSettings> sorting;                     ///< never beside variables
+  std::optional<PodSettings> pod;                             ///< the same
+  std::optional<CalibrationTrialSettings> calibration_trial;  ///< never beside any of them
 
   bool has_population() const { return sorting.has_value() || pod.has_value(); }
 

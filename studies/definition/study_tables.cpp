@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -313,6 +314,21 @@ void read_populations(Study& study, std::vector<Problem>& errors) {
   }
 }
 
+/// Nothing is searched or inspected where a calibration is tried out.
+void read_trial(Study& study, std::vector<Problem>& errors) {
+  study.calibration_trial = read_calibration_trial(study.root, study.scene, errors);
+  for (const char* name : {"variables", "prototypes", "sorting", "pod"}) {
+    const ConfigNode* table = study.root.find(name);
+    if (study.calibration_trial && table != nullptr) {
+      errors.push_back({.kind = Problem::Kind::kRelation,
+                        .place = table->place,
+                        .key = name,
+                        .text = "cannot be combined with [calibration_trial], which has no "
+                                "designs"});
+    }
+  }
+}
+
 }  // namespace
 
 void read_study_tables(Study& study, std::vector<Problem>& errors) {
@@ -345,6 +361,7 @@ void read_study_tables(Study& study, std::vector<Problem>& errors) {
   budget.take("target");  // known also where it is not given
   budget.report_unknown();
   read_populations(study, errors);
+  read_trial(study, errors);
 }
 
 void write_study_tables(const Study& study, ConfigNode& root) {
@@ -371,6 +388,10 @@ void write_study_tables(const Study& study, ConfigNode& root) {
     root.names.emplace_back("pod");
     root.items.push_back(write_pod(*study.pod));
   }
+  if (study.calibration_trial) {
+    root.names.emplace_back("calibration_trial");
+    root.items.push_back(write_calibration_trial(*study.calibration_trial));
+  }
 }
 
 std::vector<KeyRow> study_keys() {
@@ -384,6 +405,7 @@ std::vector<KeyRow> study_keys() {
   visit_budget(budget_lister, budget);
   const std::vector<KeyRow> populations = population_keys();
   rows.insert(rows.end(), populations.begin(), populations.end());
+  std::ranges::copy(calibration_trial_keys(), std::back_inserter(rows));
   const auto add = [&](const char* path, const char* kind, const char* allowed, const char* doc) {
     rows.push_back(
         {.path = path, .kind = kind, .allowed = allowed, .default_text = "none", .doc = doc});

@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/calibration_trial/trial_run.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/image/image_io.h"
+#include "core/text.h"
+#include "core/units.h"
+#include "core/wall_clock.h"
+#include "studies/calibrate/board_target.h"
+#include "studies/calibrate/calibrate_run.h"
+#include "studies/calibration_trial/trial_errors.h"
+#include "studies/calibration_trial/trial_page.h"
+#include "studies/calibration_trial/trial_poses.h"
+#include "studies/definition/scene_viewpoints.h"
+#include "studies/definition/study_text.h"
+#include "studies/imaging/frame_exposure.h"
+#include "studies/imaging/scene_store.h"
+#include "studies/output/output_folder.h"
+#include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::uint64_t kFirstNewPose = 1'000'000;  ///< index of poses that are not calibrated with
+constexpr int kNewPoses = 20;
+constexpr int kShownPictures = 12;
+constexpr int kShownWidth_px = 320;
+constexpr std::array<const char*, 9> kFiles = {"pictures",
+                                               "calibration",
+                                               "board.toml",
+                                               "ink.png",
+                                               "poses.csv",
+                                               "study.resolved.toml",
+                                               "result.json",
+                                               "report.html",
+                                               "run.json"};
+
+bool is_in_hand(const SceneSettings& scene) {
+  return scene.calibration->setup == CalibrationSetup::kEyeInHand;
+}
+
+CameraOnRobot truth_of(const SceneSettings& scene, const RigidTransform& part_from_board) {
+  const bool in_hand = is_in_hand(scene);
+  const MeasuredPoseSettings& camera =
+      in_hand ? *scene.calibration->flange_from_camera : *scene.calibration->base_from_camera;
+  const MeasuredPoseSettings& part =
+      in_hand ? *scene.cell->base_from_part : *scene.cell->flange_from_part;
+  return {.intrinsics = intrinsics_of(scene),
+          .setup = scene.calibration->setup,
+          .hand_eye = transform_of(camera.pose),
+          .board = transform_of(part.pose) * part_from_board};
+}
+
+/// "picture_0007.png,r11,r12,r13,tx,...,0,0,0,1"
+std::string pose_line(const std::string& name, const RigidTransform& pose) {
+  std::string line = name;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      line += "," + shortest(pose.rotation(row, column));
+    }
+    line += "," + shortest(pose.translation_mm[row]);
+  }
+  return line + ",0,0,0,1\n";
+}
+
+class TrialRun {
+ public:
+  TrialRun(const Study& study, const TrialOptions& options)
+      : study_(study),
+        settings_(*study.calibration_trial),
+        options_(options),
+        board_(read_board(settings_.board)),
+        target_(board_target(board_, options.out / "ink.png", settings_.paper)),
+        truth_(truth_of(study.scene, target_.part_from_board)),
+        pool_(options.threads),
+        store_(pool_) {}
+
+  Json execute() {
+    const auto start = std::chrono::steady_clock::now();
+    check_folder();
+    draw_poses();
+    OutputFolder folder(options_.out);
+    remove_unfinished_files(options_.out);
+    mark_result_folder(options_.out, ResultKind::kRun);
+    write_inputs();
+    Json result = {{"schema", 1}, {"status", "interrupted"}, {"study", study_.name}};
+    if (render_all(folder)) {
+      result = compared(calibrated());
+      write_file(options_.out / "result.json", result.dump(2) + "\n");
+      write_report(result);
+    }
+    write_run_json(seconds_since(start));
+    folder.keep();
+    result["report"] = (options_.out / "report.html").string();
+    return result;
+  }
+
+ private:
+  void check_folder() const {
+    const std::vector<std::string> names(kFiles.begin(), kFiles.end());
+    check_result_folder(options_.out, ResultKind::kRun, names);
+    check_inputs_kept(input_files(study_), options_.out, names);
+    const fs::path begun = options_.out / "study.resolved.toml";
+    std::error_code ignored;
+    if (fs::exists(begun, ignored) && (read_file(begun) != resolved_text(study_) ||
+                                       read_file(options_.out / "board.toml") != board_text())) {
+      throw ConfigError(fmt::format(
+          "{}: holds pictures of another study or board: give another folder with --out",
+          options_.out.string()));
+    }
+  }
+
+  std::string board_text() const { return board_toml(board_); }
+
+  void draw_poses() {
+    try {
+      for (int i = 0; i < settings_.pictures; ++i) {
+        poses_.push_back(draw_pose(truth_, board_, settings_, static_cast<std::uint64_t>(i)));
+      }
+      for (int i = 0; i < kNewPoses; ++i) {
+        const std::uint64_t index = kFirstNewPose + static_cast<std::uint64_t>(i);
+        new_poses_.push_back(draw_pose(truth_, board_, settings_, index).told);
+      }
+    } catch (const ConfigError& error) {
+      std::vector<Problem> problems = error.problems();
+      for (Problem& problem : problems) {
+        const ConfigNode* node = study_.root.at_path(problem.key);
+        problem.place = (node != nullptr ? *node : *study_.root.find("calibration_trial")).place;
+      }
+      throw ConfigError(std::move(problems));
+    }
+  }
+
+  void write_inputs() const {
+    write_file(options_.out / "study.resolved.toml", resolved_text(study_));
+    write_file(options_.out / "board.toml", board_text());
+    write_png(options_.out / "ink.png",
+              ink_picture(board_, settings_.ink / settings_.paper),
+              PixelDepth::k8Bit);
+    std::string lines;
+    for (int i = 0; i < settings_.pictures; ++i) {
+      lines += pose_line(picture_file(i).filename().string(), pose(i).told);
+    }
+    write_file(options_.out / "poses.csv", lines);
+    fs::create_directories(options_.out / "pictures");
+  }
+
+  const TrialPose& pose(int i) const { return poses_[static_cast<std::size_t>(i)]; }
+
+  fs::path picture_file(int i) const {
+    return options_.out / "pictures" / fmt::format("picture_{:04}.png", i);
+  }
+
+  bool is_interrupted() const { return options_.interrupt != nullptr && *options_.interrupt > 0; }
+
+  /// @return false when interrupted
+  bool render_all(OutputFolder& folder) {
+    Progress bar(study_.name, settings_.pictures, options_.progress);
+    for (int i = 0; i < settings_.pictures && !is_interrupted(); ++i) {
+      std::error_code ignored;
+      if (!fs::exists(picture_file(i), ignored)) {
+        render(i);
+      }
+      folder.keep();  // what is rendered is not thrown away
+      bar.update(i + 1, fmt::format("picture {} of {}", i + 1, settings_.pictures));
+    }
+    return !is_interrupted();
+  }
+
+  SceneSettings scene_at(int i) const {
+    SceneSettings scene = study_.scene;
+    scene.part = target_.part;
+    scene.material = target_.material;
+    const RigidTransform camera = scene_from_camera(scene, pose_settings(pose(i).real));
+    const auto numbers = [](const Eigen::Vector3d& v) { return std::vector{v.x(), v.y(), v.z()}; };
+    scene.viewpoint_set = {};
+    scene.viewpoints = {{.position_mm = numbers(camera.translation_mm),
+                         .direction = numbers(camera.rotation.col(2)),
+                         .up = numbers(-camera.rotation.col(1))}};
+    scene.paths.seed += i;
+    scene.paths.batches = 1;
+    return scene;
+  }
+
+  /// A picture that is interrupted is not written.
+  void render(int i) {
+    const SceneSettings scene = scene_at(i);
+    const PathView view(scene, store_.build_defects(scene), scene.viewpoint());
+    const PathPreview go_on = [&](const PathProgress&) { return !is_interrupted(); };
+    const PathPicture picture = render_view(view, path_settings(scene), pool_, {}, go_on);
+    if (is_interrupted()) {
+      return;
+    }
+    const Sensor sensor(scene.sensor, scene.camera.width_px, scene.camera.height_px);
+    const std::vector<ImageF> radiance = channel_radiances(picture, view.frames().front());
+    write_png(
+        picture_file(i), mean_of_channels(expose_channels(sensor, radiance, i)), PixelDepth::k8Bit);
+  }
+
+  Json calibrated() const {
+    CalibrateOptions options = {.board = options_.out / "board.toml",
+                                .poses = {options_.out / "poses.csv"},
+                                .out = options_.out / "calibration",
+                                .setup = is_in_hand(study_.scene) ? "eye_in_hand" : "eye_to_hand",
+                                .sets = {{"convention.unit", "mm"},
+                                         {"convention.direction", "base_from_flange"},
+                                         {"convention.rotation", "matrix"},
+                                         {"poses.pair_by", "name"}},
+                                .threads = options_.threads};
+    for (int i = 0; i < settings_.pictures; ++i) {
+      options.pictures.push_back(picture_file(i));
+    }
+    return calibrate_pictures(options);
+  }
+
+  Json compared(const Json& calibration) const {
+    const CameraOnRobot estimate = estimate_of(calibration);
+    const TrialErrors errors = trial_errors(truth_, estimate, new_poses_);
+    Json result = {{"schema", 1}, {"status", "done"}, {"study", study_.name}};
+    const auto accepted = std::ranges::count_if(calibration["pictures"], [](const Json& picture) {
+      return picture["accepted"].get<bool>();
+    });
+    result["pictures"] = {{"rendered", settings_.pictures}, {"accepted", accepted}};
+    result["setup"] = calibration["setup"];
+    result["intrinsics"] = intrinsics_rows(truth_.intrinsics, calibration["intrinsics"]);
+    result["hand_eye"] = hand_eye_json(calibration["hand_eye"], errors);
+    result["noise"] = {
+        {"robot_mm", number_row(settings_.robot_sigma_mm, calibration["noise"]["robot_mm"])},
+        {"robot_deg",
+         number_row(settings_.robot_sigma_rad * kDegPerRad, calibration["noise"]["robot_deg"])}};
+    result["is_board_upright"] = errors.is_board_upright;
+    result["overlap_px"] = {{"rms", errors.overlap.rms_px},
+                            {"center", errors.overlap.center_px},
+                            {"edge", errors.overlap.edge_px}};
+    result["rms_px"] = calibration["rms_px"];
+    result["prediction_rms_px"] = calibration["prediction_rms_px"];
+    result["goals"] = Json::array();
+    for (const TrialGoal& goal : trial_goals(errors)) {
+      result["goals"].push_back({{"name", goal.name},
+                                 {"unit", goal.unit},
+                                 {"found", goal.found},
+                                 {"goal", goal.goal},
+                                 {"is_met", goal.found <= goal.goal}});
+    }
+    result["methods"] = calibration["methods"];
+    result["calibration"] = "calibration/calibration.json";
+    result["report"] = "report.html";
+    return result;
+  }
+
+  static Json number_row(double truth, const Json& estimate) {
+    return {{"truth", truth}, {"estimate", estimate}};
+  }
+
+  static Json intrinsics_rows(const PinholeIntrinsics& in, const Json& estimate) {
+    const std::array<std::tuple<const char*, const char*, std::size_t, double>, 9> terms = {
+        {{"fx", "focal_px", 0, in.focal_px.x()},
+         {"fy", "focal_px", 1, in.focal_px.y()},
+         {"cx", "center_px", 0, in.center_px.x()},
+         {"cy", "center_px", 1, in.center_px.y()},
+         {"k1", "radial", 0, in.radial[0]},
+         {"k2", "radial", 1, in.radial[1]},
+         {"k3", "radial", 2, in.radial[2]},
+         {"p1", "tangential", 0, in.tangential[0]},
+         {"p2", "tangential", 1, in.tangential[1]}}};
+    Json rows = Json::object();
+    for (const auto& [name, key, index, truth] : terms) {
+      rows[name] = number_row(truth, estimate[key][index]);
+      rows[name]["sigma"] = estimate["sigma"][key][index];
+    }
+    return rows;
+  }
+
+  Json hand_eye_json(const Json& estimate, const TrialErrors& errors) const {
+    const PoseSettings truth = pose_settings(truth_.hand_eye);
+    return {{"truth",
+             {{"rotation_vector_rad", truth.rotation_vector_rad},
+              {"translation_mm", truth.translation_mm}}},
+            {"estimate",
+             {{"rotation_vector_rad", estimate["rotation_vector_rad"]},
+              {"translation_mm", estimate["translation_mm"]}}},
+            {"error_deg", errors.rotation_rad * kDegPerRad},
+            {"error_mm", errors.translation_mm},
+            {"sigma_deg", estimate["sigma_deg"]},
+            {"sigma_mm", estimate["sigma_mm"]}};
+  }
+
+  void write_report(const Json& result) const {
+    std::vector<ImageF> shown;
+    for (int i = 0; i < std::min(settings_.pictures, kShownPictures); ++i) {
+      shown.push_back(read_image(picture_file(i)));
+    }
+    write_file(
+        options_.out / "report.html",
+        trial_page(result, study_.title, contact_sheet(shown, kShownWidth_px), shown_text(study_)));
+  }
+
+  void write_run_json(double seconds) const {
+    Json run = provenance();
+    run["verb"] = command_of(ResultKind::kRun);
+    run["study"] = study_.name;
+    run["threads"] = options_.threads;
+    run["timings"] = {{"this_run_s", seconds}};
+    run["configuration"] = resolved_text(study_);
+    write_file(options_.out / "run.json", run.dump(2) + "\n");
+  }
+
+  const Study& study_;
+  const CalibrationTrialSettings& settings_;
+  const TrialOptions& options_;
+  Board board_;
+  BoardTarget target_;
+  CameraOnRobot truth_;
+  ThreadPool pool_;
+  SceneStore store_;
+  std::vector<TrialPose> poses_;
+  std::vector<RigidTransform> new_poses_;
+};
+
+}  // namespace
+
+Json run_calibration_trial(const Study& study, const TrialOptions& options) {
+  return TrialRun(study, options).execute();
+}
+
+std::string trial_summary(const Json& result) {
+  if (result["status"] != "done") {
+    return "interrupted; the pictures are kept, the same command resumes\n";
+  }
+  std::string text = fmt::format("done: {} of {} pictures accepted\n",
+                                 result["pictures"]["accepted"].get<int>(),
+                                 result["pictures"]["rendered"].get<int>());
+  for (const Json& goal : result["goals"]) {
+    text += fmt::format("  {:<42} {:>8.4f} {}, goal {:.3f}\n",
+                        goal["name"].get<std::string>(),
+                        goal["found"].get<double>(),
+                        goal["unit"].get<std::string>(),
+                        goal["goal"].get<double>());
+  }
+  return text + fmt::format("report: {}\n", result["report"].get<std::string>());
+}
+
+}  // namespace glint

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint run` of a study with [calibration_trial]: pictures of a board are rendered and written as
+// files, calibrated from these files as `glint calibrate` does it, and compared with the truth.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/progress.h"
+#include "studies/definition/study.h"
+
+namespace glint {
+
+struct TrialOptions {
+  std::filesystem::path out;
+  int threads = 1;
+  Progress::Style progress = Progress::Style::kAuto;
+  const std::atomic<int>* interrupt = nullptr;  ///< how often the user interrupted
+};
+
+/// Pictures that are in the folder already, of the same study, are kept.
+/// @param study  with a [calibration_trial]
+/// @return the object of result.json (docs/calibration_trial.md), status "done" or "interrupted"
+/// @throws ConfigError, IoError; a configuration that is refused leaves no folder behind
+nlohmann::ordered_json run_calibration_trial(const Study& study, const TrialOptions& options);
+
+/// What the result says, for a terminal.
+std::string trial_summary(const nlohmann::ordered_json& result);
+
+}  // namespace glint

@@ -26,6 +26,9 @@ using Eigen::VectorXd;
 
 constexpr std::size_t kMinEdges = 50;
 constexpr double kPrice = 14.0;  ///< of a parameter, in squared standard deviations
+/// What a parameter must explain of the misfit: the model of edges is not better than that where
+/// they have moved far.
+constexpr double kLeastShare = 0.02;
 constexpr double kNotSeparable = 0.99;
 constexpr double kOutlierSigmas = 4.0;
 constexpr int kMaxLag = 8;  ///< of neighbours whose noise may be alike
@@ -223,7 +226,8 @@ class CauseSearch {
   }
 
   std::vector<std::size_t> best_set() const {
-    const double price = kPrice * alike_ * noise_px_ * noise_px_;
+    const double price =
+        std::max(kPrice * alike_ * noise_px_ * noise_px_, kLeastShare * right_squares_);
     std::vector<std::size_t> best;
     double best_cost = std::numeric_limits<double>::infinity();
     for (unsigned set = 0; set < (1U << parameters_); ++set) {

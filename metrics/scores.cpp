@@ -142,6 +142,21 @@ constexpr std::array kDocs = {
     ScoreDoc{"coverage.redundancy", "how many views inspect a place of the surface, on average"},
     ScoreDoc{"coverage.largest_gap_mm2",
              "area of the largest connected piece of the surface that no view inspects"},
+    ScoreDoc{"overlap.iou",
+             "intersection over union of the part's regions in the simulated and the real picture, "
+             "mean over the pictures of [reference]; 1 is equal"},
+    ScoreDoc{
+        "overlap.mean_distance_px",
+        "mean distance of the part's outlines in the simulated and the real picture; 0 is best"},
+    ScoreDoc{"appearance.ssim",
+             "structural similarity of the simulated and the real picture over the part in either; "
+             "1 is equal"},
+    ScoreDoc{"appearance.rms",
+             "root of the mean squared difference of the simulated and the real picture over the "
+             "part in either, share of full scale; 0 is best"},
+    ScoreDoc{"appearance.histogram_distance",
+             "Wasserstein distance of the grey values of the part in the simulated and in the real "
+             "picture, share of full scale; 0 is best"},
     ScoreDoc{"rays.followed_share", "share of the rays that hit the part again and were followed"},
     ScoreDoc{"rays.blocked_share", "share of the rays that were given up as dark"},
 };
@@ -348,6 +363,10 @@ void add_scores(Scores& scores, const HomogeneityFamily& family) {
 
 bool is_of_coverage(std::string_view name) {
   return name.starts_with("coverage.");
+}
+
+bool is_of_reference(std::string_view name) {
+  return name.starts_with("overlap.") || name.starts_with("appearance.");
 }
 
 bool is_of_family(std::string_view name) {

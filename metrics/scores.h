@@ -83,6 +83,9 @@ bool needs_fringes(std::string_view name);
 /// Whether the score tells what the views of a scene inspect: it needs no picture of its own.
 bool is_of_coverage(std::string_view name);
 
+/// Whether the score compares with the real pictures of [reference].
+bool is_of_reference(std::string_view name);
+
 /// What a part's defects are, however they show.
 struct DefectTotals {
   int made = 0;

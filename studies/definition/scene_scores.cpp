@@ -36,4 +36,11 @@ std::string missing_by_paths(const SceneSettings& scene, std::string_view score)
   return is_of_tunnel && !scene.has_tunnel ? "needs a tunnel, this scene has none" : "";
 }
 
+std::string missing_by_reference(const SceneSettings& scene, std::string_view score) {
+  const bool has_pictures = scene.reference && !scene.reference->pictures.empty();
+  return is_of_reference(score) && !has_pictures
+             ? "needs real pictures, which [reference] names; this scene has none"
+             : "";
+}
+
 }  // namespace glint

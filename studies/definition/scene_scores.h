@@ -21,4 +21,8 @@ std::vector<std::string> group_names(const SceneSettings& scene);
 /// it may have it, and for all other scenes.
 std::string missing_by_paths(const SceneSettings& scene, std::string_view score);
 
+/// Why the scene has no score of that name against real pictures; empty for all other scores, and
+/// where [reference] names some.
+std::string missing_by_reference(const SceneSettings& scene, std::string_view score);
+
 }  // namespace glint

@@ -10,6 +10,7 @@
 #include "studies/coverage/scene_coverage.h"
 #include "studies/evaluation/evaluation_parts.h"
 #include "studies/inspection_line/visibility.h"
+#include "studies/reference/reference_scores.h"
 
 namespace glint {
 namespace {
@@ -183,6 +184,18 @@ Gradients gradients_of_mean(const ScenePicture& picture,
   return gradients_of(picture.scene(), state, wanted, pool);
 }
 
+/// Scores that the picture of the first viewpoint does not give.
+Scores scores_beside(SceneStore& store, const SceneSettings& scene, const WantedScores& wanted) {
+  Scores scores;
+  if (wanted.coverage) {
+    scores.merge(coverage_scores(store, scene));
+  }
+  if (wanted.reference) {
+    scores.merge(reference_scores(store, scene));
+  }
+  return scores;
+}
+
 }  // namespace
 
 WantedScores WantedScores::of_one_scan() const {
@@ -196,7 +209,8 @@ WantedScores wanted_by(const Goal& goal) {
   wanted.picture = false;
   const auto look_at = [&](const std::string& name) {
     wanted.coverage = wanted.coverage || is_of_coverage(name);
-    wanted.picture = wanted.picture || !is_of_coverage(name);
+    wanted.reference = wanted.reference || is_of_reference(name);
+    wanted.picture = wanted.picture || !(is_of_coverage(name) || is_of_reference(name));
     wanted.family = wanted.family || is_of_family(name);
     wanted.fringes = wanted.fringes || needs_fringes(name);
     wanted.robust = wanted.robust || without_bound(name) == "homogeneity.robust";
@@ -255,7 +269,7 @@ Evaluation evaluate(SceneStore& store,
                     const FrameConsumer& consume,
                     const WantedScores& wanted) {
   if (!wanted.picture) {
-    return {.scores = coverage_scores(store, scene)};
+    return {.scores = scores_beside(store, scene, wanted)};
   }
   const auto picture = picture_of(
       store,
@@ -268,9 +282,7 @@ Evaluation evaluate(SceneStore& store,
     result.scores.merge(
         visibility_scores(store, picture->scene(), wanted.trials, wanted.first_part));
   }
-  if (wanted.coverage) {
-    result.scores.merge(coverage_scores(store, scene));
-  }
+  result.scores.merge(scores_beside(store, scene, wanted));
   return result;
 }
 

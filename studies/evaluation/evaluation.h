@@ -36,6 +36,7 @@ struct WantedScores {
   bool family = false;             ///< homogeneity.residual and its like: passes of their own
   WantedGradients gradients = {};  ///< need closed forms
   bool coverage = false;           ///< what the views of the scene inspect: a ray for each place
+  bool reference = false;          ///< against real pictures: a picture for each of them
   bool picture = true;             ///< any other score
   bool errors = true;              ///< "<score>.error" of path-traced scenes: the metrics once more
                                    ///< for each batch
@@ -47,7 +48,7 @@ struct WantedScores {
 
   /// These trials alone, with everything that one scan gives.
   WantedScores with_whole_scan(std::int64_t first = 0) const {
-    return {.family = true, .coverage = coverage, .trials = trials, .first_part = first};
+    return {.family = true, .coverage = coverage, .reference = reference, .trials = trials, .first_part = first};
   }
 
   /// All but the trials.

@@ -26,6 +26,7 @@ WantedScores wanted_of_repeats(const Study& study) {
   WantedScores wanted = wanted_by(study.goal);
   wanted.picture = true;
   wanted.coverage = false;  // noise does not change it
+  wanted.reference = false;
   return study.has_search() ? wanted.of_one_scan() : wanted;
 }
 

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// How far the simulation agrees with real pictures, as scores: what a search fits roughness,
+// exposure, light power, pose and blur by. docs/fitting.md
+#pragma once
+
+#include "metrics/scores.h"
+#include "studies/definition/scene.h"
+#include "studies/imaging/scene_store.h"
+
+namespace glint {
+
+/// "overlap." and "appearance." of metrics/scores.h: means over the pictures of [reference], of
+/// which the first belongs to the first viewpoint, and so on. The simulated side is the mean of the
+/// frames, after the sensor. The part is where the masks of [reference] and the simulation say;
+/// without masks both sides are segmented alike, by Otsu's threshold.
+/// @throws ConfigError beginning with the key at fault: no pictures, more pictures than viewpoints,
+///         another size than the camera's, no part in a picture; IoError
+Scores reference_scores(SceneStore& store, const SceneSettings& scene);
+
+}  // namespace glint

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/reference/reference_scores.h"
+
+#include <cmath>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/file.h"
+#include "core/image/image_io.h"
+#include "studies/definition/study.h"
+#include "studies/evaluation/evaluation.h"
+#include "studies/imaging/scene_picture.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+/// A bright plate of 12 x 8 mm before black, 96 x 64 pixels of 0.2 mm.
+constexpr const char* kPhotographed = R"(
+schema = 2
+[part]
+shape = "plate"
+length_mm = 12
+width_mm = 8
+thickness_mm = 1
+[material]
+type = "diffuse"
+reflectance = [0.5]
+[camera]
+width_px = 96
+height_px = 64
+object_pixel_mm = 0.2
+working_distance_mm = 100
+[sensor]
+bits = 0
+blur_px = 0.8
+[lighting.ring]
+inner_radius_mm = 15
+outer_radius_mm = 25
+height_mm = 30
+radiance = [3]
+[render.paths]
+samples = 16
+batches = 1
+max_reflections = 1
+[reference]
+pictures = ["real.exr"]
+)";
+
+class ReferenceScores : public ::testing::Test {
+ protected:
+  Study study(const std::string& more = "") {
+    write_file(folder_ / "study.toml", kPhotographed + more);
+    return load_study(folder_ / "study.toml", {});
+  }
+
+  /// The scene's own picture becomes the real one.
+  void photograph(SceneSettings scene) {
+    scene.reference.reset();
+    const auto picture = picture_of(store_, scene, {.has_flawless = false});
+    write_exr(folder_ / "real.exr", picture->mean({.has_whole_frames = true}).aspect);
+  }
+
+  Scores scores_of(const SceneSettings& scene) { return reference_scores(store_, scene); }
+
+  TemporaryFolder folder_;
+  ThreadPool pool_{2};
+  SceneStore store_{pool_};
+};
+
+TEST_F(ReferenceScores, OfTheSceneAgainstItselfArePerfect) {
+  const Study same = study();
+  photograph(same.scene);
+  const Scores scores = scores_of(same.scene);
+  EXPECT_NEAR(scores.at("overlap.iou"), 1.0, 1e-6);
+  EXPECT_NEAR(scores.at("overlap.mean_distance_px"), 0.0, 1e-6);
+  EXPECT_NEAR(scores.at("appearance.ssim"), 1.0, 1e-6);
+  EXPECT_NEAR(scores.at("appearance.histogram_distance"), 0.0, 1e-6);
+  EXPECT_NEAR(scores.at("appearance.rms"), 0.0, 1e-6);
+}
+
+// The plate is 60 x 40 pixels. Moved by 0.3 mm = 1.5 px along x, 1.5 of 60 columns leave: the
+// intersection is 58.5, the union 61.5 wide. Both ends, 40 px each, are 1.5 px away; along the
+// sides, 60 px each, nothing changes: 1.5 x 80 / 200 = 0.6 px.
+TEST_F(ReferenceScores, TellHowFarThePartHasMoved) {
+  const Study moved = study();
+  SceneSettings scene = moved.scene;
+  scene.part.position_mm = {0.3, 0.0, 0.0};
+  photograph(scene);
+  const Scores scores = scores_of(moved.scene);
+  EXPECT_NEAR(scores.at("overlap.iou"), 58.5 / 61.5, 0.01);
+  EXPECT_NEAR(scores.at("overlap.mean_distance_px"), 0.6, 0.1);
+  EXPECT_LT(scores.at("appearance.ssim"), 0.99);
+}
+
+// 1.2 times the exposure: grey values grow by a fifth of their mean, and so does the distance.
+TEST_F(ReferenceScores, TellAnotherExposure) {
+  const Study study_of = study();
+  SceneSettings brighter = study_of.scene;
+  brighter.sensor.exposure = 1.2;
+  photograph(brighter);
+  const Scores scores = scores_of(study_of.scene);
+  const auto picture = picture_of(store_, study_of.scene, {.has_flawless = false});
+  const ImageF grey = picture->mean({.has_whole_frames = true}).aspect;
+  const double middle = static_cast<double>(grey(48, 32));
+  EXPECT_NEAR(scores.at("appearance.histogram_distance"), 0.2 * middle, 0.03 * middle);
+  EXPECT_NEAR(scores.at("overlap.mean_distance_px"), 0.0, 0.02);
+}
+
+TEST_F(ReferenceScores, TakeTheMaskThatIsGiven) {
+  const Study masked = study("masks = [\"mask.png\"]\n");
+  photograph(masked.scene);
+  Mask left(96, 64);
+  for (int y = 12; y < 52; ++y) {
+    for (int x = 18; x < 48; ++x) {
+      left(x, y) = 1;  // half of the plate
+    }
+  }
+  write_mask_png(folder_ / "mask.png", left);
+  EXPECT_NEAR(scores_of(masked.scene).at("overlap.iou"), 0.5, 0.05);
+  write_mask_png(folder_ / "mask.png", Mask(96, 64));
+  EXPECT_THAT([&] { scores_of(masked.scene); },
+              ThrowsMessage<ConfigError>(
+                  AllOf(HasSubstr("reference.masks.0"), HasSubstr("dark everywhere"))));
+}
+
+TEST_F(ReferenceScores, AreScoresOfAStudy) {
+  const Study fitted = study(
+      "[variables]\n\"sensor.exposure\" = { min = 0.5, max = 2 }\n"
+      "[objective]\nminimise = \"appearance.rms\"\n");
+  photograph(fitted.scene);
+  const Scores scores = evaluate(store_, fitted.scene, {}, wanted_by(fitted.goal)).scores;
+  EXPECT_NEAR(scores.at("appearance.rms"), 0.0, 1e-6);
+  EXPECT_EQ(scores.count("homogeneity.h_rms"), 0U);
+}
+
+TEST_F(ReferenceScores, NeedRealPictures) {
+  std::string text = kPhotographed;
+  text.resize(text.find("[reference]"));
+  write_file(folder_ / "study.toml", text + "[objective]\nmaximise = \"appearance.ssim\"\n");
+  EXPECT_THAT([&] { load_study(folder_ / "study.toml", {}); },
+              ThrowsMessage<ConfigError>(HasSubstr("[reference]")));
+}
+
+TEST_F(ReferenceScores, RefusePicturesThatDoNotFit) {
+  const Study fitted = study();
+  EXPECT_THROW(scores_of(fitted.scene), IoError);  // there is none
+  write_exr(folder_ / "real.exr", ImageF(90, 64, 0.5F));
+  EXPECT_THAT([&] { scores_of(fitted.scene); },
+              ThrowsMessage<ConfigError>(AllOf(
+                  HasSubstr("reference.pictures.0"), HasSubstr("90 x 64"), HasSubstr("96 x 64"))));
+  write_exr(folder_ / "real.exr", ImageF(96, 64));
+  EXPECT_THAT([&] { scores_of(fitted.scene); },
+              ThrowsMessage<ConfigError>(HasSubstr("the part is not found")));
+  write_exr(folder_ / "real.exr", ImageF(96, 64, std::nanf("")));
+  EXPECT_THAT([&] { scores_of(fitted.scene); },
+              ThrowsMessage<ConfigError>(HasSubstr("no finite numbers")));
+  SceneSettings scene = fitted.scene;
+  scene.reference->pictures.push_back(scene.reference->pictures.front());
+  EXPECT_THAT([&] { scores_of(scene); },
+              ThrowsMessage<ConfigError>(HasSubstr("are 2, the scene has 1 viewpoint")));
+}
+
+}  // namespace
+}  // namespace glint

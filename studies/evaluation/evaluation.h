@@ -48,7 +48,11 @@ struct WantedScores {
 
   /// These trials alone, with everything that one scan gives.
   WantedScores with_whole_scan(std::int64_t first = 0) const {
-    return {.family = true, .coverage = coverage, .reference = reference, .trials = trials, .first_part = first};
+    return {.family = true,
+            .coverage = coverage,
+            .reference = reference,
+            .trials = trials,
+            .first_part = first};
   }
 
   /// All but the trials.

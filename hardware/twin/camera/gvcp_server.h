@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The camera's side of control: who is in control, what requests are answered, and what registers
+// set off.
+#pragma once
+
+#include <chrono>
+#include <optional>
+
+#include "hardware/gige/udp_socket.h"
+#include "hardware/twin/camera/camera_registers.h"
+#include "hardware/twin/camera/camera_twin.h"
+#include "hardware/twin/camera/frame_sender.h"
+
+namespace glint {
+
+/// Used by one thread: feed it packets, and call step() every millisecond or so.
+class GvcpServer {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  GvcpServer(const CameraTwinSettings& settings, PictureSource& source);
+
+  const UdpSocket& control() const { return control_; }
+
+  /// Answers what has arrived, and does what is due: a picture whose exposure has ended, packets,
+  /// an answer that waited for the source, a client that is no longer heard.
+  void step();
+
+  /// Whether step() should be called again within a millisecond.
+  bool is_busy() const { return exposing_ || waiting_ || sender_.is_sending(); }
+
+  const CameraTwinCounts& counts() const { return counts_; }
+
+ private:
+  /// A picture that is being taken.
+  struct Exposure {
+    SensorPicture picture;
+    Clock::time_point end;
+    std::uint64_t timestamp_ns = 0;
+  };
+
+  /// An answer that waits for the source.
+  struct Waiting {
+    Endpoint client;
+    GvcpCommand command;
+    std::uint16_t id = 0;
+    Bytes payload;
+    Clock::time_point next_notice;
+    Clock::time_point give_up;
+  };
+
+  /// What was answered last, for a client that asks once more.
+  struct Answered {
+    Endpoint client;
+    std::uint16_t command = 0;
+    std::uint16_t id = 0;
+    Bytes packet;
+  };
+
+  void handle(BytesView packet, const Endpoint& client);
+  void answer(const Endpoint& client,
+              const GvcpRequest& request,
+              GvcpStatus status,
+              BytesView payload = {});
+  void read_registers(const Endpoint& client, const GvcpRequest& request);
+  void read_memory(const Endpoint& client, const GvcpRequest& request);
+  void write_registers(const Endpoint& client, const GvcpRequest& request);
+  void write_memory(const Endpoint& client, const GvcpRequest& request);
+  void finish_write(const Endpoint& client,
+                    const GvcpRequest& request,
+                    GvcpStatus status,
+                    bool changes_pictures,
+                    const Bytes& payload);
+  GvcpStatus write(const Endpoint& client, std::uint32_t address, BytesView bytes);
+  GvcpStatus write_privilege(const Endpoint& client, std::uint32_t value);
+  GvcpStatus trigger();
+  void send_test_packet(std::uint32_t size);
+  void resend(const GvcpRequest& request);
+  void release_control();
+  void answer_waiting(Clock::time_point now);
+  void send_exposed(Clock::time_point now);
+  GvcpStatus refuse(TwinRefusal refusal);
+  Endpoint stream_endpoint() const;
+
+  CameraTwinSettings settings_;
+  PictureSource& source_;
+  CameraRegisters registers_;
+  UdpSocket control_;
+  UdpSocket stream_;
+  FrameSender sender_;
+  std::optional<Endpoint> controller_;
+  Clock::time_point heard_ = {};
+  bool is_acquiring_ = false;
+  std::optional<Exposure> exposing_;
+  std::optional<Waiting> waiting_;
+  Answered answered_;
+  Clock::time_point began_ = Clock::now();
+  CameraTwinCounts counts_;
+};
+
+}  // namespace glint

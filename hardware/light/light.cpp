@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/light/light.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace glint {
+namespace {
+
+bool bit(std::uint64_t bits, int index) {
+  return ((bits >> static_cast<unsigned>(index)) & 1U) != 0;
+}
+
+const char* word(bool is_on) {
+  return is_on ? "on" : "off";
+}
+
+}  // namespace
+
+void SimulatedOutputs::set_output(int index, bool is_on) {
+  GLINT_CHECK(index >= 0 && index < num_outputs_, "an output is one of those there are");
+  if (index == blocked_) {
+    return;
+  }
+  const std::uint64_t mask = std::uint64_t{1} << static_cast<unsigned>(index);
+  outputs_ = is_on ? outputs_ | mask : outputs_ & ~mask;
+  if (changed_) {
+    changed_(outputs_);
+  }
+}
+
+OutputLight::OutputLight(std::string name, DigitalOutputs& outputs, int index)
+    : name_(std::move(name)), outputs_(outputs), index_(index) {
+  if (index < 0 || index >= outputs.num_outputs()) {
+    throw ConfigError(
+        "lights." + name_ + ".output",
+        fmt::format("is {}, the device has outputs 0 to {}", index, outputs.num_outputs() - 1));
+  }
+}
+
+void OutputLight::set(bool is_on) {
+  outputs_.set_output(index_, is_on);
+  if (bit(outputs_.outputs(), index_) != is_on) {
+    throw IoError(fmt::format("light {}: output {} was turned {}, and the device tells it is not",
+                              name_,
+                              index_,
+                              word(is_on)));
+  }
+}
+
+bool OutputLight::is_on() const {
+  return bit(outputs_.outputs(), index_);
+}
+
+void PromptedLight::set(bool is_on) {
+  if (!confirm_ || !confirm_(fmt::format("turn {} the light {}", word(is_on), name_))) {
+    throw IoError(fmt::format("light {}: nobody confirms that it is {}", name_, word(is_on)));
+  }
+  is_on_ = is_on;
+}
+
+void exchange_prototype(const std::string& prototype, const Confirm& confirm) {
+  if (!confirm || !confirm(fmt::format("put the prototype {} in place", prototype))) {
+    throw IoError(fmt::format("prototype {}: nobody confirms that it is in place", prototype));
+  }
+}
+
+}  // namespace glint

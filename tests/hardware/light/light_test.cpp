@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/light/light.h"
+
+#include <gmock/gmock.h>
+
+#include <vector>
+
+#include "core/error.h"
+
+namespace glint {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST(OutputLight, IsBehindItsOutput) {
+  std::vector<std::uint64_t> seen;
+  SimulatedOutputs outputs(8, [&](std::uint64_t bits) { seen.push_back(bits); });
+  OutputLight ring("ring", outputs, 3);
+  OutputLight dome("dome", outputs, 0);
+  EXPECT_FALSE(ring.is_on());
+  ring.set(true);
+  dome.set(true);
+  ring.set(false);
+  EXPECT_FALSE(ring.is_on());
+  EXPECT_TRUE(dome.is_on());
+  EXPECT_THAT(seen, ElementsAre(8, 9, 1));  // bit 3, bits 3 and 0, bit 0
+}
+
+TEST(OutputLight, IsNeverBelievedToBeOnWhenTheDeviceTellsOtherwise) {
+  SimulatedOutputs outputs(8);
+  OutputLight ring("ring", outputs, 3);
+  outputs.block(3);
+  EXPECT_THROW(ring.set(true), IoError);
+  outputs.block(-1);
+  ring.set(true);
+  EXPECT_TRUE(ring.is_on());
+}
+
+TEST(OutputLight, NeedsAnOutputThatThereIs) {
+  SimulatedOutputs outputs(8);
+  try {
+    OutputLight("ring", outputs, 8);
+    FAIL() << "no error";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("lights.ring.output: is 8, the device has outputs 0 to 7"));
+  }
+}
+
+TEST(PromptedLight, IsAsTheLastPersonConfirmed) {
+  std::vector<std::string> asked;
+  bool answer = true;
+  PromptedLight bar("bar", [&](const std::string& what) {
+    asked.push_back(what);
+    return answer;
+  });
+  bar.set(true);
+  EXPECT_TRUE(bar.is_on());
+  answer = false;
+  EXPECT_THROW(bar.set(false), IoError);
+  EXPECT_TRUE(bar.is_on());
+  EXPECT_THAT(asked, ElementsAre("turn on the light bar", "turn off the light bar"));
+  EXPECT_THROW(PromptedLight("bar", {}).set(true), IoError);
+}
+
+TEST(ExchangePrototype, IsNeverAssumed) {
+  EXPECT_THROW(exchange_prototype("flat", {}), IoError);
+  EXPECT_THROW(exchange_prototype("flat", [](const std::string&) { return false; }), IoError);
+  std::string asked;
+  exchange_prototype("flat", [&](const std::string& what) {
+    asked = what;
+    return true;
+  });
+  EXPECT_EQ(asked, "put the prototype flat in place");
+}
+
+}  // namespace
+}  // namespace glint

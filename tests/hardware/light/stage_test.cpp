@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/light/stage.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <thread>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/image/image_io.h"
+#include "hardware/twin/stage/stage_twin.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+// 600 mm/min are 10 mm/s: after 1.5 s of a way of 20 mm the carriage is at 15 mm.
+TEST(StageController, MovesAtTheSpeedItIsGiven) {
+  StageController controller({});
+  EXPECT_EQ(controller.receive("G90\nG21\n", 0.0), "ok\r\nok\r\n");
+  EXPECT_EQ(controller.receive("G1 X20 F600\n", 1.0), "ok\r\n");
+  EXPECT_EQ(controller.receive("?", 2.5), "<Run|MPos:15.000,0.000,0.000|FS:0,0>\r\n");
+  EXPECT_EQ(controller.receive("?", 3.5), "<Idle|MPos:20.000,0.000,0.000|FS:0,0>\r\n");
+  EXPECT_EQ(controller.receive("G1 X10\n", 4.0), "ok\r\n");
+  EXPECT_DOUBLE_EQ(controller.position_mm(4.5), 15.0);  // and back, at the same speed
+}
+
+TEST(StageController, RefusesWhatItDoesNotKnowAndLinesWithoutAnEnd) {
+  StageController controller({.travel_mm = 100.0});
+  EXPECT_EQ(controller.receive("G5 X1\n", 0.0), "error:20\r\n");
+  EXPECT_EQ(controller.receive("G1 Y1\n", 0.0), "error:2\r\n");
+  EXPECT_EQ(controller.receive("G1 X1 F0\n", 0.0), "error:2\r\n");
+  EXPECT_EQ(controller.receive(std::string(100000, 'G') + "\n", 0.0), "error:11\r\n");
+  EXPECT_EQ(controller.receive("G1 X101 F60\n", 0.0), "ALARM:2\r\n");
+  EXPECT_EQ(controller.receive("G1 X1 F60\n", 0.0), "error:9\r\n");
+  EXPECT_EQ(controller.receive("$X\nG1 X1 F60\n", 0.0), "ok\r\nok\r\n");
+}
+
+constexpr StageWay kWay = {.positions = 5, .first_mm = 10.0, .step_mm = 2.5, .speed_mm_s = 200.0};
+
+TEST(LinearStage, StandsWhereItWasSent) {
+  const StageTwin twin({});
+  TextLink link = TextLink::tcp("127.0.0.1", twin.port(), milliseconds(1000));
+  LinearStage stage(link, kWay);
+  EXPECT_EQ(stage.position(), -1);
+  stage.go_to(4);
+  EXPECT_EQ(stage.position(), 4);
+  EXPECT_DOUBLE_EQ(twin.position_mm(), 20.0);  // 10 + 4 * 2.5
+  stage.go_to(1);
+  EXPECT_DOUBLE_EQ(twin.position_mm(), 12.5);
+  EXPECT_THROW(stage.go_to(5), ConfigError);
+}
+
+TEST(LinearStage, NamesAnAlarmAndIsNowhereThen) {
+  StageTwin twin({});
+  TextLink link = TextLink::tcp("127.0.0.1", twin.port(), milliseconds(1000));
+  LinearStage stage(link, kWay);
+  stage.go_to(0);
+  twin.raise_alarm();
+  try {
+    stage.go_to(1);
+    FAIL() << "no error";
+  } catch (const IoError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("G1 X12.5000 F12000.0 is answered by error:9"));
+  }
+  EXPECT_EQ(stage.position(), -1);
+}
+
+TEST(LinearStage, NamesAControllerThatIsGone) {
+  auto twin = std::make_unique<StageTwin>(StageTwinSettings{});
+  const int port = twin->port();
+  TextLink link = TextLink::tcp("127.0.0.1", port, milliseconds(1000));
+  LinearStage stage(link, kWay);
+  twin.reset();
+  EXPECT_THROW(stage.go_to(1), IoError);
+  EXPECT_THROW(TextLink::tcp("127.0.0.1", port, milliseconds(1000)), IoError);
+}
+
+TEST(FolderStage, ShowsThePictureOfItsPosition) {
+  const TemporaryFolder folder;
+  FolderStage stage(folder / "show", {ImageF(4, 3, 0.0F), ImageF(4, 3, 1.0F)}, milliseconds(0));
+  stage.go_to(1);
+  EXPECT_EQ(stage.position(), 1);
+  EXPECT_FLOAT_EQ(read_image(folder / "show/show.png")(3, 2), 1.0F);
+  stage.go_to(0);
+  EXPECT_FLOAT_EQ(read_image(folder / "show/show.png")(3, 2), 0.0F);
+  EXPECT_THROW(stage.go_to(2), ConfigError);
+}
+
+// Grey 0.5 is 127.5, so 128; in 5, 6, 5 bits: 16, 32, 16 = 0x8410, the lower byte first.
+TEST(FramebufferBytes, AreThoseOfTheDevice) {
+  ImageF picture(2, 1, 1.0F);
+  picture(1, 0) = 0.5F;
+  EXPECT_THAT(framebuffer_bytes(picture, {.width_px = 2, .height_px = 1, .bytes_per_row = 8}),
+              ElementsAre(255, 255, 255, 0, 128, 128, 128, 0));
+  EXPECT_THAT(
+      framebuffer_bytes(picture,
+                        {.width_px = 3, .height_px = 1, .bytes_per_pixel = 2, .bytes_per_row = 8}),
+      ElementsAre(0xff, 0xff, 0x10, 0x84, 0, 0, 0, 0));
+}
+
+TEST(FramebufferStage, WritesInPlace) {
+  const TemporaryFolder folder;
+  const std::filesystem::path device = folder / "fb0";
+  write_file(device, std::string(8, 'x'));
+  const FramebufferLayout layout = {.width_px = 2, .height_px = 1, .bytes_per_row = 8};
+  FramebufferStage stage(device, layout, {ImageF(2, 1, 0.0F)}, milliseconds(0));
+  stage.go_to(0);
+  EXPECT_EQ(read_file(device), std::string(8, '\0'));
+  std::filesystem::remove(device);
+  EXPECT_THROW(stage.go_to(0), IoError);
+  EXPECT_EQ(stage.position(), -1);
+  EXPECT_THROW(
+      FramebufferStage(device, {.width_px = 2, .height_px = 1, .bytes_per_row = 7}, {}, {}),
+      ConfigError);
+}
+
+}  // namespace
+}  // namespace glint

@@ -80,6 +80,22 @@ void clear_powers(LightSettings& settings, bool with_joined_segments) {
       settings);
 }
 
+void turn_off(LightSettings& settings) {
+  std::visit(
+      [](auto& light) {
+        using Light = std::decay_t<decltype(light)>;
+        if constexpr (kHasEmission<Light>) {
+          light.emission.radiance = {0.0};
+          light.emission.power_w.clear();
+        } else if constexpr (std::is_same_v<Light, IesLightSettings>) {
+          light.scale = {0.0};
+        } else {
+          light.radiance = {0.0};
+        }
+      },
+      settings);
+}
+
 /// Whether segments in one group have powers, which change the flux at power 1.
 bool has_joined_powers(const LightSettings& settings) {
   return std::visit(
@@ -137,6 +153,18 @@ void make_grey(FrameFactors& factors) {
 }
 
 }  // namespace
+
+void keep_lights(SceneSettings& scene, std::span<const std::string> names) {
+  const auto is_off = [&](const std::string& name) {
+    return std::ranges::find(names, name) == names.end();
+  };
+  scene.has_tunnel = scene.has_tunnel && !is_off(scene.tunnel_name);
+  for (NamedLight& light : scene.lights) {
+    if (is_off(light.name)) {
+      turn_off(light.settings);
+    }
+  }
+}
 
 std::vector<NamedLight> without_powers(std::vector<NamedLight> lights) {
   for (NamedLight& light : lights) {

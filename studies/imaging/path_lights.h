@@ -4,6 +4,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "simulator/light/area/build_lights.h"
@@ -26,6 +27,10 @@ std::vector<NamedLight> without_powers(std::vector<NamedLight> lights);
 /// The tunnel as its picture depends on it: the light of dark stripes is a factor where one value
 /// stands for all places.
 TunnelSettings without_powers(TunnelSettings tunnel);
+
+/// Turns off all lights but those of these names. Area lights stay in the scene with radiance 0, so
+/// that what was rendered at power 1 serves for any of them; a tunnel is taken away.
+void keep_lights(SceneSettings& scene, std::span<const std::string> names);
 
 /// @throws ConfigError, IoError as build_lights()
 UnitLights unit_lights(const SceneSettings& scene,

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/twin_cell/cell_pictures.h"
+
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/log.h"
+
+namespace glint {
+namespace {
+
+constexpr std::size_t kKeptPictures = 4;
+
+}  // namespace
+
+CellPictures::CellPictures(CellRenderer& renderer, const CellState& state)
+    : renderer_(renderer), announced_(state), stands_(state) {
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+std::string CellPictures::key_of_both(const CellState& state, const CaptureSettings& settings) {
+  return fmt::format("{} {} {} {} {}",
+                     key_of(state),
+                     settings.exposure_us,
+                     settings.gain_db,
+                     settings.black_level,
+                     settings.bits);
+}
+
+SensorPicture CellPictures::find(const std::string& key) const {
+  const auto kept = std::ranges::find(kept_, key, &Kept::key);
+  return kept == kept_.end() ? nullptr : kept->picture;
+}
+
+void CellPictures::want(const CellState& state) {
+  announced_ = state;
+  const std::string key = key_of_both(state, settings_);
+  if (find(key) == nullptr) {
+    wanted_ = Wanted{.state = state, .settings = settings_, .key = key};
+    changed_.notify_all();
+  }
+}
+
+void CellPictures::announce(const CellState& state) {
+  const std::scoped_lock lock(mutex_);
+  want(state);
+}
+
+void CellPictures::arrive(const CellState& state) {
+  const std::scoped_lock lock(mutex_);
+  stands_ = state;
+  if (key_of(state) != key_of(announced_)) {
+    want(state);
+  }
+}
+
+void CellPictures::leave() {
+  const std::scoped_lock lock(mutex_);
+  stands_.reset();
+}
+
+bool CellPictures::wait_until_finished(std::chrono::milliseconds within) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, within, [&] { return !wanted_ && !is_rendering_; }) &&
+         error_.empty();
+}
+
+std::string CellPictures::error() const {
+  const std::scoped_lock lock(mutex_);
+  return error_;
+}
+
+int CellPictures::num_rendered() const {
+  const std::scoped_lock lock(mutex_);
+  return num_rendered_;
+}
+
+void CellPictures::prepare(const CaptureSettings& settings) {
+  const std::scoped_lock lock(mutex_);
+  settings_ = settings;
+  want(announced_);
+}
+
+SensorPicture CellPictures::finished(const CaptureSettings& settings, std::uint64_t /*shot*/) {
+  const std::scoped_lock lock(mutex_);
+  return stands_ ? find(key_of_both(*stands_, settings)) : nullptr;
+}
+
+bool CellPictures::is_finished(const CaptureSettings& settings) {
+  const std::scoped_lock lock(mutex_);
+  return find(key_of_both(announced_, settings)) != nullptr;
+}
+
+void CellPictures::run(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (changed_.wait(lock, stop, [&] { return wanted_.has_value(); })) {
+    const Wanted wanted = *wanted_;
+    wanted_.reset();
+    is_rendering_ = true;
+    lock.unlock();
+    SensorPicture picture;
+    std::string error;
+    try {
+      picture = std::make_shared<const Image<std::uint16_t>>(
+          renderer_.render(wanted.state, wanted.settings));
+    } catch (const Error& failure) {
+      error = failure.what();
+      log(LogLevel::kError, "the simulated camera's picture: {}", error);
+    }
+    lock.lock();
+    is_rendering_ = false;
+    error_ = error;
+    if (picture) {
+      ++num_rendered_;
+      kept_.push_back({.key = wanted.key, .picture = std::move(picture)});
+      if (kept_.size() > kKeptPictures) {
+        kept_.pop_front();
+      }
+    }
+    changed_.notify_all();
+  }
+}
+
+}  // namespace glint

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The pictures of a simulated camera on a simulated robot, rendered ahead on a thread of their own.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "hardware/twin/camera/picture_source.h"
+#include "studies/twin_cell/cell_renderer.h"
+
+namespace glint {
+
+/// The robot's side tells where the arm will be, when it is there, and when it leaves; the camera's
+/// side asks for the picture of that place. All functions may be called from any thread.
+class CellPictures final : public PictureSource {
+ public:
+  /// @param renderer  must outlive this
+  /// @param state     where the arm stands at first
+  CellPictures(CellRenderer& renderer, const CellState& state);
+
+  /// The arm is on its way there, or a light is going on: begins to render.
+  void announce(const CellState& state);
+
+  /// The arm stands there. Without announce() before, rendering begins now.
+  void arrive(const CellState& state);
+
+  /// The arm moves: there is no picture until it arrives.
+  void leave();
+
+  /// Waits until the picture that was asked for last is finished: a simulated clock stands still
+  /// meanwhile. @return false: it took longer, or rendering failed
+  bool wait_until_finished(std::chrono::milliseconds within);
+
+  /// What went wrong with the last picture; empty: nothing.
+  std::string error() const;
+
+  /// How many pictures were rendered.
+  int num_rendered() const;
+
+  void prepare(const CaptureSettings& settings) override;
+  SensorPicture finished(const CaptureSettings& settings, std::uint64_t shot) override;
+  bool is_finished(const CaptureSettings& settings) override;
+
+ private:
+  struct Wanted {
+    CellState state;
+    CaptureSettings settings;
+    std::string key;
+  };
+
+  struct Kept {
+    std::string key;
+    SensorPicture picture;
+  };
+
+  static std::string key_of_both(const CellState& state, const CaptureSettings& settings);
+  SensorPicture find(const std::string& key) const;
+  void want(const CellState& state);  ///< holding the lock
+  void run(const std::stop_token& stop);
+
+  CellRenderer& renderer_;
+  mutable std::mutex mutex_;
+  std::condition_variable_any changed_;
+  CaptureSettings settings_;
+  CellState announced_;              ///< what is rendered for
+  std::optional<CellState> stands_;  ///< empty: the arm moves
+  std::optional<Wanted> wanted_;     ///< not begun yet
+  bool is_rendering_ = false;
+  std::deque<Kept> kept_;
+  std::string error_;
+  int num_rendered_ = 0;
+  std::jthread thread_;
+};
+
+}  // namespace glint

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/twin_cell/cell_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/rng.h"
+#include "core/text.h"
+#include "simulator/sensor/sensor.h"
+#include "studies/imaging/path_lights.h"
+#include "studies/imaging/scene_picture.h"
+
+namespace glint {
+namespace {
+
+constexpr std::size_t kStoreBytes = std::size_t{512} << 20U;
+
+/// A number that belongs to this state and no other, of 31 bits.
+std::uint64_t seed_of(const CellState& state, int seed) {
+  const std::string digest = sha256_hex(fmt::format("{} {}", seed, key_of(state)));
+  return std::stoull(digest.substr(0, 8), nullptr, 16) & 0x7fffffffU;
+}
+
+/// The flange's error, by a random vector for each of position and rotation.
+RigidTransform flange_error(const TruthSettings& truth, const CellState& state) {
+  // Of the pose alone: lights do not move the arm.
+  const CellState pose = {.base_from_flange = state.base_from_flange};
+  Rng random(seed_of(pose, truth.seed), Stream::kViewpoints, 0);
+  std::vector<double> position(3);
+  std::vector<double> rotation(3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    position[i] = truth.position_noise_mm * random.normal();
+    rotation[i] = truth.rotation_noise_rad * random.normal();
+  }
+  return pose_of(position, rotation);
+}
+
+std::vector<double> numbers(const Eigen::Vector3d& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
+
+Image<std::uint16_t> codes_of(const ImageF& grey, const CaptureSettings& settings) {
+  const double largest = static_cast<double>((1 << settings.bits) - 1);
+  const double black = settings.black_level / 4095.0 * largest;
+  auto codes = Image<std::uint16_t>::uninitialized(grey.width(), grey.height());
+  std::ranges::transform(grey.values(), codes.values().begin(), [&](float value) {
+    const double code = std::round(static_cast<double>(value) * largest + black);
+    return static_cast<std::uint16_t>(std::clamp(code, 0.0, largest));
+  });
+  return codes;
+}
+
+}  // namespace
+
+std::string key_of(const CellState& state) {
+  std::string key;
+  const auto add = [&](double value) {
+    key += fmt::format("{} ", static_cast<long long>(std::llround(value)));
+  };
+  for (int i = 0; i < 9; ++i) {
+    add(1e9 * state.base_from_flange.rotation(i / 3, i % 3));
+  }
+  for (int i = 0; i < 3; ++i) {
+    add(1e6 * state.base_from_flange.translation_mm[i]);
+  }
+  std::vector<std::string> lights = state.lights;
+  std::ranges::sort(lights);
+  return key + fmt::format("[{}] {}", join(lights, " "), state.stage_position);
+}
+
+RigidTransform scene_from_camera(const Truth& truth, const CellState& state) {
+  return inverse(truth.base_from_scene()) * state.base_from_flange *
+         flange_error(truth.settings, state) * truth.flange_from_camera();
+}
+
+CellRenderer::CellRenderer(const Truth& truth, ThreadPool& pool)
+    : truth_(truth), pool_(pool), store_(pool, kStoreBytes) {
+  const PinholeIntrinsics intrinsics = intrinsics_of(truth.scene);
+  width_px_ = intrinsics.width_px;
+  height_px_ = intrinsics.height_px;
+}
+
+SceneSettings CellRenderer::scene_of(const CellState& state,
+                                     const CaptureSettings& settings) const {
+  SceneSettings scene = truth_.scene;
+  const RigidTransform pose = scene_from_camera(truth_, state);
+  const Viewpoint viewpoint = {.position_mm = numbers(pose.translation_mm),
+                               .direction = numbers(pose.rotation.col(2)),
+                               .up = numbers(-pose.rotation.col(1))};
+  scene.viewpoints = {viewpoint};
+  scene.viewpoint_set.source = ViewpointSource::kListed;
+  keep_lights(scene, state.lights);
+  scene.sensor.exposure *= 1e-6 * settings.exposure_us / truth_.settings.exposure_s;
+  scene.sensor.gain *= std::pow(10.0, settings.gain_db / 20.0);
+  scene.sensor.bits = settings.bits;
+  scene.sensor.seed = static_cast<int>(seed_of(state, truth_.settings.seed));
+  return scene;
+}
+
+Image<std::uint16_t> CellRenderer::render(const CellState& state, const CaptureSettings& settings) {
+  const SceneSettings scene = scene_of(state, settings);
+  ImageF picture;
+  if (is_lit(scene)) {
+    const auto seen = picture_of(store_, scene, {.has_flawless = false});
+    seen->mean({.watch =
+                    [&](int index, const ImageF& grey) {
+                      if (index == 0 || index == state.stage_position) {
+                        picture = grey;
+                      }
+                    },
+                .has_whole_frames = true});
+  } else {
+    const Sensor sensor(scene.sensor, width_px_, height_px_);
+    sensor.expose(ImageF(width_px_, height_px_), state.stage_position, picture);
+  }
+  return codes_of(picture, settings);
+}
+
+}  // namespace glint

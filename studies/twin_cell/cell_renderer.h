@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Pictures that a camera on a simulated robot takes.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/image/image.h"
+#include "core/thread_pool.h"
+#include "hardware/twin/camera/picture_source.h"
+#include "studies/imaging/scene_store.h"
+#include "studies/twin_cell/truth.h"
+
+namespace glint {
+
+/// What of a cell changes a picture, beside the camera's settings.
+struct CellState {
+  RigidTransform base_from_flange;  ///< as the robot tells it
+  std::vector<std::string> lights;  ///< that are on
+  int stage_position = 0;           ///< of a tunnel's scan: its frame
+};
+
+/// Equal for states whose pictures are equal: poses to a nanometre and a nanoradian.
+std::string key_of(const CellState& state);
+
+/// Where the camera is in truth when the robot says that its flange is there: with the hidden
+/// hand-eye, and the error that the arm has at this pose, which is the same each time.
+RigidTransform scene_from_camera(const Truth& truth, const CellState& state);
+
+/// Renders. Keeps what lights and exposure do not change.
+class CellRenderer {
+ public:
+  CellRenderer(const Truth& truth, ThreadPool& pool);
+
+  int width_px() const { return width_px_; }
+
+  int height_px() const { return height_px_; }
+
+  /// Codes as a camera with these settings has them: the scene's radiance times the exposure over
+  /// that of the truth, noise of the scene's sensor seeded by pose and lights, gain, black level.
+  /// The same bytes for the same arguments.
+  /// @throws ConfigError beginning with the key at fault, IoError
+  Image<std::uint16_t> render(const CellState& state, const CaptureSettings& settings);
+
+ private:
+  SceneSettings scene_of(const CellState& state, const CaptureSettings& settings) const;
+
+  Truth truth_;
+  ThreadPool& pool_;
+  SceneStore store_;
+  int width_px_ = 0;
+  int height_px_ = 0;
+};
+
+}  // namespace glint

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/twin_cell/truth.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "core/config/keys.h"
+#include "core/config/toml.h"
+
+namespace glint {
+
+void visit_keys(KeyVisitor& keys, TruthSettings& settings) {
+  constexpr Count kThree = {.min = 3, .max = 3};
+  keys.numbers("camera_position_mm",
+               settings.camera_position_mm,
+               kThree,
+               Range::between(-5000, 5000),
+               "where the camera sits on the flange");
+  keys.numbers("camera_rotation_deg",
+               settings.camera_rotation_rad,
+               kThree,
+               Range::between(-360, 360),
+               "how it is turned: axis times angle");
+  keys.numbers("scene_position_mm",
+               settings.scene_position_mm,
+               kThree,
+               Range::between(-5000, 5000),
+               "where the scene's origin lies in the robot's base");
+  keys.numbers("scene_rotation_deg",
+               settings.scene_rotation_rad,
+               kThree,
+               Range::between(-360, 360),
+               "how the scene is turned: axis times angle");
+  keys.number("exposure_us",
+              settings.exposure_s,
+              Range::positive(),
+              "exposure of the camera at which sensor.exposure holds");
+  keys.number("position_noise_mm",
+              settings.position_noise_mm,
+              Range::between(0, 100),
+              "how far the flange is from where the robot says, each axis");
+  keys.number("rotation_noise_deg",
+              settings.rotation_noise_rad,
+              Range::between(0, 45),
+              "how far it is turned from that, each axis");
+  keys.integer("seed", settings.seed, Range::at_least(0), "of these errors and the sensor's noise");
+}
+
+RigidTransform pose_of(const std::vector<double>& position_mm,
+                       const std::vector<double>& rotation_rad) {
+  const Eigen::Vector3d vector(rotation_rad.at(0), rotation_rad.at(1), rotation_rad.at(2));
+  RigidTransform pose;
+  pose.translation_mm = {position_mm.at(0), position_mm.at(1), position_mm.at(2)};
+  if (vector.norm() > 0.0) {
+    pose.rotation = Eigen::AngleAxisd(vector.norm(), vector.normalized()).toRotationMatrix();
+  }
+  return pose;
+}
+
+RigidTransform Truth::flange_from_camera() const {
+  return pose_of(settings.camera_position_mm, settings.camera_rotation_rad);
+}
+
+RigidTransform Truth::base_from_scene() const {
+  return pose_of(settings.scene_position_mm, settings.scene_rotation_rad);
+}
+
+Truth read_truth(const std::filesystem::path& file) {
+  const ConfigNode root = load_toml(file);
+  std::vector<Problem> errors;
+  Truth truth;
+  truth.scene = read_scene(root, errors);
+  KeyReader reader(root.find("truth"), "truth", errors);
+  visit_keys(reader, truth.settings);
+  reader.report_unknown();
+  for (std::size_t i = 0; i < root.names.size(); ++i) {
+    const std::string& name = root.names[i];
+    const std::vector<std::string>& known = scene_tables();
+    if (name != "truth" && name != "schema" && name != "title" &&
+        std::ranges::find(known, name) == known.end()) {
+      errors.push_back({.kind = Problem::Kind::kUnknownKey,
+                        .place = root.items[i].place,
+                        .key = name,
+                        .text = "is no table of a scene, and not [truth]"});
+    }
+  }
+  throw_if_any(errors);
+  return truth;
+}
+
+}  // namespace glint

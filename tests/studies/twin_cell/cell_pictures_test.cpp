@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/twin_cell/cell_pictures.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <numeric>
+
+#include "hardware/camera/aravis_camera.h"
+#include "hardware/gige/udp_socket.h"
+#include "hardware/twin/camera/camera_twin.h"
+#include "tests/studies/twin_cell/small_cell.h"
+
+namespace glint {
+namespace {
+
+using std::chrono::milliseconds;
+constexpr milliseconds kLong{60000};
+
+double mean_of(const Image<std::uint16_t>& image) {
+  return std::accumulate(image.values().begin(), image.values().end(), 0.0) /
+         static_cast<double>(image.size());
+}
+
+class SmallCell : public testing::Test {
+ protected:
+  ThreadPool pool_{2};
+  CellRenderer renderer_{truth_of(kSmallTruth), pool_};
+};
+
+TEST_F(SmallCell, IsTheSamePictureForTheSameStateAndAnotherForAnother) {
+  const CaptureSettings settings = {.exposure_us = 5000};
+  const CellState state = state_above(0, {"ring"});
+  const auto picture = renderer_.render(state, settings);
+  EXPECT_EQ(picture, renderer_.render(state, settings));
+  EXPECT_NE(picture, renderer_.render(state_above(3, {"ring"}), settings));
+  EXPECT_NE(picture, renderer_.render(state_above(0, {"bar"}), settings));
+}
+
+// Twice the exposure is twice the light as long as nothing is clipped; no light is nothing but
+// noise about the black level: 40 of 4095 is 2.49 of 255.
+TEST_F(SmallCell, FollowsExposureLightsAndBlackLevel) {
+  const double once = mean_of(renderer_.render(state_above(0, {"ring"}), {.exposure_us = 2500}));
+  const double twice = mean_of(renderer_.render(state_above(0, {"ring"}), {.exposure_us = 5000}));
+  EXPECT_GT(once, 5.0);
+  EXPECT_LT(twice, 250.0);
+  EXPECT_NEAR(twice / once, 2.0, 0.03);
+  const double dark = mean_of(renderer_.render(state_above(0, {}), {.black_level = 40}));
+  EXPECT_NEAR(dark, 40.0 / 4095.0 * 255.0, 0.6);
+}
+
+// 20 dB are a factor of ten: a mean below a tenth of full scale is ten times as high.
+TEST_F(SmallCell, FollowsTheGainInDecibels) {
+  const CellState state = state_above(0, {"ring"});
+  const double plain = mean_of(renderer_.render(state, {.exposure_us = 300, .bits = 16}));
+  const double raised =
+      mean_of(renderer_.render(state, {.exposure_us = 300, .gain_db = 20.0, .bits = 16}));
+  EXPECT_NEAR(raised / plain, 10.0, 0.3);
+}
+
+TEST_F(SmallCell, HasNoPictureWhileTheArmMoves) {
+  const CellState here = state_above(0, {"ring"});
+  const CellState there = state_above(5, {"ring"});
+  CellPictures pictures(renderer_, here);
+  const CaptureSettings settings = {.exposure_us = 5000};
+  pictures.prepare(settings);
+  ASSERT_TRUE(pictures.wait_until_finished(kLong)) << pictures.error();
+  const SensorPicture first = pictures.finished(settings, 0);
+  ASSERT_NE(first, nullptr);
+  pictures.announce(there);
+  pictures.leave();
+  EXPECT_EQ(pictures.finished(settings, 1), nullptr);
+  ASSERT_TRUE(pictures.wait_until_finished(kLong));
+  EXPECT_EQ(pictures.finished(settings, 1), nullptr);  // rendered, but the arm is not there yet
+  pictures.arrive(there);
+  const SensorPicture second = pictures.finished(settings, 1);
+  ASSERT_NE(second, nullptr);
+  EXPECT_EQ(*second, renderer_.render(there, settings));
+  EXPECT_EQ(pictures.num_rendered(), 2);
+}
+
+// Pictures that went over the wire are those of the poses, in turn.
+TEST_F(SmallCell, PicturesOverTheWireBelongToTheirPoses) {
+  constexpr int kPoses = 8;
+  CellPictures pictures(renderer_, state_above(0, {"ring"}));
+  const std::uint32_t address =
+      0x7f000003U | (static_cast<std::uint32_t>(::getpid() & 0xffff) << 8U);
+  const CameraTwin twin({.address = address,
+                         .sensor_width_px = renderer_.width_px(),
+                         .sensor_height_px = renderer_.height_px()},
+                        pictures);
+  AravisCamera camera(ipv4_text(address));
+  camera.configure({.exposure_us = 5000.0, .packet_size = 9000});
+  camera.start();
+  for (int pose = 0; pose < kPoses; ++pose) {
+    const CellState state = state_above(2.0 * pose, {"ring"});
+    pictures.leave();
+    pictures.announce(state);
+    ASSERT_TRUE(pictures.wait_until_finished(kLong));
+    pictures.arrive(state);
+    const Frame frame = camera.capture();
+    ASSERT_TRUE(frame.is_complete()) << frame.what;
+    EXPECT_EQ(frame.codes, renderer_.render(state, {.exposure_us = 5000.0})) << pose;
+  }
+  EXPECT_EQ(twin.counts().refused, 0U);
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/twin_cell/truth.h"
+
+#include <gmock/gmock.h>
+
+#include "core/error.h"
+#include "tests/studies/twin_cell/small_cell.h"
+
+namespace glint {
+namespace {
+
+using testing::HasSubstr;
+
+std::string truth_error(const std::string& text) {
+  try {
+    truth_of(text);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+// A quarter turn about z takes x to y.
+TEST(Truth, IsReadInDegreesAndMillimetres) {
+  const Truth truth = truth_of(std::string(kSmallTruth) + "camera_rotation_deg = [0, 0, 90]\n");
+  const RigidTransform pose = truth.flange_from_camera();
+  EXPECT_LT((pose * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0, 41, 30)).norm(), 1e-12);
+  EXPECT_EQ(truth.scene.lights.size(), 2U);
+  EXPECT_DOUBLE_EQ(truth.settings.exposure_s, 0.005);
+}
+
+TEST(Truth, NamesWhatIsNoKeyOfIt) {
+  EXPECT_THAT(truth_error(std::string(kSmallTruth) + "camera_pos = 1\n"),
+              HasSubstr("truth.camera_pos"));
+  EXPECT_THAT(truth_error("[robot]\nhost = \"x\"\n"), HasSubstr("robot: is no table of a scene"));
+  EXPECT_THAT(truth_error("[truth]\ncamera_position_mm = [1, 2]\n"),
+              HasSubstr("truth.camera_position_mm"));
+}
+
+TEST(CellState, HasTheSameKeyInAnyOrderOfLights) {
+  EXPECT_EQ(key_of(state_above(0, {"ring", "bar"})), key_of(state_above(0, {"bar", "ring"})));
+  EXPECT_NE(key_of(state_above(0, {"ring"})), key_of(state_above(0, {"bar"})));
+  EXPECT_NE(key_of(state_above(0, {})), key_of(state_above(1e-5, {})));
+}
+
+// The camera looks down from 180 mm: its z axis is the scene's -z, and it stands over the origin.
+TEST(SceneFromCamera, FollowsTheFlangeAndTheHandEye) {
+  const Truth truth = truth_of(kSmallTruth);
+  const RigidTransform pose = scene_from_camera(truth, state_above(0, {}));
+  EXPECT_LT((pose.translation_mm - Eigen::Vector3d(0, 0, 180)).norm(), 1e-9);
+  EXPECT_LT((pose.rotation.col(2) - Eigen::Vector3d(0, 0, -1)).norm(), 1e-12);
+}
+
+TEST(SceneFromCamera, HasTheSameErrorAtTheSamePoseAndAnotherAtAnother) {
+  const Truth truth = truth_of(std::string(kSmallTruth) + "position_noise_mm = 0.1\n");
+  const auto error_mm = [&](double aside_mm, const std::string& light) {
+    const RigidTransform pose = scene_from_camera(truth, state_above(aside_mm, {light}));
+    return Eigen::Vector3d(pose.translation_mm - Eigen::Vector3d(aside_mm, 0, 180));
+  };
+  EXPECT_GT(error_mm(0, "ring").norm(), 1e-4);
+  EXPECT_LT(error_mm(0, "ring").norm(), 1.0);
+  EXPECT_EQ(error_mm(0, "ring"), error_mm(0, "bar"));
+  EXPECT_GT((error_mm(0, "ring") - error_mm(5, "ring")).norm(), 1e-4);
+}
+
+}  // namespace
+}  // namespace glint

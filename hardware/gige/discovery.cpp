@@ -44,7 +44,7 @@ std::vector<FoundDevice> discover_at(std::span<const std::uint32_t> addresses, i
   Endpoint from;
   while (found.size() < addresses.size() && Clock::now() < deadline) {
     for (UdpSocket& socket : sockets) {
-      if (!socket.wait(1) || !socket.receive(packet, from)) {
+      if (!socket.wait(std::chrono::milliseconds(1)) || !socket.receive(packet, from)) {
         continue;
       }
       const auto answer = parse_gvcp_acknowledgement(packet);

@@ -127,9 +127,12 @@ bool UdpSocket::receive(Bytes& packet, Endpoint& from) {
   return count >= 0;
 }
 
-bool UdpSocket::wait(int timeout_ms) const {
+bool UdpSocket::wait(std::chrono::microseconds timeout) const {
   pollfd waiting = {.fd = descriptor_, .events = POLLIN, .revents = 0};
-  return ::poll(&waiting, 1, timeout_ms) > 0;
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(timeout);
+  const timespec limit = {.tv_sec = seconds.count(),
+                          .tv_nsec = std::chrono::nanoseconds(timeout - seconds).count()};
+  return ::ppoll(&waiting, 1, &limit, nullptr) > 0;
 }
 
 }  // namespace glint

@@ -6,6 +6,7 @@
 
 #include <netinet/in.h>
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -52,7 +53,7 @@ class UdpSocket {
   bool receive(Bytes& packet, Endpoint& from);
 
   /// Waits until a packet has arrived. @return false: none within that time
-  bool wait(int timeout_ms) const;
+  bool wait(std::chrono::microseconds timeout) const;
 
  private:
   int descriptor_ = -1;

@@ -73,7 +73,9 @@ void BadCable::pass_requests(const CableFaults& faults) {
       }
       continue;
     }
-    if (request->command == static_cast<std::uint16_t>(GvcpCommand::kWriteRegister)) {
+    // Written as a register or as memory of 4 bytes, both lie at the same place.
+    if (request->command == static_cast<std::uint16_t>(GvcpCommand::kWriteRegister) ||
+        request->command == static_cast<std::uint16_t>(GvcpCommand::kWriteMemory)) {
       redirect_stream(packet);
     }
     upstream_.send({.address = camera_, .port = kGvcpPort}, packet);

@@ -34,7 +34,7 @@ class CameraTwin::Server {
   Server(const CameraTwinSettings& settings, PictureSource& source)
       : gvcp_(checked(settings), source), thread_([this](const std::stop_token& stop) {
           while (!stop.stop_requested()) {
-            gvcp_.control().wait(gvcp_.is_busy() ? 1 : 20);
+            gvcp_.control().wait(gvcp_.pause());
             gvcp_.step();
             const std::scoped_lock lock(mutex_);
             counts_ = gvcp_.counts();

@@ -9,6 +9,7 @@ namespace glint {
 namespace {
 
 constexpr std::size_t kKeptFrames = 3;
+constexpr double kLargestBurstBytes = 64e3;
 
 }  // namespace
 
@@ -34,11 +35,11 @@ void FrameSender::begin(std::uint16_t frame_id,
   to_ = to;
   next_packet_ = 0;
   last_packet_ = static_cast<std::uint32_t>(num_data) + 1;
-  began_ = Clock::now();
-  sent_bytes_ = 0.0;
+  pumped_ = Clock::now();
+  credit_bytes_ = kLargestBurstBytes;
 }
 
-void FrameSender::send(const Kept& frame, std::uint32_t packet_id, const Endpoint& to) {
+double FrameSender::send(const Kept& frame, std::uint32_t packet_id, const Endpoint& to) {
   Bytes packet;
   if (packet_id == 0) {
     packet = stream_leader(frame.frame_id, frame.leader);
@@ -50,14 +51,16 @@ void FrameSender::send(const Kept& frame, std::uint32_t packet_id, const Endpoin
     packet = stream_data(frame.frame_id, packet_id, BytesView(frame.payload).subspan(begin, size));
   }
   socket_.send(to, packet);
-  sent_bytes_ += static_cast<double>(packet.size());
+  return static_cast<double>(packet.size());
 }
 
+// What could not be sent in time is not caught up with: a burst would overflow the client's socket.
 void FrameSender::pump(Clock::time_point now) {
-  constexpr double kAheadSeconds = 0.0005;
-  const double seconds = std::chrono::duration<double>(now - began_).count() + kAheadSeconds;
-  while (is_sending() && sent_bytes_ < bytes_per_second_ * seconds) {
-    send(kept_.back(), next_packet_++, to_);
+  const double seconds = std::chrono::duration<double>(now - pumped_).count();
+  pumped_ = now;
+  credit_bytes_ = std::min(kLargestBurstBytes, credit_bytes_ + bytes_per_second_ * seconds);
+  while (is_sending() && credit_bytes_ > 0.0) {
+    credit_bytes_ -= send(kept_.back(), next_packet_++, to_);
   }
 }
 

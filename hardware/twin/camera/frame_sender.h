@@ -47,7 +47,8 @@ class FrameSender {
     std::uint32_t num_data = 0;  ///< packets of data
   };
 
-  void send(const Kept& frame, std::uint32_t packet_id, const Endpoint& to);
+  /// @return its size in bytes
+  double send(const Kept& frame, std::uint32_t packet_id, const Endpoint& to);
 
   UdpSocket& socket_;
   double bytes_per_second_ = 0.0;
@@ -55,8 +56,8 @@ class FrameSender {
   Endpoint to_;
   std::uint32_t next_packet_ = 1;
   std::uint32_t last_packet_ = 0;
-  Clock::time_point began_ = {};
-  double sent_bytes_ = 0.0;
+  Clock::time_point pumped_ = {};
+  double credit_bytes_ = 0.0;  ///< that the cable takes now
 };
 
 }  // namespace glint

@@ -20,6 +20,11 @@ constexpr int kSocketBytes = 16 << 20;
 constexpr milliseconds kNoticeEvery{400};
 constexpr milliseconds kLongestWait{120'000};
 
+/// Whether a write there is answered when the source has a picture.
+bool needs_picture(std::uint32_t address) {
+  return changes_pictures(address) || address == at::kAcquisitionStart;
+}
+
 Bytes number_bytes(std::uint32_t value) {
   Bytes bytes;
   append_u32(bytes, value);
@@ -56,6 +61,13 @@ void GvcpServer::step() {
   answer_waiting(now);
   send_exposed(now);
   sender_.pump(now);
+}
+
+std::chrono::microseconds GvcpServer::pause() const {
+  if (sender_.is_sending()) {
+    return std::chrono::microseconds(200);
+  }
+  return exposing_ || waiting_ ? milliseconds(1) : milliseconds(20);
 }
 
 void GvcpServer::handle(BytesView packet, const Endpoint& client) {
@@ -155,7 +167,7 @@ void GvcpServer::write_registers(const Endpoint& client, const GvcpRequest& requ
     if (status != GvcpStatus::kSuccess) {
       break;
     }
-    changes = changes || changes_pictures(address) || address == at::kAcquisitionStart;
+    changes = changes || needs_picture(address);
     ++written;
   }
   finish_write(client, request, status, changes, number_bytes(written));
@@ -168,7 +180,7 @@ void GvcpServer::write_memory(const Endpoint& client, const GvcpRequest& request
   }
   const std::uint32_t address = read_u32(request.payload, 0);
   const GvcpStatus status = write(client, address, request.payload.subspan(4));
-  const bool changes = status == GvcpStatus::kSuccess && changes_pictures(address);
+  const bool changes = status == GvcpStatus::kSuccess && needs_picture(address);
   finish_write(client, request, status, changes, number_bytes(address));
 }
 
@@ -176,12 +188,12 @@ void GvcpServer::write_memory(const Endpoint& client, const GvcpRequest& request
 void GvcpServer::finish_write(const Endpoint& client,
                               const GvcpRequest& request,
                               GvcpStatus status,
-                              bool changes_pictures,
+                              bool needs_new_picture,
                               const Bytes& payload) {
-  if (changes_pictures) {
+  if (needs_new_picture) {
     source_.prepare(registers_.capture_settings());
   }
-  const bool must_wait = changes_pictures && is_acquiring_ && status == GvcpStatus::kSuccess &&
+  const bool must_wait = needs_new_picture && is_acquiring_ && status == GvcpStatus::kSuccess &&
                          !source_.is_finished(registers_.capture_settings());
   if (!must_wait || !request.wants_acknowledgement) {
     answer(client, request, status, payload);

@@ -27,8 +27,8 @@ class GvcpServer {
   /// an answer that waited for the source, a client that is no longer heard.
   void step();
 
-  /// Whether step() should be called again within a millisecond.
-  bool is_busy() const { return exposing_ || waiting_ || sender_.is_sending(); }
+  /// When step() should be called again, if nothing arrives before.
+  std::chrono::microseconds pause() const;
 
   const CameraTwinCounts& counts() const { return counts_; }
 
@@ -70,7 +70,7 @@ class GvcpServer {
   void finish_write(const Endpoint& client,
                     const GvcpRequest& request,
                     GvcpStatus status,
-                    bool changes_pictures,
+                    bool needs_new_picture,
                     const Bytes& payload);
   GvcpStatus write(const Endpoint& client, std::uint32_t address, BytesView bytes);
   GvcpStatus write_privilege(const Endpoint& client, std::uint32_t value);

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/hardware/twin/camera/twin_process.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "hardware/gige/udp_socket.h"
+
+extern char** environ;  // NOLINT(readability-redundant-declaration): not in every header
+
+namespace glint {
+
+std::uint32_t test_address(int index) {
+  const auto process = static_cast<std::uint32_t>(::getpid());
+  return 0x7f000000U | ((1 + process % 253) << 16U) | ((1 + process / 253 % 253) << 8U) |
+         static_cast<std::uint32_t>(index);
+}
+
+TwinProcess::TwinProcess(std::uint32_t address, int first_frame_id)
+    : address_(address), first_frame_id_(first_frame_id) {
+  start();
+}
+
+TwinProcess::~TwinProcess() {
+  kill();
+}
+
+void TwinProcess::start() {
+  std::array<int, 2> to = {};
+  std::array<int, 2> from = {};
+  GLINT_CHECK(::pipe2(to.data(), O_CLOEXEC) == 0 && ::pipe2(from.data(), O_CLOEXEC) == 0, "pipes");
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, to[0], 0);
+  posix_spawn_file_actions_adddup2(&actions, from[1], 1);
+  std::string program = CAMERA_TWIN_HOST;
+  std::string address = ipv4_text(address_);
+  std::string id = std::to_string(first_frame_id_);
+  std::array<char*, 4> words = {program.data(), address.data(), id.data(), nullptr};
+  const int failure =
+      ::posix_spawn(&process_, program.c_str(), &actions, nullptr, words.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  ::close(to[0]);
+  ::close(from[1]);
+  input_ = to[1];
+  std::array<char, 16> line = {};
+  const bool is_ready = failure == 0 && ::read(from[0], line.data(), line.size()) > 0;
+  ::close(from[0]);
+  if (!is_ready) {
+    throw IoError("the simulated camera does not start at " + address);
+  }
+}
+
+void TwinProcess::kill() {
+  if (process_ > 0) {
+    ::kill(process_, SIGKILL);
+    ::waitpid(process_, nullptr, 0);
+    ::close(input_);
+    process_ = -1;
+  }
+}
+
+void TwinProcess::freeze() {
+  ::kill(process_, SIGSTOP);
+}
+
+void TwinProcess::thaw() {
+  ::kill(process_, SIGCONT);
+}
+
+// A line of /proc/net/udp: number, address and port in hexadecimal (the address in the machine's
+// byte order), ..., inode in the tenth column.
+std::vector<std::string> udp_sockets_of(pid_t process) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> inodes;
+  for (const auto& entry : fs::directory_iterator(fmt::format("/proc/{}/fd", process))) {
+    std::error_code gone;
+    const std::string target = fs::read_symlink(entry.path(), gone).string();
+    if (target.starts_with("socket:[")) {
+      inodes.push_back(target.substr(8, target.size() - 9));
+    }
+  }
+  std::vector<std::string> sockets;
+  for (const char* table : {"/proc/net/udp", "/proc/net/tcp"}) {
+    std::ifstream file(table);
+    std::string line;
+    std::getline(file, line);
+    while (std::getline(file, line)) {
+      std::istringstream columns(line);
+      std::array<std::string, 10> column;
+      for (std::string& text : column) {
+        columns >> text;
+      }
+      if (std::ranges::find(inodes, column[9]) == inodes.end()) {
+        continue;
+      }
+      const auto raw = static_cast<std::uint32_t>(std::stoul(column[1].substr(0, 8), nullptr, 16));
+      const unsigned long port = std::stoul(column[1].substr(9), nullptr, 16);
+      sockets.push_back(fmt::format("{}:{}", ipv4_text(__builtin_bswap32(raw)), port));
+    }
+  }
+  return sockets;
+}
+
+}  // namespace glint

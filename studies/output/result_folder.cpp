@@ -27,7 +27,7 @@ struct KindNames {
   const char* folder;  ///< in out/<name>
 };
 
-constexpr std::array<KindNames, 8> kKinds = {
+constexpr std::array<KindNames, 9> kKinds = {
     {{ResultKind::kRun, "run", "run"},
      {ResultKind::kRender, "render", "render"},
      {ResultKind::kImprint, "imprint", "imprint"},
@@ -35,7 +35,8 @@ constexpr std::array<KindNames, 8> kKinds = {
      {ResultKind::kInspect, "inspect", "inspect"},
      {ResultKind::kFrontier, "frontier", "frontier"},
      {ResultKind::kCalibrate, "calibrate", "calibrate"},
-     {ResultKind::kBoard, "calibrate --print_board", "board"}}};
+     {ResultKind::kBoard, "calibrate --print_board", "board"},
+     {ResultKind::kGrab, "cell grab", "grab"}}};
 
 const KindNames& names_of(ResultKind kind) {
   return *std::ranges::find(kKinds, kind, &KindNames::kind);

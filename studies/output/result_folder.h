@@ -13,10 +13,20 @@
 namespace glint {
 
 /// What makes folders of results.
-enum class ResultKind { kRun, kRender, kImprint, kTools, kInspect, kFrontier, kCalibrate, kBoard };
+enum class ResultKind {
+  kRun,
+  kRender,
+  kImprint,
+  kTools,
+  kInspect,
+  kFrontier,
+  kCalibrate,
+  kBoard,
+  kGrab
+};
 
 /// As it is typed: "run", "render", "imprint", "imprint --preview_tools", "inspect", "frontier",
-/// "calibrate", "calibrate --print_board".
+/// "calibrate", "calibrate --print_board", "cell grab".
 std::string_view command_of(ResultKind kind);
 
 /// Whose results a folder holds: by the field "verb" of its run.json, in folders of older versions

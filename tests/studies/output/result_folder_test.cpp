@@ -24,7 +24,8 @@ constexpr std::array kAll = {ResultKind::kRun,
                              ResultKind::kInspect,
                              ResultKind::kFrontier,
                              ResultKind::kCalibrate,
-                             ResultKind::kBoard};
+                             ResultKind::kBoard,
+                             ResultKind::kGrab};
 
 const std::vector<std::string> kNames = {"result.json", "report.html", "baseline"};
 

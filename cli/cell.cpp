@@ -12,6 +12,8 @@
 #include "studies/cell/cell_robot.h"
 #include "studies/cell/twin_process.h"
 #include "studies/cell/typed_permit.h"
+#include "studies/cell_camera/cell_camera.h"
+#include "studies/twin_cell/cell_twins.h"
 
 namespace glint {
 namespace {
@@ -74,6 +76,54 @@ int exit_code(const Json& result) {
 Cell cell_of(const CellArguments& arguments) {
   Cell cell = read_cell(the_word(arguments, "the cell's file"));
   return arguments.twin.empty() ? cell : with_ports(std::move(cell), arguments.twin);
+}
+
+std::string list_text(const Json& list) {
+  std::string text;
+  for (const Json& camera : list["cameras"]) {
+    text += fmt::format("camera {:<24} {:<16} {} {}{}\n",
+                        camera["id"].get<std::string>(),
+                        camera["address"].get<std::string>(),
+                        camera["vendor"].get<std::string>(),
+                        camera["model"].get<std::string>(),
+                        camera["twin"].get<bool>() ? ", a twin" : "");
+  }
+  for (const Json& robot : list["robots"]) {
+    text += fmt::format("robot  twin at {} port {}\n",
+                        robot["address"].get<std::string>(),
+                        robot["rtde_port"].get<int>());
+  }
+  return text.empty() ? "nothing answers; robots other than twins are told by no network\n" : text;
+}
+
+std::string grab_text(const Json& result) {
+  std::string text = fmt::format("{} of {} pictures, {:.1f} a second\n",
+                                 result["complete"].get<int>(),
+                                 result["count"].get<int>(),
+                                 result["frames_per_second"].get<double>());
+  for (const Json& frame : result["frames"]) {
+    if (frame["status"] != "complete") {
+      text += fmt::format(
+          "{}: {}\n", frame["status"].get<std::string>(), frame["what"].get<std::string>());
+    }
+  }
+  return text + fmt::format("pictures: {}/sequence\n", result["folder"].get<std::string>());
+}
+
+int list_action(const CellArguments& arguments, const CommonArguments& common) {
+  if (!arguments.words.empty()) {
+    throw ConfigError("glint cell list: takes no file, it asks the network");
+  }
+  const Json result = list_cameras();
+  print_result(common, result, list_text(result));
+  return kExitDone;
+}
+
+int grab_action(const CellArguments& arguments, const CommonArguments& common) {
+  const Json result =
+      grab_pictures(cell_of(arguments), {.count = arguments.count, .out = arguments.out});
+  print_result(common, result, grab_text(result));
+  return result["ok"].get<bool>() ? kExitDone : kExitNegative;
 }
 
 int status_action(const CellArguments& arguments, const CommonArguments& common) {
@@ -154,33 +204,48 @@ int twin_stop(const CellArguments& arguments, const CommonArguments& common) {
   return kExitDone;
 }
 
+ServingTwins twins_of(const std::string& kind,
+                      const Cell& cell,
+                      std::optional<int> port,
+                      int threads) {
+  if (kind == "both") {
+    return both_twins_of(cell, port, threads);
+  }
+  if (kind == "camera") {
+    return camera_twin_of(cell, port == 0, threads);
+  }
+  ServingTwins twins;
+  twins.push_back(robot_twin_of(cell, port));
+  return twins;
+}
+
 int twin_action(const CellArguments& arguments, const CommonArguments& common) {
   if (!arguments.words.empty() && arguments.words[0] == "stop") {
     return twin_stop(arguments, common);
   }
   if (arguments.words.size() != 2) {
-    throw ConfigError("glint cell twin: needs robot and the cell's file, or stop and a ready file");
+    throw ConfigError(
+        "glint cell twin: needs camera, robot or both and the cell's file, or stop and a ready "
+        "file");
   }
   const std::string& kind = arguments.words[0];
-  if (kind != "robot") {
-    throw ConfigError(fmt::format("glint cell twin {}: there are robot and stop", kind));
+  if (kind != "camera" && kind != "robot" && kind != "both") {
+    throw ConfigError(
+        fmt::format("glint cell twin {}: there are camera, robot, both and stop", kind));
   }
   const Cell cell = read_cell(arguments.words[1]);
-  serve_twins(
-      [&] {
-        ServingTwins twins;
-        twins.push_back(robot_twin_of(cell, arguments.port));
-        return twins;
-      },
-      {.is_detached = arguments.is_detached, .ready_file = arguments.ready_file},
-      [&common](const Json& ready) { print_result(common, ready, twins_text(ready)); });
+  serve_twins([&] { return twins_of(kind, cell, arguments.port, common.threads); },
+              {.is_detached = arguments.is_detached, .ready_file = arguments.ready_file},
+              [&common](const Json& ready) { print_result(common, ready, twins_text(ready)); });
   return kExitDone;
 }
 
 }  // namespace
 
 std::span<const CellAction> cell_actions() {
-  static constexpr std::array<CellAction, 7> kActions = {{
+  static constexpr std::array<CellAction, 9> kActions = {{
+      {"list", false, list_action},
+      {"grab", false, grab_action},
       {"status", false, status_action},
       {"watch", false, watch_action},
       {"move", true, move_action},

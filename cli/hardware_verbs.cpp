@@ -186,22 +186,34 @@ void add_cell_twin_options(CLI::App& cell, CellArguments& arguments) {
       ->check(not_empty());
 }
 
+void add_cell_grab_options(CLI::App& cell, CellArguments& arguments) {
+  cell.add_option("--count", arguments.count, "grab: how many pictures")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(between(1, 1'000'000));
+  add_out(cell, arguments.out, "grab: folder of the pictures (default out/<name>/grab)");
+}
+
 void add_cell_verb(CLI::App& app, CommandLine& line) {
   CellArguments& arguments = line.cell;
   CLI::App* cell =
       add_verb(app,
                "cell",
                "a real camera and robot, and their twins",
-               "glint cell status cell.toml\n"
+               "glint cell list\n"
+               "  glint cell status cell.toml\n"
+               "  glint cell grab cell.toml --count 20 --out out/grab\n"
                "  glint cell move cell.toml --view 3 --move\n"
                "  glint cell twin robot cell.toml --detach --ready_file out/twin.json\n"
                "  glint cell twin stop out/twin.json",
                line,
                [](const CommandLine& given) { return cell_command(given.cell, given.common); });
   cell->add_option("ACTION", arguments.action, "what to do")
-      ->type_name("status|watch|move|safe|unlock|power|twin")
+      ->type_name("list|status|grab|watch|move|safe|unlock|power|twin")
       ->required();
-  cell->add_option("CELL", arguments.words, "the cell's file; of twins before it: robot or stop")
+  cell->add_option("CELL",
+                   arguments.words,
+                   "the cell's file; of twins before it: camera, robot, both or stop")
       ->type_name("FILE");
   cell->add_flag(
       "--move", arguments.is_move, "let the robot move: type it when nobody is within its reach");
@@ -216,6 +228,7 @@ void add_cell_verb(CLI::App& app, CommandLine& line) {
       ->type_name("S")
       ->capture_default_str()
       ->check(CLI::Validator(CLI::PositiveNumber).description("> 0"));
+  add_cell_grab_options(*cell, arguments);
   add_cell_twin_options(*cell, arguments);
 }
 

@@ -16,7 +16,6 @@
 #include "core/file.h"
 #include "core/wall_clock.h"
 #include "hardware/robot/twin_proof.h"
-#include "hardware/twin/robot/twin_server.h"
 
 namespace glint {
 namespace {
@@ -37,17 +36,7 @@ class RobotTwin final : public ServingTwin {
  public:
   explicit RobotTwin(TwinServerSettings settings) : server_(std::move(settings)) {}
 
-  Json description() const override {
-    const TwinPorts& ports = server_.ports();
-    return {{"kind", "robot"},
-            {"address", "127.0.0.1"},
-            {"rtde_port", ports.rtde},
-            {"primary_port", ports.primary},
-            {"secondary_port", ports.secondary},
-            {"dashboard_port", ports.dashboard},
-            {"side_channel", server_.side_channel().string()},
-            {"token", server_.token()}};
-  }
+  Json description() const override { return robot_twin_description(server_); }
 
   bool has_ended() const override { return server_.is_stop_asked(); }
 
@@ -155,9 +144,10 @@ bool tell_to_stop(const Json& twin) {
          ask_side_channel(socket, "stop").has_value();
 }
 
-const Json* robot_in(const Json& ready) {
+/// The twin of that kind; nullptr: there is none.
+const Json* twin_in(const Json& ready, std::string_view kind) {
   for (const Json& twin : ready["twins"]) {
-    if (twin.value("kind", "") == "robot") {
+    if (twin.value("kind", "") == kind) {
       return &twin;
     }
   }
@@ -165,6 +155,18 @@ const Json* robot_in(const Json& ready) {
 }
 
 }  // namespace
+
+Json robot_twin_description(const TwinServer& server) {
+  const TwinPorts& ports = server.ports();
+  return {{"kind", "robot"},
+          {"address", "127.0.0.1"},
+          {"rtde_port", ports.rtde},
+          {"primary_port", ports.primary},
+          {"secondary_port", ports.secondary},
+          {"dashboard_port", ports.dashboard},
+          {"side_channel", server.side_channel().string()},
+          {"token", server.token()}};
+}
 
 Json serve_twins(const std::function<ServingTwins()>& make,
                  const TwinProcessOptions& options,
@@ -218,7 +220,7 @@ Json stop_twins(const std::filesystem::path& ready_file) {
   return {{"schema", 1}, {"status", "done"}, {"pid", pid}, {"was_running", was_told}};
 }
 
-std::unique_ptr<ServingTwin> robot_twin_of(const Cell& cell, std::optional<int> port) {
+TwinServerSettings robot_twin_settings(const Cell& cell, std::optional<int> port) {
   const UrSettings& robot = robot_of(cell);
   const ArmWithTool arm = arm_with_tool(robot, cell.limits);
   const CellPosition& start = safe_position_of(cell, "");
@@ -230,25 +232,33 @@ std::unique_ptr<ServingTwin> robot_twin_of(const Cell& cell, std::optional<int> 
     const auto at = [&port](int offset) { return *port == 0 ? 0 : *port + offset; };
     ports = {.rtde = at(0), .primary = at(1), .secondary = at(2), .dashboard = at(3)};
   }
-  return std::make_unique<RobotTwin>(TwinServerSettings{
+  return {
       .twin = {.arm = arm.arm,
                .start_rad = Eigen::Map<const JointVector>(start.joints_rad.data()),
                .flange_from_tcp = arm.flange_from_tcp,
                .payload_kg = robot.payload_kg,
                .payload_cog_mm = Eigen::Map<const Eigen::Vector3d>(robot.payload_cog_mm.data())},
       .address = "127.0.0.1",
-      .ports = ports});
+      .ports = ports};
+}
+
+std::unique_ptr<ServingTwin> robot_twin_of(const Cell& cell, std::optional<int> port) {
+  return std::make_unique<RobotTwin>(robot_twin_settings(cell, port));
 }
 
 Cell with_ports(Cell cell, const std::filesystem::path& ready_file) {
   const Json ready = read_ready(ready_file);
-  const Json* twin = robot_in(ready);
+  const Json* twin = twin_in(ready, "robot");
   if (cell.robot && twin != nullptr) {
     cell.robot->host = twin->at("address").get<std::string>();
     cell.robot->rtde_port = twin->at("rtde_port").get<int>();
     cell.robot->primary_port = twin->at("primary_port").get<int>();
     cell.robot->secondary_port = twin->at("secondary_port").get<int>();
     cell.robot->dashboard_port = twin->at("dashboard_port").get<int>();
+  }
+  const Json* camera = twin_in(ready, "camera");
+  if (cell.camera && camera != nullptr) {
+    cell.camera->address = camera->at("address").get<std::string>();
   }
   return cell;
 }

@@ -12,6 +12,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "hardware/twin/robot/twin_server.h"
 #include "studies/cell/cell_file.h"
 
 namespace glint {
@@ -49,12 +50,18 @@ nlohmann::ordered_json serve_twins(const std::function<ServingTwins()>& make,
 /// @throws IoError when they do not end within 10 s, ConfigError for a file that is no ready file
 nlohmann::ordered_json stop_twins(const std::filesystem::path& ready_file);
 
+/// What robot_twin_of() serves, for those who wire it to other twins.
+TwinServerSettings robot_twin_settings(const Cell& cell, std::optional<int> port);
+
+/// Its object in a ready file.
+nlohmann::ordered_json robot_twin_description(const TwinServer& server);
+
 /// The twin of a cell's robot: arm, TCP and payload as the cell says, at the first safe position.
 /// @param port  of RTDE; the primary, secondary and dashboard ports follow it. 0: free ones; none:
 ///              those of the cell
 std::unique_ptr<ServingTwin> robot_twin_of(const Cell& cell, std::optional<int> port);
 
-/// A cell whose ports are those of a ready file.
+/// A cell whose ports, and address of the camera, are those of a ready file.
 Cell with_ports(Cell cell, const std::filesystem::path& ready_file);
 
 }  // namespace glint

@@ -27,7 +27,7 @@ struct KindNames {
   const char* folder;  ///< in out/<name>
 };
 
-constexpr std::array<KindNames, 14> kKinds = {
+constexpr std::array<KindNames, 15> kKinds = {
     {{ResultKind::kRun, "run", "run"},
      {ResultKind::kRender, "render", "render"},
      {ResultKind::kImprint, "imprint", "imprint"},
@@ -41,7 +41,8 @@ constexpr std::array<KindNames, 14> kKinds = {
      {ResultKind::kPoints, "calibrate --points", "points"},
      {ResultKind::kUndistort, "undistort", "undistort"},
      {ResultKind::kCover, "cover", "cover"},
-     {ResultKind::kCompare, "compare", "compare"}}};
+     {ResultKind::kCompare, "compare", "compare"},
+     {ResultKind::kGrab, "cell grab", "grab"}}};
 
 const KindNames& names_of(ResultKind kind) {
   return *std::ranges::find(kKinds, kind, &KindNames::kind);

@@ -25,7 +25,14 @@ constexpr std::array kAll = {ResultKind::kRun,
                              ResultKind::kFrontier,
                              ResultKind::kCalibrate,
                              ResultKind::kBoard,
-                             ResultKind::kCover};
+                             ResultKind::kSensor,
+                             ResultKind::kPlan,
+                             ResultKind::kPoints,
+                             ResultKind::kUndistort,
+                             ResultKind::kCover,
+                             ResultKind::kCompare,
+
+                             ResultKind::kGrab};
 
 const std::vector<std::string> kNames = {"result.json", "report.html", "baseline"};
 

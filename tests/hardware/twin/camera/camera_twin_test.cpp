@@ -216,5 +216,23 @@ TEST(CameraTwin, RefusesATriggerWithoutAFinishedPictureByName) {
   EXPECT_TRUE(camera.capture().is_complete());
 }
 
+// The picture takes 1.5 s, more than the client waits for an ordinary answer.
+TEST(CameraTwin, AnswersAStartWhenThePictureIsThere) {
+  HesitantSource source;
+  source.is_ready = false;
+  const CameraTwin twin({.address = test_address(8), .sensor_width_px = 64, .sensor_height_px = 48},
+                        source);
+  AravisCamera camera(ipv4_text(test_address(8)));
+  camera.configure({.exposure_us = 1000.0});
+  std::jthread rendering([&] {
+    std::this_thread::sleep_for(milliseconds(1500));
+    source.is_ready = true;
+  });
+  camera.start();
+  EXPECT_TRUE(source.is_ready);
+  EXPECT_TRUE(camera.capture().is_complete());
+  EXPECT_EQ(twin.counts().refused, 0U);
+}
+
 }  // namespace
 }  // namespace glint

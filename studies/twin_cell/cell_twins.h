@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The twins of a cell's devices, wired to each other: what the camera takes follows the robot's arm
+// and its digital outputs.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "studies/cell/twin_process.h"
+#include "studies/twin_cell/truth.h"
+
+namespace glint {
+
+/// The file of truth that a cell names in [twin]. @throws ConfigError when it names none
+std::filesystem::path truth_file_of(const Cell& cell);
+
+/// The twin of a cell's camera alone, at the cell's address or the first free one from 127.0.0.1
+/// on: it stands where the first safe position takes it, or at the scene's own viewpoint in a cell
+/// without a robot, and all lights are on.
+/// @param is_free_address  also where the cell has an address
+/// @throws ConfigError for an address outside 127.0.0.0/8, IoError for one that is taken
+ServingTwins camera_twin_of(const Cell& cell, bool is_free_address, int threads);
+
+/// Both. While the arm moves the picture of its goal is rendered, and the arm's clock waits for it;
+/// outputs turn on the lights that the cell has behind them, lights of other kinds are on.
+/// @param port  as robot_twin_of(); 0 also: any free address for the camera
+ServingTwins both_twins_of(const Cell& cell, std::optional<int> port, int threads);
+
+}  // namespace glint

@@ -20,7 +20,17 @@ TEST(Scores, CarryExactlyTheNamesThatAreListed) {
                    {"inspection.false_alarms", 0.0},
                    {"inspection.threshold", 0.0},
                    {"inspection.region_share", 0.0},
-                   {"inspection.rendering_share", 0.0}};
+                   {"inspection.rendering_share", 0.0},
+                   // what all views together inspect, and how real pictures compare
+                   {"coverage.c1", 0.0},
+                   {"coverage.c2", 0.0},
+                   {"coverage.redundancy", 0.0},
+                   {"coverage.largest_gap_mm2", 0.0},
+                   {"overlap.iou", 0.0},
+                   {"overlap.mean_distance_px", 0.0},
+                   {"appearance.ssim", 0.0},
+                   {"appearance.rms", 0.0},
+                   {"appearance.histogram_distance", 0.0}};
   add_scores(scores, Homogeneity{.robust = 0.0});
   add_scores(scores, HomogeneityFamily{.ripple = 0.0});
   add_scores(scores, FringeScores{});

@@ -202,12 +202,18 @@ Json covariance_json(const Eigen::MatrixXd& covariance) {
   return rows;
 }
 
+/// To a millionth of a pixel: OpenCV's methods do not repeat their last bits.
+Json rounded_json(double value_px) {
+  constexpr double kPerPixel = 1e6;
+  return number_json(std::round(value_px * kPerPixel) / kPerPixel);
+}
+
 Json methods_json(const SolvedCalibration& solved) {
   Json methods = Json::array();
   for (const MethodPrediction& method : solved.methods) {
     methods.push_back({{"name", method.name},
-                       {"prediction_rms_px", number_json(method.rms_px)},
-                       {"prediction_5fold_rms_px", number_json(method.five_fold.rms_px)},
+                       {"prediction_rms_px", rounded_json(method.rms_px)},
+                       {"prediction_5fold_rms_px", rounded_json(method.five_fold.rms_px)},
                        {"failed", method.has_failed}});
   }
   return methods;
@@ -216,7 +222,7 @@ Json methods_json(const SolvedCalibration& solved) {
 /// Of the method that was asked for.
 Json five_fold_json(const SolvedCalibration& solved) {
   const auto method = std::ranges::find(solved.methods, solved.method, &MethodPrediction::name);
-  return method == solved.methods.end() ? Json(nullptr) : number_json(method->five_fold.rms_px);
+  return method == solved.methods.end() ? Json(nullptr) : rounded_json(method->five_fold.rms_px);
 }
 
 /// What to photograph next, the best first.
@@ -329,7 +335,7 @@ Json calibration_json(const CalibrateInput& input,
   json["hand_eye"] = nullptr;
   json["board"] = board_json(input, solved);
   json["prediction_rms_px"] =
-      solved.prediction_rms_px ? number_json(*solved.prediction_rms_px) : Json(nullptr);
+      solved.prediction_rms_px ? rounded_json(*solved.prediction_rms_px) : Json(nullptr);
   json["prediction_folds"] = solved.prediction_folds;
   json["prediction_5fold_rms_px"] = five_fold_json(solved);
   json["prediction_5fold_splits"] = solved.five_fold_splits;

@@ -124,7 +124,7 @@ TEST_F(CalibrateErrors, CorruptFilesAreToldWithTheirPlace) {
 
 TEST_F(CalibrateErrors, ModesTakeTheirOwnOptionsOnly) {
   write_file(folder_ / "camera.toml", "[camera]\nwidth_px = 80\nheight_px = 60\nfocal_x_px = 90\n");
-  expect_refused({}, {"--check", "none.json"}, "none.json", 3);
+  expect_refused({}, {"--check", "none.json"}, "--check takes no --out");
   write_file(folder_ / "other.json", "{\"rms_px\": 1}");
   const auto without_out = [&](const Arguments& arguments, const std::string& message) {
     Arguments all = {"calibrate"};
@@ -133,6 +133,7 @@ TEST_F(CalibrateErrors, ModesTakeTheirOwnOptionsOnly) {
     EXPECT_EQ(result.code, 2) << result.err;
     EXPECT_THAT(result.err, ::testing::HasSubstr(message));
   };
+  EXPECT_EQ(glint_in(folder_, {"calibrate", "--check", "none.json", "grey1.png"}).code, 3);
   without_out({"--check", "other.json", "grey1.png"}, "is no calibration.json of glint");
   without_out({"--check", "other.json", "--camera", "camera.toml"}, "--check takes no --camera");
   expect_refused({"grey1.png"}, {"--sensor", "."}, "--sensor takes no PICTURES");
@@ -222,7 +223,7 @@ TEST_F(CalibrateErrors, PosesThatContradictThePicturesAreTold) {
                   (set / "poses.csv").string(),
                   "--set",
                   "poses.pair_by=order"},
-                 "robot poses and pictures do not go together");
+                 "robot poses and pictures contradict each other");
 }
 
 TEST_F(CalibrateErrors, SquaresOfAnotherSizeAreToldByHowMuch) {

@@ -137,6 +137,7 @@ TEST(LightOfPlaces, IsHiddenByALightBeforeTheCamera) {
 // Bright stripes at 1.5 times full scale are clipped, the frames between them are not.
 TEST(CoverScene, OfAMirrorIsNotClippedWhereSomeFramesAreDark) {
   SceneSettings scene = mirror_scene();
+  scene.tunnel.length_mm = 130.0;  // lights the whole part while it travels 14 mm
   scene.sensor.gain = 1.5;
   scene.coverage.points = 4000;
   const auto share_of = [&](CellState state) {

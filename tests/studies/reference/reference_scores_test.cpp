@@ -55,6 +55,12 @@ pictures = ["real.exr"]
 
 class ReferenceScores : public ::testing::Test {
  protected:
+  /// Files that a study names must be there when it is read.
+  ReferenceScores() {
+    write_file(folder_ / "real.exr", "");
+    write_file(folder_ / "mask.png", "");
+  }
+
   Study study(const std::string& more = "") {
     write_file(folder_ / "study.toml", kPhotographed + more);
     return load_study(folder_ / "study.toml", {});

@@ -100,7 +100,7 @@ const BROKEN = {
   "two aims": ["[objective]", '[objective]\nminimise = "homogeneity.mean"'],
   "no aim": ['maximise = "defects.min_cnr"', ""],
   "a limit without a bound": ["{ min = 0.5, weight = 2 }", "{ weight = 2 }"],
-  "another schema": ["schema = 1", "schema = 2"],
+  "another schema": ["schema = 1", "schema = 3"],
 };
 
 // --- The test ------------------------------------------------------------------------------------

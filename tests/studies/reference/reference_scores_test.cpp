@@ -156,7 +156,8 @@ TEST_F(ReferenceScores, NeedRealPictures) {
 
 TEST_F(ReferenceScores, RefusePicturesThatDoNotFit) {
   const Study fitted = study();
-  EXPECT_THROW(scores_of(fitted.scene), IoError);  // there is none
+  EXPECT_THAT([&] { scores_of(fitted.scene); },
+              ThrowsMessage<ConfigError>(HasSubstr("is no picture")));
   write_exr(folder_ / "real.exr", ImageF(90, 64, 0.5F));
   EXPECT_THAT([&] { scores_of(fitted.scene); },
               ThrowsMessage<ConfigError>(AllOf(

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <Eigen/LU>
 
+#include "core/units.h"
 #include "hardware/calibration/camera_bundle.h"
 #include "hardware/calibration/lens_choice.h"
 #include "hardware/calibration/planar.h"
@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kLeastCorners = 6;
 constexpr double kWorstFocalShare = 0.05;
 constexpr double kRejectedRatio = 5.0;
-constexpr double kWeakTilt = 8.0 * std::numbers::pi / 180.0;
+constexpr double kWeakTilt = 8.0 * kRadPerDeg;
 
 /// A calibration on its way: the bundle's views are those of the pictures in `used`.
 struct Work {
@@ -261,7 +261,7 @@ std::string weakness_of(const CameraCalibration& result) {
         "degrees, "
         "tilt it by 20 to 30 degrees about both axes",
         100.0 * share.maxCoeff(),
-        result.largest_tilt_rad * 180.0 / std::numbers::pi);
+        result.largest_tilt_rad * kDegPerRad);
   }
   return {};
 }
@@ -271,7 +271,7 @@ void add_warnings(CameraCalibration& result) {
     result.warnings.push_back(fmt::format(
         "the board is tilted by at most {:.1f} degrees: focal length and distance can hardly be "
         "told apart, tilt it by 20 to 30 degrees about both axes",
-        result.largest_tilt_rad * 180.0 / std::numbers::pi));
+        result.largest_tilt_rad * kDegPerRad));
   }
 }
 
@@ -322,7 +322,7 @@ CameraCalibration calibrate_camera(std::span<const BoardCorners> pictures,
     result.refusal = fmt::format(
         "the corners fit no camera, the solution does not converge: the board is tilted by at most "
         "{:.1f} degrees, tilt it by 20 to 30 degrees about both axes",
-        result.largest_tilt_rad * 180.0 / std::numbers::pi);
+        result.largest_tilt_rad * kDegPerRad);
   }
   result.succeeded = result.refusal.empty();
   add_warnings(result);

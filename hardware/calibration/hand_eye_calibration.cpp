@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
 
 #include <fmt/format.h>
 
+#include "core/units.h"
 #include "hardware/calibration/joint_fit.h"
 #include "hardware/calibration/lens_choice.h"
 #include "hardware/calibration/moved_board.h"
@@ -17,11 +17,10 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 /// Of six degrees of freedom: passed by 1 right picture in 100 000.
 constexpr double kChiSquareLimit = 33.1;
-constexpr double kWorstHandEyeRad = kDegree;
-constexpr double kWorstRobotRad = 3.0 * kDegree;
+constexpr double kWorstHandEyeRad = kRadPerDeg;
+constexpr double kWorstRobotRad = 3.0 * kRadPerDeg;
 constexpr double kWorstShareOfDistance = 0.05;
 constexpr const char* kContradiction =
     "other order, unit, direction or rotation than assumed, or the board or the camera has moved";
@@ -204,7 +203,7 @@ int pose_that_fits(const Work& work, std::size_t k, int turn) {
   for (std::size_t j = 0; j < work.seen.size(); ++j) {
     const Isometry3d off = work.pairs[j].base_from_flange.inverse() * wanted;
     // A single picture's own pose is several times worse than the robot's.
-    if (j != k && angle_rad(off.linear()) < std::max(10.0 * noise.robot_rad, 0.2 * kDegree) &&
+    if (j != k && angle_rad(off.linear()) < std::max(10.0 * noise.robot_rad, 0.2 * kRadPerDeg) &&
         off.translation().norm() < std::max(10.0 * noise.robot_mm, 0.005 * work.distance_mm)) {
       return static_cast<int>(work.seen[j]);
     }
@@ -230,7 +229,7 @@ void explain_rejections(Work& work) {
     picture.reason = fmt::format(
         "its robot pose disagrees with the other pictures by {:.3g} mm and {:.3g} degrees",
         nearest.translation().norm(),
-        angle_rad(nearest.linear()) / kDegree);
+        angle_rad(nearest.linear()) * kDegPerRad);
     if (picture.fits_pose_of >= 0) {
       picture.reason +=
           fmt::format("; it fits the robot pose of picture {}", picture.fits_pose_of + 1);
@@ -270,7 +269,7 @@ std::string refusal_after(const Work& work) {
     return fmt::format(
         "robot poses and pictures contradict each other by {:.3g} mm and {:.3g} degrees rms: {}",
         result.noise.robot_mm,
-        result.noise.robot_rad / kDegree,
+        result.noise.robot_rad * kDegPerRad,
         kContradiction);
   }
   if (!(result.rotation_sigma_rad() <= kWorstHandEyeRad) ||
@@ -278,7 +277,7 @@ std::string refusal_after(const Work& work) {
     return fmt::format(
         "the hand-eye stays unknown by {:.2g} degrees and {:.2g} mm: take more pictures, with the "
         "robot turned by 20 to 30 degrees about two axes",
-        result.rotation_sigma_rad() / kDegree,
+        result.rotation_sigma_rad() * kDegPerRad,
         result.translation_sigma_mm());
   }
   return {};
@@ -325,7 +324,7 @@ std::string refusal_of_moves(const Work& work) {
       work.seen[moved->first_after - 1] + 1,
       work.seen[moved->first_after] + 1,
       moved->moved_mm,
-      moved->turned_rad / kDegree);
+      moved->turned_rad * kDegPerRad);
 }
 
 BoardOrientation orientation_of(const HandEyeOptions& options) {

@@ -3,21 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 
+#include "core/units.h"
 #include "hardware/calibration/rotation.h"
 
 namespace glint {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kLeastPoses = 5;
 
 double degrees(double angle) {
-  return angle / kDegree;
+  return angle * kDegPerRad;
 }
 
 }  // namespace
@@ -47,13 +46,13 @@ std::string refusal_of(const MotionGeometry& motion) {
     return fmt::format(
         "{} pictures with robot poses, at least {} are needed", motion.num_poses, kLeastPoses);
   }
-  if (motion.largest_rotation_rad < kDegree) {
+  if (motion.largest_rotation_rad < kRadPerDeg) {
     return fmt::format(
         "the robot turned by at most {:.2f} degrees between pictures: without rotation the "
         "translation of the hand-eye is unknown, turn it by 20 to 30 degrees about two axes",
         degrees(motion.largest_rotation_rad));
   }
-  if (motion.spread_rad[1] < 0.3 * kDegree) {
+  if (motion.spread_rad[1] < 0.3 * kRadPerDeg) {
     return fmt::format(
         "the robot turned about one axis only ({:.2f} degrees rms about the second one): the place "
         "along that axis is unknown, turn it about a second axis, too",
@@ -64,11 +63,11 @@ std::string refusal_of(const MotionGeometry& motion) {
 
 std::vector<std::string> warnings_of(const MotionGeometry& motion) {
   std::vector<std::string> warnings;
-  if (motion.largest_rotation_rad < 5.0 * kDegree) {
+  if (motion.largest_rotation_rad < 5.0 * kRadPerDeg) {
     warnings.push_back(fmt::format(
         "the robot turned by at most {:.1f} degrees between pictures, 20 to 30 are wanted",
         degrees(motion.largest_rotation_rad)));
-  } else if (motion.spread_rad[1] < 2.0 * kDegree) {
+  } else if (motion.spread_rad[1] < 2.0 * kRadPerDeg) {
     warnings.push_back(fmt::format(
         "the robot turned almost about one axis: {:.1f} degrees rms about the first, {:.1f} about "
         "the second one",

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
+#include "core/units.h"
 #include "hardware/calibration/camera_bundle.h"
 #include "hardware/calibration/joint_fit.h"
 #include "hardware/calibration/rotation.h"
@@ -21,10 +21,10 @@ using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr std::array<double, 3> kTilts = {0.0, 15.0 * kDegree, 30.0 * kDegree};
+constexpr std::array<double, 3> kTilts = {0.0, 15.0 * kRadPerDeg, 30.0 * kRadPerDeg};
 constexpr int kSides = 8;
-constexpr std::array<double, 4> kRolls = {0.0, 45.0 * kDegree, -45.0 * kDegree, 90.0 * kDegree};
+constexpr std::array<double, 4> kRolls = {
+    0.0, 45.0 * kRadPerDeg, -45.0 * kRadPerDeg, 90.0 * kRadPerDeg};
 constexpr std::array<double, 3> kDistances = {1.0, 0.85, 1.15};
 constexpr double kMargin = 0.02;  // of the picture's size, free beside the board
 
@@ -88,7 +88,7 @@ struct Candidate {
 };
 
 void add_candidate(const Scene& scene, NextView view, std::vector<Candidate>& candidates) {
-  const double turn = view.near_side_rad + 0.5 * std::numbers::pi;
+  const double turn = view.near_side_rad + 0.5 * kPi;
   const LensVector& lens = scene.bundle.lens;
   const Vector2d slope = (view.middle_px - lens.segment<2>(2)).cwiseQuotient(lens.head<2>());
   const Vector3d middle = view.distance_mm * slope.homogeneous().normalized();
@@ -123,7 +123,7 @@ std::vector<Candidate> candidates_of(const Scene& scene) {
           for (const double distance : kDistances) {
             add_candidate(scene,
                           {.tilt_rad = tilt,
-                           .near_side_rad = 2.0 * std::numbers::pi * side / kSides,
+                           .near_side_rad = 2.0 * kPi * side / kSides,
                            .roll_rad = roll,
                            .middle_px = scene.size_px.cwiseProduct(at),
                            .distance_mm = distance * scene.distance_mm},
@@ -179,7 +179,7 @@ double point_error_px(const MatrixXd& information, const MatrixXd& metric) {
 const char* side_name(double direction_rad) {
   constexpr std::array<const char*, kSides> kNames = {
       "right", "lower right", "lower", "lower left", "left", "upper left", "upper", "upper right"};
-  const auto at = std::lround(direction_rad * kSides / (2.0 * std::numbers::pi));
+  const auto at = std::lround(direction_rad * kSides / (2.0 * kPi));
   return kNames[static_cast<std::size_t>(((at % kSides) + kSides) % kSides)];
 }
 
@@ -215,11 +215,11 @@ ViewAdvice next_views(const Bundle& solved,
 std::string text_of(const NextView& view, int width_px, int height_px) {
   std::string text = view.tilt_rad > 0.0
                          ? fmt::format("the board tilted by {:.0f} degrees, its {} side nearest",
-                                       view.tilt_rad / kDegree,
+                                       view.tilt_rad * kDegPerRad,
                                        side_name(view.near_side_rad))
                          : std::string("the board seen squarely");
   if (view.roll_rad != 0.0) {
-    text += fmt::format(", turned by {:.0f} degrees in the picture", view.roll_rad / kDegree);
+    text += fmt::format(", turned by {:.0f} degrees in the picture", view.roll_rad * kDegPerRad);
   }
   return text + fmt::format(
                     ", its middle at {:.0f} % of the width and {:.0f} % of the height, {:.4g} "

@@ -369,7 +369,7 @@ std::string unit_of(CauseParameter parameter) {
 }
 
 double told_per_inner(CauseParameter parameter) {
-  return parameter <= CauseParameter::kTurnZ ? 180.0 / kPi : 1.0;
+  return parameter <= CauseParameter::kTurnZ ? kDegPerRad : 1.0;
 }
 
 Vector2d changed_pixel(const PinholeIntrinsics& camera,

@@ -42,7 +42,7 @@ Json texture_json(const SurfaceTexture& texture) {
           {"spread", texture.spread},
           {"autocorrelation_px", texture.autocorrelation_px},
           {"longest_px", texture.longest_px},
-          {"lay_deg", texture.lay_rad * 180.0 / kPi},
+          {"lay_deg", texture.lay_rad * kDegPerRad},
           {"lay_strength", texture.lay_strength},
           {"cooccurrence",
            {{"contrast", texture.cooccurrence.contrast},
@@ -63,7 +63,7 @@ Json texture_pair_json(const PairAppearance& look) {
           {"angular_spectrum_distance", look.texture->angular},
           {"contrast_distance", look.texture->contrast},
           {"length_distance", look.texture->length},
-          {"lay_distance_deg", look.texture->lay_rad * 180.0 / kPi}};
+          {"lay_distance_deg", look.texture->lay_rad * kDegPerRad}};
 }
 
 Json causes_json(const PairCauses& causes) {

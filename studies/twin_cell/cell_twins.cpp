@@ -12,7 +12,6 @@
 #include "core/thread_pool.h"
 #include "hardware/gige/udp_socket.h"
 #include "hardware/twin/camera/camera_twin.h"
-#include "hardware/twin/robot/twin_secret.h"
 #include "hardware/twin/robot/twin_server.h"
 #include "hardware/twin/side_channel/side_channel.h"
 #include "studies/twin_cell/cell_pictures.h"

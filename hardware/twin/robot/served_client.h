@@ -19,13 +19,14 @@ namespace glint {
 /// A client that lets more than this wait is dropped.
 inline constexpr std::size_t kMostWaitingBytes = 1 << 20;
 
-/// One connection of any kind: what comes goes to a handler, what is sent waits its turn.
-template <class Protocol>
-class ServedClient : public std::enable_shared_from_this<ServedClient<Protocol>> {
+/// One connection: what comes goes to a handler, what is sent waits its turn.
+class ServedClient : public std::enable_shared_from_this<ServedClient> {
  public:
   using OnBytes = std::function<std::string(std::string_view)>;
 
-  ServedClient(typename Protocol::socket socket, OnBytes on_bytes, std::function<void()> on_drained)
+  ServedClient(boost::asio::ip::tcp::socket socket,
+               OnBytes on_bytes,
+               std::function<void()> on_drained)
       : socket_(std::move(socket)),
         on_bytes_(std::move(on_bytes)),
         on_drained_(std::move(on_drained)) {}
@@ -65,8 +66,9 @@ class ServedClient : public std::enable_shared_from_this<ServedClient<Protocol>>
   void read() {
     socket_.async_read_some(
         boost::asio::buffer(bytes_),
-        [self = this->shared_from_this()](const boost::system::error_code& error,
-                                          std::size_t count) { self->on_read(error, count); });
+        [self = shared_from_this()](const boost::system::error_code& error, std::size_t count) {
+          self->on_read(error, count);
+        });
   }
 
  private:
@@ -94,7 +96,7 @@ class ServedClient : public std::enable_shared_from_this<ServedClient<Protocol>>
     boost::asio::async_write(
         socket_,
         boost::asio::buffer(sending_),
-        [self = this->shared_from_this()](const boost::system::error_code& error, std::size_t) {
+        [self = shared_from_this()](const boost::system::error_code& error, std::size_t) {
           self->sending_.clear();
           if (error) {
             self->close();
@@ -108,7 +110,7 @@ class ServedClient : public std::enable_shared_from_this<ServedClient<Protocol>>
         });
   }
 
-  typename Protocol::socket socket_;
+  boost::asio::ip::tcp::socket socket_;
   OnBytes on_bytes_;
   std::function<void()> on_drained_;
   std::array<char, 16384> bytes_ = {};

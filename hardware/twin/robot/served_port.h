@@ -14,10 +14,8 @@
 
 namespace glint {
 
-using TcpClient = ServedClient<boost::asio::ip::tcp>;
-
 struct Connected {
-  std::shared_ptr<TcpClient> client;
+  std::shared_ptr<ServedClient> client;
   std::shared_ptr<RtdeSession> session;  ///< of RTDE; none on other ports
 };
 

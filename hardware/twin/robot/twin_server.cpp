@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/twin/robot/twin_server.h"
 
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <atomic>
 #include <chrono>
 #include <functional>
 #include <list>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -16,24 +14,22 @@
 #include <fmt/ranges.h>
 #include <boost/asio.hpp>
 
+#include "core/error.h"
 #include "hardware/robot/twin_proof.h"
 #include "hardware/twin/robot/dashboard_replies.h"
 #include "hardware/twin/robot/served_port.h"
-#include "hardware/twin/robot/twin_secret.h"
+#include "hardware/twin/side_channel/side_channel.h"
 
 namespace glint {
 namespace {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
-using asio::local::stream_protocol;
 using boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostClients = 16;
 constexpr std::size_t kBusyWaiting = 1 << 17;  ///< as fast as possible: cycles pause above it
-
-using SideClient = ServedClient<stream_protocol>;
 
 }  // namespace
 
@@ -45,7 +41,6 @@ struct TwinServer::Impl {
         primary(context),
         secondary(context),
         dashboard(context),
-        side(context),
         timer(context),
         reopening(context) {
     error_code error;
@@ -62,7 +57,8 @@ struct TwinServer::Impl {
                       .primary = primary.endpoint.port(),
                       .secondary = secondary.endpoint.port(),
                       .dashboard = dashboard.endpoint.port()};
-    open_side_channel();
+    side.emplace(twin_socket_path(settings.ports.rtde),
+                 [this](const std::string& line) { return side_reply(line); });
     accept_all();
     next_cycle = Clock::now();
     wait_for_cycle();
@@ -91,24 +87,6 @@ struct TwinServer::Impl {
     }
   }
 
-  void open_side_channel() {
-    side_path = twin_socket_path(settings.ports.rtde);
-    make_private_folder(side_path.parent_path());
-    ::unlink(side_path.c_str());  // the port is ours, so whoever left it here is gone
-    try {
-      const stream_protocol::endpoint endpoint(side_path.string());
-      side.open(endpoint.protocol());
-      side.bind(endpoint);
-      if (::chmod(side_path.c_str(), 0600) != 0) {
-        throw IoError(side_path.string() + ": " + last_system_error());
-      }
-      side.listen();
-    } catch (const boost::system::system_error& error) {
-      throw IoError(fmt::format("{}: {}", side_path.string(), error.code().message()));
-    }
-    accept_side();
-  }
-
   void accept_all() {
     accept(rtde, [this](Connected& connected) {
       auto session = std::make_shared<RtdeSession>(twin, held);
@@ -135,7 +113,7 @@ struct TwinServer::Impl {
       });
     }
     accept(dashboard, [this](Connected& connected) {
-      TcpClient* client = connected.client.get();
+      ServedClient* client = connected.client.get();
       client->send(DashboardReplies::greeting() + "\n");
       auto lines = std::make_shared<LineSplitter>();
       return [this, lines, client](std::string_view bytes) {
@@ -176,8 +154,8 @@ struct TwinServer::Impl {
   template <class MakeHandler>
   void add_client(Port& port, tcp::socket socket, const MakeHandler& make_handler) {
     // The handler is made for the client, which is made with it: it is set afterwards.
-    auto handler = std::make_shared<TcpClient::OnBytes>();
-    auto client = std::make_shared<TcpClient>(
+    auto handler = std::make_shared<ServedClient::OnBytes>();
+    auto client = std::make_shared<ServedClient>(
         std::move(socket),
         [this, handler](std::string_view bytes) {
           const std::lock_guard lock(mutex);
@@ -188,28 +166,6 @@ struct TwinServer::Impl {
     port.clients.push_back({.client = client, .session = nullptr});
     *handler = make_handler(port.clients.back());
     client->read();
-  }
-
-  void accept_side() {
-    side.async_accept([this](const error_code& error, stream_protocol::socket socket) {
-      if (error) {
-        return;
-      }
-      auto lines = std::make_shared<LineSplitter>();
-      auto client = std::make_shared<SideClient>(
-          std::move(socket),
-          [this, lines](std::string_view bytes) {
-            lines->append(bytes);
-            std::string replies;
-            while (const auto line = lines->next()) {
-              replies += side_reply(*line) + "\n";
-            }
-            return replies;
-          },
-          nullptr);
-      client->read();
-      accept_side();
-    });
   }
 
   std::string side_reply(const std::string& line) {
@@ -367,8 +323,6 @@ struct TwinServer::Impl {
   Port primary;
   Port secondary;
   Port dashboard;
-  stream_protocol::acceptor side;
-  std::filesystem::path side_path;
   asio::steady_timer timer;
   asio::steady_timer reopening;
   Clock::time_point next_cycle;
@@ -379,6 +333,7 @@ struct TwinServer::Impl {
   std::atomic<std::uint64_t> num_command_bytes = 0;
   mutable std::mutex mutex;
   std::thread thread;
+  std::optional<SideChannel> side;  ///< last: what it tells is still there when it ends
 };
 
 TwinServer::TwinServer(TwinServerSettings settings)
@@ -389,7 +344,6 @@ TwinServer::TwinServer(TwinServerSettings settings)
 TwinServer::~TwinServer() {
   impl_->context.stop();
   impl_->thread.join();
-  ::unlink(impl_->side_path.c_str());
 }
 
 const TwinPorts& TwinServer::ports() const {
@@ -401,7 +355,7 @@ std::uint64_t TwinServer::token() const {
 }
 
 const std::filesystem::path& TwinServer::side_channel() const {
-  return impl_->side_path;
+  return impl_->side->path();
 }
 
 void TwinServer::add_fault(const Fault& fault) {

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <utility>
 
@@ -23,13 +24,16 @@ constexpr int kClientMs = 1000;
 constexpr std::size_t kLongestLine = 4096;
 
 /// A folder that only this user may enter; made where there is none.
-void make_own_folder(const std::filesystem::path& folder) {
-  ::mkdir(folder.c_str(), 0700);
+/// @throws IoError when it is somebody else's, or open to others
+void make_private_folder(const std::filesystem::path& folder) {
+  if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
+    throw IoError(folder.string() + ": " + last_system_error());
+  }
   struct stat status = {};
   const bool is_own = ::lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode) &&
                       status.st_uid == ::geteuid() && (status.st_mode & 0077U) == 0;
   if (!is_own) {
-    throw IoError(folder.string() + ": is not a folder of this user alone");
+    throw IoError(folder.string() + ": must be a folder that only you may enter (mode 0700)");
   }
 }
 
@@ -42,7 +46,7 @@ SideChannel::SideChannel(std::filesystem::path socket,
       listening_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   sockaddr_un address = {};
   address.sun_family = AF_UNIX;
-  make_own_folder(path_.parent_path());
+  make_private_folder(path_.parent_path());
   if (path_.native().size() >= sizeof(address.sun_path)) {
     throw IoError(path_.string() + ": is too long for a socket");
   }
@@ -93,6 +97,16 @@ void SideChannel::answer_client(int client) {
   }
   const std::string reply = answer_(line.substr(0, line.find('\n'))) + "\n";
   ::send(client, reply.data(), reply.size(), MSG_NOSIGNAL);
+}
+
+std::uint64_t fresh_token() {
+  std::uint64_t token = 0;
+  while (token == 0) {
+    if (::getentropy(&token, sizeof(token)) != 0) {
+      throw IoError("no random numbers: " + last_system_error());
+    }
+  }
+  return token;
 }
 
 std::filesystem::path camera_twin_socket(const std::string& address) {

@@ -4,6 +4,7 @@
 // mode 0700). A client sends one line and gets one.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -31,6 +32,10 @@ class SideChannel {
   int listening_ = -1;
   std::jthread thread_;
 };
+
+/// A random number of the system that is not 0: what a twin proves itself with.
+/// @throws IoError when there is none
+std::uint64_t fresh_token();
 
 /// The socket of the camera twin that listens at this address: <temporary
 /// folder>/glint-<user>/camera-<address>.sock

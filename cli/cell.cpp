@@ -149,25 +149,30 @@ MotionPermit permit_of(const CellArguments& arguments) {
   return typed_permit(arguments.is_move, "cell " + arguments.action);
 }
 
+int move_to(const Cell& cell,
+            const CellPosition& position,
+            const CellArguments& arguments,
+            const CommonArguments& common,
+            const MotionPermit& permit) {
+  const Json result = move_robot(
+      cell, position, {.share = arguments.speed_share, .is_line = arguments.is_line}, permit);
+  print_result(common, result, move_text(result));
+  return exit_code(result);
+}
+
 int move_action(const CellArguments& arguments, const CommonArguments& common) {
   const MotionPermit permit = permit_of(arguments);
   const Cell cell = cell_of(arguments);
   if (arguments.view.empty()) {
     throw ConfigError("glint cell move: needs --view with a name or number of a [[view]]");
   }
-  const Json result =
-      move_robot(cell, view_of(cell, arguments.view), arguments.speed_share, permit);
-  print_result(common, result, move_text(result));
-  return exit_code(result);
+  return move_to(cell, view_of(cell, arguments.view), arguments, common, permit);
 }
 
 int safe_action(const CellArguments& arguments, const CommonArguments& common) {
   const MotionPermit permit = permit_of(arguments);
   const Cell cell = cell_of(arguments);
-  const Json result =
-      move_robot(cell, safe_position_of(cell, arguments.view), arguments.speed_share, permit);
-  print_result(common, result, move_text(result));
-  return exit_code(result);
+  return move_to(cell, safe_position_of(cell, arguments.view), arguments, common, permit);
 }
 
 int unlock_action(const CellArguments& arguments, const CommonArguments& common) {

@@ -127,6 +127,7 @@ struct CellArguments {
   bool is_move = false;              ///< --move: a person in front of the robot lets it move
   std::string view;                  ///< name or number of a view, or name of a safe position
   double speed_share = 0.5;          ///< of the cell's limits of speed
+  bool is_line = false;              ///< move, safe: the TCP goes straight
   bool is_off = false;               ///< power: off
   double duration_s = 10.0;          ///< watch
   int count = 1;                     ///< grab: how many pictures

@@ -223,6 +223,8 @@ void add_cell_verb(CLI::App& app, CommandLine& line) {
       ->type_name("SHARE")
       ->capture_default_str()
       ->check(CLI::Range(0.01, 1.0).description("0.01 to 1"));
+  cell->add_flag(
+      "--line", arguments.is_line, "move, safe: the TCP goes straight there (movel, not movej)");
   cell->add_flag("--off", arguments.is_off, "power: off instead of on");
   cell->add_option("--duration_s", arguments.duration_s, "watch: for so long")
       ->type_name("S")

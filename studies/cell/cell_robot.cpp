@@ -172,14 +172,18 @@ Json watch_robot(const Cell& cell,
 
 Json move_robot(const Cell& cell,
                 const CellPosition& position,
-                double share,
+                const CellMotion& motion,
                 const MotionPermit& permit) {
   const UrSettings& settings = robot_of(cell);
   const bool is_twin = is_proven_twin(settings.host, settings.rtde_port);
-  UrRobot robot(settings, arm_with_tool(settings, cell.limits));
+  const ArmWithTool arm = arm_with_tool(settings, cell.limits);
+  const JointVector goal_rad = joints_of(position);
+  UrRobot robot(settings, arm);
   robot.allow_motion(permit);
   const auto start = std::chrono::steady_clock::now();
-  const MotionResult result = robot.move_joints(joints_of(position), share);
+  const MotionResult result = motion.is_line
+                                  ? robot.move_line(arm.base_from_tcp(goal_rad), motion.share)
+                                  : robot.move_joints(goal_rad, motion.share);
   Json json = head_json(cell, is_twin);
   json["status"] = "done";
   json.update(result_json(result));

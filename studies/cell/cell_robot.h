@@ -24,11 +24,16 @@ nlohmann::ordered_json watch_robot(const Cell& cell,
                                    double every_s,
                                    const std::function<bool(const nlohmann::ordered_json&)>& tell);
 
-/// By movej to a position of the cell, and what the arm's pose is when it stands still there.
-/// @param share  of the limits of speed, in (0, 1]
+struct CellMotion {
+  double share = 0.5;    ///< of the limits of speed, in (0, 1]
+  bool is_line = false;  ///< the TCP goes straight (movel) instead of the joints (movej)
+};
+
+/// To a position of the cell, and what the arm's pose is when it stands still there. A line takes
+/// the TCP where the position's joints have it, and may arrive with other joints.
 nlohmann::ordered_json move_robot(const Cell& cell,
                                   const CellPosition& position,
-                                  double share,
+                                  const CellMotion& motion,
                                   const MotionPermit& permit);
 
 /// Takes away a protective stop. The stop has to be 5 s old.

@@ -187,7 +187,17 @@ TEST(Cell, ATwinIsServedMovedAndStopped) {
   EXPECT_EQ(moved["outcome"], "done");
   EXPECT_NEAR(moved["still"]["joints_deg"][0].get<double>(), 10.0, 1e-3);
   EXPECT_GE(moved["still"]["packages"], 25);
-  EXPECT_EQ(call({"cell", "safe", "cell.toml", "--move"})["outcome"], "done");
+  const json home = call({"cell", "safe", "cell.toml", "--move"});
+  EXPECT_EQ(home["outcome"], "done");
+  // A line ends where the joints' motion does, here from 0.1 rad away.
+  call({"cell", "move", "cell.toml", "--view", "left", "--move"});
+  const json straight = call({"cell", "safe", "cell.toml", "--line", "--move"});
+  EXPECT_EQ(straight["outcome"], "done") << straight["text"];
+  for (const std::size_t i : {0U, 1U, 2U}) {
+    EXPECT_NEAR(straight["still"]["base_from_tcp"]["translation_mm"][i].get<double>(),
+                home["still"]["base_from_tcp"]["translation_mm"][i].get<double>(),
+                1e-3);
+  }
   const json stopped = json_of(folder, {"cell", "twin", "stop", "out/twin.json"});
   EXPECT_EQ(stopped["was_running"], true);
   EXPECT_FALSE(std::filesystem::exists(folder / "out/twin.json"));

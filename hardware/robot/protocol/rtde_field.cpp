@@ -72,7 +72,8 @@ bool is_register(std::string_view name, std::string_view prefix) {
 template <std::size_t... Index>
 RtdeValue default_value(RtdeType type, std::index_sequence<Index...>) {
   RtdeValue value;
-  ((static_cast<std::size_t>(type) == Index ? (value.emplace<Index>(), true) : false) || ...);
+  static_cast<void>(
+      ((static_cast<std::size_t>(type) == Index ? (value.emplace<Index>(), true) : false) || ...));
   return value;
 }
 

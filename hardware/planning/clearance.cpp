@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/planning/clearance.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "simulator/geometry/mesh/winding_number.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector3d;
+using Kind = SolidBody::Kind;
+
+constexpr double kFarMm = 1000.0;  ///< margins are not told beyond it
+/// The robot itself asks for 1 mm between links and box (path_check.h).
+constexpr double kBoxMarginMm = 1.0;
+constexpr double kCloseShare = 0.95;
+
+std::vector<SolidBody> all_bodies(const PlanningCell& cell) {
+  std::vector<SolidBody> bodies = arm_bodies(cell.arm);
+  bodies.insert(bodies.end(), cell.carried.begin(), cell.carried.end());
+  bodies.insert(bodies.end(), cell.standing.begin(), cell.standing.end());
+  return bodies;
+}
+
+bool is_moving(const SolidBody& body) {
+  return body.kind != Kind::kBase && body.kind != Kind::kStanding;
+}
+
+bool is_in(const BoundingBox& box, const Vector3d& point_mm) {
+  return (point_mm.array() >= box.min_mm.array()).all() &&
+         (point_mm.array() <= box.max_mm.array()).all();
+}
+
+/// A body's first vertex lies within another's closed mesh: surfaces that do not touch tell
+/// nothing of that.
+bool is_within(const SolidBody& inner,
+               const Eigen::Isometry3d& base_from_inner,
+               const SolidBody& outer,
+               const BoundingBox& outer_box,
+               const Eigen::Isometry3d& base_from_outer) {
+  constexpr double kHalf = 0.5;
+  const Vector3d point_mm =
+      base_from_outer.inverse() * (base_from_inner * inner.mesh.vertices_mm.front());
+  return is_in(outer_box, point_mm) && std::abs(winding_number(outer.mesh, point_mm)) > kHalf;
+}
+
+}  // namespace
+
+double ClearanceCheck::Walk::floor_mm(const Pair& pair) const {
+  return pair.is_counted ? std::max(pair.margin_mm, kCloseShare * least_mm - kLookMm)
+                         : pair.margin_mm;
+}
+
+ClearanceCheck::ClearanceCheck(const PlanningCell& cell)
+    : cell_(cell), bodies_(all_bodies(cell)), distances_(bodies_) {
+  for (const SolidBody& body : bodies_) {
+    hulls_.emplace_back(cell.arm.arm.table(), body.link, hull_of(body.mesh));
+    boxes_.push_back(bounding_box(body.mesh));
+  }
+  for (std::size_t i = bodies_.size(); i-- > 0;) {  // what is carried first: it touches first
+    if (is_moving(bodies_[i])) {
+      add_pairs(i);
+    }
+  }
+}
+
+void ClearanceCheck::add_pairs(std::size_t moving) {
+  pairs_.push_back({.kind = Pair::Kind::kBox, .moving = moving, .margin_mm = kBoxMarginMm});
+  if (cell_.table_mm) {
+    pairs_.push_back({.kind = Pair::Kind::kTable,
+                      .moving = moving,
+                      .margin_mm = cell_.margin_mm,
+                      .is_counted = true});
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (bodies_[i].kind == Kind::kStanding) {
+      pairs_.push_back(
+          {.fixed = i, .moving = moving, .margin_mm = cell_.margin_mm, .is_counted = true});
+    }
+  }
+  add_self_pairs(moving);
+}
+
+void ClearanceCheck::add_self_pairs(std::size_t moving) {
+  constexpr int kForearm = 3;
+  constexpr int kWrist3 = 5;
+  const SolidBody& body = bodies_[moving];
+  const bool is_link = body.kind == Kind::kArm;
+  const bool is_tool = body.kind == Kind::kTool;
+  if (is_link && body.link < kWrist3) {
+    return;
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const SolidBody& other = bodies_[i];
+    const bool is_low = other.kind == Kind::kBase || (other.kind == Kind::kArm && other.link < 3);
+    const bool is_forearm = other.name == "forearm";
+    const bool is_wrist =
+        other.kind == Kind::kArm && !is_forearm && other.link >= kForearm && other.link < kWrist3;
+    if (is_low || (is_forearm && !is_link) || (is_wrist && !is_link && !is_tool)) {
+      pairs_.push_back({.fixed = i, .moving = moving});
+    }
+  }
+}
+
+/// Height over the table.
+double ClearanceCheck::height_mm(const Pair& pair, const LinkFrames& frames) const {
+  const SolidBody& body = bodies_[pair.moving];
+  double lowest_mm = std::numeric_limits<double>::infinity();
+  for (const Vector3d& point_mm : hulls_[pair.moving].points_mm()) {
+    lowest_mm = std::min(lowest_mm, (frames[static_cast<std::size_t>(body.link)] * point_mm).z());
+  }
+  return lowest_mm - body.radius_mm - *cell_.table_mm;
+}
+
+/// Distance to the nearest wall of the box, from within.
+double ClearanceCheck::room_mm(const Pair& pair, const LinkFrames& frames) const {
+  const SolidBody& body = bodies_[pair.moving];
+  const MotionLimits& limits = cell_.arm.limits;
+  const Vector3d min_mm = Eigen::Map<const Vector3d>(limits.box_min_mm.data());
+  const Vector3d max_mm = Eigen::Map<const Vector3d>(limits.box_max_mm.data());
+  double room_mm = std::numeric_limits<double>::infinity();
+  for (const Vector3d& local_mm : hulls_[pair.moving].points_mm()) {
+    const Vector3d point_mm = frames[static_cast<std::size_t>(body.link)] * local_mm;
+    room_mm = std::min({room_mm, (point_mm - min_mm).minCoeff(), (max_mm - point_mm).minCoeff()});
+  }
+  return room_mm - body.radius_mm;
+}
+
+double ClearanceCheck::gap_mm(const Pair& pair, const LinkFrames& frames, double enough_mm) const {
+  if (pair.kind == Pair::Kind::kTable) {
+    return height_mm(pair, frames);
+  }
+  if (pair.kind == Pair::Kind::kBox) {
+    return room_mm(pair, frames);
+  }
+  const SolidBody& fixed = bodies_[pair.fixed];
+  const SolidBody& moving = bodies_[pair.moving];
+  const double radii_mm = fixed.radius_mm + moving.radius_mm;
+  return distances_.distance_mm(pair.fixed,
+                                frames[static_cast<std::size_t>(fixed.link)],
+                                pair.moving,
+                                frames[static_cast<std::size_t>(moving.link)],
+                                enough_mm + radii_mm) -
+         radii_mm;
+}
+
+Clearance ClearanceCheck::refused(const Pair& pair) const {
+  const std::string& name = bodies_[pair.moving].name;
+  if (pair.kind == Pair::Kind::kBox) {
+    return {.touch = Clearance::Touch::kBox, .text = fmt::format("the {} leaves the box", name)};
+  }
+  const std::string other = pair.kind == Pair::Kind::kTable ? "table" : bodies_[pair.fixed].name;
+  return {
+      .touch = Clearance::Touch::kCollision,
+      .text = pair.margin_mm > 0.0
+                  ? fmt::format(
+                        "the {} comes nearer than {:g} mm to the {}", name, pair.margin_mm, other)
+                  : fmt::format("the {} touches the {}", name, other)};
+}
+
+bool ClearanceCheck::contains_any(const LinkFrames& frames, std::string& text) const {
+  for (const Pair& pair : pairs_) {
+    if (pair.kind != Pair::Kind::kMeshes) {
+      continue;
+    }
+    const SolidBody& moving = bodies_[pair.moving];
+    const SolidBody& fixed = bodies_[pair.fixed];
+    const Eigen::Isometry3d& base_from_moving = frames[static_cast<std::size_t>(moving.link)];
+    const Eigen::Isometry3d& base_from_fixed = frames[static_cast<std::size_t>(fixed.link)];
+    if (is_within(moving, base_from_moving, fixed, boxes_[pair.fixed], base_from_fixed) ||
+        is_within(fixed, base_from_fixed, moving, boxes_[pair.moving], base_from_moving)) {
+      text = fmt::format("the {} is within the {}, or around it", moving.name, fixed.name);
+      return true;
+    }
+  }
+  return false;
+}
+
+Clearance ClearanceCheck::at(const JointVector& joints_rad) const {
+  const LinkFrames frames = cell_.arm.arm.frames(joints_rad);
+  Clearance result = {.margin_mm = kFarMm};
+  for (const Pair& pair : pairs_) {
+    const double needed_mm = pair.margin_mm + kLookMm;
+    const double enough_mm = pair.is_counted ? std::max(result.margin_mm, needed_mm) : needed_mm;
+    const double distance_mm = gap_mm(pair, frames, enough_mm);
+    if (distance_mm < needed_mm) {
+      return refused(pair);
+    }
+    if (pair.is_counted) {
+      result.margin_mm = std::min(result.margin_mm, distance_mm);
+    }
+  }
+  if (contains_any(frames, result.text)) {
+    return {.touch = Clearance::Touch::kCollision, .text = result.text};
+  }
+  return result;
+}
+
+bool ClearanceCheck::goes_free(const Pair& pair, Walk& walk) const {
+  const int fixed = pair.kind == Pair::Kind::kMeshes ? bodies_[pair.fixed].link : 0;
+  double share = 0.0;
+  while (share < 1.0) {
+    const LinkFrames frames = cell_.arm.arm.frames(walk.from_rad + share * walk.way_rad);
+    const MotionBound bound = hulls_[pair.moving].bound(frames, walk.way_rad, fixed);
+    const double enough_mm = walk.floor_mm(pair) + bound.over(1.0 - share) + kLookMm;
+    const double distance_mm = gap_mm(pair, frames, enough_mm);
+    if (distance_mm >= enough_mm) {
+      return true;
+    }
+    if (distance_mm < pair.margin_mm + kLookMm) {
+      return false;
+    }
+    if (pair.is_counted) {
+      walk.least_mm = std::min(walk.least_mm, distance_mm);
+    }
+    share += bound.share_within(distance_mm - walk.floor_mm(pair));
+  }
+  return true;
+}
+
+Clearance ClearanceCheck::along(const JointVector& from_rad, const JointVector& to_rad) const {
+  constexpr double kMiddle = 0.5;
+  Walk walk = {.from_rad = from_rad, .way_rad = to_rad - from_rad, .least_mm = kFarMm};
+  for (const double share : {0.0, 1.0, kMiddle}) {
+    const Clearance there = at(from_rad + share * walk.way_rad);
+    if (!there.is_free()) {
+      return there;
+    }
+    walk.least_mm = std::min(walk.least_mm, there.margin_mm);
+  }
+  for (const Pair& pair : pairs_) {
+    if (!goes_free(pair, walk)) {
+      return refused(pair);
+    }
+  }
+  Clearance result;
+  result.margin_mm = std::max(cell_.margin_mm, kCloseShare * walk.least_mm - kLookMm);
+  return result;
+}
+
+}  // namespace glint

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/planning/clearance.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/hardware/planning/plain_distance.h"
+#include "tests/hardware/planning/planned_cell.h"
+#include "tests/hardware/robot/kinematics/arm_poses.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector3d;
+using testing::HasSubstr;
+
+/// The cell with nothing in it but a table.
+PlanningCell empty_cell() {
+  PlanningCell cell = planned_cell();
+  cell.carried.clear();
+  cell.standing.clear();
+  return cell;
+}
+
+const JointVector& home_rad(const PlanningCell& cell) {
+  return cell.safe_positions.front().joints_rad;
+}
+
+TEST(ClearanceCheck, OfATableIsTheHeightOfTheLowestLink) {
+  PlanningCell cell = empty_cell();
+  const JointVector joints_rad = home_rad(cell);
+  const LinkFrames frames = cell.arm.arm.frames(joints_rad);
+  // Links are higher than the tool there, whose tip hangs 20 mm below the flange with a radius of
+  // 30 mm.
+  const double lowest_mm =
+      (frames[6] * cell.arm.flange_from_tcp.translation()).z() - cell.arm.tool_radius_mm;
+  ASSERT_GT(lowest_mm, 20.0);
+  cell.table_mm = lowest_mm - 7.0;
+  const Clearance free = ClearanceCheck(cell).at(joints_rad);
+  EXPECT_TRUE(free.is_free());
+  EXPECT_NEAR(free.margin_mm, 7.0, 2e-3);
+  cell.table_mm = lowest_mm - 5.0;
+  const Clearance refused = ClearanceCheck(cell).at(joints_rad);
+  EXPECT_EQ(refused.touch, Clearance::Touch::kCollision);
+  EXPECT_EQ(refused.text, "the tool comes nearer than 5 mm to the table");
+}
+
+TEST(ClearanceCheck, OfABoxBelowTheToolIsItsHeightByHand) {
+  PlanningCell cell = empty_cell();
+  const LinkFrames frames = cell.arm.arm.frames(home_rad(cell));
+  const Vector3d tip_mm = frames[6] * cell.arm.flange_from_tcp.translation();
+  const double gap_mm = 12.0;
+  const Vector3d size_mm(40.0, 40.0, 10.0);
+  cell.standing.push_back(
+      {.name = "block",
+       .mesh = box_mesh(tip_mm - Vector3d(0.0, 0.0, 30.0 + gap_mm + 5.0), size_mm)});
+  EXPECT_NEAR(ClearanceCheck(cell).at(home_rad(cell)).margin_mm, gap_mm, 0.01);
+  cell.standing[0].mesh = box_mesh(tip_mm, size_mm);
+  EXPECT_THAT(ClearanceCheck(cell).at(home_rad(cell)).text, HasSubstr("block"));
+}
+
+TEST(ClearanceCheck, SeesWhatIsWithinABody) {
+  PlanningCell cell = empty_cell();
+  const LinkFrames frames = cell.arm.arm.frames(home_rad(cell));
+  cell.arm.limits.box_min_mm = {-2000, -2000, -2000};
+  cell.arm.limits.box_max_mm = {2000, 2000, 2000};
+  cell.table_mm.reset();
+  cell.standing.push_back(
+      {.name = "hall", .mesh = box_mesh(frames[6].translation(), Vector3d::Constant(3000.0))});
+  const Clearance within = ClearanceCheck(cell).at(home_rad(cell));
+  EXPECT_EQ(within.touch, Clearance::Touch::kCollision);
+  EXPECT_THAT(within.text, HasSubstr("within the hall"));
+}
+
+TEST(ClearanceCheck, OfTheBoxNamesWhatLeavesIt) {
+  PlanningCell cell = planned_cell();
+  cell.arm.limits.box_max_mm[0] = 200.0;
+  const Clearance there = ClearanceCheck(cell).at(home_rad(cell));
+  EXPECT_EQ(there.touch, Clearance::Touch::kBox);
+  EXPECT_THAT(there.text, HasSubstr("leaves the box"));
+}
+
+// Joint 3 folded until the wrist is back at the upper arm.
+TEST(ClearanceCheck, SeesTheArmTouchItself) {
+  PlanningCell cell = empty_cell();
+  JointVector joints_rad = home_rad(cell);
+  const ClearanceCheck check(cell);
+  EXPECT_TRUE(check.at(joints_rad).is_free());
+  joints_rad[1] = -0.5 * kPi;
+  joints_rad[2] = -0.95 * kPi;
+  const Clearance folded = check.at(joints_rad);
+  EXPECT_EQ(folded.touch, Clearance::Touch::kCollision);
+  EXPECT_THAT(folded.text, HasSubstr("touches the"));
+}
+
+/// Smallest plain distance at samples of a path.
+double sampled_margin_mm(const PlanningCell& cell,
+                         const ClearanceCheck& check,
+                         const JointVector& from_rad,
+                         const JointVector& to_rad,
+                         int samples) {
+  double least = 1e9;
+  for (int i = 0; i <= samples; ++i) {
+    const double share = static_cast<double>(i) / samples;
+    least = std::min(least,
+                     plain_margin_mm(cell, check.bodies(), from_rad + share * (to_rad - from_rad)));
+  }
+  return least;
+}
+
+/// The part with few triangles, so that plain distances do not take long.
+PlanningCell coarse_cell() {
+  PlanningCell cell = planned_cell();
+  cell.standing[0].mesh = ball_mesh({300.0, 0.0, 60.0}, 40.0, 5);
+  return cell;
+}
+
+TEST(ClearanceCheck, AlongAPathIsALowerBoundNearTheSmallestDistance) {
+  const PlanningCell cell = coarse_cell();
+  const ClearanceCheck check(cell);
+  int free = 0;
+  int refused = 0;
+  for (std::uint64_t i = 0; i < 400 && free < 40; ++i) {
+    const JointVector from_rad = home_rad(cell) + 0.25 * random_joints(2 * i);
+    const JointVector to_rad = home_rad(cell) + 0.25 * random_joints(2 * i + 1);
+    if (!check.at(from_rad).is_free() || !check.at(to_rad).is_free()) {
+      continue;
+    }
+    const Clearance path = check.along(from_rad, to_rad);
+    const double sampled_mm = sampled_margin_mm(cell, check, from_rad, to_rad, 200);
+    if (path.is_free()) {
+      ++free;
+      EXPECT_GE(sampled_mm, path.margin_mm - 1e-6);
+      EXPECT_LE(0.95 * sampled_mm - 0.5, path.margin_mm + 0.5) << sampled_mm;
+    } else if (path.text.find("touches") == std::string::npos) {
+      ++refused;
+      EXPECT_LT(sampled_mm, cell.margin_mm + kLookMm + 1.0) << path.text;
+    }
+  }
+  EXPECT_GE(free, 20);
+  EXPECT_GE(refused, 3);
+}
+
+// A thin rod in the way, which samples of 200 mm apart would jump over.
+TEST(ClearanceCheck, AlongAPathMissesNothingThin) {
+  PlanningCell cell = empty_cell();
+  JointVector to_rad = home_rad(cell);
+  JointVector from_rad = to_rad;
+  from_rad[0] -= 0.6;
+  to_rad[0] += 0.6;
+  const ClearanceCheck before(cell);
+  ASSERT_TRUE(before.along(from_rad, to_rad).is_free());
+  const Vector3d tip_mm =
+      cell.arm.base_from_tcp(JointVector(from_rad + 0.31 * (to_rad - from_rad))).translation();
+  SolidBody rod = capsule_body(tip_mm - Vector3d(0, 0, 40.0), tip_mm, 0.05);
+  rod.name = "rod";
+  cell.standing.push_back(rod);
+  const ClearanceCheck check(cell);
+  ASSERT_TRUE(check.at(from_rad).is_free());
+  ASSERT_TRUE(check.at(to_rad).is_free());
+  ASSERT_TRUE(check.at(0.5 * (from_rad + to_rad)).is_free());
+  const Clearance path = check.along(from_rad, to_rad);
+  EXPECT_EQ(path.touch, Clearance::Touch::kCollision);
+  EXPECT_THAT(path.text, HasSubstr("rod"));
+}
+
+}  // namespace
+}  // namespace glint

@@ -43,20 +43,6 @@ std::vector<std::string> designs_in(const fs::path& run) {
   return names;
 }
 
-std::vector<std::string> named(const std::string& list) {
-  std::vector<std::string> names;
-  for (std::size_t begin = 0; begin <= list.size();) {
-    const std::size_t end = std::min(list.find(',', begin), list.size());
-    std::string name = list.substr(begin, end - begin);
-    std::erase(name, ' ');
-    if (!name.empty()) {
-      names.push_back(name);
-    }
-    begin = end + 1;
-  }
-  return names;
-}
-
 std::string told(const std::vector<std::string>& names) {
   return names.empty() ? "none" : join(names, ", ");
 }
@@ -111,7 +97,7 @@ class Finder {
           read_design_scene(run_ / sources_.run_designs.front() / "scene.toml");
       list = scene.validate ? scene.validate->designs : "";
     }
-    std::vector<std::string> names = named(list);
+    std::vector<std::string> names = names_in(list);
     is_chosen_ = !names.empty();
     if (!is_chosen_) {
       names = sources_.run_designs;
@@ -166,6 +152,20 @@ class Finder {
 };
 
 }  // namespace
+
+std::vector<std::string> names_in(const std::string& list) {
+  std::vector<std::string> names;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    std::string name = list.substr(begin, end - begin);
+    std::erase(name, ' ');
+    if (!name.empty()) {
+      names.push_back(name);
+    }
+    begin = end + 1;
+  }
+  return names;
+}
 
 ValidationSources find_validated(const fs::path& run,
                                  const fs::path& pictures,

@@ -31,6 +31,9 @@ struct ValidationSources {
   std::vector<std::string> notes;
 };
 
+/// Names with commas between them.
+std::vector<std::string> names_in(const std::string& list);
+
 /// @param run          folder of `glint run`, or of a single design
 /// @param pictures     holds a folder for each design
 /// @param designs      names with commas between them; empty: as [validate] says, or winner and

@@ -205,14 +205,14 @@ maximise = "defects.min_cnr"
 [validate]
 )");
   glint({"run", "study.toml", "--quiet", "--out", "run"});
-  for (const std::string name : {"ring", "bar"}) {
+  for (const char* name : {"ring", "bar"}) {
     glint({"render",
-           "run/" + name + "/scene.toml",
+           std::string("run/") + name + "/scene.toml",
            "--set",
            "sensor.seed=9",
            "--quiet",
            "--out",
-           "photos/" + name});
+           std::string("photos/") + name});
   }
   glint({"validate", "run", "--pictures", "photos", "--refit", "--quiet", "--out", "validated"});
   EXPECT_THAT(drawn("validated/report.html"),

@@ -21,6 +21,7 @@ struct CommandLine {
   ImprintArguments imprint;
   InspectArguments inspect;
   CompareArguments compare;
+  ValidateArguments validate;
   CalibrateArguments calibrate;
   CoverArguments cover;
   UndistortArguments undistort;

@@ -83,6 +83,45 @@ void add_compare_verb(CLI::App& app, CommandLine& line) {
                     "write the scene with what explains the differences put in");
 }
 
+void add_validate_verb(CLI::App& app, CommandLine& line) {
+  ValidateArguments& arguments = line.validate;
+  CLI::App* validate = add_verb(
+      app,
+      "validate",
+      "whether a run's designs and real pictures of them agree, and the ranking holds",
+      "glint validate out/ring/run --pictures photos --out out/validate\n"
+      "  glint validate out/ring/run --pictures photos --calibration calibration.toml --refit",
+      line,
+      [](const CommandLine& given) { return validate_command(given.validate, given.common); });
+  validate->add_option("RUN", arguments.run, "folder of a glint run")
+      ->type_name("DIR")
+      ->required()
+      ->check(not_empty());
+  validate
+      ->add_option("--pictures",
+                   arguments.pictures,
+                   "real pictures: a folder for each design, of glint acquire or of pictures "
+                   "named view_01, view_02, ...")
+      ->type_name("DIR")
+      ->required()
+      ->check(not_empty());
+  validate
+      ->add_option("--designs",
+                   arguments.designs,
+                   "names with commas between them; else as [validate] says, or all with pictures")
+      ->type_name("NAMES");
+  validate
+      ->add_option("--calibration",
+                   arguments.calibration,
+                   "calibration.toml of the camera; else what the pictures were taken by")
+      ->type_name("FILE")
+      ->check(not_empty());
+  validate->add_flag("--refit",
+                     arguments.is_refitting,
+                     "fit exposure, lights, roughness and pose, and score all designs again");
+  add_out(*validate, arguments.out, "folder for the results (default out/<name>/validate)");
+}
+
 void add_calibrate_verb(CLI::App& app, CommandLine& line) {
   CalibrateArguments& arguments = line.calibrate;
   CLI::App* calibrate = add_verb(
@@ -240,6 +279,7 @@ void add_hardware_verbs(CLI::App& app, CommandLine& line) {
   add_calibrate_verb(app, line);
   add_undistort_verb(app, line);
   add_compare_verb(app, line);
+  add_validate_verb(app, line);
   add_cover_verb(app, line);
   add_cell_verb(app, line);
 }

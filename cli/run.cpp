@@ -20,6 +20,7 @@
 #include "studies/run/render_study.h"
 #include "studies/run/render_views.h"
 #include "studies/run/run_texts.h"
+#include "studies/validate/validation_steps.h"
 
 namespace glint {
 namespace {
@@ -149,6 +150,15 @@ int run_trial_command(const Study& study,
   return result["status"] == "interrupted" ? kExitInterrupted : kExitDone;
 }
 
+/// What is left to do on the real cell.
+std::string steps_text(const std::vector<std::string>& steps) {
+  std::string text = steps.empty() ? "" : "to try the designs out on the real cell:\n";
+  for (const std::string& step : steps) {
+    text += "  " + step + "\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 int run_command(const StudyArguments& arguments, const CommonArguments& common) {
@@ -161,15 +171,20 @@ int run_command(const StudyArguments& arguments, const CommonArguments& common) 
   if (!arguments.budget.empty() && study.has_search() && !common.is_quiet) {
     std::cerr << fmt::format("the search ends {}\n", limits_text(study.budget));
   }
-  const Json result =
-      run_study(study,
-                {.out = arguments.out.empty() ? default_run_folder(study.name) : arguments.out,
-                 .threads = common.threads,
-                 .jobs = jobs_of(arguments, common),
-                 .progress = common.progress(),
-                 .log_file = common.log_file,
-                 .interrupt = &interrupts});
-  print_result(common, result, summary(result));
+  const std::filesystem::path out =
+      arguments.out.empty() ? default_run_folder(study.name) : arguments.out;
+  Json result = run_study(study,
+                          {.out = out,
+                           .threads = common.threads,
+                           .jobs = jobs_of(arguments, common),
+                           .progress = common.progress(),
+                           .log_file = common.log_file,
+                           .interrupt = &interrupts});
+  const std::vector<std::string> steps = validation_steps(study, out);
+  if (!steps.empty()) {
+    result["validate"] = steps;
+  }
+  print_result(common, result, summary(result) + steps_text(steps));
   if (result["status"] == "interrupted") {
     return kExitInterrupted;
   }

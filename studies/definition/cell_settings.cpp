@@ -194,6 +194,27 @@ void visit_keys(KeyVisitor& keys, ReferenceSettings& s) {
                            s.pictures.size()));
 }
 
+void visit_keys(KeyVisitor& keys, ValidateSettings& s) {
+  const Range share = Range::between(0, 10);
+  keys.text("designs",
+            s.designs,
+            "designs to try out, with commas between them; \"\" = winner and all prototypes");
+  keys.number("edge_px", s.edge_px, Range::between(0, 100), "edges agree up to this distance");
+  keys.number("grey_share", s.grey_share, share, "grey values agree up to this share of them");
+  keys.number("texture", s.texture, share, "spectra agree up to this log10 of their ratio");
+  keys.number("contrast_share", s.contrast_share, share, "contrasts agree up to this share");
+  keys.number("pose_mm", s.pose_mm, Range::between(0, 100), "a refit may move the part so far");
+  keys.number("pose_deg", s.pose_rad, Range::between(0, 45), "a refit may turn it so far");
+  keys.number("light_mm", s.light_mm, Range::between(0, 1000), "a refit may move a light so far");
+  keys.number("power_share",
+              s.power_share,
+              share,
+              "a refit may change the power of a light's segment against the others by this share");
+  keys.number("exposure_share", s.exposure_share, share, "a refit may change the exposure so far");
+  keys.number("roughness_share", s.roughness_share, share, "a refit may change roughness so far");
+  keys.number("blur_px", s.blur_px, Range::between(0, 20), "a refit may change the blur so far");
+}
+
 MatrixXd covariance_of(const CovarianceSettings& settings) {
   if (settings.is_empty()) {
     return {};

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The tables that join a scene to a real camera and robot: [calibration], [cell], [reference].
+// The tables that join a scene to a real camera and robot: [calibration], [cell], [reference],
+// [validate].
 #pragma once
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -52,10 +54,28 @@ struct ReferenceSettings {
   std::filesystem::path calibration;         ///< of the camera that took them; empty: the scene's
 };
 
+/// Keys of [validate]: which designs are tried out on the real cell, up to which differences
+/// pictures agree, and what a refit may set right: beyond that it is a fault. docs/validate.md
+struct ValidateSettings {
+  std::string designs;          ///< names with commas between them; empty: winner and prototypes
+  double edge_px = 0.6;         ///< >= 0; of edges, mean distance
+  double grey_share = 0.03;     ///< > 0; of even grey values, of their mean
+  double texture = 0.15;        ///< > 0; log10 of the ratio of spectra
+  double contrast_share = 0.1;  ///< > 0; of a defect's contrast
+  double pose_mm = 0.5;         ///< >= 0; of the part
+  double pose_rad = 0.0087266462599716477;  ///< >= 0
+  double light_mm = 6.0;                    ///< >= 0; of a light's place
+  double power_share = 0.2;                 ///< >= 0; of one segment of a light against the others
+  double exposure_share = 0.15;             ///< >= 0
+  double roughness_share = 0.25;            ///< >= 0
+  double blur_px = 1.0;                     ///< >= 0
+};
+
 void visit_keys(KeyVisitor& keys, CovarianceSettings& settings);
 void visit_keys(KeyVisitor& keys, CalibrationSettings& settings);
 void visit_keys(KeyVisitor& keys, CellSettings& settings);
 void visit_keys(KeyVisitor& keys, ReferenceSettings& settings);
+void visit_keys(KeyVisitor& keys, ValidateSettings& settings);
 
 /// The covariance as one matrix: 15 x 15 of intrinsics, then hand-eye; 9 x 9 without hand-eye;
 /// 0 x 0 when none is told.

@@ -44,15 +44,6 @@ void read_optional(const ConfigNode& root,
   }
 }
 
-/// The table of validations holds no keys yet.
-void read_validate(const ConfigNode& root,
-                   const std::string& name,
-                   SceneSettings& scene,
-                   std::vector<Problem>& errors) {
-  scene.has_validate = root.find(name) != nullptr;
-  KeyReader(root.find(name), name, errors).report_unknown();
-}
-
 template <class Settings>
 void write_table(ConfigNode& root, const std::string& name, Settings settings) {
   ConfigNode table = ConfigNode::table();
@@ -204,7 +195,7 @@ const std::vector<SceneTable>& tables_of_scene() {
       {"inspection", read_member<&Scene::inspection>},
       {"reference", read_optional<&Scene::reference>},
       {"coverage", read_coverage},
-      {"validate", read_validate}};
+      {"validate", read_optional<&Scene::validate>}};
   return tables;
 }
 
@@ -237,7 +228,7 @@ bool needs_schema_2(const SceneSettings& scene) {
   const auto is_by_flange = [](const Viewpoint& viewpoint) {
     return viewpoint.base_from_flange.has_value();
   };
-  return scene.calibration || scene.cell || scene.reference || scene.has_validate ||
+  return scene.calibration || scene.cell || scene.reference || scene.validate ||
          std::ranges::any_of(scene.viewpoints, is_by_flange);
 }
 
@@ -340,10 +331,7 @@ ConfigNode write_scene(const SceneSettings& scene) {
   write_table(root, "metrics", scene.metrics);
   write_table(root, "inspection", scene.inspection);
   write_optional(root, "reference", scene.reference);
-  if (scene.has_validate) {
-    root.names.emplace_back("validate");
-    root.items.push_back(ConfigNode::table());
-  }
+  write_optional(root, "validate", scene.validate);
   if (scene.has_coverage) {
     write_table(root, "coverage", scene.coverage);
   }
@@ -372,11 +360,7 @@ std::vector<KeyRow> scene_keys() {
   list_table("metrics", MetricsSettings{}, rows);
   list_table("inspection", InspectionSettings{}, rows);
   list_table("reference", ReferenceSettings{}, rows);
-  rows.push_back({.path = "validate",
-                  .kind = "table",
-                  .allowed = "an empty table",
-                  .default_text = "none",
-                  .doc = "room for what a validation on the real cell will be told; no keys yet"});
+  list_table("validate", ValidateSettings{}, rows);
   list_table("coverage", CoverageSettings{}, rows);
   return rows;
 }

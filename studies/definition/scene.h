@@ -56,7 +56,7 @@ struct SceneSettings {
   std::optional<CalibrationSettings> calibration;
   std::optional<CellSettings> cell;
   std::optional<ReferenceSettings> reference;
-  bool has_validate = false;  ///< its table is there
+  std::optional<ValidateSettings> validate;
   CoverageSettings coverage;
   bool has_coverage = false;  ///< its table is there; written only then
 

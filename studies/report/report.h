@@ -65,6 +65,7 @@
 //                     and legend: [ { name, colour, share } ]
 //   calibration       of `glint calibrate`: its calibration.json with what calibrate_page.cpp adds
 //   comparison        of `glint compare`: its result.json with what compare_page.cpp adds
+//   validation        of `glint validate`: its result.json with what validate_page.cpp adds
 //   methods           [ sentences on method and accuracy ]
 //   config_toml       the resolved configuration
 //   provenance        { version, seed, compiler, machine, ... }: shown in the order given

@@ -167,6 +167,61 @@ TEST_F(Page, OfPopulationsIsDrawn) {
               AllOf(HasSubstr("How surely a dent is found"), HasSubstr("depth of the defect")));
 }
 
+TEST_F(Page, OfAValidationIsDrawn) {
+  write_file(folder_ / "study.toml", R"(schema = 2
+[part]
+shape = "plate"
+length_mm = 16
+width_mm = 12
+[material]
+type = "conductor"
+roughness = 0.3
+[camera]
+width_px = 120
+height_px = 90
+object_pixel_mm = 0.2
+working_distance_mm = 100
+[sensor]
+exposure = 0.5
+full_well_e = 10000
+[render.paths]
+samples = 32
+max_reflections = 1
+[lighting.ring]
+mount = "camera"
+segments = 4
+[lighting.bar]
+position_mm = [0, 60, 60]
+direction = [0, -1, -1]
+[defects.dent]
+diameter_mm = 3
+height_um = 100
+[prototypes.ring]
+"lighting.bar.radiance" = [0]
+[prototypes.bar]
+"lighting.ring.radiance" = [0]
+[objective]
+maximise = "defects.min_cnr"
+[validate]
+)");
+  glint({"run", "study.toml", "--quiet", "--out", "run"});
+  for (const char* name : {"ring", "bar"}) {
+    glint({"render",
+           std::string("run/") + name + "/scene.toml",
+           "--set",
+           "sensor.seed=9",
+           "--quiet",
+           "--out",
+           std::string("photos/") + name});
+  }
+  glint({"validate", "run", "--pictures", "photos", "--refit", "--quiet", "--out", "validated"});
+  EXPECT_THAT(drawn("validated/report.html"),
+              AllOf(HasSubstr("<h2>Where the misfit comes from</h2>"),
+                    HasSubstr("<h2>Designs on both sides</h2>"),
+                    HasSubstr("The winner stays"),
+                    HasSubstr("overlay of")));
+}
+
 TEST_F(Page, OfRenderedViewsIsDrawn) {
   write_file(
       folder_ / "scene.toml",

@@ -12,6 +12,7 @@ import { comparisonSection, pairsSection, yardstickSection } from './comparison.
 import { panelSections } from './panels.js';
 import { sceneSection } from './scene.js';
 import { evaluationSection, failureSection } from './table.js';
+import { causesSection, misfitSection, overlapSection, rankingSection, refitSection } from './validation.js';
 import { verdictSection } from './verdict.js';
 import { lightingSection, viewsSection } from './views.js';
 
@@ -33,7 +34,7 @@ function masthead(facts) {
     h('p', { class: 'meta' }, text && badge(kind, text), counts && h('span', {}, counts), document.getElementById('when')));
 }
 
-const kShort = { residuals: 'Residuals', compared: 'Methods', accuracy: 'Accuracy', list: 'Table', scene: 'Part', designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', measured: 'All methods', yardstick: 'Yardstick', methods: 'Method', origin: 'Configuration', curves: 'Convergence' };
+const kShort = { residuals: 'Residuals', compared: 'Methods', accuracy: 'Accuracy', list: 'Table', scene: 'Part', designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', measured: 'All methods', yardstick: 'Yardstick', overlap: 'Overlap', misfit: 'Misfit', sides: 'Designs', refit: 'Refit', methods: 'Method', origin: 'Configuration', curves: 'Convergence' };
 
 function navigation(sections) {
   return h('nav', {}, sections.map((node) => h('a', { href: `#${node.id}` }, kShort[node.id] ?? node.querySelector('h2').textContent)));
@@ -80,7 +81,7 @@ function main() {
     parallelSection(facts, (chosen) => table?.choose(chosen)), sliceSection(facts), table?.node, failureSection(facts),
     frontierSection(facts), frontierTableSection(facts), viewsSection(facts), lightingSection(facts), coverageSection(facts), coverageViewsSection(facts),
     contactSection(facts), residualSection(facts), comparedSection(facts), accuracySection(facts), pictureTableSection(facts),
-    partsSection(facts), gradesSection(facts), foundSection(facts), pairsSection(facts), yardstickSection(facts), comparisonSection(facts), methodSection(facts), originSection(facts),
+    partsSection(facts), gradesSection(facts), foundSection(facts), overlapSection(facts), causesSection(facts), misfitSection(facts), rankingSection(facts), refitSection(facts), pairsSection(facts), yardstickSection(facts), comparisonSection(facts), methodSection(facts), originSection(facts),
   ].filter(Boolean);
   document.getElementById('report').append(masthead(facts), navigation(sections), h('main', {}, sections));
   document.body.dispatchEvent(new CustomEvent('glint-attached'));

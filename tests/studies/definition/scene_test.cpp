@@ -72,7 +72,7 @@ TEST(Scene, EveryKeyOfTheTableIsWritten) {
   scene.cell = {.base_from_part = MeasuredPoseSettings{},
                 .flange_from_part = MeasuredPoseSettings{}};
   scene.reference.emplace();
-  scene.has_validate = true;
+  scene.validate = ValidateSettings{};
   scene.has_coverage = true;
   const ConfigNode written = write_scene(scene);
   scene.viewpoint().base_from_flange.emplace();

@@ -187,7 +187,7 @@ TEST(Schema, OfTheFutureIsRefused) {
   }
 }
 
-TEST(Validate, HasNoKeysYet) {
+TEST(Validate, RefusesKeysThatItDoesNotHave) {
   EXPECT_THAT(read_text("[validate]\nlimit = 3\n").first(),
               HasSubstr("scene.toml:2:1: validate.limit: unknown key"));
 }

@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+#
+# usage: loop.sh [OUT]   the whole loop on twins: calibrate, run, acquire, validate; default out/cell
+#
+# GLINT names the program, else build/release/glint; WIDTH=306 makes pictures a quarter as wide.
+set -euo pipefail
+
+here=$(cd "$(dirname "$0")" && pwd)
+out=${1:-out/cell}
+glint=${GLINT:-$here/../../../build/release/glint}
+mkdir -p "$out"
+out=$(cd "$out" && pwd)
+ready=$out/twins.json
+
+twins_down() { [[ ! -e $ready ]] || "$glint" cell twin stop "$ready" >/dev/null 2>&1 || true; }
+trap twins_down EXIT
+
+# Smaller pictures show the same: fewer and larger pixels.
+resize=""
+if [[ -n ${WIDTH:-} && $WIDTH != 1224 ]]; then
+  height=$((WIDTH * 1025 / 1224))
+  pixel_um=$(awk "BEGIN { print 6.9 * 1224 / $WIDTH }")
+  object_mm=$(awk "BEGIN { print 0.05 * 1224 / $WIDTH }")
+  resize=$(printf '\n[camera]\nwidth_px = %d\nheight_px = %d\npixel_um = %s\nobject_pixel_mm = %s\n' \
+    "$WIDTH" "$height" "$pixel_um" "$object_mm")
+fi
+
+# A cell whose camera sees the truth, or the board where the part will lie.
+cell_of() {  # NAME TRUTH-FILES...
+  local name=$1 includes=""
+  shift
+  for file in "$@"; do includes+="\"$file\", "; done
+  printf 'schema = 2\ninclude = [%s]\n%s\n' "${includes%, }" "$resize" >"$out/truth_$name.toml"
+  printf 'include = ["%s"]\n[twin]\ntruth = "truth_%s.toml"\n' "$here/cell.toml" "$name" >"$out/cell_$name.toml"
+}
+
+"$glint" calibrate --print_board "$here/board.toml" --out "$out/board"
+cell_of board "$here/truth.toml" "$out/board/board_part.toml"
+cell_of part "$here/truth.toml"
+printf 'schema = 2\ninclude = ["%s"]\n%s\n' "$here/study.toml" "$resize" >"$out/study.toml"
+
+# 1. The camera's lens and its place on the flange.
+"$glint" cell twin both "$out/cell_board.toml" --detach --ready_file "$ready"
+"$glint" calibrate --cell "$out/cell_board.toml" --twin "$ready" --board "$here/board.toml" --out "$out/calibrate" --move
+twins_down
+
+# 2. The study: which of the three designs is best in simulation?
+"$glint" run "$out/study.toml" --out "$out/run"
+
+# 3. Real pictures of each design.
+"$glint" cell twin both "$out/cell_part.toml" --detach --ready_file "$ready"
+for design in ring dome tunnel; do
+  "$glint" acquire "$out/run/$design/scene.toml" --cell "$out/cell_part.toml" --twin "$ready" \
+    --out "$out/acquired/$design" --move
+done
+twins_down
+
+# 4. Do both sides agree?
+"$glint" validate "$out/run" --pictures "$out/acquired" --calibration "$out/calibrate/calibration.toml" \
+  --refit --out "$out/validate"

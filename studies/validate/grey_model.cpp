@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/validate/grey_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/image/spans.h"
+#include "simulator/sensor/sensor.h"
+#include "studies/imaging/path_picture.h"
+#include "studies/run/render_files.h"
+#include "studies/validate/validated_scene.h"
+
+namespace glint::validate_detail {
+namespace {
+
+constexpr int kWidthPx = 160;     ///< of the small pictures, about
+constexpr int kMarginPx = 2;      ///< from the part's edge
+constexpr float kBright = 0.98F;  ///< at least: clipped
+constexpr int kLeastSamples = 16;
+
+/// Means of blocks of pixels; what is left over at the right and below is cut off.
+ImageF reduced(const ImageF& picture, int factor) {
+  ImageF small(picture.width() / factor, picture.height() / factor);
+  for (int y = 0; y < small.height(); ++y) {
+    for (int x = 0; x < small.width(); ++x) {
+      double sum = 0.0;
+      for (int k = 0; k < factor * factor; ++k) {
+        sum += static_cast<double>(picture(x * factor + k % factor, y * factor + k / factor));
+      }
+      small(x, y) = static_cast<float>(sum / (factor * factor));
+    }
+  }
+  return small;
+}
+
+SceneSettings reduced_scene(const SceneSettings& scene, int factor) {
+  SceneSettings small = with_separate_segments(scene);
+  PinholeIntrinsics in = intrinsics_of(scene);
+  in.focal_px /= factor;
+  in.center_px /= factor;
+  put_intrinsics(in, small);
+  small.camera.width_px = in.width_px / factor;
+  small.camera.height_px = in.height_px / factor;
+  small.camera.pixel_mm *= factor;
+  small.sensor = without_noise(scene.sensor);
+  small.sensor.bits = 0;
+  small.sensor.blur_px /= factor;
+  small.paths.samples = std::max(small.paths.samples, kLeastSamples);
+  return small;
+}
+
+Mask shrunk(const Mask& mask, int radius_px) {
+  Mask outside = mask;
+  const auto invert = [](Mask& of) {
+    for (unsigned char& pixel : of.values()) {
+      pixel = pixel == 0 ? 1 : 0;
+    }
+  };
+  invert(outside);
+  Mask grown = dilated(outside, radius_px);
+  invert(grown);
+  return grown;
+}
+
+/// Pixels wholly on the sound part.
+Mask sound_part(const Film& sums) {
+  Mask part(sums.width_px, sums.height_px);
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    const std::int32_t samples = sums.samples.values()[i];
+    const bool is_whole = samples > 0 && sums.part.values()[i] == samples;
+    const bool is_sound = std::ranges::all_of(
+        sums.defects, [&](const DefectSums& defect) { return defect.samples.values()[i] == 0; });
+    part.values()[i] = is_whole && is_sound ? 1 : 0;
+  }
+  return shrunk(part, kMarginPx);
+}
+
+}  // namespace
+
+GreyModel::GreyModel(SceneStore& store, std::span<const GreyView> views) : store_(store) {
+  for (const GreyView& view : views) {
+    const int factor = std::max(1, (view.real.width() + kWidthPx / 2) / kWidthPx);
+    views_.push_back(
+        {.scene = reduced_scene(view.scene, factor), .real = reduced(view.real, factor)});
+  }
+  if (!views_.empty()) {
+    lights_ = lit_lights(views_.front().scene);
+    choose_pixels();
+  }
+}
+
+void GreyModel::choose_pixels() {
+  std::vector<double> real;
+  for (SmallView& view : views_) {
+    view.used = sound_part(store_.picture(view.scene)->sums);
+    ++renders_;
+    for (std::size_t i = 0; i < view.used.size(); ++i) {
+      const float grey = view.real.values()[i];
+      view.used.values()[i] = view.used.values()[i] != 0 && grey < kBright ? 1 : 0;
+      if (view.used.values()[i] != 0) {
+        real.push_back(static_cast<double>(grey));
+      }
+    }
+  }
+  real_ = Eigen::Map<const Eigen::VectorXd>(real.data(), static_cast<Eigen::Index>(real.size()));
+}
+
+/// "ring.0" of each segment; lights of one segment have none.
+std::vector<std::string> GreyModel::column_names() const {
+  std::vector<std::string> names;
+  for (const LitLight& light : lights_) {
+    for (int i = 0; light.segments > 1 && i < light.segments; ++i) {
+      names.push_back(fmt::format("{}.{}", light.name, i));
+    }
+  }
+  return names;
+}
+
+/// Grey of each of these groups, and last of all together.
+std::vector<ImageF> GreyModel::group_pictures(const SceneSettings& scene,
+                                              const std::vector<std::string>& names) {
+  const auto picture = store_.picture(scene);
+  const std::vector<FrameFactors> frames = frame_factors(scene, picture->unit_power_w);
+  const std::vector<std::string> groups =
+      path_view_of(scene, store_.build_defects(scene))->group_names();
+  const FrameFactors whole = mean_factors(frames);
+  const Sensor sensor(scene.sensor, picture->sums.width_px, picture->sums.height_px);
+  const auto shown = [&](const FrameFactors& factors) {
+    ImageF grey;
+    sensor.expose(frame_radiance(*picture, factors), 0, grey);
+    return grey;
+  };
+  std::vector<ImageF> pictures;
+  for (const std::string& name : names) {
+    FrameFactors one = whole;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      if (groups[g] != name) {
+        one[g] = Colour::Zero();
+      }
+    }
+    pictures.push_back(shown(one));
+  }
+  pictures.push_back(shown(whole));
+  return pictures;
+}
+
+GreyColumns GreyModel::render(const SceneChange& change) {
+  const std::vector<std::string> names = column_names();
+  GreyColumns columns;
+  columns.sum.resize(real_.size());
+  columns.segments.resize(real_.size(), static_cast<Eigen::Index>(names.size()));
+  Eigen::Index row = 0;
+  for (const SmallView& view : views_) {
+    const std::vector<ImageF> pictures = group_pictures(changed_scene(view.scene, change), names);
+    ++renders_;
+    for (std::size_t i = 0; i < view.used.size(); ++i) {
+      if (view.used.values()[i] == 0) {
+        continue;
+      }
+      for (std::size_t g = 0; g < names.size(); ++g) {
+        columns.segments(row, static_cast<Eigen::Index>(g)) =
+            static_cast<double>(pictures[g].values()[i]);
+      }
+      columns.sum[row] = static_cast<double>(pictures.back().values()[i]);
+      ++row;
+    }
+  }
+  return columns;
+}
+
+const GreyColumns& GreyModel::columns(const std::vector<Eigen::Vector3d>& places_mm,
+                                      double roughness) {
+  SceneChange change = {.roughness = roughness};
+  std::string key = fmt::format("{:.6f}", roughness);
+  for (std::size_t i = 0; i < lights_.size(); ++i) {
+    const Eigen::Vector3d& place = places_mm[i];
+    change.lights.push_back({.name = lights_[i].name, .moved_mm = place});
+    key += fmt::format(" {:.4f} {:.4f} {:.4f}", place.x(), place.y(), place.z());
+  }
+  const auto found = kept_.find(key);
+  return found != kept_.end() ? found->second : kept_.emplace(key, render(change)).first->second;
+}
+
+double GreyModel::even_rms(const Eigen::VectorXd& difference) const {
+  double squares = 0.0;
+  double count = 0.0;
+  Eigen::Index row = 0;
+  for (const SmallView& view : views_) {
+    ImageF values(view.used.width(), view.used.height());
+    for (std::size_t i = 0; i < view.used.size(); ++i) {
+      if (view.used.values()[i] != 0) {
+        values.values()[i] = static_cast<float>(difference[row++]);
+      }
+    }
+    for (int y = 1; y + 1 < values.height(); ++y) {
+      for (int x = 1; x + 1 < values.width(); ++x) {
+        double sum = 0.0;
+        int used = 0;
+        for (int k = 0; k < 9; ++k) {
+          used += view.used(x + k % 3 - 1, y + k / 3 - 1);
+          sum += static_cast<double>(values(x + k % 3 - 1, y + k / 3 - 1));
+        }
+        if (used == 9) {
+          squares += sum * sum / 81.0;
+          count += 1.0;
+        }
+      }
+    }
+  }
+  return count > 0.0 ? std::sqrt(squares / count) : 0.0;
+}
+
+}  // namespace glint::validate_detail

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The real side of a validation: pictures of each design, with what is known of the poses they were
+// taken at.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/pose.h"
+
+namespace glint {
+
+/// A picture of one view.
+struct RealView {
+  std::string name;  ///< of the view: "view_03"
+  std::filesystem::path picture;
+  std::optional<RigidTransform> base_from_flange = {};  ///< as the robot told it
+  double position_sigma_mm = 0.0;                       ///< of that; 0: not told
+  double rotation_sigma_rad = 0.0;
+};
+
+struct RealDesign {
+  std::string name;
+  std::filesystem::path folder;
+  std::filesystem::path calibration =
+      {};  ///< calibration.toml that they were taken by; empty: none
+  bool is_of_twin = false;
+  std::vector<RealView> views;     ///< at least one
+  std::vector<std::string> notes;  ///< what was left out
+};
+
+/// Reads a folder of pictures: what `glint acquire` has written (acquired.json), or pictures and
+/// rendered views that carry the names of the design's views.
+/// @throws ConfigError for a folder without pictures, or an acquired.json that is none; IoError
+RealDesign read_real_design(const std::string& name, const std::filesystem::path& folder);
+
+}  // namespace glint

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/validate/validate_result.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+#include "core/units.h"
+#include "hardware/calibration/lens_vector.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json optional_json(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json list_of(const Eigen::Vector3d& v, double per = 1.0) {
+  return {per * v.x(), per * v.y(), per * v.z()};
+}
+
+Json motion_json(const Eigen::Matrix<double, 6, 1>& motion,
+                 const Eigen::Matrix<double, 6, 1>& sigma) {
+  const double degrees = 180.0 / kPi;
+  return {{"turn_deg", list_of(motion.head<3>(), degrees)},
+          {"turn_sigma_deg", list_of(sigma.head<3>(), degrees)},
+          {"shift_mm", list_of(motion.tail<3>())},
+          {"shift_sigma_mm", list_of(sigma.tail<3>())}};
+}
+
+std::optional<double> mean_before(const Json& before) {
+  double sum = 0.0;
+  double count = 0.0;
+  for (const Json& row : before) {
+    if (row["mean_distance_px"].is_number()) {
+      sum += row["mean_distance_px"].get<double>();
+      count += 1.0;
+    }
+  }
+  return count > 0.0 ? std::optional(sum / count) : std::nullopt;
+}
+
+double median_of(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values.empty() ? 1.0 : values[values.size() / 2];
+}
+
+}  // namespace
+
+Json estimate_json(const Estimate& estimate) {
+  return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
+}
+
+Json overlap_json(const std::string& design, const std::string& view, const ComparedPair& pair) {
+  const bool has_edges = pair.geometry.distance.points > 0;
+  const RingOffsets& rings = pair.geometry.rings;
+  Json row = {{"design", design}, {"view", view}};
+  row["iou"] = optional_json(pair.geometry.iou);
+  row["mean_distance_px"] = has_edges ? Json(pair.geometry.distance.mean_px) : Json(nullptr);
+  row["hd95_px"] = has_edges ? Json(pair.geometry.distance.p95_px) : Json(nullptr);
+  row["ring_slope"] = rings.has_slopes ? estimate_json(rings.radial_slope) : Json(nullptr);
+  return row;
+}
+
+Json edges_json(const ValidationFindings& findings, double limit_px, const Json& before) {
+  const GeometryFit& fit = findings.geometry;
+  Json json;
+  json["before_calibration_px"] = optional_json(mean_before(before));
+  json["mean_distance_px"] = optional_json(findings.distance_px);
+  json["limit_px"] = limit_px;
+  json["rms_px"] = fit.before_px;
+  json["pose_px"] = fit.pose_px;
+  json["pose_budget_px"] = fit.pose_budget_px;
+  json["lens_px"] = fit.lens_px;
+  json["lens_budget_px"] = fit.lens_budget_px;
+  json["rest_px"] = fit.after_px;
+  json["noise_px"] = fit.noise_px;
+  json["blur_difference_px2"] = optional_json(findings.blur_px2);
+  return json;
+}
+
+Json geometry_json(const GeometryFit& fit) {
+  if (!fit.is_known) {
+    return nullptr;
+  }
+  Json lens = Json::object();
+  for (std::size_t i = 0; i < kLensSize; ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    lens[std::string(kLensNames[i])] = {{"change", fit.lens[at]}, {"sigma", fit.sigma[at]}};
+  }
+  const auto names = [](const std::vector<GeometryFault>& faults) {
+    Json list = Json::array();
+    for (const GeometryFault fault : faults) {
+      list.push_back(name_of(fault));
+    }
+    return list;
+  };
+  return {{"beyond_budget", names(fit.faults)},
+          {"or", names(fit.or_these)},
+          {"lens", lens},
+          {"hand_eye", motion_json(fit.hand_eye, fit.sigma.segment<6>(9))},
+          {"part", motion_json(fit.part, fit.sigma.segment<6>(15))}};
+}
+
+Json grey_json(const ValidationFindings& findings) {
+  Json list = Json::array();
+  for (const DesignGrey& grey : findings.grey) {
+    Json row = {{"design", grey.design}};
+    row["before_share"] = grey.fit.is_known ? Json(grey.fit.before) : Json(nullptr);
+    row["exposed_share"] = grey.fit.is_known ? Json(grey.fit.exposed) : Json(nullptr);
+    row["after_share"] = grey.fit.is_known ? Json(grey.fit.after) : Json(nullptr);
+    row["limit_share"] = findings.limits.grey_share;
+    row["values"] = Json::array();
+    for (const GreyValue& value : grey.fit.values) {
+      Json number = {{"name", name_of(value.fault)}};
+      number["light"] = value.light.empty() ? Json(nullptr) : Json(value.light);
+      number["index"] = value.index;
+      number["value"] = value.value;
+      number["sigma"] = value.sigma;
+      row["values"].push_back(std::move(number));
+    }
+    list.push_back(std::move(row));
+  }
+  return list;
+}
+
+Json texture_json(const ValidationFindings& findings) {
+  return {{"spectrum_log10", optional_json(findings.texture)}, {"limit", findings.limits.texture}};
+}
+
+Json ranking_json(const Ranking& ranking) {
+  Json pairs = Json::array();
+  for (const RankedPair& pair : ranking.pairs) {
+    pairs.push_back({{"first", pair.first},
+                     {"second", pair.second},
+                     {"simulated", estimate_json(pair.simulated)},
+                     {"real", estimate_json(pair.real)},
+                     {"level", pair.is_level},
+                     {"against", pair.is_against}});
+  }
+  return {{"simulated", ranking.simulated},
+          {"real", ranking.real},
+          {"agrees", ranking.agrees},
+          {"pairs", pairs}};
+}
+
+Json change_json(const SceneChange& change) {
+  Json lights = Json::array();
+  for (const LightChange& light : change.lights) {
+    lights.push_back({{"name", light.name},
+                      {"moved_mm", list_of(light.moved_mm)},
+                      {"segment_power", light.segment_power}});
+  }
+  return {{"exposure", change.exposure},
+          {"roughness", change.roughness},
+          {"blur_px2", change.blur_px2},
+          {"lights", lights}};
+}
+
+Json both_scores_json(const std::vector<BothScores>& views) {
+  std::map<std::string, std::pair<std::vector<double>, std::vector<double>>> values;
+  for (const BothScores& both : views) {
+    for (const auto& [name, value] : both.simulated) {
+      if (const auto real = both.real.find(name); real != both.real.end()) {
+        values[name].first.push_back(value);
+        values[name].second.push_back(real->second);
+      }
+    }
+  }
+  const auto side = [](const std::vector<double>& list) {
+    if (list.size() > 1) {
+      return estimate_json(mean_of(list));
+    }
+    return Json{{"value", list.front()}, {"low", nullptr}, {"high", nullptr}};
+  };
+  Json json = Json::object();
+  for (const auto& [name, both] : values) {
+    json[name] = {{"simulated", side(both.first)}, {"real", side(both.second)}};
+  }
+  return json;
+}
+
+SceneChange common_change(const ValidationFindings& findings) {
+  SceneChange change = {.blur_px2 = findings.blur_px2.value_or(0.0)};
+  std::vector<double> exposures;
+  std::vector<double> roughness;
+  for (const DesignGrey& grey : findings.grey) {
+    if (!grey.fit.is_known) {
+      continue;
+    }
+    exposures.push_back(grey.fit.change.exposure);
+    roughness.push_back(grey.fit.change.roughness);
+    for (const LightChange& light : grey.fit.change.lights) {
+      if (std::ranges::find(change.lights, light.name, &LightChange::name) == change.lights.end()) {
+        change.lights.push_back(light);
+      }
+    }
+  }
+  change.exposure = median_of(exposures);
+  change.roughness = median_of(roughness);
+  return change;
+}
+
+}  // namespace glint

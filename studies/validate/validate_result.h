@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Parts of a validation as JSON (docs/validate.md). Private to the room.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "studies/compare/compared_pair.h"
+#include "studies/validate/both_scores.h"
+#include "studies/validate/validate_verdict.h"
+
+namespace glint {
+
+nlohmann::ordered_json estimate_json(const Estimate& estimate);
+
+/// How far silhouettes and edges of a pair are apart.
+nlohmann::ordered_json overlap_json(const std::string& design,
+                                    const std::string& view,
+                                    const ComparedPair& pair);
+
+/// @param before  a list of overlap_json()
+nlohmann::ordered_json edges_json(const ValidationFindings& findings,
+                                  double limit_px,
+                                  const nlohmann::ordered_json& before);
+nlohmann::ordered_json geometry_json(const GeometryFit& fit);
+nlohmann::ordered_json grey_json(const ValidationFindings& findings);
+nlohmann::ordered_json texture_json(const ValidationFindings& findings);
+nlohmann::ordered_json ranking_json(const Ranking& ranking);
+nlohmann::ordered_json change_json(const SceneChange& change);
+
+/// Means over the views of scores that both sides have: { name: { simulated, real } }.
+nlohmann::ordered_json both_scores_json(const std::vector<BothScores>& views);
+
+/// What holds for all designs: the median exposure and roughness, each light as its own design
+/// found it, the blur.
+SceneChange common_change(const ValidationFindings& findings);
+
+}  // namespace glint

@@ -1,0 +1,436 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/validate/validate_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/config/toml.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "core/wall_clock.h"
+#include "metrics/statistics/estimate.h"
+#include "studies/compare/causes.h"
+#include "studies/compare/compare_page.h"
+#include "studies/compare/compare_result.h"
+#include "studies/output/output_folder.h"
+#include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
+#include "studies/output/staged_folder.h"
+#include "studies/validate/both_scores.h"
+#include "studies/validate/compared_view.h"
+#include "studies/validate/rescored_designs.h"
+#include "studies/validate/validate_page.h"
+#include "studies/validate/validate_result.h"
+#include "studies/validate/validate_verdict.h"
+#include "studies/validate/validated_scene.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using validate_detail::SeenContrasts;
+
+constexpr const char* kBefore = "before";
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::optional<double> if_any(const std::vector<double>& values) {
+  return values.empty() ? std::nullopt : std::optional(median_of(values));
+}
+
+class ValidateRun {
+ public:
+  explicit ValidateRun(const ValidateOptions& options)
+      : options_(options),
+        out_(options.out.empty() ? default_folder(options.run) : options.out),
+        pool_(options.threads),
+        store_(pool_),
+        sources_(find_validated(
+            options.run, options.pictures, options.designs, options.calibration, store_)) {}
+
+  Json execute() {
+    check_folder();
+    OutputFolder folder(out_);
+    remove_stale_stages(out_);
+    StagedFolder stage(out_, "");
+    const ValidatedDesign& first = sources_.designs.front();
+    findings_.limits = first.scene.validate.value_or(ValidateSettings{});
+    budget_ = budget_of(first.scene, sources_.notes);
+    bar_.emplace("validate", steps(), options_.progress);
+    compare_all(stage.path());
+    fit_all();
+    const ValidateVerdict verdict = judge(findings_);
+    Json result = result_json(verdict);
+    result["refit"] = options_.is_refitting ? refit(stage.path()) : Json(nullptr);
+    result["pairs"] = pairs_;
+    result["notes"] = sources_.notes;
+    result["report"] = "report.html";
+    write_all(stage.path(), result);
+    bar_.reset();
+    stage.commit();
+    folder.keep();
+    result["report"] = (out_ / "report.html").string();
+    result["folder"] = out_.string();
+    return result;
+  }
+
+ private:
+  /// A picture as fits need it.
+  struct View {
+    std::size_t design = 0;
+    std::string name;
+    ImageF real;
+    Viewpoint viewpoint;
+  };
+
+  static fs::path default_folder(const fs::path& run) {
+    std::error_code ignored;
+    const fs::path whole = fs::weakly_canonical(fs::absolute(run, ignored), ignored);
+    const std::string name = whole.filename().empty() ? whole.parent_path().filename().string()
+                                                      : whole.filename().string();
+    return default_result_folder(name, ResultKind::kValidate);
+  }
+
+  std::int64_t steps() const { return 2 * static_cast<std::int64_t>(sources_.designs.size()) + 1; }
+
+  void show(const std::string& what) { bar_->update(++done_, what); }
+
+  void check_folder() const {
+    std::vector<std::string> names = {"result.json", "report.html", "run.json", kBefore};
+    std::vector<fs::path> inputs = {options_.calibration};
+    for (const ValidatedDesign& design : sources_.designs) {
+      names.push_back(design.name);
+      for (const RealView& view : design.real.views) {
+        inputs.push_back(view.picture);
+      }
+    }
+    check_result_folder(out_, ResultKind::kValidate, names);
+    check_inputs_kept(inputs, out_, names);
+  }
+
+  void compare_all(const fs::path& stage) {
+    if (sources_.is_calibrated) {
+      compare_before(stage / kBefore);
+    }
+    for (std::size_t i = 0; i < sources_.designs.size(); ++i) {
+      compare_design(i, stage / sources_.designs[i].name);
+      show(sources_.designs[i].name);
+    }
+  }
+
+  /// The first design as the run has it: without the calibration.
+  void compare_before(const fs::path& folder) {
+    const ValidatedDesign& design = sources_.designs.front();
+    const auto sources = validate_detail::render_for(
+        design.nominal, design.nominal_views, folder / "simulated", options_.threads);
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      const RealView& view = design.real.views[i];
+      const ComparedPair pair = compare_pair(
+          {.simulated = sources[i], .real = {.name = view.name, .picture = view.picture}}, {});
+      validate_detail::write_pair(pair, folder / view.name);
+      before_.push_back(overlap_json(design.name, view.name, pair));
+      before_pages_.push_back(page_pair(pair));
+    }
+    show("before the calibration");
+  }
+
+  void compare_design(std::size_t index, const fs::path& folder) {
+    const ValidatedDesign& design = sources_.designs[index];
+    const auto sources = validate_detail::render_for(
+        design.scene, design.views, folder / "simulated", options_.threads);
+    SeenContrasts seen;
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      const RealView& view = design.real.views[i];
+      ComparedPair pair = compare_pair(
+          {.simulated = sources[i], .real = {.name = view.name, .picture = view.picture}}, {});
+      validate_detail::write_pair(pair, folder / view.name);
+      Json row = {{"design", design.name}, {"view", view.name}};
+      row.update(pair_json(pair, {}));
+      seen.add(validate_detail::inspect_both(pair, findings_.limits.contrast_share, pool_, row));
+      pages_.push_back(page_pair(pair));
+      pairs_.push_back(std::move(row));
+      measure(pair, index, i);
+    }
+    seen_.push_back(seen);
+  }
+
+  /// What is kept of a pair.
+  void measure(ComparedPair& pair, std::size_t index, std::size_t i) {
+    const ValidatedDesign& design = sources_.designs[index];
+    const RealView& view = design.real.views[i];
+    if (pair.geometry.distance.points > 0) {
+      distances_.push_back(pair.geometry.distance.mean_px);
+    }
+    if (pair.appearance.texture) {
+      textures_.push_back(pair.appearance.texture->radial);
+    }
+    if (const auto blur = validate_detail::blur_difference(pair)) {
+      blurs_.push_back(*blur);
+    }
+    ViewEdges edges = {.camera_from_scene = camera_from_world(design.views[i]),
+                       .robot_sigma_mm = view.position_sigma_mm,
+                       .robot_sigma_rad = view.rotation_sigma_rad};
+    if (!pair.simulated.source.geometry.empty()) {
+      const SceneSettings scene = validate_detail::with_views(design.scene, {design.views[i]});
+      edges.edges = space_edges(pair, scene);
+    }
+    edges_.push_back(std::move(edges));
+    views_.push_back({.design = index,
+                      .name = view.name,
+                      .real = std::move(pair.real.grey),
+                      .viewpoint = design.views[i]});
+  }
+
+  /// About the middle of the edges that were seen.
+  void centre_budget() {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double count = 0.0;
+    for (const ViewEdges& view : edges_) {
+      const RigidTransform scene_from_camera = inverse(view.camera_from_scene);
+      for (const SpaceEdge& edge : view.edges) {
+        sum += scene_from_camera * edge.in_camera_mm;
+        count += 1.0;
+      }
+    }
+    if (count > 0.0) {
+      budget_.middle_mm = sum / count;
+    }
+  }
+
+  void fit_all() {
+    centre_budget();
+    const SceneSettings& scene = sources_.designs.front().scene;
+    findings_.geometry = fit_geometry(edges_, intrinsics_of(scene), budget_);
+    findings_.texture = if_any(textures_);
+    findings_.blur_px2 = if_any(blurs_);
+    if (!distances_.empty()) {
+      double sum = 0.0;
+      for (const double distance : distances_) {
+        sum += distance;
+      }
+      findings_.distance_px = sum / static_cast<double>(distances_.size());
+    }
+    for (const SeenContrasts& seen : seen_) {
+      findings_.contrasts += seen.seen;
+      findings_.contrasts_apart += seen.apart;
+    }
+    for (std::size_t i = 0; i < sources_.designs.size(); ++i) {
+      fit_design(i);
+      show(sources_.designs[i].name + ": grey values");
+    }
+    rank();
+  }
+
+  /// The scene of a picture with what the edges say of lens and poses.
+  SceneSettings fitted_scene(std::size_t view) const {
+    const ValidatedDesign& design = sources_.designs[views_[view].design];
+    SceneSettings scene = validate_detail::with_views(design.scene, {views_[view].viewpoint});
+    const GeometryFit& fit = findings_.geometry;
+    if (fit.is_known) {
+      scene.viewpoints = {
+          viewpoint_of_pose(refitted_view(fit, budget_, edges_[view].camera_from_scene, view))};
+      PinholeIntrinsics in = intrinsics_of(scene);
+      in.focal_px += fit.lens.head<2>();
+      in.center_px += fit.lens.segment<2>(2);
+      for (std::size_t i = 0; i < 3; ++i) {
+        in.radial[i] += fit.lens[static_cast<Eigen::Index>(i) + 4];
+      }
+      in.tangential[0] += fit.lens[7];
+      in.tangential[1] += fit.lens[8];
+      put_intrinsics(in, scene);
+    }
+    return scene;
+  }
+
+  void fit_design(std::size_t index) {
+    std::vector<GreyView> grey;
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      if (views_[v].design == index) {
+        grey.push_back({.scene = fitted_scene(v), .real = views_[v].real});
+        score_view(index, v);
+      }
+    }
+    const std::string& name = sources_.designs[index].name;
+    if (!allows_many_viewpoints(grey.front().scene)) {
+      return;
+    }
+    DesignGrey fitted = {.design = name, .fit = fit_grey(store_, grey, {.is_searching = false})};
+    if (fitted.fit.is_known &&
+        (options_.is_refitting || fitted.fit.exposed > findings_.limits.grey_share)) {
+      fitted.fit = fit_grey(store_, grey, {.is_searching = true});
+    }
+    findings_.grey.push_back(std::move(fitted));
+  }
+
+  void score_view(std::size_t index, std::size_t view) {
+    RankedDesign& ranked = ranked_of(index);
+    try {
+      const BothScores both =
+          scores_of_both(store_, fitted_scene(view), views_[view].real, wanted());
+      scores_[ranked.name].push_back(both);
+      const std::string objective = objective_name();
+      if (both.simulated.contains(objective) && both.real.contains(objective)) {
+        ranked.simulated[views_[view].name] = both.simulated.at(objective);
+        ranked.real[views_[view].name] = both.real.at(objective);
+        if (const auto error = both.simulated.find(objective + ".error");
+            error != both.simulated.end()) {
+          ranked.simulated_error = error->second;
+        }
+      }
+    } catch (const ConfigError& error) {
+      sources_.notes.push_back(
+          fmt::format("{}, {}: not scored: {}", ranked.name, views_[view].name, error.what()));
+    }
+  }
+
+  RankedDesign& ranked_of(std::size_t index) {
+    while (ranked_.size() <= index) {
+      ranked_.push_back({.name = sources_.designs[ranked_.size()].name});
+    }
+    return ranked_[index];
+  }
+
+  std::string objective_name() const {
+    return sources_.study && sources_.study->has_objective ? sources_.study->goal.objective.name
+                                                           : "homogeneity.h_rms";
+  }
+
+  bool is_maximised() const {
+    return !sources_.study || !sources_.study->has_objective ||
+           sources_.study->goal.objective.is_maximised;
+  }
+
+  WantedScores wanted() const {
+    return {.fringes = false, .defects = true, .robust = true, .slot = false};
+  }
+
+  void rank() {
+    std::vector<RankedDesign> known;
+    std::ranges::copy_if(ranked_, std::back_inserter(known), [](const RankedDesign& design) {
+      return !design.simulated.empty();
+    });
+    if (known.size() > 1 && sources_.study && sources_.study->has_objective) {
+      findings_.ranking = rank_designs(known, is_maximised());
+    }
+  }
+
+  Json result_json(const ValidateVerdict& verdict) const {
+    Json result = {{"schema", 1}, {"kind", "validation"}, {"status", "done"}};
+    const Json told = verdict_json(verdict);
+    result["agreement"] = told["agreement"];
+    result["verdict"] = told["sentence"];
+    result["causes"] = told["causes"];
+    result["advice"] = told["advice"];
+    result["is_calibrated"] = sources_.is_calibrated;
+    result["before"] = before_;
+    result["edges"] = edges_json(findings_, verdict.edge_limit_px, before_);
+    result["geometry"] = geometry_json(findings_.geometry);
+    result["grey"] = grey_json(findings_);
+    result["texture"] = texture_json(findings_);
+    result["objective"] = {{"name", objective_name()}, {"is_maximised", is_maximised()}};
+    result["designs"] = Json::array();
+    for (std::size_t i = 0; i < sources_.designs.size(); ++i) {
+      result["designs"].push_back(design_json(i));
+    }
+    result["ranking"] = findings_.ranking ? ranking_json(*findings_.ranking) : Json(nullptr);
+    return result;
+  }
+
+  Json design_json(std::size_t index) const {
+    const std::string& name = sources_.designs[index].name;
+    const auto found = scores_.find(name);
+    Json row = {{"name", name}, {"views", sources_.designs[index].real.views.size()}};
+    row["scores"] = found == scores_.end() ? Json(nullptr) : both_scores_json(found->second);
+    const SeenContrasts& seen = seen_[index];
+    const auto rate = [&](int hits) {
+      return seen.defects > 0 ? estimate_json(wilson(hits, seen.defects)) : Json(nullptr);
+    };
+    row["inspection"] = {{"defects", seen.defects},
+                         {"found_simulated", seen.found_simulated},
+                         {"found_real", seen.found_real},
+                         {"rate_simulated", rate(seen.found_simulated)},
+                         {"rate_real", rate(seen.found_real)},
+                         {"found_on_both", seen.found_both},
+                         {"same_class", seen.same_class},
+                         {"contrasts", seen.seen},
+                         {"contrasts_apart", seen.apart}};
+    return row;
+  }
+
+  /// The refit scene of each design as a file, and all designs scored with it.
+  Json refit(const fs::path& stage) {
+    DesignRefit refit = {.change = common_change(findings_)};
+    if (std::ranges::find(findings_.geometry.faults, GeometryFault::kPartPose) !=
+        findings_.geometry.faults.end()) {
+      refit.scene_from_part = motion_of(findings_.geometry.part);
+      refit.scene_from_part.translation_mm +=
+          budget_.middle_mm - refit.scene_from_part.rotation * budget_.middle_mm;
+    }
+    for (const ValidatedDesign& design : sources_.designs) {
+      write_file(stage / design.name / "refit.toml",
+                 to_toml(write_scene(refitted_scene(design.scene, refit))));
+    }
+    Json json = change_json(refit.change);
+    json["rescored"] =
+        sources_.study
+            ? rescore_designs(store_, *sources_.study, options_.run, sources_.run_designs, refit)
+            : Json(nullptr);
+    return json;
+  }
+
+  void write_all(const fs::path& stage, const Json& result) const {
+    write_file(stage / "result.json", result.dump(2) + "\n");
+    write_file(stage / "report.html", validate_page(result, pages_, before_pages_));
+    Json run = provenance();
+    run["verb"] = command_of(ResultKind::kValidate);
+    run["designs"] = sources_.designs.size();
+    run["pictures"] = views_.size();
+    run["threads"] = options_.threads;
+    run["timings"] = {{"this_run_s", seconds_since(start_)}};
+    write_file(stage / "run.json", run.dump(2) + "\n");
+  }
+
+  const ValidateOptions& options_;
+  fs::path out_;
+  ThreadPool pool_;
+  SceneStore store_;
+  ValidationSources sources_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::optional<Progress> bar_;
+  std::int64_t done_ = 0;
+  GeometryBudget budget_;
+  ValidationFindings findings_;
+  Json pairs_ = Json::array();
+  Json before_ = Json::array();
+  std::vector<PagePair> pages_;
+  std::vector<PagePair> before_pages_;
+  std::vector<ViewEdges> edges_;
+  std::vector<View> views_;
+  std::vector<SeenContrasts> seen_;  ///< of each design
+  std::vector<double> distances_;
+  std::vector<double> textures_;
+  std::vector<double> blurs_;
+  std::vector<RankedDesign> ranked_;
+  std::map<std::string, std::vector<BothScores>> scores_;
+};
+
+}  // namespace
+
+Json validate_run(const ValidateOptions& options) {
+  return ValidateRun(options).execute();
+}
+
+}  // namespace glint

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/validate/validated_designs.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "studies/definition/scene_viewpoints.h"
+#include "studies/output/staged_folder.h"
+#include "studies/validate/validated_scene.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kWinner = "winner";
+constexpr const char* kBaseline = "baseline";
+
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+/// All designs of the run: the winner first, the baseline last.
+std::vector<std::string> designs_in(const fs::path& run) {
+  std::vector<std::string> names;
+  for (const fs::path& entry : sorted_entries(run)) {
+    const std::string name = entry.filename().string();
+    if (!name.starts_with(".") && name != kWinner && name != kBaseline &&
+        is_there(entry / "scene.toml")) {
+      names.push_back(name);
+    }
+  }
+  if (is_there(run / kWinner / "scene.toml")) {
+    names.insert(names.begin(), kWinner);
+  }
+  if (is_there(run / kBaseline / "scene.toml")) {
+    names.emplace_back(kBaseline);
+  }
+  return names;
+}
+
+std::string told(const std::vector<std::string>& names) {
+  return names.empty() ? "none" : join(names, ", ");
+}
+
+class Finder {
+ public:
+  Finder(fs::path run, fs::path pictures, fs::path calibration, SceneStore& store)
+      : run_(std::move(run)),
+        pictures_(std::move(pictures)),
+        calibration_(std::move(calibration)),
+        store_(store) {}
+
+  ValidationSources find(const std::string& designs) {
+    if (!is_there(run_)) {
+      throw IoError(run_.string() + ": there is no such folder");
+    }
+    if (!is_there(pictures_)) {
+      throw IoError(pictures_.string() + ": there is no such folder");
+    }
+    sources_.run_designs = designs_in(run_);
+    if (sources_.run_designs.empty()) {
+      throw ConfigError(run_.string() +
+                        ": holds no design; give the folder of a glint run, with winner/ or "
+                        "prototypes");
+    }
+    read_study();
+    for (const std::string& name : wanted(designs)) {
+      add(name);
+    }
+    if (sources_.designs.empty()) {
+      throw ConfigError(
+          fmt::format("{}: holds no pictures of any design: looked for the folders {}",
+                      pictures_.string(),
+                      told(sources_.run_designs)));
+    }
+    return std::move(sources_);
+  }
+
+ private:
+  void read_study() {
+    const fs::path file = run_ / "study.resolved.toml";
+    if (is_there(file)) {
+      sources_.study = load_study(file, {});
+    }
+  }
+
+  /// Names that were chosen must have pictures, others may.
+  std::vector<std::string> wanted(const std::string& designs) {
+    std::string list = designs;
+    if (list.empty()) {
+      const SceneSettings scene =
+          read_design_scene(run_ / sources_.run_designs.front() / "scene.toml");
+      list = scene.validate ? scene.validate->designs : "";
+    }
+    std::vector<std::string> names = names_in(list);
+    is_chosen_ = !names.empty();
+    if (!is_chosen_) {
+      names = sources_.run_designs;
+      if (names.size() > 1 && names.back() == kBaseline && !is_there(pictures_ / kBaseline)) {
+        names.pop_back();
+      }
+    }
+    for (const std::string& name : names) {
+      if (std::ranges::find(sources_.run_designs, name) == sources_.run_designs.end()) {
+        throw ConfigError("designs",
+                          fmt::format("there is no design {} in {}, there are {}",
+                                      name,
+                                      run_.string(),
+                                      told(sources_.run_designs)));
+      }
+    }
+    return names;
+  }
+
+  void add(const std::string& name) {
+    const fs::path folder = pictures_ / name;
+    if (!is_there(folder)) {
+      if (is_chosen_) {
+        throw IoError(folder.string() + ": there is no such folder: the design has no pictures");
+      }
+      sources_.notes.push_back(fmt::format("{} has no pictures and is left out", name));
+      return;
+    }
+    ValidatedDesign design = {.name = name,
+                              .nominal = read_design_scene(run_ / name / "scene.toml"),
+                              .real = read_real_design(name, folder)};
+    sources_.notes.insert(sources_.notes.end(), design.real.notes.begin(), design.real.notes.end());
+    design.scene = design.nominal;
+    const fs::path calibration = calibration_.empty() ? design.real.calibration : calibration_;
+    if (!calibration.empty()) {
+      take_calibration(calibration, design.scene);
+      sources_.is_calibrated = true;
+    }
+    const std::vector<Viewpoint> listed =
+        viewpoints_of(design.nominal, store_.build(design.nominal)->part);
+    design.nominal_views = viewpoints_of_pictures(design.real, design.nominal, listed);
+    design.views = viewpoints_of_pictures(design.real, design.scene, listed);
+    sources_.designs.push_back(std::move(design));
+  }
+
+  fs::path run_;
+  fs::path pictures_;
+  fs::path calibration_;
+  SceneStore& store_;
+  ValidationSources sources_;
+  bool is_chosen_ = false;
+};
+
+}  // namespace
+
+std::vector<std::string> names_in(const std::string& list) {
+  std::vector<std::string> names;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    std::string name = list.substr(begin, end - begin);
+    std::erase(name, ' ');
+    if (!name.empty()) {
+      names.push_back(name);
+    }
+    begin = end + 1;
+  }
+  return names;
+}
+
+ValidationSources find_validated(const fs::path& run,
+                                 const fs::path& pictures,
+                                 const std::string& designs,
+                                 const fs::path& calibration,
+                                 SceneStore& store) {
+  return Finder(run, pictures, calibration, store).find(designs);
+}
+
+}  // namespace glint

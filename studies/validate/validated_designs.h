@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What is validated: designs of a run that have real pictures.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "studies/definition/study.h"
+#include "studies/imaging/scene_store.h"
+#include "studies/validate/real_pictures.h"
+
+namespace glint {
+
+struct ValidatedDesign {
+  std::string name;
+  SceneSettings nominal;  ///< as the run has it
+  SceneSettings scene;    ///< with the calibrated camera
+  RealDesign real;
+  std::vector<Viewpoint> nominal_views;  ///< of each picture, without the calibration
+  std::vector<Viewpoint> views;          ///< with it
+};
+
+struct ValidationSources {
+  std::vector<ValidatedDesign> designs;  ///< at least one; the winner, if there is one, first
+  std::optional<Study> study;            ///< of the run; empty: its file is not there
+  std::vector<std::string> run_designs;  ///< all folders of designs in the run
+  bool is_calibrated = false;            ///< a calibration beside the designs' own was taken
+  std::vector<std::string> notes;
+};
+
+/// Names with commas between them.
+std::vector<std::string> names_in(const std::string& list);
+
+/// @param run          folder of `glint run`, or of a single design
+/// @param pictures     holds a folder for each design
+/// @param designs      names with commas between them; empty: as [validate] says, or winner and
+///                     prototypes that have pictures
+/// @param calibration  calibration.toml; empty: what acquired.json names, if anything
+/// @throws ConfigError, IoError
+ValidationSources find_validated(const std::filesystem::path& run,
+                                 const std::filesystem::path& pictures,
+                                 const std::string& designs,
+                                 const std::filesystem::path& calibration,
+                                 SceneStore& store);
+
+}  // namespace glint

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/validate/validated_scene.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "core/config/toml.h"
+#include "core/error.h"
+#include "core/units.h"
+#include "studies/definition/scene_viewpoints.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+// What is taken where nothing is told: a careful calibration by hand.
+constexpr double kUnknownRotationRad = 0.02 * kPi / 180.0;
+constexpr double kUnknownPositionMm = 0.05;
+constexpr double kUnknownFocal = 5e-4;   ///< share of the focal length
+constexpr double kUnknownCentre = 5e-4;  ///< share of the picture's width
+constexpr double kUnknownRadial = 0.01;  ///< of k1
+constexpr double kUnknownTangential = 1e-4;
+
+std::vector<double> numbers(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+/// The number at the end of a name: "view_03" and "03" give 3.
+std::optional<std::size_t> number_of(const std::string& name) {
+  const std::size_t last = name.find_last_not_of("0123456789");
+  const std::size_t begin = last == std::string::npos ? 0 : last + 1;
+  const std::string head = name.substr(0, begin);
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(name.data() + begin, name.data() + name.size(), number);
+  if (error != std::errc() || number == 0 || !(head.empty() || head.ends_with("_"))) {
+    return std::nullopt;
+  }
+  return number;
+}
+
+bool can_place(const SceneSettings& scene) {
+  return scene.calibration && scene.cell &&
+         ((scene.calibration->flange_from_camera && scene.cell->base_from_part) ||
+          (scene.calibration->base_from_camera && scene.cell->flange_from_part));
+}
+
+Viewpoint placed(const SceneSettings& scene, const RigidTransform& base_from_flange) {
+  const PoseSettings pose = pose_settings(base_from_flange);
+  Viewpoint viewpoint = viewpoint_of_pose(inverse(scene_from_camera(scene, pose)));
+  viewpoint.base_from_flange = pose;
+  return viewpoint;
+}
+
+const MeasuredPoseSettings* placement_of(const SceneSettings& scene) {
+  if (!scene.cell) {
+    return nullptr;
+  }
+  return scene.cell->base_from_part     ? &*scene.cell->base_from_part
+         : scene.cell->flange_from_part ? &*scene.cell->flange_from_part
+                                        : nullptr;
+}
+
+bool is_told(const std::vector<double>& sigma) {
+  return std::ranges::any_of(sigma, [](double value) { return value > 0.0; });
+}
+
+void guess_lens(const PinholeIntrinsics& in, GeometryBudget& budget) {
+  const double focal = kUnknownFocal * in.focal_px.x();
+  const double centre = kUnknownCentre * in.width_px;
+  const Eigen::Matrix<double, 9, 1> sigma = (Eigen::Matrix<double, 9, 1>() << focal,
+                                             focal,
+                                             centre,
+                                             centre,
+                                             kUnknownRadial,
+                                             0.0,
+                                             0.0,
+                                             kUnknownTangential,
+                                             kUnknownTangential)
+                                                .finished();
+  budget.camera.topLeftCorner<9, 9>() = sigma.cwiseAbs2().asDiagonal();
+}
+
+void guess_hand_eye(const SceneSettings& scene, GeometryBudget& budget) {
+  Eigen::Matrix<double, 6, 1> sigma;
+  sigma << Eigen::Vector3d::Constant(kUnknownRotationRad),
+      Eigen::Vector3d::Constant(kUnknownPositionMm);
+  if (scene.calibration) {
+    const auto& pose = scene.calibration->flange_from_camera ? scene.calibration->flange_from_camera
+                                                             : scene.calibration->base_from_camera;
+    for (Eigen::Index i = 0; pose && is_told(pose->sigma_mm) && i < 3; ++i) {
+      sigma[i] = pose->sigma_rad[static_cast<std::size_t>(i)];
+      sigma[i + 3] = pose->sigma_mm[static_cast<std::size_t>(i)];
+    }
+  }
+  budget.camera.bottomRightCorner<6, 6>() = sigma.cwiseAbs2().asDiagonal();
+}
+
+/// @return whether anything was taken
+bool take_covariance(const SceneSettings& scene, GeometryBudget& budget) {
+  if (!scene.calibration || !scene.calibration->covariance) {
+    return false;
+  }
+  const Eigen::MatrixXd covariance = covariance_of(*scene.calibration->covariance);
+  if (covariance.rows() == 0) {
+    return false;
+  }
+  if (!scene.calibration->covariance->intrinsics.empty()) {
+    budget.camera.topLeftCorner<9, 9>() = covariance.topLeftCorner<9, 9>();
+  }
+  if (covariance.rows() == 15) {
+    budget.camera = covariance;
+  }
+  return true;
+}
+
+}  // namespace
+
+SceneSettings read_design_scene(const fs::path& file) {
+  std::vector<Problem> errors;
+  SceneSettings scene = read_scene(load_toml(file), errors);
+  throw_if_any(errors);
+  return scene;
+}
+
+void take_calibration(const fs::path& file, SceneSettings& scene) {
+  const ConfigNode root = load_toml(file);
+  if (root.find("camera") == nullptr) {
+    throw ConfigError(file.string() + ": is no calibration: has no table [camera]");
+  }
+  std::vector<Problem> errors;
+  const SceneSettings calibrated = read_scene(root, errors);
+  throw_if_any(errors);
+  const PinholeIntrinsics now = intrinsics_of(scene);
+  const PinholeIntrinsics in = intrinsics_of(calibrated);
+  if (in.width_px != now.width_px || in.height_px != now.height_px) {
+    throw ConfigError(fmt::format("{}: is of pictures of {} x {} pixels, the design's have {} x {}",
+                                  file.string(),
+                                  in.width_px,
+                                  in.height_px,
+                                  now.width_px,
+                                  now.height_px));
+  }
+  put_intrinsics(in, scene);
+  if (calibrated.calibration) {
+    scene.calibration = calibrated.calibration;
+  }
+  if (calibrated.cell) {
+    scene.cell = calibrated.cell;
+  }
+}
+
+std::vector<Viewpoint> viewpoints_of_pictures(const RealDesign& design,
+                                              const SceneSettings& scene,
+                                              const std::vector<Viewpoint>& viewpoints) {
+  std::vector<Viewpoint> result;
+  for (const RealView& view : design.views) {
+    if (view.base_from_flange && can_place(scene)) {
+      result.push_back(placed(scene, *view.base_from_flange));
+      continue;
+    }
+    const auto number = number_of(view.name);
+    if (number && *number <= viewpoints.size()) {
+      result.push_back(viewpoints[*number - 1]);
+    } else if (viewpoints.size() == 1 && design.views.size() == 1) {
+      result.push_back(viewpoints.front());
+    } else {
+      throw ConfigError(fmt::format(
+          "{}: is of no view of the design {}, which has {}: name pictures view_01, view_02, ..., "
+          "or give their poses in acquired.json",
+          view.picture.string(),
+          design.name,
+          viewpoints.size()));
+    }
+  }
+  return result;
+}
+
+GeometryBudget budget_of(const SceneSettings& scene, std::vector<std::string>& notes) {
+  GeometryBudget budget;
+  guess_lens(intrinsics_of(scene), budget);
+  guess_hand_eye(scene, budget);
+  if (!take_covariance(scene, budget)) {
+    notes.emplace_back(
+        "The scene has no [calibration.covariance]: errors of lens and hand-eye are guessed "
+        "(0.05 mm, 0.02 degree, focal length to 0.05 %).");
+  }
+  const MeasuredPoseSettings* placement = placement_of(scene);
+  budget.part_sigma << Eigen::Vector3d::Constant(kUnknownRotationRad),
+      Eigen::Vector3d::Constant(kUnknownPositionMm);
+  if (placement != nullptr && is_told(placement->sigma_mm)) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      budget.part_sigma[static_cast<Eigen::Index>(i)] = placement->sigma_rad[i];
+      budget.part_sigma[static_cast<Eigen::Index>(i) + 3] = placement->sigma_mm[i];
+    }
+  } else {
+    notes.emplace_back(
+        "How well the part's place is known is not told: 0.05 mm and 0.02 degree are taken.");
+  }
+  return budget;
+}
+
+void put_intrinsics(const PinholeIntrinsics& in, SceneSettings& scene) {
+  CameraSettings& camera = scene.camera;
+  camera.focal_x_px = in.focal_px.x();
+  camera.focal_y_px = in.focal_px.y();
+  camera.center_x_px = in.center_px.x();
+  camera.center_y_px = in.center_px.y();
+  camera.k1 = in.radial[0];
+  camera.k2 = in.radial[1];
+  camera.k3 = in.radial[2];
+  camera.p1 = in.tangential[0];
+  camera.p2 = in.tangential[1];
+}
+
+Viewpoint viewpoint_of_pose(const RigidTransform& camera_from_scene) {
+  const RigidTransform pose = inverse(camera_from_scene);
+  return {.position_mm = numbers(pose.translation_mm),
+          .direction = numbers(pose.rotation.col(2)),
+          .up = numbers(-pose.rotation.col(1))};
+}
+
+}  // namespace glint

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The scene of a design as its real pictures were taken: with the calibrated camera, from the poses
+// that the robot told.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "studies/definition/scene.h"
+#include "studies/validate/geometry_fit.h"
+#include "studies/validate/real_pictures.h"
+
+namespace glint {
+
+/// Reads scene.toml of a design. @throws ConfigError, IoError
+SceneSettings read_design_scene(const std::filesystem::path& file);
+
+/// Takes camera and hand-eye of a calibration.toml; all else stays. The picture's size must be the
+/// same. @throws ConfigError, IoError
+void take_calibration(const std::filesystem::path& file, SceneSettings& scene);
+
+/// The viewpoints of the pictures: by the robot's poses where they are told and scene has
+/// [calibration] and [cell], else those of the scene whose names ("view_03", "03", "3") are the
+/// pictures'. One picture of a scene with one viewpoint may have any name.
+/// @param viewpoints  all of the scene
+/// @throws ConfigError for a picture that is of no viewpoint
+std::vector<Viewpoint> viewpoints_of_pictures(const RealDesign& design,
+                                              const SceneSettings& scene,
+                                              const std::vector<Viewpoint>& viewpoints);
+
+/// What calibration and placement say of their errors. What is not told is taken as
+/// kUnknownRotation, kUnknownPosition and kUnknownFocal, with a note.
+GeometryBudget budget_of(const SceneSettings& scene, std::vector<std::string>& notes);
+
+/// "camera.focal_x_px" and so on as intrinsics_of() has them after the changes.
+void put_intrinsics(const PinholeIntrinsics& intrinsics, SceneSettings& scene);
+
+/// The viewpoint of a camera_from_scene.
+Viewpoint viewpoint_of_pose(const RigidTransform& camera_from_scene);
+
+}  // namespace glint

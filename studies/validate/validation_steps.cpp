@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/validate/validation_steps.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "studies/validate/validated_designs.h"
+
+namespace glint {
+
+std::vector<std::string> designs_to_validate(const Study& study) {
+  if (study.scene.validate && !study.scene.validate->designs.empty()) {
+    return names_in(study.scene.validate->designs);
+  }
+  std::vector<std::string> names;
+  if (study.has_search()) {
+    names.emplace_back("winner");
+  }
+  for (const Prototype& prototype : study.prototypes) {
+    names.push_back(prototype.name);
+  }
+  if (names.empty()) {
+    names.emplace_back("baseline");
+  }
+  return names;
+}
+
+std::vector<std::string> validation_steps(const Study& study, const std::filesystem::path& run) {
+  std::vector<std::string> steps;
+  if (!study.scene.validate) {
+    return steps;
+  }
+  const std::string pictures = (run.parent_path() / "acquired").string();
+  for (const std::string& name : designs_to_validate(study)) {
+    steps.push_back(fmt::format("glint acquire {} --cell CELL.toml --out {}/{} --move",
+                                (run / name / "scene.toml").string(),
+                                pictures,
+                                name));
+  }
+  steps.push_back(fmt::format("glint validate {} --pictures {}", run.string(), pictures));
+  return steps;
+}
+
+}  // namespace glint

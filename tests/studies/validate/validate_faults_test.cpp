@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Faults put in by chance: how many are called by their name, and how many cells without a fault
+// are called disagreeing.
+#include <iostream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/rng.h"
+#include "tests/studies/validate/trial_cell.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+RingSettings& ring_of(SceneSettings& scene) {
+  for (NamedLight& light : scene.lights) {
+    if (light.name == "ring") {
+      return std::get<RingSettings>(light.settings);
+    }
+  }
+  throw std::runtime_error("no ring");
+}
+
+struct Case {
+  TrialTruth truth;
+  std::string cause;
+};
+
+/// In turn: light 20 mm off, another lens, part turned by 3 degrees, one segment dead.
+Case case_of(int index) {
+  Rng random(static_cast<std::uint64_t>(index), Stream::kViewpoints, 7);
+  Case made;
+  made.truth.seed = 100 + index;
+  const auto direction = [&random] {
+    Eigen::Vector3d v(random.normal(), random.normal(), random.normal());
+    return Eigen::Vector3d(v.normalized());
+  };
+  switch (index % 4) {
+    case 0: {
+      const Eigen::Vector3d off = 20.0 * direction();
+      made.truth.change = [off](SceneSettings& scene) {
+        ring_of(scene).placement.position_mm = {off.x(), off.y(), off.z()};
+      };
+      made.cause = "light_place";
+      break;
+    }
+    case 1: {
+      const double factor =
+          1.0 + (random.uniform() < 0.5 ? -1 : 1) * (0.02 + 0.03 * random.uniform());
+      made.truth.change = [factor](SceneSettings& scene) {
+        scene.camera.object_pixel_mm *= factor;
+      };
+      made.cause = "lens";
+      break;
+    }
+    case 2: {
+      const Eigen::Vector3d turn = 3.0 * direction();
+      made.truth.part_turn_deg = {turn.x(), turn.y(), turn.z()};
+      made.cause = "part_pose";
+      break;
+    }
+    default: {
+      const auto dead = static_cast<std::size_t>(8.0 * random.uniform());
+      made.truth.change = [dead](SceneSettings& scene) {
+        ring_of(scene).segments.segment_power.assign(8, 1.0);
+        ring_of(scene).segments.segment_power[dead] = 0.0;
+      };
+      made.cause = "dead_segment";
+    }
+  }
+  return made;
+}
+
+Json validated(const TrialTruth& truth) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(), truth);
+  return validate_trial(folder.path());
+}
+
+TEST(ValidateFaults, AreCalledByTheirName) {
+  int right = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Case made = case_of(i);
+    const Json result = validated(made.truth);
+    const bool is_right = result["agreement"] == "does_not_agree" && has_cause(result, made.cause);
+    right += is_right ? 1 : 0;
+    if (!is_right) {
+      std::cout << i << " " << made.cause << ": " << result["verdict"] << "\n";
+    }
+  }
+  std::cout << right << " of 40 right\n";
+  EXPECT_GE(right, 36);
+}
+
+TEST(ValidateFaults, AreNotSeenWhereThereIsNone) {
+  int wrong = 0;
+  for (int i = 0; i < 20; ++i) {
+    Rng random(static_cast<std::uint64_t>(i), Stream::kViewpoints, 8);
+    const double exposure = 1.0 + 0.05 * random.normal();
+    const double off = random.normal();
+    const Json result =
+        validated({.change =
+                       [&](SceneSettings& scene) {
+                         scene.sensor.exposure *= exposure;
+                         ring_of(scene).placement.position_mm = {off, -off, 0.0};
+                       },
+                   .part_shift_mm = {0.02 * random.normal(), 0.02 * random.normal(), 0},
+                   .seed = 300 + i});
+    const bool is_wrong = result["agreement"] == "does_not_agree";
+    wrong += is_wrong ? 1 : 0;
+    if (is_wrong) {
+      std::cout << i << ": " << result["verdict"] << "\n";
+    }
+  }
+  std::cout << wrong << " of 20 called disagreeing\n";
+  EXPECT_LE(wrong, 1);
+}
+
+}  // namespace
+}  // namespace glint

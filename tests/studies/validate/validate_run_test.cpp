@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/validate/validate_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "tests/studies/validate/trial_cell.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+RingSettings& ring_of(SceneSettings& scene) {
+  for (NamedLight& light : scene.lights) {
+    if (light.name == "ring") {
+      return std::get<RingSettings>(light.settings);
+    }
+  }
+  throw std::runtime_error("no ring");
+}
+
+TEST(Validate, AnUndisturbedCellAgreesAndKeepsItsRanking) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(), {.seed = 5}, {"ring", "dome"});
+  const Json result = validate_trial(folder.path());
+  EXPECT_EQ(result["agreement"], "agrees") << result["verdict"];
+  EXPECT_LT(result["edges"]["mean_distance_px"].get<double>(), 0.3);
+  ASSERT_EQ(result["designs"].size(), 2U);
+  EXPECT_TRUE(result["ranking"]["agrees"].get<bool>());
+  for (const char* file : {"result.json",
+                           "report.html",
+                           "run.json",
+                           "ring/view_01/overlay.png",
+                           "ring/view_01/difference.exr"}) {
+    EXPECT_TRUE(fs::exists(folder.path() / "out" / file)) << file;
+  }
+}
+
+TEST(Validate, ALightThatIsOffByTwentyMillimetresIsTheCause) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(), {.change = [](SceneSettings& scene) {
+               ring_of(scene).placement.position_mm = {20, 0, 0};
+             }});
+  const Json result = validate_trial(folder.path());
+  EXPECT_EQ(result["agreement"], "does_not_agree") << result["verdict"];
+  EXPECT_TRUE(has_cause(result, "light_place")) << result["causes"];
+}
+
+TEST(Validate, ADeadSegmentIsTheCause) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(), {.change = [](SceneSettings& scene) {
+               ring_of(scene).segments.segment_power = {1, 1, 0, 1, 1, 1, 1, 1};
+             }});
+  const Json result = validate_trial(folder.path());
+  EXPECT_EQ(result["agreement"], "does_not_agree") << result["verdict"];
+  EXPECT_TRUE(has_cause(result, "dead_segment")) << result["causes"];
+}
+
+TEST(Validate, APartTurnedByThreeDegreesIsTheCause) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(), {.part_turn_deg = {0, 0, 3}});
+  const Json result = validate_trial(folder.path());
+  EXPECT_EQ(result["agreement"], "does_not_agree") << result["verdict"];
+  EXPECT_TRUE(has_cause(result, "part_pose")) << result["causes"];
+}
+
+TEST(Validate, AWrongLensIsTheCause) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(),
+             {.change = [](SceneSettings& scene) { scene.camera.object_pixel_mm *= 0.97; }});
+  const Json result = validate_trial(folder.path());
+  EXPECT_EQ(result["agreement"], "does_not_agree") << result["verdict"];
+  EXPECT_TRUE(has_cause(result, "lens")) << result["causes"];
+}
+
+TEST(Validate, ARefitFindsExposureAndLightAndScoresAgain) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(), {.change = [](SceneSettings& scene) {
+               scene.sensor.exposure *= 0.95;
+               ring_of(scene).placement.position_mm = {3, 0, 0};
+             }});
+  const Json result = validate_trial(folder.path(), true);
+  EXPECT_EQ(result["agreement"], "agrees_after_refit") << result["verdict"];
+  EXPECT_NEAR(result["refit"]["exposure"].get<double>(), 0.95, 0.0095);
+  const Json light = result["refit"]["lights"][0];
+  EXPECT_EQ(light["name"], "ring");
+  EXPECT_NEAR(light["moved_mm"][0].get<double>(), 3.0, 0.5);
+  EXPECT_EQ(result["refit"]["rescored"]["designs"].size(), 2U);
+  EXPECT_TRUE(fs::exists(folder.path() / "out/ring/refit.toml"));
+}
+
+TEST(Validate, RefusesWhatCannotBeValidated) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(), {}, {"ring"}, 1);
+  const auto error_of =
+      [&](const fs::path& run, const fs::path& pictures, const std::string& designs) {
+        try {
+          validate_run({.run = run,
+                        .pictures = pictures,
+                        .out = folder.path() / "out",
+                        .designs = designs,
+                        .progress = Progress::Style::kNone});
+        } catch (const Error& error) {
+          return std::string(error.what());
+        }
+        return std::string();
+      };
+  const fs::path run = folder.path() / "run";
+  const fs::path pictures = folder.path() / "pictures";
+  EXPECT_THAT(error_of(folder.path() / "none", pictures, ""), HasSubstr("there is no such folder"));
+  EXPECT_THAT(error_of(pictures, pictures, ""), HasSubstr("holds no design"));
+  EXPECT_THAT(error_of(run, folder.path() / "none", ""), HasSubstr("there is no such folder"));
+  EXPECT_THAT(error_of(run, run / "ring", ""), HasSubstr("holds no pictures of any design"));
+  EXPECT_THAT(error_of(run, pictures, "sphere"), HasSubstr("there is no design sphere"));
+  EXPECT_THAT(error_of(run, pictures, "dome"), HasSubstr("the design has no pictures"));
+  EXPECT_FALSE(fs::exists(folder.path() / "out"));
+}
+
+}  // namespace
+}  // namespace glint

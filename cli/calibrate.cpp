@@ -137,6 +137,9 @@ int calibrate_command(const CalibrateArguments& arguments, const CommonArguments
   if (arguments.planned) {
     return plan_command(arguments, common);
   }
+  if (!arguments.placed.empty()) {
+    return place_command(arguments, common);
+  }
   if (!arguments.points.empty()) {
     return points_command(arguments, common);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What is done beside calibrating a camera: checking a calibration, straight pictures, the sensor,
-// a plan of poses, points drawn into pictures.
+// a plan of poses, points drawn into pictures, where the part is.
 #include <initializer_list>
 #include <utility>
 
@@ -10,6 +10,7 @@
 
 #include "cli/commands.h"
 #include "studies/calibrate/check_run.h"
+#include "studies/calibrate/place_run.h"
 #include "studies/calibrate/plan_run.h"
 #include "studies/calibrate/points_run.h"
 #include "studies/calibrate/undistort_run.h"
@@ -116,6 +117,41 @@ std::string points_text(const Json& result) {
                      result["folder"].get<std::string>());
 }
 
+std::string place_text(const Json& result) {
+  std::string text;
+  for (const Json& placement : result["placements"]) {
+    text += fmt::format(
+        "  {:<28} by {}", placement["file"].get<std::string>(), placement["by"].get<std::string>());
+    for (const char* unit : {"mm", "px"}) {
+      const auto rms = placement.find(fmt::format("rms_{}", unit));
+      if (rms != placement.end() && rms->is_number()) {
+        text += fmt::format(", rms {:.3g} {}", rms->get<double>(), unit);
+      }
+    }
+    text += "\n";
+  }
+  const bool is_on_flange = result.contains("flange_from_part");
+  const Json& pose = result[is_on_flange ? "flange_from_part" : "base_from_part"];
+  const Json& at = pose["translation_mm"];
+  text += fmt::format("{}_from_part: {:.3f} {:.3f} {:.3f} mm +- {:.2g} mm, {:.2g} degrees\n",
+                      is_on_flange ? "flange" : "base",
+                      at[0].get<double>(),
+                      at[1].get<double>(),
+                      at[2].get<double>(),
+                      pose["sigma_mm"].get<double>(),
+                      pose["sigma_deg"].get<double>());
+  if (!result["spread"].is_null()) {
+    text += fmt::format("placements differ by {:.2g} mm, {:.2g} degrees (standard deviation)\n",
+                        result["spread"]["mm"].get<double>(),
+                        result["spread"]["deg"].get<double>());
+  }
+  for (const Json& note : result["notes"]) {
+    text += "note: " + note.get<std::string>() + "\n";
+  }
+  return text +
+         fmt::format("part for scenes: {}/placement.toml\n", result["folder"].get<std::string>());
+}
+
 }  // namespace
 
 int check_calibration_command(const CalibrateArguments& arguments, const CommonArguments& common) {
@@ -184,6 +220,24 @@ int points_command(const CalibrateArguments& arguments, const CommonArguments& c
                                    .sets = key_values(arguments.sets),
                                    .threads = common.threads});
   print_result(common, result, points_text(result));
+  return kExitDone;
+}
+
+int place_command(const CalibrateArguments& arguments, const CommonArguments& common) {
+  refuse_given("--place",
+               {{"--from", !arguments.from.empty()},
+                {"--points", !arguments.points.empty()},
+                {"--method", !arguments.method.empty()},
+                {"--setup", !arguments.setup.empty()}});
+  const Json result = place_part(arguments.placed,
+                                 {.pictures = arguments.pictures,
+                                  .board = arguments.board,
+                                  .poses = arguments.poses,
+                                  .camera = arguments.camera,
+                                  .out = arguments.out,
+                                  .sets = key_values(arguments.sets),
+                                  .threads = common.threads});
+  print_result(common, result, place_text(result));
   return kExitDone;
 }
 

@@ -108,6 +108,7 @@ struct CalibrateArguments {
   std::optional<int> bits;        ///< of their codes
   std::optional<int> planned;     ///< so many poses to photograph the board from instead
   std::filesystem::path points;   ///< points of the cell to draw into the pictures instead
+  std::vector<std::filesystem::path> placed;  ///< what tells where the part is, instead
 };
 
 int calibrate_command(const CalibrateArguments& arguments, const CommonArguments& common);
@@ -123,6 +124,7 @@ int check_calibration_command(const CalibrateArguments& arguments, const CommonA
 int sensor_command(const CalibrateArguments& arguments, const CommonArguments& common);
 int plan_command(const CalibrateArguments& arguments, const CommonArguments& common);
 int points_command(const CalibrateArguments& arguments, const CommonArguments& common);
+int place_command(const CalibrateArguments& arguments, const CommonArguments& common);
 
 struct UndistortArguments {
   std::vector<std::filesystem::path> pictures;

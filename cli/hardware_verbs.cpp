@@ -42,6 +42,16 @@ void add_calibrate_modes(CLI::App& calibrate, CalibrateArguments& arguments) {
       ->check(not_empty());
 }
 
+void add_place_mode(CLI::App& calibrate, CalibrateArguments& arguments) {
+  calibrate
+      .add_option("--place",
+                  arguments.placed,
+                  "where the part is: CSV of points that the robot touched or that pictures show, "
+                  "or TOML of a board on the part; given again for each time the part was put down")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+}
+
 void add_compare_verb(CLI::App& app, CommandLine& line) {
   CompareArguments& arguments = line.compare;
   CLI::App* compare = add_verb(
@@ -132,6 +142,7 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       "  glint calibrate board/*.png --board board.toml --poses poses.csv --setup eye_in_hand\n"
       "  glint calibrate --print_board board.toml --out out/board\n"
       "  glint calibrate --check out/camera new/*.png\n"
+      "  glint calibrate --place touched.csv --out out/place\n"
       "  glint calibrate --sensor flat_pictures --out out/sensor",
       line,
       [](const CommandLine& given) { return calibrate_command(given.calibrate, given.common); });
@@ -171,6 +182,7 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       ->type_name("FILE")
       ->check(not_empty());
   add_calibrate_modes(*calibrate, arguments);
+  add_place_mode(*calibrate, arguments);
 }
 
 void add_undistort_verb(CLI::App& app, CommandLine& line) {

@@ -136,6 +136,31 @@ std::vector<ImageF> read_exr_channels(const fs::path& path, std::span<const std:
   return images;
 }
 
+std::vector<ImageF> read_colours(const fs::path& path) {
+  ImageSpec wish;
+  wish.attribute("oiio:UnassociatedAlpha", 1);  // colours stay as they are under alpha
+  const auto input = OIIO::ImageInput::open(path.string(), &wish);
+  if (!input) {
+    throw_unreadable_picture(path, OIIO::geterror());
+  }
+  const ImageSpec spec = input->spec();
+  std::vector<ImageF> colours;
+  for (int channel = 0; channel < spec.nchannels && colours.size() < 3; ++channel) {
+    if (channel == spec.alpha_channel || channel == spec.z_channel) {
+      continue;
+    }
+    ImageF image(spec.width, spec.height);
+    if (!input->read_image(0, 0, channel, channel + 1, TypeDesc::FLOAT, image.values().data())) {
+      throw_unreadable_picture(path, input->geterror());
+    }
+    colours.push_back(std::move(image));
+  }
+  if (colours.size() < 3) {
+    throw ConfigError(path.string() + ": has no three colours");
+  }
+  return colours;
+}
+
 void write_tiff(const fs::path& path, std::span<const ImageF> channels) {
   check_channels(channels);
   const ImageF& first = channels[0];

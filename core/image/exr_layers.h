@@ -41,6 +41,12 @@ void write_exr_channels(const std::filesystem::path& path,
 std::vector<ImageF> read_exr_channels(const std::filesystem::path& path,
                                       std::span<const std::string> names);
 
+/// Red, green and blue of a picture of at least three channels as linear values (integers divided
+/// by the largest code of their type); alpha is left out and changes nothing. Ask read_picture()
+/// before whether it is a whole picture.
+/// @throws IoError when it cannot be read, ConfigError when it has fewer colours
+std::vector<ImageF> read_colours(const std::filesystem::path& path);
+
 /// Writes linear values as TIFF of 16 bits, clamped to [0, 1].
 /// @param channels  1 (grey) or 3 (red, green, blue) images of one size
 /// @throws IoError

@@ -43,6 +43,9 @@ Json intrinsics_json(const CalibrateInput& input, const SolvedCalibration& solve
   json["width_px"] = input.width_px;
   json["height_px"] = input.height_px;
   json["sigma"] = lens_json(solved.lens_sigma);
+  // What was known beforehand: exactly where it is 0.
+  json["prior"] =
+      input.camera ? lens_json(input.camera_sigma.value_or(LensVector::Zero())) : Json(nullptr);
   json["free"] = Json::array();
   for (std::size_t i = 0; i < kLensSize; ++i) {
     if (solved.camera.is_free[i]) {

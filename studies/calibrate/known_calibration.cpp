@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/units.h"
 #include "hardware/calibration/rotation.h"
 
 namespace glint {
@@ -54,6 +55,22 @@ Board board_of(const Json& json, const std::string& file) {
   return parse_board_json(keys.dump(), file);
 }
 
+/// 0 x 0 where a number is not known.
+Eigen::MatrixXd covariance_of(const Json& json) {
+  const auto size = static_cast<Eigen::Index>(json.size());
+  Eigen::MatrixXd covariance(size, size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    for (Eigen::Index k = 0; k < size; ++k) {
+      const Json& value = json.at(static_cast<std::size_t>(i)).at(static_cast<std::size_t>(k));
+      if (value.is_null()) {
+        return {};
+      }
+      covariance(i, k) = value.get<double>();
+    }
+  }
+  return covariance;
+}
+
 KnownCalibration calibration_of(const Json& json, const fs::path& file) {
   KnownCalibration known{.file = file,
                          .intrinsics = intrinsics_of(json.at("intrinsics")),
@@ -62,11 +79,17 @@ KnownCalibration calibration_of(const Json& json, const fs::path& file) {
   if (json.at("prediction_rms_px").is_number()) {
     known.prediction_rms_px = json["prediction_rms_px"].get<double>();
   }
+  known.covariance = covariance_of(json.at("covariance"));
   if (json.at("hand_eye").is_object()) {
     const bool is_in_hand = json["hand_eye"].at("to").get<std::string>() == "flange";
     known.mounting = is_in_hand ? Mounting::kEyeInHand : Mounting::kEyeToHand;
     known.poses = {.hand_eye = pose_of(json["hand_eye"]),
                    .board = pose_of(json.at("board").at("pose"))};
+    const Json& noise = json.at("noise");
+    known.noise = {.corner_px = noise.at("corner_px").get<double>(),
+                   .robot_rad = noise.at("robot_deg").get<double>() * kRadPerDeg,
+                   .robot_mm = noise.at("robot_mm").get<double>(),
+                   .pattern_px = noise.at("pattern_px").get<double>()};
   }
   return known;
 }

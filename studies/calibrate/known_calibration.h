@@ -6,7 +6,10 @@
 #include <filesystem>
 #include <optional>
 
+#include <Eigen/Core>
+
 #include "hardware/board/board.h"
+#include "hardware/calibration/bundle.h"
 #include "hardware/calibration/pose_chain.h"
 #include "simulator/camera/pinhole_camera.h"
 
@@ -20,6 +23,10 @@ struct KnownCalibration {
   HandEye poses;                     ///< with a mounting
   double rms_px = 0.0;               ///< of its own pictures
   std::optional<double> prediction_rms_px;
+  /// Of the nine intrinsics, then with poses of the increments of hand-eye and board: 21 x 21, or
+  /// 9 x 9 without poses and of closed forms. 0 x 0: not known.
+  Eigen::MatrixXd covariance;
+  NoiseSizes noise;  ///< of corners and robot; with poses
 };
 
 /// @param path  calibration.json or the folder that it is in

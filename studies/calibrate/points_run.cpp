@@ -16,6 +16,7 @@
 #include "core/file.h"
 #include "core/image/image_io.h"
 #include "studies/calibrate/known_calibration.h"
+#include "studies/calibrate/point_table.h"
 #include "studies/output/result_folder.h"
 #include "studies/output/result_writer.h"
 
@@ -29,18 +30,6 @@ using Pixel = std::array<std::uint8_t, 3>;
 
 constexpr Pixel kOrange = {255, 149, 0};
 constexpr Pixel kBlack = {0, 0, 0};
-
-/// The column of a name. @throws ConfigError
-std::size_t column_of(const CsvRow& head, const char* name) {
-  const auto found = std::ranges::find(head, name, &CsvField::text);
-  if (found == head.end()) {
-    throw ConfigError(
-        fmt::format("{}has no column {}; a table of points has name, x_mm, y_mm, z_mm",
-                    head.front().place.prefix(),
-                    name));
-  }
-  return static_cast<std::size_t>(found - head.begin());
-}
 
 /// A grey picture to draw on.
 class Canvas {
@@ -175,31 +164,13 @@ void check_size(const Picture& picture, const KnownCalibration& known, const fs:
 }  // namespace
 
 std::vector<NamedPoint> parse_points(std::string_view text, const std::string& file) {
-  const std::vector<CsvRow> rows = parse_csv(text, file, '#');
-  if (rows.size() < 2) {
-    throw ConfigError(fmt::format("{}: has no points", file));
-  }
-  const std::size_t name = column_of(rows[0], "name");
+  const PointTable table(text, file, "a table of points has name, x_mm, y_mm, z_mm");
+  const std::size_t name = table.column("name");
   const std::array<std::size_t, 3> axes = {
-      column_of(rows[0], "x_mm"), column_of(rows[0], "y_mm"), column_of(rows[0], "z_mm")};
+      table.column("x_mm"), table.column("y_mm"), table.column("z_mm")};
   std::vector<NamedPoint> points;
-  for (std::size_t i = 1; i < rows.size(); ++i) {
-    if (rows[i].size() != rows[0].size()) {
-      throw ConfigError(fmt::format("{}has {} fields, must have {}",
-                                    rows[i].front().place.prefix(),
-                                    rows[i].size(),
-                                    rows[0].size()));
-    }
-    NamedPoint point{.name = rows[i][name].text};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const CsvField& field = rows[i][axes[k]];
-      const auto value = field.number();
-      if (!value || !std::isfinite(*value)) {
-        throw ConfigError(fmt::format("{}'{}' must be a number", field.place.prefix(), field.text));
-      }
-      point.base_mm[static_cast<Eigen::Index>(k)] = *value;
-    }
-    points.push_back(std::move(point));
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    points.push_back({.name = table.field(i, name).text, .base_mm = table.point(i, axes)});
   }
   return points;
 }

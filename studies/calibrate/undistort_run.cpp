@@ -2,6 +2,7 @@
 #include "studies/calibrate/undistort_run.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <optional>
 #include <set>
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "core/image/exr_layers.h"
 #include "core/image/image_io.h"
 #include "core/thread_pool.h"
 #include "hardware/poses/camera_file.h"
@@ -50,7 +52,7 @@ void check_options(const UndistortOptions& options, const fs::path& out) {
   }
   std::vector<std::string> names = {"camera.toml", "run.json"};
   for (const std::string& stem : written_stems(options.pictures)) {
-    names.insert(names.end(), {stem + ".png", stem + ".exr"});
+    names.insert(names.end(), {stem + ".png", stem + ".exr", stem + ".tiff"});
   }
   check_result_folder(out, ResultKind::kUndistort, names);
   std::vector<fs::path> inputs = options.pictures;
@@ -93,18 +95,47 @@ std::string camera_toml(const PinholeIntrinsics& camera) {
       camera.center_px.y());
 }
 
+/// One channel, or red, green and blue.
+std::vector<ImageF> channels_of(const Picture& picture, const fs::path& file) {
+  if (picture.channels >= 3) {
+    return read_colours(file);
+  }
+  return {linear_values(picture.pixels)};
+}
+
+void write_floats(const fs::path& path, const std::vector<ImageF>& channels) {
+  if (channels.size() == 1) {
+    write_exr(path, channels[0]);
+    return;
+  }
+  write_exr_channels(path,
+                     channels[0].width(),
+                     channels[0].height(),
+                     std::array{exr_channel("R", channels[0]),
+                                exr_channel("G", channels[1]),
+                                exr_channel("B", channels[2])});
+}
+
 /// @return the name of the file
 std::string write_picture(const fs::path& folder,
                           const std::string& stem,
                           const Picture& picture,
-                          const ImageF& image) {
+                          const std::vector<ImageF>& channels) {
+  const bool is_colour = channels.size() == 3;
+  const char* const ending = picture.is_float                ? ".exr"
+                             : is_colour && picture.bits > 8 ? ".tiff"
+                                                             : ".png";
+  const fs::path path = folder / (stem + ending);
   if (picture.is_float) {
-    write_exr(folder / (stem + ".exr"), image);
-    return stem + ".exr";
+    write_floats(path, channels);
+  } else if (is_colour && picture.bits > 8) {
+    write_tiff(path, channels);
+  } else if (is_colour) {
+    write_png(path, rgb_of(channels));
+  } else {
+    write_png(path, channels[0], picture.bits > 8 ? PixelDepth::k16Bit : PixelDepth::k8Bit);
   }
-  write_png(
-      folder / (stem + ".png"), image, picture.bits > 8 ? PixelDepth::k16Bit : PixelDepth::k8Bit);
-  return stem + ".png";
+  return stem + ending;
 }
 
 }  // namespace
@@ -127,10 +158,13 @@ Json undistort_pictures(const UndistortOptions& options) {
     if (!undistortion) {
       undistortion.emplace(camera, pool);
     }
-    const ImageF image = (*undistortion)(linear_values(picture.pixels), pool);
+    std::vector<ImageF> channels = channels_of(picture, file);
+    for (ImageF& channel : channels) {
+      channel = (*undistortion)(channel, pool);
+    }
     pictures.push_back(
         {{"file", file.string()},
-         {"written", write_picture(writer.path(), file.stem().string(), picture, image)}});
+         {"written", write_picture(writer.path(), file.stem().string(), picture, channels)}});
   }
   write_file(writer.path() / "camera.toml", camera_toml(camera));
   writer.finish({{"pictures", pictures.size()}}, start);

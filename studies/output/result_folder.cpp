@@ -39,6 +39,7 @@ constexpr std::array<KindNames, 16> kKinds = {
      {ResultKind::kSensor, "calibrate --sensor", "sensor"},
      {ResultKind::kPlan, "calibrate --plan", "plan"},
      {ResultKind::kPoints, "calibrate --points", "points"},
+     {ResultKind::kPlace, "calibrate --place", "place"},
      {ResultKind::kUndistort, "undistort", "undistort"},
      {ResultKind::kCover, "cover", "cover"},
      {ResultKind::kCompare, "compare", "compare"},

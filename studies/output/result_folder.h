@@ -25,6 +25,7 @@ enum class ResultKind {
   kSensor,
   kPlan,
   kPoints,
+  kPlace,
   kUndistort,
   kCover,
   kCompare,
@@ -34,8 +35,8 @@ enum class ResultKind {
 
 /// As it is typed: "run", "render", "imprint", "imprint --preview_tools", "inspect", "frontier",
 /// "calibrate", "calibrate --print_board", "calibrate --sensor", "calibrate --plan",
-/// "calibrate --points", "undistort", "cover",
-/// "compare", "validate", "cell grab".
+/// "calibrate --points", "calibrate --place", "undistort", "cover", "compare", "validate",
+/// "cell grab".
 std::string_view command_of(ResultKind kind);
 
 /// Whose results a folder holds: by the field "verb" of its run.json, in folders of older versions

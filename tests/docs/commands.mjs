@@ -6,7 +6,8 @@
 // after the other, each page in a folder of its own that holds what a clone holds of what commands
 // read. A command must exit 0, or with what its comment says ("# ... exit 1"); where a page
 // names files below out/ they must be there in its end. Blocks without a mark are refused: ```sh is
-// what a reader types, ```text what is printed. A block ```toml NAME is written to the file NAME.
+// what a reader types, ```text what is printed. A block ```toml NAME or ```csv NAME is written to the file
+// NAME.
 //
 // What is not run, run in another way, or made shorter stands in the tables below, each with its
 // reason; a row that nothing on any page needs is refused, too. Without PAGEs: README.md, docs/*.md
@@ -167,7 +168,7 @@ class Follower {
     for (const block of blocksOf(text)) {
       if (!block.mark) {
         this.fail(block.line, "a block without a mark: ```sh for commands, ```text for others");
-      } else if (block.mark === "toml" && block.name) {
+      } else if (["toml", "csv"].includes(block.mark) && block.name) {
         fs.writeFileSync(path.join(this.folder, block.name), block.lines.join("\n"));
       } else if (block.mark === "sh") {
         commandsOf(block).forEach((command) => this.run(command));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What `glint calibrate` refuses: one line, exit code 2 or 3, nothing left behind.
+#include "core/csv.h"
 #include "core/image/image_io.h"
+#include "core/text.h"
 #include "tests/studies/calibrate/calibrate_fixture.h"
 
 namespace glint::test {
@@ -249,6 +251,37 @@ TEST_F(CalibrateErrors, ACameraOfAnotherSizeIsTold) {
   expect_refused({"grey1.png"},
                  {"--board", "board.toml", "--camera", "camera.toml"},
                  "camera.toml: is a camera of 100 x 60 pixels, the pictures have 80 x 60");
+}
+
+// Half of the pictures of a robot with its board pushed by 15 mm in its grip: as if the flange had
+// been elsewhere.
+TEST_F(CalibrateErrors, ABoardThatMovedMidwayIsToldWithTheTwoPictures) {
+  if (board_on_robot().result.is_null()) {
+    GTEST_SKIP() << "no photographs";
+  }
+  const fs::path set = photographs("calibration/board_on_robot");
+  const auto rows = parse_csv(read_file(set / "poses.csv"), "poses.csv");
+  std::string moved;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::vector<std::string> fields;
+    for (const CsvField& field : rows[i]) {
+      fields.push_back(field.text);
+    }
+    for (std::size_t row = 0; row < 3 && i >= rows.size() / 2; ++row) {
+      const double x = *rows[i][1 + 4 * row].number();
+      fields[4 + 4 * row] = shortest(*rows[i][4 + 4 * row].number() + 15.0 * x);
+    }
+    moved += csv_row(fields);
+  }
+  write_file(folder_ / "moved.csv", moved);
+  expect_refused({},
+                 {"--from",
+                  (board_on_robot().folder / "out/corners.csv").string(),
+                  "--board",
+                  (set / "board.json").string(),
+                  "--poses",
+                  "moved.csv"},
+                 "moved between pictures");
 }
 
 }  // namespace

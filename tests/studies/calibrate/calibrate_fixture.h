@@ -34,6 +34,59 @@ inline Arguments files_in(const std::filesystem::path& folder,
   return files;
 }
 
+/// A calibration that several tests look at and none changes.
+struct SharedCalibration {
+  TemporaryFolder folder;  ///< its files in out/
+  nlohmann::json result;   ///< null: the photographs are not there
+};
+
+/// @param more  arguments after the pictures
+inline void make_calibration(SharedCalibration& made,
+                             const Arguments& pictures,
+                             const Arguments& more) {
+  Arguments all = {"calibrate"};
+  all.insert(all.end(), pictures.begin(), pictures.end());
+  all.insert(all.end(), more.begin(), more.end());
+  all.insert(all.end(), {"--out", "out", "--json"});
+  const ProgramResult done = glint_in(made.folder, all);
+  EXPECT_EQ(done.code, 0) << done.err;
+  made.result = done.out.empty() ? nlohmann::json() : nlohmann::json::parse(done.out);
+}
+
+/// The camera beside a robot that holds the board.
+inline const SharedCalibration& board_on_robot() {
+  static const SharedCalibration& shared = []() -> const SharedCalibration& {
+    static SharedCalibration made;
+    const std::filesystem::path set = photographs("calibration/board_on_robot");
+    if (std::filesystem::exists(set)) {
+      make_calibration(
+          made,
+          files_in(set, "img", ".png"),
+          {"--board", (set / "board.json").string(), "--poses", (set / "poses.csv").string()});
+    }
+    return made;
+  }();
+  return shared;
+}
+
+/// The camera on an arm over a board in the cell.
+inline const SharedCalibration& franka() {
+  static const SharedCalibration& shared = []() -> const SharedCalibration& {
+    static SharedCalibration made;
+    const std::filesystem::path set = photographs("field/handeye_franka");
+    if (std::filesystem::exists(set)) {
+      write_file(made.folder / "board.toml", "[board]\ncols = 9\nrows = 6\nsquare_mm = 23.6\n");
+      Arguments more = {
+          "--board", "board.toml", "--camera", (set / "franka_camera.xml").string(), "--poses"};
+      const Arguments poses = files_in(set, "franka_pose_rPe_", ".yaml");
+      more.insert(more.end(), poses.begin(), poses.end());
+      make_calibration(made, files_in(set, "franka_image-", ".png"), more);
+    }
+    return made;
+  }();
+  return shared;
+}
+
 /// `glint calibrate` in a folder of its own.
 class CalibrateVerb : public ::testing::Test {
  protected:

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What people see of a calibration: page, corners, check, straight pictures, plan, points.
+#include <array>
 #include <cmath>
 #include <regex>
 
 #include <Eigen/Geometry>
 
 #include "core/csv.h"
+#include "core/image/exr_layers.h"
 #include "core/image/image_io.h"
 #include "simulator/camera/pinhole_camera.h"
 #include "tests/studies/calibrate/calibrate_fixture.h"
@@ -92,7 +94,8 @@ TEST_F(CalibrateOutput, CornersOfARobotsPicturesGiveTheSameHandEye) {
   const fs::path set = photographs("calibration/board_on_robot");
   const Arguments robot = {
       "--board", (set / "board.json").string(), "--poses", (set / "poses.csv").string()};
-  const Json result = calibrate_json(files_in(set, "img", ".png"), robot);
+  const Json& result = board_on_robot().result;
+  fs::copy(board_on_robot().folder / "out", folder_ / "out");
   Arguments from = {"calibrate", "--from", "out/corners.csv", "--out", "again"};
   from.insert(from.end(), robot.begin(), robot.end());
   const Json again = result_of(from);
@@ -125,8 +128,7 @@ TEST_F(CalibrateOutput, CheckByPosesFindsACameraThatWasMoved) {
   const fs::path set = photographs("calibration/board_on_robot");
   const Arguments pictures = files_in(set, "img0", ".png");
   const std::string poses = (set / "poses.csv").string();
-  calibrate_json(files_in(set, "img", ".png"),
-                 {"--board", (set / "board.json").string(), "--poses", poses});
+  fs::copy(board_on_robot().folder / "out", folder_ / "out");
   // img02 is wrong in the set itself.
   std::string chosen = read_file(poses);
   chosen = std::regex_replace(chosen, std::regex("[^\n]*(img1|img02)[^\n]*\n"), "");
@@ -184,6 +186,41 @@ TEST_F(CalibrateOutput, UndistortWritesStraightPicturesOfTheSameDepthAndTheirCam
   EXPECT_EQ(fixed["intrinsics"]["radial"], Json({0.0, 0.0, 0.0}));
 }
 
+TEST_F(CalibrateOutput, UndistortKeepsColour) {
+  write_file(folder_ / "camera.toml",
+             "[camera]\nwidth_px = 64\nheight_px = 48\nfocal_x_px = 90\nk1 = -0.1\n");
+  const std::vector<ImageF> colours = {
+      ImageF(64, 48, 0.8F), ImageF(64, 48, 0.4F), ImageF(64, 48, 0.2F)};
+  write_png(folder_ / "eight.png", rgb_of(colours));
+  write_tiff(folder_ / "sixteen.tiff", colours);
+  write_exr_channels(folder_ / "float.exr",
+                     64,
+                     48,
+                     std::array{exr_channel("R", colours[0]),
+                                exr_channel("G", colours[1]),
+                                exr_channel("B", colours[2])});
+  const Json result = result_of({"undistort",
+                                 "eight.png",
+                                 "sixteen.tiff",
+                                 "float.exr",
+                                 "--camera",
+                                 "camera.toml",
+                                 "--out",
+                                 "straight"});
+  const std::array<int, 3> bits = {8, 16, 32};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const fs::path file =
+        folder_ / "straight" / result["pictures"][i]["written"].get<std::string>();
+    const Picture picture = read_picture(file);
+    EXPECT_EQ(picture.channels, 3) << file;
+    EXPECT_EQ(picture.bits, bits[i]) << file;
+    const std::vector<ImageF> straight = read_colours(file);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR(straight[k](32, 24), colours[k](32, 24), i == 0 ? 2e-3 : 2e-5) << file;
+    }
+  }
+}
+
 TEST_F(CalibrateOutput, UndistortRefusesWhatDoesNotGoTogether) {
   write_png(folder_ / "a.png", ImageF(64, 48, 0.5F), PixelDepth::k8Bit);
   write_file(folder_ / "camera.toml", "[camera]\nwidth_px = 65\nheight_px = 48\nfocal_x_px = 90\n");
@@ -236,9 +273,8 @@ TEST_F(CalibrateOutput, PlanGivesPosesThatThePosesReaderTakes) {
 TEST_F(CalibrateOutput, PlanForARobotIsInItsBaseAndPointsFallWhereTheBoardIs) {
   const fs::path set = photographs("calibration/board_on_robot");
   const Arguments pictures = files_in(set, "img", ".png");
-  const Json result = calibrate_json(
-      pictures,
-      {"--board", (set / "board.json").string(), "--poses", (set / "poses.csv").string()});
+  const Json& result = board_on_robot().result;
+  fs::copy(board_on_robot().folder / "out", folder_ / "out");
   const Json plan = result_of({"calibrate", "--plan", "5", "--camera", "out", "--out", "plan"});
   EXPECT_EQ(plan["pose"], "base_from_flange");
   EXPECT_THAT(read_file(folder_ / "plan/poses.toml"),

@@ -90,13 +90,10 @@ TEST_F(CalibrateVerb, MakesASceneTakeTheCameraByInclude) {
 }
 
 TEST_F(CalibrateVerb, FindsTheCameraBesideARobot) {
-  const fs::path set = photographs("calibration/board_on_robot");
-  if (!fs::exists(set)) {
-    GTEST_SKIP() << "no " << set;
+  const Json& result = board_on_robot().result;
+  if (result.is_null()) {
+    GTEST_SKIP() << "no photographs";
   }
-  const Json result = calibrate_json(
-      files_in(set, "img", ".png"),
-      {"--board", (set / "board.json").string(), "--poses", (set / "poses.csv").string()});
   EXPECT_EQ(result["setup"], "eye_to_hand");
   EXPECT_EQ(rejected(result), (std::set<std::string>{"img02.png", "img17.png"}));
   EXPECT_LE(result["prediction_rms_px"].get<double>(), 0.75);
@@ -121,13 +118,11 @@ TEST_F(CalibrateVerb, FindsTheCameraBesideARobot) {
 // The robot holds the board before the camera: a scene with a plate where the board is, seen at a
 // pose of the flange.
 TEST_F(CalibrateVerb, PlacesTheCameraOfASceneByTheFlange) {
-  const fs::path set = photographs("calibration/board_on_robot");
-  if (!fs::exists(set)) {
-    GTEST_SKIP() << "no " << set;
+  const Json& result = board_on_robot().result;
+  if (result.is_null()) {
+    GTEST_SKIP() << "no photographs";
   }
-  const Json result = calibrate_json(
-      files_in(set, "img", ".png"),
-      {"--board", (set / "board.json").string(), "--poses", (set / "poses.csv").string()});
+  fs::copy(board_on_robot().folder / "out", folder_ / "out");
   const ConfigNode root = load_toml(folder_ / "out/calibration.toml");
   EXPECT_EQ(root.find("schema")->integer, 2);
   EXPECT_EQ(root.at_path("calibration.setup")->text, "eye_to_hand");
@@ -168,7 +163,7 @@ TEST_F(CalibrateVerb, FindsTheCameraOnAFrankaArm) {
       "--board", "board.toml", "--camera", (set / "franka_camera.xml").string(), "--poses"};
   const Arguments poses = files_in(set, "franka_pose_rPe_", ".yaml");
   more.insert(more.end(), poses.begin(), poses.end());
-  const Json result = calibrate_json(files_in(set, "franka_image-", ".png"), more);
+  const Json& result = franka().result;
   EXPECT_EQ(result["setup"], "eye_in_hand");
   EXPECT_THAT(result["notes"].dump(), HasSubstr("setup = \\\"eye_in_hand\\\": guessed"));
   EXPECT_EQ(rejected(result), std::set<std::string>());
@@ -177,7 +172,6 @@ TEST_F(CalibrateVerb, FindsTheCameraOnAFrankaArm) {
   EXPECT_NEAR(result["hand_eye"]["scatter_mm"].get<double>(), 5.42, 0.1);
   EXPECT_GT(result["noise"]["robot_mm"], 1.0);
 
-  fs::remove_all(folder_ / "out");
   Arguments with_prior = more;
   with_prior.insert(with_prior.end(), {"--set", "prior.focal_px=2", "--set", "prior.center_px=1"});
   const Json prior = calibrate_json(files_in(set, "franka_image-", ".png"), with_prior);

@@ -28,10 +28,10 @@ constexpr std::array kAll = {ResultKind::kRun,
                              ResultKind::kSensor,
                              ResultKind::kPlan,
                              ResultKind::kPoints,
+                             ResultKind::kPlace,
                              ResultKind::kUndistort,
                              ResultKind::kCover,
                              ResultKind::kCompare,
-
                              ResultKind::kGrab};
 
 const std::vector<std::string> kNames = {"result.json", "report.html", "baseline"};

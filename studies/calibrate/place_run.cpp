@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/calibrate/place_run.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/config/key_writer.h"
+#include "core/config/toml.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/units.h"
+#include "studies/calibrate/place_file.h"
+#include "studies/calibrate/place_pictures.h"
+#include "studies/output/result_folder.h"
+#include "studies/output/result_writer.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Eigen::Index;
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using Json = nlohmann::ordered_json;
+
+const std::array<std::string, 3> kNames = {"placement.toml", "placement.json", "run.json"};
+
+/// Keys of --set place.; 0: from what remains.
+struct PlaceSettings {
+  double sigma_mm = 0.0;
+  double sigma_px = 0.0;
+};
+
+void visit_keys(KeyVisitor& keys, PlaceSettings& s) {
+  keys.number("sigma_mm",
+              s.sigma_mm,
+              Range::at_least(0),
+              "of a touched point along one axis; 0 = from what remains");
+  keys.number("sigma_px",
+              s.sigma_px,
+              Range::at_least(0),
+              "of a point in a picture along one axis; 0 = from what remains");
+}
+
+bool is_of_place(const KeyValue& set) {
+  return set.path.starts_with("place.");
+}
+
+/// What the readers of poses take.
+std::vector<KeyValue> sets_of_poses(const std::vector<KeyValue>& sets) {
+  std::vector<KeyValue> others;
+  for (const KeyValue& set : sets) {
+    if (!is_of_place(set)) {
+      if (!set.path.starts_with("convention.") && !set.path.starts_with("poses.")) {
+        throw ConfigError(fmt::format(
+            "--set: {}: must begin with \"place.\", like place.sigma_mm=0.05, \"convention.\" or "
+            "\"poses.\"",
+            set.path));
+      }
+      others.push_back(set);
+    }
+  }
+  return others;
+}
+
+PlaceSettings settings_of(const std::vector<KeyValue>& sets) {
+  ConfigNode root = ConfigNode::table();
+  for (const KeyValue& set : sets) {
+    if (is_of_place(set)) {
+      ConfigNode value = parse_override(set.value);
+      value.place = {.file = "--set"};
+      set_path(root, set.path, std::move(value));
+    }
+  }
+  PlaceSettings settings;
+  std::vector<Problem> errors;
+  KeyReader reader(root.find("place"), "place", errors);
+  visit_keys(reader, settings);
+  reader.report_unknown();
+  throw_if_any(errors);
+  return settings;
+}
+
+Json vector_json(const Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+/// Root of the sum of three variances.
+double sigma_of(const Matrix6d& covariance, Index first) {
+  return std::sqrt(covariance.diagonal().segment<3>(first).sum());
+}
+
+Json pose_json(const PlacedPart& placed, bool is_on_flange) {
+  Json rows = Json::array();
+  for (Index i = 0; i < 6; ++i) {
+    Json row = Json::array();
+    for (Index k = 0; k < 6; ++k) {
+      row.push_back(placed.covariance(i, k));
+    }
+    rows.push_back(std::move(row));
+  }
+  return {{"from", "part"},
+          {"to", is_on_flange ? "flange" : "base"},
+          {"rotation_vector_rad", vector_json(rotation_vector_rad(placed.base_from_part.linear()))},
+          {"translation_mm", vector_json(placed.base_from_part.translation())},
+          {"sigma_deg", sigma_of(placed.covariance, 0) * kDegPerRad},
+          {"sigma_mm", sigma_of(placed.covariance, 3)},
+          {"covariance", std::move(rows)}};
+}
+
+// --- Touched points ------------------------------------------------------------------------------
+
+Placement by_touch(const TouchedPoints& points, const fs::path& file, double sigma_mm) {
+  const auto sigma = sigma_mm > 0.0 ? std::optional(sigma_mm) : std::nullopt;
+  const auto placed = place_by_points(points.part_mm, points.base_mm, sigma);
+  if (!placed.has_value()) {
+    throw ConfigError(fmt::format(
+        "{}: {} points do not tell the part's place: it needs 3 that are not on one line, or 4 "
+        "where --set place.sigma_mm does not tell how well they were touched",
+        file.string(),
+        points.names.size()));
+  }
+  Json list = Json::array();
+  for (std::size_t i = 0; i < points.names.size(); ++i) {
+    const Vector3d off = placed->base_from_part * points.part_mm[i] - points.base_mm[i];
+    list.push_back({{"name", points.names[i]}, {"distance_mm", off.norm()}});
+  }
+  return {.placed = *placed,
+          .told = {{"by", "touched points"}, {"rms_mm", placed->rms}, {"points", std::move(list)}}};
+}
+
+// --- Several placements --------------------------------------------------------------------------
+
+Placement placement_of(const fs::path& file,
+                       const CalibrateOptions& options,
+                       const PlaceSettings& settings) {
+  const PlaceFile read = read_place_file(file);
+  Placement placement;
+  if (const auto* touched = std::get_if<TouchedPoints>(&read)) {
+    placement = by_touch(*touched, file, settings.sigma_mm);
+  } else if (const auto* seen = std::get_if<std::vector<SeenPoint>>(&read)) {
+    placement = place_by_seen_points(*seen, file, options, settings.sigma_px);
+  } else if (const auto* offset = std::get_if<BoardOffset>(&read)) {
+    placement = place_by_seen_board(*offset, options);
+  } else {
+    const auto& earlier = std::get<EarlierPlacement>(read);
+    placement = {.placed = earlier.placed,
+                 .is_on_flange = earlier.is_on_flange,
+                 .told = {{"by", "placement"}}};
+  }
+  Json told = {{"file", file.string()}};
+  told.update(placement.told);
+  told["pose"] = pose_json(placement.placed, placement.is_on_flange);
+  placement.told = std::move(told);
+  return placement;
+}
+
+/// The mean of placements and how well the next one is known: along each axis by how far they lie
+/// apart, or by what is known of each, whichever is more.
+struct Joined {
+  PlacedPart placed;
+  Json spread;
+};
+
+Joined joined(const std::vector<Placement>& placements) {
+  if (placements.size() == 1) {
+    return {.placed = placements[0].placed, .spread = nullptr};
+  }
+  std::vector<Isometry3d> poses;
+  for (const Placement& placement : placements) {
+    poses.push_back(placement.placed.base_from_part);
+  }
+  const auto count = static_cast<double>(poses.size());
+  Joined result{.placed = {.base_from_part = mean_pose(poses)}};
+  Matrix6d apart = Matrix6d::Zero();
+  Matrix6d known = Matrix6d::Zero();
+  double farthest_mm = 0.0;
+  for (const Placement& placement : placements) {
+    const Vector6d step =
+        six_of(result.placed.base_from_part.inverse() * placement.placed.base_from_part);
+    apart += step * step.transpose() / (count - 1.0);
+    known += placement.placed.covariance / count;
+    farthest_mm = std::max(farthest_mm, step.tail<3>().norm());
+  }
+  const Vector6d scale = (known.diagonal().cwiseQuotient(apart.diagonal().cwiseMax(1e-300)))
+                             .cwiseMax(1.0)
+                             .cwiseMin(1e12)
+                             .cwiseSqrt();
+  result.placed.covariance = scale.asDiagonal() * apart * scale.asDiagonal();
+  result.spread = {{"placements", placements.size()},
+                   {"deg", sigma_of(apart, 0) * kDegPerRad},
+                   {"mm", sigma_of(apart, 3)},
+                   {"farthest_mm", farthest_mm},
+                   {"known_deg", sigma_of(known, 0) * kDegPerRad},
+                   {"known_mm", sigma_of(known, 3)}};
+  return result;
+}
+
+void check_same_parent(const std::vector<fs::path>& files,
+                       const std::vector<Placement>& placements) {
+  for (std::size_t i = 1; i < placements.size(); ++i) {
+    if (placements[i].is_on_flange != placements[0].is_on_flange) {
+      throw ConfigError(fmt::format("{}: is of a part {}, {} of one {}",
+                                    files[i].string(),
+                                    placements[i].is_on_flange ? "on the flange" : "in the cell",
+                                    files[0].string(),
+                                    placements[0].is_on_flange ? "on the flange" : "in the cell"));
+    }
+  }
+}
+
+std::string placement_toml(const PlacedPart& placed, bool is_on_flange) {
+  CellSettings cell;
+  (is_on_flange ? cell.flange_from_part : cell.base_from_part) = measured_pose(placed);
+  ConfigNode table = ConfigNode::table();
+  KeyWriter writer(table);
+  visit_keys(writer, cell);
+  ConfigNode root = ConfigNode::table();
+  set_path(root, "schema", ConfigNode::from_integer(kNewestSchema));
+  set_path(root, "cell", std::move(table));
+  return "# glint calibrate --place: include = [\"placement.toml\"] in a scene puts the part "
+         "here\n" +
+         to_toml(root);
+}
+
+void check_files(const std::vector<fs::path>& files,
+                 const CalibrateOptions& options,
+                 const fs::path& out) {
+  check_result_folder(out, ResultKind::kPlace, kNames);
+  std::vector<fs::path> inputs = files;
+  inputs.insert(inputs.end(), options.pictures.begin(), options.pictures.end());
+  inputs.insert(inputs.end(), options.poses.begin(), options.poses.end());
+  inputs.push_back(options.board);
+  check_inputs_kept(inputs, out, kNames);
+}
+
+Json notes_of(const std::vector<Placement>& placements) {
+  Json notes = Json::array();
+  for (const Placement& placement : placements) {
+    const std::string file = placement.told["file"].get<std::string>();
+    if (placement.told.value("point_sigma", "") == "assumed") {
+      notes.push_back(fmt::format(
+          "{}: too few points to tell how well they were found: 0.5 px; --set place.sigma_px "
+          "overrules",
+          file));
+    }
+    if (placement.told.contains("note")) {
+      notes.push_back(fmt::format("{}: {}", file, placement.told["note"].get<std::string>()));
+    }
+    if (placement.placed.covariance.isZero(0.0)) {
+      notes.push_back(fmt::format("{}: how well the place is known is not told", file));
+    }
+  }
+  return notes;
+}
+
+}  // namespace
+
+Json place_part(const std::vector<fs::path>& files, const CalibrateOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const fs::path out =
+      options.out.empty() ? default_result_folder(files.front().stem().string(), ResultKind::kPlace)
+                          : options.out;
+  check_files(files, options, out);
+  const PlaceSettings settings = settings_of(options.sets);
+  CalibrateOptions reading = options;
+  reading.sets = sets_of_poses(options.sets);
+  std::vector<Placement> placements;
+  for (const fs::path& file : files) {
+    placements.push_back(placement_of(file, reading, settings));
+  }
+  check_same_parent(files, placements);
+  const Joined result = joined(placements);
+  const bool is_on_flange = placements.front().is_on_flange;
+  Json json = {{"schema", 1}, {"status", "done"}};
+  json[is_on_flange ? "flange_from_part" : "base_from_part"] =
+      pose_json(result.placed, is_on_flange);
+  json["placements"] = Json::array();
+  for (const Placement& placement : placements) {
+    json["placements"].push_back(placement.told);
+  }
+  json["spread"] = result.spread;
+  json["notes"] = notes_of(placements);
+  ResultWriter writer(out, ResultKind::kPlace);
+  write_file(writer.path() / "placement.toml", placement_toml(result.placed, is_on_flange));
+  write_file(writer.path() / "placement.json", json.dump(2) + "\n");
+  writer.finish({{"placements", placements.size()}}, start);
+  json["folder"] = out.string();
+  return json;
+}
+
+}  // namespace glint

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "cli/acquire/acquire.h"
 #include "cli/commands.h"
 
 namespace CLI {
@@ -26,6 +27,7 @@ struct CommandLine {
   CoverArguments cover;
   UndistortArguments undistort;
   CellArguments cell;
+  AcquireArguments acquire;
   ReportArguments report;
   PartArguments part;
   NewArguments fresh;

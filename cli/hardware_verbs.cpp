@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/acquire/acquire.h"
 #include "cli/shell/options.h"
 
 namespace glint {
@@ -285,6 +286,50 @@ void add_cell_verb(CLI::App& app, CommandLine& line) {
   add_cell_twin_options(*cell, arguments);
 }
 
+int acquire_command(const AcquireArguments& arguments, const CommonArguments& common) {
+  const AcquireAnswer answer = run_acquire(arguments, common.is_json || common.is_quiet);
+  print_result(common, answer.json, answer.text);
+  return answer.exit_code;
+}
+
+void add_acquire_verb(CLI::App& app, CommandLine& line) {
+  AcquireArguments& arguments = line.acquire;
+  CLI::App* acquire = add_verb(
+      app,
+      "acquire",
+      "real pictures from planned views: the robot moves",
+      "glint acquire out/run/winner/scene.toml --cell cell.toml --out out/acquired --move\n"
+      "  glint acquire out/plan --cell cell.toml --dry_run",
+      line,
+      [](const CommandLine& given) { return acquire_command(given.acquire, given.common); });
+  acquire
+      ->add_option("SCENE|PLAN",
+                   arguments.source,
+                   "a scene, plan.json, or a folder with one; without it the cell's own views")
+      ->type_name("FILE");
+  acquire->add_option("--cell", arguments.cell, "the cell's file")
+      ->type_name("FILE")
+      ->required()
+      ->check(not_empty());
+  add_out(*acquire, arguments.out, "folder for the pictures (default out/<folder>/acquire)");
+  acquire->add_flag(
+      "--move", arguments.is_move, "let the robot move: type it when nobody is within its reach");
+  acquire->add_flag(
+      "--dry_run", arguments.is_dry_run, "tell what would be done; connects to nothing");
+  acquire->add_option("--twin", arguments.twin, "ports of this ready file instead of the cell's")
+      ->type_name("FILE")
+      ->check(not_empty());
+  acquire->add_option("--speed_share", arguments.speed_share, "of the cell's limits of speed")
+      ->type_name("SHARE")
+      ->capture_default_str()
+      ->check(CLI::Range(0.01, 1.0).description("0.01 to 1"));
+  acquire
+      ->add_option("--confirmed",
+                   arguments.confirmed,
+                   "manual lights that are as they should be; others are asked for at the terminal")
+      ->type_name("NAME");
+}
+
 }  // namespace
 
 void add_hardware_verbs(CLI::App& app, CommandLine& line) {
@@ -294,6 +339,7 @@ void add_hardware_verbs(CLI::App& app, CommandLine& line) {
   add_validate_verb(app, line);
   add_cover_verb(app, line);
   add_cell_verb(app, line);
+  add_acquire_verb(app, line);
 }
 
 }  // namespace glint

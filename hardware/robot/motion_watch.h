@@ -49,7 +49,8 @@ class MotionWatch {
   const ArmWithTool& arm_;
   const UrSettings& settings_;
   double begin_by_s_;
-  double end_by_s_;
+  double longest_s_;                    ///< that the motion may take, by the controller's clock
+  std::optional<double> end_by_stamp_;  ///< of that clock, once a package has told the time
   bool has_begun_ = false;
   std::optional<double> stopped_at_s_;  ///< when the program was first seen not to run any more
   std::string message_;                 ///< the controller's reason

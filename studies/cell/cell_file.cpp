@@ -12,8 +12,16 @@ namespace glint {
 namespace {
 
 constexpr std::array<std::string_view, 2> kLightKinds = {"digital_output", "manual"};
-constexpr std::array<std::string_view, 8> kTables = {
-    "camera", "robot", "limits", "lights", "calibration", "twin", "safe_position", "view"};
+constexpr std::array<std::string_view, 10> kTables = {"camera",
+                                                      "robot",
+                                                      "limits",
+                                                      "lights",
+                                                      "stage",
+                                                      "acquisition",
+                                                      "calibration",
+                                                      "twin",
+                                                      "safe_position",
+                                                      "view"};
 
 Problem wrong_type(const ConfigNode& node, std::string_view key, std::string text) {
   return {.kind = Problem::Kind::kWrongType,
@@ -161,6 +169,10 @@ void read_calibration(const ConfigNode& root, Cell& cell, std::vector<Problem>& 
 void read_twin(const ConfigNode& root, Cell& cell, std::vector<Problem>& errors) {
   KeyReader reader(root.find("twin"), "twin", errors);
   reader.file("truth", cell.truth, "scene with a table [truth] that the camera's twin renders");
+  reader.number("motion_speedup",
+                cell.motion_speedup,
+                Range::between(0.1, 100),
+                "how much faster than real time the robot's twin moves");
   reader.report_unknown();
 }
 
@@ -256,6 +268,9 @@ Cell read_cell(const std::filesystem::path& path) {
   cell.robot = read_table<UrSettings>(root, "robot", errors);
   cell.limits = read_table<MotionLimits>(root, "limits", errors).value_or(MotionLimits{});
   cell.lights = read_lights(root, errors);
+  cell.stage = read_table<CellStage>(root, "stage", errors);
+  cell.acquisition =
+      read_table<PictureLimits>(root, "acquisition", errors).value_or(PictureLimits{});
   read_calibration(root, cell, errors);
   read_twin(root, cell, errors);
   cell.safe_positions = read_positions(root, "safe_position", false, errors);

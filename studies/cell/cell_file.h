@@ -6,6 +6,8 @@
 //     [robot]             model, host, TCP, payload (hardware/robot/ur_settings.h)
 //     [limits]            speeds and the box; without default (hardware/robot/motion_limits.h)
 //     [lights.ring]       a digital output, or a person
+//     [stage]             what moves a tunnel's stripes (cell_stage.h)
+//     [acquisition]       which pictures are kept (hardware/acquisition/picture_check.h)
 //     [calibration]       what `glint calibrate` wrote
 //     [twin]              what its twins are in truth
 //     [[safe_position]]   where the arm waits
@@ -20,7 +22,9 @@
 #include <vector>
 
 #include "core/config/keys.h"
+#include "hardware/acquisition/picture_check.h"
 #include "hardware/robot/ur_settings.h"
+#include "studies/cell/cell_stage.h"
 
 namespace glint {
 
@@ -76,8 +80,11 @@ struct Cell {
   std::optional<UrSettings> robot;
   MotionLimits limits;  ///< of the robot
   std::vector<CellLight> lights;
+  std::optional<CellStage> stage;
+  PictureLimits acquisition;
   std::filesystem::path calibration;  ///< calibration.toml; empty: none
   std::filesystem::path truth;        ///< a scene for twins of the camera; empty: none
+  double motion_speedup = 1.0;        ///< of the twin of the robot: how much faster its clock goes
   std::vector<CellPosition> safe_positions;
   std::vector<CellPosition> views;
 };

@@ -239,7 +239,8 @@ TwinServerSettings robot_twin_settings(const Cell& cell, std::optional<int> port
                .payload_kg = robot.payload_kg,
                .payload_cog_mm = Eigen::Map<const Eigen::Vector3d>(robot.payload_cog_mm.data())},
       .address = "127.0.0.1",
-      .ports = ports};
+      .ports = ports,
+      .speedup = cell.motion_speedup};
 }
 
 std::unique_ptr<ServingTwin> robot_twin_of(const Cell& cell, std::optional<int> port) {
@@ -259,6 +260,12 @@ Cell with_ports(Cell cell, const std::filesystem::path& ready_file) {
   const Json* camera = twin_in(ready, "camera");
   if (cell.camera && camera != nullptr) {
     cell.camera->address = camera->at("address").get<std::string>();
+  }
+  const Json* stage = twin_in(ready, "stage");
+  if (cell.stage && stage != nullptr) {
+    cell.stage->host = stage->at("address").get<std::string>();
+    cell.stage->device.clear();
+    cell.stage->port = stage->at("port").get<int>();
   }
   return cell;
 }

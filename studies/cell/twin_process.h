@@ -61,7 +61,7 @@ nlohmann::ordered_json robot_twin_description(const TwinServer& server);
 ///              those of the cell
 std::unique_ptr<ServingTwin> robot_twin_of(const Cell& cell, std::optional<int> port);
 
-/// A cell whose ports, and address of the camera, are those of a ready file.
+/// A cell whose ports, and addresses of camera and stage, are those of a ready file.
 Cell with_ports(Cell cell, const std::filesystem::path& ready_file);
 
 }  // namespace glint

@@ -96,6 +96,25 @@ void turn_off(LightSettings& settings) {
       settings);
 }
 
+bool shines(const LightSettings& settings) {
+  const auto has_any = [](const std::vector<double>& values) {
+    return std::ranges::any_of(values, [](double value) { return value > 0.0; });
+  };
+  return std::visit(
+      [&](const auto& light) {
+        using Light = std::decay_t<decltype(light)>;
+        if constexpr (kHasEmission<Light>) {
+          const LightEmission& emission = light.emission;
+          return has_any(emission.power_w.empty() ? emission.radiance : emission.power_w);
+        } else if constexpr (std::is_same_v<Light, IesLightSettings>) {
+          return has_any(light.scale);
+        } else {
+          return has_any(light.radiance);
+        }
+      },
+      settings);
+}
+
 /// Whether segments in one group have powers, which change the flux at power 1.
 bool has_joined_powers(const LightSettings& settings) {
   return std::visit(
@@ -164,6 +183,25 @@ void keep_lights(SceneSettings& scene, std::span<const std::string> names) {
       turn_off(light.settings);
     }
   }
+}
+
+std::vector<std::string> shining_lights(const SceneSettings& scene) {
+  std::vector<std::string> names;
+  if (scene.has_tunnel) {
+    names.push_back(scene.tunnel_name);
+  }
+  for (const NamedLight& light : scene.lights) {
+    if (shines(light.settings)) {
+      names.push_back(light.name);
+    }
+  }
+  return names;
+}
+
+StageScan stage_scan(const SceneSettings& scene) {
+  return scene.has_tunnel ? StageScan{.positions = scene.scan.positions,
+                                      .step_mm = scan_step_mm(scene.scan, scene.tunnel)}
+                          : StageScan{};
 }
 
 std::vector<NamedLight> without_powers(std::vector<NamedLight> lights) {

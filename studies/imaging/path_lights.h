@@ -32,6 +32,18 @@ TunnelSettings without_powers(TunnelSettings tunnel);
 /// that what was rendered at power 1 serves for any of them; a tunnel is taken away.
 void keep_lights(SceneSettings& scene, std::span<const std::string> names);
 
+/// Names of the tables of lights that shine: the tunnel, and those with any radiance or power.
+std::vector<std::string> shining_lights(const SceneSettings& scene);
+
+/// How the stripes of a scan are moved.
+struct StageScan {
+  int positions = 1;     ///< 1 without a tunnel
+  double step_mm = 0.0;  ///< from one to the next; 0 without a tunnel
+};
+
+/// @throws ConfigError as scan_step_mm()
+StageScan stage_scan(const SceneSettings& scene);
+
 /// @throws ConfigError, IoError as build_lights()
 UnitLights unit_lights(const SceneSettings& scene,
                        const LightMounts& mounts,

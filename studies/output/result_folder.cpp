@@ -27,24 +27,25 @@ struct KindNames {
   const char* folder;  ///< in out/<name>
 };
 
-constexpr std::array<KindNames, 16> kKinds = {
-    {{ResultKind::kRun, "run", "run"},
-     {ResultKind::kRender, "render", "render"},
-     {ResultKind::kImprint, "imprint", "imprint"},
-     {ResultKind::kTools, "imprint --preview_tools", "tools"},
-     {ResultKind::kInspect, "inspect", "inspect"},
-     {ResultKind::kFrontier, "frontier", "frontier"},
-     {ResultKind::kCalibrate, "calibrate", "calibrate"},
-     {ResultKind::kBoard, "calibrate --print_board", "board"},
-     {ResultKind::kSensor, "calibrate --sensor", "sensor"},
-     {ResultKind::kPlan, "calibrate --plan", "plan"},
-     {ResultKind::kPoints, "calibrate --points", "points"},
-     {ResultKind::kPlace, "calibrate --place", "place"},
-     {ResultKind::kUndistort, "undistort", "undistort"},
-     {ResultKind::kCover, "cover", "cover"},
-     {ResultKind::kCompare, "compare", "compare"},
-     {ResultKind::kValidate, "validate", "validate"},
-     {ResultKind::kGrab, "cell grab", "grab"}}};
+constexpr auto kKinds =
+    std::to_array<KindNames>({{ResultKind::kRun, "run", "run"},
+                              {ResultKind::kRender, "render", "render"},
+                              {ResultKind::kImprint, "imprint", "imprint"},
+                              {ResultKind::kTools, "imprint --preview_tools", "tools"},
+                              {ResultKind::kInspect, "inspect", "inspect"},
+                              {ResultKind::kFrontier, "frontier", "frontier"},
+                              {ResultKind::kCalibrate, "calibrate", "calibrate"},
+                              {ResultKind::kBoard, "calibrate --print_board", "board"},
+                              {ResultKind::kSensor, "calibrate --sensor", "sensor"},
+                              {ResultKind::kPlan, "calibrate --plan", "plan"},
+                              {ResultKind::kPoints, "calibrate --points", "points"},
+                              {ResultKind::kPlace, "calibrate --place", "place"},
+                              {ResultKind::kUndistort, "undistort", "undistort"},
+                              {ResultKind::kCover, "cover", "cover"},
+                              {ResultKind::kCompare, "compare", "compare"},
+                              {ResultKind::kValidate, "validate", "validate"},
+                              {ResultKind::kGrab, "cell grab", "grab"},
+                              {ResultKind::kAcquire, "acquire", "acquire"}});
 
 const KindNames& names_of(ResultKind kind) {
   return *std::ranges::find(kKinds, kind, &KindNames::kind);

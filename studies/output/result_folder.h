@@ -30,13 +30,14 @@ enum class ResultKind {
   kCover,
   kCompare,
   kValidate,
-  kGrab
+  kGrab,
+  kAcquire
 };
 
 /// As it is typed: "run", "render", "imprint", "imprint --preview_tools", "inspect", "frontier",
 /// "calibrate", "calibrate --print_board", "calibrate --sensor", "calibrate --plan",
 /// "calibrate --points", "calibrate --place", "undistort", "cover", "compare", "validate",
-/// "cell grab".
+/// "cell grab", "acquire".
 std::string_view command_of(ResultKind kind);
 
 /// Whose results a folder holds: by the field "verb" of its run.json, in folders of older versions

@@ -13,6 +13,7 @@ namespace glint {
 namespace {
 
 constexpr std::size_t kKeptPictures = 4;
+constexpr std::size_t kKeptScans = 2;
 
 }  // namespace
 
@@ -22,17 +23,19 @@ CellPictures::CellPictures(CellRenderer& renderer, const CellState& state)
 }
 
 std::string CellPictures::key_of_both(const CellState& state, const CaptureSettings& settings) {
+  CellState of_all_positions = state;
+  of_all_positions.stage_position = 0;
   return fmt::format("{} {} {} {} {}",
-                     key_of(state),
+                     key_of(of_all_positions),
                      settings.exposure_us,
                      settings.gain_db,
                      settings.black_level,
                      settings.bits);
 }
 
-SensorPicture CellPictures::find(const std::string& key) const {
+const CellPictures::Kept* CellPictures::find(const std::string& key) const {
   const auto kept = std::ranges::find(kept_, key, &Kept::key);
-  return kept == kept_.end() ? nullptr : kept->picture;
+  return kept == kept_.end() ? nullptr : &*kept;
 }
 
 void CellPictures::want(const CellState& state) {
@@ -85,8 +88,15 @@ void CellPictures::prepare(const CaptureSettings& settings) {
 }
 
 SensorPicture CellPictures::finished(const CaptureSettings& settings, std::uint64_t /*shot*/) {
+  const std::optional<CellState> live = live_ ? live_() : std::nullopt;
   const std::scoped_lock lock(mutex_);
-  return stands_ ? find(key_of_both(*stands_, settings)) : nullptr;
+  const std::optional<CellState>& state = live_ ? live : stands_;
+  const Kept* kept = state ? find(key_of_both(*state, settings)) : nullptr;
+  if (kept == nullptr) {
+    return nullptr;
+  }
+  const auto position = static_cast<std::size_t>(std::max(0, state->stage_position));
+  return kept->pictures.at(std::min(position, kept->pictures.size() - 1));
 }
 
 bool CellPictures::is_finished(const CaptureSettings& settings) {
@@ -101,11 +111,12 @@ void CellPictures::run(const std::stop_token& stop) {
     wanted_.reset();
     is_rendering_ = true;
     lock.unlock();
-    SensorPicture picture;
+    std::vector<SensorPicture> pictures;
     std::string error;
     try {
-      picture = std::make_shared<const Image<std::uint16_t>>(
-          renderer_.render(wanted.state, wanted.settings));
+      for (auto& codes : renderer_.render_all(wanted.state, wanted.settings)) {
+        pictures.push_back(std::make_shared<const Image<std::uint16_t>>(std::move(codes)));
+      }
     } catch (const Error& failure) {
       error = failure.what();
       log(LogLevel::kError, "the simulated camera's picture: {}", error);
@@ -113,10 +124,11 @@ void CellPictures::run(const std::stop_token& stop) {
     lock.lock();
     is_rendering_ = false;
     error_ = error;
-    if (picture) {
+    if (!pictures.empty()) {
       ++num_rendered_;
-      kept_.push_back({.key = wanted.key, .picture = std::move(picture)});
-      if (kept_.size() > kKeptPictures) {
+      const std::size_t most = pictures.size() > 1 ? kKeptScans : kKeptPictures;
+      kept_.push_back({.key = wanted.key, .pictures = std::move(pictures)});
+      while (kept_.size() > most) {
         kept_.pop_front();
       }
     }

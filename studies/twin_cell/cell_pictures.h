@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The pictures of a simulated camera on a simulated robot, rendered ahead on a thread of their own.
+// The pictures of a simulated camera on a simulated robot, rendered ahead on a thread of their own:
+// those of all positions of a scan at once, so that a stage that moves waits for nothing.
 #pragma once
 
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "hardware/twin/camera/picture_source.h"
 #include "studies/twin_cell/cell_renderer.h"
@@ -33,6 +37,11 @@ class CellPictures final : public PictureSource {
   /// The arm moves: there is no picture until it arrives.
   void leave();
 
+  /// Asked at each trigger where the arm stands, what is on and where the stage is; empty:
+  /// something moves. Without it what arrive() and leave() told last holds, which may be some
+  /// milliseconds old. Set before the first trigger.
+  void set_live(std::function<std::optional<CellState>()> live) { live_ = std::move(live); }
+
   /// Waits until the picture that was asked for last is finished: a simulated clock stands still
   /// meanwhile. @return false: it took longer, or rendering failed
   bool wait_until_finished(std::chrono::milliseconds within);
@@ -54,17 +63,19 @@ class CellPictures final : public PictureSource {
     std::string key;
   };
 
+  /// Of all positions of the stage.
   struct Kept {
     std::string key;
-    SensorPicture picture;
+    std::vector<SensorPicture> pictures;
   };
 
   static std::string key_of_both(const CellState& state, const CaptureSettings& settings);
-  SensorPicture find(const std::string& key) const;
+  const Kept* find(const std::string& key) const;
   void want(const CellState& state);  ///< holding the lock
   void run(const std::stop_token& stop);
 
   CellRenderer& renderer_;
+  std::function<std::optional<CellState>()> live_;
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   CaptureSettings settings_;

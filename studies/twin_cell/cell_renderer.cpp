@@ -95,27 +95,49 @@ SceneSettings CellRenderer::scene_of(const CellState& state,
   scene.sensor.exposure *= 1e-6 * settings.exposure_us / truth_.settings.exposure_s;
   scene.sensor.gain *= std::pow(10.0, settings.gain_db / 20.0);
   scene.sensor.bits = settings.bits;
-  scene.sensor.seed = static_cast<int>(seed_of(state, truth_.settings.seed));
+  // Frames of a scan have noise of their own by their numbers.
+  CellState seeded = state;
+  seeded.stage_position = 0;
+  scene.sensor.seed = static_cast<int>(seed_of(seeded, truth_.settings.seed));
   return scene;
 }
 
-Image<std::uint16_t> CellRenderer::render(const CellState& state, const CaptureSettings& settings) {
+std::vector<Image<std::uint16_t>> CellRenderer::render_all(const CellState& state,
+                                                           const CaptureSettings& settings) {
   const SceneSettings scene = scene_of(state, settings);
-  ImageF picture;
-  if (is_lit(scene)) {
+  std::vector<Image<std::uint16_t>> pictures;
+  const auto add = [&](std::size_t index, const ImageF& grey) {
+    pictures.resize(std::max(pictures.size(), index + 1));
+    pictures[index] = codes_of(grey, settings);
+  };
+  // What no light shines on is not rendered: an arm on its way is to wait for nothing.
+  if (is_lit(scene) && !state.is_dark()) {
     const auto seen = picture_of(store_, scene, {.has_flawless = false});
-    seen->mean({.watch =
-                    [&](int index, const ImageF& grey) {
-                      if (index == 0 || index == state.stage_position) {
-                        picture = grey;
-                      }
-                    },
+    seen->mean({.watch = [&](int index,
+                             const ImageF& grey) { add(static_cast<std::size_t>(index), grey); },
                 .has_whole_frames = true});
-  } else {
-    const Sensor sensor(scene.sensor, width_px_, height_px_);
-    sensor.expose(ImageF(width_px_, height_px_), state.stage_position, picture);
+    return pictures;
   }
-  return codes_of(picture, settings);
+  const Sensor sensor(scene.sensor, width_px_, height_px_);
+  for (int i = 0; i < num_positions(); ++i) {
+    ImageF dark;
+    sensor.expose(ImageF(width_px_, height_px_), i, dark);
+    add(static_cast<std::size_t>(i), dark);
+  }
+  return pictures;
+}
+
+Image<std::uint16_t> CellRenderer::render(const CellState& state, const CaptureSettings& settings) {
+  const std::vector<Image<std::uint16_t>> all = render_all(state, settings);
+  return all.at(std::min(static_cast<std::size_t>(state.stage_position), all.size() - 1));
+}
+
+int CellRenderer::num_positions() const {
+  return stage_scan(truth_.scene).positions;
+}
+
+double CellRenderer::step_mm() const {
+  return stage_scan(truth_.scene).step_mm;
 }
 
 }  // namespace glint

@@ -20,6 +20,8 @@ struct CellState {
   RigidTransform base_from_flange;  ///< as the robot tells it
   std::vector<std::string> lights;  ///< that are on
   int stage_position = 0;           ///< of a tunnel's scan: its frame
+
+  bool is_dark() const { return lights.size() == 0; }  // NOLINT(readability-container-size-empty)
 };
 
 /// Equal for states whose pictures are equal: poses to a nanometre and a nanoradian.
@@ -43,6 +45,17 @@ class CellRenderer {
   /// The same bytes for the same arguments.
   /// @throws ConfigError beginning with the key at fault, IoError
   Image<std::uint16_t> render(const CellState& state, const CaptureSettings& settings);
+
+  /// The same for all positions of the stage, which cost hardly more than one: as many as the
+  /// scene's scan has; one where no tunnel is on.
+  std::vector<Image<std::uint16_t>> render_all(const CellState& state,
+                                               const CaptureSettings& settings);
+
+  /// Of the scene's scan; 1 without a tunnel.
+  int num_positions() const;
+
+  /// Between two of them [mm]; 0 without a tunnel.
+  double step_mm() const;
 
  private:
   SceneSettings scene_of(const CellState& state, const CaptureSettings& settings) const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@
 #include "hardware/twin/camera/camera_twin.h"
 #include "hardware/twin/robot/twin_server.h"
 #include "hardware/twin/side_channel/side_channel.h"
+#include "hardware/twin/stage/stage_twin.h"
 #include "studies/twin_cell/cell_pictures.h"
 
 namespace glint {
@@ -89,6 +91,8 @@ class CameraServing final : public ServingTwin {
 
   CellPictures& pictures() { return pictures_; }
 
+  const CellRenderer& renderer() const { return renderer_; }
+
  private:
   /// "token", "state", "stop".
   std::string answer(const std::string& line) {
@@ -122,13 +126,85 @@ class CameraServing final : public ServingTwin {
   SideChannel side_;
 };
 
-/// Tells the camera's pictures where the arm is, and holds the arm until the picture of its goal is
-/// finished.
-class Follower {
+/// The twin of a cell's stage, and which position of the scan it stands at.
+class StageServing {
  public:
-  Follower(const Cell& cell, TwinServer& robot, CellPictures& pictures)
+  /// @param port  none: the cell's; 0: a free one
+  StageServing(const CellStage& stage, const CellRenderer& renderer, std::optional<int> port)
+      : way_(stage_way_of(stage, renderer.num_positions(), renderer.step_mm())),
+        twin_({.port = port ? (*port == 0 ? 0 : *port + kStageOffset) : stage.port}) {}
+
+  /// -1: between two positions.
+  int position() const {
+    if (way_.step_mm == 0.0) {
+      return 0;
+    }
+    const double at_mm = twin_.position_mm();
+    const int nearest = static_cast<int>(std::lround((at_mm - way_.first_mm) / way_.step_mm));
+    const bool is_there = std::abs(at_mm - way_.at_mm(nearest)) <= way_.tolerance_mm;
+    return is_there && nearest >= 0 && nearest < way_.positions ? nearest : -1;
+  }
+
+  Json description() const {
+    return {{"kind", "stage"}, {"address", "127.0.0.1"}, {"port", twin_.port()}};
+  }
+
+ private:
+  static constexpr int kStageOffset = 4;  ///< the robot has the ports before it
+
+  StageWay way_;
+  StageTwin twin_;
+};
+
+/// What of the twins changes a picture, as it is now.
+class CellWatch {
+ public:
+  /// @param stage  may be absent; both outlive this
+  CellWatch(const Cell& cell, const TwinServer& robot, const StageServing* stage)
       : cell_(cell),
         arm_(arm_with_tool(robot_of(cell), cell.limits).arm),
+        robot_(robot),
+        stage_(stage) {}
+
+  /// Empty: the arm or the stage moves.
+  std::optional<CellState> now() const {
+    const TwinView view = robot_.view();
+    const int position = stage_position();
+    return view.is_still && position >= 0
+               ? std::optional(state_of(view.joints_rad, view.digital_outputs, position))
+               : std::nullopt;
+  }
+
+  /// Where a held motion leads; empty: none is held.
+  std::optional<CellState> goal() const {
+    const TwinView view = robot_.view();
+    return view.is_held && view.goal_rad
+               ? std::optional(state_of(*view.goal_rad, view.digital_outputs, 0))
+               : std::nullopt;
+  }
+
+ private:
+  CellState state_of(const JointVector& joints_rad, std::uint64_t outputs, int position) const {
+    return {.base_from_flange = transform_of(arm_.forward(joints_rad)),
+            .lights = lights_on(cell_, outputs),
+            .stage_position = position};
+  }
+
+  int stage_position() const { return stage_ != nullptr ? stage_->position() : 0; }
+
+  const Cell cell_;
+  Arm arm_;
+  const TwinServer& robot_;
+  const StageServing* stage_;
+};
+
+/// Tells the camera's pictures where the arm is. Each motion waits at its start for the picture of
+/// its goal.
+class Follower {
+ public:
+  /// All outlive this.
+  Follower(const CellWatch& watch, TwinServer& robot, CellPictures& pictures)
+      : watch_(watch),
         robot_(robot),
         pictures_(pictures),
         thread_([this](const std::stop_token& stop) {
@@ -138,45 +214,54 @@ class Follower {
           }
         }) {}
 
-  CellState state_of(const JointVector& joints_rad, std::uint64_t outputs) const {
-    return {.base_from_flange = transform_of(arm_.forward(joints_rad)),
-            .lights = lights_on(cell_, outputs)};
-  }
-
  private:
   void look() {
-    const TwinView view = robot_.view();
-    if (view.is_still) {
-      const std::string key = key_of(state_of(view.joints_rad, view.digital_outputs));
-      if (was_moving_ || key != key_) {
-        pictures_.arrive(state_of(view.joints_rad, view.digital_outputs));
-        key_ = key;
-        was_moving_ = false;
-      }
+    if (const auto state = watch_.now()) {
+      look_at_standstill(*state);
       return;
     }
     pictures_.leave();
-    was_moving_ = true;
-    if (!view.goal_rad) {
-      return;  // along a line: it is rendered for when the arm arrives
-    }
-    const CellState goal = state_of(*view.goal_rad, view.digital_outputs);
-    if (key_of(goal) != announced_) {
-      announced_ = key_of(goal);
-      robot_.hold_motion(true);
-      pictures_.announce(goal);
-      pictures_.wait_until_finished(milliseconds(120'000));
+    key_.clear();
+    if (const auto goal = watch_.goal()) {
+      pictures_.announce(*goal);
+      pictures_.wait_until_finished(kLongestPicture);
       robot_.hold_motion(false);
     }
   }
 
-  const Cell cell_;
-  Arm arm_;
+  /// A picture of other lights is begun only when they stay so for a moment: as a rule the arm is
+  /// about to leave.
+  void look_at_standstill(const CellState& state) {
+    const std::string key = key_of(state);
+    if (key == key_) {
+      return;
+    }
+    const bool is_arrival = key_.empty();
+    const auto now = std::chrono::steady_clock::now();
+    if (!is_arrival && key != coming_) {
+      pictures_.leave();
+      coming_ = key;
+      coming_since_ = now;
+    }
+    const bool has_moved = state.stage_position != stage_position_;
+    if (is_arrival || has_moved || now - coming_since_ > kLightsStay) {
+      pictures_.arrive(state);
+      key_ = key;
+      stage_position_ = state.stage_position;
+      coming_.clear();
+    }
+  }
+
+  static constexpr milliseconds kLongestPicture{120'000};
+  static constexpr milliseconds kLightsStay{150};
+
+  const CellWatch& watch_;
   TwinServer& robot_;
   CellPictures& pictures_;
-  bool was_moving_ = false;
-  std::string key_;
-  std::string announced_;
+  std::string key_;     ///< of the standstill that the pictures know of; empty: none
+  std::string coming_;  ///< of another one, of the same pose
+  std::chrono::steady_clock::time_point coming_since_;
+  int stage_position_ = 0;
   std::jthread thread_;
 };
 
@@ -193,16 +278,34 @@ class RobotServing final : public ServingTwin {
   std::shared_ptr<TwinServer> server_;
 };
 
+/// The stage beside them; it ends with the others.
+class ServedStage final : public ServingTwin {
+ public:
+  explicit ServedStage(std::shared_ptr<StageServing> stage) : stage_(std::move(stage)) {}
+
+  Json description() const override { return stage_->description(); }
+
+  bool has_ended() const override { return false; }
+
+ private:
+  std::shared_ptr<StageServing> stage_;
+};
+
 /// The camera of a cell with a robot. Members end in the opposite order: first what follows the
 /// arm.
 class FollowingCamera final : public ServingTwin {
  public:
   FollowingCamera(const Cell& cell,
                   std::unique_ptr<CameraServing> camera,
-                  std::shared_ptr<TwinServer> robot)
+                  std::shared_ptr<TwinServer> robot,
+                  std::shared_ptr<StageServing> stage)
       : robot_(std::move(robot)),
+        stage_(std::move(stage)),
+        watch_(cell, *robot_, stage_.get()),
         camera_(std::move(camera)),
-        follower_(cell, *robot_, camera_->pictures()) {}
+        follower_(watch_, *robot_, camera_->pictures()) {
+    camera_->pictures().set_live([this] { return watch_.now(); });
+  }
 
   Json description() const override { return camera_->description(); }
 
@@ -210,6 +313,8 @@ class FollowingCamera final : public ServingTwin {
 
  private:
   std::shared_ptr<TwinServer> robot_;
+  std::shared_ptr<StageServing> stage_;
+  CellWatch watch_;
   std::unique_ptr<CameraServing> camera_;
   Follower follower_;
 };
@@ -263,10 +368,19 @@ ServingTwins both_twins_of(const Cell& cell, std::optional<int> port, int thread
   state.lights = lights_on(cell, 0);
   auto camera =
       std::make_unique<CameraServing>(cell, truth, address_of(cell, port == 0), state, threads);
-  auto robot = std::make_shared<TwinServer>(robot_twin_settings(cell, port));
+  TwinServerSettings settings = robot_twin_settings(cell, port);
+  settings.twin.holds_motions = true;
+  auto robot = std::make_shared<TwinServer>(std::move(settings));
+  std::shared_ptr<StageServing> stage;
+  if (cell.stage && cell.stage->kind == CellStage::Kind::kGrbl) {
+    stage = std::make_shared<StageServing>(*cell.stage, camera->renderer(), port);
+  }
   ServingTwins twins;
-  twins.push_back(std::make_unique<FollowingCamera>(cell, std::move(camera), robot));
+  twins.push_back(std::make_unique<FollowingCamera>(cell, std::move(camera), robot, stage));
   twins.push_back(std::make_unique<RobotServing>(robot));
+  if (stage) {
+    twins.push_back(std::make_unique<ServedStage>(stage));
+  }
   return twins;
 }
 

@@ -22,8 +22,9 @@ std::filesystem::path truth_file_of(const Cell& cell);
 /// @throws ConfigError for an address outside 127.0.0.0/8, IoError for one that is taken
 ServingTwins camera_twin_of(const Cell& cell, bool is_free_address, int threads);
 
-/// Both. While the arm moves the picture of its goal is rendered, and the arm's clock waits for it;
-/// outputs turn on the lights that the cell has behind them, lights of other kinds are on.
+/// Both, and the stage where the cell has a linear one. Each motion waits, and the robot's clock
+/// with it, until the pictures of its goal are rendered; outputs turn on the lights that the cell
+/// has behind them, lights of other kinds are on.
 /// @param port  as robot_twin_of(); 0 also: any free address for the camera
 ServingTwins both_twins_of(const Cell& cell, std::optional<int> port, int threads);
 

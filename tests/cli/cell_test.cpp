@@ -101,7 +101,8 @@ const std::vector<Arguments> kMovingVerbs = {{"cell", "move", "cell.toml", "--vi
                                              {"cell", "safe", "cell.toml"},
                                              {"cell", "unlock", "cell.toml"},
                                              {"cell", "power", "cell.toml"},
-                                             {"cell", "power", "cell.toml", "--off"}};
+                                             {"cell", "power", "cell.toml", "--off"},
+                                             {"acquire", "--cell", "cell.toml"}};
 
 TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
   const TemporaryFolder folder;

@@ -79,6 +79,8 @@ void TwinController::set_inputs(const std::vector<std::string>& names,
 }
 
 void TwinController::step(double dt_s) {
+  constexpr double kHeldPace = 1e-3;
+  dt_s *= is_held_ ? kHeldPace : 1.0;
   time_s_ += dt_s;
   controller_s_ += dt_s;
   const bool was_moving = motion_.is_moving();
@@ -176,6 +178,7 @@ void TwinController::apply(FaultKind kind) {
 void TwinController::end_program() {
   if (program_) {
     program_.reset();
+    is_held_ = false;
     motion_.start_stop(kStopRadS2);
   }
 }
@@ -202,6 +205,7 @@ void TwinController::stop_by_safety(SafetyMode mode) {
   safety_mode_ = mode;
   stopped_at_s_ = time_s_;
   program_.reset();
+  is_held_ = false;
   motion_.start_stop(kStopRadS2);
   tell(PrimaryMessage::Kind::kErrorCode, std::string(name_of(mode)));
   if (is_emergency_stop(mode)) {
@@ -226,6 +230,7 @@ void TwinController::advance_power(double dt_s) {
 
 void TwinController::restart() {
   controller_s_ = 0.0;
+  is_held_ = false;
   program_.reset();
   motion_ = ArmMotion(settings_.arm, motion_.joints_rad());
   int_registers_ = {};
@@ -252,7 +257,8 @@ TwinView TwinController::view() const {
           .joints_rad = motion_.joints_rad(),
           .is_still = !motion_.is_moving(),
           .goal_rad = motion_.goal_rad(),
-          .digital_outputs = digital_outputs_};
+          .digital_outputs = digital_outputs_,
+          .is_held = is_held_ && motion_.is_moving()};
 }
 
 void TwinController::run(const ScriptReader::Result& script) {
@@ -275,6 +281,7 @@ void TwinController::run(const ScriptReader::Result& script) {
     }
     return;
   }
+  is_held_ = false;
   if (motion_.is_moving()) {
     constexpr double kReplacedRadS2 = 4.0;
     motion_.start_stop(kReplacedRadS2);
@@ -364,6 +371,7 @@ bool TwinController::execute_motion(const ScriptStatement& statement) {
     goal_rad = Eigen::Map<const JointVector>(target.numbers.data());
   }
   motion_.start_joints(goal_rad, statement.number("v", 2, 1.05), statement.number("a", 1, 1.4));
+  is_held_ = settings_.holds_motions;
   return true;
 }
 

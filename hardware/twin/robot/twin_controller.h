@@ -31,6 +31,9 @@ struct TwinSettings {
   std::uint64_t token = 0;        ///< told by the output glint_twin_token; 0: there is none
   bool has_newer_outputs = true;  ///< tcp_offset, payload and payload_cog
   std::string serial_number = "20190000000";
+  /// Each motion to joints waits at its start until hold_motion(false): somebody has to make a
+  /// picture of its goal first.
+  bool holds_motions = false;
 };
 
 /// What the twin of a camera has to know of the arm.
@@ -40,6 +43,7 @@ struct TwinView {
   bool is_still = true;
   std::optional<JointVector> goal_rad;  ///< where the motion leads; the joints when still
   std::uint64_t digital_outputs = 0;
+  bool is_held = false;  ///< a motion waits
 };
 
 class TwinController {
@@ -85,7 +89,8 @@ class TwinController {
   /// The controller has restarted: its clock, program and registers begin anew; the arm stays.
   void restart();
 
-  /// Motions wait while this is set; the clock goes on.
+  /// Motions wait while this is set, and the clock with them: it goes on by a thousandth, so that
+  /// stamps still grow.
   void hold_motion(bool is_held) { is_held_ = is_held; }
 
   TwinView view() const;

@@ -237,7 +237,7 @@ struct TwinServer::Impl {
         is_waiting_for_clients = true;
         return;
       }
-      twin.step(1.0 / twin.rate_hz());
+      twin.step(settings.speedup / twin.rate_hz());
       publish();
       for (const FaultKind fault : twin.take_network_faults()) {
         apply(fault);

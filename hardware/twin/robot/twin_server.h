@@ -24,6 +24,7 @@ struct TwinServerSettings {
   TwinPorts ports;                    ///< 0: a free one
   /// Cycles follow one another as fast as clients take their packages, instead of in real time.
   bool is_as_fast_as_possible = false;
+  double speedup = 1.0;  ///< > 0: how much faster than real time its clock goes; packages do not
 };
 
 /// A twin on the loopback network: RTDE, primary and secondary interface, dashboard, and a side

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/acquire/acquire.h"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <iostream>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "cli/shell/exit_codes.h"
+#include "core/progress.h"
+#include "studies/acquire/acquire_run.h"
+#include "studies/cell/typed_permit.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Read by the acquisition; a signal handler can reach nothing but a global.
+std::atomic<int> interrupts = 0;
+
+/// At the first the arm backs out; at the second the program ends, and the controller ends the leg
+/// that it has.
+void on_interrupt(int /*signal*/) {
+  if (interrupts.fetch_add(1) >= 1) {
+    ::_exit(kExitInterrupted);
+  }
+}
+
+/// A question to whoever sits at the terminal; nobody there is no.
+bool ask_person(const std::string& what) {
+  if (::isatty(STDIN_FILENO) == 0) {
+    return false;
+  }
+  std::cerr << what << " - done? [y/N] " << std::flush;
+  std::string answer;
+  return std::getline(std::cin, answer) && (answer == "y" || answer == "yes");
+}
+
+std::string dry_run_text(const Json& result) {
+  std::string text =
+      fmt::format("{} pictures from {} views, {:.0f} s of motion; nothing is moved\n",
+                  result["pictures"].get<int>(),
+                  result["views"].size(),
+                  result["motion_s"].get<double>());
+  for (const Json& view : result["views"]) {
+    std::string names;
+    for (const Json& light : view["lights"]) {
+      names += " " + light.get<std::string>();
+    }
+    text += fmt::format("  {:<16} {} picture(s), {:.0f} us, lights:{}\n",
+                        view["view"].get<std::string>(),
+                        view["pictures"].get<int>(),
+                        view["exposure_us"].get<double>(),
+                        names.empty() ? " none" : names);
+  }
+  for (const Json& view : result["unplanned"]) {
+    text += fmt::format("  {:<16} not taken, {}: {}\n",
+                        view["view"].get<std::string>(),
+                        view["outcome"].get<std::string>(),
+                        view["reason"].get<std::string>());
+  }
+  return text;
+}
+
+std::string result_text(const Json& result) {
+  const Json& counts = result["counts"];
+  const Json& end = result["end"];
+  std::string text = fmt::format("{}{}: {} of {} pictures, {} rejected; the arm is at {}\n",
+                                 result["twin"].get<bool>() ? "twin: " : "",
+                                 result["status"].get<std::string>(),
+                                 counts["accepted"].get<int>(),
+                                 counts["wanted"].get<int>(),
+                                 counts["rejected_now"].get<int>(),
+                                 end["where"].get<std::string>());
+  if (end["cause"] != "none") {
+    text += fmt::format("{}, {}: {}\n",
+                        end["how"].get<std::string>(),
+                        end["cause"].get<std::string>(),
+                        end["text"].get<std::string>());
+  }
+  for (const Json& picture : result["pictures"]) {
+    if (picture["accepted"] == false) {
+      text += fmt::format(
+          "  {}: {}\n", picture["file"].get<std::string>(), picture["reason"].get<std::string>());
+    }
+  }
+  return text + fmt::format("pictures: {}/views\n", result["folder"].get<std::string>());
+}
+
+int exit_code_of(const Json& result) {
+  if (result["end"]["cause"] == "interrupted") {
+    return kExitInterrupted;
+  }
+  return result["ok"] == true ? kExitDone : kExitNegative;
+}
+
+}  // namespace
+
+AcquireAnswer run_acquire(const AcquireArguments& arguments, bool is_silent) {
+  AcquireOptions options = {.source = arguments.source,
+                            .cell = arguments.cell,
+                            .out = arguments.out,
+                            .twin = arguments.twin,
+                            .speed_share = arguments.speed_share,
+                            .confirmed = arguments.confirmed,
+                            .confirm = ask_person,
+                            .interrupt = &interrupts};
+  if (arguments.is_dry_run) {
+    const Json result = describe_acquisition(options);
+    return {.json = result,
+            .text = dry_run_text(result),
+            .exit_code = result["ok"] == true ? kExitDone : kExitNegative};
+  }
+  const MotionPermit permit = typed_permit(arguments.is_move, "acquire");
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+  std::unique_ptr<Progress> bar;
+  options.progress = [&bar, is_silent](int done, int total, const std::string& note) {
+    if (!bar) {
+      bar = std::make_unique<Progress>("acquire",
+                                       std::max(1, total),
+                                       is_silent ? Progress::Style::kNone : Progress::Style::kAuto);
+    }
+    bar->update(done, note);
+  };
+  const Json result = acquire_pictures(options, permit);
+  bar.reset();
+  return {.json = result, .text = result_text(result), .exit_code = exit_code_of(result)};
+}
+
+}  // namespace glint

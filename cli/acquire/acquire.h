@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint acquire`: its arguments, and what is told of its result.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace glint {
+
+struct AcquireArguments {
+  std::filesystem::path source;  ///< scene, plan.json or their folder; empty: the cell's views
+  std::filesystem::path cell;
+  std::filesystem::path out;
+  std::filesystem::path twin;  ///< ready file whose ports take the place of the cell's
+  bool is_move = false;        ///< --move: a person in front of the robot lets it move
+  bool is_dry_run = false;
+  double speed_share = 0.5;
+  std::vector<std::string> confirmed;  ///< lights that a person has seen to
+};
+
+struct AcquireAnswer {
+  nlohmann::ordered_json json;
+  std::string text;
+  int exit_code = 0;
+};
+
+/// @param is_silent  no progress bar
+/// @throws ConfigError without --move, before any file is read and any address is looked up
+AcquireAnswer run_acquire(const AcquireArguments& arguments, bool is_silent);
+
+}  // namespace glint

@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/acquisition/acquisition.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/units.h"
+#include "hardware/acquisition/arm_guide.h"
+
+namespace glint {
+namespace {
+
+/// Ends the acquisition; caught where the way back begins.
+struct Failure {
+  AcquisitionCause cause;
+  std::string text;
+};
+
+/// Calls a device; what it throws becomes a failure of that kind.
+template <class Function>
+auto of_device(AcquisitionCause cause, const Function& function) {
+  try {
+    return function();
+  } catch (const Error& error) {
+    throw Failure{.cause = cause, .text = error.what()};
+  }
+}
+
+class Acquisition {
+ public:
+  Acquisition(const AcquisitionPlan& plan,
+              const AcquisitionDevices& devices,
+              const AcquisitionOptions& options,
+              const PictureSink& sink)
+      : plan_(plan),
+        devices_(devices),
+        options_(options),
+        sink_(sink),
+        guide_(plan.tour, devices.robot, options.speed_share) {}
+
+  AcquisitionResult run() {
+    for (const ViewTask& task : plan_.tasks) {
+      result_.missing += static_cast<int>(task.positions.size());
+    }
+    try {
+      take_all();
+    } catch (const Failure& failure) {
+      end_early(failure.cause, failure.text);
+    } catch (const ArmFailure& failure) {
+      end_early(failure.is_off_tour ? AcquisitionCause::kOffTour : AcquisitionCause::kRobot,
+                failure.text);
+    } catch (const std::exception& error) {
+      end_early(AcquisitionCause::kProgram, error.what());
+    }
+    result_.where = guide_.place();
+    return result_;
+  }
+
+ private:
+  void take_all() {
+    guide_.find_place();
+    for (std::size_t i = 0; i < plan_.tasks.size(); ++i) {
+      if (!plan_.tasks[i].positions.empty()) {
+        take_view(i);
+      }
+    }
+    all_lights_off();
+    guide_.go_to_end([this] { look_for_interrupt(); });
+    result_.end = guide_.is_at_end() ? AcquisitionEnd::kTour : AcquisitionEnd::kBackedOut;
+  }
+
+  void take_view(std::size_t index) {
+    const ViewTask& task = plan_.tasks[index];
+    const std::vector<std::size_t> way = guide_.way(task.point);
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      look_for_interrupt();
+      if (i + 1 == way.size()) {
+        set_lights(task.lights);
+        configure(task.exposure_us);
+      }
+      guide_.go(way[i]);
+    }
+    if (way.empty()) {
+      set_lights(task.lights);
+      configure(task.exposure_us);
+    }
+    wait_for_lights();
+    double sharpest = task.sharpest;
+    for (const int position : task.positions) {
+      take_position(index, position, sharpest);
+    }
+    all_lights_off();
+  }
+
+  void take_position(std::size_t index, int position, double& sharpest) {
+    if (devices_.stage != nullptr && devices_.stage->position() != position) {
+      of_device(AcquisitionCause::kStage, [&] { devices_.stage->go_to(position); });
+    }
+    for (int attempt = 0; attempt <= options_.limits.most_retakes; ++attempt) {
+      look_for_interrupt();
+      TakenPicture picture = {.task = index, .position = position, .attempt = attempt};
+      take_picture(picture);
+      picture.figures = figures_of(picture.frame, plan_.tasks[index].expected);
+      picture.reason = rejection_of(picture.figures, options_.limits, sharpest);
+      picture.is_accepted = picture.reason.empty();
+      of_sink(picture);
+      if (picture.is_accepted) {
+        sharpest = std::max(sharpest, picture.figures.sharpness);
+        ++result_.accepted;
+        --result_.missing;
+        return;
+      }
+      ++result_.rejected;
+    }
+  }
+
+  void of_sink(const TakenPicture& picture) {
+    try {
+      sink_(picture);
+    } catch (const std::exception& error) {
+      throw Failure{.cause = AcquisitionCause::kSink, .text = error.what()};
+    }
+  }
+
+  /// Between two looks at the arm.
+  void take_picture(TakenPicture& picture) {
+    picture.pose = guide_.still_at_point(options_.still_timeout_s);
+    check_lights();
+    picture.frame = complete_frame();
+    guide_.check_still(picture.pose);
+  }
+
+  Frame complete_frame() {
+    Camera& camera = devices_.camera;
+    int refused = 0;
+    bool was_lost = false;
+    for (;;) {
+      Frame frame = camera.capture();
+      if (frame.is_complete()) {
+        return frame;
+      }
+      if (frame.status == FrameStatus::kRefused && ++refused < options_.most_refused) {
+        look_for_interrupt();
+        wait(kRefusedPauseS);
+      } else if (frame.status == FrameStatus::kLost && !was_lost) {
+        was_lost = true;
+        reopen();
+      } else {
+        throw Failure{.cause = AcquisitionCause::kCamera,
+                      .text = fmt::format("picture {}: {}", name_of(frame.status), frame.what)};
+      }
+    }
+  }
+
+  void reopen() {
+    const auto within = std::chrono::milliseconds(static_cast<int>(1e3 * options_.reopen_s));
+    if (!devices_.camera.reopen(within)) {
+      throw Failure{
+          .cause = AcquisitionCause::kCamera,
+          .text = fmt::format("the camera was lost, and did not come back within {:.0f} s",
+                              options_.reopen_s)};
+    }
+  }
+
+  void configure(double exposure_us) {
+    if (exposure_us == exposure_us_) {
+      return;
+    }
+    of_device(AcquisitionCause::kCamera, [&] {
+      Camera& camera = devices_.camera;
+      if (camera.state() == CameraState::kAcquiring) {
+        camera.stop();
+      }
+      CameraConfiguration configuration = plan_.camera;
+      configuration.exposure_us = exposure_us;
+      camera.configure(configuration);
+      camera.start();
+    });
+    exposure_us_ = exposure_us;
+  }
+
+  /// Those that are not as they should be, or whose state nobody knows.
+  void set_lights(const std::vector<std::string>& names) {
+    lamp_states_.resize(devices_.lamps.size());
+    for (std::size_t i = 0; i < devices_.lamps.size(); ++i) {
+      const CellLamp& lamp = devices_.lamps[i];
+      const bool is_on = std::ranges::find(names, lamp.light->name()) != names.end();
+      if (lamp_states_[i] == is_on) {
+        continue;
+      }
+      lamp_states_[i].reset();
+      of_device(AcquisitionCause::kLight, [&] { lamp.light->set(is_on); });
+      lamp_states_[i] = is_on;
+      settle_s_ = std::max(settle_s_, is_on ? lamp.settle_s : 0.0);
+      changed_at_ = Clock::now();
+    }
+  }
+
+  void all_lights_off() {
+    std::vector<std::string> left_on;
+    for (std::size_t i = 0; i < lamp_states_.size(); ++i) {
+      if (devices_.lamps[i].is_left_on && lamp_states_[i] == true) {
+        left_on.push_back(devices_.lamps[i].light->name());
+      }
+    }
+    if (!lamp_states_.empty()) {
+      set_lights(left_on);
+    }
+  }
+
+  void wait_for_lights() {
+    const double passed_s = std::chrono::duration<double>(Clock::now() - changed_at_).count();
+    if (settle_s_ > passed_s) {
+      wait(settle_s_ - passed_s);
+    }
+    settle_s_ = 0.0;
+  }
+
+  /// An output that somebody else has switched meanwhile.
+  void check_lights() {
+    for (std::size_t i = 0; i < lamp_states_.size(); ++i) {
+      const Light& light = *devices_.lamps[i].light;
+      const bool is_on = of_device(AcquisitionCause::kLight, [&light] { return light.is_on(); });
+      if (lamp_states_[i] != is_on) {
+        throw Failure{
+            .cause = AcquisitionCause::kLight,
+            .text = fmt::format(
+                "light {} was {} when a picture was due", light.name(), is_on ? "on" : "off")};
+      }
+    }
+  }
+
+  void look_for_interrupt() const {
+    if (options_.interrupt != nullptr && *options_.interrupt > 0) {
+      throw Failure{.cause = AcquisitionCause::kInterrupted, .text = "interrupted by the user"};
+    }
+  }
+
+  void wait(double seconds) const {
+    if (devices_.wait) {
+      devices_.wait(seconds);
+    } else {
+      std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+    }
+  }
+
+  /// The only way back; nothing moves when the arm itself is the cause.
+  void end_early(AcquisitionCause cause, std::string text) {
+    result_.cause = cause;
+    result_.text = std::move(text);
+    result_.end = AcquisitionEnd::kStopped;
+    if (cause == AcquisitionCause::kRobot || cause == AcquisitionCause::kOffTour) {
+      return;
+    }
+    try {
+      guide_.back_out();
+      result_.end = AcquisitionEnd::kBackedOut;
+      all_lights_off();
+    } catch (const ArmFailure& failure) {
+      result_.text += "; the way back was not made: " + failure.text;
+    } catch (const Failure& failure) {
+      result_.text += "; " + failure.text;
+    } catch (const std::exception& error) {
+      result_.text += std::string("; ") + error.what();
+    }
+  }
+
+  using Clock = std::chrono::steady_clock;
+  static constexpr double kRefusedPauseS = 0.25;
+
+  const AcquisitionPlan& plan_;
+  const AcquisitionDevices& devices_;
+  const AcquisitionOptions& options_;
+  const PictureSink& sink_;
+  ArmGuide guide_;
+  AcquisitionResult result_;
+  double exposure_us_ = -1.0;
+  std::vector<std::optional<bool>> lamp_states_;  ///< as they were set; empty: not known
+  double settle_s_ = 0.0;
+  Clock::time_point changed_at_ = Clock::now();
+};
+
+}  // namespace
+
+std::string_view name_of(AcquisitionCause cause) {
+  constexpr std::array<std::string_view, 9> kNames = {
+      "none", "interrupted", "camera", "light", "stage", "disk", "program", "robot", "off_tour"};
+  return kNames.at(static_cast<std::size_t>(cause));
+}
+
+std::string_view name_of(AcquisitionEnd end) {
+  constexpr std::array<std::string_view, 3> kNames = {"tour", "backed_out", "stopped"};
+  return kNames.at(static_cast<std::size_t>(end));
+}
+
+AcquisitionResult acquire(const AcquisitionPlan& plan,
+                          const AcquisitionDevices& devices,
+                          const AcquisitionOptions& options,
+                          const PictureSink& sink) {
+  return Acquisition(plan, devices, options, sink).run();
+}
+
+}  // namespace glint

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/acquisition/picture_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace glint {
+namespace {
+
+using Codes = Image<std::uint16_t>;
+
+constexpr int kOutlineWindow_px = 3;       ///< half of it
+constexpr double kOutlineContrast = 0.04;  ///< of the bright level
+
+/// Code that a share of all pixels does not exceed.
+int code_at_share(const Codes& codes, double share, int largest) {
+  std::vector<std::int64_t> counts(static_cast<std::size_t>(largest) + 1);
+  for (const std::uint16_t code : codes.values()) {
+    ++counts[std::min<std::size_t>(code, counts.size() - 1)];
+  }
+  const double wanted = share * static_cast<double>(codes.size());
+  std::int64_t sum = 0;
+  for (std::size_t code = 0; code < counts.size(); ++code) {
+    sum += counts[code];
+    if (static_cast<double>(sum) >= wanted) {
+      return static_cast<int>(code);
+    }
+  }
+  return largest;
+}
+
+/// Variance of the noise of one pixel, in codes. The weights of the second difference are 1 -2 1 by
+/// 1 -2 1, the sum of their squares 36; the median of |x| is 0.6745 standard deviations.
+double noise_variance(const Codes& codes) {
+  constexpr int kMostSamples = 200'000;
+  const int step = std::max(1, static_cast<int>(codes.size() / kMostSamples));
+  std::vector<int> differences;
+  int skipped = 0;
+  for (int y = 1; y + 1 < codes.height(); ++y) {
+    for (int x = 1; x + 1 < codes.width(); ++x) {
+      if (++skipped < step) {
+        continue;
+      }
+      skipped = 0;
+      const auto row = [&](int j) { return codes(x - 1, j) - 2 * codes(x, j) + codes(x + 1, j); };
+      differences.push_back(std::abs(row(y - 1) - 2 * row(y) + row(y + 1)));
+    }
+  }
+  if (differences.empty()) {
+    return 0.0;
+  }
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
+  const double sigma = *middle / 0.6745 / 6.0;
+  return sigma * sigma;
+}
+
+double sharpness_of(const Codes& codes, double mean_code) {
+  double sum = 0.0;
+  std::int64_t count = 0;
+  for (int y = 0; y + 1 < codes.height(); ++y) {
+    for (int x = 0; x + 1 < codes.width(); ++x) {
+      const double right = codes(x + 1, y) - codes(x, y);
+      const double down = codes(x, y + 1) - codes(x, y);
+      sum += right * right + down * down;
+      count += 2;
+    }
+  }
+  if (count == 0 || mean_code <= 0.0) {
+    return 0.0;
+  }
+  const double structure = sum / static_cast<double>(count) - 2.0 * noise_variance(codes);
+  return std::max(0.0, structure) / (mean_code * mean_code);
+}
+
+bool is_boundary(const Mask& mask, int x, int y) {
+  return mask(x, y) != 0 &&
+         (mask(x - 1, y) == 0 || mask(x + 1, y) == 0 || mask(x, y - 1) == 0 || mask(x, y + 1) == 0);
+}
+
+/// How much the mean levels on both sides of an outline differ about one of its pixels.
+double step_at(const Codes& codes, const Mask& mask, int x, int y) {
+  std::array<double, 2> sums = {};
+  std::array<int, 2> counts = {};
+  for (int j = std::max(0, y - kOutlineWindow_px);
+       j <= std::min(codes.height() - 1, y + kOutlineWindow_px);
+       ++j) {
+    for (int i = std::max(0, x - kOutlineWindow_px);
+         i <= std::min(codes.width() - 1, x + kOutlineWindow_px);
+         ++i) {
+      const std::size_t side = mask(i, j) != 0 ? 1 : 0;
+      sums.at(side) += codes(i, j);
+      ++counts.at(side);
+    }
+  }
+  return counts[0] == 0 || counts[1] == 0 ? 0.0
+                                          : std::abs(sums[1] / counts[1] - sums[0] / counts[0]);
+}
+
+double outline_share(const Codes& codes, const Mask& mask, double bright_code) {
+  std::int64_t seen = 0;
+  std::int64_t all = 0;
+  for (int y = 1; y + 1 < mask.height(); ++y) {
+    for (int x = 1; x + 1 < mask.width(); ++x) {
+      if (is_boundary(mask, x, y)) {
+        ++all;
+        seen += step_at(codes, mask, x, y) >= kOutlineContrast * bright_code ? 1 : 0;
+      }
+    }
+  }
+  return all == 0 ? 1.0 : static_cast<double>(seen) / static_cast<double>(all);
+}
+
+}  // namespace
+
+void visit_keys(KeyVisitor& keys, PictureLimits& limits) {
+  keys.number("min_bright",
+              limits.min_bright,
+              Range::between(0, 1),
+              "level of the brightest pixels below which a picture is too dark");
+  keys.number("max_clipped_share",
+              limits.max_clipped_share,
+              Range::between(0, 1),
+              "of pixels at the largest code above which it is too bright");
+  keys.number("min_sharpness_share",
+              limits.min_sharpness_share,
+              Range::between(0, 1),
+              "of the sharpest picture of its sequence below which it is blurred");
+  keys.number("min_sharpness",
+              limits.min_sharpness,
+              Range::at_least(0),
+              "below which it is blurred, whatever the others are");
+  keys.number("min_outline_share",
+              limits.min_outline_share,
+              Range::between(0, 1),
+              "of the part's expected outline that must be seen");
+  keys.integer("most_retakes", limits.most_retakes, Range::between(0, 20), "of one picture");
+}
+
+PictureFigures figures_of(const Frame& frame, const Mask& expected) {
+  GLINT_CHECK(frame.is_complete() && frame.codes.size() > 0, "only pictures have figures");
+  const int largest = (1 << bits_of(frame.format)) - 1;
+  double sum = 0.0;
+  std::int64_t clipped = 0;
+  for (const std::uint16_t code : frame.codes.values()) {
+    sum += code;
+    clipped += code >= largest ? 1 : 0;
+  }
+  const auto pixels = static_cast<double>(frame.codes.size());
+  constexpr double kBrightShare = 0.995;
+  const double bright_code = code_at_share(frame.codes, kBrightShare, largest);
+  PictureFigures figures = {.mean = sum / pixels / largest,
+                            .bright = bright_code / largest,
+                            .clipped_share = static_cast<double>(clipped) / pixels,
+                            .sharpness = sharpness_of(frame.codes, sum / pixels)};
+  if (expected.width() == frame.codes.width() && expected.height() == frame.codes.height()) {
+    figures.outline_share = outline_share(frame.codes, expected, bright_code);
+  }
+  return figures;
+}
+
+std::string rejection_of(const PictureFigures& figures,
+                         const PictureLimits& limits,
+                         double sharpest) {
+  if (figures.bright < limits.min_bright) {
+    return fmt::format(
+        "too dark: its brightest pixels are at {:.3f} of the range, {:.3f} is needed",
+        figures.bright,
+        limits.min_bright);
+  }
+  if (figures.clipped_share > limits.max_clipped_share) {
+    return fmt::format("too bright: {:.1f} % of the pixels are clipped, {:.1f} % may be",
+                       100.0 * figures.clipped_share,
+                       100.0 * limits.max_clipped_share);
+  }
+  if (figures.sharpness < limits.min_sharpness) {
+    return fmt::format(
+        "blurred: sharpness {:.3g}, {:.3g} is needed", figures.sharpness, limits.min_sharpness);
+  }
+  if (figures.sharpness < limits.min_sharpness_share * sharpest) {
+    return fmt::format("blurred: sharpness {:.3g}, the sharpest of its sequence has {:.3g}",
+                       figures.sharpness,
+                       sharpest);
+  }
+  if (figures.outline_share < limits.min_outline_share) {
+    return fmt::format("the part is not in view: {:.0f} % of its outline is seen, {:.0f} % must be",
+                       100.0 * figures.outline_share,
+                       100.0 * limits.min_outline_share);
+  }
+  return {};
+}
+
+}  // namespace glint

@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/acquire/acquire_plan.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/text.h"
+#include "core/units.h"
+#include "hardware/robot/path_check.h"
+#include "studies/acquire/acquired.h"
+#include "studies/acquire/pose_numbers.h"
+#include "studies/cell_camera/cell_camera.h"
+#include "studies/definition/study.h"
+#include "studies/imaging/path_lights.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+constexpr double kJoinedRad = 1e-6;
+
+ViewOutcome outcome_of(const std::string& name) {
+  using enum ViewOutcome;
+  for (const ViewOutcome outcome :
+       {kPlanned, kUnreachable, kJointLimit, kSingular, kBox, kCollision, kNoPath}) {
+    if (name_of(outcome) == name) {
+      return outcome;
+    }
+  }
+  throw ConfigError("outcome", fmt::format("is \"{}\", which is none of a view's", name));
+}
+
+PlannedView view_of_json(const Json& json) {
+  PlannedView view = {.name = json.at("name"), .outcome = outcome_of(json.at("outcome"))};
+  view.reason = json.value("reason", "");
+  if (view.outcome == ViewOutcome::kPlanned) {
+    view.base_from_camera = pose_of_numbers(json.at("base_from_camera"));
+    view.base_from_flange = pose_of_numbers(json.at("base_from_flange"));
+    view.joints_rad = joints_of_deg(json.at("joints_deg"));
+  }
+  return view;
+}
+
+PlannedPath path_of_json(const Json& json) {
+  PlannedPath path = {.from = json.at("from"), .to = json.at("to")};
+  for (const Json& joints : json.at("joints_deg")) {
+    path.joints_rad.push_back(joints_of_deg(joints));
+  }
+  if (path.joints_rad.size() < 2) {
+    throw ConfigError("joints_deg", "must hold at least two sets of joints");
+  }
+  return path;
+}
+
+/// Elements of a list, with the place of the one that is wrong.
+template <class Function>
+void each_of(const Json& json, const char* key, const Function& function) {
+  const auto list = json.find(key);
+  if (list == json.end() || !list->is_array()) {
+    throw ConfigError(key, "is missing, must be a list");
+  }
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    try {
+      function(list->at(i));
+    } catch (const Json::exception& error) {
+      throw ConfigError(fmt::format("{}.{}", key, i + 1), error.what());
+    } catch (const ConfigError& error) {
+      throw ConfigError(fmt::format("{}.{}: {}", key, i + 1, error.what()));
+    }
+  }
+}
+
+JointVector joints_of(const CellPosition& position) {
+  return Eigen::Map<const JointVector>(position.joints_rad.data());
+}
+
+PlannedPath straight(const std::string& from,
+                     const JointVector& from_rad,
+                     const std::string& to,
+                     const JointVector& to_rad) {
+  return {.from = from, .to = to, .joints_rad = {from_rad, to_rad}};
+}
+
+/// From one view of the cell to the next.
+struct WayBetween {
+  std::optional<PlannedPath> path;  ///< none: there is none
+  std::string why_not;
+};
+
+class CellWays {
+ public:
+  CellWays(const Cell& cell, double share)
+      : arm_(arm_with_tool(robot_of(cell), cell.limits)),
+        home_(safe_position_of(cell, "")),
+        share_(share) {}
+
+  WayBetween way(const std::string& from,
+                 const JointVector& from_rad,
+                 const std::string& to,
+                 const JointVector& to_rad) const {
+    PlannedPath direct = straight(from, from_rad, to, to_rad);
+    const CheckedMotion motion = check_joint_motion(arm_, from_rad, to_rad, share_);
+    if (motion.is_allowed()) {
+      direct.duration_s = motion.duration_s;
+      return {.path = direct, .why_not = ""};
+    }
+    const CheckedMotion back = check_joint_motion(arm_, from_rad, joints_of(home_), share_);
+    const CheckedMotion again = check_joint_motion(arm_, joints_of(home_), to_rad, share_);
+    if (!back.is_allowed() || !again.is_allowed()) {
+      return {.path = std::nullopt, .why_not = motion.text};
+    }
+    direct.joints_rad = {from_rad, joints_of(home_), to_rad};
+    direct.duration_s = back.duration_s + again.duration_s;
+    return {.path = direct, .why_not = ""};
+  }
+
+  const ArmWithTool& arm() const { return arm_; }
+
+ private:
+  ArmWithTool arm_;
+  const CellPosition& home_;
+  double share_;
+};
+
+bool is_safe(const Cell& cell, const JointVector& joints_rad) {
+  return std::ranges::any_of(cell.safe_positions, [&](const CellPosition& position) {
+    return (joints_of(position) - joints_rad).cwiseAbs().maxCoeff() < kJoinedRad;
+  });
+}
+
+/// All paths one after the other.
+Tour tour_of(const ViewPlan& plan, const Cell& cell) {
+  Tour tour;
+  for (const PlannedPath& path : plan.paths) {
+    if (tour.empty()) {
+      tour.push_back({.name = path.from, .joints_rad = path.joints_rad.front()});
+    }
+    const double gap = (tour.back().joints_rad - path.joints_rad.front()).cwiseAbs().maxCoeff();
+    if (gap > kJoinedRad) {
+      throw ConfigError(
+          fmt::format("paths: the one from {} to {} does not begin where the one before it ends",
+                      path.from,
+                      path.to));
+    }
+    for (std::size_t i = 1; i < path.joints_rad.size(); ++i) {
+      const bool is_last = i + 1 == path.joints_rad.size();
+      tour.push_back({.name = is_last ? path.to : "", .joints_rad = path.joints_rad[i]});
+    }
+  }
+  for (TourPoint& point : tour) {
+    point.is_safe = is_safe(cell, point.joints_rad);
+  }
+  if (tour.empty() || !tour.front().is_safe) {
+    throw ConfigError("paths: must begin at a [[safe_position]] of the cell");
+  }
+  return tour;
+}
+
+void check_legs(const Tour& tour, const Cell& cell, double share) {
+  const ArmWithTool arm = arm_with_tool(robot_of(cell), cell.limits);
+  for (std::size_t i = 0; i + 1 < tour.size(); ++i) {
+    const CheckedMotion motion =
+        check_joint_motion(arm, tour[i].joints_rad, tour[i + 1].joints_rad, share);
+    if (!motion.is_allowed()) {
+      throw ConfigError(fmt::format(
+          "paths: {}: {}", place_text(tour, {.leg = i, .is_point = false}), motion.text));
+    }
+  }
+}
+
+void check_lights(const std::vector<std::string>& names, const Cell& cell) {
+  for (const std::string& name : names) {
+    if (std::ranges::find(cell.lights, name, &CellLight::name) == cell.lights.end()) {
+      throw ConfigError(fmt::format(
+          "lighting.{}: the cell has no [lights.{}] that is switched for it", name, name));
+    }
+  }
+}
+
+std::size_t point_named(const Tour& tour, const PlannedView& view) {
+  for (std::size_t i = 0; i < tour.size(); ++i) {
+    if (tour[i].name == view.name &&
+        (tour[i].joints_rad - view.joints_rad).cwiseAbs().maxCoeff() < kJoinedRad) {
+      return i;
+    }
+  }
+  throw ConfigError(fmt::format("paths: none leads to the planned view {}", view.name));
+}
+
+std::vector<ViewTask> tasks_of(const ViewPlan& views,
+                               const Tour& tour,
+                               const AcquireSource& source,
+                               const Cell& cell,
+                               int num_positions) {
+  std::vector<ViewTask> tasks;
+  for (const PlannedView& view : views.views) {
+    if (view.outcome != ViewOutcome::kPlanned) {
+      continue;
+    }
+    const auto own = std::ranges::find(cell.views, view.name, &CellPosition::name);
+    ViewTask task = {.point = point_named(tour, view), .name = view.name};
+    task.exposure_us = 1e6 * camera_of(cell).exposure_s;
+    if (own != cell.views.end()) {
+      task.lights = own->lights;
+      task.exposure_us = 1e6 * own->exposure_s.value_or(camera_of(cell).exposure_s);
+    }
+    if (source.scene) {
+      task.lights = shining_lights(*source.scene);
+    }
+    check_lights(task.lights, cell);
+    task.positions.resize(static_cast<std::size_t>(num_positions));
+    std::iota(task.positions.begin(), task.positions.end(), 0);
+    tasks.push_back(task);
+  }
+  std::ranges::stable_sort(tasks, {}, &ViewTask::point);
+  return tasks;
+}
+
+void check_names(const std::vector<ViewTask>& tasks) {
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (folder_name_of(tasks[i].name) == folder_name_of(tasks[j].name)) {
+        throw ConfigError(fmt::format(
+            "views: \"{}\" and \"{}\" have the same folder", tasks[j].name, tasks[i].name));
+      }
+    }
+  }
+}
+
+std::string digest_of(const AcquireWork& work, const Cell& cell) {
+  Json json = {{"positions", work.num_positions}, {"step_mm", work.step_mm}};
+  for (const TourPoint& point : work.plan.tour) {
+    json["tour"].push_back({point.name, joints_deg(point.joints_rad)});
+  }
+  for (const ViewTask& task : work.plan.tasks) {
+    json["tasks"].push_back({task.name, task.point, task.lights, task.exposure_us});
+  }
+  const CellCamera& camera = camera_of(cell);
+  json["camera"] = {static_cast<int>(camera.pixel_format), camera.gain_db, camera.region_px};
+  return sha256_hex(json.dump());
+}
+
+}  // namespace
+
+ViewPlan read_view_plan(const fs::path& path) {
+  const fs::path file = fs::is_directory(path) ? path / "plan.json" : path;
+  const Json json = Json::parse(read_file(file), nullptr, false);
+  if (!json.is_object() || json.value("kind", "") != "plan") {
+    throw ConfigError(fmt::format("{}: is no plan.json of glint plan", file.string()));
+  }
+  try {
+    ViewPlan plan;
+    each_of(json, "views", [&](const Json& view) { plan.views.push_back(view_of_json(view)); });
+    each_of(json, "paths", [&](const Json& way) { plan.paths.push_back(path_of_json(way)); });
+    return plan;
+  } catch (const ConfigError& error) {
+    throw ConfigError(fmt::format("{}: {}", file.string(), error.what()));
+  }
+}
+
+ViewPlan plan_of_cell_views(const Cell& cell, double speed_share) {
+  const CellWays ways(cell, speed_share);
+  const CellPosition& home = safe_position_of(cell, "");
+  const std::string home_name = home.name.empty() ? "safe position" : home.name;
+  ViewPlan plan;
+  std::string at = home_name;
+  JointVector at_rad = joints_of(home);
+  for (std::size_t i = 0; i < cell.views.size(); ++i) {
+    const CellPosition& view = cell.views[i];
+    PlannedView planned = {.name = view.name.empty() ? fmt::format("view_{}", i + 1) : view.name,
+                           .joints_rad = joints_of(view)};
+    planned.base_from_flange = ways.arm().arm.forward(planned.joints_rad);
+    const WayBetween way = ways.way(at, at_rad, planned.name, planned.joints_rad);
+    if (way.path) {
+      plan.paths.push_back(*way.path);
+      at = planned.name;
+      at_rad = planned.joints_rad;
+    } else {
+      planned.outcome = ViewOutcome::kNoPath;
+      planned.reason = way.why_not;
+    }
+    plan.views.push_back(planned);
+  }
+  if (const auto way = ways.way(at, at_rad, home_name, joints_of(home));
+      way.path && !plan.paths.empty()) {
+    plan.paths.push_back(*way.path);
+  }
+  return plan;
+}
+
+AcquireSource read_source(const fs::path& path) {
+  AcquireSource source;
+  if (path.empty()) {
+    return source;
+  }
+  const fs::path folder = fs::is_directory(path) ? path : path.parent_path();
+  const bool is_plan = path.extension() == ".json" || fs::exists(path / "plan.json");
+  if (is_plan) {
+    source.plan = read_view_plan(path);
+  }
+  const fs::path scene = is_plan || fs::is_directory(path) ? folder / "scene.toml" : path;
+  if (!is_plan || fs::exists(scene)) {
+    source.scene = load_study(scene, {}).scene;
+  }
+  return source;
+}
+
+AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_share) {
+  AcquireWork work;
+  work.views = source.plan ? *source.plan : plan_of_cell_views(cell, speed_share);
+  work.plan.tour = tour_of(work.views, cell);
+  check_legs(work.plan.tour, cell, speed_share);
+  if (source.scene) {
+    const StageScan scan = stage_scan(*source.scene);
+    work.num_positions = scan.positions;
+    work.step_mm = scan.step_mm;
+  }
+  if (cell.stage && cell.stage->positions > 0) {
+    work.num_positions = cell.stage->positions;
+  }
+  if (work.num_positions > 1 && !cell.stage) {
+    throw ConfigError(fmt::format(
+        "scan.positions: is {}, and the cell has no [stage] that takes the stripes there",
+        work.num_positions));
+  }
+  work.plan.tasks = tasks_of(work.views, work.plan.tour, source, cell, work.num_positions);
+  check_names(work.plan.tasks);
+  work.plan.camera = camera_configuration_of(camera_of(cell));
+  work.digest = digest_of(work, cell);
+  return work;
+}
+
+PoseSigma pose_sigma_of(ArmModel model) {
+  // Universal Robots, data sheets: +-0.1 mm and 500 mm (UR3), +-0.03 mm and 500 mm (UR3e), +-0.03
+  // mm and 850 mm (UR5e).
+  const double repeatability_mm = model == ArmModel::kUr3 ? 0.1 : 0.03;
+  const double reach_mm = model == ArmModel::kUr5e ? 850.0 : 500.0;
+  const double sigma_mm = repeatability_mm / 3.0;
+  return {.position_mm = sigma_mm, .rotation_rad = sigma_mm / (0.5 * reach_mm)};
+}
+
+}  // namespace glint

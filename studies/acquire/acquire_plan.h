@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What is to be taken from where: a plan's views and paths, or those of the cell's own file, with
+// the lights and the scan of a scene.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hardware/acquisition/acquisition.h"
+#include "hardware/planning/view_plan.h"
+#include "studies/cell/cell_file.h"
+#include "studies/definition/scene.h"
+
+namespace glint {
+
+/// Reads plan.json of a file or a folder. @throws IoError; ConfigError naming the key at fault
+ViewPlan read_view_plan(const std::filesystem::path& path);
+
+/// The cell's own views in their order, from the first safe position and back to it: straight in
+/// joints, over the safe position where the straight way leaves the box.
+ViewPlan plan_of_cell_views(const Cell& cell, double speed_share);
+
+/// What is named on the command line.
+struct AcquireSource {
+  std::optional<SceneSettings> scene;
+  std::optional<ViewPlan> plan;  ///< none: the cell's own views
+};
+
+/// @param path  a scene or study, plan.json, or a folder that holds plan.json or scene.toml; empty:
+///              nothing but the cell
+AcquireSource read_source(const std::filesystem::path& path);
+
+/// What of a source and a cell decides which pictures are taken.
+struct AcquireWork {
+  ViewPlan views;
+  AcquisitionPlan plan;
+  int num_positions = 1;  ///< of each view
+  double step_mm = 0.0;   ///< of the scene's scan; 0 without
+  std::string digest;     ///< of all of it
+};
+
+/// @throws ConfigError when paths do not join, a leg leaves the box, or the cell lacks a light or a
+///         stage that the scene has
+AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_share);
+
+/// How well a standstill is known, along and about each axis: a third of the arm's repeatability as
+/// its maker states it (ISO 9283), and what that is on a lever of half its reach.
+struct PoseSigma {
+  double position_mm = 0.0;
+  double rotation_rad = 0.0;
+};
+
+PoseSigma pose_sigma_of(ArmModel model);
+
+}  // namespace glint

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/acquire/acquire_run.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/config/toml.h"
+#include "core/file.h"
+#include "core/wall_clock.h"
+#include "hardware/robot/path_check.h"
+#include "studies/acquire/acquire_files.h"
+#include "studies/acquire/cell_devices.h"
+#include "studies/cell/twin_process.h"
+#include "studies/output/output_folder.h"
+#include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+const std::array<std::string, 9> kNames = {"acquired.json",
+                                           "poses.csv",
+                                           "views",
+                                           "rejected",
+                                           "scene.toml",
+                                           "cell.toml",
+                                           "calibration.toml",
+                                           "journal.sqlite",
+                                           "run.json"};
+
+/// Everything that is read before anything is connected.
+struct Prepared {
+  Cell cell;
+  AcquireSource source;
+  AcquireWork work;
+  fs::path folder;
+};
+
+Prepared prepare(const AcquireOptions& options) {
+  Prepared ready = {.cell = read_cell(options.cell)};
+  if (!options.twin.empty()) {
+    ready.cell = with_ports(std::move(ready.cell), options.twin);
+  }
+  ready.source = read_source(options.source);
+  ready.work = work_of(ready.source, ready.cell, options.speed_share);
+  const fs::path named = options.source.empty() ? options.cell : options.source;
+  const fs::path parent = fs::is_directory(named) ? named : fs::absolute(named).parent_path();
+  ready.folder = options.out.empty()
+                     ? default_result_folder(parent.filename().string(), ResultKind::kAcquire)
+                     : options.out;
+  check_result_folder(ready.folder, ResultKind::kAcquire, kNames);
+  return ready;
+}
+
+Json unplanned(const ViewPlan& views) {
+  Json list = Json::array();
+  for (const PlannedView& view : views.views) {
+    if (view.outcome != ViewOutcome::kPlanned) {
+      list.push_back(
+          {{"view", view.name}, {"outcome", name_of(view.outcome)}, {"reason", view.reason}});
+    }
+  }
+  return list;
+}
+
+double duration_of(const Tour& tour, const Cell& cell, double share) {
+  const ArmWithTool arm = arm_with_tool(robot_of(cell), cell.limits);
+  double seconds = 0.0;
+  for (std::size_t i = 0; i + 1 < tour.size(); ++i) {
+    seconds +=
+        check_joint_motion(arm, tour[i].joints_rad, tour[i + 1].joints_rad, share).duration_s;
+  }
+  return seconds;
+}
+
+/// Copies that make the folder whole.
+void write_inputs(const Prepared& ready, Json& head) {
+  write_file(ready.folder / "cell.toml", read_file(ready.cell.file));
+  head["scene"] = nullptr;
+  head["cell"] = "cell.toml";
+  head["calibration"] = nullptr;
+  if (ready.source.scene) {
+    write_file(ready.folder / "scene.toml", to_toml(write_scene(*ready.source.scene)));
+    head["scene"] = "scene.toml";
+  }
+  if (!ready.cell.calibration.empty()) {
+    write_file(ready.folder / "calibration.toml", read_file(ready.cell.calibration));
+    head["calibration"] = "calibration.toml";
+  }
+}
+
+/// One session: what is missing is taken.
+class Session {
+ public:
+  Session(const Prepared& ready, const AcquireOptions& options, CellDevices& devices)
+      : ready_(ready),
+        options_(options),
+        devices_(devices),
+        journal_(ready.folder, ready.work.digest),
+        files_(ready.folder, journal_, ready.work, ready.cell) {
+    head_ = {{"schema", 1}, {"kind", "acquired"}, {"status", "partial"}};
+    write_inputs(ready, head_);
+    head_["twin"] = devices.is_twin();
+  }
+
+  Json run() {
+    files_.write_means();  // of views that were whole when an earlier session was killed
+    tell("begins");
+    const AcquisitionPlan plan = files_.open_work();
+    AcquisitionOptions acquisition = {.speed_share = options_.speed_share,
+                                      .limits = ready_.cell.acquisition,
+                                      .interrupt = options_.interrupt};
+    result_ = acquire(plan, devices_.devices(), acquisition, [this](const TakenPicture& picture) {
+      files_.keep(picture);
+      files_.write_means();
+      tell(ready_.work.plan.tasks[picture.task].name);
+    });
+    journal_.end_session();
+    return written();
+  }
+
+ private:
+  void tell(const std::string& note) const {
+    if (options_.progress) {
+      options_.progress(files_.num_accepted(), files_.num_wanted(), note);
+    }
+  }
+
+  std::string status(const Json& unplanned_views) const {
+    if (result_.cause != AcquisitionCause::kNone) {
+      return "stopped";
+    }
+    return result_.is_complete() && unplanned_views.empty() ? "complete" : "partial";
+  }
+
+  Json written() {
+    const Json unplanned_views = unplanned(ready_.work.views);
+    head_["status"] = status(unplanned_views);
+    head_["counts"] = {{"wanted", files_.num_wanted()},
+                       {"accepted", files_.num_accepted()},
+                       {"taken_now", result_.accepted},
+                       {"rejected_now", result_.rejected},
+                       {"resumed", journal_.num_resumed()}};
+    head_["unplanned"] = unplanned_views;
+    head_["end"] = {{"where", result_.where},
+                    {"how", name_of(result_.end)},
+                    {"cause", name_of(result_.cause)},
+                    {"text", result_.text}};
+    return files_.write(head_);
+  }
+
+  const Prepared& ready_;
+  const AcquireOptions& options_;
+  CellDevices& devices_;
+  AcquireJournal journal_;
+  AcquireFiles files_;
+  AcquisitionResult result_;
+  Json head_;
+};
+
+}  // namespace
+
+Json describe_acquisition(const AcquireOptions& options) {
+  const Prepared ready = prepare(options);
+  Json views = Json::array();
+  int pictures = 0;
+  for (const ViewTask& task : ready.work.plan.tasks) {
+    views.push_back({{"view", task.name},
+                     {"lights", task.lights},
+                     {"exposure_us", task.exposure_us},
+                     {"pictures", task.positions.size()}});
+    pictures += static_cast<int>(task.positions.size());
+  }
+  Json legs = Json::array();
+  const Tour& tour = ready.work.plan.tour;
+  for (std::size_t i = 0; i + 1 < tour.size(); ++i) {
+    legs.push_back(place_text(tour, {.leg = i, .is_point = false}));
+  }
+  return {{"schema", 1},
+          {"status", "dry_run"},
+          {"ok", unplanned(ready.work.views).empty()},
+          {"folder", ready.folder.string()},
+          {"pictures", pictures},
+          {"views", views},
+          {"unplanned", unplanned(ready.work.views)},
+          {"legs", legs},
+          {"motion_s", duration_of(tour, ready.cell, options.speed_share)}};
+}
+
+Json acquire_pictures(const AcquireOptions& options, const MotionPermit& permit) {
+  const auto start = std::chrono::steady_clock::now();
+  const Prepared ready = prepare(options);
+  const auto confirm = [&options](const std::string& light, const std::string& what) {
+    return std::ranges::find(options.confirmed, light) != options.confirmed.end() ||
+           (options.confirm && options.confirm(what));
+  };
+  CellDevices devices(ready.cell, permit, confirm, ready.work.num_positions, ready.work.step_mm);
+  OutputFolder output(ready.folder);
+  mark_result_folder(ready.folder, ResultKind::kAcquire);
+  output.keep();
+  Json json = Session(ready, options, devices).run();
+  Json run = provenance();
+  run["verb"] = command_of(ResultKind::kAcquire);
+  run["seconds"] = seconds_since(start);
+  write_file(ready.folder / "run.json", run.dump(2) + "\n");
+  json["ok"] = json["status"] == "complete";
+  json["folder"] = ready.folder.string();
+  return json;
+}
+
+}  // namespace glint

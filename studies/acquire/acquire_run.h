@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint acquire`: the arm goes over the views of a plan, a design or the cell's file, and takes
+// their pictures into a folder (acquired.h).
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "hardware/light/light.h"
+#include "hardware/robot/motion_permit.h"
+
+namespace glint {
+
+struct AcquireOptions {
+  std::filesystem::path source;  ///< scene, plan.json or their folder; empty: the cell's views
+  std::filesystem::path cell;
+  std::filesystem::path out;           ///< empty: out/<name>/acquire
+  std::filesystem::path twin;          ///< ready file whose ports take the place of the cell's
+  double speed_share = 0.5;            ///< of the cell's limits of speed
+  std::vector<std::string> confirmed;  ///< lights that a person has confirmed on the command line
+  Confirm confirm = {};                ///< asks a person; empty: nobody is there
+  const std::atomic<int>* interrupt = nullptr;
+  /// Pictures that are there, of how many, and where; may be empty.
+  std::function<void(int done, int total, const std::string& note)> progress = {};
+};
+
+/// What would be done. Reads files, connects to nothing.
+nlohmann::ordered_json describe_acquisition(const AcquireOptions& options);
+
+/// Takes what the folder does not have yet.
+/// @return what acquired.json holds, and "folder", "ok", "counts"
+/// @throws ConfigError, IoError: before anything has moved
+nlohmann::ordered_json acquire_pictures(const AcquireOptions& options, const MotionPermit& permit);
+
+}  // namespace glint

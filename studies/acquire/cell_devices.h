@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The devices of a cell, connected: what an acquisition is made with.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hardware/acquisition/acquisition.h"
+#include "hardware/acquisition/robot_outputs.h"
+#include "hardware/robot/motion_permit.h"
+#include "hardware/robot/ur_robot.h"
+#include "studies/cell/cell_file.h"
+
+namespace glint {
+
+class CellDevices {
+ public:
+  /// @param confirm       asks a person about a light by its name and what is to be done
+  /// @param positions, step_mm  of the scan
+  /// @throws ConfigError, IoError; nothing has moved then
+  CellDevices(const Cell& cell,
+              const MotionPermit& permit,
+              const std::function<bool(const std::string& light, const std::string& what)>& confirm,
+              int positions,
+              double step_mm);
+
+  AcquisitionDevices devices();
+
+  /// Robot and camera have proved that they are twins.
+  bool is_twin() const { return is_twin_; }
+
+  const CameraDescription& camera() const { return camera_->description(); }
+
+ private:
+  bool is_twin_ = false;
+  std::unique_ptr<UrRobot> robot_;
+  std::unique_ptr<RobotOutputs> outputs_;
+  std::unique_ptr<Camera> camera_;
+  std::vector<std::unique_ptr<Light>> lights_;
+  std::vector<CellLamp> lamps_;
+  ConnectedStage stage_;
+};
+
+}  // namespace glint

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/acquire/journal.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/text.h"
+#include "optimizer/storage/sqlite.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+constexpr const char* kTables = R"sql(
+CREATE TABLE IF NOT EXISTS run(
+  id INTEGER PRIMARY KEY CHECK (id = 1), schema INTEGER NOT NULL, digest TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS session(
+  number INTEGER PRIMARY KEY, has_ended INTEGER NOT NULL);
+CREATE TABLE IF NOT EXISTS picture(
+  number INTEGER PRIMARY KEY, session INTEGER NOT NULL, file TEXT NOT NULL UNIQUE,
+  object TEXT NOT NULL); -- as in acquired.json
+)sql";
+
+/// A descriptor that is closed.
+class Descriptor {
+ public:
+  Descriptor(const fs::path& path, int flags)
+      : number_(::open(path.c_str(), flags | O_CLOEXEC, 0644)) {
+    if (number_ < 0) {
+      throw IoError(fmt::format("{}: {}", path.string(), last_system_error()));
+    }
+  }
+
+  ~Descriptor() { ::close(number_); }
+
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  int number() const { return number_; }
+
+  void sync(const fs::path& path) const {
+    if (::fsync(number_) != 0) {
+      throw IoError(fmt::format("{}: {}", path.string(), last_system_error()));
+    }
+  }
+
+ private:
+  int number_;
+};
+
+void write_synced(const fs::path& path, const std::string& bytes) {
+  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC);
+  std::size_t written = 0;
+  while (written < bytes.size()) {
+    const ssize_t count = ::write(file.number(), bytes.data() + written, bytes.size() - written);
+    if (count < 0 && errno != EINTR) {
+      throw IoError(fmt::format("{}: {}", path.string(), last_system_error()));
+    }
+    written += static_cast<std::size_t>(std::max<ssize_t>(0, count));
+  }
+  file.sync(path);
+}
+
+void sync_folder(const fs::path& folder) {
+  Descriptor(folder, O_RDONLY | O_DIRECTORY).sync(folder);
+}
+
+void rename_synced(const fs::path& from, const fs::path& to) {
+  if (::rename(from.c_str(), to.c_str()) != 0) {
+    throw IoError(fmt::format("{}: {}", to.string(), last_system_error()));
+  }
+  sync_folder(to.parent_path());
+}
+
+fs::path hidden(const fs::path& path) {
+  return path.parent_path() / fmt::format(".{}.part", path.filename().string());
+}
+
+bool has_digest(const fs::path& path, const std::string& sha256) {
+  std::error_code none;
+  return fs::is_regular_file(path, none) && sha256_hex(read_file(path)) == sha256;
+}
+
+}  // namespace
+
+/// The database, and the lock that one process has on the folder.
+struct AcquireJournal::Rows {
+  explicit Rows(const fs::path& folder)
+      : lock(folder / "journal.lock", O_RDWR | O_CREAT),
+        database(locked(folder), Database::Access::kCreate) {
+    database.run("PRAGMA journal_mode = DELETE");
+    database.run("PRAGMA synchronous = EXTRA");
+    database.run(kTables);
+  }
+
+  fs::path locked(const fs::path& folder) const {
+    if (::flock(lock.number(), LOCK_EX | LOCK_NB) != 0) {
+      throw ConfigError(
+          fmt::format("{}: another process takes pictures into this folder", folder.string()));
+    }
+    return folder / "journal.sqlite";
+  }
+
+  Descriptor lock;
+  Database database;
+  std::int64_t session = 1;
+};
+
+AcquireJournal::AcquireJournal(fs::path folder, const std::string& plan_digest)
+    : folder_(std::move(folder)), rows_(std::make_unique<Rows>(folder_)) {
+  Database& database = rows_->database;
+  const std::string known = database.text("SELECT digest FROM run");
+  if (!known.empty() && known != plan_digest) {
+    throw ConfigError(fmt::format(
+        "{}: holds pictures of another plan, cell or scene; name another folder by --out",
+        folder_.string()));
+  }
+  if (known.empty()) {
+    Statement(database, "INSERT INTO run VALUES (1, 1, ?)").bind(plan_digest).run();
+  }
+  rows_->session = database.integer("SELECT max(number) FROM session") + 1;
+  Statement(database, "INSERT INTO session VALUES (?, 0)").bind(rows_->session).run();
+  repair();
+}
+
+AcquireJournal::~AcquireJournal() = default;
+
+bool AcquireJournal::find_bytes(const AcquiredPicture& picture) const {
+  const fs::path path = folder_ / picture.file;
+  if (has_digest(path, picture.sha256)) {
+    return true;
+  }
+  if (!has_digest(hidden(path), picture.sha256)) {
+    return false;
+  }
+  rename_synced(hidden(path), path);
+  return true;
+}
+
+void AcquireJournal::repair() {
+  Database& database = rows_->database;
+  std::vector<std::int64_t> lost;
+  Statement rows(database, "SELECT number, object FROM picture ORDER BY number");
+  while (rows.step()) {
+    AcquiredPicture picture = picture_of_json(Json::parse(rows.text(1), nullptr, false));
+    if (find_bytes(picture)) {
+      pictures_.push_back(std::move(picture));
+    } else {
+      lost.push_back(rows.integer(0));
+    }
+  }
+  for (const std::int64_t number : lost) {
+    Statement(database, "DELETE FROM picture WHERE number = ?").bind(number).run();
+  }
+  num_resumed_ = static_cast<int>(pictures_.size());
+  remove_strangers(folder_ / "views");
+  remove_strangers(folder_ / "rejected");
+}
+
+/// Files of pictures, finished or not, that no row tells of.
+void AcquireJournal::remove_strangers(const fs::path& below) const {
+  std::error_code none;
+  std::vector<fs::path> strangers;
+  for (const auto& entry : fs::recursive_directory_iterator(below, none)) {
+    const std::string name = entry.path().filename().string();
+    const std::string file = entry.path().lexically_relative(folder_).string();
+    const bool is_picture = name.starts_with("frame_") || name.starts_with(".frame_");
+    if (entry.is_regular_file(none) && is_picture &&
+        std::ranges::find(pictures_, file, &AcquiredPicture::file) == pictures_.end()) {
+      strangers.push_back(entry.path());
+    }
+  }
+  for (const fs::path& path : strangers) {
+    fs::remove(path, none);
+  }
+}
+
+void AcquireJournal::keep(AcquiredPicture picture, const std::string& bytes) {
+  const fs::path path = folder_ / picture.file;
+  make_folder(path.parent_path());
+  picture.sha256 = sha256_hex(bytes);
+  write_synced(hidden(path), bytes);
+  sync_folder(path.parent_path());
+  Statement(rows_->database, "INSERT INTO picture(session, file, object) VALUES (?, ?, ?)")
+      .bind(rows_->session)
+      .bind(picture.file)
+      .bind(picture_json(picture).dump())
+      .run();
+  rename_synced(hidden(path), path);
+  pictures_.push_back(std::move(picture));
+}
+
+int AcquireJournal::num_rejected(const std::string& view, int position) const {
+  return static_cast<int>(std::ranges::count_if(pictures_, [&](const AcquiredPicture& picture) {
+    return !picture.is_accepted && picture.view == view && picture.position == position;
+  }));
+}
+
+void AcquireJournal::end_session() {
+  Statement(rows_->database, "UPDATE session SET has_ended = 1 WHERE number = ?")
+      .bind(rows_->session)
+      .run();
+}
+
+}  // namespace glint

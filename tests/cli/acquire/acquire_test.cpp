@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint acquire` with the twins of a camera and a robot: whole, killed and resumed, stopped.
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <random>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "hardware/robot/twin_proof.h"
+#include "tests/cli/program.h"
+
+#ifndef GLINT_NUM_KILLS
+#define GLINT_NUM_KILLS 2
+#endif
+
+namespace glint::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+const fs::path kGallery = fs::path(GLINT_SOURCE_DIR) / "studies/gallery/twin_cell";
+
+/// The gallery's cell with pictures of a quarter as many pixels, and an arm that moves 20 times as
+/// fast.
+class SmallTwins {
+ public:
+  SmallTwins() {
+    write_file(folder / "truth.toml",
+               edited(read_file(kGallery / "truth.toml"),
+                      {{"width_px = 408", "width_px = 204"},
+                       {"height_px = 342", "height_px = 171"},
+                       {"pixel_um = 10.35", "pixel_um = 20.7"},
+                       {"object_pixel_mm = 0.15", "object_pixel_mm = 0.3"},
+                       {"samples = 8", "samples = 4"}}));
+    write_file(folder / "cell.toml",
+               edited(read_file(kGallery / "cell.toml"),
+                      {{"truth = \"truth.toml\"", "truth = \"truth.toml\"\nmotion_speedup = 20"}}));
+    ready_ = json_of(folder,
+                     {"cell",
+                      "twin",
+                      "both",
+                      "cell.toml",
+                      "--port",
+                      "0",
+                      "--detach",
+                      "--ready_file",
+                      "twin.json"});
+  }
+
+  ~SmallTwins() { glint_in(folder, {"cell", "twin", "stop", "twin.json"}); }
+
+  SmallTwins(const SmallTwins&) = delete;
+  SmallTwins& operator=(const SmallTwins&) = delete;
+
+  static Arguments acquire(const std::string& out) {
+    return {"acquire",
+            "--cell",
+            "cell.toml",
+            "--twin",
+            "twin.json",
+            "--confirmed",
+            "ring",
+            "--speed_share",
+            "1",
+            "--move",
+            "--json",
+            "--out",
+            out};
+  }
+
+  void fault(const std::string& what) const {
+    for (const json& twin : ready_["twins"]) {
+      if (twin["kind"] == "robot") {
+        const fs::path socket = twin["side_channel"].get<std::string>();
+        EXPECT_EQ(ask_side_channel(socket, "fault " + what).value_or("nobody"), "ok");
+      }
+    }
+  }
+
+  /// Bytes of all pictures that were kept, by their names.
+  std::map<std::string, std::string> pictures(const std::string& out) const {
+    std::map<std::string, std::string> found;
+    for (const auto& entry : fs::recursive_directory_iterator(folder / out / "views")) {
+      if (entry.is_regular_file()) {
+        found[entry.path().lexically_relative(folder / out).string()] = read_file(entry.path());
+      }
+    }
+    return found;
+  }
+
+  json acquired(const std::string& out) const {
+    return json::parse(read_file(folder / out / "acquired.json"));
+  }
+
+  TemporaryFolder folder;
+
+ private:
+  json ready_;
+};
+
+/// Poses of both agree to half a millionth of their own sigma or better: a twin stands where it is
+/// sent.
+void expect_same_poses(const json& a, const json& b) {
+  ASSERT_EQ(a["pictures"].size(), b["pictures"].size());
+  for (std::size_t i = 0; i < a["pictures"].size(); ++i) {
+    const json& one = a["pictures"][i];
+    const json& other = b["pictures"][i];
+    EXPECT_EQ(one["view"], other["view"]);
+    EXPECT_EQ(one["sha256"], other["sha256"]);
+    for (std::size_t k = 0; k < 6; ++k) {
+      const double sigma = one[k < 3 ? "position_sigma_mm" : "rotation_sigma_rad"];
+      EXPECT_NEAR(one["base_from_flange"][k], other["base_from_flange"][k], sigma);
+    }
+  }
+}
+
+/// The pictures of a folder are those of an undisturbed run, each once.
+void expect_undisturbed(const SmallTwins& twins, const std::string& out) {
+  const auto expected = twins.pictures("whole");
+  const auto found = twins.pictures(out);
+  ASSERT_EQ(found.size(), expected.size());
+  for (const auto& [name, bytes] : expected) {
+    EXPECT_TRUE(found.contains(name) && found.at(name) == bytes) << name;
+  }
+  expect_same_poses(twins.acquired("whole"), twins.acquired(out));
+}
+
+TEST(Acquire, TakesTheCellsViewsAndNothingTwice) {
+  const SmallTwins twins;
+  const ProgramResult result = glint_in(twins.folder, SmallTwins::acquire("whole"));
+  ASSERT_EQ(result.code, 0) << result.err << result.out;
+  const json acquired = json::parse(result.out);
+  EXPECT_EQ(acquired["status"], "complete");
+  EXPECT_EQ(acquired["twin"], true);
+  EXPECT_EQ(acquired["counts"]["accepted"], 5);
+  EXPECT_EQ(acquired["end"]["how"], "tour");
+  EXPECT_EQ(acquired["end"]["where"], "above");
+  EXPECT_EQ(twins.pictures("whole").size(), 10U);  // a frame and a mean for each view
+  EXPECT_EQ(twins.acquired("whole")["pictures"][3]["lights"], json::array({"bar"}));
+  EXPECT_THAT(read_file(twins.folder / "whole/poses.csv"),
+              HasSubstr("views/left/sequence/frame_000.png,"));
+  const json again = json::parse(glint_in(twins.folder, SmallTwins::acquire("whole")).out);
+  EXPECT_EQ(again["counts"]["taken_now"], 0);
+  EXPECT_EQ(again["counts"]["resumed"], 5);
+  EXPECT_EQ(again["status"], "complete");
+}
+
+TEST(Acquire, KilledAndResumedItIsAsIfNothingHadBeen) {
+  const SmallTwins twins;
+  ASSERT_EQ(glint_in(twins.folder, SmallTwins::acquire("whole")).code, 0);
+  std::mt19937 random(5);
+  int kills = 0;
+  for (int run = 0; kills < GLINT_NUM_KILLS; ++run) {
+    const std::string out = fmt::format("killed_{}", run);
+    for (int tries = 0;; ++tries) {
+      ASSERT_LT(tries, 40);
+      Program program(twins.folder / "", SmallTwins::acquire(out));
+      const auto patience = std::chrono::milliseconds(300 + random() % 4000);
+      const auto start = std::chrono::steady_clock::now();
+      while (program.is_running() && std::chrono::steady_clock::now() - start < patience) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      }
+      const bool is_killed = program.is_running() && kills < GLINT_NUM_KILLS;
+      if (is_killed) {
+        program.send(SIGKILL);
+        ++kills;
+      }
+      const ProgramResult result = program.wait();
+      if (!is_killed) {
+        ASSERT_EQ(result.code, 0) << result.out << result.err;
+        break;
+      }
+    }
+    expect_undisturbed(twins, out);
+  }
+}
+
+// What the arm does not do as told ends everything where it is; what a person has seen to is then
+// taken up again.
+TEST(Acquire, StopsWhereAFaultOfTheArmStopsItAndGoesOnLater) {
+  const SmallTwins twins;
+  ASSERT_EQ(glint_in(twins.folder, SmallTwins::acquire("whole")).code, 0);
+  twins.fault("protective_stop moving 0.1");
+  const ProgramResult stopped = glint_in(twins.folder, SmallTwins::acquire("stopped"));
+  EXPECT_EQ(stopped.code, 1) << stopped.err;
+  const json acquired = json::parse(stopped.out);
+  EXPECT_EQ(acquired["status"], "stopped");
+  EXPECT_EQ(acquired["end"]["how"], "stopped");
+  EXPECT_EQ(acquired["end"]["cause"], "robot");
+  EXPECT_THAT(acquired["end"]["text"].get<std::string>(), HasSubstr("protective_stop"));
+  EXPECT_THAT(acquired["end"]["where"].get<std::string>(), HasSubstr("between above and straight"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // 10 s of the arm's clock
+  EXPECT_EQ(
+      glint_in(twins.folder, {"cell", "unlock", "cell.toml", "--twin", "twin.json", "--move"}).code,
+      0);
+  const ProgramResult resumed = glint_in(twins.folder, SmallTwins::acquire("stopped"));
+  EXPECT_EQ(resumed.code, 0) << resumed.out << resumed.err;
+  expect_undisturbed(twins, "stopped");
+}
+
+TEST(Acquire, BacksOutWhenItIsInterrupted) {
+  const SmallTwins twins;
+  Program program(twins.folder / "", SmallTwins::acquire("interrupted"));
+  for (int i = 0; i < 2000 && !fs::exists(twins.folder / "interrupted/views/straight/aspect.png");
+       ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  program.send(SIGINT);
+  const ProgramResult result = program.wait();
+  if (result.code == 0) {
+    GTEST_SKIP() << "it was ready before the interrupt came";
+  }
+  EXPECT_EQ(result.code, 130) << result.err;
+  const json acquired = json::parse(result.out);
+  EXPECT_EQ(acquired["end"]["how"], "backed_out");
+  EXPECT_EQ(acquired["end"]["where"], "above");
+}
+
+TEST(Acquire, TellsWhatItWouldDoAndConnectsToNothing) {
+  const TemporaryFolder folder;
+  const std::string cell = kGallery / "cell.toml";  // nobody serves it
+  const json plan = json_of(folder, {"acquire", "--cell", cell, "--dry_run", "--out", "out"});
+  EXPECT_EQ(plan["pictures"], 5);
+  EXPECT_EQ(plan["views"][0]["view"], "straight");
+  EXPECT_EQ(plan["legs"].size(), 6U);
+  EXPECT_FALSE(fs::exists(folder / "out"));
+  EXPECT_THAT(glint_in(folder, {"acquire", "--cell", cell}).err, HasSubstr("--move"));
+  EXPECT_EQ(glint_in(folder, {"acquire", "none.toml", "--cell", cell, "--dry_run"}).code, 3);
+}
+
+}  // namespace
+}  // namespace glint::test

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hardware/acquisition/acquisition.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "tests/hardware/acquisition/fake_cell.h"
+
+namespace glint {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+JointVector joints(double a, double b) {
+  JointVector vector = JointVector::Zero();
+  vector[0] = a;
+  vector[1] = b;
+  return vector;
+}
+
+/// home, a point on the way, left, right, home.
+Tour small_tour() {
+  return {{.name = "home", .joints_rad = joints(0, 0), .is_safe = true},
+          {.name = "", .joints_rad = joints(0.5, 0)},
+          {.name = "left", .joints_rad = joints(0.5, 0.5)},
+          {.name = "right", .joints_rad = joints(1.0, 0.5)},
+          {.name = "home", .joints_rad = joints(0, 0), .is_safe = true}};
+}
+
+AcquisitionPlan small_plan(int positions) {
+  AcquisitionPlan plan = {.tour = small_tour()};
+  std::vector<int> all;
+  for (int i = 0; i < positions; ++i) {
+    all.push_back(i);
+  }
+  plan.tasks = {
+      {.point = 2, .name = "left", .lights = {"ring"}, .exposure_us = 100, .positions = all},
+      {.point = 3, .name = "right", .lights = {"bar"}, .exposure_us = 200, .positions = all}};
+  return plan;
+}
+
+/// The devices of a FakeCell, and what came of them.
+struct Bench {
+  explicit Bench(int positions)
+      : plan(small_plan(positions)), cell(plan.tour), stage(positions, cell) {}
+
+  AcquisitionResult run() {
+    const AcquisitionDevices devices = {
+        .robot = robot,
+        .camera = camera,
+        .lamps = {{.light = &ring, .settle_s = 0.0}, {.light = &bar, .settle_s = 0.0}},
+        .stage = &stage,
+        .wait = [](double) {}};
+    AcquisitionOptions options;
+    options.interrupt = &cell.interrupt;
+    return acquire(plan, devices, options, [this](const TakenPicture& picture) {
+      if (cell.call(FakeFault::kSink)) {
+        throw IoError("no space left on device");
+      }
+      if (cell.call(FakeFault::kProgram)) {
+        throw std::runtime_error("a mistake");
+      }
+      taken.push_back(picture);
+    });
+  }
+
+  /// Takes away what has been taken, as a resumed run does.
+  void forget_taken() {
+    for (const TakenPicture& picture : taken) {
+      if (picture.is_accepted) {
+        std::erase(plan.tasks[picture.task].positions, picture.position);
+      }
+    }
+  }
+
+  AcquisitionPlan plan;
+  FakeCell cell;
+  FakeRobot robot{cell};
+  FakeCamera camera{cell};
+  FakeLight ring{"ring", cell};
+  FakeLight bar{"bar", cell};
+  FakeStage stage;
+  std::vector<TakenPicture> taken;
+};
+
+TEST(Acquire, TakesEachPositionAtItsViewUnderItsLights) {
+  Bench bench(2);
+  const AcquisitionResult result = bench.run();
+  EXPECT_TRUE(result.is_complete()) << result.text;
+  EXPECT_EQ(result.end, AcquisitionEnd::kTour);
+  EXPECT_EQ(result.where, "home");
+  EXPECT_EQ(result.accepted, 4);
+  EXPECT_THAT(bench.cell.events,
+              ElementsAre("move",  // the point on the way, in the dark
+                          "light ring on",
+                          "light bar off",
+                          "move",
+                          "stage 0",
+                          "picture",
+                          "stage 1",
+                          "picture",
+                          "light ring off",
+                          "light bar on",
+                          "move",
+                          "stage 0",
+                          "picture",
+                          "stage 1",
+                          "picture",
+                          "light bar off",
+                          "move"));
+  ASSERT_EQ(bench.taken.size(), 4U);
+  EXPECT_EQ(bench.taken[1].pose.joints_rad, joints(0.5, 0.5));
+  EXPECT_EQ(bench.taken[2].pose.joints_rad, joints(1.0, 0.5));
+  EXPECT_EQ(bench.taken[3].frame.exposure_us, 200);
+}
+
+TEST(Acquire, KeepsRejectedPicturesApartAndGoesOn) {
+  Bench bench(1);
+  bench.camera.dim_ = true;
+  const AcquisitionResult result = bench.run();
+  EXPECT_EQ(result.cause, AcquisitionCause::kNone);
+  EXPECT_FALSE(result.is_complete());
+  EXPECT_EQ(result.missing, 2);
+  EXPECT_EQ(result.rejected, 6);  // three tries each
+  EXPECT_EQ(result.end, AcquisitionEnd::kTour);
+  EXPECT_THAT(bench.taken[0].reason, HasSubstr("too dark"));
+  EXPECT_EQ(bench.taken[2].attempt, 2);
+}
+
+TEST(Acquire, RefusesAnArmThatStandsOnNoPlannedWay) {
+  Bench bench(1);
+  bench.cell.joints_[4] = 0.1;
+  const AcquisitionResult result = bench.run();
+  EXPECT_EQ(result.cause, AcquisitionCause::kOffTour);
+  EXPECT_EQ(result.end, AcquisitionEnd::kStopped);
+  EXPECT_EQ(bench.cell.motions, 0);
+  EXPECT_THAT(result.text, HasSubstr("5.7 degrees"));  // 0.1 rad
+}
+
+TEST(Acquire, BeginsWhereAKilledRunLeftTheArm) {
+  for (const JointVector& start : {joints(0.25, 0), joints(0.5, 0.5), joints(0.8, 0.5)}) {
+    Bench bench(1);
+    bench.cell.joints_ = start;
+    const AcquisitionResult result = bench.run();
+    EXPECT_TRUE(result.is_complete()) << result.text;
+    EXPECT_EQ(bench.taken.size(), 2U);
+    EXPECT_EQ(result.where, "home");
+  }
+}
+
+struct Row {
+  FakeFault fault;
+  AcquisitionCause cause;
+};
+
+const std::vector<Row> kFaults = {{FakeFault::kCameraTimeout, AcquisitionCause::kCamera},
+                                  {FakeFault::kCameraLost, AcquisitionCause::kCamera},
+                                  {FakeFault::kLight, AcquisitionCause::kLight},
+                                  {FakeFault::kStage, AcquisitionCause::kStage},
+                                  {FakeFault::kSink, AcquisitionCause::kSink},
+                                  {FakeFault::kProgram, AcquisitionCause::kSink},
+                                  {FakeFault::kInterrupt, AcquisitionCause::kInterrupted},
+                                  {FakeFault::kProtectiveStop, AcquisitionCause::kRobot},
+                                  {FakeFault::kEmergencyStop, AcquisitionCause::kRobot},
+                                  {FakeFault::kSilence, AcquisitionCause::kRobot},
+                                  {FakeFault::kPushed, AcquisitionCause::kRobot},
+                                  {FakeFault::kUnreachable, AcquisitionCause::kRobot}};
+
+int calls_of_a_whole_run() {
+  Bench bench(2);
+  bench.run();
+  return bench.cell.calls;
+}
+
+/// What must hold after any fault at any step; then the run is taken up again.
+void check_fault(const Row& row, int step) {
+  SCOPED_TRACE(fmt::format("fault {} at call {}", static_cast<int>(row.fault), step));
+  Bench bench(2);
+  bench.cell.fault = row.fault;
+  bench.cell.fault_at = step;
+  const AcquisitionResult result = bench.run();
+  if (result.is_complete()) {
+    // It came too late to matter, or acts in a call that came no more.
+    EXPECT_EQ(result.end, AcquisitionEnd::kTour);
+  } else if (is_of_arm(row.fault)) {
+    EXPECT_EQ(result.end, AcquisitionEnd::kStopped) << result.text;
+    EXPECT_LE(bench.cell.motions_after_fault, 1) << "only the motion in which it acted";
+  } else {
+    EXPECT_EQ(result.cause, row.cause) << result.text;
+    EXPECT_EQ(result.end, AcquisitionEnd::kBackedOut) << result.text;
+    EXPECT_EQ(bench.cell.joints_, joints(0, 0));
+    EXPECT_EQ(result.where, "home");
+  }
+  bench.cell.fault = FakeFault::kNone;
+  bench.cell.safety = SafetyMode::kNormal;
+  bench.cell.is_silent = false;
+  bench.cell.interrupt = 0;
+  if (row.fault == FakeFault::kPushed) {
+    bench.cell.joints_[2] = 0.0;
+  }
+  bench.forget_taken();
+  EXPECT_TRUE(bench.run().is_complete());
+  std::map<std::pair<std::size_t, int>, int> times;
+  for (const TakenPicture& picture : bench.taken) {
+    ++times[{picture.task, picture.position}];
+    const TourPoint& point = bench.plan.tour[bench.plan.tasks[picture.task].point];
+    EXPECT_EQ(picture.pose.joints_rad, point.joints_rad);
+  }
+  EXPECT_EQ(times.size(), 4U);
+  EXPECT_EQ(bench.taken.size(), 4U) << "none missing, none doubled";
+}
+
+TEST(Acquire, BacksOutOrStandsStillAfterEveryFaultAtEveryStep) {
+  const int steps = calls_of_a_whole_run();
+  EXPECT_GT(steps, 30);
+  for (const Row& row : kFaults) {
+    for (int step = 1; step <= steps + 1; ++step) {
+      check_fault(row, step);
+    }
+  }
+}
+
+// The control: the fake does count motions that come after a stop.
+TEST(FakeRobot, CountsMotionsAfterAStop) {
+  Bench bench(1);
+  bench.cell.fault = FakeFault::kProtectiveStop;
+  bench.cell.call(FakeFault::kNone);
+  bench.robot.move_joints(joints(0.5, 0), 1.0);
+  bench.robot.move_joints(joints(0.5, 0), 1.0);
+  EXPECT_EQ(bench.cell.motions_after_fault, 2);
+}
+
+TEST(Acquire, TakesAPictureAgainThatWasRefusedOrLostOnce) {
+  for (const FakeFault fault : {FakeFault::kCameraRefusesOnce, FakeFault::kCameraComesBack}) {
+    Bench bench(2);
+    bench.cell.fault = fault;
+    bench.cell.fault_at = 5;
+    EXPECT_TRUE(bench.run().is_complete());
+    EXPECT_TRUE(bench.cell.has_acted);
+  }
+}
+
+TEST(Acquire, DoesNotMoveBackInAReducedSafetyMode) {
+  Bench bench(1);
+  bench.cell.safety = SafetyMode::kReduced;
+  bench.cell.fault = FakeFault::kSink;
+  const AcquisitionResult result = bench.run();
+  EXPECT_EQ(result.cause, AcquisitionCause::kSink);
+  EXPECT_EQ(result.end, AcquisitionEnd::kStopped);
+  EXPECT_THAT(result.text, HasSubstr("the way back was not made"));
+  EXPECT_EQ(result.where, "left");
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/acquire/acquire_plan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr const char* kCell = R"([camera]
+address = "127.0.0.1"
+exposure_us = 2000
+[robot]
+model = "ur3"
+host = "127.0.0.1"
+flange_from_tcp = [0, 0, 80, 0, 0, 0]
+tool_radius_mm = 35
+payload_kg = 0.6
+[limits]
+tool_speed_mm_s = 250
+tool_acceleration_mm_s2 = 500
+joint_speed_deg_s = 60
+joint_acceleration_deg_s2 = 120
+box_min_mm = [-600, -600, 20]
+box_max_mm = [600, 600, 900]
+[lights.ring]
+output = 0
+[[safe_position]]
+name = "home"
+joints_deg = [0, -100, 100, -90, -90, 0]
+[[view]]
+name = "left"
+joints_deg = [10, -95, 95, -85, -90, 0]
+lights = ["ring"]
+exposure_us = 500
+[[view]]
+joints_deg = [20, -95, 95, -85, -90, 0]
+)";
+
+class AcquirePlan : public testing::Test {
+ protected:
+  Cell cell_of(const std::string& text) const {
+    write_file(folder_ / "cell.toml", text);
+    return read_cell(folder_ / "cell.toml");
+  }
+
+  std::string error_of_plan(const std::string& json) const {
+    write_file(folder_ / "plan.json", json);
+    try {
+      const AcquireSource source = read_source(folder_ / "plan.json");
+      work_of(source, cell_of(kCell), 0.5);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(AcquirePlan, IsTheCellsOwnViewsWithoutAnother) {
+  const AcquireWork work = work_of({}, cell_of(kCell), 0.5);
+  ASSERT_EQ(work.plan.tour.size(), 4U);
+  EXPECT_TRUE(work.plan.tour[0].is_safe);
+  EXPECT_FALSE(work.plan.tour[1].is_safe);
+  EXPECT_TRUE(work.plan.tour[3].is_safe);
+  ASSERT_EQ(work.plan.tasks.size(), 2U);
+  EXPECT_EQ(work.plan.tasks[0].name, "left");
+  EXPECT_THAT(work.plan.tasks[0].lights, ElementsAre("ring"));
+  EXPECT_NEAR(work.plan.tasks[0].exposure_us, 500.0, 1e-9);
+  EXPECT_EQ(work.plan.tasks[1].name, "view_2");
+  EXPECT_NEAR(work.plan.tasks[1].exposure_us, 2000.0, 1e-9);
+  EXPECT_EQ(work.digest, work_of({}, cell_of(kCell), 0.5).digest);
+}
+
+TEST_F(AcquirePlan, SaysWhichViewOfTheCellCannotBeTaken) {
+  std::string text = kCell;
+  text += "[[view]]\nname = \"low\"\njoints_deg = [0, 0, 30, -90, -90, 0]\n";
+  const AcquireWork work = work_of({}, cell_of(text), 0.5);
+  ASSERT_EQ(work.views.views.size(), 3U);
+  EXPECT_EQ(work.views.views[2].outcome, ViewOutcome::kNoPath);
+  EXPECT_NE(work.views.views[2].reason, "");
+  EXPECT_EQ(work.plan.tasks.size(), 2U);
+}
+
+constexpr const char* kPlan = R"({"schema": 1, "kind": "plan", "views": [
+  {"name": "a", "outcome": "planned", "reason": "", "base_from_camera": [0, 0, 0, 0, 0, 0],
+   "base_from_flange": [0, 0, 0, 0, 0, 0], "joints_deg": [10, -95, 95, -85, -90, 0]},
+  {"name": "far", "outcome": "unreachable", "reason": "no joints"}],
+ "paths": [
+  {"from": "home", "to": "a", "joints_deg": [[0, -100, 100, -90, -90, 0], [5, -98, 98, -88, -90, 0],
+   [10, -95, 95, -85, -90, 0]]},
+  {"from": "a", "to": "home", "joints_deg": [[10, -95, 95, -85, -90, 0],
+   [0, -100, 100, -90, -90, 0]]}]})";
+
+TEST_F(AcquirePlan, IsReadFromAPlan) {
+  write_file(folder_ / "plan.json", kPlan);
+  const AcquireSource source = read_source(folder_ / "plan.json");
+  const AcquireWork work = work_of(source, cell_of(kCell), 0.5);
+  ASSERT_EQ(work.plan.tour.size(), 4U);
+  EXPECT_EQ(work.plan.tour[1].name, "");
+  ASSERT_EQ(work.plan.tasks.size(), 1U);
+  EXPECT_EQ(work.plan.tasks[0].point, 2U);
+  EXPECT_EQ(work.views.views[1].outcome, ViewOutcome::kUnreachable);
+}
+
+std::string edited(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST_F(AcquirePlan, RefusesPlansThatCannotBeDriven) {
+  const std::string plan = kPlan;
+  EXPECT_EQ(error_of_plan(plan), "");
+  EXPECT_THAT(error_of_plan("{}"), HasSubstr("is no plan.json"));
+  EXPECT_THAT(error_of_plan(edited(plan, "\"planned\"", "\"nice\"")), HasSubstr("views.1"));
+  EXPECT_THAT(error_of_plan(edited(plan, "[5, -98, 98, -88, -90, 0]", "[5, -98]")),
+              HasSubstr("paths.1"));
+  EXPECT_THAT(error_of_plan(
+                  edited(plan, "[[10, -95, 95, -85, -90, 0],\n", "[[11, -95, 95, -85, -90, 0],\n")),
+              HasSubstr("does not begin where"));
+  EXPECT_THAT(error_of_plan(edited(plan, "[5, -98, 98, -88, -90, 0]", "[5, 0, 30, -90, -90, 0]")),
+              HasSubstr("paths: between home and"));
+  EXPECT_THAT(error_of_plan(edited(
+                  plan, "[[0, -100, 100, -90, -90, 0], [5", "[[1, -100, 100, -90, -90, 0], [5")),
+              HasSubstr("must begin at a [[safe_position]]"));
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/acquire/journal.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <random>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+AcquiredPicture picture(int position) {
+  AcquiredPicture picture = {.view = "left",
+                             .position = position,
+                             .lights = {"ring"},
+                             .file = fmt::format("views/left/sequence/frame_{:03}.png", position)};
+  picture.base_from_flange.translation() = Eigen::Vector3d(100.0 + position, 2.5, 300.125);
+  picture.joints_rad[1] = -1.25;
+  picture.frame_id = static_cast<std::uint64_t>(position) + 7;
+  return picture;
+}
+
+std::string bytes_of(int position) {
+  return fmt::format("picture {}", position) + std::string(2000, 'x');
+}
+
+TEST(AcquireJournal, RemembersWhatItKept) {
+  const TemporaryFolder folder;
+  {
+    AcquireJournal journal(folder / "", "plan");
+    journal.keep(picture(0), bytes_of(0));
+    journal.keep(picture(1), bytes_of(1));
+  }
+  const AcquireJournal again(folder / "", "plan");
+  ASSERT_EQ(again.pictures().size(), 2U);
+  EXPECT_EQ(again.num_resumed(), 2);
+  EXPECT_EQ(again.pictures()[1].frame_id, 8U);
+  EXPECT_NEAR(again.pictures()[1].base_from_flange.translation().x(), 101.0, 1e-12);
+  EXPECT_NEAR(again.pictures()[1].joints_rad[1], -1.25, 1e-12);
+  EXPECT_EQ(read_file(folder / "views/left/sequence/frame_001.png"), bytes_of(1));
+}
+
+TEST(AcquireJournal, RefusesAnotherPlanAndASecondProcess) {
+  const TemporaryFolder folder;
+  { const AcquireJournal journal(folder / "", "plan"); }
+  try {
+    const AcquireJournal other(folder / "", "another");
+    FAIL() << "must throw";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("another plan"));
+  }
+  const AcquireJournal first(folder / "", "plan");
+  EXPECT_THROW(AcquireJournal(folder / "", "plan"), ConfigError);
+}
+
+// What a process leaves that is killed between the steps of one picture.
+TEST(AcquireJournal, RepairsEachHalfOfAPicture) {
+  const TemporaryFolder folder;
+  const fs::path sequence = folder / "views/left/sequence";
+  {
+    AcquireJournal journal(folder / "", "plan");
+    for (int i = 0; i < 3; ++i) {
+      journal.keep(picture(i), bytes_of(i));
+    }
+  }
+  fs::rename(sequence / "frame_000.png", sequence / ".frame_000.png.part");  // row, no name
+  write_file(sequence / "frame_001.png", "other bytes");                     // damaged
+  write_file(sequence / ".frame_009.png.part", "half");                      // no row
+  write_file(sequence / "frame_010.png", "whole, of nobody");
+  const AcquireJournal again(folder / "", "plan");
+  ASSERT_EQ(again.pictures().size(), 2U);
+  EXPECT_EQ(again.pictures()[0].position, 0);
+  EXPECT_EQ(again.pictures()[1].position, 2);
+  EXPECT_EQ(read_file(sequence / "frame_000.png"), bytes_of(0));
+  EXPECT_FALSE(fs::exists(sequence / "frame_001.png"));
+  EXPECT_FALSE(fs::exists(sequence / ".frame_009.png.part"));
+  EXPECT_FALSE(fs::exists(sequence / "frame_010.png"));
+}
+
+/// Keeps what is missing of 40 pictures. Never returns.
+[[noreturn]] void keep_all(const fs::path& folder) {
+  AcquireJournal journal(folder, "plan");
+  for (int i = journal.num_resumed(); i < 40; ++i) {
+    journal.keep(picture(i), bytes_of(i));
+  }
+  ::_exit(0);
+}
+
+TEST(AcquireJournal, LosesAndDoublesNothingWhenItIsKilled) {
+  const TemporaryFolder folder;
+  std::mt19937 random(3);
+  int kills = 0;
+  for (bool is_done = false; !is_done;) {
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      keep_all(folder / "");
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 20000));
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    is_done = WIFEXITED(status);
+    ++kills;
+    ASSERT_LT(kills, 2000);
+  }
+  const AcquireJournal journal(folder / "", "plan");
+  ASSERT_EQ(journal.pictures().size(), 40U);
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_EQ(journal.pictures()[static_cast<std::size_t>(i)].position, i);
+    EXPECT_EQ(read_file(folder / fmt::format("views/left/sequence/frame_{:03}.png", i)),
+              bytes_of(i));
+  }
+  EXPECT_GT(kills, 2);
+}
+
+TEST(Acquired, NamesFoldersOfViews) {
+  EXPECT_EQ(folder_name_of("left-2.b"), "left-2.b");
+  EXPECT_EQ(folder_name_of("../left hand"), "_.._left_hand");
+  EXPECT_EQ(folder_name_of(""), "_");
+}
+
+TEST(Acquired, RefusesFilesThatAreNone) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(read_acquired(folder / ""), IoError);
+  write_file(folder / "acquired.json", "{\"kind\": \"plan\"}");
+  EXPECT_THROW(read_acquired(folder / ""), ConfigError);
+  write_file(folder / "acquired.json", R"({"kind": "acquired", "pictures": [{"view": 3}]})");
+  EXPECT_THROW(read_acquired(folder / ""), ConfigError);
+}
+
+}  // namespace
+}  // namespace glint

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cli/acquire/acquire.h"
+#include "cli/acquire/cell_calibration.h"
 #include "cli/commands.h"
 
 namespace CLI {
@@ -28,6 +29,7 @@ struct CommandLine {
   UndistortArguments undistort;
   CellArguments cell;
   AcquireArguments acquire;
+  CellCalibrationArguments cell_calibration;  ///< calibrate --cell
   ReportArguments report;
   PartArguments part;
   NewArguments fresh;

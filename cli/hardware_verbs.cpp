@@ -133,6 +133,57 @@ void add_validate_verb(CLI::App& app, CommandLine& line) {
   add_out(*validate, arguments.out, "folder for the results (default out/<name>/validate)");
 }
 
+int calibrate_by_cell_or_pictures(const CommandLine& given) {
+  if (given.cell_calibration.acquire.cell.empty()) {
+    return calibrate_command(given.calibrate, given.common);
+  }
+  CellCalibrationArguments arguments = given.cell_calibration;
+  arguments.board = given.calibrate.board;
+  arguments.acquire.out = given.calibrate.out;
+  arguments.threads = given.common.threads;
+  const AcquireAnswer answer =
+      run_cell_calibration(arguments, given.common.is_json || given.common.is_quiet);
+  print_result(given.common, answer.json, answer.text);
+  return answer.exit_code;
+}
+
+void add_cell_calibration(CLI::App& calibrate, CellCalibrationArguments& arguments) {
+  calibrate
+      .add_option("--cell",
+                  arguments.acquire.cell,
+                  "drive the robot of this cell and photograph --board instead")
+      ->type_name("FILE")
+      ->check(not_empty());
+  calibrate.add_flag("--move",
+                     arguments.acquire.is_move,
+                     "with --cell: let the robot move: type it when nobody is within its reach");
+  calibrate
+      .add_option("--twin",
+                  arguments.acquire.twin,
+                  "with --cell: ports of this ready file instead of the cell's")
+      ->type_name("FILE")
+      ->check(not_empty());
+  calibrate
+      .add_option("--confirmed",
+                  arguments.acquire.confirmed,
+                  "with --cell: manual lights that are as they should be")
+      ->type_name("NAME");
+  calibrate
+      .add_option("--speed_share",
+                  arguments.acquire.speed_share,
+                  "with --cell: of the cell's limits of speed")
+      ->type_name("SHARE")
+      ->capture_default_str()
+      ->check(CLI::Range(0.01, 1.0).description("0.01 to 1"));
+  calibrate
+      .add_option("--target_px",
+                  arguments.target_px,
+                  "with --cell: good enough is a computed point known to this")
+      ->type_name("PX")
+      ->capture_default_str()
+      ->check(CLI::Validator(CLI::PositiveNumber).description("> 0"));
+}
+
 void add_calibrate_verb(CLI::App& app, CommandLine& line) {
   CalibrateArguments& arguments = line.calibrate;
   CLI::App* calibrate = add_verb(
@@ -144,9 +195,10 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       "  glint calibrate --print_board board.toml --out out/board\n"
       "  glint calibrate --check out/camera new/*.png\n"
       "  glint calibrate --place touched.csv --out out/place\n"
-      "  glint calibrate --sensor flat_pictures --out out/sensor",
+      "  glint calibrate --sensor flat_pictures --out out/sensor\n"
+      "  glint calibrate --cell cell.toml --board board.toml --out out/calibration --move",
       line,
-      [](const CommandLine& given) { return calibrate_command(given.calibrate, given.common); });
+      calibrate_by_cell_or_pictures);
   calibrate->add_option("PICTURES", arguments.pictures, "pictures of the board, of one camera")
       ->type_name("FILE");
   calibrate
@@ -184,6 +236,7 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       ->check(not_empty());
   add_calibrate_modes(*calibrate, arguments);
   add_place_mode(*calibrate, arguments);
+  add_cell_calibration(*calibrate, line.cell_calibration);
 }
 
 void add_undistort_verb(CLI::App& app, CommandLine& line) {

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/acquire/acquire.h"
 
-#include <unistd.h>
-
-#include <atomic>
-#include <csignal>
-#include <iostream>
-#include <memory>
+#include <string>
 
 #include <fmt/format.h>
 
+#include "cli/acquire/driven_session.h"
 #include "cli/shell/exit_codes.h"
-#include "core/progress.h"
 #include "studies/acquire/acquire_run.h"
 #include "studies/cell/typed_permit.h"
 
@@ -19,27 +14,6 @@ namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Read by the acquisition; a signal handler can reach nothing but a global.
-std::atomic<int> interrupts = 0;
-
-/// At the first the arm backs out; at the second the program ends, and the controller ends the leg
-/// that it has.
-void on_interrupt(int /*signal*/) {
-  if (interrupts.fetch_add(1) >= 1) {
-    ::_exit(kExitInterrupted);
-  }
-}
-
-/// A question to whoever sits at the terminal; nobody there is no.
-bool ask_person(const std::string& what) {
-  if (::isatty(STDIN_FILENO) == 0) {
-    return false;
-  }
-  std::cerr << what << " - done? [y/N] " << std::flush;
-  std::string answer;
-  return std::getline(std::cin, answer) && (answer == "y" || answer == "yes");
-}
 
 std::string dry_run_text(const Json& result) {
   std::string text =
@@ -107,9 +81,7 @@ AcquireAnswer run_acquire(const AcquireArguments& arguments, bool is_silent) {
                             .out = arguments.out,
                             .twin = arguments.twin,
                             .speed_share = arguments.speed_share,
-                            .confirmed = arguments.confirmed,
-                            .confirm = ask_person,
-                            .interrupt = &interrupts};
+                            .confirmed = arguments.confirmed};
   if (arguments.is_dry_run) {
     const Json result = describe_acquisition(options);
     return {.json = result,
@@ -117,19 +89,9 @@ AcquireAnswer run_acquire(const AcquireArguments& arguments, bool is_silent) {
             .exit_code = result["ok"] == true ? kExitDone : kExitNegative};
   }
   const MotionPermit permit = typed_permit(arguments.is_move, "acquire");
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGTERM, on_interrupt);
-  std::unique_ptr<Progress> bar;
-  options.progress = [&bar, is_silent](int done, int total, const std::string& note) {
-    if (!bar) {
-      bar = std::make_unique<Progress>("acquire",
-                                       std::max(1, total),
-                                       is_silent ? Progress::Style::kNone : Progress::Style::kAuto);
-    }
-    bar->update(done, note);
-  };
+  DrivenSession session(is_silent);
+  session.attend(options);
   const Json result = acquire_pictures(options, permit);
-  bar.reset();
   return {.json = result, .text = result_text(result), .exit_code = exit_code_of(result)};
 }
 

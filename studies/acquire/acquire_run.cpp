@@ -48,6 +48,9 @@ Prepared prepare(const AcquireOptions& options) {
   if (!options.twin.empty()) {
     ready.cell = with_ports(std::move(ready.cell), options.twin);
   }
+  if (!options.views.empty()) {
+    ready.cell.views = options.views;
+  }
   ready.source = read_source(options.source);
   ready.work = work_of(ready.source, ready.cell, options.speed_share);
   const fs::path named = options.source.empty() ? options.cell : options.source;

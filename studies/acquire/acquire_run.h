@@ -14,12 +14,14 @@
 
 #include "hardware/light/light.h"
 #include "hardware/robot/motion_permit.h"
+#include "studies/cell/cell_file.h"
 
 namespace glint {
 
 struct AcquireOptions {
   std::filesystem::path source;  ///< scene, plan.json or their folder; empty: the cell's views
   std::filesystem::path cell;
+  std::vector<CellPosition> views = {};  ///< in the place of the cell's own; empty: those
   std::filesystem::path out;           ///< empty: out/<name>/acquire
   std::filesystem::path twin;          ///< ready file whose ports take the place of the cell's
   double speed_share = 0.5;            ///< of the cell's limits of speed

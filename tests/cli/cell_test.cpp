@@ -102,7 +102,12 @@ const std::vector<Arguments> kMovingVerbs = {{"cell", "move", "cell.toml", "--vi
                                              {"cell", "unlock", "cell.toml"},
                                              {"cell", "power", "cell.toml"},
                                              {"cell", "power", "cell.toml", "--off"},
-                                             {"acquire", "--cell", "cell.toml"}};
+                                             {"acquire", "--cell", "cell.toml"},
+                                             {"calibrate",
+                                              "--cell",
+                                              "cell.toml",
+                                              "--board",
+                                              "board.toml"}};
 
 TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
   const TemporaryFolder folder;

@@ -193,7 +193,7 @@ TEST(Acquire, KilledAndResumedItIsAsIfNothingHadBeen) {
 TEST(Acquire, StopsWhereAFaultOfTheArmStopsItAndGoesOnLater) {
   const SmallTwins twins;
   ASSERT_EQ(glint_in(twins.folder, SmallTwins::acquire("whole")).code, 0);
-  twins.fault("protective_stop moving 0.1");
+  twins.fault("protective_stop moving 0.6");
   const ProgramResult stopped = glint_in(twins.folder, SmallTwins::acquire("stopped"));
   EXPECT_EQ(stopped.code, 1) << stopped.err;
   const json acquired = json::parse(stopped.out);

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/acquire/driven_session.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <iostream>
+#include <string>
+
+#include "cli/shell/exit_codes.h"
+
+namespace glint {
+namespace {
+
+/// Read by the acquisition; a signal handler can reach nothing but a global.
+std::atomic<int> interrupts = 0;
+
+void on_interrupt(int /*signal*/) {
+  if (interrupts.fetch_add(1) >= 1) {
+    ::_exit(kExitInterrupted);
+  }
+}
+
+/// A question to whoever sits at the terminal; nobody there is no.
+bool ask_person(const std::string& what) {
+  if (::isatty(STDIN_FILENO) == 0) {
+    return false;
+  }
+  std::cerr << what << " - done? [y/N] " << std::flush;
+  std::string answer;
+  return std::getline(std::cin, answer) && (answer == "y" || answer == "yes");
+}
+
+}  // namespace
+
+DrivenSession::DrivenSession(bool is_silent) : is_silent_(is_silent) {
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+}
+
+void DrivenSession::attend(AcquireOptions& options) {
+  options.confirm = ask_person;
+  options.interrupt = &interrupts;
+  options.progress = [this](int done, int total, const std::string& note) {
+    if (!bar_) {
+      bar_ =
+          std::make_unique<Progress>("acquire",
+                                     std::max(1, total),
+                                     is_silent_ ? Progress::Style::kNone : Progress::Style::kAuto);
+    }
+    bar_->update(done, note);
+    if (done >= total) {
+      bar_.reset();  // the next round has one of its own
+    }
+  };
+}
+
+}  // namespace glint

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What all verbs that drive the robot over views share: Ctrl-C, questions to the person at the
+// terminal, the progress bar.
+#pragma once
+
+#include <memory>
+
+#include "core/progress.h"
+#include "studies/acquire/acquire_run.h"
+
+namespace glint {
+
+class DrivenSession {
+ public:
+  /// Takes SIGINT and SIGTERM: at the first the arm backs out; at the second the program ends, and
+  /// the controller ends the leg that it has.
+  /// @param is_silent  no progress bar
+  explicit DrivenSession(bool is_silent);
+
+  /// Sets `confirm`, `interrupt` and `progress`. @param options  must not outlive this
+  void attend(AcquireOptions& options);
+
+ private:
+  bool is_silent_;
+  std::unique_ptr<Progress> bar_;
+};
+
+}  // namespace glint

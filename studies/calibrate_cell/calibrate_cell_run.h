@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint calibrate --cell`: plans poses, drives, photographs the board and calibrates, in rounds,
+// until the calibration is good enough or no further pose helps.
+//
+//     DIR/round_1, round_2 ...  what `glint acquire` leaves: the cell's own views first, then poses
+//                               that the calibration so far asks for
+//     DIR/pictures, poses.toml  of all rounds, as `glint calibrate` reads them
+//     DIR/plan_2 ...            `glint calibrate --plan` of each further round
+//     DIR/calibration           `glint calibrate` of all pictures
+#pragma once
+
+#include <filesystem>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "studies/acquire/acquire_run.h"
+
+namespace glint {
+
+struct CalibrateCellOptions {
+  AcquireOptions acquire;  ///< its `source` and `views` are not used; `out` is the whole folder
+  std::filesystem::path board;  ///< board.toml or board.json, needed
+  double target_px = 0.3;  ///< of the point error, one sigma of a computed point over the picture
+  int poses_a_round = 8;
+  int most_rounds = 4;
+  int threads = 1;
+};
+
+/// @return {"status": "good" | "no_pose_helps" | "stopped", "ok", "rounds": [...], "calibration"}
+/// @throws ConfigError, IoError; what has been taken stays, and the same call goes on with it
+nlohmann::ordered_json calibrate_cell(const CalibrateCellOptions& options,
+                                      const MotionPermit& permit);
+
+}  // namespace glint

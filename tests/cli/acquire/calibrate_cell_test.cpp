@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint calibrate --cell` with twins that show a board: the hidden hand-eye is found.
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "tests/cli/program.h"
+
+namespace glint::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+const fs::path kTwinCell = fs::path(GLINT_SOURCE_DIR) / "studies/gallery/twin_cell";
+
+constexpr const char* kBoard = R"([board]
+cols = 8
+rows = 6
+square_mm = 4.4
+mark = true
+setup = "eye_in_hand"
+)";
+
+/// From one text up to another, without it.
+std::string between(const std::string& text, const std::string& from, const std::string& to) {
+  const std::size_t begin = text.find(from);
+  const std::size_t end = text.find(to, begin);
+  EXPECT_NE(end, std::string::npos) << from << " ... " << to;
+  return text.substr(begin, end - begin);
+}
+
+/// The gallery's cell with a board in the place of its part, and a sharp lens.
+void write_board_cell(const TemporaryFolder& folder) {
+  write_file(folder / "board.toml", kBoard);
+  json_of(folder, {"calibrate", "--print_board", "board.toml", "--out", "board"});
+  const std::string truth = read_file(kTwinCell / "truth.toml");
+  write_file(
+      folder / "board/truth.toml",
+      "schema = 1\n" + read_file(folder / "board/board_part.toml") +
+          edited(between(truth, "[camera]", "[lens]"),
+                 {{"width_px = 408", "width_px = 306"},
+                  {"height_px = 342", "height_px = 256"},
+                  {"pixel_um = 10.35", "pixel_um = 13.8"},
+                  {"object_pixel_mm = 0.15", "object_pixel_mm = 0.2"}}) +
+          between(truth, "[sensor]", "[defects.dent]") +
+          edited(truth.substr(truth.find("[lighting.ring]")), {{"samples = 8", "samples = 6"}}));
+  write_file(
+      folder / "cell.toml",
+      edited(read_file(kTwinCell / "cell.toml"),
+             {{"truth = \"truth.toml\"", "truth = \"board/truth.toml\"\nmotion_speedup = 20"},
+              {"lights = [\"bar\"]", "lights = [\"ring\"]"}}));
+}
+
+TEST(CalibrateCell, FindsTheHiddenHandEye) {
+  const TemporaryFolder folder;
+  write_board_cell(folder);
+  json_of(folder,
+          {"cell",
+           "twin",
+           "both",
+           "cell.toml",
+           "--port",
+           "0",
+           "--detach",
+           "--ready_file",
+           "twin.json"});
+  const ProgramResult result = glint_in(folder,
+                                        {"calibrate",
+                                         "--cell",
+                                         "cell.toml",
+                                         "--twin",
+                                         "twin.json",
+                                         "--board",
+                                         "board.toml",
+                                         "--confirmed",
+                                         "ring",
+                                         "--speed_share",
+                                         "1",
+                                         "--out",
+                                         "out",
+                                         "--json",
+                                         "--move"});
+  glint_in(folder, {"cell", "twin", "stop", "twin.json"});
+  ASSERT_THAT(result.code, testing::AnyOf(0, 1)) << result.err;
+  const json told = json::parse(result.out);
+  ASSERT_GE(told["rounds"].size(), 2U) << result.out;
+  EXPECT_LT(told["rounds"].back()["point_error_px"], told["rounds"][0]["point_error_px"]);
+  const json calibration = json::parse(read_file(folder / "out/calibration/calibration.json"));
+  const json& hand_eye = calibration["hand_eye"];
+  const json truth = {0.4, 50.2, 29.7};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(hand_eye["translation_mm"][i].get<double>(), truth[i].get<double>(), 0.5);
+  }
+}
+
+}  // namespace
+}  // namespace glint::test

@@ -142,6 +142,14 @@ class Fitter {
 
   static double square(double value) { return value * value; }
 
+  /// What all solutions with the same weights share.
+  void take_weights() {
+    const MatrixXd weighted = weights_.asDiagonal() * columns_;
+    squares_ = columns_.transpose() * weighted;
+    right_ = weighted.transpose() * offsets_;
+    offset_squares_ = offsets_.cwiseAbs2().dot(weights_);
+  }
+
   struct Solution {
     VectorXd values;
     MatrixXd covariance;
@@ -151,16 +159,13 @@ class Fitter {
   Solution solve(unsigned faults) const {
     const MatrixXd information =
         prior(faults).ldlt().solve(MatrixXd::Identity(columns_.cols(), columns_.cols()));
-    const MatrixXd weighted = weights_.asDiagonal() * columns_;
-    const MatrixXd normal = columns_.transpose() * weighted + information;
-    const VectorXd right = weighted.transpose() * offsets_;
+    const MatrixXd normal = squares_ + information;
     const Eigen::LDLT<MatrixXd> solver(normal);
     Solution solution;
-    solution.values = solver.solve(right);
+    solution.values = solver.solve(right_);
     solution.covariance = solver.solve(MatrixXd::Identity(normal.rows(), normal.cols()));
-    const VectorXd left = offsets_ - columns_ * solution.values;
-    solution.cost =
-        left.cwiseAbs2().dot(weights_) + solution.values.dot(information * solution.values);
+    solution.cost = offset_squares_ - 2.0 * solution.values.dot(right_) +
+                    solution.values.dot(normal * solution.values);
     return solution;
   }
 
@@ -176,6 +181,7 @@ class Fitter {
     weights_ = VectorXd::Ones(offsets_.size());
     VectorXd left = offsets_;
     for (int round = 0; round < 4; ++round) {
+      take_weights();
       left = offsets_ - columns_ * solve((1U << kGeometryFaults) - 1U).values;
       std::vector<double> sizes(static_cast<std::size_t>(left.size()));
       for (Index i = 0; i < left.size(); ++i) {
@@ -188,6 +194,7 @@ class Fitter {
       }
     }
     weights_ /= alike(left);
+    take_weights();
   }
 
   /// How many neighbouring edges tell what one would.
@@ -276,6 +283,9 @@ class Fitter {
   MatrixXd columns_;
   VectorXd offsets_;
   VectorXd weights_;
+  MatrixXd squares_;
+  VectorXd right_;
+  double offset_squares_ = 0.0;
   Solution solution_;
   double noise_px_ = kLeastNoisePx;
 };

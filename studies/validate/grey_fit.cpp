@@ -28,8 +28,8 @@ constexpr double kStepMm = 1.0;          ///< of the differences by place
 constexpr double kStepRoughness = 0.05;  ///< and by the logarithm of roughness
 constexpr double kLongestStepMm = 15.0;
 constexpr double kLongestStepRoughness = 0.4;
-constexpr int kRounds = 5;
-constexpr double kSettledMm = 0.05;
+constexpr int kRounds = 4;
+constexpr double kSettledMm = 0.2;
 constexpr double kHuber = 2.5;
 constexpr double kLeastPower = -1.0;  ///< of a segment against nominal: dark
 

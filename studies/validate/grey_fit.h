@@ -53,7 +53,7 @@ struct GreyOptions {
   bool is_searching = true;  ///< false: exposure alone
 };
 
-/// Fits all views of one design together in pictures reduced to some 160 pixels of width.
+/// Fits all views of one design together in pictures reduced to some 96 pixels of width.
 /// @throws ConfigError, IoError as rendering does
 GreyFit fit_grey(SceneStore& store, std::span<const GreyView> views, const GreyOptions& options);
 

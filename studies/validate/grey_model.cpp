@@ -15,10 +15,10 @@
 namespace glint::validate_detail {
 namespace {
 
-constexpr int kWidthPx = 160;     ///< of the small pictures, about
-constexpr int kMarginPx = 2;      ///< from the part's edge
+constexpr int kWidthPx = 96;      ///< of the small pictures, about
+constexpr int kMarginPx = 1;      ///< from the part's edge
 constexpr float kBright = 0.98F;  ///< at least: clipped
-constexpr int kLeastSamples = 16;
+constexpr int kLeastSamples = 128;
 
 /// Means of blocks of pixels; what is left over at the right and below is cut off.
 ImageF reduced(const ImageF& picture, int factor) {
@@ -76,6 +76,38 @@ Mask sound_part(const Film& sums) {
   }
   return shrunk(part, kMarginPx);
 }
+
+/// Squares of means over 3 x 3 pixels, and of differences of neighbours.
+struct EvenSums {
+  double squares = 0.0;
+  double count = 0.0;
+  double steps = 0.0;
+
+  void add(const ImageF& values, const Mask& used) {
+    for (int y = 1; y + 1 < values.height(); ++y) {
+      for (int x = 1; x + 1 < values.width(); ++x) {
+        double sum = 0.0;
+        int pixels = 0;
+        for (int k = 0; k < 9; ++k) {
+          pixels += used(x + k % 3 - 1, y + k / 3 - 1);
+          sum += static_cast<double>(values(x + k % 3 - 1, y + k / 3 - 1));
+        }
+        if (pixels == 9) {
+          const double step =
+              static_cast<double>(values(x, y)) - static_cast<double>(values(x + 1, y));
+          squares += sum * sum / 81.0;
+          steps += step * step;
+          count += 1.0;
+        }
+      }
+    }
+  }
+
+  /// Noise of a pixel has half the variance of a step, a mean of nine a ninth of its own.
+  double rms() const {
+    return count > 0.0 ? std::sqrt(std::max(0.0, squares - steps / 18.0) / count) : 0.0;
+  }
+};
 
 }  // namespace
 
@@ -184,8 +216,7 @@ const GreyColumns& GreyModel::columns(const std::vector<Eigen::Vector3d>& places
 }
 
 double GreyModel::even_rms(const Eigen::VectorXd& difference) const {
-  double squares = 0.0;
-  double count = 0.0;
+  EvenSums sums;
   Eigen::Index row = 0;
   for (const SmallView& view : views_) {
     ImageF values(view.used.width(), view.used.height());
@@ -194,22 +225,9 @@ double GreyModel::even_rms(const Eigen::VectorXd& difference) const {
         values.values()[i] = static_cast<float>(difference[row++]);
       }
     }
-    for (int y = 1; y + 1 < values.height(); ++y) {
-      for (int x = 1; x + 1 < values.width(); ++x) {
-        double sum = 0.0;
-        int used = 0;
-        for (int k = 0; k < 9; ++k) {
-          used += view.used(x + k % 3 - 1, y + k / 3 - 1);
-          sum += static_cast<double>(values(x + k % 3 - 1, y + k / 3 - 1));
-        }
-        if (used == 9) {
-          squares += sum * sum / 81.0;
-          count += 1.0;
-        }
-      }
-    }
+    sums.add(values, view.used);
   }
-  return count > 0.0 ? std::sqrt(squares / count) : 0.0;
+  return sums.rms();
 }
 
 }  // namespace glint::validate_detail

@@ -35,7 +35,8 @@ class GreyModel {
   /// @param places_mm  of each light
   const GreyColumns& columns(const std::vector<Eigen::Vector3d>& places_mm, double roughness);
 
-  /// Root mean square of the even part of a difference: of means over 3 x 3 of these pixels.
+  /// Root mean square of the even part of a difference: of means over 3 x 3 of these pixels, less
+  /// what noise that differs from pixel to pixel makes of it.
   double even_rms(const Eigen::VectorXd& difference) const;
 
   int renders() const { return renders_; }

@@ -38,7 +38,7 @@ export function causesSection(facts) {
   const row = (cause) => h('tr', {}, h('td', {}, words(cause.name), cause.of && ` of ${words(cause.of)}`), cell(valuesText(cause.values)),
     h('td', {}, badge(cause.within_tolerance ? 'neutral' : 'bad', cause.within_tolerance ? 'a refit sets it right' : 'beyond tolerance')),
     h('td', {}, cause.or.length ? `or ${cause.or.map(words).join(', ')}` : ''));
-  return section('why', 'What differs', data.causes.length ? 'Beyond what calibration, placement and noise explain.' : 'Nothing beyond what calibration, placement and noise explain.',
+  return section('why', 'Causes', data.causes.length ? 'Beyond what calibration, placement and noise explain.' : 'Nothing beyond what calibration, placement and noise explain.',
     data.causes.length > 0 && table(['cause', 'value', 'judged', ''], data.causes.map(row)));
 }
 

@@ -92,7 +92,7 @@ void take_pictures(const SceneSettings& scene,
     const std::string name = fmt::format("view_{:02}", i + 1);
     const std::string file = "views/" + name + "/sequence/frame_000.png";
     make_folder((folder / file).parent_path());
-    write_png(folder / file, grey);
+    write_png(folder / file, grey, PixelDepth::k8Bit);
     pictures.push_back({{"view", name},
                         {"position", 0},
                         {"file", file},

@@ -4,6 +4,7 @@
 #include "cli/commands.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "studies/calibration_trial/trial_run.h"
 #include "studies/run/run_report.h"
 
 namespace glint {
@@ -29,7 +30,10 @@ int report_command(const ReportArguments& arguments, const CommonArguments& comm
                                      : std::filesystem::path("report.html");
   }
   check_page(out);
-  write_file(out, report_html(arguments.runs));
+  const bool is_trial = arguments.runs.size() == 1 && is_calibration_trial(arguments.runs.front());
+  write_file(
+      out,
+      is_trial ? calibration_trial_report(arguments.runs.front()) : report_html(arguments.runs));
   print_result(common,
                {{"schema", 1}, {"status", "done"}, {"report", out.string()}},
                "report: " + out.string() + "\n");

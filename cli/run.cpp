@@ -222,6 +222,11 @@ std::string cost_text(const Json& result) {
 
 int check_command(const StudyArguments& arguments, const CommonArguments& common) {
   const Study study = load_study(arguments);
+  if (study.calibration_trial) {
+    const Json result = check_calibration_trial(study, common.threads);
+    print_result(common, result, trial_check_text(result));
+    return kExitDone;
+  }
   const Json result = check_study(study,
                                   {.threads = common.threads,
                                    .jobs = jobs_of(arguments, common),

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/error.h"
 #include "core/image/image_io.h"
 #include "core/units.h"
 #include "studies/output/provenance.h"
@@ -166,6 +167,27 @@ ImageF contact_sheet(const std::vector<ImageF>& pictures, int width_px) {
     }
   }
   return sheet;
+}
+
+ImageF shown_pictures(const std::filesystem::path& folder) {
+  constexpr int kMost = 12;
+  constexpr int kWidth_px = 320;
+  std::vector<ImageF> shown;
+  for (int i = 0; i < kMost; ++i) {
+    const std::filesystem::path file = folder / "pictures" / trial_picture_name(i);
+    std::error_code ignored;
+    if (std::filesystem::exists(file, ignored)) {
+      shown.push_back(read_image(file));
+    }
+  }
+  if (shown.empty()) {
+    throw IoError((folder / "pictures").string() + ": holds no pictures");
+  }
+  return contact_sheet(shown, kWidth_px);
+}
+
+std::string trial_picture_name(int picture) {
+  return fmt::format("picture_{:04}.png", picture);
 }
 
 std::string trial_page(const Json& result,

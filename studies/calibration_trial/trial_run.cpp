@@ -11,12 +11,16 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/config/toml.h"
+#include "core/cpu_clock.h"
 #include "core/file.h"
 #include "core/image/image_io.h"
 #include "core/text.h"
 #include "core/units.h"
 #include "core/wall_clock.h"
+#include "hardware/board/find_board.h"
 #include "studies/calibrate/board_target.h"
+#include "studies/calibrate/calibrate_files.h"
 #include "studies/calibrate/calibrate_run.h"
 #include "studies/calibration_trial/trial_errors.h"
 #include "studies/calibration_trial/trial_page.h"
@@ -28,6 +32,7 @@
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
+#include "studies/output/scratch_folder.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -38,8 +43,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kFirstNewPose = 1'000'000;  ///< index of poses that are not calibrated with
 constexpr int kNewPoses = 20;
-constexpr int kShownPictures = 12;
-constexpr int kShownWidth_px = 320;
+constexpr int kCheckedPictures = 2;
 constexpr std::array<const char*, 9> kFiles = {"pictures",
                                                "calibration",
                                                "board.toml",
@@ -89,6 +93,27 @@ class TrialRun {
         truth_(truth_of(study.scene, target_.part_from_board)),
         pool_(options.threads),
         store_(pool_) {}
+
+  /// Renders some pictures and looks for the board in them.
+  Json check() {
+    draw_poses();
+    write_inputs();
+    Json views = Json::array();
+    const int looked_at = std::min(settings_.pictures, kCheckedPictures);
+    const double start_s = process_cpu_s();
+    for (int i = 0; i < looked_at; ++i) {
+      render(i);
+      views.push_back(checked_view(i));
+    }
+    const double all_s = (process_cpu_s() - start_s) / looked_at * settings_.pictures;
+    return {{"schema", 1},
+            {"status", "sound"},
+            {"study", study_.name},
+            {"pictures", settings_.pictures},
+            {"views", std::move(views)},
+            {"predicted_cpu_s", all_s},
+            {"predicted_s", all_s / options_.threads}};
+  }
 
   Json execute() {
     const auto start = std::chrono::steady_clock::now();
@@ -162,11 +187,20 @@ class TrialRun {
 
   const TrialPose& pose(int i) const { return poses_[static_cast<std::size_t>(i)]; }
 
-  fs::path picture_file(int i) const {
-    return options_.out / "pictures" / fmt::format("picture_{:04}.png", i);
-  }
+  fs::path picture_file(int i) const { return options_.out / "pictures" / trial_picture_name(i); }
 
   bool is_interrupted() const { return options_.interrupt != nullptr && *options_.interrupt > 0; }
+
+  Json checked_view(int i) const {
+    const BoardView view = find_board(read_picture(picture_file(i)).pixels, board_);
+    std::vector<double> blur_px = view.blur_px;
+    std::ranges::sort(blur_px);
+    return {{"accepted", view.is_accepted()},
+            {"reason", view.is_accepted() ? std::string() : reason_of_view(view)},
+            {"corners", view.picture_px.size()},
+            {"blur_px", blur_px.empty() ? Json(nullptr) : Json(blur_px[blur_px.size() / 2])},
+            {"contrast", view.is_accepted() ? Json(view.contrast) : Json(nullptr)}};
+  }
 
   /// @return false when interrupted
   bool render_all(OutputFolder& folder) {
@@ -301,13 +335,8 @@ class TrialRun {
   }
 
   void write_report(const Json& result) const {
-    std::vector<ImageF> shown;
-    for (int i = 0; i < std::min(settings_.pictures, kShownPictures); ++i) {
-      shown.push_back(read_image(picture_file(i)));
-    }
-    write_file(
-        options_.out / "report.html",
-        trial_page(result, study_.title, contact_sheet(shown, kShownWidth_px), shown_text(study_)));
+    write_file(options_.out / "report.html",
+               trial_page(result, study_.title, shown_pictures(options_.out), shown_text(study_)));
   }
 
   void write_run_json(double seconds) const {
@@ -336,6 +365,48 @@ class TrialRun {
 
 Json run_calibration_trial(const Study& study, const TrialOptions& options) {
   return TrialRun(study, options).execute();
+}
+
+Json check_calibration_trial(const Study& study, int threads) {
+  const ScratchFolder folder("the first pictures of the trial");
+  const TrialOptions options = {
+      .out = folder.path(), .threads = threads, .progress = Progress::Style::kNone};
+  return TrialRun(study, options).check();
+}
+
+std::string trial_check_text(const Json& result) {
+  std::string text = fmt::format("{}: the study is sound, {} pictures of a board\n",
+                                 result["study"].get<std::string>(),
+                                 result["pictures"].get<int>());
+  for (const Json& view : result["views"]) {
+    text += view["accepted"].get<bool>()
+                ? fmt::format("  {} corners found; blur {:.2g} px, contrast {:.2g} of full scale\n",
+                              view["corners"].get<int>(),
+                              view["blur_px"].get<double>(),
+                              view["contrast"].get<double>())
+                : fmt::format("  warning: a picture would be rejected: {}\n",
+                              view["reason"].get<std::string>());
+  }
+  return text + fmt::format("about {} of CPU time, {} on this machine when it is idle\n",
+                            duration_text(result["predicted_cpu_s"].get<double>()),
+                            duration_text(result["predicted_s"].get<double>()));
+}
+
+bool is_calibration_trial(const fs::path& folder) {
+  std::error_code ignored;
+  const fs::path file = folder / "study.resolved.toml";
+  return fs::exists(folder / "result.json", ignored) && fs::is_regular_file(file, ignored) &&
+         load_toml(file).find("calibration_trial") != nullptr;
+}
+
+std::string calibration_trial_report(const fs::path& folder) {
+  const std::string resolved = read_file(folder / "study.resolved.toml");
+  const ConfigNode root = parse_toml(resolved, (folder / "study.resolved.toml").string());
+  const ConfigNode* title = root.find("title");
+  return trial_page(Json::parse(read_file(folder / "result.json")),
+                    title != nullptr ? title->text : "",
+                    shown_pictures(folder),
+                    resolved);
 }
 
 std::string trial_summary(const Json& result) {

@@ -28,6 +28,23 @@ struct TrialOptions {
 /// @throws ConfigError, IoError; a configuration that is refused leaves no folder behind
 nlohmann::ordered_json run_calibration_trial(const Study& study, const TrialOptions& options);
 
+/// Renders the first two pictures, looks for the board in them, and tells what a run will cost.
+/// Nothing is written.
+/// @param study  with a [calibration_trial]
+/// @return schema, status "sound", study, pictures, views [{accepted, reason, corners, blur_px,
+///         contrast}], predicted_cpu_s, predicted_s
+/// @throws ConfigError, IoError
+nlohmann::ordered_json check_calibration_trial(const Study& study, int threads);
+
+/// What check_calibration_trial() says, for a terminal.
+std::string trial_check_text(const nlohmann::ordered_json& result);
+
+/// Whether a folder holds a finished trial.
+bool is_calibration_trial(const std::filesystem::path& folder);
+
+/// The page of a finished trial, made anew from its files. @throws IoError, ConfigError
+std::string calibration_trial_report(const std::filesystem::path& folder);
+
 /// What the result says, for a terminal.
 std::string trial_summary(const nlohmann::ordered_json& result);
 

@@ -31,7 +31,7 @@ constexpr double kPrice = 14.0;  ///< of a parameter, in squared standard deviat
 constexpr double kLeastShare = 0.02;
 constexpr double kNotSeparable = 0.99;
 constexpr double kOutlierSigmas = 4.0;
-constexpr int kMaxLag = 8;  ///< of neighbours whose noise may be alike
+constexpr int kMaxLag = 40;  ///< of neighbours whose noise may be alike
 
 constexpr std::size_t index_of(CauseParameter parameter) {
   return static_cast<std::size_t>(parameter);
@@ -117,6 +117,7 @@ class CauseSearch {
                             .share = shares[i],
                             .not_separable = partners_of(chosen, chosen[i])});
     }
+    add_doubt(chosen, fit.causes);
     std::ranges::stable_sort(fit.causes, std::greater<>(), &FoundCause::share);
     return fit;
   }
@@ -282,6 +283,39 @@ class CauseSearch {
       sigmas[i] = std::sqrt(std::max(covariance(i, i), 0.0)) / own;
     }
     return sigmas;
+  }
+
+  /// Values of the linear fit, in inner units.
+  VectorXd values_of(std::span<const std::size_t> chosen) const {
+    const auto [normal, right] = part_of(chosen);
+    VectorXd values = normal.ldlt().solve(right);
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+      values[i] /= scales_[static_cast<Eigen::Index>(chosen[static_cast<std::size_t>(i)])];
+    }
+    return values;
+  }
+
+  /// Were it not this cause but one that cannot be told from it, the others would have other
+  /// values: a shift of the part also shows another side of it, a shift of the centre does not.
+  /// That is part of what is not known of them.
+  void add_doubt(const std::vector<std::size_t>& chosen, std::vector<FoundCause>& causes) const {
+    const VectorXd values = values_of(chosen);
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      VectorXd most = VectorXd::Zero(values.size());
+      for (const CauseParameter partner : causes[i].not_separable) {
+        std::vector<std::size_t> swapped = chosen;
+        swapped[i] = index_of(partner);
+        if (std::ranges::count(chosen, swapped[i]) == 0) {
+          most = most.cwiseMax((values_of(swapped) - values).cwiseAbs());
+        }
+      }
+      for (std::size_t other = 0; other < chosen.size(); ++other) {
+        if (other != i) {
+          causes[other].sigma =
+              std::hypot(causes[other].sigma, most[static_cast<Eigen::Index>(other)]);
+        }
+      }
+    }
   }
 
   /// Of the sum of squares: what is lost without a parameter, in proportion.

@@ -11,6 +11,7 @@
 #include "core/config/toml.h"
 #include "core/error.h"
 #include "core/image/exr_layers.h"
+#include "metrics/overlap/boundary_distance.h"
 
 namespace glint {
 namespace {
@@ -42,23 +43,28 @@ class Surface {
 
   int height() const { return channels_[0].height(); }
 
-  /// The nearest pixel of the part within some pixels.
-  std::optional<Vector3d> near(const Vector2d& at_px) const {
-    constexpr int kReach = 2;
-    const int x0 = static_cast<int>(std::floor(at_px.x()));
-    const int y0 = static_cast<int>(std::floor(at_px.y()));
-    std::optional<Vector3d> best;
-    double best_distance = 1e9;
-    for (int y = std::max(y0 - kReach, 0); y <= std::min(y0 + kReach, height() - 1); ++y) {
-      for (int x = std::max(x0 - kReach, 0); x <= std::min(x0 + kReach, width() - 1); ++x) {
-        const double distance = (Vector2d(x + 0.5, y + 0.5) - at_px).norm();
-        if (channels_[3](x, y) > 0.0F && distance < best_distance) {
-          best_distance = distance;
-          best = at(x, y);
-        }
-      }
+  /// The point of the part at an edge. Pixels beside an edge mix what lies on both sides of it, so
+  /// depth is taken from some pixels within and led on to the edge: in a picture of a plane 1 / z
+  /// is a linear function. Of two sides that both show the part the nearer one makes the edge.
+  std::optional<Vector3d> at_edge(const PinholeCamera& camera,
+                                  const Vector2d& at_px,
+                                  const Vector2d& normal) const {
+    constexpr double kNear_px = 2.0;
+    constexpr double kMostBend = 0.02;  ///< of the depth, from within to the edge
+    double nearest = 0.0;
+    for (const double side : {-1.0, 1.0}) {
+      const Vector2d step = side * kNear_px * normal;
+      const double first = inverse_depth(at_px + step);
+      const double second = inverse_depth(at_px + 2.0 * step);
+      const double slope = second > 0.0 ? first - second : 0.0;
+      const bool is_bent = std::abs(slope) > kMostBend * first;
+      nearest = std::max(nearest, first > 0.0 && !is_bent ? first + slope : first);
     }
-    return best;
+    const auto ray = camera.ray_through(at_px);
+    if (nearest <= 0.0 || !ray) {
+      return std::nullopt;
+    }
+    return Vector3d(*ray / (ray->z() * nearest));
   }
 
   /// Mean of all its pixels.
@@ -77,6 +83,27 @@ class Surface {
   }
 
  private:
+  /// Between the centres of pixels; 0 where one of them is not on the part.
+  double inverse_depth(const Vector2d& at_px) const {
+    const double u = at_px.x() - 0.5;
+    const double v = at_px.y() - 0.5;
+    const int x0 = static_cast<int>(std::floor(u));
+    const int y0 = static_cast<int>(std::floor(v));
+    if (x0 < 0 || y0 < 0 || x0 + 1 >= width() || y0 + 1 >= height()) {
+      return 0.0;
+    }
+    double sum = 0.0;
+    for (const int x : {x0, x0 + 1}) {
+      for (const int y : {y0, y0 + 1}) {
+        if (channels_[3](x, y) <= 0.0F) {
+          return 0.0;
+        }
+        sum += (1.0 - std::abs(u - x)) * (1.0 - std::abs(v - y)) / at(x, y).z();
+      }
+    }
+    return sum;
+  }
+
   Vector3d at(int x, int y) const {
     return camera_from_world_ *
            vector_of(channels_[0](x, y), channels_[1](x, y), channels_[2](x, y));
@@ -86,15 +113,89 @@ class Surface {
   std::vector<ImageF> channels_;
 };
 
-std::vector<SpaceEdge> edges_on(const Surface& surface, const PairGeometry& geometry) {
-  std::vector<SpaceEdge> edges;
-  for (const EdgeOffset& offset : geometry.offsets) {
-    if (const auto point = surface.near(offset.at_px)) {
-      edges.push_back(
-          {.in_camera_mm = *point, .normal = offset.normal, .offset_px = offset.offset_px});
+/// Edges of the simulated picture with their places in space, boundary by boundary.
+struct PlacedEdges {
+  std::vector<Boundary> boundaries;                 ///< points that have a place
+  std::vector<std::vector<Vector3d>> in_camera_mm;  ///< of each boundary each point
+};
+
+PlacedEdges placed_edges(const Surface& surface,
+                         const PinholeCamera& camera,
+                         const std::vector<Boundary>& boundaries) {
+  PlacedEdges placed;
+  for (const Boundary& boundary : boundaries) {
+    Boundary kept;
+    std::vector<Vector3d> places;
+    for (const BoundaryPoint& point : boundary.points) {
+      if (const auto place = surface.at_edge(camera, point.at_px, point.normal)) {
+        kept.points.push_back(point);
+        places.push_back(*place);
+      }
+    }
+    placed.boundaries.push_back(std::move(kept));
+    placed.in_camera_mm.push_back(std::move(places));
+  }
+  return placed;
+}
+
+/// Matches edges that the changes have moved with the real ones. What an edge was moved along its
+/// normal and what is left then are its offset: near its counterpart the nearest point is the right
+/// one.
+std::vector<SpaceEdge> matched_edges(const PlacedEdges& placed,
+                                     const std::vector<Boundary>& real,
+                                     const PinholeIntrinsics& camera,
+                                     const Vector3d& middle_mm,
+                                     const CauseVector& changes,
+                                     double reach_px) {
+  std::vector<Boundary> moved = placed.boundaries;
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    for (std::size_t k = 0; k < moved[i].points.size(); ++k) {
+      const Vector3d& place = placed.in_camera_mm[i][k];
+      moved[i].points[k].at_px += changed_pixel(camera, middle_mm, changes, place) -
+                                  changed_pixel(camera, middle_mm, CauseVector{}, place);
     }
   }
+  std::vector<SpaceEdge> edges;
+  for (const BoundaryGap& gap : gaps_between(moved, real, reach_px)) {
+    const BoundaryPoint& before = placed.boundaries[gap.boundary].points[gap.point];
+    edges.push_back(
+        {.in_camera_mm = placed.in_camera_mm[gap.boundary][gap.point],
+         .normal = before.normal,
+         .offset_px = gap.offset_px + before.normal.dot(gap.from.at_px - before.at_px)});
+  }
   return edges;
+}
+
+constexpr double kMaxDistanceShare = 0.05;  ///< of the picture's width: farther edges are others
+constexpr double kMatchedReach_px = 4.0;    ///< when the changes are known about
+constexpr int kRounds = 3;
+
+/// Fits causes, matches again with what they explain, and so on.
+struct MatchedCauses {
+  std::vector<SpaceEdge> edges;
+  CauseFit fit;
+};
+
+MatchedCauses matched_causes(const ComparedPair& pair,
+                             const Surface& surface,
+                             const PinholeIntrinsics& intrinsics,
+                             const Vector3d& middle_mm,
+                             bool is_lens_known) {
+  const OutlinePair& outlines = pair.geometry.outlines;
+  const PinholeCamera camera(intrinsics);
+  const PlacedEdges placed = placed_edges(surface, camera, outlines.simulated.located);
+  MatchedCauses result;
+  double reach_px = kMaxDistanceShare * pair.simulated.width();
+  for (int round = 0; round <= kRounds; ++round) {
+    result.edges = matched_edges(
+        placed, outlines.real.located, intrinsics, middle_mm, result.fit.changes, reach_px);
+    result.fit = fit_causes(result.edges, intrinsics, middle_mm, is_lens_known);
+    if (result.fit.causes.empty()) {
+      break;
+    }
+    reach_px = std::min(reach_px, kMatchedReach_px);
+  }
+  return result;
 }
 
 ToldCause told(const FoundCause& found) {
@@ -156,7 +257,7 @@ Viewpoint viewpoint_of(const RigidTransform& camera_from_world) {
 
 std::vector<SpaceEdge> space_edges(const ComparedPair& pair, const SceneSettings& scene) {
   const Surface surface(pair.simulated.source, camera_from_world(scene.viewpoint()));
-  return edges_on(surface, pair.geometry);
+  return matched_causes(pair, surface, intrinsics_of(scene), surface.middle_mm(), false).edges;
 }
 
 PairCauses find_causes(const ComparedPair& pair, bool is_lens_known) {
@@ -166,8 +267,8 @@ PairCauses find_causes(const ComparedPair& pair, bool is_lens_known) {
     const SceneSettings scene = scene_of(source);
     const Surface surface(source, camera_from_world(scene.viewpoint()));
     causes.middle_mm = surface.middle_mm();
-    causes.edges = fit_causes(
-        edges_on(surface, pair.geometry), intrinsics_of(scene), causes.middle_mm, is_lens_known);
+    causes.edges =
+        matched_causes(pair, surface, intrinsics_of(scene), causes.middle_mm, is_lens_known).fit;
     for (const FoundCause& found : causes.edges->causes) {
       causes.told.push_back(told(found));
     }

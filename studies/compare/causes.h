@@ -33,7 +33,7 @@ struct PairCauses {
   double gain = 1.0;                                     ///< 1: none beyond noise
 };
 
-/// Edges of the pair with their places in space.
+/// Edges of the pair with their places in space, matched where the causes take them.
 /// @param scene  of the simulated picture @throws ConfigError, IoError
 std::vector<SpaceEdge> space_edges(const ComparedPair& pair, const SceneSettings& scene);
 

@@ -14,6 +14,7 @@
 #include "core/image/image_io.h"
 #include "core/wall_clock.h"
 #include "studies/definition/render_methods.h"
+#include "studies/output/scratch_folder.h"
 #include "studies/report/report.h"
 #include "studies/run/repeated_scores.h"
 #include "studies/run/study_search.h"
@@ -29,31 +30,6 @@ using Clock = std::chrono::steady_clock;
 constexpr double kLong_s = 5.0;
 
 constexpr int kPage_px = 650;  ///< width of a frame on the report's page, about
-
-/// A folder of its own among the system's temporary files.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::error_code error;
-    path_ = fs::temp_directory_path(error) / fmt::format("glint_check_{}", ::getpid());
-    if (error || (!fs::create_directory(path_, error) && error)) {
-      throw IoError("no scratch folder for the first designs of the search: " + error.message());
-    }
-  }
-
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// CPU seconds of a search while it goes on. Its first evaluations, as many as there are jobs, pay
 /// for cold caches.
@@ -95,7 +71,7 @@ SearchSample sample_search(const Study& study,
                            SceneStore& store,
                            int jobs,
                            const std::function<void()>& step) {
-  const ScratchFolder scratch;
+  const ScratchFolder scratch("the first designs of the search");
   Storage storage = Storage::open(scratch.path() / "study.sqlite", {.seed = study.search.seed});
   SearchTask task = search_task(study, jobs);
   const int planned = study.budget.evaluations > 0 ? study.budget.evaluations : kSampledDesigns;

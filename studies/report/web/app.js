@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Draws the page from the JSON object in it; see studies/report/report.h for its fields.
-import { accuracySection, comparedSection, contactSection, pictureTableSection, residualSection } from './calibration.js';
+import { accuracySection, comparedSection, contactSection, influenceSection, nextSection, pictureTableSection, residualSection } from './calibration.js';
 import { designSection } from './cards.js';
 import { badge, h, section } from './dom.js';
 import { Facts, isNumber, plural } from './format.js';
@@ -34,7 +34,7 @@ function masthead(facts) {
     h('p', { class: 'meta' }, text && badge(kind, text), counts && h('span', {}, counts), document.getElementById('when')));
 }
 
-const kShort = { residuals: 'Residuals', compared: 'Methods', accuracy: 'Accuracy', list: 'Table', scene: 'Part', designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', measured: 'All methods', yardstick: 'Yardstick', overlap: 'Overlap', misfit: 'Misfit', sides: 'Designs', refit: 'Refit', methods: 'Method', origin: 'Configuration', curves: 'Convergence' };
+const kShort = { residuals: 'Residuals', compared: 'Methods', influence: 'Influence', next: 'Next pictures', accuracy: 'Accuracy', list: 'Table', scene: 'Part', designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', measured: 'All methods', yardstick: 'Yardstick', overlap: 'Overlap', misfit: 'Misfit', sides: 'Designs', refit: 'Refit', methods: 'Method', origin: 'Configuration', curves: 'Convergence' };
 
 function navigation(sections) {
   return h('nav', {}, sections.map((node) => h('a', { href: `#${node.id}` }, kShort[node.id] ?? node.querySelector('h2').textContent)));
@@ -80,7 +80,8 @@ function main() {
     verdictSection(facts), sceneSection(facts), ...panelSections(facts), runTable(facts), runCurvesSection(facts), designSection(facts), convergenceSection(facts),
     parallelSection(facts, (chosen) => table?.choose(chosen)), sliceSection(facts), table?.node, failureSection(facts),
     frontierSection(facts), frontierTableSection(facts), viewsSection(facts), lightingSection(facts), coverageSection(facts), coverageViewsSection(facts),
-    contactSection(facts), residualSection(facts), comparedSection(facts), accuracySection(facts), pictureTableSection(facts),
+    contactSection(facts), residualSection(facts), comparedSection(facts), accuracySection(facts), influenceSection(facts),
+    nextSection(facts), pictureTableSection(facts),
     partsSection(facts), gradesSection(facts), foundSection(facts), overlapSection(facts), causesSection(facts), misfitSection(facts), rankingSection(facts), refitSection(facts), pairsSection(facts), yardstickSection(facts), comparisonSection(facts), methodSection(facts), originSection(facts),
   ].filter(Boolean);
   document.getElementById('report').append(masthead(facts), navigation(sections), h('main', {}, sections));

@@ -121,10 +121,35 @@ export function comparedSection(facts) {
   const methods = facts.data.calibration?.methods;
   if (!methods?.length) return null;
   const best = Math.min(...methods.filter((one) => !one.failed).map((one) => one.prediction_rms_px));
+  const { prediction_folds: folds, prediction_5fold_splits: splits } = facts.data.calibration;
   const row = (one) => h('tr', {}, h('td', {}, one.name === 'glint' ? 'Glint, joint solution' : `OpenCV, ${one.name}`),
-    cell(one.failed ? 'failed' : fixed(one.prediction_rms_px, 3)), cell(one.failed ? '' : `${(one.prediction_rms_px / best).toFixed(1)} x`));
-  return section('compared', 'Methods compared', 'How each method predicts the corners of pictures that it was not given, from the robot\u2019s pose alone; rms.',
-    table([h('th', {}, 'method'), heading('prediction px'), heading('over the best')], methods.map(row)));
+    cell(one.failed ? 'failed' : fixed(one.prediction_rms_px, 3)), cell(one.failed ? '' : `${(one.prediction_rms_px / best).toFixed(1)} x`),
+    splits > 0 && cell(one.failed ? '' : fixed(one.prediction_5fold_rms_px, 3)));
+  return section('compared', 'Methods compared', `How each method predicts the corners of pictures that it was not given, from the robot\u2019s pose alone; rms. ${folds} parts are left out one after another${splits > 0 ? `; beside it the mean of ${plural(splits, 'random split')} into five parts` : ''}.`,
+    table([h('th', {}, 'method'), heading('prediction px'), heading('over the best'), splits > 0 && heading('in five parts px')], methods.map(row)));
+}
+
+/** The pictures without which the solution moves farthest, drawn against each other. */
+export function influenceSection(facts) {
+  const data = facts.data.calibration;
+  const pulling = data?.pictures.filter((one) => isNumber(one.influence?.cook)).sort((a, b) => b.influence.cook - a.influence.cook);
+  if (!pulling?.length) return null;
+  const most = Math.max(pulling[0].influence.cook, 1e-12);
+  const bar = (one) => h('td', { class: 'wide' }, h('i', { class: 'key', style: `display:block;height:8px;background:${one.influence.cook > 1 ? kFound : kResidual};width:${((100 * one.influence.cook) / most).toFixed(1)}%` }));
+  const row = (one) => h('tr', {}, h('td', {}, one.file), cell(number(one.influence.cook, 2)), bar(one), cell(number(one.influence.focal_px, 2)), cell(number(one.influence.center_px, 2)),
+    data.hand_eye && [cell(number(one.influence.hand_eye_mm, 2)), cell(number(one.influence.hand_eye_deg, 2))]);
+  return section('influence', 'Which pictures pull', 'How far all moves when a picture is left out, in standard deviations together (Cook\u2019s distance; over 1 a picture alone moves the solution by one) and in single figures. One that pulls hard deserves a second look or company.',
+    table([h('th', {}, 'picture'), heading('Cook'), h('th', {}, ''), heading('focal length px'), heading('centre px'), data.hand_eye && [heading('hand-eye mm'), heading('hand-eye degrees')]], pulling.slice(0, 12).map(row)));
+}
+
+export function nextSection(facts) {
+  const data = facts.data.calibration;
+  if (!data?.next?.views?.length) return null;
+  const at = (one) => one.base_from_flange && h('td', { class: 'number' }, `${one.base_from_flange.translation_mm.map((v) => fixed(v, 1)).join(', ')}; ${one.base_from_flange.rotation_vector_rad.map((v) => fixed(v, 4)).join(', ')}`);
+  const row = (one, i) => h('tr', {}, cell(i + 1), h('td', { class: 'wide' }, one.text), cell(fixed(one.point_error_px, 3)), at(one));
+  const isPosed = Boolean(data.next.views[0].base_from_flange);
+  return section('next', 'What to photograph next', `The views that would tell most, the best first. A computed point is known to ${fixed(data.next.point_error_px, 3)} px now; the table has what is expected with a view and those before it.`,
+    table([heading(''), h('th', {}, 'view'), heading('computed point px'), isPosed && heading('base_from_flange: mm; rotation vector rad')], data.next.views.map(row)));
 }
 
 export function pictureTableSection(facts) {
@@ -144,13 +169,14 @@ function lensRows(data) {
   const { intrinsics } = data;
   const { sigma } = intrinsics;
   const share = (value, error) => (error > 0 ? `${number((100 * error) / value, 2)} % of it` : '');
-  const one = (name, value, error, unit, what) => ({ name, value, error, unit, what });
-  return [one('focal length along x', intrinsics.focal_px[0], sigma.focal_px[0], 'px', share(intrinsics.focal_px[0], sigma.focal_px[0])),
-    one('focal length along y', intrinsics.focal_px[1], sigma.focal_px[1], 'px', share(intrinsics.focal_px[1], sigma.focal_px[1])),
-    one('centre x', intrinsics.center_px[0], sigma.center_px[0], 'px', 'a shift of it looks like a turn of the camera'),
-    one('centre y', intrinsics.center_px[1], sigma.center_px[1], 'px', ''),
-    ...['k1', 'k2', 'k3'].map((name, i) => one(`radial ${name}`, intrinsics.radial[i], sigma.radial[i], '', '')),
-    ...['p1', 'p2'].map((name, i) => one(`tangential ${name}`, intrinsics.tangential[i], sigma.tangential[i], '', ''))];
+  const prior = (key, i) => (intrinsics.prior?.[key][i] > 0 ? `known beforehand to ${number(intrinsics.prior[key][i], 3)}` : intrinsics.prior ? 'kept as given' : '');
+  const one = (name, value, error, unit, what, known) => ({ name, value, error, unit, what: [what, known].filter(Boolean).join('; ') });
+  return [one('focal length along x', intrinsics.focal_px[0], sigma.focal_px[0], 'px', share(intrinsics.focal_px[0], sigma.focal_px[0]), prior('focal_px', 0)),
+    one('focal length along y', intrinsics.focal_px[1], sigma.focal_px[1], 'px', share(intrinsics.focal_px[1], sigma.focal_px[1]), prior('focal_px', 1)),
+    one('centre x', intrinsics.center_px[0], sigma.center_px[0], 'px', 'a shift of it looks like a turn of the camera', prior('center_px', 0)),
+    one('centre y', intrinsics.center_px[1], sigma.center_px[1], 'px', '', prior('center_px', 1)),
+    ...['k1', 'k2', 'k3'].map((name, i) => one(`radial ${name}`, intrinsics.radial[i], sigma.radial[i], '', '', prior('radial', i))),
+    ...['p1', 'p2'].map((name, i) => one(`tangential ${name}`, intrinsics.tangential[i], sigma.tangential[i], '', '', prior('tangential', i)))];
 }
 
 /** Increments of hand-eye and board stand in the source's own frame: the camera's, the board's. */

@@ -102,6 +102,11 @@ TEST_F(CalibrationTrial, FindsACameraOnTheFlangeFromItsFiles) {
   EXPECT_THAT(read_file(folder_ / "out/report.html"), HasSubstr("Truth and estimate"));
   EXPECT_EQ(Json::parse(read_file(folder_ / "out/result.json"))["hand_eye"], result["hand_eye"]);
 
+  // The page is made again from the folder.
+  EXPECT_TRUE(is_calibration_trial(folder_ / "out"));
+  EXPECT_FALSE(is_calibration_trial(folder_ / "out/calibration"));
+  EXPECT_THAT(calibration_trial_report(folder_ / "out"), HasSubstr("Truth and estimate"));
+
   // What is missing is made again, to the same bytes; what is there is kept.
   const std::string bytes = read_file(folder_ / "out/result.json");
   fs::remove(folder_ / "out/pictures/picture_0003.png");
@@ -120,6 +125,26 @@ TEST_F(CalibrationTrial, FindsACameraOnTheFlangeFromItsFiles) {
 
 TEST_F(CalibrationTrial, FindsACameraBesideTheRobot) {
   expect_found(run(study_of(small_trial(kBesideRobot))));
+}
+
+TEST_F(CalibrationTrial, CheckLooksAtTwoPicturesAndWritesNothing) {
+  const Json sound = check_calibration_trial(study_of(small_trial(kOnFlange)), 2);
+  EXPECT_EQ(sound["status"], "sound");
+  EXPECT_EQ(sound["pictures"], 8);
+  ASSERT_EQ(sound["views"].size(), 2U);
+  for (const Json& view : sound["views"]) {
+    EXPECT_TRUE(view["accepted"].get<bool>()) << view;
+    EXPECT_EQ(view["corners"], 35);
+  }
+  EXPECT_GT(sound["predicted_cpu_s"].get<double>(), 0.0);
+  EXPECT_THAT(trial_check_text(sound), HasSubstr("35 corners found"));
+  EXPECT_EQ(folder_.count(), 2);  // s.toml and board.toml
+
+  std::string dark = small_trial(kOnFlange);
+  dark.replace(dark.find("radiance = [8]"), 14, "radiance = [0.01]");
+  const Json seen = check_calibration_trial(study_of(dark), 2);
+  EXPECT_FALSE(seen["views"][0]["accepted"].get<bool>());
+  EXPECT_THAT(trial_check_text(seen), HasSubstr("a picture would be rejected"));
 }
 
 TEST_F(CalibrationTrial, NeedsThePlacesAndALight) {

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Pictures that differ by known changes, rendered with other noise, and what `glint compare` says
+// of them.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/config/toml.h"
+#include "core/file.h"
+#include "studies/compare/causes.h"
+#include "tests/cli/program.h"
+
+namespace glint::test {
+
+struct Change {
+  CauseParameter parameter;
+  double value;  ///< in inner units
+};
+
+/// Each moves edges by some tenths of a pixel of 612 in the picture's width.
+inline const std::vector<Change>& known_changes() {
+  static const std::vector<Change> changes = {{CauseParameter::kTurnX, 0.006},
+                                              {CauseParameter::kTurnY, -0.006},
+                                              {CauseParameter::kTurnZ, 0.002},
+                                              {CauseParameter::kShiftX, 0.06},
+                                              {CauseParameter::kShiftY, -0.06},
+                                              {CauseParameter::kDistance, 0.4},
+                                              {CauseParameter::kFocalLength, 2.0},
+                                              {CauseParameter::kCentreX, 0.4},
+                                              {CauseParameter::kCentreY, -0.4},
+                                              {CauseParameter::kK1, 0.05},
+                                              {CauseParameter::kP1, 0.002}};
+  return changes;
+}
+
+/// What was said of one case.
+struct CaseVerdict {
+  int named = 0;             ///< of the changes, itself or a group that it is in
+  int others = 0;            ///< causes that are none of the changes
+  std::vector<double> off;   ///< value minus truth over sigma, of those named by themselves
+  std::vector<double> over;  ///< sigma over the Cramer-Rao bound, of the same
+};
+
+/// A gear seen at an angle, as in the gallery, with the noise and the blur of a sensor.
+class ChangedGear {
+ public:
+  /// @param width_px  of a picture of the same field, 612 : 512
+  ChangedGear(int width_px, int samples) : width_px_(width_px), samples_(samples) {
+    write_file(folder_ / "gear.toml", scene_text());
+    render("gear.toml", "base", 1);
+    std::vector<Problem> errors;
+    scene_ = read_scene(load_toml(folder_ / "base/baseline/scene.toml"), errors);
+    throw_if_any(errors);
+    middle_mm_ = find_causes(pair_with("base/baseline"), false).middle_mm;
+  }
+
+  /// Causes between the scene and the same with the changes.
+  nlohmann::json causes_of(std::span<const Change> changes, int seed) {
+    PairCauses causes = {.edges = CauseFit{}};
+    for (const Change& change : changes) {
+      causes.edges->changes[static_cast<std::size_t>(change.parameter)] = change.value;
+      causes.edges->causes.push_back({.parameter = change.parameter, .value = change.value});
+    }
+    causes.middle_mm = middle_mm_;
+    write_file(folder_ / "changed.toml", to_toml(write_scene(refined_scene(scene_, causes))));
+    render("changed.toml", "changed", seed);
+    const nlohmann::json result = json_of(
+        folder_, {"compare", "base/baseline", "changed/baseline", "--quiet", "--out", "compared"});
+    return result["pairs"][0]["causes"];
+  }
+
+  CaseVerdict verdict_of(std::span<const Change> changes, int seed) {
+    const nlohmann::json causes = causes_of(changes, seed);
+    const std::vector<double> bounds = bounds_of(changes);
+    CaseVerdict verdict;
+    std::size_t of_edges = 0;
+    for (const nlohmann::json& cause : causes) {
+      of_edges += cause["of"] == "edges" ? 1U : 0U;
+    }
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+      const nlohmann::json cause = find(causes, changes[i].parameter);
+      if (cause.is_null()) {
+        continue;
+      }
+      ++verdict.named;
+      if (cause["name"] == name_of(changes[i].parameter) && !cause.contains("group")) {
+        const double per = told_per_inner(changes[i].parameter);
+        const double sigma = cause["sigma"].get<double>();
+        verdict.off.push_back((cause["value"].get<double>() - per * changes[i].value) / sigma);
+        verdict.over.push_back(sigma / (per * bounds[i]));
+      }
+    }
+    verdict.others = std::max(0, static_cast<int>(of_edges) - verdict.named);
+    last_ = causes.dump();
+    return verdict;
+  }
+
+  const std::string& last() const { return last_; }
+
+  /// The cause of that name, or one that it cannot be told from; null: none.
+  static nlohmann::json find(const nlohmann::json& causes, CauseParameter parameter) {
+    for (const nlohmann::json& cause : causes) {
+      const nlohmann::json group = cause.value("group", nlohmann::json::array());
+      if (cause["name"] == name_of(parameter) ||
+          std::ranges::count(group, nlohmann::json(name_of(parameter))) > 0) {
+        return cause;
+      }
+    }
+    return nullptr;
+  }
+
+ private:
+  std::string scene_text() const {
+    const int height = width_px_ * 512 / 612;
+    return fmt::format(
+        "schema = 1\ninclude = [\"{}/studies/gallery/viewpoints/scene.toml\"]\n"
+        "[camera]\nwidth_px = {}\nheight_px = {}\npixel_um = {}\n"
+        "[viewpoints]\nsource = \"listed\"\n"
+        "[[viewpoint]]\nposition_mm = [124.669, 45.529, -60.833]\n"
+        "direction = [-0.8539, -0.31184, 0.41667]\nup = [0, 0, 1]\n"
+        "[sensor]\nfull_well_e = 10000\nread_noise_e = 10\nblur_px = 0.8\n"
+        "[render.paths]\nsamples = {}\n",
+        GLINT_SOURCE_DIR,
+        width_px_,
+        height,
+        13.8 * 612.0 / width_px_,
+        samples_);
+  }
+
+  void render(const std::string& scene, const std::string& out, int seed) const {
+    const ProgramResult result = glint_in(folder_,
+                                          {"render",
+                                           scene,
+                                           "--quiet",
+                                           "--set",
+                                           "render.paths.seed=" + std::to_string(seed),
+                                           "--set",
+                                           "sensor.seed=" + std::to_string(seed),
+                                           "--out",
+                                           out});
+    EXPECT_EQ(result.code, 0) << result.err;
+  }
+
+  /// Cramer-Rao bounds of the changes were they all that differs: by the noise of single edges,
+  /// taken as independent, and how edges move with each change.
+  std::vector<double> bounds_of(std::span<const Change> changes) const {
+    const ComparedPair pair = pair_with("changed/baseline");
+    const PairCauses causes = find_causes(pair, false);
+    const std::vector<SpaceEdge> edges = space_edges(pair, scene_);
+    const PinholeIntrinsics camera = intrinsics_of(scene_);
+    const auto count = static_cast<Eigen::Index>(changes.size());
+    Eigen::MatrixXd slopes(static_cast<Eigen::Index>(edges.size()), count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Change& change = changes[static_cast<std::size_t>(k)];
+      CauseVector moved = {};
+      const double step = 0.01 * change.value;
+      moved[static_cast<std::size_t>(change.parameter)] = step;
+      for (std::size_t i = 0; i < edges.size(); ++i) {
+        const auto pixel = [&](const CauseVector& by) {
+          return changed_pixel(camera, causes.middle_mm, by, edges[i].in_camera_mm);
+        };
+        slopes(static_cast<Eigen::Index>(i), k) =
+            edges[i].normal.dot(pixel(moved) - pixel({})) / step;
+      }
+    }
+    const Eigen::MatrixXd covariance = causes.edges->noise_px * causes.edges->noise_px *
+                                       (slopes.transpose() * slopes).eval().inverse();
+    std::vector<double> bounds;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      bounds.push_back(std::sqrt(covariance(k, k)));
+    }
+    return bounds;
+  }
+
+  ComparedPair pair_with(const std::string& real) const {
+    return compare_pair({.simulated = source_in("base/baseline"), .real = source_in(real)}, {});
+  }
+
+  CompareSource source_in(const std::string& view) const {
+    return compare_sources(folder_ / view).front();
+  }
+
+  TemporaryFolder folder_;
+  int width_px_;
+  int samples_;
+  SceneSettings scene_;
+  Eigen::Vector3d middle_mm_ = Eigen::Vector3d::Zero();  ///< of what is seen; turns are about it
+  std::string last_;
+};
+
+}  // namespace glint::test

@@ -25,6 +25,7 @@ struct CommandLine {
   CoverArguments cover;
   UndistortArguments undistort;
   CellArguments cell;
+  ViewPlanArguments plan;
   ReportArguments report;
   PartArguments part;
   NewArguments fresh;

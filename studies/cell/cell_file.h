@@ -10,6 +10,7 @@
 //     [twin]              what its twins are in truth
 //     [[safe_position]]   where the arm waits
 //     [[view]]            where pictures are taken from
+//     [planning], [[obstacle]], [[body]]  see cell_planning.h
 #pragma once
 
 #include <array>
@@ -21,6 +22,7 @@
 
 #include "core/config/keys.h"
 #include "hardware/robot/ur_settings.h"
+#include "studies/cell/cell_planning.h"
 
 namespace glint {
 
@@ -80,6 +82,7 @@ struct Cell {
   std::filesystem::path truth;        ///< a scene for twins of the camera; empty: none
   std::vector<CellPosition> safe_positions;
   std::vector<CellPosition> views;
+  CellPlanning planning;
 };
 
 void visit_keys(KeyVisitor& keys, CellCamera& camera);

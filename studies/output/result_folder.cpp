@@ -27,7 +27,7 @@ struct KindNames {
   const char* folder;  ///< in out/<name>
 };
 
-constexpr std::array<KindNames, 15> kKinds = {
+constexpr std::array<KindNames, 16> kKinds = {
     {{ResultKind::kRun, "run", "run"},
      {ResultKind::kRender, "render", "render"},
      {ResultKind::kImprint, "imprint", "imprint"},
@@ -42,7 +42,8 @@ constexpr std::array<KindNames, 15> kKinds = {
      {ResultKind::kUndistort, "undistort", "undistort"},
      {ResultKind::kCover, "cover", "cover"},
      {ResultKind::kCompare, "compare", "compare"},
-     {ResultKind::kGrab, "cell grab", "grab"}}};
+     {ResultKind::kGrab, "cell grab", "grab"},
+     {ResultKind::kViewPlan, "plan", "plan"}}};
 
 const KindNames& names_of(ResultKind kind) {
   return *std::ranges::find(kKinds, kind, &KindNames::kind);

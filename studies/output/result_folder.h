@@ -28,13 +28,14 @@ enum class ResultKind {
   kUndistort,
   kCover,
   kCompare,
-  kGrab
+  kGrab,
+  kViewPlan
 };
 
 /// As it is typed: "run", "render", "imprint", "imprint --preview_tools", "inspect", "frontier",
 /// "calibrate", "calibrate --print_board", "calibrate --sensor", "calibrate --plan",
 /// "calibrate --points", "undistort", "cover",
-/// "compare", "cell grab".
+/// "compare", "cell grab", "plan".
 std::string_view command_of(ResultKind kind);
 
 /// Whose results a folder holds: by the field "verb" of its run.json, in folders of older versions

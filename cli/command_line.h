@@ -30,6 +30,7 @@ struct CommandLine {
   CellArguments cell;
   AcquireArguments acquire;
   CellCalibrationArguments cell_calibration;  ///< calibrate --cell
+  ViewPlanArguments plan;
   ReportArguments report;
   PartArguments part;
   NewArguments fresh;

@@ -119,6 +119,12 @@ struct CoverArguments {
 };
 
 int cover_command(const CoverArguments& arguments, const CommonArguments& common);
+
+struct ViewPlanArguments {
+  StudyArguments study;
+  std::filesystem::path cell;
+};
+
 /// The modes of `glint calibrate` that are no calibration from a board.
 int check_calibration_command(const CalibrateArguments& arguments, const CommonArguments& common);
 int sensor_command(const CalibrateArguments& arguments, const CommonArguments& common);

@@ -4,9 +4,12 @@
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "cli/acquire/acquire.h"
+#include "cli/plan/plan_text.h"
 #include "cli/shell/options.h"
+#include "studies/plan/plan_run.h"
 
 namespace glint {
 namespace {
@@ -278,6 +281,33 @@ void add_cover_verb(CLI::App& app, CommandLine& line) {
       ->check(not_empty());
 }
 
+int run_plan(const CommandLine& given) {
+  const Study study = load_study(given.plan.study);
+  const nlohmann::ordered_json result =
+      plan_study(study,
+                 {.cell = given.plan.cell,
+                  .out = out_folder(given.plan.study, study, ResultKind::kViewPlan),
+                  .threads = given.common.threads});
+  print_result(given.common, result, plan_text(result));
+  return plan_exit_code(result);
+}
+
+void add_plan_verb(CLI::App& app, CommandLine& line) {
+  CLI::App* plan = add_verb(app,
+                            "plan",
+                            "which views of a scene a cell's arm can take, and the way to them",
+                            "glint plan scene.toml --cell cell.toml --out out/plan\n"
+                            "  glint plan study.toml --cell cell.toml --json",
+                            line,
+                            &run_plan);
+  add_study(*plan, "SCENE.toml", line.plan.study);
+  plan->add_option("--cell", line.plan.cell, "the cell's file; nothing in it is connected to")
+      ->type_name("FILE")
+      ->required()
+      ->check(not_empty());
+  add_out(*plan, line.plan.study.out, "folder for the results (default out/<study name>/plan)");
+}
+
 void add_cell_twin_options(CLI::App& cell, CellArguments& arguments) {
   cell.add_option("--port", arguments.port, "twin: first port; 0: free ones; else the cell's")
       ->type_name("N")
@@ -392,6 +422,7 @@ void add_hardware_verbs(CLI::App& app, CommandLine& line) {
   add_validate_verb(app, line);
   add_cover_verb(app, line);
   add_cell_verb(app, line);
+  add_plan_verb(app, line);
   add_acquire_verb(app, line);
 }
 

@@ -17,7 +17,8 @@ using Kind = SolidBody::Kind;
 constexpr double kFarMm = 1000.0;  ///< margins are not told beyond it
 /// The robot itself asks for 1 mm between links and box (path_check.h).
 constexpr double kBoxMarginMm = 1.0;
-constexpr double kCloseShare = 0.95;
+constexpr double kCloseShare = 0.9;
+constexpr double kNearMm = 30.0;  ///< beyond it distances to large meshes are not sought
 
 std::vector<SolidBody> all_bodies(const PlanningCell& cell) {
   std::vector<SolidBody> bodies = arm_bodies(cell.arm);
@@ -66,6 +67,10 @@ ClearanceCheck::ClearanceCheck(const PlanningCell& cell)
       add_pairs(i);
     }
   }
+  // Large meshes last: what is known by then cuts their distances off.
+  std::ranges::stable_partition(pairs_, [this](const Pair& pair) {
+    return pair.kind != Pair::Kind::kMeshes || !distances_.is_large(pair.fixed);
+  });
 }
 
 void ClearanceCheck::add_pairs(std::size_t moving) {
@@ -130,22 +135,33 @@ double ClearanceCheck::room_mm(const Pair& pair, const LinkFrames& frames) const
   return room_mm - body.radius_mm;
 }
 
-double ClearanceCheck::gap_mm(const Pair& pair, const LinkFrames& frames, double enough_mm) const {
-  if (pair.kind == Pair::Kind::kTable) {
-    return height_mm(pair, frames);
-  }
-  if (pair.kind == Pair::Kind::kBox) {
-    return room_mm(pair, frames);
+/// @param near_mm    what the distance is compared with
+/// @param enough_mm  more need not be known
+ClearanceCheck::Gap ClearanceCheck::gap(const Pair& pair,
+                                        const LinkFrames& frames,
+                                        double near_mm,
+                                        double enough_mm) const {
+  if (pair.kind != Pair::Kind::kMeshes) {
+    return {.mm =
+                pair.kind == Pair::Kind::kTable ? height_mm(pair, frames) : room_mm(pair, frames)};
   }
   const SolidBody& fixed = bodies_[pair.fixed];
   const SolidBody& moving = bodies_[pair.moving];
+  const Eigen::Isometry3d& base_from_fixed = frames[static_cast<std::size_t>(fixed.link)];
+  const Eigen::Isometry3d& base_from_moving = frames[static_cast<std::size_t>(moving.link)];
   const double radii_mm = fixed.radius_mm + moving.radius_mm;
-  return distances_.distance_mm(pair.fixed,
-                                frames[static_cast<std::size_t>(fixed.link)],
-                                pair.moving,
-                                frames[static_cast<std::size_t>(moving.link)],
-                                enough_mm + radii_mm) -
-         radii_mm;
+  double cut_mm = enough_mm + radii_mm;
+  if (distances_.is_large(pair.fixed)) {
+    const double box_mm = distances_.distance_to_box_mm(
+        pair.fixed, base_from_fixed, pair.moving, base_from_moving, cut_mm);
+    cut_mm = std::min(cut_mm, near_mm + kNearMm + radii_mm);
+    if (box_mm >= cut_mm) {
+      return {.mm = box_mm - radii_mm, .is_exact = false};
+    }
+  }
+  const double distance_mm =
+      distances_.distance_mm(pair.fixed, base_from_fixed, pair.moving, base_from_moving, cut_mm);
+  return {.mm = distance_mm - radii_mm, .is_exact = distance_mm < cut_mm};
 }
 
 Clearance ClearanceCheck::refused(const Pair& pair) const {
@@ -186,12 +202,12 @@ Clearance ClearanceCheck::at(const JointVector& joints_rad) const {
   for (const Pair& pair : pairs_) {
     const double needed_mm = pair.margin_mm + kLookMm;
     const double enough_mm = pair.is_counted ? std::max(result.margin_mm, needed_mm) : needed_mm;
-    const double distance_mm = gap_mm(pair, frames, enough_mm);
-    if (distance_mm < needed_mm) {
+    const Gap there = gap(pair, frames, enough_mm, enough_mm);
+    if (there.is_exact && there.mm < needed_mm) {
       return refused(pair);
     }
-    if (pair.is_counted) {
-      result.margin_mm = std::min(result.margin_mm, distance_mm);
+    if (there.is_exact && pair.is_counted) {
+      result.margin_mm = std::min(result.margin_mm, there.mm);
     }
   }
   if (contains_any(frames, result.text)) {
@@ -206,18 +222,16 @@ bool ClearanceCheck::goes_free(const Pair& pair, Walk& walk) const {
   while (share < 1.0) {
     const LinkFrames frames = cell_.arm.arm.frames(walk.from_rad + share * walk.way_rad);
     const MotionBound bound = hulls_[pair.moving].bound(frames, walk.way_rad, fixed);
-    const double enough_mm = walk.floor_mm(pair) + bound.over(1.0 - share) + kLookMm;
-    const double distance_mm = gap_mm(pair, frames, enough_mm);
-    if (distance_mm >= enough_mm) {
-      return true;
-    }
-    if (distance_mm < pair.margin_mm + kLookMm) {
+    const double floor_mm = walk.floor_mm(pair);
+    const double enough_mm = floor_mm + bound.over(1.0 - share) + kLookMm;
+    const Gap there = gap(pair, frames, floor_mm, enough_mm);
+    if (there.is_exact && there.mm < pair.margin_mm + kLookMm) {
       return false;
     }
-    if (pair.is_counted) {
-      walk.least_mm = std::min(walk.least_mm, distance_mm);
+    if (there.is_exact && pair.is_counted) {
+      walk.least_mm = std::min(walk.least_mm, there.mm);
     }
-    share += bound.share_within(distance_mm - walk.floor_mm(pair));
+    share += bound.share_within(there.mm - walk.floor_mm(pair));
   }
   return true;
 }

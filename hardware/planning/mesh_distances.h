@@ -30,6 +30,17 @@ class MeshDistances {
                      const Eigen::Isometry3d& base_from_second,
                      double enough_mm) const;
 
+  /// The same to the bounding box of the first body's mesh: no more than distance_mm(), and quick.
+  /// 0 where the second one's first corner is within the box.
+  double distance_to_box_mm(std::size_t first,
+                            const Eigen::Isometry3d& base_from_first,
+                            std::size_t second,
+                            const Eigen::Isometry3d& base_from_second,
+                            double enough_mm) const;
+
+  /// Of so many triangles that its bounding box is worth asking first.
+  bool is_large(std::size_t body) const;
+
   std::int64_t num_queries() const;
 
  private:

@@ -12,16 +12,19 @@ namespace glint {
 namespace {
 
 constexpr std::array<std::string_view, 2> kLightKinds = {"digital_output", "manual"};
-constexpr std::array<std::string_view, 10> kTables = {"camera",
-                                                      "robot",
-                                                      "limits",
-                                                      "lights",
-                                                      "stage",
-                                                      "acquisition",
-                                                      "calibration",
-                                                      "twin",
-                                                      "safe_position",
-                                                      "view"};
+constexpr auto kTables = std::to_array<std::string_view>({"camera",
+                                                          "robot",
+                                                          "limits",
+                                                          "lights",
+                                                          "stage",
+                                                          "acquisition",
+                                                          "calibration",
+                                                          "twin",
+                                                          "safe_position",
+                                                          "view",
+                                                          "planning",
+                                                          "obstacle",
+                                                          "body"});
 
 Problem wrong_type(const ConfigNode& node, std::string_view key, std::string text) {
   return {.kind = Problem::Kind::kWrongType,
@@ -275,6 +278,7 @@ Cell read_cell(const std::filesystem::path& path) {
   read_twin(root, cell, errors);
   cell.safe_positions = read_positions(root, "safe_position", false, errors);
   cell.views = read_positions(root, "view", true, errors);
+  cell.planning = read_cell_planning(root, errors);
   check_relations(root, cell, errors);
   throw_if_any(errors);
   return cell;

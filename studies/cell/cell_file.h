@@ -12,6 +12,7 @@
 //     [twin]              what its twins are in truth
 //     [[safe_position]]   where the arm waits
 //     [[view]]            where pictures are taken from
+//     [planning], [[obstacle]], [[body]]  see cell_planning.h
 #pragma once
 
 #include <array>
@@ -24,6 +25,7 @@
 #include "core/config/keys.h"
 #include "hardware/acquisition/picture_check.h"
 #include "hardware/robot/ur_settings.h"
+#include "studies/cell/cell_planning.h"
 #include "studies/cell/cell_stage.h"
 
 namespace glint {
@@ -87,6 +89,7 @@ struct Cell {
   double motion_speedup = 1.0;        ///< of the twin of the robot: how much faster its clock goes
   std::vector<CellPosition> safe_positions;
   std::vector<CellPosition> views;
+  CellPlanning planning;
 };
 
 void visit_keys(KeyVisitor& keys, CellCamera& camera);

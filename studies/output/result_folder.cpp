@@ -45,7 +45,8 @@ constexpr auto kKinds =
                               {ResultKind::kCompare, "compare", "compare"},
                               {ResultKind::kValidate, "validate", "validate"},
                               {ResultKind::kGrab, "cell grab", "grab"},
-                              {ResultKind::kAcquire, "acquire", "acquire"}});
+                              {ResultKind::kAcquire, "acquire", "acquire"},
+                              {ResultKind::kViewPlan, "plan", "plan"}});
 
 const KindNames& names_of(ResultKind kind) {
   return *std::ranges::find(kKinds, kind, &KindNames::kind);

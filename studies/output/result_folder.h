@@ -31,13 +31,14 @@ enum class ResultKind {
   kCompare,
   kValidate,
   kGrab,
-  kAcquire
+  kAcquire,
+  kViewPlan
 };
 
 /// As it is typed: "run", "render", "imprint", "imprint --preview_tools", "inspect", "frontier",
 /// "calibrate", "calibrate --print_board", "calibrate --sensor", "calibrate --plan",
 /// "calibrate --points", "calibrate --place", "undistort", "cover", "compare", "validate",
-/// "cell grab", "acquire".
+/// "cell grab", "acquire", "plan".
 std::string_view command_of(ResultKind kind);
 
 /// Whose results a folder holds: by the field "verb" of its run.json, in folders of older versions

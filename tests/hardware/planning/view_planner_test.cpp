@@ -123,14 +123,22 @@ TEST(PlanViews, NoPathIsNotUnreachable) {
   EXPECT_EQ(without.reach_share, 0.0);
   EXPECT_EQ(without.reach_margin_mm, 0.0);
 
-  // Walls on both sides of the part's half keep the arm from turning in from behind.
+  // From behind the arm would have to turn about its base, past walls on both sides; it keeps its
+  // shape by limits of all other joints.
   cell = planned_cell();
+  const JointVector there_rad = plan_of(cell, good).views[0].joints_rad;
+  const JointVector& home_rad = cell.safe_positions.front().joints_rad;
+  constexpr double kRoom = 0.25;
+  for (Eigen::Index i = 1; i < 6; ++i) {
+    cell.joint_min_rad[i] = std::min(there_rad[i], home_rad[i]) - kRoom;
+    cell.joint_max_rad[i] = std::max(there_rad[i], home_rad[i]) + kRoom;
+  }
   cell.safe_positions = {{.name = "behind",
                           .joints_rad = cell.safe_positions.front().joints_rad +
                                         JointVector{kPi, 0.0, 0.0, 0.0, 0.0, 0.0}}};
-  for (const double y_mm : {-260.0, 260.0}) {
+  for (const double y_mm : {-370.0, 370.0}) {
     cell.standing.push_back(
-        {.name = "wall", .mesh = box_mesh({0.0, y_mm, 390.0}, {10.0, 260.0, 780.0})});
+        {.name = "wall", .mesh = box_mesh({0.0, y_mm, 390.0}, {10.0, 300.0, 780.0})});
   }
   cell.arm.limits.box_max_mm = {600.0, 500.0, 800.0};
   cell.arm.limits.box_min_mm = {-600.0, -500.0, -100.0};
@@ -153,7 +161,8 @@ TEST(PlanViews, TellsTheNearestPoseOfARefusedView) {
 
 TEST(PlanViews, GoesOverSafePositionsWhereTheStraightWayIsBlocked) {
   PlanningCell cell = planned_cell();
-  // The post between two low views on both sides of it.
+  // A wall between two low views on both sides of it.
+  cell.standing.pop_back();
   cell.standing[0].mesh = box_mesh({330.0, 0.0, 110.0}, {200.0, 10.0, 220.0});
   const auto side = [](double y_mm, const char* name) {
     return ViewRequest{

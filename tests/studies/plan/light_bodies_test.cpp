@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/reach/light_bodies.h"
+
+#include <gtest/gtest.h>
+
+#include "core/config/toml.h"
+
+namespace glint {
+namespace {
+
+SceneSettings scene_of(const std::string& text) {
+  std::vector<Problem> errors;
+  const SceneSettings scene = read_scene(parse_toml(text, "scene.toml"), errors);
+  EXPECT_TRUE(errors.empty());
+  return scene;
+}
+
+// A flat ring 80 mm before the pinhole, between 30 and 60 mm from its axis.
+TEST(LightBodies, OfARingOnTheCameraAreInItsFrame) {
+  const std::vector<SolidBody> bodies = light_bodies(
+      scene_of("schema = 1\n[part]\nshape = \"plate\"\n[lighting.ring]\nmount = \"camera\"\n"
+               "inner_radius_mm = 30\nouter_radius_mm = 60\nheight_mm = 80\n"),
+      2.0);
+  ASSERT_EQ(bodies.size(), 1U);
+  EXPECT_EQ(bodies[0].kind, SolidBody::Kind::kCarried);
+  EXPECT_EQ(bodies[0].name, "ring light");
+  EXPECT_EQ(bodies[0].radius_mm, 2.0);
+  const BoundingBox box = bounding_box(bodies[0].mesh);
+  EXPECT_NEAR(box.max_mm.x(), 60.0, 0.2);
+  EXPECT_NEAR(box.min_mm.z(), 80.0, 1e-9);
+  EXPECT_NEAR(box.max_mm.z(), 80.0, 1e-9);
+  EXPECT_NEAR(surface_area_mm2(bodies[0].mesh), kPi * (3600.0 - 900.0), 40.0);
+}
+
+TEST(LightBodies, OfADomeStandInTheScene) {
+  const std::vector<SolidBody> bodies = light_bodies(
+      scene_of("schema = 1\n[part]\nshape = \"plate\"\n[lighting.dome]\ntype = \"dome\"\n"
+               "radius_mm = 100\nopening_mm = 30\n[lighting.sky]\ntype = \"environment\"\n"),
+      1.0);
+  ASSERT_EQ(bodies.size(), 1U) << "an environment is no body";
+  EXPECT_EQ(bodies[0].kind, SolidBody::Kind::kStanding);
+  for (const Eigen::Vector3d& vertex_mm : bodies[0].mesh.vertices_mm) {
+    EXPECT_NEAR(vertex_mm.norm(), 100.0, 1e-9);
+  }
+}
+
+TEST(LightBodies, OfATunnelAreItsWall) {
+  const std::vector<SolidBody> bodies =
+      light_bodies(scene_of("schema = 1\n[part]\nshape = \"plate\"\n[lighting.tunnel]\n"), 1.0);
+  ASSERT_EQ(bodies.size(), 1U);
+  EXPECT_GT(bodies[0].mesh.num_triangles(), 4U);
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/plan/plan_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "studies/plan/plan_file.h"
+#include "studies/reach/scene_cell.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kCalibration =
+    "[calibration]\nsetup = \"eye_in_hand\"\n[calibration.flange_from_camera]\n"
+    "translation_mm = [0, 50, 30]\n";
+
+const std::string kScene = R"(schema = 2
+[part]
+shape = "plate"
+length_mm = 48
+width_mm = 36
+thickness_mm = 5
+[camera]
+width_px = 408
+height_px = 342
+pixel_um = 10.35
+object_pixel_mm = 0.15
+working_distance_mm = 180
+[lighting.ring]
+mount = "camera"
+inner_radius_mm = 30
+outer_radius_mm = 60
+height_mm = 60
+[cell.base_from_part]
+translation_mm = [280, -120, 20]
+[[viewpoint]]
+position_mm = [0, 0, 180]
+direction = [0, 0, -1]
+up = [0, 1, 0]
+[[viewpoint]]
+position_mm = [60, 0, 170]
+direction = [-60, 0, -170]
+up = [0, 1, 0]
+[[viewpoint]]
+position_mm = [0, 0, 50]
+direction = [0, 0, -1]
+up = [0, 1, 0]
+[[viewpoint]]
+position_mm = [900, 0, 400]
+direction = [-900, 0, -400]
+up = [0, 1, 0]
+)";
+
+const std::string kCell = R"([robot]
+model = "ur3"
+host = "127.0.0.1"
+flange_from_tcp = [0, 50, 30, 0, 0, 0]
+tool_radius_mm = 40
+payload_kg = 0.6
+[limits]
+tool_speed_mm_s = 250
+tool_acceleration_mm_s2 = 800
+joint_speed_deg_s = 60
+joint_acceleration_deg_s2 = 200
+box_min_mm = [-450, -450, -50]
+box_max_mm = [500, 450, 700]
+[planning]
+margin_mm = 4
+table_height_mm = 0
+camera_size_mm = [40, 40, 60]
+cable_mm = [0, 50, -30, 0, 110, -60]
+[[obstacle]]
+name = "post"
+position_mm = [280, 80, 100]
+size_mm = [30, 30, 200]
+[[safe_position]]
+name = "above"
+joints_deg = [8.873, -82.466, -92.57, -94.964, 90.0, -81.127]
+)";
+
+class PlanStudyTest : public testing::Test {
+ protected:
+  nlohmann::ordered_json plan(const std::string& scene, const std::string& cell) {
+    write_file(folder_ / "scene.toml", scene);
+    write_file(folder_ / "cell.toml", cell);
+    return plan_study(load_study(folder_ / "scene.toml", {}),
+                      {.cell = folder_ / "cell.toml", .out = folder_ / "out"});
+  }
+
+  std::string problem(const std::string& scene, const std::string& cell) {
+    return text_thrown_by<ConfigError>([&] { plan(scene, cell); });
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(PlanStudyTest, WritesAWholeFolderThatIsReadAgain) {
+  const nlohmann::ordered_json result = plan(kScene + kCalibration, kCell);
+  EXPECT_EQ(result["views"][0]["outcome"], "planned") << result["views"][0]["reason"];
+  EXPECT_EQ(result["views"][1]["outcome"], "planned") << result["views"][1]["reason"];
+  EXPECT_EQ(result["views"][2]["outcome"], "collision");
+  EXPECT_FALSE(result["views"][2]["nearest_base_from_camera"].is_null());
+  EXPECT_EQ(result["views"][3]["outcome"], "unreachable");
+  EXPECT_EQ(result["reach"]["share"], 0.5);
+  for (const char* file : {"plan.json", "plan.csv", "report.html", "run.json", "scene.toml"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / file)) << file;
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/pictures/view_01.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out/pictures/view_03.png"));
+  const PlanFile file = read_plan(folder_ / "out");
+  EXPECT_EQ(file.plan.paths.size(), 3U);
+  // What was planned again from the copies is the same.
+  const nlohmann::ordered_json again =
+      plan_study(load_study(file.scene, {}), {.cell = file.cell, .out = folder_ / "again"});
+  EXPECT_EQ(again["views"], result["views"]);
+  EXPECT_EQ(again["paths"], result["paths"]);
+}
+
+// The camera looks straight down on the part's origin from 180 mm: at (280, -120, 200) in the base.
+TEST_F(PlanStudyTest, PutsTheCameraWhereTheSceneHasIt) {
+  const nlohmann::ordered_json result = plan(kScene + kCalibration, kCell);
+  const auto pose = result["views"][0]["base_from_camera"].get<std::vector<double>>();
+  EXPECT_NEAR(pose[0], 280.0, 1e-9);
+  EXPECT_NEAR(pose[1], -120.0, 1e-9);
+  EXPECT_NEAR(pose[2], 200.0, 1e-9);
+}
+
+TEST_F(PlanStudyTest, TakesTheHandEyeOfTheCellsCalibration) {
+  write_file(folder_ / "calibration.toml", kCalibration);
+  const nlohmann::ordered_json result =
+      plan(kScene, kCell + "[calibration]\nfile = \"calibration.toml\"\n");
+  EXPECT_EQ(result["views"][0]["outcome"], "planned");
+}
+
+TEST_F(PlanStudyTest, NamesWhatIsMissing) {
+  EXPECT_THAT(problem(kScene, kCell), HasSubstr("flange_from_camera: is missing"));
+  std::string homeless = kScene + kCalibration;
+  const std::string table = "[cell.base_from_part]\ntranslation_mm = [280, -120, 20]\n";
+  homeless.erase(homeless.find(table), table.size());
+  EXPECT_THAT(problem(homeless, kCell), HasSubstr("base_from_part"));
+  EXPECT_THAT(problem(kScene + kCalibration, "[camera]\n"), HasSubstr("has no robot"));
+}
+
+TEST_F(PlanStudyTest, NamesWhatIsWrongInTheCell) {
+  const std::string scene = kScene + kCalibration;
+  EXPECT_THAT(problem(scene, kCell + "[[obstacle]]\nname = \"a\"\n"),
+              HasSubstr("an obstacle is either a box or a mesh"));
+  EXPECT_THAT(problem(scene, kCell + "[[obstacle]]\nfile = \"none.stl\"\n"),
+              HasSubstr("none.stl does not exist"));
+  EXPECT_THAT(problem(scene, kCell + "[[body]]\nfrom_mm = [0, 0, 0]\nto_mm = [0, 0, 1]\n"),
+              HasSubstr("body.1.radius_mm: is missing"));
+  std::string cell = kCell;
+  cell.replace(cell.find("margin_mm = 4"), 13, "margin_mm = -1");
+  EXPECT_THAT(problem(scene, cell), HasSubstr("planning.margin_mm"));
+  cell = kCell;
+  cell.replace(cell.find("margin_mm = 4"), 13, "margins_mm = 4");
+  EXPECT_THAT(problem(scene, cell), HasSubstr("planning.margins_mm"));
+  cell = kCell;
+  cell.replace(cell.find("margin_mm = 4"), 13, "joint_min_deg = [0, 0, 400, 0, 0, 0]");
+  EXPECT_THAT(problem(scene, cell), HasSubstr("planning.joint_min_deg"));
+}
+
+}  // namespace
+}  // namespace glint

@@ -8,6 +8,7 @@
 
 #include "cli/acquire/acquire.h"
 #include "cli/acquire/cell_calibration.h"
+#include "cli/acquire/validation.h"
 #include "cli/commands.h"
 
 namespace CLI {
@@ -23,7 +24,7 @@ struct CommandLine {
   ImprintArguments imprint;
   InspectArguments inspect;
   CompareArguments compare;
-  ValidateArguments validate;
+  ValidationArguments validate;
   CalibrateArguments calibrate;
   CoverArguments cover;
   UndistortArguments undistort;

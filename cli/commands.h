@@ -81,17 +81,6 @@ struct CompareArguments {
 
 int compare_command(const CompareArguments& arguments, const CommonArguments& common);
 
-struct ValidateArguments {
-  std::filesystem::path run;
-  std::filesystem::path pictures;
-  std::filesystem::path out;
-  std::filesystem::path calibration;
-  std::string designs;
-  bool is_refitting = false;
-};
-
-int validate_command(const ValidateArguments& arguments, const CommonArguments& common);
-
 struct CalibrateArguments {
   std::vector<std::filesystem::path> pictures;
   std::filesystem::path from;  ///< corners.csv instead of pictures

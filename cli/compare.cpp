@@ -4,7 +4,6 @@
 
 #include "cli/commands.h"
 #include "studies/compare/compare_run.h"
-#include "studies/validate/validate_run.h"
 
 namespace glint {
 namespace {
@@ -58,70 +57,7 @@ std::string comparison_text(const Json& result) {
                             result["report"].get<std::string>());
 }
 
-constexpr const char* kDesignRow = "  {:<20} {:>6} {:>14} {:>14} {:>12}\n";
-
-/// What each design scores on both sides.
-std::string designs_text(const Json& result) {
-  const std::string objective = result["objective"]["name"].get<std::string>();
-  std::string text = fmt::format(kDesignRow, "design", "views", "simulated", "real", objective);
-  for (const Json& design : result["designs"]) {
-    const Json& scores = design["scores"];
-    const bool is_scored = scores.is_object() && scores.contains(objective);
-    const auto side = [&](const char* name) {
-      return is_scored ? cell(scores[objective][name]["value"], 4) : std::string("-");
-    };
-    text += fmt::format(kDesignRow,
-                        design["name"].get<std::string>(),
-                        design["views"].get<int>(),
-                        side("simulated"),
-                        side("real"),
-                        "");
-  }
-  return text;
-}
-
-std::string validation_text(const Json& result) {
-  std::string text = designs_text(result);
-  const Json& edges = result["edges"];
-  text += fmt::format("edges: {} px before the calibration, {} px after it, limit {} px\n",
-                      cell(edges["before_calibration_px"], 2),
-                      cell(edges["mean_distance_px"], 2),
-                      cell(edges["limit_px"], 2));
-  for (const Json& cause : result["causes"]) {
-    text += fmt::format("  {}{}{}\n",
-                        cause["name"].get<std::string>(),
-                        cause["of"].is_string() ? " of " + cause["of"].get<std::string>() : "",
-                        cause["within_tolerance"].get<bool>() ? " (within tolerance)" : "");
-    for (const auto& [name, value] : cause["values"].items()) {
-      text += fmt::format(
-          "    {:<12} {:>10} +- {}\n", name, cell(value["value"], 4), cell(value["sigma"], 4));
-    }
-  }
-  for (const char* key : {"advice", "notes"}) {
-    for (const Json& line : result[key]) {
-      text += fmt::format(
-          "{}: {}\n", key == std::string("notes") ? "note" : key, line.get<std::string>());
-    }
-  }
-  return text + fmt::format("{}\nreport: {}\n",
-                            result["verdict"].get<std::string>(),
-                            result["report"].get<std::string>());
-}
-
 }  // namespace
-
-int validate_command(const ValidateArguments& arguments, const CommonArguments& common) {
-  const Json result = validate_run({.run = arguments.run,
-                                    .pictures = arguments.pictures,
-                                    .out = arguments.out,
-                                    .calibration = arguments.calibration,
-                                    .designs = arguments.designs,
-                                    .is_refitting = arguments.is_refitting,
-                                    .threads = common.threads,
-                                    .progress = common.progress()});
-  print_result(common, result, validation_text(result));
-  return result["agreement"] == "does_not_agree" ? kExitNegative : kExitDone;
-}
 
 int compare_command(const CompareArguments& arguments, const CommonArguments& common) {
   if (arguments.pictures.size() < 2) {

@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "cli/acquire/acquire.h"
+#include "cli/acquire/driving_options.h"
 #include "cli/plan/plan_text.h"
 #include "cli/shell/options.h"
 #include "studies/plan/plan_run.h"
@@ -97,16 +97,25 @@ void add_compare_verb(CLI::App& app, CommandLine& line) {
                     "write the scene with what explains the differences put in");
 }
 
+int validate_command(const CommandLine& given) {
+  ValidationArguments arguments = given.validate;
+  arguments.threads = given.common.threads;
+  const AcquireAnswer answer = run_validation(arguments, given.common.progress());
+  print_result(given.common, answer.json, answer.text);
+  return answer.exit_code;
+}
+
 void add_validate_verb(CLI::App& app, CommandLine& line) {
-  ValidateArguments& arguments = line.validate;
+  ValidationArguments& arguments = line.validate;
   CLI::App* validate = add_verb(
       app,
       "validate",
       "whether a run's designs and real pictures of them agree, and the ranking holds",
       "glint validate out/ring/run --pictures photos --out out/validate\n"
-      "  glint validate out/ring/run --pictures photos --calibration calibration.toml --refit",
+      "  glint validate out/ring/run --pictures photos --calibration calibration.toml --refit\n"
+      "  glint validate out/ring/run --cell cell.toml --move",
       line,
-      [](const CommandLine& given) { return validate_command(given.validate, given.common); });
+      validate_command);
   validate->add_option("RUN", arguments.run, "folder of a glint run")
       ->type_name("DIR")
       ->required()
@@ -115,9 +124,8 @@ void add_validate_verb(CLI::App& app, CommandLine& line) {
       ->add_option("--pictures",
                    arguments.pictures,
                    "real pictures: a folder for each design, of glint acquire or of pictures "
-                   "named view_01, view_02, ...")
+                   "named view_01, view_02, ...; with --cell where they go (default beside RUN)")
       ->type_name("DIR")
-      ->required()
       ->check(not_empty());
   validate
       ->add_option("--designs",
@@ -133,7 +141,13 @@ void add_validate_verb(CLI::App& app, CommandLine& line) {
   validate->add_flag("--refit",
                      arguments.is_refitting,
                      "fit exposure, lights, roughness and pose, and score all designs again");
-  add_out(*validate, arguments.out, "folder for the results (default out/<name>/validate)");
+  validate
+      ->add_option(
+          "--cell", arguments.acquire.cell, "drive the robot of this cell to take the pictures")
+      ->type_name("FILE")
+      ->check(not_empty());
+  add_driving_options(*validate, arguments.acquire, "with --cell: ");
+  add_out(*validate, arguments.acquire.out, "folder for the results (default out/<name>/validate)");
 }
 
 int calibrate_by_cell_or_pictures(const CommandLine& given) {
@@ -157,27 +171,7 @@ void add_cell_calibration(CLI::App& calibrate, CellCalibrationArguments& argumen
                   "drive the robot of this cell and photograph --board instead")
       ->type_name("FILE")
       ->check(not_empty());
-  calibrate.add_flag("--move",
-                     arguments.acquire.is_move,
-                     "with --cell: let the robot move: type it when nobody is within its reach");
-  calibrate
-      .add_option("--twin",
-                  arguments.acquire.twin,
-                  "with --cell: ports of this ready file instead of the cell's")
-      ->type_name("FILE")
-      ->check(not_empty());
-  calibrate
-      .add_option("--confirmed",
-                  arguments.acquire.confirmed,
-                  "with --cell: manual lights that are as they should be")
-      ->type_name("NAME");
-  calibrate
-      .add_option("--speed_share",
-                  arguments.acquire.speed_share,
-                  "with --cell: of the cell's limits of speed")
-      ->type_name("SHARE")
-      ->capture_default_str()
-      ->check(CLI::Range(0.01, 1.0).description("0.01 to 1"));
+  add_driving_options(calibrate, arguments.acquire, "with --cell: ");
   calibrate
       .add_option("--target_px",
                   arguments.target_px,
@@ -396,21 +390,8 @@ void add_acquire_verb(CLI::App& app, CommandLine& line) {
       ->check(not_empty());
   add_out(*acquire, arguments.out, "folder for the pictures (default out/<folder>/acquire)");
   acquire->add_flag(
-      "--move", arguments.is_move, "let the robot move: type it when nobody is within its reach");
-  acquire->add_flag(
       "--dry_run", arguments.is_dry_run, "tell what would be done; connects to nothing");
-  acquire->add_option("--twin", arguments.twin, "ports of this ready file instead of the cell's")
-      ->type_name("FILE")
-      ->check(not_empty());
-  acquire->add_option("--speed_share", arguments.speed_share, "of the cell's limits of speed")
-      ->type_name("SHARE")
-      ->capture_default_str()
-      ->check(CLI::Range(0.01, 1.0).description("0.01 to 1"));
-  acquire
-      ->add_option("--confirmed",
-                   arguments.confirmed,
-                   "manual lights that are as they should be; others are asked for at the terminal")
-      ->type_name("NAME");
+  add_driving_options(*acquire, arguments, "");
 }
 
 }  // namespace

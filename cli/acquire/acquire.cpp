@@ -75,13 +75,12 @@ int exit_code_of(const Json& result) {
 
 }  // namespace
 
+AcquireAnswer acquire_answer(const Json& result) {
+  return {.json = result, .text = result_text(result), .exit_code = exit_code_of(result)};
+}
+
 AcquireAnswer run_acquire(const AcquireArguments& arguments, bool is_silent) {
-  AcquireOptions options = {.source = arguments.source,
-                            .cell = arguments.cell,
-                            .out = arguments.out,
-                            .twin = arguments.twin,
-                            .speed_share = arguments.speed_share,
-                            .confirmed = arguments.confirmed};
+  AcquireOptions options = driven_options(arguments);
   if (arguments.is_dry_run) {
     const Json result = describe_acquisition(options);
     return {.json = result,
@@ -91,8 +90,7 @@ AcquireAnswer run_acquire(const AcquireArguments& arguments, bool is_silent) {
   const MotionPermit permit = typed_permit(arguments.is_move, "acquire");
   DrivenSession session(is_silent);
   session.attend(options);
-  const Json result = acquire_pictures(options, permit);
-  return {.json = result, .text = result_text(result), .exit_code = exit_code_of(result)};
+  return acquire_answer(acquire_pictures(options, permit));
 }
 
 }  // namespace glint

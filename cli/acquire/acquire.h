@@ -28,6 +28,9 @@ struct AcquireAnswer {
   int exit_code = 0;
 };
 
+/// What acquire_pictures() returned, told.
+AcquireAnswer acquire_answer(const nlohmann::ordered_json& result);
+
 /// @param is_silent  no progress bar
 /// @throws ConfigError without --move, before any file is read and any address is looked up
 AcquireAnswer run_acquire(const AcquireArguments& arguments, bool is_silent);

@@ -48,11 +48,7 @@ int exit_code_of(const Json& result) {
 
 AcquireAnswer run_cell_calibration(const CellCalibrationArguments& arguments, bool is_silent) {
   const MotionPermit permit = typed_permit(arguments.acquire.is_move, "calibrate --cell");
-  CalibrateCellOptions options = {.acquire = {.cell = arguments.acquire.cell,
-                                              .out = arguments.acquire.out,
-                                              .twin = arguments.acquire.twin,
-                                              .speed_share = arguments.acquire.speed_share,
-                                              .confirmed = arguments.acquire.confirmed},
+  CalibrateCellOptions options = {.acquire = driven_options(arguments.acquire),
                                   .board = arguments.board,
                                   .target_px = arguments.target_px,
                                   .threads = arguments.threads};

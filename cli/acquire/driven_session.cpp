@@ -35,6 +35,15 @@ bool ask_person(const std::string& what) {
 
 }  // namespace
 
+AcquireOptions driven_options(const AcquireArguments& arguments) {
+  return {.source = arguments.source,
+          .cell = arguments.cell,
+          .out = arguments.out,
+          .twin = arguments.twin,
+          .speed_share = arguments.speed_share,
+          .confirmed = arguments.confirmed};
+}
+
 DrivenSession::DrivenSession(bool is_silent) : is_silent_(is_silent) {
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);

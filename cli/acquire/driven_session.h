@@ -6,10 +6,14 @@
 
 #include <memory>
 
+#include "cli/acquire/acquire.h"
 #include "core/progress.h"
 #include "studies/acquire/acquire_run.h"
 
 namespace glint {
+
+/// What the arguments say; DrivenSession adds who is asked and told.
+AcquireOptions driven_options(const AcquireArguments& arguments);
 
 class DrivenSession {
  public:

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/file.h"
 #include "core/text.h"
 #include "core/units.h"
 #include "hardware/robot/path_check.h"
@@ -16,6 +15,8 @@
 #include "studies/cell_camera/cell_camera.h"
 #include "studies/definition/study.h"
 #include "studies/imaging/path_lights.h"
+#include "studies/plan/plan_file.h"
+#include "studies/plan/scene_plan.h"
 
 namespace glint {
 namespace {
@@ -24,57 +25,6 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr double kJoinedRad = 1e-6;
-
-ViewOutcome outcome_of(const std::string& name) {
-  using enum ViewOutcome;
-  for (const ViewOutcome outcome :
-       {kPlanned, kUnreachable, kJointLimit, kSingular, kBox, kCollision, kNoPath}) {
-    if (name_of(outcome) == name) {
-      return outcome;
-    }
-  }
-  throw ConfigError("outcome", fmt::format("is \"{}\", which is none of a view's", name));
-}
-
-PlannedView view_of_json(const Json& json) {
-  PlannedView view = {.name = json.at("name"), .outcome = outcome_of(json.at("outcome"))};
-  view.reason = json.value("reason", "");
-  if (view.outcome == ViewOutcome::kPlanned) {
-    view.base_from_camera = pose_of_numbers(json.at("base_from_camera"));
-    view.base_from_flange = pose_of_numbers(json.at("base_from_flange"));
-    view.joints_rad = joints_of_deg(json.at("joints_deg"));
-  }
-  return view;
-}
-
-PlannedPath path_of_json(const Json& json) {
-  PlannedPath path = {.from = json.at("from"), .to = json.at("to")};
-  for (const Json& joints : json.at("joints_deg")) {
-    path.joints_rad.push_back(joints_of_deg(joints));
-  }
-  if (path.joints_rad.size() < 2) {
-    throw ConfigError("joints_deg", "must hold at least two sets of joints");
-  }
-  return path;
-}
-
-/// Elements of a list, with the place of the one that is wrong.
-template <class Function>
-void each_of(const Json& json, const char* key, const Function& function) {
-  const auto list = json.find(key);
-  if (list == json.end() || !list->is_array()) {
-    throw ConfigError(key, "is missing, must be a list");
-  }
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    try {
-      function(list->at(i));
-    } catch (const Json::exception& error) {
-      throw ConfigError(fmt::format("{}.{}", key, i + 1), error.what());
-    } catch (const ConfigError& error) {
-      throw ConfigError(fmt::format("{}.{}: {}", key, i + 1, error.what()));
-    }
-  }
-}
 
 JointVector joints_of(const CellPosition& position) {
   return Eigen::Map<const JointVector>(position.joints_rad.data());
@@ -246,23 +196,15 @@ std::string digest_of(const AcquireWork& work, const Cell& cell) {
   return sha256_hex(json.dump());
 }
 
-}  // namespace
-
-ViewPlan read_view_plan(const fs::path& path) {
-  const fs::path file = fs::is_directory(path) ? path / "plan.json" : path;
-  const Json json = Json::parse(read_file(file), nullptr, false);
-  if (!json.is_object() || json.value("kind", "") != "plan") {
-    throw ConfigError(fmt::format("{}: is no plan.json of glint plan", file.string()));
+ViewPlan views_of(const AcquireSource& source, const Cell& cell, double speed_share) {
+  if (source.plan) {
+    return *source.plan;
   }
-  try {
-    ViewPlan plan;
-    each_of(json, "views", [&](const Json& view) { plan.views.push_back(view_of_json(view)); });
-    each_of(json, "paths", [&](const Json& way) { plan.paths.push_back(path_of_json(way)); });
-    return plan;
-  } catch (const ConfigError& error) {
-    throw ConfigError(fmt::format("{}: {}", file.string(), error.what()));
-  }
+  const bool is_in_cell = source.scene && source.scene->cell && source.scene->cell->base_from_part;
+  return is_in_cell ? plan_scene(*source.scene, cell).plan : plan_of_cell_views(cell, speed_share);
 }
+
+}  // namespace
 
 ViewPlan plan_of_cell_views(const Cell& cell, double speed_share) {
   const CellWays ways(cell, speed_share);
@@ -302,7 +244,7 @@ AcquireSource read_source(const fs::path& path) {
   const fs::path folder = fs::is_directory(path) ? path : path.parent_path();
   const bool is_plan = path.extension() == ".json" || fs::exists(path / "plan.json");
   if (is_plan) {
-    source.plan = read_view_plan(path);
+    source.plan = read_plan(path).plan;
   }
   const fs::path scene = is_plan || fs::is_directory(path) ? folder / "scene.toml" : path;
   if (!is_plan || fs::exists(scene)) {
@@ -313,7 +255,7 @@ AcquireSource read_source(const fs::path& path) {
 
 AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_share) {
   AcquireWork work;
-  work.views = source.plan ? *source.plan : plan_of_cell_views(cell, speed_share);
+  work.views = views_of(source, cell, speed_share);
   work.plan.tour = tour_of(work.views, cell);
   check_legs(work.plan.tour, cell, speed_share);
   if (source.scene) {

@@ -16,9 +16,6 @@
 
 namespace glint {
 
-/// Reads plan.json of a file or a folder. @throws IoError; ConfigError naming the key at fault
-ViewPlan read_view_plan(const std::filesystem::path& path);
-
 /// The cell's own views in their order, from the first safe position and back to it: straight in
 /// joints, over the safe position where the straight way leaves the box.
 ViewPlan plan_of_cell_views(const Cell& cell, double speed_share);
@@ -26,7 +23,8 @@ ViewPlan plan_of_cell_views(const Cell& cell, double speed_share);
 /// What is named on the command line.
 struct AcquireSource {
   std::optional<SceneSettings> scene;
-  std::optional<ViewPlan> plan;  ///< none: the cell's own views
+  std::optional<ViewPlan> plan;  ///< none: of a scene that lies in the cell its viewpoints, else
+                                 ///< the cell's own views
 };
 
 /// @param path  a scene or study, plan.json, or a folder that holds plan.json or scene.toml; empty:

@@ -22,11 +22,11 @@ struct AcquireOptions {
   std::filesystem::path source;  ///< scene, plan.json or their folder; empty: the cell's views
   std::filesystem::path cell;
   std::vector<CellPosition> views = {};  ///< in the place of the cell's own; empty: those
-  std::filesystem::path out;           ///< empty: out/<name>/acquire
-  std::filesystem::path twin;          ///< ready file whose ports take the place of the cell's
-  double speed_share = 0.5;            ///< of the cell's limits of speed
-  std::vector<std::string> confirmed;  ///< lights that a person has confirmed on the command line
-  Confirm confirm = {};                ///< asks a person; empty: nobody is there
+  std::filesystem::path out;             ///< empty: out/<name>/acquire
+  std::filesystem::path twin;            ///< ready file whose ports take the place of the cell's
+  double speed_share = 0.5;              ///< of the cell's limits of speed
+  std::vector<std::string> confirmed;    ///< lights that a person has confirmed on the command line
+  Confirm confirm = {};                  ///< asks a person; empty: nobody is there
   const std::atomic<int>* interrupt = nullptr;
   /// Pictures that are there, of how many, and where; may be empty.
   std::function<void(int done, int total, const std::string& note)> progress = {};

@@ -11,9 +11,7 @@
 #include "core/file.h"
 #include "core/wall_clock.h"
 #include "studies/cell/cell_file.h"
-#include "studies/definition/scene_viewpoints.h"
 #include "studies/definition/study_text.h"
-#include "studies/imaging/built_part.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
@@ -21,7 +19,7 @@
 #include "studies/plan/plan_file.h"
 #include "studies/plan/plan_page.h"
 #include "studies/plan/plan_pictures.h"
-#include "studies/reach/scene_cell.h"
+#include "studies/plan/scene_plan.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -71,9 +69,8 @@ class PlanRun {
     inputs.emplace_back(study_.root.place.file);
     inputs.push_back(options_.cell);
     check_inputs_kept(inputs, options_.out, kFiles);
-    prepare();
-    plan_ = plan_views(planned_, requests_);
-    Json result = plan_json(plan_, "scene.toml", "cell.toml");
+    made_ = plan();
+    Json result = plan_json(made_.plan, "scene.toml", "cell.toml");
     OutputFolder folder(options_.out);
     remove_stale_stages(options_.out);
     StagedFolder stage(options_.out, "");
@@ -86,11 +83,9 @@ class PlanRun {
   }
 
  private:
-  void prepare() {
+  ScenePlan plan() const {
     try {
-      const BuiltPart built = build_part_with_bvh(study_.scene.part);
-      planned_ = planning_cell(cell_, study_.scene, built.part.mesh);
-      requests_ = view_requests(study_.scene, viewpoints_of(study_.scene, built.part));
+      return plan_scene(study_.scene, cell_);
     } catch (const ConfigError& error) {
       throw with_place(study_.root, error);
     }
@@ -99,9 +94,9 @@ class PlanRun {
   ImageRgb draw_views(const fs::path& folder) {
     make_folder(folder);
     std::vector<ImageRgb> pictures;
-    for (const PlannedView& view : plan_.views) {
+    for (const PlannedView& view : made_.plan.views) {
       if (view.outcome == ViewOutcome::kPlanned) {
-        pictures.push_back(draw_cell(planned_, view.joints_rad, kPictureSide_px, pool_));
+        pictures.push_back(draw_cell(made_.cell, view.joints_rad, kPictureSide_px, pool_));
         write_file(folder / (view.name + ".png"), png_bytes(pictures.back()));
       }
     }
@@ -109,8 +104,9 @@ class PlanRun {
   }
 
   void write(const fs::path& stage, const Json& result) {
-    write_plan({.plan = plan_, .scene = "scene.toml", .cell = "cell.toml"}, stage / "plan.json");
-    write_file(stage / "plan.csv", plan_csv(plan_));
+    write_plan({.plan = made_.plan, .scene = "scene.toml", .cell = "cell.toml"},
+               stage / "plan.json");
+    write_file(stage / "plan.csv", plan_csv(made_.plan));
     write_file(stage / "scene.toml", resolved_text(study_));
     write_file(stage / "cell.toml", cell_text(options_.cell));
     const ImageRgb sheet = draw_views(stage / "pictures");
@@ -133,9 +129,7 @@ class PlanRun {
   const PlanRunOptions& options_;
   ThreadPool pool_;
   Cell cell_;
-  PlanningCell planned_ = {.arm = {.arm = Arm(ArmModel::kUr3)}};
-  std::vector<ViewRequest> requests_;
-  ViewPlan plan_;
+  ScenePlan made_ = {.cell = {.arm = {.arm = Arm(ArmModel::kUr3)}}, .plan = {}};
   Clock::time_point start_ = Clock::now();
   std::chrono::system_clock::time_point started_ = std::chrono::system_clock::now();
 };

@@ -97,17 +97,15 @@ joints_deg = [10, -95, 95, -85, -90, 0]
 }
 
 // A verb that may move gets a row here.
-const std::vector<Arguments> kMovingVerbs = {{"cell", "move", "cell.toml", "--view", "left"},
-                                             {"cell", "safe", "cell.toml"},
-                                             {"cell", "unlock", "cell.toml"},
-                                             {"cell", "power", "cell.toml"},
-                                             {"cell", "power", "cell.toml", "--off"},
-                                             {"acquire", "--cell", "cell.toml"},
-                                             {"calibrate",
-                                              "--cell",
-                                              "cell.toml",
-                                              "--board",
-                                              "board.toml"}};
+const std::vector<Arguments> kMovingVerbs = {
+    {"cell", "move", "cell.toml", "--view", "left"},
+    {"cell", "safe", "cell.toml"},
+    {"cell", "unlock", "cell.toml"},
+    {"cell", "power", "cell.toml"},
+    {"cell", "power", "cell.toml", "--off"},
+    {"acquire", "--cell", "cell.toml"},
+    {"validate", "run", "--cell", "cell.toml"},
+    {"calibrate", "--cell", "cell.toml", "--board", "board.toml"}};
 
 TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
   const TemporaryFolder folder;

@@ -89,15 +89,19 @@ TEST_F(AcquirePlan, SaysWhichViewOfTheCellCannotBeTaken) {
   EXPECT_EQ(work.plan.tasks.size(), 2U);
 }
 
-constexpr const char* kPlan = R"({"schema": 1, "kind": "plan", "views": [
+constexpr const char* kPlan = R"({"schema": 1, "kind": "plan", "scene": "scene.toml",
+ "cell": "cell.toml", "reach": {"share": 0.5, "margin_mm": 6}, "views": [
   {"name": "a", "outcome": "planned", "reason": "", "base_from_camera": [0, 0, 0, 0, 0, 0],
-   "base_from_flange": [0, 0, 0, 0, 0, 0], "joints_deg": [10, -95, 95, -85, -90, 0]},
-  {"name": "far", "outcome": "unreachable", "reason": "no joints"}],
+   "base_from_flange": [0, 0, 0, 0, 0, 0], "joints_deg": [10, -95, 95, -85, -90, 0],
+   "margin_mm": 7, "singularity": 0.1, "nearest_base_from_camera": null},
+  {"name": "far", "outcome": "unreachable", "reason": "no joints",
+   "base_from_camera": [0, 0, 0, 0, 0, 0], "base_from_flange": [0, 0, 0, 0, 0, 0],
+   "nearest_base_from_camera": null}],
  "paths": [
   {"from": "home", "to": "a", "joints_deg": [[0, -100, 100, -90, -90, 0], [5, -98, 98, -88, -90, 0],
-   [10, -95, 95, -85, -90, 0]]},
+   [10, -95, 95, -85, -90, 0]], "margin_mm": 6, "duration_s": 1},
   {"from": "a", "to": "home", "joints_deg": [[10, -95, 95, -85, -90, 0],
-   [0, -100, 100, -90, -90, 0]]}]})";
+   [0, -100, 100, -90, -90, 0]], "margin_mm": 6, "duration_s": 1}]})";
 
 TEST_F(AcquirePlan, IsReadFromAPlan) {
   write_file(folder_ / "plan.json", kPlan);
@@ -119,10 +123,11 @@ std::string edited(std::string text, const std::string& from, const std::string&
 TEST_F(AcquirePlan, RefusesPlansThatCannotBeDriven) {
   const std::string plan = kPlan;
   EXPECT_EQ(error_of_plan(plan), "");
-  EXPECT_THAT(error_of_plan("{}"), HasSubstr("is no plan.json"));
-  EXPECT_THAT(error_of_plan(edited(plan, "\"planned\"", "\"nice\"")), HasSubstr("views.1"));
+  EXPECT_THAT(error_of_plan("{}"), HasSubstr("kind: is missing"));
+  EXPECT_THAT(error_of_plan(edited(plan, "\"planned\"", "\"nice\"")),
+              HasSubstr("views[0].outcome"));
   EXPECT_THAT(error_of_plan(edited(plan, "[5, -98, 98, -88, -90, 0]", "[5, -98]")),
-              HasSubstr("paths.1"));
+              HasSubstr("paths[0].joints_deg"));
   EXPECT_THAT(error_of_plan(
                   edited(plan, "[[10, -95, 95, -85, -90, 0],\n", "[[11, -95, 95, -85, -90, 0],\n")),
               HasSubstr("does not begin where"));

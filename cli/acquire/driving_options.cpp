@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/acquire/driving_options.h"
+
+#include "cli/shell/options.h"
+
+namespace glint {
+
+void add_driving_options(CLI::App& verb, AcquireArguments& arguments, const std::string& when) {
+  verb.add_flag("--move",
+                arguments.is_move,
+                when + "let the robot move: type it when nobody is within its reach");
+  verb.add_option("--twin", arguments.twin, when + "ports of this ready file instead of the cell's")
+      ->type_name("FILE")
+      ->check(not_empty());
+  verb.add_option("--speed_share", arguments.speed_share, when + "of the cell's limits of speed")
+      ->type_name("SHARE")
+      ->capture_default_str()
+      ->check(CLI::Range(0.01, 1.0).description("0.01 to 1"));
+  verb.add_option("--confirmed",
+                  arguments.confirmed,
+                  when +
+                      "manual lights that are as they should be; others are asked for at the "
+                      "terminal")
+      ->type_name("NAME");
+}
+
+}  // namespace glint

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "cli/acquire/acquire.h"
+
+namespace glint {
+
+/// --move, --twin, --speed_share and --confirmed of a verb that drives the robot.
+/// @param when  "with --cell: " of a verb that can do without; else empty
+void add_driving_options(CLI::App& verb, AcquireArguments& arguments, const std::string& when);
+
+}  // namespace glint

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/acquire/validation.h"
+
+#include <fmt/format.h>
+
+#include "cli/acquire/driven_session.h"
+#include "cli/shell/exit_codes.h"
+#include "core/error.h"
+#include "studies/cell/typed_permit.h"
+#include "studies/validate_cell/validate_cell_run.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A number, or a dash where there is none.
+std::string cell(const Json& value, int digits) {
+  return value.is_number() ? fmt::format("{:.{}f}", value.get<double>(), digits) : std::string("-");
+}
+
+constexpr const char* kDesignRow = "  {:<20} {:>6} {:>14} {:>14} {:>12}\n";
+
+/// What each design scores on both sides.
+std::string designs_text(const Json& result) {
+  const std::string objective = result["objective"]["name"].get<std::string>();
+  std::string text = fmt::format(kDesignRow, "design", "views", "simulated", "real", objective);
+  for (const Json& design : result["designs"]) {
+    const Json& scores = design["scores"];
+    const bool is_scored = scores.is_object() && scores.contains(objective);
+    const auto side = [&](const char* name) {
+      return is_scored ? cell(scores[objective][name]["value"], 4) : std::string("-");
+    };
+    text += fmt::format(kDesignRow,
+                        design["name"].get<std::string>(),
+                        design["views"].get<int>(),
+                        side("simulated"),
+                        side("real"),
+                        "");
+  }
+  return text;
+}
+
+std::string validation_text(const Json& result) {
+  std::string text = designs_text(result);
+  const Json& edges = result["edges"];
+  text += fmt::format("edges: {} px before the calibration, {} px after it, limit {} px\n",
+                      cell(edges["before_calibration_px"], 2),
+                      cell(edges["mean_distance_px"], 2),
+                      cell(edges["limit_px"], 2));
+  for (const Json& cause : result["causes"]) {
+    text += fmt::format("  {}{}{}\n",
+                        cause["name"].get<std::string>(),
+                        cause["of"].is_string() ? " of " + cause["of"].get<std::string>() : "",
+                        cause["within_tolerance"].get<bool>() ? " (within tolerance)" : "");
+    for (const auto& [name, value] : cause["values"].items()) {
+      text += fmt::format(
+          "    {:<12} {:>10} +- {}\n", name, cell(value["value"], 4), cell(value["sigma"], 4));
+    }
+  }
+  for (const char* key : {"advice", "notes"}) {
+    for (const Json& line : result[key]) {
+      text += fmt::format(
+          "{}: {}\n", key == std::string("notes") ? "note" : key, line.get<std::string>());
+    }
+  }
+  return text + fmt::format("{}\nreport: {}\n",
+                            result["verdict"].get<std::string>(),
+                            result["report"].get<std::string>());
+}
+
+ValidateOptions options_of(const ValidationArguments& arguments, Progress::Style progress) {
+  return {.run = arguments.run,
+          .pictures = arguments.pictures,
+          .out = arguments.acquire.out,
+          .calibration = arguments.calibration,
+          .designs = arguments.designs,
+          .is_refitting = arguments.is_refitting,
+          .threads = arguments.threads,
+          .progress = progress};
+}
+
+AcquireAnswer answer_of(const Json& result) {
+  return {.json = result,
+          .text = validation_text(result),
+          .exit_code = result["agreement"] == "does_not_agree" ? kExitNegative : kExitDone};
+}
+
+AcquireAnswer validate_with_robot(const ValidationArguments& arguments, Progress::Style progress) {
+  const MotionPermit permit = typed_permit(arguments.acquire.is_move, "validate --cell");
+  ValidateCellOptions options = {.validate = options_of(arguments, progress),
+                                 .acquire = driven_options(arguments.acquire)};
+  DrivenSession session(progress == Progress::Style::kNone);
+  session.attend(options.acquire);
+  const Json result = validate_in_cell(options, permit);
+  if (!result["agreement"].is_null()) {
+    return answer_of(result);
+  }
+  AcquireAnswer answer = acquire_answer(result);
+  answer.text = fmt::format("{}: {}", result["design"].get<std::string>(), answer.text);
+  return answer;
+}
+
+}  // namespace
+
+AcquireAnswer run_validation(const ValidationArguments& arguments, Progress::Style progress) {
+  if (!arguments.acquire.cell.empty()) {
+    return validate_with_robot(arguments, progress);
+  }
+  if (arguments.pictures.empty()) {
+    throw ConfigError(
+        "glint validate: needs --pictures with real pictures, or --cell with the cell that takes "
+        "them");
+  }
+  return answer_of(validate_run(options_of(arguments, progress)));
+}
+
+}  // namespace glint

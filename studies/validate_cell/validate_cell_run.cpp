@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/validate_cell/validate_cell_run.h"
+
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "studies/definition/study.h"
+#include "studies/validate/validated_designs.h"
+#include "studies/validate/validation_steps.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+/// Names of the designs whose pictures are wanted; each has its scene in the run.
+std::vector<std::string> wanted_designs(const ValidateOptions& options) {
+  std::vector<std::string> names = names_in(options.designs);
+  if (names.empty()) {
+    names = designs_to_validate(load_study(options.run / "study.resolved.toml", {}));
+  }
+  for (const std::string& name : names) {
+    if (!fs::exists(options.run / name / "scene.toml")) {
+      throw ConfigError("designs",
+                        fmt::format("there is no design {} in {}", name, options.run.string()));
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+Json validate_in_cell(const ValidateCellOptions& options, const MotionPermit& permit) {
+  ValidateOptions validate = options.validate;
+  if (validate.pictures.empty()) {
+    validate.pictures = fs::absolute(validate.run).lexically_normal().parent_path() / "acquired";
+  }
+  for (const std::string& name : wanted_designs(validate)) {
+    AcquireOptions acquire = options.acquire;
+    acquire.source = validate.run / name / "scene.toml";
+    acquire.out = validate.pictures / name;
+    Json taken = acquire_pictures(acquire, permit);
+    if (taken["ok"] == false) {
+      taken["design"] = name;
+      taken["agreement"] = nullptr;
+      return taken;
+    }
+  }
+  return validate_run(validate);
+}
+
+}  // namespace glint

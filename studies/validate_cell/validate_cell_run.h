@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint validate --cell`: the robot takes the pictures of a run's designs, one design after the
+// other, and then both sides are compared.
+#pragma once
+
+#include <filesystem>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "hardware/robot/motion_permit.h"
+#include "studies/acquire/acquire_run.h"
+#include "studies/validate/validate_run.h"
+
+namespace glint {
+
+struct ValidateCellOptions {
+  /// Its `pictures` is where they go, a folder for each design; empty: beside the run, "acquired".
+  ValidateOptions validate;
+  AcquireOptions acquire;  ///< all but source and out, which are each design's
+};
+
+/// What the folders have already is not taken again: after an interruption it goes on.
+/// @return what validate_run() returns, or, where a design's pictures are not whole, what
+///         acquire_pictures() told of it with "design" and "agreement" null
+/// @throws ConfigError before anything has moved, IoError
+nlohmann::ordered_json validate_in_cell(const ValidateCellOptions& options,
+                                        const MotionPermit& permit);
+
+}  // namespace glint

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/acquire/driving_options.h"
 #include "cli/hardware_verbs.h"
 #include "cli/shell/options.h"
 
@@ -50,13 +51,14 @@ void add_study(CLI::App& verb, const std::string& file, StudyArguments& study) {
 namespace {
 
 void add_study_verbs(CLI::App& app, CommandLine& line) {
-  CLI::App* run =
-      add_verb(app,
-               "run",
-               "run a study, or resume the one in its folder",
-               "glint run studies/gallery/tunnel_shape/study.toml --budget 40s",
-               line,
-               [](const CommandLine& given) { return run_command(given.study, given.common); });
+  CLI::App* run = add_verb(app,
+                           "run",
+                           "run a study, or resume the one in its folder",
+                           "glint run studies/gallery/tunnel_shape/study.toml --budget 40s",
+                           line,
+                           [](const CommandLine& given) {
+                             return run_command(given.study, given.driven_run, given.common);
+                           });
   add_study(*run, "STUDY.toml", line.study);
   add_out(*run, line.study.out, "folder of the run (default out/<study name>/run)");
   add_jobs(*run, line.study.jobs, "candidates at once; results do not depend on it");
@@ -65,6 +67,13 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
                   "wall clock, like 40s, 30m, 8h; other limits of the study's [budget] hold too")
       ->type_name("TIME");
   add_seed(*run, line.study.seed, "seed of the search");
+  run->add_option("--cell",
+                  line.driven_run.cell,
+                  "of a study with [validate]: plan its views for this cell; with --move the robot "
+                  "takes real pictures and both sides are compared")
+      ->type_name("FILE")
+      ->check(not_empty());
+  add_driving_options(*run, line.driven_run, "with --cell: ");
   CLI::App* check =
       add_verb(app,
                "check",

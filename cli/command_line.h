@@ -21,6 +21,7 @@ namespace glint {
 struct CommandLine {
   CommonArguments common;
   StudyArguments study;
+  AcquireArguments driven_run;  ///< run --cell
   ImprintArguments imprint;
   InspectArguments inspect;
   CompareArguments compare;

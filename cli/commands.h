@@ -11,6 +11,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "cli/acquire/acquire.h"
 #include "cli/shell/exit_codes.h"
 #include "core/progress.h"
 #include "studies/definition/study.h"
@@ -39,7 +40,10 @@ struct StudyArguments {
   bool is_masks = false;  ///< render: masks and geometry alone
 };
 
-int run_command(const StudyArguments& arguments, const CommonArguments& common);
+/// @param driven  with its cell and --move, the robot validates what [validate] names
+int run_command(const StudyArguments& arguments,
+                const AcquireArguments& driven,
+                const CommonArguments& common);
 int check_command(const StudyArguments& arguments, const CommonArguments& common);
 int render_command(const StudyArguments& arguments, const CommonArguments& common);
 int frontier_command(const StudyArguments& arguments, const CommonArguments& common);

@@ -11,16 +11,17 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/acquire/validation.h"
 #include "cli/commands.h"
 #include "cli/shell/scores_text.h"
 #include "core/text.h"
 #include "studies/calibration_trial/trial_run.h"
+#include "studies/cell/cell_file.h"
 #include "studies/population/population_report.h"
 #include "studies/run/check_study.h"
 #include "studies/run/render_study.h"
 #include "studies/run/render_views.h"
 #include "studies/run/run_texts.h"
-#include "studies/validate/validation_steps.h"
 
 namespace glint {
 namespace {
@@ -150,19 +151,28 @@ int run_trial_command(const Study& study,
   return result["status"] == "interrupted" ? kExitInterrupted : kExitDone;
 }
 
-/// What is left to do on the real cell.
-std::string steps_text(const std::vector<std::string>& steps) {
-  std::string text = steps.empty() ? "" : "to try the designs out on the real cell:\n";
-  for (const std::string& step : steps) {
-    text += "  " + step + "\n";
+/// The robot takes part only where the study asks for it.
+void check_driven(const Study& study, const AcquireArguments& driven) {
+  if (driven.is_move && driven.cell.empty()) {
+    throw ConfigError("glint run --move: needs --cell with the file of the cell that may move");
   }
-  return text;
+  if (!driven.cell.empty() && !study.scene.validate) {
+    throw ConfigError(
+        "glint run --cell: the study has no table [validate], so there is nothing to try out on a "
+        "robot");
+  }
+  if (!driven.cell.empty()) {
+    read_cell(driven.cell);  // what is wrong with it should not come up in the morning
+  }
 }
 
 }  // namespace
 
-int run_command(const StudyArguments& arguments, const CommonArguments& common) {
+int run_command(const StudyArguments& arguments,
+                const AcquireArguments& driven,
+                const CommonArguments& common) {
   const Study study = load_study(arguments);
+  check_driven(study, driven);
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
   if (study.calibration_trial) {
@@ -180,15 +190,17 @@ int run_command(const StudyArguments& arguments, const CommonArguments& common) 
                            .progress = common.progress(),
                            .log_file = common.log_file,
                            .interrupt = &interrupts});
-  const std::vector<std::string> steps = validation_steps(study, out);
-  if (!steps.empty()) {
-    result["validate"] = steps;
+  const bool is_interrupted = result["status"] == "interrupted";
+  AcquireAnswer end;
+  if (study.scene.validate && !is_interrupted) {
+    end = end_of_run(study, out, driven, common.threads, common.progress());
+    result.update(end.json);
   }
-  print_result(common, result, summary(result) + steps_text(steps));
-  if (result["status"] == "interrupted") {
+  print_result(common, result, summary(result) + end.text);
+  if (is_interrupted) {
     return kExitInterrupted;
   }
-  return result["status"] == "no_feasible" ? kExitNegative : kExitDone;
+  return result["status"] == "no_feasible" ? kExitNegative : end.exit_code;
 }
 
 namespace {

@@ -7,6 +7,9 @@
 #include "cli/shell/exit_codes.h"
 #include "core/error.h"
 #include "studies/cell/typed_permit.h"
+#include "studies/plan/plan_page.h"
+#include "studies/plan/plan_run.h"
+#include "studies/validate/validation_steps.h"
 #include "studies/validate_cell/validate_cell_run.h"
 
 namespace glint {
@@ -101,7 +104,47 @@ AcquireAnswer validate_with_robot(const ValidationArguments& arguments, Progress
   return answer;
 }
 
+/// What is left to do on the real cell.
+AcquireAnswer told_steps(const std::vector<std::string>& steps) {
+  std::string text = "to try the designs out on the real cell:\n";
+  for (const std::string& step : steps) {
+    text += "  " + step + "\n";
+  }
+  return {.json = {{"validate", steps}}, .text = text};
+}
+
+AcquireAnswer planned_end(const Study& study,
+                          const std::filesystem::path& run,
+                          const std::filesystem::path& cell,
+                          int threads) {
+  const std::filesystem::path out = std::filesystem::absolute(run).parent_path() / "plan";
+  const Json plan = plan_study(study, {.cell = cell, .out = out, .threads = threads});
+  AcquireAnswer answer = told_steps(validation_steps(study, run, cell));
+  answer.json["plan"] = plan;
+  answer.text = plan_sentence(plan) + "\n" + answer.text;
+  return answer;
+}
+
 }  // namespace
+
+AcquireAnswer end_of_run(const Study& study,
+                         const std::filesystem::path& run,
+                         const AcquireArguments& driven,
+                         int threads,
+                         Progress::Style progress) {
+  if (driven.cell.empty()) {
+    return told_steps(validation_steps(study, run, "CELL.toml"));
+  }
+  if (!driven.is_move) {
+    return planned_end(study, run, driven.cell, threads);
+  }
+  AcquireArguments on_robot = driven;
+  on_robot.out = std::filesystem::absolute(run).parent_path() / "validate";
+  AcquireAnswer answer =
+      run_validation({.acquire = on_robot, .run = run, .threads = threads}, progress);
+  answer.json = {{"validation", std::move(answer.json)}};
+  return answer;
+}
 
 AcquireAnswer run_validation(const ValidationArguments& arguments, Progress::Style progress) {
   if (!arguments.acquire.cell.empty()) {

@@ -9,6 +9,7 @@
 
 #include "cli/acquire/acquire.h"
 #include "core/progress.h"
+#include "studies/definition/study.h"
 
 namespace glint {
 
@@ -21,6 +22,17 @@ struct ValidationArguments {
   bool is_refitting = false;
   int threads = 1;
 };
+
+/// How `glint run` ends on a study with [validate]: without a cell by the commands that validate,
+/// with one by the plan of its views, and with --move by validating.
+/// @param run     folder of the run, which is done
+/// @param driven  its cell, twin, --move, speed and confirmed lights
+/// @return json: members of the run's result
+AcquireAnswer end_of_run(const Study& study,
+                         const std::filesystem::path& run,
+                         const AcquireArguments& driven,
+                         int threads,
+                         Progress::Style progress);
 
 /// @throws ConfigError with a cell, but without --move, before any file is read and any address is
 ///         looked up; with neither cell nor pictures

@@ -26,15 +26,18 @@ std::vector<std::string> designs_to_validate(const Study& study) {
   return names;
 }
 
-std::vector<std::string> validation_steps(const Study& study, const std::filesystem::path& run) {
+std::vector<std::string> validation_steps(const Study& study,
+                                          const std::filesystem::path& run,
+                                          const std::filesystem::path& cell) {
   std::vector<std::string> steps;
   if (!study.scene.validate) {
     return steps;
   }
   const std::string pictures = (run.parent_path() / "acquired").string();
   for (const std::string& name : designs_to_validate(study)) {
-    steps.push_back(fmt::format("glint acquire {} --cell CELL.toml --out {}/{} --move",
+    steps.push_back(fmt::format("glint acquire {} --cell {} --out {}/{} --move",
                                 (run / name / "scene.toml").string(),
+                                cell.string(),
                                 pictures,
                                 name));
   }

@@ -14,8 +14,11 @@ namespace glint {
 /// The designs that [validate] of the study names, else the winner and all prototypes.
 std::vector<std::string> designs_to_validate(const Study& study);
 
-/// One `glint acquire` for each design, then `glint validate`; CELL.toml stands for the cell's
-/// file. Nothing without [validate]. @param run  folder of the run
-std::vector<std::string> validation_steps(const Study& study, const std::filesystem::path& run);
+/// One `glint acquire` for each design, then `glint validate`. Nothing without [validate].
+/// @param run   folder of the run
+/// @param cell  the cell's file, or what stands for it
+std::vector<std::string> validation_steps(const Study& study,
+                                          const std::filesystem::path& run,
+                                          const std::filesystem::path& cell);
 
 }  // namespace glint

@@ -8,13 +8,13 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <random>
 #include <thread>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/rng.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -102,7 +102,7 @@ TEST(AcquireJournal, RepairsEachHalfOfAPicture) {
 
 TEST(AcquireJournal, LosesAndDoublesNothingWhenItIsKilled) {
   const TemporaryFolder folder;
-  std::mt19937 random(3);
+  Rng random(3, Stream::kTest, 0);
   int kills = 0;
   for (bool is_done = false; !is_done;) {
     const pid_t child = ::fork();
@@ -110,7 +110,7 @@ TEST(AcquireJournal, LosesAndDoublesNothingWhenItIsKilled) {
     if (child == 0) {
       keep_all(folder / "");
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(30 + random() % 400));
+    std::this_thread::sleep_for(std::chrono::duration<double>(random.uniform(0.03, 0.43)));
     ::kill(child, SIGKILL);
     int status = 0;
     ::waitpid(child, &status, 0);

@@ -113,6 +113,20 @@ std::string fault_between(std::span<const std::string> pictures,
   throw ConfigError("poses.pair_by", text);
 }
 
+/// For each picture the pose's name that its path ends with, folder by folder; the path itself
+/// where there is none.
+Keys ends_of_paths(std::span<const std::string> pictures, std::span<const std::string> pose_names) {
+  Keys keys(pictures.begin(), pictures.end());
+  for (std::string& key : keys) {
+    const std::string path = "/" + key;
+    const auto found = std::ranges::find_if(pose_names, [&path](const std::string& name) {
+      return !name.empty() && path.ends_with("/" + name);
+    });
+    key = found == pose_names.end() ? key : *found;
+  }
+  return keys;
+}
+
 Pairing by_order(std::size_t num_pictures, std::size_t num_poses) {
   if (num_pictures != num_poses) {
     refuse(fmt::format("there are {} pictures and {} poses, \"order\" needs as many of both",
@@ -134,6 +148,16 @@ Pairing pair_poses(std::span<const std::string> pictures,
       std::ranges::any_of(pose_names, [](const std::string& name) { return !name.empty(); });
   if (by == PairBy::kOrder || (by == PairBy::kAuto && !has_names)) {
     return by_order(pictures.size(), pose_names.size());
+  }
+
+  const Keys names(pose_names.begin(), pose_names.end());
+  const Keys ends = ends_of_paths(pictures, pose_names);
+  const bool has_folders = std::ranges::any_of(
+      names, [](const std::string& name) { return name.find('/') != name.npos; });
+  if (has_folders && by != PairBy::kLastNumber &&
+      fault_between(pictures, pose_names, ends, names).empty()) {
+    return {.pose_of = indices(ends, names),
+            .told = "pair_by = \"name\": names agree with the ends of paths"};
   }
 
   struct Way {

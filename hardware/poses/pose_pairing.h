@@ -11,7 +11,7 @@ namespace glint {
 
 enum class PairBy {
   kAuto,
-  kName,        ///< the file name, with or without its folder and ending
+  kName,        ///< the file name, with or without its folders and ending
   kLastNumber,  ///< the last digits in the name: img_07.png and pose7.yaml
   kOrder        ///< the first pose to the first picture
 };

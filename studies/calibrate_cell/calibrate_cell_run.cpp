@@ -140,17 +140,26 @@ class CellCalibration {
                                .threads = options_.threads});
   }
 
+  /// A plan that is there already holds: an earlier call began to drive it.
+  Json plan_of(int round) const {
+    const fs::path folder = folder_ / fmt::format("plan_{}", round);
+    if (fs::exists(folder / "plan.json")) {
+      return Json::parse(read_file(folder / "plan.json"), nullptr, false);
+    }
+    return plan_poses({.count = options_.poses_a_round,
+                       .board = options_.board,
+                       .camera = folder_ / "calibration",
+                       .out = folder});
+  }
+
   /// What the calibration asks for, as far as the arm gets there.
   std::vector<CellPosition> next_views(int round) const {
-    const Json plan = plan_poses({.count = options_.poses_a_round,
-                                  .board = options_.board,
-                                  .camera = folder_ / "calibration",
-                                  .out = folder_ / fmt::format("plan_{}", round)});
+    const Json plan = plan_of(round);
     const ArmWithTool arm = arm_with_tool(robot_of(cell_), cell_.limits);
     const CellPosition& home = safe_position_of(cell_, "");
     const JointVector home_rad = Eigen::Map<const JointVector>(home.joints_rad.data());
     std::vector<CellPosition> views;
-    for (const Json& pose : plan["poses"]) {
+    for (const Json& pose : plan.at("poses")) {
       CellPosition view = cell_.views.front();  // its lights and exposure
       view.name = pose["name"].get<std::string>();
       view.joints_rad = joints_for(arm, pose_of(pose), home_rad);

@@ -6,7 +6,8 @@
 
 #include <cmath>
 #include <functional>
-#include <random>
+
+#include "core/rng.h"
 
 namespace glint {
 namespace {
@@ -40,14 +41,13 @@ TEST(FiguresOf, AreThoseOfStripes) {
 }
 
 TEST(FiguresOf, SharpnessFallsWithBlurAndNotWithExposureOrNoise) {
-  std::mt19937 random(1);
-  std::normal_distribution<double> noise(0.0, 2.0);
+  Rng random(1, Stream::kTest, 0);
   const auto sharpness = [&](double width_px, double gain) {
     return figures_of(frame_of(200,
                                200,
                                [&](int x, int) {
                                  const double wave = std::tanh(std::sin(0.2 * x) * 5.0 / width_px);
-                                 return gain * (100.0 + 60.0 * wave) + noise(random);
+                                 return gain * (100.0 + 60.0 * wave) + 2.0 * random.normal();
                                }),
                       {})
         .sharpness;

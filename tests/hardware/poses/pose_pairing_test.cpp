@@ -21,6 +21,24 @@ std::string pairing_error(const Names& pictures, const Names& poses, PairBy by =
   return "no error";
 }
 
+// Pictures of the same name in a folder for each view, as glint acquire leaves them.
+TEST(PairPoses, TakesTheEndsOfPathsWherePosesNameFolders) {
+  const Names poses = {"views/left/sequence/frame_000.png", "views/right/sequence/frame_000.png"};
+  const Pairing pairing = pair_poses(
+      Names{"out/views/right/sequence/frame_000.png", "out/views/left/sequence/frame_000.png"},
+      poses,
+      PairBy::kAuto);
+  EXPECT_THAT(pairing.pose_of, ElementsAre(1, 0));
+  EXPECT_THAT(pairing.told, HasSubstr("ends of paths"));
+  EXPECT_THAT(
+      pairing_error(Names{"out/views/right/frame_000.png", "out/views/left/frame_000.png"}, poses),
+      HasSubstr("occurs twice"));
+  // The folders of others are none of ours: names decide as before.
+  EXPECT_THAT(
+      pair_poses(Names{"x/a.png", "x/b.png"}, Names{"y/b.png", "y/a.png"}, PairBy::kAuto).pose_of,
+      ElementsAre(1, 0));
+}
+
 TEST(PairPoses, TakesNamesFirstThenLastNumbersThenTheOrder) {
   const Pairing by_name =
       pair_poses(Names{"d/a.png", "d/b.png"}, Names{"b.png", "a.png"}, PairBy::kAuto);

@@ -79,6 +79,73 @@ TEST_F(SmallCell, HasNoPictureWhileTheArmMoves) {
   EXPECT_EQ(pictures.num_rendered(), 2);
 }
 
+/// A shiny strip under a tunnel of which a scan takes four positions.
+constexpr const char* kTunnelTruth = R"(schema = 1
+[part]
+shape = "strip"
+length_mm = 40
+width_mm = 12
+radius_along_mm = 400
+radius_across_mm = 40
+[camera]
+width_px = 64
+height_px = 32
+object_pixel_mm = 0.75
+working_distance_mm = 180
+[render]
+rays_per_axis = 1
+[sensor]
+full_well_e = 10000
+read_noise_e = 6
+[scan]
+positions = 4
+[lighting.tunnel]
+shape = "semicylinder"
+radius_mm = 80
+slot_mm = 24
+length_mm = 400
+period_mm = 12
+[truth]
+camera_position_mm = [0, 40, 30]
+scene_position_mm = [300, 0, 0]
+)";
+
+// All positions are rendered at once, and a stage that has moved finds its own.
+TEST(TunnelCell, HasAPictureForEachPositionOfTheStage) {
+  ThreadPool pool(2);
+  CellRenderer renderer(truth_of(kTunnelTruth), pool);
+  EXPECT_EQ(renderer.num_positions(), 4);
+  EXPECT_NEAR(renderer.step_mm(), 3.0, 1e-9);  // a period of 12 mm in four steps
+  const CaptureSettings settings = {.exposure_us = 10000};
+  CellState state = state_above(0, {"tunnel"});
+  CellPictures pictures(renderer, state);
+  CellState now = state;
+  pictures.set_live([&now] { return std::optional(now); });
+  pictures.prepare(settings);
+  ASSERT_TRUE(pictures.wait_until_finished(kLong)) << pictures.error();
+  std::vector<Image<std::uint16_t>> seen;
+  for (int position = 0; position < 4; ++position) {
+    now.stage_position = position;
+    state.stage_position = position;
+    const SensorPicture picture = pictures.finished(settings, 0);
+    ASSERT_NE(picture, nullptr);
+    EXPECT_EQ(*picture, renderer.render(state, settings));
+    EXPECT_EQ(std::ranges::find(seen, *picture), seen.end());
+    seen.push_back(*picture);
+  }
+  EXPECT_EQ(pictures.num_rendered(), 1);
+  now.lights = {};
+  EXPECT_EQ(pictures.finished(settings, 0), nullptr) << "of lights that are not on any more";
+}
+
+TEST(TunnelCell, IsDarkWithoutALight) {
+  ThreadPool pool(2);
+  CellRenderer renderer(truth_of(kTunnelTruth), pool);
+  const auto dark = renderer.render_all(state_above(0, {}), {.black_level = 0.0});
+  ASSERT_EQ(dark.size(), 4U);
+  EXPECT_LT(mean_of(dark[3]), 1.0);
+}
+
 // Pictures that went over the wire are those of the poses, in turn.
 TEST_F(SmallCell, PicturesOverTheWireBelongToTheirPoses) {
   constexpr int kPoses = 8;

@@ -66,7 +66,8 @@ class GreyFitter {
     const double mean = std::max(model_.real().mean(), 1e-6);
     result.before = model_.even_rms(model_.real() - predicted(start())) / mean;
     result.exposed = model_.even_rms(model_.real() - predicted(best.state)) / mean;
-    while (options.is_searching && improve(best)) {
+    while (options.is_searching && even_share(best.state) > options.good_share &&
+           improve(best, options.good_share)) {
     }
     tell(best, result);
     result.after = model_.even_rms(model_.real() - predicted(best.state)) / mean;
@@ -232,8 +233,12 @@ class GreyFitter {
     Fitted best = {.free = free};
     const bool is_linear =
         !free.contains(GreyFault::kLightPlace) && !free.contains(GreyFault::kRoughness);
+    System system;
     for (int round = 0; round < (is_linear ? 3 : kRounds); ++round) {
-      const System system = system_at(state, free);
+      // Slopes by place and roughness cost renderings, and hold for two steps.
+      if (is_linear || round % 2 == 0) {
+        system = system_at(state, free);
+      }
       const VectorXd left = model_.real() - predicted(state);
       VectorXd sigma;
       const VectorXd step = step_of(system, left, sigma);
@@ -258,12 +263,20 @@ class GreyFitter {
     return best;
   }
 
+  double even_share(const State& state) {
+    return model_.even_rms(model_.real() - predicted(state)) / std::max(model_.real().mean(), 1e-6);
+  }
+
   /// Frees what helps most. @return false: nothing does
-  bool improve(Fitted& best) {
+  bool improve(Fitted& best, double good_share) {
     Fitted better = best;
     for (const GreyFault fault :
          {GreyFault::kSegments, GreyFault::kLightPlace, GreyFault::kRoughness}) {
       if (best.free.contains(fault) || !is_possible(fault)) {
+        continue;
+      }
+      // Roughness is looked at where the lights do not explain everything.
+      if (fault == GreyFault::kRoughness && even_share(better.state) <= good_share) {
         continue;
       }
       std::set<GreyFault> free = best.free;
@@ -356,7 +369,12 @@ std::string name_of(GreyFault fault) {
 }
 
 GreyFit fit_grey(SceneStore& store, std::span<const GreyView> views, const GreyOptions& options) {
-  return GreyFitter(store, views).fit(options);
+  std::vector<GreyView> chosen;
+  const std::size_t count = std::min(views.size(), std::max<std::size_t>(1, options.max_views));
+  for (std::size_t i = 0; i < count; ++i) {
+    chosen.push_back(views[i * views.size() / count]);
+  }
+  return GreyFitter(store, chosen).fit(options);
 }
 
 }  // namespace glint

@@ -50,7 +50,9 @@ struct GreyFit {
 };
 
 struct GreyOptions {
-  bool is_searching = true;  ///< false: exposure alone
+  bool is_searching = true;   ///< false: exposure alone
+  double good_share = 0.015;  ///< no further cause is looked for below that rms of even differences
+  std::size_t max_views = 3;  ///< of a design that take part, spread over all
 };
 
 /// Fits all views of one design together in pictures reduced to some 96 pixels of width.

@@ -18,7 +18,7 @@ namespace {
 constexpr int kWidthPx = 96;      ///< of the small pictures, about
 constexpr int kMarginPx = 1;      ///< from the part's edge
 constexpr float kBright = 0.98F;  ///< at least: clipped
-constexpr int kLeastSamples = 128;
+constexpr int kLeastSamples = 48;
 
 /// Means of blocks of pixels; what is left over at the right and below is cut off.
 ImageF reduced(const ImageF& picture, int factor) {

@@ -36,12 +36,12 @@ cell_of() {  # NAME TRUTH-FILES...
 }
 
 "$glint" calibrate --print_board "$here/board.toml" --out "$out/board"
-cell_of board "$here/truth.toml" "$out/board/board_part.toml"
+cell_of board "$here/hidden.toml" "$out/board/board_part.toml"
 cell_of part "$here/truth.toml"
 printf 'schema = 2\ninclude = ["%s"]\n%s\n' "$here/study.toml" "$resize" >"$out/study.toml"
 
 # 1. The camera's lens and its place on the flange.
-"$glint" cell twin both "$out/cell_board.toml" --detach --ready_file "$ready"
+"$glint" cell twin both "$out/cell_board.toml" --port 0 --detach --ready_file "$ready"
 "$glint" calibrate --cell "$out/cell_board.toml" --twin "$ready" --board "$here/board.toml" --out "$out/calibrate" --move
 twins_down
 
@@ -49,7 +49,7 @@ twins_down
 "$glint" run "$out/study.toml" --out "$out/run"
 
 # 3. Real pictures of each design.
-"$glint" cell twin both "$out/cell_part.toml" --detach --ready_file "$ready"
+"$glint" cell twin both "$out/cell_part.toml" --port 0 --detach --ready_file "$ready"
 for design in ring dome tunnel; do
   "$glint" acquire "$out/run/$design/scene.toml" --cell "$out/cell_part.toml" --twin "$ready" \
     --out "$out/acquired/$design" --move

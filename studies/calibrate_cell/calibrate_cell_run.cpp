@@ -103,11 +103,19 @@ class CellCalibration {
   }
 
  private:
+  /// A round that an earlier call has ended is not driven again: the arm may stand on the tour of a
+  /// later one.
   Json acquire(int round, const std::vector<CellPosition>& views) const {
     AcquireOptions acquire = options_.acquire;
     acquire.source.clear();
     acquire.views = views;
     acquire.out = folder_ / fmt::format("round_{}", round);
+    if (const fs::path file = acquire.out / "acquired.json"; fs::exists(file)) {
+      Json ended = Json::parse(read_file(file), nullptr, false);
+      if (ended.is_object() && ended.value("status", "stopped") != "stopped") {
+        return ended;
+      }
+    }
     return acquire_pictures(acquire, permit_);
   }
 

@@ -170,7 +170,7 @@ int acquire_disturbed(const SmallTwins& twins, const std::string& out, int most,
   int disturbances = 0;
   for (int tries = 0; tries < 60; ++tries) {
     Program program(twins.folder / "", SmallTwins::acquire(out));
-    const auto patience = std::chrono::duration<double>(random.uniform(0.3, 4.3));
+    const auto patience = std::chrono::duration<double>(random.uniform(0.3, 4.3 + 0.3 * tries));
     const auto start = std::chrono::steady_clock::now();
     while (program.is_running() && std::chrono::steady_clock::now() - start < patience) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -68,6 +69,7 @@ class Fitter {
     }
     weigh();
     choose(fit);
+    prefer_simple(fit);
     tell(fit);
     return fit;
   }
@@ -241,6 +243,21 @@ class Fitter {
                  prices[1U << f] < best + kNearlyShare * (whole - best)) {
         fit.or_these.push_back(static_cast<GeometryFault>(f));
       }
+    }
+  }
+
+  /// Of explanations that are nearly as good the one with the fewest numbers is told first.
+  void prefer_simple(GeometryFit& fit) {
+    if (fit.faults.size() != 1 || fit.or_these.empty()) {
+      return;
+    }
+    const auto size_of = [](GeometryFault fault) {
+      return kBlocks[static_cast<std::size_t>(fault)].size;
+    };
+    const auto simplest = std::ranges::min_element(fit.or_these, {}, size_of);
+    if (size_of(*simplest) < size_of(fit.faults[0])) {
+      std::swap(*simplest, fit.faults[0]);
+      solution_ = solve(1U << static_cast<unsigned>(fit.faults[0]));
     }
   }
 

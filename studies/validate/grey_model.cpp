@@ -81,31 +81,45 @@ Mask sound_part(const Film& sums) {
 struct EvenSums {
   double squares = 0.0;
   double count = 0.0;
-  double steps = 0.0;
+  double steps = 0.0;       ///< to the next pixel
+  double wide_steps = 0.0;  ///< to the next but one
 
   void add(const ImageF& values, const Mask& used) {
     for (int y = 1; y + 1 < values.height(); ++y) {
       for (int x = 1; x + 1 < values.width(); ++x) {
-        double sum = 0.0;
-        int pixels = 0;
-        for (int k = 0; k < 9; ++k) {
-          pixels += used(x + k % 3 - 1, y + k / 3 - 1);
-          sum += static_cast<double>(values(x + k % 3 - 1, y + k / 3 - 1));
-        }
-        if (pixels == 9) {
-          const double step =
-              static_cast<double>(values(x, y)) - static_cast<double>(values(x + 1, y));
-          squares += sum * sum / 81.0;
-          steps += step * step;
-          count += 1.0;
-        }
+        add_pixel(values, used, x, y);
       }
     }
   }
 
-  /// Noise of a pixel has half the variance of a step, a mean of nine a ninth of its own.
+  void add_pixel(const ImageF& values, const Mask& used, int x, int y) {
+    double sum = 0.0;
+    int pixels = 0;
+    for (int k = 0; k < 9; ++k) {
+      pixels += used(x + k % 3 - 1, y + k / 3 - 1);
+      sum += static_cast<double>(values(x + k % 3 - 1, y + k / 3 - 1));
+    }
+    if (pixels != 9) {
+      return;
+    }
+    const double step = static_cast<double>(values(x, y) - values(x + 1, y));
+    const double wide = static_cast<double>(values(x - 1, y) - values(x + 1, y));
+    squares += sum * sum / 81.0;
+    steps += step * step;
+    wide_steps += wide * wide;
+    count += 1.0;
+  }
+
+  /// Noise of a pixel has half the variance of a wide step; neighbours whose noise is correlated by
+  /// r differ less, and leave more of it in a mean of nine: (1 + 24 r / 9 + 16 r^2 / 9) / 9.
   double rms() const {
-    return count > 0.0 ? std::sqrt(std::max(0.0, squares - steps / 18.0) / count) : 0.0;
+    if (count <= 0.0 || wide_steps <= 0.0) {
+      return 0.0;
+    }
+    const double alike = std::clamp(1.0 - steps / wide_steps, 0.0, 0.5);
+    const double noise =
+        wide_steps / 18.0 * (1.0 + 24.0 / 9.0 * alike + 16.0 / 9.0 * alike * alike);
+    return std::sqrt(std::max(0.0, squares - noise) / count);
   }
 };
 

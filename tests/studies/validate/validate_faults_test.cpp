@@ -25,6 +25,51 @@ RingSettings& ring_of(SceneSettings& scene) {
   throw std::runtime_error("no ring");
 }
 
+TEST(ValidateFaults, ALightThatIsOffByTwentyMillimetresIsTheCause) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(), {.change = [](SceneSettings& scene) {
+               ring_of(scene).placement.position_mm = {20, 0, 0};
+             }});
+  const Json result = validate_trial(folder.path());
+  EXPECT_EQ(result["agreement"], "does_not_agree") << result["verdict"];
+  EXPECT_TRUE(has_cause(result, "light_place")) << result["causes"];
+}
+
+TEST(ValidateFaults, ADeadSegmentIsTheCause) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(), {.change = [](SceneSettings& scene) {
+               ring_of(scene).segments.segment_power = {1, 1, 0, 1, 1, 1, 1, 1};
+             }});
+  const Json result = validate_trial(folder.path());
+  EXPECT_EQ(result["agreement"], "does_not_agree") << result["verdict"];
+  EXPECT_TRUE(has_cause(result, "dead_segment")) << result["causes"];
+}
+
+TEST(ValidateFaults, AWrongLensIsTheCause) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(),
+             {.change = [](SceneSettings& scene) { scene.camera.object_pixel_mm *= 0.97; }});
+  const Json result = validate_trial(folder.path());
+  EXPECT_EQ(result["agreement"], "does_not_agree") << result["verdict"];
+  EXPECT_TRUE(has_cause(result, "lens")) << result["causes"];
+}
+
+TEST(ValidateFaults, ARefitFindsExposureAndLightAndScoresAgain) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(), {.change = [](SceneSettings& scene) {
+               scene.sensor.exposure *= 0.95;
+               ring_of(scene).placement.position_mm = {3, 0, 0};
+             }});
+  const Json result = validate_trial(folder.path(), true);
+  EXPECT_EQ(result["agreement"], "agrees_after_refit") << result["verdict"];
+  EXPECT_NEAR(result["refit"]["exposure"].get<double>(), 0.95, 0.0095);
+  const Json light = result["refit"]["lights"][0];
+  EXPECT_EQ(light["name"], "ring");
+  EXPECT_NEAR(light["moved_mm"][0].get<double>(), 3.0, 0.5);
+  EXPECT_EQ(result["refit"]["rescored"]["designs"].size(), 2U);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "out/ring/refit.toml"));
+}
+
 struct Case {
   TrialTruth truth;
   std::string cause;

@@ -28,7 +28,7 @@ constexpr std::size_t kMinEdges = 50;
 constexpr double kPrice = 14.0;  ///< of a parameter, in squared standard deviations
 /// What a parameter must explain of the misfit: the model of edges is not better than that where
 /// they have moved far.
-constexpr double kLeastShare = 0.02;
+constexpr double kLeastShare = 0.005;
 constexpr double kNotSeparable = 0.99;
 constexpr double kOutlierSigmas = 4.0;
 constexpr int kMaxLag = 40;  ///< of neighbours whose noise may be alike

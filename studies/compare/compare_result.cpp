@@ -66,6 +66,19 @@ Json texture_pair_json(const PairAppearance& look) {
           {"lay_distance_deg", look.texture->lay_rad * kDegPerRad}};
 }
 
+Json edges_json(const std::vector<PartEdge>& edges) {
+  Json list = Json::array();
+  for (const PartEdge& edge : edges) {
+    list.push_back({{"name", edge.name},
+                    {"middle_px", {edge.middle_px.x(), edge.middle_px.y()}},
+                    {"points", edge.points},
+                    {"mean_px", edge.mean_px},
+                    {"offset_px", edge.offset_px},
+                    {"shift_px", {edge.shift_px.x(), edge.shift_px.y()}}});
+  }
+  return list;
+}
+
 Json causes_json(const PairCauses& causes) {
   Json list = Json::array();
   for (const ToldCause& cause : causes.told) {
@@ -174,6 +187,7 @@ Json pair_json(const ComparedPair& pair, const PairCauses& causes) {
                      {"points", geometry.distance.points},
                      {"share", geometry.distance.share}};
   json["rings"] = rings_json(geometry.rings);
+  json["edges"] = edges_json(geometry.edges);
   json["texture"] = texture_pair_json(look);
   json["notes"] = pair.notes;
   return json;

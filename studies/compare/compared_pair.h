@@ -15,6 +15,7 @@
 #include "metrics/overlap/ring_offsets.h"
 #include "studies/compare/compared_picture.h"
 #include "studies/compare/outlines.h"
+#include "studies/compare/part_edges.h"
 
 namespace glint {
 
@@ -25,6 +26,7 @@ struct PairGeometry {
   std::optional<double> dice;
   BoundaryDistance distance;        ///< of points 0 where no edges were located on both sides
   std::vector<EdgeOffset> offsets;  ///< from the simulated to the real edge
+  std::vector<PartEdge> edges;      ///< the same by edge of the part
   RingOffsets rings;
 };
 

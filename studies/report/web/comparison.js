@@ -97,6 +97,13 @@ function causesTable(pair) {
   return h('div', {}, h('h4', {}, 'Causes'), table(['cause', 'value', 'sigma', 'explains', ''], pair.causes.map(row)));
 }
 
+function edgesTable(pair) {
+  if (!(pair.edges?.length > 1)) return null;
+  const row = (edge) => h('tr', {}, h('td', {}, edge.name), h('td', { class: 'number' }, edge.middle_px.map((value) => value.toFixed(0)).join(', ')), h('td', { class: 'number' }, edge.points),
+    [edge.mean_px, edge.offset_px, ...edge.shift_px].map((value) => h('td', { class: 'number' }, number(value, 2))));
+  return h('div', {}, h('h4', {}, 'Edge by edge'), table(['edge', 'middle px', 'points', 'mean distance px', 'offset px', 'shift x px', 'shift y px'], pair.edges.slice(0, 12).map(row)));
+}
+
 function inspectionTable(pair) {
   const { inspection } = pair;
   if (!inspection) return null;
@@ -117,7 +124,7 @@ function pairShown(pair, i) {
       figure(pair.difference, `difference of ${pair.real}`, 'Photograph minus simulated picture.', scaleBar(pair.difference_scale))),
     wipe(pair),
     h('div', { class: 'pair paper-only' }, figure(pair.simulated_image, `simulated ${pair.simulated}`, 'Simulated.'), figure(pair.real_image, `photograph ${pair.real}`, 'Photograph.')),
-    causesTable(pair), inspectionTable(pair), h('div', { class: 'pair' }, ringChart(pair), spectrumChart(pair)));
+    causesTable(pair), edgesTable(pair), inspectionTable(pair), h('div', { class: 'pair' }, ringChart(pair), spectrumChart(pair)));
 }
 
 export function comparisonSection(facts) {

@@ -2,6 +2,8 @@
 //
 // The searches of the gallery, each as its README tells it. Slow.
 #include <algorithm>
+#include <map>
+#include <string>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -124,6 +126,23 @@ TEST(GallerySearch, FindsARingThatShowsMoreThanDomeAndBar) {
             best_prototype(result, score));
   expect_fresh("ring_geometry", "winner_fine", result.at("rescored").at("best"));
   expect_fresh("ring_geometry", "winner_fine_baseline", result.at("rescored").at("baseline"));
+}
+
+// hidden.toml tells what real.png was made with; the study does not read it.
+TEST(GallerySearch, FindsWhatAPhotographWasTakenWith) {
+  const Json found = expect_winner("fit_to_real").at("best").at("variables");
+  const Study hidden = load_study(gallery::folder_of("fit_to_real") / "hidden.toml", {});
+  const std::map<std::string, double> tolerances = {{"material.roughness", 0.02},
+                                                    {"sensor.exposure", 0.03},
+                                                    {"sensor.blur_px", 0.1},
+                                                    {"lighting.ring.radiance.0", 1.0},
+                                                    {"part.position_mm.1", 0.05},
+                                                    {"part.position_mm.2", 0.05},
+                                                    {"part.rotation_deg.0", 0.2}};
+  EXPECT_EQ(found.size(), tolerances.size());
+  for (const auto& [name, tolerance] : tolerances) {
+    EXPECT_NEAR(found.at(name).get<double>(), hidden.root.at_path(name)->number, tolerance) << name;
+  }
 }
 
 TEST(GallerySearch, FindsATunnelForThePartOfTheGallery) {

@@ -247,6 +247,26 @@ TEST(GalleryRingGeometry, ABarShowsMoreThanADome) {
   EXPECT_GT(bar.at("defects.min_dprime"), dome.at("defects.min_dprime") + 3.0 * errors);
 }
 
+/// The study at what its photograph was taken with.
+Variant at_hidden_values() {
+  Variant variant{.design = "hidden"};
+  const auto file = gallery::folder_of("fit_to_real") / "hidden.toml";
+  const Study hidden = load_study(file, {});
+  const Study study = load_study(file.parent_path() / "study.toml", {});
+  for (const Variable& variable : study.space.variables) {
+    variant.sets.push_back({variable.name, shortest(hidden.root.at_path(variable.name)->number)});
+  }
+  return variant;
+}
+
+TEST(GalleryFitToReal, ScoresAreThePromisedOnes) {
+  expect_promised_scores("fit_to_real", {at_hidden_values()});
+}
+
+TEST(GalleryFitToReal, ReadmePrintsTheExpectedNumbers) {
+  expect_printed_numbers("fit_to_real", 8);
+}
+
 TEST(GalleryVisibleFirst, ScoresAreThePromisedOnes) {
   expect_promised_scores("visible_first", {});
 }

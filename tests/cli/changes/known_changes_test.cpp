@@ -2,7 +2,7 @@
 //
 // Some changes of small rendered pictures that `glint compare` names; all of them, large and in
 // twos, in compare_changes_test.cpp.
-#include "tests/cli/compare/known_changes.h"
+#include "tests/cli/changes/known_changes.h"
 
 namespace glint::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "core/rng.h"
-#include "tests/cli/compare/known_changes.h"
+#include "tests/cli/changes/known_changes.h"
 
 namespace glint::test {
 namespace {

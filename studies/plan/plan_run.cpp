@@ -3,6 +3,7 @@
 
 #include <array>
 #include <chrono>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -78,6 +79,8 @@ class PlanRun {
     remove_stale_stages(options_.out);
     StagedFolder stage(options_.out, "");
     write(stage.path(), result);
+    std::error_code ignored;
+    fs::remove_all(options_.out / "pictures", ignored);  // of an earlier plan with other views
     stage.commit();
     folder.keep();
     result["folder"] = options_.out.string();

@@ -121,6 +121,15 @@ TEST_F(PlanStudyTest, WritesAWholeFolderThatIsReadAgain) {
   EXPECT_EQ(again["paths"], result["paths"]);
 }
 
+TEST_F(PlanStudyTest, LeavesNoPictureOfAnEarlierPlan) {
+  plan(kScene + kCalibration, kCell);
+  ASSERT_TRUE(std::filesystem::exists(folder_ / "out/pictures/view_02.png"));
+  const std::string fewer = kScene.substr(0, kScene.find("[[viewpoint]]\nposition_mm = [60,"));
+  plan(fewer + kCalibration, kCell);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/pictures/view_01.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out/pictures/view_02.png"));
+}
+
 // The camera looks straight down on the part's origin from 180 mm: at (280, -120, 200) in the base.
 TEST_F(PlanStudyTest, PutsTheCameraWhereTheSceneHasIt) {
   const nlohmann::ordered_json result = plan(kScene + kCalibration, kCell);

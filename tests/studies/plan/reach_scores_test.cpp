@@ -58,7 +58,7 @@ direction = [0, 0, -1]
 [objective]
 maximise = "reach.share"
 [variables]
-"lighting.ring.height_mm" = [20, 170]
+"lighting.ring.height_mm" = { min = 20, max = 170 }
 )";
 
 class ReachScoresTest : public testing::Test {

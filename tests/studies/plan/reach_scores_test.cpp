@@ -82,10 +82,10 @@ TEST_F(ReachScoresTest, AreThoseOfThePlan) {
   EXPECT_GT(scores.at("reach.margin_mm"), 5.0);
 }
 
-// A disc 199 mm before the camera, which stands 180 mm from the part: it would be within the part.
+// A disc 182 mm before the camera, which stands 180 mm from the part: it cuts through the plate.
 TEST_F(ReachScoresTest, FallWhenALightIsInTheWay) {
   Study reached = study(kReachedStudy);
-  std::get<RingSettings>(reached.scene.lights[0].settings).height_mm = 199.0;
+  std::get<RingSettings>(reached.scene.lights[0].settings).height_mm = 182.0;
   std::get<RingSettings>(reached.scene.lights[0].settings).inner_radius_mm = 5.0;
   EXPECT_EQ(reach_scores(store_, reached.scene).at("reach.share"), 0.0);
   EXPECT_EQ(reach_scores(store_, reached.scene).at("reach.margin_mm"), 0.0);

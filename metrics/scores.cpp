@@ -142,6 +142,10 @@ constexpr std::array kDocs = {
     ScoreDoc{"coverage.redundancy", "how many views inspect a place of the surface, on average"},
     ScoreDoc{"coverage.largest_gap_mm2",
              "area of the largest connected piece of the surface that no view inspects"},
+    ScoreDoc{"reach.share", "share of the views that the arm of [cell] file can take"},
+    ScoreDoc{"reach.margin_mm",
+             "smallest distance of arm, camera and lights on it to anything that stands, over the "
+             "views that it can take and the paths between them; 0 when it can take none"},
     ScoreDoc{"overlap.iou",
              "intersection over union of the part's regions in the simulated and the real picture, "
              "mean over the pictures of [reference]; 1 is equal"},
@@ -367,6 +371,10 @@ bool is_of_coverage(std::string_view name) {
 
 bool is_of_reference(std::string_view name) {
   return name.starts_with("overlap.") || name.starts_with("appearance.");
+}
+
+bool is_of_reach(std::string_view name) {
+  return name.starts_with("reach.");
 }
 
 bool is_of_family(std::string_view name) {

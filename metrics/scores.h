@@ -86,6 +86,9 @@ bool is_of_coverage(std::string_view name);
 /// Whether the score compares with the real pictures of [reference].
 bool is_of_reference(std::string_view name);
 
+/// Whether the score tells which views the arm of a cell can take.
+bool is_of_reach(std::string_view name);
+
 /// What a part's defects are, however they show.
 struct DefectTotals {
   int made = 0;

@@ -173,6 +173,9 @@ void visit_keys(KeyVisitor& keys, CalibrationSettings& s) {
 }
 
 void visit_keys(KeyVisitor& keys, CellSettings& s) {
+  keys.file("file",
+            s.file,
+            "cell file of the arm that takes the views, for reach.share and reach.margin_mm");
   keys.optional_table("base_from_part", s.base_from_part, "of a part that lies in the cell");
   keys.optional_table("flange_from_part", s.flange_from_part, "of a part that the robot holds");
   keys.require(!s.base_from_part || !s.flange_from_part,

@@ -43,6 +43,7 @@ struct CalibrationSettings {
 
 /// Keys of [cell]: where things are at the robot.
 struct CellSettings {
+  std::filesystem::path file;  ///< cell file of the arm that takes the views; empty: none
   std::optional<MeasuredPoseSettings> base_from_part;    ///< the part lies in the cell
   std::optional<MeasuredPoseSettings> flange_from_part;  ///< the robot holds the part
 };

@@ -245,6 +245,9 @@ std::vector<std::filesystem::path> input_files(const SceneSettings& scene) {
     std::ranges::copy(scene.reference->masks, std::back_inserter(files));
     files.push_back(scene.reference->calibration);
   }
+  if (scene.cell) {
+    files.push_back(scene.cell->file);
+  }
   for (const NamedLight& light : scene.lights) {
     std::visit(
         [&](const auto& settings) {

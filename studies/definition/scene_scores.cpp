@@ -43,4 +43,11 @@ std::string missing_by_reference(const SceneSettings& scene, std::string_view sc
              : "";
 }
 
+std::string missing_by_cell(const SceneSettings& scene, std::string_view score) {
+  const bool has_cell = scene.cell && !scene.cell->file.empty();
+  return is_of_reach(score) && !has_cell
+             ? "needs the cell file of an arm, which cell.file names; this scene has none"
+             : "";
+}
+
 }  // namespace glint

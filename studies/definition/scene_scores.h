@@ -25,4 +25,8 @@ std::string missing_by_paths(const SceneSettings& scene, std::string_view score)
 /// where [reference] names some.
 std::string missing_by_reference(const SceneSettings& scene, std::string_view score);
 
+/// Why the scene has no score of that name about an arm's reach; empty for all other scores, and
+/// where [cell] names a file.
+std::string missing_by_cell(const SceneSettings& scene, std::string_view score);
+
 }  // namespace glint

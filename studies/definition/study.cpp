@@ -112,6 +112,7 @@ void check_goal(const Study& study, std::vector<Problem>& errors) {
         std::string problem = unknown_score(name, labels, groups);
         problem += problem.empty() ? missing_by_paths(study.scene, name) : "";
         problem += problem.empty() ? missing_by_reference(study.scene, name) : "";
+        problem += problem.empty() ? missing_by_cell(study.scene, name) : "";
         if (!problem.empty()) {
           errors.push_back(
               {.place = place, .key = path, .text = fmt::format("\"{}\" {}", name, problem)});

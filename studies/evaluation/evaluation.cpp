@@ -10,6 +10,7 @@
 #include "studies/coverage/scene_coverage.h"
 #include "studies/evaluation/evaluation_parts.h"
 #include "studies/inspection_line/visibility.h"
+#include "studies/reach/reach_scores.h"
 #include "studies/reference/reference_scores.h"
 
 namespace glint {
@@ -193,6 +194,9 @@ Scores scores_beside(SceneStore& store, const SceneSettings& scene, const Wanted
   if (wanted.reference) {
     scores.merge(reference_scores(store, scene));
   }
+  if (wanted.reach) {
+    scores.merge(reach_scores(store, scene));
+  }
   return scores;
 }
 
@@ -210,7 +214,9 @@ WantedScores wanted_by(const Goal& goal) {
   const auto look_at = [&](const std::string& name) {
     wanted.coverage = wanted.coverage || is_of_coverage(name);
     wanted.reference = wanted.reference || is_of_reference(name);
-    wanted.picture = wanted.picture || !(is_of_coverage(name) || is_of_reference(name));
+    wanted.reach = wanted.reach || is_of_reach(name);
+    wanted.picture =
+        wanted.picture || !(is_of_coverage(name) || is_of_reference(name) || is_of_reach(name));
     wanted.family = wanted.family || is_of_family(name);
     wanted.fringes = wanted.fringes || needs_fringes(name);
     wanted.robust = wanted.robust || without_bound(name) == "homogeneity.robust";

@@ -37,6 +37,7 @@ struct WantedScores {
   WantedGradients gradients = {};  ///< need closed forms
   bool coverage = false;           ///< what the views of the scene inspect: a ray for each place
   bool reference = false;          ///< against real pictures: a picture for each of them
+  bool reach = false;              ///< which views an arm can take: a plan
   bool picture = true;             ///< any other score
   bool errors = true;              ///< "<score>.error" of path-traced scenes: the metrics once more
                                    ///< for each batch
@@ -51,6 +52,7 @@ struct WantedScores {
     return {.family = true,
             .coverage = coverage,
             .reference = reference,
+            .reach = reach,
             .trials = trials,
             .first_part = first};
   }

@@ -27,6 +27,7 @@ WantedScores wanted_of_repeats(const Study& study) {
   wanted.picture = true;
   wanted.coverage = false;  // noise does not change it
   wanted.reference = false;
+  wanted.reach = false;
   return study.has_search() ? wanted.of_one_scan() : wanted;
 }
 

@@ -26,6 +26,8 @@ TEST(Scores, CarryExactlyTheNamesThatAreListed) {
                    {"coverage.c2", 0.0},
                    {"coverage.redundancy", 0.0},
                    {"coverage.largest_gap_mm2", 0.0},
+                   {"reach.share", 0.0},
+                   {"reach.margin_mm", 0.0},
                    {"overlap.iou", 0.0},
                    {"overlap.mean_distance_px", 0.0},
                    {"appearance.ssim", 0.0},

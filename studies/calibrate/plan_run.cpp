@@ -78,7 +78,7 @@ bool is_calibration(const fs::path& path) {
   return fs::is_directory(path, ignored) || path.extension() == ".json";
 }
 
-Rig rig_of(const PlanOptions& options) {
+Rig rig_of(const PosePlanOptions& options) {
   if (options.camera.empty()) {
     throw ConfigError("--camera: is missing; give a rough camera's file or a calibration's folder");
   }
@@ -217,7 +217,7 @@ void visit_keys(KeyVisitor& keys, PlanSettings& settings) {
                "must be below far_mm");
 }
 
-Json plan_poses(const PlanOptions& options) {
+Json plan_poses(const PosePlanOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const PlanSettings settings = settings_of(options.sets);
   const fs::path stem =

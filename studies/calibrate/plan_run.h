@@ -29,7 +29,7 @@ struct PlanSettings {
 
 void visit_keys(KeyVisitor& keys, PlanSettings& settings);
 
-struct PlanOptions {
+struct PosePlanOptions {
   int count = 20;
   std::filesystem::path board;  ///< empty: that of the calibration
   /// A camera's file, or a calibration.json or its folder: then with the robot's poses.
@@ -42,6 +42,6 @@ struct PlanOptions {
 /// camera is a calibration with a hand-eye, else board_from_camera.
 /// @return what plan.json holds, and "folder"
 /// @throws ConfigError, IoError; nothing is left behind
-nlohmann::ordered_json plan_poses(const PlanOptions& options);
+nlohmann::ordered_json plan_poses(const PosePlanOptions& options);
 
 }  // namespace glint

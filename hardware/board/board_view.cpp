@@ -22,7 +22,7 @@ bool is_same_view(const BoardView& a, const BoardView& b, double limit_px) {
 
 }  // namespace
 
-std::string outcome_name(ViewOutcome outcome) {
+std::string outcome_name(BoardOutcome outcome) {
   constexpr std::array<const char*, 7> kNames = {
       "accepted", "no board", "cut off", "blurred", "saturated", "dark", "doubled"};
   return kNames[static_cast<std::size_t>(outcome)];
@@ -35,7 +35,7 @@ void reject_doubled(std::vector<BoardView>& views,
   for (std::size_t i = 0; i < views.size(); ++i) {
     for (std::size_t j = 0; j < i && views[i].is_accepted(); ++j) {
       if (views[j].is_accepted() && is_same_view(views[i], views[j], limit_px)) {
-        views[i] = {.outcome = ViewOutcome::kDoubled,
+        views[i] = {.outcome = BoardOutcome::kDoubled,
                     .why = fmt::format("shows the same view as {}", names[j])};
       }
     }

@@ -11,7 +11,7 @@
 namespace glint {
 
 /// What became of a picture.
-enum class ViewOutcome {
+enum class BoardOutcome {
   kAccepted,
   kNoBoard,    ///< no board, or not this one
   kCutOff,     ///< some of the board's corners lie outside the picture or at its border
@@ -22,11 +22,11 @@ enum class ViewOutcome {
 };
 
 /// "accepted", "no board", "cut off", "blurred", "saturated", "dark", "doubled"
-std::string outcome_name(ViewOutcome outcome);
+std::string outcome_name(BoardOutcome outcome);
 
 /// The corners of a board in one picture. Corners are only given where it was accepted.
 struct BoardView {
-  ViewOutcome outcome = ViewOutcome::kNoBoard;
+  BoardOutcome outcome = BoardOutcome::kNoBoard;
   std::string why;  ///< of a picture that was not accepted, for people: "37 of 63 corners found"
   std::vector<Eigen::Vector3d> board_mm;    ///< corners on the board, z = 0
   std::vector<Eigen::Vector2d> picture_px;  ///< the same in the picture
@@ -36,7 +36,7 @@ struct BoardView {
   double contrast = 0.0;              ///< bright minus dark, share of full scale (median)
   bool is_orientation_known = false;  ///< else the board may be turned round (num_symmetries())
 
-  bool is_accepted() const { return outcome == ViewOutcome::kAccepted; }
+  bool is_accepted() const { return outcome == BoardOutcome::kAccepted; }
 };
 
 /// Rejects views that show the board where an earlier accepted one has it: all corners within

@@ -152,7 +152,7 @@ BoardView measured(PictureLevels& levels, int level, const Board& board, const M
     }
   }
   if (!is_spread(corners)) {
-    return {.outcome = ViewOutcome::kNoBoard,
+    return {.outcome = BoardOutcome::kNoBoard,
             .why = fmt::format("{} markers and {} corners beside them were found, {} corners are "
                                "needed",
                                seen.squares.size(),
@@ -197,7 +197,7 @@ BoardView find_charuco(PictureLevels& levels, const Board& board) {
       continue;
     }
     best = measured(levels, level, board, seen);
-    if (best.outcome != ViewOutcome::kNoBoard) {
+    if (best.outcome != BoardOutcome::kNoBoard) {
       return best;
     }
   }

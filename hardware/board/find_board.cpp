@@ -69,7 +69,7 @@ bool is_whole(const BestGrid& best, const Board& board) {
          best.found.num_beyond <= std::min(board.cols, board.rows) / 2;
 }
 
-BoardView refused(ViewOutcome outcome, std::string why) {
+BoardView refused(BoardOutcome outcome, std::string why) {
   return {.outcome = outcome, .why = std::move(why)};
 }
 
@@ -87,13 +87,13 @@ BoardView without_board(PictureLevels& levels) {
   constexpr double kDark = 0.06;
   const double bright = grey_quantile(coarse, 0.995);
   if (bright < kDark) {
-    return refused(ViewOutcome::kDark,
+    return refused(BoardOutcome::kDark,
                    fmt::format("its brightest parts reach {:.1f} % of full scale", 100.0 * bright));
   }
   if (grey_quantile(coarse, 0.5) >= levels.clipped_value()) {
-    return refused(ViewOutcome::kSaturated, "half of its pixels are at full scale");
+    return refused(BoardOutcome::kSaturated, "half of its pixels are at full scale");
   }
-  return refused(ViewOutcome::kNoBoard, "no part of a checkerboard was found");
+  return refused(BoardOutcome::kNoBoard, "no part of a checkerboard was found");
 }
 
 /// Of a picture with a part of a board.
@@ -101,7 +101,7 @@ BoardView incomplete(PictureLevels& levels, const Board& board, const BestGrid& 
   const std::string found =
       fmt::format("{} of {} corners were found", best.found.num_found, num_corners(board));
   if (best.found.num_beyond > std::min(board.cols, board.rows) / 2) {
-    return refused(ViewOutcome::kNoBoard,
+    return refused(BoardOutcome::kNoBoard,
                    fmt::format("a grid of {} corners, the board has {} x {}",
                                best.grid.size(),
                                board.cols,
@@ -109,12 +109,12 @@ BoardView incomplete(PictureLevels& levels, const Board& board, const BestGrid& 
   }
   const MissingPart missing = missing_part(levels, board, best.level, best.points, best.grid);
   if (missing.reaches_border) {
-    return refused(ViewOutcome::kCutOff, found + ", the board reaches the picture's border");
+    return refused(BoardOutcome::kCutOff, found + ", the board reaches the picture's border");
   }
   if (missing.clipped_share > 0.1) {
-    return refused(ViewOutcome::kSaturated, found + ", beside them light is clipped");
+    return refused(BoardOutcome::kSaturated, found + ", beside them light is clipped");
   }
-  return refused(ViewOutcome::kNoBoard, found);
+  return refused(BoardOutcome::kNoBoard, found);
 }
 
 BoardView find_checkerboard(PictureLevels& levels, const Board& board) {
@@ -126,10 +126,10 @@ BoardView find_checkerboard(PictureLevels& levels, const Board& board) {
       BoardView view =
           measured_board(levels, board, level, best->points, best->grid, best->found.placements);
       // What looks incomplete on one level may be whole on the next.
-      if (view.outcome != ViewOutcome::kNoBoard && view.outcome != ViewOutcome::kCutOff) {
+      if (view.outcome != BoardOutcome::kNoBoard && view.outcome != BoardOutcome::kCutOff) {
         return view;
       }
-      if (!refusal || view.outcome == ViewOutcome::kCutOff) {
+      if (!refusal || view.outcome == BoardOutcome::kCutOff) {
         refusal = std::move(view);
       }
     }
@@ -151,7 +151,7 @@ BoardView find_checkerboard(PictureLevels& levels, const Board& board) {
 BoardView find_board(const Pixels& picture, const Board& board) {
   PictureLevels levels(picture);
   if (std::min(levels.width(), levels.height()) < kSmallestSide) {
-    return refused(ViewOutcome::kNoBoard,
+    return refused(BoardOutcome::kNoBoard,
                    fmt::format("the picture has {} x {} pixels, at least {} x {} are needed",
                                levels.width(),
                                levels.height(),

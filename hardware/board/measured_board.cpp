@@ -26,7 +26,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-BoardView refused(ViewOutcome outcome, std::string why) {
+BoardView refused(BoardOutcome outcome, std::string why) {
   return {.outcome = outcome, .why = std::move(why)};
 }
 
@@ -192,8 +192,8 @@ struct FittedBoard {
   std::vector<Eigen::Vector2i> col_row;
   std::vector<CornerFit> fits;
   std::vector<double> clearance_px;
-  std::string fault;                            ///< empty: all were fitted
-  ViewOutcome outcome = ViewOutcome::kNoBoard;  ///< where there is a fault
+  std::string fault;                              ///< empty: all were fitted
+  BoardOutcome outcome = BoardOutcome::kNoBoard;  ///< where there is a fault
 };
 
 FittedBoard fitted_board(PictureLevels& levels,
@@ -220,8 +220,8 @@ FittedBoard fitted_board(PictureLevels& levels,
       }
       const auto fit = fit_corner(levels, level, guess);
       if (!fit) {
-        result.outcome = is_clipped(levels, level, guess.at_px) ? ViewOutcome::kSaturated
-                                                                : ViewOutcome::kNoBoard;
+        result.outcome = is_clipped(levels, level, guess.at_px) ? BoardOutcome::kSaturated
+                                                                : BoardOutcome::kNoBoard;
         result.fault = fmt::format("the corner at column {}, row {} cannot be measured", col, row);
         return result;
       }
@@ -246,7 +246,7 @@ void find_fault(FittedBoard& fitted) {
       fitted.fault = fmt::format("the corner at column {}, row {} does not look like one",
                                  fitted.col_row[i].x(),
                                  fitted.col_row[i].y());
-      fitted.outcome = fit.clipped_share > 0.3 ? ViewOutcome::kSaturated : ViewOutcome::kNoBoard;
+      fitted.outcome = fit.clipped_share > 0.3 ? BoardOutcome::kSaturated : BoardOutcome::kNoBoard;
       return;
     }
   }
@@ -270,7 +270,7 @@ BoardView judged_corners(const Board& board,
                          std::span<const Eigen::Vector2i> col_row,
                          std::span<const CornerFit> fits,
                          std::span<const double> clearance_px) {
-  BoardView view = {.outcome = ViewOutcome::kAccepted};
+  BoardView view = {.outcome = BoardOutcome::kAccepted};
   std::vector<double> noises;
   std::vector<double> contrasts;
   double most_blur = 0.0;
@@ -286,13 +286,13 @@ BoardView judged_corners(const Board& board,
   view.contrast = median(contrasts);
   if (view.contrast < std::max(kLeastContrast, kFewestNoises * view.noise)) {
     return refused(
-        ViewOutcome::kDark,
+        BoardOutcome::kDark,
         fmt::format("white differs from black by {:.1f} % of full scale, noise is {:.1f} %",
                     100.0 * view.contrast,
                     100.0 * view.noise));
   }
   if (most_blur > kMostBlur) {
-    return refused(ViewOutcome::kBlurred,
+    return refused(BoardOutcome::kBlurred,
                    fmt::format("edges are blurred by {:.0f} % of a square, at most {:.0f} % are "
                                "allowed",
                                100.0 * most_blur,
@@ -310,14 +310,14 @@ BoardView measured_board(PictureLevels& levels,
   const CornerGrid grid = board_part(board, whole_grid, placements.front());
   const auto plane = plane_of(levels, level, points, grid);
   if (!plane) {
-    return refused(ViewOutcome::kNoBoard, "the corners lie on a line");
+    return refused(BoardOutcome::kNoBoard, "the corners lie on a line");
   }
   const ChosenPlacement choice =
       chosen(levels, level, board, *plane, placements, points[grid.front().point].contrast);
   const auto outside = corner_outside(levels, level, board, *plane, choice.placement);
   if (outside) {
     return refused(
-        ViewOutcome::kCutOff,
+        BoardOutcome::kCutOff,
         fmt::format("the corner at column {}, row {} lies outside the picture or at its border",
                     outside->x(),
                     outside->y()));
@@ -332,7 +332,7 @@ BoardView measured_board(PictureLevels& levels,
   const auto fine = fine_plane(levels, fitted);
   const double clearance = *std::ranges::min_element(fitted.clearance_px);
   if (!fine || fine->rms_px() > std::max(1.0, kMostBend * clearance)) {
-    return refused(ViewOutcome::kNoBoard, "the corners do not lie on a plane");
+    return refused(BoardOutcome::kNoBoard, "the corners do not lie on a plane");
   }
   BoardView view = judged_corners(board, fitted.col_row, fitted.fits, fitted.clearance_px);
   view.is_orientation_known = choice.is_known;

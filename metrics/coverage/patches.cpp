@@ -36,9 +36,9 @@ class DisjointSets {
 
 }  // namespace
 
-Patch largest_patch(std::span<const std::uint8_t> is_in,
-                    std::span<const double> weights,
-                    std::span<const std::array<std::int32_t, 2>> links) {
+SurfacePatch largest_patch(std::span<const std::uint8_t> is_in,
+                           std::span<const double> weights,
+                           std::span<const std::array<std::int32_t, 2>> links) {
   GLINT_CHECK(is_in.size() == weights.size(), "one weight a point");
   DisjointSets sets(is_in.size());
   for (const auto& [a, b] : links) {
@@ -60,7 +60,7 @@ Patch largest_patch(std::span<const std::uint8_t> is_in,
       best = i;
     }
   }
-  Patch patch;
+  SurfacePatch patch;
   for (std::size_t i = 0; best < is_in.size() && i < is_in.size(); ++i) {
     if (is_in[i] != 0 && sets.root(i) == best) {
       patch.points.push_back(i);

@@ -10,7 +10,7 @@
 namespace glint {
 
 /// Points that hang together.
-struct Patch {
+struct SurfacePatch {
   double weight = 0.0;
   std::vector<std::size_t> points;  ///< ascending
 };
@@ -20,8 +20,8 @@ struct Patch {
 /// @param is_in    one a point: 1 for those that count
 /// @param weights  one a point
 /// @param links    pairs of neighbouring points
-Patch largest_patch(std::span<const std::uint8_t> is_in,
-                    std::span<const double> weights,
-                    std::span<const std::array<std::int32_t, 2>> links);
+SurfacePatch largest_patch(std::span<const std::uint8_t> is_in,
+                           std::span<const double> weights,
+                           std::span<const std::array<std::int32_t, 2>> links);
 
 }  // namespace glint

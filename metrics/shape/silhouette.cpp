@@ -204,12 +204,12 @@ std::vector<Piece> pieces_of(Mask& mask) {
 }
 
 /// The largest piece, the first of equals, or all but crumbs.
-std::vector<Piece> kept_of(std::vector<Piece> pieces, Pieces wanted) {
+std::vector<Piece> kept_of(std::vector<Piece> pieces, PartPieces wanted) {
   const auto largest = std::ranges::max_element(pieces, {}, &Piece::area_px);
   if (largest == pieces.end() || largest->area_px < kMinAreaPx) {
     return {};
   }
-  if (wanted == Pieces::kLargest) {
+  if (wanted == PartPieces::kLargest) {
     return {*largest};
   }
   const double least = kCrumb * static_cast<double>(largest->area_px);
@@ -253,7 +253,7 @@ std::optional<NoSilhouette> fault_of(const Range& range) {
 }
 
 /// Fills the mask in or says why not.
-std::optional<NoSilhouette> outline(const ImageF& aspect, Pieces wanted, Silhouette& result) {
+std::optional<NoSilhouette> outline(const ImageF& aspect, PartPieces wanted, Silhouette& result) {
   Mask mask = lit_pixels(aspect, result.threshold);
   flood_from_outside(mask);
   const std::vector<Piece> pieces = kept_of(pieces_of(mask), wanted);
@@ -288,7 +288,7 @@ std::string_view sentence(NoSilhouette reason) {
   return "";
 }
 
-Silhouette find_silhouette(const ImageF& aspect, Pieces pieces) {
+Silhouette find_silhouette(const ImageF& aspect, PartPieces pieces) {
   check_picture(aspect);
   const Range range = range_of(aspect);
   Silhouette result;

@@ -25,7 +25,7 @@ enum class NoSilhouette {
 std::string_view sentence(NoSilhouette reason);
 
 /// Which connected pieces (8 neighbours) make up the part.
-enum class Pieces {
+enum class PartPieces {
   kLargest,  ///< one: what else is bright is beside the part
   kAll       ///< all but crumbs: dark bands, like the camera slot's reflection, may cut the part
 };
@@ -44,6 +44,6 @@ struct Silhouette {
 
 /// @param aspect  mean of the sequence (aspect_of()), in shares of full scale
 /// @throws ConfigError for an empty picture, NaN or infinity
-Silhouette find_silhouette(const ImageF& aspect, Pieces pieces = Pieces::kLargest);
+Silhouette find_silhouette(const ImageF& aspect, PartPieces pieces = PartPieces::kLargest);
 
 }  // namespace glint

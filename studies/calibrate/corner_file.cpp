@@ -100,17 +100,17 @@ class CornerTable {
 
 /// What became of a picture without corners, from the text that reason_of_view() made.
 BoardView view_without_corners(const std::string& reason) {
-  for (int i = static_cast<int>(ViewOutcome::kNoBoard);
-       i <= static_cast<int>(ViewOutcome::kDoubled);
+  for (int i = static_cast<int>(BoardOutcome::kNoBoard);
+       i <= static_cast<int>(BoardOutcome::kDoubled);
        ++i) {
-    const auto outcome = static_cast<ViewOutcome>(i);
+    const auto outcome = static_cast<BoardOutcome>(i);
     const std::string name = outcome_name(outcome);
     if (reason.starts_with(name)) {
       return {.outcome = outcome,
               .why = reason.size() > name.size() + 2 ? reason.substr(name.size() + 2) : ""};
     }
   }
-  return {.outcome = ViewOutcome::kNoBoard, .why = reason};
+  return {.outcome = BoardOutcome::kNoBoard, .why = reason};
 }
 
 /// A row's numbers are added to the picture that it belongs to.
@@ -130,7 +130,7 @@ void add_row(const CornerTable& table, std::size_t row, FoundCorners& found) {
     return;
   }
   BoardView& view = found.views.back();
-  view.outcome = ViewOutcome::kAccepted;
+  view.outcome = BoardOutcome::kAccepted;
   view.why.clear();
   view.board_mm.emplace_back(table.number(row, "board_x_mm"), table.number(row, "board_y_mm"), 0.0);
   view.picture_px.emplace_back(table.number(row, "x_px"), table.number(row, "y_px"));

@@ -85,7 +85,7 @@ class MaskFinder {
   bool fills_picture() const { return truth_ && share_of(*truth_) > kFillsPicture; }
 
   MaskPair with_real_mask(const Mask& mask) const {
-    const Silhouette bright = find_silhouette(simulated_, Pieces::kAll);
+    const Silhouette bright = find_silhouette(simulated_, PartPieces::kAll);
     if (!truth_ && !bright.mask) {
       throw ConfigError("the simulated part: " + std::string(sentence(*bright.fault)));
     }
@@ -97,8 +97,8 @@ class MaskFinder {
 
   /// @param why  receives why there is none
   std::optional<MaskPair> by_threshold(std::string& why) const {
-    const Silhouette simulated = find_silhouette(simulated_, Pieces::kAll);
-    const Silhouette real = find_silhouette(real_, Pieces::kAll);
+    const Silhouette simulated = find_silhouette(simulated_, PartPieces::kAll);
+    const Silhouette real = find_silhouette(real_, PartPieces::kAll);
     if (!simulated.mask || !real.mask) {
       why = sentence(!real.mask ? *real.fault : *simulated.fault);
       return std::nullopt;
@@ -113,7 +113,7 @@ class MaskFinder {
   std::optional<MaskPair> by_cut(std::string& why) const {
     std::optional<Mask> rough = truth_;
     if (!rough) {
-      rough = find_silhouette(simulated_, Pieces::kAll).mask;
+      rough = find_silhouette(simulated_, PartPieces::kAll).mask;
     }
     if (!rough) {
       why = "the simulated part has no outline that a cut could begin with";
@@ -165,7 +165,7 @@ double located_share(const PartOutline& outline) {
 
 /// Grey between the dark and the bright half of a picture.
 std::optional<double> middle_grey(const ImageF& picture) {
-  const Silhouette found = find_silhouette(picture, Pieces::kAll);
+  const Silhouette found = find_silhouette(picture, PartPieces::kAll);
   return found.threshold > 0.0 ? std::optional(found.threshold) : std::nullopt;
 }
 

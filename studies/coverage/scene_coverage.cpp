@@ -163,7 +163,7 @@ class Covering {
     std::ranges::transform(result_.of_cell, is_open.begin(), [](const CellCoverage& cell) {
       return static_cast<std::uint8_t>(cell.views == 0 ? 1 : 0);
     });
-    Patch patch = largest_patch(is_open, result_.cells.areas_mm2, result_.cells.links);
+    SurfacePatch patch = largest_patch(is_open, result_.cells.areas_mm2, result_.cells.links);
     CoverageGap& gap = result_.gap;
     gap.area_mm2 = patch.weight;
     if (patch.points.empty()) {

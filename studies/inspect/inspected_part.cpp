@@ -25,7 +25,7 @@ constexpr double kFullShareToTell = 0.001;
 
 /// The outline of a mask without its holes, which a silhouette has not either.
 Mask filled(const Mask& mask) {
-  const Silhouette outline = find_silhouette(coverage_of(mask), Pieces::kAll);
+  const Silhouette outline = find_silhouette(coverage_of(mask), PartPieces::kAll);
   return outline.mask ? *outline.mask : mask;
 }
 
@@ -209,7 +209,7 @@ PreparedPart prepare_part(const PicturedPart& source, const PartMasks& masks, Th
   PreparedPart part{.sequence = read_sequence(source.pictures, pool)};
   part.aspect = aspect_of(part.sequence, pool);
   part.notes = part.sequence.notes;
-  Silhouette silhouette = find_silhouette(part.aspect, Pieces::kAll);
+  Silhouette silhouette = find_silhouette(part.aspect, PartPieces::kAll);
   part.bright_from = silhouette.fault ? 0.0 : silhouette.threshold;
   if (!masks.mask.empty()) {
     part.mask = read_mask(masks.mask, part.aspect.width(), part.aspect.height());

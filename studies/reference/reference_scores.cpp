@@ -52,7 +52,7 @@ ImageF read_sized(const std::filesystem::path& file,
 
 /// @param what  for messages
 Mask segmented(const ImageF& grey, const std::string& key, const std::string& what) {
-  const Silhouette silhouette = find_silhouette(grey, Pieces::kAll);
+  const Silhouette silhouette = find_silhouette(grey, PartPieces::kAll);
   if (!silhouette.mask) {
     throw ConfigError(key,
                       fmt::format("the part is not found in {}: {} Or give its mask in "

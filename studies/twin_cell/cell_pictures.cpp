@@ -17,13 +17,13 @@ constexpr std::size_t kKeptScans = 2;
 
 }  // namespace
 
-CellPictures::CellPictures(CellRenderer& renderer, const CellState& state)
+CellPictures::CellPictures(CellRenderer& renderer, const TwinCellState& state)
     : renderer_(renderer), announced_(state), stands_(state) {
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
-std::string CellPictures::key_of_both(const CellState& state, const CaptureSettings& settings) {
-  CellState of_all_positions = state;
+std::string CellPictures::key_of_both(const TwinCellState& state, const CaptureSettings& settings) {
+  TwinCellState of_all_positions = state;
   of_all_positions.stage_position = 0;
   return fmt::format("{} {} {} {} {}",
                      key_of(of_all_positions),
@@ -38,7 +38,7 @@ const CellPictures::Kept* CellPictures::find(const std::string& key) const {
   return kept == kept_.end() ? nullptr : &*kept;
 }
 
-void CellPictures::want(const CellState& state) {
+void CellPictures::want(const TwinCellState& state) {
   announced_ = state;
   const std::string key = key_of_both(state, settings_);
   if (find(key) == nullptr) {
@@ -47,12 +47,12 @@ void CellPictures::want(const CellState& state) {
   }
 }
 
-void CellPictures::announce(const CellState& state) {
+void CellPictures::announce(const TwinCellState& state) {
   const std::scoped_lock lock(mutex_);
   want(state);
 }
 
-void CellPictures::arrive(const CellState& state) {
+void CellPictures::arrive(const TwinCellState& state) {
   const std::scoped_lock lock(mutex_);
   stands_ = state;
   if (key_of(state) != key_of(announced_)) {
@@ -88,9 +88,9 @@ void CellPictures::prepare(const CaptureSettings& settings) {
 }
 
 SensorPicture CellPictures::finished(const CaptureSettings& settings, std::uint64_t /*shot*/) {
-  const std::optional<CellState> live = live_ ? live_() : std::nullopt;
+  const std::optional<TwinCellState> live = live_ ? live_() : std::nullopt;
   const std::scoped_lock lock(mutex_);
-  const std::optional<CellState>& state = live_ ? live : stands_;
+  const std::optional<TwinCellState>& state = live_ ? live : stands_;
   const Kept* kept = state ? find(key_of_both(*state, settings)) : nullptr;
   if (kept == nullptr) {
     return nullptr;

@@ -26,13 +26,13 @@ class CellPictures final : public PictureSource {
  public:
   /// @param renderer  must outlive this
   /// @param state     where the arm stands at first
-  CellPictures(CellRenderer& renderer, const CellState& state);
+  CellPictures(CellRenderer& renderer, const TwinCellState& state);
 
   /// The arm is on its way there, or a light is going on: begins to render.
-  void announce(const CellState& state);
+  void announce(const TwinCellState& state);
 
   /// The arm stands there. Without announce() before, rendering begins now.
-  void arrive(const CellState& state);
+  void arrive(const TwinCellState& state);
 
   /// The arm moves: there is no picture until it arrives.
   void leave();
@@ -40,7 +40,7 @@ class CellPictures final : public PictureSource {
   /// Asked at each trigger where the arm stands, what is on and where the stage is; empty:
   /// something moves. Without it what arrive() and leave() told last holds, which may be some
   /// milliseconds old. Set before the first trigger.
-  void set_live(std::function<std::optional<CellState>()> live) { live_ = std::move(live); }
+  void set_live(std::function<std::optional<TwinCellState>()> live) { live_ = std::move(live); }
 
   /// Waits until the picture that was asked for last is finished: a simulated clock stands still
   /// meanwhile. @return false: it took longer, or rendering failed
@@ -58,7 +58,7 @@ class CellPictures final : public PictureSource {
 
  private:
   struct Wanted {
-    CellState state;
+    TwinCellState state;
     CaptureSettings settings;
     std::string key;
   };
@@ -69,19 +69,19 @@ class CellPictures final : public PictureSource {
     std::vector<SensorPicture> pictures;
   };
 
-  static std::string key_of_both(const CellState& state, const CaptureSettings& settings);
+  static std::string key_of_both(const TwinCellState& state, const CaptureSettings& settings);
   const Kept* find(const std::string& key) const;
-  void want(const CellState& state);  ///< holding the lock
+  void want(const TwinCellState& state);  ///< holding the lock
   void run(const std::stop_token& stop);
 
   CellRenderer& renderer_;
-  std::function<std::optional<CellState>()> live_;
+  std::function<std::optional<TwinCellState>()> live_;
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   CaptureSettings settings_;
-  CellState announced_;              ///< what is rendered for
-  std::optional<CellState> stands_;  ///< empty: the arm moves
-  std::optional<Wanted> wanted_;     ///< not begun yet
+  TwinCellState announced_;              ///< what is rendered for
+  std::optional<TwinCellState> stands_;  ///< empty: the arm moves
+  std::optional<Wanted> wanted_;         ///< not begun yet
   bool is_rendering_ = false;
   std::deque<Kept> kept_;
   std::string error_;

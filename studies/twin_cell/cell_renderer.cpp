@@ -18,15 +18,15 @@ namespace {
 constexpr std::size_t kStoreBytes = std::size_t{512} << 20U;
 
 /// A number that belongs to this state and no other, of 31 bits.
-std::uint64_t seed_of(const CellState& state, int seed) {
+std::uint64_t seed_of(const TwinCellState& state, int seed) {
   const std::string digest = sha256_hex(fmt::format("{} {}", seed, key_of(state)));
   return std::stoull(digest.substr(0, 8), nullptr, 16) & 0x7fffffffU;
 }
 
 /// The flange's error, by a random vector for each of position and rotation.
-RigidTransform flange_error(const TruthSettings& truth, const CellState& state) {
+RigidTransform flange_error(const TruthSettings& truth, const TwinCellState& state) {
   // Of the pose alone: lights do not move the arm.
-  const CellState pose = {.base_from_flange = state.base_from_flange};
+  const TwinCellState pose = {.base_from_flange = state.base_from_flange};
   Rng random(seed_of(pose, truth.seed), Stream::kViewpoints, 0);
   std::vector<double> position(3);
   std::vector<double> rotation(3);
@@ -54,7 +54,7 @@ Image<std::uint16_t> codes_of(const ImageF& grey, const CaptureSettings& setting
 
 }  // namespace
 
-std::string key_of(const CellState& state) {
+std::string key_of(const TwinCellState& state) {
   std::string key;
   const auto add = [&](double value) {
     key += fmt::format("{} ", static_cast<long long>(std::llround(value)));
@@ -70,7 +70,7 @@ std::string key_of(const CellState& state) {
   return key + fmt::format("[{}] {}", join(lights, " "), state.stage_position);
 }
 
-RigidTransform scene_from_camera(const Truth& truth, const CellState& state) {
+RigidTransform scene_from_camera(const Truth& truth, const TwinCellState& state) {
   return inverse(truth.base_from_scene()) * state.base_from_flange *
          flange_error(truth.settings, state) * truth.flange_from_camera();
 }
@@ -82,7 +82,7 @@ CellRenderer::CellRenderer(const Truth& truth, ThreadPool& pool)
   height_px_ = intrinsics.height_px;
 }
 
-SceneSettings CellRenderer::scene_of(const CellState& state,
+SceneSettings CellRenderer::scene_of(const TwinCellState& state,
                                      const CaptureSettings& settings) const {
   SceneSettings scene = truth_.scene;
   const RigidTransform pose = scene_from_camera(truth_, state);
@@ -96,13 +96,13 @@ SceneSettings CellRenderer::scene_of(const CellState& state,
   scene.sensor.gain *= std::pow(10.0, settings.gain_db / 20.0);
   scene.sensor.bits = settings.bits;
   // Frames of a scan have noise of their own by their numbers.
-  CellState seeded = state;
+  TwinCellState seeded = state;
   seeded.stage_position = 0;
   scene.sensor.seed = static_cast<int>(seed_of(seeded, truth_.settings.seed));
   return scene;
 }
 
-std::vector<Image<std::uint16_t>> CellRenderer::render_all(const CellState& state,
+std::vector<Image<std::uint16_t>> CellRenderer::render_all(const TwinCellState& state,
                                                            const CaptureSettings& settings) {
   const SceneSettings scene = scene_of(state, settings);
   std::vector<Image<std::uint16_t>> pictures;
@@ -127,7 +127,8 @@ std::vector<Image<std::uint16_t>> CellRenderer::render_all(const CellState& stat
   return pictures;
 }
 
-Image<std::uint16_t> CellRenderer::render(const CellState& state, const CaptureSettings& settings) {
+Image<std::uint16_t> CellRenderer::render(const TwinCellState& state,
+                                          const CaptureSettings& settings) {
   const std::vector<Image<std::uint16_t>> all = render_all(state, settings);
   return all.at(std::min(static_cast<std::size_t>(state.stage_position), all.size() - 1));
 }

@@ -16,7 +16,7 @@
 namespace glint {
 
 /// What of a cell changes a picture, beside the camera's settings.
-struct CellState {
+struct TwinCellState {
   RigidTransform base_from_flange;  ///< as the robot tells it
   std::vector<std::string> lights;  ///< that are on
   int stage_position = 0;           ///< of a tunnel's scan: its frame
@@ -25,11 +25,11 @@ struct CellState {
 };
 
 /// Equal for states whose pictures are equal: poses to a nanometre and a nanoradian.
-std::string key_of(const CellState& state);
+std::string key_of(const TwinCellState& state);
 
 /// Where the camera is in truth when the robot says that its flange is there: with the hidden
 /// hand-eye, and the error that the arm has at this pose, which is the same each time.
-RigidTransform scene_from_camera(const Truth& truth, const CellState& state);
+RigidTransform scene_from_camera(const Truth& truth, const TwinCellState& state);
 
 /// Renders. Keeps what lights and exposure do not change.
 class CellRenderer {
@@ -44,11 +44,11 @@ class CellRenderer {
   /// that of the truth, noise of the scene's sensor seeded by pose and lights, gain, black level.
   /// The same bytes for the same arguments.
   /// @throws ConfigError beginning with the key at fault, IoError
-  Image<std::uint16_t> render(const CellState& state, const CaptureSettings& settings);
+  Image<std::uint16_t> render(const TwinCellState& state, const CaptureSettings& settings);
 
   /// The same for all positions of the stage, which cost hardly more than one: as many as the
   /// scene's scan has; one where no tunnel is on.
-  std::vector<Image<std::uint16_t>> render_all(const CellState& state,
+  std::vector<Image<std::uint16_t>> render_all(const TwinCellState& state,
                                                const CaptureSettings& settings);
 
   /// Of the scene's scan; 1 without a tunnel.
@@ -58,7 +58,7 @@ class CellRenderer {
   double step_mm() const;
 
  private:
-  SceneSettings scene_of(const CellState& state, const CaptureSettings& settings) const;
+  SceneSettings scene_of(const TwinCellState& state, const CaptureSettings& settings) const;
 
   Truth truth_;
   ThreadPool& pool_;

@@ -50,7 +50,7 @@ std::vector<std::string> all_lights(const Cell& cell) {
 
 /// Where the camera of a cell without a robot stands: the flange that shows the scene as the
 /// scene's own viewpoint does.
-CellState state_at_viewpoint(const Cell& cell, const Truth& truth) {
+TwinCellState state_at_viewpoint(const Cell& cell, const Truth& truth) {
   const RigidTransform camera_from_scene = camera_from_world(truth.scene.viewpoint());
   return {.base_from_flange = truth.base_from_scene() * inverse(camera_from_scene) *
                               inverse(truth.flange_from_camera()),
@@ -63,7 +63,7 @@ class CameraServing final : public ServingTwin {
   CameraServing(const Cell& cell,
                 const Truth& truth,
                 std::uint32_t address,
-                const CellState& state,
+                const TwinCellState& state,
                 int threads)
       : token_(fresh_token() % 1'000'000'000'000'000),
         pool_(threads),
@@ -167,7 +167,7 @@ class CellWatch {
         stage_(stage) {}
 
   /// Empty: the arm or the stage moves.
-  std::optional<CellState> now() const {
+  std::optional<TwinCellState> now() const {
     const TwinView view = robot_.view();
     const int position = stage_position();
     return view.is_still && position >= 0
@@ -176,7 +176,7 @@ class CellWatch {
   }
 
   /// Where a held motion leads; empty: none is held.
-  std::optional<CellState> goal() const {
+  std::optional<TwinCellState> goal() const {
     const TwinView view = robot_.view();
     return view.is_held && view.goal_rad
                ? std::optional(state_of(*view.goal_rad, view.digital_outputs, 0))
@@ -184,7 +184,7 @@ class CellWatch {
   }
 
  private:
-  CellState state_of(const JointVector& joints_rad, std::uint64_t outputs, int position) const {
+  TwinCellState state_of(const JointVector& joints_rad, std::uint64_t outputs, int position) const {
     return {.base_from_flange = transform_of(arm_.forward(joints_rad)),
             .lights = lights_on(cell_, outputs),
             .stage_position = position};
@@ -231,7 +231,7 @@ class Follower {
 
   /// A picture of other lights is begun only when they stay so for a moment: as a rule the arm is
   /// about to leave.
-  void look_at_standstill(const CellState& state) {
+  void look_at_standstill(const TwinCellState& state) {
     const std::string key = key_of(state);
     if (key == key_) {
       return;
@@ -332,7 +332,7 @@ std::uint32_t address_of(const Cell& cell, bool is_free_address) {
   return *address;
 }
 
-CellState first_state(const Cell& cell, const Truth& truth) {
+TwinCellState first_state(const Cell& cell, const Truth& truth) {
   if (!cell.robot) {
     return state_at_viewpoint(cell, truth);
   }
@@ -364,7 +364,7 @@ ServingTwins camera_twin_of(const Cell& cell, bool is_free_address, int threads)
 
 ServingTwins both_twins_of(const Cell& cell, std::optional<int> port, int threads) {
   const Truth truth = read_truth(truth_file_of(cell));
-  CellState state = first_state(cell, truth);
+  TwinCellState state = first_state(cell, truth);
   state.lights = lights_on(cell, 0);
   auto camera =
       std::make_unique<CameraServing>(cell, truth, address_of(cell, port == 0), state, threads);

@@ -252,9 +252,9 @@ class Judge {
     const bool is_order_wrong = f_.ranking && !f_.ranking->agrees;
     const bool is_apart = is_grey_apart() || f_.blur_px2.value_or(0.0) > f_.limits.blur_px ||
                           (f_.distance_px && *f_.distance_px > verdict_.edge_limit_px);
-    verdict_.agreement = has_fault || is_order_wrong ? Agreement::kDisagrees
-                         : is_apart                  ? Agreement::kAfterRefit
-                                                     : Agreement::kAgrees;
+    verdict_.agreement = has_fault || is_order_wrong ? SidesAgreement::kDisagrees
+                         : is_apart                  ? SidesAgreement::kAfterRefit
+                                                     : SidesAgreement::kAgrees;
   }
 
   void advise() {
@@ -282,7 +282,7 @@ class Judge {
         verdict_.advice.push_back(fmt::format("Look into {}.", fault.name));
       }
     }
-    if (verdict_.advice.empty() && verdict_.agreement == Agreement::kAfterRefit) {
+    if (verdict_.advice.empty() && verdict_.agreement == SidesAgreement::kAfterRefit) {
       verdict_.advice.emplace_back(
           "Nothing needs to be recalibrated: take the refit scene, or write the measured values "
           "into the study.");
@@ -328,20 +328,20 @@ class Judge {
   void tell() {
     std::string& text = verdict_.sentence;
     switch (verdict_.agreement) {
-      case Agreement::kAgrees:
+      case SidesAgreement::kAgrees:
         text = "Simulation and reality agree";
         text += f_.distance_px ? fmt::format(": edges lie {:.2f} px apart.", *f_.distance_px) : ".";
         break;
-      case Agreement::kAfterRefit:
+      case SidesAgreement::kAfterRefit:
         text = "Simulation and reality agree after a refit of " + faults_text(true) + ".";
         break;
-      case Agreement::kDisagrees:
+      case SidesAgreement::kDisagrees:
         text = "Simulation and reality do not agree";
         text += faults_text(false).empty() ? "." : ": " + faults_text(false) + ".";
         break;
     }
     text += ranking_text();
-    if (verdict_.agreement == Agreement::kDisagrees && f_.ranking && f_.ranking->agrees) {
+    if (verdict_.agreement == SidesAgreement::kDisagrees && f_.ranking && f_.ranking->agrees) {
       text += " Until the cause is set right it is not proven.";
     }
     if (f_.contrasts_apart > 0) {
@@ -358,13 +358,13 @@ class Judge {
 
 }  // namespace
 
-std::string name_of(Agreement agreement) {
+std::string name_of(SidesAgreement agreement) {
   switch (agreement) {
-    case Agreement::kAgrees:
+    case SidesAgreement::kAgrees:
       return "agrees";
-    case Agreement::kAfterRefit:
+    case SidesAgreement::kAfterRefit:
       return "agrees_after_refit";
-    case Agreement::kDisagrees:
+    case SidesAgreement::kDisagrees:
       break;
   }
   return "does_not_agree";

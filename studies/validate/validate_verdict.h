@@ -53,13 +53,13 @@ struct ValidationFindings {
   std::optional<Ranking> ranking;
 };
 
-enum class Agreement { kAgrees, kAfterRefit, kDisagrees };
+enum class SidesAgreement { kAgrees, kAfterRefit, kDisagrees };
 
 /// "agrees", "agrees_after_refit", "does_not_agree".
-std::string name_of(Agreement agreement);
+std::string name_of(SidesAgreement agreement);
 
 struct ValidateVerdict {
-  Agreement agreement = Agreement::kAgrees;
+  SidesAgreement agreement = SidesAgreement::kAgrees;
   std::string sentence;
   std::vector<ToldFault> faults;    ///< those that no refit sets right first
   std::vector<std::string> advice;  ///< what to recalibrate

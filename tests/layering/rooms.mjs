@@ -31,6 +31,7 @@ import {
   shortName,
   violations,
 } from "./room_tree.mjs";
+import { checkTypes } from "./room_types.mjs";
 
 const MOST_SOURCES = 18;
 
@@ -287,6 +288,7 @@ function main(words) {
   checkTargets(tree, map, includes, allowed);
   checkHeaders(tree);
   checkQuestions(tree);
+  checkTypes(tree);
   checkSizes(tree);
   if (violations.length > 0) {
     printViolations();

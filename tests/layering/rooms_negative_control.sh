@@ -383,6 +383,27 @@ edit CONTRIBUTING.md '/`cli/i | `studies/` | - | studies | - |'
 edit CONTRIBUTING.md '/`cli/i | `studies/definition/` | `glint::studies::definition` | scenes | - |'
 expect_clean "a question in its room" "rooms: no violation"
 
+# --- Types ----------------------------------------------------------------------------------------
+two_types() { # of the first room, of the second one
+  clean_tree
+  add core/error.h "$1"
+  write metrics/twin.h '#pragma once' "$2"
+  edit metrics/CMakeLists.txt 's/HEADERS/HEADERS twin.h/'
+}
+two_types 'namespace glint { }
+namespace glint {
+struct Twin {' 'namespace glint {
+enum class Twin {'
+expect_found "defines glint::Twin, as core/error.h:"
+two_types 'namespace glint {
+struct Twin;' 'namespace glint {
+struct Twin {'
+expect_clean "a type that is announced" "rooms: no violation"
+two_types 'namespace glint::one {
+struct Twin {' 'namespace glint::two {
+struct Twin {'
+expect_clean "types of two namespaces" "rooms: no violation"
+
 # --- Sizes ----------------------------------------------------------------------------------------
 for room in tests/core tests/bench; do
   clean_tree

@@ -102,7 +102,7 @@ TEST(Board, DataSetsAreRead) {
 
 TEST(RejectDoubled, RejectsTheLaterOfTwoEqualViews) {
   const auto view = [](double x) {
-    return BoardView{.outcome = ViewOutcome::kAccepted,
+    return BoardView{.outcome = BoardOutcome::kAccepted,
                      .board_mm = {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 0)},
                      .picture_px = {Eigen::Vector2d(x, 5), Eigen::Vector2d(x + 9, 5)}};
   };
@@ -110,7 +110,7 @@ TEST(RejectDoubled, RejectsTheLaterOfTwoEqualViews) {
   reject_doubled(views, {"a", "b", "c"});
   EXPECT_TRUE(views[0].is_accepted());
   EXPECT_TRUE(views[1].is_accepted());
-  EXPECT_EQ(views[2].outcome, ViewOutcome::kDoubled);
+  EXPECT_EQ(views[2].outcome, BoardOutcome::kDoubled);
   EXPECT_EQ(views[2].why, "shows the same view as a");
   EXPECT_EQ(outcome_name(views[2].outcome), "doubled");
 }

@@ -83,7 +83,7 @@ TEST(FindBoard, RejectsABoardThatIsCutOff) {
     }
     ++num_cut;
     const BoardView view = view_of(scene, static_cast<std::uint64_t>(i));
-    EXPECT_EQ(view.outcome, ViewOutcome::kCutOff) << view.why << inside;
+    EXPECT_EQ(view.outcome, BoardOutcome::kCutOff) << view.why << inside;
     EXPECT_TRUE(view.picture_px.empty());
   }
 }
@@ -96,25 +96,25 @@ TEST(FindBoard, TellsWhyAPictureIsOfNoUse) {
 
   BoardScene blurred = scene;
   blurred.blur_px_at = [](double) { return 11.0; };  // of squares of 41 px
-  EXPECT_EQ(view_of(blurred, 5).outcome, ViewOutcome::kBlurred) << view_of(blurred, 5).why;
+  EXPECT_EQ(view_of(blurred, 5).outcome, BoardOutcome::kBlurred) << view_of(blurred, 5).why;
 
   BoardScene dark = scene;
   dark.white = 0.04;
   dark.black = 0.01;
   dark.has_clutter = false;
-  EXPECT_EQ(view_of(dark, 5).outcome, ViewOutcome::kDark) << view_of(dark, 5).why;
+  EXPECT_EQ(view_of(dark, 5).outcome, BoardOutcome::kDark) << view_of(dark, 5).why;
 
   BoardScene bright = scene;
   bright.white = 3.0;
   bright.black = 1.5;
   bright.has_clutter = false;
-  EXPECT_EQ(view_of(bright, 5).outcome, ViewOutcome::kSaturated) << view_of(bright, 5).why;
+  EXPECT_EQ(view_of(bright, 5).outcome, BoardOutcome::kSaturated) << view_of(bright, 5).why;
 
   const BoardView other = find_board(photographed(scene, rng), {.cols = 8, .rows = 8});
-  EXPECT_EQ(other.outcome, ViewOutcome::kNoBoard);
+  EXPECT_EQ(other.outcome, BoardOutcome::kNoBoard);
   EXPECT_THAT(other.why, HasSubstr("a grid of 80 corners, the board has 8 x 8"));
   const BoardView larger = find_board(photographed(scene, rng), {.cols = 12, .rows = 8});
-  EXPECT_EQ(larger.outcome, ViewOutcome::kNoBoard);
+  EXPECT_EQ(larger.outcome, BoardOutcome::kNoBoard);
   EXPECT_THAT(larger.why, HasSubstr("80 of 96 corners were found"));
 }
 
@@ -132,7 +132,7 @@ TEST(FindBoard, RejectsASpotOfLightOnCorners) {
     }
   }
   const BoardView view = find_board(picture, kBoard);
-  EXPECT_EQ(view.outcome, ViewOutcome::kSaturated) << view.why;
+  EXPECT_EQ(view.outcome, BoardOutcome::kSaturated) << view.why;
 }
 
 TEST(FindBoard, FindsNoBoardWhereThereIsNone) {
@@ -141,12 +141,12 @@ TEST(FindBoard, FindsNoBoardWhereThereIsNone) {
   for (std::uint8_t& value : noise.values()) {
     value = static_cast<std::uint8_t>(rng.uniform(0.0, 256.0));
   }
-  EXPECT_EQ(find_board(noise, kBoard).outcome, ViewOutcome::kNoBoard);
-  EXPECT_EQ(find_board(Image<std::uint8_t>(640, 480, 128), kBoard).outcome, ViewOutcome::kNoBoard);
-  EXPECT_EQ(find_board(Image<std::uint8_t>(20, 20, 128), kBoard).outcome, ViewOutcome::kNoBoard);
-  EXPECT_EQ(find_board(Image<std::uint8_t>(640, 480, 3), kBoard).outcome, ViewOutcome::kDark);
+  EXPECT_EQ(find_board(noise, kBoard).outcome, BoardOutcome::kNoBoard);
+  EXPECT_EQ(find_board(Image<std::uint8_t>(640, 480, 128), kBoard).outcome, BoardOutcome::kNoBoard);
+  EXPECT_EQ(find_board(Image<std::uint8_t>(20, 20, 128), kBoard).outcome, BoardOutcome::kNoBoard);
+  EXPECT_EQ(find_board(Image<std::uint8_t>(640, 480, 3), kBoard).outcome, BoardOutcome::kDark);
   EXPECT_EQ(find_board(Image<std::uint8_t>(640, 480, 255), kBoard).outcome,
-            ViewOutcome::kSaturated);
+            BoardOutcome::kSaturated);
 }
 
 TEST(FindBoard, GivesTheSameCornersFor8And16Bits) {
@@ -186,7 +186,7 @@ TEST(FindBoard, FindsPartsOfACharucoBoard) {
     EXPECT_LT((part.picture_px[i] - truth.value()).norm(), 0.2);
   }
   scene.camera_from_board.translation().x() += 200.0;
-  EXPECT_EQ(view_of(scene, 9).outcome, ViewOutcome::kNoBoard);
+  EXPECT_EQ(view_of(scene, 9).outcome, BoardOutcome::kNoBoard);
 }
 
 }  // namespace

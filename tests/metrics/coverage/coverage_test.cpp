@@ -142,16 +142,16 @@ std::vector<std::array<std::int32_t, 2>> row_of(std::int32_t count) {
 TEST(LargestPatch, IsTheHeaviestConnectedSet) {
   const std::vector<std::uint8_t> is_in = {1, 1, 0, 1, 0, 1, 1};
   const std::vector<double> weights = {1.0, 1.0, 9.0, 5.0, 9.0, 1.0, 1.0};
-  const Patch patch = largest_patch(is_in, weights, row_of(7));
+  const SurfacePatch patch = largest_patch(is_in, weights, row_of(7));
   EXPECT_EQ(patch.weight, 5.0);
   EXPECT_THAT(patch.points, ElementsAre(3U));
-  const Patch even = largest_patch(is_in, std::vector<double>(7, 1.0), row_of(7));
+  const SurfacePatch even = largest_patch(is_in, std::vector<double>(7, 1.0), row_of(7));
   EXPECT_EQ(even.weight, 2.0);
   EXPECT_THAT(even.points, ElementsAre(0U, 1U));
 }
 
 TEST(LargestPatch, IsEmptyWhereNothingIsAskedFor) {
-  const Patch patch =
+  const SurfacePatch patch =
       largest_patch(std::vector<std::uint8_t>(3), std::vector<double>(3, 1.0), row_of(3));
   EXPECT_EQ(patch.weight, 0.0);
   EXPECT_TRUE(patch.points.empty());

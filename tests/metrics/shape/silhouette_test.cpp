@@ -119,7 +119,7 @@ TEST(FindSilhouette, KeepsAllPiecesButCrumbs) {
   const Silhouette largest = find_silhouette(image);
   EXPECT_EQ(largest.pieces, 1);
   EXPECT_NEAR(area_of(largest), 0.5 * (kDiscArea - 560.0), 30.0);
-  const Silhouette all = find_silhouette(image, Pieces::kAll);
+  const Silhouette all = find_silhouette(image, PartPieces::kAll);
   ASSERT_TRUE(all.mask.has_value());
   EXPECT_EQ(all.pieces, 2);
   EXPECT_NEAR(area_of(all), kDiscArea - 560.0, 60.0);

@@ -30,7 +30,7 @@ class SmallCell : public testing::Test {
 
 TEST_F(SmallCell, IsTheSamePictureForTheSameStateAndAnotherForAnother) {
   const CaptureSettings settings = {.exposure_us = 5000};
-  const CellState state = state_above(0, {"ring"});
+  const TwinCellState state = state_above(0, {"ring"});
   const auto picture = renderer_.render(state, settings);
   EXPECT_EQ(picture, renderer_.render(state, settings));
   EXPECT_NE(picture, renderer_.render(state_above(3, {"ring"}), settings));
@@ -51,7 +51,7 @@ TEST_F(SmallCell, FollowsExposureLightsAndBlackLevel) {
 
 // 20 dB are a factor of ten: a mean below a tenth of full scale is ten times as high.
 TEST_F(SmallCell, FollowsTheGainInDecibels) {
-  const CellState state = state_above(0, {"ring"});
+  const TwinCellState state = state_above(0, {"ring"});
   const double plain = mean_of(renderer_.render(state, {.exposure_us = 300, .bits = 16}));
   const double raised =
       mean_of(renderer_.render(state, {.exposure_us = 300, .gain_db = 20.0, .bits = 16}));
@@ -59,8 +59,8 @@ TEST_F(SmallCell, FollowsTheGainInDecibels) {
 }
 
 TEST_F(SmallCell, HasNoPictureWhileTheArmMoves) {
-  const CellState here = state_above(0, {"ring"});
-  const CellState there = state_above(5, {"ring"});
+  const TwinCellState here = state_above(0, {"ring"});
+  const TwinCellState there = state_above(5, {"ring"});
   CellPictures pictures(renderer_, here);
   const CaptureSettings settings = {.exposure_us = 5000};
   pictures.prepare(settings);
@@ -117,9 +117,9 @@ TEST(TunnelCell, HasAPictureForEachPositionOfTheStage) {
   EXPECT_EQ(renderer.num_positions(), 4);
   EXPECT_NEAR(renderer.step_mm(), 3.0, 1e-9);  // a period of 12 mm in four steps
   const CaptureSettings settings = {.exposure_us = 10000};
-  CellState state = state_above(0, {"tunnel"});
+  TwinCellState state = state_above(0, {"tunnel"});
   CellPictures pictures(renderer, state);
-  CellState now = state;
+  TwinCellState now = state;
   pictures.set_live([&now] { return std::optional(now); });
   pictures.prepare(settings);
   ASSERT_TRUE(pictures.wait_until_finished(kLong)) << pictures.error();
@@ -160,7 +160,7 @@ TEST_F(SmallCell, PicturesOverTheWireBelongToTheirPoses) {
   camera.configure({.exposure_us = 5000.0, .packet_size = 9000});
   camera.start();
   for (int pose = 0; pose < kPoses; ++pose) {
-    const CellState state = state_above(2.0 * pose, {"ring"});
+    const TwinCellState state = state_above(2.0 * pose, {"ring"});
     pictures.leave();
     pictures.announce(state);
     ASSERT_TRUE(pictures.wait_until_finished(kLong));

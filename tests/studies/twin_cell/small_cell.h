@@ -67,8 +67,8 @@ inline Truth truth_of(const std::string& text) {
 
 /// The flange so that the camera of kSmallTruth looks straight down on the plate, `aside_mm` from
 /// its middle. In the base: the plate at x = 300, the camera 180 mm above it; turned by pi about x.
-inline CellState state_above(double aside_mm, std::vector<std::string> lights) {
-  CellState state = {.lights = std::move(lights)};
+inline TwinCellState state_above(double aside_mm, std::vector<std::string> lights) {
+  TwinCellState state = {.lights = std::move(lights)};
   state.base_from_flange.rotation = Eigen::Vector3d(1, -1, -1).asDiagonal();
   // The camera sits at (0, 40, 30) on the flange: at (0, -40, -30) from it in the base.
   state.base_from_flange.translation_mm = {300 + aside_mm, 40, 180 + 30};

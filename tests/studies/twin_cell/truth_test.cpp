@@ -37,7 +37,7 @@ TEST(Truth, NamesWhatIsNoKeyOfIt) {
               HasSubstr("truth.camera_position_mm"));
 }
 
-TEST(CellState, HasTheSameKeyInAnyOrderOfLights) {
+TEST(TwinCellState, HasTheSameKeyInAnyOrderOfLights) {
   EXPECT_EQ(key_of(state_above(0, {"ring", "bar"})), key_of(state_above(0, {"bar", "ring"})));
   EXPECT_NE(key_of(state_above(0, {"ring"})), key_of(state_above(0, {"bar"})));
   EXPECT_NE(key_of(state_above(0, {})), key_of(state_above(1e-5, {})));

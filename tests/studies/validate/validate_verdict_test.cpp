@@ -24,7 +24,7 @@ ValidationFindings alike() {
 
 TEST(Verdict, AgreesWhereNothingDiffers) {
   const ValidateVerdict verdict = judge(alike());
-  EXPECT_EQ(verdict.agreement, Agreement::kAgrees);
+  EXPECT_EQ(verdict.agreement, SidesAgreement::kAgrees);
   EXPECT_TRUE(verdict.faults.empty());
   EXPECT_THAT(verdict.sentence, HasSubstr("agree"));
 }
@@ -34,7 +34,7 @@ TEST(Verdict, AgreesAfterARefitOfTheExposure) {
   findings.grey[0].fit.before = 0.05;
   findings.grey[0].fit.change.exposure = 0.95;
   const ValidateVerdict verdict = judge(findings);
-  EXPECT_EQ(verdict.agreement, Agreement::kAfterRefit);
+  EXPECT_EQ(verdict.agreement, SidesAgreement::kAfterRefit);
   ASSERT_EQ(verdict.faults.size(), 1U);
   EXPECT_EQ(verdict.faults[0].name, "exposure");
   EXPECT_TRUE(verdict.faults[0].is_within);
@@ -47,7 +47,7 @@ TEST(Verdict, NamesALightThatStandsTooFarOff) {
   fit.values = {
       {.fault = GreyFault::kLightPlace, .light = "ring", .index = 0, .value = 20.0, .sigma = 0.2}};
   const ValidateVerdict verdict = judge(findings);
-  EXPECT_EQ(verdict.agreement, Agreement::kDisagrees);
+  EXPECT_EQ(verdict.agreement, SidesAgreement::kDisagrees);
   ASSERT_EQ(verdict.faults.size(), 1U);
   EXPECT_EQ(verdict.faults[0].name, "light_place");
   EXPECT_EQ(verdict.faults[0].of, "ring");
@@ -71,9 +71,9 @@ TEST(Verdict, AllowsEdgesWhatCalibrationAndPlacementPredict) {
   findings.distance_px = 1.4;
   findings.geometry.faults = {GeometryFault::kPartPose};
   findings.geometry.part << 0, 0, 0.05, 0, 0, 0;
-  EXPECT_EQ(judge(findings).agreement, Agreement::kDisagrees);
+  EXPECT_EQ(judge(findings).agreement, SidesAgreement::kDisagrees);
   findings.geometry.pose_budget_px = 0.5;  // 3 x 0.5 = 1.5 px
-  EXPECT_EQ(judge(findings).agreement, Agreement::kAgrees);
+  EXPECT_EQ(judge(findings).agreement, SidesAgreement::kAgrees);
 }
 
 TEST(Verdict, ALensIsNeverSetRightByARefit) {
@@ -82,7 +82,7 @@ TEST(Verdict, ALensIsNeverSetRightByARefit) {
   findings.geometry.faults = {GeometryFault::kFocalLength};
   findings.geometry.lens[0] = 3.0;
   const ValidateVerdict verdict = judge(findings);
-  EXPECT_EQ(verdict.agreement, Agreement::kDisagrees);
+  EXPECT_EQ(verdict.agreement, SidesAgreement::kDisagrees);
   EXPECT_EQ(verdict.faults[0].name, "lens");
   EXPECT_EQ(verdict_json(verdict)["causes"][0]["of"], "focal_length");
 }
@@ -92,7 +92,7 @@ TEST(Verdict, DoesNotAgreeWhereTheRankingIsReversed) {
   findings.ranking = Ranking{.simulated = {"a", "b"}, .real = {"b", "a"}, .agrees = false};
   findings.ranking->pairs.push_back({.first = "a", .second = "b", .is_against = true});
   const ValidateVerdict verdict = judge(findings);
-  EXPECT_EQ(verdict.agreement, Agreement::kDisagrees);
+  EXPECT_EQ(verdict.agreement, SidesAgreement::kDisagrees);
   EXPECT_THAT(verdict.sentence, HasSubstr("b, a instead of a, b"));
 }
 

@@ -321,7 +321,7 @@ GeometryFit fit_geometry(std::span<const ViewEdges> views,
   return Fitter(views, camera, budget).find();
 }
 
-RigidTransform motion_of(const Vector6& motion) {
+RigidTransform moved_by(const Vector6& motion) {
   RigidTransform result;
   const Vector3d turn = motion.head<3>();
   if (turn.norm() > 0.0) {
@@ -335,13 +335,13 @@ RigidTransform refitted_view(const GeometryFit& fit,
                              const GeometryBudget& budget,
                              const RigidTransform& camera_from_scene,
                              std::size_t view) {
-  RigidTransform part = motion_of(fit.part);
+  RigidTransform part = moved_by(fit.part);
   part.translation_mm += budget.middle_mm - part.rotation * budget.middle_mm;
   Vector6 camera = fit.hand_eye;
   if (view < fit.robot.size()) {
     camera += fit.robot[view];
   }
-  return inverse(motion_of(camera)) * camera_from_scene * part;
+  return inverse(moved_by(camera)) * camera_from_scene * part;
 }
 
 }  // namespace glint

@@ -80,6 +80,6 @@ RigidTransform refitted_view(const GeometryFit& fit,
                              std::size_t view);
 
 /// The motion of a rotation vector [rad] and a translation [mm].
-RigidTransform motion_of(const Eigen::Matrix<double, 6, 1>& motion);
+RigidTransform moved_by(const Eigen::Matrix<double, 6, 1>& motion);
 
 }  // namespace glint

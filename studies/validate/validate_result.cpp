@@ -51,7 +51,7 @@ double median_of(std::vector<double> values) {
 
 }  // namespace
 
-Json estimate_json(const Estimate& estimate) {
+Json estimated_json(const Estimate& estimate) {
   return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
 }
 
@@ -62,7 +62,7 @@ Json overlap_json(const std::string& design, const std::string& view, const Comp
   row["iou"] = optional_json(pair.geometry.iou);
   row["mean_distance_px"] = has_edges ? Json(pair.geometry.distance.mean_px) : Json(nullptr);
   row["hd95_px"] = has_edges ? Json(pair.geometry.distance.p95_px) : Json(nullptr);
-  row["ring_slope"] = rings.has_slopes ? estimate_json(rings.radial_slope) : Json(nullptr);
+  row["ring_slope"] = rings.has_slopes ? estimated_json(rings.radial_slope) : Json(nullptr);
   return row;
 }
 
@@ -137,8 +137,8 @@ Json ranking_json(const Ranking& ranking) {
   for (const RankedPair& pair : ranking.pairs) {
     pairs.push_back({{"first", pair.first},
                      {"second", pair.second},
-                     {"simulated", estimate_json(pair.simulated)},
-                     {"real", estimate_json(pair.real)},
+                     {"simulated", estimated_json(pair.simulated)},
+                     {"real", estimated_json(pair.real)},
                      {"level", pair.is_level},
                      {"against", pair.is_against}});
   }
@@ -173,7 +173,7 @@ Json both_scores_json(const std::vector<BothScores>& views) {
   }
   const auto side = [](const std::vector<double>& list) {
     if (list.size() > 1) {
-      return estimate_json(mean_of(list));
+      return estimated_json(mean_of(list));
     }
     return Json{{"value", list.front()}, {"low", nullptr}, {"high", nullptr}};
   };

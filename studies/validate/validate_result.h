@@ -14,7 +14,7 @@
 
 namespace glint {
 
-nlohmann::ordered_json estimate_json(const Estimate& estimate);
+nlohmann::ordered_json estimated_json(const Estimate& estimate);
 
 /// How far silhouettes and edges of a pair are apart.
 nlohmann::ordered_json overlap_json(const std::string& design,

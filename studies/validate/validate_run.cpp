@@ -356,7 +356,7 @@ class ValidateRun {
     row["scores"] = found == scores_.end() ? Json(nullptr) : both_scores_json(found->second);
     const SeenContrasts& seen = seen_[index];
     const auto rate = [&](int hits) {
-      return seen.defects > 0 ? estimate_json(wilson(hits, seen.defects)) : Json(nullptr);
+      return seen.defects > 0 ? estimated_json(wilson(hits, seen.defects)) : Json(nullptr);
     };
     row["inspection"] = {{"defects", seen.defects},
                          {"found_simulated", seen.found_simulated},
@@ -375,7 +375,7 @@ class ValidateRun {
     DesignRefit refit = {.change = common_change(findings_)};
     if (std::ranges::find(findings_.geometry.faults, GeometryFault::kPartPose) !=
         findings_.geometry.faults.end()) {
-      refit.scene_from_part = motion_of(findings_.geometry.part);
+      refit.scene_from_part = moved_by(findings_.geometry.part);
       refit.scene_from_part.translation_mm +=
           budget_.middle_mm - refit.scene_from_part.rotation * budget_.middle_mm;
     }

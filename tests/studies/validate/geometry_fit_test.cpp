@@ -46,7 +46,7 @@ std::vector<ViewEdges> edges_of(const Eigen::Matrix<double, 9, 1>& lens_change,
   for (const auto& tilt : tilts) {
     Eigen::Matrix<double, 6, 1> motion;
     motion << tilt[0], tilt[1], 0.3, 0, 0, 0;
-    RigidTransform pose = motion_of(motion);
+    RigidTransform pose = moved_by(motion);
     pose.translation_mm = {0.0, 0.0, 180.0};
     ViewEdges view = {.camera_from_scene = pose, .robot_sigma_mm = 0.02, .robot_sigma_rad = 1e-4};
     const RigidTransform moved = refitted_view(truth, budget(), pose, 0);

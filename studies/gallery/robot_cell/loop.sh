@@ -57,5 +57,5 @@ done
 twins_down
 
 # 4. Do both sides agree?
-"$glint" validate "$out/run" --pictures "$out/acquired" --calibration "$out/calibrate/calibration.toml" \
+"$glint" validate "$out/run" --pictures "$out/acquired" --calibration "$out/calibrate/calibration/calibration.toml" \
   --refit --out "$out/validate"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/acquire/driving_options.h"
 
+#include <CLI/CLI.hpp>
+
 #include "cli/shell/options.h"
 
 namespace glint {

@@ -3,9 +3,11 @@
 
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "cli/acquire/acquire.h"
+
+namespace CLI {
+class App;
+}  // namespace CLI
 
 namespace glint {
 

@@ -255,13 +255,15 @@ void take_pictures(Work& work) {
 std::string weakness_of(const CameraCalibration& result) {
   const Eigen::Vector2d share =
       result.sigma().head<2>().cwiseQuotient(result.lens.head<2>().cwiseAbs());
-  if (!(share.maxCoeff() <= kWorstFocalShare)) {
+  constexpr const char* kAdvice =
+      "the board is tilted by at most {:.1f} degrees, tilt it by 20 to 30 degrees about both axes";
+  const std::string advice = fmt::format(kAdvice, result.largest_tilt_rad * kDegPerRad);
+  if (!share.allFinite()) {
+    return "the focal length cannot be told: " + advice;
+  }
+  if (share.maxCoeff() > kWorstFocalShare) {
     return fmt::format(
-        "the focal length stays unknown by {:.2g} %: the board is tilted by at most {:.1f} "
-        "degrees, "
-        "tilt it by 20 to 30 degrees about both axes",
-        100.0 * share.maxCoeff(),
-        result.largest_tilt_rad * kDegPerRad);
+        "the focal length stays unknown by {:.2g} %: {}", 100.0 * share.maxCoeff(), advice);
   }
   return {};
 }

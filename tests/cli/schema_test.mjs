@@ -137,11 +137,11 @@ function fail(text) {
 }
 
 // Boards, cells and what a simulated cell is in truth are files of other kinds.
-const OTHER_KINDS = ["board.toml", "cell.toml", "truth.toml"];
+const OTHER_KINDS = ["board.toml", "cell.toml", "truth.toml", "robot_cell/hidden.toml"];
 const gallery = path.join(source, "studies", "gallery");
 const valid = fs
   .readdirSync(gallery, { recursive: true })
-  .filter((name) => name.endsWith(".toml") && !OTHER_KINDS.includes(path.basename(name)))
+  .filter((name) => name.endsWith(".toml") && !OTHER_KINDS.some((kind) => name.endsWith(kind)))
   .map((name) => path.join(gallery, name));
 if (valid.length < 12) {
   fail(`only ${valid.length} studies found in ${gallery}`);

@@ -3,7 +3,9 @@
 #
 # usage: loop.sh [OUT]   the whole loop on twins: calibrate, run, acquire, validate; default out/cell
 #
-# GLINT names the program, else build/release/glint; WIDTH=306 makes pictures a quarter as wide.
+# GLINT names the program, else build/release/glint; WIDTH=306 makes pictures a quarter as wide,
+# SAMPLES=64 renders with so many samples a pixel, on both sides; TARGET_PX is how well a point must
+# be known for the calibration to end.
 set -euo pipefail
 
 here=$(cd "$(dirname "$0")" && pwd)
@@ -26,6 +28,10 @@ if [[ -n ${WIDTH:-} && $WIDTH != 1224 ]]; then
     "$WIDTH" "$height" "$pixel_um" "$object_mm")
 fi
 
+if [[ -n ${SAMPLES:-} ]]; then
+  resize+=$(printf '\n[render.paths]\nsamples = %d\n' "$SAMPLES")
+fi
+
 # A cell whose camera sees the truth, or the board where the part will lie.
 cell_of() {  # NAME TRUTH-FILES...
   local name=$1 includes=""
@@ -42,7 +48,8 @@ printf 'schema = 2\ninclude = ["%s"]\n%s\n' "$here/study.toml" "$resize" >"$out/
 
 # 1. The camera's lens and its place on the flange.
 "$glint" cell twin both "$out/cell_board.toml" --port 0 --detach --ready_file "$ready"
-"$glint" calibrate --cell "$out/cell_board.toml" --twin "$ready" --board "$here/board.toml" --out "$out/calibrate" --move
+"$glint" calibrate --cell "$out/cell_board.toml" --twin "$ready" --board "$here/board.toml" \
+  --target_px "${TARGET_PX:-0.3}" --out "$out/calibrate" --move || echo "going on with this calibration"
 twins_down
 
 # 2. The study: which of the three designs is best in simulation?

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// usage: node robot_cell.mjs PROGRAM SOURCE_DIR FOLDER [WIDTH] [SAMPLES]
+//
+// Runs studies/gallery/robot_cell/loop.sh and compares what it found with what truth.toml hides.
+import { spawnSync } from "node:child_process";
+import { readFileSync, rmSync } from "node:fs";
+import path from "node:path";
+
+const [program, source, folder, width = "306", samples = "64"] = process.argv.slice(2);
+const gallery = path.join(source, "studies/gallery/robot_cell");
+let failures = 0;
+
+function expect(text, value, isRight) {
+  console.log(`${isRight ? "ok  " : "FAIL"}  ${text}: ${value}`);
+  failures += isRight ? 0 : 1;
+}
+
+function readJson(...parts) {
+  return JSON.parse(readFileSync(path.join(folder, ...parts), "utf8"));
+}
+
+/// The numbers of `key = [...]` in the hidden file.
+function hidden(key) {
+  const text = readFileSync(path.join(gallery, "hidden.toml"), "utf8");
+  const found = new RegExp(`^${key} = (.*)$`, "m").exec(text);
+  return JSON.parse(found[1]);
+}
+
+rmSync(folder, { recursive: true, force: true });
+const began = Date.now();
+const loop = spawnSync("bash", [path.join(gallery, "loop.sh"), folder], {
+  env: { ...process.env, GLINT: program, WIDTH: width, SAMPLES: samples },
+  encoding: "utf8",
+});
+console.log(loop.stdout.split("\n").slice(-25).join("\n"));
+console.log(`${((Date.now() - began) / 60000).toFixed(1)} min`);
+expect("twins end, exit code 0 or 1", loop.status, loop.status === 0 || loop.status === 1);
+
+// The camera on the flange, within 2.5 of the stated sigmas (of the three numbers together).
+const eye = readJson("calibrate/calibration/calibration.json").hand_eye;
+const truth = hidden("camera_position_mm");
+const off = Math.hypot(...eye.translation_mm.map((x, i) => x - truth[i]));
+expect(`hand-eye off by ${off.toFixed(3)} mm, sigma`, eye.sigma_mm.toFixed(3), off < 2.5 * eye.sigma_mm);
+
+const result = readJson("validate/result.json");
+expect("agreement", result.agreement, result.agreement !== "does_not_agree");
+expect("ranking", JSON.stringify(result.ranking.agrees ?? null), result.ranking.agrees !== false);
+const { before_calibration_px: before, mean_distance_px: after } = result.edges;
+expect("edges before the calibration, px", before, before > 3 * after);
+const cause = (name) => result.causes.find((one) => one.name === name);
+const exposure = cause("exposure")?.values.factor.value ?? 1;
+expect("exposure", exposure, Math.abs(exposure - 0.95) < 0.0095);
+const light = cause("light_place");
+expect("light that moved", light?.of ?? "none", light?.of === "ring");
+const place = hidden("position_mm");
+const found = ["x_mm", "y_mm", "z_mm"].map((axis) => light?.values[axis].value ?? 0);
+const apart = Math.hypot(...found.map((x, i) => x - place[i]));
+expect("its place is off by mm", apart.toFixed(2), apart < 0.5);
+process.exit(failures > 0 ? 1 : 0);

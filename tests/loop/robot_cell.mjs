@@ -33,7 +33,8 @@ const loop = spawnSync("bash", [path.join(gallery, "loop.sh"), folder], {
   env: { ...process.env, GLINT: program, WIDTH: width, SAMPLES: samples },
   encoding: "utf8",
 });
-console.log(loop.stdout.split("\n").slice(-25).join("\n"));
+const told = `${loop.stdout}\n${loop.stderr}`.split("\n");
+console.log(told.filter((line) => !/ETA|^$/.test(line)).join("\n"));
 console.log(`${((Date.now() - began) / 60000).toFixed(1)} min`);
 expect("twins end, exit code 0 or 1", loop.status, loop.status === 0 || loop.status === 1);
 

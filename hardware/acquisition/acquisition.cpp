@@ -81,14 +81,14 @@ class Acquisition {
     for (std::size_t i = 0; i < way.size(); ++i) {
       look_for_interrupt();
       if (i + 1 == way.size()) {
-        set_lights(task.lights);
         configure(task.exposure_us);
+        set_lights(task.lights);
       }
       guide_.go(way[i]);
     }
     if (way.empty()) {
-      set_lights(task.lights);
       configure(task.exposure_us);
+      set_lights(task.lights);
     }
     wait_for_lights();
     double sharpest = task.sharpest;

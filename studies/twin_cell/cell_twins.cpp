@@ -253,7 +253,7 @@ class Follower {
   }
 
   static constexpr milliseconds kLongestPicture{120'000};
-  static constexpr milliseconds kLightsStay{150};
+  static constexpr milliseconds kLightsStay{400};
 
   const CellWatch& watch_;
   TwinServer& robot_;

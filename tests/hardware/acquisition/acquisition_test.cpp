@@ -97,6 +97,7 @@ TEST(Acquire, TakesEachPositionAtItsViewUnderItsLights) {
   EXPECT_EQ(result.accepted, 4);
   EXPECT_THAT(bench.cell.events,
               ElementsAre("move",  // the point on the way, in the dark
+                          "camera starts",
                           "light ring on",
                           "light bar off",
                           "move",
@@ -105,6 +106,7 @@ TEST(Acquire, TakesEachPositionAtItsViewUnderItsLights) {
                           "stage 1",
                           "picture",
                           "light ring off",
+                          "camera starts",
                           "light bar on",
                           "move",
                           "stage 0",

@@ -206,7 +206,10 @@ class FakeCamera final : public Camera {
     state_ = CameraState::kReady;
   }
 
-  void start() override { state_ = CameraState::kAcquiring; }
+  void start() override {
+    state_ = CameraState::kAcquiring;
+    cell_.events.push_back("camera starts");
+  }
 
   Frame capture() override {
     Frame frame;

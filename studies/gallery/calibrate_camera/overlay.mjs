@@ -173,7 +173,7 @@ try {
         join(work, `tile_${i}_${k}.png`)),
     );
   });
-  run("oiiotool", [...tiles, "--mosaic:pad=4", "3x3", "--compression", "jpeg:88", "-o", join(here, "overlay.jpg")]);
+  run("oiiotool", ["--nosoftwareattrib", ...tiles, "--mosaic:pad=4", "3x3", "--compression", "jpeg:88", "-o", join(here, "overlay.jpg")]);
   console.log(`before: ${best.name}, pictures left out are off by ${best.prediction_rms_px.toFixed(2)} px rms`);
   console.log(`after: glint, by ${after.prediction_rms_px.toFixed(2)} px rms`);
 } finally {

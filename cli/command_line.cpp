@@ -246,6 +246,11 @@ void add_other_verbs(CLI::App& app, CommandLine& line) {
   report->add_option("--out", line.report.out, "HTML file (default DIR/report.html)")
       ->type_name("FILE")
       ->check(not_empty());
+  report
+      ->add_option("--optuna", line.report.optuna, "journal file for Optuna 3.1, instead of a page")
+      ->type_name("FILE")
+      ->check(not_empty())
+      ->excludes("--out");
   CLI::App* explain = add_verb(
       app,
       "explain",

@@ -155,6 +155,7 @@ int cell_command(const CellArguments& arguments, const CommonArguments& common);
 struct ReportArguments {
   std::vector<std::filesystem::path> runs;
   std::filesystem::path out;
+  std::filesystem::path optuna;  ///< a journal file for Optuna; empty: none
 };
 
 int report_command(const ReportArguments& arguments, const CommonArguments& common);

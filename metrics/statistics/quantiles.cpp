@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <boost/math/distributions/non_central_t.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/erf.hpp>
 #include <boost/math/special_functions/gamma.hpp>
@@ -40,6 +41,13 @@ double t_quantile(double probability, double freedom) {
   GLINT_CHECK(freedom >= 1.0, "at least one degree of freedom");
   return boost::math::quantile(boost::math::students_t_distribution<double, InDouble>(freedom),
                                probability);
+}
+
+double noncentral_t_quantile(double probability, double freedom, double shift) {
+  check_probability(probability);
+  GLINT_CHECK(freedom >= 1.0, "at least one degree of freedom");
+  using NoncentralT = boost::math::non_central_t_distribution<double, InDouble>;
+  return boost::math::quantile(NoncentralT(freedom, shift), probability);
 }
 
 double gamma_quantile(double probability, double shape) {

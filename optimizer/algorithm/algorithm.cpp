@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/rng.h"
 #include "core/text.h"
+#include "optimizer/algorithm/gaussian_search.h"
 #include "optimizer/algorithm/multi_start.h"
 #include "optimizer/algorithm/nlopt_methods.h"
 #include "optimizer/algorithm/sobol.h"
@@ -19,7 +20,7 @@ namespace glint {
 
 namespace {
 
-constexpr std::array<std::string_view, 13> kNames = {"auto",
+constexpr std::array<std::string_view, 14> kNames = {"auto",
                                                      "sobol",
                                                      "random",
                                                      "direct_l",
@@ -31,7 +32,8 @@ constexpr std::array<std::string_view, 13> kNames = {"auto",
                                                      "cobyla",
                                                      "slsqp",
                                                      "mma",
-                                                     "lbfgs"};
+                                                     "lbfgs",
+                                                     "gp"};
 
 constexpr int kPointsPerCombination = 4;
 constexpr double kMaxMixedDesign = 64.0;
@@ -142,6 +144,14 @@ void check_smooth(const SearchSpace& space, const std::string& algorithm) {
   throw_if_any(errors);
 }
 
+void check_objectives(const std::string& algorithm, int num_objectives) {
+  GLINT_CHECK(num_objectives >= 1, "a search has an objective");
+  if (num_objectives > 1 && is_nlopt_method(algorithm)) {
+    throw ConfigError("search.algorithm: " + algorithm + " knows one objective, there are " +
+                      std::to_string(num_objectives) + "; allowed: gp, sobol, random");
+  }
+}
+
 }  // namespace
 
 std::vector<Event> Algorithm::take_events() {
@@ -176,9 +186,14 @@ int design_size(const SearchSpace& space, const SearchSettings& settings) {
   return (size + settings.batch - 1) / settings.batch * settings.batch;
 }
 
-std::string resolved_algorithm(const SearchSpace& space, const SearchSettings& settings) {
+std::string resolved_algorithm(const SearchSpace& space,
+                               const SearchSettings& settings,
+                               int num_objectives) {
   if (settings.algorithm != "auto") {
     return settings.algorithm;
+  }
+  if (num_objectives > 1) {
+    return "gp";
   }
   if (space.variables.size() <= 2 && !has_discrete(space)) {
     return "direct_l";
@@ -195,16 +210,26 @@ FailurePolicy failure_policy(const SearchSpace& space, const SearchSettings& set
 std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
                                           const SearchSettings& settings,
                                           std::vector<Point> start_points,
-                                          int num_limits) {
+                                          int num_limits,
+                                          int num_objectives) {
   check(space);
   check_settings(settings);
+  check_objectives(resolved_algorithm(space, settings, num_objectives), num_objectives);
   if (space.variables.empty()) {
     throw ConfigError("variables: a search needs at least one variable");
   }
   for (Point& point : start_points) {
     point = canonical(space, point);
   }
-  const std::string name = resolved_algorithm(space, settings);
+  const std::string name = resolved_algorithm(space, settings, num_objectives);
+  if (name == "gp") {
+    const GaussianSearchPlan plan{.seed = settings.seed,
+                                  .is_noisy = settings.is_noisy,
+                                  .num_design = design_size(space, settings),
+                                  .num_limits = num_limits,
+                                  .num_objectives = num_objectives};
+    return std::make_unique<GaussianSearch>(space, plan, std::move(start_points));
+  }
   if (!is_nlopt_method(name)) {
     return std::make_unique<Sampling>(space, settings, std::move(start_points));
   }

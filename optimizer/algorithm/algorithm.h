@@ -5,6 +5,8 @@
 //
 // sobol, random   even or random sampling of the whole space
 // direct_l        divides the box; best for one or two variables and under strong noise
+// gp              Gaussian process; best under noise and for several objectives, where an
+//                 evaluation costs more than some milliseconds
 // crs2, isres     populations; for budgets of thousands of evaluations
 // mlsl            quasi-random starts, each followed by BOBYQA
 // bobyqa          quadratic model, restarted; best when scores are smooth and free of noise
@@ -17,7 +19,8 @@
 // lbfgs           quasi-Newton with exact derivatives, restarted; for goals without limits, which
 // it
 //                 can keep to at the cost of more evaluations
-// auto            1 or 2 float variables: direct_l; noisy: cobyla; else bobyqa
+// auto            several objectives: gp; 1 or 2 float variables: direct_l; noisy: cobyla; else
+// bobyqa
 //
 // Why `auto` chooses so (four 6-D to 12-D test functions, multi-start): without noise BOBYQA leaves
 // the smallest gap to the optimum at 300 and 1000 evaluations (7 and 4 %); at 5 % noise COBYLA does
@@ -109,17 +112,23 @@ bool needs_gradient(std::string_view algorithm);
 int design_size(const SearchSpace& space, const SearchSettings& settings);
 
 /// The name that `auto` stands for in this space; other names stand for themselves.
-std::string resolved_algorithm(const SearchSpace& space, const SearchSettings& settings);
+/// With several objectives `auto` is gp.
+std::string resolved_algorithm(const SearchSpace& space,
+                               const SearchSettings& settings,
+                               int num_objectives = 1);
 
 FailurePolicy failure_policy(const SearchSpace& space, const SearchSettings& settings);
 
 /// @param start_points  asked first, in order, made canonical
-/// @param num_limits    limits in every answer: num_limits(goal)
+/// @param num_limits      limits in every answer: num_limits(goal)
+/// @param num_objectives  objectives in every answer, >= 1; more than one only for methods that
+///                        take them: gp, sobol, random
 /// @throws ConfigError for a wrong space, an unknown name, settings out of range, or a float with a
 ///                     step when the algorithm needs derivatives
 std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
                                           const SearchSettings& settings,
                                           std::vector<Point> start_points,
-                                          int num_limits = 0);
+                                          int num_limits = 0,
+                                          int num_objectives = 1);
 
 }  // namespace glint

@@ -22,6 +22,9 @@ struct Answer {
   /// One per limit of the goal (optimizer/algorithm/merit.h), at most 0 where it holds. A limit
   /// that holds and whose derivative is not known counts as constant.
   std::vector<ValueWithGradient> limits;
+  std::vector<double> objectives;    ///< one per objective, without penalties; empty: objective
+  std::vector<double> errors;        ///< standard errors of the objectives; empty: not known
+  std::vector<double> limit_errors;  ///< standard errors of the limits; empty: not known
 };
 
 }  // namespace glint

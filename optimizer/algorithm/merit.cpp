@@ -237,11 +237,16 @@ Answer MeritFunction::next(const Point& point, const Outcome& outcome) {
   told_.push_back({std::move(unit), std::clamp(merit, -kMaxMerit, kMaxMerit)});
   Answer answer{.merit = told_.back().merit,
                 .objective = {.value = std::clamp(objective, -kMaxMerit, kMaxMerit)}};
+  answer.objectives = {answer.objective.value};
+  const auto error = outcome.scores.find(goal_.objective.name + ".error");
+  if (error != outcome.scores.end() && std::isfinite(error->second)) {
+    answer.errors = {std::abs(error->second)};
+  }
   if (!outcome.gradients.empty()) {
     const double sign = goal_.objective.is_maximised ? -1.0 : 1.0;
     answer.objective.gradient = gradient_of(space_, point, outcome, goal_.objective.name, sign);
-    add_limits(point, outcome, answer);
   }
+  add_limits(point, outcome, answer);
   return answer;
 }
 
@@ -254,7 +259,7 @@ void MeritFunction::add_limits(const Point& point, const Outcome& outcome, Answe
       ValueWithGradient told{
           .value = std::clamp(excess, -kMaxViolation, kMaxViolation),
           .gradient = gradient_of(space_, point, outcome, constraint.name, factor)};
-      if (told.gradient.empty()) {
+      if (told.gradient.empty() && !outcome.gradients.empty()) {
         told.gradient.assign(point.size(), 0.0);
         told.value = std::min(told.value, 0.0);
       }

@@ -155,6 +155,19 @@ std::optional<double> condition_value(const Variable& variable, const std::strin
   return is_same ? std::optional<double>(nearest) : std::nullopt;
 }
 
+/// All values with which a variable is active, as they are written.
+std::vector<std::string> condition_texts(const Variable& variable) {
+  std::vector<std::string> texts = {variable.when_value};
+  texts.insert(texts.end(), variable.when_others.begin(), variable.when_others.end());
+  return texts;
+}
+
+bool condition_holds(const Variable& variable, const Variable& parent, double value) {
+  return std::ranges::any_of(condition_texts(variable), [&](const std::string& text) {
+    return condition_value(parent, text) == value;
+  });
+}
+
 /// Collects what is wrong with a space, one line per problem.
 class SpaceChecker {
  public:
@@ -236,12 +249,20 @@ class SpaceChecker {
       add(variable, "when looks at the variable itself");
     } else if (parent->kind == Kind::kFloat && parent->step <= 0.0) {
       add(variable, "when needs a choice, an integer or a number with a step");
-    } else if (!condition_value(*parent, variable.when_value)) {
-      add(variable,
-          "when compares with \"" + variable.when_value + "\", which \"" + parent->name +
-              "\" never is" + allowed_values(*parent));
     } else if (is_in_circle(variable)) {
       add(variable, "its conditions run in a circle");
+    } else {
+      check_condition_values(variable, *parent);
+    }
+  }
+
+  void check_condition_values(const Variable& variable, const Variable& parent) {
+    for (const std::string& text : condition_texts(variable)) {
+      if (!condition_value(parent, text)) {
+        add(variable,
+            "when compares with \"" + text + "\", which \"" + parent.name + "\" never is" +
+                allowed_values(parent));
+      }
     }
   }
 
@@ -306,7 +327,7 @@ bool is_active(const SearchSpace& space, std::span<const double> point, std::siz
   for (std::size_t i = 0; i < space.variables.size() && !variable->when_name.empty(); ++i) {
     const Variable* parent = find_variable(space, variable->when_name);
     GLINT_CHECK(parent != nullptr, "check() the space first");
-    if (condition_value(*parent, variable->when_value) != point[index_in(space, *parent)]) {
+    if (!condition_holds(*variable, *parent, point[index_in(space, *parent)])) {
       return false;
     }
     variable = parent;

@@ -30,6 +30,7 @@ struct Variable {
   /// both empty: always active.
   std::string when_name;
   std::string when_value;
+  std::vector<std::string> when_others;  ///< further values of that variable that do as well
 };
 
 struct SearchSpace {

@@ -11,7 +11,7 @@
 #include "core/units.h"
 #include "hardware/robot/path_check.h"
 #include "studies/acquire/acquired.h"
-#include "studies/acquire/pose_numbers.h"
+#include "studies/cell/pose_numbers.h"
 #include "studies/cell_camera/cell_camera.h"
 #include "studies/definition/study.h"
 #include "studies/imaging/path_lights.h"

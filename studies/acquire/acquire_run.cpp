@@ -14,6 +14,7 @@
 #include "hardware/robot/path_check.h"
 #include "studies/acquire/acquire_files.h"
 #include "studies/acquire/cell_devices.h"
+#include "studies/cell/cell_copy.h"
 #include "studies/cell/twin_process.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
@@ -85,7 +86,7 @@ double duration_of(const Tour& tour, const Cell& cell, double share) {
 
 /// Copies that make the folder whole.
 void write_inputs(const Prepared& ready, Json& head) {
-  write_file(ready.folder / "cell.toml", read_file(ready.cell.file));
+  write_file(ready.folder / "cell.toml", cell_copy(ready.cell.file));
   head["scene"] = nullptr;
   head["cell"] = "cell.toml";
   head["calibration"] = nullptr;

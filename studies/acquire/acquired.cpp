@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/units.h"
-#include "studies/acquire/pose_numbers.h"
+#include "studies/cell/pose_numbers.h"
 
 namespace glint {
 namespace {

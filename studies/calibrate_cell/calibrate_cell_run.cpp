@@ -11,10 +11,10 @@
 #include "core/file.h"
 #include "hardware/robot/path_check.h"
 #include "studies/acquire/acquired.h"
-#include "studies/acquire/pose_numbers.h"
 #include "studies/calibrate/calibrate_run.h"
 #include "studies/calibrate/plan_run.h"
 #include "studies/cell/cell_file.h"
+#include "studies/cell/pose_numbers.h"
 #include "studies/output/result_folder.h"
 
 namespace glint {

@@ -31,6 +31,7 @@ constexpr std::array kGroups = {
     KeyGroup{"sensor", "exposure, gain, blur, noise, bits"},
     KeyGroup{"scan", "how the tunnel moves between pictures, and how many are taken"},
     KeyGroup{"render", "how pictures are computed, and how finely"},
+    KeyGroup{"lighting_use", "which of the lights shine"},
     KeyGroup{"lighting", "a table for each light: the fringe tunnel, rings, domes, bars ..."},
     KeyGroup{"defects", "a table for each group of defects: dents, bumps, scratches ..."},
     KeyGroup{"imprint", "what holds for all groups of defects"},

@@ -94,6 +94,31 @@ void read_render(const ConfigNode& root,
   scene.paths.channels = static_cast<int>(scene.sensor.wavelengths_nm.size());
 }
 
+/// [sensor] and how its exposure is found.
+struct SensorTable {
+  SensorSettings sensor;
+  double expose_to = 0.0;
+};
+
+void visit_keys(KeyVisitor& keys, SensorTable& table) {
+  visit_keys(keys, table.sensor);
+  keys.number("expose_to",
+              table.expose_to,
+              Range::between(0.0, 1.0),
+              "sets the exposure so that the 99th percentile of the flawless region is this share "
+              "of full scale, so that kinds of light compete alike; 0 = exposure as given");
+}
+
+void read_sensor(const ConfigNode& root,
+                 const std::string& name,
+                 SceneSettings& scene,
+                 std::vector<Problem>& errors) {
+  SensorTable table;
+  read_table(root, name, table, errors);
+  scene.sensor = table.sensor;
+  scene.expose_to = table.expose_to;
+}
+
 bool is_plain_mirror(const MaterialSettings& material) {
   return material.type == MaterialSettings::Type::kMirror && material.nk_file.empty() &&
          material.reflectance.size() == 1 && material.colour_srgb.empty() &&
@@ -185,10 +210,11 @@ const std::vector<SceneTable>& tables_of_scene() {
       {"cell", read_optional<&Scene::cell>},
       {"viewpoint", read_listed_viewpoints, {"part", "camera", "calibration", "cell"}},
       {"viewpoints", read_member<&Scene::viewpoint_set>},
-      {"sensor", read_member<&Scene::sensor>},
+      {"sensor", read_sensor},
       {"scan", read_member<&Scene::scan>},
       {"render", read_render, {"material", "sensor"}},
-      {"lighting", read_lighting},
+      {"lighting_use", read_lighting_use},
+      {"lighting", read_lighting, {"lighting_use"}},
       {"defects", read_defects},
       {"imprint", read_member<&Scene::imprint>},
       {"metrics", read_member<&Scene::metrics>},
@@ -197,6 +223,15 @@ const std::vector<SceneTable>& tables_of_scene() {
       {"coverage", read_coverage},
       {"validate", read_optional<&Scene::validate>}};
   return tables;
+}
+
+/// Lights are read apart from the key that chooses among them.
+void place_lighting_use(const ConfigNode& root, std::vector<Problem>& errors) {
+  for (Problem& problem : errors) {
+    if (problem.key == "lighting_use") {
+      problem = with_place(root, std::move(problem));
+    }
+  }
 }
 
 std::string table_of(const std::string& key) {
@@ -248,14 +283,16 @@ std::vector<std::filesystem::path> input_files(const SceneSettings& scene) {
   if (scene.cell) {
     files.push_back(scene.cell->file);
   }
-  for (const NamedLight& light : scene.lights) {
-    std::visit(
-        [&](const auto& settings) {
-          if constexpr (requires { settings.file; }) {
-            files.push_back(settings.file);
-          }
-        },
-        light.settings);
+  for (const std::vector<NamedLight>* lights : {&scene.lights, &scene.idle_lights}) {
+    for (const NamedLight& light : *lights) {
+      std::visit(
+          [&](const auto& settings) {
+            if constexpr (requires { settings.file; }) {
+              files.push_back(settings.file);
+            }
+          },
+          light.settings);
+    }
   }
   std::erase_if(files, [](const std::filesystem::path& file) { return file.empty(); });
   return files;
@@ -279,6 +316,7 @@ SceneSettings read_scene(const ConfigNode& root, std::vector<Problem>& errors) {
   for (const SceneTable& table : tables_of_scene()) {
     table.read(root, table.name, scene, errors);
   }
+  place_lighting_use(root, errors);
   if (errors.empty()) {
     for (const Problem& problem : check_level(scene)) {
       errors.push_back(with_place(root, problem));
@@ -300,6 +338,7 @@ void reread_scene(const ConfigNode& root,
       table.read(root_of(table.name), table.name, scene, errors);
     }
   }
+  place_lighting_use(root_of("lighting_use"), errors);
   if (errors.empty()) {
     for (const Problem& problem : check_level(scene)) {
       errors.push_back(with_place(root_of(table_of(problem.key)), problem));
@@ -309,6 +348,8 @@ void reread_scene(const ConfigNode& root,
 
 ConfigNode write_scene(const SceneSettings& scene) {
   ConfigNode root = ConfigNode::table();
+  root.names.emplace_back("lighting_use");
+  root.items.push_back(ConfigNode::from_text(scene.lighting_use));
   write_table(root, "part", scene.part);
   write_table(root, "material", scene.material);
   write_table(root, "camera", scene.camera);
@@ -318,7 +359,7 @@ ConfigNode write_scene(const SceneSettings& scene) {
   root.names.emplace_back("viewpoint");
   root.items.push_back(write_listed_viewpoints(scene));
   write_table(root, "viewpoints", scene.viewpoint_set);
-  write_table(root, "sensor", scene.sensor);
+  write_table(root, "sensor", SensorTable{.sensor = scene.sensor, .expose_to = scene.expose_to});
   write_table(root, "scan", scene.scan);
   RenderTable render = {.render = scene.render, .paths = scene.paths};
   write_table(root, "render", render);
@@ -351,9 +392,10 @@ std::vector<KeyRow> scene_keys() {
   list_table("cell", CellSettings{}, rows);
   std::ranges::move(listed_viewpoint_keys(), std::back_inserter(rows));
   list_table("viewpoints", ViewpointSettings{}, rows);
-  list_table("sensor", SensorSettings{}, rows);
+  list_table("sensor", SensorTable{}, rows);
   list_table("scan", ScanSettings{}, rows);
   list_table("render", RenderTable{}, rows);
+  rows.push_back(lighting_use_key());
   list_table("lighting.tunnel", TunnelSettings{}, rows);
   for (const std::string_view type : light_types()) {
     list_table(fmt::format("lighting.{}", type), default_light(type).value(), rows);

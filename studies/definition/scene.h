@@ -41,6 +41,7 @@ struct SceneSettings {
   std::vector<Viewpoint> viewpoints = {Viewpoint{}};  ///< as listed; at least one
   ViewpointSettings viewpoint_set;                    ///< where all of them come from
   SensorSettings sensor;
+  double expose_to = 0.0;  ///< of full scale, for the brightest percent; 0: sensor.exposure holds
   ScanSettings scan;
   RenderSettings render;
   PathSettings paths;
@@ -48,9 +49,12 @@ struct SceneSettings {
   std::string tunnel_name = "tunnel";  ///< of its table below [lighting]
   bool is_tunnel_guessed = false;      ///< its table has no type and no name that tells one
   TunnelSettings tunnel;
-  std::vector<NamedLight> lights;   ///< all others, in file order
-  std::vector<NamedGroup> defects;  ///< in file order
-  ImprintSettings imprint;          ///< what holds for all of them
+  std::vector<NamedLight> lights;       ///< all others that shine, in file order
+  std::string lighting_use = "all";     ///< names of the lights that shine, with + between them
+  bool has_idle_tunnel = false;         ///< the tunnel is there and does not shine
+  std::vector<NamedLight> idle_lights;  ///< those that do not shine, in file order
+  std::vector<NamedGroup> defects;      ///< in file order
+  ImprintSettings imprint;              ///< what holds for all of them
   MetricsSettings metrics;
   InspectionSettings inspection;
   std::optional<CalibrationSettings> calibration;

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "core/text.h"
+
 namespace glint {
 namespace {
 
@@ -114,7 +116,85 @@ bool holds_tables(const ConfigNode& node) {
          std::ranges::all_of(node.items, [](const ConfigNode& item) { return item.is_table(); });
 }
 
+/// What a name in lighting_use may be.
+std::vector<std::string> light_names(const SceneSettings& scene) {
+  std::vector<std::string> names;
+  if (scene.has_tunnel) {
+    names.push_back(scene.tunnel_name);
+  }
+  std::ranges::transform(scene.lights, std::back_inserter(names), &NamedLight::name);
+  return names;
+}
+
+/// What is wrong with a set of names; empty when nothing is.
+std::string use_problem(const std::vector<std::string>& used,
+                        const std::vector<std::string>& known) {
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (std::ranges::find(known, used[i]) == known.end()) {
+      return fmt::format("\"{}\" is no light; allowed are \"all\" and sets of {} like \"{}\"",
+                         used[i],
+                         fmt::join(known, ", "),
+                         fmt::join(known, "+"));
+    }
+    if (std::find(used.begin(), used.begin() + static_cast<std::ptrdiff_t>(i), used[i]) !=
+        used.begin() + static_cast<std::ptrdiff_t>(i)) {
+      return fmt::format("names \"{}\" twice", used[i]);
+    }
+  }
+  return "";
+}
+
+/// Puts the lights that lighting_use leaves out apart. Who knows the file gives problems their
+/// place.
+void select_lights(SceneSettings& scene, std::vector<Problem>& errors) {
+  if (scene.lighting_use == "all") {
+    return;
+  }
+  const std::vector<std::string> used = split(scene.lighting_use, '+');
+  if (const std::string text = use_problem(used, light_names(scene)); !text.empty()) {
+    errors.push_back({.kind = Problem::Kind::kOutOfRange, .key = "lighting_use", .text = text});
+    return;
+  }
+  const auto is_idle = [&](const std::string& name) {
+    return std::ranges::find(used, name) == used.end();
+  };
+  scene.has_idle_tunnel = scene.has_tunnel && is_idle(scene.tunnel_name);
+  scene.has_tunnel = scene.has_tunnel && !scene.has_idle_tunnel;
+  std::vector<NamedLight> shining;
+  for (NamedLight& light : scene.lights) {
+    (is_idle(light.name) ? scene.idle_lights : shining).push_back(std::move(light));
+  }
+  scene.lights = std::move(shining);
+}
+
 }  // namespace
+
+void read_lighting_use(const ConfigNode& root,
+                       const std::string& name,
+                       SceneSettings& scene,
+                       std::vector<Problem>& errors) {
+  scene.lighting_use = "all";
+  const ConfigNode* use = root.find(name);
+  if (use == nullptr) {
+    return;
+  }
+  if (use->kind != ConfigNode::Kind::kText || use->text.empty()) {
+    errors.push_back({.kind = Problem::Kind::kWrongType,
+                      .place = use->place,
+                      .key = name,
+                      .text = "must be \"all\" or names of lights like \"ring+dome\""});
+    return;
+  }
+  scene.lighting_use = use->text;
+}
+
+KeyRow lighting_use_key() {
+  return {.path = "lighting_use",
+          .kind = "text",
+          .allowed = "\"all\", or names of tables below [lighting] like \"ring+dome\"",
+          .default_text = "\"all\"",
+          .doc = "which lights shine; the others are checked and not built"};
+}
 
 void read_lighting(const ConfigNode& root,
                    const std::string& name,
@@ -126,8 +206,11 @@ void read_lighting(const ConfigNode& root,
   scene.is_tunnel_guessed = plain.is_tunnel_guessed;
   scene.tunnel = plain.tunnel;
   scene.lights.clear();
+  scene.has_idle_tunnel = false;
+  scene.idle_lights.clear();
   const ConfigNode* lighting = root.find(name);
   if (lighting == nullptr) {
+    select_lights(scene, errors);
     return;
   }
   if (!holds_tables(*lighting)) {
@@ -141,15 +224,18 @@ void read_lighting(const ConfigNode& root,
   for (std::size_t i = 0; i < lighting->items.size(); ++i) {
     read_light(lighting->items[i], lighting->names[i], scene, errors);
   }
+  select_lights(scene, errors);
 }
 
 ConfigNode write_lighting(const SceneSettings& scene) {
   ConfigNode lighting = ConfigNode::table();
-  if (scene.has_tunnel) {
+  if (scene.has_tunnel || scene.has_idle_tunnel) {
     write_light(lighting, scene.tunnel_name, scene.tunnel, "tunnel");
   }
-  for (const NamedLight& light : scene.lights) {
-    write_light(lighting, light.name, light.settings, light_type(light.settings));
+  for (const std::vector<NamedLight>* lights : {&scene.lights, &scene.idle_lights}) {
+    for (const NamedLight& light : *lights) {
+      write_light(lighting, light.name, light.settings, light_type(light.settings));
+    }
   }
   return lighting;
 }

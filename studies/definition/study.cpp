@@ -130,6 +130,15 @@ void check_goal(const Study& study, std::vector<Problem>& errors) {
 
 /// What a search needs and path-traced scenes do not have.
 void check_algorithm(const Study& study, std::vector<Problem>& errors) {
+  if (study.has_search() && study.scene.expose_to > 0.0 && needs_gradient(study.search.algorithm)) {
+    errors.push_back(
+        {.kind = Problem::Kind::kRelation,
+         .key = "search.algorithm",
+         .text = fmt::format("\"{}\" needs derivatives, which are not known where "
+                             "sensor.expose_to sets the exposure; allowed are algorithms that do "
+                             "without, such as \"auto\"",
+                             study.search.algorithm)});
+  }
   if (study.has_search() && needs_paths(study.scene) && needs_gradient(study.search.algorithm)) {
     errors.push_back(
         {.kind = Problem::Kind::kRelation,

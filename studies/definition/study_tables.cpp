@@ -9,6 +9,7 @@
 
 #include "core/text.h"
 #include "studies/definition/scene_scores.h"
+#include "studies/definition/variable_condition.h"
 
 namespace glint {
 namespace {
@@ -70,25 +71,6 @@ void visit_budget(KeyVisitor& keys, Budget& b) {
   keys.require(b.evaluations > 0 || b.wall_clock_s > 0.0 || b.stall > 0 || b.target,
                "evaluations",
                "no limit is set: give evaluations, wall_clock, stall or target");
-}
-
-/// `when = "path == value"`.
-void read_condition(const ConfigNode& node, Variable& variable, std::vector<Problem>& errors) {
-  const auto trimmed = [](std::string text) {
-    const auto first = text.find_first_not_of(" \"");
-    const auto last = text.find_last_not_of(" \"");
-    return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
-  };
-  const auto equals = node.text.find("==");
-  if (node.kind != Kind::kText || equals == std::string::npos) {
-    errors.push_back({.place = node.place,
-                      .context = "variables",
-                      .key = variable.name,
-                      .text = "when must be \"path == value\""});
-    return;
-  }
-  variable.when_name = trimmed(node.text.substr(0, equals));
-  variable.when_value = trimmed(node.text.substr(equals + 2));
 }
 
 class VariableReader {
@@ -412,7 +394,7 @@ std::vector<KeyRow> study_keys() {
   };
   add("variables.\"path.to.key\"",
       "table",
-      "{ min, max, step, log } or { choices }, and when = \"path == value\"",
+      "{ min, max, step, log } or { choices }, and when = \"path == value\" or \"path in [..]\"",
       "a numeric, boolean or choice key of the scene that the search may change");
   add("prototypes.<name>.\"path.to.key\"",
       "any",

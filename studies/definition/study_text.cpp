@@ -39,6 +39,22 @@ void name_mounts_for_hash(Study& study) {
   }
 }
 
+/// Keys at their default that earlier programs did not write: hashes are without them, so that runs
+/// begun then go on.
+void drop_younger_defaults(Study& study) {
+  const auto drop = [](ConfigNode* table, const std::string& key, const ConfigNode& plain) {
+    for (std::size_t i = 0; table != nullptr && i < table->names.size(); ++i) {
+      if (table->names[i] == key && value_to_toml(table->items[i]) == value_to_toml(plain)) {
+        table->names.erase(table->names.begin() + static_cast<std::ptrdiff_t>(i));
+        table->items.erase(table->items.begin() + static_cast<std::ptrdiff_t>(i));
+        return;
+      }
+    }
+  };
+  drop(&study.resolved, "lighting_use", ConfigNode::from_text("all"));
+  drop(study.resolved.find("sensor"), "expose_to", ConfigNode::from_number(0.0));
+}
+
 ConfigNode whole_tree(const Study& study) {
   ConfigNode root = ConfigNode::table();
   root.names.emplace_back("schema");
@@ -98,6 +114,7 @@ std::string config_hash(const Study& study) {
   Study hashed = study;
   hashed.budget = {};
   name_mounts_for_hash(hashed);
+  drop_younger_defaults(hashed);
   std::string text = resolved_text(hashed);
   for (const std::filesystem::path& file : input_files(study.scene)) {
     text += read_file(file);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "simulator/geometry/mesh_file/mesh_io.h"
 
 namespace glint {
 namespace {
@@ -216,6 +217,15 @@ TunnelSettings without_powers(TunnelSettings tunnel) {
     tunnel.dark_reflectance = 0.0;
   }
   return tunnel;
+}
+
+std::vector<LightTriangle> load_light_mesh(const std::filesystem::path& file) {
+  const TriangleMesh mesh = read_mesh(file);
+  std::vector<LightTriangle> triangles;
+  for (std::size_t t = 0; t < mesh.num_triangles(); ++t) {
+    triangles.push_back({mesh.vertex(t, 0), mesh.vertex(t, 1), mesh.vertex(t, 2)});
+  }
+  return triangles;
 }
 
 UnitLights unit_lights(const SceneSettings& scene,

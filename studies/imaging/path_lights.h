@@ -3,6 +3,7 @@
 // The lights of a scene at power 1, and what the powers of the scene make of them.
 #pragma once
 
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -43,6 +44,9 @@ struct StageScan {
 
 /// @throws ConfigError as scan_step_mm()
 StageScan stage_scan(const SceneSettings& scene);
+
+/// The triangles of a light that is a mesh, for build_lights(). @throws ConfigError, IoError
+std::vector<LightTriangle> load_light_mesh(const std::filesystem::path& file);
 
 /// @throws ConfigError, IoError as build_lights()
 UnitLights unit_lights(const SceneSettings& scene,

@@ -8,21 +8,11 @@
 
 #include "core/config/key_digest.h"
 #include "core/error.h"
-#include "simulator/geometry/mesh_file/mesh_io.h"
 #include "simulator/render/path_tracing/sobol.h"
 #include "simulator/render/path_tracing/tile_sums.h"
 
 namespace glint {
 namespace {
-
-std::vector<LightTriangle> load_triangles(const std::filesystem::path& file) {
-  const TriangleMesh mesh = read_mesh(file);
-  std::vector<LightTriangle> triangles;
-  for (std::size_t t = 0; t < mesh.num_triangles(); ++t) {
-    triangles.push_back({mesh.vertex(t, 0), mesh.vertex(t, 1), mesh.vertex(t, 2)});
-  }
-  return triangles;
-}
 
 ThinLens thin_lens_of(const SceneSettings& scene) {
   const LensGeometry geometry = lens_geometry(scene.camera, scene.lens);
@@ -231,7 +221,7 @@ struct PathView::Data {
         lights(unit_lights(scene,
                            {.scene_from_camera = inverse(camera_pose),
                             .scene_from_part = built->part.scene_from_part},
-                           load_triangles)),
+                           load_light_mesh)),
         camera(intrinsics_of(scene)),
         physical{.part = built->part,
                  .bvh = *built->bvh,

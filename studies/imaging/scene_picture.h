@@ -101,6 +101,12 @@ struct PictureRequest {
   bool has_derivatives = false;  ///< derivatives will be
 };
 
+/// The scene with the exposure that brings the 99th percentile of the region of interest, over all
+/// frames and without noise, to scene.expose_to of full scale; the scene itself where that is 0.
+/// @throws ConfigError "sensor.expose_to" when no light reaches the region; as picture_of()
+SceneSettings with_equal_exposure(SceneStore& store, SceneSettings scene);
+
+/// Exposed as with_equal_exposure().
 /// @throws ConfigError beginning with the key at fault, IoError
 std::unique_ptr<ScenePicture> picture_of(SceneStore& store,
                                          const SceneSettings& scene,

@@ -12,6 +12,7 @@
 #include "core/file.h"
 #include "core/units.h"
 #include "hardware/robot/ur_settings.h"
+#include "studies/cell/pose_numbers.h"
 
 namespace glint {
 namespace {
@@ -20,38 +21,25 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kSchema = 1;
 
-Json pose_json(const Eigen::Isometry3d& pose) {
-  const JointVector six = pose_difference(pose, Eigen::Isometry3d::Identity());
-  return std::vector<double>(six.begin(), six.end());
-}
-
-Json joints_json(const JointVector& joints_rad) {
-  Json list = Json::array();
-  for (const double angle_rad : joints_rad) {
-    list.push_back(angle_rad * kDegPerRad);
-  }
-  return list;
-}
-
 Json view_json(const PlannedView& view) {
   const bool is_planned = view.outcome == ViewOutcome::kPlanned;
-  return {
-      {"name", view.name},
-      {"outcome", name_of(view.outcome)},
-      {"reason", view.reason},
-      {"base_from_camera", pose_json(view.base_from_camera)},
-      {"base_from_flange", pose_json(view.base_from_flange)},
-      {"joints_deg", is_planned ? joints_json(view.joints_rad) : Json(nullptr)},
-      {"margin_mm", is_planned ? Json(view.margin_mm) : Json(nullptr)},
-      {"singularity", is_planned ? Json(view.singularity) : Json(nullptr)},
-      {"nearest_base_from_camera",
-       view.nearest_base_from_camera ? pose_json(*view.nearest_base_from_camera) : Json(nullptr)}};
+  return {{"name", view.name},
+          {"outcome", name_of(view.outcome)},
+          {"reason", view.reason},
+          {"base_from_camera", six_numbers(view.base_from_camera)},
+          {"base_from_flange", six_numbers(view.base_from_flange)},
+          {"joints_deg", is_planned ? joints_deg(view.joints_rad) : Json(nullptr)},
+          {"margin_mm", is_planned ? Json(view.margin_mm) : Json(nullptr)},
+          {"singularity", is_planned ? Json(view.singularity) : Json(nullptr)},
+          {"nearest_base_from_camera",
+           view.nearest_base_from_camera ? six_numbers(*view.nearest_base_from_camera)
+                                         : Json(nullptr)}};
 }
 
 Json path_json(const PlannedPath& path) {
   Json joints = Json::array();
   for (const JointVector& joints_rad : path.joints_rad) {
-    joints.push_back(joints_json(joints_rad));
+    joints.push_back(joints_deg(joints_rad));
   }
   return {{"from", path.from},
           {"to", path.to},

@@ -8,15 +8,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/config/toml.h"
 #include "core/file.h"
 #include "core/wall_clock.h"
+#include "studies/cell/cell_copy.h"
 #include "studies/cell/cell_file.h"
 #include "studies/definition/study_text.h"
-#include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
-#include "studies/output/staged_folder.h"
+#include "studies/output/result_writer.h"
 #include "studies/plan/plan_file.h"
 #include "studies/plan/plan_page.h"
 #include "studies/plan/plan_pictures.h"
@@ -35,27 +34,6 @@ constexpr int kColumns = 3;
 const std::array<std::string, 7> kFiles = {
     "plan.json", "plan.csv", "scene.toml", "cell.toml", "pictures", "report.html", "run.json"};
 
-/// The cell's file with full paths, so that it may be read from anywhere.
-std::string cell_text(const fs::path& file) {
-  ConfigNode root = load_toml(file);
-  const auto make_full = [&](const std::string& path) {
-    const ConfigNode* node = root.at_path(path);
-    if (node != nullptr && node->kind == ConfigNode::Kind::kText && !node->text.empty()) {
-      const fs::path full = fs::absolute(file.parent_path() / node->text).lexically_normal();
-      set_path(root, path, ConfigNode::from_text(full.string()));
-    }
-  };
-  for (const char* path : {"robot.arm_deltas", "calibration.file", "twin.truth"}) {
-    make_full(path);
-  }
-  const ConfigNode* obstacles = root.find("obstacle");
-  const std::size_t count = obstacles == nullptr ? 0 : obstacles->items.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    make_full(fmt::format("obstacle.{}.file", i));
-  }
-  return to_toml(root);
-}
-
 class PlanRun {
  public:
   PlanRun(const Study& study, const PlanRunOptions& options)
@@ -72,14 +50,13 @@ class PlanRun {
     check_inputs_kept(inputs, options_.out, kFiles);
     made_ = plan();
     Json result = plan_json(made_.plan, "scene.toml", "cell.toml");
-    OutputFolder folder(options_.out);
-    remove_stale_stages(options_.out);
-    StagedFolder stage(options_.out, "");
-    write(stage.path(), result);
+    ResultWriter writer(options_.out, ResultKind::kViewPlan);
+    write(writer.path(), result);
     std::error_code ignored;
     fs::remove_all(options_.out / "pictures", ignored);  // of an earlier plan with other views
-    stage.commit();
-    folder.keep();
+    writer.finish(
+        {{"study", study_.name}, {"started", utc_text(started_)}, {"threads", options_.threads}},
+        start_);
     result["folder"] = options_.out.string();
     result["report"] = (options_.out / "report.html").string();
     return result;
@@ -111,7 +88,7 @@ class PlanRun {
                stage / "plan.json");
     write_file(stage / "plan.csv", plan_csv(made_.plan));
     write_file(stage / "scene.toml", resolved_text(study_));
-    write_file(stage / "cell.toml", cell_text(options_.cell));
+    write_file(stage / "cell.toml", cell_copy(options_.cell));
     const ImageRgb sheet = draw_views(stage / "pictures");
     write_file(stage / "report.html",
                plan_page({.title = study_.title.empty() ? study_.name : study_.title,
@@ -119,13 +96,6 @@ class PlanRun {
                           .sheet = sheet,
                           .toml = resolved_text(study_),
                           .when = moment_text(utc_text(started_), seconds_since(start_))}));
-    Json run = provenance();
-    run["verb"] = command_of(ResultKind::kViewPlan);
-    run["study"] = study_.name;
-    run["started"] = utc_text(started_);
-    run["threads"] = options_.threads;
-    run["timings"] = {{"this_run_s", seconds_since(start_)}};
-    write_file(stage / "run.json", run.dump(2) + "\n");
   }
 
   Study study_;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "simulator/geometry/mesh_file/mesh_io.h"
 #include "simulator/light/area/build_lights.h"
 #include "studies/imaging/path_lights.h"
 
@@ -16,15 +15,6 @@ using Eigen::Vector3d;
 /// Straight pieces around a ring or a dome: they cut corners by 0.2 % of the radius.
 constexpr int kPieces = 48;
 constexpr int kRows = 8;
-
-std::vector<LightTriangle> load_triangles(const std::filesystem::path& file) {
-  const TriangleMesh mesh = read_mesh(file);
-  std::vector<LightTriangle> triangles;
-  for (std::size_t t = 0; t < mesh.num_triangles(); ++t) {
-    triangles.push_back({mesh.vertex(t, 0), mesh.vertex(t, 1), mesh.vertex(t, 2)});
-  }
-  return triangles;
-}
 
 /// Adds a grid of points of the shape, whose surface is covered by u and v in [0, 1].
 void add_grid(const EmitterShape& shape, int columns, int rows, TriangleMesh& mesh) {
@@ -103,7 +93,7 @@ std::vector<SolidBody> light_bodies(const SceneSettings& scene, double thickness
       const bool is_carried = mount_of(light.settings) == LightPlacement::Mount::kCamera;
       add_body(light.name + " light",
                is_carried,
-               mesh_of(build_lights({light}, mounts, load_triangles)),
+               mesh_of(build_lights({light}, mounts, load_light_mesh)),
                thickness_mm,
                bodies);
     }
@@ -112,7 +102,7 @@ std::vector<SolidBody> light_bodies(const SceneSettings& scene, double thickness
   alone.lights.clear();
   add_body(scene.tunnel_name,
            false,
-           mesh_of(unit_lights(alone, mounts, load_triangles).lights),
+           mesh_of(unit_lights(alone, mounts, load_light_mesh).lights),
            thickness_mm,
            bodies);
   return bodies;

@@ -38,10 +38,16 @@ TEST(UsageError, MissingArgument) {
   expect_usage_error({"report"}, "glint report: DIR is required");
 }
 
+TEST(UsageError, JournalAndPageAtOnce) {
+  expect_usage_error({"report", "run", "--optuna", "a.log", "--out", "a.html"}, ".*--out.*");
+}
+
 // --out "$folder" of a variable that is not set.
 TEST(UsageError, EmptyNames) {
   expect_usage_error({"run", "study.toml", "--out", ""},
                      "glint run: --out: is empty, must be a name");
+  expect_usage_error({"report", "study.toml", "--optuna", ""},
+                     "glint report: --optuna: is empty, must be a name");
   expect_usage_error({"report", "study.toml", "--out", ""},
                      "glint report: --out: is empty, must be a name");
   expect_usage_error({"run", "study.toml", "--log", ""},

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 #include <set>
+#include <tuple>
 
 #include "optimizer/algorithm/algorithm.h"
 #include "tests/optimizer/algorithm/problems.h"
@@ -115,6 +116,53 @@ TEST(AutoSearch, IsNeverWorseThanRandomAfterAHundredEvaluations) {
       RecordProperty(name + std::to_string(num_dimensions),
                      std::to_string(found) + " against " + std::to_string(random));
     }
+  }
+}
+
+/// The true value at the best observed one of 100, of values with noise; medians of five seeds.
+double noisy_median_after(const std::string& name, double noise, const Function& f) {
+  constexpr int kNumVariables = 6;
+  std::vector<double> values;
+  for (int seed = 1; seed <= 5; ++seed) {
+    const Point center = optimum(kNumVariables, seed);
+    const auto algorithm = make_algorithm(
+        test::box(kNumVariables, -1, 1),
+        {.algorithm = name, .seed = static_cast<std::uint64_t>(seed), .is_noisy = true},
+        {});
+    Rng rng(static_cast<std::uint64_t>(seed), Stream::kTest, 2);
+    double observed = 1e300;
+    double found = 1e300;
+    for (int i = 0; i < 100; ++i) {
+      const Point point = *algorithm->ask();
+      const double truth = f(turned(point, center));
+      const double value = truth + noise * rng.normal();
+      if (value < observed) {
+        observed = value;
+        found = truth;
+      }
+      algorithm->tell(point, value, false);
+    }
+    values.push_back(found);
+  }
+  std::ranges::sort(values);
+  return values[2];
+}
+
+TEST(GaussianSearch, IsBetterThanRandomSamplingUnderNoise) {
+  const std::vector<std::tuple<std::string, double, Function>> functions = {
+      {"sphere", 0.05, sphere},
+      {"rosenbrock", 0.1, rosenbrock},
+      {"rastrigin", 0.5, rastrigin},
+      {"kinks", 0.1, kinks}};
+  for (const auto& [name, noise, function] : functions) {
+    const double found = noisy_median_after("gp", noise, function);
+    const double random = noisy_median_after("random", noise, function);
+    EXPECT_LT(found, random) << name;
+    RecordProperty(name,
+                   std::to_string(found) + " against " + std::to_string(random) + ", cobyla " +
+                       std::to_string(noisy_median_after("cobyla", noise, function)) +
+                       ", direct_l " +
+                       std::to_string(noisy_median_after("direct_l", noise, function)));
   }
 }
 

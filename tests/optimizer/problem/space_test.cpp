@@ -96,6 +96,20 @@ TEST(SearchSpace, AConditionCanHangOnAnother) {
   EXPECT_EQ(canonical(space, Point{0.1, 0, 3}), (Point{0.5, 0, 2}));
 }
 
+TEST(SearchSpace, AConditionMayHoldForSeveralValues) {
+  const Variable kind = {.name = "kind", .kind = Kind::kChoice, .choices = {"a", "b", "c"}};
+  const Variable on = {.name = "x", .when_name = "kind", .when_value = "a", .when_others = {"c"}};
+  const SearchSpace space = {{kind, on}};
+  check(space);
+  EXPECT_TRUE(is_active(space, Point{0, 0.2}, 1));
+  EXPECT_FALSE(is_active(space, Point{1, 0.2}, 1));
+  EXPECT_TRUE(is_active(space, Point{2, 0.2}, 1));
+  EXPECT_EQ(canonical(space, Point{1, 0.2}), (Point{1, 0.5}));
+  Variable wrong = on;
+  wrong.when_others = {"d"};
+  EXPECT_THROW(check(SearchSpace{{kind, wrong}}), ConfigError);
+}
+
 TEST(SearchSpace, PointsAreAllowedAndStayAsTheyAreThroughTheCube) {
   const SearchSpace space = test::mixed_space();
   for (std::uint64_t i = 0; i < 2000; ++i) {

@@ -75,6 +75,10 @@ void collect_values(const ConfigNode& node,
 /// Words that a key of this name takes somewhere in the key table, and one that none takes.
 std::vector<std::string> words_for(const std::string& path) {
   std::vector<std::string> words = {"nonsense"};
+  if (path == "lighting_use") {
+    words.insert(words.end(), {"all", "tunnel", "ring"});
+    return words;
+  }
   const std::string name = path.substr(path.rfind('.'));
   if (name == ".type") {  // of a light, which is no row of the table
     words.insert(words.end(), {"tunnel", "ring", "dome"});

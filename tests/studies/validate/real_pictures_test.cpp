@@ -3,9 +3,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/file.h"
+#include "studies/acquire/acquired.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -22,18 +24,29 @@ std::string error_of(const std::filesystem::path& folder) {
   return "";
 }
 
+/// acquired.json of pictures of the views "a b", taken, and "c", rejected.
+std::string acquired_json() {
+  AcquiredPicture taken = {.view = "a b", .file = "views/a_b/one.png", .position_sigma_mm = 0.1};
+  taken.base_from_flange.translation() = Eigen::Vector3d(1.0, 2.0, 3.0);
+  const AcquiredPicture rejected = {
+      .view = "c", .file = "views/c/one.png", .is_accepted = false, .reason = "blurred"};
+  return nlohmann::ordered_json{{"kind", "acquired"},
+                                {"status", "partial"},
+                                {"twin", true},
+                                {"calibration", "calibration.toml"},
+                                {"pictures", {picture_json(taken), picture_json(rejected)}}}
+      .dump();
+}
+
 TEST(RealPictures, ReadsWhatWasAcquired) {
   const TemporaryFolder folder;
-  make_folder(folder.path() / "views/a");
-  write_file(folder.path() / "views/a/one.png", "x");
-  write_file(folder.path() / "acquired.json",
-             R"({"kind": "acquired", "status": "partial", "twin": true,
-    "calibration": "calibration.toml", "pictures": [
-    {"view": "a", "file": "views/a/one.png", "accepted": true, "base_from_flange": [1, 2, 3, 0, 0, 0], "position_sigma_mm": 0.1},
-    {"view": "b", "file": "views/b/one.png", "accepted": false, "reason": "blurred"}]})");
+  make_folder(folder.path() / "views/a_b");
+  write_file(folder.path() / "views/a_b/one.png", "x");
+  write_file(folder.path() / "acquired.json", acquired_json());
   const RealDesign design = read_real_design("ring", folder.path());
   ASSERT_EQ(design.views.size(), 1U);
-  EXPECT_EQ(design.views[0].name, "a");
+  EXPECT_EQ(design.views[0].name, "a b");
+  EXPECT_EQ(design.views[0].picture, folder.path() / "views/a_b/one.png");
   EXPECT_DOUBLE_EQ(design.views[0].base_from_flange->translation_mm.z(), 3.0);
   EXPECT_DOUBLE_EQ(design.views[0].position_sigma_mm, 0.1);
   EXPECT_EQ(design.calibration, folder.path() / "calibration.toml");
@@ -41,17 +54,28 @@ TEST(RealPictures, ReadsWhatWasAcquired) {
   EXPECT_EQ(design.notes.size(), 2U);
 }
 
+// Its folder is not named as the view is.
+TEST(RealPictures, TakesTheMeanOfAScan) {
+  const TemporaryFolder folder;
+  make_folder(folder.path() / "views/a_b");
+  write_file(folder.path() / "views/a_b/one.png", "x");
+  write_file(folder.path() / "views/a_b/aspect.png", "x");
+  write_file(folder.path() / "acquired.json", acquired_json());
+  EXPECT_EQ(read_real_design("ring", folder.path()).views[0].picture,
+            folder.path() / "views/a_b/aspect.png");
+}
+
 TEST(RealPictures, RefusesWhatIsNoListOfPictures) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "acquired.json";
   write_file(file, "{]");
-  EXPECT_THAT(error_of(folder.path()), HasSubstr("acquired.json: is no list of acquired pictures"));
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("acquired.json: is no acquired.json"));
   write_file(file, R"({"kind": "acquired"})");
-  EXPECT_THAT(error_of(folder.path()), HasSubstr("has no list \"pictures\""));
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("acquired.json: is no acquired.json"));
   write_file(file, R"({"kind": "acquired", "pictures": [{"view": 3}]})");
-  EXPECT_THAT(error_of(folder.path()), HasSubstr("without \"view\" or \"file\""));
-  write_file(file, R"({"kind": "acquired", "pictures": [{"view": "a", "file": "no.png"}]})");
-  EXPECT_THAT(error_of(folder.path()), HasSubstr("there is no such file"));
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("is no picture of glint acquire"));
+  write_file(file, acquired_json());
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("one.png: there is no such file"));
   write_file(file, R"({"kind": "acquired", "pictures": []})");
   EXPECT_THAT(error_of(folder.path()), HasSubstr("has no accepted picture"));
 }

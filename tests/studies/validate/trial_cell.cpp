@@ -2,7 +2,6 @@
 #include "tests/studies/validate/trial_cell.h"
 
 #include <algorithm>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -10,6 +9,8 @@
 #include "core/file.h"
 #include "core/image/image_io.h"
 #include "core/thread_pool.h"
+#include "core/units.h"
+#include "studies/acquire/acquired.h"
 #include "studies/definition/study.h"
 #include "studies/imaging/path_lights.h"
 #include "studies/twin_cell/cell_renderer.h"
@@ -26,7 +27,7 @@ using Json = nlohmann::ordered_json;
 std::vector<double> radians(const std::vector<double>& degrees) {
   std::vector<double> values;
   for (const double value : degrees) {
-    values.push_back(value * std::numbers::pi / 180.0);
+    values.push_back(value * kRadPerDeg);
   }
   return values;
 }
@@ -56,18 +57,9 @@ Truth truth_of(const SceneSettings& scene, const TrialTruth& trial) {
                     .scene_rotation_rad = placed.rotation_vector_rad,
                     .exposure_s = 0.005,
                     .position_noise_mm = trial.position_noise_mm,
-                    .rotation_noise_rad = trial.rotation_noise_deg * std::numbers::pi / 180.0,
+                    .rotation_noise_rad = trial.rotation_noise_deg * kRadPerDeg,
                     .seed = trial.seed};
   return truth;
-}
-
-Json numbers_of(const RigidTransform& pose) {
-  const PoseSettings settings = pose_settings(pose);
-  Json list = settings.translation_mm;
-  for (const double value : settings.rotation_vector_rad) {
-    list.push_back(value);
-  }
-  return list;
 }
 
 void take_pictures(const SceneSettings& scene,
@@ -94,13 +86,13 @@ void take_pictures(const SceneSettings& scene,
     const std::string file = "views/" + name + "/sequence/frame_000.png";
     make_folder((folder / file).parent_path());
     write_png(folder / file, grey, PixelDepth::k8Bit);
-    pictures.push_back({{"view", name},
-                        {"position", 0},
-                        {"file", file},
-                        {"accepted", true},
-                        {"base_from_flange", numbers_of(base_from_flange)},
-                        {"position_sigma_mm", trial.position_noise_mm},
-                        {"rotation_sigma_rad", trial.rotation_noise_deg * std::numbers::pi / 180}});
+    AcquiredPicture picture = {.view = name,
+                               .file = file,
+                               .position_sigma_mm = trial.position_noise_mm,
+                               .rotation_sigma_rad = trial.rotation_noise_deg * kRadPerDeg};
+    picture.base_from_flange.linear() = base_from_flange.rotation;
+    picture.base_from_flange.translation() = base_from_flange.translation_mm;
+    pictures.push_back(picture_json(picture));
   }
   write_file(folder / "acquired.json",
              Json{{"schema", 1},

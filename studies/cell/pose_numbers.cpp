@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/acquire/pose_numbers.h"
+#include "studies/cell/pose_numbers.h"
 
 #include <cmath>
 #include <vector>

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimizer/analysis/sobol_indices.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+
+namespace glint {
+namespace {
+
+void expect_within(const VarianceShare& share, double truth) {
+  EXPECT_NEAR(share.value, truth, 0.02);
+  EXPECT_LE(share.low, truth + 1e-3);
+  EXPECT_GE(share.high, truth - 1e-3);
+  EXPECT_LE(share.high - share.low, 0.2);
+}
+
+// Ishigami and Homma 1990 with a = 7, b = 0.1: the third coordinate acts by interaction alone.
+TEST(SobolIndices, OfIshigamisFunction) {
+  constexpr double kPi = std::numbers::pi;
+  constexpr double kA = 7.0;
+  constexpr double kB = 0.1;
+  const auto function = [](std::span<const double> unit) {
+    const auto angle = [&](std::size_t i) { return kPi * (2.0 * unit[i] - 1.0); };
+    return std::sin(angle(0)) * (1.0 + kB * std::pow(angle(2), 4)) +
+           kA * std::pow(std::sin(angle(1)), 2);
+  };
+  const double pi4 = std::pow(kPi, 4);
+  const double first = 0.5 * std::pow(1.0 + kB * pi4 / 5.0, 2);
+  const double second = kA * kA / 8.0;
+  const double together = kB * kB * pi4 * pi4 * 8.0 / 225.0;
+  const double all = first + second + together;
+  const auto indices = sobol_indices(function, 3);
+  ASSERT_EQ(indices.size(), 3U);
+  expect_within(indices[0].first, first / all);
+  expect_within(indices[1].first, second / all);
+  expect_within(indices[2].first, 0.0);
+  expect_within(indices[0].total, (first + together) / all);
+  expect_within(indices[1].total, second / all);
+  expect_within(indices[2].total, together / all);
+}
+
+TEST(SobolIndices, OfAnAdditiveFunctionWithADeadVariable) {
+  constexpr std::array<double, 4> kSlopes = {3.0, 2.0, 1.0, 0.0};
+  const auto function = [&](std::span<const double> unit) {
+    double sum = 100.0;  // an offset explains nothing
+    for (std::size_t i = 0; i < unit.size(); ++i) {
+      sum += kSlopes[i] * unit[i];
+    }
+    return sum;
+  };
+  const auto indices = sobol_indices(function, 4);
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    SCOPED_TRACE(i);
+    const double share = kSlopes[i] * kSlopes[i] / 14.0;
+    expect_within(indices[i].first, share);
+    expect_within(indices[i].total, share);
+  }
+  EXPECT_EQ(indices[3].total.value, 0.0);
+  EXPECT_EQ(indices[3].total.high, 0.0);
+}
+
+TEST(SobolIndices, OfAConstantAreZero) {
+  for (const SobolIndex& index : sobol_indices([](std::span<const double>) { return 3.0; }, 2)) {
+    EXPECT_EQ(index.first.value, 0.0);
+    EXPECT_EQ(index.total.high, 0.0);
+  }
+}
+
+TEST(SobolIndices, AreTheSameForTheSameSeed) {
+  const auto function = [](std::span<const double> unit) { return unit[0] * unit[1]; };
+  const auto a = sobol_indices(function, 2, {.samples = 64});
+  const auto b = sobol_indices(function, 2, {.samples = 64});
+  EXPECT_EQ(a[0].first.low, b[0].first.low);
+  EXPECT_NE(a[0].first.value,
+            sobol_indices(function, 2, {.samples = 64, .seed = 2})[0].first.value);
+}
+
+TEST(SobolIndices, RefuseSettingsWithoutAMeaning) {
+  const auto function = [](std::span<const double>) { return 0.0; };
+  EXPECT_THROW(sobol_indices(function, 0), ConfigError);
+  EXPECT_THROW(sobol_indices(function, 1, {.samples = 1}), ConfigError);
+  EXPECT_THROW(sobol_indices(function, 1, {.coverage = 1.0}), ConfigError);
+}
+
+}  // namespace
+}  // namespace glint

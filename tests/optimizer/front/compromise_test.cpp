@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimizer/front/compromise.h"
+
+#include <gtest/gtest.h>
+
+namespace glint {
+namespace {
+
+using Rows = std::vector<std::vector<double>>;
+
+/// In parts of the ranges: (0, 1), (0.1, 0.5), (0.3, 0.25), (1, 0).
+const Rows kFront = {{10, 4}, {11, 2}, {13, 1}, {20, 0}};
+
+TEST(Compromise, GivesUpPartsOfTheFrontsRange) {
+  const Rows parts = given_up(kFront);
+  EXPECT_EQ(parts[0], (std::vector<double>{0.0, 1.0}));
+  EXPECT_EQ(parts[1], (std::vector<double>{0.1, 0.5}));
+  EXPECT_EQ(parts[2], (std::vector<double>{0.3, 0.25}));
+  EXPECT_EQ(parts[3], (std::vector<double>{1.0, 0.0}));
+}
+
+/// Squared distances 1, 0.26, 0.1525, 1.
+TEST(Compromise, TheKneeIsNearestToTheBestOfAll) {
+  EXPECT_EQ(compromise_of(kFront, {}), 2U);
+}
+
+/// a + b: 1, 0.6, 0.55, 1; 20 a + b: 1, 2.5, 6.25, 20; a + 20 b: 20, 10.1, 5.3, 1.
+TEST(Compromise, WeightsCountWhatIsGivenUp) {
+  const auto by = [](double a, double b) {
+    return compromise_of(kFront, {.rule = ChoiceRule::kWeights, .weights = {a, b}});
+  };
+  EXPECT_EQ(by(20.0, 1.0), 0U);
+  EXPECT_EQ(by(1.0, 20.0), 3U);
+  EXPECT_EQ(by(1.0, 1.0), 2U);
+}
+
+TEST(Compromise, AspirationsAreReachedOrMissedByLeast) {
+  const auto of = [](std::optional<double> a, std::optional<double> b) {
+    return compromise_of(kFront, {.rule = ChoiceRule::kAspirations, .aspirations = {a, b}});
+  };
+  EXPECT_EQ(of(11.0, 2.0), 1U);  // reached by one design alone
+  EXPECT_EQ(of(20.0, 4.0), 2U);  // reached by all: the knee
+  EXPECT_EQ(of(12.0, {}), 1U);   // by two, of which the second is nearer to the best
+  EXPECT_EQ(of(10.0, 0.0), 2U);  // by none: shortfalls 1, 0.5, 0.3, 1
+}
+
+TEST(Compromise, OneDesignOrAnObjectiveWithoutRangeIsNoMistake) {
+  EXPECT_EQ(compromise_of(Rows{{3, 7}}, {}), 0U);
+  EXPECT_EQ(
+      compromise_of(Rows{{3, 7}}, {.rule = ChoiceRule::kAspirations, .aspirations = {1.0, 1.0}}),
+      0U);
+  EXPECT_EQ(given_up(Rows{{3, 7}})[0], (std::vector<double>{0.0, 0.0}));
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/config/toml.h"
+#include "core/file.h"
+#include "studies/definition/scene.h"
+#include "studies/definition/study.h"
+#include "studies/definition/study_text.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* kLights = R"([lighting.tunnel]
+radius_mm = 120
+[lighting.ring]
+[lighting.dome]
+)";
+
+Study study_of(const std::string& text, const std::vector<KeyValue>& sets = {}) {
+  const TemporaryFolder folder;
+  write_file(folder / "s.toml", text);
+  return load_study(folder / "s.toml", sets);
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    study_of(text);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+const std::string kSearch = R"([variables]
+"lighting_use" = { choices = ["tunnel", "ring", "ring+dome"] }
+"lighting.tunnel.radius_mm" = { min = 90, max = 150, when = "lighting_use == tunnel" }
+"lighting.ring.height_mm" = { min = 40, max = 90, when = "lighting_use in [ring, ring+dome]" }
+[objective]
+maximise = "homogeneity.h_rms"
+[budget]
+evaluations = 10
+)";
+
+TEST(LightingUse, AllLightsShineUnlessItSaysOtherwise) {
+  const SceneSettings scene = study_of(kLights).scene;
+  EXPECT_TRUE(scene.has_tunnel);
+  EXPECT_EQ(scene.lights.size(), 2U);
+  EXPECT_TRUE(scene.idle_lights.empty());
+  EXPECT_TRUE(needs_paths(scene));
+}
+
+TEST(LightingUse, IdleLightsDoNotDecideTheTransport) {
+  const SceneSettings scene = study_of("lighting_use = \"tunnel\"\n" + std::string(kLights)).scene;
+  EXPECT_TRUE(scene.has_tunnel);
+  EXPECT_TRUE(scene.lights.empty());
+  EXPECT_EQ(scene.idle_lights.size(), 2U);
+  EXPECT_FALSE(needs_paths(scene));
+}
+
+TEST(LightingUse, AnIdleTunnelIsKeptAndWrittenBack) {
+  const Study study = study_of("lighting_use = \"ring+dome\"\n" + std::string(kLights));
+  EXPECT_FALSE(study.scene.has_tunnel);
+  EXPECT_EQ(study.scene.lights.size(), 2U);
+  const Study again = study_of(resolved_text(study));
+  EXPECT_FALSE(again.scene.has_tunnel);
+  EXPECT_TRUE(again.scene.has_idle_tunnel);
+  EXPECT_DOUBLE_EQ(again.scene.tunnel.radius_mm, 120.0);
+  EXPECT_EQ(resolved_text(again), resolved_text(study));
+}
+
+TEST(LightingUse, IdleLightsAreCheckedAllTheSame) {
+  EXPECT_THAT(error_of("lighting_use = \"tunnel\"\n" + std::string(kLights) +
+                       "[lighting.bar]\nradiance = -1\n"),
+              HasSubstr("lighting.bar.radiance"));
+}
+
+TEST(LightingUse, RefusesWhatIsNoSetOfLights) {
+  const std::string lights = kLights;
+  EXPECT_THAT(
+      error_of("lighting_use = \"rign\"\n" + lights),
+      HasSubstr("\"rign\" is no light; allowed are \"all\" and sets of tunnel, ring, dome"));
+  EXPECT_THAT(error_of("lighting_use = \"ring+ring\"\n" + lights), HasSubstr("twice"));
+  EXPECT_THAT(error_of("lighting_use = 3\n" + lights), HasSubstr("s.toml:1:"));
+  EXPECT_THAT(error_of(lights + "[variables]\nlighting_use = { choices = [\"ring\", \"dom\"] }\n"
+                                "[objective]\nmaximise = \"homogeneity.h_rms\"\n"
+                                "[budget]\nevaluations = 9\n"),
+              HasSubstr("\"dom\" is no light"));
+}
+
+TEST(LightingUse, IsAVariableWithConditionsOnSeveralValues) {
+  const Study study = study_of(kLights + kSearch);
+  const auto scene_at = [&](double kind) {
+    return scene_with(study, overrides_of(study, canonical(study.space, Point{kind, 100, 60})));
+  };
+  EXPECT_FALSE(needs_paths(scene_at(0)));
+  EXPECT_DOUBLE_EQ(scene_at(0).tunnel.radius_mm, 100.0);
+  EXPECT_EQ(scene_at(1).lights.size(), 1U);
+  EXPECT_EQ(scene_at(2).lights.size(), 2U);
+  const auto active = [&](double kind, std::size_t index) {
+    return is_active(study.space, Point{kind, 100, 60}, index);
+  };
+  EXPECT_TRUE(active(0, 1) && !active(0, 2));
+  EXPECT_TRUE(!active(1, 1) && active(1, 2));
+  EXPECT_TRUE(!active(2, 1) && active(2, 2));
+}
+
+TEST(LightingUse, RefusesConditionsThatCannotBeRead) {
+  const auto with = [&](const std::string& when) {
+    return error_of(kLights +
+                    std::string("[variables]\n\"lighting_use\" = { choices = [\"tunnel\","
+                                "\"ring\"] }\n\"lighting.tunnel.radius_mm\" = { min = "
+                                "90, max = 150, when = \"") +
+                    when +
+                    "\" }\n[objective]\nmaximise = \"homogeneity.h_rms\"\n[budget]\n"
+                    "evaluations = 9\n");
+  };
+  EXPECT_EQ(with("lighting_use in [tunnel]"), "");
+  EXPECT_THAT(with("lighting_use in tunnel"), HasSubstr("path in [value, value]"));
+  EXPECT_THAT(with("lighting_use in []"), HasSubstr("path in [value, value]"));
+  EXPECT_THAT(with("lighting_use in [tunnel, dome]"), HasSubstr("\"dome\""));
+}
+
+// A run that was begun before the keys were there goes on: their defaults are not in the hash.
+TEST(LightingUse, ItsDefaultIsNotInTheHash) {
+  const std::string hash = config_hash(study_of(kLights));
+  EXPECT_EQ(config_hash(study_of("lighting_use = \"all\"\n" + std::string(kLights))), hash);
+  EXPECT_NE(config_hash(study_of("lighting_use = \"ring\"\n" + std::string(kLights))), hash);
+}
+
+TEST(ExposeTo, IsReadAndRefusesMethodsWithDerivatives) {
+  const std::string sensor = "[sensor]\nexpose_to = 0.9\n";
+  EXPECT_DOUBLE_EQ(study_of(sensor).scene.expose_to, 0.9);
+  EXPECT_THAT(error_of("[sensor]\nexpose_to = 1.5\n"), HasSubstr("sensor.expose_to"));
+  EXPECT_THAT(error_of(sensor + "[variables]\n\"lighting.tunnel.radius_mm\" = { min = 90, max = "
+                                "150 }\n[objective]\nmaximise = \"homogeneity.h_rms\"\n[search]\n"
+                                "algorithm = \"slsqp\"\n[budget]\nevaluations = 9\n"),
+              HasSubstr("sensor.expose_to sets the exposure"));
+}
+
+}  // namespace
+}  // namespace glint

@@ -251,6 +251,15 @@ void add_other_verbs(CLI::App& app, CommandLine& line) {
       ->type_name("FILE")
       ->check(not_empty())
       ->excludes("--out");
+  CLI::Option* analyse = report->add_flag(
+      "--analyse", line.report.is_analysed, "what the scores of one run owe to each variable");
+  report
+      ->add_option("--evaluate",
+                   line.report.evaluate,
+                   "evaluate space-filling designs for the analysis, until it has N")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000000))
+      ->needs(analyse);
   CLI::App* explain = add_verb(
       app,
       "explain",

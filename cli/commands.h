@@ -156,6 +156,8 @@ struct ReportArguments {
   std::vector<std::filesystem::path> runs;
   std::filesystem::path out;
   std::filesystem::path optuna;  ///< a journal file for Optuna; empty: none
+  bool is_analysed = false;      ///< with what the scores owe to each variable
+  int evaluate = 0;              ///< designs that are added for it, in all; 0: none
 };
 
 int report_command(const ReportArguments& arguments, const CommonArguments& common);

@@ -5,8 +5,10 @@
 #include "cli/commands.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "studies/analysis/run_analysis.h"
 #include "studies/calibration_trial/trial_run.h"
 #include "studies/export/optuna_journal.h"
+#include "studies/report/report.h"
 #include "studies/run/run_report.h"
 
 namespace glint {
@@ -43,11 +45,95 @@ int optuna_command(const ReportArguments& arguments, const CommonArguments& comm
   return kExitDone;
 }
 
+/// Importance and responses of the objective over all branches, as they are asked for most.
+void add_analysis(const nlohmann::ordered_json& analysis, nlohmann::ordered_json& result) {
+  const auto& objective = analysis["scores"][0];
+  result["q2"] = objective["q2"];
+  for (const char* list : {"importance", "responses"}) {
+    result[list] = nlohmann::ordered_json::array();
+    for (const auto& branch : objective["branches"]) {
+      for (auto entry : branch[list]) {
+        if (!branch["name"].get<std::string>().empty()) {
+          entry["branch"] = branch["name"];
+        }
+        result[list].push_back(entry);
+      }
+    }
+  }
+  result["analysis"] = analysis;
+}
+
+/// A line for each score and branch: how well it is modelled, and what matters most.
+std::string analysis_text(const nlohmann::ordered_json& analysis) {
+  std::string text;
+  for (const auto& score : analysis["scores"]) {
+    for (const auto& branch : score["branches"]) {
+      const auto name = branch["name"].get<std::string>();
+      text += fmt::format(
+          "{}{}: ", score["score"].get<std::string>(), name.empty() ? name : " with " + name);
+      if (!branch["is_enough"].get<bool>()) {
+        text += fmt::format("not enough evidence, {}; designs wanted: {}\n",
+                            branch["reason"].get<std::string>(),
+                            branch["wanted"].get<int>());
+        continue;
+      }
+      text += fmt::format("Q2 = {:.2f}\n", branch["q2"].get<double>());
+      for (const auto& one : branch["importance"]) {
+        text += fmt::format("  {:<44} {:3.0f} % alone, {:3.0f} % in all ({:.0f} to {:.0f})\n",
+                            one["variable"].get<std::string>(),
+                            100.0 * one["first"].get<double>(),
+                            100.0 * one["total"].get<double>(),
+                            100.0 * one["total_low"].get<double>(),
+                            100.0 * one["total_high"].get<double>());
+      }
+    }
+    for (const auto& one : score["choices"]) {
+      text += fmt::format("{}: the choice of {} explains {:.0f} % alone\n",
+                          score["score"].get<std::string>(),
+                          one["variable"].get<std::string>(),
+                          100.0 * one["first"].get<double>());
+    }
+    if (score["wanted"].get<int>() > 0) {
+      text += fmt::format("{}: about {} designs all over the space would tell (--evaluate {})\n",
+                          score["score"].get<std::string>(),
+                          score["wanted"].get<int>(),
+                          score["wanted"].get<int>() + analysis["added"].get<int>());
+    }
+  }
+  return text;
+}
+
+/// The page of one run with its analysis.
+int analyse_command(const ReportArguments& arguments, const CommonArguments& common) {
+  if (arguments.runs.size() != 1) {
+    throw ConfigError("--analyse: takes one run apart, give one directory");
+  }
+  const std::filesystem::path& run = arguments.runs.front();
+  const std::filesystem::path out = arguments.out.empty() ? run / "report.html" : arguments.out;
+  check_page(out);
+  if (arguments.evaluate > 0) {
+    add_designs(
+        run,
+        {.count = arguments.evaluate, .threads = common.threads, .progress = common.progress()});
+  }
+  const nlohmann::ordered_json analysis = analyse_run(run);
+  nlohmann::ordered_json data = report_data({run});
+  data["analysis"] = analysis;
+  write_file(out, render_report(data));
+  nlohmann::ordered_json result = {{"schema", 1}, {"status", "done"}, {"report", out.string()}};
+  add_analysis(analysis, result);
+  print_result(common, result, analysis_text(analysis) + "report: " + out.string() + "\n");
+  return kExitDone;
+}
+
 }  // namespace
 
 int report_command(const ReportArguments& arguments, const CommonArguments& common) {
   if (!arguments.optuna.empty()) {
     return optuna_command(arguments, common);
+  }
+  if (arguments.is_analysed) {
+    return analyse_command(arguments, common);
   }
   std::filesystem::path out = arguments.out;
   if (out.empty()) {

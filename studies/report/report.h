@@ -52,6 +52,7 @@
 //       charts        [ { kind: "sizes" | "lightings" | "pod", its data: web/population.js, or
 //                       "curves": web/curves.js } ]
 //       tables        [ { caption, head: [texts], rows: [ [texts] ] } ] } ]
+//   analysis          of `glint report --analyse`, see studies/analysis/run_analysis.h
 //   frontier          the object of frontier.json, see docs/frontier.md
 //   rendered          of `glint render`; {
 //       views         those of its result.json, each with an image: base64 PNG

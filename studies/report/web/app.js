@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Draws the page from the JSON object in it; see studies/report/report.h for its fields.
+import { analysisSection } from './analysis.js';
 import { accuracySection, comparedSection, contactSection, influenceSection, nextSection, pictureTableSection, residualSection } from './calibration.js';
 import { designSection } from './cards.js';
 import { badge, h, section } from './dom.js';
@@ -78,7 +79,7 @@ function main() {
   const table = evaluationSection(facts);
   const sections = [
     verdictSection(facts), sceneSection(facts), ...panelSections(facts), runTable(facts), runCurvesSection(facts), designSection(facts), convergenceSection(facts),
-    parallelSection(facts, (chosen) => table?.choose(chosen)), sliceSection(facts), table?.node, failureSection(facts),
+    parallelSection(facts, (chosen) => table?.choose(chosen)), sliceSection(facts), analysisSection(facts), table?.node, failureSection(facts),
     frontierSection(facts), frontierTableSection(facts), viewsSection(facts), lightingSection(facts), coverageSection(facts), coverageViewsSection(facts),
     contactSection(facts), residualSection(facts), comparedSection(facts), accuracySection(facts), influenceSection(facts),
     nextSection(facts), pictureTableSection(facts),

@@ -166,7 +166,7 @@ function parallelAxes(facts, constraints, width) {
 }
 
 /** Light to dark blue with growing quality; lightness alone carries the order. */
-function shade(fraction) {
+export function shade(fraction) {
   const stops = [[214, 222, 230], [110, 166, 205], [8, 48, 107]];
   const at = Math.min(1, Math.max(0, fraction)) * 2;
   const i = Math.min(1, Math.floor(at));

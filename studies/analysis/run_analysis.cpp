@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/analysis/run_analysis.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/thread_pool.h"
+#include "core/wall_clock.h"
+#include "optimizer/algorithm/sobol.h"
+#include "optimizer/storage/storage.h"
+#include "studies/definition/study.h"
+#include "studies/definition/study_text.h"
+#include "studies/output/provenance.h"
+#include "studies/run/study_search.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Keeps the added designs apart from those that a search of the same seed begins with.
+constexpr std::uint64_t kDesignSeeds = 1ULL << 40;
+
+Study searched_study(const fs::path& run) {
+  if (!fs::exists(run / "study.resolved.toml") || !fs::exists(run / "study.sqlite")) {
+    throw IoError(run.string() + ": is no run directory with a search: study.sqlite is missing");
+  }
+  Study study = load_study(run / "study.resolved.toml", {});
+  if (!study.has_search()) {
+    throw ConfigError(run.string() + ": has searched nothing, there are no trials to analyse");
+  }
+  return study;
+}
+
+Storage open_added(const Study& study, const fs::path& run) {
+  return Storage::open(run / kAddedDesigns,
+                       {.config_hash = config_hash(study),
+                        .config_text = resolved_text(study),
+                        .code_version = program_version(),
+                        .seed = study.search.seed});
+}
+
+/// A failed design is data: the others go on.
+Outcome outcome_of(SceneStore& store, const Study& study, const Point& point) {
+  const auto start = std::chrono::steady_clock::now();
+  Outcome outcome;
+  try {
+    outcome = evaluate_candidate(store, study, point);
+  } catch (const IoError&) {
+    throw;  // says nothing about the design
+  } catch (const Error& error) {
+    outcome = {.is_failed = true, .message = error.what()};
+  }
+  std::erase_if(outcome.scores, [](const auto& score) { return !std::isfinite(score.second); });
+  outcome.gradients.clear();
+  outcome.seconds = seconds_since(start);
+  return outcome;
+}
+
+/// Scores that the goal names, each once.
+std::vector<std::string> named_scores(const Goal& goal) {
+  std::vector<std::string> names = {goal.objective.name};
+  for (const Constraint& constraint : goal.constraints) {
+    if (std::ranges::count(names, constraint.name) == 0) {
+      names.push_back(constraint.name);
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+int add_designs(const fs::path& run, const AddOptions& options) {
+  const Study study = searched_study(run);
+  Storage storage = open_added(study, run);
+  std::map<int, Trial> known;
+  for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
+    known[trial.number] = trial;
+  }
+  const Sobol sequence(study.search.seed + kDesignSeeds,
+                       static_cast<int>(study.space.variables.size()));
+  ThreadPool pool(options.threads);
+  SceneStore store(pool);
+  Progress bar("designs for the analysis", options.count, options.progress);
+  int evaluated = 0;
+  for (int number = 1; number <= options.count; ++number) {
+    const auto found = known.find(number);
+    if (found == known.end() || !found->second.outcome) {
+      const Trial trial = {
+          .number = number,
+          .point =
+              point_from_unit(study.space, sequence.point(static_cast<std::uint32_t>(number) - 1))};
+      if (found == known.end()) {
+        storage.append(std::vector<Event>{{.kind = EventKind::kAsk, .trial = number}},
+                       std::vector<Trial>{trial});
+      }
+      storage.record(TrialKind::kSearch, number, outcome_of(store, study, trial.point));
+      ++evaluated;
+    }
+    bar.update(number);
+  }
+  return evaluated;
+}
+
+Json analyse_run(const fs::path& run) {
+  const Study study = searched_study(run);
+  std::vector<Trial> trials = Storage::read(run / "study.sqlite").trials(TrialKind::kSearch);
+  std::erase_if(trials, [](const Trial& trial) { return !trial.outcome; });
+  std::size_t added = 0;
+  if (fs::exists(run / kAddedDesigns)) {
+    for (Trial& trial : Storage::read(run / kAddedDesigns).trials(TrialKind::kSearch)) {
+      if (trial.outcome) {
+        trials.push_back(std::move(trial));
+        ++added;
+      }
+    }
+  }
+  Json scores = Json::array();
+  for (const std::string& name : named_scores(study.goal)) {
+    scores.push_back(
+        analysis_json(study.space, analyse_score(study.space, study.goal, trials, name)));
+  }
+  return {{"added", added}, {"scores", scores}};
+}
+
+}  // namespace glint

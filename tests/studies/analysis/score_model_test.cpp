@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/analysis/score_model.h"
+
+#include <cmath>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/rng.h"
+#include "optimizer/algorithm/sobol.h"
+#include "studies/analysis/branches.h"
+#include "studies/analysis/run_analysis.h"
+
+namespace glint {
+namespace {
+
+using Kind = Variable::Kind;
+using ::testing::HasSubstr;
+
+SearchSpace box(int dimension) {
+  SearchSpace space;
+  for (int i = 0; i < dimension; ++i) {
+    space.variables.push_back({.name = "x" + std::to_string(i), .low = 10.0, .high = 20.0});
+  }
+  return space;
+}
+
+/// A ring with a radius of its own and a dome with an opening, both at a height.
+SearchSpace lights() {
+  return {{{.name = "use", .kind = Kind::kChoice, .choices = {"ring", "dome"}},
+           {.name = "radius", .when_name = "use", .when_value = "ring"},
+           {.name = "opening", .when_name = "use", .when_value = "dome"},
+           {.name = "height"}}};
+}
+
+const Goal kGoal = {.objective = {.name = "y", .is_maximised = true}, .constraints = {}};
+
+using Function = std::function<double(const Point& point, int number)>;
+
+std::vector<Trial> evaluated(const SearchSpace& space, int count, const Function& function) {
+  const Sobol sequence(5, static_cast<int>(space.variables.size()));
+  std::vector<Trial> trials;
+  for (int k = 0; k < count; ++k) {
+    const Point point = point_from_unit(space, sequence.point(static_cast<std::uint32_t>(k)));
+    trials.push_back({.number = k + 1,
+                      .point = point,
+                      .outcome = Outcome{.scores = {{"y", function(point, k)}}}});
+  }
+  return trials;
+}
+
+double noise(int number) {
+  return Rng(3, Stream::kTest, static_cast<std::uint64_t>(number)).normal();
+}
+
+// y = 3 x0 + x1 over [10, 20]: shares 9/10 and 1/10, x2 is dead. At x0 = 10 the average over x1 is
+// 30 + 15 = 45.
+TEST(AnalyseScore, TellsSharesAndResponsesOfAPlane) {
+  const SearchSpace space = box(3);
+  const auto trials = evaluated(space, 60, [](const Point& point, int k) {
+    return 3.0 * point[0] + point[1] + 0.1 * noise(k);
+  });
+  const ScoreAnalysis analysis = analyse_score(space, kGoal, trials, "y");
+  ASSERT_EQ(analysis.branches.size(), 1U);
+  const BranchAnalysis& all = analysis.branches[0];
+  ASSERT_TRUE(all.evidence.is_enough()) << all.evidence.reason();
+  EXPECT_GT(analysis.q2, 0.98);
+  EXPECT_EQ(analysis.wanted, 0);
+  EXPECT_NEAR(all.importance[0].index.first.value, 0.9, 0.03);
+  EXPECT_NEAR(all.importance[1].index.total.value, 0.1, 0.03);
+  EXPECT_LT(all.importance[2].index.total.value, 0.01);
+  const Response& response = all.responses[0];
+  EXPECT_EQ(response.at.front(), 10.0);
+  EXPECT_NEAR(response.average.front().mean, 45.0, 0.5);
+  EXPECT_LE(response.average.front().low, 45.0);
+  EXPECT_GE(response.average.front().high, 45.0);
+  ASSERT_TRUE(all.map);
+  EXPECT_EQ(all.map->x, 0U);
+  EXPECT_EQ(all.map->y, 1U);
+  EXPECT_NEAR(all.map->values.back().mean, 80.0, 0.5) << "both at 20";
+}
+
+TEST(AnalyseScore, FindsNoEvidenceInNoise) {
+  const SearchSpace space = box(3);
+  for (int seed = 0; seed < 5; ++seed) {
+    const auto trials =
+        evaluated(space, 60, [&](const Point&, int k) { return noise(1000 * seed + k); });
+    const ScoreAnalysis analysis = analyse_score(space, kGoal, trials, "y");
+    const BranchAnalysis& all = analysis.branches[0];
+    EXPECT_FALSE(all.evidence.is_enough());
+    EXPECT_TRUE(all.evidence.is_covered);
+    EXPECT_TRUE(all.importance.empty());
+    EXPECT_TRUE(all.responses.empty());
+    EXPECT_EQ(analysis.wanted, 60);
+  }
+}
+
+// The function is smooth and the model is right about it, but only in one corner.
+TEST(AnalyseScore, FindsNoEvidenceInACorner) {
+  const SearchSpace space = box(3);
+  auto trials = evaluated(space, 60, [](const Point&, int) { return 0.0; });
+  for (Trial& trial : trials) {
+    for (double& value : trial.point) {
+      value = 10.0 + 0.2 * (value - 10.0);
+    }
+    trial.outcome->scores["y"] = trial.point[0] + trial.point[1];
+  }
+  const ScoreAnalysis analysis = analyse_score(space, kGoal, trials, "y");
+  EXPECT_GT(analysis.q2, 0.9);
+  EXPECT_FALSE(analysis.branches[0].evidence.is_covered);
+  EXPECT_TRUE(analysis.branches[0].importance.empty());
+  EXPECT_GE(analysis.wanted, 5);
+  EXPECT_THAT(analysis.branches[0].evidence.reason(), HasSubstr("empty"));
+}
+
+// y = 2 [dome] + radius or 0.5 opening: between branches 2^2 / 4 + ... see below.
+TEST(AnalyseScore, TakesBranchesApart) {
+  const SearchSpace space = lights();
+  const auto trials = evaluated(space, 80, [](const Point& point, int k) {
+    return (point[0] > 0.5 ? 2.0 + 0.5 * point[2] : point[1]) + 0.01 * noise(k);
+  });
+  const ScoreAnalysis analysis = analyse_score(space, kGoal, trials, "y");
+  ASSERT_EQ(analysis.branches.size(), 2U);
+  EXPECT_EQ(analysis.branches[0].name, "use = ring");
+  ASSERT_TRUE(analysis.branches[0].evidence.is_enough()) << analysis.branches[0].evidence.reason();
+  ASSERT_TRUE(analysis.branches[1].evidence.is_enough()) << analysis.branches[1].evidence.reason();
+  EXPECT_EQ(analysis.branches[0].importance[0].variable, 1U);
+  EXPECT_EQ(analysis.branches[1].importance[0].variable, 2U);
+  for (const BranchAnalysis& branch : analysis.branches) {
+    EXPECT_NEAR(branch.importance[0].index.total.value, 1.0, 0.03);
+    EXPECT_LT(branch.importance[1].index.total.value, 0.03) << "height is dead";
+  }
+  // Means 0.5 and 2.25: variance between them 0.875^2 = 0.7656; within (1/12 + 1/48) / 2 = 0.0521.
+  ASSERT_EQ(analysis.choices.size(), 1U);
+  EXPECT_NEAR(analysis.choices[0].index.first.value, 0.7656 / 0.8177, 0.03);
+}
+
+TEST(AnalyseScore, LeavesOutFailuresAndIsNotConfusedByNothing) {
+  const SearchSpace space = box(2);
+  auto trials = evaluated(space, 6, [](const Point& point, int) { return point[0]; });
+  trials[1].outcome->is_failed = true;
+  trials[2].outcome->scores.clear();
+  ScoreAnalysis analysis = analyse_score(space, kGoal, trials, "y");
+  EXPECT_EQ(analysis.points, 4);
+  EXPECT_EQ(analysis.without, 2);
+  analysis = analyse_score(space, kGoal, trials, "unknown");
+  EXPECT_EQ(analysis.points, 0);
+  EXPECT_FALSE(analysis.branches[0].evidence.is_enough());
+  EXPECT_GT(analysis.wanted, 0);
+  EXPECT_EQ(analysis_json(space, analysis)["branches"][0]["is_enough"], false);
+}
+
+TEST(Branches, HoldTheVariablesThatAreActiveInThem) {
+  const auto branches = branches_of(lights());
+  ASSERT_EQ(branches.size(), 2U);
+  EXPECT_EQ(branches[0].free, (std::vector<std::size_t>{1, 3}));
+  EXPECT_EQ(branches[1].free, (std::vector<std::size_t>{2, 3}));
+  const Point point = branches[1].point_at(lights(), std::vector<double>{0.25, 0.75});
+  EXPECT_EQ(point, (Point{1, 0.5, 0.25, 0.75}));
+  EXPECT_EQ(branches[1].unit_of(lights(), point), (std::vector<double>{0.25, 0.75}));
+  EXPECT_EQ(branches_of(box(2))[0].name, "");
+}
+
+TEST(RunAnalysis, RefusesAFolderWithoutASearch) {
+  EXPECT_THROW(analyse_run("/nonexistent/run"), IoError);
+  EXPECT_THROW(add_designs("/nonexistent/run", {.count = 3}), IoError);
+}
+
+}  // namespace
+}  // namespace glint

@@ -72,9 +72,10 @@ std::string analysis_text(const nlohmann::ordered_json& analysis) {
       text += fmt::format(
           "{}{}: ", score["score"].get<std::string>(), name.empty() ? name : " with " + name);
       if (!branch["is_enough"].get<bool>()) {
-        text += fmt::format("not enough evidence, {}; designs wanted: {}\n",
+        const int wanted = branch["wanted"].get<int>();
+        text += fmt::format("not enough evidence, {}{}\n",
                             branch["reason"].get<std::string>(),
-                            branch["wanted"].get<int>());
+                            wanted > 0 ? fmt::format("; designs wanted: {}", wanted) : "");
         continue;
       }
       text += fmt::format("Q2 = {:.2f}\n", branch["q2"].get<double>());

@@ -62,7 +62,9 @@ int lacking_points(std::span<const std::vector<double>> points, int dimension) {
 
 std::string Evidence::reason() const {
   std::vector<std::string> reasons;
-  if (!(q2 >= kNeededQ2)) {
+  if (is_constant) {
+    reasons.push_back(fmt::format("all {} designs have the same value", points));
+  } else if (!(q2 >= kNeededQ2)) {
     reasons.push_back(fmt::format(
         "without itself a design is predicted with Q2 = {:.2f}, {} are needed", q2, kNeededQ2));
   }
@@ -86,13 +88,16 @@ double emptiness(std::span<const std::vector<double>> points, int dimension) {
   return sum;
 }
 
-Evidence evidence_of(double q2, std::span<const std::vector<double>> points, int dimension) {
-  Evidence evidence = {.q2 = q2, .points = static_cast<int>(points.size())};
+Evidence evidence_of(std::optional<double> q2,
+                     std::span<const std::vector<double>> points,
+                     int dimension) {
+  Evidence evidence = {
+      .q2 = q2.value_or(0.0), .is_constant = !q2, .points = static_cast<int>(points.size())};
   const int lacking =
       dimension == 0 ? static_cast<int>(points.empty()) : lacking_points(points, dimension);
   evidence.is_covered = lacking == 0;
   evidence.wanted = lacking;
-  if (!(q2 >= kNeededQ2)) {
+  if (q2 && !(*q2 >= kNeededQ2)) {
     evidence.wanted =
         std::max({lacking, evidence.points, 10 * std::max(1, dimension) - evidence.points});
   }

@@ -3,6 +3,7 @@
 // Whether a model of a run may be believed, and how many designs it lacks.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,7 +15,8 @@ inline constexpr double kNeededQ2 = 0.7;
 
 struct Evidence {
   double q2 = 0.0;
-  bool is_covered = false;  ///< the points leave no large part of the box empty
+  bool is_covered = false;   ///< the points leave no large part of the box empty
+  bool is_constant = false;  ///< all points have the same value: nothing to explain
   int points = 0;
   int wanted = 0;  ///< further space-filling designs; 0 where the evidence is enough
 
@@ -30,10 +32,13 @@ struct Evidence {
 double emptiness(std::span<const std::vector<double>> points, int dimension);
 
 /// Points cover the box where its emptiness is at most 1.1 times that of max(10, 5 d) points of a
-/// Sobol sequence. Wanted are: as many more points of such a sequence as it takes to cover the box,
-/// and where q2 is too small as many as there are, 10 d in all at least.
+/// Sobol sequence. No q2 (all values are
+/// the same) is not enough. Wanted are: as many more points of such a sequence as it takes to cover
+/// the box, and where q2 is too small as many as there are, 10 d in all at least.
 /// @param points     in the unit cube
 /// @param dimension  >= 0; a box without dimensions is covered by one point
-Evidence evidence_of(double q2, std::span<const std::vector<double>> points, int dimension);
+Evidence evidence_of(std::optional<double> q2,
+                     std::span<const std::vector<double>> points,
+                     int dimension);
 
 }  // namespace glint

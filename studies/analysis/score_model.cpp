@@ -79,10 +79,11 @@ Data spread_out(const SearchSpace& space, const Data& data) {
   return kept;
 }
 
-/// 1 - squared errors without itself / squared deviations, over these designs.
-double q2_of(const std::vector<Posterior>& without_itself,
-             const std::vector<double>& values,
-             const std::vector<std::size_t>& members) {
+/// 1 - squared errors without itself / squared deviations, over these designs; none where all
+/// values are the same.
+std::optional<double> q2_of(const std::vector<Posterior>& without_itself,
+                            const std::vector<double>& values,
+                            const std::vector<std::size_t>& members) {
   double mean = 0.0;
   for (const std::size_t k : members) {
     mean += values[k] / static_cast<double>(members.size());
@@ -93,7 +94,9 @@ double q2_of(const std::vector<Posterior>& without_itself,
     errors += std::pow(values[k] - without_itself[k].mean, 2);
     deviations += std::pow(values[k] - mean, 2);
   }
-  return members.size() > 1 && deviations > 0.0 ? 1.0 - errors / deviations : 0.0;
+  const bool has_one_value = members.size() > 1 && deviations == 0.0;
+  return has_one_value ? std::nullopt
+                       : std::optional(deviations > 0.0 ? 1.0 - errors / deviations : 0.0);
 }
 
 /// The best feasible design of a branch by the run's goal.
@@ -152,7 +155,7 @@ BranchAnalysis analyse_branch(const Question& question, const Branch& branch) {
       units.push_back(branch.unit_of(question.space, question.data.points[k]));
     }
   }
-  const double q2 = q2_of(question.without_itself, question.data.values, members);
+  const std::optional<double> q2 = q2_of(question.without_itself, question.data.values, members);
   const auto dimension = static_cast<int>(branch.free.size());
   BranchAnalysis analysis = {
       .name = branch.name, .evidence = evidence_of(q2, units, dimension), .map = {}};

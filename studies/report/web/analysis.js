@@ -106,7 +106,7 @@ function range(responses) {
 function branchBlock(facts, score, branch) {
   const title = branch.name && h('h4', {}, branch.name);
   if (!branch.is_enough) {
-    return h('div', { class: 'lacking' }, title, h('p', {}, h('b', {}, 'Not enough evidence. '), `${branch.reason}. Space-filling designs wanted here: ${branch.wanted}.`));
+    return h('div', { class: 'lacking' }, title, h('p', {}, h('b', {}, 'Not enough evidence. '), `${branch.reason}.${branch.wanted ? ` Space-filling designs wanted here: ${branch.wanted}.` : ''}`));
   }
   const ends = range(branch.responses);
   return h('div', {}, title, h('p', { class: 'muted' }, `Q2 = ${branch.q2.toFixed(2)} from ${plural(branch.points, 'design')}.`), importanceChart(facts, score, branch),

@@ -153,6 +153,15 @@ TEST(AnalyseScore, LeavesOutFailuresAndIsNotConfusedByNothing) {
   EXPECT_EQ(analysis_json(space, analysis)["branches"][0]["is_enough"], false);
 }
 
+TEST(AnalyseScore, SaysThatAConstantHasNothingToExplain) {
+  const SearchSpace space = box(2);
+  const auto trials = evaluated(space, 20, [](const Point&, int) { return 0.25; });
+  const ScoreAnalysis analysis = analyse_score(space, kGoal, trials, "y");
+  EXPECT_FALSE(analysis.branches[0].evidence.is_enough());
+  EXPECT_THAT(analysis.branches[0].evidence.reason(), HasSubstr("same value"));
+  EXPECT_EQ(analysis.wanted, 0);
+}
+
 TEST(Branches, HoldTheVariablesThatAreActiveInThem) {
   const auto branches = branches_of(lights());
   ASSERT_EQ(branches.size(), 2U);

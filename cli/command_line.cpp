@@ -260,6 +260,7 @@ void add_other_verbs(CLI::App& app, CommandLine& line) {
       ->type_name("N")
       ->check(CLI::Range(1, 1000000))
       ->needs(analyse);
+  analyse->excludes("--optuna");
   CLI::App* explain = add_verb(
       app,
       "explain",

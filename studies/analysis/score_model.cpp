@@ -94,7 +94,9 @@ std::optional<double> q2_of(const std::vector<Posterior>& without_itself,
     errors += std::pow(values[k] - without_itself[k].mean, 2);
     deviations += std::pow(values[k] - mean, 2);
   }
-  const bool has_one_value = members.size() > 1 && deviations == 0.0;
+  const bool has_one_value = members.size() > 1 && std::ranges::all_of(members, [&](std::size_t k) {
+                               return values[k] == values[members.front()];
+                             });
   return has_one_value ? std::nullopt
                        : std::optional(deviations > 0.0 ? 1.0 - errors / deviations : 0.0);
 }

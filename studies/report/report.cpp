@@ -106,6 +106,48 @@ void add_ranking(Json& data) {
   }
 }
 
+/// Which of the designs that were scanned repeatedly is the best, for any run.
+/// @return whether it was found just now
+bool add_probability_best(Json& data) {
+  if (data.contains("probability_best") || !member(data, "runs").empty() ||
+      member(data, "designs").size() < 2) {
+    return false;
+  }
+  Json list = Json::array();
+  for (const Json& row : report_detail::ranking_of(data)) {
+    if (row.contains("probability_best")) {
+      list.push_back(
+          {{"key", row["key"]}, {"title", row["title"]}, {"probability", row["probability_best"]}});
+    }
+  }
+  std::stable_sort(list.begin(), list.end(), [](const Json& a, const Json& b) {
+    return a["probability"].get<double>() > b["probability"].get<double>();
+  });
+  if (!list.empty()) {
+    data["probability_best"] = std::move(list);
+  }
+  return data.contains("probability_best");
+}
+
+/// A sentence of a search's verdict; a ranking has its own.
+void say_probability_best(Json& data) {
+  std::vector<std::string> parts;
+  for (const Json& one : data["probability_best"]) {
+    const double percent = 100.0 * one["probability"].get<double>();
+    if (percent >= 0.5) {
+      parts.push_back(fmt::format(
+          "{} {}",
+          text_of(one, "title"),
+          percent < 99.5 ? fmt::format("{:.0f} %", percent) : std::string("over 99 %")));
+    }
+  }
+  const std::string text =
+      "Probability of being the best, from scans with fresh noise that is the same for all: " +
+      join(parts, ", ") + ".";
+  data["verdict"]["details"].push_back(text);
+  data["verdict"]["findings"].push_back({{"code", "probability_best"}, {"text", text}});
+}
+
 /// JSON that may stand in a script element: there `<` could end the element or open a comment.
 std::string script_json(const Json& data) {
   const std::string plain = data.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -128,8 +170,12 @@ void replace_mark(std::string& page, std::string_view mark, std::string_view tex
 nlohmann::ordered_json complete_report(nlohmann::ordered_json data) {
   describe_all_scores(data);
   add_ranking(data);
+  const bool has_probability = add_probability_best(data);
   if (!member(data, "verdict").is_object()) {
     data["verdict"] = report_verdict(data);
+    if (has_probability && !data.contains("ranking")) {
+      say_probability_best(data);
+    }
   }
   return data;
 }

@@ -73,6 +73,9 @@
 //   score_info        { score: { label, format: "percent" | "number", meaning } }; see
 //                     complete_report()
 //   ranking           of designs without a search, see report_ranking.h and complete_report()
+//   probability_best  [ { key, title, probability } ] of designs scanned repeatedly, the most
+//   probable first,
+//                     see complete_report()
 //   verdict           { title: of the section, absent: "Verdict", sentence,
 //                     tone: "good" | "neutral" | "bad", details: [texts], findings: [ { code,
 //                     text } ], figures: big numbers instead of those of a design, [ { label,
@@ -90,7 +93,8 @@ namespace glint {
 /// Fills in what is missing: `score_info` for every score in the data (shares, contrasts and both h
 /// as per cent, other scores as numbers) and the `verdict`, worked out from the designs: winner
 /// against baseline and best prototype, with the fresh-seed numbers where there are any. Designs
-/// without a search get a `ranking` and a section that shows it.
+/// without a search get a `ranking` and a section that shows it; with repeated scans of all
+/// designs any run gets `probability_best`.
 nlohmann::ordered_json complete_report(nlohmann::ordered_json data);
 
 /// The page with the completed data in it. Equal data give equal bytes; numbers that are not finite

@@ -2,6 +2,8 @@
 #include "studies/report/report_ranking.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -49,15 +51,20 @@ bool are_repeated(const std::vector<Ranked>& ranked) {
          });
 }
 
-/// Gives the designs whose sum over the chosen scans is best their share of one sample.
+/// Gives the designs whose sample of the mean is best their share of one sample. @param width  of
+/// the deviations from the mean of all scans
 void count_best(std::vector<Ranked*>& candidates,
                 const std::vector<std::size_t>& scans,
+                double width,
                 const Wording& wording) {
   std::vector<double> sums(candidates.size(), 0.0);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const std::vector<double>& all = candidates[i]->scans;
+    const double whole = std::accumulate(all.begin(), all.end(), 0.0);
     for (const std::size_t scan : scans) {
-      sums[i] += candidates[i]->scans[scan];
+      sums[i] += all[scan];
     }
+    sums[i] = whole + width * (sums[i] - whole);
   }
   double best = sums.front();
   for (const double sum : sums) {
@@ -67,6 +74,16 @@ void count_best(std::vector<Ranked*>& candidates,
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     candidates[i]->probability_best += sums[i] == best ? 1.0 / (winners * kResamples) : 0.0;
   }
+}
+
+/// What turns a bootstrap of few scans into Student's distribution: sqrt(n / chi-square(n - 1)).
+double student_width(std::size_t count, Rng& rng) {
+  double squares = 0.0;
+  for (std::size_t k = 1; k < count; ++k) {
+    const double normal = rng.normal();
+    squares += normal * normal;
+  }
+  return std::sqrt(static_cast<double>(count) / std::max(squares, 1e-12));
 }
 
 /// The same samples of scans for all designs: what they share in noise cancels.
@@ -86,7 +103,7 @@ void find_probabilities(std::vector<Ranked>& ranked, const Wording& wording) {
       scan =
           std::min(count - 1, static_cast<std::size_t>(rng.uniform() * static_cast<double>(count)));
     }
-    count_best(candidates, scans, wording);
+    count_best(candidates, scans, student_width(count, rng), wording);
   }
 }
 

@@ -13,8 +13,9 @@ namespace glint::report_detail {
 ///
 /// Where all were scored repeatedly with the same noise (common random numbers), `value` is the
 /// mean of these scans with Student's 95 % interval `low` to `high`, and `probability_best` the
-/// share of bootstrap samples of the scans in whose mean the design is the best of those that meet
-/// every limit, or of all where none does; designs that are level share it. Else `value` is one
+/// share of samples of the means in which the design is the best of those that meet every limit, or
+/// of all where none does; designs that are level share it. Samples: a bootstrap of the scans, the
+/// same for all designs, its deviations widened to Student's distribution. Else `value` is one
 /// scan's.
 ///
 /// @return [ { key, title, value, low?, high?, probability_best?, missed: [ texts ] } ]; empty

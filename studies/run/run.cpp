@@ -364,6 +364,9 @@ class Run {
     if (data.contains("ranking")) {
       result["ranking"] = data["ranking"];
     }
+    if (data.contains("probability_best")) {
+      result["probability_best"] = data["probability_best"];
+    }
     write_file(options_.out / "result.json", result.dump(2) + "\n");
     write_file(report, render_report(data));
     result["report"] = report.string();

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
 #include "core/rng.h"
 #include "optimizer/algorithm/sobol.h"
 #include "studies/analysis/branches.h"
@@ -171,11 +170,6 @@ TEST(Branches, HoldTheVariablesThatAreActiveInThem) {
   EXPECT_EQ(point, (Point{1, 0.5, 0.25, 0.75}));
   EXPECT_EQ(branches[1].unit_of(lights(), point), (std::vector<double>{0.25, 0.75}));
   EXPECT_EQ(branches_of(box(2))[0].name, "");
-}
-
-TEST(RunAnalysis, RefusesAFolderWithoutASearch) {
-  EXPECT_THROW(analyse_run("/nonexistent/run"), IoError);
-  EXPECT_THROW(add_designs("/nonexistent/run", {.count = 3}), IoError);
 }
 
 }  // namespace

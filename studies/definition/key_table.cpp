@@ -45,6 +45,7 @@ constexpr std::array kGroups = {
     KeyGroup{"prototypes", "designs to be compared with the study's own"},
     KeyGroup{"objective", "the score that a search makes large or small"},
     KeyGroup{"constraints", "limits that scores of a design must keep"},
+    KeyGroup{"manufacture", "how exactly keys can be built or set"},
     KeyGroup{"search", "how a search chooses designs"},
     KeyGroup{"budget", "when a search ends"},
     KeyGroup{"sorting", "a population of simulated parts, sorted into classes"},

@@ -12,6 +12,7 @@
 #include "core/file.h"
 #include "core/text.h"
 #include "metrics/scores.h"
+#include "studies/definition/manufacture.h"
 #include "studies/definition/overrides.h"
 #include "studies/definition/scene_scores.h"
 #include "studies/definition/study_tables.h"
@@ -34,7 +35,8 @@ const std::vector<std::string>& study_tables() {
                                                  "budget",
                                                  "sorting",
                                                  "pod",
-                                                 "calibration_trial"};
+                                                 "calibration_trial",
+                                                 "manufacture"};
   return names;
 }
 
@@ -295,6 +297,8 @@ Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
   check_variable_limits(study, errors);
   read_prototypes(study, errors);
   throw_if_any(errors);
+  read_tolerances(study, errors);
+  throw_if_any(errors);
   return study;
 }
 
@@ -305,7 +309,8 @@ Study scene_study(Study study) {
                             "constraints",
                             "sorting",
                             "pod",
-                            "calibration_trial"}) {
+                            "calibration_trial",
+                            "manufacture"}) {
     for (std::size_t i = study.root.names.size(); i-- > 0;) {
       if (study.root.names[i] == table) {
         study.root.names.erase(study.root.names.begin() + static_cast<std::ptrdiff_t>(i));

@@ -170,6 +170,10 @@ void add_study_tables(Json& root) {
   Json& tables = root["properties"];
   tables["variables"] = tables_of(variable);
   tables["prototypes"] = tables_of({{"type", "object"}, {"properties", {{"title", text}}}});
+  Json tolerance = new_table();
+  tolerance["properties"] = {{"plus_minus", number_schema("number", Range::positive())}};
+  tolerance["required"] = {"plus_minus"};
+  tables["manufacture"] = tables_of(tolerance);
   tables["objective"] = objective;
   tables["constraints"] = tables_of(limits);
 }

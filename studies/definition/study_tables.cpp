@@ -408,6 +408,10 @@ std::vector<KeyRow> study_keys() {
       "limits that a score of a feasible design keeps; a study that optimises homogeneity has "
       "homogeneity.clipped_share <= 0.01 and, with defects, defects.min_cnr >= 3 unless it sets "
       "its own");
+  add("manufacture.\"path.to.key\"",
+      "table",
+      "{ plus_minus } > 0, in the key's unit",
+      "how exactly a key can be built: the scores' spread at the winner, 64 evaluations");
   return rows;
 }
 

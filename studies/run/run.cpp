@@ -29,6 +29,7 @@
 #include "studies/run/run_texts.h"
 #include "studies/run/scene_facts.h"
 #include "studies/run/study_search.h"
+#include "studies/run/tolerance_spread.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -333,6 +334,10 @@ class Run {
       result["best"] = {
           {"trial", search.best->number}, {"variables", variables}, {"scores", winner["scores"]}};
       rescored["best"] = winner["rescored"];
+      if (study_.root.find("manufacture") != nullptr && !is_interrupted_) {
+        log(LogLevel::kInfo, "spread at the winner: {} evaluations", kToleranceDesigns);
+        result["manufacture"] = tolerance_spread(store_, study_, search.best->point);
+      }
     }
     result["baseline"] = {{"variables", baseline["variables"]}, {"scores", baseline["scores"]}};
     rescored["baseline"] = baseline["rescored"];

@@ -24,6 +24,7 @@
 #include "studies/run/run_closeups.h"
 #include "studies/run/run_comparison.h"
 #include "studies/run/scene_facts.h"
+#include "studies/run/tolerance_spread.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -256,6 +257,9 @@ Json single_run(const fs::path& run) {
   if (study.has_population()) {
     data["panels"] = population_panels(run, result);
     data["verdict"] = population_verdict(result);
+  }
+  if (result.contains("manufacture")) {
+    data["panels"].push_back(tolerance_panel(result["manufacture"]));
   }
   if (fs::exists(run / "frontier.json")) {
     data["frontier"] = read_json(run / "frontier.json");

@@ -37,7 +37,8 @@ struct StudyArguments {
   int jobs = 0;                   ///< 0: as many as threads
   std::string budget;             ///< wall clock, empty: as the study says
   std::optional<int> seed;
-  bool is_masks = false;  ///< render: masks and geometry alone
+  std::filesystem::path from;  ///< run: an earlier run to begin with
+  bool is_masks = false;       ///< render: masks and geometry alone
 };
 
 /// @param driven  with its cell and --move, the robot validates what [validate] names

@@ -189,7 +189,8 @@ int run_command(const StudyArguments& arguments,
                            .jobs = jobs_of(arguments, common),
                            .progress = common.progress(),
                            .log_file = common.log_file,
-                           .interrupt = &interrupts});
+                           .interrupt = &interrupts,
+                           .from = arguments.from});
   const bool is_interrupted = result["status"] == "interrupted";
   AcquireAnswer end;
   if (study.scene.validate && !is_interrupted) {

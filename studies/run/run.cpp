@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -30,6 +31,7 @@
 #include "studies/run/scene_facts.h"
 #include "studies/run/study_search.h"
 #include "studies/run/tolerance_spread.h"
+#include "studies/run/warm_start.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -104,10 +106,12 @@ class Run {
     check_result_folder(options_.out, ResultKind::kRun, names);
     check_inputs_kept(input_files(study_), options_.out, names);
     check_everything(store_, study_);
+    const TakenTrials taken = trials_to_take(study_, options_.from, options_.out);
     OutputFolder folder(options_.out);
     Storage storage = open_storage();
     remove_unfinished_files(options_.out);
     configure_run_log();
+    keep_taken(study_, taken, options_.out, storage);
     write_file(options_.out / "study.resolved.toml", resolved_text(study_));
     SearchResult search;
     const double search_start = process_cpu_s();
@@ -183,8 +187,11 @@ class Run {
   }
 
   SearchResult search_designs(Storage& storage, OutputFolder& folder) {
+    SearchTask task = search_task(study_, options_.jobs);
+    const std::map<Point, Outcome> taken = begin_with_taken(options_.out, task);
     const auto evaluate_point = [&](const Point& point, int /*trial*/) {
-      return evaluate_candidate(store_, study_, point);
+      const auto found = taken.find(point);
+      return found != taken.end() ? found->second : evaluate_candidate(store_, study_, point);
     };
     Progress bar(study_.name, std::max(1, study_.budget.evaluations), options_.progress);
     const auto show = [&](const SearchProgress& progress) {
@@ -201,8 +208,7 @@ class Run {
       }
       bar.update(progress.evaluations, note);
     };
-    return run_search(
-        search_task(study_, options_.jobs), storage, evaluate_point, options_.interrupt, show);
+    return run_search(task, storage, evaluate_point, options_.interrupt, show);
   }
 
   Json head(const std::string& title, const char* role, const Json& variables) const {

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/run/warm_start.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "studies/run/run.h"
+#include "tests/studies/imaging/path_support.h"
+#include "tests/studies/run/rendered_plate.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kFirst = "schema = 1\n" + kPathPlate + kPathRing + R"(
+[variables]
+"lighting.ring.height_mm" = { min = 20, max = 40 }
+"lighting.ring.radiance.0" = { min = 0.1, max = 0.2 }
+[objective]
+maximise = "defects.min_weber"
+[search]
+algorithm = "gp"
+[budget]
+evaluations = 12
+)";
+
+/// A wider range, another seed and a larger budget.
+const std::string kWider = replaced(
+    replaced(replaced(kFirst, "max = 40", "max = 60"), "evaluations = 12", "evaluations = 20"),
+    "algorithm = \"gp\"",
+    "algorithm = \"gp\"\nseed = 5");
+
+Study study_from_text(const TemporaryFolder& folder, const std::string& text) {
+  write_file(folder / "study.toml", text);
+  return load_study(folder / "study.toml", {});
+}
+
+std::filesystem::path run_into(const TemporaryFolder& folder,
+                               const std::string& text,
+                               const std::string& name,
+                               const std::filesystem::path& from = {}) {
+  run_study(study_from_text(folder, text),
+            {.out = folder / name,
+             .threads = 2,
+             .jobs = 2,
+             .progress = Progress::Style::kNone,
+             .log_file = {},
+             .from = from});
+  return folder / name;
+}
+
+std::vector<Trial> trials_of(const std::filesystem::path& run) {
+  return Storage::read(run / "study.sqlite").trials(TrialKind::kSearch);
+}
+
+TEST(WarmStart, BeginsWithTheTrialsAndResumesWithoutTheOldFolder) {
+  const TemporaryFolder folder;
+  const auto first = run_into(folder, kFirst, "first");
+  const auto whole = trials_of(run_into(folder, kWider, "whole", first));
+  ASSERT_EQ(whole.size(), 20U);
+  const auto old = trials_of(first);
+  for (std::size_t k = 0; k < 12; ++k) {
+    EXPECT_EQ(whole[k].point, old[k].point);
+    EXPECT_EQ(whole[k].outcome->scores, old[k].outcome->scores);
+  }
+  const auto events = Storage::read(folder / "whole/study.sqlite").events();
+  EXPECT_EQ(events.front().kind, EventKind::kNote);
+  EXPECT_EQ(events.front().text, "begins with 12 of the 12 trials of first");
+
+  const std::string shorter = replaced(kWider, "evaluations = 20", "evaluations = 14");
+  run_into(folder, shorter, "parts", first);
+  std::filesystem::remove_all(first);
+  const auto parts = trials_of(run_into(folder, kWider, "parts", first));
+  ASSERT_EQ(parts.size(), whole.size());
+  for (std::size_t k = 0; k < whole.size(); ++k) {
+    EXPECT_EQ(parts[k].point, whole[k].point);
+    EXPECT_EQ(parts[k].outcome->scores, whole[k].outcome->scores);
+  }
+}
+
+TEST(WarmStart, LeavesOutWhatLiesOutside) {
+  const TemporaryFolder folder;
+  const auto first = run_into(folder, kFirst, "first");
+  const Study narrow = study_from_text(folder, replaced(kFirst, "max = 40", "max = 30"));
+  const TakenTrials taken = trials_from(narrow, first);
+  EXPECT_EQ(taken.found, 12);
+  EXPECT_GT(taken.trials.size(), 0U);
+  EXPECT_LT(taken.trials.size(), 12U);
+  for (const Trial& trial : taken.trials) {
+    EXPECT_LE(trial.point[0], 30.0);
+  }
+}
+
+TEST(WarmStart, RefusesWhatMeansSomethingElse) {
+  const TemporaryFolder folder;
+  const auto first = run_into(folder, kFirst, "first");
+  const auto refused = [&](const std::string& text) -> std::string {
+    try {
+      trials_from(study_from_text(folder, text), first);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refused(kFirst), "");
+  EXPECT_THAT(refused(replaced(kFirst, "height_um = 60", "height_um = 70")),
+              HasSubstr("defects.dent.height_um is 70, was 60"));
+  EXPECT_THAT(refused(replaced(kFirst, "bits = 0", "bits = 8")),
+              HasSubstr("sensor.bits is 8, was 0"));
+  EXPECT_THAT(refused(replaced(kFirst, "length_mm = 12", "length_mm = 11")),
+              HasSubstr("part.length_mm is 11, was 12"));
+  EXPECT_THAT(refused(replaced(kFirst, "outer_radius_mm = 25", "outer_radius_mm = 26")),
+              HasSubstr("lighting.ring.outer_radius_mm is 26, was 25"));
+  EXPECT_THAT(refused(replaced(
+                  kFirst, "maximise = \"defects.min_weber\"", "minimise = \"defects.min_weber\"")),
+              HasSubstr("objective"));
+  EXPECT_THAT(
+      refused(replaced(kFirst, "lighting.ring.radiance.0", "lighting.ring.inner_radius_mm")),
+      HasSubstr("is a variable here, but not there"));
+  EXPECT_THROW(run_into(folder, kWider, "first", first), ConfigError) << "it has begun";
+}
+
+}  // namespace
+}  // namespace glint

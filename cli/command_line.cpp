@@ -50,6 +50,14 @@ void add_study(CLI::App& verb, const std::string& file, StudyArguments& study) {
 
 namespace {
 
+void add_from(CLI::App& run, std::filesystem::path& from) {
+  run.add_option("--from",
+                 from,
+                 "an earlier run whose trials the search begins with, where they mean the same")
+      ->type_name("DIR")
+      ->check(not_empty());
+}
+
 void add_study_verbs(CLI::App& app, CommandLine& line) {
   CLI::App* run = add_verb(app,
                            "run",
@@ -67,11 +75,7 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
                   "wall clock, like 40s, 30m, 8h; other limits of the study's [budget] hold too")
       ->type_name("TIME");
   add_seed(*run, line.study.seed, "seed of the search");
-  run->add_option("--from",
-                  line.study.from,
-                  "an earlier run whose trials the search begins with, where they mean the same")
-      ->type_name("DIR")
-      ->check(not_empty());
+  add_from(*run, line.study.from);
   run->add_option("--cell",
                   line.driven_run.cell,
                   "of a study with [validate]: plan its views for this cell; with --move the robot "

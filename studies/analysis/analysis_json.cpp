@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nlohmann/json.hpp>
+#include "studies/analysis/analysis_json.h"
 
-#include "studies/analysis/run_analysis.h"
+#include <nlohmann/json.hpp>
 
 namespace glint {
 namespace {

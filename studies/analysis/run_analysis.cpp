@@ -14,6 +14,7 @@
 #include "core/wall_clock.h"
 #include "optimizer/algorithm/sobol.h"
 #include "optimizer/storage/storage.h"
+#include "studies/analysis/analysis_json.h"
 #include "studies/definition/study.h"
 #include "studies/definition/study_text.h"
 #include "studies/output/provenance.h"

@@ -8,7 +8,6 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "core/progress.h"
-#include "studies/analysis/score_model.h"
 
 namespace glint {
 
@@ -41,8 +40,5 @@ int add_designs(const std::filesystem::path& run, const AddOptions& options);
 ///     choices     as importance } ] }
 /// @throws ConfigError when the run has searched nothing; IoError when it is no run
 nlohmann::ordered_json analyse_run(const std::filesystem::path& run);
-
-/// One entry of `scores`.
-nlohmann::ordered_json analysis_json(const SearchSpace& space, const ScoreAnalysis& analysis);
 
 }  // namespace glint

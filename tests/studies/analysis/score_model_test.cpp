@@ -10,8 +10,8 @@
 
 #include "core/rng.h"
 #include "optimizer/algorithm/sobol.h"
+#include "studies/analysis/analysis_json.h"
 #include "studies/analysis/branches.h"
-#include "studies/analysis/run_analysis.h"
 
 namespace glint {
 namespace {

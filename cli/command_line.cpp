@@ -267,7 +267,7 @@ void add_other_verbs(CLI::App& app, CommandLine& line) {
                    line.report.evaluate,
                    "evaluate space-filling designs for the analysis, until it has N")
       ->type_name("N")
-      ->check(CLI::Range(1, 1000000))
+      ->check(CLI::Validator(CLI::Range(1, 1000000)).description("1 to 1000000"))
       ->needs(analyse);
   analyse->excludes("--optuna");
   CLI::App* explain = add_verb(

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "studies/evaluation/evaluation.h"
 #include "studies/imaging/scene_store.h"
 #include "studies/stability/stability_sweeps.h"
 

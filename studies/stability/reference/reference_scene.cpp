@@ -34,13 +34,13 @@ void add_dents(const NamedGroup& named, ReferencePart& part) {
   const auto& [name, group] = named;
   const bool is_bump = group.type == DefectType::kBump;
   require(is_bump || group.type == DefectType::kDent, "defects", "is neither dent nor bump");
-  require(group.count.low == 0.0 && group.at_mm.empty(), "defects", "has drawn places");
+  require(group.count.max == 0.0 && group.at_mm.empty(), "defects", "has drawn places");
   for (std::size_t i = 0; i < group.x_mm.size(); ++i) {
     part.dents.push_back({.label = name + "_" + std::to_string(i + 1),
                           .x_mm = group.x_mm[i],
                           .y_mm = group.y_mm.at(i),
-                          .height_mm = (is_bump ? 1.0 : -1.0) * group.height_mm.low,
-                          .sigma_mm = group.diameter_mm.low / 4.0});
+                          .height_mm = (is_bump ? 1.0 : -1.0) * group.height_mm.min,
+                          .sigma_mm = group.diameter_mm.min / 4.0});
   }
 }
 

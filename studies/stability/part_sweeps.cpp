@@ -37,12 +37,12 @@ Sweep dent_over_pixel() {
 
 Sweep facet_over_dent() {
   Sweep sweep{.name = "facet_over_dent",
-              .swept = "edge of part.facets_mm / defects.dent.diameter_mm",
+              .swept = "edge of part.facets_um / defects.dent.diameter_mm",
               .title = "triangles in place of the exact surface"};
   for (const double facets_mm : {0.0, 1e-4, 1e-3, 1e-2, 0.1, 0.5}) {
     // An arc of radius R within s of its chord is sqrt(8 R s) long; R = 40 mm.
     sweep.values.push_back({.value = std::sqrt(8.0 * 40.0 * facets_mm) / 8.0,
-                            .sets = {{"part.facets_mm", number_text(facets_mm)}}});
+                            .sets = {{"part.facets_um", number_text(1e3 * facets_mm)}}});
   }
   return sweep;
 }
@@ -73,6 +73,7 @@ Sweep view_angle() {
               .swept = "angle between view and normal, degrees",
               .title = "views of a plate down to grazing ones",
               .sets = {{"part.shape", "plate"},
+                       {"part.thickness_mm", "0.1"},
                        {"lighting.tunnel.slot_mm", "0"},
                        {"lighting.tunnel.blocks_view", "false"},
                        {"lighting.tunnel.length_mm", "100000"},
@@ -242,9 +243,9 @@ std::vector<Sweep> part_sweeps() {
                  {1.0, 1.1, 1.2, 1.5},
                  {}),
           winner("winner_facets",
-                 "part.facets_mm",
+                 "part.facets_um",
                  "the better of two designs on triangles",
-                 {0.0, 1e-4, 2e-4, 1e-3},
+                 {0.0, 0.5, 0.6, 2},
                  {}),
           switches()};
 }

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/units.h"
 #include "studies/definition/scene_notes.h"
+#include "studies/imaging/defect_windows.h"
 #include "studies/stability/reference/reference_light.h"
 #include "studies/stability/reference/reference_picture.h"
 
@@ -155,6 +156,10 @@ Outcome evaluated(SceneStore& store, const ConfigNode& root) {
   check_part_in_tunnel(store, scene);
   Outcome outcome{.evaluation = evaluate(store, scene), .scene = scene};
   outcome.notes = scene_notes(scene, outcome.evaluation.scores);
+  if (const std::string narrow = narrow_defects_note(*outcome.evaluation.traced, scene);
+      !narrow.empty()) {
+    outcome.notes.push_back(narrow);
+  }
   return outcome;
 }
 
@@ -172,7 +177,10 @@ std::string told_beside(const Outcome& outcome, const Outcome* harmless) {
 }
 
 std::vector<CellError> errors_of_tunnel(const Outcome& outcome, const Bounds& bounds) {
-  const ReferenceScene scene = reference_scene(outcome.scene);
+  ReferenceScene scene = reference_scene(outcome.scene);
+  for (const DefectPixels& dent : outcome.evaluation.traced->defects) {
+    scene.dent_pixels.push_back(dent.inside);  // which pixels count is a definition, not a kernel
+  }
   std::vector<CellError> errors = compared(outcome, scene, {.samples = kCoarse, .seed = 1}, bounds);
   if (std::ranges::none_of(errors, is_doubtful)) {
     return errors;

@@ -146,27 +146,34 @@ std::vector<char> region_of(const ReferenceScene& scene, const ReferenceRays& ra
 /// The largest mean difference over a dent's pixels of any frame.
 class Changes {
  public:
-  explicit Changes(const ReferenceRays& rays) : rays_(rays), largest_(rays.radii.size(), 0.0) {}
+  Changes(const ReferenceScene& scene, const ReferenceRays& rays)
+      : pixels_(scene.dent_pixels), largest_(rays.radii.size(), 0.0) {
+    for (std::size_t dent = pixels_.size(); dent < rays.radii.size(); ++dent) {
+      const auto& radii = rays.radii[dent].values();
+      pixels_.emplace_back();
+      for (std::size_t i = 0; i < radii.size(); ++i) {
+        if (radii[i] <= 1.0F && rays.coverage.values()[i] == 1.0F) {
+          pixels_.back().push_back(i);
+        }
+      }
+    }
+  }
 
   void add(const std::vector<double>& with, const std::vector<double>& without) {
     for (std::size_t dent = 0; dent < largest_.size(); ++dent) {
-      const auto& radii = rays_.radii[dent].values();
       double sum = 0.0;
-      int count = 0;
-      for (std::size_t i = 0; i < radii.size(); ++i) {
-        if (radii[i] <= 1.0F && rays_.coverage.values()[i] == 1.0F) {
-          sum += std::abs(with[i] - without[i]);
-          ++count;
-        }
+      for (const std::size_t i : pixels_[dent]) {
+        sum += std::abs(with[i] - without[i]);
       }
-      largest_[dent] = std::max(largest_[dent], count > 0 ? sum / count : 0.0);
+      const auto count = static_cast<double>(std::max<std::size_t>(1, pixels_[dent].size()));
+      largest_[dent] = std::max(largest_[dent], sum / count);
     }
   }
 
   const std::vector<double>& largest() const { return largest_; }
 
  private:
-  const ReferenceRays& rays_;
+  std::vector<std::vector<std::size_t>> pixels_;
   std::vector<double> largest_;
 };
 
@@ -264,7 +271,7 @@ ReferenceScores reference_scores(const ReferenceScene& scene, const RaySampling&
   scores.region = region_of(scene, rays);
   scores.aspect.mean.assign(scores.region.size(), 0.0);
   scores.aspect.variance = scores.aspect.mean;
-  Changes changes(rays);
+  Changes changes(scene, rays);
   for (int k = 0; k < scene.wall.positions; ++k) {
     const auto frame = exposed(grey, reference_radiance(scene, rays, k), &scores.aspect);
     if (has_dents) {

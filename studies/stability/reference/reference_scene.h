@@ -70,6 +70,8 @@ struct ReferenceScene {
   ReferenceWall wall;
   SensorSettings sensor;  ///< read_noise_e = dark_e = 0
   MetricsSettings metrics;
+  /// Of each dent, the pixels that its change is the mean over, row by row; empty: by radii_from().
+  std::vector<std::vector<std::size_t>> dent_pixels = {};
 };
 
 /// @throws ConfigError naming the key of what the reference does not model

@@ -199,6 +199,7 @@ std::vector<std::string> mirror_method_notes(const std::string& rays,
                   finer)};
 }
 
+}  // namespace
 
 std::vector<std::string> light_lines(const SceneSettings& scene) {
   std::vector<std::string> lines;
@@ -231,6 +232,8 @@ std::string scan_line(const SceneSettings& scene) {
                            length_text(scan_step_mm(scene.scan, scene.tunnel)));
 }
 
+namespace {
+
 /// Warnings where glint stability found scores beyond its bounds (docs/stability.md).
 std::vector<std::string> stability_notes(const SceneSettings& scene, const Scores& scores) {
   std::vector<std::string> notes;
@@ -250,11 +253,10 @@ std::vector<std::string> stability_notes(const SceneSettings& scene, const Score
                     least_px));
   }
   const SensorSettings& sensor = scene.sensor;
-  const double noise =
-      sensor.full_well_e > 0.0
-          ? std::hypot(std::sqrt(0.5 * sensor.gain / sensor.full_well_e),
-                       sensor.read_noise_e * sensor.gain / sensor.full_well_e)
-          : 0.0;
+  const double noise = sensor.full_well_e > 0.0
+                           ? std::hypot(std::sqrt(0.5 * sensor.gain / sensor.full_well_e),
+                                        sensor.read_noise_e * sensor.gain / sensor.full_well_e)
+                           : 0.0;
   if (noise > 0.04 && !scene.defects.empty()) {
     notes.push_back(
         fmt::format("Noise of a frame is {:.2g} % of full scale at half of it: the change of a "
@@ -269,10 +271,11 @@ std::string fine_stripes_note(const SceneSettings& scene) {
   const double pixel_mm = lens_geometry(scene.camera, scene.lens).object_pixel_mm;
   const double ratio = scene.tunnel.period_mm / pixel_mm;
   return scene.has_tunnel && ratio < 4.0
-             ? fmt::format("A period of the stripes is {:.2g} pixels on the part, and less in the "
-                           "mirror: pixels alias them, and blur is applied to pixels: frames and "
-                           "what changes in them by a defect are uncertain.",
-                           ratio)
+             ? fmt::format(
+                   "A period of the stripes is {:.2g} pixels on the part, and less in the "
+                   "mirror: pixels alias them, and blur is applied to pixels: frames and "
+                   "what changes in them by a defect are uncertain.",
+                   ratio)
              : std::string();
 }
 

@@ -23,7 +23,7 @@ constexpr int kCoarse = 3;  ///< rays along a side of a film cell; 144 rays a pi
 constexpr int kFine = 6;    ///< 576 rays a pixel, where the coarse ones leave a doubt
 constexpr double kDoubtful = 0.5;
 constexpr double kStandardErrors = 3.0;
-constexpr double kBlack = 1e-9;
+constexpr double kBlack = 1e-6;  ///< of full scale
 
 double score_of(const Evaluation& evaluation, const std::string& name) {
   const auto found = evaluation.scores.find(name);

@@ -292,7 +292,8 @@ TEST(BoxFrame, IsTheExactShareWithinItsLimit) {
 }
 
 // Beyond its limit a footprint covers more stripes than the kernel looks at: -1.25 to 1.25 periods
-// have 1.25 bright, a share of 0.5; edges at 0, 0.5 and 1 alone give 0.5 + (0.5 - 1) / 2.5 = 0.3.
+// have 1.25 bright, a share of 0.5; edges at -0.5, 0, 0.5, 1 and 1.5
+// alone give 0.5 + (0 + 0.5 - 1 - 0.5 + 1.25) / 2.5 = 0.6.
 TEST(BoxFrame, IsWrongFarBeyondItsLimit) {
   KernelCases cases;
   cases.add(0.0, 2.5, 0.0);
@@ -300,7 +301,7 @@ TEST(BoxFrame, IsWrongFarBeyondItsLimit) {
   float out = 0.0F;
   kernels::box_frame(cases.v.data(), shape, cases.gain.data(), 1, {}, &out);
   EXPECT_NEAR(cases.exact(0, 0.5, 0.0), 0.5, 1e-12);
-  EXPECT_NEAR(out, 0.3F, 1e-6F);
+  EXPECT_NEAR(out, 0.6F, 1e-6F);
 }
 
 // gain (dark + (1 - dark) share) with the share 0.7 from above: 0.8 (0.25 + 0.75 * 0.7) = 0.62.

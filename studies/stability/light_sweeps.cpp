@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Sweeps of scan, stripes, sensor and tunnel, all by closed forms, footprints or frames.
-#include "studies/stability/stability_sweeps.h"
+#include "studies/stability/light_sweeps.h"
 
 namespace glint::stability {
 namespace {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Sweeps of part, defects, view, path tracing, of two designs and of the switches between methods.
+#include "studies/stability/part_sweeps.h"
+
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "core/units.h"
-#include "studies/stability/stability_sweeps.h"
 
 namespace glint::stability {
 namespace {

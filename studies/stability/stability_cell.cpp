@@ -89,7 +89,7 @@ std::vector<CellError> compared(const Outcome& outcome,
                                 const Bounds& bounds) {
   const ReferenceScores right = reference_scores(scene, sampling);
   const Evaluation& made = outcome.evaluation;
-  const bool is_noisy = scene.sensor.full_well_e > 0.0 || needs_paths(outcome.scene);
+  const bool is_noisy = scene.sensor.full_well_e > 0.0 || outcome.has_path_noise;
   std::vector<CellError> errors = {
       picture_error(made.aspect, right.aspect.mean, right.region, is_noisy, bounds)};
   const double h = score_of(made, "homogeneity.h_rms");

@@ -8,6 +8,8 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "studies/definition/overrides.h"
+#include "studies/stability/light_sweeps.h"
+#include "studies/stability/part_sweeps.h"
 
 namespace glint::stability {
 

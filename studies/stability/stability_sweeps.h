@@ -45,12 +45,6 @@ struct Sweep {
 /// All of them, in the order they are told.
 std::vector<Sweep> all_sweeps();
 
-/// Those of sensor, stripes, scan and tunnel.
-std::vector<Sweep> light_sweeps();
-
-/// Those of part, defects, view and path tracing.
-std::vector<Sweep> part_sweeps();
-
 /// "0.5", "1e+06": a number as a study file takes it.
 std::string number_text(double value);
 

@@ -2,8 +2,8 @@
 #include "studies/stability/reference/reference_rays.h"
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
-#include <random>
 
 #include "core/units.h"
 #include "studies/stability/reference/reference_surface.h"
@@ -17,12 +17,23 @@ using Eigen::Vector3d;
 constexpr double kNoWall = std::numeric_limits<double>::quiet_NaN();
 constexpr int kMaxReflections = 4;
 
-/// In [0, 1).
-using Jitter = std::mt19937_64;
+/// Numbers of its own for each pixel: splitmix64 (Steele, Lea, Flood, OOPSLA 2014).
+class Jitter {
+ public:
+  explicit Jitter(std::uint64_t seed) : state_(seed) {}
 
-double uniform(Jitter& jitter) {
-  return static_cast<double>(jitter() >> 11) * 0x1p-53;
-}
+  /// In [0, 1).
+  double uniform() {
+    state_ += 0x9E3779B97F4A7C15U;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
+    z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
+    return static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1p-53;
+  }
+
+ private:
+  std::uint64_t state_;
+};
 
 struct CameraRay {
   Vector3d origin_mm;
@@ -36,8 +47,8 @@ CameraRay camera_ray(const ReferenceCamera& camera, const Vector2d& pixel, Jitte
   if (camera.aperture_mm == 0.0) {
     return {camera.origin_mm, along.normalized()};
   }
-  const double radius = 0.5 * camera.aperture_mm * std::sqrt(uniform(jitter));
-  const double angle = 2.0 * kPi * uniform(jitter);
+  const double radius = 0.5 * camera.aperture_mm * std::sqrt(jitter.uniform());
+  const double angle = 2.0 * kPi * jitter.uniform();
   const Vector3d from =
       camera.origin_mm + radius * (std::cos(angle) * right + std::sin(angle) * down);
   return {from, (camera.origin_mm + camera.focus_mm * along - from).normalized()};
@@ -122,8 +133,8 @@ class Tracing {
       const int left = cell % kFilm * sampling_.samples;
       const int top = cell / kFilm * sampling_.samples;
       for (int s = 0; s < sampling_.samples * sampling_.samples; ++s) {
-        const double u = left + s % sampling_.samples + uniform(jitter);
-        const double v = top + s / sampling_.samples + uniform(jitter);
+        const double u = left + s % sampling_.samples + jitter.uniform();
+        const double v = top + s / sampling_.samples + jitter.uniform();
         trace(Vector2d(px + u / per_side, py + v / per_side), jitter);
       }
     }

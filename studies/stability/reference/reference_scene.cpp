@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "core/error.h"
+#include "studies/definition/scene_notes.h"
 
 namespace glint::stability {
 namespace {
@@ -111,7 +112,8 @@ ReferenceCamera camera_of(const SceneSettings& scene) {
 ReferenceWall wall_of(const SceneSettings& scene) {
   const TunnelSettings& s = scene.tunnel;
   const bool is_round = s.shape == TunnelSettings::Shape::kSemicylinder;
-  require(scene.has_tunnel && scene.lights.empty(), "lighting", "is not one tunnel");
+  require(
+      !scan_line(scene).empty() && light_lines(scene).size() == 1, "lighting", "is not one tunnel");
   require(is_round || s.shape == TunnelSettings::Shape::kEllipse,
           "lighting.tunnel.shape",
           "is not semicylinder or ellipse");

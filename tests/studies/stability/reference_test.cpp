@@ -3,12 +3,12 @@
 // The reference tracer of glint stability against closed forms.
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/config/toml.h"
+#include "core/rng.h"
 #include "core/units.h"
 #include "studies/stability/reference/reference_light.h"
 #include "studies/stability/reference/reference_picture.h"
@@ -60,12 +60,11 @@ TEST(ReferenceSurface, SphereIsMetAtItsTopAndEverywhereOnIt) {
   const auto top = intersect(sphere, {0, 0, 200}, -Vector3d::UnitZ()).value();
   EXPECT_NEAR((top.point_mm - Vector3d(0, 0, 5)).norm(), 0.0, 1e-12);
   EXPECT_NEAR((top.normal - Vector3d::UnitZ()).norm(), 0.0, 1e-12);
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> place(-20.0, 20.0);
+  Rng rng(5, Stream::kTest, 0);
+  const auto place = [&] { return 40.0 * rng.uniform() - 20.0; };
   for (int i = 0; i < 1000; ++i) {
-    const Vector3d origin(place(random), place(random), 300.0);
-    const Vector3d direction =
-        (Vector3d(place(random), place(random), -20.0) - origin).normalized();
+    const Vector3d origin(place(), place(), 300.0);
+    const Vector3d direction = (Vector3d(place(), place(), -20.0) - origin).normalized();
     if (const auto hit = intersect(sphere, origin, direction)) {
       EXPECT_NEAR((hit->point_mm - Vector3d(0, 0, -20)).norm(), 25.0, 1e-10);
     }

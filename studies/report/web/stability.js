@@ -25,14 +25,14 @@ function cellWords(cell) {
 }
 
 function cellNode(cell) {
-  const worst = isNumber(cell.error) ? `${number(cell.error, 2)} ${kUnits[cell.quantity]}` : 'refused';
-  return h('td', { title: cellWords(cell).join('\n'), style: `background: ${kVerdicts[cell.verdict].colour}; min-width: 5.4em; padding: 4px 6px; vertical-align: top; line-height: 1.25` },
+  const worst = isNumber(cell.error) ? `${number(cell.error, 2)} ${kUnits[cell.quantity]}` : cell.verdict === 'refused' ? 'refused' : 'compared with the next';
+  return h('td', { title: cellWords(cell).join('\n'), style: `background: ${kVerdicts[cell.verdict].colour}; min-width: 4.6em; max-width: 7em; padding: 3px 5px; vertical-align: top; line-height: 1.25` },
     h('b', {}, number(cell.value)), h('br'), h('small', {}, worst));
 }
 
 function sweepRow(sweep, columns) {
   const empty = Math.max(0, columns - sweep.cells.length);
-  return h('tr', {}, h('th', { style: 'text-align: left; font-weight: 500; min-width: 15em' }, h('b', {}, sweep.name), h('br'), h('small', {}, sweep.title)),
+  return h('tr', {}, h('th', { style: 'text-align: left; font-weight: 500; min-width: 12em; max-width: 16em' }, h('b', {}, sweep.name), h('br'), h('small', {}, sweep.title)),
     sweep.cells.map(cellNode), empty > 0 && h('td', { colspan: String(empty) }));
 }
 
@@ -47,9 +47,9 @@ function sweepChart(sweep) {
   const option = () => ({
     grid: { left: 58, right: 16, top: 26, bottom: 42 },
     tooltip: { trigger: 'item', confine: true, textStyle: { fontSize: 12, color: kInk }, formatter: (item) => cellWords(item.data.cell).map(encode).join('<br>') },
-    xAxis: { type: 'category', data: sweep.cells.map((cell) => number(cell.value)), name: sweep.swept, nameLocation: 'middle', nameGap: 26, ...axisStyle },
+    xAxis: { type: 'category', data: sweep.cells.map((cell) => number(cell.value)), name: sweep.swept, nameLocation: 'middle', nameGap: 26, nameTruncate: { maxWidth: 220 }, ...axisStyle },
     yAxis: { type: 'log', name: 'error / bound', min: kLeastRatio, ...axisStyle, nameTextStyle: { color: kInk, align: 'left' }, axisLabel: { color: '#55606a', formatter: (value) => number(value) } },
-    series: [{ type: 'line', color: kInk, symbolSize: 10, lineStyle: { width: 1, opacity: 0.4 },
+    series: [{ type: 'line', color: kInk, symbolSize: 10, showAllSymbol: true, lineStyle: { width: 1, opacity: 0.4 },
       data: points.map(({ cell, i }) => ({ value: [i, Math.max(kLeastRatio, ratio(cell))], cell, symbol: kVerdicts[cell.verdict].symbol, itemStyle: { color: kVerdicts[cell.verdict].ink } })),
       markLine: { silent: true, symbol: 'none', label: { show: false }, lineStyle: { color: '#b8321a', type: 'dotted' }, data: [{ yAxis: 1 }] } }],
   });

@@ -118,6 +118,48 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
           "folder for chart and numbers (default out/<study name>/frontier)");
 }
 
+/// Numbers above 0, without a remark of its own in the help.
+CLI::Validator positive() {
+  CLI::Validator validator = CLI::PositiveNumber;
+  return validator.description("");
+}
+
+void add_stability_verb(CLI::App& app, CommandLine& line) {
+  CLI::App* verb = add_verb(
+      app,
+      "stability",
+      "find where methods fail: sweeps from harmless to hopeless, each judged",
+      "glint stability --out out/stability --sweep gain --sweep slot",
+      line,
+      [](const CommandLine& given) { return stability_command(given.stability, given.common); });
+  StabilityArguments& arguments = line.stability;
+  add_study(*verb, "STUDY.toml", arguments.study);
+  verb->get_option("STUDY.toml")
+      ->required(false)
+      ->description("its scene takes the place of the built-in one (default: none)");
+  add_out(*verb, arguments.study.out, "folder for page and numbers (default out/stability)");
+  verb->add_option("--sweep", arguments.sweeps, "this sweep alone")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  verb->add_flag("--list", arguments.is_list, "list the sweeps and measure none");
+  verb->add_option("--budget", arguments.budget_min, "wall clock in minutes, at most")
+      ->type_name("MINUTES")
+      ->check(positive());
+  verb->add_option("--h_points", arguments.h_points, "allowed error of h in points (default 0.5)")
+      ->type_name("NUMBER")
+      ->check(positive());
+  verb->add_option("--contrast_percent",
+                   arguments.contrast_percent,
+                   "allowed error of a dent's contrast in per cent (default 5)")
+      ->type_name("PERCENT")
+      ->check(positive());
+  verb->add_option("--picture",
+                   arguments.picture,
+                   "allowed error of the mean image, share of full scale (default 0.01)")
+      ->type_name("SHARE")
+      ->check(positive());
+}
+
 void add_imprint_verb(CLI::App& app, CommandLine& line) {
   CLI::App* imprint = add_verb(
       app,
@@ -294,6 +336,7 @@ void add_other_verbs(CLI::App& app, CommandLine& line) {
 
 void add_verbs(CLI::App& app, CommandLine& line) {
   add_study_verbs(app, line);
+  add_stability_verb(app, line);
   add_imprint_verb(app, line);
   add_inspect_verb(app, line);
   add_hardware_verbs(app, line);

@@ -22,6 +22,7 @@ struct CommandLine {
   CommonArguments common;
   StudyArguments study;
   AcquireArguments driven_run;  ///< run --cell
+  StabilityArguments stability;
   ImprintArguments imprint;
   InspectArguments inspect;
   CompareArguments compare;

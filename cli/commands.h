@@ -49,6 +49,18 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
 int render_command(const StudyArguments& arguments, const CommonArguments& common);
 int frontier_command(const StudyArguments& arguments, const CommonArguments& common);
 
+struct StabilityArguments {
+  StudyArguments study;  ///< without one the built-in scene
+  std::vector<std::string> sweeps;
+  bool is_list = false;
+  double budget_min = 0.0;  ///< wall clock; 0: none
+  double h_points = 0.5;
+  double contrast_percent = 5.0;
+  double picture = 0.01;
+};
+
+int stability_command(const StabilityArguments& arguments, const CommonArguments& common);
+
 struct ImprintArguments {
   StudyArguments study;
   int count = 0;  ///< 0: one part, in the folder itself

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/definition/scene_notes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <variant>
@@ -231,6 +232,55 @@ std::string scan_line(const SceneSettings& scene) {
                            length_text(scan_step_mm(scene.scan, scene.tunnel)));
 }
 
+namespace {
+
+/// Warnings where glint stability found scores beyond its bounds (docs/stability.md).
+std::vector<std::string> stability_notes(const SceneSettings& scene, const Scores& scores) {
+  std::vector<std::string> notes;
+  const auto clipped = scores.find("homogeneity.clipped_share");
+  if (clipped != scores.end() && clipped->second > 0.05) {
+    notes.push_back(
+        fmt::format("{:.3g} % of the region is at full scale in every frame: no defect can show "
+                    "there, and h counts it as even.",
+                    100.0 * clipped->second));
+  }
+  const double least_px = std::min(scene.camera.width_px, scene.camera.height_px);
+  if (scene.sensor.blur_px > 0.08 * least_px) {
+    notes.push_back(
+        fmt::format("A blur of {:g} px is wide for a picture of {:g} px: beyond its border the "
+                    "border's pixels are repeated, which a camera does not see.",
+                    scene.sensor.blur_px,
+                    least_px));
+  }
+  const SensorSettings& sensor = scene.sensor;
+  const double noise = sensor.full_well_e > 0.0
+                           ? std::hypot(std::sqrt(0.5 * sensor.gain / sensor.full_well_e),
+                                        sensor.read_noise_e * sensor.gain / sensor.full_well_e)
+                           : 0.0;
+  if (noise > 0.04 && !scene.defects.empty()) {
+    notes.push_back(
+        fmt::format("Noise of a frame is {:.2g} % of full scale at half of it: the change of a "
+                    "defect in its best frame holds this noise.",
+                    100.0 * noise));
+  }
+  return notes;
+}
+
+/// Stripes that pixels cannot separate.
+std::string fine_stripes_note(const SceneSettings& scene) {
+  const double pixel_mm = lens_geometry(scene.camera, scene.lens).object_pixel_mm;
+  const double ratio = scene.tunnel.period_mm / pixel_mm;
+  return scene.has_tunnel && ratio < 4.0
+             ? fmt::format(
+                   "A period of the stripes is {:.2g} pixels on the part, and less in the "
+                   "mirror: pixels alias them, and blur is applied to pixels: frames and "
+                   "what changes in them by a defect are uncertain.",
+                   ratio)
+             : std::string();
+}
+
+}  // namespace
+
 std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores) {
   std::vector<std::string> notes =
       needs_paths(scene) ? path_notes(scene, scores) : std::vector<std::string>{scan_note(scene)};
@@ -254,6 +304,11 @@ std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& s
                     "given up as dark.",
                     100.0 * share_of("rays.followed_share"),
                     100.0 * share_of("rays.blocked_share")));
+  }
+  const std::vector<std::string> warnings = stability_notes(scene, scores);
+  notes.insert(notes.end(), warnings.begin(), warnings.end());
+  if (const std::string fine = fine_stripes_note(scene); !fine.empty()) {
+    notes.push_back(fine);
   }
   if (scene.tunnel.cosine_law) {
     notes.emplace_back("The cosine law is applied to the wall's radiance (compatibility option).");

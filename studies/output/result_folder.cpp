@@ -46,7 +46,8 @@ constexpr auto kKinds =
                               {ResultKind::kValidate, "validate", "validate"},
                               {ResultKind::kGrab, "cell grab", "grab"},
                               {ResultKind::kAcquire, "acquire", "acquire"},
-                              {ResultKind::kViewPlan, "plan", "plan"}});
+                              {ResultKind::kViewPlan, "plan", "plan"},
+                              {ResultKind::kStability, "stability", "stability"}});
 
 const KindNames& names_of(ResultKind kind) {
   return *std::ranges::find(kKinds, kind, &KindNames::kind);

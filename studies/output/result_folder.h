@@ -32,13 +32,14 @@ enum class ResultKind {
   kValidate,
   kGrab,
   kAcquire,
-  kViewPlan
+  kViewPlan,
+  kStability
 };
 
 /// As it is typed: "run", "render", "imprint", "imprint --preview_tools", "inspect", "frontier",
 /// "calibrate", "calibrate --print_board", "calibrate --sensor", "calibrate --plan",
 /// "calibrate --points", "calibrate --place", "undistort", "cover", "compare", "validate",
-/// "cell grab", "acquire", "plan".
+/// "cell grab", "acquire", "plan", "stability".
 std::string_view command_of(ResultKind kind);
 
 /// Whose results a folder holds: by the field "verb" of its run.json, in folders of older versions

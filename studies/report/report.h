@@ -54,6 +54,7 @@
 //       tables        [ { caption, head: [texts], rows: [ [texts] ] } ] } ]
 //   analysis          of `glint report --analyse`, see studies/analysis/run_analysis.h
 //   frontier          the object of frontier.json, see docs/frontier.md
+//   stability         the object of stability.json, see docs/stability.md
 //   rendered          of `glint render`; {
 //       views         those of its result.json, each with an image: base64 PNG
 //       sheet         base64 PNG of all views

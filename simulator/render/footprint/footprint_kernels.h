@@ -44,7 +44,7 @@ struct Trapezoids {
 void trapezoids(const float* gx, const float* gy, int count, const Trapezoids& out);
 
 /// The bright share of each footprint under stripes that have moved by `shift` periods, as
-/// out = gain * (dark + (1 - dark) * share). Right for outer <= min(duty, 1 - duty).
+/// out = gain * (dark + (1 - dark) * share). Right for outer <= 1.
 struct BoxFrame {
   float shift = 0.0F;
   float duty = 0.5F;

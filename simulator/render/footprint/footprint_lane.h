@@ -74,7 +74,11 @@ GLINT_INLINE float two_edge_rest(
   const float rise = beyond(f, outer, inner, per_major, per_both);
   const float fall = beyond(f - duty, outer, inner, per_major, per_both);
   const float next = beyond(f - 1.0F, outer, inner, per_major, per_both);
-  return rise - fall + next;
+  // The ends of the stripes before and after: exactly 1/2 and -1/2 unless a stripe, or the gap
+  // between two, is thinner than the footprint.
+  const float fall_before = beyond(f - duty + 1.0F, outer, inner, per_major, per_both);
+  const float fall_after = beyond(f - duty - 1.0F, outer, inner, per_major, per_both);
+  return rise - fall + next - (fall_before + fall_after);
 }
 
 /// I: the first integral of the square wave less its mean, periodic and of mean zero.

@@ -79,6 +79,27 @@ TEST(SceneNotes, TellWhetherAScanHasWholeBrightPositions) {
                                     "is not a whole number")));
 }
 
+// The default scene has 1300 x 300 pixels of 0.15 mm, stripes of 16 mm and a blur of 0.7 px.
+TEST(SceneNotes, WarnOfWhatStabilityFoundAndOfNothingElse) {
+  SceneSettings scene;
+  EXPECT_EQ(scene_notes(scene, {{"homogeneity.clipped_share", 0.04}}).size(), 1U);
+  EXPECT_THAT(scene_notes(scene, {{"homogeneity.clipped_share", 0.5}}),
+              Contains(HasSubstr("50 % of the region is at full scale in every frame")));
+  scene.sensor.blur_px = 25.0;  // 0.08 * 300 px = 24
+  EXPECT_THAT(scene_notes(scene, {}), Contains(HasSubstr("A blur of 25 px is wide")));
+  scene.sensor.blur_px = 23.0;
+  EXPECT_EQ(scene_notes(scene, {}).size(), 1U);
+  scene.tunnel.period_mm = 0.5;  // 3.3 pixels
+  EXPECT_THAT(scene_notes(scene, {}), Contains(HasSubstr("is 3.3 pixels on the part")));
+  scene.tunnel.period_mm = 16.0;
+  scene.sensor.full_well_e = 100.0;  // sqrt(0.5 / 100) = 7.1 %
+  EXPECT_EQ(scene_notes(scene, {}).size(), 1U) << "there is no defect whose change holds it";
+  scene.defects = {{"dent", DefectGroup{}}};
+  EXPECT_THAT(scene_notes(scene, {}), Contains(HasSubstr("Noise of a frame is 7.1 %")));
+  scene.sensor.full_well_e = 1000.0;  // 2.2 %
+  EXPECT_EQ(scene_notes(scene, {}).size(), 1U);
+}
+
 TEST(SceneNotes, ListTheLightsOfAPathTracedSceneAndSayWhenItIsDark) {
   const SceneSettings scene = lit_by({{.name = "ring", .settings = RingSettings{}}});
   const auto notes = scene_notes(scene, {{"homogeneity.mean", 0.0}});

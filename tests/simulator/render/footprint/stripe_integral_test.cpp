@@ -81,6 +81,32 @@ struct RandomCase {
 };
 
 // (1 + 2 + 3 + 6) / 4 = 3; along x (2 + 6 - 1 - 3) / 2 = 2; along y (3 + 6 - 1 - 2) / 2 = 3.
+// A footprint of one period around an edge, of stripes far thinner than it, sees the duty's share
+// wherever it lies: the box has the width 0.6 along x and none along y.
+TEST(BoxFrame, SeesThinStripesAndThinGapsOnce) {
+  for (const float duty : {0.0F, 1e-3F, 0.01F, 0.99F, 1.0F}) {
+    constexpr int kCount = 1000;
+    std::vector<float> v(kCount), gx(kCount, 0.6F), gy(kCount, 1e-6F), gain(kCount, 1.0F);
+    std::vector<float> outer(kCount), inner(kCount), per_major(kCount), per_both(kCount);
+    std::vector<float> out(kCount);
+    const kernels::Trapezoids shape = {
+        outer.data(), inner.data(), per_major.data(), per_both.data()};
+    for (int i = 0; i < kCount; ++i) {
+      v[static_cast<std::size_t>(i)] = static_cast<float>(i) / kCount;
+    }
+    kernels::trapezoids(gx.data(), gy.data(), kCount, shape);
+    kernels::box_frame(v.data(), shape, gain.data(), kCount, {.duty = duty}, out.data());
+    double sum = 0.0;
+    for (const float share : out) {
+      EXPECT_GT(share, -1e-5F);
+      EXPECT_LT(share, 1.0F + 1e-5F);
+      sum += static_cast<double>(share);
+    }
+    // Over all places of a period the mean is the duty.
+    EXPECT_NEAR(sum / kCount, static_cast<double>(duty), 1e-4) << duty;
+  }
+}
+
 TEST(LinearThrough, IsTheLeastSquaresPlaneOfTheCorners) {
   const LinearFunction f = linear_through({1.0, 2.0, 3.0, 6.0});
   EXPECT_DOUBLE_EQ(f.value, 3.0);
@@ -266,7 +292,8 @@ TEST(BoxFrame, IsTheExactShareWithinItsLimit) {
 }
 
 // Beyond its limit a footprint covers more stripes than the kernel looks at: -1.25 to 1.25 periods
-// have 1.25 bright, a share of 0.5; edges at 0, 0.5 and 1 alone give 0.5 + (0.5 - 1) / 2.5 = 0.3.
+// have 1.25 bright, a share of 0.5; edges at -0.5, 0, 0.5, 1 and 1.5
+// alone give 0.5 + (0 + 0.5 - 1 - 0.5 + 1.25) / 2.5 = 0.6.
 TEST(BoxFrame, IsWrongFarBeyondItsLimit) {
   KernelCases cases;
   cases.add(0.0, 2.5, 0.0);
@@ -274,7 +301,7 @@ TEST(BoxFrame, IsWrongFarBeyondItsLimit) {
   float out = 0.0F;
   kernels::box_frame(cases.v.data(), shape, cases.gain.data(), 1, {}, &out);
   EXPECT_NEAR(cases.exact(0, 0.5, 0.0), 0.5, 1e-12);
-  EXPECT_NEAR(out, 0.3F, 1e-6F);
+  EXPECT_NEAR(out, 0.6F, 1e-6F);
 }
 
 // gain (dark + (1 - dark) share) with the share 0.7 from above: 0.8 (0.25 + 0.75 * 0.7) = 0.62.

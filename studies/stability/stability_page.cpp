@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/stability/stability_page.h"
+
+#include <chrono>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/config/toml.h"
+#include "core/file.h"
+#include "studies/definition/study_text.h"
+#include "studies/output/provenance.h"
+#include "studies/output/result_writer.h"
+#include "studies/report/report.h"
+
+namespace glint::stability {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Refuses before any work is done.
+void check_folder(const Study* study, const std::filesystem::path& out) {
+  const std::vector<std::string> names = {"stability.json", "stability.html", "run.json"};
+  if (study != nullptr) {
+    check_inputs_kept(input_files(*study), out, names);
+  }
+  check_result_folder(out, ResultKind::kStability, names);
+}
+
+Stability measure(const Study* study, const std::vector<Sweep>& sweeps, const StabilityRun& run) {
+  const auto start = Clock::now();
+  Progress bar("stability", count_cells(sweeps), run.progress);
+  StabilityOptions options{.threads = run.threads, .bounds = run.bounds};
+  if (study != nullptr) {
+    options.base = study->resolved;
+  }
+  options.on_progress = [&](int done, const std::string& next) {
+    bar.update(done, next);
+    return !run.budget_s || seconds_since(start) < *run.budget_s;
+  };
+  try {
+    Stability stability = measure_stability(sweeps, options);
+    bar.update(count_cells(sweeps));
+    return stability;
+  } catch (const ConfigError& error) {
+    throw study != nullptr ? with_place(study->root, error) : error;
+  }
+}
+
+std::vector<std::string> method_lines(const Bounds& bounds) {
+  return {
+      fmt::format("Stated bounds: {:g} points of h, {:g} % of a dent's contrast (of at least "
+                  "{:g} of full scale), {:g} of full scale for the mean image.",
+                  bounds.h_points,
+                  bounds.contrast_percent,
+                  kLeastContrast,
+                  bounds.picture),
+      "Scenes under a tunnel are compared with a tracer of their own in double precision, 144 or "
+      "576 rays a pixel, that uses nothing of the renderer; the light beside a matt plate with "
+      "Lambert's formula. Winners and switches compare the program with itself.",
+      "Where a reference's own uncertainty covers the excess, a cell is right."};
+}
+
+std::string page_html(const Study* study, const Stability& stability, const Json& json) {
+  Json source = provenance();
+  source.erase("cores");
+  return render_report(
+      {{"title", study != nullptr ? study->title : "Where methods fail"},
+       {"subtitle", "Sweeps from harmless to hopeless"},
+       {"verdict",
+        {{"sentence", stability_sentence(stability)},
+         {"tone", stability.totals().wrong > 0 ? "bad" : "good"},
+         {"details", Json::array()}}},
+       {"stability", json},
+       {"methods", method_lines(stability.bounds)},
+       {"config_toml", study != nullptr ? shown_text(*study) : std::string(base_scene_text())},
+       {"provenance", source}});
+}
+
+}  // namespace
+
+std::string stability_sentence(const Stability& stability) {
+  const StabilityTotals totals = stability.totals();
+  const std::string rest =
+      totals.left_out > 0 ? fmt::format(" {} were left out by the budget.", totals.left_out) : "";
+  return fmt::format(
+      "{} of {} cells are silently wrong; {} are right, {} wrong and told, {} refused.{}",
+      totals.wrong == 0 ? "None" : std::to_string(totals.wrong),
+      totals.right + totals.told + totals.refused + totals.wrong,
+      totals.right,
+      totals.told,
+      totals.refused,
+      rest);
+}
+
+Json stability_study(const Study* study,
+                     const std::vector<Sweep>& sweeps,
+                     const StabilityRun& run) {
+  const auto start = Clock::now();
+  check_folder(study, run.out);
+  { const OutputFolder probe(run.out); }  // refused now rather than after all the work
+  const Stability stability = measure(study, sweeps, run);
+  Json json = stability_json(stability);
+  ResultWriter writer(run.out, ResultKind::kStability);
+  write_file(writer.path() / "stability.json", json.dump(2) + "\n");
+  write_file(writer.path() / "stability.html", page_html(study, stability, json));
+  writer.finish(
+      {{"study", study != nullptr ? Json(study->name) : Json(nullptr)}, {"threads", run.threads}},
+      start);
+  json["report"] = (run.out / "stability.html").string();
+  return json;
+}
+
+}  // namespace glint::stability

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/stability/stability_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "studies/definition/overrides.h"
+
+namespace glint::stability {
+namespace {
+
+constexpr const char* kH = "homogeneity.h_rms";
+constexpr const char* kFirst_mm = "200";
+constexpr const char* kSecond_mm = "215";
+
+double h_at(SceneStore& store, ConfigNode root, const char* radius_mm) {
+  put_set(root, "lighting.tunnel.radius_mm", radius_mm);
+  return evaluated(store, root).evaluation.scores.at(kH);
+}
+
+}  // namespace
+
+DesignPair design_pair(SceneStore& store, const ConfigNode& root) {
+  return {.h_first = h_at(store, root, kFirst_mm), .h_second = h_at(store, root, kSecond_mm)};
+}
+
+CellError flip_error(const DesignPair& undisturbed,
+                     const DesignPair& disturbed,
+                     const Bounds& bounds) {
+  const double before = undisturbed.lead_points();
+  const double now = disturbed.lead_points();
+  const bool is_flipped = before * now < 0.0;
+  return {.quantity = "h_points",
+          .error = is_flipped ? std::min(std::abs(before), std::abs(now)) : 0.0,
+          .bound = bounds.h_points,
+          .measured = now / 100.0,
+          .reference = before / 100.0};
+}
+
+std::vector<CellError> errors_of_switch(const Outcome& outcome,
+                                        const Outcome& other,
+                                        const Bounds& bounds) {
+  const double h = outcome.evaluation.scores.at(kH);
+  const double other_h = other.evaluation.scores.at(kH);
+  const char* const kMean = "homogeneity.mean";
+  const double mean = outcome.evaluation.scores.at(kMean);
+  const double other_mean = other.evaluation.scores.at(kMean);
+  return {{.quantity = "h_points",
+           .error = 100.0 * std::abs(h - other_h),
+           .bound = bounds.h_points,
+           .measured = h,
+           .reference = other_h},
+          {.quantity = "mean",
+           .error = std::abs(mean - other_mean),
+           .bound = bounds.picture,
+           .measured = mean,
+           .reference = other_mean}};
+}
+
+}  // namespace glint::stability

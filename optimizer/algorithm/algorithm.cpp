@@ -201,8 +201,10 @@ std::string resolved_algorithm(const SearchSpace& space,
   return settings.is_noisy ? "cobyla" : "bobyqa";
 }
 
-FailurePolicy failure_policy(const SearchSpace& space, const SearchSettings& settings) {
-  const std::string name = resolved_algorithm(space, settings);
+FailurePolicy failure_policy(const SearchSpace& space,
+                             const SearchSettings& settings,
+                             int num_objectives) {
+  const std::string name = resolved_algorithm(space, settings, num_objectives);
   const bool fits_model = name == "bobyqa" || name == "cobyla" || name == "mlsl";
   return fits_model ? FailurePolicy::kNearest : FailurePolicy::kWorst;
 }

@@ -117,7 +117,9 @@ std::string resolved_algorithm(const SearchSpace& space,
                                const SearchSettings& settings,
                                int num_objectives = 1);
 
-FailurePolicy failure_policy(const SearchSpace& space, const SearchSettings& settings);
+FailurePolicy failure_policy(const SearchSpace& space,
+                             const SearchSettings& settings,
+                             int num_objectives = 1);
 
 /// @param start_points  asked first, in order, made canonical
 /// @param num_limits      limits in every answer: num_limits(goal)

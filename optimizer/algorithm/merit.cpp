@@ -10,6 +10,7 @@
 #include "core/config/keys.h"
 #include "core/error.h"
 #include "core/text.h"
+#include "optimizer/front/front.h"
 
 namespace glint {
 
@@ -100,6 +101,20 @@ std::vector<std::string> missing_derivatives(const SearchSpace& space,
   return names;
 }
 
+/// Of all objectives, NaN where it is not known; empty where none is.
+std::vector<double> standard_errors(const Goal& goal, const Scores& scores) {
+  std::vector<double> errors;
+  for (const Objective& objective : objectives_of(goal)) {
+    const auto error = scores.find(objective.name + ".error");
+    const bool is_known = error != scores.end() && std::isfinite(error->second);
+    errors.push_back(is_known ? std::abs(error->second) : std::numeric_limits<double>::quiet_NaN());
+  }
+  if (std::ranges::all_of(errors, [](double error) { return std::isnan(error); })) {
+    errors.clear();
+  }
+  return errors;
+}
+
 std::string problem_with_score(const Scores& scores,
                                const std::string& name,
                                bool may_be_infinite) {
@@ -115,7 +130,12 @@ std::string problem_with_score(const Scores& scores,
 }  // namespace
 
 std::string problem_with(const Goal& goal, const Scores& scores) {
-  std::string problem = problem_with_score(scores, goal.objective.name, false);
+  std::string problem;
+  for (const Objective& objective : objectives_of(goal)) {
+    if (problem.empty()) {
+      problem = problem_with_score(scores, objective.name, false);
+    }
+  }
   for (const Constraint& constraint : goal.constraints) {
     if (problem.empty()) {
       problem = problem_with_score(scores, constraint.name, true);
@@ -175,13 +195,23 @@ bool is_feasible(const Goal& goal, const Scores& scores) {
   });
 }
 
+std::vector<double> minimised_objectives(const Goal& goal, const Scores& scores) {
+  std::vector<double> values = {minimised(goal.objective, scores)};
+  for (const Objective& objective : goal.more_objectives) {
+    values.push_back(minimised(objective, scores));
+  }
+  return values;
+}
+
 bool is_better(const Goal& goal, const Scores& a, const Scores& b) {
   const double violation_a = violation(goal, a);
   const double violation_b = violation(goal, b);
   if (violation_a > 0.0 || violation_b > 0.0) {
     return violation_a < violation_b;
   }
-  return minimised(goal.objective, a) < minimised(goal.objective, b);
+  return has_several_objectives(goal)
+             ? dominates(minimised_objectives(goal, a), minimised_objectives(goal, b))
+             : minimised(goal.objective, a) < minimised(goal.objective, b);
 }
 
 double objective_noise(const Objective& objective, const Scores& scores) {
@@ -208,11 +238,14 @@ double difference_noise(const Objective& objective, const Scores& a, const Score
 }
 
 bool is_surely_better(const Goal& goal, const Scores& a, const Scores& b) {
-  if (!is_better(goal, a, b) || !is_feasible(goal, a) || !is_feasible(goal, b)) {
+  const bool is_feasible_pair = is_feasible(goal, a) && is_feasible(goal, b);
+  if (!is_feasible_pair || (!has_several_objectives(goal) && !is_better(goal, a, b))) {
     return is_better(goal, a, b);
   }
-  const double lead = minimised(goal.objective, b) - minimised(goal.objective, a);
-  return lead > difference_noise(goal.objective, a, b);
+  return std::ranges::any_of(objectives_of(goal), [&](const Objective& objective) {
+    const double lead = minimised(objective, b) - minimised(objective, a);
+    return lead > difference_noise(objective, a, b);
+  });
 }
 
 MeritFunction::MeritFunction(SearchSpace space, Goal goal, FailurePolicy policy, int num_scale)
@@ -224,24 +257,23 @@ Answer MeritFunction::next(const Point& point, const Outcome& outcome) {
   if (outcome.is_failed) {
     return {.merit = failed_merit(unit), .is_failed = true};
   }
-  const double objective = minimised(goal_.objective, outcome.scores);
-  if (num_told_ <= num_scale_ || !smallest_) {
-    widen_spread(objective);
+  const std::vector<double> objectives = minimised_objectives(goal_, outcome.scores);
+  if (num_told_ <= num_scale_ || smallest_.empty()) {
+    widen_spread(objectives);
   }
   double penalty = 0.0;
   for (const Constraint& constraint : goal_.constraints) {
     const double part = violation(constraint, outcome.scores.at(constraint.name));
     penalty += constraint.weight * std::log1p(part);
   }
-  const double merit = objective + penalty_scale() * penalty;
+  const double merit = combined(objectives) + penalty_scale() * penalty;
   told_.push_back({std::move(unit), std::clamp(merit, -kMaxMerit, kMaxMerit)});
   Answer answer{.merit = told_.back().merit,
-                .objective = {.value = std::clamp(objective, -kMaxMerit, kMaxMerit)}};
-  answer.objectives = {answer.objective.value};
-  const auto error = outcome.scores.find(goal_.objective.name + ".error");
-  if (error != outcome.scores.end() && std::isfinite(error->second)) {
-    answer.errors = {std::abs(error->second)};
+                .objective = {.value = std::clamp(objectives[0], -kMaxMerit, kMaxMerit)}};
+  for (const double objective : objectives) {
+    answer.objectives.push_back(std::clamp(objective, -kMaxMerit, kMaxMerit));
   }
+  answer.errors = standard_errors(goal_, outcome.scores);
   if (!outcome.gradients.empty()) {
     const double sign = goal_.objective.is_maximised ? -1.0 : 1.0;
     answer.objective.gradient = gradient_of(space_, point, outcome, goal_.objective.name, sign);
@@ -268,20 +300,41 @@ void MeritFunction::add_limits(const Point& point, const Outcome& outcome, Answe
   }
 }
 
-void MeritFunction::widen_spread(double objective) {
-  if (!smallest_) {
-    smallest_ = objective;
-    largest_ = objective;
+void MeritFunction::widen_spread(const std::vector<double>& objectives) {
+  if (smallest_.empty()) {
+    smallest_ = objectives;
+    largest_ = objectives;
   }
-  smallest_ = std::min(*smallest_, objective);
-  largest_ = std::max(largest_, objective);
+  for (std::size_t i = 0; i < objectives.size(); ++i) {
+    smallest_[i] = std::min(smallest_[i], objectives[i]);
+    largest_[i] = std::max(largest_[i], objectives[i]);
+  }
+}
+
+double MeritFunction::spread(std::size_t objective) const {
+  if (smallest_.empty()) {
+    return 1.0;
+  }
+  const double smallest = smallest_[objective];
+  const double spread = largest_[objective] - smallest;
+  // One value alone has no spread; its size is the best guess then.
+  const double fallback = smallest != 0.0 ? std::abs(smallest) : 1.0;
+  return spread > 0.0 ? spread : fallback;
+}
+
+double MeritFunction::combined(const std::vector<double>& objectives) const {
+  if (objectives.size() == 1) {
+    return objectives[0];
+  }
+  double sum = 0.0;
+  for (std::size_t i = 0; i < objectives.size(); ++i) {
+    sum += objectives[i] / spread(i);
+  }
+  return sum / static_cast<double>(objectives.size());
 }
 
 double MeritFunction::penalty_scale() const {
-  const double spread = smallest_ ? largest_ - *smallest_ : 0.0;
-  // One value alone has no spread; its size is the best guess then.
-  const double fallback = smallest_ && *smallest_ != 0.0 ? std::abs(*smallest_) : 1.0;
-  return kPenaltyFactor * (spread > 0.0 ? spread : fallback);
+  return kPenaltyFactor * (has_several_objectives(goal_) ? 1.0 : spread(0));
 }
 
 double MeritFunction::failed_merit(const std::vector<double>& unit) const {

@@ -5,7 +5,9 @@
 // merit = objective (negated when maximised) + scale * sum of weight * log(1 + violation), where a
 // violation is how far a score is outside its limit, as a part of the limit. The logarithm has
 // slope 1 at the limit, so the border is as steep as without it, while designs far outside do not
-// drown the model of a local method.
+// drown the model of a local method. With several objectives their place is taken by the mean of
+// each one's value in parts of its own spread, and the scale is kPenaltyFactor; only the choice of
+// the designs that a large model keeps depends on it.
 //
 // The scale is kPenaltyFactor times the spread (largest minus smallest objective) of the first
 // evaluations told, as many as the initial design has; then it stays. It depends on nothing but
@@ -50,8 +52,12 @@ double violation(const Constraint& constraint, double score);
 double violation(const Goal& goal, const Scores& scores);
 bool is_feasible(const Goal& goal, const Scores& scores);
 
-/// A feasible outcome beats an infeasible one; two feasible ones compare by objective, two
-/// infeasible ones by violation. Equal: false. Both must be judgeable.
+/// All objectives, smaller is better: those of maximised scores are negated.
+std::vector<double> minimised_objectives(const Goal& goal, const Scores& scores);
+
+/// A feasible outcome beats an infeasible one; two feasible ones compare by objective (of several
+/// by dominance: nowhere worse and somewhere better), two infeasible ones by violation. Equal:
+/// false. Both must be judgeable.
 bool is_better(const Goal& goal, const Scores& a, const Scores& b);
 
 /// Half the width of the objective's interval: half of "<objective>.high" - "<objective>.low",
@@ -65,8 +71,9 @@ double objective_noise(const Objective& objective, const Scores& scores);
 /// noise, so what is beyond it is beyond noise in any case.
 double difference_noise(const Objective& objective, const Scores& a, const Scores& b);
 
-/// is_better(), and of two feasible designs by more than the noise of their difference. The same as
-/// is_better() for scores without intervals.
+/// is_better(), and of two feasible designs by more than the noise of their difference; of several
+/// objectives: some one leads by more than its noise. The same as is_better() for one objective's
+/// scores without intervals.
 bool is_surely_better(const Goal& goal, const Scores& a, const Scores& b);
 
 /// Keeps what has been told and turns the next outcome into a finite merit.
@@ -94,7 +101,10 @@ class MeritFunction {
     double merit = 0.0;
   };
 
-  void widen_spread(double objective);
+  void widen_spread(const std::vector<double>& objectives);
+  double spread(std::size_t objective) const;
+  /// What the penalty is added to. @param objectives  of the goal, minimised
+  double combined(const std::vector<double>& objectives) const;
   void add_limits(const Point& point, const Outcome& outcome, Answer& answer) const;
   double failed_merit(const std::vector<double>& unit) const;
 
@@ -103,8 +113,8 @@ class MeritFunction {
   FailurePolicy policy_;
   int num_scale_;
   int num_told_ = 0;
-  std::optional<double> smallest_;
-  double largest_ = 0.0;
+  std::vector<double> smallest_;  ///< one per objective; empty: none was told
+  std::vector<double> largest_;
   std::vector<Told> told_;  ///< successes only
 };
 

@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a search is for: the score to optimise, and limits of others.
+// What a search is for: the scores to optimise, and limits of others.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "optimizer/front/compromise.h"
+
 namespace glint {
 
-/// The score to optimise.
+/// A score to optimise. What follows its direction counts where there are several.
 struct Objective {
   std::string name;
   bool is_maximised = true;
+  std::optional<double> reference = {};   ///< the worst value of interest; in the score's unit
+  std::optional<double> aspiration = {};  ///< the value hoped for; better than the reference
+  double weight = 1.0;                    ///< > 0, of ChoiceRule::kWeights and kAspirations
 };
 
 /// Limits of a score, both inclusive.
@@ -26,9 +31,21 @@ struct Constraint {
 struct Goal {
   Objective objective;
   std::vector<Constraint> constraints;
+  std::vector<Objective> more_objectives = {};  ///< beside the first one
+  ChoiceRule choice = ChoiceRule::kKnee;        ///< which design of several objectives' front
 };
 
-/// @throws ConfigError: no objective, a constraint without limits, min above max, weight <= 0
+/// All of them, the first one first.
+std::vector<Objective> objectives_of(const Goal& goal);
+int num_objectives(const Goal& goal);
+
+inline bool has_several_objectives(const Goal& goal) {
+  return !goal.more_objectives.empty();
+}
+
+/// @throws ConfigError: no objective, one twice, an aspiration that is not better than the
+///                      reference, a choice without what it needs, a constraint without limits, min
+///                      above max, weight <= 0
 void check(const Goal& goal);
 
 }  // namespace glint

@@ -60,11 +60,12 @@ struct Trial {
 
 /// Steps of a search in the order they happened. Asks and tells alone rebuild the algorithm.
 enum class EventKind {
-  kAsk,      ///< the algorithm asked for this trial's point; again for a trial that it knows
-  kTell,     ///< this trial's merit was told; `value` is the merit
-  kRestart,  ///< a run of the algorithm ended and another took its place
-  kAbandon,  ///< run number `value` did not answer and was left behind
-  kNote      ///< for people
+  kAsk,       ///< the algorithm asked for this trial's point; again for a trial that it knows
+  kTell,      ///< this trial's merit was told; `value` is the merit
+  kRestart,   ///< a run of the algorithm ended and another took its place
+  kAbandon,   ///< run number `value` did not answer and was left behind
+  kNote,      ///< for people
+  kReference  ///< of several objectives: the hypervolume's reference was fixed at `objectives`
 };
 
 struct Event {
@@ -72,6 +73,9 @@ struct Event {
   int trial = 0;  ///< search trial number; 0: none
   double value = 0.0;
   std::string text;
+  /// Of several objectives, one number each and smaller is better: maximised scores are negated.
+  /// Of kTell (empty when the trial failed) and kReference.
+  std::vector<double> objectives = {};
 };
 
 }  // namespace glint

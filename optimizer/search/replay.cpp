@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optimizer/search/replay.h"
 
+#include <algorithm>
 #include <bit>
+#include <span>
 #include <string>
 
 #include "core/text.h"
@@ -60,10 +62,46 @@ void replay_tell(const Goal& goal, const Event& event, SearchMemory& memory) {
       !memory.trial(event.trial).outcome) {
     fail_damaged("it tells trial " + std::to_string(event.trial) + " out of order");
   }
-  const double merit = memory.tell_next(goal);
-  if (!same_bits({merit}, {event.value})) {
-    fail_changed(event.trial, "merit " + shortest(event.value), "merit " + shortest(merit));
+  const Event told = memory.tell_next(goal);
+  if (!same_bits({told.value}, {event.value})) {
+    fail_changed(event.trial, "merit " + shortest(event.value), "merit " + shortest(told.value));
   }
+  if (!same_bits(told.objectives, event.objectives)) {
+    fail_changed(event.trial,
+                 "objectives " + point_text(event.objectives),
+                 "objectives " + point_text(told.objectives));
+  }
+}
+
+void replay_reference(const Goal& goal, const Event& event, SearchMemory& memory) {
+  const std::optional<Event> fixed = memory.fix_reference(goal);
+  if (!fixed || !same_bits(fixed->objectives, event.objectives)) {
+    fail_changed(event.trial,
+                 "reference " + point_text(event.objectives),
+                 fixed ? "reference " + point_text(fixed->objectives) : "no reference");
+  }
+}
+
+/// Whether a told outcome that did not fail counts as progress. See Budget::stall.
+bool is_sure_gain(const Goal& goal, const Scores& scores, SearchMemory& memory) {
+  const auto beats = [&](int number) {
+    return is_surely_better(goal, scores, memory.trial(number).outcome->scores);
+  };
+  const bool is_first_feasible = memory.surely_gained.empty() && is_feasible(goal, scores);
+  if (!has_several_objectives(goal) ||
+      (!is_feasible(goal, scores) && memory.surely_gained.empty())) {
+    return !memory.surely_best || beats(*memory.surely_best);
+  }
+  if (!is_feasible(goal, scores)) {
+    return false;
+  }
+  const std::vector<double> values = minimised_objectives(goal, scores);
+  for (std::size_t i = 0; i < memory.reference.size(); ++i) {
+    if (!(values[i] < memory.reference[i])) {
+      return is_first_feasible;
+    }
+  }
+  return std::ranges::all_of(memory.surely_gained, beats);
 }
 
 }  // namespace
@@ -79,41 +117,66 @@ void SearchMemory::note_ask(int number) {
   in_flight.push_back(number);
 }
 
-double SearchMemory::tell_next(const Goal& goal) {
+std::optional<Event> SearchMemory::fix_reference(const Goal& goal) {
+  if (!has_several_objectives(goal) || !reference.empty() || num_told < num_design) {
+    return std::nullopt;
+  }
+  const std::span<const Trial> told(trials.data(), static_cast<std::size_t>(num_told));
+  reference = reference_of(goal, told);
+  if (reference.empty()) {
+    return std::nullopt;
+  }
+  return Event{.kind = EventKind::kReference, .trial = num_told, .objectives = reference};
+}
+
+Event SearchMemory::tell_next(const Goal& goal) {
   const int number = in_flight.front();
   in_flight.pop_front();
   const Trial& told = trial(number);
   const Outcome& outcome = *told.outcome;
   const Answer answer = merit.next(told.point, outcome);
   algorithm->tell(told.point, answer);
+  Event event{.kind = EventKind::kTell, .trial = number, .value = answer.merit};
+  if (has_several_objectives(goal) && !outcome.is_failed) {
+    event.objectives = answer.objectives;
+  }
   if (number <= num_told) {
-    return answer.merit;
+    return event;
   }
   num_told = number;
   ++since_better;
   if (outcome.is_failed) {
     ++num_failed;
-    return answer.merit;
+    return event;
   }
   if (!best || is_better(goal, outcome.scores, trial(*best).outcome->scores)) {
     best = number;
   }
-  if (!surely_best || is_surely_better(goal, outcome.scores, trial(*surely_best).outcome->scores)) {
+  if (is_sure_gain(goal, outcome.scores, *this)) {
     surely_best = number;
     since_better = 0;
+    if (has_several_objectives(goal) && is_feasible(goal, outcome.scores)) {
+      surely_gained.push_back(number);
+    }
   }
-  return answer.merit;
+  return event;
 }
 
 SearchMemory make_memory(const SearchTask& task) {
   check(task.goal);
-  std::unique_ptr<Algorithm> algorithm =
-      make_algorithm(task.space, task.settings, task.start_points, num_limits(task.goal));
-  return {.algorithm = std::move(algorithm),
-          .merit = MeritFunction(task.space,
-                                 task.goal,
-                                 failure_policy(task.space, task.settings),
-                                 design_size(task.space, task.settings))};
+  std::unique_ptr<Algorithm> algorithm = make_algorithm(task.space,
+                                                        task.settings,
+                                                        task.start_points,
+                                                        num_limits(task.goal),
+                                                        num_objectives(task.goal));
+  const int num_design = design_size(task.space, task.settings);
+  return {
+      .algorithm = std::move(algorithm),
+      .merit = MeritFunction(task.space,
+                             task.goal,
+                             failure_policy(task.space, task.settings, num_objectives(task.goal)),
+                             num_design),
+      .num_design = num_design};
 }
 
 void replay(const SearchTask& task, const Storage& storage, SearchMemory& memory) {
@@ -133,6 +196,9 @@ void replay(const SearchTask& task, const Storage& storage, SearchMemory& memory
         break;
       case EventKind::kTell:
         replay_tell(task.goal, event, memory);
+        break;
+      case EventKind::kReference:
+        replay_reference(task.goal, event, memory);
         break;
       case EventKind::kAbandon:
         memory.algorithm->abandon_run(static_cast<int>(event.value));

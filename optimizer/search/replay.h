@@ -27,14 +27,20 @@ struct SearchMemory {
   int since_better = 0;            ///< told trials since `surely_best`
   std::optional<int> best;         ///< number of the best told trial
   std::optional<int>
-      surely_best;  ///< the last told one that beat the one before by more than noise
+      surely_best;                ///< the last told one that beat the one before by more than noise
+  int num_design = 0;             ///< evaluations that fix the reference
+  std::vector<double> reference;  ///< of several objectives; empty: not fixed yet
+  std::vector<int> surely_gained;  ///< of several: feasible ones that added to the hypervolume
 
   Trial& trial(int number) { return trials[static_cast<std::size_t>(number - 1)]; }
 
   /// Counts an ask of this trial and puts it in flight.
   void note_ask(int number);
-  /// Tells the oldest trial in flight its merit, which is returned.
-  double tell_next(const Goal& goal);
+  /// Tells the oldest trial in flight what it gave. @return the event that says so
+  Event tell_next(const Goal& goal);
+  /// Fixes the reference of several objectives once the initial design is told.
+  /// @return the event that says so, when it was fixed now
+  std::optional<Event> fix_reference(const Goal& goal);
 };
 
 /// A search that has not asked anything yet. @throws ConfigError for a wrong task

@@ -11,6 +11,7 @@
 
 #include "core/config/keys.h"
 #include "core/wall_clock.h"
+#include "optimizer/front/front.h"
 #include "optimizer/search/replay.h"
 
 namespace glint {
@@ -35,6 +36,11 @@ void check_task(const SearchTask& task) {
     errors.push_back(
         {.key = "budget",
          .text = "at least one of evaluations, wall clock, stall and target is needed"});
+  }
+  if (budget.target && has_several_objectives(task.goal)) {
+    errors.push_back({.key = "budget.target",
+                      .text = "is of one objective, there are several; allowed: evaluations, wall "
+                              "clock, stall"});
   }
   if (task.jobs < 1) {
     errors.push_back({.key = "jobs", .text = "must be at least 1"});
@@ -268,7 +274,7 @@ class Search {
       return;
     }
     std::string problem = problem_with(task_.goal, outcome.scores);
-    const std::string algorithm = resolved_algorithm(task_.space, task_.settings);
+    const std::string algorithm = algorithm_name();
     if (problem.empty() && needs_gradient(algorithm)) {
       problem = problem_with_gradients(task_.space, task_.goal, point, outcome);
       if (!problem.empty()) {
@@ -288,11 +294,33 @@ class Search {
     }
     ++result_.evaluations;
     result_.failed += evaluated.outcome->is_failed ? 1 : 0;
-    if (!evaluated.outcome->is_failed &&
-        (!shown_best_ ||
-         is_better(task_.goal, evaluated.outcome->scores, trial(*shown_best_).outcome->scores))) {
+    if (evaluated.outcome->is_failed) {
+      return;
+    }
+    if (has_several_objectives(task_.goal) && is_feasible(task_.goal, evaluated.outcome->scores)) {
+      count_on_front(evaluated.number);
+    } else if (shown_front_.empty() &&
+               (!shown_best_ ||
+                is_better(
+                    task_.goal, evaluated.outcome->scores, trial(*shown_best_).outcome->scores))) {
       shown_best_ = evaluated.number;
     }
+  }
+
+  void count_on_front(int number) {
+    shown_front_.push_back(number);
+    std::vector<std::vector<double>> rows;
+    for (const int shown : shown_front_) {
+      rows.push_back(minimised_objectives(task_.goal, trial(shown).outcome->scores));
+    }
+    std::vector<int> kept;
+    std::vector<std::vector<double>> front;
+    for (const std::size_t row : front_of(rows)) {
+      kept.push_back(shown_front_[row]);
+      front.push_back(rows[row]);
+    }
+    shown_front_ = std::move(kept);
+    shown_best_ = shown_front_[compromise_of(front, front_choice_of(task_.goal))];
   }
 
   void report(const Trial& last) const {
@@ -306,15 +334,17 @@ class Search {
     if (shown_best_) {
       state.best = trial(*shown_best_);
     }
+    state.on_front = static_cast<int>(shown_front_.size());
     on_evaluation_(state);
   }
 
   void tell_in_flight() {
     std::vector<Event> events;
     while (!memory_.in_flight.empty()) {
-      const int number = memory_.in_flight.front();
-      const double merit = memory_.tell_next(task_.goal);
-      events.push_back({.kind = EventKind::kTell, .trial = number, .value = merit});
+      events.push_back(memory_.tell_next(task_.goal));
+      if (auto fixed = memory_.fix_reference(task_.goal)) {
+        events.push_back(std::move(*fixed));
+      }
     }
     storage_.append(events);
     storage_.set_session_seconds(seconds_since(start_));
@@ -322,7 +352,7 @@ class Search {
 
   SearchResult finished_result() {
     SearchResult result = std::move(result_);
-    result.algorithm = resolved_algorithm(task_.space, task_.settings);
+    result.algorithm = algorithm_name();
     result.reused = memory_.num_reused;
     result.seconds = seconds_before_ + seconds_since(start_);
     for (const Trial& trial : memory_.trials) {
@@ -332,8 +362,30 @@ class Search {
         result.best = trial;
       }
     }
+    if (has_several_objectives(task_.goal)) {
+      take_compromise(result);
+    }
     result.is_feasible = result.best && is_feasible(task_.goal, result.best->outcome->scores);
     return result;
+  }
+
+  std::string algorithm_name() const {
+    return resolved_algorithm(task_.space, task_.settings, num_objectives(task_.goal));
+  }
+
+  void take_compromise(SearchResult& result) const {
+    const Goal& goal = task_.goal;
+    result.trade_off = trade_off(goal, memory_.trials, memory_.reference);
+    const TradeOff& found = *result.trade_off;
+    if (!found.trials.empty()) {
+      result.best = trial(found.trials[found.chosen]);
+    }
+    if (found.outside > 0) {
+      result.warnings.push_back(
+          "the reference lies inside the front: " + std::to_string(found.outside) + " of its " +
+          std::to_string(found.front.size()) +
+          " designs are not better than it in every objective and add nothing to the hypervolume");
+    }
   }
 
   Trial& trial(int number) { return memory_.trial(number); }
@@ -351,6 +403,7 @@ class Search {
   std::mutex mutex_;
   SearchResult result_;
   std::optional<int> shown_best_;  ///< best of all evaluated, told or not
+  std::vector<int> shown_front_;   ///< of several objectives
   double seconds_before_ = 0.0;
   Clock::time_point start_ = Clock::now();
 };

@@ -21,6 +21,7 @@
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/problem/space.h"
 #include "optimizer/problem/trial.h"
+#include "optimizer/search/trade_off.h"
 #include "optimizer/storage/storage.h"
 
 namespace glint {
@@ -29,10 +30,11 @@ namespace glint {
 struct Budget {
   int evaluations = 300;      ///< 0: no limit. Designs asked again cost nothing.
   double wall_clock_s = 0.0;  ///< of searching, without the time between runs; 0: no limit
-  /// Evaluations without a design that is better by more than its noise (is_surely_better());
-  /// 0: no limit.
+  /// Evaluations without a design that is better by more than its noise (is_surely_better()); with
+  /// several objectives without one that adds to the hypervolume: that beats, in some objective and
+  /// by more than noise, each design that added before. 0: no limit.
   int stall = 0;
-  std::optional<double> target;  ///< objective that a feasible design has to reach
+  std::optional<double> target;  ///< objective that a feasible design has to reach; of one only
 };
 
 enum class Termination {
@@ -78,7 +80,9 @@ struct SearchProgress {
   int failed = 0;
   double seconds = 0.0;  ///< searched so far, over all runs
   Trial last;
+  /// As in SearchResult, but of what is evaluated so far, in any order.
   std::optional<Trial> best;
+  int on_front = 0;  ///< of several objectives: designs that no other one beats in everything
 };
 
 /// Called after each evaluation, one call at a time, possibly from another thread.
@@ -86,7 +90,8 @@ using OnEvaluation = std::function<void(const SearchProgress&)>;
 
 struct SearchResult {
   Termination termination = Termination::kEvaluations;
-  /// The best feasible design; else the one with the least violation; empty: none succeeded.
+  /// The best feasible design, of several objectives the compromise that the goal's choice takes;
+  /// else the one with the least violation; empty: none succeeded.
   std::optional<Trial> best;
   bool is_feasible = false;
   int evaluations = 0;  ///< over all runs, failed ones included
@@ -94,8 +99,10 @@ struct SearchResult {
   int reused = 0;    ///< times the algorithm asked for a design it already knew
   int replayed = 0;  ///< evaluations that were found recorded when this run began
   double seconds = 0.0;
-  std::string algorithm;              ///< the name that `auto` stood for
-  std::vector<std::string> warnings;  ///< runs of the algorithm that had to be abandoned
+  std::string algorithm;  ///< the name that `auto` stood for
+  /// Runs of the algorithm that had to be abandoned; a reference that lies inside the front.
+  std::vector<std::string> warnings;
+  std::optional<TradeOff> trade_off;  ///< of several objectives
 };
 
 /// @param interrupt  nullptr, or how often the user interrupted: at 1 the running evaluations

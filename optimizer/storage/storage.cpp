@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <fstream>
 #include <mutex>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -27,8 +28,8 @@ namespace {
 /// "GLNT": marks our databases among other programs' SQLite files.
 constexpr std::int64_t kApplicationId = 0x474C4E54;
 
-constexpr std::array<std::string_view, 5> kEventKinds = {
-    "ask", "tell", "restart", "abandon", "note"};
+constexpr std::array<std::string_view, 6> kEventKinds = {
+    "ask", "tell", "restart", "abandon", "note", "reference"};
 
 constexpr const char* kTables = R"sql(
 CREATE TABLE study(
@@ -62,6 +63,9 @@ CREATE TABLE gradient(
   value REAL, -- NULL is NaN
   PRIMARY KEY (kind, number, score, variable)) WITHOUT ROWID;
 )sql";
+
+/// Of schema 4; little-endian doubles, NULL where there is one objective.
+constexpr const char* kObjectivesColumn = "ALTER TABLE event ADD COLUMN objectives BLOB";
 
 /// Of schema 3; `position` counts from 0. Before, the message of a success held its remarks.
 constexpr const char* kRemarkTable = R"sql(
@@ -203,6 +207,7 @@ void create(const std::filesystem::path& path, const StudyIdentity& identity) {
     database.run(kTables);
     database.run(kGradientTable);
     database.run(kRemarkTable);
+    database.run(kObjectivesColumn);
     Statement(database, "INSERT INTO study VALUES(1, ?, ?, ?, ?)")
         .bind(std::string_view(identity.config_hash))
         .bind(std::string_view(identity.config_text))
@@ -230,8 +235,26 @@ void upgrade(Database& database) {
   if (schema < kFirstSchemaWithRemarks) {
     database.run(kRemarkTable);
   }
+  if (schema < kFirstSchemaWithObjectives) {
+    database.run(kObjectivesColumn);
+  }
   database.run("PRAGMA user_version = " + std::to_string(Storage::kSchema));
   transaction.commit();
+}
+
+void insert_event(Database& database, const Event& event) {
+  Statement row(database,
+                "INSERT INTO event(kind, trial, value, text, objectives) VALUES(?, ?, ?, ?, ?)");
+  row.bind(kEventKinds[static_cast<std::size_t>(event.kind)])
+      .bind(std::int64_t{event.trial})
+      .bind(event.value + 0.0)
+      .bind(std::string_view(event.text));
+  if (event.objectives.empty()) {
+    row.bind(std::optional<std::int64_t>());
+  } else {
+    row.bind_doubles(event.objectives);
+  }
+  row.run();
 }
 
 std::int64_t begin_session(Database& database) {
@@ -301,12 +324,7 @@ void Storage::append(std::span<const Event> events, std::span<const Trial> new_t
     insert_trial(state_->database, trial);
   }
   for (const Event& event : events) {
-    Statement(state_->database, "INSERT INTO event(kind, trial, value, text) VALUES(?, ?, ?, ?)")
-        .bind(kEventKinds[static_cast<std::size_t>(event.kind)])
-        .bind(std::int64_t{event.trial})
-        .bind(event.value + 0.0)
-        .bind(std::string_view(event.text))
-        .run();
+    insert_event(state_->database, event);
   }
   transaction.commit();
 }
@@ -352,13 +370,19 @@ StudyIdentity Storage::identity() const {
 std::vector<Event> Storage::events() const {
   const std::lock_guard lock(state_->mutex);
   std::vector<Event> events;
-  Statement row(state_->database, "SELECT kind, trial, value, text FROM event ORDER BY seq");
+  const bool has_objectives =
+      state_->database.integer("PRAGMA user_version") >= kFirstSchemaWithObjectives;
+  Statement row(state_->database,
+                has_objectives
+                    ? "SELECT kind, trial, value, text, objectives FROM event ORDER BY seq"
+                    : "SELECT kind, trial, value, text, NULL FROM event ORDER BY seq");
   while (row.step()) {
     events.push_back(
         {.kind = value_of<EventKind>(row.text(0), kEventKinds, state_->database.path()),
          .trial = static_cast<int>(row.integer(1)),
          .value = row.real(2),
-         .text = row.text(3)});
+         .text = row.text(3),
+         .objectives = row.is_null(4) ? std::vector<double>{} : row.doubles(4)});
   }
   return events;
 }

@@ -12,6 +12,7 @@ namespace glint {
 
 inline constexpr std::int64_t kFirstSchemaWithGradients = 2;
 inline constexpr std::int64_t kFirstSchemaWithRemarks = 3;
+inline constexpr std::int64_t kFirstSchemaWithObjectives = 4;
 
 /// Inserts the trial without its outcome, or replaces it.
 void insert_trial(Database& database, const Trial& trial);

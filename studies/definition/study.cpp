@@ -11,10 +11,9 @@
 #include "core/config/toml.h"
 #include "core/file.h"
 #include "core/text.h"
-#include "metrics/scores.h"
 #include "studies/definition/manufacture.h"
 #include "studies/definition/overrides.h"
-#include "studies/definition/scene_scores.h"
+#include "studies/definition/study_goal.h"
 #include "studies/definition/study_tables.h"
 
 namespace glint {
@@ -30,6 +29,7 @@ const std::vector<std::string>& study_tables() {
                                                  "variables",
                                                  "prototypes",
                                                  "objective",
+                                                 "choice",
                                                  "constraints",
                                                  "search",
                                                  "budget",
@@ -43,9 +43,11 @@ const std::vector<std::string>& study_tables() {
 void check_tables(const ConfigNode& root, std::vector<Problem>& errors) {
   std::vector<std::string> known = scene_tables();
   known.insert(known.end(), study_tables().begin(), study_tables().end());
-  for (const char* name : {"variables", "prototypes", "objective", "constraints"}) {
+  for (const char* name : {"variables", "prototypes", "objective", "constraints", "choice"}) {
     const ConfigNode* table = root.find(name);
-    if (table != nullptr && !table->is_table()) {
+    const bool is_list =
+        name == std::string_view("objective") && table != nullptr && table->is_array();
+    if (table != nullptr && !table->is_table() && !is_list) {
       errors.push_back({.kind = Problem::Kind::kWrongType,
                         .place = table->place,
                         .key = name,
@@ -104,30 +106,6 @@ SceneSettings read_with(const Study& study,
   SceneSettings scene = study.scene;
   reread_scene(study.root, changed, scene, errors);
   return scene;
-}
-
-void check_goal(const Study& study, std::vector<Problem>& errors) {
-  const std::vector<std::string> labels = defect_labels(study.scene);
-  const std::vector<std::string> groups = group_names(study.scene);
-  const auto check_name =
-      [&](const std::string& path, const std::string& name, const Place& place) {
-        std::string problem = unknown_score(name, labels, groups);
-        problem += problem.empty() ? missing_by_paths(study.scene, name) : "";
-        problem += problem.empty() ? missing_by_reference(study.scene, name) : "";
-        problem += problem.empty() ? missing_by_cell(study.scene, name) : "";
-        if (!problem.empty()) {
-          errors.push_back(
-              {.place = place, .key = path, .text = fmt::format("\"{}\" {}", name, problem)});
-        }
-      };
-  if (study.has_objective) {
-    const ConfigNode& table = *study.root.find("objective");
-    check_name("objective." + table.names[0], table.items[0].text, table.items[0].place);
-  }
-  const ConfigNode* constraints = study.root.find("constraints");
-  for (std::size_t i = 0; constraints != nullptr && i < constraints->names.size(); ++i) {
-    check_name("constraints", constraints->names[i], constraints->items[i].place);
-  }
 }
 
 /// What a search needs and path-traced scenes do not have.
@@ -306,6 +284,7 @@ Study scene_study(Study study) {
   for (const char* table : {"variables",
                             "prototypes",
                             "objective",
+                            "choice",
                             "constraints",
                             "sorting",
                             "pod",

@@ -164,6 +164,13 @@ void add_study_tables(Json& root) {
   objective["properties"] = {{"maximise", text}, {"minimise", text}};
   objective["minProperties"] = 1;
   objective["maxProperties"] = 1;
+  Json listed = new_table();
+  listed["properties"] = {{"maximise", text},
+                          {"minimise", text},
+                          {"reference", number},
+                          {"aspiration", number},
+                          {"weight", number_schema("number", Range::positive())}};
+  listed["oneOf"] = {{{"required", {"maximise"}}}, {{"required", {"minimise"}}}};
   const auto tables_of = [](const Json& table) {
     return Json{{"type", "object"}, {"additionalProperties", table}};
   };
@@ -174,7 +181,8 @@ void add_study_tables(Json& root) {
   tolerance["properties"] = {{"plus_minus", number_schema("number", Range::positive())}};
   tolerance["required"] = {"plus_minus"};
   tables["manufacture"] = tables_of(tolerance);
-  tables["objective"] = objective;
+  tables["objective"] = {
+      {"anyOf", {objective, {{"type", "array"}, {"minItems", 2}, {"items", listed}}}}};
   tables["constraints"] = tables_of(limits);
 }
 

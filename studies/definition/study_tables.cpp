@@ -8,8 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/text.h"
-#include "studies/definition/scene_scores.h"
-#include "studies/definition/variable_condition.h"
+#include "studies/definition/study_goal.h"
 
 namespace glint {
 namespace {
@@ -71,6 +70,48 @@ void visit_budget(KeyVisitor& keys, Budget& b) {
   keys.require(b.evaluations > 0 || b.wall_clock_s > 0.0 || b.stall > 0 || b.target,
                "evaluations",
                "no limit is set: give evaluations, wall_clock, stall or target");
+}
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \"");
+  const auto last = text.find_last_not_of(" \"");
+  return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
+}
+
+/// The values of "[a, b]"; none when it is written otherwise.
+std::vector<std::string> listed_values(const std::string& text) {
+  const std::string list = trimmed(text);
+  if (list.size() < 3 || list.front() != '[' || list.back() != ']') {
+    return {};
+  }
+  std::vector<std::string> values;
+  for (const std::string& item : split(list.substr(1, list.size() - 2), ',')) {
+    values.push_back(trimmed(item));
+  }
+  return std::ranges::any_of(values, &std::string::empty) ? std::vector<std::string>() : values;
+}
+
+/// Reads `when = "path == value"` or `when = "path in [value, value]"`.
+void read_condition(const ConfigNode& node, Variable& variable, std::vector<Problem>& errors) {
+  const auto equals = node.text.find("==");
+  const auto in = node.text.find(" in ");
+  std::vector<std::string> values;
+  if (node.kind == ConfigNode::Kind::kText && equals != std::string::npos) {
+    variable.when_name = trimmed(node.text.substr(0, equals));
+    values = {trimmed(node.text.substr(equals + 2))};
+  } else if (node.kind == ConfigNode::Kind::kText && in != std::string::npos) {
+    variable.when_name = trimmed(node.text.substr(0, in));
+    values = listed_values(node.text.substr(in + 4));
+  }
+  if (values.empty()) {
+    errors.push_back({.place = node.place,
+                      .context = "variables",
+                      .key = variable.name,
+                      .text = "when must be \"path == value\" or \"path in [value, value]\""});
+    return;
+  }
+  variable.when_value = values.front();
+  variable.when_others.assign(values.begin() + 1, values.end());
 }
 
 class VariableReader {
@@ -193,92 +234,6 @@ void read_variables(Study& study, std::vector<Problem>& errors) {
   }
 }
 
-void read_objective(Study& study, std::vector<Problem>& errors) {
-  const ConfigNode* table = study.root.find("objective");
-  if (table == nullptr) {
-    if (study.has_search()) {
-      errors.push_back(
-          {.place = study.root.find("variables")->place,
-           .key = "objective",
-           .text = "a search needs [objective] with maximise or minimise = \"score\""});
-    }
-    return;
-  }
-  const bool is_good = table->is_table() && table->items.size() == 1 &&
-                       (table->names[0] == "maximise" || table->names[0] == "minimise") &&
-                       table->items[0].kind == Kind::kText;
-  if (!is_good) {
-    errors.push_back({.place = table->place,
-                      .key = "objective",
-                      .text = "must hold either maximise or minimise = \"name of a score\""});
-    return;
-  }
-  study.goal.objective = {.name = table->items[0].text,
-                          .is_maximised = table->names[0] == "maximise"};
-  study.has_objective = true;
-}
-
-void read_constraints(Study& study, std::vector<Problem>& errors) {
-  const ConfigNode* table = study.root.find("constraints");
-  if (table == nullptr) {
-    return;
-  }
-  for (std::size_t i = 0; i < table->names.size(); ++i) {
-    const ConfigNode& item = table->items[i];
-    Constraint constraint{.name = table->names[i]};
-    bool is_good = item.is_table();
-    for (std::size_t k = 0; is_good && k < item.names.size(); ++k) {
-      const std::string& name = item.names[k];
-      is_good = item.items[k].is_number() && std::isfinite(item.items[k].number);
-      const double value = item.items[k].number;
-      if (name == "min") {
-        constraint.min = value;
-      } else if (name == "max") {
-        constraint.max = value;
-      } else if (name == "weight") {
-        constraint.weight = value;
-      } else {
-        is_good = false;
-      }
-    }
-    is_good = is_good && (constraint.min || constraint.max) && constraint.weight > 0.0 &&
-              !(constraint.min && constraint.max && *constraint.min > *constraint.max);
-    if (!is_good) {
-      errors.push_back({.place = item.place,
-                        .context = "constraints",
-                        .key = constraint.name,
-                        .text = "must be { min = .. } or { max = .. } (min <= max, weight > 0)"});
-      continue;
-    }
-    study.goal.constraints.push_back(std::move(constraint));
-  }
-}
-
-/// An evenly white picture is perfectly homogeneous and shows nothing: a study that maximises
-/// homogeneity gets the limits that keep it from winning, unless it sets its own.
-void add_default_constraints(Study& study) {
-  constexpr double kMaxClippedShare = 0.01;
-  constexpr double kMinCnr = 3.0;
-  const auto begins = [](const std::string& name, const char* prefix) {
-    return name.rfind(prefix, 0) == 0;
-  };
-  const auto has = [&](const char* prefix) {
-    return std::ranges::any_of(study.goal.constraints, [&](const Constraint& constraint) {
-      return begins(constraint.name, prefix);
-    });
-  };
-  if (!study.has_objective || !begins(study.goal.objective.name, "homogeneity.")) {
-    return;
-  }
-  if (!has("homogeneity.clipped_share")) {
-    study.goal.constraints.push_back(
-        {.name = "homogeneity.clipped_share", .max = kMaxClippedShare});
-  }
-  if (!defect_labels(study.scene).empty() && !has("defects.")) {
-    study.goal.constraints.push_back({.name = "defects.min_cnr", .min = kMinCnr});
-  }
-}
-
 /// A study either searches designs or inspects a population with the designs it names.
 void read_populations(Study& study, std::vector<Problem>& errors) {
   study.sorting = read_sorting(study.root, study.scene.defects, errors);
@@ -332,9 +287,6 @@ void read_study_tables(Study& study, std::vector<Problem>& errors) {
     }
   }
   read_variables(study, errors);
-  read_objective(study, errors);
-  read_constraints(study, errors);
-  add_default_constraints(study);
   KeyReader search(study.root.find("search"), "search", errors);
   visit_search(search, study.search);
   search.report_unknown();
@@ -342,6 +294,7 @@ void read_study_tables(Study& study, std::vector<Problem>& errors) {
   visit_budget(budget, study.budget);
   budget.take("target");  // known also where it is not given
   budget.report_unknown();
+  read_goal(study, errors);
   read_populations(study, errors);
   read_trial(study, errors);
 }
@@ -400,14 +353,7 @@ std::vector<KeyRow> study_keys() {
       "any",
       "a value of that key",
       "a named design that is scored alongside the search");
-  add("objective.maximise", "text", "the name of a score", "what the search makes large");
-  add("objective.minimise", "text", "the name of a score", "what the search makes small");
-  add("constraints.\"score\"",
-      "table",
-      "{ min, max, weight }",
-      "limits that a score of a feasible design keeps; a study that optimises homogeneity has "
-      "homogeneity.clipped_share <= 0.01 and, with defects, defects.min_cnr >= 3 unless it sets "
-      "its own");
+  std::ranges::copy(goal_keys(), std::back_inserter(rows));
   add("manufacture.\"path.to.key\"",
       "table",
       "{ plus_minus } > 0, in the key's unit",

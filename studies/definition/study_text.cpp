@@ -62,7 +62,8 @@ ConfigNode whole_tree(const Study& study) {
   root.names.emplace_back("title");
   root.items.push_back(ConfigNode::from_text(study.title));
   merge(root, study.resolved);
-  for (const char* table : {"variables", "prototypes", "objective", "constraints", "manufacture"}) {
+  for (const char* table :
+       {"variables", "prototypes", "objective", "choice", "constraints", "manufacture"}) {
     if (const ConfigNode* node = study.root.find(table)) {
       root.names.emplace_back(table);
       root.items.push_back(*node);

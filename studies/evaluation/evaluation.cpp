@@ -226,7 +226,9 @@ WantedScores wanted_by(const Goal& goal) {
       wanted.trials.push_back(name);
     }
   };
-  look_at(goal.objective.name);
+  for (const Objective& objective : objectives_of(goal)) {
+    look_at(objective.name);
+  }
   for (const Constraint& constraint : goal.constraints) {
     look_at(constraint.name);
   }
@@ -235,7 +237,9 @@ WantedScores wanted_by(const Goal& goal) {
 
 WantedScores wanted_with_gradients(const Goal& goal, const SearchSpace& space) {
   WantedScores wanted = wanted_by(goal);
-  wanted.gradients.scores.push_back(goal.objective.name);
+  for (const Objective& objective : objectives_of(goal)) {
+    wanted.gradients.scores.push_back(objective.name);
+  }
   for (const Constraint& constraint : goal.constraints) {
     wanted.gradients.scores.push_back(constraint.name);
   }

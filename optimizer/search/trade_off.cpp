@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimizer/search/trade_off.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/text.h"
+#include "optimizer/algorithm/merit.h"
+#include "optimizer/front/front.h"
+
+namespace glint {
+namespace {
+
+using Row = std::vector<double>;
+
+double sign_of(const Objective& objective) {
+  return objective.is_maximised ? -1.0 : 1.0;
+}
+
+bool has_scores(const Trial& trial) {
+  return trial.outcome && !trial.outcome->is_failed;
+}
+
+bool is_on_offer(const Goal& goal, const Trial& trial) {
+  return has_scores(trial) && is_feasible(goal, trial.outcome->scores);
+}
+
+bool is_inside(const Row& row, const Row& reference) {
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    if (!(row[i] < reference[i])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Derivatives by differences of the width of each score's own interval.
+double hypervolume_noise(const Goal& goal, std::span<const Trial> trials, const TradeOff& found) {
+  const std::vector<Objective> objectives = objectives_of(goal);
+  double sum = 0.0;
+  std::vector<Row> moved = found.front;
+  for (std::size_t k = 0; k < moved.size(); ++k) {
+    const auto trial = static_cast<std::size_t>(found.trials[k] - 1);
+    for (std::size_t i = 0; i < objectives.size(); ++i) {
+      const double noise = objective_noise(objectives[i], trials[trial].outcome->scores);
+      if (noise > 0.0) {
+        moved[k][i] = found.front[k][i] + noise;
+        const double change = hypervolume(moved, found.reference) - found.hypervolume;
+        sum += change * change;
+        moved[k][i] = found.front[k][i];
+      }
+    }
+  }
+  return std::sqrt(sum);
+}
+
+std::string reason_of(const Goal& goal, const TradeOff& found) {
+  const std::size_t count = found.front.size();
+  if (count == 1) {
+    return "the only design that no other beats in everything";
+  }
+  const std::string of = " of the " + std::to_string(count) + " that no other beats in everything";
+  if (goal.choice == ChoiceRule::kWeights) {
+    return "gives up least by the weights" + of;
+  }
+  if (goal.choice == ChoiceRule::kKnee) {
+    return "nearest to the best of all objectives at once" + of;
+  }
+  std::vector<std::string> missed;
+  const std::vector<Objective> objectives = objectives_of(goal);
+  for (std::size_t i = 0; i < objectives.size(); ++i) {
+    const Objective& objective = objectives[i];
+    if (objective.aspiration &&
+        found.front[found.chosen][i] > sign_of(objective) * *objective.aspiration) {
+      missed.push_back(objective.name);
+    }
+  }
+  return missed.empty() ? "reaches every aspiration, and is the knee" + of
+                        : "misses the aspirations least (" + join(missed, ", ") + ")" + of;
+}
+
+}  // namespace
+
+std::vector<double> in_score_units(const Goal& goal, std::vector<double> objectives) {
+  const std::vector<Objective> all = objectives_of(goal);
+  for (std::size_t i = 0; i < objectives.size(); ++i) {
+    objectives[i] = sign_of(all[i]) * objectives[i] + 0.0;
+  }
+  return objectives;
+}
+
+FrontChoice front_choice_of(const Goal& goal) {
+  FrontChoice choice{.rule = goal.choice};
+  for (const Objective& objective : objectives_of(goal)) {
+    choice.weights.push_back(objective.weight);
+    choice.aspirations.push_back(objective.aspiration
+                                     ? std::optional(sign_of(objective) * *objective.aspiration)
+                                     : std::nullopt);
+  }
+  return choice;
+}
+
+std::vector<double> reference_of(const Goal& goal, std::span<const Trial> design) {
+  Row reference;
+  const std::vector<Objective> objectives = objectives_of(goal);
+  for (std::size_t i = 0; i < objectives.size(); ++i) {
+    std::optional<double> worst;
+    if (objectives[i].reference) {
+      worst = sign_of(objectives[i]) * *objectives[i].reference + 0.0;
+    }
+    for (const Trial& trial : design) {
+      if (!objectives[i].reference && has_scores(trial)) {
+        const double value = minimised_objectives(goal, trial.outcome->scores)[i];
+        worst = std::max(worst.value_or(value), value);
+      }
+    }
+    if (!worst) {
+      return {};
+    }
+    reference.push_back(*worst);
+  }
+  return reference;
+}
+
+TradeOff trade_off(const Goal& goal,
+                   std::span<const Trial> trials,
+                   const std::vector<double>& reference) {
+  TradeOff found{.reference = reference.empty() ? reference_of(goal, trials) : reference};
+  std::vector<Row> rows;
+  std::vector<int> numbers;
+  for (const Trial& trial : trials) {
+    if (is_on_offer(goal, trial)) {
+      rows.push_back(minimised_objectives(goal, trial.outcome->scores));
+      numbers.push_back(trial.number);
+    }
+  }
+  for (const std::size_t row : front_of(rows)) {
+    found.trials.push_back(numbers[row]);
+    found.front.push_back(rows[row]);
+    found.outside += is_inside(rows[row], found.reference) ? 0 : 1;
+  }
+  if (!found.front.empty()) {
+    found.hypervolume = hypervolume(found.front, found.reference);
+    found.noise = hypervolume_noise(goal, trials, found);
+    found.chosen = compromise_of(found.front, front_choice_of(goal));
+    found.reason = reason_of(goal, found);
+  }
+  return found;
+}
+
+std::vector<double> hypervolume_history(const Goal& goal,
+                                        std::span<const Trial> trials,
+                                        const std::vector<double>& reference) {
+  std::vector<Row> front;
+  std::vector<double> history;
+  double volume = 0.0;
+  for (const Trial& trial : trials) {
+    if (!trial.outcome) {
+      continue;
+    }
+    if (is_on_offer(goal, trial)) {
+      front.push_back(minimised_objectives(goal, trial.outcome->scores));
+      std::vector<Row> kept;
+      const std::vector<std::size_t> indices = front_of(front);
+      const bool is_gain = !indices.empty() && indices.back() + 1 == front.size();
+      for (const std::size_t row : indices) {
+        kept.push_back(front[row]);
+      }
+      front = std::move(kept);
+      volume = is_gain ? hypervolume(front, reference) : volume;
+    }
+    history.push_back(volume);
+  }
+  return history;
+}
+
+std::vector<double> recorded_reference(std::span<const Event> events) {
+  const auto found = std::ranges::find(events, EventKind::kReference, &Event::kind);
+  return found == events.end() ? std::vector<double>{} : found->objectives;
+}
+
+}  // namespace glint

@@ -36,14 +36,15 @@ bool is_inside(const Row& row, const Row& reference) {
 }
 
 /// Derivatives by differences of the width of each score's own interval.
-double hypervolume_noise(const Goal& goal, std::span<const Trial> trials, const TradeOff& found) {
+double hypervolume_noise(const Goal& goal,
+                         const std::vector<const Trial*>& trials,
+                         const TradeOff& found) {
   const std::vector<Objective> objectives = objectives_of(goal);
   double sum = 0.0;
   std::vector<Row> moved = found.front;
   for (std::size_t k = 0; k < moved.size(); ++k) {
-    const auto trial = static_cast<std::size_t>(found.trials[k] - 1);
     for (std::size_t i = 0; i < objectives.size(); ++i) {
-      const double noise = objective_noise(objectives[i], trials[trial].outcome->scores);
+      const double noise = objective_noise(objectives[i], trials[k]->outcome->scores);
       if (noise > 0.0) {
         moved[k][i] = found.front[k][i] + noise;
         const double change = hypervolume(moved, found.reference) - found.hypervolume;
@@ -128,21 +129,23 @@ TradeOff trade_off(const Goal& goal,
                    const std::vector<double>& reference) {
   TradeOff found{.reference = reference.empty() ? reference_of(goal, trials) : reference};
   std::vector<Row> rows;
-  std::vector<int> numbers;
+  std::vector<const Trial*> on_offer;
   for (const Trial& trial : trials) {
     if (is_on_offer(goal, trial)) {
       rows.push_back(minimised_objectives(goal, trial.outcome->scores));
-      numbers.push_back(trial.number);
+      on_offer.push_back(&trial);
     }
   }
+  std::vector<const Trial*> on_front;
   for (const std::size_t row : front_of(rows)) {
-    found.trials.push_back(numbers[row]);
+    on_front.push_back(on_offer[row]);
+    found.trials.push_back(on_offer[row]->number);
     found.front.push_back(rows[row]);
     found.outside += is_inside(rows[row], found.reference) ? 0 : 1;
   }
   if (!found.front.empty()) {
     found.hypervolume = hypervolume(found.front, found.reference);
-    found.noise = hypervolume_noise(goal, trials, found);
+    found.noise = hypervolume_noise(goal, on_front, found);
     found.chosen = compromise_of(found.front, front_choice_of(goal));
     found.reason = reason_of(goal, found);
   }

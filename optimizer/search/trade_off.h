@@ -34,7 +34,7 @@ struct TradeOff {
 /// @return one number per objective; empty while one is missing and no trial has succeeded
 std::vector<double> reference_of(const Goal& goal, std::span<const Trial> design);
 
-/// @param trials     numbered from 1 in order; those without an outcome count for nothing
+/// @param trials     those without an outcome count for nothing
 /// @param reference  one number per objective; empty: that of the trials themselves
 TradeOff trade_off(const Goal& goal,
                    std::span<const Trial> trials,

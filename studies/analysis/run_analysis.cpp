@@ -68,7 +68,10 @@ Outcome outcome_of(SceneStore& store, const Study& study, const Point& point) {
 
 /// Scores that the goal names, each once.
 std::vector<std::string> named_scores(const Goal& goal) {
-  std::vector<std::string> names = {goal.objective.name};
+  std::vector<std::string> names;
+  for (const Objective& objective : objectives_of(goal)) {
+    names.push_back(objective.name);
+  }
   for (const Constraint& constraint : goal.constraints) {
     if (std::ranges::count(names, constraint.name) == 0) {
       names.push_back(constraint.name);

@@ -7,6 +7,7 @@
 
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/analysis/surrogate_indices.h"
+#include "optimizer/search/trade_off.h"
 #include "optimizer/surrogate/gaussian_process.h"
 #include "studies/analysis/branches.h"
 #include "studies/analysis/responses.h"
@@ -101,27 +102,31 @@ std::optional<double> q2_of(const std::vector<Posterior>& without_itself,
                        : std::optional(deviations > 0.0 ? 1.0 - errors / deviations : 0.0);
 }
 
-/// The best feasible design of a branch by the run's goal.
+/// The best feasible design of a branch by the run's goal; of several objectives the compromise.
 std::optional<Point> best_point(const SearchSpace& space,
                                 const Goal& goal,
                                 std::span<const Trial> trials,
                                 const std::string& branch) {
-  const Trial* best = nullptr;
-  double best_value = 0.0;
+  std::vector<Trial> candidates;
+  std::optional<std::size_t> best;
   for (const Trial& trial : trials) {
-    if (!trial.outcome || trial.outcome->is_failed) {
+    if (!trial.outcome || trial.outcome->is_failed ||
+        !problem_with(goal, trial.outcome->scores).empty() ||
+        !is_feasible(goal, trial.outcome->scores) ||
+        branch_name(space, canonical(space, trial.point)) != branch) {
       continue;
     }
-    const double value = finite_score(trial.outcome->scores, goal.objective.name);
-    const bool is_candidate = !std::isnan(value) && is_feasible(goal, trial.outcome->scores) &&
-                              branch_name(space, canonical(space, trial.point)) == branch;
-    const bool is_better = goal.objective.is_maximised ? value > best_value : value < best_value;
-    if (is_candidate && (best == nullptr || is_better)) {
-      best = &trial;
-      best_value = value;
+    candidates.push_back(trial);
+    candidates.back().number = static_cast<int>(candidates.size());
+    if (!best || is_better(goal, trial.outcome->scores, candidates[*best].outcome->scores)) {
+      best = candidates.size() - 1;
     }
   }
-  return best == nullptr ? std::nullopt : std::optional(canonical(space, best->point));
+  if (best && has_several_objectives(goal)) {
+    const TradeOff found = trade_off(goal, candidates, {});
+    best = static_cast<std::size_t>(found.trials[found.chosen] - 1);
+  }
+  return best ? std::optional(canonical(space, candidates[*best].point)) : std::nullopt;
 }
 
 std::vector<Importance> importance_of(const GaussianProcess& model,

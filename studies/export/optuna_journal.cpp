@@ -79,8 +79,13 @@ bool has_score(const Scores& scores, const std::string& name) {
 
 /// As the search judges: without one of the scores that it needs a trial has failed.
 bool is_complete(const Goal& goal, const Outcome& outcome) {
-  if (outcome.is_failed || !has_score(outcome.scores, goal.objective.name)) {
+  if (outcome.is_failed) {
     return false;
+  }
+  for (const Objective& objective : objectives_of(goal)) {
+    if (!has_score(outcome.scores, objective.name)) {
+      return false;
+    }
   }
   for (const Constraint& constraint : goal.constraints) {
     if (!has_score(outcome.scores, constraint.name)) {
@@ -127,13 +132,18 @@ Json attributes_of(const Trial& trial) {
 Json trial_line(const SearchSpace& space, const Goal& goal, const Trial& trial, double start_s) {
   const Outcome& outcome = *trial.outcome;
   const bool is_good = is_complete(goal, outcome);
+  const bool is_several = has_several_objectives(goal);
+  std::vector<double> values;
+  for (const Objective& objective : objectives_of(goal)) {
+    values.push_back(is_good ? outcome.scores.at(objective.name) : 0.0);
+  }
   Json line = {{"op_code", kCreateTrial},
                {"worker_id", kWriter},
                {"study_id", 0},
                {"datetime_start", time_text(start_s)},
                {"state", is_good ? kComplete : kFail},
-               {"value", is_good ? Json(outcome.scores.at(goal.objective.name)) : Json(nullptr)},
-               {"values", nullptr},
+               {"value", is_good && !is_several ? Json(values.front()) : Json(nullptr)},
+               {"values", is_good && is_several ? Json(values) : Json(nullptr)},
                {"datetime_complete", time_text(start_s + outcome.seconds)}};
   add_parameters(space, trial.point, line);
   line["user_attrs"] = attributes_of(trial);
@@ -153,10 +163,14 @@ std::string optuna_journal(const std::string& study_name,
                            std::span<const Trial> trials,
                            OptunaExport* counts) {
   OptunaExport count;
+  Json directions = Json::array();
+  for (const Objective& objective : objectives_of(goal)) {
+    directions.push_back(objective.is_maximised ? kMaximise : kMinimise);
+  }
   const Json head = {{"op_code", kCreateStudy},
                      {"worker_id", kWriter},
                      {"study_name", study_name},
-                     {"directions", {goal.objective.is_maximised ? kMaximise : kMinimise}}};
+                     {"directions", directions}};
   std::string text = head.dump() + "\n";
   double start_s = 0.0;
   for (const Trial& trial : trials) {

@@ -95,7 +95,7 @@ void add_ranking_panel(Json& data) {
 
 /// Designs that nothing was searched for are ranked.
 void add_ranking(Json& data) {
-  if (data.contains("ranking") || !member(data, "trials").empty() ||
+  if (data.contains("ranking") || data.contains("front") || !member(data, "trials").empty() ||
       !member(data, "runs").empty() || member(data, "designs").size() < 2) {
     return;
   }
@@ -109,8 +109,8 @@ void add_ranking(Json& data) {
 /// Which of the designs that were scanned repeatedly is the best, for any run.
 /// @return whether it was found just now
 bool add_probability_best(Json& data) {
-  if (data.contains("probability_best") || !member(data, "runs").empty() ||
-      member(data, "designs").size() < 2) {
+  if (data.contains("probability_best") || data.contains("front") ||
+      !member(data, "runs").empty() || member(data, "designs").size() < 2) {
     return false;
   }
   Json list = Json::array();

@@ -272,6 +272,54 @@ Verdict verdict_of_search(const Json& data, const Json& winner, const Wording& w
   return verdict;
 }
 
+/// "8.1 (baseline 3.2)"
+std::string value_beside(const Json* baseline, const Json& design, const Wording& wording) {
+  const auto value = wording.value(design);
+  const auto there = baseline == nullptr ? std::nullopt : wording.value(*baseline);
+  return (value ? wording.text(*value) : std::string("unknown")) +
+         (there ? fmt::format(" (baseline {})", wording.text(*there)) : std::string());
+}
+
+/// The compromise of several objectives: where it is in each, and why it was taken.
+Verdict verdict_of_compromise(const Json& data, const Json& winner, const Wording& first) {
+  const Json& front = member(data, "front");
+  const Json& designs = member(data, "designs");
+  if (member(winner, "feasible") == Json(false) || member(front, "designs").empty()) {
+    return verdict_of_closest(data, winner, first);
+  }
+  const auto own = std::ranges::find_if(
+      designs, [](const Json& design) { return text_of(design, "role") == "baseline"; });
+  const Json* baseline = own == designs.end() ? nullptr : &*own;
+  std::vector<std::string> reached;
+  bool is_worse_in_some = false;
+  for (const Json& objective : member(front, "objectives")) {
+    const Wording wording(
+        data, text_of(objective, "score"), text_of(objective, "direction") == "maximise");
+    reached.push_back(wording.label() + " " + value_beside(baseline, winner, wording));
+    const auto value = wording.value(winner);
+    const auto there = baseline == nullptr ? std::nullopt : wording.value(*baseline);
+    is_worse_in_some = is_worse_in_some || (value && there && wording.is_better(*there, *value));
+  }
+  const Json& chosen = member(front, "chosen");
+  Verdict verdict{.tone = is_worse_in_some ? "neutral" : "good"};
+  verdict.say(
+      "compromise",
+      fmt::format(
+          "The compromise reaches {}: {}.", join(reached, ", "), text_of(chosen, "reason")));
+  say_limits(data, winner, verdict);
+  if (const auto outside = number_of(front, "outside"); outside && *outside > 0.0) {
+    verdict.details.push_back(
+        {"reference_inside",
+         fmt::format("The reference lies inside the front: {:.0f} of its {} designs are not better "
+                     "than it in every objective and add nothing to the hypervolume.",
+                     *outside,
+                     member(front, "designs").size())});
+  }
+  verdict.add(report_detail::findings_on(data, winner));
+  verdict.add(search_details(data, &winner, first));
+  return verdict;
+}
+
 /// "12.3 (11.8 to 12.9)"
 std::string ranked_value(const Json& row, const Wording& wording) {
   const std::string value = wording.text(*number_of(row, "value"));
@@ -369,7 +417,8 @@ nlohmann::ordered_json report_verdict(const nlohmann::ordered_json& data) {
         {.tone = runs.tone, .headline = {runs.headline}, .details = std::move(runs.details)});
   }
   if (const Json* winner = best_design(member(data, "designs"), wording, "winner")) {
-    return json_of(verdict_of_search(data, *winner, wording));
+    return json_of(member(data, "front").is_object() ? verdict_of_compromise(data, *winner, wording)
+                                                     : verdict_of_search(data, *winner, wording));
   }
   return json_of(member(data, "trials").empty() ? verdict_of_designs(data, wording)
                                                 : verdict_without_winner(data, wording));

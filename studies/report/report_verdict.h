@@ -16,6 +16,8 @@ namespace glint {
 ///   winner_better, winner_level, winner_worse   a search's outcome against the baseline
 ///   winner_alone        the same without a baseline
 ///   lead_sure, lead_open                        whether that lead is larger than the noise
+///   compromise          several objectives: what the chosen design reaches, and why it was chosen
+///   reference_inside    of several: designs of the front that the reference cuts off
 ///   limits_met          of the design the verdict is about
 ///   limit_failed        one for each limit that a design misses
 ///   no_feasible         a search without a design that meets every limit

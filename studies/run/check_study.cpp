@@ -81,9 +81,15 @@ class VariableCheck {
     for (const VariableEnd& end : ends_of(variable)) {
       try {
         scores.push_back(evaluate(store_, scene_at(index, end), {}, wanted).scores);
-        if (const auto objective = scores.back().find(study_.goal.objective.name);
-            objective != scores.back().end()) {
-          objectives_.insert(objective->second);
+        std::vector<double> values;
+        for (const Objective& objective : objectives_of(study_.goal)) {
+          const auto found = scores.back().find(objective.name);
+          if (found != scores.back().end()) {
+            values.push_back(found->second);
+          }
+        }
+        if (!values.empty()) {
+          objectives_.insert(std::move(values));
         }
       } catch (const ConfigError& error) {  // an end that cannot be built: the variable does act
         add_broken(index, end, error);
@@ -98,7 +104,7 @@ class VariableCheck {
 
   const std::vector<std::string>& broken() const { return broken_; }
 
-  /// The objective was the same at all ends: a search has nothing to go by.
+  /// The objectives were the same at all ends: a search has nothing to go by.
   bool is_objective_flat() const { return objectives_.size() == 1; }
 
  private:
@@ -129,7 +135,7 @@ class VariableCheck {
   Point start_;
   std::vector<std::string> idle_;
   std::vector<std::string> broken_;
-  std::set<double> objectives_;
+  std::set<std::vector<double>> objectives_;
 };
 
 /// Remarks on the study's own scene.
@@ -228,12 +234,21 @@ class Check {
            costs_.populations_s / options_.threads;
   }
 
+  Json names_of_objectives() const {
+    Json names = Json::array();
+    for (const Objective& objective : objectives_of(study_.goal)) {
+      names.push_back(objective.name);
+    }
+    return names;
+  }
+
   Json result() const {
     return {{"schema", 1},
             {"status", "done"},
             {"name", study_.name},
             {"variables", study_.space.variables.size()},
             {"objective", study_.goal.objective.name},
+            {"objectives", names_of_objectives()},
             {"idle_variables", variables_.idle()},
             {"broken_limits", variables_.broken()},
             {"is_objective_flat", variables_.is_objective_flat()},

@@ -13,7 +13,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::set<std::string> kept_scores(const Goal& goal) {
-  std::set<std::string> names = {goal.objective.name, "defects.min_cnr"};
+  std::set<std::string> names = {"defects.min_cnr"};
+  for (const Objective& objective : objectives_of(goal)) {
+    names.insert(objective.name);
+  }
   for (const Constraint& constraint : goal.constraints) {
     names.insert(constraint.name);
   }

@@ -41,26 +41,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-Json variables_json(const Study& study, const Point& point) {
-  Json json = Json::object();
-  for (const auto& [path, value] : overrides_of(study, point)) {
-    switch (value.kind) {
-      case ConfigNode::Kind::kBoolean:
-        json[path] = value.boolean;
-        break;
-      case ConfigNode::Kind::kInteger:
-        json[path] = value.integer;
-        break;
-      case ConfigNode::Kind::kNumber:
-        json[path] = value.number;
-        break;
-      default:
-        json[path] = value.text;
-    }
-  }
-  return json;
-}
-
 /// The values the study's own scene has for its variables.
 Json baseline_variables(const Study& study) {
   Json json = Json::object();
@@ -199,7 +179,8 @@ class Run {
       std::string note = "best -";
       if (progress.best && progress.best->outcome) {
         const Scores& scores = progress.best->outcome->scores;
-        note = is_feasible(study_.goal, scores)
+        note = progress.on_front > 0 ? fmt::format("front of {}", progress.on_front)
+               : is_feasible(study_.goal, scores)
                    ? fmt::format("best {:.4f}", scores.at(study_.goal.objective.name))
                    : "none feasible yet";
       }
@@ -305,6 +286,15 @@ class Run {
            (!study_.pod || add("pod", run_pod(task)));
   }
 
+  void add_front(const Storage& storage, Json& result) const {
+    const Json found = front_json(study_, storage);
+    result["objectives"] = found["objectives"];
+    result["front"] = found["designs"];
+    for (const char* name : {"hypervolume", "reference", "chosen"}) {
+      result[name] = found[name];
+    }
+  }
+
   Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
     writing_.emplace(study_.name + ": writing", writing_steps(), options_.progress);
     const Json baseline =
@@ -327,6 +317,9 @@ class Run {
                    {"part", part_json(store_.build(study_.scene)->part)}};
     if (study_.has_objective) {
       result["objective"] = study_.goal.objective.name;
+    }
+    if (search.trade_off) {
+      add_front(storage, result);
     }
     Json rescored = Json::object();
     result["best"] = nullptr;

@@ -45,10 +45,11 @@ std::string text_of_table(const Study& study, const std::string& table) {
 }
 
 std::string objective_of(const Study& study) {
-  const Objective& objective = study.goal.objective;
-  return study.has_objective
-             ? fmt::format("{} {}", objective.is_maximised ? "max" : "min", objective.name)
-             : "";
+  std::vector<std::string> names;
+  for (const Objective& objective : objectives_of(study.goal)) {
+    names.push_back(fmt::format("{} {}", objective.is_maximised ? "max" : "min", objective.name));
+  }
+  return study.has_objective ? join(names, ", ") : "";
 }
 
 std::string constraints_of(const Study& study) {

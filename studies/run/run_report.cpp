@@ -24,6 +24,7 @@
 #include "studies/run/run_closeups.h"
 #include "studies/run/run_comparison.h"
 #include "studies/run/scene_facts.h"
+#include "studies/run/study_search.h"
 #include "studies/run/tolerance_spread.h"
 
 namespace glint {
@@ -130,9 +131,10 @@ Json trial_json(const Study& study, const Trial& trial, const std::string& algor
   Json scores = Json::object();
   for (const auto& [name, value] : outcome.scores) {
     const bool is_summary = name.find("defects.") != 0 || name.find('.', 8) == std::string::npos;
-    const bool is_limited = std::ranges::any_of(
-        study.goal.constraints, [&, score = name](const Constraint& c) { return c.name == score; });
-    if (is_summary || is_limited) {
+    const bool is_named =
+        std::ranges::count(study.goal.constraints, name, &Constraint::name) > 0 ||
+        std::ranges::count(study.goal.more_objectives, name, &Objective::name) > 0;
+    if (is_summary || is_named) {
       scores[name] = value;
     }
   }
@@ -159,7 +161,8 @@ void add_goal(const Study& study, Json& data) {
 
 void add_search(const Study& study, const fs::path& run, Json& data) {
   data["variables"] = variables_json(study);
-  const std::string algorithm = resolved_algorithm(study.space, study.search);
+  const std::string algorithm =
+      resolved_algorithm(study.space, study.search, num_objectives(study.goal));
   Json trials = Json::array();
   const Storage storage = Storage::read(run / "study.sqlite");
   for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
@@ -247,6 +250,9 @@ Json single_run(const fs::path& run) {
     data["status"] = result["status"];
     add_search(study, run, data);
   }
+  if (study.has_search() && has_several_objectives(study.goal)) {
+    data["front"] = front_json(study, Storage::read(run / "study.sqlite"));
+  }
   const std::string objective = study.has_objective ? study.goal.objective.name : "";
   Json designs = Json::array();
   for (const std::string& key : design_keys(study, run)) {
@@ -323,6 +329,13 @@ Json several_runs(const std::vector<fs::path>& paths) {
   Json data = {{"title", "Comparison of runs"}};
   std::vector<Study> studies;
   std::ranges::transform(paths, std::back_inserter(studies), study_of);
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    if (has_several_objectives(studies[i].goal)) {
+      throw ConfigError(paths[i].string() +
+                        ": has several objectives, and runs side by side are compared by one; "
+                        "report it by itself");
+    }
+  }
   const std::vector<std::string> labels = run_labels(studies, paths);
   const std::vector<std::size_t> groups = comparable_groups(studies);
   Json designs = Json::array();

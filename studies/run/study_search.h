@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The search of a study: what it varies, and how a candidate is evaluated.
+// The search of a study: what it varies, how a candidate is evaluated, and what was found.
 #pragma once
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "optimizer/search/search.h"
 #include "studies/definition/study.h"
@@ -18,5 +20,23 @@ WantedScores wanted_in_search(const Study& study);
 /// Scores of a point of the search space, and their derivatives where the algorithm needs them.
 /// @throws ConfigError for what cannot be built; IoError, also when the part's file has gone
 Outcome evaluate_candidate(SceneStore& store, const Study& study, const Point& point);
+
+/// The active variables of a point: { path: value }.
+nlohmann::ordered_json variables_json(const Study& study, const Point& point);
+
+/// What a search with several objectives has found, in the units of the scores:
+///
+///   objectives   [ { score, direction: "maximise" | "minimise", reference } ]
+///   designs      the front, [ { trial, variables, scores: { name: value } of objectives and
+///   limited
+///                scores, errors: { name: standard error } of those objectives that have one } ]
+///   hypervolume, noise   and half the width of its interval (TradeOff)
+///   history      hypervolume after each evaluation
+///   reference    { score: value }
+///   outside      designs that are not better than the reference in every objective
+///   chosen       { trial, by: the choice's rule, reason }; null without a front
+///
+/// @param study  with several objectives
+nlohmann::ordered_json front_json(const Study& study, const Storage& storage);
 
 }  // namespace glint

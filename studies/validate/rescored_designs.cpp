@@ -63,7 +63,7 @@ Json rescore_designs(SceneStore& store,
                      const std::filesystem::path& run,
                      const std::vector<std::string>& designs,
                      const DesignRefit& refit) {
-  if (!study.has_objective) {
+  if (!study.has_objective || has_several_objectives(study.goal)) {
     return nullptr;
   }
   Json rows = Json::array();

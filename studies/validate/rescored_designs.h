@@ -27,7 +27,8 @@ SceneSettings refitted_scene(const SceneSettings& scene, const DesignRefit& refi
 
 /// @param designs  folders of the run
 /// @return { objective, designs: [ { name, before, after } ], winner_before, winner_after, changed
-///         }; a score that cannot be had is null; null without an objective
+///         }; a score that cannot be had is null; null without an objective, and with several,
+///         which order no designs
 nlohmann::ordered_json rescore_designs(SceneStore& store,
                                        const Study& study,
                                        const std::filesystem::path& run,

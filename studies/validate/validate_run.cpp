@@ -322,7 +322,8 @@ class ValidateRun {
     std::ranges::copy_if(ranked_, std::back_inserter(known), [](const RankedDesign& design) {
       return !design.simulated.empty();
     });
-    if (known.size() > 1 && sources_.study && sources_.study->has_objective) {
+    if (known.size() > 1 && sources_.study && sources_.study->has_objective &&
+        !has_several_objectives(sources_.study->goal)) {
       findings_.ranking = rank_designs(known, is_maximised());
     }
   }

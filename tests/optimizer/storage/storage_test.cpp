@@ -369,6 +369,39 @@ TEST(Storage, ASearchBegunUnderSchema2GoesOnAndKeepsItsRemarks) {
   EXPECT_EQ(trials[1].outcome->remarks, std::vector<Remark>{remark});
 }
 
+TEST(Storage, KeepsTheObjectivesOfEventsBitForBit) {
+  const TemporaryFolder folder;
+  const std::vector<double> objectives = {-0.1, 1e-300, 3.0};
+  {
+    Storage storage = Storage::open(folder / "s.sqlite", identity());
+    storage.append(std::vector<Event>{
+        {.kind = EventKind::kTell, .trial = 1, .value = 0.5},
+        {.kind = EventKind::kReference, .trial = 1, .objectives = objectives}});
+  }
+  const std::vector<Event> events = Storage::read(folder / "s.sqlite").events();
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_TRUE(events[0].objectives.empty());
+  EXPECT_EQ(events[1].kind, EventKind::kReference);
+  EXPECT_EQ(events[1].objectives, objectives);
+}
+
+TEST(Storage, EventsOfEarlierSchemasHaveNoObjectivesAndTakeThemOnceUpgraded) {
+  const TemporaryFolder folder;
+  write_schema(2, folder / "s.sqlite", identity());
+  for (const Event& event : Storage::read(folder / "s.sqlite").events()) {
+    EXPECT_TRUE(event.objectives.empty());
+  }
+  {
+    Storage storage = Storage::open(folder / "s.sqlite", identity());
+    storage.append(std::vector<Event>{{.kind = EventKind::kReference, .objectives = {1.0, 2.0}}});
+  }
+  const std::vector<Event> events = Storage::read(folder / "s.sqlite").events();
+  ASSERT_EQ(events.size(), 3U);
+  EXPECT_EQ(events[1].value, 0.75);
+  EXPECT_TRUE(events[1].objectives.empty());
+  EXPECT_EQ(events[2].objectives, (std::vector<double>{1.0, 2.0}));
+}
+
 /// What schema 1 recorded is replayed: trial 1 is the start point that it was.
 TEST(Storage, ASearchBegunUnderSchema1GoesOn) {
   const TemporaryFolder folder;

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Searches with several objectives, on problems whose front is known.
+#include "optimizer/search/trade_off.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "optimizer/front/front.h"
+#include "optimizer/search/search.h"
+#include "tests/optimizer/algorithm/problems.h"
+
+namespace glint {
+namespace {
+
+using test::box;
+using test::identity;
+using testing::HasSubstr;
+
+/// Minimises "f1" and "f2" in the unit cube.
+SearchTask two_objectives(int num_dimensions, int evaluations) {
+  return {.space = box(num_dimensions, 0, 1),
+          .goal = {.objective = {.name = "f1", .is_maximised = false},
+                   .constraints = {},
+                   .more_objectives = {{.name = "f2", .is_maximised = false}}},
+          .budget = {.evaluations = evaluations}};
+}
+
+/// ZDT1 (E. Zitzler, K. Deb and L. Thiele, Evolutionary Computation 8, 2000): on its front all
+/// variables but the first are 0 and f2 = 1 - sqrt(f1). The area below the front is 1/3, so at the
+/// reference (1.1, 1.1) the hypervolume is 1.21 - 1/3 = 0.8767.
+Outcome zdt1(const Point& p, int /*trial*/) {
+  double g = 1.0;
+  for (std::size_t i = 1; i < p.size(); ++i) {
+    g += 9.0 * p[i] / static_cast<double>(p.size() - 1);
+  }
+  return {.scores = {{"f1", p[0]}, {"f2", g * (1.0 - std::sqrt(p[0] / g))}}};
+}
+
+constexpr double kZdt1Volume = 1.21 - 1.0 / 3.0;
+
+SearchTask zdt1_task(const std::string& algorithm, std::uint64_t seed) {
+  SearchTask task = two_objectives(6, 60);
+  task.settings.algorithm = algorithm;
+  task.settings.seed = seed;
+  task.goal.objective.reference = 1.1;
+  task.goal.more_objectives[0].reference = 1.1;
+  return task;
+}
+
+SearchResult run_in(const TemporaryFolder& folder,
+                    const SearchTask& task,
+                    const Evaluate& evaluate,
+                    const std::atomic<int>* interrupt = nullptr,
+                    const OnEvaluation& progress = {}) {
+  Storage storage = Storage::open(folder / "s.sqlite", identity());
+  return run_search(task, storage, evaluate, interrupt, progress);
+}
+
+/// Everything but times.
+std::string contents_of(const TemporaryFolder& folder) {
+  const Storage storage = Storage::read(folder / "s.sqlite");
+  std::string text;
+  for (const Event& event : storage.events()) {
+    text += fmt::format("{} {} {:a} [{:a}]\n",
+                        static_cast<int>(event.kind),
+                        event.trial,
+                        event.value,
+                        fmt::join(event.objectives, " "));
+  }
+  for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
+    text += fmt::format("{} {:a}\n", trial.number, fmt::join(trial.point, " "));
+  }
+  return text;
+}
+
+TEST(TradeOff, TheSearchComesNearTheKnownFrontAndFarBeyondRandomDesigns) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const TemporaryFolder searched;
+    const SearchResult found = run_in(searched, zdt1_task("auto", seed), zdt1);
+    EXPECT_EQ(found.algorithm, "gp");
+    const TemporaryFolder drawn;
+    const SearchResult random = run_in(drawn, zdt1_task("random", seed), zdt1);
+    EXPECT_GT(found.trade_off->hypervolume, 0.9 * kZdt1Volume) << seed;
+    EXPECT_LT(found.trade_off->hypervolume, kZdt1Volume);
+    EXPECT_LT(random.trade_off->hypervolume, 0.5 * found.trade_off->hypervolume) << seed;
+  }
+}
+
+TEST(TradeOff, TheBestIsTheChosenDesignOfTheFront) {
+  const TemporaryFolder folder;
+  const SearchResult result = run_in(folder, zdt1_task("auto", 1), zdt1);
+  const TradeOff& found = *result.trade_off;
+  ASSERT_GE(found.trials.size(), 5U);
+  EXPECT_EQ(result.best->number, found.trials[found.chosen]);
+  EXPECT_THAT(found.reason, HasSubstr("nearest to the best of all objectives at once"));
+  // x^2 + (1 - sqrt(x))^2 is least at x = 0.28, where 2 x = (1 - sqrt(x)) / sqrt(x).
+  EXPECT_GT(result.best->outcome->scores.at("f1"), 0.05);
+  EXPECT_LT(result.best->outcome->scores.at("f1"), 0.5);
+}
+
+/// f1 = x and f2 = 1 - x: every design is on the front, in the unit square half of which it covers.
+Outcome line(const Point& p, int /*trial*/) {
+  return {.scores = {{"f1", p[0]}, {"f2", 1.0 - p[0]}}};
+}
+
+TEST(TradeOff, TheChoiceFollowsWeightsAndAspirations) {
+  SearchTask task = two_objectives(1, 30);
+  task.settings.algorithm = "sobol";
+  task.goal.choice = ChoiceRule::kWeights;
+  task.goal.objective.weight = 5.0;
+  const TemporaryFolder weighted;
+  const SearchResult cheap = run_in(weighted, task, line);
+  EXPECT_LT(cheap.best->point[0], 0.1);  // f1 counts five times as much
+  task.goal.choice = ChoiceRule::kAspirations;
+  task.goal.objective.weight = 1.0;
+  task.goal.more_objectives[0].aspiration = 0.1;
+  const TemporaryFolder aspired;
+  const SearchResult reached = run_in(aspired, task, line);
+  EXPECT_LE(reached.best->outcome->scores.at("f2"), 0.1);
+  EXPECT_THAT(reached.trade_off->reason, HasSubstr("reaches every aspiration"));
+}
+
+TEST(TradeOff, AnAbsentReferenceIsTheWorstOfTheInitialDesignAndStays) {
+  SearchTask task = two_objectives(2, 40);
+  task.goal.objective = {.name = "f1", .is_maximised = true};
+  const TemporaryFolder folder;
+  const SearchResult result = run_in(folder, task, [](const Point& p, int) {
+    return Outcome{.scores = {{"f1", p[0]}, {"f2", p[1]}}};
+  });
+  const Storage storage = Storage::read(folder / "s.sqlite");
+  const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
+  const int num_design = design_size(task.space, task.settings);
+  double least = 1.0;
+  double most = 0.0;
+  for (int i = 0; i < num_design; ++i) {
+    least = std::min(least, trials[static_cast<std::size_t>(i)].point[0]);
+    most = std::max(most, trials[static_cast<std::size_t>(i)].point[1]);
+  }
+  EXPECT_EQ(recorded_reference(storage.events()), (std::vector<double>{-least, most}));
+  EXPECT_EQ(result.trade_off->reference, (std::vector<double>{-least, most}));
+  EXPECT_EQ(in_score_units(task.goal, result.trade_off->reference),
+            (std::vector<double>{least, most}));
+  // Both are best in one corner, which the search must find: one design beats all others.
+  EXPECT_NEAR(result.best->point[0], 1.0, 0.02);
+  EXPECT_NEAR(result.best->point[1], 0.0, 0.02);
+}
+
+TEST(TradeOff, AReferenceInsideTheFrontIsTold) {
+  SearchTask task = two_objectives(1, 20);
+  task.settings.algorithm = "sobol";
+  task.goal.objective.reference = 0.5;
+  const TemporaryFolder folder;
+  const SearchResult result = run_in(folder, task, line);
+  EXPECT_GT(result.trade_off->outside, 5);
+  ASSERT_EQ(result.warnings.size(), 1U);
+  EXPECT_THAT(result.warnings[0], HasSubstr("the reference lies inside the front"));
+}
+
+/// A point at each corner of the unit square that is not the reference's: the volume is known.
+TEST(TradeOff, TheHistoryOfTheHypervolumeCountsFeasibleGainsOnly) {
+  const Goal goal = {.objective = {.name = "f1", .is_maximised = false},
+                     .constraints = {{.name = "limit", .max = 1.0}},
+                     .more_objectives = {{.name = "f2", .is_maximised = false}}};
+  const auto trial = [](int number, double f1, double f2, double limit) {
+    return Trial{.number = number,
+                 .point = {},
+                 .outcome = Outcome{.scores = {{"f1", f1},
+                                               {"f2", f2},
+                                               {"limit", limit},
+                                               {"f1.error", 0.01}}}};
+  };
+  const std::vector<Trial> trials = {trial(1, 0.5, 0.5, 0.0),
+                                     trial(2, 0.1, 0.1, 2.0),
+                                     trial(3, 0.25, 0.75, 0.0),
+                                     trial(4, 0.6, 0.6, 0.0)};
+  const std::vector<double> reference = {1.0, 1.0};
+  EXPECT_THAT(hypervolume_history(goal, trials, reference),
+              testing::ElementsAre(0.25, 0.25, 0.3125, 0.3125));
+  const TradeOff found = trade_off(goal, trials, reference);
+  EXPECT_EQ(found.trials, (std::vector<int>{1, 3}));
+  EXPECT_DOUBLE_EQ(found.hypervolume, 0.3125);
+  // f1 of the first by 0.02: 0.02 * (0.75 - 0.5) of area; of the second 0.02 * (1 - 0.75).
+  EXPECT_NEAR(found.noise, std::hypot(0.02 * 0.25, 0.02 * 0.25), 1e-12);
+}
+
+TEST(TradeOff, StallsWithoutAGainBeyondTheNoise) {
+  SearchTask task = two_objectives(2, 400);
+  task.settings.algorithm = "sobol";
+  task.budget.stall = 30;
+  task.goal.objective.reference = 2.0;
+  task.goal.more_objectives[0].reference = 2.0;
+  const auto line_with_error = [](double error) {
+    return [error](const Point& p, int) {
+      Outcome outcome = line(p, 0);
+      outcome.scores["f1.error"] = error;
+      outcome.scores["f2.error"] = error;
+      return outcome;
+    };
+  };
+  const TemporaryFolder noisy;
+  const SearchResult stopped = run_in(noisy, task, line_with_error(0.1));
+  EXPECT_EQ(stopped.termination, Termination::kStall);
+  EXPECT_LT(stopped.evaluations, 80);
+  // Without noise every new place on the line adds some area.
+  const TemporaryFolder quiet;
+  task.budget.evaluations = 120;
+  EXPECT_EQ(run_in(quiet, task, line_with_error(0.0)).termination, Termination::kEvaluations);
+}
+
+TEST(TradeOff, WhatKnowsOneObjectiveIsRefused) {
+  const auto error_of = [](const SearchTask& task) -> std::string {
+    const TemporaryFolder folder;
+    try {
+      run_in(folder, task, zdt1);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  SearchTask task = zdt1_task("auto", 1);
+  task.budget.target = 0.5;
+  EXPECT_THAT(error_of(task), HasSubstr("budget.target: is of one objective"));
+  EXPECT_THAT(error_of(zdt1_task("bobyqa", 1)), HasSubstr("bobyqa knows one objective"));
+  task = zdt1_task("auto", 1);
+  task.goal.more_objectives[0].name = "f1";
+  EXPECT_THAT(error_of(task), HasSubstr("f1: is an objective twice"));
+  task = zdt1_task("auto", 1);
+  task.goal.objective.aspiration = 1.2;
+  EXPECT_THAT(error_of(task), HasSubstr("aspiration 1.2 must be below the reference 1.1"));
+  task = zdt1_task("auto", 1);
+  task.goal.choice = ChoiceRule::kAspirations;
+  EXPECT_THAT(error_of(task), HasSubstr("needs an objective with an aspiration"));
+}
+
+/// Failures, a limit and batches; cut up after every few evaluations, and by the budget.
+TEST(TradeOff, ACutUpSearchIsTheSameBitForBit) {
+  SearchTask task = two_objectives(3, 45);
+  task.settings.batch = 3;
+  task.goal.constraints = {{.name = "f1", .max = 0.9}};
+  const Evaluate evaluate = [](const Point& p, int trial) {
+    if (trial % 13 == 5) {
+      throw Error("some fail");
+    }
+    return zdt1(p, trial);
+  };
+  const TemporaryFolder whole;
+  const SearchResult expected = run_in(whole, task, evaluate);
+  const TemporaryFolder cut;
+  SearchTask smaller = task;
+  smaller.budget.evaluations = 20;
+  run_in(cut, smaller, evaluate);
+  SearchResult result;
+  do {
+    std::atomic<int> interrupt = 0;
+    int calls = 0;
+    result = run_in(cut, task, evaluate, &interrupt, [&](const SearchProgress&) {
+      interrupt = ++calls >= 7 ? 1 : 0;
+    });
+  } while (result.termination == Termination::kInterrupted);
+  EXPECT_EQ(contents_of(cut), contents_of(whole));
+  EXPECT_EQ(result.best->number, expected.best->number);
+  EXPECT_EQ(result.trade_off->hypervolume, expected.trade_off->hypervolume);
+  const TemporaryFolder threaded;
+  task.jobs = 3;
+  run_in(threaded, task, evaluate);
+  EXPECT_EQ(contents_of(threaded), contents_of(whole));
+}
+
+TEST(TradeOff, AnotherReferenceThanTheRecordedOneIsRefused) {
+  const TemporaryFolder folder;
+  SearchTask task = two_objectives(2, 20);
+  run_in(folder, task, zdt1);
+  task.goal.objective.reference = 3.0;  // as if the program had changed: the configuration has not
+  EXPECT_THROW(run_in(folder, task, zdt1), ConfigError);
+}
+
+}  // namespace
+}  // namespace glint

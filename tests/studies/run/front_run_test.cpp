@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A run with two objectives: its JSON, its report and that it goes on.
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "optimizer/front/front.h"
+#include "studies/run/run.h"
+#include "studies/run/run_report.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using ::testing::HasSubstr;
+
+constexpr const char* kTinyTunnel = R"(schema = 1
+[camera]
+width_px = 64
+height_px = 32
+object_pixel_mm = 1
+[part]
+length_mm = 60
+width_mm = 30
+[scan]
+positions = 4
+[render]
+samples = 4
+[defects.dent]
+x_mm = [5]
+y_mm = [2]
+diameter_mm = 8
+height_um = 40
+[lighting.tunnel]
+shape = "semicylinder"
+radius_mm = 150
+[variables]
+"lighting.tunnel.radius_mm" = { min = 120, max = 240 }
+"lighting.tunnel.duty" = { min = 0.2, max = 0.8 }
+[[objective]]
+maximise = "homogeneity.h_rms"
+[[objective]]
+maximise = "defects.min_cnr"
+[constraints]
+"homogeneity.clipped_share" = { max = 1 }
+[budget]
+evaluations = 12
+)";
+
+Json run_into(const TemporaryFolder& folder, const std::string& name, int evaluations) {
+  write_file(folder / "study.toml", kTinyTunnel);
+  const Study study = load_study(folder / "study.toml",
+                                 {{"budget.evaluations", std::to_string(evaluations)}});
+  return run_study(study,
+                   {.out = folder / name,
+                    .threads = 2,
+                    .jobs = 1,
+                    .progress = Progress::Style::kNone,
+                    .log_file = {}});
+}
+
+/// The objectives of a design of the front, smaller is better.
+std::vector<double> row_of(const Json& design) {
+  return {-design.at("scores").at("homogeneity.h_rms").get<double>(),
+          -design.at("scores").at("defects.min_cnr").get<double>()};
+}
+
+TEST(FrontRun, TheResultHoldsTheFrontAndTheChosenDesign) {
+  const TemporaryFolder folder;
+  const Json result = run_into(folder, "out", 12);
+  EXPECT_EQ(Json::parse(read_file(folder / "out/result.json")).at("front"), result.at("front"));
+  std::vector<std::vector<double>> rows;
+  std::vector<int> trials;
+  for (const Json& design : result.at("front")) {
+    rows.push_back(row_of(design));
+    trials.push_back(design.at("trial"));
+    EXPECT_EQ(design.at("variables").size(), 2U);
+    EXPECT_TRUE(design.at("scores").contains("homogeneity.clipped_share"));
+    EXPECT_TRUE(design.at("errors").is_object());
+  }
+  ASSERT_FALSE(rows.empty());
+  EXPECT_EQ(front_of(rows).size(), rows.size());
+  const Json& reference = result.at("reference");
+  const std::vector<double> at = {-reference.at("homogeneity.h_rms").get<double>(),
+                                  -reference.at("defects.min_cnr").get<double>()};
+  EXPECT_DOUBLE_EQ(result.at("hypervolume").get<double>(), hypervolume(rows, at));
+  const Json& chosen = result.at("chosen");
+  EXPECT_EQ(std::ranges::count(trials, chosen.at("trial").get<int>()), 1);
+  EXPECT_EQ(result.at("best").at("trial"), chosen.at("trial"));
+  EXPECT_FALSE(chosen.at("reason").get<std::string>().empty());
+  EXPECT_THAT(result.at("verdict").at("sentence").get<std::string>(),
+              HasSubstr("The compromise reaches "));
+  EXPECT_FALSE(result.contains("probability_best"));
+}
+
+TEST(FrontRun, TheReportHasTheFrontWithItsHistory) {
+  const TemporaryFolder folder;
+  const Json result = run_into(folder, "out", 12);
+  const Json front = report_data({folder / "out"}).at("front");
+  EXPECT_EQ(front.at("designs"), result.at("front"));
+  EXPECT_EQ(front.at("history").size(), 12U);
+  EXPECT_DOUBLE_EQ(front.at("history").back().get<double>(),
+                   front.at("hypervolume").get<double>());
+  ASSERT_EQ(front.at("objectives").size(), 2U);
+  EXPECT_EQ(front.at("objectives")[1].at("score"), "defects.min_cnr");
+  EXPECT_EQ(front.at("objectives")[1].at("direction"), "maximise");
+  EXPECT_THROW(report_data({folder / "out", folder / "out"}), ConfigError);
+}
+
+TEST(FrontRun, ALargerBudgetGoesOnToTheSameFront) {
+  const TemporaryFolder folder;
+  const Json whole = run_into(folder, "whole", 14);
+  run_into(folder, "cut", 9);
+  const Json resumed = run_into(folder, "cut", 14);
+  for (const char* name : {"front", "hypervolume", "reference", "chosen"}) {
+    EXPECT_EQ(resumed.at(name), whole.at(name)) << name;
+  }
+}
+
+}  // namespace
+}  // namespace glint

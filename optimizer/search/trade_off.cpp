@@ -61,7 +61,8 @@ std::string reason_of(const Goal& goal, const TradeOff& found) {
   if (count == 1) {
     return "the only design that no other beats in everything";
   }
-  const std::string of = " of the " + std::to_string(count) + " that no other beats in everything";
+  const std::string of =
+      " of the " + std::to_string(count) + " designs that no other beats in everything";
   if (goal.choice == ChoiceRule::kWeights) {
     return "gives up least by the weights" + of;
   }

@@ -46,7 +46,8 @@ std::optional<Objective> read_listed(const ConfigNode& table,
   Objective objective;
   const std::size_t before = errors.size();
   const auto fail = [&](const ConfigNode& where, const std::string& key, const std::string& text) {
-    errors.push_back({.place = where.place, .key = joined_path(path, key), .text = text});
+    errors.push_back(
+        {.place = where.place, .key = key.empty() ? path : joined_path(path, key), .text = text});
   };
   for (std::size_t i = 0; i < table.names.size(); ++i) {
     const std::string& name = table.names[i];
@@ -303,17 +304,20 @@ std::vector<KeyRow> goal_keys() {
   add("objective.minimise", "text", "the name of a score", "what the search makes small");
   add("objective.reference",
       "number",
-      "any, in the score's unit",
-      "of [[objective]]: the worst value of interest, from which the hypervolume is measured; "
+      "any",
+      "of [[objective]], in the score's unit: the worst value of interest, from which the "
+      "hypervolume is measured; "
       "without it the worst of the initial design");
   add("objective.aspiration",
       "number",
-      "better than the reference",
-      "of [[objective]]: the value hoped for, for choice.by = \"aspirations\"");
+      "any",
+      "of [[objective]], better than the reference: the value hoped for, for choice.by = "
+      "\"aspirations\"");
   add("objective.weight",
       "number",
       "> 0",
       "of [[objective]]: its part in choice.by = \"weights\" and \"aspirations\"; 1 without it");
+  rows.back().range = Range::positive();
   ChoiceRule rule = ChoiceRule::kKnee;
   KeyLister lister("choice", rows);
   visit_choice(lister, rule);

@@ -6,13 +6,11 @@
 #include <cmath>
 #include <iterator>
 #include <map>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/csv.h"
 #include "core/file.h"
 #include "core/image/image_io.h"
 #include "core/text.h"
@@ -413,49 +411,6 @@ std::vector<std::string> derivative_remarks(const Storage& storage) {
         fmt::format("{}{} ({} of {} evaluations)", number, text, count.evaluations, evaluations));
   }
   return remarks;
-}
-
-std::string trials_csv(const Study& study, const Storage& storage) {
-  const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
-  std::set<std::string> names;
-  for (const Trial& trial : trials) {
-    if (trial.outcome) {
-      for (const auto& [name, value] : trial.outcome->scores) {
-        names.insert(name);
-      }
-    }
-  }
-  std::vector<std::string> fields = {"trial", "state", "feasible"};
-  for (const Variable& variable : study.space.variables) {
-    fields.push_back(variable.name);
-  }
-  fields.insert(fields.end(), names.begin(), names.end());
-  fields.emplace_back("message");
-  std::string csv = csv_row(fields);
-  for (const Trial& trial : trials) {
-    const Outcome outcome = trial.outcome.value_or(Outcome{});
-    const bool has_scores = trial.outcome && !outcome.is_failed;
-    fields = {std::to_string(trial.number),
-              !trial.outcome      ? "asked"
-              : outcome.is_failed ? "failed"
-                                  : "done",
-              !has_scores                               ? ""
-              : is_feasible(study.goal, outcome.scores) ? "true"
-                                                        : "false"};
-    for (std::size_t i = 0; i < trial.point.size(); ++i) {
-      const Variable& variable = study.space.variables[i];
-      fields.push_back(variable.kind == Variable::Kind::kChoice
-                           ? variable.choices[static_cast<std::size_t>(trial.point[i])]
-                           : shortest(trial.point[i]));
-    }
-    for (const std::string& name : names) {
-      const auto found = outcome.scores.find(name);
-      fields.push_back(has_scores && found != outcome.scores.end() ? shortest(found->second) : "");
-    }
-    fields.push_back(outcome.is_failed ? outcome.message : text_of(outcome.remarks));
-    csv += csv_row(fields);
-  }
-  return csv;
 }
 
 }  // namespace glint

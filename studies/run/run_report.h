@@ -25,7 +25,4 @@ std::string report_html(const std::vector<std::filesystem::path>& runs);
 /// derivatives.
 std::vector<std::string> derivative_remarks(const Storage& storage);
 
-/// All trials of a search with variables and scores, as CSV.
-std::string trials_csv(const Study& study, const Storage& storage);
-
 }  // namespace glint

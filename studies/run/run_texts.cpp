@@ -2,10 +2,12 @@
 #include "studies/run/run_texts.h"
 
 #include <algorithm>
+#include <set>
 #include <span>
 
 #include <fmt/format.h>
 
+#include "core/csv.h"
 #include "core/progress.h"
 #include "core/text.h"
 
@@ -58,6 +60,49 @@ std::string changes_text(const std::vector<std::string>& changes) {
   const std::size_t told = std::min(changes.size(), kMostTold);
   std::string text = join(std::span(changes).first(told), ", ");
   return changes.size() == told ? text : fmt::format("{} and {} more", text, changes.size() - told);
+}
+
+std::string trials_csv(const Study& study, const Storage& storage) {
+  const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
+  std::set<std::string> names;
+  for (const Trial& trial : trials) {
+    if (trial.outcome) {
+      for (const auto& [name, value] : trial.outcome->scores) {
+        names.insert(name);
+      }
+    }
+  }
+  std::vector<std::string> fields = {"trial", "state", "feasible"};
+  for (const Variable& variable : study.space.variables) {
+    fields.push_back(variable.name);
+  }
+  fields.insert(fields.end(), names.begin(), names.end());
+  fields.emplace_back("message");
+  std::string csv = csv_row(fields);
+  for (const Trial& trial : trials) {
+    const Outcome outcome = trial.outcome.value_or(Outcome{});
+    const bool has_scores = trial.outcome && !outcome.is_failed;
+    fields = {std::to_string(trial.number),
+              !trial.outcome      ? "asked"
+              : outcome.is_failed ? "failed"
+                                  : "done",
+              !has_scores                               ? ""
+              : is_feasible(study.goal, outcome.scores) ? "true"
+                                                        : "false"};
+    for (std::size_t i = 0; i < trial.point.size(); ++i) {
+      const Variable& variable = study.space.variables[i];
+      fields.push_back(variable.kind == Variable::Kind::kChoice
+                           ? variable.choices[static_cast<std::size_t>(trial.point[i])]
+                           : shortest(trial.point[i]));
+    }
+    for (const std::string& name : names) {
+      const auto found = outcome.scores.find(name);
+      fields.push_back(has_scores && found != outcome.scores.end() ? shortest(found->second) : "");
+    }
+    fields.push_back(outcome.is_failed ? outcome.message : text_of(outcome.remarks));
+    csv += csv_row(fields);
+  }
+  return csv;
 }
 
 }  // namespace glint

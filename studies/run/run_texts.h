@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a run says of itself, in words.
+// What a run says of itself, in words and as a table.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "optimizer/search/search.h"
+#include "studies/definition/study.h"
 
 namespace glint {
 
@@ -19,5 +20,8 @@ std::string ended_by(Termination termination);
 
 /// The first few of changed_keys(); without any a file must be another one.
 std::string changes_text(const std::vector<std::string>& changes);
+
+/// All trials of a search with variables and scores, as CSV.
+std::string trials_csv(const Study& study, const Storage& storage);
 
 }  // namespace glint

@@ -22,12 +22,16 @@ namespace glint {
 namespace {
 
 SearchTask killable_task(const std::string& algorithm) {
-  return {.space = test::mixed_space_for(algorithm),
-          .settings = {.algorithm = algorithm, .batch = 2},
-          .goal = {.objective = {.name = "loss", .is_maximised = false},
-                   .constraints = {{.name = "length", .max = 0.8}}},
-          .budget = {.evaluations = 250},
-          .jobs = 2};
+  SearchTask task = {.space = test::mixed_space_for(algorithm),
+                     .settings = {.algorithm = algorithm, .batch = 2},
+                     .goal = {.objective = {.name = "loss", .is_maximised = false},
+                              .constraints = {{.name = "length", .max = 0.8}}},
+                     .budget = {.evaluations = 250},
+                     .jobs = 2};
+  if (algorithm == "sobol") {
+    task.goal.more_objectives = {{.name = "length", .is_maximised = true}};
+  }
+  return task;
 }
 
 Outcome killable_outcome(const Point& point, int trial) {
@@ -103,8 +107,12 @@ std::string contents_of(const TemporaryFolder& folder) {
   const Storage storage = Storage::read(folder / "s.sqlite");
   std::string text;
   for (const Event& event : storage.events()) {
-    text += fmt::format(
-        "{} {} {:a} {}\n", static_cast<int>(event.kind), event.trial, event.value, event.text);
+    text += fmt::format("{} {} {:a} {} [{:a}]\n",
+                        static_cast<int>(event.kind),
+                        event.trial,
+                        event.value,
+                        event.text,
+                        fmt::join(event.objectives, " "));
   }
   for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
     text += fmt::format("{} {:a}", trial.number, fmt::join(trial.point, " "));
@@ -168,7 +176,7 @@ TEST(RunSearch, SurvivesKillsAtRandomMoments) {
   GTEST_SKIP() << "the thread sanitizer cannot follow threads begun after fork()";
 #endif
   expect_survival("auto", 50);
-  for (const char* algorithm : {"slsqp", "mma", "lbfgs"}) {
+  for (const char* algorithm : {"slsqp", "mma", "lbfgs", "sobol"}) {  // sobol: two objectives
     expect_survival(algorithm, 15);
   }
 }

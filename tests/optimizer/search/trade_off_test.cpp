@@ -51,17 +51,17 @@ SearchTask zdt1_task(const std::string& algorithm, std::uint64_t seed) {
   return task;
 }
 
-SearchResult run_in(const TemporaryFolder& folder,
-                    const SearchTask& task,
-                    const Evaluate& evaluate,
-                    const std::atomic<int>* interrupt = nullptr,
-                    const OnEvaluation& progress = {}) {
+SearchResult search_into(const TemporaryFolder& folder,
+                         const SearchTask& task,
+                         const Evaluate& evaluate,
+                         const std::atomic<int>* interrupt = nullptr,
+                         const OnEvaluation& progress = {}) {
   Storage storage = Storage::open(folder / "s.sqlite", identity());
   return run_search(task, storage, evaluate, interrupt, progress);
 }
 
 /// Everything but times.
-std::string contents_of(const TemporaryFolder& folder) {
+std::string events_and_points(const TemporaryFolder& folder) {
   const Storage storage = Storage::read(folder / "s.sqlite");
   std::string text;
   for (const Event& event : storage.events()) {
@@ -80,10 +80,10 @@ std::string contents_of(const TemporaryFolder& folder) {
 TEST(TradeOff, TheSearchComesNearTheKnownFrontAndFarBeyondRandomDesigns) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const TemporaryFolder searched;
-    const SearchResult found = run_in(searched, zdt1_task("auto", seed), zdt1);
+    const SearchResult found = search_into(searched, zdt1_task("auto", seed), zdt1);
     EXPECT_EQ(found.algorithm, "gp");
     const TemporaryFolder drawn;
-    const SearchResult random = run_in(drawn, zdt1_task("random", seed), zdt1);
+    const SearchResult random = search_into(drawn, zdt1_task("random", seed), zdt1);
     EXPECT_GT(found.trade_off->hypervolume, 0.9 * kZdt1Volume) << seed;
     EXPECT_LT(found.trade_off->hypervolume, kZdt1Volume);
     EXPECT_LT(random.trade_off->hypervolume, 0.5 * found.trade_off->hypervolume) << seed;
@@ -92,7 +92,7 @@ TEST(TradeOff, TheSearchComesNearTheKnownFrontAndFarBeyondRandomDesigns) {
 
 TEST(TradeOff, TheBestIsTheChosenDesignOfTheFront) {
   const TemporaryFolder folder;
-  const SearchResult result = run_in(folder, zdt1_task("auto", 1), zdt1);
+  const SearchResult result = search_into(folder, zdt1_task("auto", 1), zdt1);
   const TradeOff& found = *result.trade_off;
   ASSERT_GE(found.trials.size(), 5U);
   EXPECT_EQ(result.best->number, found.trials[found.chosen]);
@@ -113,13 +113,13 @@ TEST(TradeOff, TheChoiceFollowsWeightsAndAspirations) {
   task.goal.choice = ChoiceRule::kWeights;
   task.goal.objective.weight = 5.0;
   const TemporaryFolder weighted;
-  const SearchResult cheap = run_in(weighted, task, line);
+  const SearchResult cheap = search_into(weighted, task, line);
   EXPECT_LT(cheap.best->point[0], 0.1);  // f1 counts five times as much
   task.goal.choice = ChoiceRule::kAspirations;
   task.goal.objective.weight = 1.0;
   task.goal.more_objectives[0].aspiration = 0.1;
   const TemporaryFolder aspired;
-  const SearchResult reached = run_in(aspired, task, line);
+  const SearchResult reached = search_into(aspired, task, line);
   EXPECT_LE(reached.best->outcome->scores.at("f2"), 0.1);
   EXPECT_THAT(reached.trade_off->reason, HasSubstr("reaches every aspiration"));
 }
@@ -128,7 +128,7 @@ TEST(TradeOff, AnAbsentReferenceIsTheWorstOfTheInitialDesignAndStays) {
   SearchTask task = two_objectives(2, 40);
   task.goal.objective = {.name = "f1", .is_maximised = true};
   const TemporaryFolder folder;
-  const SearchResult result = run_in(folder, task, [](const Point& p, int) {
+  const SearchResult result = search_into(folder, task, [](const Point& p, int) {
     return Outcome{.scores = {{"f1", p[0]}, {"f2", p[1]}}};
   });
   const Storage storage = Storage::read(folder / "s.sqlite");
@@ -154,7 +154,7 @@ TEST(TradeOff, AReferenceInsideTheFrontIsTold) {
   task.settings.algorithm = "sobol";
   task.goal.objective.reference = 0.5;
   const TemporaryFolder folder;
-  const SearchResult result = run_in(folder, task, line);
+  const SearchResult result = search_into(folder, task, line);
   EXPECT_GT(result.trade_off->outside, 5);
   ASSERT_EQ(result.warnings.size(), 1U);
   EXPECT_THAT(result.warnings[0], HasSubstr("the reference lies inside the front"));
@@ -168,10 +168,8 @@ TEST(TradeOff, TheHistoryOfTheHypervolumeCountsFeasibleGainsOnly) {
   const auto trial = [](int number, double f1, double f2, double limit) {
     return Trial{.number = number,
                  .point = {},
-                 .outcome = Outcome{.scores = {{"f1", f1},
-                                               {"f2", f2},
-                                               {"limit", limit},
-                                               {"f1.error", 0.01}}}};
+                 .outcome = Outcome{
+                     .scores = {{"f1", f1}, {"f2", f2}, {"limit", limit}, {"f1.error", 0.01}}}};
   };
   const std::vector<Trial> trials = {trial(1, 0.5, 0.5, 0.0),
                                      trial(2, 0.1, 0.1, 2.0),
@@ -202,20 +200,20 @@ TEST(TradeOff, StallsWithoutAGainBeyondTheNoise) {
     };
   };
   const TemporaryFolder noisy;
-  const SearchResult stopped = run_in(noisy, task, line_with_error(0.1));
+  const SearchResult stopped = search_into(noisy, task, line_with_error(0.1));
   EXPECT_EQ(stopped.termination, Termination::kStall);
   EXPECT_LT(stopped.evaluations, 80);
   // Without noise every new place on the line adds some area.
   const TemporaryFolder quiet;
   task.budget.evaluations = 120;
-  EXPECT_EQ(run_in(quiet, task, line_with_error(0.0)).termination, Termination::kEvaluations);
+  EXPECT_EQ(search_into(quiet, task, line_with_error(0.0)).termination, Termination::kEvaluations);
 }
 
 TEST(TradeOff, WhatKnowsOneObjectiveIsRefused) {
   const auto error_of = [](const SearchTask& task) -> std::string {
     const TemporaryFolder folder;
     try {
-      run_in(folder, task, zdt1);
+      search_into(folder, task, zdt1);
     } catch (const ConfigError& error) {
       return error.what();
     }
@@ -248,34 +246,34 @@ TEST(TradeOff, ACutUpSearchIsTheSameBitForBit) {
     return zdt1(p, trial);
   };
   const TemporaryFolder whole;
-  const SearchResult expected = run_in(whole, task, evaluate);
+  const SearchResult expected = search_into(whole, task, evaluate);
   const TemporaryFolder cut;
   SearchTask smaller = task;
   smaller.budget.evaluations = 20;
-  run_in(cut, smaller, evaluate);
+  search_into(cut, smaller, evaluate);
   SearchResult result;
   do {
     std::atomic<int> interrupt = 0;
     int calls = 0;
-    result = run_in(cut, task, evaluate, &interrupt, [&](const SearchProgress&) {
+    result = search_into(cut, task, evaluate, &interrupt, [&](const SearchProgress&) {
       interrupt = ++calls >= 7 ? 1 : 0;
     });
   } while (result.termination == Termination::kInterrupted);
-  EXPECT_EQ(contents_of(cut), contents_of(whole));
+  EXPECT_EQ(events_and_points(cut), events_and_points(whole));
   EXPECT_EQ(result.best->number, expected.best->number);
   EXPECT_EQ(result.trade_off->hypervolume, expected.trade_off->hypervolume);
   const TemporaryFolder threaded;
   task.jobs = 3;
-  run_in(threaded, task, evaluate);
-  EXPECT_EQ(contents_of(threaded), contents_of(whole));
+  search_into(threaded, task, evaluate);
+  EXPECT_EQ(events_and_points(threaded), events_and_points(whole));
 }
 
 TEST(TradeOff, AnotherReferenceThanTheRecordedOneIsRefused) {
   const TemporaryFolder folder;
   SearchTask task = two_objectives(2, 20);
-  run_in(folder, task, zdt1);
+  search_into(folder, task, zdt1);
   task.goal.objective.reference = 3.0;  // as if the program had changed: the configuration has not
-  EXPECT_THROW(run_in(folder, task, zdt1), ConfigError);
+  EXPECT_THROW(search_into(folder, task, zdt1), ConfigError);
 }
 
 }  // namespace

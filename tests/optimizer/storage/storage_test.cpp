@@ -374,9 +374,9 @@ TEST(Storage, KeepsTheObjectivesOfEventsBitForBit) {
   const std::vector<double> objectives = {-0.1, 1e-300, 3.0};
   {
     Storage storage = Storage::open(folder / "s.sqlite", identity());
-    storage.append(std::vector<Event>{
-        {.kind = EventKind::kTell, .trial = 1, .value = 0.5},
-        {.kind = EventKind::kReference, .trial = 1, .objectives = objectives}});
+    storage.append(
+        std::vector<Event>{{.kind = EventKind::kTell, .trial = 1, .value = 0.5},
+                           {.kind = EventKind::kReference, .trial = 1, .objectives = objectives}});
   }
   const std::vector<Event> events = Storage::read(folder / "s.sqlite").events();
   ASSERT_EQ(events.size(), 2U);

@@ -59,8 +59,8 @@ TEST(StudyGoal, TheResolvedTextIsTheSameStudyWithSeveralObjectives) {
   write_file(folder / "s.toml",
              kScene + kEven + "weight = 2\n" + kVisible + "[choice]\nby = \"weights\"\n");
   const Study study = load_study(folder / "s.toml", {});
-  write_file(folder / "again" / "s.toml", resolved_text(study));
-  const Study again = load_study(folder / "again" / "s.toml", {});
+  write_file(folder / "again.toml", resolved_text(study));
+  const Study again = load_study(folder / "again.toml", {});
   EXPECT_EQ(resolved_text(again), resolved_text(study));
   EXPECT_EQ(num_objectives(again.goal), 2);
   EXPECT_EQ(again.goal.choice, ChoiceRule::kWeights);

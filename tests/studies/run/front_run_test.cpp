@@ -30,8 +30,6 @@ length_mm = 60
 width_mm = 30
 [scan]
 positions = 4
-[render]
-samples = 4
 [defects.dent]
 x_mm = [5]
 y_mm = [2]
@@ -55,8 +53,8 @@ evaluations = 12
 
 Json run_into(const TemporaryFolder& folder, const std::string& name, int evaluations) {
   write_file(folder / "study.toml", kTinyTunnel);
-  const Study study = load_study(folder / "study.toml",
-                                 {{"budget.evaluations", std::to_string(evaluations)}});
+  const Study study =
+      load_study(folder / "study.toml", {{"budget.evaluations", std::to_string(evaluations)}});
   return run_study(study,
                    {.out = folder / name,
                     .threads = 2,
@@ -105,8 +103,7 @@ TEST(FrontRun, TheReportHasTheFrontWithItsHistory) {
   const Json front = report_data({folder / "out"}).at("front");
   EXPECT_EQ(front.at("designs"), result.at("front"));
   EXPECT_EQ(front.at("history").size(), 12U);
-  EXPECT_DOUBLE_EQ(front.at("history").back().get<double>(),
-                   front.at("hypervolume").get<double>());
+  EXPECT_DOUBLE_EQ(front.at("history").back().get<double>(), front.at("hypervolume").get<double>());
   ASSERT_EQ(front.at("objectives").size(), 2U);
   EXPECT_EQ(front.at("objectives")[1].at("score"), "defects.min_cnr");
   EXPECT_EQ(front.at("objectives")[1].at("direction"), "maximise");

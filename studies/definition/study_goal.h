@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/config/keys.h"
+#include "optimizer/problem/goal.h"
 #include "studies/definition/study.h"
 
 namespace glint {

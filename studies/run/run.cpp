@@ -286,7 +286,13 @@ class Run {
            (!study_.pod || add("pod", run_pod(task)));
   }
 
-  void add_front(const Storage& storage, Json& result) const {
+  void add_objectives(const Storage& storage, const SearchResult& search, Json& result) const {
+    if (study_.has_objective) {
+      result["objective"] = study_.goal.objective.name;
+    }
+    if (!search.trade_off) {
+      return;
+    }
     const Json found = front_json(study_, storage);
     result["objectives"] = found["objectives"];
     result["front"] = found["designs"];
@@ -315,12 +321,7 @@ class Run {
                    {"failed", search.failed},
                    {"study", study_file(study_)},
                    {"part", part_json(store_.build(study_.scene)->part)}};
-    if (study_.has_objective) {
-      result["objective"] = study_.goal.objective.name;
-    }
-    if (search.trade_off) {
-      add_front(storage, result);
-    }
+    add_objectives(storage, search, result);
     Json rescored = Json::object();
     result["best"] = nullptr;
     if (search.best) {

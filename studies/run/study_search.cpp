@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "optimizer/front/compromise.h"
+
 namespace glint {
 namespace {
 

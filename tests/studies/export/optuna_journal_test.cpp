@@ -88,6 +88,19 @@ TEST(OptunaJournal, HoldsDirectionsDistributionsAndConstraints) {
   EXPECT_EQ(leds["attributes"]["high"], 8) << "the last value that the steps reach";
 }
 
+TEST(OptunaJournal, HoldsEveryDirectionAndValueOfSeveralObjectives) {
+  Goal several = goal();
+  several.more_objectives = {{.name = several.constraints.at(0).name, .is_maximised = false}};
+  const std::vector<Trial> all = trials();
+  const auto lines = lines_of(optuna_journal("lights", lights(), several, all));
+  EXPECT_EQ(lines[0]["directions"], Json({2, 1}));
+  EXPECT_TRUE(lines[1]["value"].is_null());
+  const Scores& scores = all[0].outcome->scores;
+  EXPECT_EQ(lines[1]["values"],
+            Json({scores.at(several.objective.name), scores.at(several.more_objectives[0].name)}));
+  EXPECT_TRUE(lines[3]["values"].is_null()) << "failed";
+}
+
 TEST(OptunaJournal, IsNotWrittenOverAFileOrFromNoRun) {
   const TemporaryFolder folder;
   write_file(folder / "there.log", "x");

@@ -30,6 +30,7 @@
 #include "simulator/render/ray_cache/render_settings.h"
 #include "simulator/sensor/sensor.h"
 #include "studies/definition/cell_settings.h"
+#include "studies/definition/cost_settings.h"
 
 namespace glint {
 
@@ -61,6 +62,7 @@ struct SceneSettings {
   std::optional<CellSettings> cell;
   std::optional<ReferenceSettings> reference;
   std::optional<ValidateSettings> validate;
+  std::optional<CostSettings> cost;
   CoverageSettings coverage;
   bool has_coverage = false;  ///< its table is there; written only then
 

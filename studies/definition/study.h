@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "optimizer/search/search.h"
+#include "studies/definition/accuracy_settings.h"
 #include "studies/definition/calibration_trial_settings.h"
 #include "studies/definition/population_settings.h"
 #include "studies/definition/scene.h"
@@ -42,6 +43,7 @@ struct Study {
   bool has_objective = false;
   SearchSettings search;
   Budget budget;
+  std::optional<AccuracySettings> accuracy;
   std::vector<Prototype> prototypes;
   std::optional<SortingSettings> sorting;                     ///< never beside variables
   std::optional<PodSettings> pod;                             ///< the same

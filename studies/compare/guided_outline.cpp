@@ -55,13 +55,13 @@ std::vector<Boundary> moved_onto(std::vector<Boundary> outline,
   return outline;
 }
 
-/// Those at points where the simulated picture has an edge of the same sign.
+/// Those at points where the other picture has an edge of the same sign.
 std::vector<LocatedEdge> edges_alike(std::vector<LocatedEdge> edges,
-                                     std::span<const LocatedEdge> own) {
+                                     std::span<const LocatedEdge> other) {
   std::erase_if(edges, [&](const LocatedEdge& edge) {
     const auto key = [](const LocatedEdge& e) { return std::pair(e.boundary, e.point); };
-    const auto same = std::ranges::lower_bound(own, key(edge), {}, key);
-    return same == own.end() || key(*same) != key(edge) || same->contrast * edge.contrast <= 0.0;
+    const auto same = std::ranges::lower_bound(other, key(edge), {}, key);
+    return same == other.end() || key(*same) != key(edge) || same->contrast * edge.contrast <= 0.0;
   });
   return edges;
 }
@@ -99,6 +99,8 @@ std::optional<GuidedOutlines> guided_outlines(const ImageF& simulated,
       found.real_rough = moved_outlines(std::move(found.real_rough), motion);
     }
   }
+  // An edge that one side lacks has no counterpart: the nearest one would be of another side.
+  found.simulated = joined(edges_alike(own, edges), found.simulated_rough);
   found.real = joined(edges, found.real_rough);
   found.share = static_cast<double>(edges.size()) / static_cast<double>(own.size());
   return edges.size() >= kLeastEdges && found.share >= kLeastShare ? std::optional(found)

@@ -13,8 +13,7 @@
 
 namespace glint::compare_detail {
 
-/// The same outline in both pictures. Where the simulated picture shows no edge along it both are
-/// broken.
+/// The same outline in both pictures. Where one of them shows no edge along it both are broken.
 struct GuidedOutlines {
   std::vector<Boundary> simulated_rough;  ///< as the renderer knows it
   std::vector<Boundary> simulated;        ///< located

@@ -12,6 +12,7 @@ const kBlue = '#0072b2';
 const kGrey = '#aab4bd';
 const kOrange = '#d55e00';
 const kReach = { design: 14, trial: 9 };  // pixels around a mark in which a click means it
+const kCross = 'path://M0,2L2,0L5,3L8,0L10,2L7,5L10,8L8,10L5,7L2,10L0,8L3,5Z';
 const kPrintedRows = 12;
 const kManyTrials = 300;  // above this a canvas: the parts follow each other within 100 ms
 
@@ -71,8 +72,8 @@ class FrontChart {
     this.done = facts.trials.filter(isDone);
     this.full = h('input', { type: 'checkbox', onchange: () => this.instance?.setOption(this.option(this.place.clientWidth)) });
     this.clear = h('button', { type: 'button', class: 'screen-only', onclick: () => this.brush(null) }, 'Clear the frame');
-    const heightPx = this.count === 1 ? 460 : Math.min(250 * this.count + 70, 1100);
-    this.place = chart(heightPx, 'The front', this.done.length > kManyTrials ? Infinity : 0, (width) => this.option(width), (instance) => this.start(instance));
+    this.heightPx = this.count === 1 ? 460 : Math.min(250 * this.count + 70, 1100);
+    this.place = chart(this.heightPx, 'The front', this.done.length > kManyTrials ? Infinity : 0, (width) => this.option(width), (instance) => this.start(instance));
     this.place.id = 'front-chart';
     this.frame = h('div', { class: 'brush-frame', hidden: true });
     selection.listen(() => this.follow());
@@ -97,7 +98,7 @@ class FrontChart {
   grids(width) {
     const [left, right, top, bottom] = [74, 22, 12, 54];
     const gap = 18;
-    const cell = { width: (width - left - right - gap * (this.count - 1)) / this.count, height: (this.place.clientHeight - top - bottom - gap * (this.count - 1)) / this.count };
+    const cell = { width: (width - left - right - gap * (this.count - 1)) / this.count, height: (this.heightPx - top - bottom - gap * (this.count - 1)) / this.count };
     return this.panels.map((panel) => ({ left: left + panel.column * (cell.width + gap), top: top + panel.row * (cell.height + gap), width: cell.width, height: cell.height }));
   }
 
@@ -160,7 +161,7 @@ class FrontChart {
         return { type: 'line', shape: { x1, y1, x2, y2 }, style: { stroke: kOrange, lineWidth: 1.2 } };
       } },
       { id: `${k}/fresh`, name: 'with fresh seeds', type: 'scatter', symbol: 'emptyCircle', symbolSize: 7, xAxisIndex: k, yAxisIndex: k, color: kOrange, itemStyle: { color: kOrange, borderWidth: 1.6 }, z: 6,
-        data: again.map((design) => ({ value: this.placeOf(design.rescored, panel), trial: this.members.trials.get(design.trial), symbol: design.dominated_by || design.keeps_limits === false ? 'path://M0,0L10,10M0,10L10,0' : 'emptyCircle' })) }];
+        data: again.map((design) => ({ value: this.placeOf(design.rescored, panel), trial: this.members.trials.get(design.trial), ...(design.dominated_by || design.keeps_limits === false ? { symbol: kCross, symbolSize: 9, itemStyle: { color: kOrange, borderWidth: 0 } } : {}) })) }];
   }
 
   legend() {

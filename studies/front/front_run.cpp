@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/log.h"
 #include "studies/front/front_designs.h"
 
 namespace glint {
@@ -44,13 +45,26 @@ int full_designs_of_front(const Json& front) {
   }));
 }
 
-Json write_front(const FrontTask& task, const Json& winner, Json& front) {
+void add_front_to_result(const Json& front, Json& result) {
+  if (front.is_null()) {
+    return;
+  }
+  result["objectives"] = front["objectives"];
+  result["front"] = front["designs"];
+  for (const char* name : {"hypervolume", "reference", "chosen"}) {
+    result[name] = front[name];
+  }
+}
+
+void write_front(const FrontTask& task, const Json& winner, Json& front, Json& result) {
   remove_other_designs(task.out, front);
   const std::vector<Trial> trials = task.storage.trials(TrialKind::kSearch);
   int evaluations = 0;
   for (Json& design : front["designs"]) {
     if (task.interrupt != nullptr && *task.interrupt > 0) {
-      return nullptr;
+      log(LogLevel::kWarning, "interrupted; the same command writes the rest of the front");
+      result["status"] = "interrupted";
+      return;
     }
     const int number = design["trial"];
     const Point& point = trials[static_cast<std::size_t>(number - 1)].point;
@@ -69,9 +83,9 @@ Json write_front(const FrontTask& task, const Json& winner, Json& front) {
                       task.out / design["folder"].get<std::string>());
     }
   }
-  Json summary = judge_front(task.study.goal, front);
-  summary["evaluations"] = evaluations;
-  return summary;
+  result["front_rescored"] = judge_front(task.study.goal, front);
+  result["front_rescored"]["evaluations"] = evaluations;
+  result["front"] = front["designs"];
 }
 
 }  // namespace glint

@@ -36,16 +36,21 @@ struct FrontTask {
   const std::atomic<int>* interrupt = nullptr;  ///< how often the user interrupted
 };
 
-/// Writes the folders of the front's designs and adds to them what add_rescored() and judge_front()
-/// find (studies/front/front_designs.h). The chosen design has its folder already.
+/// What result.json tells of a search with several objectives: objectives, front, hypervolume,
+/// reference, chosen. @param front  front_json(); null: there is one objective
+void add_front_to_result(const nlohmann::ordered_json& front, nlohmann::ordered_json& result);
+
+/// Writes the folders of the front's designs and adds to them, in `front` and in `result`, what
+/// add_rescored() and judge_front() find (studies/front/front_designs.h). The chosen design has its
+/// folder already. `front_rescored` of the result is that of judge_front() with `evaluations`: how
+/// many the fresh scores took, which are not of the search's budget. Interrupted, `status` is so.
 /// @param winner  the object of its scores.json
 /// @param front   front_json()
-/// @return that of judge_front(), with `evaluations`: how many the fresh scores took, which are not
-///         of the search's budget; null when interrupted
 /// @throws IoError, ConfigError
-nlohmann::ordered_json write_front(const FrontTask& task,
-                                   const nlohmann::ordered_json& winner,
-                                   nlohmann::ordered_json& front);
+void write_front(const FrontTask& task,
+                 const nlohmann::ordered_json& winner,
+                 nlohmann::ordered_json& front,
+                 nlohmann::ordered_json& result);
 
 /// How many designs it writes in full, at most, beside the chosen one.
 int full_designs_of_front(const nlohmann::ordered_json& front);

@@ -270,40 +270,21 @@ class Run {
            (!study_.pod || add("pod", run_pod(task)));
   }
 
-  void add_objectives(Json& result) const {
-    if (study_.has_objective) {
-      result["objective"] = study_.goal.objective.name;
-    }
-    if (front_.is_null()) {
-      return;
-    }
-    result["objectives"] = front_["objectives"];
-    result["front"] = front_["designs"];
-    for (const char* name : {"hypervolume", "reference", "chosen"}) {
-      result[name] = front_[name];
-    }
-  }
-
   /// Pictures and fresh scores of the front's designs.
   void add_front(const Storage& storage, const Json& winner, Json& result) {
     const double start = process_cpu_s();
-    const FrontTask task = {.study = study_,
-                            .store = store_,
-                            .storage = storage,
-                            .out = options_.out,
-                            .wanted = wanted_in_search(study_),
-                            .write = [this](const auto&... design) { return write(design...); },
-                            .drawing = drawing_svg,
-                            .interrupt = options_.interrupt};
-    const Json summary = write_front(task, winner, front_);
+    write_front({.study = study_,
+                 .store = store_,
+                 .storage = storage,
+                 .out = options_.out,
+                 .wanted = wanted_in_search(study_),
+                 .write = [this](const auto&... design) { return write(design...); },
+                 .drawing = drawing_svg,
+                 .interrupt = options_.interrupt},
+                winner,
+                front_,
+                result);
     front_cpu_s_ = process_cpu_s() - start;
-    if (summary.is_null()) {
-      log(LogLevel::kWarning, "interrupted; the same command writes the rest of the front");
-      result["status"] = "interrupted";
-      return;
-    }
-    result["front"] = front_["designs"];
-    result["front_rescored"] = summary;
   }
 
   Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
@@ -327,7 +308,10 @@ class Run {
                    {"failed", search.failed},
                    {"study", study_file(study_)},
                    {"part", part_json(store_.build(study_.scene)->part)}};
-    add_objectives(result);
+    if (study_.has_objective) {
+      result["objective"] = study_.goal.objective.name;
+    }
+    add_front_to_result(front_, result);
     Json rescored = Json::object();
     result["best"] = nullptr;
     if (search.best) {

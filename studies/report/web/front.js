@@ -24,6 +24,7 @@ class Members {
     this.byTrial = new Map(this.designs.map((design) => [design.trial, design]));
     this.trials = new Map(facts.trials.map((trial) => [trial.number, trial]));
     this.chosen = facts.front.chosen?.trial ?? null;
+    this.winner = facts.designs.find((design) => facts.role(design) === 'winner' && design.trial === this.chosen);
   }
 
   variablesOf(number) {
@@ -44,7 +45,7 @@ class Members {
 
   fresh(number) {
     const design = this.byTrial.get(number);
-    if (!design?.rescored) return {};
+    if (!design?.rescored) return (number === this.chosen && this.winner?.rescored) || {};
     return { ...design.rescored, ...Object.fromEntries(Object.entries(design.rescored_errors ?? {}).map(([name, error]) => [`${name}.error`, error])) };
   }
 
@@ -324,6 +325,9 @@ class Detail {
       h('table', { class: 'scores' }, h('tbody', {}, paths.map((path, i) => h('tr', {}, h('th', { title: path }, names[i]), h('td', {}, number(variables[path])))))));
   }
 
+  /** The chosen design has a card, in runs of before the front had pictures too. */
+  picturesOf(card) { return card ? { aspect: card.aspect ?? card.frames?.[0], closeups: card.closeups, drawing: card.drawing } : {}; }
+
   pictures(shown, title) {
     const image = shown.aspect ?? shown.frames?.[0] ?? shown.thumbnail;
     return [image ? picture(image, `${title}: mean image`, 'frame') : h('p', { class: 'muted no-picture' }, 'No picture was kept of this evaluation; its scene is rendered by glint render with the line below.'),
@@ -337,7 +341,7 @@ class Detail {
     const what = this.selection.picked;
     const design = typeof what === 'string' ? facts.designs.find((one) => one.key === what) : null;
     const number = design ? design.trial : what;
-    const own = design ?? members.byTrial.get(what) ?? {};
+    const own = design ?? { ...(what === members.chosen ? this.picturesOf(members.winner) : {}), ...members.byTrial.get(what) };
     const title = design ? facts.title(design) : `Evaluation ${what}`;
     const probability = own.probability_on_front;
     const line = design ? '' : setLine(members.variablesOf(what));

@@ -332,8 +332,7 @@ class Detail {
     const image = shown.aspect ?? shown.frames?.[0] ?? shown.thumbnail;
     return [image ? picture(image, `${title}: mean image`, 'frame') : h('p', { class: 'muted no-picture' }, 'No picture was kept of this evaluation; its scene is rendered by glint render with the line below.'),
       shown.thumbnail && !shown.aspect && h('p', { class: 'muted' }, 'A small picture: only the designs that add most to the hypervolume are kept in full.'),
-      shown.closeups?.length > 0 && h('div', { class: 'closeups' }, shown.closeups.slice(0, 4).map((one) => closeupFigure(this.facts, { title, key: title }, one))),
-      shown.drawing && h('div', { class: 'drawing' }, svgNode(shown.drawing))];
+      shown.closeups?.length > 0 && h('div', { class: 'closeups' }, shown.closeups.slice(0, 4).map((one) => closeupFigure(this.facts, { title, key: title }, one)))];
   }
 
   draw() {
@@ -353,7 +352,8 @@ class Detail {
           isNumber(probability) && h('p', { class: 'muted' }, `Beaten by none of the designs scored again: probability ${Math.round(100 * probability)}\u00a0%, by their errors.`),
           this.variables(design ? design.variables : members.variablesOf(what)),
           own.folder && h('p', { class: 'muted path' }, `Scene: ${own.folder}/scene.toml in the folder of the run `, copyButton('Copy', `${own.folder}/scene.toml`)),
-          line && h('p', { class: 'muted path screen-only' }, h('code', {}, line), ' ', copyButton('Copy', line)))));
+          line && h('p', { class: 'muted path screen-only' }, h('code', {}, line), ' ', copyButton('Copy', line))),
+        own.drawing && h('div', { class: 'drawing' }, svgNode(own.drawing))));
   }
 }
 

@@ -149,8 +149,10 @@ void check_several(const Study& study, std::vector<Problem>& errors) {
          "is of one objective, there are several; allowed: budget.stall, evaluations without a "
          "gain of hypervolume");
   }
-  if (study.root.find("manufacture") != nullptr) {
-    fail("manufacture", "spreads one objective, there are several; allowed with [objective]");
+  if (study.root.at_path("prototypes.front") != nullptr) {
+    fail("prototypes.front",
+         "the folder front/ of a run holds the designs of several objectives' front; allowed: any "
+         "other name");
   }
   const std::string& algorithm = study.search.algorithm;
   if (algorithm != "auto" && algorithm != "gp" && algorithm != "sobol" && algorithm != "random") {

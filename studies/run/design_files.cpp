@@ -182,6 +182,15 @@ LightingDrawing draw_lighting(const SceneSettings& scene,
   return {.svg = cross_section_svg(section), .dxf = wall_dxf(section), .csv = wall_csv(section)};
 }
 
+std::string drawing_svg(const SceneSettings& scene,
+                        const Evaluation& evaluation,
+                        const std::string& title) {
+  const std::unique_ptr<const PathView> view = path_view_of(scene, evaluation.traced->part);
+  return draw_lighting(
+             scene, view ? view->area_lights() : nullptr, evaluation.traced->built(), title)
+      .svg;
+}
+
 std::vector<std::string> notes_of(const SceneSettings& scene,
                                   const Scores& scores,
                                   const PathView* view) {

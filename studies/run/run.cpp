@@ -17,6 +17,9 @@
 #include "core/wall_clock.h"
 #include "studies/definition/study_changes.h"
 #include "studies/definition/study_text.h"
+#include "studies/front/front_designs.h"
+#include "studies/front/front_files.h"
+#include "studies/front/front_run.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
@@ -41,22 +44,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-/// The values the study's own scene has for its variables.
-Json baseline_variables(const Study& study) {
-  Json json = Json::object();
-  for (const Variable& variable : study.space.variables) {
-    const ConfigNode& node = *study.resolved.at_path(variable.name);
-    if (node.is_number()) {
-      json[variable.name] = node.number;
-    } else if (node.kind == ConfigNode::Kind::kBoolean) {
-      json[variable.name] = node.boolean;
-    } else {
-      json[variable.name] = node.text;
-    }
-  }
-  return json;
-}
-
 /// What a run writes into its folder, beside the database.
 std::vector<std::string> names_in_run(const Study& study) {
   std::vector<std::string> names = {"baseline",
@@ -69,6 +56,9 @@ std::vector<std::string> names_in_run(const Study& study) {
                                     "trials.csv",
                                     "sorting.csv",
                                     "pod.csv"};
+  if (has_several_objectives(study.goal)) {
+    names.emplace_back(kFrontFolder);
+  }
   for (const Prototype& prototype : study.prototypes) {
     names.push_back(prototype.name);
   }
@@ -211,12 +201,16 @@ class Run {
   /// One step more than there are, so that short work is not told.
   std::int64_t writing_steps() const {
     const int frames = study_.scene.scan.positions;
-    const auto designs =
-        static_cast<std::int64_t>(study_.prototypes.size()) + (study_.has_search() ? 2 : 1);
+    const auto designs = static_cast<std::int64_t>(study_.prototypes.size()) +
+                         (study_.has_search() ? 2 : 1) +
+                         (front_.is_null() ? 0 : full_designs_of_front(front_));
     return designs * (frames + 1) + 1;
   }
 
-  Json write(const std::string& key, const SceneSettings& scene, const Json& head) {
+  Json write(const std::string& key,
+             const SceneSettings& scene,
+             const Json& head,
+             bool is_repeated = true) {
     log(LogLevel::kInfo, "writing {}", key);
     Json json;
     DesignWatch watch = watch_of(key, scene);
@@ -232,9 +226,9 @@ class Run {
       return json;
     }
     if (!study_.goal.constraints.empty()) {
-      json["feasible"] = is_feasible(study_.goal, scores_of(json["scores"]));
+      json["feasible"] = is_feasible(study_.goal, scores_from_json(json["scores"]));
     }
-    if (!is_interrupted_) {
+    if (!is_interrupted_ && is_repeated) {
       const double start = process_cpu_s();
       json["repeated"] = repeated_scores(
           store_, first_view(store_, scene), wanted_of_repeats(study_), study_.goal);
@@ -242,16 +236,6 @@ class Run {
     }
     write_file(options_.out / key / "scores.json", json.dump(2) + "\n");
     return json;
-  }
-
-  static Scores scores_of(const Json& json) {
-    Scores scores;
-    for (const auto& [name, value] : json.items()) {
-      if (value.is_number()) {
-        scores[name] = value.get<double>();
-      }
-    }
-    return scores;
   }
 
   static std::string status_of(const SearchResult& search, bool has_search) {
@@ -286,25 +270,28 @@ class Run {
            (!study_.pod || add("pod", run_pod(task)));
   }
 
-  void add_objectives(const Storage& storage, const SearchResult& search, Json& result) const {
-    if (study_.has_objective) {
-      result["objective"] = study_.goal.objective.name;
-    }
-    if (!search.trade_off) {
-      return;
-    }
-    const Json found = front_json(study_, storage);
-    result["objectives"] = found["objectives"];
-    result["front"] = found["designs"];
-    for (const char* name : {"hypervolume", "reference", "chosen"}) {
-      result[name] = found[name];
-    }
+  /// Pictures and fresh scores of the front's designs.
+  void add_front(const Storage& storage, const Json& winner, Json& result) {
+    const double start = process_cpu_s();
+    write_front({.study = study_,
+                 .store = store_,
+                 .storage = storage,
+                 .out = options_.out,
+                 .wanted = wanted_in_search(study_),
+                 .write = [this](const auto&... design) { return write(design...); },
+                 .drawing = drawing_svg,
+                 .interrupt = options_.interrupt},
+                winner,
+                front_,
+                result);
+    front_cpu_s_ = process_cpu_s() - start;
   }
 
   Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
+    front_ = search.trade_off ? front_json(study_, storage) : Json();
     writing_.emplace(study_.name + ": writing", writing_steps(), options_.progress);
-    const Json baseline =
-        write("baseline", study_.scene, head("Baseline", "baseline", baseline_variables(study_)));
+    const Json baseline = write(
+        "baseline", study_.scene, head("Baseline", "baseline", baseline_variables_json(study_)));
     write_part_picture(
         store_, first_view(store_, study_.scene), options_.out / "baseline" / "part.png");
     Json prototypes = Json::object();
@@ -321,7 +308,10 @@ class Run {
                    {"failed", search.failed},
                    {"study", study_file(study_)},
                    {"part", part_json(store_.build(study_.scene)->part)}};
-    add_objectives(storage, search, result);
+    if (study_.has_objective) {
+      result["objective"] = study_.goal.objective.name;
+    }
+    add_front_to_result(front_, result);
     Json rescored = Json::object();
     result["best"] = nullptr;
     if (search.best) {
@@ -334,6 +324,9 @@ class Run {
       result["best"] = {
           {"trial", search.best->number}, {"variables", variables}, {"scores", winner["scores"]}};
       rescored["best"] = winner["rescored"];
+      if (!front_.is_null() && !is_interrupted_) {
+        add_front(storage, winner, result);
+      }
       if (study_.root.find("manufacture") != nullptr && !is_interrupted_) {
         log(LogLevel::kInfo, "spread at the winner: {} evaluations", kToleranceDesigns);
         result["manufacture"] = tolerance_spread(store_, study_, search.best->point);
@@ -399,6 +392,9 @@ class Run {
                      {"rescoring", rescoring_cpu_s_},
                      {"writing", finish_cpu_s_ - rescoring_cpu_s_ - populations_cpu_s_},
                      {"populations", populations_cpu_s_}};
+    if (!front_.is_null()) {
+      json["cpu_s"]["of_these_front"] = front_cpu_s_;
+    }
     json["warnings"] = search.warnings;
     json["derivatives"] = derivative_remarks(storage);
     json["configuration"] = resolved_text(study_);
@@ -415,6 +411,8 @@ class Run {
   double finish_cpu_s_ = 0.0;  ///< all that follows the search
   double rescoring_cpu_s_ = 0.0;
   double populations_cpu_s_ = 0.0;
+  double front_cpu_s_ = 0.0;  ///< part of the two above
+  Json front_;                ///< of several objectives
   std::optional<Progress> writing_;
   int designs_written_ = 0;
   bool is_interrupted_ = false;  ///< in the search: what can be had without is left out

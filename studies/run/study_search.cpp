@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/run/study_search.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <filesystem>
+#include <iterator>
+#include <set>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "optimizer/front/compromise.h"
+#include "studies/front/front_designs.h"
 
 namespace glint {
 namespace {
@@ -14,6 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kErrorsPerHalf = 2.0;  // as objective_noise()
+constexpr std::size_t kNoisePlaces = 24;
 
 Json design_of_front(const Study& study, const Trial& trial) {
   const Scores& known = trial.outcome->scores;
@@ -34,6 +42,27 @@ Json design_of_front(const Study& study, const Trial& trial) {
           {"errors", errors}};
 }
 
+/// [evaluations, half the interval of the hypervolume] at some places, the last one among them:
+/// each costs a hypervolume for every number of the front.
+Json noise_history(const Study& study,
+                   const std::vector<Trial>& trials,
+                   const std::vector<double>& reference) {
+  std::vector<Trial> done;
+  std::ranges::copy_if(trials, std::back_inserter(done), [](const Trial& trial) {
+    return trial.outcome.has_value();
+  });
+  std::set<std::size_t> places;
+  for (std::size_t k = 1; k <= kNoisePlaces; ++k) {
+    places.insert(k * done.size() / kNoisePlaces);
+  }
+  Json list = Json::array();
+  for (const std::size_t place : places) {
+    const auto first = std::span<const Trial>(done).first(place);
+    list.push_back({place, trade_off(study.goal, first, reference).noise});
+  }
+  return list;
+}
+
 }  // namespace
 
 Json variables_json(const Study& study, const Point& point) {
@@ -51,6 +80,21 @@ Json variables_json(const Study& study, const Point& point) {
         break;
       default:
         json[path] = value.text;
+    }
+  }
+  return json;
+}
+
+Json baseline_variables_json(const Study& study) {
+  Json json = Json::object();
+  for (const Variable& variable : study.space.variables) {
+    const ConfigNode& node = *study.resolved.at_path(variable.name);
+    if (node.is_number()) {
+      json[variable.name] = node.number;
+    } else if (node.kind == ConfigNode::Kind::kBoolean) {
+      json[variable.name] = node.boolean;
+    } else {
+      json[variable.name] = node.text;
     }
   }
   return json;
@@ -77,6 +121,7 @@ Json front_json(const Study& study, const Storage& storage) {
   json["hypervolume"] = found.hypervolume;
   json["noise"] = found.noise;
   json["history"] = hypervolume_history(study.goal, trials, found.reference);
+  json["noise_history"] = noise_history(study, trials, found.reference);
   json["reference"] = at;
   json["outside"] = found.outside;
   json["chosen"] = nullptr;
@@ -85,6 +130,7 @@ Json front_json(const Study& study, const Storage& storage) {
                       {"by", choice_rule_name(study.goal.choice)},
                       {"reason", found.reason}};
   }
+  plan_front(study.goal, json);
   return json;
 }
 

@@ -24,14 +24,18 @@ Outcome evaluate_candidate(SceneStore& store, const Study& study, const Point& p
 /// The active variables of a point: { path: value }.
 nlohmann::ordered_json variables_json(const Study& study, const Point& point);
 
+/// The values that the study's own scene has for its variables: { path: value }.
+nlohmann::ordered_json baseline_variables_json(const Study& study);
+
 /// What a search with several objectives has found, in the units of the scores:
 ///
 ///   objectives   [ { score, direction: "maximise" | "minimise", reference } ]
 ///   designs      the front, [ { trial, variables, scores: { name: value } of objectives and
-///   limited
-///                scores, errors: { name: standard error } of those objectives that have one } ]
+///                limited scores, errors: { name: standard error } of those objectives that have
+///                one, contribution, shown, folder: see plan_front() } ]
 ///   hypervolume, noise   and half the width of its interval (TradeOff)
 ///   history      hypervolume after each evaluation
+///   noise_history  [ [evaluations, noise] ] at some of them
 ///   reference    { score: value }
 ///   outside      designs that are not better than the reference in every objective
 ///   chosen       { trial, by: the choice's rule, reason }; null without a front

@@ -77,8 +77,10 @@ TEST(StudyGoal, RefusesWhatSeveralObjectivesDoNotGoWith) {
   EXPECT_THAT(error_of(both, {{"search.algorithm", "sbplx"}}),
               HasSubstr("search.algorithm: \"sbplx\" knows one objective, there are 2; allowed: "
                         "\"auto\", \"gp\", \"sobol\", \"random\""));
-  EXPECT_THAT(error_of(both + "[manufacture]\n\"lighting.tunnel.duty\" = { plus_minus = 0.01 }\n"),
-              HasSubstr("manufacture: spreads one objective"));
+  EXPECT_EQ(error_of(both + "[manufacture]\n\"lighting.tunnel.duty\" = { plus_minus = 0.01 }\n"),
+            "");
+  EXPECT_THAT(error_of(both + "[prototypes.front]\n\"lighting.tunnel.duty\" = 0.4\n"),
+              HasSubstr("prototypes.front: the folder front/ of a run holds the designs"));
   EXPECT_THAT(error_of("[defects.dent]\nx_mm = [5]\ny_mm = [10]\n" + kEven + kVisible),
               HasSubstr("objective: several objectives need [variables]"));
 }

@@ -49,6 +49,7 @@ constexpr std::array kGroups = {
     KeyGroup{"manufacture", "how exactly keys can be built or set"},
     KeyGroup{"search", "how a search chooses designs"},
     KeyGroup{"budget", "when a search ends"},
+    KeyGroup{"accuracy", "how exactly a search has to know the scores"},
     KeyGroup{"sorting", "a population of simulated parts, sorted into classes"},
     KeyGroup{"pod", "how often defects are found, against their size"},
     KeyGroup{"calibration_trial",

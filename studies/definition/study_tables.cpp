@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/text.h"
+#include "studies/definition/accuracy_table.h"
 #include "studies/definition/study_goal.h"
 
 namespace glint {
@@ -297,6 +298,7 @@ void read_study_tables(Study& study, std::vector<Problem>& errors) {
   read_goal(study, errors);
   read_populations(study, errors);
   read_trial(study, errors);
+  study.accuracy = read_accuracy(study.root, errors);
 }
 
 void write_study_tables(const Study& study, ConfigNode& root) {
@@ -315,6 +317,10 @@ void write_study_tables(const Study& study, ConfigNode& root) {
     Budget budget = study.budget;
     visit_budget(keys, budget);
   });
+  if (study.accuracy) {
+    root.names.emplace_back("accuracy");
+    root.items.push_back(write_accuracy(*study.accuracy, study.root));
+  }
   if (study.sorting) {
     root.names.emplace_back("sorting");
     root.items.push_back(write_sorting(*study.sorting));
@@ -338,6 +344,7 @@ std::vector<KeyRow> study_keys() {
   budget.target = 0.0;
   KeyLister budget_lister("budget", rows);
   visit_budget(budget_lister, budget);
+  std::ranges::copy(accuracy_keys(), std::back_inserter(rows));
   const std::vector<KeyRow> populations = population_keys();
   rows.insert(rows.end(), populations.begin(), populations.end());
   std::ranges::copy(calibration_trial_keys(), std::back_inserter(rows));

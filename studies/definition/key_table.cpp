@@ -41,6 +41,7 @@ constexpr std::array kGroups = {
     KeyGroup{"validate",
              "designs to try out on the real cell, and up to which differences they agree"},
     KeyGroup{"coverage", "what it takes for a view to inspect a place of the surface"},
+    KeyGroup{"cost", "what a scan takes and what its lighting costs"},
     KeyGroup{"variables", "the keys that a search may change, with their limits"},
     KeyGroup{"prototypes", "designs to be compared with the study's own"},
     KeyGroup{"objective", "the score that a search makes large or small; several: [[objective]]"},

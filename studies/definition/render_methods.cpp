@@ -76,6 +76,14 @@ class MethodList {
 
 }  // namespace
 
+void visit_keys(KeyVisitor& keys, RenderTable& table) {
+  visit_keys(keys, table.render);
+  keys.table(
+      "paths",
+      [&](KeyVisitor& inner) { visit_keys(inner, table.paths); },
+      "of pictures by path tracing");
+}
+
 FrameMethod frame_method(const SceneSettings& scene) {
   const PathSettings& paths = scene.paths;
   if (needs_paths(scene)) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What a scene's method of rendering means for those who do not render: how its frames come about,
-// what a closer look at it is, and which methods it can be compared by.
+// what a closer look at it is, and which methods it can be compared by. The keys of [render].
 #pragma once
 
 #include <cstddef>
@@ -12,6 +12,14 @@
 #include "studies/definition/scene.h"
 
 namespace glint {
+
+/// [render] and what it holds.
+struct RenderTable {
+  RenderSettings render;
+  PathSettings paths;
+};
+
+void visit_keys(KeyVisitor& keys, RenderTable& table);
 
 /// How the frames of a scene come about, as scores.json tells it.
 struct FrameMethod {

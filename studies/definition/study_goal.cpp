@@ -85,6 +85,14 @@ void read_objectives(Study& study, const ConfigNode& list, std::vector<Problem>&
                         .key = path,
                         .text = "must be a table, like [[objective]]"});
     } else if (auto objective = read_listed(list.items[i], path, errors)) {
+      if (std::ranges::find(objectives, objective->name, &Objective::name) != objectives.end()) {
+        errors.push_back(
+            {.kind = Problem::Kind::kRelation,
+             .place = list.items[i].place,
+             .key = path,
+             .text = fmt::format("\"{}\" is an objective twice; allowed: each score once",
+                                 objective->name)});
+      }
       objectives.push_back(std::move(*objective));
     }
   }
@@ -194,13 +202,20 @@ void read_constraints(Study& study, std::vector<Problem>& errors) {
         is_good = false;
       }
     }
-    is_good = is_good && (constraint.min || constraint.max) && constraint.weight > 0.0 &&
-              !(constraint.min && constraint.max && *constraint.min > *constraint.max);
-    if (!is_good) {
+    const auto fail = [&](std::string text) {
       errors.push_back({.place = item.place,
                         .context = "constraints",
                         .key = constraint.name,
-                        .text = "must be { min = .. } or { max = .. } (min <= max, weight > 0)"});
+                        .text = std::move(text)});
+    };
+    if (!is_good || !(constraint.min || constraint.max) || constraint.weight <= 0.0) {
+      fail("must be { min = .. } or { max = .. } (min <= max, weight > 0)");
+      continue;
+    }
+    if (constraint.min && constraint.max && *constraint.min > *constraint.max) {
+      fail(fmt::format("min {} is above max {}, which no design can keep",
+                       shortest(*constraint.min),
+                       shortest(*constraint.max)));
       continue;
     }
     study.goal.constraints.push_back(std::move(constraint));
@@ -268,12 +283,15 @@ void read_goal(Study& study, std::vector<Problem>& errors) {
 void check_goal(const Study& study, std::vector<Problem>& errors) {
   const std::vector<std::string> labels = defect_labels(study.scene);
   const std::vector<std::string> groups = group_names(study.scene);
+  const bool chooses_lights = std::ranges::any_of(
+      study.space.variables, [](const Variable& one) { return one.name == "lighting_use"; });
   const auto check_name =
       [&](const std::string& path, const std::string& name, const Place& place) {
         std::string problem = unknown_score(name, labels, groups);
         problem += problem.empty() ? missing_by_paths(study.scene, name) : "";
         problem += problem.empty() ? missing_by_reference(study.scene, name) : "";
         problem += problem.empty() ? missing_by_cell(study.scene, name) : "";
+        problem += problem.empty() ? missing_by_lighting(study.scene, name, chooses_lights) : "";
         if (!problem.empty()) {
           errors.push_back(
               {.place = place, .key = path, .text = fmt::format("\"{}\" {}", name, problem)});

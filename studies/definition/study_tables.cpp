@@ -199,6 +199,10 @@ class VariableReader {
       fail(table, path, "needs choices = [\"..\", ..]");
       return false;
     }
+    if (choices->items.size() == 1) {
+      fail(*choices, path, "is a choice of one; allowed: two or more, or the value at its own key");
+      return false;
+    }
     for (const ConfigNode& choice : choices->items) {
       if (choice.kind != key.kind) {
         fail(choice, path, "a choice must be of the key's own kind");
@@ -213,6 +217,22 @@ class VariableReader {
   const Study& study_;
   std::vector<Problem>& errors_;
 };
+
+/// What is wrong with the space as a whole, at the condition or the table of the variable at fault.
+Problem problem_of_space(const Study& study, const ConfigNode& table, const Problem& problem) {
+  Problem placed = {
+      .place = table.place, .context = "variables", .key = problem.key, .text = problem.text};
+  for (const Variable& variable : study.space.variables) {
+    const ConfigNode* node = table.find(variable.name);
+    if (problem.key != fmt::format("variable \"{}\"", variable.name) || node == nullptr) {
+      continue;
+    }
+    const ConfigNode* when = node->find("when");
+    placed.place = when != nullptr ? when->place : node->place;
+    placed.key = variable.name;
+  }
+  return placed;
+}
 
 void read_variables(Study& study, std::vector<Problem>& errors) {
   const ConfigNode* table = study.root.find("variables");
@@ -230,7 +250,9 @@ void read_variables(Study& study, std::vector<Problem>& errors) {
     try {
       check(study.space);
     } catch (const ConfigError& error) {
-      errors.push_back({.place = table->place, .key = "variables", .text = error.what()});
+      for (const Problem& problem : error.problems()) {
+        errors.push_back(problem_of_space(study, *table, problem));
+      }
     }
   }
 }

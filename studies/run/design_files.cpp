@@ -133,7 +133,9 @@ Json rendering_json(SceneStore& store,
   if (!frames.has_closed_mean) {
     return json;
   }
-  const Evaluation closed = evaluate(store, scene, {}, wanted.of_one_scan());
+  WantedScores of_search = wanted.of_one_scan();
+  of_search.picture = true;  // also where the search itself needs none
+  const Evaluation closed = evaluate(store, scene, {}, of_search);
   const std::string h = "homogeneity.h_rms";
   json["search_form"] = std::string(form_name(closed.form.kind));
   json["table_pixels"] = closed.form.table_pixels;

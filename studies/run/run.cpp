@@ -287,6 +287,17 @@ class Run {
     front_cpu_s_ = process_cpu_s() - start;
   }
 
+  /// The best of each kind of light, where the search chose among kinds.
+  void add_kinds(const Storage& storage, Json& result) {
+    if (is_interrupted_) {
+      return;
+    }
+    Json kinds = best_of_each_kind(store_, study_, storage.trials(TrialKind::kSearch));
+    if (!kinds.is_null()) {
+      result["kinds"] = std::move(kinds);
+    }
+  }
+
   Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
     front_ = search.trade_off ? front_json(study_, storage) : Json();
     writing_.emplace(study_.name + ": writing", writing_steps(), options_.progress);
@@ -331,6 +342,7 @@ class Run {
         log(LogLevel::kInfo, "spread at the winner: {} evaluations", kToleranceDesigns);
         result["manufacture"] = tolerance_spread(store_, study_, search.best->point);
       }
+      add_kinds(storage, result);
     }
     result["baseline"] = {{"variables", baseline["variables"]}, {"scores", baseline["scores"]}};
     rescored["baseline"] = baseline["rescored"];

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <iterator>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -12,8 +13,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "optimizer/algorithm/merit.h"
 #include "optimizer/front/compromise.h"
+#include "studies/definition/render_methods.h"
 #include "studies/front/front_designs.h"
+#include "studies/run/design_files.h"
 
 namespace glint {
 namespace {
@@ -62,6 +66,42 @@ Json noise_history(const Study& study,
   }
   return list;
 }
+
+/// The best trial with that value of a variable.
+const Trial* best_with(const Study& study,
+                       const std::vector<Trial>& trials,
+                       std::size_t variable,
+                       double value) {
+  const Trial* best = nullptr;
+  for (const Trial& trial : trials) {
+    const bool is_of_kind = trial.outcome && !trial.outcome->is_failed &&
+                            trial.point[variable] == value &&
+                            problem_with(study.goal, trial.outcome->scores).empty();
+    if (is_of_kind &&
+        (best == nullptr || is_better(study.goal, trial.outcome->scores, best->outcome->scores))) {
+      best = &trial;
+    }
+  }
+  return best;
+}
+
+/// Empty where the goal cannot be judged with what came out.
+std::optional<Scores> rescored(SceneStore& store, const Study& study, const Point& point) {
+  const SceneSettings scene = scene_with(study, overrides_of(study, point));
+  const WantedScores wanted = wanted_by(study.goal).with_whole_scan(kFreshParts);
+  try {
+    Scores scores = evaluate(store, finer_settings(scene), {}, wanted).scores;
+    return problem_with(study.goal, scores).empty() ? std::optional(scores) : std::nullopt;
+  } catch (const ConfigError&) {
+    return std::nullopt;  // what a finer part or other noise makes impossible
+  }
+}
+
+struct Finalist {
+  std::string kind;
+  const Trial* trial = nullptr;
+  Scores fresh;
+};
 
 }  // namespace
 
@@ -160,6 +200,38 @@ Outcome evaluate_candidate(SceneStore& store, const Study& study, const Point& p
   outcome.gradients = std::move(found.gradients.by_score);
   outcome.remarks = std::move(found.gradients.remarks);
   return outcome;
+}
+
+Json best_of_each_kind(SceneStore& store, const Study& study, const std::vector<Trial>& trials) {
+  const std::vector<Variable>& variables = study.space.variables;
+  const auto found = std::ranges::find(variables, "lighting_use", &Variable::name);
+  if (found == variables.end() || has_several_objectives(study.goal)) {
+    return nullptr;
+  }
+  const auto index = static_cast<std::size_t>(found - variables.begin());
+  std::vector<Finalist> finalists;
+  for (std::size_t kind = 0; kind < found->choices.size(); ++kind) {
+    const Trial* best = best_with(study, trials, index, static_cast<double>(kind));
+    if (best == nullptr) {
+      continue;
+    }
+    if (std::optional<Scores> fresh = rescored(store, study, best->point)) {
+      finalists.push_back({.kind = found->choices[kind], .trial = best, .fresh = *fresh});
+    }
+  }
+  std::ranges::stable_sort(finalists, [&](const Finalist& a, const Finalist& b) {
+    return is_better(study.goal, a.fresh, b.fresh);
+  });
+  Json kinds = Json::array();
+  for (const Finalist& finalist : finalists) {
+    kinds.push_back({{"lighting_use", finalist.kind},
+                     {"trial", finalist.trial->number},
+                     {"variables", variables_json(study, finalist.trial->point)},
+                     {"scores", scores_json(finalist.trial->outcome->scores)},
+                     {"rescored", scores_json(finalist.fresh)},
+                     {"feasible", is_feasible(study.goal, finalist.fresh)}});
+  }
+  return kinds;
 }
 
 }  // namespace glint

@@ -43,4 +43,17 @@ nlohmann::ordered_json baseline_variables_json(const Study& study);
 /// @param study  with several objectives
 nlohmann::ordered_json front_json(const Study& study, const Storage& storage);
 
+/// The finalists of a search that chooses among kinds of light (lighting_use is a variable): of
+/// each kind the best design, feasible ones first, scored once more with fresh random numbers and
+/// finer sampling, all in the same way and at the exposure that sensor.expose_to sets.
+/// @param trials  of the search
+/// @return [ { lighting_use, trial, variables, scores: as the search saw them, rescored: { .. },
+///           feasible: whether the rescored ones keep all limits } ], the best of the rescored
+///           first; a kind of which no evaluation succeeded, or which cannot be rescored, is left
+///           out. null without such a variable, and for several objectives, whose front tells more
+/// @throws IoError
+nlohmann::ordered_json best_of_each_kind(SceneStore& store,
+                                         const Study& study,
+                                         const std::vector<Trial>& trials);
+
 }  // namespace glint

@@ -92,7 +92,7 @@ TEST(StudyGoal, RefusesContradictionsInOneLineEach) {
     EXPECT_EQ(std::ranges::count(error, '\n'), 0) << error;
     EXPECT_THAT(error, HasSubstr("s.toml:")) << "has a place";
   };
-  refused(kEven + kEven, "homogeneity.h_rms: is an objective twice");
+  refused(kEven + kEven, "\"homogeneity.h_rms\" is an objective twice");
   refused(kEven, "objective: [[objective]] is for several, there is one");
   refused(kEven + "[[objective]]\nmaximise = \"defects.min_crn\"\n",
           "objective.1.maximise: \"defects.min_crn\"");

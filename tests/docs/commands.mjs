@@ -37,6 +37,16 @@ const IN_ANOTHER_WAY = [
   { what: /(\bglint run\b.*) --budget \S+/, to: "$1", why: "20 s are enough to see it run" },
   { what: /(\bglint run\b.*)/, to: "$1 --budget 20s", why: "20 s are enough to see it run" },
   {
+    what: /(\bglint run \S*sort_parts\S*)/,
+    to: "$1 --set sorting.parts=20 --set sorting.flawless=60 --set sorting.prototype_parts=20 --set sorting.prototype_flawless=20",
+    why: "a population is not part of the budget; more parts are more of the same",
+  },
+  {
+    what: /(\bglint run \S*pod\/\S*)/,
+    to: "$1 --set pod.levels=6 --set pod.parts=1 --set pod.flawless=60 --set pod.prototype_flawless=60",
+    why: "likewise",
+  },
+  {
     what: /(\bglint render \S*(?:gear_ring|viewpoints)\S*)/,
     to: "$1 --set render.paths.samples=2",
     why: "more samples are less noise",

@@ -137,13 +137,14 @@ ScanForm::Kind form_of(const ScanPositions& positions,
   const double darkest =
       reflectance * (positions.duty < 1.0 ? std::min(1.0, positions.darkest) : 1.0);
   const double step = sensor.bits > 0 ? 1.0 / ((1 << sensor.bits) - 1) : 0.0;
-  const bool is_linear =
-      blur_overshoot(sensor.blur_px) == 0.0 &&  // else cut off at 0
+  const bool is_unclipped =
       slope * brightest + offset <= 1.0 && slope * darkest + offset < 1.0 - 0.5 * step &&
       std::abs(bright.mean - slope * brightest - offset) <= kLargestBias &&
       std::abs(dark.mean - slope * reflectance * positions.darkest - offset) <= kLargestBias;
-  if (is_linear) {
-    return ScanForm::Kind::kMeanRadiance;
+  if (is_unclipped) {
+    // A narrow blur is cut off at 0: not linear, and the table's ripple of few frames is too large.
+    const bool is_cut_off = blur_overshoot(sensor.blur_px) > 0.0;
+    return is_cut_off ? ScanForm::Kind::kFrames : ScanForm::Kind::kMeanRadiance;
   }
   const bool has_table = sensor.blur_px >= kNarrowestBlur_px && positions.is_dark_even;
   return has_table ? ScanForm::Kind::kTable : ScanForm::Kind::kFrames;

@@ -2,8 +2,10 @@
 //
 // Homogeneity where the tunnel's wall hides a part of the view: the closed forms against path
 // tracing, over the width of the slot. Prints the worst difference of each tunnel.
+// GLINT_TUNNELS=0,8 chooses tunnels, GLINT_SAMPLES=1024 the samples of path tracing.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -70,8 +72,20 @@ double passing_slot_mm(SceneStore& store, SceneSettings scene) {
   return 10.0 - 2.0 * evaluate(store, scene).scores.at("view.slot_margin_mm");
 }
 
+int samples() {
+  const char* wanted = std::getenv("GLINT_SAMPLES");
+  return wanted != nullptr ? std::atoi(wanted) : 256;
+}
+
+bool is_wanted(std::uint64_t index) {
+  const char* wanted = std::getenv("GLINT_TUNNELS");
+  return wanted == nullptr ||
+         fmt::format(",{},", wanted).find(fmt::format(",{},", index)) != std::string::npos;
+}
+
 struct SlotSweep {
   double worst_points = 0.0;
+  double at_share = 0.0;             ///< slot / passing slot of it
   double largest_step_points = 0.0;  ///< by paths
   int clear_steps = 0;
   int wrong_signs = 0;
@@ -82,7 +96,7 @@ SlotSweep sweep(ThreadPool& pool, const SceneSettings& base) {
   SceneSettings scene = base;
   SceneSettings by_paths = base;
   by_paths.render.method = RenderSettings::Method::kPaths;
-  by_paths.paths.samples = 256;
+  by_paths.paths.samples = samples();
   by_paths.paths.batches = 1;
   const double passing_mm = passing_slot_mm(store, base);
   SlotSweep found;
@@ -93,7 +107,10 @@ SlotSweep sweep(ThreadPool& pool, const SceneSettings& base) {
     by_paths.tunnel.slot_mm = scene.tunnel.slot_mm;
     const double h = score(store, scene);
     const double expected = score(store, by_paths);
-    found.worst_points = std::max(found.worst_points, std::abs(h - expected));
+    if (std::abs(h - expected) > found.worst_points) {
+      found.worst_points = std::abs(h - expected);
+      found.at_share = scene.tunnel.slot_mm / passing_mm;
+    }
     const double step = expected - last_by_paths;
     if (i > 0 && std::abs(step) > kClearStep_points) {
       ++found.clear_steps;
@@ -110,20 +127,28 @@ TEST(HiddenEdges, GiveTheHomogeneityOfPathTracing) {
   ThreadPool pool(2);
   int clear_steps = 0;
   for (std::uint64_t index = 0; index < 10; ++index) {
+    if (!is_wanted(index)) {
+      continue;
+    }
     const SceneSettings scene = random_scene(index);
     const SlotSweep found = sweep(pool, scene);
     const std::string name = fmt::format("{} {}", index, shape_name(scene.tunnel.shape));
-    fmt::print("{:16} worst {:.4f} points, largest step {:.3f}, {} clear steps, {} wrong\n",
-               name,
-               found.worst_points,
-               found.largest_step_points,
-               found.clear_steps,
-               found.wrong_signs);
+    fmt::print(
+        "{:16} worst {:.4f} points at {:.2f} of the slot, largest step {:.3f}, {} clear "
+        "steps, {} wrong\n",
+        name,
+        found.worst_points,
+        found.at_share,
+        found.largest_step_points,
+        found.clear_steps,
+        found.wrong_signs);
     EXPECT_LE(found.worst_points, kBound_points) << name;
     EXPECT_EQ(found.wrong_signs, 0) << name;
     clear_steps += found.clear_steps;
   }
-  EXPECT_GT(clear_steps, 100);
+  if (std::getenv("GLINT_TUNNELS") == nullptr) {
+    EXPECT_GT(clear_steps, 100);
+  }
 }
 
 }  // namespace

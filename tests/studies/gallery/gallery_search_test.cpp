@@ -256,13 +256,9 @@ TEST(GallerySearch, NeedsFarFewerEvaluationsWithDerivatives) {
   expect_search("slsqp", by_gradient, goal);
   expect_search("mma", best_so_far("gradient_tunnel", {{"search.algorithm", "mma"}}), goal);
   expect_search("lbfgs", best_so_far("gradient_tunnel", {{"search.algorithm", "lbfgs"}}), goal);
-}
-
-// The edge of the slot is a cliff that no derivative tells.
-TEST(GallerySearch, StopsAtTheSlotsEdgeWithoutTheLimitOnTheView) {
-  const std::vector<double> curve =
-      best_so_far("gradient_tunnel", {{"constraints.\"view.slot_margin_mm\".min", "-100"}});
-  expect_search("no_slot_limit", curve, 0.8);
+  // What the wall hides is in the derivative: the search finds back from the slot's edge.
+  const std::vector<KeyValue> no_limit = {{"constraints.\"view.slot_margin_mm\".min", "-100"}};
+  expect_search("no_slot_limit", best_so_far("gradient_tunnel", no_limit), goal);
 }
 
 }  // namespace

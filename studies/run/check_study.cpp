@@ -146,9 +146,11 @@ std::vector<std::string> baseline_notes(SceneStore& store,
   const SceneSettings scene = first_view(store, study.scene);
   const auto view = path_view_of(scene, baseline.traced->part);
   std::vector<std::string> notes = notes_of(study.scene, baseline.scores, view.get());
-  if (const std::string narrow = narrow_defects_note(*baseline.traced, study.scene);
-      !narrow.empty()) {
-    notes.push_back(narrow);
+  for (const std::string& note : {narrow_defects_note(*baseline.traced, study.scene),
+                                  defect_stripes_note(*baseline.traced, study.scene)}) {
+    if (!note.empty()) {
+      notes.push_back(note);
+    }
   }
   return notes;
 }

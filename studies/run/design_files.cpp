@@ -161,6 +161,17 @@ Json rescored_json(SceneStore& store,
   return json;
 }
 
+void add_defect_notes(const TracedScene& traced,
+                      const SceneSettings& scene,
+                      std::vector<std::string>& notes) {
+  if (const std::string note = shallow_note(traced.part->made); !note.empty()) {
+    notes.push_back(note + ".");
+  }
+  if (const std::string note = defect_stripes_note(traced, scene); !note.empty()) {
+    notes.push_back(note);
+  }
+}
+
 }  // namespace
 
 Json scores_json(const Scores& scores) {
@@ -270,9 +281,7 @@ Json write_design(SceneStore& store,
                               sheet_title(head)),
                 folder / "cross_section");
   std::vector<std::string> notes = notes_of(scene, evaluation.scores, view.get());
-  if (const std::string note = shallow_note(evaluation.traced->part->made); !note.empty()) {
-    notes.push_back(note + ".");
-  }
+  add_defect_notes(*evaluation.traced, scene, notes);
   Json json = head;
   json["scores"] = scores_json(evaluation.scores);
   json["rendering"] = rendering_json(store, scene, wanted, evaluation.scores);

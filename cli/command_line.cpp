@@ -95,6 +95,10 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
       ->type_name("TIME");
   add_seed(*run, line.study.seed, "seed of the search");
   add_from(*run, line.study.from);
+  run->add_flag(
+      "--verify_replay",
+      line.study.verify_replay,
+      "when resuming: compute every recorded question of the search again and compare it");
   run->add_option("--cell",
                   line.driven_run.cell,
                   "of a study with [validate]: plan its views for this cell; with --move the robot "

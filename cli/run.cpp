@@ -190,7 +190,8 @@ int run_command(const StudyArguments& arguments,
                            .progress = common.progress(),
                            .log_file = common.log_file,
                            .interrupt = &interrupts,
-                           .from = arguments.from});
+                           .from = arguments.from,
+                           .verify_replay = arguments.verify_replay});
   const bool is_interrupted = result["status"] == "interrupted";
   AcquireAnswer end;
   if (study.scene.validate && !is_interrupted) {

@@ -11,6 +11,7 @@
 #include "core/config/key_writer.h"
 #include "core/text.h"
 #include "metrics/scores.h"
+#include "optimizer/algorithm/algorithm.h"
 #include "studies/definition/scene_scores.h"
 
 namespace glint {
@@ -163,10 +164,10 @@ void check_several(const Study& study, std::vector<Problem>& errors) {
          "other name");
   }
   const std::string& algorithm = study.search.algorithm;
-  if (algorithm != "auto" && algorithm != "gp" && algorithm != "sobol" && algorithm != "random") {
+  if (!takes_several_objectives(algorithm)) {
     fail("search.algorithm",
          fmt::format("\"{}\" knows one objective, there are {}; allowed: \"auto\", \"gp\", "
-                     "\"sobol\", \"random\"",
+                     "\"nsga2\", \"nspso\", \"sobol\", \"random\"",
                      algorithm,
                      num_objectives(study.goal)));
   }
@@ -277,6 +278,18 @@ void read_goal(Study& study, std::vector<Problem>& errors) {
   add_default_constraints(study);
   if (errors.size() == before && has_several_objectives(study.goal)) {
     check_several(study, errors);
+  }
+  const std::string& algorithm = study.search.algorithm;
+  if (errors.size() == before && needs_several_objectives(algorithm) &&
+      !has_several_objectives(study.goal)) {
+    const ConfigNode* node = study.root.at_path("search.algorithm");
+    errors.push_back({.kind = Problem::Kind::kRelation,
+                      .place = node != nullptr ? node->place : Place{},
+                      .key = "search.algorithm",
+                      .text = fmt::format(
+                          "\"{}\" needs several objectives, there is one; allowed: [[objective]] "
+                          "twice or more, or \"auto\", \"gp\", \"cmaes\" and others",
+                          algorithm)});
   }
 }
 

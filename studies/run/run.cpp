@@ -158,6 +158,7 @@ class Run {
 
   SearchResult search_designs(Storage& storage, OutputFolder& folder) {
     SearchTask task = search_task(study_, options_.jobs);
+    task.verify_replay = options_.verify_replay;
     const std::map<Point, Outcome> taken = begin_with_taken(options_.out, task);
     const auto evaluate_point = [&](const Point& point, int /*trial*/) {
       const auto found = taken.find(point);

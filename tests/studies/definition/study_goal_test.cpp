@@ -76,7 +76,11 @@ TEST(StudyGoal, RefusesWhatSeveralObjectivesDoNotGoWith) {
                         "budget.stall"));
   EXPECT_THAT(error_of(both, {{"search.algorithm", "sbplx"}}),
               HasSubstr("search.algorithm: \"sbplx\" knows one objective, there are 2; allowed: "
-                        "\"auto\", \"gp\", \"sobol\", \"random\""));
+                        "\"auto\", \"gp\", \"nsga2\", \"nspso\", \"sobol\", \"random\""));
+  EXPECT_EQ(error_of(both, {{"search.algorithm", "nsga2"}}), "");
+  EXPECT_THAT(error_of(kScene + "[objective]\nmaximise = \"homogeneity.h_rms\"\n",
+                       {{"search.algorithm", "nspso"}}),
+              HasSubstr("search.algorithm: \"nspso\" needs several objectives, there is one"));
   EXPECT_EQ(error_of(both + "[manufacture]\n\"lighting.tunnel.duty\" = { plus_minus = 0.01 }\n"),
             "");
   EXPECT_THAT(error_of(both + "[prototypes.front]\n\"lighting.tunnel.duty\" = 0.4\n"),

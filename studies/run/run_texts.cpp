@@ -105,4 +105,21 @@ std::string trials_csv(const Study& study, const Storage& storage) {
   return csv;
 }
 
+std::vector<std::string> names_in_run(const Study& study) {
+  std::vector<std::string> names = {"baseline",
+                                    "winner",
+                                    "result.json",
+                                    "run.json",
+                                    "report.html",
+                                    "log.txt",
+                                    "study.resolved.toml",
+                                    "trials.csv",
+                                    "sorting.csv",
+                                    "pod.csv"};
+  for (const Prototype& prototype : study.prototypes) {
+    names.push_back(prototype.name);
+  }
+  return names;
+}
+
 }  // namespace glint

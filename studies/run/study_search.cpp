@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "optimizer/front/compromise.h"
+#include "studies/accuracy/chosen_accuracy.h"
 
 namespace glint {
 namespace {
@@ -56,6 +57,21 @@ Json variables_json(const Study& study, const Point& point) {
   return json;
 }
 
+Json baseline_variables_json(const Study& study) {
+  Json json = Json::object();
+  for (const Variable& variable : study.space.variables) {
+    const ConfigNode& node = *study.resolved.at_path(variable.name);
+    if (node.is_number()) {
+      json[variable.name] = node.number;
+    } else if (node.kind == ConfigNode::Kind::kBoolean) {
+      json[variable.name] = node.boolean;
+    } else {
+      json[variable.name] = node.text;
+    }
+  }
+  return json;
+}
+
 Json front_json(const Study& study, const Storage& storage) {
   const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
   const TradeOff found = trade_off(study.goal, trials, recorded_reference(storage.events()));
@@ -98,17 +114,26 @@ SearchTask search_task(const Study& study, int jobs) {
 }
 
 WantedScores wanted_in_search(const Study& study) {
-  return needs_gradient(study.search.algorithm) ? wanted_with_gradients(study.goal, study.space)
-                                                : wanted_by(study.goal);
+  WantedScores wanted = wanted_in_trial(study);
+  if (needs_gradient(study.search.algorithm)) {
+    wanted.gradients = wanted_with_gradients(study.goal, study.space).gradients;
+  }
+  return wanted;
 }
 
-Outcome evaluate_candidate(SceneStore& store, const Study& study, const Point& point) {
+Outcome evaluate_candidate(SceneStore& store,
+                           const Study& study,
+                           const Point& point,
+                           const RenderRung* rung) {
   const std::filesystem::path& file = study.scene.part.file;
   if (!file.empty() && !std::filesystem::exists(file)) {
     throw IoError(file.string() + ": has gone while the study was running");
   }
-  Evaluation found =
-      evaluate(store, scene_with(study, overrides_of(study, point)), {}, wanted_in_search(study));
+  SceneSettings scene = scene_with(study, overrides_of(study, point));
+  if (rung != nullptr) {
+    scene = at_rung(std::move(scene), *rung);
+  }
+  Evaluation found = evaluate(store, scene, {}, wanted_in_search(study));
   Outcome outcome;
   outcome.scores = std::move(found.scores);
   outcome.gradients = std::move(found.gradients.by_score);

@@ -18,6 +18,7 @@
 #include "studies/calibration_trial/trial_run.h"
 #include "studies/cell/cell_file.h"
 #include "studies/population/population_report.h"
+#include "studies/accuracy/accuracy_report.h"
 #include "studies/run/check_study.h"
 #include "studies/run/render_study.h"
 #include "studies/run/render_views.h"
@@ -128,6 +129,9 @@ std::string summary(const Json& result) {
     for (const auto& [name, value] : result["best"]["variables"].items()) {
       text += fmt::format("  {} = {}\n", name, value.dump());
     }
+  }
+  if (result.contains("accuracy")) {
+    text += accuracy_text(result["accuracy"]);
   }
   const std::string populations = population_summary(result);
   text += populations.empty() ? verdict_lines(result) : populations;
@@ -264,6 +268,12 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
   }
   for (const Json& limit : result["broken_limits"]) {
     text += "  warning: " + limit.get<std::string>() + "\n";
+  }
+  if (result.contains("accuracy")) {
+    text += accuracy_text(result["accuracy"]);
+    for (const Json& note : result["accuracy"]["not_modelled"]) {
+      text += "  note: " + note.get<std::string>() + "\n";
+    }
   }
   print_result(common, result, text + cost_text(result));
   return kExitDone;

@@ -265,8 +265,8 @@ class LadderTrial {
   void climb() {
     for (std::size_t step = 0; step < task_.steps.size(); ++step) {
       StepReport& report = choice_.steps[step];
-      if (choice_.is_reached) {
-        report.skipped = report.is_tried ? report.skipped : "a cheaper one serves";
+      if (choice_.is_reached && !report.is_tried) {
+        report.skipped = report.skipped.empty() ? "a cheaper one serves" : report.skipped;
         continue;
       }
       if (report.skipped.empty() || report.is_tried) {
@@ -275,7 +275,8 @@ class LadderTrial {
         report = compared(step, top());
         report.skipped = skipped;
       }
-      if (report.serves && report.skipped.empty() && task_.steps[step].is_for_search) {
+      const bool is_allowed = report.skipped.empty() && task_.steps[step].is_for_search;
+      if (report.serves && is_allowed && !choice_.is_reached) {
         choice_.step = step;
         choice_.is_reached = true;
       }

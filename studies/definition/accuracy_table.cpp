@@ -136,18 +136,6 @@ std::optional<std::vector<std::string>> read_keep(const ConfigNode* node,
   return keys;
 }
 
-std::vector<std::string> names_of(const KeptKeys& kept) {
-  const std::vector<bool> is_kept = {
-      kept.method, kept.rays_per_axis, kept.max_direction_error, kept.samples};
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < is_kept.size(); ++i) {
-    if (is_kept[i]) {
-      names.push_back(ladder_keys()[i]);
-    }
-  }
-  return names;
-}
-
 /// Places that say something about keys that are chosen, other than the tables themselves.
 void check_not_varied(const Study& study, std::vector<Problem>& errors) {
   const std::vector<std::string> all = [] {
@@ -187,6 +175,32 @@ std::string why_no_score(const Study& study, const std::string& name) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& ladder_keys() {
+  static const std::vector<std::string> keys = {"render.method",
+                                                "render.rays_per_axis",
+                                                "render.max_direction_error_mrad",
+                                                "render.paths.samples"};
+  return keys;
+}
+
+KeptKeys keys_in_file(const ConfigNode& root) {
+  const auto has = [&](std::size_t key) { return root.at_path(ladder_keys()[key]) != nullptr; };
+  return {
+      .method = has(0), .rays_per_axis = has(1), .max_direction_error = has(2), .samples = has(3)};
+}
+
+std::vector<std::string> names_of(const KeptKeys& kept) {
+  const std::vector<bool> is_kept = {
+      kept.method, kept.rays_per_axis, kept.max_direction_error, kept.samples};
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < is_kept.size(); ++i) {
+    if (is_kept[i]) {
+      names.push_back(ladder_keys()[i]);
+    }
+  }
+  return names;
+}
 
 std::optional<AccuracySettings> read_accuracy(const ConfigNode& root,
                                               std::vector<Problem>& errors) {
@@ -294,21 +308,6 @@ KeptKeys kept_keys(const ConfigNode& root) {
   };
   return {
       .method = has(0), .rays_per_axis = has(1), .max_direction_error = has(2), .samples = has(3)};
-}
-
-void check_ladder(const Study& study, const std::vector<RenderRung>& ladder) {
-  if (std::ranges::count_if(ladder, &RenderRung::is_for_search) > 1) {
-    return;
-  }
-  const ConfigNode& table = *study.root.find(kTable);
-  throw ConfigError(Problem{
-      .kind = Problem::Kind::kRelation,
-      .place = table.place,
-      .key = kTable,
-      .text = fmt::format("leaves one way to render, \"{}\", as these keys are set by hand: {}; "
-                          "remove them or [accuracy], or free them by accuracy.keep = []",
-                          ladder.front().name,
-                          fmt::join(names_of(kept_keys(study.root)), ", "))});
 }
 
 std::string wish_text(const ScoreWish& wish) {

@@ -14,10 +14,25 @@
 #include <vector>
 
 #include "core/config/key_writer.h"
-#include "studies/definition/render_ladder.h"
 #include "studies/definition/study.h"
 
 namespace glint {
+
+/// Keys of [render] that a ladder keeps.
+struct KeptKeys {
+  bool method = false;               ///< render.method
+  bool rays_per_axis = false;        ///< render.rays_per_axis
+  bool max_direction_error = false;  ///< render.max_direction_error_mrad
+  bool samples = false;              ///< render.paths.samples: no rung of a search has more
+
+  bool operator==(const KeptKeys&) const = default;
+};
+
+/// Paths of the keys that KeptKeys knows, in its order.
+const std::vector<std::string>& ladder_keys();
+
+/// Those of ladder_keys() that a file gives. @param root  as written
+KeptKeys keys_in_file(const ConfigNode& root);
 
 /// Empty without the table. @param errors  grows by the problems found
 std::optional<AccuracySettings> read_accuracy(const ConfigNode& root, std::vector<Problem>& errors);
@@ -34,8 +49,8 @@ std::vector<KeyRow> accuracy_keys();
 /// The keys that the study's ladder keeps.
 KeptKeys kept_keys(const ConfigNode& root);
 
-/// @throws ConfigError when what is kept leaves a search one rung: there is nothing to choose
-void check_ladder(const Study& study, const std::vector<RenderRung>& ladder);
+/// Paths of the keys that are kept.
+std::vector<std::string> names_of(const KeptKeys& kept);
 
 /// "0.1 points of homogeneity.h_rms (0.001)", "2 % of defects.min_cnr".
 std::string wish_text(const ScoreWish& wish);

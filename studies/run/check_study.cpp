@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/cpu_clock.h"
 #include "core/text.h"
+#include "studies/accuracy/accurate_search.h"
 #include "studies/front/front_designs.h"
 #include "studies/imaging/defect_windows.h"
 #include "studies/imaging/path_picture.h"
@@ -175,10 +177,16 @@ class Check {
   Json execute() {
     step("tracing rays");
     check_everything(store_, study_);
+    check_accuracy_choice(study_, false);
     variables_.read_ends();
+    choose_rung();
     if (study_.has_search()) {
       sample_ = sample_search(
-          study_, store_, options_.jobs, [&] { step("the first designs of the search"); });
+          study_,
+          store_,
+          options_.jobs,
+          [&] { step("the first designs of the search"); },
+          accurate_.chosen ? &accurate_.chosen->rung() : nullptr);
     }
     render_designs();
     for (std::size_t i = 0; i < study_.space.variables.size(); ++i) {
@@ -188,6 +196,7 @@ class Check {
     step("the populations");
     costs_.populations_s = predicted_population_s(study_, store_);
     costs_.search_s = study_.has_search() ? sample_.evaluation_s * study_.budget.evaluations : 0.0;
+    costs_.search_s += accurate_.cpu_s;
     return result();
   }
 
@@ -195,10 +204,21 @@ class Check {
   std::int64_t num_steps() const {
     const auto variables = static_cast<std::int64_t>(study_.space.variables.size());
     const auto prototypes = static_cast<std::int64_t>(study_.prototypes.size());
-    return 3 + prototypes + variables + (study_.has_search() ? 1 + kSampledDesigns : 0);
+    return 3 + prototypes + variables + (study_.has_search() ? 1 + kSampledDesigns : 0) +
+           (study_.accuracy ? 1 : 0);
   }
 
   void step(const std::string& what) { progress_.update(steps_++, what); }
+
+  /// Where the study says how exactly scores must be known.
+  void choose_rung() {
+    if (study_.accuracy) {
+      step("ways to render");
+      const double start = process_cpu_s();
+      accurate_.chosen = choose_accuracy({.study = study_, .store = store_, .jobs = options_.jobs});
+      accurate_.cpu_s = process_cpu_s() - start;
+    }
+  }
 
   /// Renders and re-scores a design as a run does, and adds what that costs.
   Evaluation render(const SceneSettings& scene) {
@@ -250,7 +270,15 @@ class Check {
     return names;
   }
 
-  Json result() const {
+  Json result() {
+    Json json = plain_result();
+    if (accurate_.chosen) {
+      json["accuracy"] = accurate_search_json(store_, study_, accurate_, study_.budget.evaluations);
+    }
+    return json;
+  }
+
+  Json plain_result() const {
     return {{"schema", 1},
             {"status", "done"},
             {"name", study_.name},
@@ -280,6 +308,7 @@ class Check {
   VariableCheck variables_;
   Progress progress_;
   std::int64_t steps_ = 0;
+  AccurateSearch accurate_;
   SearchSample sample_;
   RunCosts costs_;
   Json baseline_;

@@ -15,7 +15,7 @@
 #include "core/log.h"
 #include "core/text.h"
 #include "core/wall_clock.h"
-#include "studies/definition/study_changes.h"
+#include "studies/accuracy/accurate_search.h"
 #include "studies/definition/study_text.h"
 #include "studies/front/front_designs.h"
 #include "studies/front/front_files.h"
@@ -44,27 +44,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-/// What a run writes into its folder, beside the database.
-std::vector<std::string> names_in_run(const Study& study) {
-  std::vector<std::string> names = {"baseline",
-                                    "winner",
-                                    "result.json",
-                                    "run.json",
-                                    "report.html",
-                                    "log.txt",
-                                    "study.resolved.toml",
-                                    "trials.csv",
-                                    "sorting.csv",
-                                    "pod.csv"};
-  if (has_several_objectives(study.goal)) {
-    names.emplace_back(kFrontFolder);
-  }
-  for (const Prototype& prototype : study.prototypes) {
-    names.push_back(prototype.name);
-  }
-  return names;
-}
-
 /// A run directory that is being worked on.
 class Run {
  public:
@@ -77,6 +56,7 @@ class Run {
     check_inputs_kept(input_files(study_), options_.out, names);
     check_everything(store_, study_);
     const TakenTrials taken = trials_to_take(study_, options_.from, options_.out);
+    check_accuracy_choice(study_, !options_.from.empty());
     OutputFolder folder(options_.out);
     Storage storage = open_storage();
     remove_unfinished_files(options_.out);
@@ -86,7 +66,7 @@ class Run {
     SearchResult search;
     const double search_start = process_cpu_s();
     if (study_.has_search()) {
-      search = search_designs(storage, folder);
+      search = search_with_accuracy(storage, folder);
       if (search.termination == Termination::kInterrupted) {
         is_interrupted_ = true;
         log(LogLevel::kWarning,
@@ -146,23 +126,56 @@ class Run {
 
   Storage open_storage() {
     const fs::path database = options_.out / "study.sqlite";
-    StudyIdentity identity = {.config_hash = config_hash(study_),
-                              .config_text = resolved_text(study_),
-                              .code_version = program_version(),
-                              .seed = study_.search.seed};
+    identity_ = {.config_hash = config_hash(study_),
+                 .config_text = resolved_text(study_),
+                 .code_version = program_version(),
+                 .seed = study_.search.seed};
     if (std::error_code ignored; fs::exists(database, ignored)) {
-      adopt_title(identity, database);
+      adopt_title(identity_, database);
     }
-    return Storage::open(database, identity);
+    return Storage::open(database, identity_);
   }
 
-  SearchResult search_designs(Storage& storage, OutputFolder& folder) {
+  /// Where the study says how exactly scores must be known, the search is rendered so.
+  SearchResult search_with_accuracy(Storage& storage, OutputFolder& folder) {
+    if (!study_.accuracy) {
+      return search_designs(storage, folder);
+    }
+    Storage record = Storage::open(options_.out / kAccuracyTrials, identity_);
+    std::optional<Progress> bar;
+    const auto show = [&](int done, int most) {
+      folder.keep();  // what is evaluated is not thrown away
+      if (!bar) {
+        bar.emplace(study_.name + ": ways to render", most, options_.progress);
+      }
+      bar->update(done);
+    };
+    const auto search = [&](const ChosenAccuracy& chosen) {
+      bar.reset();
+      return search_designs(storage, folder, &chosen);
+    };
+    return search_accurately({.study = study_,
+                              .store = store_,
+                              .record = &record,
+                              .jobs = options_.jobs,
+                              .interrupt = options_.interrupt,
+                              .on_evaluation = show},
+                             storage,
+                             search,
+                             accurate_);
+  }
+
+  SearchResult search_designs(Storage& storage,
+                              OutputFolder& folder,
+                              const ChosenAccuracy* chosen = nullptr) {
     SearchTask task = search_task(study_, options_.jobs);
     task.verify_replay = options_.verify_replay;
-    const std::map<Point, Outcome> taken = begin_with_taken(options_.out, task);
+    std::map<Point, Outcome> known = begin_with_taken(options_.out, task);
+    const RenderRung* rung = chosen != nullptr ? &chosen->rung() : nullptr;
+    known.merge(chosen != nullptr ? std::map(chosen->known) : std::map<Point, Outcome>());
     const auto evaluate_point = [&](const Point& point, int /*trial*/) {
-      const auto found = taken.find(point);
-      return found != taken.end() ? found->second : evaluate_candidate(store_, study_, point);
+      const auto found = known.find(point);
+      return found != known.end() ? found->second : evaluate_candidate(store_, study_, point, rung);
     };
     Progress bar(study_.name, std::max(1, study_.budget.evaluations), options_.progress);
     const auto show = [&](const SearchProgress& progress) {
@@ -324,6 +337,9 @@ class Run {
       result["objective"] = study_.goal.objective.name;
     }
     add_front_to_result(front_, result);
+    if (accurate_.chosen) {
+      result["accuracy"] = accurate_search_json(store_, study_, accurate_, search.evaluations);
+    }
     Json rescored = Json::object();
     result["best"] = nullptr;
     if (search.best) {
@@ -408,6 +424,9 @@ class Run {
     if (!front_.is_null()) {
       json["cpu_s"]["of_these_front"] = front_cpu_s_;
     }
+    if (accurate_.chosen) {
+      json["cpu_s"]["accuracy"] = accurate_.cpu_s;
+    }
     json["warnings"] = search.warnings;
     json["derivatives"] = derivative_remarks(storage);
     json["configuration"] = resolved_text(study_);
@@ -418,8 +437,10 @@ class Run {
   const RunOptions& options_;
   ThreadPool pool_;
   SceneStore store_;
+  StudyIdentity identity_;
   Clock::time_point start_ = Clock::now();
   std::chrono::system_clock::time_point started_ = std::chrono::system_clock::now();
+  AccurateSearch accurate_;
   double search_cpu_s_ = 0.0;
   double finish_cpu_s_ = 0.0;  ///< all that follows the search
   double rescoring_cpu_s_ = 0.0;

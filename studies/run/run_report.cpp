@@ -15,6 +15,7 @@
 #include "core/image/image_io.h"
 #include "core/text.h"
 #include "core/units.h"
+#include "studies/accuracy/accuracy_report.h"
 #include "studies/definition/scene_notes.h"
 #include "studies/front/front_page.h"
 #include "studies/output/provenance.h"
@@ -267,6 +268,9 @@ Json single_run(const fs::path& run) {
   if (study.has_population()) {
     data["panels"] = population_panels(run, result);
     data["verdict"] = population_verdict(result);
+  }
+  if (result.contains("accuracy")) {
+    data["panels"].push_back(accuracy_panel(result["accuracy"]));
   }
   if (result.contains("manufacture")) {
     data["panels"].push_back(tolerance_panel(result["manufacture"]));

@@ -24,4 +24,7 @@ std::string changes_text(const std::vector<std::string>& changes);
 /// All trials of a search with variables and scores, as CSV.
 std::string trials_csv(const Study& study, const Storage& storage);
 
+/// What a run writes into its folder, beside the databases.
+std::vector<std::string> names_in_run(const Study& study);
+
 }  // namespace glint

@@ -15,6 +15,7 @@
 
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/front/compromise.h"
+#include "studies/accuracy/chosen_accuracy.h"
 #include "studies/definition/render_methods.h"
 #include "studies/front/front_designs.h"
 #include "studies/run/design_files.h"
@@ -184,17 +185,26 @@ SearchTask search_task(const Study& study, int jobs) {
 }
 
 WantedScores wanted_in_search(const Study& study) {
-  return needs_gradient(study.search.algorithm) ? wanted_with_gradients(study.goal, study.space)
-                                                : wanted_by(study.goal);
+  WantedScores wanted = wanted_in_trial(study);
+  if (needs_gradient(study.search.algorithm)) {
+    wanted.gradients = wanted_with_gradients(study.goal, study.space).gradients;
+  }
+  return wanted;
 }
 
-Outcome evaluate_candidate(SceneStore& store, const Study& study, const Point& point) {
+Outcome evaluate_candidate(SceneStore& store,
+                           const Study& study,
+                           const Point& point,
+                           const RenderRung* rung) {
   const std::filesystem::path& file = study.scene.part.file;
   if (!file.empty() && !std::filesystem::exists(file)) {
     throw IoError(file.string() + ": has gone while the study was running");
   }
-  Evaluation found =
-      evaluate(store, scene_with(study, overrides_of(study, point)), {}, wanted_in_search(study));
+  SceneSettings scene = scene_with(study, overrides_of(study, point));
+  if (rung != nullptr) {
+    scene = at_rung(std::move(scene), *rung);
+  }
+  Evaluation found = evaluate(store, scene, {}, wanted_in_search(study));
   Outcome outcome;
   outcome.scores = std::move(found.scores);
   outcome.gradients = std::move(found.gradients.by_score);

@@ -6,6 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "optimizer/search/search.h"
+#include "studies/definition/ladder/render_ladder.h"
 #include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
 
@@ -14,12 +15,16 @@ namespace glint {
 /// The study's search from its beginning. @param jobs  candidates at once, >= 1
 SearchTask search_task(const Study& study, int jobs);
 
-/// What a search wants of each candidate.
+/// What a search wants of each candidate: the scores of its goal, and those that [accuracy] names.
 WantedScores wanted_in_search(const Study& study);
 
 /// Scores of a point of the search space, and their derivatives where the algorithm needs them.
+/// @param rung  how it is rendered; nullptr: as the study says
 /// @throws ConfigError for what cannot be built; IoError, also when the part's file has gone
-Outcome evaluate_candidate(SceneStore& store, const Study& study, const Point& point);
+Outcome evaluate_candidate(SceneStore& store,
+                           const Study& study,
+                           const Point& point,
+                           const RenderRung* rung = nullptr);
 
 /// The active variables of a point: { path: value }.
 nlohmann::ordered_json variables_json(const Study& study, const Point& point);

@@ -104,6 +104,7 @@ TEST(TryLadder, EvaluatesNoStepThatIsDearerThanTheOneThatServes) {
   EXPECT_EQ(ladder.evaluations[1], 0);
   EXPECT_EQ(ladder.evaluations[2], 12);
   EXPECT_EQ(choice.steps[1].skipped, "a cheaper one serves");
+  EXPECT_TRUE(choice.steps[2].serves) << "the top, which was tried";
   EXPECT_EQ(choice.work, 12 * 1.0 + 12 * 10.0);
 }
 

@@ -2,6 +2,7 @@
 //
 // [accuracy]: what it reads, refuses and writes.
 #include "studies/definition/accuracy_table.h"
+#include "studies/definition/ladder/render_ladder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/definition/render_ladder.h"
+#include "studies/definition/ladder/render_ladder.h"
 
 #include <algorithm>
 #include <set>

@@ -5,29 +5,15 @@
 // a decision that is made by it is the same on every machine.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
-#include "core/config/config.h"
+#include "studies/definition/accuracy_table.h"
 #include "studies/definition/scene.h"
+#include "studies/definition/study.h"
 
 namespace glint {
-
-/// Keys of [render] that a ladder keeps.
-struct KeptKeys {
-  bool method = false;               ///< render.method
-  bool rays_per_axis = false;        ///< render.rays_per_axis
-  bool max_direction_error = false;  ///< render.max_direction_error_mrad
-  bool samples = false;              ///< render.paths.samples: no rung of a search has more
-
-  bool operator==(const KeptKeys&) const = default;
-};
-
-/// Paths of the keys that KeptKeys knows, in its order.
-const std::vector<std::string>& ladder_keys();
-
-/// Those of ladder_keys() that a file gives. @param root  as written
-KeptKeys keys_in_file(const ConfigNode& root);
 
 /// One way to render a scene.
 struct RenderRung {
@@ -51,6 +37,14 @@ struct RenderRung {
 /// render.paths.samples is an upper limit and shortens the ladder where it is kept, as
 /// max_reflections does always; all others stay as they are.
 std::vector<RenderRung> render_ladder(const SceneSettings& scene, const KeptKeys& kept);
+
+/// Of the kind that the designs of a study need: of path tracing where one of them does.
+/// @param designs  at least one
+std::vector<RenderRung> render_ladder(std::span<const SceneSettings> designs, const KeptKeys& kept);
+
+/// @throws ConfigError when what the study keeps leaves its search one rung: there is nothing to
+///         choose
+void check_ladder(const Study& study, const std::vector<RenderRung>& ladder);
 
 /// The scene rendered so. Scenes of both levels take what is theirs.
 SceneSettings at_rung(SceneSettings scene, const RenderRung& rung);

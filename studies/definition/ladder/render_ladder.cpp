@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/definition/render_ladder.h"
+#include "studies/definition/ladder/render_ladder.h"
 
 #include <algorithm>
 #include <array>
@@ -99,9 +99,9 @@ SceneSettings top_settings(const SceneSettings& scene) {
 }
 
 /// Puts together the rungs of one scene.
-class Ladder {
+class RungList {
  public:
-  Ladder(const SceneSettings& scene, const KeptKeys& kept)
+  RungList(const SceneSettings& scene, const KeptKeys& kept)
       : scene_(scene), kept_(kept), top_(top_settings(scene)) {}
 
   std::vector<RenderRung> rungs() {
@@ -184,22 +184,29 @@ class Ladder {
 
 }  // namespace
 
-const std::vector<std::string>& ladder_keys() {
-  static const std::vector<std::string> keys = {"render.method",
-                                                "render.rays_per_axis",
-                                                "render.max_direction_error_mrad",
-                                                "render.paths.samples"};
-  return keys;
-}
-
-KeptKeys keys_in_file(const ConfigNode& root) {
-  const auto has = [&](std::size_t key) { return root.at_path(ladder_keys()[key]) != nullptr; };
-  return {
-      .method = has(0), .rays_per_axis = has(1), .max_direction_error = has(2), .samples = has(3)};
-}
-
 std::vector<RenderRung> render_ladder(const SceneSettings& scene, const KeptKeys& kept) {
-  return Ladder(scene, kept).rungs();
+  return RungList(scene, kept).rungs();
+}
+
+std::vector<RenderRung> render_ladder(std::span<const SceneSettings> designs,
+                                      const KeptKeys& kept) {
+  const auto found = std::ranges::find_if(designs, needs_paths);
+  return render_ladder(found != designs.end() ? *found : designs.front(), kept);
+}
+
+void check_ladder(const Study& study, const std::vector<RenderRung>& ladder) {
+  if (std::ranges::count_if(ladder, &RenderRung::is_for_search) > 1) {
+    return;
+  }
+  const ConfigNode& table = *study.root.find("accuracy");
+  throw ConfigError(Problem{
+      .kind = Problem::Kind::kRelation,
+      .place = table.place,
+      .key = "accuracy",
+      .text = fmt::format("leaves one way to render, \"{}\", as these keys are set by hand: {}; "
+                          "remove them or [accuracy], or free them by accuracy.keep = []",
+                          ladder.front().name,
+                          fmt::join(names_of(kept_keys(study.root)), ", "))});
 }
 
 SceneSettings at_rung(SceneSettings scene, const RenderRung& rung) {

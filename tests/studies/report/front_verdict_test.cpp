@@ -47,7 +47,8 @@ Json trade() {
 
 /// The text of a finding; empty: it is not there.
 std::string finding(const Json& data, const std::string& code) {
-  for (const Json& one : complete_report(data)["verdict"]["findings"]) {
+  const Json report = complete_report(data);
+  for (const Json& one : report["verdict"]["findings"]) {
     if (one["code"] == code) {
       return one["text"];
     }

@@ -140,6 +140,7 @@ TEST(FrontRun, ALargerBudgetGoesOnToTheSameFront) {
   const Json whole = run_into(folder, "whole", 14);
   run_into(folder, "cut", 9);
   // A design of a front that is no longer one, and what was never Glint's.
+  std::filesystem::create_directories(folder / "cut/front/trial_999");
   write_file(folder / "cut/front/trial_999/scores.json", "{}");
   write_file(folder / "cut/front/notes.txt", "mine");
   const Json resumed = run_into(folder, "cut", 14);

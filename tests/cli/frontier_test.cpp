@@ -47,7 +47,7 @@ TEST(FrontierVerb, PrintsTheObjectOfItsFile) {
 }
 
 /// Matt steel under a ring light, small.
-constexpr const char* kRingScene = R"(schema = 1
+constexpr const char* kMattPlateScene = R"(schema = 1
 [part]
 shape = "plate"
 length_mm = 40
@@ -73,7 +73,7 @@ max_reflections = 1
 
 TEST(FrontierVerb, ChartsAPathTracedSceneInItsBudget) {
   const TemporaryFolder folder;
-  write_file(folder / "scene.toml", kRingScene);
+  write_file(folder / "scene.toml", kMattPlateScene);
   const ProgramResult result = glint_in(
       folder, {"frontier", "scene.toml", "--out", "f", "--budget", "1s", "--json", "--quiet"});
   ASSERT_EQ(result.code, 0) << result.err;

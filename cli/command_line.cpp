@@ -77,6 +77,12 @@ void add_frontier_verb(CLI::App& app, CommandLine& line) {
       ->type_name("TIME");
 }
 
+void add_verify_replay(CLI::App& run, bool& verify_replay) {
+  run.add_flag("--verify_replay",
+               verify_replay,
+               "when resuming: compute every recorded question of the search again and compare it");
+}
+
 void add_study_verbs(CLI::App& app, CommandLine& line) {
   CLI::App* run = add_verb(app,
                            "run",
@@ -95,10 +101,7 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
       ->type_name("TIME");
   add_seed(*run, line.study.seed, "seed of the search");
   add_from(*run, line.study.from);
-  run->add_flag(
-      "--verify_replay",
-      line.study.verify_replay,
-      "when resuming: compute every recorded question of the search again and compare it");
+  add_verify_replay(*run, line.study.verify_replay);
   run->add_option("--cell",
                   line.driven_run.cell,
                   "of a study with [validate]: plan its views for this cell; with --move the robot "

@@ -11,7 +11,6 @@
 #include "core/config/key_writer.h"
 #include "core/text.h"
 #include "metrics/scores.h"
-#include "optimizer/algorithm/algorithm.h"
 #include "studies/definition/scene_scores.h"
 
 namespace glint {

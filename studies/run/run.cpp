@@ -252,19 +252,6 @@ class Run {
     return json;
   }
 
-  static std::string status_of(const SearchResult& search, bool has_search) {
-    if (!has_search) {
-      return "done";
-    }
-    if (search.termination == Termination::kInterrupted) {
-      return "interrupted";
-    }
-    if (!search.best || !search.is_feasible) {
-      return "no_feasible";
-    }
-    return search.termination == Termination::kWallClock ? "budget" : "done";
-  }
-
   /// Adds what the study's populations give. @return false when interrupted
   bool inspect_populations(Storage& storage, OutputFolder& folder, Json& result) {
     const PopulationTask task = {.study = study_,
@@ -328,7 +315,7 @@ class Run {
                                     {"rescored", written["rescored"]}};
     }
     Json result = {{"schema", 1},
-                   {"status", status_of(search, study_.has_search())},
+                   {"status", run_status(search, study_.has_search())},
                    {"evaluations", search.evaluations},
                    {"failed", search.failed},
                    {"study", study_file(study_)},

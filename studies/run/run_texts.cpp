@@ -106,6 +106,19 @@ std::string trials_csv(const Study& study, const Storage& storage) {
   return csv;
 }
 
+std::string run_status(const SearchResult& search, bool has_search) {
+  if (!has_search) {
+    return "done";
+  }
+  if (search.termination == Termination::kInterrupted) {
+    return "interrupted";
+  }
+  if (!search.best || !search.is_feasible) {
+    return "no_feasible";
+  }
+  return search.termination == Termination::kWallClock ? "budget" : "done";
+}
+
 std::vector<std::string> names_in_run(const Study& study) {
   std::vector<std::string> names = {"baseline",
                                     "winner",

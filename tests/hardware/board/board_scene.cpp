@@ -51,6 +51,20 @@ class Print {
     }
   }
 
+  /// Whether the print is the same all over the square that the point lies in.
+  /// @param at  in squares, counted from the first inner corner
+  bool is_plain(const Eigen::Vector2d& at) const {
+    const double x = at.x() + 1.0;
+    const double y = at.y() + 1.0;
+    if (x < -1.0 || y < -1.0 || x >= board_.cols + 2 || y >= board_.rows + 2) {
+      return true;
+    }
+    const bool is_white =
+        (static_cast<int>(std::floor(x)) + static_cast<int>(std::floor(y))) % 2 != 0;
+    const bool has_mark = board_.mark && x >= 0.0 && y >= 0.0 && x < 1.0 && y < 1.0;
+    return !has_mark && (markers_.empty() || !is_white);
+  }
+
   /// @param at  in squares, counted from the first inner corner
   double at(const Eigen::Vector2d& at) const {
     const double x = at.x() + 1.0;
@@ -118,27 +132,32 @@ ImageF gaussian(const ImageF& image, double sigma) {
   for (int k = -reach; k <= reach; ++k) {
     weights.push_back(static_cast<float>(std::exp(-0.5 * k * k / (sigma * sigma)) / sum));
   }
-  const auto pass = [&](const ImageF& in, int dx, int dy) {
-    ImageF out(in.width(), in.height());
-    for (int k = -reach; k <= reach; ++k) {
-      const float weight = weights[static_cast<std::size_t>(k + reach)];
-      for (int y = 0; y < in.height(); ++y) {
-        const float* row = in.row(std::clamp(y + k * dy, 0, in.height() - 1));
-        float* to = out.row(y);
-        if (dx == 0) {
-          for (int x = 0; x < in.width(); ++x) {
-            to[x] += weight * row[x];
-          }
-        } else {
-          for (int x = 0; x < in.width(); ++x) {
-            to[x] += weight * row[std::clamp(x + k, 0, in.width() - 1)];
-          }
-        }
-      }
+  const int width = image.width();
+  const int height = image.height();
+  const auto add = [width](float weight, const float* from, float* to) {
+    for (int x = 0; x < width; ++x) {
+      to[x] += weight * from[x];
     }
-    return out;
   };
-  return pass(pass(image, 1, 0), 0, 1);
+  ImageF across(width, height);
+  std::vector<float> padded(static_cast<std::size_t>(width + 2 * reach));
+  for (int y = 0; y < height; ++y) {
+    const float* row = image.row(y);
+    std::fill_n(padded.begin(), reach, row[0]);
+    std::copy_n(row, width, padded.begin() + reach);
+    std::fill_n(padded.end() - reach, reach, row[width - 1]);
+    for (int k = 0; k <= 2 * reach; ++k) {
+      add(weights[static_cast<std::size_t>(k)], padded.data() + k, across.row(y));
+    }
+  }
+  ImageF result(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int k = 0; k <= 2 * reach; ++k) {
+      const int from = std::clamp(y + k - reach, 0, height - 1);
+      add(weights[static_cast<std::size_t>(k)], across.row(from), result.row(y));
+    }
+  }
+  return result;
 }
 
 /// Blurred by a standard deviation that differs from pixel to pixel: between two of a row of blurs,
@@ -148,14 +167,15 @@ ImageF blurred(const ImageF& sharp, const ImageF& sigma) {
       0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 5.5, 7.0, 9.0, 12.0};
   const auto [low, high] = std::ranges::minmax(sigma.values());
   ImageF result = sharp;
+  ImageF more;  // of the step before, less of this one
   for (std::size_t i = 0; i + 1 < kSigmas.size(); ++i) {
     const double a = i == 0 ? 0.0 : kSigmas[i];
     const double b = kSigmas[i + 1];
     if (static_cast<double>(high) < a || static_cast<double>(low) > b) {
       continue;
     }
-    const ImageF less = gaussian(sharp, kSigmas[i]);
-    const ImageF more = gaussian(sharp, b);
+    const ImageF less = more.size() > 0 ? std::move(more) : gaussian(sharp, kSigmas[i]);
+    more = gaussian(sharp, b);
     for (std::size_t k = 0; k < sharp.size(); ++k) {
       const auto s = static_cast<double>(sigma.values()[k]);
       if (s >= a && s <= b) {
@@ -170,28 +190,71 @@ ImageF blurred(const ImageF& sharp, const ImageF& sigma) {
   return result;
 }
 
+/// The share of full scale that a pixel has before blur: the mean of 4 x 4 points, or of one where
+/// all are alike.
+class PixelInk {
+ public:
+  explicit PixelInk(const BoardScene& scene)
+      : scene_(scene), rays_(scene.camera), print_(scene.board) {}
+
+  Hit hit_at(double x_px, double y_px) const { return hit(scene_, rays_.at(x_px, y_px)); }
+
+  /// @param corners  of the pixel, in squares
+  double at(int x, int y, const std::array<Eigen::Vector2d, 4>& corners) const {
+    constexpr int kSamples = 4;
+    if (print_.is_plain(corners[0]) && are_in_one_square(corners)) {
+      return grey(print_.at(corners[0]), x + 0.5, y + 0.5);
+    }
+    double sum = 0.0;
+    for (int k = 0; k < kSamples * kSamples; ++k) {
+      const double px = x + (k % kSamples + 0.5) / kSamples;
+      const double py = y + (k / kSamples + 0.5) / kSamples;
+      sum += grey(print_.at(hit_at(px, py).squares), px, py);
+    }
+    return sum / (kSamples * kSamples);
+  }
+
+ private:
+  static bool are_in_one_square(const std::array<Eigen::Vector2d, 4>& corners) {
+    return std::ranges::all_of(corners, [&corners](const Eigen::Vector2d& corner) {
+      return std::abs(std::floor(corner.x()) - std::floor(corners[0].x())) < 0.5 &&
+             std::abs(std::floor(corner.y()) - std::floor(corners[0].y())) < 0.5;
+    });
+  }
+
+  double grey(double ink, double x_px, double y_px) const {
+    if (ink < 0.0) {
+      return scene_.has_clutter ? clutter(x_px, y_px) : scene_.white;
+    }
+    return scene_.black + ink * (scene_.white - scene_.black);
+  }
+
+  const BoardScene& scene_;
+  Rays rays_;
+  Print print_;
+};
+
 }  // namespace
 
 Image<std::uint8_t> photographed(const BoardScene& scene, Rng& rng) {
-  constexpr int kSamples = 4;
   const int width = scene.camera.width_px;
   const int height = scene.camera.height_px;
-  const Rays rays(scene.camera);
-  const Print print(scene.board);
+  const PixelInk ink(scene);
   ImageF sharp(width, height);
   ImageF sigma(width, height);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      double sum = 0.0;
-      for (int k = 0; k < kSamples * kSamples; ++k) {
-        const double px = x + (k % kSamples + 0.5) / kSamples;
-        const double py = y + (k / kSamples + 0.5) / kSamples;
-        const double ink = print.at(hit(scene, rays.at(px, py)).squares);
-        sum += ink < 0.0 ? (scene.has_clutter ? clutter(px, py) : scene.white)
-                         : scene.black + ink * (scene.white - scene.black);
-      }
-      sharp(x, y) = static_cast<float>(sum / (kSamples * kSamples));
-      const double depth = hit(scene, rays.at(x + 0.5, y + 0.5)).depth_mm;
+  std::vector<Eigen::Vector2d> above;
+  std::vector<Eigen::Vector2d> below;
+  for (int y = -1; y < height; ++y) {
+    std::swap(above, below);
+    below.clear();
+    for (int x = 0; x <= width; ++x) {
+      below.push_back(ink.hit_at(x, y + 1).squares);
+    }
+    for (int x = 0; x < width && y >= 0; ++x) {
+      const auto i = static_cast<std::size_t>(x);
+      sharp(x, y) =
+          static_cast<float>(ink.at(x, y, {above[i], above[i + 1], below[i], below[i + 1]}));
+      const double depth = ink.hit_at(x + 0.5, y + 0.5).depth_mm;
       sigma(x, y) = static_cast<float>(scene.blur_px_at ? scene.blur_px_at(depth) : 0.5);
     }
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -51,6 +52,18 @@ inline void make_calibration(SharedCalibration& made,
   const ProgramResult done = glint_in(made.folder, all);
   EXPECT_EQ(done.code, 0) << done.err;
   made.result = done.out.empty() ? nlohmann::json() : nlohmann::json::parse(done.out);
+}
+
+/// A camera alone, from pictures of a chessboard whose names begin so: "left" or "left0".
+inline const SharedCalibration& chessboard(const std::string& begin) {
+  static std::map<std::string, SharedCalibration> made;
+  const auto [at, is_new] = made.try_emplace(begin);
+  const std::filesystem::path set = photographs("calibration/chessboard_left");
+  if (is_new && std::filesystem::exists(set)) {
+    make_calibration(
+        at->second, files_in(set, begin, ".jpg"), {"--board", (set / "board.json").string()});
+  }
+  return at->second;
 }
 
 /// The camera beside a robot that holds the board.

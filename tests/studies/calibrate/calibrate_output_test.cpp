@@ -38,9 +38,13 @@ class CalibrateOutput : public CalibrateVerb {
     return result.out.empty() ? Json() : Json::parse(result.out);
   }
 
-  Json calibrated_left() const {
-    return calibrate_json(files_in(left_, "left", ".jpg"), {"--board", board_});
+  /// The calibration of pictures whose names begin so, its files in out/.
+  Json calibrated(const std::string& begin) const {
+    fs::copy(chessboard(begin).folder / "out", folder_ / "out");
+    return chessboard(begin).result;
   }
+
+  Json calibrated_left() const { return calibrated("left"); }
 
   const fs::path left_ = photographs("calibration/chessboard_left");
   const std::string board_ = (left_ / "board.json").string();
@@ -104,7 +108,7 @@ TEST_F(CalibrateOutput, CornersOfARobotsPicturesGiveTheSameHandEye) {
 }
 
 TEST_F(CalibrateOutput, CheckTellsWhetherACalibrationStillHolds) {
-  calibrate_json(files_in(left_, "left0", ".jpg"), {"--board", board_});
+  calibrated("left0");
   Arguments check = {"calibrate", "--check", "out"};
   const Arguments fresh = files_in(left_, "left1", ".jpg");
   check.insert(check.end(), fresh.begin(), fresh.end());

@@ -35,8 +35,7 @@ TEST_F(CalibrateVerb, AcceptsAllOfAChessboardAndWritesACameraForScenes) {
   if (!fs::exists(set)) {
     GTEST_SKIP() << "no " << set;
   }
-  const Json result =
-      calibrate_json(files_in(set, "left", ".jpg"), {"--board", (set / "board.json").string()});
+  const Json& result = chessboard("left").result;
   EXPECT_EQ(result["status"], "done");
   EXPECT_EQ(result["setup"], "none");
   EXPECT_EQ(result["pictures"].size(), 13U);
@@ -56,10 +55,11 @@ TEST_F(CalibrateVerb, AcceptsAllOfAChessboardAndWritesACameraForScenes) {
             result["next"]["point_error_px"].get<double>());
   EXPECT_THAT(result["next"]["views"][0]["text"].get<std::string>(), HasSubstr("the board "));
 
-  const Json written = Json::parse(read_file(folder_ / "out/calibration.json"));
+  const fs::path out = chessboard("left").folder / "out";
+  const Json written = Json::parse(read_file(out / "calibration.json"));
   EXPECT_EQ(written["intrinsics"], result["intrinsics"]);
-  EXPECT_EQ(Json::parse(read_file(folder_ / "out/run.json"))["verb"], "calibrate");
-  const ConfigNode root = load_toml(folder_ / "out/calibration.toml");
+  EXPECT_EQ(Json::parse(read_file(out / "run.json"))["verb"], "calibrate");
+  const ConfigNode root = load_toml(out / "calibration.toml");
   CameraSettings camera;
   std::vector<Problem> errors;
   KeyReader reader(root.find("camera"), "camera", errors);
@@ -78,7 +78,7 @@ TEST_F(CalibrateVerb, MakesASceneTakeTheCameraByInclude) {
   if (!fs::exists(set)) {
     GTEST_SKIP() << "no " << set;
   }
-  calibrate_json(files_in(set, "left0", ".jpg"), {"--board", (set / "board.json").string()});
+  fs::copy(chessboard("left0").folder / "out", folder_ / "out");
   const std::string study = small_study();
   // The scene's own size of a picture would win over the calibration's.
   const std::string own = edited(study, {{"width_px = 200\nheight_px = 60\n", ""}});

@@ -78,7 +78,12 @@ void make_storable(Outcome& outcome) {
 class RungEvaluator {
  public:
   RungEvaluator(const AccuracyTask& task, const std::vector<RenderRung>& ladder)
-      : task_(task), ladder_(ladder), candidates_(candidates_of(task.study)) {
+      : task_(task),
+        ladder_(ladder),
+        candidates_(candidates_of(task.study)),
+        bar_(task.study.name + ": ways to render",
+             static_cast<std::int64_t>(ladder.size() * kDesigns),
+             task.progress) {
     if (task.record != nullptr) {
       for (const Trial& trial : task.record->trials(TrialKind::kPart)) {
         if (trial.outcome) {
@@ -166,8 +171,9 @@ class RungEvaluator {
                                .outcome = outcome});
     }
     known_[name] = std::move(outcome);
+    bar_.update(++done_);
     if (task_.on_evaluation) {
-      task_.on_evaluation(++done_, static_cast<int>(ladder_.size() * kDesigns));
+      task_.on_evaluation();
     }
   }
 
@@ -176,6 +182,7 @@ class RungEvaluator {
   std::vector<TriedDesign> candidates_;
   std::mutex mutex_;
   std::map<std::string, Outcome> known_;
+  Progress bar_;
   int done_ = 0;
 };
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/progress.h"
 #include "optimizer/storage/storage.h"
 #include "studies/accuracy/ladder_trial.h"
 #include "studies/definition/ladder/render_ladder.h"
@@ -30,8 +31,8 @@ struct AccuracyTask {
   Storage* record = nullptr;  ///< nullptr: nothing is kept
   int jobs = 1;               ///< designs at once
   const std::atomic<int>* interrupt = nullptr;
-  /// After each evaluation, one call at a time: how many there were, and are at most.
-  std::function<void(int done, int most)> on_evaluation = {};
+  Progress::Style progress = Progress::Style::kNone;
+  std::function<void()> on_evaluation = {};  ///< after each that is kept, one call at a time
 };
 
 /// The rung of a study's search.

@@ -142,16 +142,7 @@ class Run {
       return search_designs(storage, folder);
     }
     Storage record = Storage::open(options_.out / kAccuracyTrials, identity_);
-    std::optional<Progress> bar;
-    const auto show = [&](int done, int most) {
-      folder.keep();  // what is evaluated is not thrown away
-      if (!bar) {
-        bar.emplace(study_.name + ": ways to render", most, options_.progress);
-      }
-      bar->update(done);
-    };
     const auto search = [&](const ChosenAccuracy& chosen) {
-      bar.reset();
       return search_designs(storage, folder, &chosen);
     };
     return search_accurately({.study = study_,
@@ -159,7 +150,8 @@ class Run {
                               .record = &record,
                               .jobs = options_.jobs,
                               .interrupt = options_.interrupt,
-                              .on_evaluation = show},
+                              .progress = options_.progress,
+                              .on_evaluation = [&] { folder.keep(); }},
                              storage,
                              search,
                              accurate_);
@@ -299,6 +291,27 @@ class Run {
     }
   }
 
+  /// @return its scores with fresh seeds
+  Json add_winner(const Storage& storage, const SearchResult& search, Json& result) {
+    const Json variables = variables_json(study_, search.best->point);
+    const char* title = search.is_feasible ? "Winner of the search" : "Closest to the limits";
+    Json winner_head = head(title, "winner", variables);
+    winner_head["trial"] = search.best->number;
+    const Json winner =
+        write("winner", scene_with(study_, overrides_of(study_, search.best->point)), winner_head);
+    result["best"] = {
+        {"trial", search.best->number}, {"variables", variables}, {"scores", winner["scores"]}};
+    if (!front_.is_null() && !is_interrupted_) {
+      add_front(storage, winner, result);
+    }
+    if (study_.root.find("manufacture") != nullptr && !is_interrupted_) {
+      log(LogLevel::kInfo, "spread at the winner: {} evaluations", kToleranceDesigns);
+      result["manufacture"] = tolerance_spread(store_, study_, search.best->point);
+    }
+    add_kinds(storage, result);
+    return winner["rescored"];
+  }
+
   Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
     front_ = search.trade_off ? front_json(study_, storage) : Json();
     writing_.emplace(study_.name + ": writing", writing_steps(), options_.progress);
@@ -330,23 +343,7 @@ class Run {
     Json rescored = Json::object();
     result["best"] = nullptr;
     if (search.best) {
-      const Json variables = variables_json(study_, search.best->point);
-      const char* title = search.is_feasible ? "Winner of the search" : "Closest to the limits";
-      Json winner_head = head(title, "winner", variables);
-      winner_head["trial"] = search.best->number;
-      const Json winner = write(
-          "winner", scene_with(study_, overrides_of(study_, search.best->point)), winner_head);
-      result["best"] = {
-          {"trial", search.best->number}, {"variables", variables}, {"scores", winner["scores"]}};
-      rescored["best"] = winner["rescored"];
-      if (!front_.is_null() && !is_interrupted_) {
-        add_front(storage, winner, result);
-      }
-      if (study_.root.find("manufacture") != nullptr && !is_interrupted_) {
-        log(LogLevel::kInfo, "spread at the winner: {} evaluations", kToleranceDesigns);
-        result["manufacture"] = tolerance_spread(store_, study_, search.best->point);
-      }
-      add_kinds(storage, result);
+      rescored["best"] = add_winner(storage, search, result);
     }
     result["baseline"] = {{"variables", baseline["variables"]}, {"scores", baseline["scores"]}};
     rescored["baseline"] = baseline["rescored"];

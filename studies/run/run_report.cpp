@@ -235,6 +235,16 @@ std::string when_text(const fs::path& run) {
          (timings.value("replayed_evaluations", 0) > 0 ? " since it was resumed" : "");
 }
 
+std::vector<std::string> method_sentences(const Study& study, const fs::path& run) {
+  std::vector<std::string> methods = method_notes(study.scene);
+  if (study.has_search()) {
+    for (const std::string& remark : derivative_remarks(Storage::read(run / "study.sqlite"))) {
+      methods.push_back("Derivatives of the search do not include: " + remark + ".");
+    }
+  }
+  return methods;
+}
+
 Json single_run(const fs::path& run) {
   const Study study = study_of(run);
   const Json result = read_json(run / "result.json");
@@ -278,13 +288,7 @@ Json single_run(const fs::path& run) {
   if (fs::exists(run / "frontier.json")) {
     data["frontier"] = read_json(run / "frontier.json");
   }
-  std::vector<std::string> methods = method_notes(study.scene);
-  if (study.has_search()) {
-    for (const std::string& remark : derivative_remarks(Storage::read(run / "study.sqlite"))) {
-      methods.push_back("Derivatives of the search do not include: " + remark + ".");
-    }
-  }
-  data["methods"] = methods;
+  data["methods"] = method_sentences(study, run);
   data["config_toml"] = shown_text(study);
   Json source = provenance();
   source["seed"] = study.search.seed;

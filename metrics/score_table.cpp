@@ -164,6 +164,9 @@ constexpr std::array kDocs = {
              "picture, share of full scale; 0 is best"},
     ScoreDoc{"rays.followed_share", "share of the rays that hit the part again and were followed"},
     ScoreDoc{"rays.blocked_share", "share of the rays that were given up as dark"},
+    ScoreDoc{"rays.max_cells",
+             "cells per axis that pixels beyond the reach of defects are cut into at most; only "
+             "where more of the usual 16 would take more than 0.9 GB"},
 };
 
 }  // namespace

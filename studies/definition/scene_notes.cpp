@@ -305,6 +305,13 @@ std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& s
                     100.0 * share_of("rays.followed_share"),
                     100.0 * share_of("rays.blocked_share")));
   }
+  if (const double cells = share_of("rays.max_cells"); cells > 0.0) {
+    notes.push_back(fmt::format(
+        "The part is bent within so many pixels that each has at most {0:g} x {0:g} cells beyond "
+        "the reach of defects, where up to 16 x 16 are usual: a smaller picture or a smoother mesh "
+        "is rendered more exactly.",
+        cells));
+  }
   const std::vector<std::string> warnings = stability_notes(scene, scores);
   notes.insert(notes.end(), warnings.begin(), warnings.end());
   if (const std::string fine = fine_stripes_note(scene); !fine.empty()) {

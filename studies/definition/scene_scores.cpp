@@ -50,6 +50,11 @@ std::vector<std::string> group_names(const SceneSettings& scene) {
   return names;
 }
 
+std::string missing_as_goal(std::string_view score) {
+  return score == "rays.max_cells" ? "is told only where it is below 16; it cannot be searched for"
+                                   : "";
+}
+
 std::string missing_by_paths(const SceneSettings& scene, std::string_view score) {
   if (!needs_paths(scene)) {
     return "";

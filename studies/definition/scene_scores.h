@@ -17,6 +17,9 @@ std::vector<std::string> defect_labels(const SceneSettings& scene);
 /// Names of the scene's groups of defects, in order.
 std::vector<std::string> group_names(const SceneSettings& scene);
 
+/// Why a score is no goal of any search; empty for nearly all.
+std::string missing_as_goal(std::string_view score);
+
 /// Why a scene with needs_paths() has no score of that name, for users who ask for it; empty when
 /// it may have it, and for all other scenes.
 std::string missing_by_paths(const SceneSettings& scene, std::string_view score);

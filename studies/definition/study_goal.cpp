@@ -300,6 +300,7 @@ void check_goal(const Study& study, std::vector<Problem>& errors) {
   const auto check_name =
       [&](const std::string& path, const std::string& name, const Place& place) {
         std::string problem = unknown_score(name, labels, groups);
+        problem += problem.empty() ? missing_as_goal(name) : "";
         problem += problem.empty() ? missing_by_paths(study.scene, name) : "";
         problem += problem.empty() ? missing_by_reference(study.scene, name) : "";
         problem += problem.empty() ? missing_by_cell(study.scene, name) : "";

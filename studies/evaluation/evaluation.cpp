@@ -8,6 +8,7 @@
 #include "metrics/aspect_image/noise_variance.h"
 #include "metrics/lighting_scores.h"
 #include "metrics/statistics/estimate.h"
+#include "simulator/render/corner_rays/affordable_cells.h"
 #include "studies/coverage/scene_coverage.h"
 #include "studies/evaluation/evaluation_parts.h"
 #include "studies/evaluation/lighting_totals.h"
@@ -154,6 +155,7 @@ SlotMargin add_view_scores(const ScenePicture& picture,
                            const MeanImage& mean,
                            bool wants_slot,
                            Scores& scores) {
+  constexpr int kUsualCells = 16;
   const std::optional<SlotMargin> slot =
       wants_slot ? picture.find_slot_margin() : std::optional<SlotMargin>();
   if (slot) {
@@ -166,6 +168,9 @@ SlotMargin add_view_scores(const ScenePicture& picture,
     const auto part = static_cast<double>(counts->part);
     scores["rays.followed_share"] = static_cast<double>(counts->followed) / part;
     scores["rays.blocked_share"] = static_cast<double>(counts->blocked) / part;
+    if (const int cells = max_cells_of(picture.traced()->corners); cells < kUsualCells) {
+      scores["rays.max_cells"] = cells;
+    }
   }
   return slot.value_or(SlotMargin());
 }

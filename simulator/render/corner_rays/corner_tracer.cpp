@@ -43,8 +43,10 @@ CornerTracer::CornerTracer(const TraceScene& scene,
                            const RefinementNeed& need,
                            const UpdatePlan& plan,
                            const CornerRays* base,
+                           int max_cells,
                            CornerRays& result)
-    : kink_factor_(scene.part.patches.empty() ? 1.0 : kKinkFactorOfDefects),
+    : max_cells_(max_cells),
+      kink_factor_(scene.part.patches.empty() ? 1.0 : kKinkFactorOfDefects),
       scene_(scene),
       camera_(camera),
       area_(camera.area_of(scene.box)),
@@ -236,6 +238,11 @@ RayGrid CornerTracer::corner_grid() const {
           .kink_factor = kink_factor_};
 }
 
+/// What is saved where a picture has too many rays is not saved on defects.
+int CornerTracer::max_cells(int x, int y) const {
+  return need_.cells(x, y) > 0 ? kCellCounts.back() : max_cells_;
+}
+
 /// Decides from the four corners; pixels to be cut go to `open`.
 void CornerTracer::classify(int x, int y, std::vector<Candidate>& open) {
   const double max_error_rad = need_.max_error_rad(x, y, scene_.settings.max_direction_error_rad);
@@ -245,14 +252,15 @@ void CornerTracer::classify(int x, int y, std::vector<Candidate>& open) {
   const auto is_missed = [&](std::size_t k) { return corners_.path[k] == RayPath::kMissed; };
   if (is_missed(i) && is_missed(i + 1) && is_missed(i + columns) && is_missed(i + columns + 1)) {
     if (need_.has_vertex(x, y)) {  // a corner of the part pokes into the pixel
-      open.push_back({.x = x, .cells = kCellsOfBroken});
+      open.push_back({.x = x, .cells = std::min(kCellsOfBroken, max_cells(x, y))});
     }
     return;
   }
   const CellCheck check = check_cell(grid, x, y);
   const int needed = need_.cells(x, y);
   if (!check.is_whole || check.error_rad > max_error_rad) {
-    open.push_back({.x = x, .cells = std::max(needed, predicted_cells(check, max_error_rad))});
+    const int predicted = predicted_cells(check, max_error_rad, max_cells(x, y));
+    open.push_back({.x = x, .cells = std::max(needed, predicted)});
   } else if (needed > 0) {
     open.push_back({.x = x, .cells = needed, .is_examined = true});
   } else {
@@ -324,7 +332,7 @@ void CornerTracer::refine_batch(const std::vector<Candidate>& pixels,
         need_.max_error_rad(pixels[p].x, y, scene_.settings.max_direction_error_rad);
     const CheckedCells cells = check_cells(grid, max_error_rad);
     const bool is_smooth = !cells.has_broken && !cells.has_bent;
-    if (const int next = next_cells(cells, n); next > 0) {
+    if (const int next = next_cells(cells, n, max_cells(pixels[p].x, y)); next > 0) {
       more.push_back({.x = pixels[p].x, .cells = next});
     } else if (pixels[p].is_examined && is_smooth &&
                is_described_by_corners(grid, max_error_rad, clean_weight)) {

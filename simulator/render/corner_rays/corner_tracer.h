@@ -34,11 +34,13 @@ class CornerTracer {
  public:
   /// @param base  rays without detail, from which everything is taken that the plan leaves out;
   ///              nullptr: everything is traced
+  /// @param max_cells  of pixels beyond the reach of height features
   CornerTracer(const TraceScene& scene,
                const CameraRays& camera,
                const RefinementNeed& need,
                const UpdatePlan& plan,
                const CornerRays* base,
+               int max_cells,
                CornerRays& result);
 
   CornerRow trace_corners(int y);
@@ -51,6 +53,7 @@ class CornerTracer {
   RayGrid corner_grid() const;
   void copy_corner(std::size_t i, RayCounts& counts);
   void copy_pixels(int y, CornerRow& row);
+  int max_cells(int x, int y) const;
   void classify(int x, int y, std::vector<Candidate>& open);
   void set_smooth(int x, int y);
   void trace_batch(const std::vector<Candidate>& pixels, int y, SubCorners& batch) const;
@@ -67,6 +70,7 @@ class CornerTracer {
             CornerRow& row);
   bool set_coverage(const SubCorners& batch, std::size_t first, int n, int x, int y);
 
+  int max_cells_ = 0;
   double kink_factor_ = 1.0;
   const TraceScene& scene_;
   const CameraRays& camera_;

@@ -3,8 +3,8 @@
 // Storage of refined pixels. Those cut into the same number of cells form a group, with their rays
 // one pixel after the other, so that later loops run over arrays of known shape. Each row collects
 // its own groups, in parallel, and the groups are joined in the order of the rows: the same bytes
-// for any number of threads. Cost: each refined ray is copied once more. Memory: 28 bytes per ray,
-// twice that while the rows are joined.
+// for any number of threads. Cost: each refined ray is copied once more. Memory: 28 bytes per ray;
+// rows are freed as they are joined.
 #include "simulator/render/corner_rays/refined_groups.h"
 
 #include <algorithm>
@@ -49,12 +49,12 @@ void reserve_rays(const std::vector<RowGroups>& rows, std::size_t k, RayCache& r
   }
 }
 
-/// All rows' pixels of one number of cells.
-RefinedGroup join(const std::vector<RowGroups>& rows, std::size_t k) {
+/// All rows' pixels of one number of cells, which the rows lose.
+RefinedGroup join(std::vector<RowGroups>& rows, std::size_t k) {
   RefinedGroup joined;
   joined.cells_per_axis = kCellCounts[k];
   reserve_rays(rows, k, joined.rays);
-  for (const RowGroups& row : rows) {
+  for (RowGroups& row : rows) {
     const RefinedGroup& part = row[k].group;
     const auto num_rays = static_cast<std::int64_t>(joined.rays.weight.size());
     for (std::size_t i = 0; i < row[k].is_special.size(); ++i) {
@@ -66,6 +66,7 @@ RefinedGroup join(const std::vector<RowGroups>& rows, std::size_t k) {
     append(part.is_smooth, 0, part.is_smooth.size(), joined.is_smooth);
     append_components(part.rays, 0, part.rays.weight.size(), joined.rays);
     joined.rays.counts += part.rays.counts;
+    row[k] = {};
   }
   joined.rays.samples = 1;
   joined.rays.width_px = static_cast<int>(corners_of(kCellCounts[k]));
@@ -110,7 +111,7 @@ void sort_by_pixel(RowGroup& row) {
   row = std::move(sorted);
 }
 
-void join_groups(const std::vector<RowGroups>& rows, CornerRays& result) {
+void join_groups(std::vector<RowGroups> rows, CornerRays& result) {
   for (std::size_t k = 0; k < kCellCounts.size(); ++k) {
     RefinedGroup group = join(rows, k);
     if (!group.pixels.empty()) {

@@ -39,6 +39,6 @@ RowGroup& group_of(RowGroups& row, int cells);
 void sort_by_pixel(RowGroup& row);
 
 /// Joins the groups of all rows in their order and adds up their counts.
-void join_groups(const std::vector<RowGroups>& rows, CornerRays& result);
+void join_groups(std::vector<RowGroups> rows, CornerRays& result);
 
 }  // namespace glint

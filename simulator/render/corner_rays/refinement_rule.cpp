@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/render/corner_rays/refinement_rule.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "simulator/render/corner_rays/refined_groups.h"
@@ -9,19 +10,19 @@ namespace glint {
 
 using Eigen::Vector3d;
 
-int predicted_cells(const CellCheck& check, double max_error_rad) {
+int predicted_cells(const CellCheck& check, double max_error_rad, int max_cells) {
   if (!check.is_whole) {
-    return kCellsOfBroken;
+    return std::min(kCellsOfBroken, max_cells);
   }
   if (!std::isfinite(check.error_rad)) {
     return kCellCounts.front();
   }
   for (const int cells : kCellCounts) {
     if (check.error_rad <= max_error_rad * cells * cells) {
-      return cells;
+      return std::min(cells, max_cells);
     }
   }
-  return kCellsOfBroken;  // a neighbour's jump rather than curvature
+  return std::min(kCellsOfBroken, max_cells);  // a neighbour's jump rather than curvature
 }
 
 CheckedCells check_cells(const RayGrid& grid, double max_error_rad) {
@@ -38,11 +39,12 @@ CheckedCells check_cells(const RayGrid& grid, double max_error_rad) {
   return cells;
 }
 
-int next_cells(const CheckedCells& cells, int n) {
+int next_cells(const CheckedCells& cells, int n, int max_cells) {
   if (cells.has_broken) {
-    return n < kCellsOfBroken ? kCellsOfBroken : 0;
+    const int wanted = std::min(kCellsOfBroken, max_cells);
+    return n < wanted ? wanted : 0;
   }
-  return cells.has_bent && n < kCellCounts.back() ? 2 * n : 0;
+  return cells.has_bent && n < max_cells ? 2 * n : 0;
 }
 
 bool is_described_by_corners(const RayGrid& grid, double max_error_rad, float clean_weight) {

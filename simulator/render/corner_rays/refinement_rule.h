@@ -14,7 +14,8 @@ namespace glint {
 inline constexpr int kCellsOfBroken = 8;
 
 /// Cells per axis by which an error falling as 1/n^2 comes below the limit.
-int predicted_cells(const CellCheck& check, double max_error_rad);
+/// @param max_cells  the largest number that is allowed
+int predicted_cells(const CellCheck& check, double max_error_rad, int max_cells);
 
 /// What the cells of a cut pixel are like.
 struct CheckedCells {
@@ -26,8 +27,8 @@ struct CheckedCells {
 /// @param grid  the corners of the cells
 CheckedCells check_cells(const RayGrid& grid, double max_error_rad);
 
-/// The number of cells per axis to try after n; 0: the pixel is done.
-int next_cells(const CheckedCells& cells, int n);
+/// The number of cells per axis to try after n, at most max_cells; 0: the pixel is done.
+int next_cells(const CheckedCells& cells, int n, int max_cells);
 
 /// True when all rays of a cut pixel agree with its four corners and none is weakened by a stain:
 /// closed forms take uncut pixels for clean.

@@ -12,30 +12,40 @@ constexpr double kAllowed_rad = 1e-4;
 
 // 1.5e-3 is above 2^2 times the limit and below 4^2 times.
 TEST(PredictedCells, FollowFromAnErrorThatFallsWithTheSquare) {
-  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 4e-4}, kAllowed_rad), 2);
-  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 1.5e-3}, kAllowed_rad), 4);
-  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 2.5e-2}, kAllowed_rad), 16);
+  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 4e-4}, kAllowed_rad, 16), 2);
+  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 1.5e-3}, kAllowed_rad, 16), 4);
+  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 2.5e-2}, kAllowed_rad, 16), 16);
 }
 
 TEST(PredictedCells, AreEightWhereNoNumberHelpsAndTwoWhereNothingIsKnown) {
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(predicted_cells({.is_whole = false, .error_rad = 0.0}, kAllowed_rad), 8);
-  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 1.0}, kAllowed_rad), 8);
-  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = kUnknown}, kAllowed_rad), 2);
+  EXPECT_EQ(predicted_cells({.is_whole = false, .error_rad = 0.0}, kAllowed_rad, 16), 8);
+  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 1.0}, kAllowed_rad, 16), 8);
+  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = kUnknown}, kAllowed_rad, 16), 2);
 }
 
 TEST(NextCells, DoubleWhereCellsAreBentUpToSixteen) {
   const CheckedCells bent = {.has_bent = true};
-  EXPECT_EQ(next_cells(bent, 2), 4);
-  EXPECT_EQ(next_cells(bent, 8), 16);
-  EXPECT_EQ(next_cells(bent, 16), 0);
-  EXPECT_EQ(next_cells({}, 2), 0);
+  EXPECT_EQ(next_cells(bent, 2, 16), 4);
+  EXPECT_EQ(next_cells(bent, 8, 16), 16);
+  EXPECT_EQ(next_cells(bent, 16, 16), 0);
+  EXPECT_EQ(next_cells({}, 2, 16), 0);
 }
 
 TEST(NextCells, AreEightOnceWhereCellsAreBroken) {
   const CheckedCells broken = {.has_bent = true, .has_broken = true};
-  EXPECT_EQ(next_cells(broken, 2), 8);
-  EXPECT_EQ(next_cells(broken, 8), 0);
+  EXPECT_EQ(next_cells(broken, 2, 16), 8);
+  EXPECT_EQ(next_cells(broken, 8, 16), 0);
+}
+
+TEST(RefinementRule, KeepsToTheLargestNumberThatIsAllowed) {
+  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 2.5e-2}, kAllowed_rad, 4), 4);
+  EXPECT_EQ(predicted_cells({.is_whole = false, .error_rad = 0.0}, kAllowed_rad, 4), 4);
+  EXPECT_EQ(predicted_cells({.is_whole = true, .error_rad = 1.0}, kAllowed_rad, 4), 4);
+  EXPECT_EQ(next_cells({.has_bent = true}, 2, 4), 4);
+  EXPECT_EQ(next_cells({.has_bent = true}, 4, 4), 0);
+  EXPECT_EQ(next_cells({.has_broken = true}, 2, 4), 4);
+  EXPECT_EQ(next_cells({.has_broken = true}, 4, 4), 0);
 }
 
 /// 2 x 2 cells of rays that leave a mirror straight up.

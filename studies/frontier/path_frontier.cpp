@@ -207,7 +207,7 @@ class PathMeasuring {
   void measure_in_time(FrontierPoint& point) {
     const double left_s = options_.budget_s - seconds();
     const double needed_s = predicted_s(point);
-    if (needed_s > left_s) {
+    if (needed_s > left_s && !point.method.is_current) {
       point.problem = fmt::format(
           "left out: one picture takes about {:.0f} s, and {:.0f} s of the budget are left",
           needed_s,

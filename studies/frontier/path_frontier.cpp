@@ -18,10 +18,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kReferencePictures = 4;
-constexpr int kMostPictures = 4;         ///< of a method
-constexpr double kReferenceShare = 0.4;  ///< of the budget, at most
-constexpr double kPicturesShare = 0.01;  ///< of the budget, for a method's further pictures
-constexpr double kLeastRelevantContrast = 0.01;    ///< smaller ones are not worth a relative error
+constexpr int kMostPictures = 4;                 ///< of a method
+constexpr double kReferenceShare = 0.4;          ///< of the budget, at most
+constexpr double kPicturesShare = 0.01;          ///< of the budget, for a method's further pictures
+constexpr double kLeastRelevantContrast = 0.01;  ///< smaller ones are not worth a relative error
 
 /// What is scored: as in a search, and the defects.
 WantedScores wanted_of(const Goal* goal) {
@@ -192,20 +192,22 @@ class PathMeasuring {
     return frames;
   }
 
+  /// The scene's own setting before all others: a frontier without it tells little.
   std::vector<FrontierPoint*> by_cost() {
     std::vector<FrontierPoint*> points;
     for (FrontierPoint& point : frontier_.points) {
       points.push_back(&point);
     }
-    std::ranges::stable_sort(
-        points, {}, [&](const FrontierPoint* point) { return predicted_s(*point); });
+    std::ranges::stable_sort(points, {}, [&](const FrontierPoint* point) {
+      return point->method.is_current ? 0.0 : predicted_s(*point);
+    });
     return points;
   }
 
   void measure_in_time(FrontierPoint& point) {
     const double left_s = options_.budget_s - seconds();
     const double needed_s = predicted_s(point);
-    if (needed_s > left_s) {
+    if (needed_s > left_s && !point.method.is_current) {
       point.problem = fmt::format(
           "left out: one picture takes about {:.0f} s, and {:.0f} s of the budget are left",
           needed_s,
@@ -281,10 +283,11 @@ class PathMeasuring {
       const auto of_change = errors.find(change_name(label));
       if (of_weber != errors.end() && of_change != errors.end()) {
         const double change = frontier_.reference.change.at(label);
-        point.defects[label] = {.weber_percent = 100.0 * of_weber->second.error /
-                                                 std::max(kLeastRelevantContrast, std::abs(weber)),
-                                .change_percent = 100.0 * of_change->second.error /
-                                                  std::max(kLeastRelevantContrast, std::abs(change))};
+        point.defects[label] = {
+            .weber_percent =
+                100.0 * of_weber->second.error / std::max(kLeastRelevantContrast, std::abs(weber)),
+            .change_percent = 100.0 * of_change->second.error /
+                              std::max(kLeastRelevantContrast, std::abs(change))};
       }
     }
     for (const auto& [name, score] : frontier_.reference.scores) {

@@ -81,7 +81,7 @@ function kindsOf(data) {
   if (!isPathTraced(data)) return kKinds;
   const noise = (name) => data.reference.scores?.[name]?.standard_error ?? 0;
   const own = { frame_rmse: data.reference.own_frame_rmse ?? 0, h_error_points: 100 * noise('homogeneity.h_rms'), contrast_error_percent: 0 };
-  const kinds = kKinds.map((kind) => ({ ...kind, limit: kind.name === 'h_error_points' ? 0.5 : kind.name === 'frame_rmse' ? 0.01 : 5, own: own[kind.name], rounding: Math.max(kind.rounding, 0.5 * own[kind.name]) }));
+  const kinds = kKinds.map((kind) => ({ ...kind, axis: kind.name === 'frame_rmse' ? 'RMSE of grey values, full scale 1' : kind.axis, limit: kind.name === 'h_error_points' ? 0.5 : kind.name === 'frame_rmse' ? 0.01 : 5, own: own[kind.name], rounding: Math.max(kind.rounding, 0.5 * own[kind.name]) }));
   const score = data.ranking?.score ?? data.objective;
   if (score && score !== 'homogeneity.h_rms' && data.reference.scores?.[score]) kinds.push({ name: 'score', score, title: `Error of ${score}`, axis: 'its own unit', own: noise(score), rounding: Math.max(1e-9, 0.5 * noise(score)) });
   return kinds;
@@ -204,6 +204,6 @@ export function frontierRankingSection(facts) {
 export function frontierTableSection(facts) {
   const data = facts.data.frontier;
   if (!data?.points?.length) return null;
-  return section('measured', 'All methods', 'Time of one more candidate on one thread and of the first one; errors of frames (also without edges of light and part and without defects), of h_rms, and of the worst defect in the mean image (contrast) and in its best frame (change).', h('div', { class: 'scroll' }, h('table', { class: 'evaluations' },
+  return section('measured', 'All methods', isPathTraced(data) ? 'CPU time of one more picture with its scores, all threads, and of the first one with the part; errors of frames (also in the region of interest alone), of h_rms, and of the worst defect in the mean image (contrast) and in its best frame (change).' : 'Time of one more candidate on one thread and of the first one; errors of frames (also without edges of light and part and without defects), of h_rms, and of the worst defect in the mean image (contrast) and in its best frame (change).', h('div', { class: 'scroll' }, h('table', { class: 'evaluations' },
     h('thead', {}, h('tr', {}, kHeadings.map((text, i) => h('th', { class: i > 0 ? 'number' : '' }, text)))), h('tbody', {}, data.points.map(row)))));
 }

@@ -365,6 +365,10 @@ class Search {
     }
     if (has_several_objectives(task_.goal)) {
       take_compromise(result);
+    } else if (task_.settings.is_noisy && task_.settings.rules > 1) {
+      const std::vector<std::vector<double>> expected = memory_.algorithm->expected_objectives();
+      const std::optional<int> best = expected_best(task_.goal, memory_.trials, expected);
+      result.best = best ? trial(*best) : result.best;
     }
     result.is_feasible = result.best && is_feasible(task_.goal, result.best->outcome->scores);
     return result;

@@ -153,6 +153,19 @@ TradeOff trade_off(const Goal& goal,
   return found;
 }
 
+std::optional<int> expected_best(const Goal& goal,
+                                 std::span<const Trial> trials,
+                                 std::span<const std::vector<double>> expected) {
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < std::min(trials.size(), expected.size()); ++i) {
+    if (!expected[i].empty() && is_on_offer(goal, trials[i]) &&
+        (!best || expected[i][0] < expected[*best][0])) {
+      best = i;
+    }
+  }
+  return best ? std::optional(trials[*best].number) : std::nullopt;
+}
+
 std::vector<double> hypervolume_history(const Goal& goal,
                                         std::span<const Trial> trials,
                                         const std::vector<double>& reference) {

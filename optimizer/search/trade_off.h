@@ -5,6 +5,7 @@
 // are minimised ones (minimised_objectives()) unless told otherwise.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,6 +40,13 @@ std::vector<double> reference_of(const Goal& goal, std::span<const Trial> design
 TradeOff trade_off(const Goal& goal,
                    std::span<const Trial> trials,
                    const std::vector<double>& reference);
+
+/// The feasible trial whose one objective is expected to be the best, where a model smooths what
+/// evaluations with noise have shown; of equal ones the first. Empty: there is none.
+/// @param expected  of the first trials, in their order: Algorithm::expected_objectives()
+std::optional<int> expected_best(const Goal& goal,
+                                 std::span<const Trial> trials,
+                                 std::span<const std::vector<double>> expected);
 
 /// Hypervolume after each evaluated trial, in their order.
 std::vector<double> hypervolume_history(const Goal& goal,

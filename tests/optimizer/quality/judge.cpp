@@ -55,7 +55,8 @@ Result glint_search(const std::string& name,
     const Vector seen = judge.evaluate(*point);
     algorithm->tell(*point, {.merit = seen[0], .objective = {seen[0], {}}, .objectives = seen});
     const auto expected = [&] {
-      return is_noisy ? algorithm->expected_objectives() : std::vector<Vector>{};
+      return is_noisy && task.num_objectives == 1 ? algorithm->expected_objectives()
+                                                  : std::vector<Vector>{};
     };
     if (judge.count() == kFirstCheck) {
       result.after_100 = judge.score(kFirstCheck, expected());

@@ -28,7 +28,8 @@ class Judge {
   /// Of the first `count` evaluations. One objective: how far the recommended one is from the
   /// optimum, in per cent of what a median random point is; several: what the recommended set
   /// covers of the whole front's hypervolume, in per cent.
-  /// @param expected  what to recommend by, one row per evaluation; empty: by what was seen
+  /// @param expected  what to recommend by, one row per evaluation; empty: by what was seen, as
+  ///                  searches with several objectives do
   double score(std::size_t count, const std::vector<std::vector<double>>& expected) const;
 
  private:

@@ -11,6 +11,7 @@
 
 #include "optimizer/front/front.h"
 #include "optimizer/search/search.h"
+#include "optimizer/storage/sqlite.h"
 #include "tests/optimizer/algorithm/problems.h"
 
 namespace glint {
@@ -298,6 +299,100 @@ TEST(TradeOff, ACutUpSearchIsTheSameBitForBit) {
   task.jobs = 3;
   search_into(threaded, task, evaluate);
   EXPECT_EQ(events_and_points(threaded), events_and_points(whole));
+}
+
+void drop_rules(const TemporaryFolder& folder) {
+  Database database(folder / "s.sqlite", Database::Access::kReadWrite);
+  database.run("DELETE FROM event WHERE kind = 'rules'");
+}
+
+/// As programs before rules left it: no event of rules, none of models.
+TEST(SearchRules, ARunThatBeganWithoutRulesGoesOnByRules1) {
+  SearchTask earlier = bowls_task("auto", 1);
+  earlier.settings.rules = 1;
+  earlier.budget.evaluations = 40;
+  const TemporaryFolder whole;
+  search_into(whole, earlier, two_bowls);
+  const TemporaryFolder begun;
+  earlier.budget.evaluations = 25;
+  search_into(begun, earlier, two_bowls);
+  drop_rules(begun);
+  SearchTask now = bowls_task("auto", 1);
+  now.budget.evaluations = 40;
+  ASSERT_EQ(now.settings.rules, kSearchRules);
+  search_into(begun, now, two_bowls);
+  drop_rules(whole);
+  EXPECT_EQ(events_and_points(begun), events_and_points(whole));
+  const TemporaryFolder fresh;
+  search_into(fresh, now, two_bowls);
+  EXPECT_NE(events_and_points(fresh), events_and_points(whole));
+}
+
+TEST(SearchRules, AreTheFirstEventAndUnknownOnesAreRefused) {
+  SearchTask task = two_objectives(2, 12);
+  const TemporaryFolder folder;
+  search_into(folder, task, zdt1);
+  const std::vector<Event> events = Storage::read(folder / "s.sqlite").events();
+  EXPECT_EQ(events.front().kind, EventKind::kRules);
+  EXPECT_EQ(events.front().value, kSearchRules);
+  EXPECT_THAT(events.front().text, HasSubstr("gp"));
+  {
+    Database database(folder / "s.sqlite", Database::Access::kReadWrite);
+    database.run("UPDATE event SET value = 99 WHERE kind = 'rules'");
+  }
+  EXPECT_THROW(search_into(folder, task, zdt1), ConfigError);
+}
+
+/// The models of a resumed search come from the log; asking everything again gives the same.
+TEST(SearchRules, AResumedSearchAsksTheSameWithAndWithoutComputingEveryAskAgain) {
+  SearchTask task = two_objectives(3, 60);
+  task.settings.batch = 2;
+  const TemporaryFolder whole;
+  search_into(whole, task, zdt1);
+  for (const bool verify : {false, true}) {
+    const TemporaryFolder cut;
+    for (const int evaluations : {9, 31, 44, 60}) {
+      task.budget.evaluations = evaluations;
+      task.verify_replay = verify;
+      search_into(cut, task, zdt1);
+    }
+    EXPECT_EQ(events_and_points(cut), events_and_points(whole)) << verify;
+  }
+}
+
+/// A search by other parameters than those in the log is found by asking everything again.
+TEST(SearchRules, VerifyReplayFindsAPointThatWouldNotBeAsked) {
+  SearchTask task = two_objectives(3, 60);
+  const TemporaryFolder folder;
+  search_into(folder, task, zdt1);
+  {
+    Database database(folder / "s.sqlite", Database::Access::kReadWrite);
+    database.run(
+        "UPDATE trial SET point = (SELECT point FROM trial WHERE number = 3) WHERE number = 33");
+  }
+  task.verify_replay = true;
+  EXPECT_THROW(search_into(folder, task, zdt1), ConfigError);
+}
+
+TEST(SearchRules, UnderNoiseTheBestIsTheExpectedBest) {
+  SearchTask task = {.space = box(2, 0, 1),
+                     .settings = {.is_noisy = true},
+                     .goal = {.objective = {.name = "f", .is_maximised = false}, .constraints = {}},
+                     .budget = {.evaluations = 60}};
+  const TemporaryFolder folder;
+  const auto truth = [](const Point& p) {
+    return std::pow(p[0] - 0.3, 2) + std::pow(p[1] - 0.6, 2);
+  };
+  const SearchResult result = search_into(folder, task, [&](const Point& p, int trial) {
+    return Outcome{.scores = {{"f", truth(p) + 2.0 * test::noise(trial)}}};
+  });
+  EXPECT_EQ(result.algorithm, "gp");
+  double luckiest = 1e9;
+  for (const Trial& trial : Storage::read(folder / "s.sqlite").trials(TrialKind::kSearch)) {
+    luckiest = std::min(luckiest, trial.outcome->scores.at("f"));
+  }
+  EXPECT_GT(result.best->outcome->scores.at("f"), luckiest);
+  EXPECT_LT(truth(result.best->point), 0.01);  // a tenth of the noise
 }
 
 TEST(TradeOff, AnotherReferenceThanTheRecordedOneIsRefused) {

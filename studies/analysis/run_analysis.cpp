@@ -14,11 +14,11 @@
 #include "core/wall_clock.h"
 #include "optimizer/algorithm/sobol.h"
 #include "optimizer/storage/storage.h"
+#include "studies/accuracy/chosen_accuracy.h"
 #include "studies/analysis/analysis_json.h"
 #include "studies/definition/study.h"
 #include "studies/definition/study_text.h"
 #include "studies/output/provenance.h"
-#include "studies/accuracy/chosen_accuracy.h"
 #include "studies/run/study_search.h"
 
 namespace glint {

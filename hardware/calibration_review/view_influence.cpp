@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "hardware/calibration/variance_components.h"
+#include "hardware/calibration_review/view_information.h"
 
 namespace glint {
 namespace {
@@ -14,14 +14,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-/// What a single picture says, without what is known beforehand.
-SharedInformation information_of(const Bundle& bundle, const BundleView& view) {
-  Bundle alone = without_views(bundle);
-  alone.lens_prior.reset();
-  alone.views = {view};
-  return shared_information(alone, compress(alone), bundle.noise);
-}
 
 ViewInfluence influence_of(const Bundle& bundle, const MatrixXd& whole, const VectorXd& move) {
   ViewInfluence influence;
@@ -50,7 +42,7 @@ std::vector<ViewInfluence> view_influences(const Bundle& solved) {
   MatrixXd whole = MatrixXd::Zero(size, size);
   VectorXd gradient = VectorXd::Zero(size);
   for (const BundleView& view : solved.views) {
-    const SharedInformation& one = views.emplace_back(information_of(solved, view));
+    const SharedInformation& one = views.emplace_back(view_information(solved, view));
     whole += one.hessian;
     gradient += one.gradient;
   }

@@ -2,11 +2,13 @@
 #include "studies/calibrate/solved_calibration.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "core/config/key_writer.h"
 #include "hardware/calibration/lens_choice.h"
+#include "hardware/calibration_review/second_camera.h"
 
 namespace glint {
 namespace {
@@ -208,6 +210,29 @@ void review(const CalibrateInput& input,
       next_views(bundle, corners_mm(input.board), input.width_px, input.height_px, kAdvisedViews);
 }
 
+/// @throws ConfigError when the pictures are of two cameras
+void check_one_camera(const CalibrateInput& input, const CameraCalibration& camera) {
+  const std::optional<SecondCamera> second = find_second_camera(camera.bundle);
+  if (!second) {
+    return;
+  }
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < camera.pictures.size(); ++i) {
+    if (camera.pictures[i].accepted) {
+      names.push_back(std::filesystem::path(input.names[i]).filename().string());
+    }
+  }
+  throw ConfigError(fmt::format(
+      "the pictures are of two cameras, or of one whose lens was turned in between: {} to {} agree "
+      "among each other, and so do {} to {}, with {:.3g} times the focal length; calibrate each by "
+      "itself",
+      names.front(),
+      names[second->first_view - 1],
+      names[second->first_view],
+      names.back(),
+      second->focal_ratio));
+}
+
 void solve_with_poses(const CalibrateInput& input, SolvedCalibration& solved, ThreadPool& pool) {
   solved.joint = joint_calibration(input, solved.notes);
   solved.camera = solved.joint->camera;
@@ -242,6 +267,7 @@ SolvedCalibration solve_calibration(const CalibrateInput& input, ThreadPool& poo
   if (!solved.camera.succeeded) {
     throw ConfigError(solved.camera.refusal);
   }
+  check_one_camera(input, solved.camera);
   take_camera(solved);
   take_camera_prediction(input, solved, pool);
   review(input, solved.camera.bundle, solved.camera.pictures, solved);

@@ -253,6 +253,35 @@ TEST_F(CalibrateErrors, ACameraOfAnotherSizeIsTold) {
                  "camera.toml: is a camera of 100 x 60 pixels, the pictures have 80 x 60");
 }
 
+// The pictures of a chessboard, from left08 on as a camera with a lens 1.15 times as long would
+// have taken them.
+TEST_F(CalibrateErrors, PicturesOfTwoCamerasAreToldWithTheirPlace) {
+  if (chessboard("left").result.is_null()) {
+    GTEST_SKIP() << "no photographs";
+  }
+  const auto rows =
+      parse_csv(read_file(chessboard("left").folder / "out/corners.csv"), "corners.csv");
+  std::string two;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::vector<std::string> fields;
+    for (const CsvField& field : rows[i]) {
+      fields.push_back(field.text);
+    }
+    if (i > 0 && std::filesystem::path(fields[0]).filename() >= "left08.jpg") {
+      fields[5] = shortest(320.0 + 1.15 * (*rows[i][5].number() - 320.0));
+      fields[6] = shortest(240.0 + 1.15 * (*rows[i][6].number() - 240.0));
+    }
+    two += csv_row(fields);
+  }
+  write_file(folder_ / "two.csv", two);
+  const std::string board = (photographs("calibration/chessboard_left") / "board.json").string();
+  expect_refused(
+      {},
+      {"--from", "two.csv", "--board", board},
+      "two cameras, or of one whose lens was turned in between: left01.jpg to left07.jpg "
+      "agree among each other, and so do left08.jpg to left14.jpg, with 1.1");
+}
+
 // Half of the pictures of a robot with its board pushed by 15 mm in its grip: as if the flange had
 // been elsewhere.
 TEST_F(CalibrateErrors, ABoardThatMovedMidwayIsToldWithTheTwoPictures) {

@@ -20,6 +20,7 @@ constexpr double kScalePx = 0.5;      ///< what the motion as a whole leaves, ab
 constexpr int kShifts = 3;            ///< rounds of a shift alone
 constexpr int kMotions = 6;           ///< of the whole motion
 constexpr int kLocations = 2;
+constexpr double kAlikePx = 1.5;  ///< from the motion as a whole
 constexpr std::size_t kLeastEdges = 40;
 constexpr double kLeastShare = 0.3;
 
@@ -40,13 +41,15 @@ std::vector<LocatedEdge> own_edges(const ImageF& picture, const std::vector<Boun
   return edges;
 }
 
-/// The outline moved until most of what shows of it lies on these edges. Where the part does not
-/// show, nothing of the real picture belongs to it: what is near it there is not asked.
+/// The outline moved until most of what shows of it lies on these edges, by shifts and then so many
+/// whole motions. Where the part does not show, nothing of the real picture belongs to it: what is
+/// near it there is not asked.
 std::vector<Boundary> moved_onto(std::vector<Boundary> outline,
                                  std::vector<Boundary> shown,
                                  std::span<const Boundary> edges,
-                                 double reach_px) {
-  for (int round = 0; round < kShifts + kMotions; ++round) {
+                                 double reach_px,
+                                 int motions) {
+  for (int round = 0; round < kShifts + motions; ++round) {
     const auto gaps = gaps_between(shown, edges, reach_px);
     const OutlineMotion motion = fit_outline_motion(offsets_of(gaps), kScalePx, round < kShifts);
     shown = moved_outlines(std::move(shown), motion);
@@ -77,6 +80,29 @@ OutlineMotion motion_of(const std::vector<Boundary>& outline, std::span<const Lo
   return fit_outline_motion(offsets, kScalePx);
 }
 
+/// Where a search along an outline ends.
+struct Located {
+  std::vector<Boundary> rough;  ///< moved onto the edges as a whole
+  std::vector<LocatedEdge> edges;
+  std::size_t alike = 0;  ///< edges that lie where the motion as a whole has them
+};
+
+Located located_along(std::vector<Boundary> rough,
+                      const ImageF& real,
+                      std::span<const LocatedEdge> own) {
+  Located found = {.rough = std::move(rough)};
+  for (int round = 0; round <= kLocations; ++round) {
+    found.edges = edges_alike(locate_edges(real, found.rough, {.reach_px = kRealReachPx}), own);
+    if (round < kLocations) {
+      const OutlineMotion motion = motion_of(found.rough, found.edges);
+      found.rough = moved_outlines(std::move(found.rough), motion);
+    }
+  }
+  found.alike = static_cast<std::size_t>(std::ranges::count_if(
+      found.edges, [](const LocatedEdge& edge) { return std::abs(edge.moved_px) < kAlikePx; }));
+  return found;
+}
+
 }  // namespace
 
 std::optional<GuidedOutlines> guided_outlines(const ImageF& simulated,
@@ -90,21 +116,23 @@ std::optional<GuidedOutlines> guided_outlines(const ImageF& simulated,
     return std::nullopt;
   }
   found.simulated = joined(own, found.simulated_rough);
-  found.real_rough = moved_onto(found.simulated_rough, found.simulated, first, reach_px);
-  std::vector<LocatedEdge> edges;
-  for (int round = 0; round <= kLocations; ++round) {
-    edges = edges_alike(locate_edges(real, found.real_rough, {.reach_px = kRealReachPx}), own);
-    if (round < kLocations) {
-      const OutlineMotion motion = motion_of(found.real_rough, edges);
-      found.real_rough = moved_outlines(std::move(found.real_rough), motion);
+  // What is bright may be wrong along a whole side: the search begins where the part should be,
+  // too.
+  Located best = located_along(found.simulated_rough, real, own);
+  for (const int motions : {0, kMotions}) {
+    Located other = located_along(
+        moved_onto(found.simulated_rough, found.simulated, first, reach_px, motions), real, own);
+    if (other.alike > best.alike) {
+      best = std::move(other);
     }
   }
   // An edge that one side lacks has no counterpart: the nearest one would be of another side.
-  found.simulated = joined(edges_alike(own, edges), found.simulated_rough);
-  found.real = joined(edges, found.real_rough);
-  found.share = static_cast<double>(edges.size()) / static_cast<double>(own.size());
-  return edges.size() >= kLeastEdges && found.share >= kLeastShare ? std::optional(found)
-                                                                   : std::nullopt;
+  found.simulated = joined(edges_alike(own, best.edges), found.simulated_rough);
+  found.real = joined(best.edges, best.rough);
+  found.real_rough = std::move(best.rough);
+  found.share = static_cast<double>(best.edges.size()) / static_cast<double>(own.size());
+  return best.edges.size() >= kLeastEdges && found.share >= kLeastShare ? std::optional(found)
+                                                                        : std::nullopt;
 }
 
 }  // namespace glint::compare_detail

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -100,7 +101,7 @@ std::vector<Rescored> rescored_of(const Goal& goal, Json& front) {
 
 /// How often each one is beaten by none when the scores move by their errors.
 std::vector<double> shares_on_front(const std::vector<Rescored>& designs) {
-  std::vector<double> shares(designs.size(), 0.0);
+  std::vector<int> unbeaten(designs.size(), 0);
   std::vector<Row> rows(designs.size());
   for (int draw = 0; draw < kDraws; ++draw) {
     Rng rng(0, Stream::kResampling, static_cast<std::uint64_t>(draw));
@@ -113,9 +114,13 @@ std::vector<double> shares_on_front(const std::vector<Rescored>& designs) {
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const bool is_beaten =
           std::ranges::any_of(rows, [&](const Row& other) { return dominates(other, rows[k]); });
-      shares[k] += is_beaten ? 0.0 : 1.0 / kDraws;
+      unbeaten[k] += is_beaten ? 0 : 1;
     }
   }
+  std::vector<double> shares;
+  std::ranges::transform(unbeaten, std::back_inserter(shares), [](int count) {
+    return static_cast<double>(count) / kDraws;
+  });
   return shares;
 }
 

@@ -11,6 +11,7 @@ import { order } from './table.js';
 const kBlue = '#0072b2';
 const kGrey = '#aab4bd';
 const kOrange = '#d55e00';
+const kTold = 5e-4;  // an error of less than that part of its value changes none of the digits that are shown
 const kReach = { design: 14, trial: 9 };  // pixels around a mark in which a click means it
 const kCross = 'path://M0,2L2,0L5,3L8,0L10,2L7,5L10,8L8,10L5,7L2,10L0,8L3,5Z';
 const kPrintedRows = 12;
@@ -46,7 +47,8 @@ class Members {
   fresh(number) {
     const design = this.byTrial.get(number);
     if (!design?.rescored) return (number === this.chosen && this.winner?.rescored) || {};
-    return { ...design.rescored, ...Object.fromEntries(Object.entries(design.rescored_errors ?? {}).map(([name, error]) => [`${name}.error`, error])) };
+    const told = Object.entries(design.rescored_errors ?? {}).filter(([name, error]) => error > kTold * Math.abs(design.rescored[name]));
+    return { ...design.rescored, ...Object.fromEntries(told.map(([name, error]) => [`${name}.error`, error])) };
   }
 
   /** Marks of a design of the front: [kind, text]. */

@@ -131,6 +131,26 @@ double volume_of(const std::vector<Rescored>& designs, Row Rescored::*row, const
   return reference.empty() ? 0.0 : hypervolume(rows, reference);
 }
 
+/// Half the interval of the hypervolume by the fresh scores, from two standard errors of each as if
+/// they were independent, to first order; empty where an error is missing.
+std::optional<double> volume_noise(const std::vector<Rescored>& designs, const Row& reference) {
+  std::vector<Row> rows;
+  std::ranges::transform(designs, std::back_inserter(rows), &Rescored::fresh);
+  const double volume = reference.empty() ? 0.0 : hypervolume(rows, reference);
+  double squares = 0.0;
+  for (std::size_t k = 0; k < designs.size(); ++k) {
+    if (reference.empty() || designs[k].errors.size() != rows[k].size()) {
+      return std::nullopt;
+    }
+    for (std::size_t i = 0; i < rows[k].size(); ++i) {
+      rows[k][i] = designs[k].fresh[i] + 2.0 * designs[k].errors[i];
+      squares += std::pow(hypervolume(rows, reference) - volume, 2);
+      rows[k][i] = designs[k].fresh[i];
+    }
+  }
+  return std::sqrt(squares);
+}
+
 }  // namespace
 
 Scores scores_from_json(const Json& json) {
@@ -215,9 +235,11 @@ Json judge_front(const Goal& goal, Json& front) {
   const auto rescored = std::ranges::count_if(
       front["designs"], [](const Json& design) { return design.contains("rescored"); });
   const Row reference = reference_of(goal, front);
+  const auto noise = volume_noise(designs, reference);
   return {{"designs", rescored},
           {"dominated", dominated},
           {"hypervolume", volume_of(designs, &Rescored::fresh, reference)},
+          {"noise", noise ? Json(*noise) : Json(nullptr)},
           {"searched", volume_of(designs, &Rescored::searched, reference)}};
 }
 

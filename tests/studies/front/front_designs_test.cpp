@@ -3,6 +3,8 @@
 // Designs of a front after the search: which are shown, and what fresh scores leave of them.
 #include "studies/front/front_designs.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -113,6 +115,16 @@ TEST(JudgeFront, MarksWhatAnotherDesignBeatsWithFreshSeeds) {
   // + 2.5.
   EXPECT_DOUBLE_EQ(summary["searched"].get<double>(), 9.0);
   EXPECT_DOUBLE_EQ(summary["hypervolume"].get<double>(), 6.5);
+}
+
+TEST(JudgeFront, PropagatesTheErrorsToTheHypervolume) {
+  Json front = front_of_three();
+  const Goal goal = goal_of_two();
+  add_rescored(goal, written(2.0, 2.0, 4.0, 0.1), front["designs"][1]);
+  // One design: 2 x 3. With 1.8 even 1.8 x 3, with 2.2 wide 2 x 2.8: sqrt(0.6^2 + 0.4^2).
+  EXPECT_NEAR(judge_front(goal, front)["noise"].get<double>(), std::sqrt(0.52), 1e-12);
+  front["designs"][1]["rescored_errors"].erase("width");
+  EXPECT_TRUE(judge_front(goal, front)["noise"].is_null());
 }
 
 TEST(JudgeFront, ADesignThatLostALimitBeatsNone) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -100,7 +101,7 @@ std::vector<Rescored> rescored_of(const Goal& goal, Json& front) {
 
 /// How often each one is beaten by none when the scores move by their errors.
 std::vector<double> shares_on_front(const std::vector<Rescored>& designs) {
-  std::vector<double> shares(designs.size(), 0.0);
+  std::vector<int> unbeaten(designs.size(), 0);
   std::vector<Row> rows(designs.size());
   for (int draw = 0; draw < kDraws; ++draw) {
     Rng rng(0, Stream::kResampling, static_cast<std::uint64_t>(draw));
@@ -113,9 +114,13 @@ std::vector<double> shares_on_front(const std::vector<Rescored>& designs) {
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const bool is_beaten =
           std::ranges::any_of(rows, [&](const Row& other) { return dominates(other, rows[k]); });
-      shares[k] += is_beaten ? 0.0 : 1.0 / kDraws;
+      unbeaten[k] += is_beaten ? 0 : 1;
     }
   }
+  std::vector<double> shares;
+  std::ranges::transform(unbeaten, std::back_inserter(shares), [](int count) {
+    return static_cast<double>(count) / kDraws;
+  });
   return shares;
 }
 
@@ -124,6 +129,26 @@ double volume_of(const std::vector<Rescored>& designs, Row Rescored::*row, const
   std::ranges::transform(
       designs, std::back_inserter(rows), [&](const Rescored& one) { return one.*row; });
   return reference.empty() ? 0.0 : hypervolume(rows, reference);
+}
+
+/// Half the interval of the hypervolume by the fresh scores, from two standard errors of each as if
+/// they were independent, to first order; empty where an error is missing.
+std::optional<double> volume_noise(const std::vector<Rescored>& designs, const Row& reference) {
+  std::vector<Row> rows;
+  std::ranges::transform(designs, std::back_inserter(rows), &Rescored::fresh);
+  const double volume = reference.empty() ? 0.0 : hypervolume(rows, reference);
+  double squares = 0.0;
+  for (std::size_t k = 0; k < designs.size(); ++k) {
+    if (reference.empty() || designs[k].errors.size() != rows[k].size()) {
+      return std::nullopt;
+    }
+    for (std::size_t i = 0; i < rows[k].size(); ++i) {
+      rows[k][i] = designs[k].fresh[i] + 2.0 * designs[k].errors[i];
+      squares += std::pow(hypervolume(rows, reference) - volume, 2);
+      rows[k][i] = designs[k].fresh[i];
+    }
+  }
+  return std::sqrt(squares);
 }
 
 }  // namespace
@@ -210,9 +235,11 @@ Json judge_front(const Goal& goal, Json& front) {
   const auto rescored = std::ranges::count_if(
       front["designs"], [](const Json& design) { return design.contains("rescored"); });
   const Row reference = reference_of(goal, front);
+  const auto noise = volume_noise(designs, reference);
   return {{"designs", rescored},
           {"dominated", dominated},
           {"hypervolume", volume_of(designs, &Rescored::fresh, reference)},
+          {"noise", noise ? Json(*noise) : Json(nullptr)},
           {"searched", volume_of(designs, &Rescored::searched, reference)}};
 }
 

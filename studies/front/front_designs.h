@@ -44,7 +44,8 @@ void add_rescored(const Goal& goal,
 ///   probability_on_front  of being beaten by none of them, errors taken as normal and independent;
 ///                         absent unless every fresh score has an error
 /// @return { designs: that were scored again, dominated: how many of them are,
-///           hypervolume: of them by the fresh scores, searched: by those of the search }
+///           hypervolume: of them by the fresh scores, noise: half its interval or
+///           null, searched: by those of the search }
 nlohmann::ordered_json judge_front(const Goal& goal, nlohmann::ordered_json& front);
 
 }  // namespace glint

@@ -11,6 +11,7 @@ import { order } from './table.js';
 const kBlue = '#0072b2';
 const kGrey = '#aab4bd';
 const kOrange = '#d55e00';
+const kTold = 5e-4;  // an error of less than that part of its value changes none of the digits that are shown
 const kReach = { design: 14, trial: 9 };  // pixels around a mark in which a click means it
 const kCross = 'path://M0,2L2,0L5,3L8,0L10,2L7,5L10,8L8,10L5,7L2,10L0,8L3,5Z';
 const kPrintedRows = 12;
@@ -46,7 +47,8 @@ class Members {
   fresh(number) {
     const design = this.byTrial.get(number);
     if (!design?.rescored) return (number === this.chosen && this.winner?.rescored) || {};
-    return { ...design.rescored, ...Object.fromEntries(Object.entries(design.rescored_errors ?? {}).map(([name, error]) => [`${name}.error`, error])) };
+    const told = Object.entries(design.rescored_errors ?? {}).filter(([name, error]) => error > kTold * Math.abs(design.rescored[name]));
+    return { ...design.rescored, ...Object.fromEntries(told.map(([name, error]) => [`${name}.error`, error])) };
   }
 
   /** Marks of a design of the front: [kind, text]. */
@@ -462,11 +464,21 @@ export function hypervolumeSection(facts) {
   const history = facts.front?.history ?? [];
   if (history.length < 2) return null;
   const noise = (facts.front.noise_history ?? []).filter(([at]) => at >= 1 && at <= history.length);
-  const hasNoise = noise.some(([, half]) => half > 0);
   const again = facts.front.rescored;
+  const hasOwn = noise.some(([, half]) => half > 0);
+  const part = !hasOwn && isNumber(again?.noise) && again.hypervolume > 0 ? again.noise / again.hypervolume : 0;
+  const hasNoise = hasOwn || part > 0;
   const line = history.map((value, i) => [i + 1, value]);
-  const band = noise.map(([at, half]) => [at, history[at - 1] - half, history[at - 1] + half]);
-  const most = Math.max(...history, ...band.map(([, , high]) => high));
+  /** Between the places where it is known. */
+  const ownHalf = (at) => {
+    const next = noise.find(([place]) => place >= at) ?? noise[noise.length - 1];
+    const last = noise.findLast(([place]) => place <= at) ?? [0, 0];
+    return next[0] === last[0] ? next[1] : last[1] + ((next[1] - last[1]) * (at - last[0])) / (next[0] - last[0]);
+  };
+  const halves = hasNoise ? history.map((value, i) => (hasOwn ? ownHalf(i + 1) : part * value)) : [];
+  const ends = (i) => [history[i] - halves[i], history[i] + halves[i]];
+  const band = halves.flatMap((_, i) => [...(i > 0 ? [[i + 1, ...ends(i - 1)]] : []), [i + 1, ...ends(i)]]);
+  const most = band.reduce((largest, [, , high]) => Math.max(largest, high), Math.max(...history));
   const option = () => ({
     grid: { left: 70, right: 24, top: 40, bottom: 44 }, legend: { top: 0, right: 16, itemGap: 18, textStyle: kText, data: ['hypervolume', hasNoise && '95 % of the noise'].filter(Boolean) },
     tooltip: { trigger: 'axis', confine: true, textStyle: { fontSize: 12, color: kInk }, valueFormatter: (value) => number(value) },
@@ -478,7 +490,7 @@ export function hypervolumeSection(facts) {
         renderItem: (_, api) => ({ type: 'polygon', shape: { points: [...band.map(([x, , high]) => api.coord([x, high])), ...band.map(([x, low]) => api.coord([x, Math.max(0, low)])).reverse()] }, style: { fill: kBlue, opacity: 0.2 } }) }] : []),
     ],
   });
-  const notes = ['What the front encloses with the reference, in the product of the scores\u2019 units; more is better.', hasNoise ? 'The band is what the scores\u2019 own errors make of it.' : 'The scores tell no error of their own, so that there is no band.',
-    again && isNumber(again.hypervolume) && again.searched > 0 && `The ${plural(again.designs, 'design')} scored again enclose ${number(again.searched, 3)} by the search and ${number(again.hypervolume, 3)} with fresh seeds.`];
+  const notes = ['What the front encloses with the reference, in the product of the scores\u2019 units; more is better.', hasOwn ? 'The band is what the scores\u2019 own errors make of it.' : part > 0 ? 'The band is the share that the errors of the designs scored again make of it.' : 'The scores tell no error of their own, so that there is no band.',
+    again && isNumber(again.hypervolume) && again.searched > 0 && `The ${plural(again.designs, 'design')} scored again enclose ${number(again.searched, 3)} by the search and ${number(again.hypervolume, 3)}${isNumber(again.noise) && again.noise > 0 ? ` \u00b1 ${number(again.noise, 2)}` : ''} with fresh seeds.`];
   return section('hypervolume', 'Hypervolume', notes.filter(Boolean).join(' '), chart(300, 'Hypervolume against evaluations', 0, option));
 }

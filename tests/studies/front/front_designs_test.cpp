@@ -3,6 +3,8 @@
 // Designs of a front after the search: which are shown, and what fresh scores leave of them.
 #include "studies/front/front_designs.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -106,13 +108,23 @@ TEST(JudgeFront, MarksWhatAnotherDesignBeatsWithFreshSeeds) {
   EXPECT_FALSE(front["designs"][0].contains("dominated_by"));
   EXPECT_EQ(front["designs"][1]["dominated_by"], 3);
   EXPECT_EQ(front["designs"][1]["probability_on_front"], 0.0);
-  EXPECT_NEAR(front["designs"][0]["probability_on_front"].get<double>(), 1.0, 1e-9);
+  EXPECT_EQ(front["designs"][0]["probability_on_front"], 1.0);
   EXPECT_EQ(summary["designs"], 3);
   EXPECT_EQ(summary["dominated"], 1);
   // The search's corners (1, 4), (2, 3), (4, 1): 4 + 3 + 2; fresh (1, 4), (1, 3), (3.5, 1): 4
   // + 2.5.
   EXPECT_DOUBLE_EQ(summary["searched"].get<double>(), 9.0);
   EXPECT_DOUBLE_EQ(summary["hypervolume"].get<double>(), 6.5);
+}
+
+TEST(JudgeFront, PropagatesTheErrorsToTheHypervolume) {
+  Json front = front_of_three();
+  const Goal goal = goal_of_two();
+  add_rescored(goal, written(2.0, 2.0, 4.0, 0.1), front["designs"][1]);
+  // One design: 2 x 3. With 1.8 even 1.8 x 3, with 2.2 wide 2 x 2.8: sqrt(0.6^2 + 0.4^2).
+  EXPECT_NEAR(judge_front(goal, front)["noise"].get<double>(), std::sqrt(0.52), 1e-12);
+  front["designs"][1]["rescored_errors"].erase("width");
+  EXPECT_TRUE(judge_front(goal, front)["noise"].is_null());
 }
 
 TEST(JudgeFront, ADesignThatLostALimitBeatsNone) {

@@ -58,6 +58,31 @@ void add_from(CLI::App& run, std::filesystem::path& from) {
       ->check(not_empty());
 }
 
+void add_frontier_verb(CLI::App& app, CommandLine& line) {
+  CLI::App* frontier = add_verb(
+      app,
+      "frontier",
+      "chart error against time of every rendering method",
+      "glint frontier studies/gallery/tunnel_shape/study.toml --out out/f",
+      line,
+      [](const CommandLine& given) { return frontier_command(given.study, given.common); });
+  add_study(*frontier, "SCENE.toml", line.study);
+  add_out(*frontier,
+          line.study.out,
+          "folder for chart and numbers (default out/<study name>/frontier)");
+  frontier
+      ->add_option("--budget",
+                   line.study.budget,
+                   "wall clock, like 40s, 30m; methods beyond it are left out (default 10m)")
+      ->type_name("TIME");
+}
+
+void add_verify_replay(CLI::App& run, bool& verify_replay) {
+  run.add_flag("--verify_replay",
+               verify_replay,
+               "when resuming: compute every recorded question of the search again and compare it");
+}
+
 void add_study_verbs(CLI::App& app, CommandLine& line) {
   CLI::App* run = add_verb(app,
                            "run",
@@ -76,6 +101,7 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
       ->type_name("TIME");
   add_seed(*run, line.study.seed, "seed of the search");
   add_from(*run, line.study.from);
+  add_verify_replay(*run, line.study.verify_replay);
   run->add_option("--cell",
                   line.driven_run.cell,
                   "of a study with [validate]: plan its views for this cell; with --move the robot "
@@ -105,17 +131,7 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
   add_out(*render, line.study.out, "folder for the pictures (default out/<study name>/render)");
   render->add_flag(
       "--masks", line.study.is_masks, "masks and geometry only, without sampling any light");
-  CLI::App* frontier = add_verb(
-      app,
-      "frontier",
-      "chart error against time of every rendering method",
-      "glint frontier studies/gallery/tunnel_shape/study.toml --out out/f",
-      line,
-      [](const CommandLine& given) { return frontier_command(given.study, given.common); });
-  add_study(*frontier, "SCENE.toml", line.study);
-  add_out(*frontier,
-          line.study.out,
-          "folder for chart and numbers (default out/<study name>/frontier)");
+  add_frontier_verb(app, line);
 }
 
 /// Numbers above 0, without a remark of its own in the help.

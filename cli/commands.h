@@ -38,6 +38,7 @@ struct StudyArguments {
   std::string budget;             ///< wall clock, empty: as the study says
   std::optional<int> seed;
   std::filesystem::path from;  ///< run: an earlier run to begin with
+  bool verify_replay = false;  ///< run: compute every recorded question again when resuming
   bool is_masks = false;       ///< render: masks and geometry alone
 };
 

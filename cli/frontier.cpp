@@ -25,8 +25,10 @@ std::string row_text(const Json& point) {
     return fmt::format("  {:<44} {}\n", label, point["problem"].get<std::string>());
   }
   const bool is_on_front = !point["on_front"].empty();
-  return fmt::format("{} {:<44} {:>9} {:>8} {:>11} {:>9} {:>9} {:>11}\n",
+  const bool is_current = point["is_current"];
+  return fmt::format("{}{}{:<44} {:>9} {:>8} {:>11} {:>9} {:>9} {:>11}\n",
                      is_on_front ? "*" : " ",
+                     is_current ? ">" : " ",
                      label,
                      number_text(point["cpu_s"], 1e3, "-"),
                      number_text(point["cold_s"], 1.0, "-"),
@@ -47,6 +49,26 @@ std::string table_text(const Json& result) {
                                  "contrast %");
   for (const Json& point : result["points"]) {
     text += row_text(point);
+  }
+  return text;
+}
+
+std::string ranking_text(const Json& result) {
+  const Json& ranking = result["ranking"];
+  if (ranking.is_null()) {
+    return "";
+  }
+  std::string text = fmt::format("order of {} designs by {}, against {}:\n",
+                                 ranking["designs"].get<int>(),
+                                 ranking["score"].get<std::string>(),
+                                 ranking["reference"].get<std::string>());
+  for (const Json& row : ranking["methods"]) {
+    text += fmt::format("  {:<44} {:>9} ms   tau {:>6.2f} of {} pairs   {}\n",
+                        row["label"].get<std::string>(),
+                        number_text(row["cpu_s"], 1e3, "-"),
+                        row["tau"].get<double>(),
+                        row["pairs"].get<int>(),
+                        row["is_right"].get<bool>() ? "right" : "not shown to be right");
   }
   return text;
 }
@@ -105,15 +127,20 @@ std::string sweeps_text(const Json& result) {
 
 int frontier_command(const StudyArguments& arguments, const CommonArguments& common) {
   const Study study = load_study(arguments);
-  const Json result = frontier_study(study,
-                                     {.out = out_folder(arguments, study, ResultKind::kFrontier),
-                                      .threads = common.threads,
-                                      .progress = common.progress()});
+  FrontierRun run = {.out = out_folder(arguments, study, ResultKind::kFrontier),
+                     .threads = common.threads,
+                     .progress = common.progress()};
+  if (!arguments.budget.empty()) {
+    run.budget_s = study.budget.wall_clock_s;
+  }
+  const Json result = frontier_study(study, run);
   print_result(common,
                result,
                fmt::format("{}* nothing cheaper has a smaller error of one of the three kinds\n"
-                           "report: {}\ndrawing: {}\n",
+                           "> the scene's own setting\n"
+                           "{}report: {}\ndrawing: {}\n",
                            table_text(result),
+                           ranking_text(result),
                            result["report"].get<std::string>(),
                            result["drawing"].get<std::string>()));
   return kExitDone;

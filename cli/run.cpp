@@ -18,6 +18,7 @@
 #include "studies/calibration_trial/trial_run.h"
 #include "studies/cell/cell_file.h"
 #include "studies/population/population_report.h"
+#include "studies/accuracy/accuracy_report.h"
 #include "studies/run/check_study.h"
 #include "studies/run/render_study.h"
 #include "studies/run/render_views.h"
@@ -129,6 +130,9 @@ std::string summary(const Json& result) {
       text += fmt::format("  {} = {}\n", name, value.dump());
     }
   }
+  if (result.contains("accuracy")) {
+    text += accuracy_text(result["accuracy"]);
+  }
   const std::string populations = population_summary(result);
   text += populations.empty() ? verdict_lines(result) : populations;
   return text + fmt::format("report: {}\n", result["report"].get<std::string>());
@@ -190,7 +194,8 @@ int run_command(const StudyArguments& arguments,
                            .progress = common.progress(),
                            .log_file = common.log_file,
                            .interrupt = &interrupts,
-                           .from = arguments.from});
+                           .from = arguments.from,
+                           .verify_replay = arguments.verify_replay});
   const bool is_interrupted = result["status"] == "interrupted";
   AcquireAnswer end;
   if (study.scene.validate && !is_interrupted) {
@@ -263,6 +268,12 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
   }
   for (const Json& limit : result["broken_limits"]) {
     text += "  warning: " + limit.get<std::string>() + "\n";
+  }
+  if (result.contains("accuracy")) {
+    text += accuracy_text(result["accuracy"]);
+    for (const Json& note : result["accuracy"]["not_modelled"]) {
+      text += "  note: " + note.get<std::string>() + "\n";
+    }
   }
   print_result(common, result, text + cost_text(result));
   return kExitDone;

@@ -6,8 +6,8 @@
 namespace glint {
 namespace {
 
-constexpr std::array<std::string_view, 11> kUnits = {
-    "mm", "um", "nm", "px", "deg", "rad", "mrad", "s", "us", "e", "mm2"};
+constexpr std::array<std::string_view, 12> kUnits = {
+    "mm", "um", "nm", "px", "deg", "rad", "mrad", "s", "ms", "us", "e", "mm2"};
 
 /// Units that hold an underscore: per second.
 constexpr std::array<std::string_view, 4> kSpeedUnits = {"mm_s", "mm_s2", "deg_s", "deg_s2"};
@@ -42,7 +42,7 @@ double internal_per_written(std::string_view key) {
   if (unit == "um") {
     return kMmPerUm;
   }
-  if (unit == "mrad") {
+  if (unit == "mrad" || unit == "ms") {
     return 1e-3;
   }
   if (unit == "us") {

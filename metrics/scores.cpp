@@ -2,12 +2,12 @@
 #include "metrics/scores.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "core/text.h"
+#include "metrics/score_table.h"
 
 namespace glint {
 namespace {
@@ -17,156 +17,6 @@ constexpr std::string_view kGroup = "<group>";
 constexpr std::string_view kLow = ".low";
 constexpr std::string_view kHigh = ".high";
 constexpr std::string_view kError = ".error";
-
-constexpr std::array kDocs = {
-    ScoreDoc{
-        "homogeneity.h_rms",
-        "1 - standard deviation / mean of the mean image over the flawless region; 1 is uniform, "
-        "below 0 (no mistake) where the deviation is larger than the mean: mostly dark, a few "
-        "spots "
-        "bright"},
-    ScoreDoc{"homogeneity.h_abs",
-             "1 - mean absolute deviation / mean of the mean image over the flawless region; 1 is "
-             "uniform, below 0 where the deviation is larger than the mean"},
-    ScoreDoc{"homogeneity.robust",
-             "1 - (P95 - P5) / (P95 + P5) of the mean image over the flawless region; a search "
-             "takes percentiles only where its objective or a limit needs them"},
-    ScoreDoc{"homogeneity.mean",
-             "mean value of the flawless region in the mean image, share of full scale"},
-    ScoreDoc{"homogeneity.clipped_share",
-             "share of the flawless region at full scale in every frame, where nothing can show"},
-    ScoreDoc{"homogeneity.lit_share", "share of the flawless region that light reaches"},
-    ScoreDoc{"homogeneity.u0",
-             "smallest 3 x 3 mean / mean of the mean image over the flawless region; 1 is uniform"},
-    ScoreDoc{"homogeneity.residual",
-             "1 - standard deviation / mean of the mean image / its shading, a Gaussian of "
-             "metrics.shading_diameters; what software cannot remove; may be below 0, as h_rms"},
-    ScoreDoc{"homogeneity.low_share",
-             "share of the mean image's variance at wavelengths above four defect diameters, "
-             "which software can remove"},
-    ScoreDoc{"homogeneity.high_share",
-             "share of the mean image's variance at wavelengths below four defect diameters, "
-             "which raises false alarms"},
-    ScoreDoc{"homogeneity.worst_region",
-             "smallest h_rms of metrics.regions times as many tiles of the flawless region"},
-    ScoreDoc{"homogeneity.ripple",
-             "amplitude at the harmonics of the stripes, left in the mean image along the rows, "
-             "/ mean; 0 is best"},
-    ScoreDoc{"fringe.regularity",
-             "coefficient of variation of the stripe spacing along the rows; 0 is regular"},
-    ScoreDoc{"fringe.period_px", "mean stripe spacing along the rows in pixels"},
-    ScoreDoc{"fringe.duty_error", "bright share of the stripes minus the nominal duty"},
-    ScoreDoc{"fringe.modulation", "(max - min) / (max + min) of the stripes"},
-    ScoreDoc{"defects.made", "how many defects the part has"},
-    ScoreDoc{"defects.mean_depth_um", "mean depth of the defects, height of bumps"},
-    ScoreDoc{"defects.removed_volume_mm3",
-             "volume that imprinted and displaced defects remove; bumps count as negative"},
-    ScoreDoc{"defects.min_cnr", "smallest contrast-to-noise ratio of any defect"},
-    ScoreDoc{"defects.min_weber", "smallest |Weber contrast| of any defect"},
-    ScoreDoc{"defects.mean_weber", "mean |Weber contrast| of the defects"},
-    ScoreDoc{"defects.min_dprime", "smallest detectability d' of any defect"},
-    ScoreDoc{"defects.min_signature", "smallest signature area ratio of any defect"},
-    ScoreDoc{"defects.min_change", "smallest change of any defect: what the worst one shows"},
-    ScoreDoc{"defects.mean_change", "mean change of the defects"},
-    ScoreDoc{"defects.min_rms_contrast", "smallest RMS contrast of any defect"},
-    ScoreDoc{"defects.min_best_frame", "smallest best_frame of any defect"},
-    ScoreDoc{"defects.min_union", "smallest union of any defect"},
-    ScoreDoc{
-        "defects.<label>.cnr",
-        "|mean of the defect - mean of its background| / standard deviation of the background"},
-    ScoreDoc{"defects.<label>.weber",
-             "(mean of the defect - mean of its background) / mean of the background"},
-    ScoreDoc{"defects.<label>.peak",
-             "Weber contrast of the defect's pixel that deviates most from the background"},
-    ScoreDoc{"defects.<label>.michelson", "(max - min) / (max + min) within two defect radii"},
-    ScoreDoc{"defects.<label>.dprime",
-             "norm of the defect's deviation image / standard deviation of the background"},
-    ScoreDoc{"defects.<label>.signature",
-             "area that deviates visibly from the background / true area of the defect"},
-    ScoreDoc{"defects.<label>.best_frame",
-             "largest |mean of the defect - mean of its background| of any single frame"},
-    ScoreDoc{"defects.<label>.change",
-             "largest mean |frame - the same frame of the flawless part| over the defect, share of "
-             "full scale; under stripes of full contrast the share of its area that flips"},
-    ScoreDoc{"defects.<label>.rms_contrast",
-             "standard deviation over the defect and its background together / their mean"},
-    ScoreDoc{"defects.<label>.union",
-             "area of the defect that changes visibly against the flawless part in any frame / "
-             "true area of the defect"},
-    ScoreDoc{"view.hidden_share",
-             "share of the part's pixels that the wall occludes from the camera; those that it "
-             "hides in part count in part"},
-    ScoreDoc{"view.slot_margin_mm",
-             "smallest distance of a sight line to the flawless region from the edge of the camera "
-             "slot, across the tunnel; negative: the wall occludes some of it"},
-    ScoreDoc{"inspection.detection_rate", "share of the defects that the inspection finds"},
-    ScoreDoc{"inspection.false_alarms", "blobs found on a flawless part, on average"},
-    ScoreDoc{"inspection.threshold",
-             "threshold of the response that the inspection took, share of full scale"},
-    ScoreDoc{"inspection.region_share",
-             "share of the part, without its rim, that is lit and uniform enough to be inspected"},
-    ScoreDoc{"inspection.rendering_share",
-             "share of the rendering's own noise in the variance of a flawless part's response; 0 "
-             "without path tracing"},
-    ScoreDoc{"inspection.rendering_error",
-             "share of the rendering's own noise in the squared changes that the defects make; 0 "
-             "without path tracing"},
-    ScoreDoc{"inspection.auc",
-             "probability that the largest |response| about a defect exceeds that of the same "
-             "place on a flawless part (area under the ROC curve)"},
-    ScoreDoc{"inspection.dprime",
-             "matched-filter d' against the covariance of the flawless picture: median over a "
-             "group's defects, of the group where it is smallest"},
-    ScoreDoc{"inspection.pod_a90_um",
-             "depth or height that is found nine times of ten, from defects of different size"},
-    ScoreDoc{"inspection.signature",
-             "mean of the segmented area of a defect / its true area; 0 for a missed one"},
-    ScoreDoc{"inspection.smallest_height_um",
-             "depth or height at which half of the defects are found, all made larger or smaller "
-             "by one factor"},
-    ScoreDoc{"inspection.smallest_slope_mrad",
-             "slope of the defects at inspection.smallest_height_um: the angle to the flawless "
-             "surface below which 99 % of their area lies"},
-    ScoreDoc{"inspection.<group>.detection_rate",
-             "share of the group's defects that the inspection finds"},
-    ScoreDoc{"inspection.<group>.auc", "inspection.auc over the group's defects"},
-    ScoreDoc{"inspection.<group>.dprime",
-             "matched-filter d' against the covariance of the flawless picture: median over the "
-             "group's defects"},
-    ScoreDoc{"inspection.<group>.pod_a90_um", "inspection.pod_a90_um over the group's defects"},
-    ScoreDoc{"inspection.<group>.signature", "inspection.signature over the group's defects"},
-    ScoreDoc{"coverage.c1", "share of the part's surface that at least one of the views inspects"},
-    ScoreDoc{"coverage.c2",
-             "share of the part's surface that at least two views inspect, from directions "
-             "coverage.separation_deg or more apart"},
-    ScoreDoc{"coverage.redundancy", "how many views inspect a place of the surface, on average"},
-    ScoreDoc{"coverage.largest_gap_mm2",
-             "area of the largest connected piece of the surface that no view inspects"},
-    ScoreDoc{"reach.share", "share of the views that the arm of [cell] file can take"},
-    ScoreDoc{"reach.margin_mm",
-             "smallest distance of arm, camera and lights on it to anything that stands, over the "
-             "views that it can take and the paths between them; 0 when it can take none"},
-    ScoreDoc{"overlap.iou",
-             "intersection over union of the part's regions in the simulated and the real picture, "
-             "mean over the pictures of [reference]; 1 is equal"},
-    ScoreDoc{
-        "overlap.mean_distance_px",
-        "mean distance of the part's outlines in the simulated and the real picture; 0 is best"},
-    ScoreDoc{"appearance.ssim",
-             "structural similarity of the simulated and the real picture over the part in either; "
-             "1 is equal"},
-    ScoreDoc{"appearance.rms",
-             "root of the mean squared difference of the simulated and the real picture over the "
-             "part in either, share of full scale; 0 is best"},
-    ScoreDoc{"appearance.histogram_distance",
-             "Wasserstein distance of the grey values of the part in the simulated and in the real "
-             "picture, share of full scale; 0 is best"},
-    ScoreDoc{"rays.followed_share", "share of the rays that hit the part again and were followed"},
-    ScoreDoc{"rays.blocked_share", "share of the rays that were given up as dark"},
-    ScoreDoc{"rays.max_cells",
-             "cells per axis that pixels beyond the reach of defects are cut into at most; only "
-             "where more of the usual 16 would take more than 0.9 GB"},
-};
 
 /// The name with the label in its place; unchanged without a place for one.
 std::string with_label(std::string_view name,
@@ -202,9 +52,10 @@ bool matches(std::string_view name, std::string_view pattern) {
 }
 
 const ScoreDoc* find_doc(std::string_view name) {
+  const std::span<const ScoreDoc> docs = score_table();
   const auto found =
-      std::ranges::find_if(kDocs, [&](const ScoreDoc& row) { return matches(name, row.name); });
-  return found == kDocs.end() ? nullptr : &*found;
+      std::ranges::find_if(docs, [&](const ScoreDoc& row) { return matches(name, row.name); });
+  return found == docs.end() ? nullptr : &*found;
 }
 
 /// Scores of an inspection line that need no defect.
@@ -216,7 +67,7 @@ bool is_of_flawless(std::string_view name) {
 }  // namespace
 
 std::span<const ScoreDoc> score_docs() {
-  return kDocs;
+  return score_table();
 }
 
 bool is_bound(std::string_view name) {
@@ -302,7 +153,7 @@ std::optional<std::string> explain_score(std::string_view name) {
 std::vector<std::string> score_names(std::span<const std::string> labels,
                                      std::span<const std::string> groups) {
   std::vector<std::string> names;
-  for (const ScoreDoc& row : kDocs) {
+  for (const ScoreDoc& row : score_table()) {
     const bool lacks_defects = row.name.starts_with("defects.") && labels.empty();
     const bool lacks_groups =
         row.name.starts_with("inspection.") && groups.empty() && !is_of_flawless(row.name);
@@ -312,7 +163,7 @@ std::vector<std::string> score_names(std::span<const std::string> labels,
   }
   for (const auto& [place, all] : {std::pair{kLabel, labels}, std::pair{kGroup, groups}}) {
     for (const std::string& label : all) {
-      for (const ScoreDoc& row : kDocs) {
+      for (const ScoreDoc& row : score_table()) {
         if (place_in(row.name) == place) {
           names.push_back(with_label(row.name, label, place));
         }

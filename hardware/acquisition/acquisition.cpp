@@ -106,7 +106,8 @@ class Acquisition {
       look_for_interrupt();
       TakenPicture picture = {.task = index, .position = position, .attempt = attempt};
       take_picture(picture);
-      picture.figures = figures_of(picture.frame, plan_.tasks[index].expected);
+      const ViewTask& task = plan_.tasks[index];
+      picture.figures = figures_of(picture.frame, task.expected, task.tolerance_px);
       picture.reason = rejection_of(picture.figures, options_.limits, sharpest);
       picture.is_accepted = picture.reason.empty();
       of_sink(picture);

@@ -2,8 +2,10 @@
 #include "hardware/acquisition/picture_check.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,6 +17,7 @@ using Codes = Image<std::uint16_t>;
 
 constexpr int kOutlineWindow_px = 3;       ///< half of it
 constexpr double kOutlineContrast = 0.04;  ///< of the bright level
+constexpr int kMostShift_px = 30;          ///< of the reduced picture
 
 /// Code that a share of all pixels does not exceed.
 int code_at_share(const Codes& codes, double share, int largest) {
@@ -82,37 +85,96 @@ bool is_boundary(const Mask& mask, int x, int y) {
          (mask(x - 1, y) == 0 || mask(x + 1, y) == 0 || mask(x, y - 1) == 0 || mask(x, y + 1) == 0);
 }
 
-/// How much the mean levels on both sides of an outline differ about one of its pixels.
-double step_at(const Codes& codes, const Mask& mask, int x, int y) {
-  std::array<double, 2> sums = {};
-  std::array<int, 2> counts = {};
-  for (int j = std::max(0, y - kOutlineWindow_px);
-       j <= std::min(codes.height() - 1, y + kOutlineWindow_px);
-       ++j) {
-    for (int i = std::max(0, x - kOutlineWindow_px);
-         i <= std::min(codes.width() - 1, x + kOutlineWindow_px);
-         ++i) {
-      const std::size_t side = mask(i, j) != 0 ? 1 : 0;
-      sums.at(side) += codes(i, j);
-      ++counts.at(side);
+/// Means of blocks of pixels.
+ImageF block_means(const Codes& codes, int factor) {
+  ImageF means(codes.width() / factor, codes.height() / factor);
+  for (int y = 0; y < means.height(); ++y) {
+    for (int x = 0; x < means.width(); ++x) {
+      double sum = 0.0;
+      for (int k = 0; k < factor * factor; ++k) {
+        sum += codes(x * factor + k % factor, y * factor + k / factor);
+      }
+      means(x, y) = static_cast<float>(sum / (factor * factor));
     }
   }
-  return counts[0] == 0 || counts[1] == 0 ? 0.0
-                                          : std::abs(sums[1] / counts[1] - sums[0] / counts[0]);
+  return means;
 }
 
-double outline_share(const Codes& codes, const Mask& mask, double bright_code) {
-  std::int64_t seen = 0;
-  std::int64_t all = 0;
-  for (int y = 1; y + 1 < mask.height(); ++y) {
-    for (int x = 1; x + 1 < mask.width(); ++x) {
-      if (is_boundary(mask, x, y)) {
-        ++all;
-        seen += step_at(codes, mask, x, y) >= kOutlineContrast * bright_code ? 1 : 0;
+/// The outline of a part that is expected, and how it shows where a shift takes it.
+class ExpectedOutline {
+ public:
+  ExpectedOutline(const ImageF& grey, const Mask& mask) : grey_(grey), mask_(mask) {
+    for (int y = 1; y + 1 < mask.height(); ++y) {
+      for (int x = 1; x + 1 < mask.width(); ++x) {
+        if (is_boundary(mask, x, y)) {
+          pixels_.emplace_back(x, y);
+        }
       }
     }
   }
-  return all == 0 ? 1.0 : static_cast<double>(seen) / static_cast<double>(all);
+
+  /// Of the outline's pixels; those that leave the picture do not show.
+  double seen_share(int dx, int dy, double least_step) const {
+    std::size_t seen = 0;
+    for (const auto& [x, y] : pixels_) {
+      seen += step_at(x, y, dx, dy) >= least_step ? 1U : 0U;
+    }
+    return pixels_.empty() ? 1.0 : static_cast<double>(seen) / static_cast<double>(pixels_.size());
+  }
+
+ private:
+  /// How much the mean levels on both sides of the outline differ about one of its pixels.
+  double step_at(int x, int y, int dx, int dy) const {
+    std::array<double, 2> sums = {};
+    std::array<int, 2> counts = {};
+    for (int j = std::max(0, y - kOutlineWindow_px);
+         j <= std::min(mask_.height() - 1, y + kOutlineWindow_px);
+         ++j) {
+      for (int i = std::max(0, x - kOutlineWindow_px);
+           i <= std::min(mask_.width() - 1, x + kOutlineWindow_px);
+           ++i) {
+        if (i + dx < 0 || j + dy < 0 || i + dx >= grey_.width() || j + dy >= grey_.height()) {
+          continue;
+        }
+        const std::size_t side = mask_(i, j) != 0 ? 1 : 0;
+        sums.at(side) += static_cast<double>(grey_(i + dx, j + dy));
+        ++counts.at(side);
+      }
+    }
+    return counts[0] == 0 || counts[1] == 0 ? 0.0
+                                            : std::abs(sums[1] / counts[1] - sums[0] / counts[0]);
+  }
+
+  const ImageF& grey_;
+  const Mask& mask_;
+  std::vector<std::pair<int, int>> pixels_;
+};
+
+/// The largest share over all shifts within the tolerance.
+double outline_share(const Codes& codes,
+                     const Mask& mask,
+                     double tolerance_px,
+                     double bright_code) {
+  const int factor = codes.width() / mask.width();
+  const ImageF grey = block_means(codes, factor);
+  const ExpectedOutline outline(grey, mask);
+  const int reach = std::min(static_cast<int>(std::ceil(tolerance_px / factor)), kMostShift_px);
+  double best = 0.0;
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      best = std::max(best, outline.seen_share(dx, dy, kOutlineContrast * bright_code));
+    }
+  }
+  return best;
+}
+
+/// Whether a mask is of a picture's size, or of that divided by a whole number.
+bool is_of_picture(const Mask& mask, const Codes& codes) {
+  if (mask.empty() || mask.width() > codes.width()) {
+    return false;
+  }
+  const int factor = codes.width() / mask.width();
+  return codes.width() / factor == mask.width() && codes.height() / factor == mask.height();
 }
 
 }  // namespace
@@ -141,7 +203,7 @@ void visit_keys(KeyVisitor& keys, PictureLimits& limits) {
   keys.integer("most_retakes", limits.most_retakes, Range::between(0, 20), "of one picture");
 }
 
-PictureFigures figures_of(const Frame& frame, const Mask& expected) {
+PictureFigures figures_of(const Frame& frame, const Mask& expected, double tolerance_px) {
   GLINT_CHECK(frame.is_complete() && frame.codes.size() > 0, "only pictures have figures");
   const int largest = (1 << bits_of(frame.format)) - 1;
   double sum = 0.0;
@@ -157,8 +219,8 @@ PictureFigures figures_of(const Frame& frame, const Mask& expected) {
                             .bright = bright_code / largest,
                             .clipped_share = static_cast<double>(clipped) / pixels,
                             .sharpness = sharpness_of(frame.codes, sum / pixels)};
-  if (expected.width() == frame.codes.width() && expected.height() == frame.codes.height()) {
-    figures.outline_share = outline_share(frame.codes, expected, bright_code);
+  if (is_of_picture(expected, frame.codes)) {
+    figures.outline_share = outline_share(frame.codes, expected, tolerance_px, bright_code);
   }
   return figures;
 }

@@ -38,8 +38,11 @@ struct PictureFigures {
 };
 
 /// @param frame     complete
-/// @param expected  true where the part should be; empty: not known
-PictureFigures figures_of(const Frame& frame, const Mask& expected);
+/// @param expected      true where the part should be, of the picture's size or of that divided by
+/// a
+///                      whole number; empty: not known
+/// @param tolerance_px  how far the part may be shifted from there, in pixels of the frame
+PictureFigures figures_of(const Frame& frame, const Mask& expected, double tolerance_px = 0.0);
 
 /// Why a picture is not kept; empty: it is.
 /// @param sharpest  of the pictures of its sequence so far; 0: it is the first

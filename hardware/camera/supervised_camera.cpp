@@ -219,7 +219,8 @@ Frame SupervisedCamera::capture_once() {
 
 // The first picture that does not come may be late, and is then known by its id. When a second one
 // does not come either, the camera may have missed a trigger and ids may be off by one: a new
-// stream counts anew, and nothing of the old one can get into it.
+// stream counts anew, and nothing of the old one can get into it. A retake that is refused found
+// the camera at the picture before, which a new stream ends.
 Frame SupervisedCamera::capture() {
   if (state_ == CameraState::kLost) {
     return frame_of(FrameStatus::kLost, "the camera is lost");
@@ -243,8 +244,10 @@ Frame SupervisedCamera::capture() {
     frame.retakes = retake;
     late_frames += frame.late_frames;
     timeouts += frame.status == FrameStatus::kTimeout ? 1 : 0;
-    needs_new_stream_ = frame.status == FrameStatus::kTimeout && timeouts > 1;
-    if (frame.status != FrameStatus::kTimeout && frame.status != FrameStatus::kIncomplete) {
+    const bool is_still_busy = frame.status == FrameStatus::kRefused && retake > 0;
+    needs_new_stream_ = is_still_busy || (frame.status == FrameStatus::kTimeout && timeouts > 1);
+    if (frame.status != FrameStatus::kTimeout && frame.status != FrameStatus::kIncomplete &&
+        !is_still_busy) {
       break;
     }
   }

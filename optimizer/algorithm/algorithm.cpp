@@ -14,13 +14,14 @@
 #include "optimizer/algorithm/gaussian_search.h"
 #include "optimizer/algorithm/multi_start.h"
 #include "optimizer/algorithm/nlopt_methods.h"
+#include "optimizer/algorithm/pagmo_methods.h"
 #include "optimizer/algorithm/sobol.h"
 
 namespace glint {
 
 namespace {
 
-constexpr std::array<std::string_view, 14> kNames = {"auto",
+constexpr std::array<std::string_view, 17> kNames = {"auto",
                                                      "sobol",
                                                      "random",
                                                      "direct_l",
@@ -33,7 +34,10 @@ constexpr std::array<std::string_view, 14> kNames = {"auto",
                                                      "slsqp",
                                                      "mma",
                                                      "lbfgs",
-                                                     "gp"};
+                                                     "gp",
+                                                     "cmaes",
+                                                     "nsga2",
+                                                     "nspso"};
 
 constexpr int kPointsPerCombination = 4;
 constexpr double kMaxMixedDesign = 64.0;
@@ -126,6 +130,7 @@ void check_settings(const SearchSettings& settings) {
                       .text = "must be above 0"});
   }
   throw_if_any(errors);
+  GLINT_CHECK(settings.rules >= 1 && settings.rules <= kSearchRules, "rules that there are");
 }
 
 /// Rounding has no derivative.
@@ -146,9 +151,15 @@ void check_smooth(const SearchSpace& space, const std::string& algorithm) {
 
 void check_objectives(const std::string& algorithm, int num_objectives) {
   GLINT_CHECK(num_objectives >= 1, "a search has an objective");
-  if (num_objectives > 1 && is_nlopt_method(algorithm)) {
+  if (num_objectives > 1 && !takes_several_objectives(algorithm)) {
     throw ConfigError("search.algorithm: " + algorithm + " knows one objective, there are " +
-                      std::to_string(num_objectives) + "; allowed: gp, sobol, random");
+                      std::to_string(num_objectives) +
+                      "; allowed: gp, nsga2, nspso, sobol, random");
+  }
+  if (num_objectives == 1 && needs_several_objectives(algorithm)) {
+    throw ConfigError("search.algorithm: " + algorithm +
+                      " needs several objectives, there is one; allowed: auto, gp, cmaes and "
+                      "others (docs/theory/search.md)");
   }
 }
 
@@ -162,12 +173,26 @@ void Algorithm::add_event(EventKind kind, int run, std::string text) {
   events_.push_back({.kind = kind, .value = static_cast<double>(run), .text = std::move(text)});
 }
 
+void Algorithm::add_model_event(std::vector<double> parameters) {
+  events_.push_back({.kind = EventKind::kModel,
+                     .text = std::to_string(parameters.size()) + " parameters of models",
+                     .objectives = std::move(parameters)});
+}
+
 std::span<const std::string_view> algorithm_names() {
   return kNames;
 }
 
 bool needs_gradient(std::string_view algorithm) {
   return is_gradient_method(algorithm);
+}
+
+bool takes_several_objectives(std::string_view algorithm) {
+  return !is_nlopt_method(algorithm) && algorithm != "cmaes";
+}
+
+bool needs_several_objectives(std::string_view algorithm) {
+  return is_population_of_several(algorithm);
 }
 
 int design_size(const SearchSpace& space, const SearchSettings& settings) {
@@ -195,6 +220,9 @@ std::string resolved_algorithm(const SearchSpace& space,
   if (num_objectives > 1) {
     return "gp";
   }
+  if (settings.is_noisy && settings.rules > 1) {
+    return "gp";
+  }
   if (space.variables.size() <= 2 && !has_discrete(space)) {
     return "direct_l";
   }
@@ -213,7 +241,8 @@ std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
                                           const SearchSettings& settings,
                                           std::vector<Point> start_points,
                                           int num_limits,
-                                          int num_objectives) {
+                                          int num_objectives,
+                                          std::vector<double> reference) {
   check(space);
   check_settings(settings);
   check_objectives(resolved_algorithm(space, settings, num_objectives), num_objectives);
@@ -229,10 +258,12 @@ std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
                                   .is_noisy = settings.is_noisy,
                                   .num_design = design_size(space, settings),
                                   .num_limits = num_limits,
-                                  .num_objectives = num_objectives};
+                                  .num_objectives = num_objectives,
+                                  .reference = std::move(reference),
+                                  .rules = settings.rules};
     return std::make_unique<GaussianSearch>(space, plan, std::move(start_points));
   }
-  if (!is_nlopt_method(name)) {
+  if (!is_nlopt_method(name) && !is_pagmo_method(name)) {
     return std::make_unique<Sampling>(space, settings, std::move(start_points));
   }
   if (needs_gradient(name)) {
@@ -245,9 +276,11 @@ std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
                       .batch = settings.batch,
                       .num_design = needs_design ? design_size(space, settings) : 0,
                       .num_limits = is_gradient_method(name) ? num_limits : 0,
+                      .num_objectives = num_objectives,
                       .tolerance = settings.tolerance,
                       .patience_s = settings.watchdog_s};
-  return std::make_unique<MultiStart>(space, plan, std::move(start_points), nlopt_body);
+  return std::make_unique<MultiStart>(
+      space, plan, std::move(start_points), is_pagmo_method(name) ? pagmo_body : nlopt_body);
 }
 
 }  // namespace glint

@@ -7,6 +7,8 @@
 // direct_l        divides the box; best for one or two variables and under strong noise
 // gp              Gaussian process; best under noise and for several objectives, where an
 //                 evaluation costs more than some milliseconds
+// cmaes           evolution strategy that learns a covariance; for noise and budgets of thousands
+// nsga2, nspso    populations for several objectives; for budgets of thousands
 // crs2, isres     populations; for budgets of thousands of evaluations
 // mlsl            quasi-random starts, each followed by BOBYQA
 // bobyqa          quadratic model, restarted; best when scores are smooth and free of noise
@@ -19,12 +21,11 @@
 // lbfgs           quasi-Newton with exact derivatives, restarted; for goals without limits, which
 // it
 //                 can keep to at the cost of more evaluations
-// auto            several objectives: gp; 1 or 2 float variables: direct_l; noisy: cobyla; else
-// bobyqa
+// auto            several objectives or noisy: gp; 1 or 2 float variables: direct_l; else bobyqa
 //
 // Why `auto` chooses so (four 6-D to 12-D test functions, multi-start): without noise BOBYQA leaves
-// the smallest gap to the optimum at 300 and 1000 evaluations (7 and 4 %); at 5 % noise COBYLA does
-// (12 and 7 %, BOBYQA 19 and 12 %); random sampling leaves 44 and 36 %. Glint scores neighbouring
+// the smallest gap to the optimum at 300 and 1000 evaluations (7 and 4 %); at 5 and 20 % noise the
+// Gaussian process does (`script/bench search`). Glint scores neighbouring
 // designs with the same random numbers, so scores are smooth unless a study says otherwise. BOBYQA
 // and COBYLA start from the best of a Sobol design, which keeps them from being worse than random
 // sampling where the budget is small.
@@ -51,6 +52,12 @@
 
 namespace glint {
 
+/// How methods choose and search. A run keeps the rules that it began with: they stand in its log.
+/// 1: under noise `auto` is cobyla; gp asks by ParEGO weights where there are several objectives.
+/// 2: under noise `auto` is gp; gp asks by the expected gain of hypervolume, climbs the slopes of
+///    what it promises, and logs the parameters of its models.
+inline constexpr int kSearchRules = 2;
+
 struct SearchSettings {
   std::string algorithm = "auto";  ///< one of algorithm_names()
   std::uint64_t seed = 1;
@@ -59,6 +66,7 @@ struct SearchSettings {
   int design = 0;            ///< size of the Sobol design; 0: see design_size()
   double tolerance = 1e-4;   ///< > 0: local searches end below this part of a variable's range
   double watchdog_s = 10.0;  ///< > 0: a method that does not ask within this is abandoned
+  int rules = kSearchRules;  ///< 1 to kSearchRules
 };
 
 /// What a failed evaluation is told as, so that the method goes on sensibly.
@@ -92,11 +100,26 @@ class Algorithm {
   /// Replay only: the run of this number was abandoned within the next ask().
   virtual void abandon_run(int /*run*/) {}
 
-  /// Restarts, abandoned runs and remarks since the last call, in order.
+  /// Whether asks can be repeated without computing them: the state follows from asked points,
+  /// told answers and kModel events.
+  virtual bool can_restore() const { return false; }
+
+  /// Replay only, and only when can_restore(): stands for an ask() that gave this point.
+  virtual void restore_ask(const Point& /*point*/) {}
+
+  /// Replay only, the same: what the kModel event before the next ask held.
+  virtual void restore_model(std::span<const double> /*parameters*/) {}
+
+  /// What the objectives are expected to be without noise at each told point, in the order of
+  /// telling; an empty row where it failed. Empty: there is no model.
+  virtual std::vector<std::vector<double>> expected_objectives() { return {}; }
+
+  /// Restarts, abandoned runs, models and remarks since the last call, in order.
   std::vector<Event> take_events();
 
  protected:
   void add_event(EventKind kind, int run, std::string text);
+  void add_model_event(std::vector<double> parameters);
 
  private:
   std::vector<Event> events_;
@@ -106,6 +129,11 @@ std::span<const std::string_view> algorithm_names();
 
 /// Whether a method stands on derivatives: slsqp, mma, lbfgs.
 bool needs_gradient(std::string_view algorithm);
+
+/// Whether a method takes several objectives: auto, gp, nsga2, nspso, sobol, random.
+bool takes_several_objectives(std::string_view algorithm);
+/// Whether it needs them: nsga2, nspso.
+bool needs_several_objectives(std::string_view algorithm);
 
 /// max(8, 2 d + 2) for d variables; with choices or integers also four per combination of their
 /// values, up to 64. Rounded up to whole batches.
@@ -124,13 +152,16 @@ FailurePolicy failure_policy(const SearchSpace& space,
 /// @param start_points  asked first, in order, made canonical
 /// @param num_limits      limits in every answer: num_limits(goal)
 /// @param num_objectives  objectives in every answer, >= 1; more than one only for methods that
-///                        take them: gp, sobol, random
+///                        take them: gp, nsga2, nspso, sobol, random
+/// @param reference       of several objectives: the worst values of interest, NaN where not
+///                        given; smaller is better; empty: none is given
 /// @throws ConfigError for a wrong space, an unknown name, settings out of range, or a float with a
 ///                     step when the algorithm needs derivatives
 std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
                                           const SearchSettings& settings,
                                           std::vector<Point> start_points,
                                           int num_limits = 0,
-                                          int num_objectives = 1);
+                                          int num_objectives = 1,
+                                          std::vector<double> reference = {});
 
 }  // namespace glint

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "optimizer/algorithm/proposal.h"
 
 namespace glint {
 
@@ -22,6 +23,10 @@ constexpr int kNumRefined = 60;
 /// around the most promising candidate.
 constexpr std::array<double, 2> kLocalWidths = {0.15, 0.03};
 constexpr std::array<double, 3> kRefinedWidths = {0.1, 0.03, 0.01};
+/// With more of them parameters are sought from the last ones only.
+constexpr int kMaxFreshPoints = 100;
+/// Of so many questions by rules 2 one reaches everywhere.
+constexpr std::uint64_t kAsksPerFarOne = 4;
 constexpr std::size_t kMaxPoints = 800;
 constexpr std::size_t kKeptPoints = 600;
 /// Keeps the random numbers of questions apart from the other users of the study's seed.
@@ -32,8 +37,11 @@ constexpr std::uint64_t kAskSeeds = 1ULL << 35;
 constexpr double kFailure = 1.5;
 constexpr double kSuccess = -0.5;
 
-GaussianProcessSettings model_settings(bool is_noisy) {
-  return {.is_noisy = is_noisy, .max_steps = 20};
+GaussianProcessSettings model_settings(int rules, bool is_noisy) {
+  return rules > 1 ? GaussianProcessSettings{.is_noisy = is_noisy,
+                                             .max_steps = 15,
+                                             .max_fresh_points = kMaxFreshPoints}
+                   : GaussianProcessSettings{.is_noisy = is_noisy, .max_steps = 20};
 }
 
 }  // namespace
@@ -62,12 +70,84 @@ std::optional<Point> GaussianSearch::next_point() {
     design_.pop_front();
     return point;
   }
-  if (num_asks_ < static_cast<std::uint64_t>(plan_.num_design) || num_succeeded_ < 2) {
+  if (is_designing()) {
     return fresh_sobol_point();
   }
   update_models();
-  std::optional<Point> point = promising_point();
+  Rng rng(plan_.seed, Stream::kSearch, kAskSeeds + num_asks_);
+  const std::vector<GaussianProcess> extended =
+      pending_.empty() ? std::vector<GaussianProcess>{} : models_with_pending();
+  const std::span<const GaussianProcess> models = pending_.empty() ? models_ : extended;
+  std::optional<Point> point =
+      plan_.rules > 1 ? promising_point(models, rng) : scalarised_point(models, rng);
   return point ? point : fresh_sobol_point();
+}
+
+bool GaussianSearch::is_designing() const {
+  return num_asks_ < static_cast<std::uint64_t>(plan_.num_design) || num_succeeded_ < 2;
+}
+
+void GaussianSearch::restore_ask(const Point& point) {
+  if (!design_.empty()) {
+    design_.pop_front();
+  } else if (is_designing()) {
+    fresh_sobol_point();
+  }
+  ++num_asks_;
+  asked_.insert(point);
+  pending_.push_back(point);
+  // Where it stood in for a promising design, the sequence went on.
+  for (int i = 0; i < kMaxRepeats && !is_designing(); ++i) {
+    if (!asked_.contains(point_from_unit(space_, sobol_.point(next_sobol_)))) {
+      break;
+    }
+    ++next_sobol_;
+  }
+}
+
+void GaussianSearch::restore_model(std::span<const double> parameters) {
+  const auto size = static_cast<std::size_t>(num_parameters(Encoding(space_)));
+  GLINT_CHECK(parameters.size() % size == 0, "parameters of whole models");
+  Fit fit{.num_told = told_.size(), .parameters = {}};
+  for (std::size_t i = 0; i < parameters.size(); i += size) {
+    fit.parameters.emplace_back(
+        Eigen::Map<const Eigen::VectorXd>(parameters.data() + i, static_cast<Eigen::Index>(size)));
+  }
+  restored_ = std::move(fit);
+  note_fit(told_.size());
+}
+
+std::vector<std::vector<double>> GaussianSearch::expected_objectives() {
+  if (restored_) {
+    rebuild(*restored_);
+  }
+  if (models_.empty()) {
+    return {};
+  }
+  for (; num_in_models_ < told_.size(); ++num_in_models_) {
+    add_to_models(told_[num_in_models_]);
+  }
+  std::vector<Point> points;
+  for (const Told& told : told_) {
+    if (!told.values.empty()) {
+      points.push_back(told.point);
+    }
+  }
+  std::vector<std::vector<double>> means;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(plan_.num_objectives); ++k) {
+    means.push_back(models_[k].predict_means(points));
+  }
+  std::vector<std::vector<double>> rows;
+  std::size_t next = 0;
+  for (const Told& told : told_) {
+    std::vector<double> row;
+    for (std::size_t k = 0; k < means.size() && !told.values.empty(); ++k) {
+      row.push_back(means[k][next]);
+    }
+    next += told.values.empty() ? 0U : 1U;
+    rows.push_back(std::move(row));
+  }
+  return rows;
 }
 
 std::optional<Point> GaussianSearch::fresh_sobol_point() {
@@ -103,6 +183,9 @@ void GaussianSearch::tell(const Point& point, const Answer& answer) {
 }
 
 void GaussianSearch::update_models() {
+  if (restored_) {
+    rebuild(*restored_);
+  }
   if (told_.size() >= next_refit_) {
     refit();
     return;
@@ -113,8 +196,8 @@ void GaussianSearch::update_models() {
 }
 
 /// All; when there are too many, the best third, and others evenly in the order of telling.
-std::vector<std::size_t> GaussianSearch::told_to_model() const {
-  std::vector<std::size_t> indices(told_.size());
+std::vector<std::size_t> GaussianSearch::told_to_model(std::size_t num_told) const {
+  std::vector<std::size_t> indices(num_told);
   std::iota(indices.begin(), indices.end(), std::size_t{0});
   if (indices.size() <= kMaxPoints) {
     return indices;
@@ -135,44 +218,80 @@ std::vector<std::size_t> GaussianSearch::told_to_model() const {
   return kept;
 }
 
-void GaussianSearch::refit() {
+GaussianSearch::ModelData GaussianSearch::model_data(std::size_t num_told) const {
   const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
-  const bool has_failures = num_succeeded_ < told_.size();
+  ModelData data{.values = std::vector<std::vector<double>>(num_values),
+                 .errors = std::vector<std::vector<double>>(num_values)};
+  for (const std::size_t index : told_to_model(num_told)) {
+    const Told& told = told_[index];
+    const bool is_failed = told.values.empty();
+    data.all.push_back(told.point);
+    data.failures.push_back(is_failed ? kFailure : kSuccess);
+    if (is_failed) {
+      continue;
+    }
+    data.points.push_back(told.point);
+    for (std::size_t k = 0; k < num_values; ++k) {
+      data.values[k].push_back(told.values[k]);
+      data.errors[k].push_back(told.errors[k]);
+    }
+  }
+  return data;
+}
+
+void GaussianSearch::add_models(bool has_failures) {
+  const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
   while (models_.size() < num_values) {
-    models_.emplace_back(space_, model_settings(plan_.is_noisy));
+    models_.emplace_back(space_, model_settings(plan_.rules, plan_.is_noisy));
   }
   if (has_failures && models_.size() == num_values) {
-    models_.emplace_back(space_, model_settings(true));
+    models_.emplace_back(space_, model_settings(plan_.rules, true));
   }
-  const std::vector<std::size_t> indices = told_to_model();
-  std::vector<Point> all;
-  std::vector<double> failures;
-  model_points_.clear();
-  for (const std::size_t index : indices) {
-    const bool is_failed = told_[index].values.empty();
-    all.push_back(told_[index].point);
-    failures.push_back(is_failed ? kFailure : kSuccess);
-    if (!is_failed) {
-      model_points_.push_back(told_[index].point);
-    }
-  }
+}
+
+void GaussianSearch::refit() {
+  const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
+  add_models(num_succeeded_ < told_.size());
+  const ModelData data = model_data(told_.size());
   for (std::size_t k = 0; k < num_values; ++k) {
-    std::vector<double> values;
-    std::vector<double> errors;
-    for (const std::size_t index : indices) {
-      if (!told_[index].values.empty()) {
-        values.push_back(told_[index].values[k]);
-        errors.push_back(told_[index].errors[k]);
-      }
-    }
-    models_[k].fit(model_points_, values, errors);
+    models_[k].fit(data.points, data.values[k], data.errors[k]);
   }
   if (models_.size() > num_values) {
-    models_[num_values].fit(all, failures);
+    models_[num_values].fit(data.all, data.failures);
   }
-  num_in_models_ = told_.size();
-  const std::size_t step = std::min(told_.size() / 4, kMaxPoints - kKeptPoints);
-  next_refit_ = told_.size() + std::max<std::size_t>(2, step);
+  model_points_ = data.points;
+  note_fit(told_.size());
+  if (plan_.rules > 1) {
+    std::vector<double> parameters;
+    for (const GaussianProcess& model : models_) {
+      parameters.insert(parameters.end(), model.parameters().begin(), model.parameters().end());
+    }
+    add_model_event(std::move(parameters));
+  }
+}
+
+/// The models as they were after the fit.
+void GaussianSearch::rebuild(const Fit& fit) {
+  const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
+  add_models(fit.parameters.size() > num_values);
+  GLINT_CHECK(fit.parameters.size() == models_.size(), "parameters of every model");
+  const ModelData data = model_data(fit.num_told);
+  for (std::size_t k = 0; k < num_values; ++k) {
+    models_[k].set(fit.parameters[k], data.points, data.values[k], data.errors[k]);
+  }
+  if (models_.size() > num_values) {
+    models_[num_values].set(fit.parameters[num_values], data.all, data.failures);
+  }
+  model_points_ = data.points;
+  note_fit(fit.num_told);
+  restored_.reset();
+}
+
+void GaussianSearch::note_fit(std::size_t num_told) {
+  num_in_models_ = num_told;
+  const std::size_t part = plan_.rules > 1 ? 8 : 4;
+  const std::size_t step = std::min(num_told / part, kMaxPoints - kKeptPoints);
+  next_refit_ = num_told + std::max<std::size_t>(2, step);
 }
 
 void GaussianSearch::add_to_models(const Told& told) {
@@ -199,23 +318,49 @@ std::vector<GaussianProcess> GaussianSearch::models_with_pending() const {
   return models;
 }
 
-/// Numbers are moved by a normal step, choices drawn anew. @param is_sparse  only some variables
-Point GaussianSearch::neighbour(const Point& point, double width, bool is_sparse, Rng& rng) const {
-  std::vector<double> unit = unit_from_point(space_, point);
-  const double rate = std::max(0.3, 4.0 / static_cast<double>(unit.size()));
-  for (std::size_t i = 0; i < unit.size(); ++i) {
-    const bool is_moved = !is_sparse || rng.uniform() < rate;
-    const bool is_choice = space_.variables[i].kind == Variable::Kind::kChoice;
-    const double step = width * rng.normal();
-    const double anew = rng.uniform();
-    if (is_choice) {
-      unit[i] = is_moved && rng.uniform() < 0.3 ? anew : unit[i];
-    } else if (is_moved) {
-      const double cell = 1.0 / num_values(space_.variables[i]);
-      unit[i] = std::clamp(unit[i] + step * std::max(1.0, cell / width), 0.0, 1.0);
+std::vector<Point> GaussianSearch::known_points() const {
+  std::vector<Point> known = model_points_;
+  known.insert(known.end(), pending_.begin(), pending_.end());
+  return known;
+}
+
+/// References that are not given are the worst of the initial design.
+std::vector<double> GaussianSearch::reference() const {
+  if (plan_.num_objectives == 1) {
+    return {};
+  }
+  std::vector<double> reference = plan_.reference;
+  reference.resize(static_cast<std::size_t>(plan_.num_objectives), std::nan(""));
+  for (std::size_t k = 0; k < reference.size(); ++k) {
+    std::optional<double> worst;
+    for (std::size_t i = 0; i < told_.size(); ++i) {
+      const bool counts = i < static_cast<std::size_t>(plan_.num_design) || !worst;
+      if (counts && !told_[i].values.empty()) {
+        worst = std::max(worst.value_or(told_[i].values[k]), told_[i].values[k]);
+      }
+    }
+    if (std::isnan(reference[k])) {
+      reference[k] = *worst;
     }
   }
-  return point_from_unit(space_, unit);
+  return reference;
+}
+
+/// By rules 2. Empty: all candidates have been asked before.
+std::optional<Point> GaussianSearch::promising_point(std::span<const GaussianProcess> models,
+                                                     Rng& rng) {
+  const Promise promise(models, reference());
+  const Reach reach = num_asks_ % kAsksPerFarOne == 0 ? Reach::kEverywhere : Reach::kNear;
+  std::optional<Point> point =
+      propose(space_, promise, models.front().encoding(), known_points(), asked_, reach, rng);
+  return point || reach == Reach::kEverywhere ? point
+                                              : propose(space_,
+                                                        promise,
+                                                        models.front().encoding(),
+                                                        known_points(),
+                                                        asked_,
+                                                        Reach::kEverywhere,
+                                                        rng);
 }
 
 std::vector<Point> GaussianSearch::first_candidates(const Point& best, Rng& rng) const {
@@ -228,14 +373,14 @@ std::vector<Point> GaussianSearch::first_candidates(const Point& best, Rng& rng)
     points.push_back(point_from_unit(space_, unit));
   }
   for (int i = 0; i < kNumLocal; ++i) {
-    points.push_back(neighbour(best, kLocalWidths[i % 2 == 0 ? 0 : 1], true, rng));
+    points.push_back(neighbour(space_, best, kLocalWidths[i % 2 == 0 ? 0 : 1], true, rng));
   }
   return points;
 }
 
-/// Empty: all candidates have been asked before.
-std::optional<Point> GaussianSearch::promising_point() {
-  Rng rng(plan_.seed, Stream::kSearch, kAskSeeds + num_asks_);
+/// By rules 1. Empty: all candidates have been asked before.
+std::optional<Point> GaussianSearch::scalarised_point(std::span<const GaussianProcess> models,
+                                                      Rng& rng) {
   std::vector<double> low(static_cast<std::size_t>(plan_.num_objectives),
                           std::numeric_limits<double>::infinity());
   std::vector<double> high(low.size(), -std::numeric_limits<double>::infinity());
@@ -245,14 +390,8 @@ std::optional<Point> GaussianSearch::promising_point() {
       high[k] = std::max(high[k], told.values[k]);
     }
   }
-  const bool has_pending = !pending_.empty();
-  const std::vector<GaussianProcess> extended =
-      has_pending ? models_with_pending() : std::vector<GaussianProcess>{};
-  const std::span<const GaussianProcess> models = has_pending ? extended : models_;
   const Acquisition acquisition(models, plan_.num_objectives, low, high, rng);
-  std::vector<Point> known = model_points_;
-  known.insert(known.end(), pending_.begin(), pending_.end());
-
+  const std::vector<Point> known = known_points();
   std::optional<Point> best;
   double best_score = -std::numeric_limits<double>::infinity();
   const auto consider = [&](std::vector<Point> points) {
@@ -273,7 +412,7 @@ std::optional<Point> GaussianSearch::promising_point() {
   for (const double width : kRefinedWidths) {
     std::vector<Point> points;
     for (int i = 0; i < kNumRefined && best; ++i) {
-      points.push_back(neighbour(*best, width, false, rng));
+      points.push_back(neighbour(space_, *best, width, false, rng));
     }
     consider(std::move(points));
   }

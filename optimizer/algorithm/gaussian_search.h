@@ -3,13 +3,16 @@
 // Search by a Gaussian process: a Sobol design, then always the design that promises most.
 //
 // - One model per objective and per limit, and one of success once an evaluation has failed.
+// - What promises most is told by proposal.h and promise.h; by rules 1 (SearchSettings::rules) by
+//   acquisition.h and random candidates.
 // - Designs that are asked and not told yet count as told what the models expect of them.
 // - The models' parameters are chosen anew when a quarter more has been told, in between data are
 //   added. Beyond 800 told designs the models know at most 800 of them: the best, and others evenly
 //   in the order of telling.
 // - No design is asked twice, so a finite space ends.
 //
-// What is asked depends on what was told and asked before, the seed and nothing else.
+// What is asked depends on what was told and asked before, the seed and nothing else. By rules 2
+// the parameters are told as kModel events: with them the state is rebuilt without choosing any.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +33,8 @@ struct GaussianSearchPlan {
   int num_design = 8;  ///< points asked before the first model, start points included
   int num_limits = 0;
   int num_objectives = 1;
+  std::vector<double> reference = {};  ///< of several objectives, NaN where not given; or empty
+  int rules = kSearchRules;
 };
 
 class GaussianSearch final : public Algorithm {
@@ -43,6 +48,12 @@ class GaussianSearch final : public Algorithm {
   using Algorithm::tell;
   void tell(const Point& point, const Answer& answer) override;
 
+  bool can_restore() const override { return plan_.rules > 1; }
+
+  void restore_ask(const Point& point) override;
+  void restore_model(std::span<const double> parameters) override;
+  std::vector<std::vector<double>> expected_objectives() override;
+
  private:
   struct Told {
     Point point;
@@ -51,16 +62,38 @@ class GaussianSearch final : public Algorithm {
     double merit = 0.0;
   };
 
+  /// The models' parameters were chosen when so many were told.
+  struct Fit {
+    std::size_t num_told = 0;
+    std::vector<KernelParameters> parameters;  ///< of models_
+  };
+
+  /// What the models know after so many were told.
+  struct ModelData {
+    std::vector<Point> all;  ///< those of success
+    std::vector<double> failures;
+    std::vector<Point> points;  ///< those of objectives and limits
+    std::vector<std::vector<double>> values;
+    std::vector<std::vector<double>> errors;
+  };
+
+  bool is_designing() const;
   std::optional<Point> next_point();
   std::optional<Point> fresh_sobol_point();
-  std::optional<Point> promising_point();
+  std::optional<Point> promising_point(std::span<const GaussianProcess> models, Rng& rng);
+  std::optional<Point> scalarised_point(std::span<const GaussianProcess> models, Rng& rng);
+  std::vector<double> reference() const;
   void update_models();
   void refit();
-  std::vector<std::size_t> told_to_model() const;
+  void rebuild(const Fit& fit);
+  void note_fit(std::size_t num_told);
+  void add_models(bool has_failures);
+  ModelData model_data(std::size_t num_told) const;
+  std::vector<std::size_t> told_to_model(std::size_t num_told) const;
   void add_to_models(const Told& told);
   std::vector<GaussianProcess> models_with_pending() const;
+  std::vector<Point> known_points() const;
   std::vector<Point> first_candidates(const Point& best, Rng& rng) const;
-  Point neighbour(const Point& point, double width, bool is_sparse, Rng& rng) const;
 
   SearchSpace space_;
   GaussianSearchPlan plan_;
@@ -71,6 +104,7 @@ class GaussianSearch final : public Algorithm {
   std::vector<Told> told_;
   std::size_t num_succeeded_ = 0;
   std::vector<GaussianProcess> models_;  ///< objectives, limits, success
+  std::optional<Fit> restored_;          ///< parameters that models_ do not have yet
   std::vector<Point> model_points_;      ///< of the objectives' models, in their order
   std::size_t num_in_models_ = 0;        ///< of told_
   std::size_t next_refit_ = 0;

@@ -83,6 +83,11 @@ void MultiStart::tell(const Point& point, const Answer& answer) {
 /// them.
 Answer MultiStart::answer_for(const Slot& slot, const Answer& answer) const {
   Answer result{.merit = answer.merit, .is_failed = answer.is_failed};
+  if (plan_.num_objectives > 1 && !answer.is_failed) {
+    result.objectives = answer.objectives;
+    result.limits = answer.limits;
+    return result;
+  }
   if (!is_gradient_method(plan_.method) || answer.is_failed) {
     return result;
   }
@@ -174,6 +179,7 @@ void MultiStart::begin_run(std::size_t index, const Start& start) {
                 .initial_step = start.step,
                 .tolerance = plan_.tolerance,
                 .num_limits = plan_.num_limits,
+                .num_objectives = plan_.num_objectives,
                 .seed = rng.next_u32(),
                 .is_first = slot.run == 0};
   for (const std::size_t variable : slot.variable) {

@@ -30,8 +30,9 @@ struct MultiStartPlan {
   std::string method;
   std::uint64_t seed = 1;
   int batch = 1;
-  int num_design = 0;  ///< points asked before the first run, start points included
-  int num_limits = 0;  ///< told beside the objective to gradient methods
+  int num_design = 0;      ///< points asked before the first run, start points included
+  int num_limits = 0;      ///< told beside the objective to gradient methods
+  int num_objectives = 1;  ///< more than one: all are told, and all limits
   double tolerance = 1e-4;
   double patience_s = 10.0;
 };
@@ -41,7 +42,7 @@ class MultiStart final : public Algorithm {
   using BodyMaker = std::function<AskTellThread::Body(const MethodRun&)>;
 
   /// @param start_points  canonical
-  /// @param make_body     nlopt_body, or a stand-in
+  /// @param make_body     nlopt_body, pagmo_body, or a stand-in
   MultiStart(const SearchSpace& space,
              const MultiStartPlan& plan,
              std::vector<Point> start_points,

@@ -32,6 +32,7 @@ struct MethodRun {
   double initial_step = 0.25;  ///< of local methods
   double tolerance = 1e-4;     ///< local methods end when their steps are below it
   int num_limits = 0;          ///< that a gradient method keeps to; others see the merit only
+  int num_objectives = 1;      ///< of methods that look at all of them
   std::uint64_t seed = 1;
   bool is_first =
       true;  ///< false: another instance beside a first one, so use a randomised variant

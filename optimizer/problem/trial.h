@@ -60,12 +60,14 @@ struct Trial {
 
 /// Steps of a search in the order they happened. Asks and tells alone rebuild the algorithm.
 enum class EventKind {
-  kAsk,       ///< the algorithm asked for this trial's point; again for a trial that it knows
-  kTell,      ///< this trial's merit was told; `value` is the merit
-  kRestart,   ///< a run of the algorithm ended and another took its place
-  kAbandon,   ///< run number `value` did not answer and was left behind
-  kNote,      ///< for people
-  kReference  ///< of several objectives: the hypervolume's reference was fixed at `objectives`
+  kAsk,        ///< the algorithm asked for this trial's point; again for a trial that it knows
+  kTell,       ///< this trial's merit was told; `value` is the merit
+  kRestart,    ///< a run of the algorithm ended and another took its place
+  kAbandon,    ///< run number `value` did not answer and was left behind
+  kNote,       ///< for people
+  kReference,  ///< of several objectives: the hypervolume's reference was fixed at `objectives`
+  kRules,      ///< before the first ask: the run follows the rules `value` (SearchSettings::rules)
+  kModel       ///< the algorithm's models have the parameters `objectives` from the next ask on
 };
 
 struct Event {
@@ -74,7 +76,7 @@ struct Event {
   double value = 0.0;
   std::string text;
   /// Of several objectives, one number each and smaller is better: maximised scores are negated.
-  /// Of kTell (empty when the trial failed) and kReference.
+  /// Of kTell (empty when the trial failed) and kReference. Of kModel: parameters.
   std::vector<double> objectives = {};
 };
 

@@ -3,14 +3,22 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <set>
 #include <span>
 #include <string>
 
+#include "core/rng.h"
 #include "core/text.h"
 
 namespace glint {
 
 namespace {
+
+/// Asks that are computed again when the state follows from the record, beside the last batch.
+constexpr int kNumDrawnAsks = 10;
+/// Keeps their random numbers apart from the other users of the study's seed.
+constexpr std::uint64_t kReplaySeeds = 1ULL << 36;
 
 bool same_bits(const Point& a, const Point& b) {
   if (a.size() != b.size()) {
@@ -44,11 +52,17 @@ std::string point_text(const Point& point) {
   throw IoError("the study database is damaged: " + what);
 }
 
-void replay_ask(const Event& event, SearchMemory& memory) {
+/// Computes the ask again and compares it; otherwise repeats what it did to the algorithm.
+void replay_ask(const Event& event, bool is_computed, SearchMemory& memory) {
   if (event.trial < 1 || static_cast<std::size_t>(event.trial) > memory.trials.size()) {
     fail_damaged("it asks for trial " + std::to_string(event.trial) + ", which it does not hold");
   }
   const Point& recorded = memory.trial(event.trial).point;
+  if (!is_computed) {
+    memory.algorithm->restore_ask(recorded);
+    memory.note_ask(event.trial);
+    return;
+  }
   const std::optional<Point> asked = memory.algorithm->ask();
   memory.algorithm->take_events();
   if (!asked || !same_bits(*asked, recorded)) {
@@ -80,6 +94,41 @@ void replay_reference(const Goal& goal, const Event& event, SearchMemory& memory
                  "reference " + point_text(event.objectives),
                  fixed ? "reference " + point_text(fixed->objectives) : "no reference");
   }
+}
+
+/// Which asks are computed again, counted from 0: all, or where the method can do without the last
+/// batch and drawn ones.
+std::set<std::size_t> asks_to_compute(const SearchTask& task,
+                                      std::span<const Event> events,
+                                      const Algorithm& algorithm) {
+  const auto num_asks =
+      static_cast<std::size_t>(std::ranges::count(events, EventKind::kAsk, &Event::kind));
+  std::set<std::size_t> computed;
+  if (task.verify_replay || !algorithm.can_restore()) {
+    for (std::size_t i = 0; i < num_asks; ++i) {
+      computed.insert(i);
+    }
+    return computed;
+  }
+  const std::size_t last = std::min(num_asks, static_cast<std::size_t>(task.settings.batch));
+  for (std::size_t i = num_asks - last; i < num_asks; ++i) {
+    computed.insert(i);
+  }
+  Rng rng(task.settings.seed, Stream::kSearch, kReplaySeeds + num_asks);
+  for (int i = 0; i < kNumDrawnAsks && num_asks > 0; ++i) {
+    computed.insert(static_cast<std::size_t>(rng.uniform() * static_cast<double>(num_asks)));
+  }
+  return computed;
+}
+
+/// The references that the goal gives, minimised; NaN where it gives none.
+std::vector<double> given_reference(const Goal& goal) {
+  std::vector<double> reference;
+  for (const Objective& objective : objectives_of(goal)) {
+    const double sign = objective.is_maximised ? -1.0 : 1.0;
+    reference.push_back(objective.reference ? sign * *objective.reference + 0.0 : std::nan(""));
+  }
+  return reference;
 }
 
 /// Whether a told outcome that did not fail counts as progress. See Budget::stall.
@@ -168,7 +217,8 @@ SearchMemory make_memory(const SearchTask& task) {
                                                         task.settings,
                                                         task.start_points,
                                                         num_limits(task.goal),
-                                                        num_objectives(task.goal));
+                                                        num_objectives(task.goal),
+                                                        given_reference(task.goal));
   const int num_design = design_size(task.space, task.settings);
   return {
       .algorithm = std::move(algorithm),
@@ -177,6 +227,36 @@ SearchMemory make_memory(const SearchTask& task) {
                              failure_policy(task.space, task.settings, num_objectives(task.goal)),
                              num_design),
       .num_design = num_design};
+}
+
+int recorded_rules(std::span<const Event> events, int latest) {
+  bool has_asked = false;
+  for (const Event& event : events) {
+    if (event.kind == EventKind::kRules) {
+      if (!(event.value >= 1.0 && event.value <= kSearchRules)) {
+        throw ConfigError("this study was begun by a newer Glint (search rules " +
+                          shortest(event.value) + ", this program knows " +
+                          std::to_string(kSearchRules) + ")");
+      }
+      return static_cast<int>(event.value);
+    }
+    has_asked = has_asked || event.kind == EventKind::kAsk;
+  }
+  return has_asked ? 1 : latest;
+}
+
+void begin_log(const SearchTask& task, Storage& storage) {
+  for (const Event& event : storage.events()) {
+    if (event.kind == EventKind::kAsk || event.kind == EventKind::kRules) {
+      return;
+    }
+  }
+  const int rules = task.settings.rules;
+  const std::string name = resolved_algorithm(task.space, task.settings, num_objectives(task.goal));
+  storage.append(
+      std::vector<Event>{{.kind = EventKind::kRules,
+                          .value = static_cast<double>(rules),
+                          .text = "search rules " + std::to_string(rules) + ", " + name}});
 }
 
 void replay(const SearchTask& task, const Storage& storage, SearchMemory& memory) {
@@ -189,10 +269,19 @@ void replay(const SearchTask& task, const Storage& storage, SearchMemory& memory
     }
     memory.number_of[trial.point] = trial.number;
   }
-  for (const Event& event : storage.events()) {
+  const std::vector<Event> events = storage.events();
+  const std::set<std::size_t> computed = asks_to_compute(task, events, *memory.algorithm);
+  const bool is_restored = memory.algorithm->can_restore() && !task.verify_replay;
+  std::size_t num_asks = 0;
+  for (const Event& event : events) {
     switch (event.kind) {
       case EventKind::kAsk:
-        replay_ask(event, memory);
+        replay_ask(event, computed.contains(num_asks++), memory);
+        break;
+      case EventKind::kModel:
+        if (is_restored) {
+          memory.algorithm->restore_model(event.objectives);
+        }
         break;
       case EventKind::kTell:
         replay_tell(task.goal, event, memory);
@@ -205,6 +294,7 @@ void replay(const SearchTask& task, const Storage& storage, SearchMemory& memory
         break;
       case EventKind::kRestart:
       case EventKind::kNote:
+      case EventKind::kRules:
         break;
     }
   }

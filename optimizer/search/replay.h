@@ -7,6 +7,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "optimizer/search/search.h"
@@ -46,7 +47,17 @@ struct SearchMemory {
 /// A search that has not asked anything yet. @throws ConfigError for a wrong task
 SearchMemory make_memory(const SearchTask& task);
 
-/// Repeats the recorded asks and tells.
+/// The rules (SearchSettings::rules) that a run follows: those in its log; 1 where it has asked
+/// without any, as programs did before there were rules; `latest` where it has not asked yet.
+/// @throws ConfigError for rules that this program does not know
+int recorded_rules(std::span<const Event> events, int latest);
+
+/// Writes the rules that a new run follows, before its first ask.
+void begin_log(const SearchTask& task, Storage& storage);
+
+/// Repeats the recorded asks and tells. Asks are computed again and compared: all of them when
+/// SearchTask::verify_replay or where the algorithm cannot do without, else the last batch and ten
+/// drawn ones; the others are taken from the record.
 /// @throws ConfigError when the algorithm now asks or judges otherwise than recorded
 /// @throws IoError     when the record contradicts itself
 void replay(const SearchTask& task, const Storage& storage, SearchMemory& memory);

@@ -68,6 +68,7 @@ class Search {
         memory_(make_memory(task)) {}
 
   SearchResult run() {
+    begin_log(task_, storage_);
     replay(task_, storage_, memory_);
     for (const Event& event : storage_.events()) {
       if (event.kind == EventKind::kAbandon) {
@@ -436,7 +437,9 @@ SearchResult run_search(const SearchTask& task,
                         const std::atomic<int>* interrupt,
                         const OnEvaluation& on_evaluation) {
   check_task(task);
-  return Search(task, storage, evaluate, interrupt, on_evaluation).run();
+  SearchTask ruled = task;
+  ruled.settings.rules = recorded_rules(storage.events(), task.settings.rules);
+  return Search(ruled, storage, evaluate, interrupt, on_evaluation).run();
 }
 
 }  // namespace glint

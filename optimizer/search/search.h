@@ -58,6 +58,9 @@ struct SearchTask {
   Budget budget;
   std::vector<Point> start_points;  ///< evaluated first, in order
   int jobs = 1;                     ///< evaluations at once; more than settings.batch has no use
+  /// Compute every recorded ask again and compare it; false: of methods whose state follows from
+  /// the record alone the last batch and some drawn ones.
+  bool verify_replay = false;
 };
 
 /// Evaluates one design. Called from several threads when jobs > 1. What it throws as glint::Error

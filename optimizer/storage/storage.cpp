@@ -28,8 +28,9 @@ namespace {
 /// "GLNT": marks our databases among other programs' SQLite files.
 constexpr std::int64_t kApplicationId = 0x474C4E54;
 
-constexpr std::array<std::string_view, 6> kEventKinds = {
-    "ask", "tell", "restart", "abandon", "note", "reference"};
+/// The last two are of schema 5, whose tables are those of schema 4.
+constexpr std::array<std::string_view, 8> kEventKinds = {
+    "ask", "tell", "restart", "abandon", "note", "reference", "rules", "model"};
 
 constexpr const char* kTables = R"sql(
 CREATE TABLE study(

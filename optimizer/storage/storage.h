@@ -35,7 +35,7 @@ struct StudyIdentity {
 /// Safe to use from several threads.
 class Storage {
  public:
-  static constexpr int kSchema = 4;
+  static constexpr int kSchema = 5;
 
   /// Opens the study's database for running, or creates it; the folder must exist. Only one process
   /// may hold it; the lock ends with the process, however that ends. Safe against kill -9, not

@@ -72,7 +72,7 @@ void GaussianProcess::fit(std::span<const Point> points,
   set_data(points, values, errors);
   const KernelParameters fresh = prior_means(priors_of(encoding_, settings_.is_noisy));
   KernelParameters best = fitted_from(parameters_);
-  if (parameters_ != fresh) {
+  if (parameters_ != fresh && num_points() <= settings_.max_fresh_points) {
     const KernelParameters other = fitted_from(fresh);
     VectorXd unused(best.size());
     if (loss(other, unused) < loss(best, unused)) {
@@ -245,6 +245,20 @@ Eigen::MatrixX2d GaussianProcess::predict_rows(const MatrixXd& rows) const {
                    (signal - half.colwise().squaredNorm().transpose().array()).max(1e-14 * signal))
                       .matrix();
   return result;
+}
+
+SlopedPosterior GaussianProcess::predict_with_slopes(const MatrixXd& rows) const {
+  const MatrixXd k = covariance(encoding_, parameters_, rows_, rows);
+  MatrixXd solved = factor_.triangularView<Eigen::Lower>().solve(k);
+  const double signal = signal_variance(encoding_, parameters_);
+  const VectorXd left = signal - solved.colwise().squaredNorm().transpose().array();
+  factor_.triangularView<Eigen::Lower>().adjoint().solveInPlace(solved);
+  const std::vector<MatrixXd> weights = {weights_.replicate(1, rows.rows()), std::move(solved)};
+  std::vector<MatrixXd> slopes = weighted_slopes(encoding_, parameters_, rows_, rows, weights);
+  return {.mean = (offset_ + scale_ * ((k.transpose() * weights_).array() + mean_)).matrix(),
+          .variance = squared(scale_) * left.cwiseMax(1e-14 * signal),
+          .mean_slopes = scale_ * slopes[0],
+          .variance_slopes = -2.0 * squared(scale_) * slopes[1]};
 }
 
 std::vector<Posterior> GaussianProcess::predict(std::span<const Point> points) const {

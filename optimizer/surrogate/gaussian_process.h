@@ -34,9 +34,18 @@ struct JointPosterior {
   Eigen::MatrixXd covariance;
 };
 
+/// Predictions of several rows and their derivatives by the encoded columns.
+struct SlopedPosterior {
+  Eigen::VectorXd mean;
+  Eigen::VectorXd variance;     ///< > 0
+  Eigen::MatrixXd mean_slopes;  ///< one row per row, one column per column
+  Eigen::MatrixXd variance_slopes;
+};
+
 struct GaussianProcessSettings {
   bool is_noisy = true;  ///< false: the prior expects noise only where values have an error
   int max_steps = 40;    ///< >= 1, evaluations of the likelihood per start
+  int max_fresh_points = 1000000;  ///< with more points there is no start from the prior's middle
 };
 
 class GaussianProcess {
@@ -69,6 +78,8 @@ class GaussianProcess {
   JointPosterior predict_jointly(std::span<const Point> points) const;
   /// The same of rows of encoding(), into two columns: mean and variance.
   Eigen::MatrixX2d predict_rows(const Eigen::MatrixXd& rows) const;
+
+  SlopedPosterior predict_with_slopes(const Eigen::MatrixXd& rows) const;
 
   /// The means at the points it knows, in their order; costs next to nothing.
   Eigen::VectorXd means_at_points() const;

@@ -100,6 +100,38 @@ MatrixXd covariance(const Encoding& encoding,
   return sum;
 }
 
+std::vector<MatrixXd> weighted_slopes(const Encoding& encoding,
+                                      const KernelParameters& parameters,
+                                      const MatrixXd& data,
+                                      const MatrixXd& rows,
+                                      std::span<const MatrixXd> weights) {
+  std::vector<MatrixXd> slopes(weights.size(), MatrixXd::Zero(rows.rows(), encoding.num_columns()));
+  for (const Term& term : terms_of(encoding, parameters)) {
+    if (term.weight == 0.0) {
+      continue;
+    }
+    const MatrixXd a = scaled(encoding, parameters, data, term.is_own);
+    const MatrixXd b = scaled(encoding, parameters, rows, term.is_own);
+    const MatrixXd d = distances(a, b);
+    // d m / d x = -5/3 (1 + sqrt(5) r) exp(-sqrt(5) r) * difference / length^2
+    MatrixXd factors = (term.weight * -5.0 / 3.0 * (1.0 + d.array()) * (-d.array()).exp()).matrix();
+    if (term.is_own) {
+      mask_branches(data, rows, factors);
+    }
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      const MatrixXd weighted = factors.cwiseProduct(weights[k]);
+      MatrixXd part = b;
+      part.array().colwise() *= weighted.colwise().sum().transpose().array();
+      part -= weighted.transpose() * a;
+      for (Index c = 0; c < part.cols(); ++c) {
+        const Encoding::Column& column = encoding.columns()[static_cast<std::size_t>(c)];
+        slopes[k].col(c) += std::exp(-parameters[column.length]) * part.col(c);
+      }
+    }
+  }
+  return slopes;
+}
+
 VectorXd half_trace_of_derivative(const Encoding& encoding,
                                   const KernelParameters& parameters,
                                   const MatrixXd& rows,

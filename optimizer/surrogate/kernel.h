@@ -11,6 +11,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
+#include <vector>
 
 #include "optimizer/surrogate/encoding.h"
 
@@ -34,6 +36,14 @@ Eigen::VectorXd half_trace_of_derivative(const Encoding& encoding,
                                          const KernelParameters& parameters,
                                          const Eigen::MatrixXd& rows,
                                          const Eigen::MatrixXd& b);
+
+/// For each matrix of weights, with one row per row of `data` and one column per row of `rows`: the
+/// sum over i of weights(i, r) * d covariance(data i, rows r) / d rows(r, c), at (r, c).
+std::vector<Eigen::MatrixXd> weighted_slopes(const Encoding& encoding,
+                                             const KernelParameters& parameters,
+                                             const Eigen::MatrixXd& data,
+                                             const Eigen::MatrixXd& rows,
+                                             std::span<const Eigen::MatrixXd> weights);
 
 double signal_variance(const Encoding& encoding, const KernelParameters& parameters);
 double noise_variance(const Encoding& encoding, const KernelParameters& parameters);

@@ -11,6 +11,7 @@
 #include "core/units.h"
 #include "hardware/robot/path_check.h"
 #include "studies/acquire/acquired.h"
+#include "studies/acquire/expected_parts.h"
 #include "studies/cell/pose_numbers.h"
 #include "studies/cell_camera/cell_camera.h"
 #include "studies/definition/study.h"
@@ -149,7 +150,12 @@ std::vector<ViewTask> tasks_of(const ViewPlan& views,
                                const Cell& cell,
                                int num_positions) {
   std::vector<ViewTask> tasks;
-  for (const PlannedView& view : views.views) {
+  acquire_detail::ExpectedParts expected;
+  if (source.scene) {
+    expected = acquire_detail::expected_parts(*source.scene, cell, views.views);
+  }
+  for (std::size_t i = 0; i < views.views.size(); ++i) {
+    const PlannedView& view = views.views[i];
     if (view.outcome != ViewOutcome::kPlanned) {
       continue;
     }
@@ -162,6 +168,10 @@ std::vector<ViewTask> tasks_of(const ViewPlan& views,
     }
     if (source.scene) {
       task.lights = shining_lights(*source.scene);
+    }
+    if (!expected.masks.empty()) {
+      task.expected = expected.masks[i];
+      task.tolerance_px = expected.tolerance_px;
     }
     check_lights(task.lights, cell);
     task.positions.resize(static_cast<std::size_t>(num_positions));

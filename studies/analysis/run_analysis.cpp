@@ -18,6 +18,7 @@
 #include "studies/definition/study.h"
 #include "studies/definition/study_text.h"
 #include "studies/output/provenance.h"
+#include "studies/accuracy/chosen_accuracy.h"
 #include "studies/run/study_search.h"
 
 namespace glint {
@@ -50,11 +51,15 @@ Storage open_added(const Study& study, const fs::path& run) {
 }
 
 /// A failed design is data: the others go on.
-Outcome outcome_of(SceneStore& store, const Study& study, const Point& point) {
+/// @param rung  as the search was rendered; nullptr: as the study says
+Outcome outcome_of(SceneStore& store,
+                   const Study& study,
+                   const Point& point,
+                   const RenderRung* rung) {
   const auto start = std::chrono::steady_clock::now();
   Outcome outcome;
   try {
-    outcome = evaluate_candidate(store, study, point);
+    outcome = evaluate_candidate(store, study, point, rung);
   } catch (const IoError&) {
     throw;  // says nothing about the design
   } catch (const Error& error) {
@@ -84,6 +89,7 @@ std::vector<std::string> named_scores(const Goal& goal) {
 
 int add_designs(const fs::path& run, const AddOptions& options) {
   const Study study = searched_study(run);
+  const std::optional<RenderRung> rung = rung_of_run(study, run);
   Storage storage = open_added(study, run);
   std::map<int, Trial> known;
   for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
@@ -106,7 +112,9 @@ int add_designs(const fs::path& run, const AddOptions& options) {
         storage.append(std::vector<Event>{{.kind = EventKind::kAsk, .trial = number}},
                        std::vector<Trial>{trial});
       }
-      storage.record(TrialKind::kSearch, number, outcome_of(store, study, trial.point));
+      storage.record(TrialKind::kSearch,
+                     number,
+                     outcome_of(store, study, trial.point, rung ? &*rung : nullptr));
       ++evaluated;
     }
     bar.update(number);

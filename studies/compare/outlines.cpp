@@ -15,6 +15,7 @@
 #include "metrics/overlap/region_overlap.h"
 #include "metrics/shape/silhouette.h"
 #include "studies/compare/grab_cut.h"
+#include "studies/compare/guided_outline.h"
 #include "studies/inspect/picture_sequence.h"
 
 namespace glint {
@@ -27,6 +28,8 @@ constexpr double kFillsPicture = 0.98;  ///< share from which a part leaves no b
 constexpr double kLeastAlike = 0.2;     ///< IoU below which two silhouettes are not of one part
 constexpr double kLeastLocated = 0.3;   ///< share of a cut's outline at which there are edges
 constexpr std::size_t kMinInnerPoints = 20;
+constexpr double kMostApartShare = 0.05;  ///< of the picture's width: farther edges are others
+constexpr double kWellShown = 0.7;        ///< of the simulated edges
 
 int factor_of(const ImageF& picture) {
   return std::clamp(std::max(picture.width(), picture.height()) / kReducedPx, 1, kMaxFactor);
@@ -163,6 +166,32 @@ double located_share(const PartOutline& outline) {
          static_cast<double>(std::max<std::size_t>(points_of(outline.rough), 1));
 }
 
+/// Edges along the outline that the renderer knows, in place of those around what is bright.
+void guide(const ComparedPicture& simulated, const ComparedPicture& real, OutlinePair& found) {
+  const std::filesystem::path& mask = simulated.source.mask;
+  if (mask.empty()) {
+    return;
+  }
+  const double reach_px = kMostApartShare * real.width();
+  auto guided = compare_detail::guided_outlines(
+      simulated.grey, real.grey, read_mask(mask), found.real.located, reach_px);
+  if (!guided) {
+    return;
+  }
+  found.simulated.method = OutlineMethod::kTruth;
+  found.simulated.rough = std::move(guided->simulated_rough);
+  found.simulated.located = std::move(guided->simulated);
+  found.real.method = OutlineMethod::kGuided;
+  found.real.rough = std::move(guided->real_rough);
+  found.real.located = std::move(guided->real);
+  if (guided->share < kWellShown) {
+    found.notes.push_back(
+        fmt::format("The real picture has {:.0f} % of the outline's edges that the simulated one "
+                    "has.",
+                    100.0 * guided->share));
+  }
+}
+
 /// Grey between the dark and the bright half of a picture.
 std::optional<double> middle_grey(const ImageF& picture) {
   const Silhouette found = find_silhouette(picture, PartPieces::kAll);
@@ -241,6 +270,8 @@ std::string name_of(OutlineMethod method) {
       return "threshold";
     case OutlineMethod::kGrabCut:
       return "grab_cut";
+    case OutlineMethod::kGuided:
+      return "along_simulated";
     case OutlineMethod::kInner:
       return "inner_edges";
   }
@@ -281,6 +312,9 @@ OutlinePair find_outlines(const ComparedPicture& simulated,
     found.real = outline_in(real, masks->real, finder.factor(), masks->real_method);
     if (masks->real_method != OutlineMethod::kGrabCut ||
         located_share(found.real) >= kLeastLocated) {
+      if (choice == OutlineChoice::kAuto && masks->real_method == OutlineMethod::kThreshold) {
+        guide(simulated, real, found);
+      }
       return found;
     }
     if (choice == OutlineChoice::kGrabCut) {

@@ -19,6 +19,7 @@ enum class OutlineMethod {
   kTruth,      ///< the simulated picture's own coverage
   kThreshold,  ///< brighter than the background
   kGrabCut,    ///< by a cut around where the simulation says it is
+  kGuided,     ///< brighter than the background, edges looked for along the simulated outline
   kInner       ///< not at all: edges inside the pictures serve
 };
 
@@ -45,7 +46,8 @@ enum class OutlineChoice { kAuto, kThreshold, kGrabCut, kInner };
 OutlineChoice outline_choice(const std::string& name);
 
 /// Outlines of both pictures, found alike, so that what finding them does to both cancels:
-/// segmented at up to a quarter of the size, refined at the edges.
+/// segmented at up to a quarter of the size, refined at the edges. Where the renderer knows the
+/// part's outline and no method is chosen, edges are those along it; regions stay as segmented.
 /// @param real_mask  bright where the real part is; empty: to be found
 /// @throws ConfigError where the mask has another size, or where what was chosen cannot be done
 OutlinePair find_outlines(const ComparedPicture& simulated,

@@ -2,6 +2,7 @@
 #include "studies/definition/render_methods.h"
 
 #include <algorithm>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -42,6 +43,11 @@ class MethodList {
   void add(Method method, ComparedMethod row) {
     row.render = own_;
     row.render.method = method;
+    const bool is_own_accuracy = method == Method::kSampled
+                                     ? row.rays_per_px == own_.rays_per_axis * own_.rays_per_axis
+                                     : row.direction_mrad == own_mrad_;
+    row.is_current =
+        method == own_.method && is_own_accuracy && (method != Method::kAuto || row.has_frames);
     if (row.direction_mrad > 0.0) {
       row.render.max_direction_error_rad = row.direction_mrad * 1e-3;
     }
@@ -74,7 +80,38 @@ class MethodList {
   std::vector<ComparedMethod> methods_;
 };
 
+std::string samples_text(int samples) {
+  return fmt::format("{} sample{}", samples, samples == 1 ? "" : "s");
+}
+
+ComparedMethod path_method(const SceneSettings& scene, int samples, int reflections) {
+  constexpr std::size_t kPathKind = 4;
+  ComparedMethod method = {.kind = kPathKind,
+                           .kind_name = "paths",
+                           .label = samples_text(samples),
+                           .render = scene.render,
+                           .paths = scene.paths,
+                           .follows_paths = true};
+  method.render.method = Method::kPaths;
+  method.paths.samples = samples;
+  method.paths.max_reflections = reflections;
+  method.is_current = samples == scene.paths.samples && reflections == scene.paths.max_reflections;
+  method.is_usual = method.is_current;
+  if (reflections != scene.paths.max_reflections) {
+    method.label += fmt::format(", {} reflection{}", reflections, reflections == 1 ? "" : "s");
+  }
+  return method;
+}
+
 }  // namespace
+
+void visit_keys(KeyVisitor& keys, RenderTable& table) {
+  visit_keys(keys, table.render);
+  keys.table(
+      "paths",
+      [&](KeyVisitor& inner) { visit_keys(inner, table.paths); },
+      "of pictures by path tracing");
+}
 
 FrameMethod frame_method(const SceneSettings& scene) {
   const PathSettings& paths = scene.paths;
@@ -125,6 +162,45 @@ SceneSettings repeated_settings(SceneSettings scene, int index) {
 
 std::vector<ComparedMethod> compared_methods(const SceneSettings& scene) {
   return needs_paths(scene) ? std::vector<ComparedMethod>() : MethodList(scene.render).methods();
+}
+
+std::vector<ComparedMethod> compared_paths(const SceneSettings& scene) {
+  std::vector<ComparedMethod> methods;
+  if (!needs_paths(scene)) {
+    return methods;
+  }
+  const PathSettings& own = scene.paths;
+  std::set<int> samples = {1, 4, 16, 64, 256, 1024};
+  samples.insert(own.samples);
+  for (const int count : samples) {
+    methods.push_back(path_method(scene, count, own.max_reflections));
+  }
+  std::set<int> reflections = {2 * own.max_reflections};
+  for (const int count : {1, 2, 4}) {
+    if (count < own.max_reflections) {
+      reflections.insert(count);
+    }
+  }
+  for (const int count : reflections) {
+    methods.push_back(path_method(scene, own.samples, count));
+  }
+  return methods;
+}
+
+SceneSettings rendered_by(const ComparedMethod& method, SceneSettings scene) {
+  scene.render = method.render;
+  if (method.follows_paths) {
+    scene.paths = method.paths;
+  }
+  return scene;
+}
+
+SceneSettings independent_paths(SceneSettings scene, int samples, int index) {
+  constexpr int kFirstSeed = 4000037;
+  constexpr int kStride = 7919;
+  scene.paths.samples = samples;
+  scene.paths.seed += kFirstSeed + kStride * index;
+  return scene;
 }
 
 }  // namespace glint

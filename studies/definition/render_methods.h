@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What a scene's method of rendering means for those who do not render: how its frames come about,
-// what a closer look at it is, and which methods it can be compared by.
+// what a closer look at it is, and which methods it can be compared by. The keys of [render].
 #pragma once
 
 #include <cstddef>
@@ -12,6 +12,14 @@
 #include "studies/definition/scene.h"
 
 namespace glint {
+
+/// [render] and what it holds.
+struct RenderTable {
+  RenderSettings render;
+  PathSettings paths;
+};
+
+void visit_keys(KeyVisitor& keys, RenderTable& table);
 
 /// How the frames of a scene come about, as scores.json tells it.
 struct FrameMethod {
@@ -34,19 +42,34 @@ SceneSettings repeated_settings(SceneSettings scene, int index);
 
 /// A method of rendering with one accuracy.
 struct ComparedMethod {
-  std::size_t kind = 0;         ///< 0 to 3: which method, whatever its accuracy
-  std::string kind_name;        ///< "plain sampling", "integrated", "closed forms", "own choice"
-  std::string label;            ///< unique; "4 rays a pixel", "integrated, 0.2 mrad"
-  RenderSettings render;        ///< of a scene that is rendered so
-  int rays_per_px = 0;          ///< 0: as many as the method needs
+  std::size_t kind = 0;   ///< 0 to 4: which method, whatever its accuracy
+  std::string kind_name;  ///< "plain sampling", "integrated", "closed forms", "own choice", "paths"
+  std::string label;      ///< unique; "4 rays a pixel", "integrated, 0.2 mrad", "64 samples"
+  RenderSettings render;  ///< of a scene that is rendered so
+  PathSettings paths;     ///< the same, where paths are followed
+  int rays_per_px = 0;    ///< 0: as many as the method needs
   double direction_mrad = 0.0;  ///< max_direction_error_mrad; 0: has no meaning
   bool has_frames = true;       ///< false: scores alone are asked for, as in a search
   bool is_usual = false;        ///< the accuracy of its kind with which other things are varied
   bool is_choice = false;       ///< what the program does by itself
+  bool follows_paths = false;   ///< its pictures have noise of their own
+  bool is_current = false;      ///< with the accuracy that the scene has now
 };
 
 /// The methods that a mirror under a tunnel can be rendered by, by kind, each from coarse to fine;
 /// none for a scene that only path tracing knows.
 std::vector<ComparedMethod> compared_methods(const SceneSettings& scene);
+
+/// Path tracing from coarse to fine: 1, 4, 16, 64, 256, 1024 samples a pixel and the scene's own
+/// number with its own reflections, then its own number of samples with 1, 2, 4 reflections and
+/// twice its own. None for a mirror under a tunnel that nothing asks paths of.
+std::vector<ComparedMethod> compared_paths(const SceneSettings& scene);
+
+/// The scene rendered by a method.
+SceneSettings rendered_by(const ComparedMethod& method, SceneSettings scene);
+
+/// The scene by path tracing with a number of samples and other random numbers: picture `index` of
+/// several that share nothing.
+SceneSettings independent_paths(SceneSettings scene, int samples, int index);
 
 }  // namespace glint

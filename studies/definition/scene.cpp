@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "studies/definition/render_methods.h"
 #include "studies/definition/scene_lights.h"
 #include "studies/definition/scene_viewpoints.h"
 
@@ -66,20 +67,6 @@ template <class Settings>
 void list_table(const std::string& path, Settings settings, std::vector<KeyRow>& rows) {
   KeyLister lister(path, rows);
   visit_keys(lister, settings);
-}
-
-/// [render] and what it holds.
-struct RenderTable {
-  RenderSettings render;
-  PathSettings paths;
-};
-
-void visit_keys(KeyVisitor& keys, RenderTable& table) {
-  visit_keys(keys, table.render);
-  keys.table(
-      "paths",
-      [&](KeyVisitor& inner) { visit_keys(inner, table.paths); },
-      "of pictures by path tracing");
 }
 
 void read_render(const ConfigNode& root,
@@ -221,7 +208,8 @@ const std::vector<SceneTable>& tables_of_scene() {
       {"inspection", read_member<&Scene::inspection>},
       {"reference", read_optional<&Scene::reference>},
       {"coverage", read_coverage},
-      {"validate", read_optional<&Scene::validate>}};
+      {"validate", read_optional<&Scene::validate>},
+      {"cost", read_cost}};
   return tables;
 }
 
@@ -379,6 +367,7 @@ ConfigNode write_scene(const SceneSettings& scene) {
   if (scene.has_coverage) {
     write_table(root, "coverage", scene.coverage);
   }
+  write_optional(root, "cost", scene.cost);
   return root;
 }
 
@@ -407,6 +396,7 @@ std::vector<KeyRow> scene_keys() {
   list_table("reference", ReferenceSettings{}, rows);
   list_table("validate", ValidateSettings{}, rows);
   list_table("coverage", CoverageSettings{}, rows);
+  std::ranges::move(cost_keys(), std::back_inserter(rows));
   return rows;
 }
 

@@ -240,4 +240,73 @@ ConfigNode write_lighting(const SceneSettings& scene) {
   return lighting;
 }
 
+namespace {
+
+/// The settings with a value for every key, of the smallest range that all allow.
+CostSettings with_every_key() {
+  return {.exposure_s = 1.0, .move_s = 0.0, .per_mm2 = 0.0, .per_led = 0.0, .per_frame = 0.0};
+}
+
+}  // namespace
+
+void visit_keys(KeyVisitor& keys, CostSettings& s) {
+  const auto visit = [&](std::string_view key,
+                         std::optional<double>& value,
+                         const Range& range,
+                         std::string_view doc) {
+    if (value) {
+      keys.number(key, *value, range, doc);
+    }
+  };
+  const Range price = Range::at_least(0);
+  visit("exposure_ms", s.exposure_s, Range::positive(), "of one picture, for scan.time_s");
+  visit("move_ms",
+        s.move_s,
+        Range::at_least(0),
+        "from one position of a scan to the next, until it stands still, for scan.time_s");
+  visit("per_mm2", s.per_mm2, price, "price of 1 mm2 of luminous surface, in any unit of money");
+  visit("per_led", s.per_led, price, "price of a single LED, in the same unit");
+  visit("per_frame", s.per_frame, price, "price of a picture of the scan, in the same unit");
+}
+
+void read_cost(const ConfigNode& root,
+               const std::string& name,
+               SceneSettings& scene,
+               std::vector<Problem>& errors) {
+  scene.cost.reset();
+  const ConfigNode* table = root.find(name);
+  if (table == nullptr) {
+    return;
+  }
+  CostSettings settings = with_every_key();
+  KeyReader reader(table, name, errors);
+  visit_keys(reader, settings);
+  reader.report_unknown();
+  const auto forget_absent = [&](std::string_view key, std::optional<double>& value) {
+    if (!reader.is_given(key)) {
+      value.reset();
+    }
+  };
+  forget_absent("exposure_ms", settings.exposure_s);
+  forget_absent("move_ms", settings.move_s);
+  forget_absent("per_mm2", settings.per_mm2);
+  forget_absent("per_led", settings.per_led);
+  forget_absent("per_frame", settings.per_frame);
+  scene.cost = settings;
+}
+
+std::vector<KeyRow> cost_keys() {
+  CostSettings settings = with_every_key();
+  std::vector<KeyRow> rows;
+  KeyLister lister("cost", rows);
+  visit_keys(lister, settings);
+  for (KeyRow& row : rows) {
+    row.default_text = "none";
+    if (row.path == "cost.per_mm2") {
+      row.unit.clear();  // money over mm2
+    }
+  }
+  return rows;
+}
+
 }  // namespace glint

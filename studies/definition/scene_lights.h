@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The table [lighting] of a scene: a table for each light, one of which may be the fringe tunnel.
+// [cost]: what it costs and how long its scan takes; no key has a default, what is not given is not
+// known.
 #pragma once
 
 #include <string>
@@ -32,5 +34,19 @@ void read_lighting(const ConfigNode& root,
                    std::vector<Problem>& errors);
 
 ConfigNode write_lighting(const SceneSettings& scene);
+
+/// Visits the keys of [cost] that have a value.
+void visit_keys(KeyVisitor& keys, CostSettings& settings);
+
+/// Reads [cost], of which every key may be absent, into the scene.
+/// @param name    of the table in root
+/// @param errors  grows by the problems found
+void read_cost(const ConfigNode& root,
+               const std::string& name,
+               SceneSettings& scene,
+               std::vector<Problem>& errors);
+
+/// All keys of [cost], for the key table.
+std::vector<KeyRow> cost_keys();
 
 }  // namespace glint

@@ -32,4 +32,14 @@ std::string missing_by_reference(const SceneSettings& scene, std::string_view sc
 /// where [cell] names a file.
 std::string missing_by_cell(const SceneSettings& scene, std::string_view score);
 
+/// Why the scene has no score of that name about its lighting or [cost]; empty for all other
+/// scores, and where it has it.
+/// @param with_idle  whether lights that do not shine may come to
+std::string missing_by_lighting(const SceneSettings& scene,
+                                std::string_view score,
+                                bool with_idle = false);
+
+/// The first environment that shines, whose light comes from everywhere; empty: none does.
+std::string shining_environment(const SceneSettings& scene);
+
 }  // namespace glint

@@ -11,6 +11,7 @@
 #include "core/config/toml.h"
 #include "core/file.h"
 #include "core/text.h"
+#include "studies/definition/accuracy_table.h"
 #include "studies/definition/manufacture.h"
 #include "studies/definition/overrides.h"
 #include "studies/definition/study_goal.h"
@@ -36,7 +37,8 @@ const std::vector<std::string>& study_tables() {
                                                  "sorting",
                                                  "pod",
                                                  "calibration_trial",
-                                                 "manufacture"};
+                                                 "manufacture",
+                                                 "accuracy"};
   return names;
 }
 
@@ -276,6 +278,7 @@ Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
   read_prototypes(study, errors);
   throw_if_any(errors);
   read_tolerances(study, errors);
+  check_accuracy(study, errors);
   throw_if_any(errors);
   return study;
 }
@@ -289,7 +292,8 @@ Study scene_study(Study study) {
                             "sorting",
                             "pod",
                             "calibration_trial",
-                            "manufacture"}) {
+                            "manufacture",
+                            "accuracy"}) {
     for (std::size_t i = study.root.names.size(); i-- > 0;) {
       if (study.root.names[i] == table) {
         study.root.names.erase(study.root.names.begin() + static_cast<std::ptrdiff_t>(i));
@@ -304,6 +308,7 @@ Study scene_study(Study study) {
   study.sorting.reset();
   study.pod.reset();
   study.calibration_trial.reset();
+  study.accuracy.reset();
   return study;
 }
 

@@ -85,6 +85,14 @@ void read_objectives(Study& study, const ConfigNode& list, std::vector<Problem>&
                         .key = path,
                         .text = "must be a table, like [[objective]]"});
     } else if (auto objective = read_listed(list.items[i], path, errors)) {
+      if (std::ranges::find(objectives, objective->name, &Objective::name) != objectives.end()) {
+        errors.push_back(
+            {.kind = Problem::Kind::kRelation,
+             .place = list.items[i].place,
+             .key = path,
+             .text = fmt::format("\"{}\" is an objective twice; allowed: each score once",
+                                 objective->name)});
+      }
       objectives.push_back(std::move(*objective));
     }
   }
@@ -149,14 +157,16 @@ void check_several(const Study& study, std::vector<Problem>& errors) {
          "is of one objective, there are several; allowed: budget.stall, evaluations without a "
          "gain of hypervolume");
   }
-  if (study.root.find("manufacture") != nullptr) {
-    fail("manufacture", "spreads one objective, there are several; allowed with [objective]");
+  if (study.root.at_path("prototypes.front") != nullptr) {
+    fail("prototypes.front",
+         "the folder front/ of a run holds the designs of several objectives' front; allowed: any "
+         "other name");
   }
   const std::string& algorithm = study.search.algorithm;
-  if (algorithm != "auto" && algorithm != "gp" && algorithm != "sobol" && algorithm != "random") {
+  if (!takes_several_objectives(algorithm)) {
     fail("search.algorithm",
          fmt::format("\"{}\" knows one objective, there are {}; allowed: \"auto\", \"gp\", "
-                     "\"sobol\", \"random\"",
+                     "\"nsga2\", \"nspso\", \"sobol\", \"random\"",
                      algorithm,
                      num_objectives(study.goal)));
   }
@@ -192,13 +202,20 @@ void read_constraints(Study& study, std::vector<Problem>& errors) {
         is_good = false;
       }
     }
-    is_good = is_good && (constraint.min || constraint.max) && constraint.weight > 0.0 &&
-              !(constraint.min && constraint.max && *constraint.min > *constraint.max);
-    if (!is_good) {
+    const auto fail = [&](std::string text) {
       errors.push_back({.place = item.place,
                         .context = "constraints",
                         .key = constraint.name,
-                        .text = "must be { min = .. } or { max = .. } (min <= max, weight > 0)"});
+                        .text = std::move(text)});
+    };
+    if (!is_good || !(constraint.min || constraint.max) || constraint.weight <= 0.0) {
+      fail("must be { min = .. } or { max = .. } (min <= max, weight > 0)");
+      continue;
+    }
+    if (constraint.min && constraint.max && *constraint.min > *constraint.max) {
+      fail(fmt::format("min {} is above max {}, which no design can keep",
+                       shortest(*constraint.min),
+                       shortest(*constraint.max)));
       continue;
     }
     study.goal.constraints.push_back(std::move(constraint));
@@ -261,11 +278,25 @@ void read_goal(Study& study, std::vector<Problem>& errors) {
   if (errors.size() == before && has_several_objectives(study.goal)) {
     check_several(study, errors);
   }
+  const std::string& algorithm = study.search.algorithm;
+  if (errors.size() == before && needs_several_objectives(algorithm) &&
+      !has_several_objectives(study.goal)) {
+    const ConfigNode* node = study.root.at_path("search.algorithm");
+    errors.push_back({.kind = Problem::Kind::kRelation,
+                      .place = node != nullptr ? node->place : Place{},
+                      .key = "search.algorithm",
+                      .text = fmt::format(
+                          "\"{}\" needs several objectives, there is one; allowed: [[objective]] "
+                          "twice or more, or \"auto\", \"gp\", \"cmaes\" and others",
+                          algorithm)});
+  }
 }
 
 void check_goal(const Study& study, std::vector<Problem>& errors) {
   const std::vector<std::string> labels = defect_labels(study.scene);
   const std::vector<std::string> groups = group_names(study.scene);
+  const bool chooses_lights = std::ranges::any_of(
+      study.space.variables, [](const Variable& one) { return one.name == "lighting_use"; });
   const auto check_name =
       [&](const std::string& path, const std::string& name, const Place& place) {
         std::string problem = unknown_score(name, labels, groups);
@@ -273,6 +304,7 @@ void check_goal(const Study& study, std::vector<Problem>& errors) {
         problem += problem.empty() ? missing_by_paths(study.scene, name) : "";
         problem += problem.empty() ? missing_by_reference(study.scene, name) : "";
         problem += problem.empty() ? missing_by_cell(study.scene, name) : "";
+        problem += problem.empty() ? missing_by_lighting(study.scene, name, chooses_lights) : "";
         if (!problem.empty()) {
           errors.push_back(
               {.place = place, .key = path, .text = fmt::format("\"{}\" {}", name, problem)});

@@ -43,6 +43,15 @@ Json new_table() {
   return {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};
 }
 
+/// "auto", or how wrong each score may be.
+Json tolerance_schema() {
+  const Json text = {{"type", "string"}, {"pattern", "^[0-9.eE+-]+ *(%|points?)$"}};
+  const Json wish = {{"anyOf", {number_schema("number", Range::positive()), text}}};
+  return {{"anyOf",
+           {{{"enum", {"auto"}}},
+            {{"type", "object"}, {"minProperties", 1}, {"additionalProperties", wish}}}}};
+}
+
 /// What a value may be.
 Json value_schema(const KeyRow& row) {
   if (row.kind == "number" || row.kind == "integer") {
@@ -60,6 +69,9 @@ Json value_schema(const KeyRow& row) {
   }
   if (row.kind == "table") {
     return new_table();
+  }
+  if (row.kind == "tolerance") {
+    return tolerance_schema();
   }
   if (row.kind == "texts") {
     return array_schema({{"type", "string"}}, {});

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/text.h"
+#include "studies/definition/accuracy_table.h"
 #include "studies/definition/study_goal.h"
 
 namespace glint {
@@ -198,6 +199,10 @@ class VariableReader {
       fail(table, path, "needs choices = [\"..\", ..]");
       return false;
     }
+    if (choices->items.size() == 1) {
+      fail(*choices, path, "is a choice of one; allowed: two or more, or the value at its own key");
+      return false;
+    }
     for (const ConfigNode& choice : choices->items) {
       if (choice.kind != key.kind) {
         fail(choice, path, "a choice must be of the key's own kind");
@@ -212,6 +217,22 @@ class VariableReader {
   const Study& study_;
   std::vector<Problem>& errors_;
 };
+
+/// What is wrong with the space as a whole, at the condition or the table of the variable at fault.
+Problem problem_of_space(const Study& study, const ConfigNode& table, const Problem& problem) {
+  Problem placed = {
+      .place = table.place, .context = "variables", .key = problem.key, .text = problem.text};
+  for (const Variable& variable : study.space.variables) {
+    const ConfigNode* node = table.find(variable.name);
+    if (problem.key != fmt::format("variable \"{}\"", variable.name) || node == nullptr) {
+      continue;
+    }
+    const ConfigNode* when = node->find("when");
+    placed.place = when != nullptr ? when->place : node->place;
+    placed.key = variable.name;
+  }
+  return placed;
+}
 
 void read_variables(Study& study, std::vector<Problem>& errors) {
   const ConfigNode* table = study.root.find("variables");
@@ -229,7 +250,9 @@ void read_variables(Study& study, std::vector<Problem>& errors) {
     try {
       check(study.space);
     } catch (const ConfigError& error) {
-      errors.push_back({.place = table->place, .key = "variables", .text = error.what()});
+      for (const Problem& problem : error.problems()) {
+        errors.push_back(problem_of_space(study, *table, problem));
+      }
     }
   }
 }
@@ -297,6 +320,7 @@ void read_study_tables(Study& study, std::vector<Problem>& errors) {
   read_goal(study, errors);
   read_populations(study, errors);
   read_trial(study, errors);
+  study.accuracy = read_accuracy(study.root, errors);
 }
 
 void write_study_tables(const Study& study, ConfigNode& root) {
@@ -315,6 +339,10 @@ void write_study_tables(const Study& study, ConfigNode& root) {
     Budget budget = study.budget;
     visit_budget(keys, budget);
   });
+  if (study.accuracy) {
+    root.names.emplace_back("accuracy");
+    root.items.push_back(write_accuracy(*study.accuracy, study.root));
+  }
   if (study.sorting) {
     root.names.emplace_back("sorting");
     root.items.push_back(write_sorting(*study.sorting));
@@ -338,6 +366,7 @@ std::vector<KeyRow> study_keys() {
   budget.target = 0.0;
   KeyLister budget_lister("budget", rows);
   visit_budget(budget_lister, budget);
+  std::ranges::copy(accuracy_keys(), std::back_inserter(rows));
   const std::vector<KeyRow> populations = population_keys();
   rows.insert(rows.end(), populations.begin(), populations.end());
   std::ranges::copy(calibration_trial_keys(), std::back_inserter(rows));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The tables that make a study out of a scene: [variables] [objective] [constraints] [search]
-// [budget] [sorting] [pod]. Read and written by study.cpp only; the rows of their keys are for all.
+// [budget] [accuracy] [sorting] [pod]. Read and written by study.cpp only; the rows of their keys
+// are for all.
 #pragma once
 
 #include <string>
@@ -16,7 +17,8 @@ namespace glint {
 
 void read_study_tables(Study& study, std::vector<Problem>& errors);
 
-/// Adds [search] and [budget], and [sorting] and [pod] where there are any, with every key present.
+/// Adds [search] and [budget], and [accuracy], [sorting] and [pod] where there are any, with every
+/// key present.
 void write_study_tables(const Study& study, ConfigNode& root);
 
 /// Rows of the key table for the tables that only a study has.

@@ -6,10 +6,12 @@
 #include <optional>
 
 #include "metrics/aspect_image/noise_variance.h"
+#include "metrics/lighting_scores.h"
 #include "metrics/statistics/estimate.h"
 #include "simulator/render/corner_rays/affordable_cells.h"
 #include "studies/coverage/scene_coverage.h"
 #include "studies/evaluation/evaluation_parts.h"
+#include "studies/evaluation/lighting_totals.h"
 #include "studies/inspection_line/visibility.h"
 #include "studies/reach/reach_scores.h"
 #include "studies/reference/reference_scores.h"
@@ -202,6 +204,9 @@ Scores scores_beside(SceneStore& store, const SceneSettings& scene, const Wanted
   if (wanted.reach) {
     scores.merge(reach_scores(store, scene));
   }
+  if (wanted.lighting || scene.cost) {
+    add_scores(scores, lighting_totals(scene));
+  }
   return scores;
 }
 
@@ -220,8 +225,9 @@ WantedScores wanted_by(const Goal& goal) {
     wanted.coverage = wanted.coverage || is_of_coverage(name);
     wanted.reference = wanted.reference || is_of_reference(name);
     wanted.reach = wanted.reach || is_of_reach(name);
-    wanted.picture =
-        wanted.picture || !(is_of_coverage(name) || is_of_reference(name) || is_of_reach(name));
+    wanted.lighting = wanted.lighting || is_of_lighting(name);
+    wanted.picture = wanted.picture || !(is_of_coverage(name) || is_of_reference(name) ||
+                                         is_of_reach(name) || is_of_lighting(name));
     wanted.family = wanted.family || is_of_family(name);
     wanted.fringes = wanted.fringes || needs_fringes(name);
     wanted.robust = wanted.robust || without_bound(name) == "homogeneity.robust";

@@ -38,6 +38,7 @@ struct WantedScores {
   bool coverage = false;           ///< what the views of the scene inspect: a ray for each place
   bool reference = false;          ///< against real pictures: a picture for each of them
   bool reach = false;              ///< which views an arm can take: a plan
+  bool lighting = false;           ///< size, scan time and cost: no picture; with [cost] always
   bool picture = true;             ///< any other score
   bool errors = true;              ///< "<score>.error" of path-traced scenes: the metrics once more
                                    ///< for each batch
@@ -53,6 +54,7 @@ struct WantedScores {
             .coverage = coverage,
             .reference = reference,
             .reach = reach,
+            .lighting = lighting,
             .trials = trials,
             .first_part = first};
   }

@@ -2,7 +2,7 @@
 #include "studies/frontier/frontier.h"
 
 #include <algorithm>
-#include <array>
+#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -13,12 +13,19 @@
 #include "studies/frontier/banded_scan.h"
 #include "studies/frontier/frontier_errors.h"
 #include "studies/frontier/frontier_methods.h"
+#include "studies/frontier/path_frontier.h"
 
 namespace glint {
 namespace {
 
 constexpr double kMinContrast = 0.01;  ///< smaller ones are not worth a relative error
 constexpr double kTimedTotal_s = 0.3;
+
+constexpr const char* kBudgetProblem = "left out: the budget of time was used up";
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
 /// More rays at once are rendered in bands: 36 bytes each.
 constexpr std::int64_t kMaxRays = std::int64_t{1} << 25;
@@ -34,15 +41,6 @@ SceneSettings quiet(SceneSettings scene) {
 SceneSettings linear(SceneSettings scene, double gain) {
   scene.sensor = {.exposure = 1.0, .gain = gain, .blur_px = 0.0, .bits = 0};
   return scene;
-}
-
-SceneSettings scene_of(const FrontierPoint& point, SceneSettings scene) {
-  scene.render = point.method.render;
-  constexpr std::string_view kFacetWord = "facets ";
-  if (point.tessellation.starts_with(kFacetWord)) {
-    scene.part.facets_mm = std::stod(point.tessellation.substr(kFacetWord.size())) * 1e-3;
-  }
-  return point.reduction == 1 ? scene : half_resolution(std::move(scene));
 }
 
 /// Root of the mean square of what is added.
@@ -138,11 +136,7 @@ class Measuring {
     for (FrontierPoint& point : frontier_.points) {
       if (!point.is_reference) {
         report(point.label);
-        try {
-          measure(point);
-        } catch (const ConfigError& error) {
-          point.problem = error.what();
-        }
+        measure_in_time(point);
         done_work_ += work_of(point);
       }
     }
@@ -203,6 +197,18 @@ class Measuring {
     }
     gain_ = largest > 1.0F ? 0.99 / static_cast<double>(largest) : 1.0;
     done_work_ += work;
+  }
+
+  void measure_in_time(FrontierPoint& point) {
+    if (seconds_since(start_) > options_.budget_s) {
+      point.problem = kBudgetProblem;
+      return;
+    }
+    try {
+      measure(point);
+    } catch (const ConfigError& error) {
+      point.problem = error.what();
+    }
   }
 
   /// The one function that knows how a method is run.
@@ -289,6 +295,7 @@ class Measuring {
     frontier_.reference.own_frame_rmse = glint::own_frame_rmse(rmse[16], rmse[64]);
   }
 
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   SceneSettings scene_;
   const FrontierOptions& options_;
   ThreadPool pool_;
@@ -307,9 +314,15 @@ bool is_like_reference(const FrontierPoint& point, const Frontier& frontier) {
 }
 
 Frontier measure_frontier(const SceneSettings& scene, const FrontierOptions& options) {
+  if (compared_methods(scene).empty()) {
+    return measure_path_frontier(scene, options);
+  }
   Measuring measuring(scene, options);
   check_memory(scene);
-  return measuring.run();
+  Frontier frontier = measuring.run();
+  frontier.width_px = scene.camera.width_px;
+  frontier.height_px = scene.camera.height_px;
+  return frontier;
 }
 
 }  // namespace glint

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The frontier of a scene: what each method of rendering costs and how wrong it is. Everything is
-// compared with 16 x 16 rays a pixel by plain sampling, without noise and quantisation, so that
-// methods are compared and nothing else (docs/frontier.md).
+// The frontier of a scene: what each method of rendering costs and how wrong it is. Mirrors under a
+// tunnel are compared with 16 x 16 rays a pixel by plain sampling, without noise and quantisation,
+// so that methods are compared and nothing else; path-traced scenes with the mean of several
+// independent pictures, whose own noise is taken out of the errors (docs/frontier.md).
 #pragma once
 
 #include <functional>
@@ -11,28 +12,63 @@
 #include <string>
 #include <vector>
 
+#include "metrics/statistics/rank_agreement.h"
+#include "optimizer/problem/goal.h"
 #include "studies/definition/scene.h"
 #include "studies/frontier/frontier_errors.h"
 
 namespace glint {
 
+/// A score of the reference.
+struct ReferenceScore {
+  double value = 0.0;
+  double standard_error = 0.0;  ///< from the scatter of independent pictures
+};
+
 struct FrontierReference {
   ComparedMethod method;
+  int pictures = 1;  ///< independent ones, of which the reference is the mean
   double h_rms = 0.0;
   std::map<std::string, double> weber;
   std::map<std::string, double> change;
-  /// How wrong the reference's own frames are, extrapolated from 16 and 64 rays a pixel.
+  /// How wrong the reference's own frames are, extrapolated from 16 and 64 rays a pixel, or by the
+  /// scatter of its pictures.
   std::optional<double> own_frame_rmse;
+  std::map<std::string, ReferenceScore> scores;  ///< of paths
+};
+
+/// How a method orders designs, against the finest one that was tried.
+struct MethodRanking {
+  std::string label;   ///< of the point
+  double cpu_s = 0.0;  ///< of one design, mean
+  RankAgreement agreement;
+  bool is_right = false;
+};
+
+/// Designs spread evenly over the variables.
+struct DesignRanking {
+  std::string score;        ///< the study's first objective
+  std::string reference;    ///< label of the method that the others are compared with
+  int designs = 0;          ///< that could be evaluated
+  double mean_error = 0.0;  ///< standard error of the reference's figures, mean
+  std::vector<MethodRanking> methods;
 };
 
 struct Frontier {
   FrontierReference reference;
   std::vector<FrontierPoint> points;
+  int pixel_factor = 1;  ///< by which the scene's pixels were made larger before all else
+  int width_px = 0;      ///< of pictures at full resolution
+  int height_px = 0;
+  std::vector<std::string> unseen;       ///< defects that the camera does not see
+  std::optional<DesignRanking> ranking;  ///< with variables and time for it
 };
 
 struct FrontierOptions {
-  int threads = 1;  ///< for the reference; methods are measured with one
-  int repeats = 3;  ///< of each warm candidate, at least; the best counts
+  int threads = 1;             ///< for the reference; methods are measured with one
+  int repeats = 3;             ///< of each warm candidate, at least; the best counts
+  double budget_s = 600.0;     ///< wall clock; what would go beyond it is left out and named
+  const Goal* goal = nullptr;  ///< whose scores are wanted beside the usual ones; nullptr: none
   /// Called with the part of the work that is done, 0 to 1, and what comes next; may be empty.
   std::function<void(double done, const std::string& next)> on_progress;
 };

@@ -41,7 +41,11 @@ constexpr std::array kLooks = {
     Look{.colour = "#d55e00", .colour_with_facets = "#cc79a7", .corners = 4},
     Look{
         .colour = "#009e73", .colour_with_facets = "#cc79a7", .corners = 4, .turn_rad = 0.25 * kPi},
-    Look{.colour = kDrawingInk, .colour_with_facets = kDrawingInk, .is_hollow = true}};
+    Look{.colour = kDrawingInk, .colour_with_facets = kDrawingInk, .is_hollow = true},
+    Look{.colour = "#0072b2", .colour_with_facets = "#56b4e9"}};
+
+/// The ring around the setting that the scene has now.
+constexpr Look kCurrentLook = {.colour = "#c23b22"};
 
 /// Points that stand together in the legend.
 struct Family {
@@ -51,6 +55,11 @@ struct Family {
 
 bool is_faceted(const FrontierPoint& point, const Frontier& frontier) {
   return point.tessellation != frontier.points.front().tessellation;
+}
+
+bool has_other_reflections(const FrontierPoint& point, const Frontier& frontier) {
+  return point.method.follows_paths &&
+         point.method.paths.max_reflections != frontier.points.front().method.paths.max_reflections;
 }
 
 Family family_of(const FrontierPoint& point, const Frontier& frontier) {
@@ -65,6 +74,17 @@ Family family_of(const FrontierPoint& point, const Frontier& frontier) {
     look.colour = look.colour_with_facets;
     look.corners = 3;
     look.turn_rad = -0.5 * kPi;
+  }
+  if (!point.realisation.empty()) {
+    family.name += ", defects realised otherwise";
+    look.colour = "#009e73";
+    look.corners = 4;
+  }
+  if (has_other_reflections(point, frontier)) {
+    family.name += ", other reflections";
+    look.colour = "#d55e00";
+    look.corners = 4;
+    look.turn_rad = 0.25 * kPi;
   }
   return family;
 }
@@ -92,13 +112,17 @@ struct Scale {
   }
 };
 
-/// CPU milliseconds and frame error, where both can stand on axes of powers of ten.
-std::optional<Vector2d> value_of(const FrontierPoint& point) {
+/// CPU milliseconds and frame error, where both can stand on axes of powers of ten. What the
+/// reference's noise hides stands a little below that noise.
+std::optional<Vector2d> value_of(const FrontierPoint& point, const Frontier& frontier) {
+  constexpr double kBelow = 0.5;
+  const double least =
+      point.method.follows_paths ? kBelow * frontier.reference.own_frame_rmse.value_or(0.0) : 0.0;
   const auto error = error_of(point, kFrameRmse);
-  if (!error || !(*error > 0.0) || !(point.cpu_s > 0.0)) {
+  if (!error || !(std::max(*error, least) > 0.0) || !(point.cpu_s > 0.0)) {
     return std::nullopt;
   }
-  return Vector2d(point.cpu_s * 1e3, *error);
+  return Vector2d(point.cpu_s * 1e3, std::max(*error, least));
 }
 
 std::string power_text(double power) {
@@ -109,7 +133,7 @@ class Chart {
  public:
   explicit Chart(const Frontier& frontier) : frontier_(frontier) {
     for (const FrontierPoint& point : frontier.points) {
-      if (const auto value = value_of(point)) {
+      if (const auto value = value_of(point, frontier)) {
         scale_.add(*value);
         has_points_ = true;
       }
@@ -126,13 +150,16 @@ class Chart {
     reference();
     front();
     for (const FrontierPoint& point : frontier_.points) {
-      if (const auto value = value_of(point)) {
+      if (const auto value = value_of(point, frontier_)) {
         label(point, scale_.place(*value));
       }
     }
     for (const FrontierPoint& point : frontier_.points) {  // over the white rims of the letters
-      if (const auto value = value_of(point)) {
+      if (const auto value = value_of(point, frontier_)) {
         marker(scale_.place(*value), family_of(point, frontier_).look, point.method.is_choice);
+        if (point.method.is_current) {
+          marker(scale_.place(*value), kCurrentLook, true);
+        }
       }
     }
     legend();
@@ -153,7 +180,19 @@ class Chart {
       page_.text({kLeft - 8.0, y + 4.0}, power_text(power), "end");
     }
     page_.text({0.5 * (kLeft + kRight), kBottom + 42.0},
-               "CPU time of one more candidate, one thread (ms)");
+               frontier_.reference.method.follows_paths
+                   ? "CPU time of one more picture and its scores, all threads (ms)"
+                   : "CPU time of one more candidate, one thread (ms)");
+    if (frontier_.pixel_factor > 1) {
+      page_.text({kRight, 22.0},
+                 fmt::format("pictures reduced to {} x {} px, 1/{} along both sides",
+                             frontier_.width_px,
+                             frontier_.height_px,
+                             frontier_.pixel_factor),
+                 "end",
+                 0.0,
+                 R"(font-size="11")");
+    }
     page_.text({20.0, 0.5 * (kTop + kBottom)}, "frame error (RMSE, full scale 1)", "middle", -90.0);
   }
 
@@ -173,7 +212,7 @@ class Chart {
   void front() {
     std::vector<Vector2d> values;
     for (const FrontierPoint& point : frontier_.points) {
-      const auto value = value_of(point);
+      const auto value = value_of(point, frontier_);
       if (value && std::ranges::count(point.on_front, kFrameRmse) > 0) {
         values.push_back(*value);
       }
@@ -216,36 +255,55 @@ class Chart {
     if (is_faceted(point, frontier_) || method.is_choice) {
       return;
     }
-    const bool has_rays = method.rays_per_px > 0;
+    const bool has_rays = method.rays_per_px > 0 || method.follows_paths;
     const Vector2d corner = at + (has_rays ? Vector2d(8.0, -6.0) : Vector2d(9.0, 15.0));
     const bool is_crowded = std::ranges::any_of(labels_, [&](const Vector2d& other) {
       return std::abs(other.x() - corner.x()) < 32.0 && std::abs(other.y() - corner.y()) < 11.0;
     });
     if (!is_crowded) {
-      page_.text(corner,
-                 has_rays ? fmt::format("{}", method.rays_per_px)
-                          : fmt::format("{:g} mrad", method.direction_mrad),
-                 "start",
-                 0.0,
-                 R"(font-size="10.5")");
+      page_.text(corner, label_of(point), "start", 0.0, R"(font-size="10.5")");
       labels_.push_back(corner);
     }
+  }
+
+  std::string label_of(const FrontierPoint& point) const {
+    const ComparedMethod& method = point.method;
+    if (!point.realisation.empty()) {
+      return point.realisation;
+    }
+    if (method.follows_paths) {
+      return has_other_reflections(point, frontier_)
+                 ? fmt::format("{} refl.", method.paths.max_reflections)
+                 : fmt::format("{}", method.paths.samples);
+    }
+    return method.rays_per_px > 0 ? fmt::format("{}", method.rays_per_px)
+                                  : fmt::format("{:g} mrad", method.direction_mrad);
   }
 
   void legend() {
     std::vector<std::string> known;
     for (const FrontierPoint& point : frontier_.points) {
       const Family family = family_of(point, frontier_);
-      if (!value_of(point) || std::ranges::count(known, family.name) > 0) {
+      if (!value_of(point, frontier_) || std::ranges::count(known, family.name) > 0) {
         continue;
       }
-      const auto index = static_cast<double>(known.size());
-      const double column = std::fmod(index, 3.0);
-      const Vector2d at(kLeft + 6.0 + 225.0 * column, 40.0 + 18.0 * std::floor(index / 3.0));
-      marker(at, family.look, false);
-      page_.text(at + Vector2d(12.0, 4.0), family.name, "start");
+      legend_entry(known.size(), family, false);
       known.push_back(family.name);
     }
+    const bool has_current = std::ranges::any_of(frontier_.points, [&](const FrontierPoint& point) {
+      return point.method.is_current && value_of(point, frontier_);
+    });
+    if (has_current) {
+      legend_entry(known.size(), {"the scene's own setting", kCurrentLook}, true);
+    }
+  }
+
+  void legend_entry(std::size_t place, const Family& family, bool is_ring) {
+    const auto index = static_cast<double>(place);
+    const double column = std::fmod(index, 3.0);
+    const Vector2d at(kLeft + 6.0 + 225.0 * column, 40.0 + 18.0 * std::floor(index / 3.0));
+    marker(at, family.look, is_ring);
+    page_.text(at + Vector2d(12.0, 4.0), family.name, "start");
   }
 
   const Frontier& frontier_;

@@ -46,6 +46,10 @@ std::optional<double> own_frame_rmse(double rmse_16, double rmse_64) {
   return rmse_64 / std::sqrt(1.0 + k_squared);
 }
 
+double rms_less_noise(double mean_square, double noise_square) {
+  return std::sqrt(std::max(0.0, mean_square - noise_square));
+}
+
 void mark_front(std::vector<FrontierPoint>& points) {
   const auto visible_error = [](const FrontierPoint& point, const ErrorKind& kind) {
     const auto error = error_of(point, kind.name);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -34,53 +35,132 @@ std::vector<std::string> other_tessellations(const PartSettings& part) {
   return others;
 }
 
+constexpr std::string_view kFacetWord = "facets ";
+constexpr std::array kRealisations = {
+    Realisation::kNormal, Realisation::kDisplaced, Realisation::kImprinted};
+
+/// Realisations that change something for at least one group.
+std::vector<std::string> other_realisations(const SceneSettings& scene) {
+  std::vector<std::string> others;
+  for (const Realisation realisation : kRealisations) {
+    if (std::ranges::any_of(scene.defects, [&](const NamedGroup& group) {
+          return group.second.type != DefectType::kStain && group.second.realisation != realisation;
+        })) {
+      others.emplace_back(realisation_name(realisation));
+    }
+  }
+  return others;
+}
+
+void put_realisation(const std::string& name, SceneSettings& scene) {
+  for (const Realisation realisation : kRealisations) {
+    for (auto& [label, group] : scene.defects) {
+      if (realisation_name(realisation) == name && group.type != DefectType::kStain) {
+        group.realisation = realisation;
+      }
+    }
+  }
+}
+
+/// Collects points; what differs from the scene's own is in their labels.
+class PointList {
+ public:
+  explicit PointList(const SceneSettings& scene) : own_(own_tessellation(scene.part)) {}
+
+  void add(const ComparedMethod& method, const FrontierPoint& how) {
+    FrontierPoint point = how;
+    point.method = method;
+    point.tessellation = how.tessellation.empty() ? own_ : how.tessellation;
+    point.method.is_current = method.is_current && how.reduction == 1 &&
+                              point.tessellation == own_ && how.realisation.empty();
+    point.label = method.label;
+    point.label += how.reduction == 2 ? ", half resolution" : "";
+    point.label += how.reduction > 2 ? fmt::format(", 1/{} resolution", how.reduction) : "";
+    point.label += point.tessellation != own_ ? ", " + point.tessellation : "";
+    point.label += how.realisation.empty() ? "" : ", defects " + how.realisation;
+    point.is_reference = point.label == method.label && method.rays_per_px == kReferenceRays;
+    points_.push_back(std::move(point));
+  }
+
+  std::vector<FrontierPoint> points() { return std::move(points_); }
+
+ private:
+  std::string own_;
+  std::vector<FrontierPoint> points_;
+};
+
 }  // namespace
 
 std::vector<FrontierPoint> frontier_methods(const SceneSettings& scene) {
-  const std::vector<ComparedMethod> methods = compared_methods(scene);
-  if (methods.empty()) {
-    throw ConfigError("render.method",
-                      "a frontier compares the methods for a plain mirror under one tunnel; this "
-                      "scene is path-traced");
-  }
-  const std::string own = own_tessellation(scene.part);
-  std::vector<FrontierPoint> points;
-  const auto add = [&](auto is_wanted, int reduction, const std::string& tessellation) {
+  std::vector<ComparedMethod> methods = compared_methods(scene);
+  const std::vector<ComparedMethod> paths = compared_paths(scene);
+  methods.insert(methods.end(), paths.begin(), paths.end());
+  PointList list(scene);
+  const auto add = [&](auto is_wanted, const FrontierPoint& how) {
     for (const ComparedMethod& method : methods) {
       if (std::invoke(is_wanted, method)) {
-        points.push_back({.method = method,
-                          .label = method.label + (reduction > 1 ? ", half resolution" : "") +
-                                   (tessellation != own ? ", " + tessellation : ""),
-                          .reduction = reduction,
-                          .tessellation = tessellation,
-                          .is_reference = reduction == 1 && method.rays_per_px == kReferenceRays});
+        list.add(method, how);
       }
     }
   };
   const auto is_asked_for = [](const ComparedMethod& method) { return !method.is_choice; };
-  add(is_asked_for, 1, own);
-  add(is_asked_for, 2, own);
-  add(&ComparedMethod::is_choice, 1, own);
-  for (const std::string& tessellation : other_tessellations(scene.part)) {
-    add(&ComparedMethod::is_usual, 1, tessellation);
+  const auto has_own_reflections = [&](const ComparedMethod& method) {
+    return is_asked_for(method) &&
+           (!method.follows_paths || method.paths.max_reflections == scene.paths.max_reflections);
+  };
+  add(is_asked_for, {});
+  add(has_own_reflections, {.reduction = 2});
+  if (!paths.empty()) {
+    add(&ComparedMethod::is_usual, {.reduction = 4});
   }
-  return points;
+  add(&ComparedMethod::is_choice, {});
+  for (const std::string& tessellation : other_tessellations(scene.part)) {
+    add(&ComparedMethod::is_usual, {.tessellation = tessellation});
+  }
+  const auto is_finest_usual = [](const ComparedMethod& method) {
+    return method.is_usual && method.rays_per_px == 0;
+  };
+  for (const std::string& realisation : other_realisations(scene)) {
+    add(is_finest_usual, {.realisation = realisation});
+  }
+  return list.points();
 }
 
-SceneSettings half_resolution(SceneSettings scene) {
+SceneSettings scene_of(const FrontierPoint& point, SceneSettings scene) {
+  scene = rendered_by(point.method, std::move(scene));
+  if (point.tessellation.starts_with(kFacetWord)) {
+    scene.part.facets_mm = std::stod(point.tessellation.substr(kFacetWord.size())) * 1e-3;
+  }
+  put_realisation(point.realisation, scene);
+  return with_larger_pixels(std::move(scene), point.reduction);
+}
+
+SceneSettings with_larger_pixels(SceneSettings scene, int factor) {
   CameraSettings& camera = scene.camera;
   const PinholeIntrinsics full = intrinsics_of(camera);
-  camera.width_px = std::max(1, camera.width_px / 2);
-  camera.height_px = std::max(1, camera.height_px / 2);
-  camera.center_x_px = 0.5 * full.center_px.x();
-  camera.center_y_px = 0.5 * full.center_px.y();
-  camera.pixel_mm *= 2.0;
-  camera.object_pixel_mm *= 2.0;
-  camera.focal_x_px *= 0.5;
-  camera.focal_y_px *= 0.5;
-  scene.sensor.blur_px *= 0.5;
-  scene.metrics.erosion_px = (scene.metrics.erosion_px + 1) / 2;
+  if (factor == 1) {
+    return scene;
+  }
+  camera.width_px = std::max(1, camera.width_px / factor);
+  camera.height_px = std::max(1, camera.height_px / factor);
+  camera.center_x_px = full.center_px.x() / factor;
+  camera.center_y_px = full.center_px.y() / factor;
+  camera.pixel_mm *= factor;
+  camera.object_pixel_mm *= factor;
+  camera.focal_x_px /= factor;
+  camera.focal_y_px /= factor;
+  scene.sensor.blur_px /= factor;
+  scene.metrics.erosion_px = (scene.metrics.erosion_px + factor - 1) / factor;
   return scene;
+}
+
+int pixel_factor(const CameraSettings& camera, double most_pixels) {
+  int factor = 1;
+  while (static_cast<double>(camera.width_px / factor) * (camera.height_px / factor) >
+         most_pixels) {
+    ++factor;
+  }
+  return factor;
 }
 
 }  // namespace glint

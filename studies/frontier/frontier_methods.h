@@ -10,11 +10,18 @@
 
 namespace glint {
 
-/// What measure_frontier() will measure, without results; the coarsest sampling comes first.
-/// @throws ConfigError for a scene that only path tracing knows
+/// What measure_frontier() will measure, without results; the coarsest sampling comes first. With
+/// paths no point is the reference.
 std::vector<FrontierPoint> frontier_methods(const SceneSettings& scene);
 
-/// The scene with half as many pixels of twice the size.
-SceneSettings half_resolution(SceneSettings scene);
+/// The scene as a point has it rendered.
+SceneSettings scene_of(const FrontierPoint& point, SceneSettings scene);
+
+/// The scene with pixels `factor` times as large along both sides, and as many fewer. @param factor
+/// >= 1
+SceneSettings with_larger_pixels(SceneSettings scene, int factor);
+
+/// The smallest whole factor by which a picture has at most so many pixels.
+int pixel_factor(const CameraSettings& camera, double most_pixels);
 
 }  // namespace glint

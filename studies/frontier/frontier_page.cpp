@@ -10,10 +10,13 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "core/text.h"
 #include "studies/evaluation/evaluation.h"
+#include "studies/frontier/design_ranking.h"
 #include "studies/frontier/frontier_drawing.h"
 #include "studies/frontier/frontier_errors.h"
 #include "studies/frontier/frontier_methods.h"
+#include "studies/frontier/path_frontier.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
@@ -33,24 +36,34 @@ Json optional_json(const std::optional<double>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
+std::string resolution_name(int reduction) {
+  return reduction == 1 ? "full" : reduction == 2 ? "half" : fmt::format("1/{}", reduction);
+}
+
 Json point_json(const FrontierPoint& point) {
   const ComparedMethod& method = point.method;
+  const bool is_paths = method.follows_paths;
   Json json = {{"method", method_name(method.render.method)},
                {"label", point.label},
+               {"samples", is_paths ? Json(method.paths.samples) : Json(nullptr)},
+               {"max_reflections", is_paths ? Json(method.paths.max_reflections) : Json(nullptr)},
                {"rays_per_px", method.rays_per_px > 0 ? Json(method.rays_per_px) : Json(nullptr)},
                {"traced_per_px", point.traced_per_px},
                {"form", point.form},
                {"frame_pixels", point.frame_pixels},
                {"max_direction_error_mrad",
                 method.direction_mrad > 0.0 ? Json(method.direction_mrad) : Json(nullptr)},
-               {"resolution", point.reduction == 1 ? "full" : "half"},
+               {"resolution", resolution_name(point.reduction)},
                {"tessellation", point.tessellation},
+               {"realisation", point.realisation.empty() ? "own" : point.realisation},
                {"frames", method.has_frames}};
   if (!point.problem.empty()) {
     json["problem"] = point.problem;
   } else {
     json["cpu_s"] = point.cpu_s;
     json["cold_s"] = point.cold_s;
+    json["pictures"] = point.pictures;
+    json["rays"] = is_paths ? Json(point.rays) : Json(nullptr);
     json["frame_rmse"] = optional_json(point.frame_rmse);
     json["smooth_frame_rmse"] = optional_json(point.smooth_frame_rmse);
     json["h_error_points"] = point.h_error_points;
@@ -61,8 +74,13 @@ Json point_json(const FrontierPoint& point) {
                                 {"change_error_percent", errors.change_percent}};
     }
   }
+  for (const auto& [name, score] : point.scores) {
+    json["scores"][name] = {
+        {"value", score.value}, {"error", score.error}, {"spread", score.spread}};
+  }
   json["on_front"] = point.on_front;
   json["is_choice"] = method.is_choice;
+  json["is_current"] = method.is_current;
   json["is_reference"] = point.is_reference;
   return json;
 }
@@ -72,11 +90,39 @@ Json reference_json(const FrontierReference& reference) {
   for (const auto& [label, weber] : reference.weber) {
     defects[label] = {{"weber", weber}, {"change", reference.change.at(label)}};
   }
-  return {{"method", method_name(reference.method.render.method)},
-          {"rays_per_px", reference.method.rays_per_px},
-          {"h_rms", reference.h_rms},
-          {"defects", defects},
-          {"own_frame_rmse", optional_json(reference.own_frame_rmse)}};
+  Json json = {{"method", method_name(reference.method.render.method)},
+               {"rays_per_px", reference.method.rays_per_px},
+               {"h_rms", reference.h_rms},
+               {"defects", defects},
+               {"own_frame_rmse", optional_json(reference.own_frame_rmse)}};
+  if (reference.method.follows_paths) {
+    json["rays_per_px"] = nullptr;
+    json["samples"] = reference.method.paths.samples;
+    json["max_reflections"] = reference.method.paths.max_reflections;
+    json["pictures"] = reference.pictures;
+  }
+  for (const auto& [name, score] : reference.scores) {
+    json["scores"][name] = {{"value", score.value}, {"standard_error", score.standard_error}};
+  }
+  return json;
+}
+
+Json ranking_json(const DesignRanking& ranking) {
+  Json methods = Json::array();
+  for (const MethodRanking& row : ranking.methods) {
+    methods.push_back({{"label", row.label},
+                       {"cpu_s", row.cpu_s},
+                       {"tau", row.agreement.tau},
+                       {"pairs", row.agreement.pairs},
+                       {"winner_behind", row.agreement.winner_behind},
+                       {"winner_behind_standard_error", row.agreement.winner_behind_se},
+                       {"is_right", row.is_right}});
+  }
+  return {{"score", ranking.score},
+          {"reference", ranking.reference},
+          {"designs", ranking.designs},
+          {"standard_error", ranking.mean_error},
+          {"methods", methods}};
 }
 
 std::string time_text(double seconds) {
@@ -98,21 +144,44 @@ void check_study_scene(const Study& study, int threads) {
   try {
     ThreadPool pool(threads);
     SceneStore store(pool);
-    SceneSettings quick = study.scene;
-    quick.render = frontier_methods(study.scene).front().method.render;
+    const ComparedMethod method = frontier_methods(study.scene).front().method;
+    SceneSettings quick = rendered_by(method, study.scene);
+    if (method.follows_paths) {
+      quick = with_larger_pixels(quick, pixel_factor(quick.camera, kMostFrontierPixels));
+      store.leave_out_unseen_defects();
+    }
     evaluate(store, quick);
   } catch (const ConfigError& error) {
     throw with_place(study.root, error);
   }
 }
 
+/// Of the budget, for designs in the order that methods give them.
+constexpr double kRankingShare = 0.3;
+
 Json measure(const Study& study, const FrontierRun& run, Frontier& frontier) {
+  const auto start = Clock::now();
   Progress bar(study.name, kProgressSteps, run.progress);
+  const bool has_designs = study.has_search() && study.has_objective;
+  const double share = has_designs ? 1.0 - kRankingShare : 1.0;
   const auto show = [&](double done, const std::string& next) {
-    bar.update(static_cast<std::int64_t>(done * kProgressSteps), next);
+    bar.update(static_cast<std::int64_t>(done * share * kProgressSteps), next);
+  };
+  const auto show_designs = [&](double done, const std::string& next) {
+    bar.update(static_cast<std::int64_t>((share + done * kRankingShare) * kProgressSteps), next);
   };
   try {
-    frontier = measure_frontier(study.scene, {.threads = run.threads, .on_progress = show});
+    frontier = measure_frontier(study.scene,
+                                {.threads = run.threads,
+                                 .budget_s = share * run.budget_s,
+                                 .goal = study.has_objective ? &study.goal : nullptr,
+                                 .on_progress = show});
+    const double taken_s = std::chrono::duration<double>(Clock::now() - start).count();
+    frontier.ranking = rank_designs(study,
+                                    frontier,
+                                    {.threads = run.threads,
+                                     .budget_s = std::max(0.0, run.budget_s - taken_s),
+                                     .on_progress = show_designs});
   } catch (const ConfigError& error) {
     throw with_place(study.root, error);
   }
@@ -120,7 +189,47 @@ Json measure(const Study& study, const FrontierRun& run, Frontier& frontier) {
   return frontier_json(study, frontier);
 }
 
+/// How path-traced scenes are measured.
+std::vector<std::string> path_method_notes(const Frontier& frontier) {
+  const FrontierReference& reference = frontier.reference;
+  std::vector<std::string> notes = {
+      fmt::format("The reference is the mean of {} independent pictures with {} samples a pixel "
+                  "and at most {} reflections on the part. Its own noise, known from their "
+                  "scatter, is taken out of every error; what is smaller than it is not told "
+                  "apart.",
+                  reference.pictures,
+                  reference.method.paths.samples,
+                  reference.method.paths.max_reflections),
+      "A method is rendered up to four times with other random numbers; its error is the root of "
+      "the mean square distance of one of these pictures from the reference.",
+      "CPU time is that of one more picture and its scores, summed over threads, part built. The "
+      "first one also pays for building the part.",
+      "Frame error: root of the mean square of grey values, without noise and rounding of the "
+      "sensor, over all frames and all pixels that see the part; pictures of larger pixels are "
+      "enlarged linearly for it. Full scale is 1.",
+      "Contrast error: the worst defect, in the mean image (Weber) or in its best frame (change), "
+      "in per cent of its value but of at least 1 % of full contrast."};
+  if (frontier.pixel_factor > 1) {
+    notes.push_back(
+        fmt::format("Pictures are reduced to {} x {} px: pixels are {} times as large "
+                    "along both sides as the scene's.",
+                    frontier.width_px,
+                    frontier.height_px,
+                    frontier.pixel_factor));
+  }
+  if (!frontier.unseen.empty()) {
+    notes.push_back(
+        "Not in sight of the camera, or without a background of their own, and not "
+        "scored: " +
+        join(frontier.unseen, ", ") + ".");
+  }
+  return notes;
+}
+
 std::vector<std::string> method_notes(const Frontier& frontier) {
+  if (frontier.reference.method.follows_paths) {
+    return path_method_notes(frontier);
+  }
   std::vector<std::string> notes = {
       fmt::format("Every method is compared with {} rays a pixel by plain sampling at full "
                   "resolution, without noise and quantisation.",
@@ -157,9 +266,41 @@ std::string page_html(const Study& study, const Frontier& frontier, const Json& 
                         {"provenance", source}});
 }
 
+/// The scene's own setting, and what is cheaper and no worse.
+std::string path_sentence(const Frontier& frontier) {
+  const auto own = std::ranges::find_if(frontier.points, [](const FrontierPoint& point) {
+    return point.method.is_current && point.problem.empty();
+  });
+  if (own == frontier.points.end()) {
+    return "The scene's own setting could not be measured in the time allowed.";
+  }
+  const FrontierPoint* cheaper = nullptr;
+  for (const FrontierPoint& point : frontier.points) {
+    if (point.problem.empty() && point.cpu_s < own->cpu_s &&
+        *point.frame_rmse <= *own->frame_rmse &&
+        (cheaper == nullptr || point.cpu_s < cheaper->cpu_s)) {
+      cheaper = &point;
+    }
+  }
+  const std::string sentence = fmt::format(
+      "The scene's own setting ({}) takes {:.3g} CPU seconds a picture, with a frame error of "
+      "{:.2g} and {:.2g} points of h",
+      own->label,
+      own->cpu_s,
+      *own->frame_rmse,
+      own->h_error_points);
+  return cheaper == nullptr
+             ? sentence + "; nothing cheaper is as exact."
+             : fmt::format(
+                   "{}; {} is no worse at {:.3g} s.", sentence, cheaper->label, cheaper->cpu_s);
+}
+
 }  // namespace
 
 std::string frontier_sentence(const Frontier& frontier) {
+  if (frontier.reference.method.follows_paths) {
+    return path_sentence(frontier);
+  }
   const auto choice = std::ranges::find_if(frontier.points, [](const FrontierPoint& point) {
     return point.method.is_choice && point.problem.empty() && point.frame_rmse;
   });
@@ -205,14 +346,21 @@ Json frontier_json(const Study& study, const Frontier& frontier) {
   for (const FrontierPoint& point : frontier.points) {
     points.push_back(point_json(point));
   }
-  return {{"schema", 1},
-          {"status", "done"},
-          {"study", study.name},
-          {"title", study.title},
-          {"reference", reference_json(frontier.reference)},
-          {"points", points},
-          {"report", "frontier.html"},
-          {"drawing", "frontier.svg"}};
+  Json json = {{"schema", 1},
+               {"status", "done"},
+               {"study", study.name},
+               {"title", study.title},
+               {"width_px", frontier.width_px},
+               {"height_px", frontier.height_px},
+               {"pixel_factor", frontier.pixel_factor},
+               {"unseen_defects", frontier.unseen},
+               {"reference", reference_json(frontier.reference)},
+               {"points", points}};
+  json["objective"] = study.has_objective ? Json(study.goal.objective.name) : Json(nullptr);
+  json["ranking"] = frontier.ranking ? ranking_json(*frontier.ranking) : Json(nullptr);
+  json["report"] = "frontier.html";
+  json["drawing"] = "frontier.svg";
+  return json;
 }
 
 Json frontier_study(const Study& study, const FrontierRun& run) {

@@ -23,6 +23,7 @@ std::string frontier_sentence(const Frontier& frontier);
 struct FrontierRun {
   std::filesystem::path out;
   int threads = 1;
+  double budget_s = 600.0;  ///< wall clock; what would go beyond it is left out
   Progress::Style progress = Progress::Style::kAuto;
 };
 

@@ -120,6 +120,34 @@ std::string narrow_defects_note(const TracedScene& traced, const SceneSettings& 
                               join(narrow, ", "));
 }
 
+std::string defect_stripes_note(const TracedScene& traced, const SceneSettings& scene) {
+  std::vector<std::string> fine;
+  if (!scene.has_tunnel || scene.sensor.blur_px <= 0.0) {
+    return "";
+  }
+  const double top_mm = Tunnel(scene.tunnel).top_mm();
+  const double pixel_mm = lens_geometry(scene.camera, scene.lens).object_pixel_mm;
+  for (const HeightFeature& outline : traced.part->made.outlines) {
+    // A mirror of curvature c at the distance d turns a step on the part into 1 + 2 c d of the
+    // wall.
+    const double sigma_mm = outline.cross_sigma_mm();
+    const double curvature_per_mm = std::abs(outline.height_mm) / (sigma_mm * sigma_mm);
+    const double distance_mm = std::max(0.0, top_mm - outline.centre_mm.z());
+    const double period_px =
+        scene.tunnel.period_mm / (pixel_mm * (1.0 + 2.0 * curvature_per_mm * distance_mm));
+    if (period_px < kFinestPeriod_px) {
+      fine.push_back(fmt::format("{} {:.2g} px", outline.label, period_px));
+    }
+  }
+  return fine.empty()
+             ? ""
+             : fmt::format(
+                   "A period of the stripes is less than half a pixel in the middle of: "
+                   "{}. Pixels alias such stripes, and blur is applied to pixels: what "
+                   "changes in frames by these defects is uncertain by some 6 % of itself.",
+                   join(fine, ", "));
+}
+
 std::vector<PixelWindow> defect_windows(const BuiltDefects& part,
                                         const TracedScene& traced,
                                         const PinholeCamera& camera,

@@ -191,7 +191,7 @@ std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& wanted
   const std::shared_ptr<const BuiltDefects> part = build_defects(scene);
   auto traced = traced_.get({trace_key(scene), part}, [&] {
     const std::shared_ptr<const CornerRays> defect_free = defect_free_rays(scene, *part);
-    TracedScene made = trace_scene(scene, part, defect_free.get(), pool_);
+    TracedScene made = trace_scene(scene, part, defect_free.get(), pool_, may_be_unseen_);
     num_retraced_ += defect_free ? 1 : 0;
     return made;
   });

@@ -32,6 +32,10 @@ class SceneStore {
   ///                    0: a quarter of the machine's memory
   explicit SceneStore(ThreadPool& pool, std::size_t max_bytes = 0);
 
+  /// From now on defects that the camera does not see are left out of what is scored
+  /// (TracedScene::unseen) instead of being an error.
+  void leave_out_unseen_defects() { may_be_unseen_ = true; }
+
   /// @throws ConfigError beginning with the key at fault, IoError
   std::shared_ptr<const TracedScene> trace(const SceneSettings& scene);
   std::shared_ptr<const BuiltPart> build(const SceneSettings& scene);
@@ -131,6 +135,7 @@ class SceneStore {
 
   ThreadPool& pool_;
   std::size_t max_bytes_ = 0;
+  bool may_be_unseen_ = false;
   std::mutex digests_mutex_;
   std::map<std::string, std::string> digests_;  ///< of part files, by path
   Cache<std::string, BuiltPart> parts_;

@@ -187,12 +187,36 @@ void trace_flawless_windows(const SceneSettings& scene,
   }
 }
 
+/// The outlines of the defects that can be scored, one after the other with those before it; the
+/// labels of all others go to traced.unseen.
+std::vector<HeightFeature> seen_outlines(const SceneSettings& scene,
+                                         const PinholeCamera& camera,
+                                         TracedScene& traced) {
+  std::vector<HeightFeature> outlines;
+  for (const HeightFeature& outline : traced.part->made.outlines) {
+    outlines.push_back(outline);
+    try {
+      const auto views = view_defects(outlines,
+                                      traced.seen(),
+                                      camera,
+                                      traced.camera_from_world,
+                                      scene.metrics.ring_outer_radii);
+      defect_pixels(views, traced.part_mask, scene.metrics);
+    } catch (const ConfigError&) {
+      outlines.pop_back();
+      traced.unseen.push_back(outline.label);
+    }
+  }
+  return outlines;
+}
+
 }  // namespace
 
 TracedScene trace_scene(const SceneSettings& scene,
                         std::shared_ptr<const BuiltDefects> part,
                         const CornerRays* defect_free,
-                        ThreadPool& pool) {
+                        ThreadPool& pool,
+                        bool may_be_unseen) {
   TracedScene traced;
   traced.part = std::move(part);
   traced.camera_from_world = camera_from_world(scene.viewpoint());
@@ -201,12 +225,11 @@ TracedScene trace_scene(const SceneSettings& scene,
   const PinholeCamera camera(intrinsics_of(scene));
   trace_camera(scene, camera, defect_free, pool, traced);
   const VisibilityBuffer& seen = traced.seen();
-  traced.views = view_defects(traced.part->made.outlines,
-                              seen,
-                              camera,
-                              traced.camera_from_world,
-                              scene.metrics.ring_outer_radii);
   traced.part_mask = whole_pixels(seen.coverage);
+  const std::vector<HeightFeature> outlines =
+      may_be_unseen ? seen_outlines(scene, camera, traced) : traced.part->made.outlines;
+  traced.views = view_defects(
+      outlines, seen, camera, traced.camera_from_world, scene.metrics.ring_outer_radii);
   traced.region = region_of_interest(seen.coverage, traced.views, scene.metrics);
   traced.defects = defect_pixels(traced.views, traced.part_mask, scene.metrics);
   traced.watched = Mask(seen.width_px, seen.height_px);

@@ -27,6 +27,7 @@ struct TracedScene {
   CornerRays corners;  ///< of all other methods, where paths are traced only its VisibilityBuffer
   std::vector<DefectView> views;
   std::vector<DefectPixels> defects;
+  std::vector<std::string> unseen;  ///< labels of defects that were left out of both
   /// For each view its window without defects, sampled; none where paths are traced.
   std::vector<RayCache> flawless;
   std::vector<CornerRays> flawless_corners;  ///< the same for all other methods
@@ -49,12 +50,14 @@ struct TracedScene {
 };
 
 /// Traces a scene anew, or only around its defects.
-/// @param defect_free  the camera's rays without defects; nullptr: not known
+/// @param defect_free     the camera's rays without defects; nullptr: not known
+/// @param may_be_unseen   defects out of sight are left out; else they are an error
 /// @throws ConfigError beginning with the key at fault
 TracedScene trace_scene(const SceneSettings& scene,
                         std::shared_ptr<const BuiltDefects> part,
                         const CornerRays* defect_free,
-                        ThreadPool& pool);
+                        ThreadPool& pool,
+                        bool may_be_unseen = false);
 
 /// The pixels that lie on the part as a whole where a scan is scored in them: of mirrors under a
 /// tunnel. Empty where paths are traced, whose masks are those of the picture's own samples.

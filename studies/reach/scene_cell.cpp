@@ -124,22 +124,26 @@ Eigen::Isometry3d isometry_of(const RigidTransform& transform) {
   return pose;
 }
 
-RigidTransform flange_from_camera(const SceneSettings& scene, const Cell& cell) {
+MeasuredPoseSettings measured_flange_from_camera(const SceneSettings& scene, const Cell& cell) {
   const auto pose_in = [](const CalibrationSettings& calibration) {
     return calibration.flange_from_camera;
   };
   if (scene.calibration && pose_in(*scene.calibration)) {
-    return transform_of(pose_in(*scene.calibration)->pose);
+    return *pose_in(*scene.calibration);
   }
   if (!cell.calibration.empty()) {
     if (const auto pose = pose_in(read_calibration_of(cell.calibration))) {
-      return transform_of(pose->pose);
+      return *pose;
     }
   }
   throw ConfigError(
       "calibration.flange_from_camera: is missing; the scene or the file that [calibration] of the "
       "cell names has to tell where the camera is on the flange. A camera beside the robot cannot "
       "be planned for");
+}
+
+RigidTransform flange_from_camera(const SceneSettings& scene, const Cell& cell) {
+  return transform_of(measured_flange_from_camera(scene, cell).pose);
 }
 
 RigidTransform base_from_scene(const SceneSettings& scene) {

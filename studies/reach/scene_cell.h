@@ -15,6 +15,9 @@ namespace glint {
 /// The camera on the flange: the scene's own [calibration], else that of the file which the cell
 /// names.
 /// @throws ConfigError when neither tells it, or the camera stands beside the robot; IoError
+MeasuredPoseSettings measured_flange_from_camera(const SceneSettings& scene, const Cell& cell);
+
+/// The same pose. @throws as measured_flange_from_camera()
 RigidTransform flange_from_camera(const SceneSettings& scene, const Cell& cell);
 
 /// The scene's frame in the robot's base. @throws ConfigError without [cell.base_from_part]

@@ -41,6 +41,9 @@ void describe_all_scores(Json& data) {
   for (const Json& constraint : member(data, "constraints")) {
     named[text_of(constraint, "name")] = nullptr;
   }
+  for (const Json& objective : member(member(data, "front"), "objectives")) {
+    named[text_of(objective, "score")] = nullptr;
+  }
   named.erase("");
   describe_scores(named, info);
   describe_scores(member(member(data, "rendered"), "scores"), info);

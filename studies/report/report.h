@@ -52,7 +52,7 @@
 //       charts        [ { kind: "sizes" | "lightings" | "pod", its data: web/population.js, or
 //                       "curves": web/curves.js } ]
 //       tables        [ { caption, head: [texts], rows: [ [texts] ] } ] } ]
-//   front             only of several objectives: front_json() of studies/run/study_search.h;
+//   front             only of several objectives: of add_front_to_page() of studies/front/front_page.h;
 //                     `objective` is the first of them
 //   analysis          of `glint report --analyse`, see studies/analysis/run_analysis.h
 //   frontier          the object of frontier.json, see docs/frontier.md

@@ -11,6 +11,7 @@
 
 #include "core/text.h"
 #include "studies/report/report_findings.h"
+#include "studies/report/report_front.h"
 #include "studies/report/report_ranking.h"
 #include "studies/report/report_runs.h"
 #include "studies/report/report_wording.h"
@@ -307,13 +308,9 @@ Verdict verdict_of_compromise(const Json& data, const Json& winner, const Wordin
       fmt::format(
           "The compromise reaches {}: {}.", join(reached, ", "), text_of(chosen, "reason")));
   say_limits(data, winner, verdict);
-  if (const auto outside = number_of(front, "outside"); outside && *outside > 0.0) {
-    verdict.details.push_back(
-        {"reference_inside",
-         fmt::format("The reference lies inside the front: {:.0f} of its {} designs are not better "
-                     "than it in every objective and add nothing to the hypervolume.",
-                     *outside,
-                     member(front, "designs").size())});
+  verdict.add(report_detail::findings_on_front(data));
+  if (verdict.has("compromise_dominated")) {
+    verdict.tone = "neutral";
   }
   verdict.add(report_detail::findings_on(data, winner));
   verdict.add(search_details(data, &winner, first));

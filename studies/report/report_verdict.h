@@ -17,7 +17,6 @@ namespace glint {
 ///   winner_alone        the same without a baseline
 ///   lead_sure, lead_open                        whether that lead is larger than the noise
 ///   compromise          several objectives: what the chosen design reaches, and why it was chosen
-///   reference_inside    of several: designs of the front that the reference cuts off
 ///   limits_met          of the design the verdict is about
 ///   limit_failed        one for each limit that a design misses
 ///   no_feasible         a search without a design that meets every limit
@@ -28,7 +27,7 @@ namespace glint {
 ///   runs_ranked, runs_infeasible, runs_apart, runs_differ   a comparison of runs
 ///   rescored, interrupted, budget, limit_rate   how the search went
 ///
-/// and those of studies/report/report_findings.h.
+/// and those of studies/report/report_findings.h and studies/report/report_front.h.
 nlohmann::ordered_json report_verdict(const nlohmann::ordered_json& data);
 
 /// Reading of report data, in which any field may be absent or null.

@@ -9,7 +9,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/cpu_clock.h"
 #include "core/text.h"
+#include "studies/accuracy/accurate_search.h"
+#include "studies/front/front_designs.h"
 #include "studies/imaging/defect_windows.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/population/pod_study.h"
@@ -145,9 +148,11 @@ std::vector<std::string> baseline_notes(SceneStore& store,
   const SceneSettings scene = first_view(store, study.scene);
   const auto view = path_view_of(scene, baseline.traced->part);
   std::vector<std::string> notes = notes_of(study.scene, baseline.scores, view.get());
-  if (const std::string narrow = narrow_defects_note(*baseline.traced, study.scene);
-      !narrow.empty()) {
-    notes.push_back(narrow);
+  for (const std::string& note : {narrow_defects_note(*baseline.traced, study.scene),
+                                  defect_stripes_note(*baseline.traced, study.scene)}) {
+    if (!note.empty()) {
+      notes.push_back(note);
+    }
   }
   return notes;
 }
@@ -172,10 +177,16 @@ class Check {
   Json execute() {
     step("tracing rays");
     check_everything(store_, study_);
+    check_accuracy_choice(study_, false);
     variables_.read_ends();
+    choose_rung();
     if (study_.has_search()) {
       sample_ = sample_search(
-          study_, store_, options_.jobs, [&] { step("the first designs of the search"); });
+          study_,
+          store_,
+          options_.jobs,
+          [&] { step("the first designs of the search"); },
+          accurate_.chosen ? &accurate_.chosen->rung() : nullptr);
     }
     render_designs();
     for (std::size_t i = 0; i < study_.space.variables.size(); ++i) {
@@ -185,6 +196,7 @@ class Check {
     step("the populations");
     costs_.populations_s = predicted_population_s(study_, store_);
     costs_.search_s = study_.has_search() ? sample_.evaluation_s * study_.budget.evaluations : 0.0;
+    costs_.search_s += accurate_.cpu_s;
     return result();
   }
 
@@ -192,10 +204,21 @@ class Check {
   std::int64_t num_steps() const {
     const auto variables = static_cast<std::int64_t>(study_.space.variables.size());
     const auto prototypes = static_cast<std::int64_t>(study_.prototypes.size());
-    return 3 + prototypes + variables + (study_.has_search() ? 1 + kSampledDesigns : 0);
+    return 3 + prototypes + variables + (study_.has_search() ? 1 + kSampledDesigns : 0) +
+           (study_.accuracy ? 1 : 0);
   }
 
   void step(const std::string& what) { progress_.update(steps_++, what); }
+
+  /// Where the study says how exactly scores must be known.
+  void choose_rung() {
+    if (study_.accuracy) {
+      step("ways to render");
+      const double start = process_cpu_s();
+      accurate_.chosen = choose_accuracy({.study = study_, .store = store_, .jobs = options_.jobs});
+      accurate_.cpu_s = process_cpu_s() - start;
+    }
+  }
 
   /// Renders and re-scores a design as a run does, and adds what that costs.
   Evaluation render(const SceneSettings& scene) {
@@ -217,7 +240,12 @@ class Check {
     }
     if (sample_.best) {
       step("the best of the first designs");
+      const RunCosts before = costs_;
       render(scene_with(study_, overrides_of(study_, *sample_.best)));
+      if (has_several_objectives(study_.goal)) {  // and the others of the front, at most
+        costs_.writing_s += (kFullDesigns - 1) * (costs_.writing_s - before.writing_s);
+        costs_.rescoring_s += (kFullDesigns - 1) * (costs_.rescoring_s - before.rescoring_s);
+      }
     }
   }
 
@@ -242,7 +270,15 @@ class Check {
     return names;
   }
 
-  Json result() const {
+  Json result() {
+    Json json = plain_result();
+    if (accurate_.chosen) {
+      json["accuracy"] = accurate_search_json(store_, study_, accurate_, study_.budget.evaluations);
+    }
+    return json;
+  }
+
+  Json plain_result() const {
     return {{"schema", 1},
             {"status", "done"},
             {"name", study_.name},
@@ -272,6 +308,7 @@ class Check {
   VariableCheck variables_;
   Progress progress_;
   std::int64_t steps_ = 0;
+  AccurateSearch accurate_;
   SearchSample sample_;
   RunCosts costs_;
   Json baseline_;

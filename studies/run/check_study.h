@@ -24,9 +24,10 @@ struct CheckOptions {
 /// Begins the search, renders and re-scores the baseline, each prototype and the best design it
 /// met, and evaluates both ends of each variable, to see whether it acts; nothing is kept on disk.
 /// @return { schema, status, name, variables, objective, idle_variables, broken_limits, baseline,
-///         prototypes, evaluations, seconds_per_evaluation, predicted_cpu_s: { search, rescoring,
-///         writing, populations, total }, predicted_s }; seconds_per_evaluation is CPU time,
-///         predicted_s the wall's on a machine that has nothing else to do
+///         prototypes, accuracy (accuracy_json() of a study with that table), evaluations,
+///         seconds_per_evaluation, predicted_cpu_s: { search, rescoring, writing, populations,
+///         total }, predicted_s }; seconds_per_evaluation is CPU time, predicted_s the wall's on a
+///         machine that has nothing else to do
 nlohmann::ordered_json check_study(const Study& study, const CheckOptions& options);
 
 }  // namespace glint

@@ -133,7 +133,9 @@ Json rendering_json(SceneStore& store,
   if (!frames.has_closed_mean) {
     return json;
   }
-  const Evaluation closed = evaluate(store, scene, {}, wanted.of_one_scan());
+  WantedScores of_search = wanted.of_one_scan();
+  of_search.picture = true;  // also where the search itself needs none
+  const Evaluation closed = evaluate(store, scene, {}, of_search);
   const std::string h = "homogeneity.h_rms";
   json["search_form"] = std::string(form_name(closed.form.kind));
   json["table_pixels"] = closed.form.table_pixels;
@@ -159,6 +161,17 @@ Json rescored_json(SceneStore& store,
   return json;
 }
 
+void add_defect_notes(const TracedScene& traced,
+                      const SceneSettings& scene,
+                      std::vector<std::string>& notes) {
+  if (const std::string note = shallow_note(traced.part->made); !note.empty()) {
+    notes.push_back(note + ".");
+  }
+  if (const std::string note = defect_stripes_note(traced, scene); !note.empty()) {
+    notes.push_back(note);
+  }
+}
+
 }  // namespace
 
 Json scores_json(const Scores& scores) {
@@ -180,6 +193,15 @@ LightingDrawing draw_lighting(const SceneSettings& scene,
             .csv = area_lights->lights.first_tunnel_group >= 0 ? wall_csv(section) : std::string()};
   }
   return {.svg = cross_section_svg(section), .dxf = wall_dxf(section), .csv = wall_csv(section)};
+}
+
+std::string drawing_svg(const SceneSettings& scene,
+                        const Evaluation& evaluation,
+                        const std::string& title) {
+  const std::unique_ptr<const PathView> view = path_view_of(scene, evaluation.traced->part);
+  return draw_lighting(
+             scene, view ? view->area_lights() : nullptr, evaluation.traced->built(), title)
+      .svg;
 }
 
 std::vector<std::string> notes_of(const SceneSettings& scene,
@@ -259,9 +281,7 @@ Json write_design(SceneStore& store,
                               sheet_title(head)),
                 folder / "cross_section");
   std::vector<std::string> notes = notes_of(scene, evaluation.scores, view.get());
-  if (const std::string note = shallow_note(evaluation.traced->part->made); !note.empty()) {
-    notes.push_back(note + ".");
-  }
+  add_defect_notes(*evaluation.traced, scene, notes);
   Json json = head;
   json["scores"] = scores_json(evaluation.scores);
   json["rendering"] = rendering_json(store, scene, wanted, evaluation.scores);

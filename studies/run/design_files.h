@@ -67,6 +67,11 @@ LightingDrawing draw_lighting(const SceneSettings& scene,
                               const BuiltPart& built,
                               const std::string& title);
 
+/// The SVG of it, of a design that was evaluated. @param scene  of a single view
+std::string drawing_svg(const SceneSettings& scene,
+                        const Evaluation& evaluation,
+                        const std::string& title);
+
 /// Remarks on a design that a reader of its numbers must know.
 /// @param view  path_view_of() the scene; nullptr: no paths are traced
 std::vector<std::string> notes_of(const SceneSettings& scene,

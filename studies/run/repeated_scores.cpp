@@ -31,6 +31,7 @@ WantedScores wanted_of_repeats(const Study& study) {
   wanted.coverage = false;  // noise does not change it
   wanted.reference = false;
   wanted.reach = false;
+  wanted.lighting = false;
   return study.has_search() ? wanted.of_one_scan() : wanted;
 }
 

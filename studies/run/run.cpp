@@ -15,8 +15,11 @@
 #include "core/log.h"
 #include "core/text.h"
 #include "core/wall_clock.h"
-#include "studies/definition/study_changes.h"
+#include "studies/accuracy/accurate_search.h"
 #include "studies/definition/study_text.h"
+#include "studies/front/front_designs.h"
+#include "studies/front/front_files.h"
+#include "studies/front/front_run.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
@@ -41,40 +44,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-/// The values the study's own scene has for its variables.
-Json baseline_variables(const Study& study) {
-  Json json = Json::object();
-  for (const Variable& variable : study.space.variables) {
-    const ConfigNode& node = *study.resolved.at_path(variable.name);
-    if (node.is_number()) {
-      json[variable.name] = node.number;
-    } else if (node.kind == ConfigNode::Kind::kBoolean) {
-      json[variable.name] = node.boolean;
-    } else {
-      json[variable.name] = node.text;
-    }
-  }
-  return json;
-}
-
-/// What a run writes into its folder, beside the database.
-std::vector<std::string> names_in_run(const Study& study) {
-  std::vector<std::string> names = {"baseline",
-                                    "winner",
-                                    "result.json",
-                                    "run.json",
-                                    "report.html",
-                                    "log.txt",
-                                    "study.resolved.toml",
-                                    "trials.csv",
-                                    "sorting.csv",
-                                    "pod.csv"};
-  for (const Prototype& prototype : study.prototypes) {
-    names.push_back(prototype.name);
-  }
-  return names;
-}
-
 /// A run directory that is being worked on.
 class Run {
  public:
@@ -87,6 +56,7 @@ class Run {
     check_inputs_kept(input_files(study_), options_.out, names);
     check_everything(store_, study_);
     const TakenTrials taken = trials_to_take(study_, options_.from, options_.out);
+    check_accuracy_choice(study_, !options_.from.empty());
     OutputFolder folder(options_.out);
     Storage storage = open_storage();
     remove_unfinished_files(options_.out);
@@ -96,7 +66,7 @@ class Run {
     SearchResult search;
     const double search_start = process_cpu_s();
     if (study_.has_search()) {
-      search = search_designs(storage, folder);
+      search = search_with_accuracy(storage, folder);
       if (search.termination == Termination::kInterrupted) {
         is_interrupted_ = true;
         log(LogLevel::kWarning,
@@ -156,22 +126,56 @@ class Run {
 
   Storage open_storage() {
     const fs::path database = options_.out / "study.sqlite";
-    StudyIdentity identity = {.config_hash = config_hash(study_),
-                              .config_text = resolved_text(study_),
-                              .code_version = program_version(),
-                              .seed = study_.search.seed};
+    identity_ = {.config_hash = config_hash(study_),
+                 .config_text = resolved_text(study_),
+                 .code_version = program_version(),
+                 .seed = study_.search.seed};
     if (std::error_code ignored; fs::exists(database, ignored)) {
-      adopt_title(identity, database);
+      adopt_title(identity_, database);
     }
-    return Storage::open(database, identity);
+    return Storage::open(database, identity_);
   }
 
-  SearchResult search_designs(Storage& storage, OutputFolder& folder) {
+  /// Where the study says how exactly scores must be known, the search is rendered so.
+  SearchResult search_with_accuracy(Storage& storage, OutputFolder& folder) {
+    if (!study_.accuracy) {
+      return search_designs(storage, folder);
+    }
+    Storage record = Storage::open(options_.out / kAccuracyTrials, identity_);
+    std::optional<Progress> bar;
+    const auto show = [&](int done, int most) {
+      folder.keep();  // what is evaluated is not thrown away
+      if (!bar) {
+        bar.emplace(study_.name + ": ways to render", most, options_.progress);
+      }
+      bar->update(done);
+    };
+    const auto search = [&](const ChosenAccuracy& chosen) {
+      bar.reset();
+      return search_designs(storage, folder, &chosen);
+    };
+    return search_accurately({.study = study_,
+                              .store = store_,
+                              .record = &record,
+                              .jobs = options_.jobs,
+                              .interrupt = options_.interrupt,
+                              .on_evaluation = show},
+                             storage,
+                             search,
+                             accurate_);
+  }
+
+  SearchResult search_designs(Storage& storage,
+                              OutputFolder& folder,
+                              const ChosenAccuracy* chosen = nullptr) {
     SearchTask task = search_task(study_, options_.jobs);
-    const std::map<Point, Outcome> taken = begin_with_taken(options_.out, task);
+    task.verify_replay = options_.verify_replay;
+    std::map<Point, Outcome> known = begin_with_taken(options_.out, task);
+    const RenderRung* rung = chosen != nullptr ? &chosen->rung() : nullptr;
+    known.merge(chosen != nullptr ? std::map(chosen->known) : std::map<Point, Outcome>());
     const auto evaluate_point = [&](const Point& point, int /*trial*/) {
-      const auto found = taken.find(point);
-      return found != taken.end() ? found->second : evaluate_candidate(store_, study_, point);
+      const auto found = known.find(point);
+      return found != known.end() ? found->second : evaluate_candidate(store_, study_, point, rung);
     };
     Progress bar(study_.name, std::max(1, study_.budget.evaluations), options_.progress);
     const auto show = [&](const SearchProgress& progress) {
@@ -211,12 +215,16 @@ class Run {
   /// One step more than there are, so that short work is not told.
   std::int64_t writing_steps() const {
     const int frames = study_.scene.scan.positions;
-    const auto designs =
-        static_cast<std::int64_t>(study_.prototypes.size()) + (study_.has_search() ? 2 : 1);
+    const auto designs = static_cast<std::int64_t>(study_.prototypes.size()) +
+                         (study_.has_search() ? 2 : 1) +
+                         (front_.is_null() ? 0 : full_designs_of_front(front_));
     return designs * (frames + 1) + 1;
   }
 
-  Json write(const std::string& key, const SceneSettings& scene, const Json& head) {
+  Json write(const std::string& key,
+             const SceneSettings& scene,
+             const Json& head,
+             bool is_repeated = true) {
     log(LogLevel::kInfo, "writing {}", key);
     Json json;
     DesignWatch watch = watch_of(key, scene);
@@ -232,9 +240,9 @@ class Run {
       return json;
     }
     if (!study_.goal.constraints.empty()) {
-      json["feasible"] = is_feasible(study_.goal, scores_of(json["scores"]));
+      json["feasible"] = is_feasible(study_.goal, scores_from_json(json["scores"]));
     }
-    if (!is_interrupted_) {
+    if (!is_interrupted_ && is_repeated) {
       const double start = process_cpu_s();
       json["repeated"] = repeated_scores(
           store_, first_view(store_, scene), wanted_of_repeats(study_), study_.goal);
@@ -242,29 +250,6 @@ class Run {
     }
     write_file(options_.out / key / "scores.json", json.dump(2) + "\n");
     return json;
-  }
-
-  static Scores scores_of(const Json& json) {
-    Scores scores;
-    for (const auto& [name, value] : json.items()) {
-      if (value.is_number()) {
-        scores[name] = value.get<double>();
-      }
-    }
-    return scores;
-  }
-
-  static std::string status_of(const SearchResult& search, bool has_search) {
-    if (!has_search) {
-      return "done";
-    }
-    if (search.termination == Termination::kInterrupted) {
-      return "interrupted";
-    }
-    if (!search.best || !search.is_feasible) {
-      return "no_feasible";
-    }
-    return search.termination == Termination::kWallClock ? "budget" : "done";
   }
 
   /// Adds what the study's populations give. @return false when interrupted
@@ -286,25 +271,39 @@ class Run {
            (!study_.pod || add("pod", run_pod(task)));
   }
 
-  void add_objectives(const Storage& storage, const SearchResult& search, Json& result) const {
-    if (study_.has_objective) {
-      result["objective"] = study_.goal.objective.name;
-    }
-    if (!search.trade_off) {
+  /// Pictures and fresh scores of the front's designs.
+  void add_front(const Storage& storage, const Json& winner, Json& result) {
+    const double start = process_cpu_s();
+    write_front({.study = study_,
+                 .store = store_,
+                 .storage = storage,
+                 .out = options_.out,
+                 .wanted = wanted_in_search(study_),
+                 .write = [this](const auto&... design) { return write(design...); },
+                 .drawing = drawing_svg,
+                 .interrupt = options_.interrupt},
+                winner,
+                front_,
+                result);
+    front_cpu_s_ = process_cpu_s() - start;
+  }
+
+  /// The best of each kind of light, where the search chose among kinds.
+  void add_kinds(const Storage& storage, Json& result) {
+    if (is_interrupted_) {
       return;
     }
-    const Json found = front_json(study_, storage);
-    result["objectives"] = found["objectives"];
-    result["front"] = found["designs"];
-    for (const char* name : {"hypervolume", "reference", "chosen"}) {
-      result[name] = found[name];
+    Json kinds = best_of_each_kind(store_, study_, storage.trials(TrialKind::kSearch));
+    if (!kinds.is_null()) {
+      result["kinds"] = std::move(kinds);
     }
   }
 
   Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
+    front_ = search.trade_off ? front_json(study_, storage) : Json();
     writing_.emplace(study_.name + ": writing", writing_steps(), options_.progress);
-    const Json baseline =
-        write("baseline", study_.scene, head("Baseline", "baseline", baseline_variables(study_)));
+    const Json baseline = write(
+        "baseline", study_.scene, head("Baseline", "baseline", baseline_variables_json(study_)));
     write_part_picture(
         store_, first_view(store_, study_.scene), options_.out / "baseline" / "part.png");
     Json prototypes = Json::object();
@@ -316,12 +315,18 @@ class Run {
                                     {"rescored", written["rescored"]}};
     }
     Json result = {{"schema", 1},
-                   {"status", status_of(search, study_.has_search())},
+                   {"status", run_status(search, study_.has_search())},
                    {"evaluations", search.evaluations},
                    {"failed", search.failed},
                    {"study", study_file(study_)},
                    {"part", part_json(store_.build(study_.scene)->part)}};
-    add_objectives(storage, search, result);
+    if (study_.has_objective) {
+      result["objective"] = study_.goal.objective.name;
+    }
+    add_front_to_result(front_, result);
+    if (accurate_.chosen) {
+      result["accuracy"] = accurate_search_json(store_, study_, accurate_, search.evaluations);
+    }
     Json rescored = Json::object();
     result["best"] = nullptr;
     if (search.best) {
@@ -334,10 +339,14 @@ class Run {
       result["best"] = {
           {"trial", search.best->number}, {"variables", variables}, {"scores", winner["scores"]}};
       rescored["best"] = winner["rescored"];
+      if (!front_.is_null() && !is_interrupted_) {
+        add_front(storage, winner, result);
+      }
       if (study_.root.find("manufacture") != nullptr && !is_interrupted_) {
         log(LogLevel::kInfo, "spread at the winner: {} evaluations", kToleranceDesigns);
         result["manufacture"] = tolerance_spread(store_, study_, search.best->point);
       }
+      add_kinds(storage, result);
     }
     result["baseline"] = {{"variables", baseline["variables"]}, {"scores", baseline["scores"]}};
     rescored["baseline"] = baseline["rescored"];
@@ -399,6 +408,12 @@ class Run {
                      {"rescoring", rescoring_cpu_s_},
                      {"writing", finish_cpu_s_ - rescoring_cpu_s_ - populations_cpu_s_},
                      {"populations", populations_cpu_s_}};
+    if (!front_.is_null()) {
+      json["cpu_s"]["of_these_front"] = front_cpu_s_;
+    }
+    if (accurate_.chosen) {
+      json["cpu_s"]["accuracy"] = accurate_.cpu_s;
+    }
     json["warnings"] = search.warnings;
     json["derivatives"] = derivative_remarks(storage);
     json["configuration"] = resolved_text(study_);
@@ -409,12 +424,16 @@ class Run {
   const RunOptions& options_;
   ThreadPool pool_;
   SceneStore store_;
+  StudyIdentity identity_;
   Clock::time_point start_ = Clock::now();
   std::chrono::system_clock::time_point started_ = std::chrono::system_clock::now();
+  AccurateSearch accurate_;
   double search_cpu_s_ = 0.0;
   double finish_cpu_s_ = 0.0;  ///< all that follows the search
   double rescoring_cpu_s_ = 0.0;
   double populations_cpu_s_ = 0.0;
+  double front_cpu_s_ = 0.0;  ///< part of the two above
+  Json front_;                ///< of several objectives
   std::optional<Progress> writing_;
   int designs_written_ = 0;
   bool is_interrupted_ = false;  ///< in the search: what can be had without is left out

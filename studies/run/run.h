@@ -21,6 +21,7 @@ struct RunOptions {
   std::filesystem::path log_file;               ///< beside the run's own log.txt; empty: none
   const std::atomic<int>* interrupt = nullptr;  ///< how often the user interrupted
   std::filesystem::path from;  ///< an earlier run whose trials the search begins with; empty: none
+  bool verify_replay = false;  ///< SearchTask::verify_replay
 };
 
 /// Runs the study in options.out, resuming what is there.

@@ -70,7 +70,8 @@ class SearchClock {
 SearchSample sample_search(const Study& study,
                            SceneStore& store,
                            int jobs,
-                           const std::function<void()>& step) {
+                           const std::function<void()>& step,
+                           const RenderRung* rung) {
   const ScratchFolder scratch("the first designs of the search");
   Storage storage = Storage::open(scratch.path() / "study.sqlite", {.seed = study.search.seed});
   SearchTask task = search_task(study, jobs);
@@ -84,7 +85,7 @@ SearchSample sample_search(const Study& study,
     enough = clock.is_long() ? 1 : 0;
   };
   const auto evaluate_point = [&](const Point& point, int /*trial*/) {
-    return evaluate_candidate(store, study, point);
+    return evaluate_candidate(store, study, point, rung);
   };
   const SearchResult result = run_search(task, storage, evaluate_point, &enough, look);
   SearchSample sample{.evaluation_s = clock.mean_s(planned)};

@@ -15,7 +15,9 @@
 #include "core/image/image_io.h"
 #include "core/text.h"
 #include "core/units.h"
+#include "studies/accuracy/accuracy_report.h"
 #include "studies/definition/scene_notes.h"
+#include "studies/front/front_page.h"
 #include "studies/output/provenance.h"
 #include "studies/population/population_report.h"
 #include "studies/report/report.h"
@@ -33,6 +35,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kFrameWidth_px = 650;
+constexpr std::size_t kPageItself_bytes = 1'500'000;  // script, style, licences; generously
 
 Json read_json(const fs::path& path) {
   try {
@@ -250,6 +253,10 @@ Json single_run(const fs::path& run) {
   }
   if (study.has_search() && has_several_objectives(study.goal)) {
     data["front"] = front_json(study, Storage::read(run / "study.sqlite"));
+    const auto closeups = [&](const fs::path& folder, const ImageF& aspect) {
+      return closeups_of(folder, aspect, study.goal.objective.name);
+    };
+    add_front_to_page(run, result, closeups, data["front"]);
   }
   const std::string objective = study.has_objective ? study.goal.objective.name : "";
   Json designs = Json::array();
@@ -261,6 +268,9 @@ Json single_run(const fs::path& run) {
   if (study.has_population()) {
     data["panels"] = population_panels(run, result);
     data["verdict"] = population_verdict(result);
+  }
+  if (result.contains("accuracy")) {
+    data["panels"].push_back(accuracy_panel(result["accuracy"]));
   }
   if (result.contains("manufacture")) {
     data["panels"].push_back(tolerance_panel(result["manufacture"]));
@@ -281,6 +291,9 @@ Json single_run(const fs::path& run) {
   source.erase("cores");
   data["provenance"] = source;
   data["when"] = when_text(run);
+  if (data.contains("front")) {
+    limit_sequences(data, kMaxPageBytes - kPageItself_bytes);
+  }
   return data;
 }
 

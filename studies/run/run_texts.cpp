@@ -10,6 +10,7 @@
 #include "core/csv.h"
 #include "core/progress.h"
 #include "core/text.h"
+#include "studies/front/front_files.h"
 
 namespace glint {
 
@@ -103,6 +104,39 @@ std::string trials_csv(const Study& study, const Storage& storage) {
     csv += csv_row(fields);
   }
   return csv;
+}
+
+std::string run_status(const SearchResult& search, bool has_search) {
+  if (!has_search) {
+    return "done";
+  }
+  if (search.termination == Termination::kInterrupted) {
+    return "interrupted";
+  }
+  if (!search.best || !search.is_feasible) {
+    return "no_feasible";
+  }
+  return search.termination == Termination::kWallClock ? "budget" : "done";
+}
+
+std::vector<std::string> names_in_run(const Study& study) {
+  std::vector<std::string> names = {"baseline",
+                                    "winner",
+                                    "result.json",
+                                    "run.json",
+                                    "report.html",
+                                    "log.txt",
+                                    "study.resolved.toml",
+                                    "trials.csv",
+                                    "sorting.csv",
+                                    "pod.csv"};
+  if (has_several_objectives(study.goal)) {
+    names.emplace_back(kFrontFolder);
+  }
+  for (const Prototype& prototype : study.prototypes) {
+    names.push_back(prototype.name);
+  }
+  return names;
 }
 
 }  // namespace glint

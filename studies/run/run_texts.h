@@ -18,10 +18,16 @@ std::string limits_text(const Budget& budget);
 /// The key of the budget that ended a search, or what else did.
 std::string ended_by(Termination termination);
 
+/// "done", "budget" (of time), "interrupted" or "no_feasible": how a run ended.
+std::string run_status(const SearchResult& search, bool has_search);
+
 /// The first few of changed_keys(); without any a file must be another one.
 std::string changes_text(const std::vector<std::string>& changes);
 
 /// All trials of a search with variables and scores, as CSV.
 std::string trials_csv(const Study& study, const Storage& storage);
+
+/// What a run writes into its folder, beside the databases.
+std::vector<std::string> names_in_run(const Study& study);
 
 }  // namespace glint

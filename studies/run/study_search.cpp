@@ -1,12 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/run/study_search.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <filesystem>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "optimizer/algorithm/merit.h"
 #include "optimizer/front/compromise.h"
+#include "studies/accuracy/chosen_accuracy.h"
+#include "studies/definition/render_methods.h"
+#include "studies/front/front_designs.h"
+#include "studies/run/design_files.h"
 
 namespace glint {
 namespace {
@@ -14,6 +26,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kErrorsPerHalf = 2.0;  // as objective_noise()
+constexpr std::size_t kNoisePlaces = 24;
 
 Json design_of_front(const Study& study, const Trial& trial) {
   const Scores& known = trial.outcome->scores;
@@ -34,6 +47,63 @@ Json design_of_front(const Study& study, const Trial& trial) {
           {"errors", errors}};
 }
 
+/// [evaluations, half the interval of the hypervolume] at some places, the last one among them:
+/// each costs a hypervolume for every number of the front.
+Json noise_history(const Study& study,
+                   const std::vector<Trial>& trials,
+                   const std::vector<double>& reference) {
+  std::vector<Trial> done;
+  std::ranges::copy_if(trials, std::back_inserter(done), [](const Trial& trial) {
+    return trial.outcome.has_value();
+  });
+  std::set<std::size_t> places;
+  for (std::size_t k = 1; k <= kNoisePlaces; ++k) {
+    places.insert(k * done.size() / kNoisePlaces);
+  }
+  Json list = Json::array();
+  for (const std::size_t place : places) {
+    const auto first = std::span<const Trial>(done).first(place);
+    list.push_back({place, trade_off(study.goal, first, reference).noise});
+  }
+  return list;
+}
+
+/// The best trial with that value of a variable.
+const Trial* best_with(const Study& study,
+                       const std::vector<Trial>& trials,
+                       std::size_t variable,
+                       double value) {
+  const Trial* best = nullptr;
+  for (const Trial& trial : trials) {
+    const bool is_of_kind = trial.outcome && !trial.outcome->is_failed &&
+                            trial.point[variable] == value &&
+                            problem_with(study.goal, trial.outcome->scores).empty();
+    if (is_of_kind &&
+        (best == nullptr || is_better(study.goal, trial.outcome->scores, best->outcome->scores))) {
+      best = &trial;
+    }
+  }
+  return best;
+}
+
+/// Empty where the goal cannot be judged with what came out.
+std::optional<Scores> rescored(SceneStore& store, const Study& study, const Point& point) {
+  const SceneSettings scene = scene_with(study, overrides_of(study, point));
+  const WantedScores wanted = wanted_by(study.goal).with_whole_scan(kFreshParts);
+  try {
+    Scores scores = evaluate(store, finer_settings(scene), {}, wanted).scores;
+    return problem_with(study.goal, scores).empty() ? std::optional(scores) : std::nullopt;
+  } catch (const ConfigError&) {
+    return std::nullopt;  // what a finer part or other noise makes impossible
+  }
+}
+
+struct Finalist {
+  std::string kind;
+  const Trial* trial = nullptr;
+  Scores fresh;
+};
+
 }  // namespace
 
 Json variables_json(const Study& study, const Point& point) {
@@ -51,6 +121,21 @@ Json variables_json(const Study& study, const Point& point) {
         break;
       default:
         json[path] = value.text;
+    }
+  }
+  return json;
+}
+
+Json baseline_variables_json(const Study& study) {
+  Json json = Json::object();
+  for (const Variable& variable : study.space.variables) {
+    const ConfigNode& node = *study.resolved.at_path(variable.name);
+    if (node.is_number()) {
+      json[variable.name] = node.number;
+    } else if (node.kind == ConfigNode::Kind::kBoolean) {
+      json[variable.name] = node.boolean;
+    } else {
+      json[variable.name] = node.text;
     }
   }
   return json;
@@ -77,6 +162,7 @@ Json front_json(const Study& study, const Storage& storage) {
   json["hypervolume"] = found.hypervolume;
   json["noise"] = found.noise;
   json["history"] = hypervolume_history(study.goal, trials, found.reference);
+  json["noise_history"] = noise_history(study, trials, found.reference);
   json["reference"] = at;
   json["outside"] = found.outside;
   json["chosen"] = nullptr;
@@ -85,6 +171,7 @@ Json front_json(const Study& study, const Storage& storage) {
                       {"by", choice_rule_name(study.goal.choice)},
                       {"reason", found.reason}};
   }
+  plan_front(study.goal, json);
   return json;
 }
 
@@ -98,22 +185,63 @@ SearchTask search_task(const Study& study, int jobs) {
 }
 
 WantedScores wanted_in_search(const Study& study) {
-  return needs_gradient(study.search.algorithm) ? wanted_with_gradients(study.goal, study.space)
-                                                : wanted_by(study.goal);
+  WantedScores wanted = wanted_in_trial(study);
+  if (needs_gradient(study.search.algorithm)) {
+    wanted.gradients = wanted_with_gradients(study.goal, study.space).gradients;
+  }
+  return wanted;
 }
 
-Outcome evaluate_candidate(SceneStore& store, const Study& study, const Point& point) {
+Outcome evaluate_candidate(SceneStore& store,
+                           const Study& study,
+                           const Point& point,
+                           const RenderRung* rung) {
   const std::filesystem::path& file = study.scene.part.file;
   if (!file.empty() && !std::filesystem::exists(file)) {
     throw IoError(file.string() + ": has gone while the study was running");
   }
-  Evaluation found =
-      evaluate(store, scene_with(study, overrides_of(study, point)), {}, wanted_in_search(study));
+  SceneSettings scene = scene_with(study, overrides_of(study, point));
+  if (rung != nullptr) {
+    scene = at_rung(std::move(scene), *rung);
+  }
+  Evaluation found = evaluate(store, scene, {}, wanted_in_search(study));
   Outcome outcome;
   outcome.scores = std::move(found.scores);
   outcome.gradients = std::move(found.gradients.by_score);
   outcome.remarks = std::move(found.gradients.remarks);
   return outcome;
+}
+
+Json best_of_each_kind(SceneStore& store, const Study& study, const std::vector<Trial>& trials) {
+  const std::vector<Variable>& variables = study.space.variables;
+  const auto found = std::ranges::find(variables, "lighting_use", &Variable::name);
+  if (found == variables.end() || has_several_objectives(study.goal)) {
+    return nullptr;
+  }
+  const auto index = static_cast<std::size_t>(found - variables.begin());
+  std::vector<Finalist> finalists;
+  for (std::size_t kind = 0; kind < found->choices.size(); ++kind) {
+    const Trial* best = best_with(study, trials, index, static_cast<double>(kind));
+    if (best == nullptr) {
+      continue;
+    }
+    if (std::optional<Scores> fresh = rescored(store, study, best->point)) {
+      finalists.push_back({.kind = found->choices[kind], .trial = best, .fresh = *fresh});
+    }
+  }
+  std::ranges::stable_sort(finalists, [&](const Finalist& a, const Finalist& b) {
+    return is_better(study.goal, a.fresh, b.fresh);
+  });
+  Json kinds = Json::array();
+  for (const Finalist& finalist : finalists) {
+    kinds.push_back({{"lighting_use", finalist.kind},
+                     {"trial", finalist.trial->number},
+                     {"variables", variables_json(study, finalist.trial->point)},
+                     {"scores", scores_json(finalist.trial->outcome->scores)},
+                     {"rescored", scores_json(finalist.fresh)},
+                     {"feasible", is_feasible(study.goal, finalist.fresh)}});
+  }
+  return kinds;
 }
 
 }  // namespace glint

@@ -6,6 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "optimizer/search/search.h"
+#include "studies/definition/ladder/render_ladder.h"
 #include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
 
@@ -14,29 +15,50 @@ namespace glint {
 /// The study's search from its beginning. @param jobs  candidates at once, >= 1
 SearchTask search_task(const Study& study, int jobs);
 
-/// What a search wants of each candidate.
+/// What a search wants of each candidate: the scores of its goal, and those that [accuracy] names.
 WantedScores wanted_in_search(const Study& study);
 
 /// Scores of a point of the search space, and their derivatives where the algorithm needs them.
+/// @param rung  how it is rendered; nullptr: as the study says
 /// @throws ConfigError for what cannot be built; IoError, also when the part's file has gone
-Outcome evaluate_candidate(SceneStore& store, const Study& study, const Point& point);
+Outcome evaluate_candidate(SceneStore& store,
+                           const Study& study,
+                           const Point& point,
+                           const RenderRung* rung = nullptr);
 
 /// The active variables of a point: { path: value }.
 nlohmann::ordered_json variables_json(const Study& study, const Point& point);
+
+/// The values that the study's own scene has for its variables: { path: value }.
+nlohmann::ordered_json baseline_variables_json(const Study& study);
 
 /// What a search with several objectives has found, in the units of the scores:
 ///
 ///   objectives   [ { score, direction: "maximise" | "minimise", reference } ]
 ///   designs      the front, [ { trial, variables, scores: { name: value } of objectives and
-///   limited
-///                scores, errors: { name: standard error } of those objectives that have one } ]
+///                limited scores, errors: { name: standard error } of those objectives that have
+///                one, contribution, shown, folder: see plan_front() } ]
 ///   hypervolume, noise   and half the width of its interval (TradeOff)
 ///   history      hypervolume after each evaluation
+///   noise_history  [ [evaluations, noise] ] at some of them
 ///   reference    { score: value }
 ///   outside      designs that are not better than the reference in every objective
 ///   chosen       { trial, by: the choice's rule, reason }; null without a front
 ///
 /// @param study  with several objectives
 nlohmann::ordered_json front_json(const Study& study, const Storage& storage);
+
+/// The finalists of a search that chooses among kinds of light (lighting_use is a variable): of
+/// each kind the best design, feasible ones first, scored once more with fresh random numbers and
+/// finer sampling, all in the same way and at the exposure that sensor.expose_to sets.
+/// @param trials  of the search
+/// @return [ { lighting_use, trial, variables, scores: as the search saw them, rescored: { .. },
+///           feasible: whether the rescored ones keep all limits } ], the best of the rescored
+///           first; a kind of which no evaluation succeeded, or which cannot be rescored, is left
+///           out. null without such a variable, and for several objectives, whose front tells more
+/// @throws IoError
+nlohmann::ordered_json best_of_each_kind(SceneStore& store,
+                                         const Study& study,
+                                         const std::vector<Trial>& trials);
 
 }  // namespace glint

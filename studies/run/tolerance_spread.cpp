@@ -68,7 +68,10 @@ Json spread_of(double nominal, std::vector<double> values) {
 }
 
 std::set<std::string> named_scores(const Goal& goal) {
-  std::set<std::string> names = {goal.objective.name};
+  std::set<std::string> names;
+  for (const Objective& objective : objectives_of(goal)) {
+    names.insert(objective.name);
+  }
   for (const Constraint& constraint : goal.constraints) {
     names.insert(constraint.name);
   }

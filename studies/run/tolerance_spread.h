@@ -17,7 +17,7 @@ inline constexpr int kToleranceDesigns = 64;
 /// evenly within them (uniform, a Sobol sequence), all with the noise of the search (common random
 /// numbers).
 /// @return { designs, failed, distribution: "uniform", plus_minus: { key: number },
-///           scores: { score: { nominal, mean, sd, low, high } } of the objective and limited ones,
+///           scores: { score: { nominal, mean, sd, low, high } } of objectives and limited ones,
 ///           low and high: 5 and 95 % of the designs,
 ///           feasible_share: of those that did not fail; absent without limits }
 /// @throws IoError

@@ -12,7 +12,6 @@
 #include "core/log.h"
 #include "core/text.h"
 #include "optimizer/algorithm/merit.h"
-#include "studies/definition/study_changes.h"
 #include "studies/definition/study_text.h"
 
 namespace glint {

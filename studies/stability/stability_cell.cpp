@@ -156,9 +156,12 @@ Outcome evaluated(SceneStore& store, const ConfigNode& root) {
   check_part_in_tunnel(store, scene);
   Outcome outcome{.evaluation = evaluate(store, scene), .scene = scene};
   outcome.notes = scene_notes(scene, outcome.evaluation.scores);
-  if (const std::string narrow = narrow_defects_note(*outcome.evaluation.traced, scene);
-      !narrow.empty()) {
-    outcome.notes.push_back(narrow);
+  const TracedScene& traced = *outcome.evaluation.traced;
+  for (const std::string& note :
+       {narrow_defects_note(traced, scene), defect_stripes_note(traced, scene)}) {
+    if (!note.empty()) {
+      outcome.notes.push_back(note);
+    }
   }
   return outcome;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Why grey values of real pictures differ from simulated ones: exposure, power of segments and
-// place of the light, roughness. Method: docs/validate.md.
+// places of the lights, roughness. Method: docs/validate.md.
 #pragma once
 
 #include <array>
@@ -22,41 +22,56 @@ struct GreyView {
   ImageF real;  ///< linear, full scale 1
 };
 
-enum class GreyFault : std::size_t { kExposure, kSegments, kLightPlace, kRoughness };
+/// The views of a design.
+struct GreyDesign {
+  std::string name;
+  std::vector<GreyView> views;
+};
 
-inline constexpr std::size_t kGreyFaults = 4;
+/// kLightPower: of all lights of one design against those of the others.
+enum class GreyFault : std::size_t { kExposure, kLightPower, kSegments, kLightPlace, kRoughness };
 
-/// "exposure", "segment_power", "light_place", "roughness".
+inline constexpr std::size_t kGreyFaults = 5;
+
+/// "exposure", "light_power", "segment_power", "light_place", "roughness".
 std::string name_of(GreyFault fault);
 
 /// One number of the fit.
 struct GreyValue {
   GreyFault fault = GreyFault::kExposure;
-  std::string light;   ///< empty: of the whole picture
+  std::string light;   ///< empty: of the whole picture; of kLightPower the design
   int index = 0;       ///< of the segment, or of the axis x, y, z
   double value = 0.0;  ///< factor; of a place mm
   double sigma = 0.0;
 };
 
+/// What is told of one design. Lights and roughness are those of the cell, so equal for all
+/// designs.
 struct GreyFit {
   bool is_known = false;          ///< false: too few pixels of the part, or no light
   std::vector<GreyFault> faults;  ///< that the pictures ask for; exposure is always free
   std::vector<GreyValue> values;  ///< of exposure and these
-  SceneChange change;             ///< the same for scenes
+  SceneChange change;             ///< the same for scenes; exposure with the design's power
   double before = 0.0;            ///< rms of even differences, share of the mean grey
-  double exposed = 0.0;           ///< after the exposure alone
+  double exposed = 0.0;           ///< after an exposure of its own alone
   double after = 0.0;             ///< after all
-  int renders = 0;
+  int renders = 0;                ///< of all designs
 };
 
 struct GreyOptions {
-  bool is_searching = true;   ///< false: exposure alone
-  double good_share = 0.015;  ///< no further cause is looked for below that rms of even differences
+  /// Rms of even differences after the exposure up to which a design agrees: no cause is looked for
+  /// when all do.
+  double agree_share = 0.0;
+  double good_share = 0.015;  ///< no further cause is looked for when all are below that
   std::size_t max_views = 3;  ///< of a design that take part, spread over all
 };
 
-/// Fits all views of one design together in pictures reduced to some 96 pixels of width.
+/// Fits all views of all designs together in pictures reduced to some 96 pixels of width: one
+/// exposure, and lights that stand at one place, where they shine and where they shade others.
+/// @return of each design
 /// @throws ConfigError, IoError as rendering does
-GreyFit fit_grey(SceneStore& store, std::span<const GreyView> views, const GreyOptions& options);
+std::vector<GreyFit> fit_grey(SceneStore& store,
+                              std::span<const GreyDesign> designs,
+                              const GreyOptions& options);
 
 }  // namespace glint

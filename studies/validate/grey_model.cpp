@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "core/image/spans.h"
 #include "simulator/sensor/sensor.h"
@@ -19,6 +20,8 @@ constexpr int kWidthPx = 96;      ///< of the small pictures, about
 constexpr int kMarginPx = 1;      ///< from the part's edge
 constexpr float kBright = 0.98F;  ///< at least: clipped
 constexpr int kLeastSamples = 48;
+constexpr std::size_t kMostKept = 8;
+constexpr double kSamePosePx = 0.15;  ///< of these pictures: less is not seen
 
 /// Means of blocks of pixels; what is left over at the right and below is cut off.
 ImageF reduced(const ImageF& picture, int factor) {
@@ -125,32 +128,93 @@ struct EvenSums {
 
 }  // namespace
 
-GreyModel::GreyModel(SceneStore& store, std::span<const GreyView> views) : store_(store) {
-  for (const GreyView& view : views) {
-    const int factor = std::max(1, (view.real.width() + kWidthPx / 2) / kWidthPx);
-    views_.push_back(
-        {.scene = reduced_scene(view.scene, factor), .real = reduced(view.real, factor)});
+GreyModel::GreyModel(SceneStore& store, std::span<const GreyDesign> designs) : store_(store) {
+  for (std::size_t d = 0; d < designs.size(); ++d) {
+    designs_.push_back(designs[d].name);
+    add_views(d, designs[d]);
   }
-  if (!views_.empty()) {
-    lights_ = lit_lights(views_.front().scene);
-    choose_pixels();
+  choose_pixels();
+  use_shares();
+}
+
+void GreyModel::add_views(std::size_t design, const GreyDesign& views) {
+  for (const GreyView& view : views.views) {
+    const int factor = std::max(1, (view.real.width() + kWidthPx / 2) / kWidthPx);
+    SmallView small = {.design = design,
+                       .scene = reduced_scene(view.scene, factor),
+                       .real = reduced(view.real, factor)};
+    take_shared_pose(small);
+    for (const LitLight& light : lights_with_bodies(small.scene)) {
+      if (std::ranges::find(lights_, light.name, &LitLight::name) == lights_.end()) {
+        lights_.push_back(light);
+      }
+    }
+    views_.push_back(std::move(small));
+  }
+}
+
+/// Views of designs that differ in nothing but what shines are one rendering, where their poses
+/// differ by less than these small pictures show.
+void GreyModel::take_shared_pose(SmallView& view) const {
+  const RigidTransform pose = camera_from_world(view.scene.viewpoint());
+  const double focal_px = intrinsics_of(view.scene).focal_px.x();
+  const double distance_mm = std::max(pose.translation_mm.norm(), 1.0);
+  for (const SmallView& other : views_) {
+    const RigidTransform apart = pose * inverse(camera_from_world(other.scene.viewpoint()));
+    const double turn_rad = Eigen::AngleAxisd(apart.rotation).angle();
+    const double shift_mm = (inverse(pose).translation_mm -
+                             inverse(camera_from_world(other.scene.viewpoint())).translation_mm)
+                                .norm();
+    if (other.design != view.design && turn_rad * focal_px < kSamePosePx &&
+        shift_mm * focal_px / distance_mm < kSamePosePx) {
+      view.scene.viewpoints = other.scene.viewpoints;
+      return;
+    }
   }
 }
 
 void GreyModel::choose_pixels() {
   std::vector<double> real;
+  rows_.resize(designs_.size());
   for (SmallView& view : views_) {
     view.used = sound_part(store_.picture(view.scene)->sums);
+    view.groups = path_view_of(view.scene, store_.build_defects(view.scene))->group_names();
     ++renders_;
     for (std::size_t i = 0; i < view.used.size(); ++i) {
       const float grey = view.real.values()[i];
       view.used.values()[i] = view.used.values()[i] != 0 && grey < kBright ? 1 : 0;
       if (view.used.values()[i] != 0) {
         real.push_back(static_cast<double>(grey));
+        ++rows_[view.design].count;
       }
     }
   }
   real_ = Eigen::Map<const Eigen::VectorXd>(real.data(), static_cast<Eigen::Index>(real.size()));
+}
+
+/// Bright and dark designs count alike.
+void GreyModel::use_shares() {
+  Eigen::Index first = 0;
+  for (GreyRows& rows : rows_) {
+    rows.first = first;
+    first += rows.count;
+    auto values = real_.segment(rows.first, rows.count);
+    means_.push_back(rows.count > 0 ? std::max(values.mean(), 1e-6) : 1.0);
+    values /= means_.back();
+  }
+}
+
+bool GreyModel::can_change_roughness() const {
+  return std::ranges::any_of(
+      views_, [](const SmallView& view) { return view.scene.material.roughness > 0.0; });
+}
+
+Eigen::Index GreyModel::first_segment(std::size_t light) const {
+  Eigen::Index first = 0;
+  for (std::size_t l = 0; l < light; ++l) {
+    first += lights_[l].segments > 1 ? lights_[l].segments : 0;
+  }
+  return first;
 }
 
 /// "ring.0" of each segment; lights of one segment have none.
@@ -165,12 +229,11 @@ std::vector<std::string> GreyModel::column_names() const {
 }
 
 /// Grey of each of these groups, and last of all together.
-std::vector<ImageF> GreyModel::group_pictures(const SceneSettings& scene,
+std::vector<ImageF> GreyModel::group_pictures(const SmallView& view,
+                                              const SceneSettings& scene,
                                               const std::vector<std::string>& names) {
   const auto picture = store_.picture(scene);
   const std::vector<FrameFactors> frames = frame_factors(scene, picture->unit_power_w);
-  const std::vector<std::string> groups =
-      path_view_of(scene, store_.build_defects(scene))->group_names();
   const FrameFactors whole = mean_factors(frames);
   const Sensor sensor(scene.sensor, picture->sums.width_px, picture->sums.height_px);
   const auto shown = [&](const FrameFactors& factors) {
@@ -181,8 +244,8 @@ std::vector<ImageF> GreyModel::group_pictures(const SceneSettings& scene,
   std::vector<ImageF> pictures;
   for (const std::string& name : names) {
     FrameFactors one = whole;
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-      if (groups[g] != name) {
+    for (std::size_t g = 0; g < view.groups.size(); ++g) {
+      if (view.groups[g] != name) {
         one[g] = Colour::Zero();
       }
     }
@@ -199,7 +262,9 @@ GreyColumns GreyModel::render(const SceneChange& change) {
   columns.segments.resize(real_.size(), static_cast<Eigen::Index>(names.size()));
   Eigen::Index row = 0;
   for (const SmallView& view : views_) {
-    const std::vector<ImageF> pictures = group_pictures(changed_scene(view.scene, change), names);
+    const std::vector<ImageF> pictures =
+        group_pictures(view, changed_scene(view.scene, change), names);
+    const double mean = means_[view.design];
     ++renders_;
     for (std::size_t i = 0; i < view.used.size(); ++i) {
       if (view.used.values()[i] == 0) {
@@ -207,9 +272,9 @@ GreyColumns GreyModel::render(const SceneChange& change) {
       }
       for (std::size_t g = 0; g < names.size(); ++g) {
         columns.segments(row, static_cast<Eigen::Index>(g)) =
-            static_cast<double>(pictures[g].values()[i]);
+            static_cast<double>(pictures[g].values()[i]) / mean;
       }
-      columns.sum[row] = static_cast<double>(pictures.back().values()[i]);
+      columns.sum[row] = static_cast<double>(pictures.back().values()[i]) / mean;
       ++row;
     }
   }
@@ -225,14 +290,25 @@ const GreyColumns& GreyModel::columns(const std::vector<Eigen::Vector3d>& places
     change.lights.push_back({.name = lights_[i].name, .moved_mm = place});
     key += fmt::format(" {:.4f} {:.4f} {:.4f}", place.x(), place.y(), place.z());
   }
-  const auto found = kept_.find(key);
-  return found != kept_.end() ? found->second : kept_.emplace(key, render(change)).first->second;
+  const auto found = std::ranges::find(kept_, key, &KeptColumns::first);
+  if (found != kept_.end()) {
+    kept_.splice(kept_.begin(), kept_, found);
+  } else {
+    kept_.emplace_front(key, render(change));
+    if (kept_.size() > kMostKept) {
+      kept_.pop_back();
+    }
+  }
+  return kept_.front().second;
 }
 
-double GreyModel::even_rms(const Eigen::VectorXd& difference) const {
+double GreyModel::even_rms(const Eigen::VectorXd& difference, std::size_t design) const {
   EvenSums sums;
-  Eigen::Index row = 0;
+  Eigen::Index row = rows_[design].first;
   for (const SmallView& view : views_) {
+    if (view.design != design) {
+      continue;
+    }
     ImageF values(view.used.width(), view.used.height());
     for (std::size_t i = 0; i < view.used.size(); ++i) {
       if (view.used.values()[i] != 0) {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Small pictures of all views of a design for changed lights: what a fit of grey values compares.
-// Private to the room.
+// Small pictures of all views of all designs for changed lights: what a fit of grey values
+// compares. Private to the room.
 #pragma once
 
-#include <map>
+#include <list>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,49 +17,78 @@
 
 namespace glint::validate_detail {
 
-/// Pixels of all views that take part, one after the other.
+/// Pixels of all views that take part, one after the other, in shares of the mean real grey of
+/// their design.
 struct GreyColumns {
   Eigen::VectorXd sum;       ///< grey of all lights together
   Eigen::MatrixXd segments;  ///< grey of each segment of each light that has several
 };
 
+/// Pixels of one design.
+struct GreyRows {
+  Eigen::Index first = 0;
+  Eigen::Index count = 0;
+};
+
 class GreyModel {
  public:
-  GreyModel(SceneStore& store, std::span<const GreyView> views);
+  GreyModel(SceneStore& store, std::span<const GreyDesign> designs);
 
+  /// Of all designs: those that shine, and those whose bodies shade others.
   const std::vector<LitLight>& lights() const { return lights_; }
+
+  /// Index of the first column of segments of a light. @param light  that has several
+  Eigen::Index first_segment(std::size_t light) const;
+
+  const std::vector<std::string>& designs() const { return designs_; }
+
+  const GreyRows& rows(std::size_t design) const { return rows_[design]; }
 
   /// Real grey values.
   const Eigen::VectorXd& real() const { return real_; }
 
-  /// Simulated ones with lights moved and roughness changed; powers and exposure stay. Kept.
+  bool can_change_roughness() const;
+
+  /// Simulated ones with lights moved, as lights and as bodies, and roughness changed; powers and
+  /// exposure stay. Valid until asked for others.
   /// @param places_mm  of each light
   const GreyColumns& columns(const std::vector<Eigen::Vector3d>& places_mm, double roughness);
 
-  /// Root mean square of the even part of a difference: of means over 3 x 3 of these pixels, less
-  /// what noise that differs from pixel to pixel makes of it.
-  double even_rms(const Eigen::VectorXd& difference) const;
+  /// Root mean square of the even part of a design's difference: of means over 3 x 3 of these
+  /// pixels, less what noise that differs from pixel to pixel makes of it.
+  double even_rms(const Eigen::VectorXd& difference, std::size_t design) const;
 
   int renders() const { return renders_; }
 
  private:
   struct SmallView {
+    std::size_t design = 0;
     SceneSettings scene;
     ImageF real;
-    Mask used;
+    Mask used = {};
+    std::vector<std::string> groups = {};  ///< of lights, as they are rendered
   };
 
+  using KeptColumns = std::pair<std::string, GreyColumns>;
+
+  void add_views(std::size_t design, const GreyDesign& views);
+  void take_shared_pose(SmallView& view) const;
   void choose_pixels();
+  void use_shares();
   GreyColumns render(const SceneChange& change);
-  std::vector<ImageF> group_pictures(const SceneSettings& scene,
+  std::vector<ImageF> group_pictures(const SmallView& view,
+                                     const SceneSettings& scene,
                                      const std::vector<std::string>& names);
   std::vector<std::string> column_names() const;
 
   SceneStore& store_;
-  std::vector<SmallView> views_;
+  std::vector<std::string> designs_;
+  std::vector<SmallView> views_;  ///< design by design
+  std::vector<GreyRows> rows_;    ///< of each design
+  std::vector<double> means_;     ///< real grey of each design
   std::vector<LitLight> lights_;
   Eigen::VectorXd real_;
-  std::map<std::string, GreyColumns> kept_;
+  std::list<KeptColumns> kept_;  ///< the last ones that were asked for, the latest first
   int renders_ = 0;
 };
 

@@ -22,6 +22,9 @@ constexpr bool kHasEmission = requires(Light light) {
 template <class Light>
 constexpr bool kCanMove = !std::is_same_v<Light, EnvironmentSettings>;
 
+template <class Light>
+constexpr bool kHasBody = kHasEmission<Light>;
+
 bool shines(const std::vector<double>& values) {
   return std::ranges::any_of(values, [](double value) { return value > 0.0; });
 }
@@ -36,6 +39,26 @@ bool is_on(const Light& light) {
   } else {
     return shines(light.radiance);
   }
+}
+
+template <class Wanted>
+std::vector<LitLight> lights_that(const SceneSettings& scene, const Wanted& is_wanted) {
+  std::vector<LitLight> found;
+  for (const NamedLight& light : scene.lights) {
+    std::visit(
+        [&](const auto& settings) {
+          using Light = std::decay_t<decltype(settings)>;
+          LitLight row = {.name = light.name, .can_move = kCanMove<Light>};
+          if constexpr (kHasSegments<Light>) {
+            row.segments = settings.segments.segments;
+          }
+          if (kCanMove<Light> && is_wanted(settings)) {
+            found.push_back(row);
+          }
+        },
+        light.settings);
+  }
+  return found;
 }
 
 void change_light(LightSettings& settings, const LightChange& change) {
@@ -59,22 +82,13 @@ void change_light(LightSettings& settings, const LightChange& change) {
 }  // namespace
 
 std::vector<LitLight> lit_lights(const SceneSettings& scene) {
-  std::vector<LitLight> lit;
-  for (const NamedLight& light : scene.lights) {
-    std::visit(
-        [&](const auto& settings) {
-          using Light = std::decay_t<decltype(settings)>;
-          LitLight row = {.name = light.name, .can_move = kCanMove<Light>};
-          if constexpr (kHasSegments<Light>) {
-            row.segments = settings.segments.segments;
-          }
-          if (kCanMove<Light> && is_on(settings)) {
-            lit.push_back(row);
-          }
-        },
-        light.settings);
-  }
-  return lit;
+  return lights_that(scene, [](const auto& settings) { return is_on(settings); });
+}
+
+std::vector<LitLight> lights_with_bodies(const SceneSettings& scene) {
+  return lights_that(scene, [](const auto& settings) {
+    return is_on(settings) || kHasBody<std::decay_t<decltype(settings)>>;
+  });
 }
 
 SceneSettings with_separate_segments(SceneSettings scene) {

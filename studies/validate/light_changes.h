@@ -12,7 +12,7 @@
 
 namespace glint {
 
-/// A light that shines.
+/// A light that shines, or whose body stands in the way of others.
 struct LitLight {
   std::string name;
   int segments = 1;       ///< that have powers of their own
@@ -35,6 +35,9 @@ struct SceneChange {
 
 /// The lights of a scene that are not off, but for tunnels and environments.
 std::vector<LitLight> lit_lights(const SceneSettings& scene);
+
+/// These, and those that are off but have a body that shades others.
+std::vector<LitLight> lights_with_bodies(const SceneSettings& scene);
 
 /// The scene with its segmented lights as groups of their own.
 SceneSettings with_separate_segments(SceneSettings scene);

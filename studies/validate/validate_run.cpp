@@ -104,7 +104,7 @@ class ValidateRun {
     return default_result_folder(name, ResultKind::kValidate);
   }
 
-  std::int64_t steps() const { return 2 * static_cast<std::int64_t>(sources_.designs.size()) + 1; }
+  std::int64_t steps() const { return 2 * static_cast<std::int64_t>(sources_.designs.size()) + 2; }
 
   void show(const std::string& what) { bar_->update(++done_, what); }
 
@@ -227,10 +227,7 @@ class ValidateRun {
       findings_.contrasts += seen.seen;
       findings_.contrasts_apart += seen.apart;
     }
-    for (std::size_t i = 0; i < sources_.designs.size(); ++i) {
-      fit_design(i);
-      show(sources_.designs[i].name + ": grey values");
-    }
+    fit_grey_values();
     rank();
   }
 
@@ -255,24 +252,34 @@ class ValidateRun {
     return scene;
   }
 
-  void fit_design(std::size_t index) {
-    std::vector<GreyView> grey;
+  /// All designs together: their lights stand in one cell.
+  void fit_grey_values() {
+    std::vector<GreyDesign> grey(sources_.designs.size());
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      grey[views_[v].design].views.push_back({.scene = fitted_scene(v), .real = views_[v].real});
+    }
+    for (std::size_t i = 0; i < grey.size(); ++i) {
+      grey[i].name = sources_.designs[i].name;
+      score_views(i);
+      show(grey[i].name + ": scores");
+    }
+    std::erase_if(grey, [](const GreyDesign& design) {
+      return design.views.empty() || !allows_many_viewpoints(design.views.front().scene);
+    });
+    const double agree_share = options_.is_refitting ? 0.0 : findings_.limits.grey_share;
+    const std::vector<GreyFit> fits = fit_grey(store_, grey, {.agree_share = agree_share});
+    for (std::size_t i = 0; i < grey.size(); ++i) {
+      findings_.grey.push_back({.design = grey[i].name, .fit = fits[i]});
+    }
+    show("grey values");
+  }
+
+  void score_views(std::size_t index) {
     for (std::size_t v = 0; v < views_.size(); ++v) {
       if (views_[v].design == index) {
-        grey.push_back({.scene = fitted_scene(v), .real = views_[v].real});
         score_view(index, v);
       }
     }
-    const std::string& name = sources_.designs[index].name;
-    if (!allows_many_viewpoints(grey.front().scene)) {
-      return;
-    }
-    DesignGrey fitted = {.design = name, .fit = fit_grey(store_, grey, {.is_searching = false})};
-    if (fitted.fit.is_known &&
-        (options_.is_refitting || fitted.fit.exposed > findings_.limits.grey_share)) {
-      fitted.fit = fit_grey(store_, grey, {.is_searching = true});
-    }
-    findings_.grey.push_back(std::move(fitted));
   }
 
   void score_view(std::size_t index, std::size_t view) {

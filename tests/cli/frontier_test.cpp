@@ -46,6 +46,58 @@ TEST(FrontierVerb, PrintsTheObjectOfItsFile) {
   EXPECT_GT(on_front, 0);
 }
 
+/// Matt steel under a ring light, small.
+constexpr const char* kMattPlateScene = R"(schema = 1
+[part]
+shape = "plate"
+length_mm = 40
+width_mm = 30
+[material]
+type = "conductor"
+roughness = 0.4
+[camera]
+width_px = 800
+height_px = 600
+object_pixel_mm = 0.04
+working_distance_mm = 180
+[lighting.ring]
+mount = "camera"
+inner_radius_mm = 30
+outer_radius_mm = 60
+height_mm = 80
+radiance = [2]
+[render.paths]
+samples = 4
+max_reflections = 1
+)";
+
+TEST(FrontierVerb, ChartsAPathTracedSceneInItsBudget) {
+  const TemporaryFolder folder;
+  write_file(folder / "scene.toml", kMattPlateScene);
+  const ProgramResult result = glint_in(
+      folder, {"frontier", "scene.toml", "--out", "f", "--budget", "1s", "--json", "--quiet"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  const Json printed = Json::parse(result.out);
+  EXPECT_EQ(printed["pixel_factor"], 2);
+  EXPECT_EQ(printed["width_px"], 400);
+  EXPECT_EQ(printed["reference"]["pictures"], 4);
+  EXPECT_GT(printed["reference"]["own_frame_rmse"], 0.0);
+  int current = 0;
+  int left_out = 0;
+  for (const Json& point : printed["points"]) {
+    EXPECT_EQ(point["method"], "paths");
+    current += point["is_current"].get<bool>() ? 1 : 0;
+    left_out += point.contains("problem") ? 1 : 0;
+  }
+  EXPECT_EQ(current, 1);
+  EXPECT_GT(left_out, 0) << "1024 samples take longer than a second";
+  EXPECT_THAT(read_file(folder / "f/frontier.svg"), HasSubstr("pictures reduced to 400 x 300 px"));
+  const ProgramResult wrong =
+      glint_in(folder, {"frontier", "scene.toml", "--out", "g", "--budget", "soon"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("--budget soon: must be a duration like 40s, 30m or 8h"));
+}
+
 TEST(FrontierVerb, HasHelpWithAnExample) {
   const TemporaryFolder folder;
   const ProgramResult help = glint_in(folder, {"frontier", "--help"});

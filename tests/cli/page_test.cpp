@@ -107,6 +107,63 @@ TEST_F(Page, OfFiveDesignsIsPrintedOnSixPagesWithNothingOverNothing) {
   EXPECT_EQ(paper["overlaps"], Json::array());
 }
 
+constexpr const char* kTwoObjectives = R"(schema = 1
+[camera]
+width_px = 96
+height_px = 48
+object_pixel_mm = 0.8
+[part]
+length_mm = 60
+width_mm = 30
+[sensor]
+full_well_e = 5000
+read_noise_e = 10
+[scan]
+positions = 6
+[defects.dent]
+x_mm = [5, -10]
+y_mm = [2, -4]
+diameter_mm = 8
+height_um = 40
+[lighting.tunnel]
+shape = "semicylinder"
+radius_mm = 150
+[prototypes.flat]
+title = "Flat panels"
+"lighting.tunnel.shape" = "flat"
+[variables]
+"lighting.tunnel.radius_mm" = { min = 120, max = 240 }
+"lighting.tunnel.duty" = { min = 0.2, max = 0.8 }
+[[objective]]
+maximise = "homogeneity.h_rms"
+[[objective]]
+maximise = "defects.min_cnr"
+[constraints]
+"homogeneity.clipped_share" = { max = 1 }
+[manufacture]
+"lighting.tunnel.slot_mm" = { plus_minus = 0.5 }
+[budget]
+evaluations = 24
+)";
+
+TEST_F(Page, OfSeveralObjectivesIsDrawnAndPrintedOnEightPagesWithNothingOverNothing) {
+  write_file(folder_ / "study.toml", kTwoObjectives);
+  glint({"run", "study.toml", "--quiet", "--out", "run"});
+  glint({"report", "run", "--analyse", "--evaluate", "24", "--out", "analysed.html"});
+  EXPECT_THAT(drawn("analysed.html"),
+              AllOf(HasSubstr("<h2>The front</h2>"),
+                    HasSubstr("<h2>Designs of the front</h2>"),
+                    HasSubstr("<h2>Hypervolume</h2>"),
+                    HasSubstr("<h2>As it will be built</h2>"),
+                    HasSubstr("<h2>What matters</h2>"),
+                    HasSubstr("aria-label=\"Objective\"")));
+  const Json paper = printed(folder_ / "analysed.html");
+  ASSERT_TRUE(paper.is_object());
+  EXPECT_GE(paper["pages"], 3);
+  EXPECT_LE(paper["pages"], 8);
+  EXPECT_EQ(paper["overlaps"], Json::array());
+}
+
 // Two texts and a drawing over each other: the test above would see it.
 TEST_F(Page, OverlapsAreSeen) {
   write_file(folder_ / "bad.html",

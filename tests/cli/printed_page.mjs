@@ -8,69 +8,17 @@
 //             PDF, drawings' too, that stand on top of each other (by pdftotext of poppler-utils)
 //   boxes     how many boxes were compared
 //   words     how many words of the PDF; null without pdftotext
-import { spawn, spawnSync } from 'node:child_process';
+import { spawnSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
+import { Browser } from './browser.mjs';
+
 const [browser, page, ...rest] = process.argv.slice(2);
 const option = (name) => (rest.includes(name) ? rest[rest.indexOf(name) + 1] : null);
 const kPaperWidthPx = Math.round(((210 - 2 * 12) / 25.4) * 96);  // between the margins of style.css
-
-/** The protocol of Chromium's developer tools over file descriptors 3 and 4: JSON texts that end in a zero byte. */
-class Browser {
-  constructor(program) {
-    this.profile = mkdtempSync(join(tmpdir(), 'glint-browser-'));
-    this.child = spawn(program, ['--headless', '--no-sandbox', '--disable-gpu', '--remote-debugging-pipe', `--user-data-dir=${this.profile}`, 'about:blank'],
-      { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
-    this.waiting = new Map();
-    this.last = 0;
-    let text = '';
-    this.child.stdio[4].on('data', (block) => {
-      const parts = (text + block).split('\0');
-      text = parts.pop();
-      for (const part of parts) this.answer(JSON.parse(part));
-    });
-  }
-
-  answer({ id, result, error }) {
-    const waiting = this.waiting.get(id);
-    if (!waiting) return;
-    this.waiting.delete(id);
-    if (error) waiting.reject(new Error(error.message));
-    else waiting.resolve(result);
-  }
-
-  send(method, params = {}) {
-    const id = ++this.last;
-    this.child.stdio[3].write(`${JSON.stringify({ id, method, params, sessionId: this.session })}\0`);
-    return new Promise((done, failed) => { this.waiting.set(id, { resolve: done, reject: failed }); });
-  }
-
-  async attach() {
-    const { targetId } = await this.send('Target.createTarget', { url: 'about:blank' });
-    const { sessionId } = await this.send('Target.attachToTarget', { targetId, flatten: true });
-    this.session = sessionId;
-    await this.send('Page.enable');
-  }
-
-  async open(url) {
-    await this.send('Page.navigate', { url });
-    await this.evaluate(`new Promise((done) => { const look = () => (document.readyState === 'complete' && document.querySelector('main') ? setTimeout(done, 500) : setTimeout(look, 50)); look(); })`);
-  }
-
-  async evaluate(expression) {
-    const { result, exceptionDetails } = await this.send('Runtime.evaluate', { expression, returnByValue: true, awaitPromise: true });
-    if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
-    return result.value;
-  }
-
-  close() {
-    this.child.on('exit', () => rmSync(this.profile, { recursive: true, force: true, maxRetries: 5 }));
-    this.child.kill();
-  }
-}
 
 /** In the page: pairs of boxes that share more than a hair. A box within another's own element is no overlap. */
 function overlaps() {
@@ -85,7 +33,7 @@ function overlaps() {
   };
   const boxes = nodes.map(boxOf).filter((box) => box.right > box.left && box.bottom > box.top);
   const name = ({ node }) => `${node.tagName.toLowerCase()}${node.className?.baseVal ?? node.className ? `.${node.className.baseVal ?? node.className}` : ''} "${node.textContent.trim().slice(0, 40)}"`;
-  const kTogether = 'p, li, th, td, h1, h2, h3, h4, .scaled';  // what is meant to lie in one place
+  const kTogether = 'p, li, th, td, h1, h2, h3, h4, .scaled, .parallel';  // what is meant to lie in one place
   const pairs = [];
   for (let i = 0; i < boxes.length; ++i) {
     for (let k = i + 1; k < boxes.length; ++k) {
@@ -139,15 +87,13 @@ function overlappingWords(words) {
 const chromium = new Browser(browser);
 const limit = setTimeout(() => { chromium.close(); process.exit(1); }, 120000);
 try {
-  const size = (width) => chromium.send('Emulation.setDeviceMetricsOverride', { width, height: 1000, deviceScaleFactor: 1, mobile: false });
   await chromium.attach();
-  await size(Number(option('--width') ?? 1440));
+  await chromium.resize(Number(option('--width') ?? 1440));
   await chromium.open(pathToFileURL(resolve(page)).href);
   if (option('--png')) {
-    const { data } = await chromium.send('Page.captureScreenshot', { captureBeyondViewport: true, clip: { x: 0, y: 0, width: Number(option('--width')), height: await chromium.evaluate('document.documentElement.scrollHeight'), scale: 1 } });
-    writeFileSync(option('--png'), Buffer.from(data, 'base64'));
+    writeFileSync(option('--png'), await chromium.screenshot());
   }
-  await size(kPaperWidthPx);
+  await chromium.resize(kPaperWidthPx);
   await chromium.send('Emulation.setEmulatedMedia', { media: 'print' });
   await chromium.evaluate(`window.dispatchEvent(new Event('beforeprint')); new Promise((done) => setTimeout(done, 300))`);
   const found = await chromium.evaluate(`(${overlaps})()`);

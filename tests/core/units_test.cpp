@@ -13,6 +13,7 @@ TEST(WrittenUnit, IsTheSuffixOfTheKey) {
   EXPECT_EQ(written_unit("tilt_deg"), "deg");
   EXPECT_EQ(written_unit("slope_mrad"), "mrad");
   EXPECT_EQ(written_unit("exposure_us"), "us");
+  EXPECT_EQ(written_unit("move_ms"), "ms");
   EXPECT_EQ(written_unit("read_noise_e"), "e");
 }
 
@@ -33,11 +34,12 @@ TEST(WrittenUnit, IsEmptyForAKeyWithoutOne) {
   EXPECT_EQ(written_unit("name_"), "");
 }
 
-// 180 deg = pi rad; 1000 um = 1 mm; 1000 mrad = 1 rad; 1e6 us = 1 s.
+// 180 deg = pi rad; 1000 um = 1 mm; 1000 mrad = 1 rad; 1000 ms = 1e6 us = 1 s.
 TEST(InternalPerWritten, ConvertsToMmRadAndS) {
   EXPECT_DOUBLE_EQ(180.0 * internal_per_written("tilt_deg"), kPi);
   EXPECT_DOUBLE_EQ(1000.0 * internal_per_written("height_um"), 1.0);
   EXPECT_DOUBLE_EQ(1000.0 * internal_per_written("slope_mrad"), 1.0);
+  EXPECT_DOUBLE_EQ(1000.0 * internal_per_written("move_ms"), 1.0);
   EXPECT_DOUBLE_EQ(1e6 * internal_per_written("exposure_us"), 1.0);
 }
 

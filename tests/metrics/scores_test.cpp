@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "metrics/lighting_scores.h"
+
 namespace glint {
 namespace {
 
@@ -33,6 +35,7 @@ TEST(Scores, CarryExactlyTheNamesThatAreListed) {
                    {"appearance.ssim", 0.0},
                    {"appearance.rms", 0.0},
                    {"appearance.histogram_distance", 0.0}};
+  add_scores(scores, LightingTotals{.size = LightingTotals::Size{}, .scan_s = 0.0, .cost = 0.0});
   add_scores(scores, Homogeneity{.robust = 0.0});
   add_scores(scores, HomogeneityFamily{.ripple = 0.0});
   add_scores(scores, FringeScores{});

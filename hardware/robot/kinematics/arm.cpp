@@ -2,6 +2,7 @@
 #include "hardware/robot/kinematics/arm.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -16,9 +17,14 @@ namespace {
 constexpr int kMostSteps = 30;
 constexpr double kExactMm = 1e-9;
 constexpr double kExactRad = 1e-9;
-constexpr double kStartSlack = 0.02;  ///< an arm with deltas reaches a little farther than nominal
+constexpr double kStartSlack = 0.15;  ///< an arm with deltas reaches where the nominal one does not
 constexpr double kSameRad = 1e-6;
 constexpr double kMetrePerMm = 1e-3;
+/// Below this measure of a start, branches of the nominal arm and of one with deltas may meet at
+/// different places, so that both starts of a pair lead to one of the two: starts on both sides
+/// find the other.
+constexpr double kMeetingMeasure = 0.04;
+constexpr std::array<double, 3> kMeetingSteps_rad = {0.03, 0.1, 0.3};
 
 ArmJacobian jacobian_of(const LinkFrames& frames) {
   ArmJacobian jacobian;
@@ -44,6 +50,15 @@ JointVector newton_step(ArmJacobian jacobian, JointVector difference) {
     return normal.ldlt().solve(jacobian.transpose() * difference);
   }
   return jacobian.fullPivLu().solve(difference);
+}
+
+/// Where branches meet, the flange stands still while the joints move along this direction.
+JointVector stillest_motion(const ArmJacobian& jacobian, double& measure) {
+  ArmJacobian scaled = jacobian;
+  scaled.topRows<3>() *= kMetrePerMm;
+  const Eigen::JacobiSVD<ArmJacobian> svd(scaled, Eigen::ComputeFullV);
+  measure = svd.singularValues()[5];
+  return svd.matrixV().col(5);
 }
 
 bool is_known(const ArmSolutions& solutions, const JointVector& joints_rad) {
@@ -76,11 +91,25 @@ ArmSolutions Arm::inverse(const Eigen::Isometry3d& base_from_flange) const {
     return closed_form_inverse(nominal_, base_from_flange);
   }
   ArmSolutions solutions;
-  for (const JointVector& start_rad :
-       closed_form_inverse(nominal_, base_from_flange, kStartSlack)) {
+  const auto add_from = [&](const JointVector& start_rad) {
     const std::optional<JointVector> joints_rad = refined(base_from_flange, start_rad);
-    if (joints_rad && !is_known(solutions, *joints_rad)) {
+    if (joints_rad && !solutions.is_full() && !is_known(solutions, *joints_rad)) {
       solutions.add(*joints_rad);
+    }
+  };
+  const ArmSolutions starts_rad = closed_form_inverse(nominal_, base_from_flange, kStartSlack);
+  std::ranges::for_each(starts_rad, add_from);
+  for (const JointVector& start_rad : starts_rad) {
+    if (solutions.is_full()) {
+      break;
+    }
+    double measure = 0.0;
+    const JointVector along = stillest_motion(jacobian(start_rad), measure);
+    if (measure < kMeetingMeasure) {
+      for (const double step_rad : kMeetingSteps_rad) {
+        add_from(start_rad + step_rad * along);
+        add_from(start_rad - step_rad * along);
+      }
     }
   }
   return solutions;

@@ -32,6 +32,7 @@ class Arm {
 
   /// Every branch: in closed form for the nominal arm, and by Newton's method from there for one
   /// with deltas; forward() of each gives the pose to 1e-9 mm and 1e-9 rad. Angles in (-pi, pi].
+  /// With deltas a branch may be missing where singularity_measure() is below 0.001.
   ArmSolutions inverse(const Eigen::Isometry3d& base_from_flange) const;
 
   /// Newton's method on forward().

@@ -19,6 +19,7 @@ constexpr std::uint32_t kControlBits = 3;  ///< exclusive access, control
 constexpr int kSocketBytes = 16 << 20;
 constexpr milliseconds kNoticeEvery{400};
 constexpr milliseconds kLongestWait{120'000};
+constexpr std::size_t kAnswersKept = 32;
 
 /// Whether a write there is answered when the source has a picture.
 bool needs_picture(std::uint32_t address) {
@@ -81,34 +82,58 @@ void GvcpServer::handle(BytesView packet, const Endpoint& client) {
   if (waiting_ && waiting_->client == client && waiting_->id == request->id) {
     return;
   }
-  const bool is_repeated = answered_.client == client && answered_.id == request->id &&
-                           answered_.command == request->command;
-  if (is_repeated && request->wants_acknowledgement) {
-    control_.send(client, answered_.packet);
+  if (const Answered* known = answer_to(*request, client)) {
+    control_.send(client, known->packet);
     return;
   }
-  switch (static_cast<GvcpCommand>(request->command)) {
+  do_request(*request, client);
+}
+
+void GvcpServer::do_request(const GvcpRequest& request, const Endpoint& client) {
+  switch (static_cast<GvcpCommand>(request.command)) {
     case GvcpCommand::kDiscovery:
-      answer(client, *request, GvcpStatus::kSuccess, registers_.read(0, gev::kDiscoveryEnd));
+      answer(client, request, GvcpStatus::kSuccess, registers_.read(0, gev::kDiscoveryEnd));
       break;
     case GvcpCommand::kPacketResend:
-      resend(*request);
+      resend(request);
       break;
     case GvcpCommand::kReadRegister:
-      read_registers(client, *request);
+      read_registers(client, request);
       break;
     case GvcpCommand::kReadMemory:
-      read_memory(client, *request);
+      read_memory(client, request);
       break;
     case GvcpCommand::kWriteRegister:
-      write_registers(client, *request);
+      write_registers(client, request);
       break;
     case GvcpCommand::kWriteMemory:
-      write_memory(client, *request);
+      write_memory(client, request);
       break;
     default:
-      answer(client, *request, GvcpStatus::kNotImplemented);
+      answer(client, request, GvcpStatus::kNotImplemented);
       break;
+  }
+}
+
+// A client sends a request again, under the same id, when it hears no answer: it is answered as it
+// was the first time and not done once more, whatever else has been asked in between. Ids begin
+// again, so the same id with another payload is another request.
+const GvcpServer::Answered* GvcpServer::answer_to(const GvcpRequest& request,
+                                                  const Endpoint& client) const {
+  if (!request.wants_acknowledgement) {
+    return nullptr;
+  }
+  const auto known = std::ranges::find_if(answered_, [&](const Answered& one) {
+    return one.client == client && one.id == request.id && one.command == request.command &&
+           std::ranges::equal(one.request, request.payload);
+  });
+  return known == answered_.end() ? nullptr : &*known;
+}
+
+void GvcpServer::remember(Answered answered) {
+  answered_.push_back(std::move(answered));
+  if (answered_.size() > kAnswersKept) {
+    answered_.pop_front();
   }
 }
 
@@ -120,11 +145,13 @@ void GvcpServer::answer(const Endpoint& client,
     return;
   }
   const auto command = static_cast<GvcpCommand>(request.command);
-  answered_ = {.client = client,
-               .command = request.command,
-               .id = request.id,
-               .packet = gvcp_acknowledgement(command, request.id, status, payload)};
-  control_.send(client, answered_.packet);
+  Bytes packet = gvcp_acknowledgement(command, request.id, status, payload);
+  control_.send(client, packet);
+  remember({.client = client,
+            .command = request.command,
+            .id = request.id,
+            .request = {request.payload.begin(), request.payload.end()},
+            .packet = std::move(packet)});
 }
 
 void GvcpServer::read_registers(const Endpoint& client, const GvcpRequest& request) {
@@ -203,6 +230,7 @@ void GvcpServer::finish_write(const Endpoint& client,
   waiting_ = Waiting{.client = client,
                      .command = static_cast<GvcpCommand>(request.command),
                      .id = request.id,
+                     .request = {request.payload.begin(), request.payload.end()},
                      .payload = payload,
                      .next_notice = now,
                      .give_up = now + kLongestWait};
@@ -249,6 +277,7 @@ GvcpStatus GvcpServer::write_privilege(const Endpoint& client, std::uint32_t val
 }
 
 void GvcpServer::release_control() {
+  std::erase_if(answered_, [this](const Answered& one) { return controller_ == one.client; });
   controller_.reset();
   registers_.store_number(gev::kPrivilege, 0);
   registers_.store_number(gev::kStreamPort, 0);
@@ -313,12 +342,13 @@ void GvcpServer::answer_waiting(Clock::time_point now) {
   const bool is_finished = source_.is_finished(registers_.capture_settings());
   if (is_finished || now > waiting_->give_up) {
     const GvcpStatus status = is_finished ? GvcpStatus::kSuccess : GvcpStatus::kBusy;
-    answered_ = {
-        .client = waiting_->client,
-        .command = static_cast<std::uint16_t>(waiting_->command),
-        .id = waiting_->id,
-        .packet = gvcp_acknowledgement(waiting_->command, waiting_->id, status, waiting_->payload)};
-    control_.send(waiting_->client, answered_.packet);
+    Bytes packet = gvcp_acknowledgement(waiting_->command, waiting_->id, status, waiting_->payload);
+    control_.send(waiting_->client, packet);
+    remember({.client = waiting_->client,
+              .command = static_cast<std::uint16_t>(waiting_->command),
+              .id = waiting_->id,
+              .request = std::move(waiting_->request),
+              .packet = std::move(packet)});
     waiting_.reset();
   } else if (now >= waiting_->next_notice) {
     Bytes time;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <chrono>
+#include <deque>
 #include <optional>
 
 #include "hardware/gige/udp_socket.h"
@@ -45,20 +46,26 @@ class GvcpServer {
     Endpoint client;
     GvcpCommand command;
     std::uint16_t id = 0;
-    Bytes payload;
+    Bytes request;  ///< its payload
+    Bytes payload;  ///< of the answer
     Clock::time_point next_notice;
     Clock::time_point give_up;
   };
 
-  /// What was answered last, for a client that asks once more.
+  /// What a request was answered, for a client that sends it once more.
   struct Answered {
     Endpoint client;
     std::uint16_t command = 0;
     std::uint16_t id = 0;
+    Bytes request;  ///< its payload
     Bytes packet;
   };
 
   void handle(BytesView packet, const Endpoint& client);
+  void do_request(const GvcpRequest& request, const Endpoint& client);
+  /// None: it is new.
+  const Answered* answer_to(const GvcpRequest& request, const Endpoint& client) const;
+  void remember(Answered answered);
   void answer(const Endpoint& client,
               const GvcpRequest& request,
               GvcpStatus status,
@@ -94,7 +101,7 @@ class GvcpServer {
   bool is_acquiring_ = false;
   std::optional<Exposure> exposing_;
   std::optional<Waiting> waiting_;
-  Answered answered_;
+  std::deque<Answered> answered_;  ///< the newest last
   Clock::time_point began_ = Clock::now();
   CameraTwinCounts counts_;
 };

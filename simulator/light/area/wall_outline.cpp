@@ -135,14 +135,29 @@ double tolerance_mm(const Tunnel& tunnel) {
   return std::clamp(s.period_mm / 320.0, 2e-5 * size_mm, 5e-4 * size_mm);
 }
 
-}  // namespace
-
-std::vector<WallStrip> wall_outline(const Tunnel& tunnel) {
+Outline luminous_outline(const Tunnel& tunnel) {
   const TunnelSettings& s = tunnel.settings();
   // As Tunnel has it, a little below half the height.
   const Slot slot = {.half_mm = 0.5 * s.slot_mm,
                      .floor_mm = 0.5 * (s.base_mm + tunnel.top_mm()) - 1e-3};
-  const Outline outline = without_slot(whole_outline(s), slot);
+  return without_slot(whole_outline(s), slot);
+}
+
+}  // namespace
+
+WallSize wall_size(const Tunnel& tunnel) {
+  WallSize size;
+  for (const auto& line : luminous_outline(tunnel).lines) {
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      size.box_yz_mm.extend(line[i]);
+      size.length_mm += i > 0 ? (line[i] - line[i - 1]).norm() : 0.0;
+    }
+  }
+  return size;
+}
+
+std::vector<WallStrip> wall_outline(const Tunnel& tunnel) {
+  const Outline outline = luminous_outline(tunnel);
   std::vector<WallStrip> strips;
   for (std::size_t l = 0; l < outline.lines.size(); ++l) {
     const auto& line = outline.lines[l];

@@ -5,7 +5,9 @@
 #
 # GLINT names the program, else build/release/glint; WIDTH=306 makes pictures a quarter as wide,
 # SAMPLES=64 renders with so many samples a pixel, on both sides; TARGET_PX is how well a point must
-# be known for the calibration to end.
+# be known for the calibration to end; SPEEDUP=40 lets the arm's twin move so many times as fast;
+# DESIGNS="ring dome" tries these alone on the robot; SEED=8 draws other errors of the arm and of the
+# pictures; CALIBRATE_ONLY=1 ends after the calibration.
 set -euo pipefail
 
 here=$(cd "$(dirname "$0")" && pwd)
@@ -14,6 +16,7 @@ glint=${GLINT:-$here/../../../build/release/glint}
 mkdir -p "$out"
 out=$(cd "$out" && pwd)
 ready=$out/twins.json
+designs=${DESIGNS:-ring dome tunnel}
 
 twins_down() { [[ ! -e $ready ]] || "$glint" cell twin stop "$ready" >/dev/null 2>&1 || true; }
 trap twins_down EXIT
@@ -32,13 +35,20 @@ if [[ -n ${SAMPLES:-} ]]; then
   resize+=$(printf '\n[render.paths]\nsamples = %d\n' "$SAMPLES")
 fi
 
+# Only the truth has a seed: it is of what nobody knows.
+truth=$resize
+if [[ -n ${SEED:-} ]]; then
+  truth+=$(printf '\n[truth]\nseed = %d\n' "$SEED")
+fi
+
 # A cell whose camera sees the truth, or the board where the part will lie.
 cell_of() {  # NAME TRUTH-FILES...
   local name=$1 includes=""
   shift
   for file in "$@"; do includes+="\"$file\", "; done
-  printf 'schema = 2\ninclude = [%s]\n%s\n' "${includes%, }" "$resize" >"$out/truth_$name.toml"
-  printf 'include = ["%s"]\n[twin]\ntruth = "truth_%s.toml"\n' "$here/cell.toml" "$name" >"$out/cell_$name.toml"
+  printf 'schema = 2\ninclude = [%s]\n%s\n' "${includes%, }" "$truth" >"$out/truth_$name.toml"
+  printf 'include = ["%s"]\n[twin]\ntruth = "truth_%s.toml"\nmotion_speedup = %s\n' \
+    "$here/cell.toml" "$name" "${SPEEDUP:-10}" >"$out/cell_$name.toml"
 }
 
 "$glint" calibrate --print_board "$here/board.toml" --out "$out/board"
@@ -51,13 +61,14 @@ printf 'schema = 2\ninclude = ["%s"]\n%s\n' "$here/study.toml" "$resize" >"$out/
 "$glint" calibrate --cell "$out/cell_board.toml" --twin "$ready" --board "$here/board.toml" \
   --target_px "${TARGET_PX:-0.3}" --out "$out/calibrate" --move || echo "going on with this calibration"
 twins_down
+[[ -z ${CALIBRATE_ONLY:-} ]] || exit 0
 
 # 2. The study: which of the three designs is best in simulation?
 "$glint" run "$out/study.toml" --out "$out/run"
 
 # 3. Real pictures of each design.
 "$glint" cell twin both "$out/cell_part.toml" --port 0 --detach --ready_file "$ready"
-for design in ring dome tunnel; do
+for design in $designs; do
   "$glint" acquire "$out/run/$design/scene.toml" --cell "$out/cell_part.toml" --twin "$ready" \
     --out "$out/acquired/$design" --move
 done
@@ -65,4 +76,4 @@ twins_down
 
 # 4. Do both sides agree?
 "$glint" validate "$out/run" --pictures "$out/acquired" --calibration "$out/calibrate/calibration/calibration.toml" \
-  --refit --out "$out/validate"
+  --designs "${designs// /,}" --refit --out "$out/validate"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the scores of a run owe to each variable, and how they answer; the data is that of studies/analysis/run_analysis.h.
-import { axisStyle, chart, encode, kInk, kText, shade } from './charts.js';
+import { axisStyle, chart, encode, kInk, kText, objectiveSelector, shade } from './charts.js';
 import { h, section } from './dom.js';
 import { number, plural } from './format.js';
 
@@ -128,5 +128,5 @@ export function analysisSection(facts) {
   if (!data?.scores?.length) return null;
   return section('analysis', 'What matters',
     `A Gaussian process of ${plural(data.scores[0].points, 'design')}${data.added ? `, ${data.added} of them added for the analysis` : ''}. Shares of the variance over the whole box with 95 % intervals; curves: average over all other variables with its 95 % band, dashed: through the best design. Nothing is drawn where leave-one-out or the spread of the designs does not bear it.`,
-    data.scores.map((one) => scoreBlock(facts, one)));
+    facts.front ? objectiveSelector(facts, data.scores.map(({ score }) => score), (name) => scoreBlock(facts, data.scores.find(({ score }) => score === name))) : data.scores.map((one) => scoreBlock(facts, one)));
 }

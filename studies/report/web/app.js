@@ -7,12 +7,15 @@ import { badge, h, section } from './dom.js';
 import { Facts, isNumber, plural } from './format.js';
 import { convergenceSection, parallelSection, runCurvesSection, sliceSection } from './charts.js';
 import { coverageSection, coverageViewsSection } from './coverage.js';
-import { frontierSection, frontierTableSection } from './frontier.js';
+import { frontSections, hypervolumeSection } from './front.js';
+import { frontierRankingSection, frontierScoreSection, frontierSection, frontierTableSection } from './frontier.js';
 import { stabilityChartSection, stabilityRemarkSection, stabilitySection } from './stability.js';
 import { foundSection, gradesSection, partsSection } from './inspection.js';
 import { comparisonSection, pairsSection, yardstickSection } from './comparison.js';
 import { panelSections } from './panels.js';
+import { frontParallelSection } from './parallel.js';
 import { sceneSection } from './scene.js';
+import { Selection } from './selection.js';
 import { evaluationSection, failureSection } from './table.js';
 import { causesSection, misfitSection, overlapSection, rankingSection, refitSection } from './validation.js';
 import { verdictSection } from './verdict.js';
@@ -36,7 +39,7 @@ function masthead(facts) {
     h('p', { class: 'meta' }, text && badge(kind, text), counts && h('span', {}, counts), document.getElementById('when')));
 }
 
-const kShort = { residuals: 'Residuals', compared: 'Methods', influence: 'Influence', next: 'Next pictures', accuracy: 'Accuracy', list: 'Table', scene: 'Part', designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', stability: 'Sweeps', errors: 'Errors', remarks: 'Refusals', measured: 'All methods', yardstick: 'Yardstick', overlap: 'Overlap', misfit: 'Misfit', sides: 'Designs', refit: 'Refit', methods: 'Method', origin: 'Configuration', curves: 'Convergence' };
+const kShort = { residuals: 'Residuals', compared: 'Methods', influence: 'Influence', next: 'Next pictures', accuracy: 'Accuracy', list: 'Table', scene: 'Part', designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', stability: 'Sweeps', errors: 'Errors', remarks: 'Refusals', measured: 'All methods', ranking: 'Order of designs', score_errors: 'Scores', yardstick: 'Yardstick', overlap: 'Overlap', misfit: 'Misfit', sides: 'Designs', refit: 'Refit', methods: 'Method', origin: 'Configuration', curves: 'Convergence', front: 'Front', 'front-designs': 'Designs of the front' };
 
 function navigation(sections) {
   return h('nav', {}, sections.map((node) => h('a', { href: `#${node.id}` }, kShort[node.id] ?? node.querySelector('h2').textContent)));
@@ -77,11 +80,13 @@ function runTable(facts) {
 function main() {
   const data = JSON.parse(document.getElementById('data').textContent);
   const facts = new Facts(data);
-  const table = evaluationSection(facts);
+  const selection = new Selection();
+  const front = frontSections(facts, selection);
+  const table = evaluationSection(facts, selection);
   const sections = [
-    verdictSection(facts), sceneSection(facts), ...panelSections(facts), runTable(facts), runCurvesSection(facts), designSection(facts), convergenceSection(facts),
-    parallelSection(facts, (chosen) => table?.choose(chosen)), sliceSection(facts), analysisSection(facts), table?.node, failureSection(facts),
-    frontierSection(facts), frontierTableSection(facts), stabilitySection(facts), stabilityChartSection(facts), stabilityRemarkSection(facts), viewsSection(facts), lightingSection(facts), coverageSection(facts), coverageViewsSection(facts),
+    verdictSection(facts), sceneSection(facts), ...panelSections(facts), runTable(facts), runCurvesSection(facts), ...front, designSection(facts), convergenceSection(facts), hypervolumeSection(facts),
+    parallelSection(facts, (chosen) => selection.brush('parallel', chosen)), frontParallelSection(facts, selection), sliceSection(facts), analysisSection(facts), table?.node, failureSection(facts),
+    frontierSection(facts), frontierRankingSection(facts), frontierTableSection(facts), frontierScoreSection(facts), stabilitySection(facts), stabilityChartSection(facts), stabilityRemarkSection(facts), viewsSection(facts), lightingSection(facts), coverageSection(facts), coverageViewsSection(facts),
     contactSection(facts), residualSection(facts), comparedSection(facts), accuracySection(facts), influenceSection(facts),
     nextSection(facts), pictureTableSection(facts),
     partsSection(facts), gradesSection(facts), foundSection(facts), overlapSection(facts), causesSection(facts), misfitSection(facts), rankingSection(facts), refitSection(facts), pairsSection(facts), yardstickSection(facts), comparisonSection(facts), methodSection(facts), originSection(facts),

@@ -104,7 +104,7 @@ function scaleBar({ pixel_mm: pixel, size_px: size }) {
   return h('span', { class: 'scale' }, h('i', { style: `width:${(100 * length) / (pixel * size[0])}%` }), h('em', {}, text));
 }
 
-function closeupFigure(facts, design, closeup) {
+export function closeupFigure(facts, design, closeup) {
   const scores = Object.entries(closeup.scores ?? {}).slice(0, 3).map(([name, value]) =>
     h('span', { title: facts.meaning(name) }, `${facts.label(name)} ${facts.score(name, value)}`));
   const shown = [closeup.picture, isNumber(closeup.low) && `black ${percent(closeup.low)}, white ${percent(closeup.high)}`].filter(Boolean).join(': ');

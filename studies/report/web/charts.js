@@ -21,10 +21,13 @@ const kManyTrials = 2000;  // above this a canvas is quicker than SVG, and as go
 
 export const kText = { fontFamily: getComputedStyle(document.body).fontFamily, color: kInk, fontSize: 12 };
 
-/** A chart that is drawn once its place has a size, and follows it. */
+let isAttached = false;
+document.body.addEventListener('glint-attached', () => { isAttached = true; }, { once: true });
+
+/** A chart that is drawn once its place has a size, and follows it; on a page that stands already with the next frame. */
 export function chart(heightPx, label, points, option, ready) {
   const place = h('div', { class: 'chart', style: `height:${heightPx}px`, role: 'img', 'aria-label': label });
-  document.body.addEventListener('glint-attached', () => {
+  const draw = () => {
     const renderer = points > kManyTrials ? 'canvas' : 'svg';
     const instance = echarts.init(place, null, { renderer });
     instance.setOption({ animation: false, textStyle: kText, ...option(place.clientWidth) });
@@ -37,7 +40,9 @@ export function chart(heightPx, label, points, option, ready) {
       fitToPaper();
     }).observe(place);
     ready?.(instance);
-  }, { once: true });
+  };
+  if (isAttached) requestAnimationFrame(draw);
+  else document.body.addEventListener('glint-attached', draw, { once: true });
   return place;
 }
 
@@ -60,11 +65,14 @@ export const axisStyle = {
 
 export const encode = (text) => echarts.format.encodeHTML(text);
 
-const objectiveLabel = (facts) => (value) => (facts.info(facts.objective.name).format === 'percent' ? `${Number((100 * value).toFixed(1))} %` : number(value));
+/** A score as an axis has it. */
+export const valueLabel = (facts, name) => (value) => (facts.info(name).format === 'percent' ? `${Number((100 * value).toFixed(1))} %` : number(value));
+
+const objectiveLabel = (facts, name = facts.objective.name) => valueLabel(facts, name);
 
 function trialText(facts, trial) {
   const lines = [`<b>evaluation ${trial.number}</b>, ${stateOf(trial)}`, `${echarts.format.encodeHTML(facts.label(facts.objective.name))}: ${facts.score(facts.objective.name, trial.objective)}`];
-  for (const constraint of facts.constraints) {
+  for (const constraint of [...facts.objectives.slice(1), ...facts.constraints]) {
     const value = trial.scores?.[constraint.name];
     if (isNumber(value)) lines.push(`${echarts.format.encodeHTML(facts.label(constraint.name))}: ${facts.score(constraint.name, value)}`);
   }
@@ -106,6 +114,7 @@ function convergenceNote(facts, [low, high]) {
 }
 
 export function convergenceSection(facts) {
+  if (facts.front) return null;
   const done = facts.trials.filter(isDone);
   if (!done.length) return null;
   const range = facts.objectiveRange();
@@ -176,7 +185,7 @@ export function shade(fraction) {
 
 export function parallelSection(facts, onChoose) {
   const done = facts.trials.filter(isDone);
-  if (done.length < 2 || !facts.variables.length) return null;
+  if (facts.front || done.length < 2 || !facts.variables.length) return null;
   const constraints = facts.constraints.filter((constraint) => constraint.name !== facts.objective.name && done.some((trial) => isNumber(trial.scores?.[constraint.name])));
   const sorted = [...done].sort((a, b) => (facts.better(a.objective, b.objective) ? 1 : -1));
   const cell = (value) => (value === null || value === undefined ? '-' : typeof value === 'boolean' ? String(value) : value);
@@ -210,6 +219,15 @@ export function parallelSection(facts, onChoose) {
     h('p', { class: 'toolbar' }, h('span', { class: 'ramp' }), h('span', { class: 'muted' }, 'worst to best'), count, reset), place);
 }
 
+/** A choice of one objective of several, and what follows it: draw(objective) gives nodes. */
+export function objectiveSelector(facts, names, draw) {
+  const place = h('div', {});
+  const show = (name) => place.replaceChildren(draw(name));
+  const select = h('select', { 'aria-label': 'Objective', onchange: () => show(select.value) }, names.map((name) => h('option', { value: name }, facts.label(name))));
+  show(names[0]);
+  return [h('p', { class: 'toolbar' }, h('label', { class: 'inline' }, 'Score ', select)), place];
+}
+
 function sliceAxis(variable, name) {
   const common = { name, nameLocation: 'middle', nameGap: 26, ...axisStyle, splitLine: { show: false } };
   if (variable.choices?.length || variable.kind === 'boolean') return { type: 'category', data: (variable.choices ?? [false, true]).map(String), ...common };
@@ -217,20 +235,27 @@ function sliceAxis(variable, name) {
     axisLabel: { color: '#55606a', formatter: (value) => number(value), hideOverlap: true } };
 }
 
-export function sliceSection(facts) {
+function sliceCharts(facts, objective) {
   const done = facts.trials.filter(isDone);
-  if (!done.length || !facts.variables.length) return null;
-  const range = facts.objectiveRange();
-  const charts = facts.variables.map((variable, i) => {
+  const range = facts.objectiveRange(objective);
+  const of = (trials, x, look) => ({ ...look, data: trials.map((trial) => ({ value: [x(trial), facts.scoreOf(trial, objective.name)], trial })) });
+  return h('div', { class: 'slices' }, facts.variables.map((variable, i) => {
     const x = (trial) => (typeof trial.values?.[i] === 'boolean' ? String(trial.values[i]) : trial.values?.[i] ?? '-');
     const option = () => ({
       grid: { left: 50, right: 14, top: 12, bottom: 42 }, tooltip: tooltip(facts), xAxis: sliceAxis(variable, facts.names[i]),
-      yAxis: { type: 'value', min: range[0], max: range[1], splitNumber: 3, ...axisStyle, axisLabel: { color: '#55606a', formatter: objectiveLabel(facts), showMinLabel: false, showMaxLabel: false } },
-      series: [feasibleSeries(facts, x, 5), infeasibleSeries(facts, x, 5)],
+      yAxis: { type: 'value', min: range[0], max: range[1], splitNumber: 3, ...axisStyle, axisLabel: { color: '#55606a', formatter: objectiveLabel(facts, objective.name), showMinLabel: false, showMaxLabel: false } },
+      series: [of(done.filter(isGood), x, feasibleSeries(facts, x, 5)), of(done.filter((trial) => !isGood(trial)), x, infeasibleSeries(facts, x, 5))],
     });
-    return chart(210, `${facts.label(facts.objective.name)} against ${facts.names[i]}`, done.length * facts.variables.length, option);
-  });
-  return section('slices', 'Each variable against the objective', `${facts.label(facts.objective.name)} upwards; filled circles are feasible, open triangles are not.`, h('div', { class: 'slices' }, charts));
+    return chart(210, `${facts.label(objective.name)} against ${facts.names[i]}`, done.length * facts.variables.length, option);
+  }));
+}
+
+export function sliceSection(facts) {
+  if (!facts.trials.some(isDone) || !facts.variables.length) return null;
+  const lead = `${facts.front ? 'The chosen score' : facts.label(facts.objective.name)} upwards; filled circles are feasible, open triangles are not.`;
+  const objective = (name) => facts.objectives.find((one) => one.name === name) ?? { name: facts.objective.name, maximise: facts.maximise };
+  return section('slices', facts.front ? 'Each variable against an objective' : 'Each variable against the objective', lead,
+    facts.front ? objectiveSelector(facts, facts.objectives.map(({ name }) => name), (name) => sliceCharts(facts, objective(name))) : sliceCharts(facts, objective(facts.objective.name)));
 }
 
 /** Best so far of several runs in one picture. */

@@ -55,6 +55,9 @@ export class Facts {
     this.runs = data.runs ?? [];
     this.objective = data.objective ?? { name: '', sense: 'maximise' };
     this.maximise = !String(this.objective.sense ?? '').startsWith('min');
+    this.front = data.front?.objectives?.length > 1 ? data.front : null;
+    this.objectives = this.front ? this.front.objectives.map((one) => ({ name: one.score, maximise: one.direction === 'maximise' }))
+      : this.objective.name ? [{ name: this.objective.name, maximise: this.maximise }] : [];
     this.names = shortNames(this.variables.map((variable) => variable.name));
   }
 
@@ -100,9 +103,15 @@ export class Facts {
     return !(isNumber(constraint.min) && value < constraint.min) && !(isNumber(constraint.max) && value > constraint.max);
   }
 
-  /** Objective, both definitions of h and everything constrained, in that order, once each. */
+  /** A score of an evaluation. */
+  scoreOf(trial, name) { return name === this.objective.name ? trial.objective : trial.scores?.[name]; }
+
+  /** "smallest CNR, more is better". */
+  axisName({ name, maximise }) { return `${this.label(name)}, ${maximise ? 'more' : 'less'} is better`; }
+
+  /** Objectives, both definitions of h and everything constrained, in that order, once each. */
   mainScores() {
-    const wanted = [this.objective.name, 'homogeneity.h_rms', 'homogeneity.h_abs', ...this.constraints.map((c) => c.name)];
+    const wanted = [this.objective.name, ...this.objectives.map((one) => one.name), 'homogeneity.h_rms', 'homogeneity.h_abs', ...this.constraints.map((c) => c.name)];
     const present = (name) => this.designs.some((d) => isNumber(d.scores?.[name])) || this.trials.some((t) => isNumber(t.scores?.[name]));
     return [...new Set(wanted)].filter((name) => name && (name === this.objective.name || present(name)));
   }
@@ -129,13 +138,13 @@ export class Facts {
     });
   }
 
-  /** Range of the objective that shows the interesting part: without the worst tail. */
-  objectiveRange() {
-    const values = this.trials.filter(isDone).map((trial) => trial.objective).sort((a, b) => a - b);
-    const marks = this.designs.map((design) => design.scores?.[this.objective.name]).filter(isNumber);
+  /** Range of an objective that shows the interesting part: without the worst tail. */
+  objectiveRange({ name, maximise } = { name: this.objective.name, maximise: this.maximise }) {
+    const values = this.trials.filter(isDone).map((trial) => this.scoreOf(trial, name)).filter(isNumber).sort((a, b) => a - b);
+    const marks = [...this.designs, ...(this.front?.designs ?? [])].flatMap((design) => [design.scores?.[name], this.front && design.rescored?.[name]]).filter(isNumber);
     if (values.length + marks.length === 0) return [0, 1];
     const cut = Math.floor(values.length * 0.1);
-    const kept = this.maximise ? values.slice(cut) : values.slice(0, values.length - cut);
+    const kept = maximise ? values.slice(cut) : values.slice(0, values.length - cut);
     const all = [...kept, ...marks];
     const low = Math.min(...all);
     const high = Math.max(...all);

@@ -14,9 +14,21 @@ const kLooks = {
   sampled: { name: 'plain sampling', colour: '#0072b2', symbol: 'circle', size: 11 },
   integrated: { name: 'integrated footprints', colour: '#d55e00', symbol: 'diamond', size: 14 },
   closed: { name: 'closed forms', colour: '#009e73', symbol: 'rect', size: 11 },
+  paths: { name: 'paths', colour: '#0072b2', symbol: 'circle', size: 11 },
 };
-const kFacetColours = { sampled: '#56b4e9', integrated: '#cc79a7' };
+const kFacetColours = { sampled: '#56b4e9', integrated: '#cc79a7', paths: '#56b4e9' };
+const kCurrentColour = '#c23b22';
 const kInk = '#27313a';
+
+const isPathTraced = (data) => data.reference?.method === 'paths';
+const hasOtherReflections = (data, point) => point.max_reflections > 0 && point.max_reflections !== data.points[0].max_reflections;
+
+/** What of a point is not the scene's own, beside its resolution. */
+function deviation(data, point) {
+  if (point.realisation && point.realisation !== 'own') return { name: ', defects realised otherwise', colour: '#009e73', symbol: 'rect' };
+  if (hasOtherReflections(data, point)) return { name: ', other reflections', colour: '#d55e00', symbol: 'diamond' };
+  return null;
+}
 
 /** Points of one look: method, resolution, and whether the surface is the study's own. */
 function families(data) {
@@ -26,9 +38,12 @@ function families(data) {
     const look = kLooks[point.method];
     if (!look || point.problem) continue;
     const isFacets = point.tessellation !== own;
-    const isHalf = point.resolution === 'half';
-    const name = `${look.name}${isHalf ? ', half resolution' : ''}${isFacets ? ', facets' : ''}`;
-    if (!found.has(name)) found.set(name, { ...look, name, isHalf, isFacets, colour: isFacets ? kFacetColours[point.method] ?? look.colour : look.colour, symbol: isFacets ? 'triangle' : look.symbol, points: [] });
+    const isHalf = point.resolution !== 'full';
+    const other = deviation(data, point);
+    const isSingle = isFacets || other !== null;
+    const resolution = isHalf ? `, ${point.resolution} resolution` : '';
+    const name = `${look.name}${resolution}${isFacets ? ', facets' : ''}${other?.name ?? ''}`;
+    if (!found.has(name)) found.set(name, { ...look, name, isHalf, isFacets, isSingle, colour: other?.colour ?? (isFacets ? kFacetColours[point.method] ?? look.colour : look.colour), symbol: other?.symbol ?? (isFacets ? 'triangle' : look.symbol), points: [] });
     found.get(name).points.push(point);
   }
   return [...found.values()];
@@ -39,13 +54,15 @@ const ms = (seconds) => `${number(1e3 * seconds, 3)} ms`;
 /** What stands beside a point: how many rays, or how exact the directions are. */
 function mark(point, family) {
   if (family.isFacets) return point.tessellation.replace('facets ', '').replace(' um', ' \u00b5m');
+  if (point.realisation && point.realisation !== 'own') return point.realisation;
+  if (point.samples) return family.isSingle ? `${point.max_reflections} refl.` : String(point.samples);
   if (point.rays_per_px) return String(point.rays_per_px);
   return point.method === 'integrated' ? `${number(point.max_direction_error_mrad)} mrad` : '';
 }
 
 function pointText(point) {
   const lines = [`<b>${encode(point.label)}</b>`, `${encode(point.tessellation)}`, `one more candidate: ${ms(point.cpu_s)}`, `first candidate: ${number(point.cold_s, 3)} s`,
-    `${number(point.traced_per_px, 3)} rays a pixel traced; mean of the scan: ${encode(point.form)}, ${point.frame_pixels} pixels frame by frame`];
+    point.samples ? `${point.samples} samples, at most ${point.max_reflections} reflections; ${number(point.rays)} rays counted; ${point.pictures} picture${point.pictures > 1 ? 's' : ''} with other random numbers` : `${number(point.traced_per_px, 3)} rays a pixel traced; mean of the scan: ${encode(point.form)}, ${point.frame_pixels} pixels frame by frame`];
   if (isNumber(point.frame_rmse)) lines.push(`frame error: ${number(point.frame_rmse, 3)}, away from edges ${number(point.smooth_frame_rmse, 3)}`);
   lines.push(`error of h: ${number(point.h_error_points, 3)} points`);
   const defects = Object.entries(point.defects).map(([name, one]) => ({ name, worst: Math.max(one.weber_error_percent, one.change_error_percent), ...one })).sort((a, b) => b.worst - a.worst);
@@ -54,17 +71,30 @@ function pointText(point) {
   return lines.join('<br>');
 }
 
-const drawable = (kind) => (point) => !point.problem && !point.is_reference && isNumber(point[kind.name]) && point.cpu_s > 0;
-/** Errors as small as rounding stand at its size. */
-const error = (kind, point) => Math.max(point[kind.name], kind.rounding);
+const errorOf = (kind, point) => (kind.score ? point.scores?.[kind.score]?.error : point[kind.name]);
+const drawable = (kind) => (point) => !point.problem && !point.is_reference && isNumber(errorOf(kind, point)) && point.cpu_s > 0;
+/** Errors as small as rounding, or as half the reference's own noise, stand at that size. */
+const error = (kind, point) => Math.max(errorOf(kind, point), kind.rounding);
+
+/** Of paths the noise of the reference takes the place of rounding; the study's own score has a chart too. */
+function kindsOf(data) {
+  if (!isPathTraced(data)) return kKinds;
+  const noise = (name) => data.reference.scores?.[name]?.standard_error ?? 0;
+  const own = { frame_rmse: data.reference.own_frame_rmse ?? 0, h_error_points: 100 * noise('homogeneity.h_rms'), contrast_error_percent: 0 };
+  const kinds = kKinds.map((kind) => ({ ...kind, limit: kind.name === 'h_error_points' ? 0.5 : kind.name === 'frame_rmse' ? 0.01 : 5, own: own[kind.name], rounding: Math.max(kind.rounding, 0.5 * own[kind.name]) }));
+  const score = data.ranking?.score ?? data.objective;
+  if (score && score !== 'homogeneity.h_rms' && data.reference.scores?.[score]) kinds.push({ name: 'score', score, title: `Error of ${score}`, axis: 'its own unit', own: noise(score), rounding: Math.max(1e-9, 0.5 * noise(score)) });
+  return kinds;
+}
+
 const place = (kind) => (point) => [1e3 * point.cpu_s, error(kind, point)];
 
 function familySeries(family, kind) {
-  const points = family.points.filter(drawable(kind));
+  const points = family.points.filter(drawable(kind)).sort((a, b) => (family.name.startsWith('paths') ? a.cpu_s - b.cpu_s : 0));
   return { name: family.name, type: 'line', symbol: family.symbol, symbolSize: family.size, color: family.colour,
     labelLayout: { hideOverlap: true },
     itemStyle: { color: family.isHalf ? '#fff' : family.colour, borderColor: family.colour, borderWidth: 1.6, opacity: 1 },
-    lineStyle: { color: family.colour, width: family.isFacets ? 0 : 1.2, opacity: 0.45, type: family.isHalf ? 'dashed' : 'solid' },
+    lineStyle: { color: family.colour, width: family.isSingle ? 0 : 1.2, opacity: 0.45, type: family.isHalf ? 'dashed' : 'solid' },
     data: points.map((point) => ({ value: place(kind)(point), point, label: { show: true, formatter: mark(point, family), position: point.method === 'sampled' ? 'top' : 'bottom', ...kHalo, color: family.colour } })) };
 }
 
@@ -78,9 +108,9 @@ function frontSeries(data, kind) {
 }
 
 function marks(data, kind) {
-  const lines = [{ name: `asked for: ${number(kind.limit)}`, yAxis: kind.limit }];
-  const own = data.reference?.own_frame_rmse;
-  if (kind.name === 'frame_rmse' && own > 0) lines.push({ name: 'the reference\u2019s own error, about', yAxis: own });
+  const lines = kind.limit ? [{ name: `asked for: ${number(kind.limit)}`, yAxis: kind.limit }] : [];
+  const own = kind.own ?? (kind.name === 'frame_rmse' ? data.reference?.own_frame_rmse : 0);
+  if (own > 0) lines.push({ name: 'the reference\u2019s own error, about', yAxis: own });
   const reference = data.points.find((point) => point.is_reference);
   if (reference?.cpu_s > 0) lines.push({ name: `reference: ${reference.rays_per_px} rays`, xAxis: 1e3 * reference.cpu_s, label: { position: 'insideEndTop' } });
   return lines;
@@ -89,6 +119,12 @@ function marks(data, kind) {
 function choiceSeries(data, kind) {
   const points = data.points.filter((point) => point.is_choice).filter(drawable(kind));
   return { name: 'the program\u2019s own choice', type: 'scatter', symbol: 'circle', symbolSize: 24, z: 5, color: kInk, itemStyle: { color: 'transparent', borderColor: kInk, borderWidth: 2 },
+    data: points.map((point) => ({ value: place(kind)(point), point })) };
+}
+
+function currentSeries(data, kind) {
+  const points = data.points.filter((point) => point.is_current).filter(drawable(kind));
+  return { name: 'the scene\u2019s own setting', type: 'scatter', symbol: 'circle', symbolSize: 28, z: 6, color: kCurrentColour, itemStyle: { color: 'transparent', borderColor: kCurrentColour, borderWidth: 2 },
     data: points.map((point) => ({ value: place(kind)(point), point })) };
 }
 
@@ -113,9 +149,9 @@ function frontierChart(data, kind) {
     grid: { left: 62, right: 28, top: 84, bottom: 46 },
     legend: { top: 0, left: 56, right: 16, itemWidth: 18, itemGap: 16, textStyle: kText },
     tooltip: { trigger: 'item', confine: true, textStyle: { fontSize: 12, color: kInk }, formatter: (item) => (item.data?.point ? pointText(item.data.point) : item.name || item.seriesName) },
-    xAxis: { type: 'log', name: 'CPU time of one more candidate, one thread (ms)', nameLocation: 'middle', nameGap: 28, ...x, ...axisStyle, axisLabel: label },
+    xAxis: { type: 'log', name: isPathTraced(data) ? 'CPU time of one more picture and its scores, all threads (ms)' : 'CPU time of one more candidate, one thread (ms)', nameLocation: 'middle', nameGap: 28, ...x, ...axisStyle, axisLabel: label },
     yAxis: { type: 'log', name: kind.axis, ...y, ...axisStyle, nameTextStyle: { color: kInk, align: 'left' }, axisLabel: label },
-    series: [...groups.map((family) => familySeries(family, kind)), frontSeries(data, kind), choiceSeries(data, kind)],
+    series: [...groups.map((family) => familySeries(family, kind)), frontSeries(data, kind), choiceSeries(data, kind), currentSeries(data, kind)].filter((series) => series.data.length || series.markLine),
   });
   return h('div', {}, h('h3', {}, kind.title), chart(470, `${kind.title} against CPU time`, shown.length, option));
 }
@@ -123,7 +159,7 @@ function frontierChart(data, kind) {
 function row(point) {
   const cell = (value, factor = 1) => h('td', { class: 'number' }, isNumber(value) ? number(factor * value, 3) : '\u2013');
   const worst = (name) => { const all = Object.values(point.defects ?? {}).map((one) => one[name]); return all.length ? Math.max(...all) : null; };
-  const name = h('td', {}, point.label.replace(' um', ' \u00b5m'), ' ', point.is_choice && badge('winner', 'own choice'), point.is_reference && badge('neutral', 'reference'), !point.is_choice && point.on_front?.length > 0 && badge('good', 'front'));
+  const name = h('td', {}, point.label.replace(' um', ' \u00b5m'), ' ', point.is_choice && badge('winner', 'own choice'), point.is_current && badge('winner', 'scene\u2019s setting'), point.is_reference && badge('neutral', 'reference'), !point.is_choice && point.on_front?.length > 0 && badge('good', 'front'));
   if (point.problem) return h('tr', { class: 'failed' }, name, h('td', { colspan: '7' }, point.problem));
   return h('tr', {}, name, cell(point.cpu_s, 1e3), cell(point.cold_s),
     cell(point.frame_rmse), cell(point.smooth_frame_rmse), cell(point.h_error_points), cell(worst('weber_error_percent')), cell(worst('change_error_percent')));
@@ -134,8 +170,35 @@ const kHeadings = ['method', 'one more (ms)', 'first (s)', 'frame error', 'away 
 export function frontierSection(facts) {
   const data = facts.data.frontier;
   if (!data?.points?.length) return null;
-  return section('frontier', 'Error against CPU time', 'Left is faster, down is more exact. Filled marks are full resolution, open marks half of it; numbers beside them are rays a pixel or the allowed error of a ray\u2019s direction. Hover for cold costs and single defects.',
-    kKinds.map((kind) => frontierChart(data, kind)));
+  const reduced = data.pixel_factor > 1 ? ` Pictures are reduced to ${data.width_px} x ${data.height_px} px, 1/${data.pixel_factor} of the scene\u2019s along both sides.` : '';
+  const numbers = isPathTraced(data) ? 'samples a pixel, or the most reflections' : 'rays a pixel or the allowed error of a ray\u2019s direction';
+  return section('frontier', 'Error against CPU time', `Left is faster, down is more exact. Filled marks are full resolution, open marks less of it; numbers beside them are ${numbers}. Hover for cold costs and single defects.${reduced}`,
+    kindsOf(data).map((kind) => frontierChart(data, kind)));
+}
+
+/** Every score along the ladder of samples. */
+export function frontierScoreSection(facts) {
+  const data = facts.data.frontier;
+  const scores = data?.reference?.scores;
+  if (!scores) return null;
+  const ladder = data.points.filter((point) => point.scores && point.resolution === 'full' && point.realisation === 'own' && !hasOtherReflections(data, point) && point.tessellation === data.points[0].tessellation);
+  const cell = (value) => h('td', { class: 'number' }, isNumber(value) ? number(value, 2) : '\u2013');
+  const head = ['score', 'reference', 'its noise', ...ladder.map((point) => `${point.samples} samples${point.is_current ? ' (now)' : ''}`)];
+  return section('score_errors', 'Error of every score', 'In the score\u2019s own unit: root of the mean square distance of one picture\u2019s score from the reference, less the reference\u2019s own noise. 0: not told apart from it.', h('div', { class: 'scroll' }, h('table', { class: 'evaluations' },
+    h('thead', {}, h('tr', {}, head.map((text, i) => h('th', { class: i > 0 ? 'number' : '' }, text)))),
+    h('tbody', {}, Object.entries(scores).map(([name, score]) => h('tr', {}, h('td', {}, name), h('td', { class: 'number' }, number(score.value)), cell(score.standard_error), ladder.map((point) => cell(point.scores[name]?.error))))))));
+}
+
+/** Whether methods put designs into the right order. */
+export function frontierRankingSection(facts) {
+  const ranking = facts.data.frontier?.ranking;
+  if (!ranking) return null;
+  const cell = (text) => h('td', { class: 'number' }, text);
+  const heads = ['method', 'a design (ms)', 'Kendall\u2019s tau', 'pairs', 'its winner behind', ''];
+  const rowOf = (one) => h('tr', {}, h('td', {}, one.label.replace(' um', ' \u00b5m')), cell(number(1e3 * one.cpu_s, 3)), cell(number(one.tau, 3)), cell(String(one.pairs)), cell(`${number(one.winner_behind, 3)} \u00b1 ${number(one.winner_behind_standard_error, 2)}`),
+    h('td', {}, one.is_right ? badge('good', 'right order') : badge('neutral', 'not shown')));
+  return section('ranking', 'Order of designs', `${ranking.designs} designs spread over the variables, ordered by ${ranking.score}, against ${ranking.reference}. Pairs that the reference cannot tell apart (standard error ${number(ranking.standard_error, 2)}) do not count; right is tau of at least 0.9 and a winner within two standard errors of the best.`, h('div', { class: 'scroll' }, h('table', { class: 'evaluations' },
+    h('thead', {}, h('tr', {}, heads.map((text, i) => h('th', { class: i > 0 ? 'number' : '' }, text)))), h('tbody', {}, ranking.methods.map(rowOf)))));
 }
 
 export function frontierTableSection(facts) {

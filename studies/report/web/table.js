@@ -24,12 +24,12 @@ function columns(facts) {
 
 const missing = (value) => value === undefined || value === null || (typeof value === 'number' && Number.isNaN(value));
 
-function order(column, ascending) {
+export function order(column, ascending) {
   return (a, b) => {
     const left = column.value(a);
     const right = column.value(b);
     if (missing(left) || missing(right)) return Number(missing(left)) - Number(missing(right));  // gaps last, either way
-    const sign = left < right ? -1 : left > right ? 1 : a.number - b.number;
+    const sign = left < right ? -1 : left > right ? 1 : (a.number ?? 0) - (b.number ?? 0);
     return ascending ? sign : -sign;
   };
 }
@@ -45,14 +45,15 @@ function download(all, trials) {
 }
 
 class EvaluationTable {
-  constructor(facts) {
+  constructor(facts, selection) {
     this.facts = facts;
+    this.selection = selection;
     this.columns = columns(facts);
     this.sorted = this.columns.find((column) => column.name === (facts.objective.name || 'objective'));
     this.ascending = !facts.maximise;
     this.page = 0;
     this.chosen = null;
-    this.filter = h('input', { type: 'search', placeholder: 'filter: feasible   h_rms > 80   radius < 120', 'aria-label': 'Filter', oninput: () => this.restart() });
+    this.filter = h('input', { type: 'search', placeholder: 'filter: feasible   h_rms > 80   radius < 120', 'aria-label': 'Filter', oninput: () => this.filtered() });
     this.count = h('span', { class: 'muted' });
     this.problems = h('span', { class: 'fails', role: 'status' });
     this.head = h('tr', {}, this.columns.map((column) => h('th', { title: column.meaning ?? column.name }, h('button', { type: 'button', onclick: () => this.sort(column) }, column.heading))));
@@ -63,6 +64,19 @@ class EvaluationTable {
     this.node = section('evaluations', 'Evaluations', null, h('p', { class: 'toolbar' }, h('span', { class: 'grow screen-only' }, this.filter), this.count, this.problems, save),
       h('div', { class: 'scroll' }, h('table', { class: 'evaluations' }, h('thead', {}, this.head), this.body)), this.pager, this.onPaper);
     this.draw();
+    selection.listen((_, what, source) => {
+      if (what === 'brush' && source !== 'table') this.choose(selection.chosen('table'));
+      else if (facts.front && what === 'pick') this.markPicked();
+    });
+  }
+
+  /** What passes the filter is chosen on the whole page, where its other parts follow. */
+  filtered() {
+    this.restart();
+    if (!this.facts.front) return;
+    const { keep, problems } = parseFilter(this.filter.value, this.columns, this.facts.trials);
+    const isOn = this.filter.value.trim() !== '' && !problems.length;
+    this.selection.brush('table', isOn ? new Set(this.facts.trials.filter(keep).map((trial) => trial.number)) : null);
   }
 
   rows() {
@@ -82,6 +96,16 @@ class EvaluationTable {
     this.restart();
   }
 
+  rowLook(trial, i) {
+    const name = `${stateOf(trial)}${i < kPrintedRows ? '' : ' screen-only'}`;
+    if (!this.facts.front || trial.failed) return { class: name };
+    return { class: `${name} link`, 'data-trial': trial.number, onclick: () => this.selection.pick(trial.number) };
+  }
+
+  markPicked() {
+    for (const row of this.body.children) row.classList.toggle('picked', row.getAttribute('data-trial') === String(this.selection.picked));
+  }
+
   restart() {
     this.page = 0;
     this.draw();
@@ -92,7 +116,8 @@ class EvaluationTable {
     const pages = Math.max(1, Math.ceil(rows.length / kPageRows));
     const shown = rows.slice(this.page * kPageRows, (this.page + 1) * kPageRows);
     const cell = (column, trial) => h('td', { class: column.isNumber ? 'number' : '' }, column.name === 'state' ? badge({ feasible: 'good', infeasible: 'neutral', failed: 'bad' }[stateOf(trial)], stateOf(trial)) : column.text(trial));
-    this.body.replaceChildren(...shown.map((trial, i) => h('tr', { class: `${stateOf(trial)}${i < kPrintedRows ? '' : ' screen-only'}` }, this.columns.map((column) => cell(column, trial)))));
+    this.body.replaceChildren(...shown.map((trial, i) => h('tr', this.rowLook(trial, i), this.columns.map((column) => cell(column, trial)))));
+    if (this.facts.front) this.markPicked();
     if (!rows.length) this.body.replaceChildren(h('tr', {}, h('td', { colspan: String(this.columns.length), class: 'muted' }, 'Nothing passes the filter.')));
     this.columns.forEach((column, i) => this.head.children[i].setAttribute('aria-sort', column === this.sorted ? (this.ascending ? 'ascending' : 'descending') : 'none'));
     this.count.textContent = `${rows.length} of ${this.facts.trials.length}${this.chosen ? ', chosen above' : ''}`;
@@ -103,7 +128,7 @@ class EvaluationTable {
   }
 }
 
-export const evaluationSection = (facts) => (facts.trials.length ? new EvaluationTable(facts) : null);
+export const evaluationSection = (facts, selection) => (facts.trials.length ? new EvaluationTable(facts, selection) : null);
 
 /** Failed evaluations, grouped by their reason. */
 export function failureSection(facts) {

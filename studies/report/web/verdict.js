@@ -20,6 +20,16 @@ function scoreFigure(facts, design, name) {
   return figure(facts.label(name), facts.score(name, facts.value(design, name)), facts.trials.length ? note : '');
 }
 
+/** One of several objectives: with its error, and where the baseline is. */
+function objectiveFigure(facts, design, baseline, { name, maximise }) {
+  const value = facts.value(design, name);
+  const there = baseline && facts.value(baseline, name);
+  const isKnown = isNumber(value) && isNumber(there) && value !== there;
+  const error = design.rescored?.[`${name}.error`];
+  const note = [maximise ? 'more is better' : 'less is better', isNumber(error) && `standard error ${facts.score(name, error)}`, isNumber(there) && `baseline ${facts.score(name, there)}`].filter(Boolean).join('; ');
+  return figure(facts.label(name), facts.score(name, value), note, isKnown ? (value > there === maximise ? 'up' : 'down') : '');
+}
+
 function gainFigure(facts, design, other, label) {
   const name = facts.objective.name;
   const here = facts.value(design, name);
@@ -55,6 +65,7 @@ function figures(facts) {
   const main = facts.mainScores().filter((name) => !facts.constraints.some((one) => one.name === name));
   const baseline = facts.designs.find((one) => facts.role(one) === 'baseline');
   const prototype = bestOf(facts, facts.designs.filter((one) => facts.role(one) === 'prototype'));
+  if (facts.front) return columns([...facts.objectives.map((one) => objectiveFigure(facts, design, baseline, one)), ...facts.constraints.filter((one) => !facts.objectives.some(({ name }) => name === one.name)).map((constraint) => constraintFigure(facts, design, constraint))]);
   const shown = [main.map((name) => scoreFigure(facts, design, name)),
     baseline !== design && gainFigure(facts, design, baseline, 'against the baseline'),
     prototype !== design && gainFigure(facts, design, prototype, 'against the best prototype'),
@@ -90,7 +101,7 @@ function board(facts) {
     h('td', {}, design.feasible === undefined || design.feasible === null ? '\u2013' : design.feasible ? badge('good', 'feasible') : badge('bad', 'not feasible')));
   const heading = (name) => {
     const constraint = facts.constraints.find((one) => one.name === name);
-    return h('th', { title: facts.meaning(name) }, facts.label(name), constraint && h('small', {}, facts.limit(constraint)), name === facts.objective.name && h('small', {}, `objective, ${facts.objective.sense}`));
+    return h('th', { title: facts.meaning(name) }, facts.label(name), constraint && h('small', {}, facts.limit(constraint)), facts.objectives.filter((one) => one.name === name).map((one) => h('small', {}, `objective, ${facts.front ? (one.maximise ? 'maximise' : 'minimise') : facts.objective.sense}`)));
   };
   return h('div', { class: 'scroll' }, h('table', { class: 'board' },
     h('thead', {}, h('tr', {}, h('th', {}, 'design'), names.map(heading), h('th', {}, 'constraints'))),

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -158,6 +159,11 @@ TEST(Acquire, TakesTheCellsViewsAndNothingTwice) {
   EXPECT_EQ(again["status"], "complete");
 }
 
+int number_from(const char* name, int otherwise) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? otherwise : std::atoi(text);
+}
+
 /// What a person does after a stop.
 void unlock(const SmallTwins& twins) {
   std::this_thread::sleep_for(std::chrono::milliseconds(400));  // 8 s of the arm's clock
@@ -205,13 +211,17 @@ int acquire_disturbed(const SmallTwins& twins, const std::string& out, int most,
 TEST(Acquire, KilledAndStoppedAndResumedItIsAsIfNothingHadBeen) {
   const SmallTwins twins;
   ASSERT_EQ(glint_in(twins.folder, SmallTwins::acquire("whole")).code, 0);
-  Rng random(5, Stream::kTest, 0);
+  // In parts: so many, by another seed.
+  const int kills = number_from("GLINT_KILLS", GLINT_NUM_KILLS);
+  Rng random(static_cast<std::uint64_t>(number_from("GLINT_KILL_SEED", 5)), Stream::kTest, 0);
   int disturbances = 0;
-  for (int run = 0; disturbances < GLINT_NUM_KILLS && !testing::Test::HasFailure(); ++run) {
-    const std::string out = fmt::format("disturbed_{}", run);
-    disturbances += acquire_disturbed(twins, out, GLINT_NUM_KILLS - disturbances, random);
+  int runs = 0;
+  for (; disturbances < kills && !testing::Test::HasFailure(); ++runs) {
+    const std::string out = fmt::format("disturbed_{}", runs);
+    disturbances += acquire_disturbed(twins, out, kills - disturbances, random);
     expect_undisturbed(twins, out);
   }
+  fmt::print("{} disturbances in {} acquisitions\n", disturbances, runs);
 }
 
 TEST(Acquire, BacksOutWhenAPictureCannotBeKept) {

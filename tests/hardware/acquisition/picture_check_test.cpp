@@ -91,5 +91,22 @@ TEST(FiguresOf, SeeThePartWhereItShouldBeAndMissItElsewhere) {
   EXPECT_LT(figures_of(part_at(0), expected).outline_share, 0.35);
 }
 
+// The expected outline from a picture of a third of the size, 15 px from where the part is.
+TEST(FiguresOf, SeeThePartThatIsAsFarOffAsItMayBe) {
+  Mask expected(60, 40);
+  for (int y = 10; y < 30; ++y) {
+    for (int x = 20; x < 40; ++x) {
+      expected(x, y) = 1;
+    }
+  }
+  const Frame frame = frame_of(181, 121, [](int x, int y) {
+    return x >= 75 && x < 135 && y >= 30 && y < 90 ? 120.0 : 20.0;
+  });
+  EXPECT_GT(figures_of(frame, expected, 18.0).outline_share, 0.99);
+  EXPECT_LT(figures_of(frame, expected).outline_share, 0.7);
+  const Frame none = frame_of(181, 121, [](int x, int) { return x < 100 ? 22.0 : 20.0; });
+  EXPECT_LT(figures_of(none, expected, 18.0).outline_share, 0.5);
+}
+
 }  // namespace
 }  // namespace glint

@@ -215,6 +215,25 @@ TEST(SupervisedCamera, NamesARefusedTrigger) {
   EXPECT_TRUE(camera->capture().is_complete());
 }
 
+// The camera is still at the picture whose packets did not come when it is asked for the next one.
+TEST(SupervisedCamera, TakesAPictureAgainInANewStreamWhenARetakeIsRefused) {
+  using enum Step::Kind;
+  for (const Step::Kind first : {kIncomplete, kNothing}) {
+    const auto script = std::make_shared<Script>();
+    const auto camera = started(script);
+    EXPECT_TRUE(camera->capture().is_complete());
+    script->steps = {first, kRefused};
+    const Frame frame = camera->capture();
+    EXPECT_TRUE(frame.is_complete()) << frame.what;
+    EXPECT_EQ(frame.retakes, 2);
+    EXPECT_EQ(frame.frame_id, 102U);
+    EXPECT_EQ(script->streams, 2);
+    script->steps = {first, kRefused, kRefused, kRefused};
+    EXPECT_EQ(camera->capture().status, FrameStatus::kRefused) << "three retakes at most";
+    EXPECT_TRUE(camera->capture().is_complete());
+  }
+}
+
 TEST(SupervisedCamera, IsLostWhenNothingComesAndNobodyAnswersAndComesBack) {
   const auto script = std::make_shared<Script>();
   const auto camera = started(script);

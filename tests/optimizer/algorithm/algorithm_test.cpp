@@ -38,7 +38,11 @@ double told_merit(const SearchSpace& space, const Point& point, int n) {
 }
 
 /// The merit with the exact slopes of told_merit() without its noise.
-Answer told_answer(const SearchSpace& space, const Point& point, double merit, bool is_failed) {
+Answer told_answer(const SearchSpace& space,
+                   const Point& point,
+                   double merit,
+                   bool is_failed,
+                   std::size_t num_objectives) {
   Answer answer{.merit = merit, .is_failed = is_failed, .objective = {.value = merit}};
   std::vector<double> gradient;
   if (space.variables.size() == mixed_space().variables.size()) {
@@ -52,6 +56,10 @@ Answer told_answer(const SearchSpace& space, const Point& point, double merit, b
     const double scale = derivative_at(space, point, i);
     answer.objective.gradient.push_back(scale == 0.0 ? 0.0 : scale * gradient[i]);
   }
+  answer.objectives.assign(num_objectives, merit);
+  if (num_objectives > 1) {
+    answer.objectives.back() += point[0];
+  }
   return answer;
 }
 
@@ -62,7 +70,7 @@ Asked run_algorithm(const SearchSpace& space,
                     const Asked& recorded = {},
                     bool has_failures = false,
                     const std::vector<Point>& start_points = {}) {
-  const std::unique_ptr<Algorithm> algorithm = make_algorithm(space, settings, start_points);
+  const std::unique_ptr<Algorithm> algorithm = test::make_for(space, settings, start_points);
   Asked asked;
   while (static_cast<int>(asked.points.size()) < count) {
     std::vector<Point> batch;
@@ -77,7 +85,10 @@ Asked run_algorithm(const SearchSpace& space,
       if (is_failed) {
         merit = 5.0;
       }
-      algorithm->tell(point, told_answer(space, point, merit, is_failed));
+      algorithm->tell(
+          point,
+          told_answer(
+              space, point, merit, is_failed, test::num_objectives_for(settings.algorithm)));
       asked.points.push_back(point);
       asked.merits.push_back(merit);
     }
@@ -153,15 +164,16 @@ TEST_P(AnyAlgorithm, TriesEveryChoice) {
 // With a watchdog of an hour: who waited for it would still be here when the test runner gives up.
 TEST_P(AnyAlgorithm, GoesAwayAtOnceWhenAbandonedInTheMiddle) {
   SearchSettings patient = settings(2);
+  const std::size_t num_objectives = test::num_objectives_for(GetParam());
   patient.watchdog_s = 3600.0;
   for (const int count : {0, 1, 7, 30}) {
     const SearchSpace space = box(4, 0, 1);
-    const std::unique_ptr<Algorithm> algorithm = make_algorithm(space, patient, {});
+    const std::unique_ptr<Algorithm> algorithm = test::make_for(space, patient, {});
     for (int i = 0; i < count; ++i) {
       const Point a = *algorithm->ask();
       const Point b = *algorithm->ask();
-      algorithm->tell(a, told_answer(space, a, told_merit(space, a, i), false));
-      algorithm->tell(b, told_answer(space, b, told_merit(space, b, i), false));
+      algorithm->tell(a, told_answer(space, a, told_merit(space, a, i), false, num_objectives));
+      algorithm->tell(b, told_answer(space, b, told_merit(space, b, i), false, num_objectives));
     }
     EXPECT_TRUE(algorithm->ask().has_value()) << count;
   }
@@ -170,11 +182,13 @@ TEST_P(AnyAlgorithm, GoesAwayAtOnceWhenAbandonedInTheMiddle) {
 TEST_P(AnyAlgorithm, CopesWithConstantValuesAndConstantVariables) {
   SearchSpace space = box(3, 0, 1);
   space.variables[1].low = 1.0;
-  const std::unique_ptr<Algorithm> algorithm = make_algorithm(space, settings(), {});
+  const std::unique_ptr<Algorithm> algorithm = test::make_for(space, settings(), {});
   for (int i = 0; i < 150; ++i) {
     const Point point = *algorithm->ask();
     ASSERT_TRUE(test::is_allowed(space, point));
-    algorithm->tell(point, {.merit = 1.0, .objective = {1.0, {0.0, 0.0, 0.0}}});
+    Answer answer{.merit = 1.0, .objective = {1.0, {0.0, 0.0, 0.0}}};
+    answer.objectives.assign(needs_several_objectives(GetParam()) ? 2 : 1, 1.0);
+    algorithm->tell(point, answer);
   }
 }
 
@@ -202,7 +216,9 @@ TEST(Algorithm, AutoStandsForWhatTheHeaderSays) {
   EXPECT_EQ(resolved_algorithm(box(1, 0, 1), {}), "direct_l");
   EXPECT_EQ(resolved_algorithm(box(2, 0, 1), {}), "direct_l");
   EXPECT_EQ(resolved_algorithm(box(3, 0, 1), {}), "bobyqa");
-  EXPECT_EQ(resolved_algorithm(box(3, 0, 1), {.is_noisy = true}), "cobyla");
+  EXPECT_EQ(resolved_algorithm(box(3, 0, 1), {.is_noisy = true}), "gp");
+  EXPECT_EQ(resolved_algorithm(box(1, 0, 1), {.is_noisy = true}), "gp");
+  EXPECT_EQ(resolved_algorithm(box(3, 0, 1), {.is_noisy = true, .rules = 1}), "cobyla");
   EXPECT_EQ(resolved_algorithm(mixed_space(), {.algorithm = "crs2"}), "crs2");
 }
 

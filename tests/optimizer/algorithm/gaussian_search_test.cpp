@@ -85,6 +85,44 @@ TEST(GaussianSearch, FindsAFrontThatRandomSamplingDoesNot) {
   EXPECT_EQ(found("auto"), found("gp"));
 }
 
+/// What a program asked before there were rules; runs that it began go on so.
+TEST(GaussianSearch, ByRules1AsksWhatEarlierProgramsAsked) {
+  const SearchSpace space = {
+      {{.name = "a"}, {.name = "b"}, {.name = "n", .low = 1.0, .high = 9.0}}};
+  const std::vector<std::vector<Point>> asked = {
+      {{0.34178090672424882, 0.5368499754585494, 1.0},
+       {0.30397055584492416, 0.62349805563189376, 1.0},
+       {0.0, 0.9006794761996787, 1.0},
+       {0.35363800318329153, 0.61544378920312948, 1.0}},
+      {{0.48567422074567096, 0.38930096191266633, 2.8458184510869788},
+       {0.53668442073145994, 0.34808199875647822, 2.9469860156196601},
+       {0.53400109035511922, 0.35925028309017015, 2.766337683593747},
+       {0.48985571210185047, 0.38472224146053868, 1.1489092061354209}}};
+  for (const int num_objectives : {1, 2}) {
+    const auto algorithm = make_algorithm(
+        space,
+        {.algorithm = "gp", .seed = 4, .is_noisy = num_objectives == 1, .design = 8, .rules = 1},
+        {},
+        0,
+        num_objectives);
+    EXPECT_FALSE(algorithm->can_restore());
+    for (std::size_t i = 0; i < 16; ++i) {
+      const Point p = *algorithm->ask();
+      if (i >= 12) {
+        const Point& before = asked[static_cast<std::size_t>(num_objectives - 1)][i - 12];
+        for (std::size_t k = 0; k < p.size(); ++k) {
+          EXPECT_NEAR(p[k], before[k], 1e-9) << i;
+        }
+      }
+      const double f1 = std::pow(p[0] - 0.3, 2) + std::pow(p[1] - 0.6, 2) + 0.01 * p[2];
+      const double f2 = std::pow(p[0] - 0.8, 2) + std::pow(p[1] - 0.1, 2) + 0.01 * (9 - p[2]);
+      Answer answer{.merit = f1, .objective = {f1, {}}, .objectives = {f1, f2}};
+      answer.objectives.resize(static_cast<std::size_t>(num_objectives));
+      algorithm->tell(p, answer);
+    }
+  }
+}
+
 TEST(GaussianSearch, OtherMethodsRefuseSeveralObjectives) {
   EXPECT_THROW(make_algorithm(test::box(2, 0, 1), {.algorithm = "cobyla"}, {}, 0, 2), ConfigError);
 }

@@ -79,6 +79,18 @@ inline SearchSpace mixed_space_for(std::string_view algorithm) {
   return needs_gradient(algorithm) ? smooth_mixed_space() : mixed_space();
 }
 
+inline std::size_t num_objectives_for(std::string_view algorithm) {
+  return needs_several_objectives(algorithm) ? 2 : 1;
+}
+
+/// With as many objectives as it needs.
+inline std::unique_ptr<Algorithm> make_for(const SearchSpace& space,
+                                           const SearchSettings& settings,
+                                           const std::vector<Point>& start_points) {
+  const auto num_objectives = static_cast<int>(num_objectives_for(settings.algorithm));
+  return make_algorithm(space, settings, start_points, 0, num_objectives);
+}
+
 inline bool is_allowed(const SearchSpace& space, const Point& point) {
   return point == canonical(space, point);
 }

@@ -108,6 +108,53 @@ TEST(LightingUse, IsAVariableWithConditionsOnSeveralValues) {
   EXPECT_TRUE(!active(2, 1) && active(2, 2));
 }
 
+// A condition on a variable that has a condition itself: the radius is asked for only while the
+// tunnel shines and is round.
+TEST(LightingUse, ConditionsMayStandOnConditions) {
+  const Study study = study_of(kLights + std::string(R"([variables]
+"lighting_use" = { choices = ["tunnel", "ring"] }
+"lighting.tunnel.shape" = { choices = ["semicylinder", "ellipse"], when = "lighting_use == tunnel" }
+"lighting.tunnel.radius_mm" = { min = 90, max = 150, when = "lighting.tunnel.shape == semicylinder" }
+"lighting.tunnel.half_width_mm" = { min = 90, max = 150, when = "lighting.tunnel.shape in [ellipse]" }
+"lighting.ring.leds" = { min = 8, max = 48, step = 8, when = "lighting_use == ring" }
+"lighting.ring.led_diameter_mm" = { min = 2, max = 8, when = "lighting.ring.leds in [24, 32, 40]" }
+[objective]
+maximise = "homogeneity.h_rms"
+[budget]
+evaluations = 9
+)"));
+  const auto active = [&](double kind, double shape, double leds) {
+    std::vector<bool> all;
+    for (std::size_t i = 0; i < study.space.variables.size(); ++i) {
+      all.push_back(is_active(study.space, Point{kind, shape, 100, 100, leds, 4}, i));
+    }
+    return all;
+  };
+  EXPECT_EQ(active(0, 0, 24), (std::vector<bool>{true, true, true, false, false, false}));
+  EXPECT_EQ(active(0, 1, 24), (std::vector<bool>{true, true, false, true, false, false}));
+  EXPECT_EQ(active(1, 0, 24), (std::vector<bool>{true, false, false, false, true, true}));
+  EXPECT_EQ(active(1, 0, 8), (std::vector<bool>{true, false, false, false, true, false}));
+  // What is not active keeps the file's value.
+  const Point ring = canonical(study.space, Point{1, 1, 140, 140, 24, 3});
+  const SceneSettings scene = scene_with(study, overrides_of(study, ring));
+  EXPECT_DOUBLE_EQ(scene.tunnel.radius_mm, 120.0);
+  EXPECT_EQ(std::get<RingSettings>(scene.lights[0].settings).leds, 24);
+  EXPECT_DOUBLE_EQ(std::get<RingSettings>(scene.lights[0].settings).led_diameter_mm, 3.0);
+}
+
+TEST(LightingUse, AConditionOnNoVariableIsToldAtItsPlace) {
+  const std::string text = kLights + std::string(R"([variables]
+"lighting.ring.height_mm" = { min = 40, max = 90, when = "lighting_use == ring" }
+[objective]
+maximise = "homogeneity.h_rms"
+[budget]
+evaluations = 9
+)");
+  EXPECT_THAT(error_of(text),
+              HasSubstr("s.toml:6:51: variables: lighting.ring.height_mm: when names the unknown "
+                        "variable \"lighting_use\""));
+}
+
 TEST(LightingUse, RefusesConditionsThatCannotBeRead) {
   const auto with = [&](const std::string& when) {
     return error_of(kLights +

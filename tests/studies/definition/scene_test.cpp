@@ -74,6 +74,8 @@ TEST(Scene, EveryKeyOfTheTableIsWritten) {
   scene.reference.emplace();
   scene.validate = ValidateSettings{};
   scene.has_coverage = true;
+  scene.cost = CostSettings{
+      .exposure_s = 0.01, .move_s = 0.1, .per_mm2 = 0.02, .per_led = 0.5, .per_frame = 0.0};
   const ConfigNode written = write_scene(scene);
   scene.viewpoint().base_from_flange.emplace();
   const ConfigNode by_flange = write_scene(scene);

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/definition/study_changes.h"
 #include "studies/definition/study_text.h"
 
 #include <gmock/gmock.h>

@@ -76,9 +76,15 @@ TEST(StudyGoal, RefusesWhatSeveralObjectivesDoNotGoWith) {
                         "budget.stall"));
   EXPECT_THAT(error_of(both, {{"search.algorithm", "sbplx"}}),
               HasSubstr("search.algorithm: \"sbplx\" knows one objective, there are 2; allowed: "
-                        "\"auto\", \"gp\", \"sobol\", \"random\""));
-  EXPECT_THAT(error_of(both + "[manufacture]\n\"lighting.tunnel.duty\" = { plus_minus = 0.01 }\n"),
-              HasSubstr("manufacture: spreads one objective"));
+                        "\"auto\", \"gp\", \"nsga2\", \"nspso\", \"sobol\", \"random\""));
+  EXPECT_EQ(error_of(both, {{"search.algorithm", "nsga2"}}), "");
+  EXPECT_THAT(error_of(kScene + "[objective]\nmaximise = \"homogeneity.h_rms\"\n",
+                       {{"search.algorithm", "nspso"}}),
+              HasSubstr("search.algorithm: \"nspso\" needs several objectives, there is one"));
+  EXPECT_EQ(error_of(both + "[manufacture]\n\"lighting.tunnel.duty\" = { plus_minus = 0.01 }\n"),
+            "");
+  EXPECT_THAT(error_of(both + "[prototypes.front]\n\"lighting.tunnel.duty\" = 0.4\n"),
+              HasSubstr("prototypes.front: the folder front/ of a run holds the designs"));
   EXPECT_THAT(error_of("[defects.dent]\nx_mm = [5]\ny_mm = [10]\n" + kEven + kVisible),
               HasSubstr("objective: several objectives need [variables]"));
 }
@@ -90,7 +96,7 @@ TEST(StudyGoal, RefusesContradictionsInOneLineEach) {
     EXPECT_EQ(std::ranges::count(error, '\n'), 0) << error;
     EXPECT_THAT(error, HasSubstr("s.toml:")) << "has a place";
   };
-  refused(kEven + kEven, "homogeneity.h_rms: is an objective twice");
+  refused(kEven + kEven, "\"homogeneity.h_rms\" is an objective twice");
   refused(kEven, "objective: [[objective]] is for several, there is one");
   refused(kEven + "[[objective]]\nmaximise = \"defects.min_crn\"\n",
           "objective.1.maximise: \"defects.min_crn\"");

@@ -131,10 +131,10 @@ TEST(BandedScan, DoesNotDependOnTheHeightOfABand) {
 }
 
 // The corner of the half picture's pixel (i, j) is the corner of the full one's (2 i, 2 j).
-TEST(HalfResolution, SeesTheSameThroughPixelsOfTwiceTheSize) {
+TEST(WithLargerPixels, SeesTheSameThroughPixelsOfTwiceTheSize) {
   SceneSettings scene = frontier_scene();
   scene.camera.k1 = 0.05;
-  const SceneSettings half = half_resolution(scene);
+  const SceneSettings half = with_larger_pixels(scene, 2);
   EXPECT_EQ(half.camera.width_px, 50);
   EXPECT_EQ(half.camera.height_px, 30);
   EXPECT_DOUBLE_EQ(half.sensor.blur_px, 0.3);

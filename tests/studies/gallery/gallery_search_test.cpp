@@ -151,6 +151,53 @@ TEST(GallerySearch, FindsATunnelForThePartOfTheGallery) {
   EXPECT_GT(found, best_prototype(result, "homogeneity.h_rms") + 0.1);
 }
 
+/// The most visible design of a front that is at most so wide and at least 65 % even.
+const Json* most_visible(const Json& front, double width_mm) {
+  const Json* best = nullptr;
+  for (const Json& design : front) {
+    const Json& scores = design.at("scores");
+    const bool is_allowed = scores.at("lighting.width_mm").get<double>() <= width_mm &&
+                            scores.at("homogeneity.h_rms").get<double>() >= 0.65;
+    if (is_allowed && (best == nullptr || scores.at("defects.min_cnr").get<double>() >
+                                              best->at("scores").at("defects.min_cnr"))) {
+      best = &design;
+    }
+  }
+  return best;
+}
+
+TEST(GallerySearch, FindsWhatASmallerTunnelCosts) {
+  const Json result = expect_winner("tunnel_tradeoff");
+  const gallery::ExpectedScores expected = gallery::read_expected("tunnel_tradeoff");
+  int compared = 0;
+  double visible = 0.0;
+  for (const int width_mm : {200, 250, 300, 400}) {
+    const Json* design = most_visible(result.at("front"), width_mm);
+    ASSERT_NE(design, nullptr) << width_mm;
+    const std::string name = fmt::format("front_{}.", width_mm);
+    for (const auto& [key, row] : expected) {
+      if (key.starts_with(name)) {
+        const std::string what = key.substr(name.size());
+        const Json& scores = design->at("scores");
+        const Json& from = scores.contains(what) ? scores : design->at("variables");
+        EXPECT_NEAR(from.at(what).get<double>(), row.value, row.tolerance) << key;
+        ++compared;
+      }
+    }
+    const double cnr = design->at("scores").at("defects.min_cnr").get<double>();
+    EXPECT_GE(cnr, visible) << "more room shows no less";
+    visible = cnr;
+  }
+  EXPECT_EQ(compared, 20);
+  EXPECT_EQ(most_visible(result.at("front"), 130.0), nullptr);
+  const gallery::Expected volume = expected.at("front_all.hypervolume");
+  EXPECT_NEAR(result.at("hypervolume").get<double>(), volume.value, volume.tolerance);
+  // As wide as the prototype of half the size, and much clearer.
+  const Json& half = result.at("prototypes").at("half").at("scores");
+  EXPECT_GT(most_visible(result["front"], 200.0)->at("scores").at("defects.min_cnr").get<double>(),
+            1.4 * half.at("defects.min_cnr").get<double>());
+}
+
 /// Best feasible objective after each evaluation; 0 before the first feasible one.
 std::vector<double> best_so_far(const std::string& name, const std::vector<KeyValue>& sets = {}) {
   const auto out =

@@ -10,6 +10,8 @@ import { pathToFileURL } from 'node:url';
 const source = (name) => import(pathToFileURL(join(process.argv[2], 'studies/report/web', name)).href);
 const { count, Facts, measured, number, percent, shortNames } = await source('format.js');
 const { parseFilter } = await source('filter.js');
+const { panelsOf, setLine, staircase, ticks } = await source('front_words.js');
+const { Selection } = await source('selection.js');
 
 // Three significant digits for what was measured, also where the last are zeros.
 for (const [value, text] of [[13, '13.0'], [12.34, '12.3'], [9.006, '9.01'], [0.38, '0.380'], [8.614e-4, '0.000861'], [0, '0'],
@@ -57,3 +59,37 @@ for (const [text, problem] of [['cnr => 3', '"=>" is no comparison'], ['((', 'no
   assert.equal(problems.length, 1, text);
   assert.ok(problems[0].startsWith(problem), problems[0]);
 }
+
+// Several objectives: what is chosen is what all brushes but the asking part's own have in common.
+const selection = new Selection();
+const heard = [];
+selection.listen((_, what, source) => heard.push([what, source]));
+assert.equal(selection.chosen(), null);
+selection.brush('front', null);
+assert.deepEqual(heard, []);
+selection.brush('front', new Set([1, 2, 3]));
+selection.brush('table', new Set([2, 3, 4, 5]));
+assert.deepEqual(selection.chosen(), new Set([2, 3]));
+assert.deepEqual(selection.chosen('table'), new Set([1, 2, 3]));
+selection.brush('front', null);
+assert.deepEqual(selection.chosen(), new Set([2, 3, 4, 5]));
+selection.pick(4);
+assert.deepEqual(heard, [['brush', 'front'], ['brush', 'table'], ['brush', 'front'], ['pick', null]]);
+
+// A shell takes the line apart into the same words.
+assert.equal(setLine({ 'lighting.tunnel.radius_mm': 120.25, 'lighting.tunnel.shape': 'flat', lighting_use: 'ring+dome' }),
+  '--set lighting.tunnel.radius_mm=120.25 --set lighting.tunnel.shape=flat --set lighting_use=ring+dome');
+assert.equal(setLine({ 'lighting.left wall.duty': true }), "--set 'lighting.left wall.duty'=true");
+
+// A matrix of m objectives has a panel for each pair.
+assert.deepEqual(panelsOf(['a', 'b']), [{ x: 'a', y: 'b', row: 0, column: 0 }]);
+assert.equal(panelsOf(['a', 'b', 'c', 'd']).length, 6);
+
+// No corner of the line is better than both designs beside it.
+assert.deepEqual(staircase([[2, 1], [1, 2]], { maximise: true }), [[1, 2], [1, 1], [2, 1]]);
+assert.deepEqual(staircase([[1, 2], [2, 1]], { maximise: false }), [[1, 2], [2, 2], [2, 1]]);
+
+assert.deepEqual(ticks(0.21, 0.79), [0.4, 0.6]);
+assert.deepEqual(ticks(60, 250), [100, 150, 200, 250]);
+assert.deepEqual(ticks(0, 1), [0, 0.5, 1]);
+assert.deepEqual(ticks(3, 3), [3]);

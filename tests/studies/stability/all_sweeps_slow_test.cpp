@@ -8,7 +8,7 @@ namespace {
 
 /// Cells that are known to be beyond the bound of contrast and are told of in docs/stability.md.
 bool is_known(const std::string& sweep) {
-  return sweep == "dent_slope_normal" || sweep == "dent_slope_auto" || sweep == "wall_over_part";
+  return sweep == "wall_over_part";
 }
 
 constexpr double kKnownExcess = 1.3;  ///< in bounds

@@ -77,6 +77,36 @@ TEST(Stability, OfTwoSweepsJudgesEveryCell) {
               ::testing::HasSubstr("lighting.tunnel.radius_mm: is 0.105"));
 }
 
+/// The middle of the picture for some values of a sweep, with a key set in all of them.
+Stability cells_of(const std::string& name, std::vector<double> wanted, const KeyValue& set) {
+  std::vector<Sweep> sweeps = chosen_sweeps({name});
+  std::erase_if(sweeps[0].values, [&](const SweepValue& v) {
+    return std::ranges::find(wanted, v.value) == wanted.end();
+  });
+  sweeps[0].sets.push_back(set);
+  sweeps[0].sets.push_back({"camera.width_px", "41"});  // the rest of the strip only takes time
+  return measure_stability(sweeps, {});
+}
+
+// 30 degrees: 3.8 mm deep over 16 mm, curvature 3.8 / 4^2 = 0.24 / mm; 200 mm below the wall a
+// pixel of 1.2 mm sees 1.2 (1 + 2 0.24 200) = 115 mm of it, seven periods of 16 mm.
+TEST(StripesInADent, FarBelowAPixelAreToldOfWhereThereIsBlur) {
+  const Stability told = cells_of("dent_slope_auto", {0.2, 30.0}, {"sensor.blur_px", "1"});
+  const Cell& steep = told.sweeps[0].cells.back();
+  EXPECT_NE(steep.verdict, Verdict::kWrong);
+  EXPECT_GT(worst_of(steep)->error, 4.0) << "else nothing needs to be told";
+  EXPECT_THAT(steep.message, ::testing::HasSubstr("dent_1 0.14 px"));
+  EXPECT_EQ(told.sweeps[0].cells.front().message, "");
+}
+
+TEST(StripesInADent, FarBelowAPixelAreRightWithoutBlur) {
+  const Stability right = cells_of("dent_slope_normal", {0.2, 30.0}, {"sensor.blur_px", "0"});
+  for (const Cell& cell : right.sweeps[0].cells) {
+    EXPECT_EQ(cell.verdict, Verdict::kRight) << cell.value;
+    EXPECT_LT(worst_of(cell)->error, 0.5 * worst_of(cell)->bound) << cell.value;
+  }
+}
+
 // A reference that is asked about another scene must find it wrong: the negative control.
 TEST(Stability, FindsAWrongPicture) {
   ThreadPool pool(1);

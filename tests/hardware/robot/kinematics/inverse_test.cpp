@@ -53,12 +53,13 @@ TEST(ArmInverse, TheNumberOfBranchesIsThatOfTheGeometry) {
   EXPECT_GT(counts[8], counts[4]);
 }
 
-// Nearer to singular poses than this the branches of the nominal arm may lie beyond the meeting
-// point.
-constexpr double kHealthyMeasure = 0.015;
+// Of the poses nearer to singular ones than this, one in forty, some lie so far beyond the place
+// where branches of the nominal arm meet that one of the two is not found.
+constexpr double kHealthyMeasure = 0.001;
 
 TEST(ArmInverse, RefinesEachBranchOnACalibratedArm) {
   std::uint64_t healthy = 0;
+  std::uint64_t missed = 0;
   const std::uint64_t count = kPoses / 4;
   for (std::uint64_t i = 0; i < count; ++i) {
     const ArmModel model = kModels[i % 3];
@@ -76,8 +77,10 @@ TEST(ArmInverse, RefinesEachBranchOnACalibratedArm) {
       ++healthy;
       EXPECT_LT(nearest_rad, 1e-6) << joints_rad.transpose();
     }
+    missed += nearest_rad < 1e-6 ? 0U : 1U;
   }
-  EXPECT_GT(healthy, count / 2);
+  EXPECT_GT(healthy, count - count / 25);
+  EXPECT_LE(missed, 1 + count / 2000) << "of " << count;
 }
 
 TEST(ArmInverse, SolvesSingularPoses) {

@@ -2,6 +2,7 @@
 //
 // Hours of protocol time, and many faults over the wire.
 #include <chrono>
+#include <iostream>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -58,36 +59,74 @@ TEST(LongRun, AnHourOfPackagesOverTheWireIsCompleteAndTakesNoMemory) {
     });
   }
   EXPECT_EQ(gaps, 0U);
-  EXPECT_NEAR(last_s - first_s, 3600.0, 0.1);
+  // Packages that came glued to the last one are counted, too.
+  EXPECT_GE(last_s - first_s, 3600.0);
+  EXPECT_NEAR(last_s - first_s, 0.008 * static_cast<double>(client.num_packages() - 1), 1e-3);
   EXPECT_LT(resident_mb() - before_mb, 5.0);
 }
 
-TEST(LongRun, FiftyRandomFaultsOverTheWireEachHaveAResult) {
-  for (std::uint64_t seed = 0; seed < 50; ++seed) {
-    Rng rng(seed, Stream::kTest, 9);
-    const ArmModel model = seed % 2 == 0 ? ArmModel::kUr3 : ArmModel::kUr3e;
-    TwinServer server({.twin = test_twin(model), .ports = {0, 0, 0, 0}});
-    UrSettings settings = test_robot(model);
-    settings.rtde_port = server.ports().rtde;
-    settings.primary_port = server.ports().primary;
-    settings.dashboard_port = server.ports().dashboard;
-    UrRobot robot(settings, arm_with_tool(settings, test_limits()));
-    robot.allow_motion(MotionPermit::from_command_line(true, "test"));
-    server.add_fault({.kind = static_cast<FaultKind>(rng.next_u32() % (kFaultNames.size() - 1)),
-                      .when = static_cast<Fault::When>(rng.next_u32() % 3),
-                      .delay_s = rng.uniform(0.0, 1.0)});
+/// After a stop the arm stands still, and whoever moves it is told the stop again: nothing is sent.
+void expect_no_motion(TwinServer& server, UrRobot& robot) {
+  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+  const JointVector at_rad = server.view().joints_rad;
+  const std::uint64_t sent = server.num_command_bytes();
+  EXPECT_TRUE(is_stop(robot.move_joints(test_start_rad(), 1.0).outcome));
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(server.view().joints_rad, at_rad);
+  EXPECT_EQ(server.num_command_bytes(), sent);
+}
+
+/// Up to three motions, each with up to two faults, until one of them is stopped.
+/// @return what became of the motions
+std::string run_wire_sequence(std::uint64_t seed) {
+  Rng rng(seed, Stream::kTest, 9);
+  const ArmModel model = seed % 2 == 0 ? ArmModel::kUr3 : ArmModel::kUr3e;
+  TwinServer server({.twin = test_twin(model), .ports = {0, 0, 0, 0}});
+  UrSettings settings = test_robot(model);
+  settings.rtde_port = server.ports().rtde;
+  settings.primary_port = server.ports().primary;
+  settings.secondary_port = server.ports().secondary;
+  settings.dashboard_port = server.ports().dashboard;
+  UrRobot robot(settings, arm_with_tool(settings, test_limits()));
+  robot.allow_motion(MotionPermit::from_command_line(true, "test"));
+  std::string outcomes;
+  for (int motion = 0; motion < 3; ++motion) {
+    for (int k = 0; k < 2; ++k) {
+      if (rng.uniform() < 0.5) {
+        server.add_fault(random_fault(rng));
+      }
+    }
     JointVector goal_rad = test_start_rad();
-    goal_rad[0] += rng.uniform(-0.4, 0.4);
+    for (double& angle : goal_rad) {
+      angle += rng.uniform(-0.3, 0.3);
+    }
     const auto start = std::chrono::steady_clock::now();
     const MotionResult result = robot.move_joints(goal_rad, 1.0);
-    EXPECT_LT(seconds_since(start), 20.0);
-    if (!result.is_done()) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1000));
-      const JointVector at_rad = server.view().joints_rad;
-      std::this_thread::sleep_for(std::chrono::milliseconds(200));
-      EXPECT_EQ(server.view().joints_rad, at_rad) << seed << " " << name_of(result.outcome);
+    EXPECT_LT(seconds_since(start), 20.0) << result.text;
+    outcomes += std::string(name_of(result.outcome)) + " ";
+    if (is_stop(result.outcome)) {
+      expect_no_motion(server, robot);
+      break;
     }
   }
+  return outcomes;
+}
+
+TEST(LongRun, FiftySequencesOfFaultsOverTheWireEachHaveTheirResults) {
+  int arrived = 0;
+  int stopped = 0;
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    SCOPED_TRACE(seed);
+    const std::string outcomes = run_wire_sequence(seed);
+    std::cout << seed << ": " << outcomes << "\n";
+    arrived += outcomes.find("done") != std::string::npos ? 1 : 0;
+    stopped +=
+        outcomes.find("stop") != std::string::npos || outcomes.find("lost") != std::string::npos
+            ? 1
+            : 0;
+  }
+  EXPECT_GT(arrived, 5);
+  EXPECT_GT(stopped, 15);
 }
 
 }  // namespace

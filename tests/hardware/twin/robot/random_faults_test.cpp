@@ -15,19 +15,6 @@
 namespace glint {
 namespace {
 
-Fault random_fault(Rng& rng) {
-  // Without the last one, which takes faults back.
-  const auto kind = rng.next_u32() % (kFaultNames.size() - 1);
-  return {.kind = static_cast<FaultKind>(kind),
-          .when = static_cast<Fault::When>(rng.next_u32() % 3),
-          .delay_s = rng.uniform(0.0, 1.5)};
-}
-
-bool is_stop(MotionOutcome outcome) {
-  using enum MotionOutcome;
-  return outcome != kDone && outcome != kUnreachable && outcome != kRefused;
-}
-
 std::string run_sequence(std::uint64_t seed) {
   Rng rng(seed, Stream::kTest, 7);
   TwinHarness harness(seed % 2 == 0 ? ArmModel::kUr3 : ArmModel::kUr3e);

@@ -14,6 +14,18 @@ TwinSettings test_twin(ArmModel model) {
           .payload_cog_mm = Eigen::Map<const Eigen::Vector3d>(robot.payload_cog_mm.data())};
 }
 
+Fault random_fault(Rng& rng) {
+  const auto kind = rng.next_u32() % (kFaultNames.size() - 1);
+  return {.kind = static_cast<FaultKind>(kind),
+          .when = static_cast<Fault::When>(rng.next_u32() % 3),
+          .delay_s = rng.uniform(0.0, 1.5)};
+}
+
+bool is_stop(MotionOutcome outcome) {
+  using enum MotionOutcome;
+  return outcome != kDone && outcome != kUnreachable && outcome != kRefused;
+}
+
 TwinHarness::TwinHarness(ArmModel model)
     : twin(test_twin(model)),
       driver(test_robot(model), arm_with_tool(test_robot(model), test_limits())),

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "core/rng.h"
 #include "hardware/robot/ur_driver.h"
 #include "hardware/twin/robot/rtde_session.h"
 #include "hardware/twin/robot/twin_controller.h"
@@ -14,6 +15,12 @@
 namespace glint {
 
 TwinSettings test_twin(ArmModel model);
+
+/// Any fault but the one that takes others back.
+Fault random_fault(Rng& rng);
+
+/// After it nothing moves the arm any more.
+bool is_stop(MotionOutcome outcome);
 
 class TwinHarness {
  public:

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Reweighted least squares of offset = normal . (shift + linear (at - middle)) / reach-scaled
+// numbers.
+#include "metrics/overlap/outline_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace glint {
+namespace {
+
+using Eigen::Vector2d;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+constexpr std::size_t kLeastOffsets = 12;
+constexpr int kRounds = 12;
+constexpr double kTukey = 4.685;
+constexpr double kFaint = 1e-6;  ///< pull to zero of what no edge tells of
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Shift, then the columns of the linear part times the extent, so that all are pixels.
+Vector6 row_of(const EdgeOffset& edge, const Vector2d& middle, double extent) {
+  const Vector2d from = (edge.at_px - middle) / extent;
+  Vector6 row;
+  row << edge.normal, edge.normal * from.x(), edge.normal * from.y();
+  return row;
+}
+
+}  // namespace
+
+OutlineMotion fit_outline_motion(std::span<const EdgeOffset> offsets,
+                                 double least_scale_px,
+                                 bool is_shift_only) {
+  OutlineMotion motion;
+  if (offsets.empty()) {
+    return motion;
+  }
+  for (const EdgeOffset& edge : offsets) {
+    motion.middle_px += edge.at_px / static_cast<double>(offsets.size());
+  }
+  double extent = 1.0;
+  for (const EdgeOffset& edge : offsets) {
+    extent = std::max(extent, (edge.at_px - motion.middle_px).norm());
+  }
+  const Eigen::Index free = is_shift_only || offsets.size() < kLeastOffsets ? 2 : 6;
+  Vector6 values = Vector6::Zero();
+  std::vector<double> sizes(offsets.size());
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t i = 0; i < offsets.size(); ++i) {
+      sizes[i] =
+          std::abs(offsets[i].offset_px - row_of(offsets[i], motion.middle_px, extent).dot(values));
+    }
+    const double reach = kTukey * std::max(1.4826 * median(sizes), least_scale_px);
+    Matrix6 normal = Matrix6::Zero();
+    Vector6 right = Vector6::Zero();
+    for (std::size_t i = 0; i < offsets.size(); ++i) {
+      const double ratio = sizes[i] / reach;
+      if (ratio >= 1.0) {
+        continue;
+      }
+      const double weight = (1.0 - ratio * ratio) * (1.0 - ratio * ratio);
+      const Vector6 row = row_of(offsets[i], motion.middle_px, extent);
+      normal += weight * row * row.transpose();
+      right += weight * offsets[i].offset_px * row;
+    }
+    normal.diagonal().array() += kFaint * std::max(normal.diagonal().maxCoeff(), 1e-12);
+    values.setZero();
+    values.head(free) = normal.topLeftCorner(free, free).ldlt().solve(right.head(free));
+  }
+  motion.shift_px = values.head<2>();
+  motion.linear.col(0) = values.segment<2>(2) / extent;
+  motion.linear.col(1) = values.segment<2>(4) / extent;
+  return motion;
+}
+
+std::vector<Boundary> moved_outlines(std::vector<Boundary> outlines, const OutlineMotion& motion) {
+  for (Boundary& outline : outlines) {
+    for (BoundaryPoint& point : outline.points) {
+      point.at_px = motion.moved(point.at_px);
+    }
+  }
+  return outlines;
+}
+
+}  // namespace glint

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// How an outline is moved as a whole: shift, turn, scale and shear from what its points tell along
+// their normals.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "metrics/overlap/boundary.h"
+#include "metrics/overlap/ring_offsets.h"
+
+namespace glint {
+
+/// at -> at + shift + linear (at - middle).
+struct OutlineMotion {
+  Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();
+  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d linear = Eigen::Matrix2d::Zero();
+
+  Eigen::Vector2d moved(const Eigen::Vector2d& at_px) const {
+    return at_px + shift_px + linear * (at_px - middle_px);
+  }
+};
+
+/// The motion that most offsets agree upon (Tukey's biweight from the median; those beyond about
+/// three robust standard deviations do not count). Fewer than 12 offsets: a shift alone.
+/// @param least_scale_px  offsets apart by less are alike, > 0
+/// @param is_shift_only   turn, scale and shear stay 0
+OutlineMotion fit_outline_motion(std::span<const EdgeOffset> offsets,
+                                 double least_scale_px,
+                                 bool is_shift_only = false);
+
+/// Outlines after a motion; normals stay.
+std::vector<Boundary> moved_outlines(std::vector<Boundary> outlines, const OutlineMotion& motion);
+
+}  // namespace glint

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The design that promises most, by rules 2: even and local candidates, of which the best few that
+// lie apart climb the slopes of the promise over their continuous variables, all at once (Rprop:
+// M. Riedmiller and H. Braun, IEEE ICNN 1993; signs of slopes only, so nothing depends on scales).
+#pragma once
+
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "core/rng.h"
+#include "optimizer/algorithm/promise.h"
+#include "optimizer/problem/space.h"
+#include "optimizer/surrogate/encoding.h"
+
+namespace glint {
+
+/// Numbers are moved by a normal step, choices drawn anew. @param is_sparse  only some variables
+Point neighbour(
+    const SearchSpace& space, const Point& point, double width, bool is_sparse, Rng& rng);
+
+/// Fully climbed, what promises most in many variables is some corner of the cube that no design is
+/// near, again and again; so most questions stay near what is known to be good.
+enum class Reach {
+  kEverywhere,  ///< candidates all over the space, climbs without end
+  kNear         ///< candidates around the best designs, short climbs
+};
+
+/// @param known  what the promise's first model knows, in its order
+/// @param asked  never proposed
+/// @return empty: all candidates have been asked before
+std::optional<Point> propose(const SearchSpace& space,
+                             const Promise& promise,
+                             const Encoding& encoding,
+                             const std::vector<Point>& known,
+                             const std::set<Point>& asked,
+                             Reach reach,
+                             Rng& rng);
+
+}  // namespace glint

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/accuracy/accuracy_report.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/text.h"
+#include "studies/definition/accuracy_table.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Shares of homogeneity are read in points.
+std::string value_text(const std::string& score, double value) {
+  return score.starts_with("homogeneity.h_") ? fmt::format("{:.2g} points", 100.0 * value)
+                                             : fmt::format("{:.3g}", value);
+}
+
+Json tolerance_json(const AccuracySettings& wish) {
+  if (wish.is_auto) {
+    return "auto";
+  }
+  Json json = Json::object();
+  for (const ScoreWish& one : wish.wishes) {
+    json[one.score] = wish_text(one);
+  }
+  return json;
+}
+
+Json settings_json(const RenderRung& rung) {
+  if (rung.level != "level 0") {
+    return {{"samples", rung.paths.samples}, {"max_reflections", rung.paths.max_reflections}};
+  }
+  return {{"method", std::string(method_name(rung.render.method))},
+          {"max_direction_error_mrad", 1e3 * rung.render.max_direction_error_rad},
+          {"rays_per_axis", rung.render.rays_per_axis}};
+}
+
+Json scores_of_rung(const StepReport& step, bool is_auto) {
+  Json list = Json::array();
+  for (const ScoreBound& bound : step.bounds) {
+    list.push_back({{"score", bound.score},
+                    {"tolerance", is_auto ? Json(nullptr) : Json(bound.tolerance)},
+                    {"bound", bound.bound},
+                    {"bias", bound.bias},
+                    {"spread", bound.spread},
+                    {"top_error", bound.top_error}});
+  }
+  return list;
+}
+
+Json rungs_json(const ChosenAccuracy& chosen) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < chosen.ladder.size(); ++i) {
+    const RenderRung& rung = chosen.ladder[i];
+    const StepReport& step = chosen.choice.steps[i];
+    Json json = {{"name", rung.name},
+                 {"level", rung.level},
+                 {"work", rung.work},
+                 {"for_search", rung.is_for_search},
+                 {"tried", step.is_tried},
+                 {"serves", step.serves},
+                 {"skipped", step.skipped},
+                 {"tau", Json::object()},
+                 {"bounds", Json::object()}};
+    for (const OrderOf& order : step.orders) {
+      json["tau"][order.objective] = order.agreement.tau;
+    }
+    for (const ScoreBound& bound : step.bounds) {
+      json["bounds"][bound.score] = bound.bound;
+    }
+    list.push_back(json);
+  }
+  return list;
+}
+
+std::string order_text(const StepReport& step) {
+  std::vector<std::string> parts;
+  for (const OrderOf& order : step.orders) {
+    const RankAgreement& agreement = order.agreement;
+    parts.push_back(fmt::format("{}: Kendall's tau {:.2f} over {} pairs, {}",
+                                order.objective,
+                                agreement.tau,
+                                agreement.pairs,
+                                agreement.winner_behind == 0.0
+                                    ? "the same best design"
+                                    : "the best design within two standard errors"));
+  }
+  return join(parts, "; ");
+}
+
+std::string bounds_text(const StepReport& step) {
+  std::vector<std::string> parts;
+  for (const ScoreBound& bound : step.bounds) {
+    parts.push_back(fmt::format("{} within {}, {} allowed",
+                                bound.score,
+                                value_text(bound.score, bound.bound),
+                                value_text(bound.score, bound.tolerance)));
+  }
+  return join(parts, "; ");
+}
+
+std::vector<std::string> reasons(const Study& study, const ChosenAccuracy& chosen) {
+  const LadderChoice& choice = chosen.choice;
+  const StepReport& step = choice.steps[choice.step];
+  const std::string& name = chosen.rung().name;
+  if (!choice.problem.empty()) {
+    return {fmt::format("The search is rendered by \"{}\", the dearest way that it may use: {}.",
+                        name,
+                        choice.problem)};
+  }
+  if (!choice.is_reached) {
+    return {
+        fmt::format("The search is rendered by \"{}\", the dearest way that it may use, and not "
+                    "as exactly as asked for: {}.",
+                    name,
+                    join(choice.unreached, "; "))};
+  }
+  return {fmt::format(
+      "The search is rendered by \"{}\", the cheapest way that {} ({}).",
+      name,
+      study.accuracy->is_auto
+          ? fmt::format("ranks {} designs as \"{}\" does", choice.designs.size(), chosen.top().name)
+          : "keeps every tolerance",
+      study.accuracy->is_auto ? order_text(step) : bounds_text(step))};
+}
+
+std::string work_text(const Json& work) {
+  const double search = work["search"].get<double>();
+  return fmt::format(
+      "Choosing it took {:.0f} % of the counted work of the search; with finalists' "
+      "accuracy the search would have taken {:.1f} times the work.",
+      100.0 * work["checking"].get<double>() / search,
+      work["full"].get<double>() / search);
+}
+
+Json rungs_table(const Json& accuracy) {
+  Json rows = Json::array();
+  const double top = accuracy["rungs"].back()["work"].get<double>();
+  for (const Json& rung : accuracy["rungs"]) {
+    std::vector<std::string> taus;
+    for (const auto& [objective, tau] : rung["tau"].items()) {
+      taus.push_back(fmt::format("{:.2f}", tau.get<double>()));
+    }
+    std::vector<std::string> bounds;
+    for (const auto& [score, bound] : rung["bounds"].items()) {
+      bounds.push_back(fmt::format("{} {}", score, value_text(score, bound.get<double>())));
+    }
+    const auto skipped = rung["skipped"].get<std::string>();
+    std::string result = !skipped.empty()              ? "left out: " + skipped
+                         : !rung["serves"].get<bool>() ? "not exact enough"
+                                                       : "serves";
+    if (rung["name"] == accuracy["rung"]) {
+      result += ", used by the search";
+    } else if (!rung["for_search"].get<bool>()) {
+      result = "compared with";
+    }
+    rows.push_back({rung["name"],
+                    fmt::format("{:.3g} %", 100.0 * rung["work"].get<double>() / top),
+                    taus.empty() ? "-" : join(taus, ", "),
+                    bounds.empty() ? "-" : join(bounds, "; "),
+                    result});
+  }
+  return {{"caption",
+           fmt::format("The ladder, tried on {} designs with the same random numbers: {}. Work is "
+                       "counted, as a share of the last row's; bounds hold at a confidence of {:g} "
+                       "%.",
+                       accuracy["designs"].size(),
+                       join(accuracy["designs"].get<std::vector<std::string>>(), ", "),
+                       100.0 * accuracy["confidence"].get<double>())},
+          {"head", {"way to render", "work", "Kendall's tau", "errors within", "result"}},
+          {"rows", rows}};
+}
+
+Json unmodelled_table(const Json& accuracy) {
+  Json rows = Json::array();
+  for (const Json& note : accuracy["not_modelled"]) {
+    rows.push_back({note});
+  }
+  return {{"caption", "What no way to render models, with rough estimates:"},
+          {"head", {"left out"}},
+          {"rows", rows}};
+}
+
+/// With what its check came to, of a run that was finished.
+std::string sentences(const Json& accuracy) {
+  const auto sentence = accuracy["sentence"].get<std::string>();
+  return accuracy.contains("check")
+             ? sentence + " " + accuracy["check"]["sentence"].get<std::string>()
+             : sentence;
+}
+
+}  // namespace
+
+Json accuracy_json(const Study& study,
+                   const ChosenAccuracy& chosen,
+                   int evaluations,
+                   const std::vector<std::string>& unmodelled) {
+  const LadderChoice& choice = chosen.choice;
+  const Json work = {{"unit", "million camera paths with direct light, counted"},
+                     {"evaluation", chosen.rung().work},
+                     {"checking", choice.work},
+                     {"search", chosen.rung().work * std::max(1, evaluations)},
+                     {"full", chosen.top().work * std::max(1, evaluations)}};
+  std::vector<std::string> why = reasons(study, chosen);
+  why.push_back(work_text(work));
+  return {{"tolerance", tolerance_json(*study.accuracy)},
+          {"confidence", study.accuracy->confidence},
+          {"level", chosen.rung().level},
+          {"rung", chosen.rung().name},
+          {"settings", settings_json(chosen.rung())},
+          {"reached", choice.is_reached},
+          {"sentence", join(why, " ")},
+          {"why", why},
+          {"unreached", choice.unreached},
+          {"scores", scores_of_rung(choice.steps[choice.step], study.accuracy->is_auto)},
+          {"designs", chosen.designs},
+          {"failed", choice.num_failed},
+          {"rungs", rungs_json(chosen)},
+          {"work", work},
+          {"not_modelled", unmodelled}};
+}
+
+Json accuracy_panel(const Json& accuracy) {
+  return {{"id", "accuracy"},
+          {"title", "How exactly it was rendered"},
+          {"lead", sentences(accuracy)},
+          {"tables", {rungs_table(accuracy), unmodelled_table(accuracy)}}};
+}
+
+std::string accuracy_text(const Json& accuracy) {
+  return fmt::format("  {}\n", sentences(accuracy));
+}
+
+}  // namespace glint

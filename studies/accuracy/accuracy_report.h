@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What is told of the rung that a search is rendered by, in one place.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "studies/accuracy/chosen_accuracy.h"
+
+namespace glint {
+
+/// For result.json and the page:
+///
+///   tolerance    "auto" or { score: how it was written }, confidence
+///   level, rung  names; settings: { samples, max_reflections } or { method,
+///                max_direction_error_mrad, rays_per_axis }
+///   reached      whether the rung serves; sentence: all of it in words
+///   why          [ sentences ]; unreached: for each score the bound that is to be had
+///   scores       [ { score, tolerance (null with "auto"), bound, bias, spread, top_error } ] of
+///   the
+///                rung
+///   designs      names; failed: how many could not be evaluated
+///   rungs        [ { name, level, work, for_search, tried, serves, skipped, tau: { objective },
+///                bounds: { score } } ]
+///   work         { unit, evaluation, checking, search, full: the same search at the top rung }
+///   not_modelled [ sentences ]
+///   check        of a finished run: check_json()
+///
+/// @param evaluations  of the search, made or planned
+/// @param unmodelled   unmodelled_notes()
+nlohmann::ordered_json accuracy_json(const Study& study,
+                                     const ChosenAccuracy& chosen,
+                                     int evaluations,
+                                     const std::vector<std::string>& unmodelled);
+
+/// The section of the report. @param accuracy  of accuracy_json()
+nlohmann::ordered_json accuracy_panel(const nlohmann::ordered_json& accuracy);
+
+/// What the terminal says: the sentence, and each score that is not reached.
+std::string accuracy_text(const nlohmann::ordered_json& accuracy);
+
+}  // namespace glint

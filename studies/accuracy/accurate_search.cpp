@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/accuracy/accurate_search.h"
+
+#include <nlohmann/json.hpp>
+
+#include "core/cpu_clock.h"
+#include "core/log.h"
+#include "studies/accuracy/accuracy_report.h"
+#include "studies/definition/ladder/unmodelled.h"
+
+namespace glint {
+
+SearchResult search_accurately(const AccuracyTask& task,
+                               const Storage& storage,
+                               const std::function<SearchResult(const ChosenAccuracy&)>& search,
+                               AccurateSearch& found) {
+  SearchResult result = {.termination = Termination::kInterrupted};
+  try {
+    const double start = process_cpu_s();
+    found.chosen = choose_accuracy(task);
+    found.cpu_s = process_cpu_s() - start;
+    log(LogLevel::kInfo, "the search is rendered by: {}", found.chosen->rung().name);
+    result = search(*found.chosen);
+    const double search_end = process_cpu_s();
+    const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
+    found.check = check_search(task, *found.chosen, trials);
+    found.cpu_s += process_cpu_s() - search_end;
+    if (adopt_winner(task.study, *found.check, trials, result)) {
+      log(LogLevel::kInfo, "trial {} is the best of the finalists", result.best->number);
+    }
+  } catch (const EvaluationAborted&) {  // what was found so far is what there is
+    result.termination = Termination::kInterrupted;
+  }
+  return result;
+}
+
+nlohmann::ordered_json accurate_search_json(SceneStore& store,
+                                            const Study& study,
+                                            const AccurateSearch& found,
+                                            int evaluations) {
+  const Eigen::Vector3d size_mm = store.build(study.scene)->part.box_in_part_mm.size_mm();
+  nlohmann::ordered_json json =
+      accuracy_json(study, *found.chosen, evaluations, unmodelled_notes(study.scene, size_mm));
+  if (found.check) {
+    json["check"] = check_json(*found.chosen, *found.check, evaluations);
+  }
+  return json;
+}
+
+}  // namespace glint

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/accuracy/chosen_accuracy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "optimizer/algorithm/sobol.h"
+#include "optimizer/search/search.h"
+#include "studies/definition/accuracy_table.h"
+
+namespace glint {
+namespace {
+
+constexpr std::size_t kDesigns = 12;
+constexpr std::size_t kCandidates = 4 * kDesigns;
+constexpr std::size_t kMaxPrototypes = 8;
+constexpr std::uint64_t kSpreadSeed = 3000017;  ///< other points than any search's own design
+
+/// A design that the ladder may be tried on.
+struct TriedDesign {
+  std::string name;
+  Overrides overrides;
+  std::optional<Point> point;  ///< of the search space; prototypes have none
+};
+
+std::vector<TriedDesign> candidates_of(const Study& study) {
+  const Point start = baseline_point(study);
+  std::vector<TriedDesign> candidates = {{"baseline", overrides_of(study, start), start}};
+  for (std::size_t i = 0; i < std::min(kMaxPrototypes, study.prototypes.size()); ++i) {
+    candidates.push_back({study.prototypes[i].name, study.prototypes[i].overrides, {}});
+  }
+  const Sobol sequence(study.search.seed + kSpreadSeed,
+                       static_cast<int>(study.space.variables.size()));
+  for (std::uint32_t k = 0; candidates.size() < kCandidates; ++k) {
+    const Point point = point_from_unit(study.space, sequence.point(k));
+    candidates.push_back({fmt::format("spread {}", k + 1), overrides_of(study, point), point});
+  }
+  return candidates;
+}
+
+std::vector<RenderRung> ladder_of(const Study& study) {
+  std::vector<SceneSettings> designs = {study.scene};
+  for (const TriedDesign& candidate : candidates_of(study)) {
+    try {
+      designs.push_back(scene_with(study, candidate.overrides));
+    } catch (const ConfigError&) {  // it will be replaced by another one
+    }
+  }
+  std::vector<RenderRung> ladder = render_ladder(designs, kept_keys(study.root));
+  for (RenderRung& rung : ladder) {
+    rung.is_for_search =
+        rung.is_for_search && (rung.has_derivatives || !needs_gradient(study.search.algorithm));
+  }
+  return ladder;
+}
+
+/// What the database does not keep would make a resumed trial another one.
+void make_storable(Outcome& outcome) {
+  std::erase_if(outcome.scores, [](const auto& score) { return !std::isfinite(score.second); });
+  for (auto& [name, value] : outcome.scores) {
+    value += 0.0;  // no negative zero
+  }
+  outcome.gradients.clear();
+  outcome.remarks.clear();
+  outcome.seconds = 0.0;
+}
+
+/// Evaluates candidates at rungs, each once.
+class RungEvaluator {
+ public:
+  RungEvaluator(const AccuracyTask& task, const std::vector<RenderRung>& ladder)
+      : task_(task), ladder_(ladder), candidates_(candidates_of(task.study)) {
+    if (task.record != nullptr) {
+      for (const Trial& trial : task.record->trials(TrialKind::kPart)) {
+        if (trial.outcome) {
+          known_[trial.name] = *trial.outcome;
+        }
+      }
+    }
+  }
+
+  const std::vector<TriedDesign>& candidates() const { return candidates_; }
+
+  std::vector<std::optional<Scores>> scores(std::size_t step,
+                                            std::span<const std::size_t> candidates) {
+    evaluate_all(step, candidates);
+    std::vector<std::optional<Scores>> found;
+    for (const std::size_t candidate : candidates) {
+      const Outcome& outcome = known_.at(name_of(step, candidate));
+      found.push_back(outcome.is_failed ? std::optional<Scores>() : outcome.scores);
+    }
+    return found;
+  }
+
+  const Outcome& outcome(std::size_t step, std::size_t candidate) const {
+    return known_.at(name_of(step, candidate));
+  }
+
+ private:
+  std::string name_of(std::size_t step, std::size_t candidate) const {
+    return fmt::format("{} | {}", ladder_[step].name, candidates_[candidate].name);
+  }
+
+  /// On threads of its own, as a search does (optimizer/search/search.cpp).
+  void evaluate_all(std::size_t step, std::span<const std::size_t> candidates) {
+    std::vector<std::size_t> missing;
+    for (const std::size_t candidate : candidates) {
+      if (!known_.contains(name_of(step, candidate))) {
+        missing.push_back(candidate);
+      }
+    }
+    std::atomic<std::size_t> next = 0;
+    std::atomic<bool> has_error = false;
+    std::vector<std::exception_ptr> errors(missing.size());
+    const auto work = [&] {
+      for (std::size_t i = next++; i < missing.size() && !has_error; i = next++) {
+        try {
+          evaluate_one(step, missing[i]);
+        } catch (...) {
+          errors[i] = std::current_exception();
+          has_error = true;
+        }
+      }
+    };
+    {
+      std::vector<std::jthread> helpers;
+      const auto jobs = static_cast<std::size_t>(std::max(1, task_.jobs));
+      for (std::size_t i = 1; i < std::min(jobs, missing.size()); ++i) {
+        helpers.emplace_back(work);
+      }
+      work();
+    }
+    for (const std::exception_ptr& error : errors) {
+      if (error) {
+        std::rethrow_exception(error);
+      }
+    }
+  }
+
+  void evaluate_one(std::size_t step, std::size_t candidate) {
+    if (task_.interrupt != nullptr && *task_.interrupt > 0) {
+      throw EvaluationAborted();
+    }
+    keep(step,
+         candidate,
+         evaluate_at(task_.store, task_.study, candidates_[candidate].overrides, ladder_[step]));
+  }
+
+  void keep(std::size_t step, std::size_t candidate, Outcome outcome) {
+    const std::lock_guard lock(mutex_);
+    const std::string name = name_of(step, candidate);
+    if (task_.record != nullptr) {
+      task_.record->put_trial({.kind = TrialKind::kPart,
+                               .number = static_cast<int>(step * kCandidates + candidate) + 1,
+                               .name = name,
+                               .point = candidates_[candidate].point.value_or(Point{}),
+                               .outcome = outcome});
+    }
+    known_[name] = std::move(outcome);
+    if (task_.on_evaluation) {
+      task_.on_evaluation(++done_, static_cast<int>(ladder_.size() * kDesigns));
+    }
+  }
+
+  const AccuracyTask& task_;
+  const std::vector<RenderRung>& ladder_;
+  std::vector<TriedDesign> candidates_;
+  std::mutex mutex_;
+  std::map<std::string, Outcome> known_;
+  int done_ = 0;
+};
+
+LadderTask ladder_task(const Study& study, const std::vector<RenderRung>& ladder) {
+  LadderTask task = {.steps = {},
+                     .num_designs = kDesigns,
+                     .num_candidates = kCandidates,
+                     .wish = *study.accuracy,
+                     .goal = study.goal};
+  for (const RenderRung& rung : ladder) {
+    task.steps.push_back({rung.name, rung.work, rung.group, rung.is_for_search});
+  }
+  return task;
+}
+
+}  // namespace
+
+WantedScores wanted_in_trial(const Study& study) {
+  Goal goal = study.goal;
+  for (const ScoreWish& wish : study.accuracy ? study.accuracy->wishes : std::vector<ScoreWish>()) {
+    goal.constraints.push_back({.name = wish.score});
+  }
+  return wanted_by(goal);
+}
+
+Outcome evaluate_at(SceneStore& store,
+                    const Study& study,
+                    const Overrides& overrides,
+                    const RenderRung& rung) {
+  Outcome outcome;
+  try {
+    outcome.scores =
+        evaluate(store, at_rung(scene_with(study, overrides), rung), {}, wanted_in_trial(study))
+            .scores;
+  } catch (const IoError&) {
+    throw;
+  } catch (const Error& error) {
+    outcome = {.is_failed = true, .message = error.what()};
+  }
+  make_storable(outcome);
+  return outcome;
+}
+
+void check_accuracy_choice(const Study& study, bool takes_trials) {
+  if (!study.accuracy) {
+    return;
+  }
+  if (takes_trials) {
+    throw ConfigError(
+        "--from: the study's [accuracy] chooses how its search is rendered, and trials of another "
+        "run may have been rendered otherwise; begin without --from, or without [accuracy]");
+  }
+  check_ladder(study, ladder_of(study));
+}
+
+ChosenAccuracy choose_accuracy(const AccuracyTask& task) {
+  ChosenAccuracy chosen{.ladder = ladder_of(task.study), .choice = {}, .designs = {}, .known = {}};
+  check_ladder(task.study, chosen.ladder);
+  RungEvaluator evaluator(task, chosen.ladder);
+  chosen.choice = try_ladder(ladder_task(task.study, chosen.ladder),
+                             [&](std::size_t step, std::span<const std::size_t> candidates) {
+                               return evaluator.scores(step, candidates);
+                             });
+  const std::size_t step = chosen.choice.step;
+  const bool is_tried = chosen.choice.steps[step].is_tried;
+  for (const std::size_t design : chosen.choice.designs) {
+    const TriedDesign& candidate = evaluator.candidates()[design];
+    chosen.designs.push_back(candidate.name);
+    if (is_tried && candidate.point && !needs_gradient(task.study.search.algorithm)) {
+      chosen.known[*candidate.point] = evaluator.outcome(step, design);
+    }
+  }
+  return chosen;
+}
+
+std::optional<RenderRung> rung_of_run(const Study& study, const std::filesystem::path& run) {
+  if (!study.accuracy) {
+    return std::nullopt;
+  }
+  const auto result = nlohmann::json::parse(read_file(run / "result.json"), nullptr, false);
+  const auto accuracy = result.is_object() ? result.find("accuracy") : result.end();
+  const std::string name = accuracy != result.end() && accuracy->is_object()
+                               ? accuracy->value("rung", std::string())
+                               : std::string();
+  for (const RenderRung& rung : ladder_of(study)) {
+    if (rung.name == name) {
+      return rung;
+    }
+  }
+  throw IoError(fmt::format("{}: does not tell how the search was rendered; finish the run first",
+                            (run / "result.json").string()));
+}
+
+}  // namespace glint

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// [accuracy] in a run: the ladder tried on designs of the study (docs/accuracy.md).
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "optimizer/storage/storage.h"
+#include "studies/accuracy/ladder_trial.h"
+#include "studies/definition/ladder/render_ladder.h"
+#include "studies/definition/study.h"
+#include "studies/evaluation/evaluation.h"
+#include "studies/imaging/scene_store.h"
+
+namespace glint {
+
+/// What a run keeps of the evaluations that its choice rests on, beside study.sqlite: a trial for
+/// each rung and design, whose name tells both. Resuming takes them from there.
+inline constexpr const char* kAccuracyTrials = "accuracy.sqlite";
+
+struct AccuracyTask {
+  const Study& study;  ///< with [accuracy]
+  SceneStore& store;
+  Storage* record = nullptr;  ///< nullptr: nothing is kept
+  int jobs = 1;               ///< designs at once
+  const std::atomic<int>* interrupt = nullptr;
+  /// After each evaluation, one call at a time: how many there were, and are at most.
+  std::function<void(int done, int most)> on_evaluation = {};
+};
+
+/// The rung of a study's search.
+struct ChosenAccuracy {
+  std::vector<RenderRung> ladder;
+  LadderChoice choice;
+  std::vector<std::string>
+      designs;  ///< names of the choice's designs: "baseline", "dome", "spread 3"
+  /// Designs of the search that the trial has evaluated at the chosen rung: nothing is evaluated
+  /// twice. Empty where the search needs derivatives.
+  std::map<Point, Outcome> known;
+
+  const RenderRung& rung() const { return ladder[choice.step]; }
+
+  const RenderRung& top() const { return ladder.back(); }
+};
+
+/// What a search wants of each candidate, but for derivatives: the scores of its goal, and those
+/// that [accuracy] names.
+WantedScores wanted_in_trial(const Study& study);
+
+/// A design of the study at a rung, as its search would evaluate it, without derivatives; as it
+/// comes back from a database. What cannot be evaluated is a failed outcome. @throws IoError
+Outcome evaluate_at(SceneStore& store,
+                    const Study& study,
+                    const Overrides& overrides,
+                    const RenderRung& rung);
+
+/// What can be refused before anything is evaluated: keys set by hand that leave one way to render,
+/// trials of an earlier run, which were rendered otherwise. Nothing without [accuracy].
+/// @param takes_trials  the search begins with those of an earlier run
+/// @throws ConfigError
+void check_accuracy_choice(const Study& study, bool takes_trials);
+
+/// Tries the ladder on the baseline, up to eight prototypes and a Sobol sequence over the
+/// variables, twelve designs in all. The same for any number of threads and jobs, and whatever part
+/// of it was recorded before.
+/// @throws ConfigError with its place when the study leaves nothing to choose
+/// @throws EvaluationAborted when interrupted; what was evaluated is recorded
+/// @throws IoError
+ChosenAccuracy choose_accuracy(const AccuracyTask& task);
+
+/// What a run's search was rendered by, as its result.json tells; empty without [accuracy].
+/// @param study  of the run's study.resolved.toml
+/// @throws IoError when result.json is missing or tells no rung of the study's ladder
+std::optional<RenderRung> rung_of_run(const Study& study, const std::filesystem::path& run);
+
+}  // namespace glint

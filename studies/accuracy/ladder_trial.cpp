@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/accuracy/ladder_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "metrics/statistics/error_bound.h"
+#include "optimizer/algorithm/merit.h"
+
+namespace glint {
+namespace {
+
+constexpr double kErrorsPerHalf = 2.0;  // as objective_noise()
+constexpr std::size_t kFewestDesigns = 3;
+
+std::vector<std::string> names_of_goal(const Goal& goal) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    if (std::ranges::find(names, name) == names.end()) {
+      names.push_back(name);
+    }
+  };
+  for (const Objective& objective : objectives_of(goal)) {
+    add(objective.name);
+  }
+  for (const Constraint& constraint : goal.constraints) {
+    add(constraint.name);
+  }
+  return names;
+}
+
+std::vector<double> values_of(const std::string& score, std::span<const Scores> designs) {
+  std::vector<double> values(designs.size());
+  std::ranges::transform(
+      designs, values.begin(), [&](const Scores& scores) { return scores.at(score); });
+  return values;
+}
+
+double mean_absolute(std::span<const double> values) {
+  double sum = 0.0;
+  for (const double value : values) {
+    sum += std::abs(value);
+  }
+  return sum / static_cast<double>(values.size());
+}
+
+/// The trial as it goes on.
+class LadderTrial {
+ public:
+  LadderTrial(const LadderTask& task, const EvaluateStep& evaluate)
+      : task_(task), evaluate_(evaluate), scores_(task.steps.size()) {
+    choice_.steps.resize(task.steps.size());
+    judged_ = names_of_goal(task.goal);
+    if (!task.wish.is_auto) {
+      judged_.clear();
+      std::ranges::transform(task.wish.wishes, std::back_inserter(judged_), &ScoreWish::score);
+    }
+  }
+
+  LadderChoice run() {
+    choice_.step = dearest_for_search();
+    evaluate_top();
+    if (choice_.designs.size() < kFewestDesigns) {
+      choice_.problem = fmt::format("{} of {} designs can be evaluated by \"{}\", {} are needed",
+                                    choice_.designs.size(),
+                                    choice_.designs.size() + choice_.num_failed,
+                                    task_.steps.back().name,
+                                    kFewestDesigns);
+      return choice_;
+    }
+    leave_out_groups();
+    climb();
+    if (!choice_.is_reached) {
+      tell_unreached();
+    }
+    return choice_;
+  }
+
+ private:
+  std::size_t top() const { return task_.steps.size() - 1; }
+
+  std::size_t dearest_for_search() const {
+    std::size_t step = top();
+    while (step > 0 && !task_.steps[step].is_for_search) {
+      --step;
+    }
+    return step;
+  }
+
+  /// Whether the scores hold everything that is judged.
+  bool is_whole(const std::optional<Scores>& scores) const {
+    return scores && problem_with(task_.goal, *scores).empty() &&
+           std::ranges::all_of(judged_, [&](const std::string& name) {
+             const auto found = scores->find(name);
+             return found != scores->end() && std::isfinite(found->second);
+           });
+  }
+
+  std::vector<std::optional<Scores>> scores_at(std::size_t step,
+                                               std::span<const std::size_t> candidates) {
+    choice_.work += task_.steps[step].work * static_cast<double>(candidates.size());
+    std::vector<std::optional<Scores>> found = evaluate_(step, candidates);
+    GLINT_CHECK(found.size() == candidates.size(), "scores of each candidate");
+    return found;
+  }
+
+  /// As many designs as are wanted, of the first candidates that can be evaluated.
+  void evaluate_top() {
+    std::size_t next = 0;
+    while (choice_.designs.size() < task_.num_designs && next < task_.num_candidates) {
+      const std::size_t count =
+          std::min(task_.num_designs - choice_.designs.size(), task_.num_candidates - next);
+      std::vector<std::size_t> candidates(count);
+      std::iota(candidates.begin(), candidates.end(), next);
+      next += count;
+      const auto found = scores_at(top(), candidates);
+      for (std::size_t i = 0; i < count; ++i) {
+        if (is_whole(found[i])) {
+          choice_.designs.push_back(candidates[i]);
+          scores_[top()].push_back(*found[i]);
+        } else {
+          ++choice_.num_failed;
+        }
+      }
+    }
+    choice_.steps[top()].is_tried = true;
+  }
+
+  /// @return whether the step has scores of every design
+  bool evaluate_step(std::size_t step) {
+    if (!choice_.steps[step].is_tried) {
+      choice_.steps[step].is_tried = true;
+      const auto found = scores_at(step, choice_.designs);
+      if (std::ranges::all_of(found, [&](const auto& scores) { return is_whole(scores); })) {
+        for (const std::optional<Scores>& scores : found) {
+          scores_[step].push_back(*scores);
+        }
+      }
+    }
+    return !scores_[step].empty();
+  }
+
+  std::vector<ScoreBound> bounds_against(std::size_t step, std::size_t reference) const {
+    std::vector<ScoreBound> bounds;
+    for (std::size_t i = 0; i < judged_.size(); ++i) {
+      const std::vector<double> mine = values_of(judged_[i], scores_[step]);
+      const std::vector<double> others = values_of(judged_[i], scores_[reference]);
+      std::vector<double> errors(mine.size());
+      std::ranges::transform(mine, others, errors.begin(), std::minus<>());
+      const ErrorBound seen = error_bound(errors, task_.wish.confidence, task_.wish.confidence);
+      // Two steps of as many samples share their noise; the top's is its own.
+      const double top_error =
+          reference == top() ? mean_error(judged_[i], scores_[reference]) : 0.0;
+      bounds.push_back({.score = judged_[i],
+                        .tolerance = tolerance_of(i, others),
+                        .bias = seen.bias,
+                        .spread = seen.spread,
+                        .top_error = top_error,
+                        .bound = std::abs(seen.bias) + tolerance_factor(errors.size()) *
+                                                           std::hypot(seen.spread, top_error)});
+    }
+    return bounds;
+  }
+
+  /// How many standard deviations the bound of so many errors takes: that of errors whose spread
+  /// is known.
+  double tolerance_factor(std::size_t count) const {
+    std::vector<double> errors(count, 0.0);
+    errors.front() = 1.0;
+    const ErrorBound bound = error_bound(errors, task_.wish.confidence, task_.wish.confidence);
+    return (bound.bound - std::abs(bound.bias)) / bound.spread;
+  }
+
+  double tolerance_of(std::size_t judged, std::span<const double> reference) const {
+    if (task_.wish.is_auto) {
+      return 0.0;
+    }
+    const ScoreWish& wish = task_.wish.wishes[judged];
+    return wish.is_relative ? wish.tolerance * mean_absolute(reference) : wish.tolerance;
+  }
+
+  static double mean_error(const std::string& score, std::span<const Scores> designs) {
+    double sum = 0.0;
+    for (const Scores& scores : designs) {
+      const auto found = scores.find(error_name(score));
+      sum += found != scores.end() && std::isfinite(found->second) ? found->second : 0.0;
+    }
+    return sum / static_cast<double>(designs.size());
+  }
+
+  std::vector<OrderOf> orders_against(std::size_t step, std::size_t reference) const {
+    const std::vector<Objective> objectives = objectives_of(task_.goal);
+    const auto mine = search_figures(task_.goal, scores_[step]);
+    const auto others = search_figures(task_.goal, scores_[reference]);
+    std::vector<OrderOf> orders;
+    for (std::size_t k = 0; k < objectives.size(); ++k) {
+      std::vector<double> errors;
+      for (const Scores& scores : scores_[reference]) {
+        errors.push_back(objective_noise(objectives[k], scores) / kErrorsPerHalf);
+      }
+      orders.push_back({objectives[k].name, rank_agreement(mine[k], others[k], errors)});
+    }
+    return orders;
+  }
+
+  /// Designs that the top cannot tell apart show nothing; those of few samples do not count against
+  /// a step either.
+  bool is_right(const RankAgreement& agreement, std::size_t reference) const {
+    return is_ranking_right(agreement) || (reference != top() && agreement.pairs == 0);
+  }
+
+  /// What is known of a step beside another one, and whether that is enough.
+  StepReport compared(std::size_t step, std::size_t reference) const {
+    StepReport report = {.is_tried = true};
+    if (scores_[step].empty() || scores_[reference].empty()) {
+      return report;
+    }
+    report.bounds = bounds_against(step, reference);
+    report.orders = orders_against(step, reference);
+    report.serves = task_.wish.is_auto
+                        ? step == reference ||
+                              std::ranges::all_of(report.orders,
+                                                  [&](const OrderOf& order) {
+                                                    return is_right(order.agreement, reference);
+                                                  })
+                        : std::ranges::all_of(report.bounds, [](const ScoreBound& bound) {
+                            return bound.bound <= bound.tolerance;
+                          });
+    return report;
+  }
+
+  std::size_t first_of(int group) const {
+    return static_cast<std::size_t>(std::ranges::find(task_.steps, group, &LadderStep::group) -
+                                    task_.steps.begin());
+  }
+
+  void leave_out_groups() {
+    const int last = task_.steps.back().group;
+    const std::size_t reference = first_of(last);
+    std::vector<int> groups;
+    for (const LadderStep& step : task_.steps) {
+      if (step.group != last && std::ranges::find(groups, step.group) == groups.end()) {
+        groups.push_back(step.group);
+      }
+    }
+    for (const int group : groups) {
+      const std::size_t first = first_of(group);
+      if (!evaluate_step(first) || !evaluate_step(reference) || compared(first, reference).serves) {
+        continue;
+      }
+      for (std::size_t step = 0; step < task_.steps.size(); ++step) {
+        if (task_.steps[step].group == group) {
+          choice_.steps[step].skipped = fmt::format("\"{}\" differs from \"{}\" by too much",
+                                                    task_.steps[first].name,
+                                                    task_.steps[reference].name);
+        }
+      }
+    }
+  }
+
+  void climb() {
+    for (std::size_t step = 0; step < task_.steps.size(); ++step) {
+      StepReport& report = choice_.steps[step];
+      if (choice_.is_reached && !report.is_tried) {
+        report.skipped = report.skipped.empty() ? "a cheaper one serves" : report.skipped;
+        continue;
+      }
+      if (report.skipped.empty() || report.is_tried) {
+        evaluate_step(step);
+        const std::string skipped = report.skipped;
+        report = compared(step, top());
+        report.skipped = skipped;
+      }
+      const bool is_allowed = report.skipped.empty() && task_.steps[step].is_for_search;
+      if (report.serves && is_allowed && !choice_.is_reached) {
+        choice_.step = step;
+        choice_.is_reached = true;
+      }
+    }
+  }
+
+  void tell_unreached() {
+    for (std::size_t i = 0; !task_.wish.is_auto && i < judged_.size(); ++i) {
+      std::optional<std::size_t> best;
+      for (std::size_t step = 0; step < task_.steps.size(); ++step) {
+        const auto& bounds = choice_.steps[step].bounds;
+        const bool is_candidate = task_.steps[step].is_for_search && !bounds.empty();
+        if (is_candidate && (!best || bounds[i].bound < choice_.steps[*best].bounds[i].bound)) {
+          best = step;
+        }
+      }
+      if (best && choice_.steps[*best].bounds[i].bound > choice_.steps[*best].bounds[i].tolerance) {
+        choice_.unreached.push_back(
+            fmt::format("{}: {:.3g} is not reachable; \"{}\" reaches {:.3g}",
+                        judged_[i],
+                        choice_.steps[*best].bounds[i].tolerance,
+                        task_.steps[*best].name,
+                        choice_.steps[*best].bounds[i].bound));
+      }
+    }
+    if (task_.wish.is_auto) {
+      choice_.unreached.push_back(
+          fmt::format("none of the ways to render that a search may use ranks the designs as "
+                      "\"{}\" does; the dearest of them is taken",
+                      task_.steps.back().name));
+    }
+  }
+
+  const LadderTask& task_;
+  const EvaluateStep& evaluate_;
+  std::vector<std::string> judged_;
+  std::vector<std::vector<Scores>> scores_;  ///< [step][design]; empty: not tried, or not whole
+  LadderChoice choice_;
+};
+
+}  // namespace
+
+std::vector<std::vector<double>> search_figures(const Goal& goal, std::span<const Scores> designs) {
+  std::vector<std::vector<double>> figures(objectives_of(goal).size());
+  for (const Scores& scores : designs) {
+    const std::vector<double> values = minimised_objectives(goal, scores);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      figures[k].push_back(values[k]);
+    }
+  }
+  if (figures.size() == 1 && !designs.empty()) {
+    const auto [low, high] = std::ranges::minmax(figures.front());
+    const double scale = MeritFunction::kPenaltyFactor * (high - low);
+    for (std::size_t i = 0; i < designs.size(); ++i) {
+      for (const Constraint& constraint : goal.constraints) {
+        figures.front()[i] += scale * constraint.weight *
+                              std::log1p(violation(constraint, designs[i].at(constraint.name)));
+      }
+    }
+  }
+  return figures;
+}
+
+LadderChoice try_ladder(const LadderTask& task, const EvaluateStep& evaluate) {
+  GLINT_CHECK(!task.steps.empty(), "a ladder has steps");
+  return LadderTrial(task, evaluate).run();
+}
+
+}  // namespace glint

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A ladder of render settings tried on some designs before a search, and the rung that it gives.
+// Who evaluates is the caller's affair: the choice follows from scores and counted work alone.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "metrics/scores.h"
+#include "metrics/statistics/rank_agreement.h"
+#include "optimizer/problem/goal.h"
+#include "studies/definition/accuracy_settings.h"
+
+namespace glint {
+
+/// A way to render, as far as a choice needs to know it.
+struct LadderStep {
+  std::string name;
+  double work = 0.0;          ///< of one evaluation, > 0
+  int group = 0;              ///< steps of a group differ in their noise alone
+  bool is_for_search = true;  ///< false: only compared with
+};
+
+struct LadderTask {
+  std::vector<LadderStep> steps;    ///< by rising work; the last is the top
+  std::size_t num_designs = 12;     ///< that are wanted
+  std::size_t num_candidates = 48;  ///< that there are: the next takes the place of one that fails
+  AccuracySettings wish;
+  Goal goal;
+};
+
+/// The scores of these candidates at a step, in their order; empty where one cannot be evaluated.
+/// All steps and candidates have the same random numbers.
+using EvaluateStep = std::function<std::vector<std::optional<Scores>>(
+    std::size_t step, std::span<const std::size_t> candidates)>;
+
+/// How far a score is from the truth, as far as the top and its standard error tell.
+struct ScoreBound {
+  std::string score;
+  double tolerance = 0.0;  ///< in the score's own unit; 0: none is asked for
+  double bias = 0.0;       ///< against the top, over the designs
+  double spread = 0.0;     ///< the same: standard deviation
+  double top_error = 0.0;  ///< the top's own standard error, the mean of the designs'; 0: has none
+  /// Of absolute errors at the confidence: abs(bias) + k hypot(spread, top_error), with the factor
+  /// k of error_bound().
+  double bound = 0.0;
+};
+
+/// How a step orders the designs by one objective.
+struct OrderOf {
+  std::string objective;
+  RankAgreement agreement;
+};
+
+struct StepReport {
+  bool is_tried = false;
+  bool serves = false;
+  std::string skipped;             ///< why it was not tried
+  std::vector<ScoreBound> bounds;  ///< of the scores wished for, else of objectives and limits
+  std::vector<OrderOf> orders;     ///< of each objective
+};
+
+struct LadderChoice {
+  std::size_t step = 0;              ///< what the search is to use
+  bool is_reached = false;           ///< it serves; else the dearest that a search may use is taken
+  std::string problem;               ///< why nothing could be judged; empty: it could
+  std::vector<std::size_t> designs;  ///< candidates that could be evaluated at the top
+  std::size_t num_failed = 0;        ///< candidates that could not
+  std::vector<StepReport> steps;
+  std::vector<std::string> unreached;  ///< for each score the bound that is to be had
+  double work = 0.0;                   ///< of all evaluations together
+};
+
+/// Evaluates the top, then the steps from the cheapest on until one serves.
+///
+/// With tolerances a step serves when the bound of each score is within it, the top too. With
+/// "auto" it serves when it ranks the designs by what the search minimises as the top does
+/// (is_ranking_right()): one objective with the penalty of its limits, each of several objectives.
+/// Steps of a group whose cheapest differs beyond that from the last group's cheapest are left out:
+/// more samples do not mend what is missing.
+/// @param evaluate  what it throws ends the trial
+LadderChoice try_ladder(const LadderTask& task, const EvaluateStep& evaluate);
+
+/// What a search minimises, for each objective and design: [objective][design]. Of one objective
+/// the limits count as in a search: three times the spread of the designs for each unit of
+/// log(1 + violation).
+std::vector<std::vector<double>> search_figures(const Goal& goal, std::span<const Scores> designs);
+
+}  // namespace glint

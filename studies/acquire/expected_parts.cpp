@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/acquire/expected_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "simulator/camera/pinhole_camera.h"
+#include "studies/imaging/built_part.h"
+#include "studies/reach/scene_cell.h"
+
+namespace glint::acquire_detail {
+namespace {
+
+constexpr int kWidthPx = 160;
+constexpr double kUnknownMm = 2.0;  ///< per axis, where no sigma is told
+constexpr double kUnknownRad = 0.0175;
+
+double sigma_or(const std::vector<double>& sigma, double unknown) {
+  const double norm = std::hypot(sigma[0], sigma[1], sigma[2]);
+  return norm > 0.0 ? norm : unknown * std::sqrt(3.0);
+}
+
+RigidTransform rigid(const Eigen::Isometry3d& pose) {
+  return {.rotation = pose.linear(), .translation_mm = pose.translation()};
+}
+
+/// True where the ray through a block's middle meets the part.
+Mask mask_of(const PinholeCamera& camera,
+             int factor,
+             const BuiltPart& part,
+             const RigidTransform& part_from_camera) {
+  const PinholeIntrinsics& in = camera.intrinsics();
+  Mask mask(in.width_px / factor, in.height_px / factor);
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      const auto ray = camera.ray_through({(x + 0.5) * factor, (y + 0.5) * factor});
+      mask(x, y) = ray && part.bvh->occluded(part_from_camera.translation_mm,
+                                             part_from_camera.rotation * ray->normalized(),
+                                             0.0,
+                                             std::numeric_limits<double>::infinity())
+                       ? 1
+                       : 0;
+    }
+  }
+  return mask;
+}
+
+}  // namespace
+
+ExpectedParts expected_parts(const SceneSettings& scene,
+                             const Cell& cell,
+                             std::span<const PlannedView> views) {
+  ExpectedParts expected;
+  const bool has_camera =
+      (scene.calibration && scene.calibration->flange_from_camera) || !cell.calibration.empty();
+  if (!scene.cell || !scene.cell->base_from_part || !has_camera) {
+    return expected;
+  }
+  const MeasuredPoseSettings hand_eye = measured_flange_from_camera(scene, cell);
+  const MeasuredPoseSettings& place = *scene.cell->base_from_part;
+  const BuiltPart part = build_part_with_bvh(scene.part);
+  const PinholeIntrinsics intrinsics = intrinsics_of(scene);
+  const PinholeCamera camera(intrinsics);
+  const int factor = std::max(1, (intrinsics.width_px + kWidthPx - 1) / kWidthPx);
+  const RigidTransform scene_from_base = inverse(base_from_scene(scene));
+  for (const PlannedView& view : views) {
+    const RigidTransform scene_from_camera =
+        scene_from_base * rigid(view.base_from_flange) * flange_from_camera(scene, cell);
+    expected.masks.push_back(view.outcome == ViewOutcome::kPlanned
+                                 ? mask_of(camera, factor, part, scene_from_camera)
+                                 : Mask());
+  }
+  const double distance_mm = scene.camera.working_distance_mm;
+  const double sigma_mm = std::hypot(sigma_or(hand_eye.sigma_mm, kUnknownMm),
+                                     distance_mm * sigma_or(hand_eye.sigma_rad, kUnknownRad),
+                                     sigma_or(place.sigma_mm, kUnknownMm));
+  expected.tolerance_px = 3.0 * sigma_mm * intrinsics.focal_px.x() / distance_mm;
+  return expected;
+}
+
+}  // namespace glint::acquire_detail

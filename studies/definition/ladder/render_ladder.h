@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The settings that a scene may be rendered with, from cheap to dear, when the program chooses them
+// (docs/accuracy.md). What a rung costs is counted from the settings, with constants of the source:
+// a decision that is made by it is the same on every machine.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "studies/definition/accuracy_table.h"
+#include "studies/definition/scene.h"
+#include "studies/definition/study.h"
+
+namespace glint {
+
+/// One way to render a scene.
+struct RenderRung {
+  std::string name;       ///< unique in its ladder: "direct light, 16 samples"
+  std::string level;      ///< "level 0", "direct light", "2 reflections"
+  RenderSettings render;  ///< of scenes that do not need path tracing
+  PathSettings paths;     ///< of those that do
+  double work = 0.0;      ///< counted_work() of the scene at this rung
+  int group = 0;          ///< rungs of a group differ in their number of samples or rays alone
+  bool has_derivatives = false;
+  bool is_for_search = true;  ///< false: beyond what is kept; others are compared with it
+};
+
+/// The ladder of a scene by rising work. Its last rung is the top, which the others are compared
+/// with: what finalists are re-scored with (finer_settings()), with the scene's own seeds.
+///
+///   a mirror under a tunnel   footprints with directions to 2, 0.6, 0.2, 0.06 mrad; plain sampling
+///                             where render.method asks for it: 1, 2, 4 rays along both axes
+///   path tracing              1, 2, 4, 8 reflections, each with 8, 16, 32 ... samples
+///
+/// render.paths.samples is an upper limit and shortens the ladder where it is kept, as
+/// max_reflections does always; all others stay as they are.
+std::vector<RenderRung> render_ladder(const SceneSettings& scene, const KeptKeys& kept);
+
+/// Of the kind that the designs of a study need: of path tracing where one of them does.
+/// @param designs  at least one
+std::vector<RenderRung> render_ladder(std::span<const SceneSettings> designs, const KeptKeys& kept);
+
+/// @throws ConfigError when what the study keeps leaves its search one rung: there is nothing to
+///         choose
+void check_ladder(const Study& study, const std::vector<RenderRung>& ladder);
+
+/// The scene rendered so. Scenes of both levels take what is theirs.
+SceneSettings at_rung(SceneSettings scene, const RenderRung& rung);
+
+/// What one evaluation takes, in millions of camera paths with direct light.
+double counted_work(const SceneSettings& scene);
+
+}  // namespace glint

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/evaluation/lighting_totals.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/pose.h"
+#include "simulator/geometry/part/part.h"
+#include "simulator/light/area/light_extent.h"
+#include "studies/definition/scene_scores.h"
+#include "studies/imaging/path_lights.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector3d;
+
+LightMounts mounts_of(const SceneSettings& scene) {
+  const auto vector = [](const std::vector<double>& v) { return Vector3d(v[0], v[1], v[2]); };
+  return {.scene_from_camera = inverse(camera_from_world(scene.viewpoint())),
+          .scene_from_part =
+              pose_from_angles(vector(scene.part.position_mm), vector(scene.part.rotation_rad))};
+}
+
+LightExtent extent_of(const SceneSettings& scene, const StageScan& stage) {
+  const std::vector<std::string> names = shining_lights(scene);
+  const auto shines = [&](const std::string& name) {
+    return std::ranges::find(names, name) != names.end();
+  };
+  LightExtent extent;
+  for (const NamedLight& light : scene.lights) {
+    if (shines(light.name)) {
+      extent = together(extent, extent_of({light}, mounts_of(scene), load_light_mesh));
+    }
+  }
+  if (shines(scene.tunnel_name)) {
+    extent = together(extent, extent_of(scene.tunnel, 0.5 * (stage.positions - 1) * stage.step_mm));
+  }
+  return extent;
+}
+
+/// Empty where an environment shines or nothing does.
+std::optional<LightingTotals::Size> size_of(const SceneSettings& scene, const LightExtent& extent) {
+  if (!shining_environment(scene).empty() || extent.box_mm.isEmpty()) {
+    return std::nullopt;
+  }
+  const Vector3d sizes = extent.box_mm.sizes();
+  return LightingTotals::Size{.length_mm = sizes.x(),
+                              .width_mm = sizes.y(),
+                              .height_mm = sizes.z(),
+                              .area_mm2 = extent.area_mm2};
+}
+
+}  // namespace
+
+LightingTotals lighting_totals(const SceneSettings& scene) {
+  const StageScan stage = stage_scan(scene);
+  const LightExtent extent = extent_of(scene, stage);
+  LightingTotals totals = {
+      .size = size_of(scene, extent), .leds = extent.leds, .frames = stage.positions};
+  const CostSettings cost = scene.cost.value_or(CostSettings{});
+  if (cost.exposure_s && (cost.move_s || totals.frames == 1)) {
+    totals.scan_s =
+        totals.frames * *cost.exposure_s + (totals.frames - 1) * cost.move_s.value_or(0.0);
+  }
+  const bool is_priced = cost.per_mm2 || cost.per_led || cost.per_frame;
+  if (is_priced && (totals.size || !cost.per_mm2)) {
+    const double area_mm2 = totals.size ? totals.size->area_mm2 : 0.0;
+    totals.cost = cost.per_mm2.value_or(0.0) * area_mm2 + cost.per_led.value_or(0.0) * totals.leds +
+                  cost.per_frame.value_or(0.0) * totals.frames;
+  }
+  return totals;
+}
+
+}  // namespace glint

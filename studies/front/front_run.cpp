@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/front/front_run.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/log.h"
+#include "studies/front/front_designs.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kWinner = "winner";
+
+/// Whether a score of the design has no standard error of its own.
+bool lacks_errors(const Study& study, const Json& design) {
+  return std::ssize(design["errors"]) < num_objectives(study.goal);
+}
+
+/// With other noise.
+int scans_of(const Json& written) {
+  const Json repeated = written.value("repeated", Json::object());
+  return repeated.empty() ? 0 : static_cast<int>(repeated.begin()->size());
+}
+
+Json write_full(const FrontTask& task, const SceneSettings& scene, const Json& design) {
+  const int trial = design["trial"];
+  const Json head = {{"title", fmt::format("Evaluation {}", trial)},
+                     {"study", task.study.title},
+                     {"role", "front"},
+                     {"variables", design["variables"]},
+                     {"trial", trial}};
+  return task.write(design["folder"], scene, head, lacks_errors(task.study, design));
+}
+
+}  // namespace
+
+int full_designs_of_front(const Json& front) {
+  return static_cast<int>(std::ranges::count_if(front["designs"], [](const Json& design) {
+    return design["shown"] == "full" && design["folder"] != kWinner;
+  }));
+}
+
+void add_front_to_result(const Json& front, Json& result) {
+  if (front.is_null()) {
+    return;
+  }
+  result["objectives"] = front["objectives"];
+  result["front"] = front["designs"];
+  for (const char* name : {"hypervolume", "reference", "chosen"}) {
+    result[name] = front[name];
+  }
+}
+
+void write_front(const FrontTask& task, const Json& winner, Json& front, Json& result) {
+  remove_other_designs(task.out, front);
+  const std::vector<Trial> trials = task.storage.trials(TrialKind::kSearch);
+  int evaluations = 0;
+  for (Json& design : front["designs"]) {
+    if (task.interrupt != nullptr && *task.interrupt > 0) {
+      log(LogLevel::kWarning, "interrupted; the same command writes the rest of the front");
+      result["status"] = "interrupted";
+      return;
+    }
+    const int number = design["trial"];
+    const Point& point = trials[static_cast<std::size_t>(number - 1)].point;
+    const SceneSettings scene = scene_with(task.study, overrides_of(task.study, point));
+    if (design["shown"] == "full") {
+      const bool is_winner = design["folder"] == kWinner;
+      const Json written = is_winner ? winner : write_full(task, scene, design);
+      add_rescored(task.study.goal, written, design);
+      evaluations += is_winner ? 0 : 1 + scans_of(written);
+    } else if (design["shown"] == "thumbnail") {
+      write_thumbnail(task.store,
+                      scene,
+                      fmt::format("{} - evaluation {}", task.study.title, number),
+                      task.wanted,
+                      task.drawing,
+                      task.out / design["folder"].get<std::string>());
+    }
+  }
+  result["front_rescored"] = judge_front(task.study.goal, front);
+  result["front_rescored"]["evaluations"] = evaluations;
+  result["front"] = front["designs"];
+}
+
+}  // namespace glint

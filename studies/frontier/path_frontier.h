@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The frontier of a scene whose light is found by following paths. The reference is the mean of
+// independent pictures with more samples and more reflections than the scene's own settings; its
+// noise is known from their scatter and taken out of every error. What random numbers do to a
+// method is seen by rendering it several times, too.
+#pragma once
+
+#include "studies/frontier/frontier.h"
+
+namespace glint {
+
+/// Most pixels of a picture on the frontier.
+inline constexpr double kMostFrontierPixels = 0.3e6;
+
+/// @throws ConfigError beginning with the key at fault, IoError
+Frontier measure_path_frontier(const SceneSettings& scene, const FrontierOptions& options);
+
+}  // namespace glint

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the page of several objectives computes without a browser.
+
+/** Of a variable's value to the shell. */
+const quoted = (text) => (/^[\w.+-]*$/.test(text) ? text : `'${text}'`);
+
+/** The options that make `glint render` or `glint run` take these values. */
+export const setLine = (variables) => Object.entries(variables ?? {}).map(([path, value]) => `--set ${quoted(path)}=${quoted(String(value))}`).join(' ');
+
+/** A pair of objectives and where it is drawn: below the diagonal of a matrix. */
+export function panelsOf(objectives) {
+  const panels = [];
+  for (let row = 1; row < objectives.length; ++row) {
+    for (let column = 0; column < row; ++column) panels.push({ x: objectives[column], y: objectives[row], row: row - 1, column });
+  }
+  return panels;
+}
+
+/** Corners of what the front reaches in two objectives: no point between two designs is promised. */
+export function staircase(points, x, y) {
+  const sorted = [...points].sort((a, b) => a[0] - b[0]);
+  const takesOwn = x.maximise;  // of two neighbours' y the one that holds between them
+  return sorted.flatMap((point, i) => (i === 0 ? [point] : [takesOwn ? [sorted[i - 1][0], point[1]] : [point[0], sorted[i - 1][1]], point]));
+}
+
+/** Some round numbers between two. */
+export function ticks(low, high, about = 4) {
+  if (!(high > low)) return [low];
+  const power = 10 ** Math.floor(Math.log10((high - low) / about));
+  const step = power * [1, 2, 5, 10].find((one) => (high - low) / (one * power) <= about + 0.5);
+  const first = Math.ceil(low / step - 1e-9);
+  return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, i) => Number(((first + i) * step).toPrecision(12)));
+}

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/validate/grey_terms.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace glint::validate_detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double kStepMm = 1.0;          ///< of the differences by place
+constexpr double kStepRoughness = 0.05;  ///< and by the logarithm of roughness
+constexpr double kLongestStepMm = 15.0;
+constexpr double kLongestStepRoughness = 0.4;
+constexpr double kLeastPower = -1.0;  ///< against nominal: dark
+constexpr double kLeastExposure = 0.05;
+
+bool needs_rendering(GreyFault fault) {
+  return fault == GreyFault::kLightPlace || fault == GreyFault::kRoughness;
+}
+
+}  // namespace
+
+void GreySystem::add(const VectorXd& column, const GreyNumber& number) {
+  columns.conservativeResize(column.size(), columns.cols() + 1);
+  columns.rightCols<1>() = column;
+  numbers.push_back(number);
+}
+
+GreyState GreyProblem::start() {
+  GreyState state;
+  state.places.assign(model_.lights().size(), Vector3d::Zero());
+  state.powers = VectorXd::Zero(static_cast<Index>(model_.designs().size()));
+  state.segments = VectorXd::Zero(columns_of(state).segments.cols());
+  return state;
+}
+
+const GreyColumns& GreyProblem::columns_of(const GreyState& state) {
+  return model_.columns(state.places, std::exp(state.roughness));
+}
+
+VectorXd GreyProblem::unexposed(const GreyState& state) {
+  const GreyColumns& columns = columns_of(state);
+  VectorXd grey = columns.sum;
+  if (state.segments.size() > 0) {
+    grey += columns.segments * state.segments;
+  }
+  return grey;
+}
+
+VectorXd GreyProblem::exposure_of_rows(const GreyState& state) const {
+  VectorXd exposure(model_.real().size());
+  for (std::size_t d = 0; d < model_.designs().size(); ++d) {
+    const GreyRows& rows = model_.rows(d);
+    exposure.segment(rows.first, rows.count)
+        .setConstant(state.exposure * (1.0 + state.powers[static_cast<Index>(d)]));
+  }
+  return exposure;
+}
+
+VectorXd GreyProblem::predicted(const GreyState& state) {
+  return unexposed(state).cwiseProduct(exposure_of_rows(state));
+}
+
+std::vector<GreyTerm> GreyProblem::terms() {
+  std::vector<GreyTerm> terms;
+  for (std::size_t l = 0; l < model_.lights().size(); ++l) {
+    if (model_.lights()[l].segments > 1) {
+      terms.push_back({.fault = GreyFault::kSegments, .of = l});
+    }
+    if (model_.lights()[l].can_move) {
+      terms.push_back({.fault = GreyFault::kLightPlace, .of = l});
+    }
+  }
+  for (std::size_t d = 0; model_.designs().size() > 1 && d < model_.designs().size(); ++d) {
+    terms.push_back({.fault = GreyFault::kLightPower, .of = d});
+  }
+  if (model_.can_change_roughness()) {
+    terms.push_back({.fault = GreyFault::kRoughness});
+  }
+  return terms;
+}
+
+int GreyProblem::size_of(const GreyTerm& term) const {
+  return term.fault == GreyFault::kLightPlace ? 3
+         : term.fault == GreyFault::kSegments ? model_.lights()[term.of].segments
+                                              : 1;
+}
+
+double& GreyProblem::number(GreyState& state, const GreyNumber& number) const {
+  switch (number.term.fault) {
+    case GreyFault::kExposure:
+      return state.exposure;
+    case GreyFault::kLightPower:
+      return state.powers[static_cast<Index>(number.term.of)];
+    case GreyFault::kSegments:
+      return state.segments[model_.first_segment(number.term.of) + number.index];
+    case GreyFault::kLightPlace:
+      return state.places[number.term.of][number.index];
+    case GreyFault::kRoughness:
+      break;
+  }
+  return state.roughness;
+}
+
+void GreyProblem::reset(GreyState& state, const GreyTerm& term) const {
+  for (int i = 0; i < size_of(term); ++i) {
+    number(state, {.term = term, .index = i}) = 0.0;
+  }
+}
+
+/// Of the unexposed grey values by a place or the roughness.
+VectorXd GreyProblem::slope(const GreyState& state, const GreyNumber& by) {
+  const double step = by.term.fault == GreyFault::kLightPlace ? kStepMm : kStepRoughness;
+  GreyState moved = state;
+  number(moved, by) += step;
+  return (unexposed(moved) - unexposed(state)) / step;
+}
+
+void GreyProblem::add_term(const GreyState& state, const GreyTerm& term, GreySystem& system) {
+  const VectorXd exposure = exposure_of_rows(state);
+  for (int i = 0; i < size_of(term); ++i) {
+    const GreyNumber number = {.term = term, .index = i};
+    VectorXd column;
+    switch (term.fault) {
+      case GreyFault::kExposure:
+        column = unexposed(state).cwiseProduct(exposure) / state.exposure;
+        break;
+      case GreyFault::kLightPower: {
+        const GreyRows& rows = model_.rows(term.of);
+        column = VectorXd::Zero(exposure.size());
+        column.segment(rows.first, rows.count) =
+            state.exposure * unexposed(state).segment(rows.first, rows.count);
+        break;
+      }
+      case GreyFault::kSegments:
+        column = columns_of(state)
+                     .segments.col(model_.first_segment(term.of) + i)
+                     .cwiseProduct(exposure);
+        break;
+      case GreyFault::kLightPlace:
+      case GreyFault::kRoughness:
+        column = slope(state, number).cwiseProduct(exposure);
+        break;
+    }
+    system.add(column, number);
+  }
+}
+
+GreySystem GreyProblem::system_at(const GreyState& state, std::span<const GreyTerm> terms) {
+  GreySystem system;
+  for (const GreyTerm& term : terms) {
+    add_term(state, term, system);
+  }
+  return system;
+}
+
+GreySystem GreyProblem::rough_system(const GreyState& state, const GreyTerm& term) {
+  if (!needs_rendering(term.fault)) {
+    return system_at(state, std::span(&term, 1));
+  }
+  auto known = rough_.find(term);
+  if (known == rough_.end()) {
+    const GreyState begin = start();
+    Eigen::MatrixXd slopes(model_.real().size(), size_of(term));
+    for (int i = 0; i < size_of(term); ++i) {
+      slopes.col(i) = slope(begin, {.term = term, .index = i});
+    }
+    known = rough_.emplace(term, std::move(slopes)).first;
+  }
+  GreySystem system;
+  for (int i = 0; i < size_of(term); ++i) {
+    system.add(known->second.col(i).cwiseProduct(exposure_of_rows(state)),
+               {.term = term, .index = i});
+  }
+  return system;
+}
+
+double GreyProblem::take(const GreySystem& system, const VectorXd& step, GreyState& state) const {
+  double longest_mm = 0.0;
+  for (Index i = 0; i < step.size(); ++i) {
+    const GreyNumber& by = system.numbers[static_cast<std::size_t>(i)];
+    double& value = number(state, by);
+    switch (by.term.fault) {
+      case GreyFault::kExposure:
+        value = std::max(kLeastExposure, value + step[i]);
+        break;
+      case GreyFault::kLightPower:
+      case GreyFault::kSegments:
+        value = std::max(kLeastPower, value + step[i]);
+        break;
+      case GreyFault::kLightPlace: {
+        const double by_mm = std::clamp(step[i], -kLongestStepMm, kLongestStepMm);
+        value += by_mm;
+        longest_mm = std::max(longest_mm, std::abs(by_mm));
+        break;
+      }
+      case GreyFault::kRoughness:
+        value += std::clamp(step[i], -kLongestStepRoughness, kLongestStepRoughness);
+        break;
+    }
+  }
+  return longest_mm;
+}
+
+}  // namespace glint::validate_detail

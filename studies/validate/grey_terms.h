@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a fit of grey values may change, and how grey values follow. Private to the room.
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <map>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "studies/validate/grey_model.h"
+
+namespace glint::validate_detail {
+
+/// Numbers that are freed together.
+struct GreyTerm {
+  GreyFault fault = GreyFault::kExposure;
+  std::size_t of = 0;  ///< index of the light; of kLightPower the design
+
+  auto operator<=>(const GreyTerm&) const = default;
+};
+
+/// Where a fit stands.
+struct GreyState {
+  double exposure = 1.0;
+  Eigen::VectorXd powers;               ///< of the lights of each design, minus 1
+  Eigen::VectorXd segments;             ///< power of each minus 1
+  std::vector<Eigen::Vector3d> places;  ///< of each light, mm
+  double roughness = 0.0;               ///< logarithm of the factor
+};
+
+/// A number of a term.
+struct GreyNumber {
+  GreyTerm term;
+  int index = 0;  ///< of the segment, or of the axis x, y, z
+};
+
+/// Slopes of all grey values by some numbers.
+struct GreySystem {
+  Eigen::MatrixXd columns;
+  std::vector<GreyNumber> numbers;  ///< of each column
+
+  void add(const Eigen::VectorXd& column, const GreyNumber& number);
+};
+
+/// Grey values and slopes of a model, in shares of the mean real grey of each design.
+class GreyProblem {
+ public:
+  GreyProblem(SceneStore& store, std::span<const GreyDesign> designs) : model_(store, designs) {}
+
+  const GreyModel& model() const { return model_; }
+
+  GreyState start();
+
+  Eigen::VectorXd predicted(const GreyState& state);
+
+  /// All but kExposure that this scene has.
+  std::vector<GreyTerm> terms();
+
+  /// Slopes at a state. Places and roughness cost renderings.
+  GreySystem system_at(const GreyState& state, std::span<const GreyTerm> terms);
+
+  /// About those of one term: places and roughness from where the fit began, so that all can be
+  /// looked at for the price of one rendering a number.
+  GreySystem rough_system(const GreyState& state, const GreyTerm& term);
+
+  /// A number of the state; changes from 0, exposure from 1.
+  double& number(GreyState& state, const GreyNumber& number) const;
+
+  /// Takes a step, kept within what can be. @return the largest one by place [mm]
+  double take(const GreySystem& system, const Eigen::VectorXd& step, GreyState& state) const;
+
+  /// All numbers of a term as the scene has them.
+  void reset(GreyState& state, const GreyTerm& term) const;
+
+ private:
+  const GreyColumns& columns_of(const GreyState& state);
+  Eigen::VectorXd unexposed(const GreyState& state);
+  Eigen::VectorXd exposure_of_rows(const GreyState& state) const;
+  int size_of(const GreyTerm& term) const;
+  void add_term(const GreyState& state, const GreyTerm& term, GreySystem& system);
+  Eigen::VectorXd slope(const GreyState& state, const GreyNumber& number);
+
+  GreyModel model_;
+  std::map<GreyTerm, Eigen::MatrixXd> rough_;  ///< slopes at the start, unexposed
+};
+
+}  // namespace glint::validate_detail

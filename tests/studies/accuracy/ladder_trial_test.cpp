@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The choice of a rung, with designs whose scores are made up: candidate k has the true score k.
+#include "studies/accuracy/ladder_trial.h"
+
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/rng.h"
+
+namespace glint {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr const char* kScore = "homogeneity.h_rms";
+
+/// A ladder whose steps have errors; counts what is evaluated.
+struct FakeLadder {
+  LadderTask task;
+  std::vector<std::function<double(std::size_t candidate)>> errors;  ///< of each step
+  double top_error = 0.0;
+  std::function<bool(std::size_t candidate)> fails = [](std::size_t) { return false; };
+  std::map<std::size_t, int> evaluations = {};  ///< of each step
+
+  void add(const std::string& name,
+           double work,
+           int group,
+           std::function<double(std::size_t)> error,
+           bool is_for_search = true) {
+    task.steps.push_back({name, work, group, is_for_search});
+    errors.push_back(std::move(error));
+  }
+
+  LadderChoice choose() {
+    const EvaluateStep evaluate = [&](std::size_t step, std::span<const std::size_t> candidates) {
+      std::vector<std::optional<Scores>> found;
+      for (const std::size_t candidate : candidates) {
+        ++evaluations[step];
+        const double truth = static_cast<double>(candidate);
+        found.push_back(fails(candidate) ? std::optional<Scores>()
+                                         : Scores{{kScore, truth + errors[step](candidate)},
+                                                  {std::string(kScore) + ".error", top_error}});
+      }
+      return found;
+    };
+    return try_ladder(task, evaluate);
+  }
+};
+
+double none(std::size_t /*candidate*/) {
+  return 0.0;
+}
+
+std::function<double(std::size_t)> alternating(double size, double bias = 0.0) {
+  return [=](std::size_t candidate) { return bias + (candidate % 2 == 0 ? size : -size); };
+}
+
+FakeLadder ladder_of_three(double tolerance) {
+  FakeLadder ladder;
+  ladder.task.goal.objective = {.name = kScore, .is_maximised = true};
+  ladder.task.wish.is_auto = tolerance == 0.0;
+  if (tolerance > 0.0) {
+    ladder.task.wish.wishes = {{.score = kScore, .tolerance = tolerance}};
+  }
+  ladder.add("8", 1.0, 0, alternating(1.0, 0.5));
+  ladder.add("16", 2.0, 0, alternating(0.1));
+  ladder.add("top", 10.0, 0, none);
+  return ladder;
+}
+
+TEST(TryLadder, TakesTheCheapestStepWithinTheTolerance) {
+  EXPECT_EQ(ladder_of_three(20.0).choose().step, 0U);
+  EXPECT_EQ(ladder_of_three(1.0).choose().step, 1U);
+  const LadderChoice tight = ladder_of_three(0.01).choose();
+  EXPECT_EQ(tight.step, 2U);
+  EXPECT_TRUE(tight.is_reached);
+  EXPECT_THAT(tight.unreached, IsEmpty());
+}
+
+// Errors of +-0.1 over 12 designs: bias 0, spread 0.1 sqrt(12 / 11) = 0.1044. At the confidence
+// 0.99 the factor of 12 normal errors lies between 4 and 6.
+TEST(TryLadder, TellsBiasSpreadAndBound) {
+  const LadderChoice choice = ladder_of_three(1.0).choose();
+  ASSERT_EQ(choice.steps[1].bounds.size(), 1U);
+  const ScoreBound& bound = choice.steps[1].bounds[0];
+  EXPECT_NEAR(bound.bias, 0.0, 1e-12);
+  EXPECT_NEAR(bound.spread, 0.10445, 1e-5);
+  EXPECT_GT(bound.bound, 4.0 * bound.spread);
+  EXPECT_LT(bound.bound, 6.0 * bound.spread);
+  EXPECT_EQ(bound.tolerance, 1.0);
+}
+
+TEST(TryLadder, EvaluatesNoStepThatIsDearerThanTheOneThatServes) {
+  FakeLadder ladder = ladder_of_three(20.0);
+  const LadderChoice choice = ladder.choose();
+  EXPECT_EQ(ladder.evaluations[0], 12);
+  EXPECT_EQ(ladder.evaluations[1], 0);
+  EXPECT_EQ(ladder.evaluations[2], 12);
+  EXPECT_EQ(choice.steps[1].skipped, "a cheaper one serves");
+  EXPECT_TRUE(choice.steps[2].serves) << "the top, which was tried";
+  EXPECT_EQ(choice.work, 12 * 1.0 + 12 * 10.0);
+}
+
+TEST(TryLadder, CountsTheTopsOwnErrorInEveryBound) {
+  FakeLadder ladder = ladder_of_three(1.0);
+  ladder.top_error = 0.5;  // five standard deviations of it are beyond the tolerance
+  const LadderChoice choice = ladder.choose();
+  EXPECT_FALSE(choice.is_reached);
+  EXPECT_EQ(choice.step, 2U) << "the dearest";
+  ASSERT_EQ(choice.unreached.size(), 1U);
+  EXPECT_THAT(choice.unreached[0], HasSubstr("homogeneity.h_rms: 1 is not reachable; \"top\""));
+  EXPECT_GT(choice.steps[2].bounds[0].bound, 2.0);
+}
+
+TEST(TryLadder, SharesAreOfTheMeanValueAtTheTop) {
+  FakeLadder ladder = ladder_of_three(1.0);
+  ladder.task.wish.wishes = {{.score = kScore, .tolerance = 0.2, .is_relative = true}};
+  // Mean of 0 to 11: 5.5, so 20 % are 1.1.
+  EXPECT_NEAR(ladder.choose().steps[1].bounds[0].tolerance, 1.1, 1e-12);
+}
+
+TEST(TryLadder, AutoTakesTheCheapestThatRanksRightly) {
+  FakeLadder ladder = ladder_of_three(0.0);
+  ladder.errors[0] = [](std::size_t candidate) { return -2.0 * static_cast<double>(candidate); };
+  const LadderChoice choice = ladder.choose();
+  EXPECT_EQ(choice.step, 1U) << "the first turns the order around, the second keeps it";
+  EXPECT_EQ(choice.steps[0].orders[0].agreement.tau, -1.0);
+  EXPECT_EQ(choice.steps[1].orders[0].agreement.tau, 1.0);
+}
+
+TEST(TryLadder, AutoAsksForTheWinnerToo) {
+  FakeLadder ladder = ladder_of_three(0.0);
+  // All in order but the best, which is put behind the second: 65 of 66 pairs are right.
+  ladder.errors[0] = [](std::size_t candidate) { return candidate == 11 ? -1.5 : 0.0; };
+  EXPECT_EQ(ladder.choose().step, 1U);
+  ladder.top_error = 1.0;  // now 10 and 11 are within two standard errors
+  EXPECT_EQ(ladder.choose().step, 0U);
+}
+
+TEST(TryLadder, LimitsCountInTheOrder) {
+  FakeLadder ladder = ladder_of_three(0.0);
+  ladder.task.goal.constraints = {{.name = kScore, .max = 5.0}};
+  const auto figures = search_figures(
+      ladder.task.goal, std::vector<Scores>{{{kScore, 4.0}}, {{kScore, 5.0}}, {{kScore, 10.0}}});
+  // Spread 6, violation of 10 by 5 / 5 = 1: -10 + 3 * 6 * log 2.
+  EXPECT_THAT(figures[0], ElementsAre(-4.0, -5.0, -10.0 + 18.0 * std::log1p(1.0)));
+}
+
+TEST(TryLadder, TakesTheNextCandidateForOneThatFails) {
+  FakeLadder ladder = ladder_of_three(20.0);
+  ladder.fails = [](std::size_t candidate) { return candidate % 2 == 1; };
+  const LadderChoice choice = ladder.choose();
+  EXPECT_EQ(choice.designs.size(), 12U);
+  EXPECT_EQ(choice.designs.back(), 22U);
+  EXPECT_EQ(choice.num_failed, 11U);
+  EXPECT_TRUE(choice.is_reached);
+}
+
+TEST(TryLadder, SaysWhyNothingCanBeJudged) {
+  FakeLadder ladder = ladder_of_three(20.0);
+  ladder.fails = [](std::size_t candidate) { return candidate > 1; };
+  const LadderChoice choice = ladder.choose();
+  EXPECT_FALSE(choice.is_reached);
+  EXPECT_EQ(choice.step, 2U);
+  EXPECT_EQ(choice.problem, "2 of 48 designs can be evaluated by \"top\", 3 are needed");
+}
+
+TEST(TryLadder, LeavesOutGroupsThatMoreSamplesDoNotMend) {
+  FakeLadder ladder;
+  ladder.task.goal.objective = {.name = kScore, .is_maximised = true};
+  ladder.task.wish.wishes = {{.score = kScore, .tolerance = 1.0}};
+  ladder.add("direct, 8", 1.0, 1, alternating(0.5, 3.0));
+  ladder.add("all, 8", 1.5, 2, alternating(0.5));
+  ladder.add("direct, 16", 2.0, 1, alternating(0.1, 3.0));
+  ladder.add("all, 16", 3.0, 2, alternating(0.05));
+  ladder.add("all, 32", 6.0, 2, none);
+  const LadderChoice choice = ladder.choose();
+  EXPECT_EQ(ladder.evaluations[2], 0) << "direct light is 3 off, however many samples";
+  EXPECT_EQ(choice.steps[2].skipped, "\"direct, 8\" differs from \"all, 8\" by too much");
+  EXPECT_EQ(choice.step, 3U);
+}
+
+TEST(TryLadder, NeverSearchesWithAStepThatIsOnlyComparedWith) {
+  FakeLadder ladder = ladder_of_three(0.01);
+  ladder.task.steps.back().is_for_search = false;
+  const LadderChoice choice = ladder.choose();
+  EXPECT_EQ(choice.step, 1U);
+  EXPECT_FALSE(choice.is_reached);
+  EXPECT_THAT(choice.unreached[0], HasSubstr("\"16\" reaches"));
+}
+
+// 2000 ladders of normal errors with random bias and spread: of the steps that are taken, new
+// designs leave the tolerance in at most 1 % with the confidence 0.99, so in far less on average.
+TEST(TryLadder, KeepsItsPromiseForDesignsThatWereNotTried) {
+  int taken = 0;
+  int beyond = 0;
+  for (std::uint64_t trial = 0; trial < 2000; ++trial) {
+    Rng rng(7, Stream::kTest, trial);
+    const double bias = rng.uniform(-1.0, 1.0);
+    const double spread = rng.uniform(0.0, 1.0);
+    FakeLadder ladder = ladder_of_three(3.0);
+    ladder.errors[0] = [&](std::size_t) { return bias + spread * rng.normal(); };
+    const LadderChoice choice = ladder.choose();
+    if (choice.step == 0) {
+      ++taken;
+      beyond += std::abs(bias + spread * rng.normal()) > 3.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(taken, 300);
+  EXPECT_LE(beyond, taken / 100);
+}
+
+}  // namespace
+}  // namespace glint

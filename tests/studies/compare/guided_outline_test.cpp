@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "studies/compare/compared_pair.h"
+#include "tests/studies/compare/compare_fixture.h"
+
+namespace glint {
+namespace {
+
+/// A plate of 120 x 70 px, turned by 0.2, on a black ground. Light falls on its left; beyond a line
+/// it is nearly as dark as the ground.
+struct PlateDrawing {
+  double shift_x_px = 0.0;
+  double shift_y_px = 0.0;
+  double lit_to_px = 25.0;  ///< from the plate's middle
+  double dark = 0.05;
+  double noise = 0.003;
+  std::uint64_t index = 0;
+};
+
+double beyond_plate(double x, double y) {
+  const double u = std::cos(0.2) * x + std::sin(0.2) * y;
+  const double v = std::cos(0.2) * y - std::sin(0.2) * x;
+  return std::fmax(std::abs(u) - 60.0, std::abs(v) - 35.0);
+}
+
+ImageF drawn_plate(const PlateDrawing& drawing) {
+  ImageF picture = drawn(200, 160, [&](double x, double y) {
+    const double u = x - 100.0 - drawing.shift_x_px;
+    const double v = y - 80.0 - drawing.shift_y_px;
+    const double share = 0.5 * std::erfc(beyond_plate(u, v) / (std::sqrt(2.0) * 0.6));
+    const double lit = 0.5 * std::erfc((u - drawing.lit_to_px) / (std::sqrt(2.0) * 2.0));
+    return 0.005 + (drawing.dark + 0.5 * lit) * share;
+  });
+  add_normal_noise(picture, drawing.noise, drawing.index);
+  return picture;
+}
+
+ImageF plate_mask() {
+  return drawn(200, 160, [](double x, double y) {
+    return beyond_plate(x - 100.0, y - 80.0) <= 0.0 ? 1.0 : 0.0;
+  });
+}
+
+class GuidedOutlineTest : public CompareFiles {
+ protected:
+  /// @param has_truth  the simulated picture comes with the part's mask, as the renderer's do
+  ComparedPair compare(const PlateDrawing& simulated, const PlateDrawing& real, bool has_truth) {
+    ImageF mask = plate_mask();
+    for (float& share : mask.values()) {
+      share = share >= 0.5F ? 1.0F : 0.0F;
+    }
+    CompareSource first = {.name = "s", .picture = write("s.png", drawn_plate(simulated))};
+    if (has_truth) {
+      first.mask = write("part_mask.png", mask);
+    }
+    return compare_pair(
+        {.simulated = first, .real = {.name = "r", .picture = write("r.png", drawn_plate(real))}},
+        {});
+  }
+};
+
+// The real light ends 8 px earlier on a part that lies where it should. By brightness alone the
+// edge of the light is an outline, 8 px apart over a fifth of it.
+TEST_F(GuidedOutlineTest, IsThePartsEvenWhereTheLightEndsElsewhere) {
+  const PlateDrawing real = {.lit_to_px = 17.0, .index = 1};
+  const ComparedPair by_brightness = compare({}, real, false);
+  EXPECT_GT(by_brightness.geometry.distance.mean_px, 0.6);
+  const ComparedPair pair = compare({}, real, true);
+  EXPECT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kGuided);
+  EXPECT_LT(pair.geometry.distance.mean_px, 0.1);
+  EXPECT_GT(pair.geometry.distance.share, 0.8);
+  EXPECT_TRUE(pair.notes.empty());
+}
+
+TEST_F(GuidedOutlineTest, FollowsThePartThatIsMoved) {
+  const ComparedPair pair =
+      compare({}, {.shift_x_px = 6.3, .shift_y_px = -4.4, .lit_to_px = 17.0, .index = 1}, true);
+  ASSERT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kGuided);
+  // Offsets along the normals of straight edges are those of the shift; beside corners the nearest
+  // point is one of the other edge.
+  std::vector<double> apart;
+  for (const EdgeOffset& edge : pair.geometry.offsets) {
+    apart.push_back(std::abs(edge.offset_px - edge.normal.dot(Eigen::Vector2d(6.3, -4.4))));
+  }
+  std::ranges::sort(apart);
+  ASSERT_GT(apart.size(), 200U);
+  EXPECT_LT(apart[apart.size() / 2], 0.1);
+  EXPECT_LT(apart[apart.size() * 7 / 10], 0.3);
+}
+
+// Where the simulated part does not show there is no edge to look for.
+TEST_F(GuidedOutlineTest, IsBrokenWhereTheSimulatedPartIsDark) {
+  const ComparedPair pair = compare({.dark = 0.0}, {.dark = 0.0, .index = 1}, true);
+  ASSERT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kGuided);
+  for (const EdgeOffset& edge : pair.geometry.offsets) {
+    EXPECT_LT(edge.at_px.x(), 100.0 + 25.0 + 10.0);
+  }
+  EXPECT_LT(pair.geometry.distance.mean_px, 0.1);
+}
+
+// A part of another shape does not get the simulated one's outline.
+TEST_F(GuidedOutlineTest, TellsWhatTheRealPartLacks) {
+  ImageF real = drawn_plate({.lit_to_px = 100.0, .index = 1});
+  for (int y = 0; y < real.height(); ++y) {
+    for (int x = 95; x < real.width(); ++x) {
+      real(x, y) = 0.005F;
+    }
+  }
+  ImageF mask = plate_mask();
+  for (float& share : mask.values()) {
+    share = share >= 0.5F ? 1.0F : 0.0F;
+  }
+  const ComparedPair pair =
+      compare_pair({.simulated = {.name = "s",
+                                  .picture = write("s.png", drawn_plate({.lit_to_px = 100.0})),
+                                  .mask = write("part_mask.png", mask)},
+                    .real = {.name = "r", .picture = write("r.png", real)}},
+                   {});
+  EXPECT_LT(pair.geometry.iou.value(), 0.6);
+  ASSERT_FALSE(pair.notes.empty());
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/ladder/render_ladder.h"
+
+#include <algorithm>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/config/toml.h"
+#include "studies/definition/render_methods.h"
+
+namespace glint {
+namespace {
+
+using Method = RenderSettings::Method;
+using ::testing::ElementsAre;
+
+SceneSettings mirror() {
+  SceneSettings scene;
+  scene.camera.width_px = 1000;
+  scene.camera.height_px = 500;
+  scene.scan.positions = 10;
+  return scene;
+}
+
+SceneSettings rough() {
+  SceneSettings scene = mirror();
+  scene.render.method = Method::kPaths;
+  return scene;
+}
+
+std::vector<std::string> names(const std::vector<RenderRung>& ladder) {
+  std::vector<std::string> list;
+  std::ranges::transform(ladder, std::back_inserter(list), &RenderRung::name);
+  return list;
+}
+
+std::vector<std::string> names_for_search(std::vector<RenderRung> ladder) {
+  std::erase_if(ladder, [](const RenderRung& rung) { return !rung.is_for_search; });
+  return names(ladder);
+}
+
+TEST(RenderLadder, OfAMirrorRisesFromLooseFootprintsToWholeFrames) {
+  const auto ladder = render_ladder(mirror(), {});
+  EXPECT_THAT(names(ladder),
+              ElementsAre("means of footprints to 2 mrad",
+                          "means of footprints to 0.6 mrad",
+                          "means of footprints to 0.2 mrad",
+                          "means of footprints to 0.06 mrad",
+                          "frames of footprints to 0.05 mrad"));
+  EXPECT_TRUE(std::ranges::all_of(ladder, &RenderRung::is_for_search));
+  EXPECT_TRUE(ladder.front().has_derivatives);
+  EXPECT_FALSE(ladder.back().has_derivatives);
+}
+
+TEST(RenderLadder, OfPathsHasReflectionsTimesSamples) {
+  SceneSettings scene = rough();
+  scene.paths.samples = 16;
+  scene.paths.max_reflections = 2;
+  EXPECT_THAT(names(render_ladder(scene, {})),
+              ElementsAre("direct light, 8 samples",
+                          "2 reflections, 8 samples",
+                          "direct light, 16 samples",
+                          "2 reflections, 16 samples",
+                          "direct light, 32 samples",
+                          "2 reflections, 32 samples",
+                          "direct light, 64 samples",
+                          "2 reflections, 64 samples"));
+}
+
+TEST(RenderLadder, EndsWhereFinalistsAreRescored) {
+  for (const SceneSettings& scene : {mirror(), rough()}) {
+    for (const KeptKeys& kept : {KeptKeys{}, KeptKeys{.method = true, .samples = true}}) {
+      const auto ladder = render_ladder(scene, kept);
+      const SceneSettings top = at_rung(scene, ladder.back());
+      const SceneSettings finer = finer_settings(scene);
+      EXPECT_EQ(top.paths.samples, finer.paths.samples);
+      EXPECT_EQ(top.render.method, finer.render.method);
+      EXPECT_EQ(top.render.max_direction_error_rad, finer.render.max_direction_error_rad);
+      EXPECT_EQ(top.paths.seed, scene.paths.seed) << "common random numbers";
+      EXPECT_EQ(top.sensor.seed, scene.sensor.seed);
+    }
+  }
+}
+
+TEST(RenderLadder, RisesInWorkAndNamesEachRungOnce) {
+  for (const SceneSettings& scene : {mirror(), rough()}) {
+    const auto ladder = render_ladder(scene, {});
+    EXPECT_TRUE(std::ranges::is_sorted(ladder, {}, &RenderRung::work));
+    const auto list = names(ladder);
+    EXPECT_EQ(std::set<std::string>(list.begin(), list.end()).size(), ladder.size());
+  }
+}
+
+TEST(RenderLadder, KeptSamplesAreTheMostOfASearch) {
+  SceneSettings scene = rough();
+  scene.paths.samples = 24;
+  scene.paths.max_reflections = 1;
+  const auto ladder = render_ladder(scene, {.samples = true});
+  EXPECT_THAT(
+      names_for_search(ladder),
+      ElementsAre(
+          "direct light, 8 samples", "direct light, 16 samples", "direct light, 24 samples"));
+  EXPECT_EQ(ladder.back().name, "direct light, 96 samples");
+  EXPECT_FALSE(ladder.back().is_for_search);
+}
+
+TEST(RenderLadder, KeptFootprintsLeaveNothingToChoose) {
+  SceneSettings scene = mirror();
+  scene.render.max_direction_error_rad = 1e-4;
+  const auto ladder = render_ladder(scene, {.method = true, .max_direction_error = true});
+  EXPECT_THAT(names_for_search(ladder), ElementsAre("means of footprints to 0.1 mrad"));
+}
+
+TEST(RenderLadder, AKeptMethodIsTheMethodOfEveryRungOfASearch) {
+  SceneSettings scene = mirror();
+  scene.render.method = Method::kSampled;
+  EXPECT_THAT(names_for_search(render_ladder(scene, {.method = true})),
+              ElementsAre("1 ray a pixel", "4 rays a pixel", "16 rays a pixel"));
+  scene.render.method = Method::kIntegrated;
+  for (const RenderRung& rung : render_ladder(scene, {.method = true})) {
+    EXPECT_EQ(rung.render.method, Method::kIntegrated);
+    EXPECT_FALSE(rung.has_derivatives);
+  }
+}
+
+TEST(KeysInFile, AreThoseThatAreWritten) {
+  const auto kept = [](const std::string& text) {
+    return keys_in_file(parse_toml(text, "s.toml"));
+  };
+  EXPECT_EQ(kept("[render]\nmax_bounces = 3\n"), KeptKeys{});
+  EXPECT_EQ(kept("[render]\nmethod = \"auto\"\nmax_direction_error_mrad = 1\n"),
+            (KeptKeys{.method = true, .max_direction_error = true}));
+  EXPECT_EQ(kept("[render]\nrays_per_axis = 1\n[render.paths]\nsamples = 4\n"),
+            (KeptKeys{.rays_per_axis = true, .samples = true}));
+}
+
+TEST(AtRung, TouchesNothingThatAnotherLevelUses) {
+  const auto of_paths = render_ladder(rough(), {});
+  const SceneSettings scene = at_rung(mirror(), of_paths.front());
+  EXPECT_EQ(scene.paths.samples, mirror().paths.samples);
+  EXPECT_EQ(scene.render.max_direction_error_rad, mirror().render.max_direction_error_rad);
+}
+
+// 0.5 Mpx: 16 samples with direct light, one frame of a scan of 10 scored in itself and without
+// each of 4 batches: 0.5 * (16 + 0.5 * 10 * 5) = 20.5.
+TEST(CountedWork, IsPathsAndScoring) {
+  SceneSettings scene = rough();
+  scene.paths.samples = 16;
+  scene.paths.max_reflections = 1;
+  scene.paths.batches = 4;
+  EXPECT_DOUBLE_EQ(counted_work(scene), 20.5);
+  // The second reflection: half the paths go on, at half the price.
+  scene.paths.max_reflections = 2;
+  EXPECT_DOUBLE_EQ(counted_work(scene), 0.5 * (16 * 1.25 + 25.0));
+}
+
+TEST(CountedWork, GrowsWithPixelsSamplesAndReflections) {
+  const SceneSettings scene = rough();
+  SceneSettings more = scene;
+  more.camera.width_px *= 2;
+  EXPECT_DOUBLE_EQ(counted_work(more), 2.0 * counted_work(scene));
+  more = scene;
+  ++more.paths.max_reflections;
+  EXPECT_GT(counted_work(more), counted_work(scene));
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/ladder/unmodelled.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/units.h"
+
+namespace glint {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Metal with R = 0.5: k^2 = 4 * 0.5 / 0.5, index 1 - 2i. At normal incidence nothing is polarised.
+// At 60 degrees, with u = sqrt(1 - 0.75 / (1 - 2i)^2):
+//   (1 - 2i)^2 = -3 - 4i; 0.75 / (-3 - 4i) = -0.09 + 0.12i; u = sqrt(1.09 - 0.12i)
+//   = 1.04560 - 0.05738i; n u = 0.93084 - 2.14858i
+//   Rs = |0.5 - n u|^2 / |0.5 + n u|^2 = 4.80202 / 6.66369 = 0.72062
+//   Rp = |0.5 n - u|^2 / |0.5 n + u|^2 = (0.29768 + 0.88854) / (2.38888 + 1.11806) = 0.33825
+TEST(MetalPolarisation, FollowsFresnel) {
+  EXPECT_NEAR(metal_polarisation(0.5, 0.0), 0.0, 1e-12);
+  EXPECT_NEAR(metal_polarisation(0.5, kPi / 3.0), (0.72062 - 0.33825) / (0.72062 + 0.33825), 1e-3);
+  EXPECT_EQ(metal_polarisation(1.0, 1.0), 0.0);
+}
+
+TEST(MetalPolarisation, GrowsWithTheAngleAndFallsWithTheReflectance) {
+  for (int k = 1; k < 100; ++k) {
+    const double reflectance = 0.3 + 0.006 * k;
+    EXPECT_GT(metal_polarisation(reflectance, 1.0), metal_polarisation(reflectance, 0.9));
+    EXPECT_LT(metal_polarisation(reflectance + 0.005, 1.0), metal_polarisation(reflectance, 1.0));
+  }
+}
+
+TEST(UnmodelledNotes, TellSizes) {
+  SceneSettings scene;
+  scene.defects = {{"scratch", {.type = DefectType::kScratch, .width_mm = 0.5}},
+                   {"dent", {.type = DefectType::kDent, .diameter_mm = 2.0}}};
+  const auto notes = unmodelled_notes(scene, {100.0, 50.0, 10.0});
+  ASSERT_EQ(notes.size(), 3U);
+  EXPECT_THAT(notes[0], HasSubstr("part 50 cm2"));
+  EXPECT_THAT(notes[1], HasSubstr("Polarisation"));
+  // 550 nm over 0.5 mm: 1.1 mrad.
+  EXPECT_THAT(notes[2], HasSubstr("narrowest defect (0.5 mm) reflects by about 1.1 mrad"));
+}
+
+TEST(UnmodelledNotes, DirectLightHasNoErrorOfPolarisation) {
+  SceneSettings scene;
+  scene.render.method = RenderSettings::Method::kPaths;
+  scene.paths.max_reflections = 1;
+  scene.has_tunnel = false;
+  const auto notes = unmodelled_notes(scene, {1.0, 1.0, 1.0});
+  EXPECT_THAT(notes[0], HasSubstr("no estimate"));
+  EXPECT_THAT(notes[1], HasSubstr("no error"));
+  EXPECT_THAT(notes[2], HasSubstr("no defect"));
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The finalists of a search among kinds of light: a rough plate under a ring, a bar, or both.
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "studies/definition/render_methods.h"
+#include "studies/evaluation/evaluation.h"
+#include "studies/run/run.h"
+#include "studies/run/study_search.h"
+#include "tests/studies/imaging/path_support.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const std::string kKinds =
+    "schema = 1\nlighting_use = \"ring\"\n" + kPathPlate + kPathRing + kPathBar + R"(
+[variables]
+"lighting_use" = { choices = ["ring", "left", "ring+left"] }
+"lighting.ring.height_mm" = { min = 20, max = 40, when = "lighting_use in [ring, ring+left]" }
+[objective]
+maximise = "defects.min_weber"
+[constraints]
+"homogeneity.mean" = { max = 0.9 }
+[search]
+algorithm = "sobol"
+[budget]
+evaluations = 9
+)";
+
+Study study_in(const TemporaryFolder& folder, const std::string& text) {
+  write_file(folder / "study.toml", text);
+  return load_study(folder / "study.toml", {});
+}
+
+TEST(BestOfEachKind, AreTheBestTrialsRescoredInTheSameWay) {
+  const TemporaryFolder folder;
+  const Study study = study_in(folder, kKinds);
+  const Json result = run_study(
+      study, {.out = folder / "out", .threads = 2, .jobs = 2, .progress = Progress::Style::kNone});
+  const Json& kinds = result.at("kinds");
+  ASSERT_EQ(kinds.size(), 3U);
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  std::set<std::string> names;
+  for (const Json& kind : kinds) {
+    names.insert(kind.at("lighting_use").get<std::string>());
+    EXPECT_EQ(kind.at("variables").at("lighting_use"), kind.at("lighting_use"));
+    EXPECT_LE(kind.at("scores").at("homogeneity.mean").get<double>(), 0.9);
+    EXPECT_TRUE(kind.at("feasible").is_boolean());
+    // Scored by hand: finer, with other random numbers.
+    Overrides overrides;
+    for (const auto& [key, value] : kind.at("variables").items()) {
+      overrides.emplace_back(key,
+                             value.is_string() ? ConfigNode::from_text(value.get<std::string>())
+                                               : ConfigNode::from_number(value.get<double>()));
+    }
+    const SceneSettings finer = finer_settings(scene_with(study, overrides));
+    const Scores fresh =
+        evaluate(store, finer, {}, wanted_by(study.goal).with_whole_scan(kFreshParts)).scores;
+    EXPECT_EQ(kind.at("rescored").at("defects.min_weber").get<double>(),
+              fresh.at("defects.min_weber"));
+    EXPECT_NE(kind["rescored"]["defects.min_weber"], kind["scores"]["defects.min_weber"]);
+  }
+  EXPECT_EQ(names.size(), 3U);
+  for (std::size_t i = 1; i < kinds.size(); ++i) {
+    if (kinds[i - 1]["feasible"] == kinds[i]["feasible"] && kinds[i]["feasible"].get<bool>()) {
+      EXPECT_GE(kinds[i - 1]["rescored"]["defects.min_weber"].get<double>(),
+                kinds[i]["rescored"]["defects.min_weber"].get<double>());
+    }
+  }
+}
+
+TEST(BestOfEachKind, OfASearchWithoutKindsIsNothing) {
+  const TemporaryFolder folder;
+  std::string text = kKinds;
+  text.erase(text.find("\"lighting_use\" = {"),
+             text.find("\"lighting.ring.height_mm\"") - text.find("\"lighting_use\" = {"));
+  const std::string when = ", when = \"lighting_use in [ring, ring+left]\"";
+  text.erase(text.find(when), when.size());
+  const Study study = study_in(folder, text);
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  EXPECT_TRUE(best_of_each_kind(store, study, {}).is_null());
+  const Study kinds = study_in(folder, kKinds);
+  EXPECT_EQ(best_of_each_kind(store, kinds, {}), Json::array()) << "nothing was evaluated";
+}
+
+}  // namespace
+}  // namespace glint

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/validate/grey_fit.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "core/config/toml.h"
+#include "core/file.h"
+#include "core/thread_pool.h"
+#include "studies/definition/study.h"
+#include "studies/imaging/scene_picture.h"
+#include "tests/studies/validate/trial_cell.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector3d;
+
+/// The trial's designs; ring and dome are in all of them, as they are fixed to one camera.
+std::vector<std::pair<std::string, SceneSettings>> trial_designs() {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "study.toml";
+  write_file(file, std::string(kTrialScene) + kTrialStudy);
+  const Study study = load_study(file, {});
+  std::vector<std::pair<std::string, SceneSettings>> designs;
+  for (const Prototype& prototype : study.prototypes) {
+    SceneSettings scene = scene_with(study, prototype.overrides);
+    scene.camera.width_px = 68;
+    scene.camera.height_px = 57;
+    scene.camera.pixel_mm *= 3.0;
+    scene.camera.object_pixel_mm *= 3.0;
+    designs.emplace_back(prototype.name, scene);
+  }
+  return designs;
+}
+
+ImageF picture_in(SceneStore& store, const SceneSettings& scene) {
+  ImageF picture;
+  picture_of(store, scene, {.has_flawless = false})
+      ->mean({.watch = [&](int, const ImageF& grey) { picture = grey; }, .has_whole_frames = true});
+  return picture;
+}
+
+/// Views from where they are, and pictures of a changed scene by other random numbers.
+GreyDesign design_of(SceneStore& store,
+                     const std::string& name,
+                     const SceneSettings& scene,
+                     const SceneChange& hidden,
+                     std::size_t views = 2) {
+  GreyDesign design = {.name = name, .views = {}};
+  for (std::size_t v = 0; v < views; ++v) {
+    SceneSettings one = scene;
+    one.viewpoints = {scene.viewpoints[v]};
+    SceneSettings truth = changed_scene(one, hidden);
+    truth.paths.samples = 128;
+    truth.paths.seed = 77;
+    truth.sensor.seed = 5;
+    design.views.push_back({.scene = one, .real = picture_in(store, truth)});
+  }
+  return design;
+}
+
+std::vector<GreyFit> fit_trial(const std::vector<std::string>& names,
+                               const SceneChange& hidden,
+                               std::size_t views = 2) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  std::vector<GreyDesign> designs;
+  for (const auto& [name, scene] : trial_designs()) {
+    if (std::ranges::find(names, name) != names.end()) {
+      designs.push_back(design_of(store, name, scene, hidden, views));
+    }
+  }
+  return fit_grey(store, designs, {.good_share = 0.006});
+}
+
+Vector3d place_of(const GreyFit& fit, const std::string& light) {
+  const auto found = std::ranges::find(fit.change.lights, light, &LightChange::name);
+  return found == fit.change.lights.end() ? Vector3d::Constant(1e9) : found->moved_mm;
+}
+
+const Vector3d kHiddenRing(1.8, -1.6, 1.8);
+
+SceneChange hidden_ring() {
+  return {.exposure = 0.95, .lights = {{.name = "ring", .moved_mm = kHiddenRing}}};
+}
+
+// The ring shines in one design and takes the dome's light in the other: one place explains both.
+TEST(GreyFit, FindsALightThatShadesAnother) {
+  const std::vector<GreyFit> fits = fit_trial({"ring", "dome"}, hidden_ring());
+  ASSERT_EQ(fits.size(), 2U);
+  for (const GreyFit& fit : fits) {
+    EXPECT_NEAR(fit.change.exposure, 0.95, 0.0095);
+    EXPECT_LT((place_of(fit, "ring") - kHiddenRing).norm(), 0.5)
+        << place_of(fit, "ring").transpose();
+    EXPECT_TRUE(place_of(fit, "dome").isZero()) << place_of(fit, "dome").transpose();
+    EXPECT_LT(fit.after, 0.5 * fit.exposed);
+  }
+}
+
+// Pictures of the dome alone: the ring is dark, and found by the shadow that it casts.
+TEST(GreyFit, FindsADarkLightByItsShadow) {
+  const std::vector<GreyFit> fits = fit_trial({"dome"}, hidden_ring());
+  ASSERT_EQ(fits.size(), 1U);
+  EXPECT_TRUE(place_of(fits[0], "dome").isZero()) << place_of(fits[0], "dome").transpose();
+  // Shadows tell less of its height.
+  EXPECT_LT((place_of(fits[0], "ring") - kHiddenRing).head<2>().norm(), 0.5)
+      << place_of(fits[0], "ring").transpose();
+}
+
+TEST(GreyFit, MovesNoLightWhereTheExposureIsAll) {
+  const std::vector<GreyFit> fits = fit_trial({"ring", "dome"}, {.exposure = 0.9}, 1);
+  for (const GreyFit& fit : fits) {
+    EXPECT_NEAR(fit.change.exposure, 0.9, 0.005);
+    EXPECT_TRUE(place_of(fit, "ring").isZero());
+    EXPECT_TRUE(place_of(fit, "dome").isZero());
+    EXPECT_EQ(fit.faults, std::vector{GreyFault::kExposure});
+  }
+}
+
+// One design's lights of another power are told apart from the exposure, which all share.
+TEST(GreyFit, TellsTheirPowerFromTheExposure) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  std::vector<GreyDesign> designs;
+  for (const auto& [name, scene] : trial_designs()) {
+    designs.push_back(design_of(store, name, scene, {.exposure = name == "dome" ? 0.8 : 1.0}));
+  }
+  const std::vector<GreyFit> fits = fit_grey(store, designs, {});
+  EXPECT_NEAR(fits[0].change.exposure, 1.0, 0.01);
+  EXPECT_NEAR(fits[1].change.exposure, 0.8, 0.01);
+  EXPECT_TRUE(place_of(fits[0], "ring").isZero());
+}
+
+}  // namespace
+}  // namespace glint

@@ -120,5 +120,11 @@ TEST(MethodNotes, TellWhatRescoringLooksAt) {
   EXPECT_THAT(method_notes(scene).front(), HasSubstr("path tracing with"));
 }
 
+TEST(SceneNotes, TellWhereTooManyRaysWereSaved) {
+  const auto has_note = ::testing::Contains(::testing::HasSubstr("at most 4 x 4 cells"));
+  EXPECT_THAT(scene_notes(SceneSettings(), {}), ::testing::Not(has_note));
+  EXPECT_THAT(scene_notes(SceneSettings(), {{"rays.max_cells", 4.0}}), has_note);
+}
+
 }  // namespace
 }  // namespace glint

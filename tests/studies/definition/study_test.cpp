@@ -206,6 +206,12 @@ TEST(Study, OverridesReachEveryKey) {
   EXPECT_EQ(study.scene.tunnel.shape, TunnelSettings::Shape::kEllipse);
 }
 
+TEST(StudyErrors, RefuseAScoreThatIsOnlyTold) {
+  EXPECT_THAT(error_of("[variables]\n\"sensor.gain\" = { min = 1, max = 2 }\n"
+                       "[objective]\nmaximise = \"rays.max_cells\"\n"),
+              ::testing::HasSubstr("is told only where it is below 16"));
+}
+
 TEST(StudyErrors, NameTheirPlaceAndTheNearestKey) {
   EXPECT_THAT(error_of("[sensor]\ngian = 2\n"),
               ::testing::StartsWith("s.toml:2:1: sensor.gian: unknown key, the nearest known one "

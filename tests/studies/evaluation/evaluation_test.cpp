@@ -26,8 +26,12 @@ ImageF row_of(const std::array<float, 6>& values) {
   return row;
 }
 
-std::shared_ptr<const TracedScene> six_pixels() {
+/// @param is_limited  a pixel is left bent at four cells: larger numbers were not allowed
+std::shared_ptr<const TracedScene> six_pixels(bool is_limited = false) {
   TracedScene traced;
+  if (is_limited) {
+    traced.corners.refined.push_back({.cells_per_axis = 4, .is_smooth = {1, 1, 0, 1}});
+  }
   traced.part = std::make_shared<const BuiltDefects>();
   Mask all(6, 1);
   for (int x = 0; x < 6; ++x) {
@@ -40,8 +44,8 @@ std::shared_ptr<const TracedScene> six_pixels() {
 
 class FakePicture : public ScenePicture {
  public:
-  explicit FakePicture(const std::array<float, 6>& values)
-      : ScenePicture({}, six_pixels()), whole_(row_of(values)) {}
+  explicit FakePicture(const std::array<float, 6>& values, bool is_limited = false)
+      : ScenePicture({}, six_pixels(is_limited)), whole_(row_of(values)) {}
 
   bool has_whole_frames(bool is_consumed, bool wants_fringes) const override {
     asked_.emplace_back(is_consumed, wants_fringes);
@@ -142,6 +146,16 @@ TEST(Evaluate, TellsOfTheViewWhatThePictureKnows) {
   EXPECT_EQ(scores.at("view.hidden_share"), 0.25);
   EXPECT_EQ(scores.at("rays.followed_share"), 0.25);
   EXPECT_EQ(scores.at("rays.blocked_share"), 0.05);
+}
+
+TEST(Evaluate, TellsWhereTooManyRaysWereSaved) {
+  ThreadPool pool(1);
+  FakePicture picture(kUneven);
+  picture.counts = RayCounts{.camera = 100, .part = 80};
+  EXPECT_FALSE(evaluate(picture, pool).scores.contains("rays.max_cells"));
+  FakePicture limited(kUneven, true);
+  limited.counts = picture.counts;
+  EXPECT_EQ(evaluate(limited, pool).scores.at("rays.max_cells"), 4.0);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "optimizer/search/trade_off.h"
 
 #include <cmath>
+#include <ctime>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -107,6 +108,8 @@ TEST(TradeOff, TheSearchComesNearTheKnownFrontAndBeyondRandomDesigns) {
     EXPECT_EQ(found.algorithm, "gp");
     const TemporaryFolder drawn;
     const SearchResult random = search_into(drawn, bowls_task("random", seed), two_bowls);
+    RecordProperty("bowls_share_" + std::to_string(seed),
+                   std::to_string(found.trade_off->hypervolume / kBowlsVolume));
     EXPECT_GT(found.trade_off->hypervolume, 0.9 * kBowlsVolume) << seed;
     EXPECT_LT(found.trade_off->hypervolume, kBowlsVolume);
     EXPECT_LT(random.trade_off->hypervolume, found.trade_off->hypervolume) << seed;
@@ -119,6 +122,8 @@ TEST(TradeOff, TheSearchIsFarBeyondRandomDesignsOnZdt1) {
     const SearchResult found = search_into(searched, zdt1_task("auto", seed), zdt1);
     const TemporaryFolder drawn;
     const SearchResult random = search_into(drawn, zdt1_task("random", seed), zdt1);
+    RecordProperty("zdt1_share_" + std::to_string(seed),
+                   std::to_string(found.trade_off->hypervolume / kZdt1Volume));
     EXPECT_GT(found.trade_off->hypervolume, 0.25 * kZdt1Volume) << seed;
     EXPECT_LT(found.trade_off->hypervolume, kZdt1Volume);
     EXPECT_LT(random.trade_off->hypervolume, 0.1 * kZdt1Volume) << seed;
@@ -372,6 +377,26 @@ TEST(SearchRules, VerifyReplayFindsAPointThatWouldNotBeAsked) {
   }
   task.verify_replay = true;
   EXPECT_THROW(search_into(folder, task, zdt1), ConfigError);
+}
+
+/// Processor time; the bound is what docs/decisions/0021-search-rules.md asks for.
+TEST(SearchRules, ThreeHundredTrialsAreResumedWithinTwoSeconds) {
+  SearchTask task = zdt1_task("auto", 1);
+  task.budget.evaluations = 300;
+  const TemporaryFolder folder;
+  const std::clock_t start = std::clock();
+  const SearchResult searched = search_into(folder, task, zdt1);
+  const std::clock_t middle = std::clock();
+  const SearchResult resumed = search_into(folder, task, zdt1);
+  const std::clock_t end = std::clock();
+  EXPECT_EQ(resumed.replayed, 300);
+  EXPECT_EQ(resumed.best->number, searched.best->number);
+  const auto ms = [](std::clock_t ticks) {
+    return 1e3 * static_cast<double>(ticks) / CLOCKS_PER_SEC;
+  };
+  RecordProperty("search_ms", std::to_string(ms(middle - start)));
+  RecordProperty("resume_ms", std::to_string(ms(end - middle)));
+  EXPECT_LT(ms(end - middle), 2000.0);
 }
 
 TEST(SearchRules, UnderNoiseTheBestIsTheExpectedBest) {

@@ -202,9 +202,12 @@ Json check_json(const ChosenAccuracy& chosen, const AccuracyCheck& check, int ev
            check.designs.empty()
                ? "No design of the search was checked: its rung is the top, or nothing could be "
                  "judged."
-               : fmt::format("{} designs of the search were evaluated at the top too ({:.0f} % of "
-                             "its counted work): {} of them beyond the bounds.",
-                             check.designs.size(),
+               : fmt::format("{} of the search {} evaluated at the top too ({:.0f} % of "
+                             "its counted work): {} beyond the bounds.",
+                             check.designs.size() == 1
+                                 ? std::string("The winner")
+                                 : fmt::format("{} designs", check.designs.size()),
+                             check.designs.size() == 1 ? "was" : "were",
                              100.0 * share,
                              num_beyond == 0 ? "none" : std::to_string(num_beyond))}};
 }

@@ -74,6 +74,10 @@ std::string polarisation_note(const SceneSettings& scene) {
     return fmt::format("{}: no error, as a diffuse surface does not polarise.", what);
   }
   const double degree = metal_polarisation(mean_reflectance(scene), kAngle_rad);
+  if (degree == 0.0) {
+    return fmt::format("{}: no error, as a surface that reflects everything does not polarise.",
+                       what);
+  }
   return fmt::format(
       "{}: light that is reflected twice by this metal, at 60 degrees, is wrong by up to {:.1g} %; "
       "what is reflected once is right.",

@@ -390,7 +390,7 @@ TEST(GalleryPage, PrintsTheExpectedNumbers) {
   for (const char* name : {"baseline.homogeneity.h_rms", "winner.homogeneity.h_rms"}) {
     EXPECT_THAT(page, HasSubstr(printed("my_part", name))) << name;
   }
-  EXPECT_THAT(page, HasSubstr("CNR " + printed("tunnel_tradeoff", "front_250.defects.min_cnr", 1)));
+  EXPECT_THAT(page, HasSubstr("CNR " + printed("tunnel_tradeoff", "front_300.defects.min_cnr", 1)));
   EXPECT_THAT(page, HasSubstr("CNR " + printed("tunnel_tradeoff", "half.defects.min_cnr", 1)));
   for (const char* name : {"slsqp", "sbplx"}) {
     const std::string needed = printed("gradient_tunnel", name + std::string(".evaluations"), 0);

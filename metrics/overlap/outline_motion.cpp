@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Reweighted least squares of offset = normal . (shift + linear (at - middle)) / reach-scaled
-// numbers.
+// Reweighted least squares of offset = normal . (shift + linear (at - middle)).
 #include "metrics/overlap/outline_motion.h"
 
 #include <algorithm>

@@ -20,7 +20,8 @@ namespace {
 using Eigen::Vector3d;
 
 /// The trial's designs; ring and dome are in all of them, as they are fixed to one camera.
-std::vector<std::pair<std::string, SceneSettings>> trial_designs() {
+/// @param size  2: 102 x 85 pixels, as many as a validation compares; 3: 68 x 57
+std::vector<std::pair<std::string, SceneSettings>> trial_designs(int size) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "study.toml";
   write_file(file, std::string(kTrialScene) + kTrialStudy);
@@ -28,10 +29,10 @@ std::vector<std::pair<std::string, SceneSettings>> trial_designs() {
   std::vector<std::pair<std::string, SceneSettings>> designs;
   for (const Prototype& prototype : study.prototypes) {
     SceneSettings scene = scene_with(study, prototype.overrides);
-    scene.camera.width_px = 68;
-    scene.camera.height_px = 57;
-    scene.camera.pixel_mm *= 3.0;
-    scene.camera.object_pixel_mm *= 3.0;
+    scene.camera.width_px = size == 2 ? 102 : 68;
+    scene.camera.height_px = size == 2 ? 85 : 57;
+    scene.camera.pixel_mm *= size;
+    scene.camera.object_pixel_mm *= size;
     designs.emplace_back(prototype.name, scene);
   }
   return designs;
@@ -65,11 +66,12 @@ GreyDesign design_of(SceneStore& store,
 
 std::vector<GreyFit> fit_trial(const std::vector<std::string>& names,
                                const SceneChange& hidden,
+                               int size = 3,
                                std::size_t views = 2) {
   ThreadPool pool(2);
   SceneStore store(pool);
   std::vector<GreyDesign> designs;
-  for (const auto& [name, scene] : trial_designs()) {
+  for (const auto& [name, scene] : trial_designs(size)) {
     if (std::ranges::find(names, name) != names.end()) {
       designs.push_back(design_of(store, name, scene, hidden, views));
     }
@@ -90,7 +92,7 @@ SceneChange hidden_ring() {
 
 // The ring shines in one design and takes the dome's light in the other: one place explains both.
 TEST(GreyFit, FindsALightThatShadesAnother) {
-  const std::vector<GreyFit> fits = fit_trial({"ring", "dome"}, hidden_ring());
+  const std::vector<GreyFit> fits = fit_trial({"ring", "dome"}, hidden_ring(), 2);
   ASSERT_EQ(fits.size(), 2U);
   for (const GreyFit& fit : fits) {
     EXPECT_NEAR(fit.change.exposure, 0.95, 0.0095);
@@ -112,7 +114,7 @@ TEST(GreyFit, FindsADarkLightByItsShadow) {
 }
 
 TEST(GreyFit, MovesNoLightWhereTheExposureIsAll) {
-  const std::vector<GreyFit> fits = fit_trial({"ring", "dome"}, {.exposure = 0.9}, 1);
+  const std::vector<GreyFit> fits = fit_trial({"ring", "dome"}, {.exposure = 0.9}, 3, 1);
   for (const GreyFit& fit : fits) {
     EXPECT_NEAR(fit.change.exposure, 0.9, 0.005);
     EXPECT_TRUE(place_of(fit, "ring").isZero());
@@ -126,7 +128,7 @@ TEST(GreyFit, TellsTheirPowerFromTheExposure) {
   ThreadPool pool(2);
   SceneStore store(pool);
   std::vector<GreyDesign> designs;
-  for (const auto& [name, scene] : trial_designs()) {
+  for (const auto& [name, scene] : trial_designs(3)) {
     designs.push_back(design_of(store, name, scene, {.exposure = name == "dome" ? 0.8 : 1.0}));
   }
   const std::vector<GreyFit> fits = fit_grey(store, designs, {});

@@ -37,10 +37,9 @@ evaluations = 14
 
 const std::string kTunnelStudy = R"(schema = 1
 [part]
-shape = "plate"
+shape = "cylinder"
 length_mm = 12
-width_mm = 8
-thickness_mm = 1
+radius_mm = 6
 [camera]
 width_px = 48
 height_px = 32

@@ -18,6 +18,7 @@ TEST(Scores, CarryExactlyTheNamesThatAreListed) {
                    {"view.slot_margin_mm", 0.0},
                    {"rays.followed_share", 0.0},
                    {"rays.blocked_share", 0.0},
+                   {"rays.max_cells", 0.0},
                    // and what an inspection line finds out, filled in where it is asked for
                    {"inspection.false_alarms", 0.0},
                    {"inspection.threshold", 0.0},

@@ -184,7 +184,7 @@ class Chart {
                    ? "CPU time of one more picture and its scores, all threads (ms)"
                    : "CPU time of one more candidate, one thread (ms)");
     if (frontier_.pixel_factor > 1) {
-      page_.text({kRight, 22.0},
+      page_.text({kRight, kTop - 5.0},
                  fmt::format("pictures reduced to {} x {} px, 1/{} along both sides",
                              frontier_.width_px,
                              frontier_.height_px,

@@ -123,7 +123,7 @@ TEST(Explain, ListsTheTablesAndAllKeys) {
   EXPECT_EQ(keys, all_keys().size());
   EXPECT_EQ(json_of(folder, {"explain", "--all"})["found"].size(), keys + score_docs().size());
   const std::string list = glint_in(folder, {"explain"}).out;
-  EXPECT_LT(std::ranges::count(list, '\n'), 40);
+  EXPECT_LT(std::ranges::count(list, '\n'), 45);
   EXPECT_THAT(list, HasSubstr("\n  lighting "));
   const std::string lights = glint_in(folder, {"explain", "lighting"}).out;
   EXPECT_LT(std::ranges::count(lights, '\n'), 40);

@@ -14,8 +14,8 @@ namespace {
 
 using Method = RenderSettings::Method;
 
-/// Work in camera paths with direct light: estimates, not measured. Ratios matter, not the unit: what
-/// is compared are rungs of one scene.
+/// Work in camera paths with direct light: estimates, not measured. Ratios matter, not the unit:
+/// what is compared are rungs of one scene.
 struct WorkPerPixel {
   static constexpr double kReflection = 0.5;  ///< of a path, each one after the first
   static constexpr double kReturn = 0.5;      ///< share of paths that meet the part once more

@@ -219,8 +219,9 @@ std::string cost_text(const Json& result) {
   for (const auto& [name, what] : {std::pair{"search", "search"},
                                    {"rescoring", "re-scoring"},
                                    {"writing", "writing"},
+                                   {"manufacture", "designs as built"},
                                    {"populations", "parts of the populations"}}) {
-    if (cpu_s[name].get<double>() > 0.0) {
+    if (cpu_s.value(name, 0.0) > 0.0) {
       parts.push_back(fmt::format("{} {}", what, seconds(name)));
     }
   }
@@ -229,6 +230,10 @@ std::string cost_text(const Json& result) {
     text += fmt::format("{:.3f} CPU s an evaluation, {} evaluations\n",
                         result["seconds_per_evaluation"].get<double>(),
                         result["evaluations"].get<int>());
+  }
+  if (result.contains("manufacture_evaluations")) {
+    text += fmt::format("at most {} more evaluations of designs as they will be built\n",
+                        result["manufacture_evaluations"].get<int>());
   }
   return text + fmt::format("about {} of CPU time ({}), {} on this machine when it is idle\n",
                             seconds("total"),

@@ -20,6 +20,7 @@
 #include "studies/run/design_files.h"
 #include "studies/run/repeated_scores.h"
 #include "studies/run/run_costs.h"
+#include "studies/tolerance/built_designs.h"
 
 namespace glint {
 
@@ -196,11 +197,14 @@ class Check {
     step("the populations");
     costs_.populations_s = predicted_population_s(study_, store_);
     costs_.search_s = study_.has_search() ? sample_.evaluation_s * study_.budget.evaluations : 0.0;
+    costs_.manufacture_s = has_manufacture() ? sample_.evaluation_s * kMaxBuiltDesigns : 0.0;
     costs_.search_s += accurate_.cpu_s;
     return result();
   }
 
  private:
+  bool has_manufacture() const { return study_.root.find("manufacture") != nullptr; }
+
   std::int64_t num_steps() const {
     const auto variables = static_cast<std::int64_t>(study_.space.variables.size());
     const auto prototypes = static_cast<std::int64_t>(study_.prototypes.size());
@@ -253,12 +257,13 @@ class Check {
   double predicted_s() const {
     const int at_once = std::max(1, std::min(options_.jobs, study_.search.batch));
     double search_s = costs_.search_s / at_once;
+    const double built_s = costs_.manufacture_s / std::max(1, options_.jobs);
     const Budget& budget = study_.budget;
     if (study_.has_search() && budget.wall_clock_s > 0.0 &&
         (budget.evaluations == 0 || budget.wall_clock_s < search_s)) {
       search_s = budget.wall_clock_s;
     }
-    return search_s + costs_.rescoring_s + costs_.writing_s +
+    return search_s + built_s + costs_.rescoring_s + costs_.writing_s +
            costs_.populations_s / options_.threads;
   }
 
@@ -272,6 +277,10 @@ class Check {
 
   Json result() {
     Json json = plain_result();
+    if (has_manufacture()) {
+      json["manufacture_evaluations"] = kMaxBuiltDesigns;
+      json["predicted_cpu_s"]["manufacture"] = costs_.manufacture_s;
+    }
     if (accurate_.chosen) {
       json["accuracy"] = accurate_search_json(store_, study_, accurate_, study_.budget.evaluations);
     }

@@ -26,7 +26,8 @@ struct CheckOptions {
 /// @return { schema, status, name, variables, objective, idle_variables, broken_limits, baseline,
 ///         prototypes, accuracy (accuracy_json() of a study with that table), evaluations,
 ///         seconds_per_evaluation, predicted_cpu_s: { search, rescoring, writing, populations,
-///         total }, predicted_s }; seconds_per_evaluation is CPU time, predicted_s the wall's on a
+///         total; with [manufacture] manufacture }, predicted_s; with it manufacture_evaluations:
+///         at most so many more }; seconds_per_evaluation is CPU time, predicted_s the wall's on a
 ///         machine that has nothing else to do
 nlohmann::ordered_json check_study(const Study& study, const CheckOptions& options);
 

@@ -33,8 +33,8 @@
 #include "studies/run/run_texts.h"
 #include "studies/run/scene_facts.h"
 #include "studies/run/study_search.h"
-#include "studies/run/tolerance_spread.h"
 #include "studies/run/warm_start.h"
+#include "studies/tolerance/tolerance_spread.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -172,18 +172,7 @@ class Run {
     Progress bar(study_.name, std::max(1, study_.budget.evaluations), options_.progress);
     const auto show = [&](const SearchProgress& progress) {
       folder.keep();  // what is evaluated is not thrown away
-      std::string note = "best -";
-      if (progress.best && progress.best->outcome) {
-        const Scores& scores = progress.best->outcome->scores;
-        note = progress.on_front > 0 ? fmt::format("front of {}", progress.on_front)
-               : is_feasible(study_.goal, scores)
-                   ? fmt::format("best {:.4f}", scores.at(study_.goal.objective.name))
-                   : "none feasible yet";
-      }
-      if (progress.failed > 0) {
-        note += fmt::format(", {} failed", progress.failed);
-      }
-      bar.update(progress.evaluations, note);
+      bar.update(progress.evaluations, progress_note(study_.goal, progress));
     };
     return run_search(task, storage, evaluate_point, options_.interrupt, show);
   }
@@ -280,6 +269,20 @@ class Run {
     front_cpu_s_ = process_cpu_s() - start;
   }
 
+  /// The spread of the winner, and the robust optimum.
+  void add_manufacture(const Storage& storage, const Point& winner, Json& result) {
+    if (study_.root.find("manufacture") == nullptr || is_interrupted_) {
+      return;
+    }
+    const double start = process_cpu_s();
+    BuiltDesigns built(store_, study_, identity_, options_.out, options_.jobs, options_.interrupt);
+    const auto variables = [this](const Point& point) { return variables_json(study_, point); };
+    const auto trials = storage.trials(TrialKind::kSearch);
+    auto found = tolerance_spread(built, study_, trials, winner, variables);
+    found ? result["manufacture"] = std::move(*found) : result["status"] = "interrupted";
+    manufacture_cpu_s_ = process_cpu_s() - start;
+  }
+
   /// The best of each kind of light, where the search chose among kinds.
   void add_kinds(const Storage& storage, Json& result) {
     if (is_interrupted_) {
@@ -304,10 +307,7 @@ class Run {
     if (!front_.is_null() && !is_interrupted_) {
       add_front(storage, winner, result);
     }
-    if (study_.root.find("manufacture") != nullptr && !is_interrupted_) {
-      log(LogLevel::kInfo, "spread at the winner: {} evaluations", kToleranceDesigns);
-      result["manufacture"] = tolerance_spread(store_, study_, search.best->point);
-    }
+    add_manufacture(storage, search.best->point, result);
     add_kinds(storage, result);
     return winner["rescored"];
   }
@@ -372,11 +372,10 @@ class Run {
     result["verdict"] = {{"sentence", verdict["sentence"]},
                          {"tone", verdict["tone"]},
                          {"findings", verdict.value("findings", Json::array())}};
-    if (data.contains("ranking")) {
-      result["ranking"] = data["ranking"];
-    }
-    if (data.contains("probability_best")) {
-      result["probability_best"] = data["probability_best"];
+    for (const char* name : {"ranking", "probability_best"}) {
+      if (data.contains(name)) {
+        result[name] = data[name];
+      }
     }
     write_file(options_.out / "result.json", result.dump(2) + "\n");
     write_file(report, render_report(data));
@@ -401,12 +400,16 @@ class Run {
                        {"reused_designs", search.reused},
                        {"traced_scenes", store_.num_traced()},
                        {"retraced_scenes", store_.num_retraced()}};
-    json["cpu_s"] = {{"search", search_cpu_s_},
-                     {"rescoring", rescoring_cpu_s_},
-                     {"writing", finish_cpu_s_ - rescoring_cpu_s_ - populations_cpu_s_},
-                     {"populations", populations_cpu_s_}};
+    json["cpu_s"] = {
+        {"search", search_cpu_s_},
+        {"rescoring", rescoring_cpu_s_},
+        {"writing", finish_cpu_s_ - rescoring_cpu_s_ - populations_cpu_s_ - manufacture_cpu_s_},
+        {"populations", populations_cpu_s_}};
     if (!front_.is_null()) {
       json["cpu_s"]["of_these_front"] = front_cpu_s_;
+    }
+    if (manufacture_cpu_s_ > 0.0) {
+      json["cpu_s"]["manufacture"] = manufacture_cpu_s_;
     }
     if (accurate_.chosen) {
       json["cpu_s"]["accuracy"] = accurate_.cpu_s;
@@ -429,6 +432,7 @@ class Run {
   double finish_cpu_s_ = 0.0;  ///< all that follows the search
   double rescoring_cpu_s_ = 0.0;
   double populations_cpu_s_ = 0.0;
+  double manufacture_cpu_s_ = 0.0;
   double front_cpu_s_ = 0.0;  ///< part of the two above
   Json front_;                ///< of several objectives
   std::optional<Progress> writing_;

@@ -18,9 +18,12 @@ struct RunCosts {
   double search_s = 0.0;     ///< all evaluations of the budget
   double rescoring_s = 0.0;  ///< fresh noise, finer sampling, repeated scans of each written design
   double writing_s = 0.0;    ///< frames, pictures, drawings of every design
+  double manufacture_s = 0.0;  ///< designs as they will be built, at most
   double populations_s = 0.0;  ///< parts that are sorted, or inspected for their defects' size
 
-  double total_s() const { return search_s + rescoring_s + writing_s + populations_s; }
+  double total_s() const {
+    return search_s + rescoring_s + writing_s + manufacture_s + populations_s;
+  }
 };
 
 /// The first evaluations of a study's search.

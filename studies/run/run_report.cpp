@@ -25,7 +25,7 @@
 #include "studies/run/run_comparison.h"
 #include "studies/run/scene_facts.h"
 #include "studies/run/study_search.h"
-#include "studies/run/tolerance_spread.h"
+#include "studies/tolerance/tolerance_panel.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -283,7 +283,7 @@ Json single_run(const fs::path& run) {
     data["panels"].push_back(accuracy_panel(result["accuracy"]));
   }
   if (result.contains("manufacture")) {
-    data["panels"].push_back(tolerance_panel(result["manufacture"]));
+    data["panels"].push_back(tolerance_panel(result["manufacture"], result["best"]["variables"]));
   }
   if (fs::exists(run / "frontier.json")) {
     data["frontier"] = read_json(run / "frontier.json");

@@ -53,6 +53,17 @@ std::string ended_by(Termination termination) {
   return "the first ten evaluations, which all failed";
 }
 
+std::string progress_note(const Goal& goal, const SearchProgress& progress) {
+  std::string note = "best -";
+  if (progress.best && progress.best->outcome) {
+    const Scores& scores = progress.best->outcome->scores;
+    note = progress.on_front > 0       ? fmt::format("front of {}", progress.on_front)
+           : is_feasible(goal, scores) ? fmt::format("best {:.4f}", scores.at(goal.objective.name))
+                                       : "none feasible yet";
+  }
+  return progress.failed > 0 ? note + fmt::format(", {} failed", progress.failed) : note;
+}
+
 std::string changes_text(const std::vector<std::string>& changes) {
   constexpr std::size_t kMostTold = 3;
   if (changes.empty()) {

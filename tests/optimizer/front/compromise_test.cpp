@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optimizer/front/compromise.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
+
+#include "optimizer/front/choice_cost.h"
 
 namespace glint {
 namespace {
@@ -50,6 +54,21 @@ TEST(Compromise, OneDesignOrAnObjectiveWithoutRangeIsNoMistake) {
       compromise_of(Rows{{3, 7}}, {.rule = ChoiceRule::kAspirations, .aspirations = {1.0, 1.0}}),
       0U);
   EXPECT_EQ(given_up(Rows{{3, 7}})[0], (std::vector<double>{0.0, 0.0}));
+}
+
+/// With ranges of more designs: 20 is half a range from the best and 1 a tenth, so that the ends of
+/// the rows do not move what is taken.
+TEST(Compromise, RangesMayComeFromElsewhere) {
+  const std::vector<ObjectiveRange> ranges = {{.best = 0, .width = 40}, {.best = 0, .width = 20}};
+  EXPECT_EQ(objective_ranges(kFront)[0].best, 10.0);
+  EXPECT_EQ(objective_ranges(kFront)[0].width, 10.0);
+  EXPECT_EQ(compromise_of(kFront, objective_ranges(kFront), {}), compromise_of(kFront, {}));
+  // Squared distances 0.0625 + 0.04, 0.0756 + 0.01, 0.1056 + 0.0025, 0.25.
+  EXPECT_EQ(compromise_of(kFront, ranges, {}), 1U);
+  EXPECT_NEAR(choice_cost(kFront[1], ranges, {}), std::sqrt(0.275 * 0.275 + 0.01), 1e-12);
+  EXPECT_EQ(choice_cost(std::vector<double>{-5, -5}, ranges, {}), 0.0) << "better than the best";
+  const FrontChoice hopes = {.rule = ChoiceRule::kAspirations, .aspirations = {14.0, {}}};
+  EXPECT_NEAR(choice_cost(kFront[0], ranges, hopes), -0.1, 1e-12) << "reached, by 4 of 40";
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/run/tolerance_spread.h"
+#include "studies/tolerance/tolerance_spread.h"
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +15,7 @@
 #include "core/thread_pool.h"
 #include "studies/definition/manufacture.h"
 #include "studies/definition/study_text.h"
+#include "studies/run/check_study.h"
 #include "studies/run/run.h"
 #include "tests/studies/imaging/path_support.h"
 #include "tests/support/temporary_folder.h"
@@ -21,6 +25,15 @@ namespace {
 
 using ::testing::HasSubstr;
 using Json = nlohmann::ordered_json;
+
+/// Whose folder holds the built designs, too.
+StudyIdentity identity_of(const Study& study) {
+  return {.config_hash = config_hash(study), .config_text = {}, .code_version = {}, .seed = 1};
+}
+
+Json variables_of(const Point& point) {
+  return point;
+}
 
 const std::string kSearch = "schema = 1\n" + kPathPlate + kPathRing + R"(
 [variables]
@@ -60,8 +73,11 @@ TEST(ToleranceSpread, IsThatOfAUniformKey) {
       study_of(folder, "[manufacture]\n\"lighting.ring.radiance.0\" = { plus_minus = 0.03 }\n");
   ThreadPool pool(2);
   SceneStore store(pool);
-  const Json spread = tolerance_spread(store, study, {40.0, 0.15});
+  BuiltDesigns built(store, study, identity_of(study), folder.path());
+  const Json spread = *tolerance_spread(built, study, {}, {40.0, 0.15}, variables_of);
   EXPECT_EQ(spread["designs"], 64);
+  EXPECT_TRUE(spread["robust"]["is_winner"]) << "nothing is known to propose another one from";
+  EXPECT_EQ(spread["evaluations"], 65);
   EXPECT_EQ(spread["failed"], 0);
   EXPECT_EQ(spread["distribution"], "uniform");
   EXPECT_EQ(spread["plus_minus"]["lighting.ring.radiance.0"], 0.03);
@@ -72,7 +88,7 @@ TEST(ToleranceSpread, IsThatOfAUniformKey) {
   EXPECT_NEAR(mean["sd"].get<double>() / nominal, 0.2 / std::sqrt(3.0), 0.005);
   EXPECT_NEAR(mean["low"].get<double>() / nominal, 1.0 - 0.9 * 0.2, 0.02);
   EXPECT_NEAR(mean["high"].get<double>() / nominal, 1.0 + 0.9 * 0.2, 0.02);
-  EXPECT_EQ(spread, tolerance_spread(store, study, {40.0, 0.15}));
+  EXPECT_EQ(spread, *tolerance_spread(built, study, {}, {40.0, 0.15}, variables_of));
 }
 
 TEST(ToleranceSpread, StandsInResultAndReport) {
@@ -90,6 +106,130 @@ TEST(ToleranceSpread, StandsInResultAndReport) {
   EXPECT_GT(result["manufacture"]["scores"]["homogeneity.mean"]["sd"].get<double>(), 0.0);
   EXPECT_THAT(read_file(folder / "run/report.html"), HasSubstr("As it will be built"));
   EXPECT_THAT(read_file(folder / "run/study.resolved.toml"), HasSubstr("plus_minus"));
+}
+
+/// So much light as a limit of clipped pixels allows.
+const std::string kClipped = "schema = 1\n" + kPathPlate + kPathRing + R"(
+[variables]
+"lighting.ring.radiance.0" = { min = 0.1, max = 8 }
+[objective]
+maximise = "homogeneity.mean"
+[constraints]
+"homogeneity.clipped_share" = { max = 0.01 }
+"defects.min_cnr" = { min = -1 }
+[search]
+algorithm = "sobol"
+[budget]
+evaluations = 16
+[manufacture]
+"lighting.ring.radiance.0" = { plus_minus = 0.8 }
+)";
+
+Study clipped_study(const TemporaryFolder& folder) {
+  write_file(folder / "study.toml", kClipped);
+  return load_study(folder / "study.toml", {});
+}
+
+Json run_clipped(const std::filesystem::path& out,
+                 const Study& study,
+                 int jobs,
+                 const std::atomic<int>* interrupt = nullptr) {
+  return run_study(study,
+                   {.out = out,
+                    .threads = 2,
+                    .jobs = jobs,
+                    .progress = Progress::Style::kNone,
+                    .log_file = {},
+                    .interrupt = interrupt});
+}
+
+// The brightest design within the limit leaves it when it is built brighter: the robust one is at
+// least nearly the tolerance darker, and its built ones keep the limit.
+TEST(ToleranceSpread, TheRobustOptimumKeepsTheLimitAsBuilt) {
+  const TemporaryFolder folder;
+  const Study study = clipped_study(folder);
+  const Json result = run_clipped(folder / "run", study, 1);
+  const Json& manufacture = result["manufacture"];
+  const Json& robust = manufacture["robust"];
+  const char* radiance = "lighting.ring.radiance.0";
+  EXPECT_LT(manufacture["feasible_share"].get<double>(), 0.95);
+  EXPECT_TRUE(robust["winner"]["value"].is_null()) << "19 of 20 do not keep the limit";
+  EXPECT_FALSE(robust["is_winner"].get<bool>());
+  EXPECT_GE(robust["feasible_share"].get<double>(), 0.95);
+  EXPECT_LT(robust["variables"][radiance].get<double>(),
+            result["best"]["variables"][radiance].get<double>());
+  EXPECT_GT(robust["probability"].get<double>(), 0.9);
+  EXPECT_TRUE(robust["reached"]["value"].is_number());
+  EXPECT_EQ(result["evaluations"], 16) << "counted apart";
+  EXPECT_LE(manufacture["evaluations"].get<int>(), kMaxBuiltDesigns);
+  const std::string page = read_file(folder / "run/report.html");
+  EXPECT_THAT(page, HasSubstr("The robust optimum"));
+  // The same with two at once, and read again from the record.
+  EXPECT_EQ(run_clipped(folder / "two", study, 2)["manufacture"], manufacture);
+  const Storage record = Storage::read(folder / "run" / kBuiltTrials);
+  EXPECT_EQ(record.trials(TrialKind::kSearch).size(),
+            manufacture["evaluations"].get<std::size_t>());
+  EXPECT_EQ(record.events().size(), manufacture["evaluations"].get<std::size_t>());
+}
+
+// What a killed run has built is not built again; what it lacks follows, to the same numbers.
+TEST(ToleranceSpread, GoesOnWithTheDesignsThatAreBuilt) {
+  const TemporaryFolder folder;
+  const Study study = clipped_study(folder);
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  const auto spread_in = [&](const std::string& name, const std::atomic<int>* interrupt) {
+    std::filesystem::create_directories(folder / name);
+    BuiltDesigns built(store, study, identity_of(study), folder / name, 1, interrupt);
+    return tolerance_spread(built, study, {}, {1.0}, variables_of);
+  };
+  const Json whole = *spread_in("whole", nullptr);
+  std::filesystem::create_directories(folder / "cut");
+  {  // a record that ends within the second part, one design asked and not built
+    const Storage source = Storage::read(folder / "whole" / kBuiltTrials);
+    Storage cut = Storage::open(folder / "cut" / kBuiltTrials, identity_of(study));
+    for (Trial& trial : source.trials(TrialKind::kSearch)) {
+      if (trial.number <= 21) {
+        const std::optional<Outcome> outcome = trial.outcome;
+        trial.outcome.reset();
+        cut.append(std::vector<Event>{{.kind = EventKind::kAsk, .trial = trial.number}},
+                   std::vector<Trial>{trial});
+        if (trial.number <= 20) {
+          cut.record(TrialKind::kSearch, trial.number, *outcome);
+        }
+      }
+    }
+  }
+  const std::atomic<int> interrupted = 1;
+  EXPECT_FALSE(spread_in("cut", &interrupted).has_value());
+  EXPECT_EQ(*spread_in("cut", nullptr), whole);
+  EXPECT_EQ(*spread_in("cut", &interrupted), whole) << "nothing is left to build";
+  const auto seconds_of = [&](const char* name) {
+    std::vector<double> seconds;
+    for (const Trial& trial :
+         Storage::read(folder / name / kBuiltTrials).trials(TrialKind::kSearch)) {
+      seconds.push_back(trial.outcome->seconds);
+    }
+    return seconds;
+  };
+  const std::vector<double> first = seconds_of("whole");
+  const std::vector<double> second = seconds_of("cut");
+  ASSERT_EQ(second.size(), first.size());
+  EXPECT_TRUE(std::equal(first.begin(), first.begin() + 20, second.begin())) << "as recorded";
+}
+
+TEST(ToleranceSpread, IsCountedByCheck) {
+  const TemporaryFolder folder;
+  const Json told = check_study(clipped_study(folder), {.threads = 2});
+  EXPECT_EQ(told["manufacture_evaluations"], kMaxBuiltDesigns);
+  const Json& cpu_s = told["predicted_cpu_s"];
+  EXPECT_NEAR(cpu_s["manufacture"].get<double>(),
+              kMaxBuiltDesigns * told["seconds_per_evaluation"].get<double>(),
+              1e-9);
+  EXPECT_GE(cpu_s["total"].get<double>(),
+            cpu_s["search"].get<double>() + cpu_s["manufacture"].get<double>());
+  EXPECT_FALSE(
+      check_study(study_of(folder, ""), {.threads = 2}).contains("manufacture_evaluations"));
 }
 
 TEST(ToleranceSpread, IsNotInStudiesWithoutIt) {

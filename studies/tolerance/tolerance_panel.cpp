@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/tolerance/tolerance_panel.h"
+
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/text.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string number_text(const Json& value) {
+  return value.is_number() ? fmt::format("{:.4g}", value.get<double>()) : "outside the limits";
+}
+
+/// "12.3 (95 %: 11.9 to 12.6)"
+std::string interval_text(const Json& interval) {
+  if (!interval["value"].is_number()) {
+    return "none within the limits";
+  }
+  return fmt::format("{} (95 %: {} to {})",
+                     number_text(interval["value"]),
+                     number_text(interval["low"]),
+                     number_text(interval["high"]));
+}
+
+std::string lead_text(const Json& spread) {
+  std::vector<std::string> keys;
+  for (const auto& [key, plus_minus] : spread["plus_minus"].items()) {
+    keys.push_back(fmt::format("{} \u00b1 {:.4g}", key, plus_minus.get<double>()));
+  }
+  std::string lead = fmt::format(
+      "{} designs about the winner, evaluated with the noise of the search; each key spread evenly "
+      "within its tolerance: {}.",
+      spread["designs"].get<int>(),
+      join(keys, ", "));
+  if (spread.contains("feasible_share")) {
+    lead += fmt::format(" {:.0f} % of them meet every limit.",
+                        100.0 * spread["feasible_share"].get<double>());
+  }
+  if (const int failed = spread["failed"].get<int>(); failed > 0) {
+    lead += fmt::format(" {} could not be evaluated.", failed);
+  }
+  return lead;
+}
+
+/// What 95 % of the built designs reach, of the winner and of the robust optimum.
+std::string robust_text(const Json& robust) {
+  const std::size_t count = robust["candidates"].size();
+  if (count == 0) {
+    return " The trials are too few to propose a more robust design.";
+  }
+  const std::string tried = fmt::format(
+      " Of {} more design{} that a model of the search proposed, built with the same deviations, ",
+      count,
+      count == 1 ? "" : "s");
+  const std::string measure = robust["measure"];
+  if (robust["is_winner"].get<bool>()) {
+    return tried + fmt::format(
+                       "none is better: the winner is the robust optimum, too. 19 of 20 built ones "
+                       "reach {} {} within every limit.",
+                       measure,
+                       interval_text(robust["winner"]));
+  }
+  return tried +
+         fmt::format(
+             "one is more robust: 19 of 20 built ones reach {} {} within every limit, of the "
+             "winner {}. It is the better of the two with a probability of {:.1f} %.",
+             measure,
+             interval_text(robust["reached"]),
+             interval_text(robust["winner"]),
+             100.0 * robust["probability"].get<double>());
+}
+
+Json score_table(const std::string& caption, const std::string& design, const Json& scores) {
+  Json rows = Json::array();
+  for (const auto& [name, one] : scores.items()) {
+    Json row = {name};
+    for (const char* figure : {"nominal", "mean", "sd", "low", "high"}) {
+      row.push_back(number_text(one[figure]));
+    }
+    rows.push_back(row);
+  }
+  return {{"caption", caption},
+          {"head", {"score", design, "mean", "standard deviation", "5 %", "95 %"}},
+          {"rows", rows}};
+}
+
+std::string value_text(const Json& value) {
+  return value.is_number_float() ? fmt::format("{:.5g}", value.get<double>())
+         : value.is_string()     ? value.get<std::string>()
+                                 : value.dump();
+}
+
+Json variable_table(const Json& winner, const Json& robust) {
+  Json rows = Json::array();
+  for (const auto& [name, value] : robust.items()) {
+    rows.push_back(
+        {name, winner.contains(name) ? value_text(winner[name]) : "-", value_text(value)});
+  }
+  return {{"caption", "Variables"}, {"head", {"", "winner", "robust optimum"}}, {"rows", rows}};
+}
+
+}  // namespace
+
+Json tolerance_panel(const Json& spread, const Json& variables) {
+  std::string lead = lead_text(spread);
+  Json tables = Json::array();
+  const Json robust = spread.value("robust", Json());
+  const bool is_other = robust.is_object() && !robust["is_winner"].get<bool>();
+  tables.push_back(score_table(is_other ? "The winner" : "", "winner", spread["scores"]));
+  if (robust.is_object()) {
+    lead += robust_text(robust);
+  }
+  if (is_other) {
+    tables.push_back(score_table("The robust optimum", "exactly built", robust["scores"]));
+    tables.push_back(variable_table(variables, robust["variables"]));
+  }
+  return {
+      {"id", "manufacture"}, {"title", "As it will be built"}, {"lead", lead}, {"tables", tables}};
+}
+
+}  // namespace glint

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/rng.h"
+#include "metrics/lighting_scores.h"
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/front/front.h"
 
@@ -204,6 +205,8 @@ void add_rescored(const Goal& goal, const Json& written, Json& design) {
       errors[name] = *own;
     } else if (const auto spread = spread_of(repeated.value(name, Json()))) {
       errors[name] = *spread;
+    } else if (is_of_lighting(name)) {
+      errors[name] = 0.0;  // it follows from the settings
     }
   }
   design["rescored"] = scores;

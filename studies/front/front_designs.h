@@ -30,7 +30,8 @@ void plan_front(const Goal& goal, nlohmann::ordered_json& front);
 /// Adds to a design what it is worth with fresh seeds:
 ///   rescored         scores of objectives and limits
 ///   rescored_errors  their standard errors: the score's own, else the standard deviation of the
-///                    scans with other noise; absent for a score that has neither
+///                    scans with other noise, 0 of scores of the lighting, which follow from
+///                    settings; absent for a score that has none of these
 ///   keeps_limits     whether these scores are within all limits; absent without limits
 /// Nothing where the design was not scored again.
 /// @param written  the object of its scores.json

@@ -90,6 +90,9 @@ void add_front_to_page(const fs::path& run,
     }
   }
   front["rescored"] = result.value("front_rescored", Json());
+  if (result.contains("probability_best")) {
+    front["probability_best"] = result["probability_best"];
+  }
   add_pictures(run, closeups, front);
 }
 

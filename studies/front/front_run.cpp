@@ -6,8 +6,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/file.h"
 #include "core/log.h"
 #include "studies/front/front_designs.h"
+#include "studies/front/front_probability.h"
 
 namespace glint {
 namespace {
@@ -37,6 +39,18 @@ Json write_full(const FrontTask& task, const SceneSettings& scene, const Json& d
   return task.write(design["folder"], scene, head, lacks_errors(task.study, design));
 }
 
+/// The prototypes, as they were written before.
+std::vector<Finalist> prototypes_of(const FrontTask& task) {
+  std::vector<Finalist> finalists;
+  for (const Prototype& prototype : task.study.prototypes) {
+    finalists.push_back(
+        {.key = prototype.name,
+         .title = prototype.title,
+         .written = Json::parse(read_file(task.out / prototype.name / "scores.json"))});
+  }
+  return finalists;
+}
+
 }  // namespace
 
 int full_designs_of_front(const Json& front) {
@@ -60,6 +74,7 @@ void write_front(const FrontTask& task, const Json& winner, Json& front, Json& r
   remove_other_designs(task.out, front);
   const std::vector<Trial> trials = task.storage.trials(TrialKind::kSearch);
   int evaluations = 0;
+  std::vector<Finalist> finalists = prototypes_of(task);
   for (Json& design : front["designs"]) {
     if (task.interrupt != nullptr && *task.interrupt > 0) {
       log(LogLevel::kWarning, "interrupted; the same command writes the rest of the front");
@@ -74,6 +89,9 @@ void write_front(const FrontTask& task, const Json& winner, Json& front, Json& r
       const Json written = is_winner ? winner : write_full(task, scene, design);
       add_rescored(task.study.goal, written, design);
       evaluations += is_winner ? 0 : 1 + scans_of(written);
+      finalists.push_back({.key = design["folder"],
+                           .title = fmt::format("Evaluation {}", number),
+                           .written = written});
     } else if (design["shown"] == "thumbnail") {
       write_thumbnail(task.store,
                       scene,
@@ -85,6 +103,7 @@ void write_front(const FrontTask& task, const Json& winner, Json& front, Json& r
   }
   result["front_rescored"] = judge_front(task.study.goal, front);
   result["front_rescored"]["evaluations"] = evaluations;
+  add_probability_best(task.study.goal, finalists, front, result);
   result["front"] = front["designs"];
 }
 

@@ -42,8 +42,9 @@ void add_front_to_result(const nlohmann::ordered_json& front, nlohmann::ordered_
 
 /// Writes the folders of the front's designs and adds to them, in `front` and in `result`, what
 /// add_rescored() and judge_front() find (studies/front/front_designs.h). The chosen design has its
-/// folder already. `front_rescored` of the result is that of judge_front() with `evaluations`: how
-/// many the fresh scores took, which are not of the search's budget. Interrupted, `status` is so.
+/// folder already. `probability_best` of both is that of add_probability_best(), prototypes
+/// included. `front_rescored` of the result is that of judge_front() with `evaluations`: how many
+/// the fresh scores took, which are not of the search's budget. Interrupted, `status` is so.
 /// @param winner  the object of its scores.json
 /// @param front   front_json()
 /// @throws IoError, ConfigError

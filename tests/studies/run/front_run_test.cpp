@@ -97,7 +97,11 @@ TEST(FrontRun, TheResultHoldsTheFrontAndTheChosenDesign) {
   EXPECT_FALSE(chosen.at("reason").get<std::string>().empty());
   EXPECT_THAT(result.at("verdict").at("sentence").get<std::string>(),
               HasSubstr("The compromise reaches "));
-  EXPECT_FALSE(result.contains("probability_best"));
+  double sum = 0.0;
+  for (const Json& one : result.at("probability_best")) {
+    sum += one.at("probability").get<double>();
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-9);
 }
 
 TEST(FrontRun, TheReportHasTheFrontWithItsHistory) {
@@ -144,7 +148,8 @@ TEST(FrontRun, ALargerBudgetGoesOnToTheSameFront) {
   write_file(folder / "cut/front/trial_999/scores.json", "{}");
   write_file(folder / "cut/front/notes.txt", "mine");
   const Json resumed = run_into(folder, "cut", 14);
-  for (const char* name : {"front", "front_rescored", "hypervolume", "reference", "chosen"}) {
+  for (const char* name :
+       {"front", "front_rescored", "hypervolume", "reference", "chosen", "probability_best"}) {
     EXPECT_EQ(resumed.at(name), whole.at(name)) << name;
   }
   EXPECT_EQ(read_file(folder / "cut/front/notes.txt"), "mine");

@@ -37,6 +37,7 @@ constexpr std::array kWords = {Words{"h_rms", "h (rms)"},
                                Words{"best_frame", "difference in the best frame"},
                                Words{"union", "area that changes"},
                                Words{"auc", "AUC"},
+                               Words{"total", "cost"},
                                Words{"pod_a90_um", "a90 (\u00b5m)"}};
 
 constexpr std::array kUnits = {Words{"_mm", "mm"},

@@ -58,7 +58,8 @@ export class Facts {
     this.front = data.front?.objectives?.length > 1 ? data.front : null;
     this.objectives = this.front ? this.front.objectives.map((one) => ({ name: one.score, maximise: one.direction === 'maximise' }))
       : this.objective.name ? [{ name: this.objective.name, maximise: this.maximise }] : [];
-    this.names = shortNames(this.variables.map((variable) => variable.name));
+    const scores = [...this.objectives, ...this.constraints].map(({ name }) => this.label(name));
+    this.names = shortNames(this.variables.map((variable) => variable.name), scores);
   }
 
   info(score) { return this.data.score_info?.[score] ?? { label: score, format: 'number' }; }
@@ -164,11 +165,11 @@ export const stateOf = (trial) => (trial.failed ? 'failed' : trial.feasible === 
 
 export const microns = (unit) => (unit === 'um' ? '\u00b5m' : unit);
 
-/** "lighting.tunnel.radius_mm" -> "radius (mm)", longer only where two would look the same. */
-export function shortNames(paths) {
+/** "lighting.tunnel.radius_mm" -> "radius (mm)", longer only where two would look the same, or where something else is called so. */
+export function shortNames(paths, taken = []) {
   for (let kept = 1; kept <= 4; ++kept) {
     const names = paths.map((path) => readable(path, kept));
-    if (new Set(names).size === names.length) return names;
+    if (new Set(names).size === names.length) return names.map((name, i) => (taken.includes(name) ? readable(paths[i], kept + 1) : name));
   }
   return paths;
 }

@@ -3,7 +3,7 @@
 import { axisStyle, chart, encode, kHalo, kInk, kText, valueLabel } from './charts.js';
 import { closeupFigure } from './cards.js';
 import { badge, h, picture, pngUrl, section, svg, svgNode } from './dom.js';
-import { panelsOf, setLine, staircase } from './front_words.js';
+import { chosenText, panelsOf, setLine, staircase } from './front_words.js';
 import { isDone, isGood, isNumber, number, percent, plural, shortNames, stateOf } from './format.js';
 import { discs, follow, Overlay, wash } from './overlay.js';
 import { order } from './table.js';
@@ -15,6 +15,7 @@ const kTold = 5e-4;  // an error of less than that part of its value changes non
 const kReach = { design: 14, trial: 9 };  // pixels around a mark in which a click means it
 const kCross = 'path://M0,2L2,0L5,3L8,0L10,2L7,5L10,8L8,10L5,7L2,10L0,8L3,5Z';
 const kPrintedRows = 12;
+const kShortNamePx = 190;  // a panel has no room for more than the score's name below
 const kManyTrials = 300;  // above this a canvas: the parts follow each other within 100 ms
 
 /** What the page knows of an evaluation: its place on the front, and the variables by their paths. */
@@ -106,10 +107,11 @@ class FrontChart {
   }
 
   axes(width) {
+    const narrow = this.grids(width)[0].width < kShortNamePx;
     const axis = (objective, index, isShown, side) => {
       const [min, max] = this.range(objective);
       const arrow = objective.maximise ? ' \u2192' : ' \u2190';  // along the name, which is turned at y
-      return { type: 'value', gridIndex: index, min, max, splitNumber: this.count === 1 ? 5 : 3, name: isShown ? `${this.facts.axisName(objective)}${arrow}` : '', nameLocation: 'middle', nameGap: side === 'x' ? 30 : 52, ...axisStyle,
+      return { type: 'value', gridIndex: index, min, max, splitNumber: this.count === 1 ? 5 : 3, name: isShown ? `${side === 'x' && narrow ? this.facts.label(objective.name) : this.facts.axisName(objective)}${arrow}` : '', nameLocation: 'middle', nameGap: side === 'x' ? 30 : 52, ...axisStyle,
         nameTextStyle: { color: kInk, fontSize: this.count > 2 || width < 620 ? 11 : 12, overflow: 'break', width: Math.max(120, width / this.count - 60) },
         axisLabel: { color: '#55606a', show: isShown, showMinLabel: false, showMaxLabel: false, hideOverlap: true, formatter: valueLabel(this.facts, objective.name) } };
     };
@@ -401,12 +403,13 @@ class FrontTable {
     const { facts, members } = this;
     const isTotal = facts.front.hypervolume > 0;
     const scored = (name) => [{ name, heading: facts.label(name), meaning: facts.meaning(name), value: (one) => one.scores[name], text: (one) => facts.scoreWithError(name, { ...one.scores, [`${name}.error`]: one.errors?.[name] }) },
-      members.designs.some((one) => isNumber(one.rescored?.[name])) && { name: `${name} fresh`, heading: `${facts.label(name)}, fresh seeds`, meaning: `${facts.meaning(name)}\nscored again with fresh seeds`, value: (one) => one.rescored?.[name], text: (one) => (one.rescored ? facts.scoreWithError(name, members.fresh(one.trial)) : '\u2013') }];
+      members.designs.some((one) => isNumber(one.rescored?.[name]) && one.rescored[name] !== one.scores[name]) && { name: `${name} fresh`, heading: `${facts.label(name)}, fresh seeds`, meaning: `${facts.meaning(name)}\nscored again with fresh seeds`, value: (one) => one.rescored?.[name], text: (one) => (one.rescored ? facts.scoreWithError(name, members.fresh(one.trial)) : '\u2013') }];
     return [
       { name: 'trial', heading: '#', value: (one) => one.trial, text: (one) => String(one.trial) },
       ...facts.objectives.flatMap(({ name }) => scored(name)),
       isTotal && { name: 'contribution', heading: 'adds to volume', meaning: 'share of the hypervolume that would be lost without the design', value: (one) => one.contribution, text: (one) => (isNumber(one.contribution) ? percent(one.contribution / facts.front.hypervolume) : '\u2013') },
       members.designs.some((one) => isNumber(one.probability_on_front)) && { name: 'probability', heading: 'on the front', meaning: 'probability that none of the designs scored again beats it, by their errors', value: (one) => one.probability_on_front, text: (one) => (isNumber(one.probability_on_front) ? `${Math.round(100 * one.probability_on_front)}\u00a0%` : '\u2013') },
+      members.designs.some((one) => isNumber(one.probability_best)) && { name: 'probability_best', heading: 'compromise', meaning: 'probability that the choice takes it of all designs scored again and the prototypes, by the noise of their scores', value: (one) => one.probability_best, text: (one) => (isNumber(one.probability_best) ? `${Math.round(100 * one.probability_best)}\u00a0%` : '\u2013') },
       ...facts.variables.map((variable, i) => ({ name: variable.name, heading: facts.names[i], value: (one) => one.variables?.[variable.name], text: (one) => number(one.variables?.[variable.name]) })),
     ].filter(Boolean);
   }
@@ -455,7 +458,7 @@ export function frontSections(facts, selection) {
     section('front', 'The front', lead, h('p', { class: 'toolbar screen-only' }, h('label', { class: 'inline' }, view.full, ' Show the full range'), view.clear),
       h('div', { class: `front${facts.objectives.length > 3 ? ' wide' : ''}` }, h('div', { class: 'front-view' }, view.legend(), view.place), new Detail(facts, members, selection).node,
         gallery.node && h('div', { class: 'front-gallery' }, h('h4', {}, `Pictures along the front, ${facts.objectives[0].maximise ? 'largest' : 'smallest'} ${facts.label(facts.objectives[0].name)} first`), gallery.node))),
-    section('front-designs', 'Designs of the front', again ? `Each was scored by the search; those that add most to the hypervolume were scored again with fresh seeds, and \u00b1 is a standard error.` : null, table.node),
+    section('front-designs', 'Designs of the front', again ? `Each was scored by the search; those that add most to the hypervolume were scored again with fresh seeds, and \u00b1 is a standard error.${chosenText(facts)}` : null, table.node),
   ];
 }
 
@@ -491,6 +494,6 @@ export function hypervolumeSection(facts) {
     ],
   });
   const notes = ['What the front encloses with the reference, in the product of the scores\u2019 units; more is better.', hasOwn ? 'The band is what the scores\u2019 own errors make of it.' : part > 0 ? 'The band is the share that the errors of the designs scored again make of it.' : 'The scores tell no error of their own, so that there is no band.',
-    again && isNumber(again.hypervolume) && again.searched > 0 && `The ${plural(again.designs, 'design')} scored again enclose ${number(again.searched, 3)} by the search and ${number(again.hypervolume, 3)}${isNumber(again.noise) && again.noise > 0 ? ` \u00b1 ${number(again.noise, 2)}` : ''} with fresh seeds.`];
+    again && isNumber(again.hypervolume) && again.searched > 0 && `The ${plural(again.designs, 'design')} scored again enclose ${number(again.searched, 3)} by the search and ${number(again.hypervolume, 3)}${isNumber(again.noise) && again.noise > 0 ? ` \u00b1 ${percent(again.noise / again.hypervolume)}` : ''} with fresh seeds.`];
   return section('hypervolume', 'Hypervolume', notes.filter(Boolean).join(' '), chart(300, 'Hypervolume against evaluations', 0, option));
 }

@@ -31,3 +31,18 @@ export function ticks(low, high, about = 4) {
   const first = Math.ceil(low / step - 1e-9);
   return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, i) => Number(((first + i) * step).toPrecision(12)));
 }
+
+/** Some round numbers between two above 0, evenly in their logarithm: 1, 2, 5, 10, .. as far as there are a few of them. */
+export function logTicks(low, high) {
+  const decades = Array.from({ length: Math.ceil(Math.log10(high)) - Math.floor(Math.log10(low)) + 1 }, (_, i) => 10 ** (Math.floor(Math.log10(low)) + i));
+  const within = (steps) => decades.flatMap((one) => steps.map((step) => Number((one * step).toPrecision(12)))).filter((one) => one >= low && one <= high);
+  const some = within([1, 2, 5]);
+  return some.length > 6 ? within([1]) : some;
+}
+
+/** Which designs may be the compromise, for all the noise of their scores. */
+export function chosenText(facts) {
+  const likely = (facts.front.probability_best ?? []).filter((one) => one.probability >= 0.005);
+  const share = ({ probability }) => (probability < 0.995 ? `${Math.round(100 * probability)}\u00a0%` : 'over 99\u00a0%');
+  return likely.length ? ` Probability of being the compromise, from scans with the same noise for all: ${likely.slice(0, 6).map((one) => `${one.title} ${share(one)}`).join(', ')}${likely.length > 6 ? ', and others' : ''}.` : '';
+}

@@ -3,13 +3,15 @@
 import { valueLabel } from './charts.js';
 import { h, section, svg } from './dom.js';
 import { isDone, isGood, isNumber, number } from './format.js';
-import { ticks } from './front_words.js';
+import { logTicks, ticks } from './front_words.js';
 import { follow, Overlay, wash } from './overlay.js';
 
 const kHeightPx = 400;
 const kEdge = { left: 46, right: 70, top: 58, bottom: 16 };
 const kLooks = { infeasible: ['#e3a27d', 1, [4, 3]], beaten: ['#aebac4', 1, []], front: ['#08306b', 1.7, []], chosen: ['#08306b', 3.4, []], picked: ['#d55e00', 3, []] };
 const kReachPx = 6;
+
+const kMarksApart = 0.06;  // of an axis, for two numbers not to touch
 
 /** An axis: what it is called, where a value lies on it (0 bottom, 1 top), and its marks as [share, text]. */
 function variableAxis(facts, variable, i) {
@@ -22,7 +24,8 @@ function variableAxis(facts, variable, i) {
   const scale = variable.log && variable.low > 0 ? Math.log10 : (one) => one;
   const [low, high] = [scale(variable.low), scale(variable.high)];
   const share = (one) => (isNumber(one) ? (scale(one) - low) / (high - low || 1) : NaN);
-  const at = variable.log && variable.low > 0 ? [variable.low, ...ticks(low, high).map((one) => 10 ** one), variable.high] : ticks(low, high);
+  const isApart = (one) => Math.min(share(one), 1 - share(one)) > kMarksApart;
+  const at = variable.log && variable.low > 0 ? [variable.low, ...logTicks(variable.low, variable.high).filter(isApart), variable.high] : ticks(low, high);
   return { name: facts.names[i], value, share, marks: [...new Set(at)].map((one) => [share(one), number(one)]) };
 }
 

@@ -10,7 +10,7 @@ import { pathToFileURL } from 'node:url';
 const source = (name) => import(pathToFileURL(join(process.argv[2], 'studies/report/web', name)).href);
 const { count, Facts, measured, number, percent, shortNames } = await source('format.js');
 const { parseFilter } = await source('filter.js');
-const { panelsOf, setLine, staircase, ticks } = await source('front_words.js');
+const { chosenText, logTicks, panelsOf, setLine, staircase, ticks } = await source('front_words.js');
 const { Selection } = await source('selection.js');
 
 // Three significant digits for what was measured, also where the last are zeros.
@@ -32,6 +32,21 @@ assert.equal(facts.scoreWithError('d', { d: 3 }), '3.00');
 assert.deepEqual(shortNames(['lighting.tunnel.radius_mm', 'lighting.tunnel.control_mm.2', 'part.rotation_deg.0', 'lighting.ring.position_mm.2', 'lighting.ring.segment_power.0', 'defects.dent.height_um']),
   ['radius (mm)', 'control point 3 (mm)', 'rotation about x (\u00b0)', 'position z (mm)', 'power of segment 1', 'height (\u00b5m)']);
 assert.deepEqual(shortNames(['lighting.left.position_mm.0', 'lighting.right.position_mm.0']), ['left position x (mm)', 'right position x (mm)']);
+
+// A variable that is called like a score on the page has its light's name, too; others keep theirs.
+assert.deepEqual(shortNames(['lighting.tunnel.height_mm', 'lighting.tunnel.slot_mm'], ['height (mm)']), ['tunnel height (mm)', 'slot (mm)']);
+const named = new Facts({ variables: [{ name: 'lighting.tunnel.height_mm' }], objective: { name: 'lighting.height_mm' }, score_info: { 'lighting.height_mm': { label: 'height (mm)', format: 'number' } } });
+assert.deepEqual(named.names, ['tunnel height (mm)']);
+
+// Round marks of a logarithmic axis.
+assert.deepEqual(logTicks(6, 32), [10, 20]);
+assert.deepEqual(logTicks(0.1, 0.5), [0.1, 0.2, 0.5]);
+assert.deepEqual(logTicks(0.001, 100), [0.001, 0.01, 0.1, 1, 10, 100]);
+
+// Which designs may be the compromise.
+assert.equal(chosenText({ front: {} }), '');
+assert.match(chosenText({ front: { probability_best: [{ title: 'Evaluation 5', probability: 0.84 }, { title: 'Half', probability: 0.16 }, { title: 'Other', probability: 0.001 }] } }),
+  /for all: Evaluation 5 84\u00a0%, Half 16\u00a0%\.$/);
 
 // The filter works in the units that the table shows.
 const rows = [{ h: 0.801, cnr: 4, state: 'feasible', radius: 80 }, { h: 0.7, cnr: null, state: 'infeasible', radius: 120 }, { h: 0.95, cnr: 2, state: 'failed', radius: 100 }];

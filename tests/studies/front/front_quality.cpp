@@ -192,7 +192,12 @@ int write_front(const fs::path& study_file, const fs::path& folder, const fs::pa
 int print_table(const fs::path& study_file, const fs::path& folder, const fs::path& file) {
   const Study study = study_of(study_file, kLongPart, kLongEvaluations);
   const std::vector<double> reference = reference_of(study.goal, {});
-  const double best = hypervolume(read_front(study.goal, file).rows, reference);
+  const std::vector<Row> known = read_front(study.goal, file).rows;
+  if (known.empty()) {
+    std::cout << fmt::format("not shown: no best front is known, {} is missing\n", file.string());
+    return 1;
+  }
+  const double best = hypervolume(known, reference);
   std::cout << fmt::format("best known: {:.2f}\n{:<8} {:>8} {:>8}\n", best, "part", "100", "300");
   std::vector<double> shares;
   for (const std::string& part : all_parts()) {

@@ -163,15 +163,31 @@ void check_not_varied(const Study& study, std::vector<Problem>& errors) {
   }
 }
 
-std::string why_no_score(const Study& study, const std::string& name) {
+std::string why_no_score(const SceneSettings& scene, const std::string& name) {
   if (is_bound(name) || is_error(name)) {
     return "is the bound or the error of a score; allowed are scores";
   }
-  std::string problem = unknown_score(name, defect_labels(study.scene), group_names(study.scene));
-  problem += problem.empty() ? missing_by_paths(study.scene, name) : "";
-  problem += problem.empty() ? missing_by_reference(study.scene, name) : "";
-  problem += problem.empty() ? missing_by_cell(study.scene, name) : "";
+  std::string problem = unknown_score(name, defect_labels(scene), group_names(scene));
+  problem += problem.empty() ? missing_by_paths(scene, name) : "";
+  problem += problem.empty() ? missing_by_reference(scene, name) : "";
+  problem += problem.empty() ? missing_by_cell(scene, name) : "";
   return problem;
+}
+
+/// @param tolerance  nullptr or anything: other than a table it names no score
+void check_scores(const SceneSettings& scene,
+                  const ConfigNode* tolerance,
+                  std::vector<Problem>& errors) {
+  if (tolerance == nullptr || !tolerance->is_table()) {
+    return;
+  }
+  for (std::size_t i = 0; i < tolerance->names.size(); ++i) {
+    if (const std::string problem = why_no_score(scene, tolerance->names[i]); !problem.empty()) {
+      errors.push_back({.place = tolerance->items[i].place,
+                        .key = "accuracy.tolerance",
+                        .text = fmt::format("\"{}\" {}", tolerance->names[i], problem)});
+    }
+  }
 }
 
 }  // namespace
@@ -203,6 +219,7 @@ std::vector<std::string> names_of(const KeptKeys& kept) {
 }
 
 std::optional<AccuracySettings> read_accuracy(const ConfigNode& root,
+                                              const SceneSettings& scene,
                                               std::vector<Problem>& errors) {
   const ConfigNode* table = root.find(kTable);
   if (table == nullptr) {
@@ -217,6 +234,7 @@ std::optional<AccuracySettings> read_accuracy(const ConfigNode& root,
   reader.report_unknown();
   if (table->is_table()) {
     read_tolerance(*table, tolerance, settings, errors);
+    check_scores(scene, tolerance, errors);
     read_keep(keep, errors);
   } else if (errors.size() == before) {
     errors.push_back({.kind = Problem::Kind::kWrongType,
@@ -239,14 +257,6 @@ void check_accuracy(const Study& study, std::vector<Problem>& errors) {
                       .text = "chooses how the designs of a search are rendered; it needs "
                               "[variables] and [objective]"});
     return;
-  }
-  const ConfigNode* tolerance = table.find("tolerance");
-  for (const ScoreWish& wish : study.accuracy->wishes) {
-    if (const std::string problem = why_no_score(study, wish.score); !problem.empty()) {
-      errors.push_back({.place = tolerance->find(wish.score)->place,
-                        .key = "accuracy.tolerance",
-                        .text = fmt::format("\"{}\" {}", wish.score, problem)});
-    }
   }
   check_not_varied(study, errors);
 }

@@ -34,11 +34,15 @@ const std::vector<std::string>& ladder_keys();
 /// Those of ladder_keys() that a file gives. @param root  as written
 KeptKeys keys_in_file(const ConfigNode& root);
 
-/// Empty without the table. @param errors  grows by the problems found
-std::optional<AccuracySettings> read_accuracy(const ConfigNode& root, std::vector<Problem>& errors);
+/// Empty without the table.
+/// @param scene   of the study, which has the scores that are named
+/// @param errors  grows by all problems found, those of unknown keys and of scores together
+std::optional<AccuracySettings> read_accuracy(const ConfigNode& root,
+                                              const SceneSettings& scene,
+                                              std::vector<Problem>& errors);
 
-/// What the table needs of the rest of a study: a search, scores that the scene has, no [render]
-/// key that the search varies. @param errors  grows by what is missing
+/// What the table needs of the rest of a study: a search, and no [render] key that it varies.
+/// @param errors  grows by what is missing
 void check_accuracy(const Study& study, std::vector<Problem>& errors);
 
 /// The table with every key present. @param root  of the study, for the keys that are kept

@@ -320,7 +320,7 @@ void read_study_tables(Study& study, std::vector<Problem>& errors) {
   read_goal(study, errors);
   read_populations(study, errors);
   read_trial(study, errors);
-  study.accuracy = read_accuracy(study.root, errors);
+  study.accuracy = read_accuracy(study.root, study.scene, errors);
 }
 
 void write_study_tables(const Study& study, ConfigNode& root) {

@@ -115,6 +115,18 @@ TEST(ReadAccuracy, RefusesOtherKeysAndConfidences) {
               HasSubstr("must be a list of keys"));
 }
 
+TEST(ReadAccuracy, TellsAWrongKeyAndAWrongScoreInOnePass) {
+  const std::string refusal =
+      refusal_of(kTunnelSearch +
+                 "[accuracy]\nconfidenc = 0.9\nkeep = [\"render.aperture\"]\n"
+                 "tolerance = { \"homogeneity.h_rmss\" = 0.1, \"defects.min_cnr\" = -1 }\n");
+  EXPECT_THAT(refusal,
+              AllOf(HasSubstr("accuracy.confidenc: unknown key"),
+                    HasSubstr("\"homogeneity.h_rmss\""),
+                    HasSubstr("defects.min_cnr: is -1"),
+                    HasSubstr("render.aperture")));
+}
+
 TEST(ReadAccuracy, NeedsASearch) {
   EXPECT_THAT(refusal_of("[lighting.tunnel]\n[accuracy]\ntolerance = \"auto\"\n"),
               AllOf(HasSubstr("s.toml:2:"), HasSubstr("needs [variables] and [objective]")));

@@ -87,6 +87,35 @@ void write_table(const ConfigNode& table, const std::string& path, std::string& 
   }
 }
 
+/// @param path  what the part belongs to, for what is said of it
+ConfigNode& item_at(ConfigNode& array,
+                    const std::string& part,
+                    std::string_view path,
+                    const Place& place) {
+  const auto index = array_index(part);
+  if (!index || *index >= array.items.size()) {
+    throw ConfigError(
+        Problem{.kind = Problem::Kind::kUnknownKey,
+                .place = place,
+                .key = std::string(path),
+                .text = fmt::format("the array has {} items, so the index must be below {}",
+                                    array.items.size(),
+                                    array.items.size())});
+  }
+  return array.items[*index];
+}
+
+/// The value of a key, which is added as a table where there is none.
+ConfigNode& value_at(ConfigNode& table, const std::string& key, const Place& place) {
+  if (ConfigNode* value = table.find(key)) {
+    return *value;
+  }
+  table.names.push_back(key);
+  table.items.push_back(ConfigNode::table());
+  table.items.back().place = place;
+  return table.items.back();
+}
+
 }  // namespace
 
 const ConfigNode* ConfigNode::find(std::string_view name) const {
@@ -165,25 +194,9 @@ void set_path(ConfigNode& root, std::string_view path, ConfigNode value) {
     const bool is_last = i + 1 == parts.size();
     ConfigNode* next = nullptr;
     if (node->is_array()) {
-      const auto index = array_index(parts[i]);
-      if (!index || *index >= node->items.size()) {
-        throw ConfigError(
-            Problem{.kind = Problem::Kind::kUnknownKey,
-                    .place = place,
-                    .key = std::string(path),
-                    .text = fmt::format("the array has {} items, so the index must be below {}",
-                                        node->items.size(),
-                                        node->items.size())});
-      }
-      next = &node->items[*index];
+      next = &item_at(*node, parts[i], path, place);
     } else if (node->is_table()) {
-      next = node->find(parts[i]);
-      if (next == nullptr) {
-        node->names.push_back(parts[i]);
-        node->items.push_back(ConfigNode::table());
-        next = &node->items.back();
-        next->place = place;
-      }
+      next = &value_at(*node, parts[i], place);
     } else {
       throw ConfigError(Problem{.kind = Problem::Kind::kUnknownKey,
                                 .place = place,

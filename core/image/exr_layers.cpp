@@ -65,6 +65,32 @@ std::uint8_t code_of(float value) {
   return static_cast<std::uint8_t>(std::lround(clamped(value) * 255.0F));
 }
 
+/// Some rows at a time. @param path  for what is said when it fails
+void write_rows(ImageOutput& output,
+                int width_px,
+                int height_px,
+                std::span<const ExrChannel> channels,
+                const fs::path& path) {
+  const std::size_t count = channels.size();
+  std::vector<float> row(static_cast<std::size_t>(width_px));
+  std::vector<float> rows(row.size() * kRows * count);
+  for (int top = 0; top < height_px; top += kRows) {
+    const int bottom = std::min(height_px, top + kRows);
+    for (std::size_t c = 0; c < count; ++c) {
+      float* to = rows.data() + c;
+      for (int y = top; y < bottom; ++y) {
+        channels[c].fill(y, row.data());
+        for (const float value : row) {
+          *to = value;
+          to += count;
+        }
+      }
+    }
+    check_written(
+        output.write_scanlines(top, bottom, 0, TypeDesc::FLOAT, rows.data()), output, path);
+  }
+}
+
 }  // namespace
 
 ExrChannel exr_channel(std::string name, const ImageF& image) {
@@ -91,24 +117,7 @@ void write_exr_channels(const fs::path& path,
   GLINT_CHECK(output && output->supports("ioproxy") && output->set_ioproxy(&memory),
               "OpenImageIO writes OpenEXR to memory");
   check_written(output->open("memory.exr", spec), *output, path);
-  const std::size_t count = channels.size();
-  std::vector<float> row(static_cast<std::size_t>(width_px));
-  std::vector<float> rows(row.size() * kRows * count);
-  for (int top = 0; top < height_px; top += kRows) {
-    const int bottom = std::min(height_px, top + kRows);
-    for (std::size_t c = 0; c < count; ++c) {
-      float* to = rows.data() + c;
-      for (int y = top; y < bottom; ++y) {
-        channels[c].fill(y, row.data());
-        for (const float value : row) {
-          *to = value;
-          to += count;
-        }
-      }
-    }
-    check_written(
-        output->write_scanlines(top, bottom, 0, TypeDesc::FLOAT, rows.data()), *output, path);
-  }
+  write_rows(*output, width_px, height_px, channels, path);
   check_written(output->close(), *output, path);
   // As bytes that lie there already: pictures of many channels fill much memory.
   write_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));

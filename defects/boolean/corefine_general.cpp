@@ -205,10 +205,7 @@ class Splitter {
     return at;
   }
 
-  /// Closed seams inside the face: holes of one region and regions themselves. False when they lie
-  /// in each other.
-  bool trace_loops() {
-    holes_.assign(outers_.size(), {});
+  std::vector<Polygon> closed_seams() {
     std::vector<Polygon> loops;
     for (std::int32_t start = num_border_; start < static_cast<std::int32_t>(locals_.size());
          ++start) {
@@ -216,6 +213,14 @@ class Splitter {
         loops.push_back(trace_loop(start));
       }
     }
+    return loops;
+  }
+
+  /// Closed seams inside the face: holes of one region and regions themselves. False when they lie
+  /// in each other.
+  bool trace_loops() {
+    holes_.assign(outers_.size(), {});
+    std::vector<Polygon> loops = closed_seams();
     for (std::size_t i = 0; i < loops.size(); ++i) {
       const Vector2d& point = flat_[place(loops[i][0])];
       for (std::size_t j = 0; j < loops.size(); ++j) {

@@ -196,6 +196,21 @@ int count_loops(const Seam& seam, const CorefinedMesh& part) {
   return loops;
 }
 
+/// The part's vertex of each of the tool's on the seam. False when one has none.
+bool match_vertices(const CorefinedPair& cut, const SharedPoints& shared, Seam& seam) {
+  seam.part_vertex.assign(cut.second.points_mm.size(), -1);
+  for (std::size_t i = 0; i < seam.part_vertex.size(); ++i) {
+    const std::int32_t number = shared.number[1][i];
+    if (number >= 0) {
+      seam.part_vertex[i] = shared.part_vertex[place(number)];
+      if (seam.part_vertex[i] < 0) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<Seam> match_seam(const CorefinedPair& cut) {
@@ -219,15 +234,8 @@ std::optional<Seam> match_seam(const CorefinedPair& cut) {
       seam.edges.push_back(*edge);
     }
   }
-  seam.part_vertex.assign(cut.second.points_mm.size(), -1);
-  for (std::size_t i = 0; i < seam.part_vertex.size(); ++i) {
-    const std::int32_t number = shared.number[1][i];
-    if (number >= 0) {
-      seam.part_vertex[i] = shared.part_vertex[place(number)];
-      if (seam.part_vertex[i] < 0) {
-        return std::nullopt;
-      }
-    }
+  if (!match_vertices(cut, shared, seam)) {
+    return std::nullopt;
   }
   seam.num_loops = count_loops(seam, cut.first);
   return seam;

@@ -186,6 +186,23 @@ class DefectMaker::Making {
     }
   }
 
+  /// The tool as it is, then moved by little until it goes in or has been moved often enough.
+  ImprintResult imprint_with_jitters(ImprintedMesh& mesh,
+                                     const TriangleMesh& tool,
+                                     ImprintOperation operation,
+                                     const Defect& defect,
+                                     RealisedDefect& made) const {
+    const ImprintLimits limits = {.min_removed_mm3 = state_.settings.min_removed_mm3};
+    Rng rng(defect.seed, Stream::kDefects, kJitterIndex);
+    ImprintResult result = mesh.imprint(tool, defect.id, operation, limits);
+    for (int jitter = 1; jitter <= state_.settings.jitters && is_worth_a_jitter(result.outcome);
+         ++jitter) {
+      ++made.jitters;
+      result = mesh.imprint(jittered(tool, jitter_size(jitter), rng), defect.id, operation, limits);
+    }
+    return result;
+  }
+
   void imprint(const ToolCollection& tools, Defect& defect, RealisedDefect& made) {
     if (!imprinted_) {
       imprinted_.emplace(state_.untouched());
@@ -194,20 +211,12 @@ class DefectMaker::Making {
     const TriangleMesh tool = placed_tool(tools, defect, *state_.part, *state_.bvh);
     const ImprintOperation operation =
         tools.works_inwards() ? ImprintOperation::kSubtract : ImprintOperation::kUnite;
-    const ImprintLimits limits = {.min_removed_mm3 = state_.settings.min_removed_mm3};
     ImprintedMesh finer = *imprinted_;
     if (!refine_under_tool(finer, tool, state_.part->patches, kFacetShare * defect.depth_mm)) {
       count_refusal(made, too_flat_text());
       return;
     }
-    Rng rng(defect.seed, Stream::kDefects, kJitterIndex);
-    ImprintResult result = finer.imprint(tool, defect.id, operation, limits);
-    for (int jitter = 1; jitter <= state_.settings.jitters && is_worth_a_jitter(result.outcome);
-         ++jitter) {
-      ++made.jitters;
-      result =
-          finer.imprint(jittered(tool, jitter_size(jitter), rng), defect.id, operation, limits);
-    }
+    const ImprintResult result = imprint_with_jitters(finer, tool, operation, defect, made);
     made.is_made = result.is_done();
     made.removed_volume_mm3 = result.removed_volume_mm3;
     if (made.is_made) {
@@ -225,13 +234,8 @@ class DefectMaker::Making {
     }
   }
 
-  /// The surface that imprints left, moved by displacements and processed.
-  void build_mesh() {
-    const ProcessingSettings& processing = state_.settings.processing;
-    if (!imprinted_ && displaced_.empty() && !is_any(processing)) {
-      return;
-    }
-    const Part& part = *state_.part;
+  /// What imprints left, or the part as it was.
+  void take_surface(const Part& part) {
     if (imprinted_) {
       ImprintedMesh::Labelled labelled = imprinted_->result();
       result_.mesh = std::move(labelled.mesh);
@@ -242,6 +246,16 @@ class DefectMaker::Making {
       result_.mesh = part.mesh;
       result_.labels.assign(part.mesh.num_triangles(), 0);
     }
+  }
+
+  /// The surface that imprints left, moved by displacements and processed.
+  void build_mesh() {
+    const ProcessingSettings& processing = state_.settings.processing;
+    if (!imprinted_ && displaced_.empty() && !is_any(processing)) {
+      return;
+    }
+    const Part& part = *state_.part;
+    take_surface(part);
     if (!displaced_.empty()) {
       displace_surface();
     }

@@ -81,12 +81,8 @@ std::vector<Vector3d> noise_moves(const ProcessingSettings& settings,
   return moves;
 }
 
-/// The faces at vertices that are elsewhere than before, and what follows from that: these faces
-/// are free, and normals at their vertices are new; all others keep theirs.
-void renew_surface(TriangleMesh& mesh,
-                   const std::vector<Vector3d>& before_mm,
-                   std::span<const ExactPatch> patches,
-                   double crease_rad) {
+/// Frees the faces at moved vertices from their patches. @return which vertices these faces have
+std::vector<char> free_moved_faces(TriangleMesh& mesh, const std::vector<Vector3d>& before_mm) {
   std::vector<char> is_near(before_mm.size(), 0);
   for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
     const Triangle& triangle = mesh.triangles[i];
@@ -101,6 +97,16 @@ void renew_surface(TriangleMesh& mesh,
       }
     }
   }
+  return is_near;
+}
+
+/// The faces at vertices that are elsewhere than before, and what follows from that: these faces
+/// are free, and normals at their vertices are new; all others keep theirs.
+void renew_surface(TriangleMesh& mesh,
+                   const std::vector<Vector3d>& before_mm,
+                   std::span<const ExactPatch> patches,
+                   double crease_rad) {
+  const std::vector<char> is_near = free_moved_faces(mesh, before_mm);
   const std::vector<Vector3d> old_normals = std::move(mesh.normals);
   const std::vector<Triangle> old_corners = std::move(mesh.corner_normals);
   set_normals(mesh, patches, crease_rad);

@@ -30,16 +30,21 @@ TestFace test_face(const TriangleMesh& mesh, std::int32_t face) {
   return {mesh.triangles[i], Corners{mesh.vertex(i, 0), mesh.vertex(i, 1), mesh.vertex(i, 2)}};
 }
 
-/// Faces that cross another one in more than shared corners, in ascending order, by exact
-/// predicates; only pairs of which at least one is among the given faces. Faces without area are
-/// left out.
-std::vector<std::int32_t> crossing_faces(const TriangleMesh& mesh,
-                                         const std::vector<std::int32_t>& among) {
+std::vector<FloatBox> boxes_of(const TriangleMesh& mesh) {
   std::vector<FloatBox> boxes;
   boxes.reserve(mesh.num_triangles());
   for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
     boxes.push_back(box_of(mesh.vertex(i, 0), mesh.vertex(i, 1), mesh.vertex(i, 2)));
   }
+  return boxes;
+}
+
+/// Faces that cross another one in more than shared corners, in ascending order, by exact
+/// predicates; only pairs of which at least one is among the given faces. Faces without area are
+/// left out.
+std::vector<std::int32_t> crossing_faces(const TriangleMesh& mesh,
+                                         const std::vector<std::int32_t>& among) {
+  const std::vector<FloatBox> boxes = boxes_of(mesh);
   const BoxTree tree(boxes);
   std::vector<char> is_among(mesh.num_triangles(), 0);
   for (const std::int32_t face : among) {

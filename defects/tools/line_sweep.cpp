@@ -89,28 +89,38 @@ Section plain_lower(const LineTool& shape, double share, int flank) {
   return points;
 }
 
+/// Numbers of mean 0 and deviation 1.
+struct FlankNoise {
+  std::vector<double> heights;  ///< by section and its points
+  std::vector<double> sides;    ///< two a section
+};
+
+FlankNoise noise_of(const LineTool& shape, const Sections& s) {
+  const ToolNoise bottom(shape.seed, 1, 3, 0.6);
+  const ToolNoise outline(shape.seed, 2, 3, 0.6);
+  const double steps = static_cast<double>(s.arc_mm.size() - 1);
+  const double feature = std::max(shape.width_mm, 3.0 * shape.length_mm / steps);
+  FlankNoise noise;
+  for (std::size_t i = 0; i < s.sections.size(); ++i) {
+    const double along = 1.5 * s.arc_mm[i] / feature;
+    for (const Eigen::Vector2d& p : s.sections[i]) {
+      noise.heights.push_back(bottom({along, 3.0 * p.x() / shape.width_mm, 0.5}));
+    }
+    noise.sides.push_back(outline({along, 0.5, 0.5}));
+    noise.sides.push_back(outline({along, 50.5, 0.5}));
+  }
+  standardise(noise.heights);
+  standardise(noise.sides);
+  return noise;
+}
+
 /// Rough flanks: heights move by most at the bottom and not at the rim, and each half of a section
 /// is stretched as a whole, so that the lower side remains a graph over the surface.
 void add_noise(const LineTool& shape, Sections& s) {
   if (shape.roughness <= 0.0) {
     return;
   }
-  const ToolNoise bottom(shape.seed, 1, 3, 0.6);
-  const ToolNoise outline(shape.seed, 2, 3, 0.6);
-  const double steps = static_cast<double>(s.arc_mm.size() - 1);
-  const double feature = std::max(shape.width_mm, 3.0 * shape.length_mm / steps);
-  std::vector<double> heights;
-  std::vector<double> sides;
-  for (std::size_t i = 0; i < s.sections.size(); ++i) {
-    const double along = 1.5 * s.arc_mm[i] / feature;
-    for (const Eigen::Vector2d& p : s.sections[i]) {
-      heights.push_back(bottom({along, 3.0 * p.x() / shape.width_mm, 0.5}));
-    }
-    sides.push_back(outline({along, 0.5, 0.5}));
-    sides.push_back(outline({along, 50.5, 0.5}));
-  }
-  standardise(heights);
-  standardise(sides);
+  const auto [heights, sides] = noise_of(shape, s);
   const double margin = margin_of(shape);
   for (std::size_t i = 0; i < s.sections.size(); ++i) {
     Section& section = s.sections[i];

@@ -177,6 +177,22 @@ bool is_of_picture(const Mask& mask, const Codes& codes) {
   return codes.width() / factor == mask.width() && codes.height() / factor == mask.height();
 }
 
+/// Why a picture is too dark or too bright; empty when it is neither.
+std::string exposure_fault(const PictureFigures& figures, const PictureLimits& limits) {
+  if (figures.bright < limits.min_bright) {
+    return fmt::format(
+        "too dark: its brightest pixels are at {:.3f} of the range, {:.3f} is needed",
+        figures.bright,
+        limits.min_bright);
+  }
+  if (figures.clipped_share > limits.max_clipped_share) {
+    return fmt::format("too bright: {:.1f} % of the pixels are clipped, {:.1f} % may be",
+                       100.0 * figures.clipped_share,
+                       100.0 * limits.max_clipped_share);
+  }
+  return {};
+}
+
 }  // namespace
 
 void visit_keys(KeyVisitor& keys, PictureLimits& limits) {
@@ -228,16 +244,8 @@ PictureFigures figures_of(const Frame& frame, const Mask& expected, double toler
 std::string rejection_of(const PictureFigures& figures,
                          const PictureLimits& limits,
                          double sharpest) {
-  if (figures.bright < limits.min_bright) {
-    return fmt::format(
-        "too dark: its brightest pixels are at {:.3f} of the range, {:.3f} is needed",
-        figures.bright,
-        limits.min_bright);
-  }
-  if (figures.clipped_share > limits.max_clipped_share) {
-    return fmt::format("too bright: {:.1f} % of the pixels are clipped, {:.1f} % may be",
-                       100.0 * figures.clipped_share,
-                       100.0 * limits.max_clipped_share);
+  if (const std::string fault = exposure_fault(figures, limits); !fault.empty()) {
+    return fault;
   }
   if (figures.sharpness < limits.min_sharpness) {
     return fmt::format(

@@ -80,6 +80,43 @@ Eigen::Vector2d projected(const Vector10& u,
   return factor * q;
 }
 
+/// The unknowns of a homography, which bends no line.
+Vector10 unknowns_of(const Eigen::Matrix3d& linear) {
+  Vector10 u = Vector10::Zero();
+  u.head<3>() = linear.row(0).transpose() / linear(2, 2);
+  u.segment<3>(3) = linear.row(1).transpose() / linear(2, 2);
+  u.segment<2>(6) = linear.row(2).head<2>().transpose() / linear(2, 2);
+  return u;
+}
+
+/// One Gauss-Newton step. @param pull  weight that draws the radial terms to 0
+void refine(std::span<const Eigen::Vector2d> board,
+            std::span<const Eigen::Vector2d> targets,
+            const Eigen::Array2d& pull,
+            Vector10& u) {
+  Matrix10 normal = Matrix10::Zero();
+  Vector10 right = Vector10::Zero();
+  Eigen::Matrix<double, 2, 10> by;
+  for (std::size_t i = 0; i < board.size(); ++i) {
+    const Eigen::Vector2d left = targets[i] - projected(u, board[i], &by);
+    normal += by.transpose() * by;
+    right += by.transpose() * left;
+  }
+  normal.diagonal().tail<2>().array() += pull;
+  right.tail<2>().array() -= pull * u.tail<2>().array();
+  u += normal.ldlt().solve(right);
+}
+
+double root_mean_square_px(const BoardPlane& plane,
+                           std::span<const Eigen::Vector2d> board,
+                           std::span<const Eigen::Vector2d> picture_px) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < board.size(); ++i) {
+    squares += (plane(board[i]) - picture_px[i]).squaredNorm();
+  }
+  return std::sqrt(squares / static_cast<double>(board.size()));
+}
+
 }  // namespace
 
 std::optional<BoardPlane> BoardPlane::fitted(std::span<const Eigen::Vector2d> board,
@@ -100,35 +137,18 @@ std::optional<BoardPlane> BoardPlane::fitted(std::span<const Eigen::Vector2d> bo
   if (!linear.allFinite() || std::abs(linear(2, 2)) < 1e-12 * linear.norm()) {
     return std::nullopt;
   }
-  Vector10 u = Vector10::Zero();
-  u.head<3>() = linear.row(0).transpose() / linear(2, 2);
-  u.segment<3>(3) = linear.row(1).transpose() / linear(2, 2);
-  u.segment<2>(6) = linear.row(2).head<2>().transpose() / linear(2, 2);
+  Vector10 u = unknowns_of(linear);
   const double accuracy = accuracy_px / plane.size_px_;
   const Eigen::Array2d pull = (accuracy / kUsualRadial).square();
   for (int step = 0; step < 8; ++step) {
-    Matrix10 normal = Matrix10::Zero();
-    Vector10 right = Vector10::Zero();
-    Eigen::Matrix<double, 2, 10> by;
-    for (std::size_t i = 0; i < board.size(); ++i) {
-      const Eigen::Vector2d left = targets[i] - projected(u, board[i], &by);
-      normal += by.transpose() * by;
-      right += by.transpose() * left;
-    }
-    normal.diagonal().tail<2>().array() += pull;
-    right.tail<2>().array() -= pull * u.tail<2>().array();
-    u += normal.ldlt().solve(right);
+    refine(board, targets, pull, u);
   }
   if (!u.allFinite()) {
     return std::nullopt;
   }
   plane.homography_ << u[0], u[1], u[2], u[3], u[4], u[5], u[6], u[7], 1.0;
   plane.radial_ = u.tail<2>();
-  double squares = 0.0;
-  for (std::size_t i = 0; i < board.size(); ++i) {
-    squares += (plane(board[i]) - picture_px[i]).squaredNorm();
-  }
-  plane.rms_px_ = std::sqrt(squares / static_cast<double>(board.size()));
+  plane.rms_px_ = root_mean_square_px(plane, board, picture_px);
   return plane;
 }
 

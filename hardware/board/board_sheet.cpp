@@ -84,6 +84,25 @@ std::string pdf_text(std::string_view text) {
   return escaped;
 }
 
+/// The words below the board and the ruler below them, in mm with y upwards.
+std::string pdf_words(const BoardSheet& sheet) {
+  std::string text;
+  double y = sheet.size_mm.y() - sheet.words_mm.y();
+  for (const std::string& line : sheet.words) {
+    text += fmt::format("BT /F1 {:.3f} Tf {:.4f} {:.4f} Td ({}) Tj ET\n",
+                        sheet.word_height_mm,
+                        sheet.words_mm.x(),
+                        y,
+                        pdf_text(line));
+    y -= kLineSpacing * sheet.word_height_mm;
+  }
+  y += 0.5 * sheet.word_height_mm;
+  return text + fmt::format("0.2 w {0:.4f} {1:.4f} m {2:.4f} {1:.4f} l S\n",
+                            sheet.words_mm.x(),
+                            y,
+                            sheet.words_mm.x() + sheet.ruler_mm);
+}
+
 /// The page's drawing, in mm with y upwards.
 std::string pdf_page(const BoardSheet& sheet) {
   const double height = sheet.size_mm.y();
@@ -100,20 +119,43 @@ std::string pdf_page(const BoardSheet& sheet) {
     page += pdf_circle({dot.x(), height - dot.y()}, sheet.dot_radius_mm);
   }
   page += "0 g\n";
-  double y = height - sheet.words_mm.y();
+  return page + pdf_words(sheet);
+}
+
+/// The words below the board and the ruler below them.
+std::string svg_words(const BoardSheet& sheet) {
+  std::string text;
+  double y = sheet.words_mm.y();
   for (const std::string& line : sheet.words) {
-    page += fmt::format("BT /F1 {:.3f} Tf {:.4f} {:.4f} Td ({}) Tj ET\n",
-                        sheet.word_height_mm,
-                        sheet.words_mm.x(),
-                        y,
-                        pdf_text(line));
-    y -= kLineSpacing * sheet.word_height_mm;
+    text += fmt::format(
+        "<text x=\"{:.4f}\" y=\"{:.4f}\" font-family=\"sans-serif\" "
+        "font-size=\"{:.2f}\">{}</text>\n",
+        sheet.words_mm.x(),
+        y,
+        sheet.word_height_mm,
+        markup_text(line));
+    y += kLineSpacing * sheet.word_height_mm;
   }
-  y += 0.5 * sheet.word_height_mm;
-  return page + fmt::format("0.2 w {0:.4f} {1:.4f} m {2:.4f} {1:.4f} l S\n",
-                            sheet.words_mm.x(),
-                            y,
-                            sheet.words_mm.x() + sheet.ruler_mm);
+  return text +
+         fmt::format(
+             "<path d=\"M{:.4f} {:.4f}h{:.4f}\" stroke=\"#000\" stroke-width=\"0.2\"/>\n</svg>\n",
+             sheet.words_mm.x(),
+             y - 0.5 * sheet.word_height_mm,
+             sheet.ruler_mm);
+}
+
+/// The dark squares and the dot that marks one. @param corner  of the board, in mm
+void add_squares(const Board& board, const Eigen::Vector2d& corner, BoardSheet& sheet) {
+  for (int row = 0; row <= board.rows; ++row) {
+    for (int col = row % 2; col <= board.cols; col += 2) {
+      sheet.dark.push_back({.corner_mm = corner + board.square_mm * Eigen::Vector2d(col, row),
+                            .size_mm = {board.square_mm, board.square_mm}});
+    }
+  }
+  if (board.mark) {
+    sheet.dots_mm.emplace_back(corner + 0.5 * board.square_mm * Eigen::Vector2d(1.0, 1.0));
+    sheet.dot_radius_mm = 0.5 * kMarkSquares * board.square_mm;
+  }
 }
 
 }  // namespace
@@ -129,16 +171,7 @@ BoardSheet board_sheet(const Board& board) {
                    squares.y() + 2.0 * border + below};
   const Eigen::Vector2d corner(0.5 * (sheet.size_mm.x() - squares.x()), border);
   sheet.first_corner_mm = corner + Eigen::Vector2d(board.square_mm, board.square_mm);
-  for (int row = 0; row <= board.rows; ++row) {
-    for (int col = row % 2; col <= board.cols; col += 2) {
-      sheet.dark.push_back({.corner_mm = corner + board.square_mm * Eigen::Vector2d(col, row),
-                            .size_mm = {board.square_mm, board.square_mm}});
-    }
-  }
-  if (board.mark) {
-    sheet.dots_mm.emplace_back(corner + 0.5 * board.square_mm * Eigen::Vector2d(1.0, 1.0));
-    sheet.dot_radius_mm = 0.5 * kMarkSquares * board.square_mm;
-  }
+  add_squares(board, corner, sheet);
   if (board.kind == BoardKind::kCharuco) {
     for (const CharucoMarker& marker : charuco_markers(board)) {
       add_marker(board, marker, sheet);
@@ -171,23 +204,7 @@ std::string sheet_svg(const BoardSheet& sheet) {
                        dot.y(),
                        sheet.dot_radius_mm);
   }
-  double y = sheet.words_mm.y();
-  for (const std::string& line : sheet.words) {
-    svg += fmt::format(
-        "<text x=\"{:.4f}\" y=\"{:.4f}\" font-family=\"sans-serif\" "
-        "font-size=\"{:.2f}\">{}</text>\n",
-        sheet.words_mm.x(),
-        y,
-        sheet.word_height_mm,
-        markup_text(line));
-    y += kLineSpacing * sheet.word_height_mm;
-  }
-  svg += fmt::format(
-      "<path d=\"M{:.4f} {:.4f}h{:.4f}\" stroke=\"#000\" stroke-width=\"0.2\"/>\n</svg>\n",
-      sheet.words_mm.x(),
-      y - 0.5 * sheet.word_height_mm,
-      sheet.ruler_mm);
-  return svg;
+  return svg + svg_words(sheet);
 }
 
 std::string sheet_pdf(const BoardSheet& sheet) {

@@ -131,6 +131,15 @@ bool is_spread(const std::vector<Eigen::Vector2i>& corners) {
   return corners.size() >= kFewestCorners && cols.size() >= 2 && rows.size() >= 2;
 }
 
+BoardView too_few(std::size_t markers, std::size_t corners) {
+  return {
+      .outcome = BoardOutcome::kNoBoard,
+      .why = fmt::format("{} markers and {} corners beside them were found, {} corners are needed",
+                         markers,
+                         corners,
+                         kFewestCorners)};
+}
+
 BoardView measured(PictureLevels& levels, int level, const Board& board, const MarkersSeen& seen) {
   const auto plane = BoardPlane::fitted(
       seen.places, seen.picture_px, Eigen::Vector2d(levels.width(), levels.height()), 1 << level);
@@ -152,12 +161,7 @@ BoardView measured(PictureLevels& levels, int level, const Board& board, const M
     }
   }
   if (!is_spread(corners)) {
-    return {.outcome = BoardOutcome::kNoBoard,
-            .why = fmt::format("{} markers and {} corners beside them were found, {} corners are "
-                               "needed",
-                               seen.squares.size(),
-                               corners.size(),
-                               kFewestCorners)};
+    return too_few(seen.squares.size(), corners.size());
   }
   BoardView view = judged_corners(board, corners, fits, clearance_px);
   view.is_orientation_known = true;

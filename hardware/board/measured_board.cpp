@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -196,6 +197,38 @@ struct FittedBoard {
   BoardOutcome outcome = BoardOutcome::kNoBoard;  ///< where there is a fault
 };
 
+/// Where the fit of a corner begins: at the point that was found there, else where the plane says.
+class CornerGuesses {
+ public:
+  CornerGuesses(int level,
+                const BoardPlane& plane,
+                std::span<const SaddlePoint> points,
+                const CornerGrid& grid)
+      : level_(level), plane_(plane), points_(points), known_(grid.front()) {
+    for (const GridCorner& corner : grid) {
+      point_at_[{corner.col, corner.row}] = corner.point;
+    }
+  }
+
+  /// @param place  column and row in the grid
+  CornerGuess operator()(const Eigen::Vector2i& place) const {
+    const bool is_even = (place.x() + place.y() - known_.col - known_.row) % 2 == 0;
+    CornerGuess guess = guess_at(plane_, place, is_even == known_.is_first_square_dark);
+    const auto found = point_at_.find({place.x(), place.y()});
+    if (found != point_at_.end()) {
+      guess.at_px = points_[found->second].at_px * (1 << level_);
+    }
+    return guess;
+  }
+
+ private:
+  int level_;
+  const BoardPlane& plane_;
+  std::span<const SaddlePoint> points_;
+  GridCorner known_;
+  std::map<std::pair<int, int>, std::size_t> point_at_;
+};
+
 FittedBoard fitted_board(PictureLevels& levels,
                          const Board& board,
                          int level,
@@ -203,21 +236,11 @@ FittedBoard fitted_board(PictureLevels& levels,
                          std::span<const SaddlePoint> points,
                          const CornerGrid& grid,
                          const GridPlacement& placement) {
-  std::map<std::pair<int, int>, std::size_t> point_at;
-  for (const GridCorner& corner : grid) {
-    point_at[{corner.col, corner.row}] = corner.point;
-  }
-  const GridCorner& known = grid.front();
+  const CornerGuesses guesses(level, plane, points, grid);
   FittedBoard result;
   for (int row = 0; row < board.rows; ++row) {
     for (int col = 0; col < board.cols; ++col) {
-      const Eigen::Vector2i place = placement.place(col, row);
-      const bool is_even = (place.x() + place.y() - known.col - known.row) % 2 == 0;
-      CornerGuess guess = guess_at(plane, place, is_even == known.is_first_square_dark);
-      const auto found = point_at.find({place.x(), place.y()});
-      if (found != point_at.end()) {
-        guess.at_px = points[found->second].at_px * (1 << level);
-      }
+      const CornerGuess guess = guesses(placement.place(col, row));
       const auto fit = fit_corner(levels, level, guess);
       if (!fit) {
         result.outcome = is_clipped(levels, level, guess.at_px) ? BoardOutcome::kSaturated
@@ -264,6 +287,64 @@ std::optional<BoardPlane> fine_plane(const PictureLevels& levels, const FittedBo
   return BoardPlane::fitted(places, picture_px, size_of(levels), kAccuracyPx);
 }
 
+/// What keeps measured corners from being used: the view, refused, or as it is.
+BoardView judged(BoardView view, double most_blur) {
+  if (view.contrast < std::max(kLeastContrast, kFewestNoises * view.noise)) {
+    return refused(
+        BoardOutcome::kDark,
+        fmt::format("white differs from black by {:.1f} % of full scale, noise is {:.1f} %",
+                    100.0 * view.contrast,
+                    100.0 * view.noise));
+  }
+  if (most_blur > kMostBlur) {
+    return refused(BoardOutcome::kBlurred,
+                   fmt::format("edges are blurred by {:.0f} % of a square, at most {:.0f} % are "
+                               "allowed",
+                               100.0 * most_blur,
+                               100.0 * kMostBlur));
+  }
+  return view;
+}
+
+/// Columns and rows from begin to end, both included.
+struct GridRange {
+  Eigen::Vector2i begin;
+  Eigen::Vector2i end;
+};
+
+/// The places of a grid and those around it that the board may have as well.
+GridRange with_neighbours(const CornerGrid& grid, const Board& board) {
+  Eigen::Vector2i low(grid.front().col, grid.front().row);
+  Eigen::Vector2i high = low;
+  for (const GridCorner& corner : grid) {
+    low = low.cwiseMin(Eigen::Vector2i(corner.col, corner.row));
+    high = high.cwiseMax(Eigen::Vector2i(corner.col, corner.row));
+  }
+  const Eigen::Vector2i size = high - low + Eigen::Vector2i::Ones();
+  const bool is_upright = size.x() <= board.cols && size.y() <= board.rows;
+  const int missing_x = (is_upright ? board.cols : board.rows) - size.x();
+  const int missing_y = (is_upright ? board.rows : board.cols) - size.y();
+  const Eigen::Vector2i grow(missing_x > 0 ? 1 : 0, missing_y > 0 ? 1 : 0);
+  return {.begin = low - grow, .end = high + grow};
+}
+
+/// Pixels around a place where a corner is missing.
+struct PixelCount {
+  int inside = 0;
+  int clipped = 0;
+
+  void add(PictureLevels& levels, int level, const Eigen::Vector2d& at_px) {
+    const ImageF& picture = levels.level(level);
+    const Eigen::Vector2d on_level = at_px / (1 << level);
+    for (int k = -2; k <= 2; ++k) {
+      const float grey =
+          picture(static_cast<int>(on_level.x()) + k, static_cast<int>(on_level.y()) + k);
+      ++inside;
+      clipped += static_cast<double>(grey) >= levels.clipped_value() ? 1 : 0;
+    }
+  }
+};
+
 }  // namespace
 
 BoardView judged_corners(const Board& board,
@@ -284,21 +365,7 @@ BoardView judged_corners(const Board& board,
   }
   view.noise = median(noises);
   view.contrast = median(contrasts);
-  if (view.contrast < std::max(kLeastContrast, kFewestNoises * view.noise)) {
-    return refused(
-        BoardOutcome::kDark,
-        fmt::format("white differs from black by {:.1f} % of full scale, noise is {:.1f} %",
-                    100.0 * view.contrast,
-                    100.0 * view.noise));
-  }
-  if (most_blur > kMostBlur) {
-    return refused(BoardOutcome::kBlurred,
-                   fmt::format("edges are blurred by {:.0f} % of a square, at most {:.0f} % are "
-                               "allowed",
-                               100.0 * most_blur,
-                               100.0 * kMostBlur));
-  }
-  return view;
+  return judged(std::move(view), most_blur);
 }
 
 BoardView measured_board(PictureLevels& levels,
@@ -349,22 +416,8 @@ MissingPart missing_part(PictureLevels& levels,
   if (!plane) {
     return result;
   }
-  Eigen::Vector2i low(grid.front().col, grid.front().row);
-  Eigen::Vector2i high = low;
-  for (const GridCorner& corner : grid) {
-    low = low.cwiseMin(Eigen::Vector2i(corner.col, corner.row));
-    high = high.cwiseMax(Eigen::Vector2i(corner.col, corner.row));
-  }
-  const Eigen::Vector2i size = high - low + Eigen::Vector2i::Ones();
-  const bool is_upright = size.x() <= board.cols && size.y() <= board.rows;
-  const int missing_x = (is_upright ? board.cols : board.rows) - size.x();
-  const int missing_y = (is_upright ? board.rows : board.cols) - size.y();
-  const Eigen::Vector2i grow(missing_x > 0 ? 1 : 0, missing_y > 0 ? 1 : 0);
-  const ImageF& picture = levels.level(level);
-  int num_inside = 0;
-  int num_clipped = 0;
-  const Eigen::Vector2i begin = low - grow;
-  const Eigen::Vector2i end = high + grow;
+  const auto [begin, end] = with_neighbours(grid, board);
+  PixelCount pixels;
   for (int x = begin.x(); x <= end.x(); ++x) {
     for (int y = begin.y(); y <= end.y(); ++y) {
       const auto is_here = [&](const GridCorner& c) { return c.col == x && c.row == y; };
@@ -377,16 +430,11 @@ MissingPart missing_part(PictureLevels& levels,
         result.reaches_border = true;
         continue;
       }
-      const Eigen::Vector2d on_level = at_px / (1 << level);
-      for (int k = -2; k <= 2; ++k) {
-        ++num_inside;
-        const float grey =
-            picture(static_cast<int>(on_level.x()) + k, static_cast<int>(on_level.y()) + k);
-        num_clipped += static_cast<double>(grey) >= levels.clipped_value() ? 1 : 0;
-      }
+      pixels.add(levels, level, at_px);
     }
   }
-  result.clipped_share = num_inside == 0 ? 0.0 : static_cast<double>(num_clipped) / num_inside;
+  result.clipped_share =
+      pixels.inside == 0 ? 0.0 : static_cast<double>(pixels.clipped) / pixels.inside;
   return result;
 }
 

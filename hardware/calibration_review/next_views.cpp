@@ -136,6 +136,25 @@ std::vector<Candidate> candidates_of(const Scene& scene) {
   return candidates;
 }
 
+/// Points of the board's plane on a grid of pixels. @param pose  camera from board
+BoardCorners plane_points(const Scene& scene, const Isometry3d& pose) {
+  BoardCorners corners;
+  for (int i = 0; i < 49; ++i) {
+    const Vector2d pixel = scene.size_px.cwiseProduct(Vector2d(i % 7 + 0.5, i / 7 + 0.5)) / 7.0;
+    const Vector2d slope =
+        (pixel - scene.bundle.lens.segment<2>(2)).cwiseQuotient(scene.bundle.lens.head<2>());
+    const Vector3d origin = pose.inverse().translation();
+    const Vector3d ray = pose.linear().transpose() * slope.homogeneous();
+    const Vector3d point = origin - origin.z() / ray.z() * ray;
+    if (!point.allFinite() || !((pose * point).z() > 0.0)) {
+      continue;
+    }
+    corners.board_mm.push_back(point);
+    corners.picture_px.push_back(pixel);
+  }
+  return corners;
+}
+
 /// G with mean square error of computed points = trace(covariance G): points of the board's plane
 /// on a grid of pixels in every picture.
 MatrixXd error_metric(const Scene& scene) {
@@ -149,19 +168,7 @@ MatrixXd error_metric(const Scene& scene) {
     if (bundle.are_poses_free) {
       seen.base_from_flange = view.base_from_flange;
     }
-    for (int i = 0; i < 49; ++i) {
-      const Vector2d pixel = scene.size_px.cwiseProduct(Vector2d(i % 7 + 0.5, i / 7 + 0.5)) / 7.0;
-      const Vector2d slope =
-          (pixel - bundle.lens.segment<2>(2)).cwiseQuotient(bundle.lens.head<2>());
-      const Vector3d origin = pose.inverse().translation();
-      const Vector3d ray = pose.linear().transpose() * slope.homogeneous();
-      const Vector3d point = origin - origin.z() / ray.z() * ray;
-      if (!point.allFinite() || !((pose * point).z() > 0.0)) {
-        continue;
-      }
-      seen.corners.board_mm.push_back(point);
-      seen.corners.picture_px.push_back(pixel);
-    }
+    seen.corners = plane_points(scene, pose);
     seen.weights = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(seen.corners.board_mm.size()));
     const auto system = weighted_system(bundle, seen);
     if (system.has_value()) {

@@ -42,20 +42,26 @@ double sum_of_squares(const Bundle& bundle) {
   return sum;
 }
 
-}  // namespace
-
-std::optional<SecondCamera> find_second_camera(const Bundle& solved) {
+/// What the views before each say together; the last is what all say.
+std::vector<Part> sums_before(const Bundle& solved) {
   const Index size = num_shared(solved);
-  if (solved.are_poses_free || size == 0) {
-    return std::nullopt;
-  }
   const Part none = {.hessian = MatrixXd::Zero(size, size), .gradient = VectorXd::Zero(size)};
-  std::vector<Part> before = {none};  // of the views before each
+  std::vector<Part> before = {none};
   for (const BundleView& view : solved.views) {
     const SharedInformation one = view_information(solved, view);
     before.push_back({.hessian = before.back().hessian + one.hessian,
                       .gradient = before.back().gradient + one.gradient});
   }
+  return before;
+}
+
+}  // namespace
+
+std::optional<SecondCamera> find_second_camera(const Bundle& solved) {
+  if (solved.are_poses_free || num_shared(solved) == 0) {
+    return std::nullopt;
+  }
+  const std::vector<Part> before = sums_before(solved);
   const Part& all = before.back();
   const double squares = sum_of_squares(solved);
   const double focal_px = solved.lens[0];

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <Eigen/Cholesky>
 
@@ -34,6 +35,22 @@ ViewInfluence influence_of(const Bundle& bundle, const MatrixXd& whole, const Ve
   return influence;
 }
 
+/// How far the unknowns move when a view is left out; none where the others do not fix them.
+std::optional<VectorXd> step_without(const SharedInformation& one,
+                                     const MatrixXd& whole,
+                                     const VectorXd& gradient) {
+  // Scaled, as the unknowns have different units.
+  const VectorXd scale = whole.diagonal().array().max(1e-300).rsqrt();
+  const MatrixXd rest = scale.asDiagonal() * (whole - one.hessian) * scale.asDiagonal();
+  const Eigen::LDLT<MatrixXd> factor(rest);
+  const VectorXd step =
+      -scale.cwiseProduct(factor.solve(scale.cwiseProduct(gradient - one.gradient)));
+  if (scale.size() > 0 && !(factor.vectorD().minCoeff() > 1e-14)) {
+    return std::nullopt;
+  }
+  return step;
+}
+
 }  // namespace
 
 std::vector<ViewInfluence> view_influences(const Bundle& solved) {
@@ -49,18 +66,10 @@ std::vector<ViewInfluence> view_influences(const Bundle& solved) {
   add_lens_prior(solved, whole, gradient);
   std::vector<ViewInfluence> result;
   for (const SharedInformation& one : views) {
-    // Scaled, as the unknowns have different units.
-    const VectorXd scale = whole.diagonal().array().max(1e-300).rsqrt();
-    const MatrixXd rest = scale.asDiagonal() * (whole - one.hessian) * scale.asDiagonal();
-    const Eigen::LDLT<MatrixXd> factor(rest);
-    const VectorXd step =
-        -scale.cwiseProduct(factor.solve(scale.cwiseProduct(gradient - one.gradient)));
-    if (size > 0 && !(factor.vectorD().minCoeff() > 1e-14)) {
-      constexpr double kNone = std::numeric_limits<double>::infinity();
-      result.push_back({kNone, kNone, kNone, kNone, kNone});
-      continue;
-    }
-    result.push_back(influence_of(solved, whole, step));
+    const auto step = step_without(one, whole, gradient);
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    result.push_back(step.has_value() ? influence_of(solved, whole, *step)
+                                      : ViewInfluence{kNone, kNone, kNone, kNone, kNone});
   }
   return result;
 }

@@ -76,6 +76,34 @@ class AravisDriver final : public CameraDriver {
   CameraConfiguration configuration_;
 };
 
+std::vector<PixelFormat> available_formats(ArvCamera* camera) {
+  std::vector<PixelFormat> formats;
+  guint count = 0;
+  const std::unique_ptr<gint64, aravis::Free> numbers(
+      arv_camera_dup_available_pixel_formats(camera, &count, nullptr));
+  for (guint i = 0; i < count; ++i) {
+    if (const auto format =
+            pixel_format_of_number(static_cast<std::uint32_t>(numbers.get()[i] & 0xffffffff))) {
+      formats.push_back(*format);
+    }
+  }
+  return formats;
+}
+
+/// Its present IP address; empty when it does not say.
+std::string address_of(ArvDevice* device) {
+  std::string address;
+  GInetAddress* ip = nullptr;
+  if (arv_gv_device_get_current_ip(ARV_GV_DEVICE(device), &ip, nullptr, nullptr, nullptr) !=
+          FALSE &&
+      ip != nullptr) {
+    const std::unique_ptr<char, aravis::Free> text(g_inet_address_to_string(ip));
+    address = text_of(text.get());
+    g_object_unref(ip);
+  }
+  return address;
+}
+
 CameraDescription AravisDriver::describe() {
   ArvCamera* camera = camera_.get();
   CameraDescription description;
@@ -87,29 +115,14 @@ CameraDescription AravisDriver::describe() {
   arv_camera_get_sensor_size(
       camera, &description.sensor_width_px, &description.sensor_height_px, failure.slot());
   failure.check("sensor size");
-  guint count = 0;
-  const std::unique_ptr<gint64, aravis::Free> numbers(
-      arv_camera_dup_available_pixel_formats(camera, &count, nullptr));
-  for (guint i = 0; i < count; ++i) {
-    if (const auto format =
-            pixel_format_of_number(static_cast<std::uint32_t>(numbers.get()[i] & 0xffffffff))) {
-      description.formats.push_back(*format);
-    }
-  }
+  description.formats = available_formats(camera);
   describe_ranges(description);
   description.has_software_trigger =
       arv_camera_is_software_trigger_supported(camera, nullptr) != FALSE;
   description.has_packet_sockets = may_use_packet_sockets();
   if (is_network()) {
     description.packet_size = static_cast<int>(arv_camera_gv_get_packet_size(camera, nullptr));
-    GInetAddress* ip = nullptr;
-    if (arv_gv_device_get_current_ip(ARV_GV_DEVICE(device()), &ip, nullptr, nullptr, nullptr) !=
-            FALSE &&
-        ip != nullptr) {
-      const std::unique_ptr<char, aravis::Free> text(g_inet_address_to_string(ip));
-      description.address = text_of(text.get());
-      g_object_unref(ip);
-    }
+    description.address = address_of(device());
   }
   return description;
 }
@@ -127,16 +140,7 @@ void AravisDriver::describe_ranges(CameraDescription& description) {
   }
 }
 
-void AravisDriver::set_region(const CameraConfiguration& configuration) {
-  ArvCamera* camera = camera_.get();
-  SensorRegion region;
-  Failure failure;
-  arv_camera_get_sensor_size(camera, &region.width_px, &region.height_px, failure.slot());
-  failure.check("sensor size");
-  const SensorRegion sensor = region;
-  if (configuration.region) {
-    region = *configuration.region;
-  }
+void check_region(const SensorRegion& region, const SensorRegion& sensor) {
   if (region.x_px < 0 || region.y_px < 0 || region.width_px < 1 || region.height_px < 1 ||
       region.x_px + region.width_px > sensor.width_px ||
       region.y_px + region.height_px > sensor.height_px) {
@@ -150,6 +154,19 @@ void AravisDriver::set_region(const CameraConfiguration& configuration) {
                     sensor.width_px,
                     sensor.height_px));
   }
+}
+
+void AravisDriver::set_region(const CameraConfiguration& configuration) {
+  ArvCamera* camera = camera_.get();
+  SensorRegion region;
+  Failure failure;
+  arv_camera_get_sensor_size(camera, &region.width_px, &region.height_px, failure.slot());
+  failure.check("sensor size");
+  const SensorRegion sensor = region;
+  if (configuration.region) {
+    region = *configuration.region;
+  }
+  check_region(region, sensor);
   arv_camera_set_region(
       camera, region.x_px, region.y_px, region.width_px, region.height_px, failure.slot());
   failure.check("region_px");

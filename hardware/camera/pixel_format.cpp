@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "core/text.h"
 
 namespace glint {
 namespace {
@@ -110,22 +109,31 @@ void pack_bit_stream(std::span<const std::uint16_t> codes,
   }
 }
 
+/// @param bytes  as many as the codes need, or more
+void unpack(std::span<const std::uint8_t> bytes,
+            PixelFormat format,
+            std::span<std::uint16_t> codes) {
+  const auto bits = static_cast<unsigned>(bits_of(format));
+  switch (row_of(format).layout) {
+    case Layout::kByte:
+      std::ranges::copy(bytes.first(codes.size()), codes.begin());
+      break;
+    case Layout::kTwoBytes:
+      unpack_two_bytes(bytes, codes);
+      break;
+    case Layout::kThreeBytesForTwo:
+      unpack_three_bytes(bytes, bits - 8, codes);
+      break;
+    case Layout::kBitStream:
+      unpack_bit_stream(bytes, bits, codes);
+      break;
+  }
+}
+
 }  // namespace
 
 std::string_view name_of(PixelFormat format) {
   return row_of(format).name;
-}
-
-PixelFormat pixel_format_of(std::string_view name, const std::string& key) {
-  const auto row = std::ranges::find(kRows, name, &FormatRow::name);
-  if (row != kRows.end()) {
-    return row->format;
-  }
-  std::vector<std::string> names;
-  for (const FormatRow& each : kRows) {
-    names.emplace_back(each.name);
-  }
-  throw ConfigError(key, fmt::format("is {}, must be one of {}", name, join(names, ", ")));
 }
 
 std::uint32_t genicam_number(PixelFormat format) {
@@ -169,22 +177,7 @@ Image<std::uint16_t> unpacked(std::span<const std::uint8_t> bytes,
                                   bytes.size(),
                                   wanted));
   }
-  const std::span<std::uint16_t> codes = image.values();
-  const auto bits = static_cast<unsigned>(bits_of(format));
-  switch (row_of(format).layout) {
-    case Layout::kByte:
-      std::ranges::copy(bytes.first(codes.size()), codes.begin());
-      break;
-    case Layout::kTwoBytes:
-      unpack_two_bytes(bytes, codes);
-      break;
-    case Layout::kThreeBytesForTwo:
-      unpack_three_bytes(bytes, bits - 8, codes);
-      break;
-    case Layout::kBitStream:
-      unpack_bit_stream(bytes, bits, codes);
-      break;
-  }
+  unpack(bytes, format, image.values());
   return image;
 }
 

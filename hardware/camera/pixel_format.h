@@ -52,9 +52,6 @@ inline constexpr std::array<PixelFormat, 8> kPixelFormats = {PixelFormat::kMono8
 /// As GenICam and the cell file spell it: "Mono8", "Mono12Packed", "Mono12p".
 std::string_view name_of(PixelFormat format);
 
-/// @throws ConfigError that lists the formats, with `key` as the key at fault
-PixelFormat pixel_format_of(std::string_view name, const std::string& key);
-
 /// GenICam's number of the format, as it stands in the leader of a stream.
 std::uint32_t genicam_number(PixelFormat format);
 

@@ -15,6 +15,19 @@ std::uint32_t own_address(std::uint32_t peer) {
   return is_loopback(peer) ? 0x7f000001U : 0U;
 }
 
+/// A socket for each address, from which it was asked what it is.
+std::vector<UdpSocket> ask(std::span<const std::uint32_t> addresses) {
+  std::vector<UdpSocket> sockets;
+  std::uint16_t id = 0;
+  for (const std::uint32_t address : addresses) {
+    ++id;
+    sockets.emplace_back(Endpoint{.address = own_address(address), .port = 0});
+    const Bytes request = gvcp_request(GvcpCommand::kDiscovery, id, {}, kWantsAcknowledgement);
+    sockets.back().send({.address = address, .port = kGvcpPort}, request);
+  }
+  return sockets;
+}
+
 }  // namespace
 
 std::optional<FoundDevice> parse_discovery(BytesView payload) {
@@ -32,14 +45,7 @@ std::vector<FoundDevice> discover_at(std::span<const std::uint32_t> addresses, i
   using Clock = std::chrono::steady_clock;
   const auto deadline = Clock::now() + std::chrono::milliseconds(timeout_ms);
   std::map<std::uint32_t, FoundDevice> found;
-  std::vector<UdpSocket> sockets;
-  std::uint16_t id = 0;
-  for (const std::uint32_t address : addresses) {
-    ++id;
-    sockets.emplace_back(Endpoint{.address = own_address(address), .port = 0});
-    const Bytes request = gvcp_request(GvcpCommand::kDiscovery, id, {}, kWantsAcknowledgement);
-    sockets.back().send({.address = address, .port = kGvcpPort}, request);
-  }
+  std::vector<UdpSocket> sockets = ask(addresses);
   Bytes packet;
   Endpoint from;
   while (found.size() < addresses.size() && Clock::now() < deadline) {

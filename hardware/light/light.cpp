@@ -60,10 +60,4 @@ void PromptedLight::set(bool is_on) {
   is_on_ = is_on;
 }
 
-void exchange_prototype(const std::string& prototype, const Confirm& confirm) {
-  if (!confirm || !confirm(fmt::format("put the prototype {} in place", prototype))) {
-    throw IoError(fmt::format("prototype {}: nobody confirms that it is in place", prototype));
-  }
-}
-
 }  // namespace glint

@@ -114,8 +114,4 @@ class PromptedLight final : public Light {
   bool is_on_ = false;
 };
 
-/// A prototype put in place of another is a step that a person confirms; nothing is assumed.
-/// @throws IoError when nobody does
-void exchange_prototype(const std::string& prototype, const Confirm& confirm);
-
 }  // namespace glint

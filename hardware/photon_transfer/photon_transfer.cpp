@@ -77,6 +77,20 @@ void find_saturation(std::span<const LevelStatistics> levels, PhotonTransfer& re
   result.saturation_dn = result.has_saturated ? noisiest->mean_dn : result.full_scale_dn;
 }
 
+Points fitted_points(std::span<const LevelStatistics> levels, const PhotonTransfer& result) {
+  Points points;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    if (result.is_fitted[i]) {
+      const double variance = std::max(levels[i].temporal_variance_dn2, kRounding);
+      points.add(levels[i].mean_dn,
+                 levels[i].temporal_variance_dn2,
+                 1.0 / variance,
+                 std::max(levels[i].variance_error_dn2, 1e-9));
+    }
+  }
+  return points;
+}
+
 /// Levels weigh by the inverse of their variance. Its statistical error, which is in proportion to
 /// it, would let the lowest levels decide alone, where a real sensor's deviations from a line are
 /// as large in proportion.
@@ -96,17 +110,7 @@ void fit_gain(std::span<const LevelStatistics> levels, PhotonTransfer& result) {
                     bright,
                     result.saturation_dn));
   }
-  Points points;
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    if (result.is_fitted[i]) {
-      const double variance = std::max(levels[i].temporal_variance_dn2, kRounding);
-      points.add(levels[i].mean_dn,
-                 levels[i].temporal_variance_dn2,
-                 1.0 / variance,
-                 std::max(levels[i].variance_error_dn2, 1e-9));
-    }
-  }
-  result.fit = points.line();
+  result.fit = fitted_points(levels, result).line();
   if (!(result.fit.slope > 0.0)) {
     throw ConfigError(
         "the noise does not grow with the mean: these are no pictures of a sensor with "
@@ -156,6 +160,16 @@ double mean_rate(std::span<const LevelStatistics> levels, const PhotonTransfer& 
   return count > 0 ? sum / count : 0.0;
 }
 
+/// Mean of the points' deviations from the line, in proportion.
+double mean_deviation(const Points& points, const LineFit& line) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < points.x.size(); ++i) {
+    const double expected = line.offset + line.slope * points.x[i];
+    sum += std::abs(points.y[i] / expected - 1.0) / static_cast<double>(points.x.size());
+  }
+  return sum;
+}
+
 void fit_response(std::span<const LevelStatistics> levels, PhotonTransfer& result) {
   Points points;
   double photons = 0.0;
@@ -180,11 +194,7 @@ void fit_response(std::span<const LevelStatistics> levels, PhotonTransfer& resul
     return;
   }
   result.response = points.line();
-  for (std::size_t i = 0; i < points.x.size(); ++i) {
-    const double line = result.response.offset + result.response.slope * points.x[i];
-    result.linearity_error +=
-        std::abs(points.y[i] / line - 1.0) / static_cast<double>(points.x.size());
-  }
+  result.linearity_error = mean_deviation(points, result.response);
 }
 
 void take_nonuniformity(std::span<const LevelStatistics> levels, PhotonTransfer& result) {

@@ -50,6 +50,17 @@ double square_at(std::span<const PartRay> rays, const Isometry3d& pose) {
   return square;
 }
 
+/// The points of the rays that are nearest to the turned part's points.
+std::vector<Vector3d> feet_on_rays(std::span<const PartRay> rays, const Matrix3d& turn) {
+  const Vector3d at = best_translation(rays, turn);
+  std::vector<Vector3d> feet;
+  for (const PartRay& ray : rays) {
+    const Vector3d off = turn * ray.part_mm + at - ray.origin_mm;
+    feet.emplace_back(ray.origin_mm + std::abs(off.dot(ray.direction)) * ray.direction);
+  }
+  return feet;
+}
+
 /// Turns to the points' feet on their rays, until it stands.
 Candidate iterated(std::span<const PartRay> rays, Matrix3d turn) {
   constexpr int kMostSteps = 200;
@@ -57,16 +68,9 @@ Candidate iterated(std::span<const PartRay> rays, Matrix3d turn) {
   for (const PartRay& ray : rays) {
     part.push_back(ray.part_mm);
   }
-  std::vector<Vector3d> feet(part.size());
   Candidate result;
   for (int step = 0; step < kMostSteps; ++step) {
-    const Vector3d at = best_translation(rays, turn);
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      const PartRay& ray = rays[i];
-      const Vector3d off = turn * part[i] + at - ray.origin_mm;
-      feet[i] = ray.origin_mm + std::abs(off.dot(ray.direction)) * ray.direction;
-    }
-    const auto placed = place_by_points(part, feet, 1.0);
+    const auto placed = place_by_points(part, feet_on_rays(rays, turn), 1.0);
     if (!placed.has_value()) {
       return result;
     }

@@ -218,6 +218,16 @@ bool has_matching_sizes(std::span<const PartPicture> pictures) {
   });
 }
 
+double sum_of_squares(const Isometry3d& base_from_part,
+                      std::span<const Vector3d> part_mm,
+                      std::span<const Vector3d> base_mm) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < part_mm.size(); ++i) {
+    squares += (base_from_part * part_mm[i] - base_mm[i]).squaredNorm();
+  }
+  return squares;
+}
+
 }  // namespace
 
 std::optional<PlacedPart> place_by_points(std::span<const Vector3d> part_mm,
@@ -243,10 +253,7 @@ std::optional<PlacedPart> place_by_points(std::span<const Vector3d> part_mm,
   PlacedPart placed;
   placed.base_from_part.linear() = nearest_rotation(products);
   placed.base_from_part.translation() = base_mean - placed.base_from_part.linear() * part_mean;
-  double squares = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    squares += (placed.base_from_part * part_mm[i] - base_mm[i]).squaredNorm();
-  }
+  const double squares = sum_of_squares(placed.base_from_part, part_mm, base_mm);
   placed.rms = std::sqrt(squares / static_cast<double>(count));
   const double variance = sigma_mm.has_value() ? *sigma_mm * *sigma_mm
                                                : squares / (3.0 * static_cast<double>(count) - 6.0);
@@ -266,15 +273,6 @@ PlacedPart place_by_board(const Isometry3d& base_from_board,
   moves.bottomRightCorner<3, 3>() = back;
   return {.base_from_part = base_from_board * board_from_part,
           .covariance = moves * board_covariance * moves.transpose() + offset_covariance};
-}
-
-PlacingCamera placing_camera(const HandEyeCalibration& calibration) {
-  return {.mounting = calibration.mounting,
-          .lens = calibration.lens,
-          .hand_eye = calibration.poses.hand_eye,
-          .covariance = calibration.covariance.topLeftCorner<15, 15>(),
-          .robot_rad = calibration.noise.robot_rad,
-          .robot_mm = calibration.noise.robot_mm};
 }
 
 std::optional<PlacedPart> place_by_pictures(const PlacingCamera& camera,

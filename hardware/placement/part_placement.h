@@ -63,8 +63,6 @@ struct PlacingCamera {
   double robot_mm = 0.0;
 };
 
-PlacingCamera placing_camera(const HandEyeCalibration& calibration);
-
 /// Points or edges of the part that one picture shows.
 struct PartPicture {
   std::vector<Eigen::Vector3d> part_mm;     ///< on the part

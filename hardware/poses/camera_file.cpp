@@ -130,15 +130,21 @@ void set_distortion(const ConfigNode& node, PinholeIntrinsics& intrinsics) {
   intrinsics.tangential = {at(2), at(3)};
 }
 
-PinholeIntrinsics opencv_camera(const ConfigNode& root, const ConfigNode& matrix) {
-  constexpr std::string_view kKey = "camera_matrix";
-  const std::vector<double> k = matrix_of(matrix, kKey);
+/// The nine numbers of a camera matrix without skew, row by row.
+std::vector<double> camera_matrix(const ConfigNode& matrix, std::string_view key) {
+  const std::vector<double> k = matrix_of(matrix, key);
   if (k.size() != 9) {
-    refuse(matrix.place, kKey, fmt::format("has {} numbers, must have 9", k.size()));
+    refuse(matrix.place, key, fmt::format("has {} numbers, must have 9", k.size()));
   }
   if (k[1] != 0.0 || k[3] != 0.0 || k[6] != 0.0 || k[7] != 0.0 || k[8] != 1.0) {
-    refuse(matrix.place, kKey, "must be fx 0 cx, 0 fy cy, 0 0 1: skew is not known here");
+    refuse(matrix.place, key, "must be fx 0 cx, 0 fy cy, 0 0 1: skew is not known here");
   }
+  return k;
+}
+
+PinholeIntrinsics opencv_camera(const ConfigNode& root, const ConfigNode& matrix) {
+  constexpr std::string_view kKey = "camera_matrix";
+  const std::vector<double> k = camera_matrix(matrix, kKey);
   PinholeIntrinsics intrinsics = {
       .width_px = size_of(root, std::array<std::string_view, 2>{"image_width", "imageWidth"}),
       .height_px = size_of(root, std::array<std::string_view, 2>{"image_height", "imageHeight"}),

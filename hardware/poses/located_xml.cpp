@@ -113,6 +113,16 @@ class XmlParser {
     return result;
   }
 
+  void close(const std::string& tag) {
+    const std::size_t begin = at_ + 2;
+    at_ = begin;
+    if (const std::string closed = name(); closed != tag) {
+      at_ = begin;
+      fail(fmt::format("closes {}, but {} is open", closed, tag));
+    }
+    skip_past(">");
+  }
+
   ConfigNode content(const std::string& tag, int depth) {
     ConfigNode table = ConfigNode::table();
     std::string words;
@@ -135,13 +145,7 @@ class XmlParser {
       words += text_.substr(at_, end - at_);
       at_ = end;
     }
-    const std::size_t begin = at_ + 2;
-    at_ = begin;
-    if (const std::string closed = name(); closed != tag) {
-      at_ = begin;
-      fail(fmt::format("closes {}, but {} is open", closed, tag));
-    }
-    skip_past(">");
+    close(tag);
     if (!table.items.empty()) {
       return table;
     }

@@ -90,6 +90,18 @@ Place place_where(std::span<const WrittenPose> poses, const Test& test) {
   throw ConfigError(Problem{.place = place, .key = key, .text = text});
 }
 
+void check_count(const WrittenPose& pose) {
+  const std::size_t count = pose.numbers.size();
+  if (count != 6 && count != 7 && count != 12 && count != 16) {
+    refuse(
+        pose.place,
+        "pose",
+        fmt::format("has {} numbers, must be 6 (position and rotation vector or Euler angles), 7 "
+                    "(position and quaternion), 12 or 16 (matrix, row by row)",
+                    count));
+  }
+}
+
 void check_numbers(std::span<const WrittenPose> poses) {
   std::vector<Problem> errors;
   const std::size_t count = poses.front().numbers.size();
@@ -112,13 +124,19 @@ void check_numbers(std::span<const WrittenPose> poses) {
     }
   }
   throw_if_any(errors);
-  if (count != 6 && count != 7 && count != 12 && count != 16) {
-    refuse(
-        poses.front().place,
-        "pose",
-        fmt::format("has {} numbers, must be 6 (position and rotation vector or Euler angles), 7 "
-                    "(position and quaternion), 12 or 16 (matrix, row by row)",
-                    count));
+  check_count(poses.front());
+}
+
+void check_rotation(PoseRotation rotation, const WrittenPose& pose) {
+  const std::size_t count = pose.numbers.size();
+  const std::size_t wanted = count_for(rotation);
+  if (wanted != count && !(wanted == 16 && count == 12)) {
+    refuse(pose.place,
+           "rotation",
+           fmt::format("is \"{}\", which needs {} numbers a pose, but there are {}",
+                       name_of(rotation, kRotations),
+                       wanted == 16 ? "12 or 16" : fmt::format("{}", wanted),
+                       count));
   }
 }
 
@@ -126,15 +144,7 @@ void resolve_rotation(std::span<const WrittenPose> poses, ResolvedConvention& re
   PoseRotation& rotation = resolved.convention.rotation;
   const std::size_t count = poses.front().numbers.size();
   if (rotation != PoseRotation::kAuto) {
-    const std::size_t wanted = count_for(rotation);
-    if (wanted != count && !(wanted == 16 && count == 12)) {
-      refuse(poses.front().place,
-             "rotation",
-             fmt::format("is \"{}\", which needs {} numbers a pose, but there are {}",
-                         name_of(rotation, kRotations),
-                         wanted == 16 ? "12 or 16" : fmt::format("{}", wanted),
-                         count));
-    }
+    check_rotation(rotation, poses.front());
     return;
   }
   if (count >= 12) {
@@ -154,20 +164,8 @@ void resolve_rotation(std::span<const WrittenPose> poses, ResolvedConvention& re
       count));
 }
 
-void resolve_angle(std::span<const WrittenPose> poses, ResolvedConvention& resolved) {
-  PoseAngle& angle = resolved.convention.angle;
-  if (!has_angles(resolved.convention.rotation)) {
-    angle = PoseAngle::kRadian;  // there are none
-    return;
-  }
-  const double largest = largest_angle(poses);
-  if (angle == PoseAngle::kAuto) {
-    angle = largest > kFullTurnRad ? PoseAngle::kDegree : PoseAngle::kRadian;
-    resolved.told.push_back(fmt::format("angle = \"{}\": guessed, the largest angle is {}",
-                                        name_of(angle, kAngles),
-                                        shortest(largest)));
-    return;
-  }
+/// Radians that are too large, degrees that are too small. @param largest  of all angles
+void check_angle(std::span<const WrittenPose> poses, PoseAngle angle, double largest) {
   if (angle == PoseAngle::kRadian && largest > kFullTurnRad) {
     const auto is_largest = [&](const WrittenPose& pose) {
       return largest_angle({&pose, 1}) == largest;
@@ -186,6 +184,23 @@ void resolve_angle(std::span<const WrittenPose> poses, ResolvedConvention& resol
                        "\"rad\"",
                        shortest(largest)));
   }
+}
+
+void resolve_angle(std::span<const WrittenPose> poses, ResolvedConvention& resolved) {
+  PoseAngle& angle = resolved.convention.angle;
+  if (!has_angles(resolved.convention.rotation)) {
+    angle = PoseAngle::kRadian;  // there are none
+    return;
+  }
+  const double largest = largest_angle(poses);
+  if (angle == PoseAngle::kAuto) {
+    angle = largest > kFullTurnRad ? PoseAngle::kDegree : PoseAngle::kRadian;
+    resolved.told.push_back(fmt::format("angle = \"{}\": guessed, the largest angle is {}",
+                                        name_of(angle, kAngles),
+                                        shortest(largest)));
+    return;
+  }
+  check_angle(poses, angle, largest);
 }
 
 void resolve_unit(std::span<const WrittenPose> poses, ResolvedConvention& resolved) {

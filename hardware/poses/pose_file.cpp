@@ -86,34 +86,37 @@ void set_direction(PoseFile& file, std::string_view key, const Place& place) {
   known = direction;
 }
 
+/// One key of a pose's table.
+void read_key(const std::string& key, const ConfigNode& item, WrittenPose& pose, PoseFile& file) {
+  if (is_one_of(key, kNameKeys)) {
+    pose.name = text_of(item, key);
+  } else if (is_one_of(key, kStampKeys)) {
+    if (!item.is_number()) {
+      refuse(item.place, key, "must be a number of seconds");
+    }
+    pose.has_stamp = true;
+    pose.stamp_s = item.number;
+  } else if (is_one_of(key, kPoseKeys)) {
+    if (!pose.numbers.empty()) {
+      refuse(item.place, key, "a second set of numbers, a pose has one");
+    }
+    pose.numbers = numbers_of(item);
+    pose.place = item.place;
+    set_direction(file, key, item.place);
+  } else {
+    refuse(item.place,
+           key,
+           fmt::format("unknown key, known are {}, {}, {}",
+                       quoted_list(kNameKeys),
+                       quoted_list(kStampKeys),
+                       quoted_list(kPoseKeys)));
+  }
+}
+
 WrittenPose table_pose(const ConfigNode& table, PoseFile& file) {
   WrittenPose pose = {.place = table.place};
   for (std::size_t i = 0; i < table.items.size(); ++i) {
-    const std::string& key = table.names[i];
-    const ConfigNode& item = table.items[i];
-    if (is_one_of(key, kNameKeys)) {
-      pose.name = text_of(item, key);
-    } else if (is_one_of(key, kStampKeys)) {
-      if (!item.is_number()) {
-        refuse(item.place, key, "must be a number of seconds");
-      }
-      pose.has_stamp = true;
-      pose.stamp_s = item.number;
-    } else if (is_one_of(key, kPoseKeys)) {
-      if (!pose.numbers.empty()) {
-        refuse(item.place, key, "a second set of numbers, a pose has one");
-      }
-      pose.numbers = numbers_of(item);
-      pose.place = item.place;
-      set_direction(file, key, item.place);
-    } else {
-      refuse(item.place,
-             key,
-             fmt::format("unknown key, known are {}, {}, {}",
-                         quoted_list(kNameKeys),
-                         quoted_list(kStampKeys),
-                         quoted_list(kPoseKeys)));
-    }
+    read_key(table.names[i], table.items[i], pose, file);
   }
   if (pose.numbers.empty()) {
     refuse(table.place,
@@ -311,33 +314,37 @@ PoseConvention overruled(PoseConvention known, const PoseConvention& said) {
   return known;
 }
 
+std::string place_text(const WrittenPose& pose) {
+  return fmt::format("{}:{}", pose.place.file, pose.place.line);
+}
+
+/// The pose that has the same key, which is remembered when there is none.
+template <class Key>
+const WrittenPose* earlier(const Key& key,
+                           const WrittenPose& pose,
+                           std::map<Key, const WrittenPose*>& known) {
+  const auto [at, is_new] = known.try_emplace(key, &pose);
+  return is_new ? nullptr : at->second;
+}
+
 void check_doubled(std::span<const WrittenPose> poses) {
   std::vector<Problem> errors;
   std::map<std::string, const WrittenPose*> names;
   std::map<double, const WrittenPose*> stamps;
-  const auto where = [](const WrittenPose& pose) {
-    return fmt::format("{}:{}", pose.place.file, pose.place.line);
-  };
   for (const WrittenPose& pose : poses) {
-    if (!pose.name.empty()) {
-      const auto [known, is_new] = names.try_emplace(pose.name, &pose);
-      if (!is_new) {
-        errors.push_back(
-            {.place = pose.place,
-             .key = "name",
-             .text = fmt::format(
-                 "\"{}\" is the name of an earlier pose, {}", pose.name, where(*known->second))});
-      }
+    if (const WrittenPose* known = pose.name.empty() ? nullptr : earlier(pose.name, pose, names)) {
+      errors.push_back(
+          {.place = pose.place,
+           .key = "name",
+           .text = fmt::format(
+               "\"{}\" is the name of an earlier pose, {}", pose.name, place_text(*known))});
     }
-    if (pose.has_stamp) {
-      const auto [known, is_new] = stamps.try_emplace(pose.stamp_s, &pose);
-      if (!is_new) {
-        errors.push_back({.place = pose.place,
-                          .key = "stamp_s",
-                          .text = fmt::format("{} is the stamp of an earlier pose, {}",
-                                              shortest(pose.stamp_s),
-                                              where(*known->second))});
-      }
+    if (const WrittenPose* known = pose.has_stamp ? earlier(pose.stamp_s, pose, stamps) : nullptr) {
+      errors.push_back({.place = pose.place,
+                        .key = "stamp_s",
+                        .text = fmt::format("{} is the stamp of an earlier pose, {}",
+                                            shortest(pose.stamp_s),
+                                            place_text(*known))});
     }
   }
   throw_if_any(errors);

@@ -2,6 +2,7 @@
 #include "hardware/poses/pose_pairing.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
 #include <numeric>
@@ -139,40 +140,25 @@ Pairing by_order(std::size_t num_pictures, std::size_t num_poses) {
   return pairing;
 }
 
-}  // namespace
+/// Pairs by what both names are made into.
+struct Way {
+  PairBy by;
+  std::string (*key)(const std::string&);
+  const char* told;
+};
 
-Pairing pair_poses(std::span<const std::string> pictures,
-                   std::span<const std::string> pose_names,
-                   PairBy by) {
-  const bool has_names =
-      std::ranges::any_of(pose_names, [](const std::string& name) { return !name.empty(); });
-  if (by == PairBy::kOrder || (by == PairBy::kAuto && !has_names)) {
-    return by_order(pictures.size(), pose_names.size());
-  }
+constexpr std::array kWays = {
+    Way{PairBy::kName, file_name, "pair_by = \"name\": names agree"},
+    Way{PairBy::kName, stem, "pair_by = \"name\": names agree but for endings"},
+    Way{PairBy::kLastNumber,
+        last_number,
+        "pair_by = \"last_number\": last numbers of the names agree"}};
 
-  const Keys names(pose_names.begin(), pose_names.end());
-  const Keys ends = ends_of_paths(pictures, pose_names);
-  const bool has_folders = std::ranges::any_of(
-      names, [](const std::string& name) { return name.find('/') != name.npos; });
-  if (has_folders && by != PairBy::kLastNumber &&
-      fault_between(pictures, pose_names, ends, names).empty()) {
-    return {.pose_of = indices(ends, names),
-            .told = "pair_by = \"name\": names agree with the ends of paths"};
-  }
-
-  struct Way {
-    PairBy by;
-    std::string (*key)(const std::string&);
-    const char* told;
-  };
-
+Pairing by_keys(std::span<const std::string> pictures,
+                std::span<const std::string> pose_names,
+                PairBy by) {
   std::string first_fault;
-  for (const Way& way :
-       {Way{PairBy::kName, file_name, "pair_by = \"name\": names agree"},
-        Way{PairBy::kName, stem, "pair_by = \"name\": names agree but for endings"},
-        Way{PairBy::kLastNumber,
-            last_number,
-            "pair_by = \"last_number\": last numbers of the names agree"}}) {
+  for (const Way& way : kWays) {
     if (by != PairBy::kAuto && by != way.by) {
       continue;
     }
@@ -195,6 +181,30 @@ Pairing pair_poses(std::span<const std::string> pictures,
       fmt::format("poses and pictures cannot be paired: {}; allowed are \"name\", "
                   "\"last_number\" and \"order\"",
                   first_fault));
+}
+
+}  // namespace
+
+Pairing pair_poses(std::span<const std::string> pictures,
+                   std::span<const std::string> pose_names,
+                   PairBy by) {
+  const bool has_names =
+      std::ranges::any_of(pose_names, [](const std::string& name) { return !name.empty(); });
+  if (by == PairBy::kOrder || (by == PairBy::kAuto && !has_names)) {
+    return by_order(pictures.size(), pose_names.size());
+  }
+
+  const Keys names(pose_names.begin(), pose_names.end());
+  const Keys ends = ends_of_paths(pictures, pose_names);
+  const bool has_folders = std::ranges::any_of(
+      names, [](const std::string& name) { return name.find('/') != name.npos; });
+  if (has_folders && by != PairBy::kLastNumber &&
+      fault_between(pictures, pose_names, ends, names).empty()) {
+    return {.pose_of = indices(ends, names),
+            .told = "pair_by = \"name\": names agree with the ends of paths"};
+  }
+
+  return by_keys(pictures, pose_names, by);
 }
 
 }  // namespace glint

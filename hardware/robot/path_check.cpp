@@ -118,6 +118,30 @@ bool take_step(const ArmWithTool& arm,
   return true;
 }
 
+/// Goes along a motion of the joints. @return how far a point of the arm goes for each radian of
+/// the leading joint; none where the motion is refused
+std::optional<double> walk_joints(const ArmWithTool& arm,
+                                  const JointVector& way_rad,
+                                  CheckedMotion& motion) {
+  const double leading_rad = way_rad.cwiseAbs().maxCoeff();
+  const int steps = joint_steps(arm, way_rad);
+  ArmShape before = shape_at(arm, motion.start_rad);
+  double link_mm_per_rad = 0.0;
+  for (int i = 0; i <= steps; ++i) {
+    const JointVector joints_rad = motion.start_rad + way_rad * (static_cast<double>(i) / steps);
+    if (!passes_limits(arm, joints_rad, motion)) {
+      return std::nullopt;
+    }
+    const ArmShape shape = shape_at(arm, joints_rad);
+    if (i > 0 && leading_rad > 0.0) {
+      link_mm_per_rad =
+          std::max(link_mm_per_rad, largest_motion_mm(shape, before) * steps / leading_rad);
+    }
+    before = shape;
+  }
+  return link_mm_per_rad;
+}
+
 }  // namespace
 
 std::string outside_box(const ArmWithTool& arm, const JointVector& joints_rad, double margin_mm) {
@@ -153,25 +177,14 @@ CheckedMotion check_joint_motion(const ArmWithTool& arm,
   }
   const JointVector way_rad = goal_rad - start_rad;
   const double leading_rad = way_rad.cwiseAbs().maxCoeff();
-  const int steps = joint_steps(arm, way_rad);
-  ArmShape before = shape_at(arm, start_rad);
-  double link_mm_per_rad = 0.0;
-  for (int i = 0; i <= steps; ++i) {
-    const JointVector joints_rad = start_rad + way_rad * (static_cast<double>(i) / steps);
-    if (!passes_limits(arm, joints_rad, motion)) {
-      return motion;
-    }
-    const ArmShape shape = shape_at(arm, joints_rad);
-    if (i > 0 && leading_rad > 0.0) {
-      link_mm_per_rad =
-          std::max(link_mm_per_rad, largest_motion_mm(shape, before) * steps / leading_rad);
-    }
-    before = shape;
+  const auto link_mm_per_rad = walk_joints(arm, way_rad, motion);
+  if (!link_mm_per_rad) {
+    return motion;
   }
   motion.speed = share * arm.limits.joint_speed_rad_s;
-  if (link_mm_per_rad > 0.0) {
+  if (*link_mm_per_rad > 0.0) {
     motion.speed = std::min(motion.speed,
-                            share * arm.limits.tool_speed_mm_s / (kSpeedMargin * link_mm_per_rad));
+                            share * arm.limits.tool_speed_mm_s / (kSpeedMargin * *link_mm_per_rad));
   }
   motion.duration_s = Trapezoid(leading_rad, motion.speed, motion.acceleration).duration_s();
   return motion;

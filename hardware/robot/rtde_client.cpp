@@ -20,6 +20,13 @@ RtdeKind expected_kind(int step) {
   return kKinds.at(static_cast<std::size_t>(step));
 }
 
+/// @throws ProtocolError  the controller says no
+void demand(std::string_view payload, const char* refusal) {
+  if (!parse_flag(payload)) {
+    throw ProtocolError(fmt::format("RTDE: {}", refusal));
+  }
+}
+
 }  // namespace
 
 RtdeClient::RtdeClient(RtdeRequest request) : request_(std::move(request)) {
@@ -53,25 +60,26 @@ const RtdeValue& RtdeClient::value(std::string_view output) const {
   return values_[static_cast<std::size_t>(found - recipe_.names.begin())];
 }
 
+void RtdeClient::take_text(std::string_view payload) {
+  const RtdeText text = parse_text(payload);
+  if (text.level <= 2 && texts_.size() < kMostTexts) {
+    texts_.push_back(text.message);
+  }
+}
+
 void RtdeClient::take(const FrameSplitter::Frame& frame, const std::function<void()>& on_package) {
   const auto kind = static_cast<RtdeKind>(frame.kind);
   if (kind == RtdeKind::kText) {
-    const RtdeText text = parse_text(frame.payload);
-    if (text.level <= 2 && texts_.size() < kMostTexts) {
-      texts_.push_back(text.message);
-    }
+    take_text(frame.payload);
     return;
   }
-  if (kind != expected_kind(static_cast<int>(step_))) {
-    throw ProtocolError(fmt::format("RTDE: a package of kind {}, expected was {}",
-                                    frame.kind,
-                                    static_cast<int>(expected_kind(static_cast<int>(step_)))));
+  if (const RtdeKind expected = expected_kind(static_cast<int>(step_)); kind != expected) {
+    throw ProtocolError(fmt::format(
+        "RTDE: a package of kind {}, expected was {}", frame.kind, static_cast<int>(expected)));
   }
   switch (step_) {
     case Step::kVersion:
-      if (!parse_flag(frame.payload)) {
-        throw ProtocolError("RTDE: the controller does not know version 2 of the protocol");
-      }
+      demand(frame.payload, "the controller does not know version 2 of the protocol");
       output_ += controller_version_request();
       step_ = Step::kController;
       break;
@@ -86,9 +94,7 @@ void RtdeClient::take(const FrameSplitter::Frame& frame, const std::function<voi
       take_inputs(frame.payload);
       break;
     case Step::kStart:
-      if (!parse_flag(frame.payload)) {
-        throw ProtocolError("RTDE: the controller does not start to send");
-      }
+      demand(frame.payload, "the controller does not start to send");
       step_ = Step::kData;
       break;
     case Step::kData:

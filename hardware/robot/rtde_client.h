@@ -60,6 +60,7 @@ class RtdeClient {
   enum class Step { kVersion, kController, kOutputs, kInputs, kStart, kData };
 
   void take(const FrameSplitter::Frame& frame, const std::function<void()>& on_package);
+  void take_text(std::string_view payload);
   void take_outputs(std::string_view payload);
   void take_inputs(std::string_view payload);
   void ask_outputs();

@@ -31,11 +31,4 @@ double Trapezoid::at(double time_s) const {
   return length_ - 0.5 * acceleration_ * left * left;
 }
 
-double Trapezoid::speed_at(double time_s) const {
-  if (time_s <= 0.0 || time_s >= duration_s()) {
-    return 0.0;
-  }
-  return std::min({peak_, acceleration_ * time_s, acceleration_ * (duration_s() - time_s)});
-}
-
 }  // namespace glint

@@ -17,8 +17,6 @@ class Trapezoid {
   /// Length that was covered at a time; 0 before, the whole length after the motion.
   double at(double time_s) const;
 
-  double speed_at(double time_s) const;
-
  private:
   double length_;
   double acceleration_;

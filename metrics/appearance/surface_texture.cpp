@@ -151,38 +151,52 @@ int signed_frequency(std::size_t index, std::size_t size) {
                                 : static_cast<int>(index) - static_cast<int>(size);
 }
 
-void set_spectra(const std::vector<double>& power, std::size_t size, SurfaceTexture& texture) {
+/// Mean power over the direction, by cycles in a window.
+void set_radial_spectrum(const std::vector<double>& power,
+                         std::size_t size,
+                         SurfaceTexture& texture) {
   texture.radial.assign(size / 2, 0.0);
-  texture.angular.assign(kDirections, 0.0);
   std::vector<double> counts(size / 2, 0.0);
-  double sum = 0.0;
-  double cosine = 0.0;
-  double sine = 0.0;
   for (std::size_t y = 0; y < size; ++y) {
     for (std::size_t x = 0; x < size; ++x) {
       const int u = signed_frequency(x, size);
       const int v = signed_frequency(y, size);
-      const double cycles = std::hypot(u, v);
-      const auto bin = static_cast<std::size_t>(cycles);
-      const double value = power[y * size + x];
+      const auto bin = static_cast<std::size_t>(std::hypot(u, v));
       if (bin < texture.radial.size() && (u != 0 || v != 0)) {
-        texture.radial[bin] += value;
+        texture.radial[bin] += power[y * size + x];
         counts[bin] += 1.0;
-      }
-      const double per_px = cycles / static_cast<double>(size);
-      if (per_px >= kLowCycles && per_px <= kHighCycles) {
-        double angle = std::atan2(v, u);
-        angle += angle < 0.0 ? kPi : 0.0;
-        const auto direction = static_cast<std::size_t>(angle / kPi * kDirections + 0.5);
-        texture.angular[direction % kDirections] += value;
-        sum += value;
-        cosine += value * std::cos(2.0 * angle);
-        sine += value * std::sin(2.0 * angle);
       }
     }
   }
   for (std::size_t i = 0; i < counts.size(); ++i) {
     texture.radial[i] /= std::max(counts[i], 1.0);
+  }
+}
+
+/// The direction of a wave, 0 to below pi.
+double direction_rad(int u, int v) {
+  const double angle = std::atan2(v, u);
+  return angle < 0.0 ? angle + kPi : angle;
+}
+
+/// Shares of the power by direction, and the lay: how strong it is and where it runs.
+void set_directions(const std::vector<double>& power, std::size_t size, SurfaceTexture& texture) {
+  texture.angular.assign(kDirections, 0.0);
+  double sum = 0.0;
+  double cosine = 0.0;
+  double sine = 0.0;
+  for (std::size_t i = 0; i < power.size(); ++i) {
+    const int u = signed_frequency(i % size, size);
+    const int v = signed_frequency(i / size, size);
+    const double per_px = std::hypot(u, v) / static_cast<double>(size);
+    if (per_px >= kLowCycles && per_px <= kHighCycles) {
+      const double angle = direction_rad(u, v);
+      const auto direction = static_cast<std::size_t>(angle / kPi * kDirections + 0.5);
+      texture.angular[direction % kDirections] += power[i];
+      sum += power[i];
+      cosine += power[i] * std::cos(2.0 * angle);
+      sine += power[i] * std::sin(2.0 * angle);
+    }
   }
   for (double& share : texture.angular) {
     share /= sum > 0.0 ? sum : 1.0;
@@ -286,6 +300,18 @@ void add_features(const std::vector<double>& counts, int levels, Cooccurrence& f
   }
 }
 
+/// Grey levels about the mean of a window.
+Levels levels_in(const ImageF& picture, const Window& at, int size, int levels) {
+  const double mean = window_mean(picture, at, size);
+  double square = 0.0;
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x) {
+      square += std::pow(static_cast<double>(picture(at.x + x, at.y + y)) - mean, 2);
+    }
+  }
+  return {mean, std::sqrt(square / (static_cast<double>(size) * size)), levels};
+}
+
 Cooccurrence cooccurrence_of(const ImageF& picture,
                              std::span<const Window> windows,
                              int size,
@@ -297,14 +323,7 @@ Cooccurrence cooccurrence_of(const ImageF& picture,
     lag.assign(static_cast<std::size_t>(levels) * static_cast<std::size_t>(levels), 0.0);
   }
   for (const Window& at : windows) {
-    const double mean = window_mean(picture, at, size);
-    double square = 0.0;
-    for (int y = 0; y < size; ++y) {
-      for (int x = 0; x < size; ++x) {
-        square += std::pow(static_cast<double>(picture(at.x + x, at.y + y)) - mean, 2);
-      }
-    }
-    const Levels level(mean, std::sqrt(square / (static_cast<double>(size) * size)), levels);
+    const Levels level = levels_in(picture, at, size, levels);
     for (int y = 1; y + 1 < size; ++y) {
       for (int x = 0; x + 1 < size; ++x) {
         const int i = level.of(picture(at.x + x, at.y + y));
@@ -320,6 +339,42 @@ Cooccurrence cooccurrence_of(const ImageF& picture,
     add_features(lag, levels, features);
   }
   return features;
+}
+
+/// Mean of the windows' periodograms, size x size. @param[out] spread  standard deviation in them
+std::vector<double> mean_periodogram(const ImageF& picture,
+                                     std::span<const Window> windows,
+                                     int size,
+                                     double& spread) {
+  const std::vector<double> taper = hann(size);
+  PlaneTransform transform(size);
+  std::vector<double> power(static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 0.0);
+  double variance = 0.0;
+  for (const Window& at : windows) {
+    variance += add_periodogram(picture, at, taper, transform, power);
+  }
+  const auto count = static_cast<double>(windows.size());
+  for (double& value : power) {
+    value /= count;
+  }
+  spread = std::sqrt(variance / count);
+  return power;
+}
+
+/// Root mean square of the decades between two radial spectra.
+double radial_distance(const SurfaceTexture& first, const SurfaceTexture& second) {
+  double squares = 0.0;
+  double count = 0.0;
+  for (std::size_t i = 0; i < first.radial.size(); ++i) {
+    const double cycles = (static_cast<double>(i) + 0.5) / first.window_px;
+    if (cycles >= kLowCycles && cycles <= kHighCycles) {
+      const double ratio =
+          std::log10(std::max(first.radial[i], 1e-12) / std::max(second.radial[i], 1e-12));
+      squares += ratio * ratio;
+      count += 1.0;
+    }
+  }
+  return count > 0.0 ? std::sqrt(squares / count) : 0.0;
 }
 
 }  // namespace
@@ -340,19 +395,9 @@ SurfaceTexture texture_of(const ImageF& picture,
   if (windows.empty()) {
     return texture;
   }
-  const std::vector<double> taper = hann(size);
-  PlaneTransform transform(size);
-  std::vector<double> power(static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 0.0);
-  double variance = 0.0;
-  for (const Window& at : windows) {
-    variance += add_periodogram(picture, at, taper, transform, power);
-  }
-  const auto count = static_cast<double>(windows.size());
-  for (double& value : power) {
-    value /= count;
-  }
-  texture.spread = std::sqrt(variance / count);
-  set_spectra(power, static_cast<std::size_t>(size), texture);
+  const std::vector<double> power = mean_periodogram(picture, windows, size, texture.spread);
+  set_radial_spectrum(power, static_cast<std::size_t>(size), texture);
+  set_directions(power, static_cast<std::size_t>(size), texture);
   set_lengths(power, size, texture);
   texture.cooccurrence = cooccurrence_of(picture, windows, size, settings.grey_levels);
   return texture;
@@ -363,17 +408,7 @@ TextureDistance distance_between(const SurfaceTexture& first, const SurfaceTextu
     throw ConfigError("appearance: textures are compared by windows of one size");
   }
   TextureDistance distance;
-  double count = 0.0;
-  for (std::size_t i = 0; i < first.radial.size(); ++i) {
-    const double cycles = (static_cast<double>(i) + 0.5) / first.window_px;
-    if (cycles >= kLowCycles && cycles <= kHighCycles) {
-      const double ratio =
-          std::log10(std::max(first.radial[i], 1e-12) / std::max(second.radial[i], 1e-12));
-      distance.radial += ratio * ratio;
-      count += 1.0;
-    }
-  }
-  distance.radial = count > 0.0 ? std::sqrt(distance.radial / count) : 0.0;
+  distance.radial = radial_distance(first, second);
   for (std::size_t i = 0; i < first.angular.size(); ++i) {
     distance.angular += 0.5 * std::abs(first.angular[i] - second.angular[i]);
   }

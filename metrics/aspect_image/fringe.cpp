@@ -83,6 +83,22 @@ double variation_of(const std::vector<double>& values, double mean) {
   return std::sqrt(squares / static_cast<double>(values.size())) / mean;
 }
 
+/// @param totals  of one period or more
+FringeScores scores_of(const Totals& totals, const FringeSettings& settings) {
+  double length_px = 0.0;
+  for (const double period_px : totals.periods_px) {
+    length_px += period_px;
+  }
+  FringeScores scores;
+  scores.periods = static_cast<int>(totals.periods_px.size());
+  scores.period_px = length_px / scores.periods;
+  scores.regularity = variation_of(totals.periods_px, scores.period_px);
+  scores.duty = totals.bright_px / length_px;
+  scores.duty_error = scores.duty - settings.nominal_duty;
+  scores.modulation = totals.modulation_sum / totals.modulation_pixels;
+  return scores;
+}
+
 }  // namespace
 
 std::optional<FringeScores> fringe_scores(const ImageF& frame,
@@ -103,18 +119,7 @@ std::optional<FringeScores> fringe_scores(const ImageF& frame,
   if (totals.periods_px.empty()) {
     return std::nullopt;
   }
-  double length_px = 0.0;
-  for (const double period_px : totals.periods_px) {
-    length_px += period_px;
-  }
-  FringeScores scores;
-  scores.periods = static_cast<int>(totals.periods_px.size());
-  scores.period_px = length_px / scores.periods;
-  scores.regularity = variation_of(totals.periods_px, scores.period_px);
-  scores.duty = totals.bright_px / length_px;
-  scores.duty_error = scores.duty - settings.nominal_duty;
-  scores.modulation = totals.modulation_sum / totals.modulation_pixels;
-  return scores;
+  return scores_of(totals, settings);
 }
 
 }  // namespace glint

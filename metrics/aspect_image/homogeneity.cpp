@@ -304,6 +304,14 @@ Deviations deviations_from(double mean, const ImageF& image, const Spans& stretc
   return total;
 }
 
+/// From when a pixel counts as lit, and from when as full.
+Bracket lit_and_full(const MetricsSettings& settings) {
+  constexpr double kBelowFullScale = 1.0 - 1e-6;
+  return {
+      .low = largest_to(settings.lit_threshold),
+      .high = std::nextafter(largest_to(kBelowFullScale), std::numeric_limits<float>::infinity())};
+}
+
 }  // namespace
 
 Homogeneity homogeneity(const ImageF& aspect,
@@ -316,11 +324,7 @@ Homogeneity homogeneity(const ImageF& aspect,
   const Spans& stretches = region.spans;
   const std::int64_t pixels = pixels_of(stretches);
   const auto count = static_cast<double>(pixels);
-  constexpr double kBelowFullScale = 1.0 - 1e-6;
-  const Bracket lit_and_full = {
-      .low = largest_to(settings.lit_threshold),
-      .high = std::nextafter(largest_to(kBelowFullScale), std::numeric_limits<float>::infinity())};
-  const Levels levels = levels_of(aspect, stretches, lit_and_full);
+  const Levels levels = levels_of(aspect, stretches, lit_and_full(settings));
   Homogeneity result;
   result.mean = levels.sum / count;
   result.lit_share = static_cast<double>(pixels - levels.split.to_low) / count;

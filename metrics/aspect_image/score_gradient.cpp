@@ -333,8 +333,8 @@ void add_weber(const ScoredImage& image,
   }
 }
 
-ImageF defect_gradient(std::string_view score, const ScoredImage& image) {
-  ImageF gradient(image.aspect.width(), image.aspect.height());
+/// The gradient of a score over all defects, when it is one.
+void add_summary(std::string_view score, const ScoredImage& image, ImageF& gradient) {
   const std::vector<DefectScores> scores =
       defect_scores(image.aspect, image.defects, image.sigma_floor);
   const auto signed_weber = [&](std::size_t i, double factor) {
@@ -354,6 +354,11 @@ ImageF defect_gradient(std::string_view score, const ScoredImage& image) {
       signed_weber(i, 1.0 / static_cast<double>(scores.size()));
     }
   }
+}
+
+ImageF defect_gradient(std::string_view score, const ScoredImage& image) {
+  ImageF gradient(image.aspect.width(), image.aspect.height());
+  add_summary(score, image, gradient);
   for (const DefectPixels& defect : image.defects) {
     const std::string prefix = "defects." + defect.label;
     if (score == prefix + ".cnr") {

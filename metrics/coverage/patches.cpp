@@ -34,12 +34,9 @@ class DisjointSets {
   std::vector<std::size_t> parent_;
 };
 
-}  // namespace
-
-SurfacePatch largest_patch(std::span<const std::uint8_t> is_in,
-                           std::span<const double> weights,
-                           std::span<const std::array<std::int32_t, 2>> links) {
-  GLINT_CHECK(is_in.size() == weights.size(), "one weight a point");
+/// The points that are in, joined along the links between them.
+DisjointSets joined(std::span<const std::uint8_t> is_in,
+                    std::span<const std::array<std::int32_t, 2>> links) {
   DisjointSets sets(is_in.size());
   for (const auto& [a, b] : links) {
     const auto i = static_cast<std::size_t>(a);
@@ -48,6 +45,16 @@ SurfacePatch largest_patch(std::span<const std::uint8_t> is_in,
       sets.join(i, k);
     }
   }
+  return sets;
+}
+
+}  // namespace
+
+SurfacePatch largest_patch(std::span<const std::uint8_t> is_in,
+                           std::span<const double> weights,
+                           std::span<const std::array<std::int32_t, 2>> links) {
+  GLINT_CHECK(is_in.size() == weights.size(), "one weight a point");
+  DisjointSets sets = joined(is_in, links);
   std::vector<double> sums(is_in.size());
   std::size_t best = is_in.size();
   for (std::size_t i = 0; i < is_in.size(); ++i) {

@@ -23,6 +23,21 @@ struct JoinedPoints {
   std::vector<std::vector<std::uint32_t>> of_view;  ///< which a view sees, ascending
 };
 
+/// The views that see a point, a bit each. @return there is one
+bool mark_views(const Visibility& visibility,
+                std::size_t point,
+                std::vector<std::uint64_t>& views) {
+  std::ranges::fill(views, 0);
+  bool is_seen = false;
+  for (std::size_t view = 0; view < visibility.num_views(); ++view) {
+    if (visibility.sees(view, point)) {
+      views[view / 64] |= std::uint64_t{1} << (view % 64);
+      is_seen = true;
+    }
+  }
+  return is_seen;
+}
+
 JoinedPoints joined_points(const Visibility& visibility, std::span<const double> weights) {
   const double whole = checked_sum(weights);
   const std::size_t words = (visibility.num_views() + 63) / 64;
@@ -31,15 +46,7 @@ JoinedPoints joined_points(const Visibility& visibility, std::span<const double>
   std::map<std::vector<std::uint64_t>, std::size_t> known;
   std::vector<std::uint64_t> views(words);
   for (std::size_t point = 0; point < weights.size(); ++point) {
-    std::ranges::fill(views, 0);
-    bool is_seen = false;
-    for (std::size_t view = 0; view < visibility.num_views(); ++view) {
-      if (visibility.sees(view, point)) {
-        views[view / 64] |= std::uint64_t{1} << (view % 64);
-        is_seen = true;
-      }
-    }
-    if (!is_seen || weights[point] == 0.0) {
+    if (!mark_views(visibility, point, views) || weights[point] == 0.0) {
       continue;
     }
     const auto [at, is_new] = known.try_emplace(views, joined.shares.size());
@@ -136,17 +143,22 @@ class BranchAndBound {
     double gain = 0.0;
   };
 
+  std::vector<Candidate> best_first(const std::vector<std::size_t>& views) const {
+    std::vector<Candidate> candidates;
+    for (const std::size_t view : views) {
+      candidates.push_back({.view = view, .gain = seen_.gain(view)});
+    }
+    std::ranges::stable_sort(candidates, std::ranges::greater(), &Candidate::gain);
+    return candidates;
+  }
+
   /// Everything that can be reached with the views that are left.
   /// @return false when there were too many nodes
   bool branch(const std::vector<std::size_t>& views, double share) {
     if (++best_.nodes > max_nodes_) {
       return false;
     }
-    std::vector<Candidate> candidates;
-    for (const std::size_t view : views) {
-      candidates.push_back({.view = view, .gain = seen_.gain(view)});
-    }
-    std::ranges::stable_sort(candidates, std::ranges::greater(), &Candidate::gain);
+    const std::vector<Candidate> candidates = best_first(views);
     const std::size_t left = count_ - chosen_.size();
     if (left == 1) {
       take(candidates.front(), share);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <unordered_map>
 
 namespace glint {
@@ -123,6 +124,14 @@ std::size_t point_count(std::span<const Boundary> boundaries) {
   return count;
 }
 
+/// Linear between the values. @param sorted  one or more, ascending
+double quantile_of(std::span<const double> sorted, double share) {
+  const double at = share * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(at);
+  const double above = sorted[std::min(below + 1, sorted.size() - 1)];
+  return sorted[below] + (at - static_cast<double>(below)) * (above - sorted[below]);
+}
+
 }  // namespace
 
 std::vector<BoundaryGap> gaps_between(std::span<const Boundary> from,
@@ -173,10 +182,7 @@ BoundaryDistance boundary_distance(std::span<const Boundary> first,
   }
   result.offset_px /= static_cast<double>(distances.size());
   result.max_px = distances.back();
-  const double at = 0.95 * static_cast<double>(distances.size() - 1);
-  const auto below = static_cast<std::size_t>(at);
-  const double above = distances[std::min(below + 1, distances.size() - 1)];
-  result.p95_px = distances[below] + (at - static_cast<double>(below)) * (above - distances[below]);
+  result.p95_px = quantile_of(distances, 0.95);
   return result;
 }
 

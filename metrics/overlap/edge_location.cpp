@@ -174,6 +174,15 @@ class StepProblem {
   double profile_variance_;
 };
 
+/// @param contrast  of the whole profile
+bool is_step(const StepFit& fit, double middle_px, double contrast, const EdgeSearch& search) {
+  const double size = std::abs(fit.values[2] - fit.values[3]);
+  return size >= search.min_contrast && size <= 2.0 * contrast &&
+         std::sqrt(fit.cost / fit.samples) <= kMaxResidual * size &&
+         std::abs(fit.values[0] - middle_px) < kFitReachPx - 1.0 &&
+         std::abs(fit.values[0]) < search.reach_px;
+}
+
 std::optional<LocatedEdge> locate(const ImageF& picture,
                                   const BoundaryPoint& point,
                                   const EdgeSearch& search) {
@@ -187,19 +196,13 @@ std::optional<LocatedEdge> locate(const ImageF& picture,
   }
   const double middle_px = profile.at_px[steepest(profile)];
   const StepFit fit = StepProblem(profile, middle_px).fit(middle_px);
-  const double contrast = fit.values[2] - fit.values[3];
-  const bool is_step = std::abs(contrast) >= search.min_contrast &&
-                       std::abs(contrast) <= 2.0 * (high - low) &&
-                       std::sqrt(fit.cost / fit.samples) <= kMaxResidual * std::abs(contrast) &&
-                       std::abs(fit.values[0] - middle_px) < kFitReachPx - 1.0 &&
-                       std::abs(fit.values[0]) < search.reach_px;
-  if (!is_step) {
+  if (!is_step(fit, middle_px, high - low, search)) {
     return std::nullopt;
   }
   LocatedEdge edge;
   edge.edge = {.at_px = point.at_px + fit.values[0] * point.normal, .normal = point.normal};
   edge.moved_px = fit.values[0];
-  edge.contrast = contrast;
+  edge.contrast = fit.values[2] - fit.values[3];
   edge.sigma_px = fit.sigma_px;
   edge.spread_px = std::exp(fit.values[1]);
   return edge;

@@ -26,12 +26,47 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Shift, then the columns of the linear part times the extent, so that all are pixels.
-Vector6 row_of(const EdgeOffset& edge, const Vector2d& middle, double extent) {
-  const Vector2d from = (edge.at_px - middle) / extent;
-  Vector6 row;
-  row << edge.normal, edge.normal * from.x(), edge.normal * from.y();
-  return row;
+/// About what a motion is fitted.
+struct Frame {
+  Vector2d middle_px;
+  double extent_px = 1.0;
+
+  /// Shift, then the columns of the linear part times the extent, so that all are pixels.
+  Vector6 row_of(const EdgeOffset& edge) const {
+    const Vector2d from = (edge.at_px - middle_px) / extent_px;
+    Vector6 row;
+    row << edge.normal, edge.normal * from.x(), edge.normal * from.y();
+    return row;
+  }
+};
+
+/// One round of the robust fit. @param free  how many of the values are fitted
+Vector6 refitted(std::span<const EdgeOffset> offsets,
+                 const Frame& frame,
+                 double least_scale_px,
+                 Eigen::Index free,
+                 const Vector6& values) {
+  std::vector<double> sizes;
+  for (const EdgeOffset& edge : offsets) {
+    sizes.push_back(std::abs(edge.offset_px - frame.row_of(edge).dot(values)));
+  }
+  const double reach = kTukey * std::max(1.4826 * median(sizes), least_scale_px);
+  Matrix6 normal = Matrix6::Zero();
+  Vector6 right = Vector6::Zero();
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    const double ratio = sizes[i] / reach;
+    if (ratio >= 1.0) {
+      continue;
+    }
+    const double weight = (1.0 - ratio * ratio) * (1.0 - ratio * ratio);
+    const Vector6 row = frame.row_of(offsets[i]);
+    normal += weight * row * row.transpose();
+    right += weight * offsets[i].offset_px * row;
+  }
+  normal.diagonal().array() += kFaint * std::max(normal.diagonal().maxCoeff(), 1e-12);
+  Vector6 fitted = Vector6::Zero();
+  fitted.head(free) = normal.topLeftCorner(free, free).ldlt().solve(right.head(free));
+  return fitted;
 }
 
 }  // namespace
@@ -52,28 +87,12 @@ OutlineMotion fit_outline_motion(std::span<const EdgeOffset> offsets,
   }
   const Eigen::Index free = is_shift_only || offsets.size() < kLeastOffsets ? 2 : 6;
   Vector6 values = Vector6::Zero();
-  std::vector<double> sizes(offsets.size());
   for (int round = 0; round < kRounds; ++round) {
-    for (std::size_t i = 0; i < offsets.size(); ++i) {
-      sizes[i] =
-          std::abs(offsets[i].offset_px - row_of(offsets[i], motion.middle_px, extent).dot(values));
-    }
-    const double reach = kTukey * std::max(1.4826 * median(sizes), least_scale_px);
-    Matrix6 normal = Matrix6::Zero();
-    Vector6 right = Vector6::Zero();
-    for (std::size_t i = 0; i < offsets.size(); ++i) {
-      const double ratio = sizes[i] / reach;
-      if (ratio >= 1.0) {
-        continue;
-      }
-      const double weight = (1.0 - ratio * ratio) * (1.0 - ratio * ratio);
-      const Vector6 row = row_of(offsets[i], motion.middle_px, extent);
-      normal += weight * row * row.transpose();
-      right += weight * offsets[i].offset_px * row;
-    }
-    normal.diagonal().array() += kFaint * std::max(normal.diagonal().maxCoeff(), 1e-12);
-    values.setZero();
-    values.head(free) = normal.topLeftCorner(free, free).ldlt().solve(right.head(free));
+    values = refitted(offsets,
+                      {.middle_px = motion.middle_px, .extent_px = extent},
+                      least_scale_px,
+                      free,
+                      values);
   }
   motion.shift_px = values.head<2>();
   motion.linear.col(0) = values.segment<2>(2) / extent;

@@ -96,25 +96,10 @@ Estimate with_interval(double value, std::span<const double> without_one) {
   return {.value = value, .low = value - reach, .high = value + reach};
 }
 
-}  // namespace
-
-RingOffsets ring_offsets(std::span<const EdgeOffset> offsets,
-                         const Vector2d& centre_px,
-                         int num_rings) {
-  RingOffsets result;
-  double reach = 0.0;
-  for (const EdgeOffset& edge : offsets) {
-    reach = std::max(reach, (edge.at_px - centre_px).norm());
-  }
-  const double width = (reach + 1e-6) / num_rings;
-  for (int i = 0; i < num_rings && reach > 0.0; ++i) {
-    OffsetRing ring = {.inner_px = i * width, .outer_px = (i + 1) * width};
-    fill_ring(offsets, centre_px, ring);
-    result.rings.push_back(ring);
-  }
-  if (offsets.size() < 4 * kBlocks) {
-    return result;
-  }
+/// How offsets grow with the radius, with jackknife intervals over blocks of neighbours.
+void set_slopes(std::span<const EdgeOffset> offsets,
+                const Vector2d& centre_px,
+                RingOffsets& result) {
   std::vector<LinesSums> blocks;
   LinesSums all;
   for (std::size_t i = 0; i < kBlocks; ++i) {
@@ -136,6 +121,28 @@ RingOffsets ring_offsets(std::span<const EdgeOffset> offsets,
   result.radial_slope = with_interval(line[3], radial);
   result.tangential_slope = with_interval(line[5], tangential);
   result.has_slopes = true;
+}
+
+}  // namespace
+
+RingOffsets ring_offsets(std::span<const EdgeOffset> offsets,
+                         const Vector2d& centre_px,
+                         int num_rings) {
+  RingOffsets result;
+  double reach = 0.0;
+  for (const EdgeOffset& edge : offsets) {
+    reach = std::max(reach, (edge.at_px - centre_px).norm());
+  }
+  const double width = (reach + 1e-6) / num_rings;
+  for (int i = 0; i < num_rings && reach > 0.0; ++i) {
+    OffsetRing ring = {.inner_px = i * width, .outer_px = (i + 1) * width};
+    fill_ring(offsets, centre_px, ring);
+    result.rings.push_back(ring);
+  }
+  if (offsets.size() < 4 * kBlocks) {
+    return result;
+  }
+  set_slopes(offsets, centre_px, result);
   return result;
 }
 

@@ -119,6 +119,26 @@ void check(int dimension, const SobolSettings& settings) {
   }
 }
 
+/// @param drawn  rows of the resamples, for the intervals
+SobolIndex index_of(const Answers& answers,
+                    std::size_t coordinate,
+                    double variance,
+                    std::span<const std::size_t> all,
+                    std::span<const std::vector<std::size_t>> drawn,
+                    double coverage) {
+  std::vector<double> first;
+  std::vector<double> total;
+  for (const std::vector<std::size_t>& rows : drawn) {
+    const double of_rows = std::max(variance_of(answers, rows), 1e-12 * variance);
+    const Shares shares = shares_of(answers, coordinate, of_rows, rows);
+    first.push_back(shares.first);
+    total.push_back(shares.total);
+  }
+  const Shares shares = shares_of(answers, coordinate, variance, all);
+  return {.first = with_interval(shares.first, std::move(first), coverage),
+          .total = with_interval(shares.total, std::move(total), coverage)};
+}
+
 }  // namespace
 
 std::vector<SobolIndex> sobol_indices(const CubeFunction& function,
@@ -138,17 +158,7 @@ std::vector<SobolIndex> sobol_indices(const CubeFunction& function,
   }
   const auto drawn = resampled_rows(settings);
   for (std::size_t i = 0; i < indices.size(); ++i) {
-    std::vector<double> first;
-    std::vector<double> total;
-    for (const std::vector<std::size_t>& rows : drawn) {
-      const double of_rows = std::max(variance_of(answers, rows), 1e-12 * variance);
-      const Shares shares = shares_of(answers, i, of_rows, rows);
-      first.push_back(shares.first);
-      total.push_back(shares.total);
-    }
-    const Shares shares = shares_of(answers, i, variance, all);
-    indices[i].first = with_interval(shares.first, std::move(first), settings.coverage);
-    indices[i].total = with_interval(shares.total, std::move(total), settings.coverage);
+    indices[i] = index_of(answers, i, variance, all, drawn, settings.coverage);
   }
   return indices;
 }

@@ -43,22 +43,38 @@ struct Factor {
   double by_sigma = 0.0;
 };
 
-}  // namespace
-
-ExpectedHypervolume::ExpectedHypervolume(std::span<const Row> front, Row reference)
-    : reference_(std::move(reference)), borders_(reference_.size()), border_of_(reference_.size()) {
-  GLINT_CHECK(!reference_.empty(), "at least one objective");
+/// Rows that are better than the reference in everything.
+std::vector<Row> rows_inside(std::span<const Row> front, const Row& reference) {
   std::vector<Row> inside;
   for (const Row& row : front) {
-    GLINT_CHECK(row.size() == reference_.size(), "one number per objective");
+    GLINT_CHECK(row.size() == reference.size(), "one number per objective");
     bool is_inside = true;
     for (std::size_t k = 0; k < row.size(); ++k) {
-      is_inside = is_inside && row[k] < reference_[k];
+      is_inside = is_inside && row[k] < reference[k];
     }
     if (is_inside) {
       inside.push_back(row);
     }
   }
+  return inside;
+}
+
+/// Squared distance of two rows in shares of the range.
+double squared_distance(const Row& a, const Row& b, const Row& range) {
+  double squared = 0.0;
+  for (std::size_t k = 0; k < range.size(); ++k) {
+    const double part = (a[k] - b[k]) / range[k];
+    squared += part * part;
+  }
+  return squared;
+}
+
+}  // namespace
+
+ExpectedHypervolume::ExpectedHypervolume(std::span<const Row> front, Row reference)
+    : reference_(std::move(reference)), borders_(reference_.size()), border_of_(reference_.size()) {
+  GLINT_CHECK(!reference_.empty(), "at least one objective");
+  const std::vector<Row> inside = rows_inside(front, reference_);
   for (const std::size_t index : front_of(inside)) {
     front_.push_back(inside[index]);
   }
@@ -198,12 +214,7 @@ std::vector<std::size_t> spread_rows(std::span<const Row> rows, std::size_t coun
   for (std::size_t seen = 0; taken.size() < count;) {
     for (; seen < taken.size(); ++seen) {
       for (std::size_t i = 0; i < rows.size(); ++i) {
-        double squared = 0.0;
-        for (std::size_t k = 0; k < m; ++k) {
-          const double part = (rows[i][k] - rows[taken[seen]][k]) / range[k];
-          squared += part * part;
-        }
-        nearest[i] = std::min(nearest[i], squared);
+        nearest[i] = std::min(nearest[i], squared_distance(rows[i], rows[taken[seen]], range));
       }
     }
     taken.push_back(static_cast<std::size_t>(std::ranges::max_element(nearest) - nearest.begin()));

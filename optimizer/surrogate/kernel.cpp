@@ -12,8 +12,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-const double kRoot5 = std::sqrt(5.0);
-
 double own_share(const Encoding& encoding, const KernelParameters& parameters) {
   if (!encoding.has_branches()) {
     return 0.0;

@@ -33,6 +33,21 @@ std::string frame(std::uint8_t kind, std::string_view payload) {
   return writer.bytes();
 }
 
+/// What stands between the kind of a message and its text.
+void take_numbers(ByteReader& reader, PrimaryMessage& message) {
+  if (message.kind != PrimaryMessage::Kind::kText) {
+    message.code = reader.take<std::int32_t>();
+    message.argument = reader.take<std::int32_t>();
+  }
+  if (message.kind == PrimaryMessage::Kind::kErrorCode ||
+      message.kind == PrimaryMessage::Kind::kKey) {
+    reader.take_text(message.kind == PrimaryMessage::Kind::kErrorCode ? 12 : 0);
+  }
+  if (message.kind == PrimaryMessage::Kind::kKey) {
+    reader.take_text(reader.take<std::uint8_t>());
+  }
+}
+
 }  // namespace
 
 std::optional<PrimaryMessage> parse_primary(std::uint8_t kind, std::string_view payload) {
@@ -47,17 +62,7 @@ std::optional<PrimaryMessage> parse_primary(std::uint8_t kind, std::string_view 
   if (!reader.is_short() && !is_read(message.kind)) {
     return std::nullopt;
   }
-  if (message.kind != PrimaryMessage::Kind::kText) {
-    message.code = reader.take<std::int32_t>();
-    message.argument = reader.take<std::int32_t>();
-  }
-  if (message.kind == PrimaryMessage::Kind::kErrorCode ||
-      message.kind == PrimaryMessage::Kind::kKey) {
-    reader.take_text(message.kind == PrimaryMessage::Kind::kErrorCode ? 12 : 0);
-  }
-  if (message.kind == PrimaryMessage::Kind::kKey) {
-    reader.take_text(reader.take<std::uint8_t>());
-  }
+  take_numbers(reader, message);
   if (reader.is_short()) {
     throw ProtocolError("primary interface: a robot message that is too short");
   }

@@ -28,7 +28,6 @@ inline constexpr std::uint32_t kTriggerSoftware = 0x1021c;
 inline constexpr std::uint32_t kExposureTime = 0x10220;  ///< three numbers of 8 bytes
 inline constexpr std::uint32_t kGain = 0x10228;
 inline constexpr std::uint32_t kBlackLevel = 0x10230;
-inline constexpr std::uint32_t kEnd = 0x10300;
 inline constexpr std::uint32_t kXml = 0x20000;
 }  // namespace twin_register
 

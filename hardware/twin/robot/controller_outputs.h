@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 
@@ -20,6 +22,8 @@ class ControllerOutputs {
   std::optional<RtdeValue> value_of(std::string_view name) const;
 
  private:
+  std::array<double, 6> tool_speed() const;  ///< of the TCP in the base, m/s and rad/s
+  std::uint32_t status_bits() const;
   RtdeValue plain_value_of(std::string_view name) const;
 
   const TwinController& twin_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/twin/robot/dashboard_replies.h"
 
+#include <optional>
+
 #include <fmt/format.h>
 
 #include "hardware/robot/protocol/dashboard_text.h"
@@ -13,13 +15,8 @@ constexpr double kUnlockAfterS = 5.0;
 constexpr double kPowerS = 1.0;
 constexpr double kBrakeS = 0.5;
 
-}  // namespace
-
-std::string DashboardReplies::reply(std::string_view line) {
-  if (is_query(line)) {
-    return query(line);
-  }
-  const bool is_local = !twin_.is_remote_ && !is_cb3(twin_.settings_.arm.model());
+/// What a controller answers in every mode.
+std::optional<std::string> reply_to_anyone(std::string_view line) {
   if (line == "close safety popup") {
     return "closing safety popup";
   }
@@ -34,6 +31,29 @@ std::string DashboardReplies::reply(std::string_view line) {
   }
   if (line == "quit") {
     return "Disconnected";
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string DashboardReplies::stop() {
+  if (!twin_.program_) {
+    return "Failed to execute: stop";
+  }
+  twin_.program_.reset();
+  constexpr double kStopRadS2 = 4.0;
+  twin_.motion_.start_stop(kStopRadS2);
+  return "Stopped";
+}
+
+std::string DashboardReplies::reply(std::string_view line) {
+  if (is_query(line)) {
+    return query(line);
+  }
+  const bool is_local = !twin_.is_remote_ && !is_cb3(twin_.settings_.arm.model());
+  if (const auto text = reply_to_anyone(line)) {
+    return *text;
   }
   if (is_local) {
     return fmt::format("Failed to execute: {}: not in remote control", line.substr(0, 80));
@@ -51,13 +71,7 @@ std::string DashboardReplies::reply(std::string_view line) {
     return "Restarting safety";
   }
   if (line == "stop") {
-    if (!twin_.program_) {
-      return "Failed to execute: stop";
-    }
-    twin_.program_.reset();
-    constexpr double kStopRadS2 = 4.0;
-    twin_.motion_.start_stop(kStopRadS2);
-    return "Stopped";
+    return stop();
   }
   if (line == "play" || line == "pause" || line == "shutdown") {
     return fmt::format("Failed to execute: {}", line);

@@ -20,6 +20,7 @@ class DashboardReplies {
 
  private:
   std::string query(std::string_view line) const;
+  std::string stop();
   std::string unlock();
   std::string power(bool is_on);
   std::string release_brakes();

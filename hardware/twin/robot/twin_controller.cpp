@@ -306,6 +306,29 @@ void TwinController::advance_program(double dt_s) {
   }
 }
 
+bool TwinController::write_register(const ScriptStatement& statement) {
+  const double number = statement.number("register_id", 0, -1.0);
+  const double value = statement.number("value", 1, 0.0);
+  if (!(number >= 0.0 && number < 48.0) || !(std::abs(value) < 2147483648.0)) {
+    fail_program("write_output_integer_register: out of range");
+    return false;
+  }
+  int_registers_.at(static_cast<std::size_t>(number)) = static_cast<std::int32_t>(value);
+  return true;
+}
+
+bool TwinController::set_output(const ScriptStatement& statement) {
+  const double number = statement.number("n", 0, -1.0);
+  if (!(number >= 0.0 && number < 8.0)) {
+    fail_program(statement.function + ": out of range");
+    return false;
+  }
+  const std::uint64_t bit = std::uint64_t{1} << static_cast<unsigned>(number);
+  digital_outputs_ =
+      statement.number("b", 1, 0.0) != 0.0 ? digital_outputs_ | bit : digital_outputs_ & ~bit;
+  return true;
+}
+
 bool TwinController::execute(const ScriptStatement& statement) {
   const std::string& name = statement.function;
   if (is_motion(statement)) {
@@ -324,22 +347,9 @@ bool TwinController::execute(const ScriptStatement& statement) {
           kMmPerM * Eigen::Vector3d(cog->numbers[0], cog->numbers[1], cog->numbers[2]);
     }
   } else if (name == "write_output_integer_register") {
-    const double number = statement.number("register_id", 0, -1.0);
-    const double value = statement.number("value", 1, 0.0);
-    if (!(number >= 0.0 && number < 48.0) || !(std::abs(value) < 2147483648.0)) {
-      fail_program("write_output_integer_register: out of range");
-      return false;
-    }
-    int_registers_.at(static_cast<std::size_t>(number)) = static_cast<std::int32_t>(value);
+    return write_register(statement);
   } else if (name == "set_digital_out" || name == "set_standard_digital_out") {
-    const double number = statement.number("n", 0, -1.0);
-    if (!(number >= 0.0 && number < 8.0)) {
-      fail_program(name + ": out of range");
-      return false;
-    }
-    const std::uint64_t bit = std::uint64_t{1} << static_cast<unsigned>(number);
-    digital_outputs_ =
-        statement.number("b", 1, 0.0) != 0.0 ? digital_outputs_ | bit : digital_outputs_ & ~bit;
+    return set_output(statement);
   }
   return true;
 }

@@ -114,6 +114,8 @@ class TwinController {
   void advance_program(double dt_s);
   bool execute(const ScriptStatement& statement);
   bool execute_motion(const ScriptStatement& statement);
+  bool write_register(const ScriptStatement& statement);
+  bool set_output(const ScriptStatement& statement);
   void fail_program(const std::string& why);
   void tell(PrimaryMessage::Kind kind, const std::string& text);
   Eigen::Isometry3d tcp() const;

@@ -88,30 +88,41 @@ struct TwinServer::Impl {
   }
 
   void accept_all() {
+    accept_rtde();
+    accept_scripts(primary);
+    accept_scripts(secondary);
+    accept_dashboard();
+  }
+
+  void accept_rtde() {
     accept(rtde, [this](Connected& connected) {
       auto session = std::make_shared<RtdeSession>(twin, held);
       connected.session = session;
       return [session](std::string_view bytes) { return session->on_bytes(bytes); };
     });
-    for (Port* port : {&primary, &secondary}) {
-      accept(*port, [this](Connected&) {
-        struct Scripts {
-          LineSplitter lines{ScriptReader::kMostBytes};
-          ScriptReader reader;
-        };
-        auto scripts = std::make_shared<Scripts>();
-        return [this, scripts](std::string_view bytes) {
-          num_command_bytes += bytes.size();
-          scripts->lines.append(bytes);
-          while (const auto line = scripts->lines.next()) {
-            if (const auto result = scripts->reader.add_line(*line)) {
-              twin.run(*result);
-            }
+  }
+
+  void accept_scripts(Port& port) {
+    accept(port, [this](Connected&) {
+      struct Scripts {
+        LineSplitter lines{ScriptReader::kMostBytes};
+        ScriptReader reader;
+      };
+      auto scripts = std::make_shared<Scripts>();
+      return [this, scripts](std::string_view bytes) {
+        num_command_bytes += bytes.size();
+        scripts->lines.append(bytes);
+        while (const auto line = scripts->lines.next()) {
+          if (const auto result = scripts->reader.add_line(*line)) {
+            twin.run(*result);
           }
-          return std::string();
-        };
-      });
-    }
+        }
+        return std::string();
+      };
+    });
+  }
+
+  void accept_dashboard() {
     accept(dashboard, [this](Connected& connected) {
       ServedClient* client = connected.client.get();
       client->send(DashboardReplies::greeting() + "\n");

@@ -63,16 +63,5 @@ TEST(PromptedLight, IsAsTheLastPersonConfirmed) {
   EXPECT_THROW(PromptedLight("bar", {}).set(true), IoError);
 }
 
-TEST(ExchangePrototype, IsNeverAssumed) {
-  EXPECT_THROW(exchange_prototype("flat", {}), IoError);
-  EXPECT_THROW(exchange_prototype("flat", [](const std::string&) { return false; }), IoError);
-  std::string asked;
-  exchange_prototype("flat", [&](const std::string& what) {
-    asked = what;
-    return true;
-  });
-  EXPECT_EQ(asked, "put the prototype flat in place");
-}
-
 }  // namespace
 }  // namespace glint

@@ -41,6 +41,8 @@ constexpr std::array<std::string_view, 17> kNames = {"auto",
 
 constexpr int kPointsPerCombination = 4;
 constexpr double kMaxMixedDesign = 64.0;
+/// Each of its points tells as much as one point more for each variable.
+constexpr int kDesignWithDerivatives = 3;
 
 /// Repeated points in a row after which a space counts as fully sampled.
 constexpr int kMaxRepeats = 5000;
@@ -149,6 +151,19 @@ void check_smooth(const SearchSpace& space, const std::string& algorithm) {
   throw_if_any(errors);
 }
 
+void check_derivatives(const std::string& algorithm, int num_objectives) {
+  if (algorithm != "gp") {
+    throw ConfigError(
+        "search.derivatives: is for gp, not for " + algorithm +
+        (is_gradient_method(algorithm) ? ", which takes derivatives in any case" : "") +
+        "; allowed: true with auto and gp, false");
+  }
+  if (num_objectives > 1) {
+    throw ConfigError("search.derivatives: is of one objective, there are " +
+                      std::to_string(num_objectives) + "; allowed: false");
+  }
+}
+
 void check_objectives(const std::string& algorithm, int num_objectives) {
   GLINT_CHECK(num_objectives >= 1, "a search has an objective");
   if (num_objectives > 1 && !takes_several_objectives(algorithm)) {
@@ -202,7 +217,8 @@ int design_size(const SearchSpace& space, const SearchSettings& settings) {
     for (const Variable& variable : space.variables) {
       combinations *= is_continuous(variable) ? 1.0 : num_values(variable);
     }
-    size = std::max(8, 2 * static_cast<int>(space.variables.size()) + 2);
+    size = settings.derivatives ? kDesignWithDerivatives
+                                : std::max(8, 2 * static_cast<int>(space.variables.size()) + 2);
     if (has_discrete(space)) {
       const double mixed = std::min(kMaxMixedDesign, kPointsPerCombination * combinations);
       size = std::max(size, static_cast<int>(mixed));
@@ -221,6 +237,9 @@ std::string resolved_algorithm(const SearchSpace& space,
     return "gp";
   }
   if (settings.is_noisy && settings.rules > 1) {
+    return "gp";
+  }
+  if (settings.derivatives) {
     return "gp";
   }
   if (space.variables.size() <= 2 && !has_discrete(space)) {
@@ -242,7 +261,8 @@ std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
                                           std::vector<Point> start_points,
                                           int num_limits,
                                           int num_objectives,
-                                          std::vector<double> reference) {
+                                          std::vector<double> reference,
+                                          ExactValues exact) {
   check(space);
   check_settings(settings);
   check_objectives(resolved_algorithm(space, settings, num_objectives), num_objectives);
@@ -253,6 +273,9 @@ std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
     point = canonical(space, point);
   }
   const std::string name = resolved_algorithm(space, settings, num_objectives);
+  if (settings.derivatives) {
+    check_derivatives(name, num_objectives);
+  }
   if (name == "gp") {
     const GaussianSearchPlan plan{.seed = settings.seed,
                                   .is_noisy = settings.is_noisy,
@@ -260,6 +283,8 @@ std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
                                   .num_limits = num_limits,
                                   .num_objectives = num_objectives,
                                   .reference = std::move(reference),
+                                  .exact = settings.rules > 2 ? std::move(exact) : ExactValues(),
+                                  .takes_slopes = settings.derivatives,
                                   .rules = settings.rules};
     return std::make_unique<GaussianSearch>(space, plan, std::move(start_points));
   }

@@ -47,6 +47,7 @@
 #include <vector>
 
 #include "optimizer/algorithm/answer.h"
+#include "optimizer/algorithm/exact_values.h"
 #include "optimizer/problem/space.h"
 #include "optimizer/problem/trial.h"
 
@@ -56,13 +57,15 @@ namespace glint {
 /// 1: under noise `auto` is cobyla; gp asks by ParEGO weights where there are several objectives.
 /// 2: under noise `auto` is gp; gp asks by the expected gain of hypervolume, climbs the slopes of
 ///    what it promises, and logs the parameters of its models.
-inline constexpr int kSearchRules = 2;
+/// 3: gp knows scores that follow from a design alone, and takes derivatives.
+inline constexpr int kSearchRules = 3;
 
 struct SearchSettings {
   std::string algorithm = "auto";  ///< one of algorithm_names()
   std::uint64_t seed = 1;
   int batch = 1;             ///< >= 1: designs asked before the first of them is told
   bool is_noisy = false;     ///< scores of one design vary from evaluation to evaluation
+  bool derivatives = false;  ///< gp takes them as observations; of one objective
   int design = 0;            ///< size of the Sobol design; 0: see design_size()
   double tolerance = 1e-4;   ///< > 0: local searches end below this part of a variable's range
   double watchdog_s = 10.0;  ///< > 0: a method that does not ask within this is abandoned
@@ -135,8 +138,8 @@ bool takes_several_objectives(std::string_view algorithm);
 /// Whether it needs them: nsga2, nspso.
 bool needs_several_objectives(std::string_view algorithm);
 
-/// max(8, 2 d + 2) for d variables; with choices or integers also four per combination of their
-/// values, up to 64. Rounded up to whole batches.
+/// max(8, 2 d + 2) for d variables, 3 with derivatives; with choices or integers also four per
+/// combination of their values, up to 64. Rounded up to whole batches.
 int design_size(const SearchSpace& space, const SearchSettings& settings);
 
 /// The name that `auto` stands for in this space; other names stand for themselves.
@@ -155,6 +158,8 @@ FailurePolicy failure_policy(const SearchSpace& space,
 ///                        take them: gp, nsga2, nspso, sobol, random
 /// @param reference       of several objectives: the worst values of interest, NaN where not
 ///                        given; smaller is better; empty: none is given
+/// @param exact           what of it follows from a design alone; gp makes use of it from rules 3
+/// on
 /// @throws ConfigError for a wrong space, an unknown name, settings out of range, or a float with a
 ///                     step when the algorithm needs derivatives
 std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
@@ -162,6 +167,7 @@ std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
                                           std::vector<Point> start_points,
                                           int num_limits = 0,
                                           int num_objectives = 1,
-                                          std::vector<double> reference = {});
+                                          std::vector<double> reference = {},
+                                          ExactValues exact = {});
 
 }  // namespace glint

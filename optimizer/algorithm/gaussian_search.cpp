@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <numeric>
+#include <span>
 #include <utility>
 
 #include "core/error.h"
@@ -23,24 +24,23 @@ constexpr int kNumRefined = 60;
 /// around the most promising candidate.
 constexpr std::array<double, 2> kLocalWidths = {0.15, 0.03};
 constexpr std::array<double, 3> kRefinedWidths = {0.1, 0.03, 0.01};
-/// With more of them parameters are sought from the last ones only.
-constexpr int kMaxFreshPoints = 100;
 /// Of so many questions by rules 2 one reaches everywhere.
 constexpr std::uint64_t kAsksPerFarOne = 4;
-constexpr std::size_t kMaxPoints = 800;
-constexpr std::size_t kKeptPoints = 600;
 /// Keeps the random numbers of questions apart from the other users of the study's seed.
 constexpr std::uint64_t kAskSeeds = 1ULL << 35;
 
-/// What the model of success is told; a design is held for good where it stays below 0, so three
-/// quarters of the way from a failure to a success.
-constexpr double kFailure = 1.5;
-constexpr double kSuccess = -0.5;
+/// With more of them parameters are sought from the last ones only.
+constexpr int kMaxFreshPoints = 100;
+/// Derivatives in each model while its parameters are sought.
+constexpr int kMaxFittedSlopes = 60;
+/// From what is expected of a derivative without it, in standard deviations.
+constexpr double kContradiction = 5.0;
 
-GaussianProcessSettings model_settings(int rules, bool is_noisy) {
+GaussianProcessSettings model_settings(int rules, bool is_noisy, bool takes_slopes) {
   return rules > 1 ? GaussianProcessSettings{.is_noisy = is_noisy,
                                              .max_steps = 15,
-                                             .max_fresh_points = kMaxFreshPoints}
+                                             .max_fresh_points = kMaxFreshPoints,
+                                             .takes_slopes = takes_slopes}
                    : GaussianProcessSettings{.is_noisy = is_noisy, .max_steps = 20};
 }
 
@@ -106,7 +106,8 @@ void GaussianSearch::restore_ask(const Point& point) {
 }
 
 void GaussianSearch::restore_model(std::span<const double> parameters) {
-  const auto size = static_cast<std::size_t>(num_parameters(Encoding(space_)));
+  const std::size_t size =
+      static_cast<std::size_t>(num_parameters(Encoding(space_))) + (plan_.takes_slopes ? 1U : 0U);
   GLINT_CHECK(parameters.size() % size == 0, "parameters of whole models");
   Fit fit{.num_told = told_.size(), .parameters = {}};
   for (std::size_t i = 0; i < parameters.size(); i += size) {
@@ -128,7 +129,7 @@ std::vector<std::vector<double>> GaussianSearch::expected_objectives() {
     add_to_models(told_[num_in_models_]);
   }
   std::vector<Point> points;
-  for (const Told& told : told_) {
+  for (const ToldDesign& told : told_) {
     if (!told.values.empty()) {
       points.push_back(told.point);
     }
@@ -139,7 +140,7 @@ std::vector<std::vector<double>> GaussianSearch::expected_objectives() {
   }
   std::vector<std::vector<double>> rows;
   std::size_t next = 0;
-  for (const Told& told : told_) {
+  for (const ToldDesign& told : told_) {
     std::vector<double> row;
     for (std::size_t k = 0; k < means.size() && !told.values.empty(); ++k) {
       row.push_back(means[k][next]);
@@ -163,7 +164,7 @@ std::optional<Point> GaussianSearch::fresh_sobol_point() {
 void GaussianSearch::tell(const Point& point, const Answer& answer) {
   GLINT_CHECK(!pending_.empty() && pending_.front() == point, "told in the order of asking");
   pending_.erase(pending_.begin());
-  Told told{.point = point, .merit = answer.merit};
+  ToldDesign told{.point = point, .merit = answer.merit};
   if (!answer.is_failed) {
     told.values =
         answer.objectives.empty() ? std::vector<double>{answer.objective.value} : answer.objectives;
@@ -173,6 +174,12 @@ void GaussianSearch::tell(const Point& point, const Answer& answer) {
       told.values.push_back(answer.limits[i].value);
       const bool is_known = i < answer.limit_errors.size();
       told.errors.push_back(is_known ? answer.limit_errors[i] : std::nan(""));
+    }
+    if (plan_.takes_slopes) {
+      told.slopes.push_back(unit_slopes(space_, point, answer.objective.gradient));
+      for (const ValueWithGradient& limit : answer.limits) {
+        told.slopes.push_back(unit_slopes(space_, point, limit.gradient));
+      }
     }
     GLINT_CHECK(
         told.values.size() == static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits),
@@ -195,69 +202,42 @@ void GaussianSearch::update_models() {
   }
 }
 
-/// All; when there are too many, the best third, and others evenly in the order of telling.
-std::vector<std::size_t> GaussianSearch::told_to_model(std::size_t num_told) const {
-  std::vector<std::size_t> indices(num_told);
-  std::iota(indices.begin(), indices.end(), std::size_t{0});
-  if (indices.size() <= kMaxPoints) {
-    return indices;
-  }
-  std::ranges::stable_sort(indices, [this](std::size_t a, std::size_t b) {
-    const bool fails_a = told_[a].values.empty();
-    const bool fails_b = told_[b].values.empty();
-    return fails_a != fails_b ? fails_b : told_[a].merit < told_[b].merit;
-  });
-  std::vector<std::size_t> kept(indices.begin(), indices.begin() + kKeptPoints / 3);
-  std::vector<std::size_t> others(indices.begin() + kKeptPoints / 3, indices.end());
-  std::ranges::sort(others);
-  const std::size_t room = kKeptPoints - kept.size();
-  for (std::size_t i = 0; i < room; ++i) {
-    kept.push_back(others[i * others.size() / room]);
-  }
-  std::ranges::sort(kept);
-  return kept;
-}
-
-GaussianSearch::ModelData GaussianSearch::model_data(std::size_t num_told) const {
-  const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
-  ModelData data{.values = std::vector<std::vector<double>>(num_values),
-                 .errors = std::vector<std::vector<double>>(num_values)};
-  for (const std::size_t index : told_to_model(num_told)) {
-    const Told& told = told_[index];
-    const bool is_failed = told.values.empty();
-    data.all.push_back(told.point);
-    data.failures.push_back(is_failed ? kFailure : kSuccess);
-    if (is_failed) {
-      continue;
-    }
-    data.points.push_back(told.point);
-    for (std::size_t k = 0; k < num_values; ++k) {
-      data.values[k].push_back(told.values[k]);
-      data.errors[k].push_back(told.errors[k]);
-    }
-  }
-  return data;
-}
-
 void GaussianSearch::add_models(bool has_failures) {
   const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
   while (models_.size() < num_values) {
-    models_.emplace_back(space_, model_settings(plan_.rules, plan_.is_noisy));
+    const bool is_noisy = plan_.is_noisy && !plan_.exact.is_exact(models_.size());
+    models_.emplace_back(space_, model_settings(plan_.rules, is_noisy, plan_.takes_slopes));
   }
   if (has_failures && models_.size() == num_values) {
-    models_.emplace_back(space_, model_settings(plan_.rules, true));
+    models_.emplace_back(space_, model_settings(plan_.rules, true, plan_.takes_slopes));
   }
 }
 
 void GaussianSearch::refit() {
   const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
   add_models(num_succeeded_ < told_.size());
-  const ModelData data = model_data(told_.size());
+  const ModelData data = model_data(told_, num_values);
+  max_slopes_ = slopes_per_model(told_, num_values);
   for (std::size_t k = 0; k < num_values; ++k) {
-    models_[k].fit(data.points, data.values[k], data.errors[k]);
+    const std::vector<UnitSlopes> slopes =
+        plan_.takes_slopes
+            ? nearest_slopes(space_, told_, data, k, std::min(max_slopes_, kMaxFittedSlopes))
+            : std::vector<UnitSlopes>{};
+    models_[k].fit(data.points, data.values[k], data.errors[k], slopes);
   }
   if (models_.size() > num_values) {
     models_[num_values].fit(data.all, data.failures);
+  }
+  if (plan_.takes_slopes) {
+    std::vector<KernelParameters> parameters;
+    std::ranges::transform(models_, std::back_inserter(parameters), &GaussianProcess::parameters);
+    if (const int dropped = set_with_slopes(data, parameters); dropped > 0) {
+      add_event(EventKind::kNote,
+                0,
+                std::to_string(dropped) +
+                    " derivatives contradict the scores and derivatives around them and are not "
+                    "used");
+    }
   }
   model_points_ = data.points;
   note_fit(told_.size());
@@ -270,14 +250,36 @@ void GaussianSearch::refit() {
   }
 }
 
+/// The models of objectives and limits with given parameters. @return derivatives let go
+int GaussianSearch::set_with_slopes(const ModelData& data,
+                                    const std::vector<KernelParameters>& parameters) {
+  const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
+  int dropped = 0;
+  for (std::size_t k = 0; k < num_values; ++k) {
+    models_[k].set(parameters[k],
+                   data.points,
+                   data.values[k],
+                   data.errors[k],
+                   nearest_slopes(space_, told_, data, k, max_slopes_));
+    dropped += models_[k].drop_contradicted_slopes(kContradiction);
+  }
+  return dropped;
+}
+
 /// The models as they were after the fit.
 void GaussianSearch::rebuild(const Fit& fit) {
   const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
   add_models(fit.parameters.size() > num_values);
   GLINT_CHECK(fit.parameters.size() == models_.size(), "parameters of every model");
-  const ModelData data = model_data(fit.num_told);
-  for (std::size_t k = 0; k < num_values; ++k) {
-    models_[k].set(fit.parameters[k], data.points, data.values[k], data.errors[k]);
+  const auto told = std::span<const ToldDesign>(told_).first(fit.num_told);
+  const ModelData data = model_data(told, num_values);
+  max_slopes_ = slopes_per_model(told, num_values);
+  if (plan_.takes_slopes) {
+    set_with_slopes(data, fit.parameters);
+  } else {
+    for (std::size_t k = 0; k < num_values; ++k) {
+      models_[k].set(fit.parameters[k], data.points, data.values[k], data.errors[k]);
+    }
   }
   if (models_.size() > num_values) {
     models_[num_values].set(fit.parameters[num_values], data.all, data.failures);
@@ -290,15 +292,18 @@ void GaussianSearch::rebuild(const Fit& fit) {
 void GaussianSearch::note_fit(std::size_t num_told) {
   num_in_models_ = num_told;
   const std::size_t part = plan_.rules > 1 ? 8 : 4;
-  const std::size_t step = std::min(num_told / part, kMaxPoints - kKeptPoints);
+  const std::size_t step = std::min(num_told / part, kMaxModelPoints - kKeptModelPoints);
   next_refit_ = num_told + std::max<std::size_t>(2, step);
 }
 
-void GaussianSearch::add_to_models(const Told& told) {
+void GaussianSearch::add_to_models(const ToldDesign& told) {
   const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
   const bool is_failed = told.values.empty();
   for (std::size_t k = 0; k < num_values && !is_failed; ++k) {
-    models_[k].add(told.point, told.values[k], told.errors[k]);
+    const bool has_room = k < told.slopes.size() &&
+                          models_[k].num_slopes() + num_known(told.slopes[k]) <= max_slopes_;
+    models_[k].add(
+        told.point, told.values[k], told.errors[k], has_room ? told.slopes[k] : UnitSlopes{});
   }
   if (models_.size() > num_values) {
     models_[num_values].add(told.point, is_failed ? kFailure : kSuccess);
@@ -310,9 +315,14 @@ void GaussianSearch::add_to_models(const Told& told) {
 
 std::vector<GaussianProcess> GaussianSearch::models_with_pending() const {
   std::vector<GaussianProcess> models = models_;
-  for (GaussianProcess& model : models) {
-    for (const Point& point : pending_) {
-      model.add(point, model.predict(point).mean);
+  std::vector<std::vector<double>> exact;
+  for (const Point& point : pending_) {
+    exact.push_back(plan_.exact.empty() ? std::vector<double>{} : plan_.exact.at(point));
+  }
+  for (std::size_t k = 0; k < models.size(); ++k) {
+    for (std::size_t i = 0; i < pending_.size(); ++i) {
+      const bool is_known = k < exact[i].size() && std::isfinite(exact[i][k]);
+      models[k].add(pending_[i], is_known ? exact[i][k] : models[k].predict(pending_[i]).mean);
     }
   }
   return models;
@@ -349,18 +359,17 @@ std::vector<double> GaussianSearch::reference() const {
 /// By rules 2. Empty: all candidates have been asked before.
 std::optional<Point> GaussianSearch::promising_point(std::span<const GaussianProcess> models,
                                                      Rng& rng) {
-  const Promise promise(models, reference());
+  const Promise promise(models, reference(), plan_.exact.is_exact());
+  const std::vector<Point> known = known_points();
+  const ProposalTask task = {.space = space_,
+                             .promise = promise,
+                             .encoding = models.front().encoding(),
+                             .known = known,
+                             .asked = asked_,
+                             .exact = plan_.exact.empty() ? nullptr : &plan_.exact};
   const Reach reach = num_asks_ % kAsksPerFarOne == 0 ? Reach::kEverywhere : Reach::kNear;
-  std::optional<Point> point =
-      propose(space_, promise, models.front().encoding(), known_points(), asked_, reach, rng);
-  return point || reach == Reach::kEverywhere ? point
-                                              : propose(space_,
-                                                        promise,
-                                                        models.front().encoding(),
-                                                        known_points(),
-                                                        asked_,
-                                                        Reach::kEverywhere,
-                                                        rng);
+  std::optional<Point> point = propose(task, reach, rng);
+  return point || reach == Reach::kEverywhere ? point : propose(task, Reach::kEverywhere, rng);
 }
 
 std::vector<Point> GaussianSearch::first_candidates(const Point& best, Rng& rng) const {
@@ -384,7 +393,7 @@ std::optional<Point> GaussianSearch::scalarised_point(std::span<const GaussianPr
   std::vector<double> low(static_cast<std::size_t>(plan_.num_objectives),
                           std::numeric_limits<double>::infinity());
   std::vector<double> high(low.size(), -std::numeric_limits<double>::infinity());
-  for (const Told& told : told_) {
+  for (const ToldDesign& told : told_) {
     for (std::size_t k = 0; k < low.size() && !told.values.empty(); ++k) {
       low[k] = std::min(low[k], told.values[k]);
       high[k] = std::max(high[k], told.values[k]);

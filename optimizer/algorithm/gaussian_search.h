@@ -9,6 +9,8 @@
 // - The models' parameters are chosen anew when a quarter more has been told, in between data are
 //   added. Beyond 800 told designs the models know at most 800 of them: the best, and others evenly
 //   in the order of telling.
+// - With derivatives (GaussianSearchPlan::takes_slopes) models know those of designs near the best
+//   one, 300 in all; which contradict the rest is found by leaving each out.
 // - No design is asked twice, so a finite space ends.
 //
 // What is asked depends on what was told and asked before, the seed and nothing else. By rules 2
@@ -23,7 +25,9 @@
 
 #include "optimizer/algorithm/acquisition.h"
 #include "optimizer/algorithm/algorithm.h"
+#include "optimizer/algorithm/exact_values.h"
 #include "optimizer/algorithm/sobol.h"
+#include "optimizer/algorithm/told_designs.h"
 
 namespace glint {
 
@@ -34,6 +38,8 @@ struct GaussianSearchPlan {
   int num_limits = 0;
   int num_objectives = 1;
   std::vector<double> reference = {};  ///< of several objectives, NaN where not given; or empty
+  ExactValues exact = {};              ///< of rules 3 and later
+  bool takes_slopes = false;           ///< of one objective: derivatives are observed, too
   int rules = kSearchRules;
 };
 
@@ -55,26 +61,10 @@ class GaussianSearch final : public Algorithm {
   std::vector<std::vector<double>> expected_objectives() override;
 
  private:
-  struct Told {
-    Point point;
-    std::vector<double> values;  ///< objectives, then limits; empty: failed
-    std::vector<double> errors;  ///< of values; NaN: not known
-    double merit = 0.0;
-  };
-
   /// The models' parameters were chosen when so many were told.
   struct Fit {
     std::size_t num_told = 0;
     std::vector<KernelParameters> parameters;  ///< of models_
-  };
-
-  /// What the models know after so many were told.
-  struct ModelData {
-    std::vector<Point> all;  ///< those of success
-    std::vector<double> failures;
-    std::vector<Point> points;  ///< those of objectives and limits
-    std::vector<std::vector<double>> values;
-    std::vector<std::vector<double>> errors;
   };
 
   bool is_designing() const;
@@ -86,11 +76,10 @@ class GaussianSearch final : public Algorithm {
   void update_models();
   void refit();
   void rebuild(const Fit& fit);
+  int set_with_slopes(const ModelData& data, const std::vector<KernelParameters>& parameters);
   void note_fit(std::size_t num_told);
   void add_models(bool has_failures);
-  ModelData model_data(std::size_t num_told) const;
-  std::vector<std::size_t> told_to_model(std::size_t num_told) const;
-  void add_to_models(const Told& told);
+  void add_to_models(const ToldDesign& told);
   std::vector<GaussianProcess> models_with_pending() const;
   std::vector<Point> known_points() const;
   std::vector<Point> first_candidates(const Point& best, Rng& rng) const;
@@ -101,13 +90,14 @@ class GaussianSearch final : public Algorithm {
   std::deque<Point> design_;
   std::vector<Point> pending_;
   std::set<Point> asked_;
-  std::vector<Told> told_;
+  std::vector<ToldDesign> told_;
   std::size_t num_succeeded_ = 0;
   std::vector<GaussianProcess> models_;  ///< objectives, limits, success
   std::optional<Fit> restored_;          ///< parameters that models_ do not have yet
   std::vector<Point> model_points_;      ///< of the objectives' models, in their order
   std::size_t num_in_models_ = 0;        ///< of told_
   std::size_t next_refit_ = 0;
+  int max_slopes_ = 0;  ///< derivatives that a model may know
   std::uint32_t next_sobol_ = 0;
   std::uint64_t num_asks_ = 0;
 };

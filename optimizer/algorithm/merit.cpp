@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -163,12 +164,47 @@ std::string problem_with_gradients(const SearchSpace& space,
   return "";
 }
 
+std::string problem_without_derivatives(const SearchSpace& space,
+                                        const Goal& goal,
+                                        const Point& point,
+                                        const Outcome& outcome) {
+  std::vector<std::string> scores = {goal.objective.name};
+  std::ranges::transform(goal.constraints, std::back_inserter(scores), &Constraint::name);
+  bool has_smooth = false;
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    has_smooth = has_smooth || derivative_at(space, point, i) != 0.0;
+    for (const std::string& score : scores) {
+      const auto it = outcome.gradients.find(score);
+      if (derivative_at(space, point, i) != 0.0 && it != outcome.gradients.end() &&
+          it->second.size() == point.size() && std::isfinite(it->second[i])) {
+        return "";
+      }
+    }
+  }
+  if (!has_smooth) {
+    return "";
+  }
+  const std::string why = outcome.remarks.empty() ? "" : " (" + text_of(outcome.remarks) + ")";
+  return "no derivative of " + join(scores, ", ") +
+         ", which search.derivatives asks for; allowed here: search.derivatives = false" + why;
+}
+
 int num_limits(const Goal& goal) {
   int count = 0;
   for (const Constraint& constraint : goal.constraints) {
     count += (constraint.min ? 1 : 0) + (constraint.max ? 1 : 0);
   }
   return count;
+}
+
+std::vector<double> limit_values(const Constraint& constraint, double score) {
+  std::vector<double> values;
+  for (const Limit& limit : limits_of(constraint)) {
+    const double factor = limit.sign / unit_of(limit.border);
+    const double excess = factor * (score - limit.border) + limit.margin;
+    values.push_back(std::clamp(excess, -kMaxViolation, kMaxViolation));
+  }
+  return values;
 }
 
 double violation(const Constraint& constraint, double score) {
@@ -248,8 +284,13 @@ bool is_surely_better(const Goal& goal, const Scores& a, const Scores& b) {
   });
 }
 
-MeritFunction::MeritFunction(SearchSpace space, Goal goal, FailurePolicy policy, int num_scale)
-    : space_(std::move(space)), goal_(std::move(goal)), policy_(policy), num_scale_(num_scale) {}
+MeritFunction::MeritFunction(
+    SearchSpace space, Goal goal, FailurePolicy policy, int num_scale, bool holds_unknown)
+    : space_(std::move(space)),
+      goal_(std::move(goal)),
+      policy_(policy),
+      num_scale_(num_scale),
+      holds_unknown_(holds_unknown) {}
 
 Answer MeritFunction::next(const Point& point, const Outcome& outcome) {
   std::vector<double> unit = unit_from_point(space_, point);
@@ -285,13 +326,14 @@ Answer MeritFunction::next(const Point& point, const Outcome& outcome) {
 void MeritFunction::add_limits(const Point& point, const Outcome& outcome, Answer& answer) const {
   for (const Constraint& constraint : goal_.constraints) {
     const double score = outcome.scores.at(constraint.name);
+    const std::vector<double> values = limit_values(constraint, score);
+    std::size_t next = 0;
     for (const Limit& limit : limits_of(constraint)) {
       const double factor = limit.sign / unit_of(limit.border);
-      const double excess = factor * (score - limit.border) + limit.margin;
       ValueWithGradient told{
-          .value = std::clamp(excess, -kMaxViolation, kMaxViolation),
+          .value = values[next++],
           .gradient = gradient_of(space_, point, outcome, constraint.name, factor)};
-      if (told.gradient.empty() && !outcome.gradients.empty()) {
+      if (holds_unknown_ && told.gradient.empty() && !outcome.gradients.empty()) {
         told.gradient.assign(point.size(), 0.0);
         told.value = std::min(told.value, 0.0);
       }

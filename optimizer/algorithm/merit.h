@@ -42,8 +42,20 @@ std::string problem_with_gradients(const SearchSpace& space,
                                    const Point& point,
                                    const Outcome& outcome);
 
+/// Why a method that takes derivatives where they are known learns nothing from those of this
+/// judgeable outcome: none of the goal's scores has one by a variable that is continuous and active
+/// at this point. Empty when one has, and where there is no such variable.
+std::string problem_without_derivatives(const SearchSpace& space,
+                                        const Goal& goal,
+                                        const Point& point,
+                                        const Outcome& outcome);
+
 /// Limits of all constraints: a min and a max count apart.
 int num_limits(const Goal& goal);
+
+/// What algorithms are told of a score's limits, first of min, then of max: (excess beyond the
+/// limit) / |limit| + MeritFunction::kLimitMargin, at most 1e6 in size; NaN of NaN.
+std::vector<double> limit_values(const Constraint& constraint, double score);
 
 /// How far a score is outside its limits, as a part of the limit (of 1 where the limit is 0);
 /// 0 inside, at most 1e6.
@@ -87,7 +99,10 @@ class MeritFunction {
   static constexpr double kLimitMargin = 1e-6;
 
   /// @param num_scale  outcomes that fix the penalty's scale, >= 1
-  MeritFunction(SearchSpace space, Goal goal, FailurePolicy policy, int num_scale);
+  /// @param holds_unknown  a limit whose derivatives are not known, beside others that are, is told
+  ///                       as constant and kept, as methods need it that stand on derivatives
+  MeritFunction(
+      SearchSpace space, Goal goal, FailurePolicy policy, int num_scale, bool holds_unknown = true);
 
   /// What to tell of the next outcome in the order of telling. Its limits are, for each constraint,
   /// first of min, then of max: (excess beyond the limit) / |limit| + kLimitMargin.
@@ -112,6 +127,7 @@ class MeritFunction {
   Goal goal_;
   FailurePolicy policy_;
   int num_scale_;
+  bool holds_unknown_;
   int num_told_ = 0;
   std::vector<double> smallest_;  ///< one per objective; empty: none was told
   std::vector<double> largest_;

@@ -25,6 +25,9 @@ constexpr std::array<std::size_t, 4> kMaxFront = {150, 150, 40, 14};
 constexpr std::size_t kMaxFrontBeyond = 8;
 /// Of the volume between ideal and reference; below it a gain counts as none.
 constexpr double kNoGain = 1e-200;
+/// Of a value that is known without error, as a part of it: a degenerate normal, so that an
+/// improvement is what it is and a limit holds or not.
+constexpr double kExactSigma = 1e-12;
 
 std::size_t max_front(std::size_t num_objectives) {
   return num_objectives <= kMaxFront.size() ? kMaxFront[num_objectives - 1] : kMaxFrontBeyond;
@@ -56,13 +59,16 @@ Sloped log_chance(double mean, double sigma) {
 
 }  // namespace
 
-Promise::Promise(std::span<const GaussianProcess> models, std::vector<double> reference)
+Promise::Promise(std::span<const GaussianProcess> models,
+                 std::vector<double> reference,
+                 std::vector<bool> is_exact)
     : models_(models),
       num_objectives_(std::max<std::size_t>(1, reference.size())),
       reference_(std::move(reference)) {
   std::vector<VectorXd> means;
-  for (const GaussianProcess& model : models_) {
-    means.push_back(model.means_at_points());
+  is_exact.resize(models_.size(), false);
+  for (std::size_t k = 0; k < models_.size(); ++k) {
+    means.push_back(is_exact[k] ? models_[k].values_at_points() : models_[k].means_at_points());
   }
   if (num_objectives_ > 1) {
     find_front(means);
@@ -162,22 +168,36 @@ void Promise::find_front(const std::vector<VectorXd>& means) {
 }
 
 VectorXd Promise::scores(const MatrixXd& rows) const {
-  VectorXd scores = VectorXd::Zero(rows.rows());
-  std::vector<Eigen::MatrixX2d> expected;
+  return scores_knowing(rows, MatrixXd(rows.rows(), 0));
+}
+
+VectorXd Promise::scores_knowing(const MatrixXd& rows, const MatrixXd& exact) const {
+  std::vector<Eigen::MatrixX2d> expected(models_.size());
   for (std::size_t k = has_feasible_ ? 0 : num_objectives_; k < models_.size(); ++k) {
-    Eigen::MatrixX2d of_model = models_[k].predict_rows(rows);
-    of_model.col(1) = of_model.col(1).cwiseSqrt();
-    if (k >= num_objectives_) {
-      for (Index i = 0; i < rows.rows(); ++i) {
-        scores[i] += log_chance(of_model(i, 0), of_model(i, 1)).value;
+    expected[k] = models_[k].predict_rows(rows);
+    expected[k].col(1) = expected[k].col(1).cwiseSqrt();
+    const auto column = static_cast<Index>(k);
+    for (Index i = 0; i < rows.rows() && column < exact.cols(); ++i) {
+      const double value = exact(i, column);
+      if (std::isfinite(value)) {
+        expected[k].row(i) << value, kExactSigma * (1.0 + std::abs(value));
       }
-    } else {
-      expected.push_back(std::move(of_model));
+    }
+  }
+  return scores_of(expected);
+}
+
+/// @param expected  of each model: mean and sigma of each row
+VectorXd Promise::scores_of(const std::vector<Eigen::MatrixX2d>& expected) const {
+  VectorXd scores = VectorXd::Zero(expected.back().rows());
+  for (std::size_t k = num_objectives_; k < models_.size(); ++k) {
+    for (Index i = 0; i < scores.size(); ++i) {
+      scores[i] += log_chance(expected[k](i, 0), expected[k](i, 1)).value;
     }
   }
   std::vector<double> means(num_objectives_);
   std::vector<double> sigmas(num_objectives_);
-  for (Index i = 0; i < rows.rows() && has_feasible_; ++i) {
+  for (Index i = 0; i < scores.size() && has_feasible_; ++i) {
     if (num_objectives_ == 1) {
       scores[i] += log_expected_improvement(best_, expected[0](i, 0), expected[0](i, 1));
       continue;
@@ -191,12 +211,29 @@ VectorXd Promise::scores(const MatrixXd& rows) const {
   return scores;
 }
 
-VectorXd Promise::scores(const MatrixXd& rows, MatrixXd& slopes) const {
+MatrixXd Promise::shifts(const MatrixXd& rows, const MatrixXd& exact) const {
+  MatrixXd shifts = MatrixXd::Zero(exact.rows(), exact.cols());
+  for (Index k = 0; k < exact.cols(); ++k) {
+    if (exact.col(k).array().isNaN().all()) {
+      continue;
+    }
+    const VectorXd means = models_[static_cast<std::size_t>(k)].predict_rows(rows).col(0);
+    for (Index i = 0; i < exact.rows(); ++i) {
+      shifts(i, k) = std::isfinite(exact(i, k)) ? exact(i, k) - means[i] : 0.0;
+    }
+  }
+  return shifts;
+}
+
+VectorXd Promise::scores(const MatrixXd& rows, const MatrixXd& shifts, MatrixXd& slopes) const {
   VectorXd scores = VectorXd::Zero(rows.rows());
   slopes = MatrixXd::Zero(rows.rows(), rows.cols() - 1);
   std::vector<SlopedPosterior> expected;
   for (const GaussianProcess& model : models_) {
     expected.push_back(model.predict_with_slopes(rows));
+  }
+  for (Index k = 0; k < shifts.cols(); ++k) {
+    expected[static_cast<std::size_t>(k)].mean += shifts.col(k);
   }
   const auto add = [&](std::size_t k, Index i, double by_mean, double by_sigma) {
     const double sigma = std::sqrt(expected[k].variance[i]);

@@ -23,18 +23,34 @@ class Promise {
  public:
   /// @param models     of the objectives, then of what must be at most 0; must outlive this
   /// @param reference  of several objectives, one number each; empty: there is one
-  Promise(std::span<const GaussianProcess> models, std::vector<double> reference);
+  /// @param is_exact   which models stand for values that follow from a design alone: what they
+  ///                   were told is taken as it is; may be shorter
+  Promise(std::span<const GaussianProcess> models,
+          std::vector<double> reference,
+          std::vector<bool> is_exact = {});
 
   /// One per encoded row; larger is better.
   Eigen::VectorXd scores(const Eigen::MatrixXd& rows) const;
-  /// The same, and the derivatives by the encoded columns, one row per row.
-  Eigen::VectorXd scores(const Eigen::MatrixXd& rows, Eigen::MatrixXd& slopes) const;
+  /// The same with values that are known without error.
+  /// @param exact  one row per row; a column for each of the first models, NaN where it is not
+  /// known
+  Eigen::VectorXd scores_knowing(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& exact) const;
+
+  /// How far exact values are from the models' means: shaped as `exact`, 0 where not known.
+  Eigen::MatrixXd shifts(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& exact) const;
+  /// By the models, their means shifted.
+  /// @param shifts  as shifts(); may have no columns
+  /// @param slopes  becomes the derivatives by the encoded columns, one row per row
+  Eigen::VectorXd scores(const Eigen::MatrixXd& rows,
+                         const Eigen::MatrixXd& shifts,
+                         Eigen::MatrixXd& slopes) const;
 
   /// Which of the points that the first model knows are expected to be the best, or of several
   /// objectives on the front; at least one.
   const std::vector<std::size_t>& best_points() const { return best_points_; }
 
  private:
+  Eigen::VectorXd scores_of(const std::vector<Eigen::MatrixX2d>& expected) const;
   void find_best(const std::vector<Eigen::VectorXd>& means);
   void find_front(const std::vector<Eigen::VectorXd>& means);
   std::vector<std::size_t> expected_feasible(const std::vector<Eigen::VectorXd>& means) const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 
@@ -32,40 +33,40 @@ constexpr double kFirstStep = 0.04;
 constexpr double kLongestStep = 0.25;
 constexpr double kLonger = 1.3;
 constexpr double kShorter = 0.5;
+/// Parts of ExactScores::max_candidates.
+constexpr double kAllOfThem = 1.0;
+constexpr double kShareOfRefined = 0.35;
 
 struct Scored {
   Point point;
   double score = 0.0;
+  std::vector<double> exact = {};  ///< ExactValues::at(); empty: there are none
 };
 
 class Proposer {
  public:
-  Proposer(const SearchSpace& space,
-           const Promise& promise,
-           const Encoding& encoding,
-           const std::set<Point>& asked,
-           Reach reach,
-           Rng& rng)
-      : space_(space),
-        promise_(promise),
-        encoding_(encoding),
-        asked_(asked),
+  Proposer(const ProposalTask& task, Reach reach, Rng& rng)
+      : space_(task.space),
+        promise_(task.promise),
+        encoding_(task.encoding),
+        asked_(task.asked),
+        exact_(task.exact),
         reach_(reach),
         rng_(rng) {}
 
   std::optional<Point> best(const std::vector<Point>& known) {
-    consider(candidates(known));
+    consider(candidates(known), kAllOfThem);
     if (found_.empty()) {
       return std::nullopt;
     }
-    consider(climbed(starts()));
+    consider(climbed(starts()), kShareOfRefined);
     if (!std::ranges::all_of(space_.variables, is_smooth)) {
       for (const double width : kRefinedWidths) {
         std::vector<Point> points;
         for (int i = 0; i < kNumRefined; ++i) {
           points.push_back(neighbour(space_, top().point, width, false, rng_));
         }
-        consider(std::move(points));
+        consider(std::move(points), kShareOfRefined);
       }
     }
     return top().point;
@@ -114,32 +115,75 @@ class Proposer {
     return point_from_unit(space_, unit);
   }
 
-  void consider(std::vector<Point> points) {
+  /// @param share  of the candidates that exact values may be told of
+  void consider(std::vector<Point> points, double share) {
     std::erase_if(points, [this](const Point& point) { return asked_.contains(point); });
     if (points.empty()) {
       return;
     }
     const VectorXd scores = promise_.scores(encoding_.rows(points));
+    if (exact_ != nullptr) {
+      consider_exactly(std::move(points), scores, share);
+      return;
+    }
     for (std::size_t i = 0; i < points.size(); ++i) {
       found_.push_back({std::move(points[i]), scores[static_cast<Index>(i)]});
     }
   }
 
-  /// The best that lie apart; of equal ones the earlier.
-  std::vector<Point> starts() const {
-    std::vector<std::size_t> order(found_.size());
+  /// Those of them that promise most by the models alone.
+  void consider_exactly(std::vector<Point> points, const VectorXd& scores, double share) {
+    const std::vector<std::size_t> order =
+        descending(points.size(), [&](std::size_t i) { return scores[static_cast<Index>(i)]; });
+    const double room = std::ceil(share * exact_->max_candidates());
+    const std::size_t count = std::min(points.size(), static_cast<std::size_t>(room));
+    std::vector<Scored> kept;
+    std::vector<Point> chosen;
+    for (std::size_t i = 0; i < count; ++i) {
+      chosen.push_back(std::move(points[order[i]]));
+      kept.push_back({.point = chosen.back(), .exact = exact_->at(chosen.back())});
+    }
+    const VectorXd exactly = promise_.scores_knowing(encoding_.rows(chosen), exact_of(kept));
+    for (std::size_t i = 0; i < count; ++i) {
+      kept[i].score = exactly[static_cast<Index>(i)];
+      found_.push_back(std::move(kept[i]));
+    }
+  }
+
+  /// One row each; no columns where nothing is exact.
+  static MatrixXd exact_of(const std::vector<Scored>& scored) {
+    const std::size_t columns = scored.empty() ? 0 : scored.front().exact.size();
+    MatrixXd exact(static_cast<Index>(scored.size()), static_cast<Index>(columns));
+    for (std::size_t i = 0; i < scored.size(); ++i) {
+      for (std::size_t k = 0; k < columns; ++k) {
+        exact(static_cast<Index>(i), static_cast<Index>(k)) = scored[i].exact[k];
+      }
+    }
+    return exact;
+  }
+
+  /// Indices by falling scores; of equal ones the earlier first.
+  template <class Score>
+  static std::vector<std::size_t> descending(std::size_t count, const Score& score) {
+    std::vector<std::size_t> order(count);
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(
-        order, std::ranges::greater(), [this](std::size_t i) { return found_[i].score; });
+    std::ranges::stable_sort(order, std::ranges::greater(), score);
+    return order;
+  }
+
+  /// The best that lie apart; of equal ones the earlier.
+  std::vector<Scored> starts() const {
+    const std::vector<std::size_t> order =
+        descending(found_.size(), [this](std::size_t i) { return found_[i].score; });
     const double apart = kApart * std::sqrt(static_cast<double>(space_.variables.size()));
-    std::vector<Point> starts;
+    std::vector<Scored> starts;
     MatrixXd rows(0, encoding_.num_columns() + 1);
     for (const std::size_t i : order) {
       const Eigen::RowVectorXd row = encoding_.row(found_[i].point);
       const bool is_near =
           rows.rows() > 0 && (rows.rowwise() - row).rowwise().norm().minCoeff() < apart;
       if (starts.size() < kNumClimbs && !is_near) {
-        starts.push_back(found_[i].point);
+        starts.push_back(found_[i]);
         rows.conservativeResize(rows.rows() + 1, Eigen::NoChange);
         rows.row(rows.rows() - 1) = row;
       }
@@ -161,9 +205,12 @@ class Proposer {
     return mask;
   }
 
-  std::vector<Point> climbed(const std::vector<Point>& starts) const {
-    const MatrixXd mask = movable(starts);
-    MatrixXd rows = encoding_.rows(starts);
+  std::vector<Point> climbed(const std::vector<Scored>& starts) const {
+    std::vector<Point> from;
+    std::ranges::transform(starts, std::back_inserter(from), &Scored::point);
+    const MatrixXd mask = movable(from);
+    MatrixXd rows = encoding_.rows(from);
+    const MatrixXd shifts = promise_.shifts(rows, exact_of(starts));
     MatrixXd best_rows = rows;
     const double reach = reach_ == Reach::kEverywhere ? 1.0 : kNear;
     const MatrixXd low = (rows.array() - reach).max(0.0).matrix();
@@ -173,7 +220,7 @@ class Proposer {
     MatrixXd before = MatrixXd::Zero(mask.rows(), mask.cols());
     for (int step = 0; step < kNumSteps; ++step) {
       MatrixXd slopes;
-      const VectorXd scores = promise_.scores(rows, slopes);
+      const VectorXd scores = promise_.scores(rows, shifts, slopes);
       for (Index i = 0; i < rows.rows(); ++i) {
         if (scores[i] > best[i]) {
           best[i] = scores[i];
@@ -199,7 +246,7 @@ class Proposer {
     std::vector<Point> points;
     for (std::size_t i = 0; i < starts.size(); ++i) {
       points.push_back(
-          moved(starts[i], best_rows.row(static_cast<Index>(i)), mask.row(static_cast<Index>(i))));
+          moved(from[i], best_rows.row(static_cast<Index>(i)), mask.row(static_cast<Index>(i))));
     }
     return points;
   }
@@ -220,6 +267,7 @@ class Proposer {
   const Promise& promise_;
   const Encoding& encoding_;
   const std::set<Point>& asked_;
+  const ExactValues* exact_;
   Reach reach_;
   Rng& rng_;
   std::vector<Scored> found_;
@@ -246,14 +294,8 @@ Point neighbour(
   return point_from_unit(space, unit);
 }
 
-std::optional<Point> propose(const SearchSpace& space,
-                             const Promise& promise,
-                             const Encoding& encoding,
-                             const std::vector<Point>& known,
-                             const std::set<Point>& asked,
-                             Reach reach,
-                             Rng& rng) {
-  return Proposer(space, promise, encoding, asked, reach, rng).best(known);
+std::optional<Point> propose(const ProposalTask& task, Reach reach, Rng& rng) {
+  return Proposer(task, reach, rng).best(task.known);
 }
 
 }  // namespace glint

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/rng.h"
+#include "optimizer/algorithm/exact_values.h"
 #include "optimizer/algorithm/promise.h"
 #include "optimizer/problem/space.h"
 #include "optimizer/surrogate/encoding.h"
@@ -27,15 +28,19 @@ enum class Reach {
   kNear         ///< candidates around the best designs, short climbs
 };
 
-/// @param known  what the promise's first model knows, in its order
-/// @param asked  never proposed
+/// All of it must outlive the call.
+struct ProposalTask {
+  const SearchSpace& space;
+  const Promise& promise;
+  const Encoding& encoding;
+  const std::vector<Point>& known;     ///< what the promise's first model knows, in its order
+  const std::set<Point>& asked;        ///< never proposed
+  const ExactValues* exact = nullptr;  ///< nullptr: nothing follows from a design alone
+};
+
+/// With exact values the models choose the candidates that are worth them, and climbs follow the
+/// models, moved to the exact value where they start; who is best is told by exact values alone.
 /// @return empty: all candidates have been asked before
-std::optional<Point> propose(const SearchSpace& space,
-                             const Promise& promise,
-                             const Encoding& encoding,
-                             const std::vector<Point>& known,
-                             const std::set<Point>& asked,
-                             Reach reach,
-                             Rng& rng);
+std::optional<Point> propose(const ProposalTask& task, Reach reach, Rng& rng);
 
 }  // namespace glint

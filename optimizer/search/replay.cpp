@@ -218,14 +218,16 @@ SearchMemory make_memory(const SearchTask& task) {
                                                         task.start_points,
                                                         num_limits(task.goal),
                                                         num_objectives(task.goal),
-                                                        given_reference(task.goal));
+                                                        given_reference(task.goal),
+                                                        ExactValues(task.goal, task.exact));
   const int num_design = design_size(task.space, task.settings);
   return {
       .algorithm = std::move(algorithm),
       .merit = MeritFunction(task.space,
                              task.goal,
                              failure_policy(task.space, task.settings, num_objectives(task.goal)),
-                             num_design),
+                             num_design,
+                             !task.settings.derivatives),
       .num_design = num_design};
 }
 

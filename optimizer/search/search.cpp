@@ -9,10 +9,10 @@
 #include <thread>
 #include <utility>
 
-#include "core/config/keys.h"
 #include "core/wall_clock.h"
 #include "optimizer/front/front.h"
 #include "optimizer/search/replay.h"
+#include "optimizer/search/task_check.h"
 
 namespace glint {
 
@@ -24,34 +24,6 @@ using Clock = std::chrono::steady_clock;
 constexpr int kMaxIdleAsks = 1000;
 /// A study whose first evaluations all fail is set up wrongly.
 constexpr int kMaxFirstFailures = 10;
-
-void check_task(const SearchTask& task) {
-  const Budget& budget = task.budget;
-  std::vector<Problem> errors;
-  if (budget.evaluations < 0 || budget.stall < 0 || !(budget.wall_clock_s >= 0.0)) {
-    errors.push_back({.key = "budget", .text = "limits must not be negative, 0 means no limit"});
-  }
-  if (budget.evaluations == 0 && budget.stall == 0 && budget.wall_clock_s <= 0.0 &&
-      !budget.target) {
-    errors.push_back(
-        {.key = "budget",
-         .text = "at least one of evaluations, wall clock, stall and target is needed"});
-  }
-  if (budget.target && has_several_objectives(task.goal)) {
-    errors.push_back({.key = "budget.target",
-                      .text = "is of one objective, there are several; allowed: evaluations, wall "
-                              "clock, stall"});
-  }
-  if (task.jobs < 1) {
-    errors.push_back({.key = "jobs", .text = "must be at least 1"});
-  }
-  for (const Point& point : task.start_points) {
-    if (point.size() != task.space.variables.size()) {
-      errors.push_back({.key = "start point", .text = "needs one value per variable"});
-    }
-  }
-  throw_if_any(errors);
-}
 
 class Search {
  public:
@@ -70,11 +42,7 @@ class Search {
   SearchResult run() {
     begin_log(task_, storage_);
     replay(task_, storage_, memory_);
-    for (const Event& event : storage_.events()) {
-      if (event.kind == EventKind::kAbandon) {
-        result_.warnings.push_back(event.text);
-      }
-    }
+    std::ranges::for_each(storage_.events(), [this](const Event& event) { look_at(event); });
     seconds_before_ = storage_.total_seconds();
     for (const Trial& trial : memory_.trials) {
       count(trial);
@@ -86,6 +54,15 @@ class Search {
   }
 
  private:
+  /// Keeps what the user is told of it.
+  void look_at(const Event& event) {
+    if (event.kind == EventKind::kAbandon) {
+      result_.warnings.push_back(event.text);
+    } else if (event.kind == EventKind::kNote && task_.settings.derivatives) {
+      on_derivatives_ = event.text;
+    }
+  }
+
   Termination loop() {
     while (true) {
       if (memory_.in_flight.empty()) {
@@ -156,9 +133,7 @@ class Search {
     for (int i = 0; i < task_.settings.batch; ++i) {
       const std::optional<Point> point = memory_.algorithm->ask();
       for (Event& event : memory_.algorithm->take_events()) {
-        if (event.kind == EventKind::kAbandon) {
-          result_.warnings.push_back(event.text);
-        }
+        look_at(event);
         events.push_back(std::move(event));
       }
       if (!point) {
@@ -283,6 +258,9 @@ class Search {
         problem += outcome.remarks.empty() ? "" : " (" + text_of(outcome.remarks) + ")";
       }
     }
+    if (problem.empty() && task_.settings.derivatives) {
+      problem = problem_without_derivatives(task_.space, task_.goal, point, outcome);
+    }
     if (!problem.empty()) {
       outcome.is_failed = true;
       outcome.message = problem;
@@ -332,9 +310,7 @@ class Search {
                          .failed = result_.failed,
                          .seconds = seconds_before_ + seconds_since(start_),
                          .last = last};
-    if (shown_best_) {
-      state.best = trial(*shown_best_);
-    }
+    state.best = shown_best_ ? std::optional(trial(*shown_best_)) : std::nullopt;
     state.on_front = static_cast<int>(shown_front_.size());
     on_evaluation_(state);
   }
@@ -354,6 +330,9 @@ class Search {
   SearchResult finished_result() {
     SearchResult result = std::move(result_);
     result.algorithm = algorithm_name();
+    if (!on_derivatives_.empty()) {
+      result.warnings.push_back(on_derivatives_);
+    }
     result.reused = memory_.num_reused;
     result.seconds = seconds_before_ + seconds_since(start_);
     for (const Trial& trial : memory_.trials) {
@@ -407,6 +386,7 @@ class Search {
   SearchMemory memory_;
   std::mutex mutex_;
   SearchResult result_;
+  std::string on_derivatives_;     ///< the last that was let go of them
   std::optional<int> shown_best_;  ///< best of all evaluated, told or not
   std::vector<int> shown_front_;   ///< of several objectives
   double seconds_before_ = 0.0;

@@ -19,6 +19,7 @@
 #include "core/error.h"
 #include "optimizer/algorithm/algorithm.h"
 #include "optimizer/algorithm/merit.h"
+#include "optimizer/problem/exact_scores.h"
 #include "optimizer/problem/space.h"
 #include "optimizer/problem/trial.h"
 #include "optimizer/search/trade_off.h"
@@ -58,6 +59,7 @@ struct SearchTask {
   Budget budget;
   std::vector<Point> start_points;  ///< evaluated first, in order
   int jobs = 1;                     ///< evaluations at once; more than settings.batch has no use
+  ExactScores exact = {};           ///< what follows from a design alone
   /// Compute every recorded ask again and compare it; false: of methods whose state follows from
   /// the record alone the last batch and some drawn ones.
   bool verify_replay = false;
@@ -103,7 +105,8 @@ struct SearchResult {
   int replayed = 0;  ///< evaluations that were found recorded when this run began
   double seconds = 0.0;
   std::string algorithm;  ///< the name that `auto` stood for
-  /// Runs of the algorithm that had to be abandoned; a reference that lies inside the front.
+  /// Runs of the algorithm that had to be abandoned; derivatives that are not used; a reference
+  /// that lies inside the front.
   std::vector<std::string> warnings;
   std::optional<TradeOff> trade_off;  ///< of several objectives
 };

@@ -4,8 +4,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <nlopt.hpp>
 
 #include "core/error.h"
 
@@ -17,46 +15,20 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Normal prior of the logarithm of a parameter, and its box.
-struct Prior {
-  double mean = 0.0;
-  double sigma = 1.0;
-  double low = 0.0;
-  double high = 1.0;
-};
-
-constexpr Prior kLength = {-0.7, 1.0, -3.5, 3.0};
-constexpr Prior kSignal = {0.0, 1.0, -3.0, 3.0};
-constexpr Prior kNoise = {-4.0, 2.0, -18.0, 0.7};
-constexpr Prior kTinyNoise = {-12.0, 2.0, -18.0, 0.7};
-constexpr Prior kShare = {0.0, 1.0, -4.0, 4.0};
 constexpr double kFirstJitter = 1e-10;
 constexpr double kMaxJitter = 1e-2;
 constexpr double kNoLoss = 1e10;
-
-std::vector<Prior> priors_of(const Encoding& encoding, bool is_noisy) {
-  std::vector<Prior> priors(static_cast<std::size_t>(encoding.num_lengths()), kLength);
-  priors.push_back(kSignal);
-  priors.push_back(is_noisy ? kNoise : kTinyNoise);
-  if (encoding.has_branches()) {
-    priors.push_back(kShare);
-  }
-  return priors;
-}
-
-KernelParameters prior_means(const std::vector<Prior>& priors) {
-  KernelParameters means(static_cast<Index>(priors.size()));
-  std::ranges::transform(priors, means.begin(), &Prior::mean);
-  return means;
-}
+/// The variance of a derivative that is let go.
+constexpr double kLetGo = 1e8;
 
 double squared(double x) {
   return x * x;
 }
 
 /// The constant that fits best: ones' inverse values / ones' inverse ones.
-double best_mean(const VectorXd& inverse_ones, const VectorXd& values) {
-  return inverse_ones.dot(values) / std::max(inverse_ones.sum(), 1e-300);
+/// @param sum  of inverse_ones over values alone
+double best_mean(const VectorXd& inverse_ones, const VectorXd& values, double sum) {
+  return inverse_ones.dot(values) / std::max(sum, 1e-300);
 }
 
 }  // namespace
@@ -64,13 +36,14 @@ double best_mean(const VectorXd& inverse_ones, const VectorXd& values) {
 GaussianProcess::GaussianProcess(const SearchSpace& space, GaussianProcessSettings settings)
     : encoding_(space),
       settings_(settings),
-      parameters_(prior_means(priors_of(encoding_, settings.is_noisy))) {}
+      parameters_(prior_means(priors_of(encoding_, settings.is_noisy, settings.takes_slopes))) {}
 
 void GaussianProcess::fit(std::span<const Point> points,
                           std::span<const double> values,
-                          std::span<const double> errors) {
-  set_data(points, values, errors);
-  const KernelParameters fresh = prior_means(priors_of(encoding_, settings_.is_noisy));
+                          std::span<const double> errors,
+                          std::span<const UnitSlopes> slopes) {
+  set_data(points, values, errors, slopes);
+  const KernelParameters fresh = prior_means(priors());
   KernelParameters best = fitted_from(parameters_);
   if (parameters_ != fresh && num_points() <= settings_.max_fresh_points) {
     const KernelParameters other = fitted_from(fresh);
@@ -87,9 +60,10 @@ void GaussianProcess::fit(std::span<const Point> points,
 void GaussianProcess::set(const KernelParameters& parameters,
                           std::span<const Point> points,
                           std::span<const double> values,
-                          std::span<const double> errors) {
-  GLINT_CHECK(parameters.size() == num_parameters(encoding_), "parameters of this space");
-  set_data(points, values, errors);
+                          std::span<const double> errors,
+                          std::span<const UnitSlopes> slopes) {
+  GLINT_CHECK(parameters.size() == parameters_.size(), "parameters of this space");
+  set_data(points, values, errors, slopes);
   parameters_ = parameters;
   factorise();
   solve();
@@ -97,9 +71,12 @@ void GaussianProcess::set(const KernelParameters& parameters,
 
 void GaussianProcess::set_data(std::span<const Point> points,
                                std::span<const double> values,
-                               std::span<const double> errors) {
+                               std::span<const double> errors,
+                               std::span<const UnitSlopes> slopes) {
   GLINT_CHECK(!points.empty() && points.size() == values.size(), "one value per point");
   GLINT_CHECK(errors.empty() || errors.size() == values.size(), "one error per value, or none");
+  GLINT_CHECK(slopes.empty() || (slopes.size() == values.size() && settings_.takes_slopes),
+              "derivatives of every point, or none");
   rows_ = encoding_.rows(points);
   const Eigen::Map<const VectorXd> given(values.data(), static_cast<Index>(values.size()));
   GLINT_CHECK(given.allFinite(), "values are finite");
@@ -113,84 +90,69 @@ void GaussianProcess::set_data(std::span<const Point> points,
     own_noise_[static_cast<Index>(i)] =
         std::isfinite(errors[i]) ? squared(errors[i] / scale_) : 0.0;
   }
+  seen_.clear();
+  for (Index i = 0; i < values_.size(); ++i) {
+    seen_.push_back({.point = i});
+  }
+  is_value_ = VectorXd::Ones(values_.size());
+  has_slopes_ = false;
+  for (std::size_t i = 0; i < slopes.size(); ++i) {
+    see_slopes(static_cast<Index>(i), slopes[i]);
+  }
 }
 
 /// Minus the logarithm of likelihood times prior, and its gradient.
 double GaussianProcess::loss(const KernelParameters& parameters, VectorXd& gradient) const {
   const double noise = noise_variance(encoding_, parameters);
-  MatrixXd k = covariance(encoding_, parameters, rows_, rows_);
-  k.diagonal().array() += own_noise_.array() + noise + kFirstJitter;
+  MatrixXd k;
+  if (has_slopes_) {
+    k = gram(parameters);
+    k.diagonal().array() += kFirstJitter;
+  } else {
+    k = covariance(encoding_, parameters, rows_, rows_);
+    k.diagonal().array() += own_noise_.array() + noise + kFirstJitter;
+  }
   const Eigen::LLT<MatrixXd> factor(k);
   gradient.setZero(parameters.size());
   if (factor.info() != Eigen::Success) {
     return kNoLoss;
   }
   MatrixXd inverse = factor.solve(MatrixXd::Identity(k.rows(), k.cols()));
-  const double mean = best_mean(inverse.rowwise().sum(), values_);
-  const VectorXd residuals = (values_.array() - mean).matrix();
+  const VectorXd ones =
+      has_slopes_ ? VectorXd(inverse * is_value_) : VectorXd(inverse.rowwise().sum());
+  const double mean = best_mean(ones, values_, has_slopes_ ? ones.dot(is_value_) : ones.sum());
+  const VectorXd residuals = (values_.array() - mean * is_value_.array()).matrix();
   const VectorXd weights = inverse * residuals;
   double result = 0.5 * residuals.dot(weights);
   result += factor.matrixLLT().diagonal().array().log().sum();
   const MatrixXd b = weights * weights.transpose() - inverse;
-  gradient = -half_trace_of_derivative(encoding_, parameters, rows_, b);
-  gradient[encoding_.num_lengths() + 1] -= 0.5 * noise * b.trace();
-  const std::vector<Prior> priors = priors_of(encoding_, settings_.is_noisy);
-  for (std::size_t i = 0; i < priors.size(); ++i) {
-    const double z = (parameters[static_cast<Index>(i)] - priors[i].mean) / priors[i].sigma;
-    result += 0.5 * z * z;
-    gradient[static_cast<Index>(i)] += z / priors[i].sigma;
+  if (has_slopes_) {
+    gradient.head(num_parameters(encoding_)) = -observed_half_trace(observed(parameters), b);
+    gradient[encoding_.num_lengths() + 1] -= 0.5 * noise * b.diagonal().dot(is_value_);
+    const double slope_noise = std::exp(parameters[parameters.size() - 1]);
+    gradient[parameters.size() - 1] -=
+        0.5 * slope_noise * (b.trace() - b.diagonal().dot(is_value_));
+  } else {
+    gradient.head(num_parameters(encoding_)) =
+        -half_trace_of_derivative(encoding_, parameters, rows_, b);
+    gradient[encoding_.num_lengths() + 1] -= 0.5 * noise * b.trace();
   }
-  return result;
+  return prior_loss(priors(), parameters, gradient, result);
+}
+
+std::vector<Prior> GaussianProcess::priors() const {
+  return priors_of(encoding_, settings_.is_noisy, settings_.takes_slopes);
 }
 
 KernelParameters GaussianProcess::fitted_from(const KernelParameters& start) const {
-  struct Search {
-    const GaussianProcess* process;
-    double best_loss = std::numeric_limits<double>::infinity();
-    std::vector<double> best;
-  };
-
-  const std::vector<Prior> priors = priors_of(encoding_, settings_.is_noisy);
-  std::vector<double> x(start.begin(), start.end());
-  std::vector<double> low;
-  std::vector<double> high;
-  for (std::size_t i = 0; i < priors.size(); ++i) {
-    low.push_back(priors[i].low);
-    high.push_back(priors[i].high);
-    x[i] = std::clamp(x[i], low[i], high[i]);
-  }
-  Search search{.process = this, .best = x};
-  nlopt::opt optimizer(nlopt::LD_LBFGS, static_cast<unsigned>(x.size()));
-  optimizer.set_lower_bounds(low);
-  optimizer.set_upper_bounds(high);
-  optimizer.set_maxeval(settings_.max_steps);
-  optimizer.set_ftol_abs(1e-3);
-  optimizer.set_min_objective(
-      [](const std::vector<double>& at, std::vector<double>& slope, void* data) {
-        Search& own = *static_cast<Search*>(data);
-        const Eigen::Map<const VectorXd> parameters(at.data(), static_cast<Index>(at.size()));
-        VectorXd gradient(parameters.size());
-        const double value = own.process->loss(parameters, gradient);
-        if (value < own.best_loss) {
-          own.best_loss = value;
-          own.best = at;
-        }
-        std::ranges::copy(gradient, slope.begin());
-        return value;
-      },
-      &search);
-  try {
-    double unused = 0.0;
-    optimizer.optimize(x, unused);
-  } catch (const std::exception&) {
-    // It stopped for rounding; the best one seen counts.
-  }
-  return Eigen::Map<const VectorXd>(search.best.data(), static_cast<Index>(search.best.size()));
+  return fitted_parameters(
+      priors(), start, settings_.max_steps, [this](const KernelParameters& at, VectorXd& slope) {
+        return loss(at, slope);
+      });
 }
 
 void GaussianProcess::factorise() {
-  MatrixXd k = covariance(encoding_, parameters_, rows_, rows_);
-  k.diagonal().array() += own_noise_.array() + noise_variance(encoding_, parameters_);
+  const MatrixXd k = gram(parameters_);
   for (jitter_ = kFirstJitter; jitter_ <= kMaxJitter; jitter_ *= 10.0) {
     MatrixXd shifted = k;
     shifted.diagonal().array() += jitter_;
@@ -209,34 +171,172 @@ void GaussianProcess::solve() {
   const auto solved = [&](const VectorXd& right) -> VectorXd {
     return upper.solve(VectorXd(lower.solve(right)));
   };
-  mean_ = best_mean(solved(VectorXd::Ones(values_.size())), values_);
-  weights_ = solved((values_.array() - mean_).matrix());
+  const VectorXd ones = solved(is_value_);
+  mean_ = best_mean(ones, values_, has_slopes_ ? ones.dot(is_value_) : ones.sum());
+  weights_ = solved((values_.array() - mean_ * is_value_.array()).matrix());
 }
 
-void GaussianProcess::add(const Point& point, double value, std::optional<double> error) {
+void GaussianProcess::add(const Point& point,
+                          double value,
+                          std::optional<double> error,
+                          const UnitSlopes& slopes) {
   GLINT_CHECK(values_.size() > 0 && std::isfinite(value), "a fit, then finite values");
-  const Index n = values_.size();
-  const MatrixXd row = encoding_.row(point);
+  GLINT_CHECK(slopes.empty() || settings_.takes_slopes, "derivatives where they are taken");
   const double own = error && std::isfinite(*error) ? squared(*error / scale_) : 0.0;
-  const VectorXd k = covariance(encoding_, parameters_, rows_, row);
-  const VectorXd l = factor_.triangularView<Eigen::Lower>().solve(k);
-  const double noise = noise_variance(encoding_, parameters_) + own + jitter_;
-  const double rest = signal_variance(encoding_, parameters_) + noise - l.squaredNorm();
-  rows_.conservativeResize(n + 1, Eigen::NoChange);
-  rows_.row(n) = row;
-  values_.conservativeResize(n + 1);
-  values_[n] = (value - offset_) / scale_;
-  own_noise_.conservativeResize(n + 1);
-  own_noise_[n] = own;
-  factor_.conservativeResize(n + 1, n + 1);
-  factor_.row(n).head(n) = l.transpose();
-  factor_.col(n).setZero();
-  factor_(n, n) = std::sqrt(std::max(rest, 0.5 * noise));
+  const Index at = rows_.rows();
+  std::vector<double> targets = {(value - offset_) / scale_};
+  std::vector<Observation> more = {{.point = at}};
+  for (std::size_t c = 0; c < encoding_.columns().size() && !slopes.empty(); ++c) {
+    const Encoding::Column& column = encoding_.columns()[c];
+    if (column.choice < 0 && std::isfinite(slopes[column.variable])) {
+      more.push_back({.point = at, .column = static_cast<Index>(c)});
+      targets.push_back(slopes[column.variable] / scale_);
+    }
+  }
+  const Eigen::RowVectorXd row = encoding_.row(point);
+  if (more.size() > 1) {
+    const auto size = values_.size() + static_cast<Index>(more.size());
+    factor_.conservativeResize(size, size);  // once for all of them
+  }
+  for (std::size_t i = 0; i < more.size(); ++i) {
+    grow(row, more[i], targets[i], i == 0 ? own : 0.0);
+  }
   solve();
 }
 
+/// Notes what is known of a point's derivatives. The factor is as it was.
+void GaussianProcess::see_slopes(Index point, const UnitSlopes& slopes) {
+  for (std::size_t c = 0; c < encoding_.columns().size() && !slopes.empty(); ++c) {
+    const Encoding::Column& column = encoding_.columns()[c];
+    if (column.choice < 0 && std::isfinite(slopes[column.variable])) {
+      has_slopes_ = true;
+      append(
+          {.point = point, .column = static_cast<Index>(c)}, slopes[column.variable] / scale_, 0.0);
+    }
+  }
+}
+
+void GaussianProcess::append(const Observation& what, double value, double own_noise) {
+  const Index n = values_.size();
+  seen_.push_back(what);
+  is_value_.conservativeResize(n + 1);
+  is_value_[n] = what.column == Observation::kValue ? 1.0 : 0.0;
+  values_.conservativeResize(n + 1);
+  values_[n] = value;
+  own_noise_.conservativeResize(n + 1);
+  own_noise_[n] = own_noise;
+}
+
+Observed GaussianProcess::observed(const KernelParameters& parameters) const {
+  return {.encoding = encoding_, .parameters = parameters, .points = rows_, .seen = seen_};
+}
+
+/// Covariance of what is known, without jitter.
+MatrixXd GaussianProcess::gram(const KernelParameters& parameters) const {
+  MatrixXd k = has_slopes_ ? observed_covariance(observed(parameters))
+                           : covariance(encoding_, parameters, rows_, rows_);
+  if (has_slopes_) {
+    for (std::size_t i = 0; i < seen_.size(); ++i) {
+      const auto at = static_cast<Index>(i);
+      k(at, at) += own_noise_[at] + noise_of(parameters, i);
+    }
+  } else {
+    k.diagonal().array() += own_noise_.array() + noise_variance(encoding_, parameters);
+  }
+  return k;
+}
+
+double GaussianProcess::noise_of(const KernelParameters& parameters,
+                                 std::size_t observation) const {
+  return seen_[observation].column == Observation::kValue
+             ? noise_variance(encoding_, parameters)
+             : std::exp(parameters[parameters.size() - 1]);
+}
+
+/// Of what is known (one row each) with the values at encoded rows.
+MatrixXd GaussianProcess::covariance_with(const MatrixXd& rows) const {
+  return has_slopes_ ? observed_covariance(observed(parameters_), rows)
+                     : covariance(encoding_, parameters_, rows_, rows);
+}
+
+/// The entries of values, in the order of the points.
+VectorXd GaussianProcess::values_alone(const VectorXd& observations) const {
+  if (!has_slopes_) {
+    return observations;
+  }
+  VectorXd values(rows_.rows());
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    if (seen_[i].column == Observation::kValue) {
+      values[seen_[i].point] = observations[static_cast<Index>(i)];
+    }
+  }
+  return values;
+}
+
+/// One more observation of a point, which is new where its value is observed.
+void GaussianProcess::grow(const Eigen::RowVectorXd& row,
+                           const Observation& what,
+                           double value,
+                           double own_noise) {
+  const Index n = values_.size();
+  const bool is_value = what.column == Observation::kValue;
+  const VectorXd k = has_slopes_ || !is_value
+                         ? observed_covariance(observed(parameters_), row, what.column)
+                         : VectorXd(covariance(encoding_, parameters_, rows_, MatrixXd(row)));
+  const VectorXd l =
+      factor_.rows() == n
+          ? VectorXd(factor_.triangularView<Eigen::Lower>().solve(k))
+          : VectorXd(factor_.topLeftCorner(n, n).triangularView<Eigen::Lower>().solve(k));
+  if (is_value) {
+    rows_.conservativeResize(rows_.rows() + 1, Eigen::NoChange);
+    rows_.row(rows_.rows() - 1) = row;
+  }
+  append(what, value, own_noise);
+  has_slopes_ = has_slopes_ || !is_value;
+  const double noise = noise_of(parameters_, seen_.size() - 1) + own_noise + jitter_;
+  const double prior =
+      is_value ? signal_variance(encoding_, parameters_) : prior_variance(what.column);
+  const double rest = prior + noise - l.squaredNorm();
+  if (factor_.rows() == n) {
+    factor_.conservativeResize(n + 1, n + 1);
+  }
+  factor_.row(n).head(n) = l.transpose();
+  factor_.col(n).setZero();
+  factor_(n, n) = std::sqrt(std::max(rest, 0.5 * noise));
+}
+
+/// Of a derivative at the last point.
+double GaussianProcess::prior_variance(Index column) const {
+  const std::vector<Observation> alone = {{.point = 0, .column = column}};
+  const MatrixXd point = rows_.bottomRows(1);
+  return observed_covariance(Observed{
+      .encoding = encoding_, .parameters = parameters_, .points = point, .seen = alone})(0, 0);
+}
+
+int GaussianProcess::drop_contradicted_slopes(double max_deviations) {
+  if (!has_slopes_) {
+    return 0;
+  }
+  const auto lower = factor_.triangularView<Eigen::Lower>();
+  const MatrixXd half = lower.solve(MatrixXd::Identity(factor_.rows(), factor_.cols()));
+  int count = 0;
+  for (Index i = 0; i < values_.size(); ++i) {
+    // What is left of it without itself, in its standard deviations.
+    const double deviations = std::abs(weights_[i]) / half.col(i).norm();
+    if (is_value_[i] == 0.0 && deviations > max_deviations) {
+      own_noise_[i] = kLetGo;
+      ++count;
+    }
+  }
+  if (count > 0) {
+    factorise();
+    solve();
+  }
+  return count;
+}
+
 Eigen::MatrixX2d GaussianProcess::predict_rows(const MatrixXd& rows) const {
-  const MatrixXd k = covariance(encoding_, parameters_, rows_, rows);
+  const MatrixXd k = covariance_with(rows);
   const MatrixXd half = factor_.triangularView<Eigen::Lower>().solve(k);
   const double signal = signal_variance(encoding_, parameters_);
   Eigen::MatrixX2d result(rows.rows(), 2);
@@ -248,13 +348,15 @@ Eigen::MatrixX2d GaussianProcess::predict_rows(const MatrixXd& rows) const {
 }
 
 SlopedPosterior GaussianProcess::predict_with_slopes(const MatrixXd& rows) const {
-  const MatrixXd k = covariance(encoding_, parameters_, rows_, rows);
+  const MatrixXd k = covariance_with(rows);
   MatrixXd solved = factor_.triangularView<Eigen::Lower>().solve(k);
   const double signal = signal_variance(encoding_, parameters_);
   const VectorXd left = signal - solved.colwise().squaredNorm().transpose().array();
   factor_.triangularView<Eigen::Lower>().adjoint().solveInPlace(solved);
   const std::vector<MatrixXd> weights = {weights_.replicate(1, rows.rows()), std::move(solved)};
-  std::vector<MatrixXd> slopes = weighted_slopes(encoding_, parameters_, rows_, rows, weights);
+  std::vector<MatrixXd> slopes =
+      has_slopes_ ? observed_slopes(observed(parameters_), rows, weights)
+                  : weighted_slopes(encoding_, parameters_, rows_, rows, weights);
   return {.mean = (offset_ + scale_ * ((k.transpose() * weights_).array() + mean_)).matrix(),
           .variance = squared(scale_) * left.cwiseMax(1e-14 * signal),
           .mean_slopes = scale_ * slopes[0],
@@ -275,7 +377,7 @@ Posterior GaussianProcess::predict(const Point& point) const {
 }
 
 std::vector<double> GaussianProcess::predict_means(std::span<const Point> points) const {
-  const MatrixXd k = covariance(encoding_, parameters_, rows_, encoding_.rows(points));
+  const MatrixXd k = covariance_with(encoding_.rows(points));
   const VectorXd means = (offset_ + scale_ * ((k.transpose() * weights_).array() + mean_)).matrix();
   return {means.begin(), means.end()};
 }
@@ -284,12 +386,16 @@ std::vector<double> GaussianProcess::predict_means(std::span<const Point> points
 VectorXd GaussianProcess::means_at_points() const {
   const double noise = noise_variance(encoding_, parameters_) + jitter_;
   const VectorXd pulled = ((own_noise_.array() + noise) * weights_.array()).matrix();
-  return (offset_ + scale_ * (values_ - pulled).array()).matrix();
+  return (offset_ + scale_ * values_alone(values_ - pulled).array()).matrix();
+}
+
+VectorXd GaussianProcess::values_at_points() const {
+  return (offset_ + scale_ * values_alone(values_).array()).matrix();
 }
 
 JointPosterior GaussianProcess::predict_jointly(std::span<const Point> points) const {
   const MatrixXd rows = encoding_.rows(points);
-  const MatrixXd k = covariance(encoding_, parameters_, rows_, rows);
+  const MatrixXd k = covariance_with(rows);
   const MatrixXd half = factor_.triangularView<Eigen::Lower>().solve(k);
   const MatrixXd prior = covariance(encoding_, parameters_, rows, rows);
   return {(offset_ + scale_ * ((k.transpose() * weights_).array() + mean_)).matrix(),
@@ -301,6 +407,9 @@ std::vector<Posterior> GaussianProcess::leave_one_out() const {
   const MatrixXd half = lower.solve(MatrixXd::Identity(factor_.rows(), factor_.cols()));
   std::vector<Posterior> result;
   for (Index i = 0; i < values_.size(); ++i) {
+    if (is_value_[i] == 0.0) {
+      continue;
+    }
     const double precision = half.col(i).squaredNorm();
     const double mean = values_[i] - weights_[i] / precision;
     result.push_back({offset_ + scale_ * mean, squared(scale_) / precision});
@@ -311,11 +420,12 @@ std::vector<Posterior> GaussianProcess::leave_one_out() const {
 double GaussianProcess::leave_one_out_q2() const {
   double errors = 0.0;
   const std::vector<Posterior> expected = leave_one_out();
-  for (Index i = 0; i < values_.size(); ++i) {
-    const double value = offset_ + scale_ * values_[i];
+  const VectorXd values = values_alone(values_);
+  for (Index i = 0; i < values.size(); ++i) {
+    const double value = offset_ + scale_ * values[i];
     errors += squared(value - expected[static_cast<std::size_t>(i)].mean);
   }
-  const double deviations = squared(scale_) * (values_.array() - values_.mean()).square().sum();
+  const double deviations = squared(scale_) * (values.array() - values.mean()).square().sum();
   const double tiny = 1e-20 * squared(scale_);
   return deviations > tiny ? 1.0 - errors / deviations : 0.0;
 }

@@ -8,7 +8,8 @@
 // a prior, found from two starts in a counted number of steps. No clock, no random numbers, one
 // thread: the same calls give the same bits.
 //
-// Duplicates, constant values and nearly equal points are allowed.
+// Duplicates, constant values and nearly equal points are allowed. Where a point's derivatives are
+// known they are observations like values (observed_kernel.h), with a noise of their own.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,6 +20,8 @@
 #include "optimizer/problem/space.h"
 #include "optimizer/surrogate/encoding.h"
 #include "optimizer/surrogate/kernel.h"
+#include "optimizer/surrogate/observed_kernel.h"
+#include "optimizer/surrogate/parameter_fit.h"
 
 namespace glint {
 
@@ -46,7 +49,11 @@ struct GaussianProcessSettings {
   bool is_noisy = true;  ///< false: the prior expects noise only where values have an error
   int max_steps = 40;    ///< >= 1, evaluations of the likelihood per start
   int max_fresh_points = 1000000;  ///< with more points there is no start from the prior's middle
+  bool takes_slopes = false;       ///< one more parameter: log of the noise variance of derivatives
 };
+
+/// By the coordinates of the unit cube, one number per variable, NaN where not known; empty: none.
+using UnitSlopes = std::vector<double>;
 
 class GaussianProcess {
  public:
@@ -57,18 +64,31 @@ class GaussianProcess {
   /// @param points  canonical, at least one
   /// @param values  finite, one per point
   /// @param errors  standard errors, one per point, NaN where not known; empty: none is
+  /// @param slopes  one per point, or none; only where settings.takes_slopes
   void fit(std::span<const Point> points,
            std::span<const double> values,
-           std::span<const double> errors = {});
+           std::span<const double> errors = {},
+           std::span<const UnitSlopes> slopes = {});
 
   /// The same data with given parameters.
   void set(const KernelParameters& parameters,
            std::span<const Point> points,
            std::span<const double> values,
-           std::span<const double> errors = {});
+           std::span<const double> errors = {},
+           std::span<const UnitSlopes> slopes = {});
 
   /// One more value; the parameters stay. Needs a fit.
-  void add(const Point& point, double value, std::optional<double> error = {});
+  void add(const Point& point,
+           double value,
+           std::optional<double> error = {},
+           const UnitSlopes& slopes = {});
+
+  /// Lets go of derivatives whose distance from what everything else leads to expect of them is
+  /// more than so many standard deviations. Needs a fit. @return how many
+  int drop_contradicted_slopes(double max_deviations);
+
+  /// Derivatives that it knows, those let go included.
+  int num_slopes() const { return static_cast<int>(seen_.size()) - num_points(); }
 
   /// Needs a fit, as all below.
   Posterior predict(const Point& point) const;
@@ -84,6 +104,9 @@ class GaussianProcess {
   /// The means at the points it knows, in their order; costs next to nothing.
   Eigen::VectorXd means_at_points() const;
 
+  /// What it was told of them.
+  Eigen::VectorXd values_at_points() const;
+
   /// What each value would be expected to be without itself, its noise included.
   std::vector<Posterior> leave_one_out() const;
   /// 1 - (squared errors of leave_one_out()) / (squared deviations from the mean); 1 is perfect, 0
@@ -97,13 +120,24 @@ class GaussianProcess {
 
   const KernelParameters& parameters() const { return parameters_; }
 
-  int num_points() const { return static_cast<int>(values_.size()); }
+  int num_points() const { return static_cast<int>(rows_.rows()); }
 
  private:
   void set_data(std::span<const Point> points,
                 std::span<const double> values,
-                std::span<const double> errors);
+                std::span<const double> errors,
+                std::span<const UnitSlopes> slopes);
+  void see_slopes(Eigen::Index point, const UnitSlopes& slopes);
+  void grow(const Eigen::RowVectorXd& row, const Observation& what, double value, double own_noise);
+  double prior_variance(Eigen::Index column) const;
+  void append(const Observation& what, double value, double own_noise);
+  Observed observed(const KernelParameters& parameters) const;
+  Eigen::MatrixXd gram(const KernelParameters& parameters) const;
+  Eigen::MatrixXd covariance_with(const Eigen::MatrixXd& rows) const;
+  Eigen::VectorXd values_alone(const Eigen::VectorXd& observations) const;
+  double noise_of(const KernelParameters& parameters, std::size_t observation) const;
   double loss(const KernelParameters& parameters, Eigen::VectorXd& gradient) const;
+  std::vector<Prior> priors() const;
   KernelParameters fitted_from(const KernelParameters& start) const;
   void factorise();
   void solve();
@@ -111,9 +145,12 @@ class GaussianProcess {
   Encoding encoding_;
   GaussianProcessSettings settings_;
   KernelParameters parameters_;
-  Eigen::MatrixXd rows_;       ///< encoded points
-  Eigen::VectorXd values_;     ///< mean 0, variance 1 when they were set
-  Eigen::VectorXd own_noise_;  ///< variances of values_, 0 where not known
+  Eigen::MatrixXd rows_;           ///< encoded points
+  std::vector<Observation> seen_;  ///< what values_ are of; without derivatives each point's value
+  bool has_slopes_ = false;        ///< seen_ holds some
+  Eigen::VectorXd is_value_;       ///< 1 for values, 0 for derivatives
+  Eigen::VectorXd values_;         ///< mean 0, variance 1 when they were set; derivatives alike
+  Eigen::VectorXd own_noise_;      ///< variances of values_, 0 where not known
   double offset_ = 0.0;
   double scale_ = 1.0;
   Eigen::MatrixXd factor_;  ///< lower triangle L, L L^T = covariance with noise

@@ -12,25 +12,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-double own_share(const Encoding& encoding, const KernelParameters& parameters) {
-  if (!encoding.has_branches()) {
-    return 0.0;
-  }
-  return 1.0 / (1.0 + std::exp(-parameters[encoding.num_lengths() + 2]));
-}
-
-/// One of the two terms: everything within the same branch, or what is active everywhere.
-struct Term {
-  bool is_own = false;
-  double weight = 1.0;
-};
-
-std::array<Term, 2> terms_of(const Encoding& encoding, const KernelParameters& parameters) {
-  const double share = own_share(encoding, parameters);
-  const double signal = signal_variance(encoding, parameters);
-  return {Term{false, signal * (1.0 - share)}, Term{true, signal * share}};
-}
-
 /// Columns in units of their lengths; those that the term does not look at are 0.
 MatrixXd scaled(const Encoding& encoding,
                 const KernelParameters& parameters,
@@ -71,6 +52,20 @@ Index num_parameters(const Encoding& encoding) {
   return encoding.num_lengths() + 2 + (encoding.has_branches() ? 1 : 0);
 }
 
+double own_share(const Encoding& encoding, const KernelParameters& parameters) {
+  if (!encoding.has_branches()) {
+    return 0.0;
+  }
+  return 1.0 / (1.0 + std::exp(-parameters[encoding.num_lengths() + 2]));
+}
+
+std::array<KernelTerm, 2> kernel_terms(const Encoding& encoding,
+                                       const KernelParameters& parameters) {
+  const double share = own_share(encoding, parameters);
+  const double signal = signal_variance(encoding, parameters);
+  return {KernelTerm{false, signal * (1.0 - share)}, KernelTerm{true, signal * share}};
+}
+
 double signal_variance(const Encoding& encoding, const KernelParameters& parameters) {
   return std::exp(parameters[encoding.num_lengths()]);
 }
@@ -84,7 +79,7 @@ MatrixXd covariance(const Encoding& encoding,
                     const MatrixXd& a,
                     const MatrixXd& b) {
   MatrixXd sum = MatrixXd::Zero(a.rows(), b.rows());
-  for (const Term& term : terms_of(encoding, parameters)) {
+  for (const KernelTerm& term : kernel_terms(encoding, parameters)) {
     if (term.weight == 0.0) {
       continue;
     }
@@ -104,7 +99,7 @@ std::vector<MatrixXd> weighted_slopes(const Encoding& encoding,
                                       const MatrixXd& rows,
                                       std::span<const MatrixXd> weights) {
   std::vector<MatrixXd> slopes(weights.size(), MatrixXd::Zero(rows.rows(), encoding.num_columns()));
-  for (const Term& term : terms_of(encoding, parameters)) {
+  for (const KernelTerm& term : kernel_terms(encoding, parameters)) {
     if (term.weight == 0.0) {
       continue;
     }
@@ -136,7 +131,7 @@ VectorXd half_trace_of_derivative(const Encoding& encoding,
                                   const MatrixXd& b) {
   const Index num_lengths = encoding.num_lengths();
   VectorXd gradient = VectorXd::Zero(num_parameters(encoding));
-  for (const Term& term : terms_of(encoding, parameters)) {
+  for (const KernelTerm& term : kernel_terms(encoding, parameters)) {
     if (term.weight == 0.0) {
       continue;
     }

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,18 @@ namespace glint {
 using KernelParameters = Eigen::VectorXd;
 
 Eigen::Index num_parameters(const Encoding& encoding);
+
+/// One of the two terms: everything within the same branch, or what is active everywhere.
+struct KernelTerm {
+  bool is_own = false;
+  double weight = 1.0;  ///< its variance
+};
+
+std::array<KernelTerm, 2> kernel_terms(const Encoding& encoding,
+                                       const KernelParameters& parameters);
+
+/// w; 0 without branches.
+double own_share(const Encoding& encoding, const KernelParameters& parameters);
 
 /// Covariances of the values at encoded rows, without noise: one row per row of a.
 Eigen::MatrixXd covariance(const Encoding& encoding,

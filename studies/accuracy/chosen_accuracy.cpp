@@ -57,8 +57,7 @@ std::vector<RenderRung> ladder_of(const Study& study) {
   }
   std::vector<RenderRung> ladder = render_ladder(designs, kept_keys(study.root));
   for (RenderRung& rung : ladder) {
-    rung.is_for_search =
-        rung.is_for_search && (rung.has_derivatives || !needs_gradient(study.search.algorithm));
+    rung.is_for_search = rung.is_for_search && (rung.has_derivatives || !wants_derivatives(study));
   }
   return ladder;
 }
@@ -251,7 +250,7 @@ ChosenAccuracy choose_accuracy(const AccuracyTask& task) {
   for (const std::size_t design : chosen.choice.designs) {
     const TriedDesign& candidate = evaluator.candidates()[design];
     chosen.designs.push_back(candidate.name);
-    if (is_tried && candidate.point && !needs_gradient(task.study.search.algorithm)) {
+    if (is_tried && candidate.point && !wants_derivatives(task.study)) {
       chosen.known[*candidate.point] = evaluator.outcome(step, design);
     }
   }

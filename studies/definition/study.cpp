@@ -111,23 +111,46 @@ SceneSettings read_with(const Study& study,
 }
 
 /// What a search needs and path-traced scenes do not have.
-void check_algorithm(const Study& study, std::vector<Problem>& errors) {
-  if (study.has_search() && study.scene.expose_to > 0.0 && needs_gradient(study.search.algorithm)) {
-    errors.push_back(
-        {.kind = Problem::Kind::kRelation,
-         .key = "search.algorithm",
-         .text = fmt::format("\"{}\" needs derivatives, which are not known where "
-                             "sensor.expose_to sets the exposure; allowed are algorithms that do "
-                             "without, such as \"auto\"",
-                             study.search.algorithm)});
+void check_derivatives(const Study& study, std::vector<Problem>& errors) {
+  const bool is_asked = study.search.derivatives;
+  const auto fail = [&](const std::string& why) {
+    const std::string who =
+        is_asked ? "asks for" : fmt::format("\"{}\" needs", study.search.algorithm);
+    const char* allowed =
+        is_asked ? "allowed is false" : "allowed are algorithms that do without, such as \"auto\"";
+    errors.push_back({.kind = Problem::Kind::kRelation,
+                      .key = is_asked ? "search.derivatives" : "search.algorithm",
+                      .text = fmt::format("{} derivatives, which {}; {}", who, why, allowed)});
+    if (is_asked) {
+      errors.back() = with_place(study.root, std::move(errors.back()));
+    }
+  };
+  if (study.has_search() && study.scene.expose_to > 0.0 && wants_derivatives(study)) {
+    fail("are not known where sensor.expose_to sets the exposure");
   }
-  if (study.has_search() && needs_paths(study.scene) && needs_gradient(study.search.algorithm)) {
-    errors.push_back(
-        {.kind = Problem::Kind::kRelation,
-         .key = "search.algorithm",
-         .text = fmt::format("\"{}\" needs derivatives, which path-traced scenes do not have; "
-                             "allowed are algorithms that do without, such as \"auto\"",
-                             study.search.algorithm)});
+  if (study.has_search() && needs_paths(study.scene) && wants_derivatives(study)) {
+    fail("path-traced scenes do not have");
+  }
+}
+
+/// search.derivatives is of one objective and of the Gaussian process.
+void check_algorithm(const Study& study, std::vector<Problem>& errors) {
+  check_derivatives(study, errors);
+  const std::string& algorithm = study.search.algorithm;
+  std::string text;
+  if (study.search.derivatives && algorithm != "auto" && algorithm != "gp") {
+    text = fmt::format(
+        "is for the Gaussian process, not for \"{}\"{}; allowed are true with "
+        "\"auto\" and \"gp\", and false",
+        algorithm,
+        needs_gradient(algorithm) ? ", which takes derivatives in any case" : "");
+  } else if (study.search.derivatives && has_several_objectives(study.goal)) {
+    text = "is of one objective, there are several; allowed is false";
+  }
+  if (!text.empty()) {
+    errors.push_back(with_place(
+        study.root,
+        Problem{.kind = Problem::Kind::kRelation, .key = "search.derivatives", .text = text}));
   }
 }
 
@@ -281,6 +304,10 @@ Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
   check_accuracy(study, errors);
   throw_if_any(errors);
   return study;
+}
+
+bool wants_derivatives(const Study& study) {
+  return study.search.derivatives || needs_gradient(study.search.algorithm);
 }
 
 Study scene_study(Study study) {

@@ -54,6 +54,9 @@ struct Study {
   bool has_search() const { return !space.variables.empty(); }
 };
 
+/// Whether the search takes derivatives of scores.
+bool wants_derivatives(const Study& study);
+
 /// A `--set key=value` argument.
 struct KeyValue {
   std::string path;

@@ -47,6 +47,11 @@ void visit_search(KeyVisitor& keys, SearchSettings& s) {
                Range::between(0, 100000),
                "size of the Sobol design before the local search; 0 = chosen by the program");
   keys.boolean("noisy", s.is_noisy, "scores of one design vary from evaluation to evaluation");
+  if (keys.is_given("derivatives") || s.derivatives) {
+    keys.boolean("derivatives",
+                 s.derivatives,
+                 "the Gaussian process also learns from derivatives, where they are known");
+  }
 }
 
 void visit_budget(KeyVisitor& keys, Budget& b) {
@@ -312,6 +317,7 @@ void read_study_tables(Study& study, std::vector<Problem>& errors) {
   read_variables(study, errors);
   KeyReader search(study.root.find("search"), "search", errors);
   visit_search(search, study.search);
+  search.take("derivatives");  // known also where it is not given
   search.report_unknown();
   KeyReader budget(study.root.find("budget"), "budget", errors);
   visit_budget(budget, study.budget);
@@ -360,8 +366,10 @@ void write_study_tables(const Study& study, ConfigNode& root) {
 std::vector<KeyRow> study_keys() {
   std::vector<KeyRow> rows;
   SearchSettings search;
+  search.derivatives = true;
   KeyLister search_lister("search", rows);
   visit_search(search_lister, search);
+  rows.back().default_text = "false";
   Budget budget;
   budget.target = 0.0;
   KeyLister budget_lister("budget", rows);

@@ -10,7 +10,6 @@
 #include "simulator/geometry/part/part.h"
 #include "simulator/light/area/light_extent.h"
 #include "studies/definition/scene_scores.h"
-#include "studies/imaging/path_lights.h"
 
 namespace glint {
 namespace {
@@ -24,7 +23,9 @@ LightMounts mounts_of(const SceneSettings& scene) {
               pose_from_angles(vector(scene.part.position_mm), vector(scene.part.rotation_rad))};
 }
 
-LightExtent extent_of(const SceneSettings& scene, const StageScan& stage) {
+LightExtent extent_of(const SceneSettings& scene,
+                      const StageScan& stage,
+                      const MeshLoader& load_mesh) {
   const std::vector<std::string> names = shining_lights(scene);
   const auto shines = [&](const std::string& name) {
     return std::ranges::find(names, name) != names.end();
@@ -32,7 +33,7 @@ LightExtent extent_of(const SceneSettings& scene, const StageScan& stage) {
   LightExtent extent;
   for (const NamedLight& light : scene.lights) {
     if (shines(light.name)) {
-      extent = together(extent, extent_of({light}, mounts_of(scene), load_light_mesh));
+      extent = together(extent, extent_of({light}, mounts_of(scene), load_mesh));
     }
   }
   if (shines(scene.tunnel_name)) {
@@ -55,9 +56,9 @@ std::optional<LightingTotals::Size> size_of(const SceneSettings& scene, const Li
 
 }  // namespace
 
-LightingTotals lighting_totals(const SceneSettings& scene) {
+LightingTotals lighting_totals(const SceneSettings& scene, const MeshLoader& load_mesh) {
   const StageScan stage = stage_scan(scene);
-  const LightExtent extent = extent_of(scene, stage);
+  const LightExtent extent = extent_of(scene, stage, load_mesh);
   LightingTotals totals = {
       .size = size_of(scene, extent), .leds = extent.leds, .frames = stage.positions};
   const CostSettings cost = scene.cost.value_or(CostSettings{});

@@ -3,6 +3,7 @@
 
 #include "metrics/lighting_scores.h"
 #include "studies/definition/scene.h"
+#include "studies/imaging/path_lights.h"
 
 namespace glint {
 
@@ -10,7 +11,9 @@ namespace glint {
 /// rendered, only the mesh of a mesh light is read. A light shines when lighting_use has it and its
 /// radiance or power is above 0; its segments are not told apart. Lights on the camera stand where
 /// the first viewpoint has them, a tunnel in the middle of its scan.
+/// @param load_mesh  reads the mesh of a mesh light
 /// @throws ConfigError beginning with the key at fault, IoError
-LightingTotals lighting_totals(const SceneSettings& scene);
+LightingTotals lighting_totals(const SceneSettings& scene,
+                               const MeshLoader& load_mesh = load_light_mesh);
 
 }  // namespace glint

@@ -17,6 +17,7 @@
 #include "optimizer/front/compromise.h"
 #include "studies/accuracy/chosen_accuracy.h"
 #include "studies/definition/render_methods.h"
+#include "studies/evaluation/exact_lighting.h"
 #include "studies/front/front_designs.h"
 #include "studies/run/design_files.h"
 
@@ -181,12 +182,13 @@ SearchTask search_task(const Study& study, int jobs) {
           .goal = study.goal,
           .budget = study.budget,
           .start_points = {baseline_point(study)},
-          .jobs = jobs};
+          .jobs = jobs,
+          .exact = exact_lighting(study)};
 }
 
 WantedScores wanted_in_search(const Study& study) {
   WantedScores wanted = wanted_in_trial(study);
-  if (needs_gradient(study.search.algorithm)) {
+  if (wants_derivatives(study)) {
     wanted.gradients = wanted_with_gradients(study.goal, study.space).gradients;
   }
   return wanted;

@@ -12,7 +12,9 @@
 
 namespace glint {
 
-/// The study's search from its beginning. @param jobs  candidates at once, >= 1
+/// The study's search from its beginning.
+/// @param study  must outlive what is returned
+/// @param jobs   candidates at once, >= 1
 SearchTask search_task(const Study& study, int jobs);
 
 /// What a search wants of each candidate: the scores of its goal, and those that [accuracy] names.

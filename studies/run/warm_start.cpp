@@ -127,7 +127,7 @@ Study earlier_study(const fs::path& run, const Storage& storage) {
 }  // namespace
 
 TakenTrials trials_from(const Study& study, const fs::path& run) {
-  if (!study.has_search() || needs_gradient(study.search.algorithm)) {
+  if (!study.has_search() || wants_derivatives(study)) {
     throw refusal(run, "needs a search whose algorithm does without derivatives");
   }
   const Storage storage = Storage::read(run / "study.sqlite");

@@ -46,12 +46,23 @@ struct Slot {
   bool has(const Vector2d& point) const {
     return std::abs(point.x()) < half_mm && point.y() > floor_mm;
   }
+
+  /// Whether a whole line surely lies beside or below it; most do.
+  bool is_clear_of(const Vector2d& a, const Vector2d& b) const {
+    constexpr double kRounding_mm = 1e-6;
+    const double beside_mm = half_mm + kRounding_mm;
+    return std::min(a.x(), b.x()) > beside_mm || std::max(a.x(), b.x()) < -beside_mm ||
+           std::max(a.y(), b.y()) < floor_mm - kRounding_mm;
+  }
 };
 
 /// The pieces of a line from a to b that lie outside the slot, as parts of its length.
 std::vector<std::array<double, 2>> beside_slot(const Vector2d& a,
                                                const Vector2d& b,
                                                const Slot& slot) {
+  if (a != b && slot.is_clear_of(a, b)) {
+    return {{0.0, 1.0}};
+  }
   std::vector<double> cuts = {0.0, 1.0};
   const Vector2d way = b - a;
   for (const double y : {-slot.half_mm, slot.half_mm}) {

@@ -46,7 +46,8 @@ void expect_true_slopes(const Promise& promise, const Models& given) {
   const Eigen::MatrixXd rows =
       given.encoding().rows(std::vector<Point>{{0.31, 0.42, 0.63}, {0.72, 0.55, 0.18}});
   Eigen::MatrixXd slopes;
-  const Eigen::VectorXd scores = promise.scores(rows, slopes);
+  const Eigen::MatrixXd no_shifts(rows.rows(), 0);
+  const Eigen::VectorXd scores = promise.scores(rows, no_shifts, slopes);
   EXPECT_TRUE(scores.isApprox(promise.scores(rows), 1e-12));
   constexpr double kStep = 1e-5;
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
@@ -85,8 +86,13 @@ TEST(Propose, ClimbsToTheBestPlaceThatTheModelKnows) {
   const Models one(1, 0.7, 0.0);
   const Promise promise(one.models, {});
   Rng rng(1, Stream::kSearch, 1);
-  const std::optional<Point> point =
-      propose(one.space, promise, one.encoding(), one.points, {}, Reach::kEverywhere, rng);
+  const std::optional<Point> point = propose({.space = one.space,
+                                              .promise = promise,
+                                              .encoding = one.encoding(),
+                                              .known = one.points,
+                                              .asked = {}},
+                                             Reach::kEverywhere,
+                                             rng);
   ASSERT_TRUE(point.has_value());
   for (const double x : *point) {
     EXPECT_NEAR(x, 0.2, 0.03);

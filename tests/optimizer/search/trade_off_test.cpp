@@ -14,12 +14,14 @@
 #include "optimizer/search/search.h"
 #include "optimizer/storage/sqlite.h"
 #include "tests/optimizer/algorithm/problems.h"
+#include "tests/optimizer/search/searching.h"
 
 namespace glint {
 namespace {
 
 using test::box;
-using test::identity;
+using test::events_and_points;
+using test::search_into;
 using testing::HasSubstr;
 
 /// Minimises "f1" and "f2" in the unit cube.
@@ -51,32 +53,6 @@ SearchTask zdt1_task(const std::string& algorithm, std::uint64_t seed) {
   task.goal.objective.reference = 1.1;
   task.goal.more_objectives[0].reference = 1.1;
   return task;
-}
-
-SearchResult search_into(const TemporaryFolder& folder,
-                         const SearchTask& task,
-                         const Evaluate& evaluate,
-                         const std::atomic<int>* interrupt = nullptr,
-                         const OnEvaluation& progress = {}) {
-  Storage storage = Storage::open(folder / "s.sqlite", identity());
-  return run_search(task, storage, evaluate, interrupt, progress);
-}
-
-/// Everything but times.
-std::string events_and_points(const TemporaryFolder& folder) {
-  const Storage storage = Storage::read(folder / "s.sqlite");
-  std::string text;
-  for (const Event& event : storage.events()) {
-    text += fmt::format("{} {} {:a} [{:a}]\n",
-                        static_cast<int>(event.kind),
-                        event.trial,
-                        event.value,
-                        fmt::join(event.objectives, " "));
-  }
-  for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
-    text += fmt::format("{} {:a}\n", trial.number, fmt::join(trial.point, " "));
-  }
-  return text;
 }
 
 /// Squared distances from (0, 0.5, ..) and (1, 0.5, ..): on the front sqrt(f1) + sqrt(f2) = 1,

@@ -15,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
@@ -64,6 +65,34 @@ title = "Round"
 evaluations = 10
 wall_clock = "1h30m"
 )";
+
+TEST(Study, DerivativesAreForTheGaussianProcessUnderATunnel) {
+  const std::string sound = std::string(kSound) + "[search]\n";
+  EXPECT_EQ(error_of(sound + "derivatives = true\n"), "");
+  EXPECT_EQ(error_of(sound + "derivatives = true\nalgorithm = \"gp\"\n"), "");
+  EXPECT_EQ(error_of(sound + "derivatives = false\nalgorithm = \"bobyqa\"\n"), "");
+  EXPECT_THAT(error_of(sound + "derivatives = true\nalgorithm = \"bobyqa\"\n"),
+              AllOf(StartsWith("s.toml:23:"),
+                    HasSubstr("search.derivatives: is for the Gaussian process, not for "
+                              "\"bobyqa\"")));
+  EXPECT_THAT(error_of(sound + "derivatives = true\nalgorithm = \"slsqp\"\n"),
+              HasSubstr("not for \"slsqp\", which takes derivatives in any case"));
+  EXPECT_THAT(error_of(sound + "derivatives = true\n[render]\nmethod = \"paths\"\n"),
+              HasSubstr("search.derivatives: asks for derivatives, which path-traced scenes do not "
+                        "have; allowed is false"));
+  EXPECT_THAT(error_of(sound + "derivatives = true\n[sensor]\nexpose_to = 0.9\n"),
+              HasSubstr("not known where sensor.expose_to sets the exposure"));
+}
+
+/// Studies without the key are what they were, to the last byte.
+TEST(Study, DerivativesAreWrittenWhereTheyAreAskedFor) {
+  const StudyFile plain(kSound);
+  EXPECT_THAT(resolved_text(load_study(plain.path(), {})), Not(HasSubstr("derivatives")));
+  const StudyFile asking(std::string(kSound) + "[search]\nderivatives = true\n");
+  const Study study = load_study(asking.path(), {});
+  EXPECT_TRUE(wants_derivatives(study));
+  EXPECT_THAT(resolved_text(study), HasSubstr("derivatives = true"));
+}
 
 TEST(Study, ReadsVariablesOfEveryKind) {
   const StudyFile file(kSound);

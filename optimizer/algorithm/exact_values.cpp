@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimizer/algorithm/exact_values.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/error.h"
+#include "optimizer/algorithm/merit.h"
+
+namespace glint {
+
+ExactValues::ExactValues(Goal goal, ExactScores scores)
+    : goal_(std::move(goal)), scores_(std::move(scores)) {
+  GLINT_CHECK(scores_.max_candidates >= 1, "at least one candidate");
+  const auto look_at = [this](const std::string& name, std::size_t count) {
+    const bool is_exact = std::ranges::find(scores_.names, name) != scores_.names.end();
+    is_exact_.insert(is_exact_.end(), count, is_exact);
+    if (is_exact) {
+      names_.push_back(name);
+    }
+  };
+  for (const Objective& objective : objectives_of(goal_)) {
+    look_at(objective.name, 1);
+  }
+  for (const Constraint& constraint : goal_.constraints) {
+    look_at(constraint.name, limit_values(constraint, 0.0).size());
+  }
+}
+
+std::vector<double> ExactValues::at(const Point& point) const {
+  std::vector<double> values(is_exact_.size(), std::nan(""));
+  Scores scores;
+  try {
+    scores = scores_.at(point);
+  } catch (const Error&) {
+    return values;  // its evaluation will fail and say why
+  }
+  std::size_t next = 0;
+  for (const Objective& objective : objectives_of(goal_)) {
+    if (is_exact_[next]) {
+      const double value = scores.at(objective.name);
+      values[next] = objective.is_maximised ? -value : value;
+    }
+    ++next;
+  }
+  for (const Constraint& constraint : goal_.constraints) {
+    const bool is_exact = next < is_exact_.size() && is_exact_[next];
+    for (const double value :
+         limit_values(constraint, is_exact ? scores.at(constraint.name) : std::nan(""))) {
+      values[next++] = value;
+    }
+  }
+  return values;
+}
+
+}  // namespace glint

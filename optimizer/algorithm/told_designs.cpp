@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimizer/algorithm/told_designs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace glint {
+
+namespace {
+
+constexpr int kMaxSlopes = 300;
+
+std::vector<std::size_t> to_model(std::span<const ToldDesign> designs) {
+  std::vector<std::size_t> indices(designs.size());
+  std::iota(indices.begin(), indices.end(), std::size_t{0});
+  if (indices.size() <= kMaxModelPoints) {
+    return indices;
+  }
+  std::ranges::stable_sort(indices, [&](std::size_t a, std::size_t b) {
+    const bool fails_a = designs[a].values.empty();
+    const bool fails_b = designs[b].values.empty();
+    return fails_a != fails_b ? fails_b : designs[a].merit < designs[b].merit;
+  });
+  std::vector<std::size_t> kept(indices.begin(), indices.begin() + kKeptModelPoints / 3);
+  std::vector<std::size_t> others(indices.begin() + kKeptModelPoints / 3, indices.end());
+  std::ranges::sort(others);
+  const std::size_t room = kKeptModelPoints - kept.size();
+  for (std::size_t i = 0; i < room; ++i) {
+    kept.push_back(others[i * others.size() / room]);
+  }
+  std::ranges::sort(kept);
+  return kept;
+}
+
+}  // namespace
+
+ModelData model_data(std::span<const ToldDesign> designs, std::size_t num_values) {
+  ModelData data{.values = std::vector<std::vector<double>>(num_values),
+                 .errors = std::vector<std::vector<double>>(num_values)};
+  for (const std::size_t index : to_model(designs)) {
+    const ToldDesign& told = designs[index];
+    const bool is_failed = told.values.empty();
+    data.all.push_back(told.point);
+    data.failures.push_back(is_failed ? kFailure : kSuccess);
+    if (is_failed) {
+      continue;
+    }
+    data.points.push_back(told.point);
+    data.told.push_back(index);
+    for (std::size_t k = 0; k < num_values; ++k) {
+      data.values[k].push_back(told.values[k]);
+      data.errors[k].push_back(told.errors[k]);
+    }
+  }
+  return data;
+}
+
+int num_known(const UnitSlopes& slopes) {
+  return static_cast<int>(
+      std::ranges::count_if(slopes, [](double slope) { return std::isfinite(slope); }));
+}
+
+int slopes_per_model(std::span<const ToldDesign> designs, std::size_t num_values) {
+  int count = 0;
+  for (std::size_t k = 0; k < num_values; ++k) {
+    const auto has_any = [k](const ToldDesign& told) {
+      return k < told.slopes.size() && num_known(told.slopes[k]) > 0;
+    };
+    count += std::ranges::any_of(designs, has_any) ? 1 : 0;
+  }
+  return count > 0 ? kMaxSlopes / count : 0;
+}
+
+std::vector<UnitSlopes> nearest_slopes(const SearchSpace& space,
+                                       std::span<const ToldDesign> designs,
+                                       const ModelData& data,
+                                       std::size_t value,
+                                       int room) {
+  if (designs.empty() || data.told.empty()) {
+    return {};
+  }
+  const auto merit = [&](std::size_t told) { return designs[told].merit; };
+  const std::size_t best = *std::ranges::min_element(data.told, {}, merit);
+  const std::vector<double> center = unit_from_point(space, designs[best].point);
+  std::vector<double> distances;
+  for (const Point& point : data.points) {
+    const std::vector<double> unit = unit_from_point(space, point);
+    double squared = 0.0;
+    for (std::size_t i = 0; i < unit.size(); ++i) {
+      squared += (unit[i] - center[i]) * (unit[i] - center[i]);
+    }
+    distances.push_back(squared);
+  }
+  std::vector<std::size_t> order(data.points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return distances[i]; });
+  std::vector<UnitSlopes> slopes(data.points.size());
+  for (const std::size_t i : order) {
+    const UnitSlopes& known = designs[data.told[i]].slopes[value];
+    room -= num_known(known);
+    if (room < 0) {
+      break;
+    }
+    slopes[i] = known;
+  }
+  return slopes;
+}
+
+UnitSlopes unit_slopes(const SearchSpace& space,
+                       const Point& point,
+                       const std::vector<double>& gradient) {
+  UnitSlopes slopes = gradient;
+  for (std::size_t i = 0; i < slopes.size(); ++i) {
+    slopes[i] = derivative_at(space, point, i) == 0.0 ? std::nan("") : slopes[i];
+  }
+  return slopes;
+}
+
+}  // namespace glint

@@ -163,6 +163,11 @@ bool Statement::step() {
   return code == SQLITE_ROW;
 }
 
+void Statement::reset() {
+  check(sqlite3_reset(statement_.get()));
+  next_ = 1;
+}
+
 std::int64_t Statement::integer(int column) const {
   return sqlite3_column_int64(statement_.get(), column);
 }

@@ -66,6 +66,9 @@ class Statement {
 
   void run() { step(); }
 
+  /// Ready to be bound anew and run once more.
+  void reset();
+
   std::int64_t integer(int column) const;
   double real(int column) const;  ///< NULL becomes NaN
   std::string text(int column) const;

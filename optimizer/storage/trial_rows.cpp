@@ -123,9 +123,12 @@ void delete_outcome(Database& database, TrialKind kind, int number) {
 
 void insert_outcome(Database& database, TrialKind kind, int number, const Outcome& outcome) {
   delete_outcome(database, kind, number);
+  const auto begin = [&](Statement& statement) -> Statement& {
+    return statement.bind(name_of(kind)).bind(std::int64_t{number});
+  };
   const auto row = [&](const char* sql) {
     Statement statement(database, sql);
-    statement.bind(name_of(kind)).bind(std::int64_t{number});
+    begin(statement);
     return statement;
   };
   row("INSERT INTO evaluation VALUES(?, ?, ?, ?, ?)")
@@ -133,11 +136,10 @@ void insert_outcome(Database& database, TrialKind kind, int number, const Outcom
       .bind(std::string_view(outcome.message))
       .bind(outcome.seconds)
       .run();
+  Statement insert_value(database, "INSERT INTO value VALUES(?, ?, ?, ?)");  // once for dozens
   for (const auto& [name, value] : outcome.scores) {
-    row("INSERT INTO value VALUES(?, ?, ?, ?)")
-        .bind(std::string_view(name))
-        .bind(value + 0.0)
-        .run();
+    begin(insert_value).bind(std::string_view(name)).bind(value + 0.0).run();
+    insert_value.reset();
   }
   for (const auto& [score, gradient] : outcome.gradients) {
     for (std::size_t i = 0; i < gradient.size(); ++i) {

@@ -12,8 +12,9 @@
 #include <array>
 #include <cmath>
 
-#include "core/rng.h"
 #include "simulator/sensor/blur_kernel.h"
+#include "simulator/sensor/pixel_noise.h"
+#include "simulator/sensor/poisson_quantile.h"
 #include "simulator/sensor/sensor_kernels.h"
 
 namespace glint {
@@ -21,7 +22,7 @@ namespace {
 
 namespace kernels = sensor_kernels;
 
-constexpr double kGaussianFromElectrons = 30.0;
+constexpr double kGaussianFromElectrons = kLargestTabledMean;
 constexpr std::array<int, 5> kBits = {0, 8, 10, 12, 16};
 
 /// Rows of the vertical blur that stay in the first cache, all of them.
@@ -35,6 +36,17 @@ int whole_vectors(int count) {
   return (count + kLanes - 1) / kLanes * kLanes;
 }
 
+/// Scans of a few pixels are those of a search, one candidate after the other; whole pictures are
+/// taken once, and their noise would fill the memory.
+bool is_small_share(const Spans& where, int width_px, int height_px) {
+  constexpr std::int64_t kPartOfPicture = 4;
+  std::int64_t pixels = 0;
+  for (const RowSpan& span : where) {
+    pixels += span.size();
+  }
+  return kPartOfPicture * pixels <= std::int64_t{width_px} * height_px;
+}
+
 int levels_of(const SensorSettings& settings) {
   return settings.bits == 0 ? 0 : (1 << settings.bits) - 1;
 }
@@ -45,20 +57,6 @@ std::vector<float> in_float(const std::vector<double>& values) {
     rounded.push_back(static_cast<float>(value));
   }
   return rounded;
-}
-
-/// The smallest k with P(Poisson(mean) <= k) >= u, by adding up probabilities.
-double poisson_quantile(double mean, double u) {
-  constexpr int kBeyondAnyQuantile = 200;  // mean 30 and u < 1 - 2^-33 end below 75
-  double probability = std::exp(-mean);
-  double cumulated = probability;
-  int k = 0;
-  while (u > cumulated && k < kBeyondAnyQuantile) {
-    ++k;
-    probability *= mean / k;
-    cumulated += probability;
-  }
-  return k;
 }
 
 }  // namespace
@@ -135,7 +133,9 @@ struct Sensor::Scratch {
   std::vector<const float*> low;
   std::vector<const float*> high;
   std::vector<std::uint32_t> words;
-  std::vector<float> normals;
+  std::vector<float> shot;
+  std::vector<float> read;
+  bool keeps_noise = false;  ///< for the next scan of the same pixels
 };
 
 SensorSettings without_noise(SensorSettings settings) {
@@ -228,42 +228,33 @@ void Sensor::blur_span(const ImageF& radiance, const RowSpan& span, Scratch& scr
 /// Turns the span's blurred radiance into noisy electrons.
 void Sensor::add_noise(const RowSpan& span, int frame_index, Scratch& scratch) const {
   const int width = span.size();
-  const auto first_pixel =
-      static_cast<std::uint64_t>(span.y) * static_cast<std::uint64_t>(width_px_) +
-      static_cast<std::uint64_t>(span.begin);
-  const auto first_block = static_cast<std::uint32_t>(first_pixel / 4);
-  const auto skipped = static_cast<std::size_t>(first_pixel % 4);
-  const int blocks = (width + 6) / 4;  // up to 3 words before the span's first pixel
-  const auto seed = static_cast<std::uint64_t>(settings_.seed);
-  kernels::NoiseAddress address{
-      .key = {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
-      .stream = static_cast<std::uint32_t>(Stream::kShotNoise),
-      .frame = static_cast<std::uint32_t>(frame_index)};
-  const std::uint32_t* words = scratch.words.data() + skipped;
   float* electrons = scratch.row.data();
-
   kernels::scale_and_shift(static_cast<float>(settings_.exposure * settings_.full_well_e),
                            static_cast<float>(settings_.dark_e),
                            width,
                            electrons);
-  kernels::philox_words(address, first_block, blocks, scratch.words.data());
-  kernels::normal_quantiles(words, width, scratch.normals.data());
+  const std::int64_t first_pixel = std::int64_t{span.y} * width_px_ + span.begin;
+  const PixelNoise noise = {.words = scratch.words.data(),
+                            .shot = scratch.shot.data(),
+                            .read = settings_.read_noise_e > 0.0 ? scratch.read.data() : nullptr};
+  if (scratch.keeps_noise) {
+    shared_noise().load(settings_.seed, frame_index, first_pixel, width, noise);
+  } else {
+    draw_noise(settings_.seed, frame_index, first_pixel, width, noise);
+  }
   for (int x = 0; x < width; ++x) {
     if (electrons[x] < static_cast<float>(kGaussianFromElectrons)) {
       // Exact, and out of reach of the Gaussian pass: it leaves a pixel with normal 0 alone.
-      const double u = (words[x] + 0.5) * 0x1p-32;
+      const double u = (scratch.words[static_cast<std::size_t>(x)] + 0.5) * 0x1p-32;
       const double mean = std::max(static_cast<double>(electrons[x]), 0.0);
       electrons[x] = mean > 0.0 ? static_cast<float>(poisson_quantile(mean, u)) : 0.0f;
-      scratch.normals[static_cast<std::size_t>(x)] = 0.0f;
+      scratch.shot[static_cast<std::size_t>(x)] = 0.0f;
     }
   }
-  kernels::add_shot_noise(scratch.normals.data(), width, electrons);
+  kernels::add_shot_noise(scratch.shot.data(), width, electrons);
   if (settings_.read_noise_e > 0.0) {
-    address.stream = static_cast<std::uint32_t>(Stream::kReadNoise);
-    kernels::philox_words(address, first_block, blocks, scratch.words.data());
-    kernels::normal_quantiles(words, width, scratch.normals.data());
     kernels::add_scaled(
-        static_cast<float>(settings_.read_noise_e), scratch.normals.data(), width, electrons);
+        static_cast<float>(settings_.read_noise_e), scratch.read.data(), width, electrons);
   }
 }
 
@@ -286,8 +277,10 @@ void Sensor::for_each_span(const ImageF& radiance,
                   .grey = std::vector<float>(frame != nullptr ? 0 : width),
                   .low = std::vector<const float*>(radius),
                   .high = std::vector<const float*>(radius),
-                  .words = std::vector<std::uint32_t>(noisy ? width + 10 : 0),
-                  .normals = std::vector<float>(noisy ? width : 0)};
+                  .words = std::vector<std::uint32_t>(noisy ? width : 0),
+                  .shot = std::vector<float>(noisy ? width : 0),
+                  .read = std::vector<float>(noisy ? width : 0),
+                  .keeps_noise = noisy && is_small_share(where, width_px_, height_px_)};
   const double scale =
       noisy ? settings_.gain / settings_.full_well_e : settings_.gain * settings_.exposure;
   const int widest = std::max(kNarrowestStrip_px, kCachedRows_floats / (2 * blur_radius_px() + 1));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "simulator/render/scan/closed_scan.h"
 #include "simulator/render/scan/scan.h"
 #include "simulator/sensor/sensor.h"
 
@@ -120,6 +121,18 @@ class MirrorPicture : public ScenePicture {
     }
   }
 
+  /// A defect's own pixels in its window.
+  Spans inside_of(std::size_t defect) const {
+    const DefectView& view = traced()->views[defect];
+    Mask inside(view.distance.width(), view.distance.height());
+    for (const std::size_t pixel : traced()->defects[defect].inside) {
+      const auto at = static_cast<int>(pixel);
+      const int width = traced()->seen().width_px;
+      inside(at % width - view.left_px, at / width - view.top_px) = 1;
+    }
+    return spans_of(inside);
+  }
+
   void scan_flawless(std::size_t defect, const FrameConsumer& keep) const {
     const SensorSettings quiet = without_noise(scene().sensor);
     if (traced()->is_sampled()) {
@@ -129,7 +142,7 @@ class MirrorPicture : public ScenePicture {
     } else {
       const CornerRays& rays = traced()->flawless_corners[defect];
       const Sensor sensor(quiet, rays.width_px, rays.height_px);
-      scan_integrated(footprints_of(rays), sensor, keep);
+      watch_integrated(footprints_of(rays), sensor, inside_of(defect), keep);
     }
   }
 

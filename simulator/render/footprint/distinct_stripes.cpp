@@ -49,9 +49,12 @@ DistinctStripes::DistinctStripes(const std::vector<double>& shifts, double duty)
 
 void DistinctStripes::expand(const double* of_sources, std::vector<float>& values) const {
   const double both = of_sources[0] + of_sources[opposite_of_first];
+  const std::size_t before = values.size();
+  values.resize(before + frames.size());
+  float* out = values.data() + before;
   for (const Frame& frame : frames) {
     const double radiance = of_sources[frame.source];
-    values.push_back(static_cast<float>(frame.is_opposite ? both - radiance : radiance));
+    *out++ = static_cast<float>(frame.is_opposite ? both - radiance : radiance);
   }
 }
 

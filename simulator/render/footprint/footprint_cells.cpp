@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <iterator>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -339,9 +338,11 @@ void CellSummer::store(std::int32_t pixel, CellSum& sum) {
     const double total = std::accumulate(radiance.begin(), radiance.end(), 0.0);
     cells_.values.push_back(static_cast<float>(total / static_cast<double>(radiance.size())));
   } else {
-    std::ranges::transform(radiance, std::back_inserter(cells_.values), [](double value) {
-      return static_cast<float>(value);
-    });
+    const std::size_t before = cells_.values.size();
+    cells_.values.resize(before + radiance.size());
+    std::ranges::transform(radiance,
+                           cells_.values.begin() + static_cast<std::ptrdiff_t>(before),
+                           [](double value) { return static_cast<float>(value); });
   }
 }
 

@@ -3,7 +3,8 @@
 // Frames of a scan, or their mean, in pieces of 256 pixels of a row. Phases and trapezoids are
 // computed once per piece and evaluated for every frame; a frame whose stripes equal those of an
 // earlier one is copied, and one with bright and dark exchanged is a subtraction
-// (distinct_stripes.h). The mean over whole periods needs no frames: it is one picture under a
+// (distinct_stripes.h). Where few pixels are rendered, such earlier frames are made once for the
+// whole scan and kept. The mean over whole periods needs no frames: it is one picture under a
 // square wave of N times the frequency. docs/theory/footprints.md and clipped_mean.md. Cost: one
 // trapezoid per pixel and rendered frame, one evaluation per pixel for a mean. Memory: about 10 kB
 // besides the images and the pixels of footprint_cells.h.
@@ -221,15 +222,72 @@ void FootprintFrames::render_mean(const Spans& near,
   }
 }
 
-void FootprintFrames::render(int first, std::vector<ImageF>& frames) const {
-  if (!cells_) {
-    cells_ = std::make_shared<const PixelCells>(sum_cells(footprints_, where_));
+/// The frames of the sources' stripes at the pixels of a tile.
+/// @param at  of its first pixel among those of all spans
+void FootprintFrames::render_tile(const DistinctStripes& stripes,
+                                  Tile& tile,
+                                  std::size_t at,
+                                  Sources& sources) const {
+  const ScanPositions& p = footprints_.positions();
+  kernels::trapezoids(tile.gx.data(), tile.gy.data(), tile.count, tile.shape());
+  std::copy_n(tile.gain.data(), tile.count, sources.gain.data() + at);
+  const bool is_narrow = kernels::largest_lit(tile.outer.data(), tile.gain.data(), tile.count) <=
+                         kernels::narrow_limit(static_cast<float>(p.duty));
+  const auto box_frame = is_narrow ? kernels::narrow_box_frame : kernels::box_frame;
+  for (std::size_t k = 0; k < sources.radiance.size(); ++k) {
+    box_frame(tile.v.data(),
+              tile.shape(),
+              tile.gain.data(),
+              tile.count,
+              {.shift = static_cast<float>(stripes.shift_periods[k]),
+               .duty = static_cast<float>(p.duty),
+               .dark = static_cast<float>(p.dark)},
+              sources.radiance[k].data() + at);
+  }
+}
+
+FootprintFrames::Sources FootprintFrames::render_sources() const {
+  std::size_t pixels = 0;
+  for (const RowSpan& span : where_) {
+    pixels += static_cast<std::size_t>(span.size());
   }
   const DistinctStripes stripes = footprints_.positions().distinct_stripes();
-  const std::vector<int> sources = find_sources(stripes, first, frames.size());
+  Sources sources = {.gain = std::vector<float>(pixels),
+                     .radiance = std::vector<std::vector<float>>(stripes.shift_periods.size(),
+                                                                 std::vector<float>(pixels))};
+  Tile tile;
+  std::size_t at = 0;
   for (const RowSpan& span : where_) {
-    render_span(first, span, stripes, sources, frames);
+    for (int begin = span.begin; begin < span.end; begin += tile.count) {
+      load(span, begin, tile);
+      render_tile(stripes, tile, at, sources);
+      at += static_cast<std::size_t>(tile.count);
+    }
   }
+  return sources;
+}
+
+void FootprintFrames::copy_sources(int first, std::vector<ImageF>& frames) const {
+  const DistinctStripes stripes = footprints_.positions().distinct_stripes();
+  const auto dark = static_cast<float>(footprints_.positions().dark);
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const auto [source, is_opposite] = stripes.frames[static_cast<std::size_t>(first) + k];
+    const float* radiance = sources_.radiance[source].data();
+    const float* gain = sources_.gain.data();
+    for (const RowSpan& span : where_) {
+      float* out = frames[k].row(span.y) + span.begin;
+      if (is_opposite) {
+        kernels::opposite_frame(radiance, gain, span.size(), dark, out);
+      } else {
+        std::copy_n(radiance, span.size(), out);
+      }
+      radiance += span.size();
+      gain += span.size();
+    }
+  }
+}
+
+void FootprintFrames::set_cells(int first, std::vector<ImageF>& frames) const {
   const auto total = static_cast<std::size_t>(footprints_.positions().frames());
   for (std::size_t i = 0; i < cells_->pixels.size(); ++i) {
     const float* values = cells_->values.data() + i * total + first;
@@ -237,6 +295,26 @@ void FootprintFrames::render(int first, std::vector<ImageF>& frames) const {
       frames[k].values()[static_cast<std::size_t>(cells_->pixels[i])] = values[k];
     }
   }
+}
+
+void FootprintFrames::render(int first, std::vector<ImageF>& frames) const {
+  if (!cells_) {
+    cells_ = std::make_shared<const PixelCells>(sum_cells(footprints_, where_));
+  }
+  const ScanPositions& p = footprints_.positions();
+  if (keeps_sources_ && p.is_even && p.is_dark_even) {
+    if (sources_.radiance.empty()) {
+      sources_ = render_sources();
+    }
+    copy_sources(first, frames);
+  } else {
+    const DistinctStripes stripes = p.distinct_stripes();
+    const std::vector<int> sources = find_sources(stripes, first, frames.size());
+    for (const RowSpan& span : where_) {
+      render_span(first, span, stripes, sources, frames);
+    }
+  }
+  set_cells(first, frames);
 }
 
 }  // namespace glint

@@ -4,6 +4,7 @@
 // docs/theory/footprints.md.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -30,6 +31,10 @@ class FootprintFrames {
   /// size of the picture, their other pixels are left alone.
   void render(int first, std::vector<ImageF>& frames) const;
 
+  /// From now on render() makes the frames that others follow from once, in four bytes a pixel and
+  /// such frame, and copies from them. Of an uneven light nothing is kept. The bits are the same.
+  void keep_sources() { keeps_sources_ = true; }
+
   /// Mean radiance over a scan of whole periods: a square wave of as many times the
   /// frequency as there are different positions.
   /// @param near  refined pixels elsewhere may be taken from their four corners and their coverage
@@ -45,6 +50,12 @@ class FootprintFrames {
  private:
   struct Tile;
 
+  /// Frames that others follow from, at the pixels of all spans one after the other.
+  struct Sources {
+    std::vector<float> gain;
+    std::vector<std::vector<float>> radiance;  ///< without cells; one for each source
+  };
+
   const unsigned char* load(const RowSpan& span, int begin, Tile& tile) const;
   void finish(const unsigned char* state, std::size_t frame, const Tile& tile, float* out) const;
   void render_span(int first,
@@ -52,11 +63,20 @@ class FootprintFrames {
                    const DistinctStripes& stripes,
                    const std::vector<int>& sources,
                    std::vector<ImageF>& frames) const;
+  void render_tile(const DistinctStripes& stripes,
+                   Tile& tile,
+                   std::size_t at,
+                   Sources& sources) const;
+  Sources render_sources() const;
+  void copy_sources(int first, std::vector<ImageF>& frames) const;
+  void set_cells(int first, std::vector<ImageF>& frames) const;
 
   const Footprints& footprints_;
   const Spans& where_;
   /// Summed when first needed, once for all frames: a mean does not need it.
   mutable std::shared_ptr<const PixelCells> cells_;
+  bool keeps_sources_ = false;
+  mutable Sources sources_;  ///< made when first needed; empty: not yet
 };
 
 }  // namespace glint

@@ -30,12 +30,19 @@ constexpr int kGapTolerance_px = 8;
 /// Pictures are worth keeping for frames that are rendered in this share of their pixels at most.
 constexpr double kSmallShare = 0.25;
 
-double share_of(const Spans& spans, int width, int height) {
+/// Of so few pixels the frames that others follow from are kept, however small the picture.
+constexpr double kFewPixels = 16384.0;
+
+double count_of(const Spans& spans) {
   double pixels = 0.0;
   for (const RowSpan& span : spans) {
     pixels += static_cast<double>(span.size());
   }
-  return pixels / width / height;
+  return pixels;
+}
+
+double share_of(const Spans& spans, int width, int height) {
+  return count_of(spans) / width / height;
 }
 
 void fit_size(ImageF& image, int width, int height) {
@@ -54,11 +61,14 @@ std::shared_ptr<const PixelCells> sum_frames(const Footprints& footprints,
                                              FramePictures& pictures) {
   const int width = footprints.rays().width_px;
   const int height = footprints.rays().height_px;
-  const FootprintFrames frames(footprints, rendered);
+  FootprintFrames frames(footprints, rendered);
   const int total = footprints.positions().frames();
   // Fewer at once where few of their pixels are rendered: pictures are kept as a whole.
   const double share = share_of(rendered, width, height);
   const int at_once = std::clamp(static_cast<int>(2.0 + kFramesAtOnce * share), 1, kFramesAtOnce);
+  if (share <= kSmallShare || count_of(rendered) <= kFewPixels) {
+    frames.keep_sources();
+  }
   pictures.radiance.resize(static_cast<std::size_t>(std::min(at_once, total)));
   for (ImageF& radiance : pictures.radiance) {
     fit_size(radiance, width, height);
@@ -214,6 +224,17 @@ ClosedScan scan_closed(const Footprints& footprints,
     pool->give_back(std::move(pictures));
   }
   return result;
+}
+
+void watch_integrated(const Footprints& footprints,
+                      const Sensor& sensor,
+                      const Spans& where,
+                      const FrameConsumer& consume) {
+  const CornerRays& rays = footprints.rays();
+  const Spans rendered =
+      grown_spans(where, sensor.blur_radius_px(), kGapTolerance_px, rays.width_px, rays.height_px);
+  FramePictures pictures;
+  sum_frames(footprints, sensor, where, rendered, consume, pictures);
 }
 
 ScanResult scan_integrated(const Footprints& footprints,

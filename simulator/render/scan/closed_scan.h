@@ -15,6 +15,7 @@
 #include <memory>
 
 #include "core/image/image.h"
+#include "core/image/spans.h"
 #include "simulator/render/footprint/footprint_cells.h"
 #include "simulator/render/scan/frame_pictures.h"
 #include "simulator/render/scan/scan.h"
@@ -38,6 +39,13 @@ ClosedScan scan_closed(const Footprints& footprints,
                        const ScanPlan& plan,
                        const FrameConsumer& consume = {},
                        FramePicturePool* pool = nullptr);
+
+/// Shows the frames of a scan, integrated, to `consume`.
+/// @param where  pixels at which they are right: there they are those of scan_integrated()
+void watch_integrated(const Footprints& footprints,
+                      const Sensor& sensor,
+                      const Spans& where,
+                      const FrameConsumer& consume);
 
 /// All frames of a scan, integrated; the whole picture.
 ScanResult scan_integrated(const Footprints& footprints,

@@ -58,6 +58,7 @@ class RippleTiles {
 
   void sort(int region_pixels) {
     find_tiles();
+    ripple_.keep();
     find_effects(find_spread(region_pixels), region_pixels);
     std::ranges::sort(
         tiles_, std::ranges::greater(), [](const Tile& tile) { return tile.effect / tile.pixels; });

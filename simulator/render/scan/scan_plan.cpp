@@ -14,6 +14,7 @@
 
 #include "core/image/grown_mask.h"
 #include "core/image/mask_kernels.h"
+#include "simulator/render/scan/kept_tables.h"
 #include "simulator/render/scan/ripple_tiles.h"
 #include "simulator/render/scan/width_rows.h"
 #include "simulator/sensor/blur_kernel.h"
@@ -179,8 +180,8 @@ ScanPlan plan_scan(const Footprints& footprints,
   if (plan.form.kind == ScanForm::Kind::kTable) {
     plan.width = ImageF::uninitialized(mask.width(), mask.height());
     plan.by_table = Mask::uninitialized(mask.width(), mask.height());
-    plan.table = std::make_shared<const ClippedMean>(
-        sensor.settings(), stripes_of(footprints.positions(), reflectance));
+    plan.table =
+        kept_mean_table(sensor.settings(), stripes_of(footprints.positions(), reflectance));
     if (watched.empty()) {
       plan.by_frames = Mask(mask.width(), mask.height());
     }

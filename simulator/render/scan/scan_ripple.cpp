@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/units.h"
 #include "simulator/render/scan/clipped_stripe.h"
@@ -88,6 +89,31 @@ ScanRipple::ScanRipple(const Sensor& sensor, const StripeSettings& stripes)
   const int scans = std::clamp((kFewestPhases + phases - 1) / phases, kFewestScans, kMostScans);
   smooth_ = Scans(scans, phases);
   sharp_ = Scans(std::max(scans, kSharpScans), phases);
+  known_ = kept_waves().find(key());
+}
+
+Cache<TableKey, ScanRipple::Waves>& ScanRipple::kept_waves() {
+  static Cache<TableKey, Waves> waves({.max_values = kKeptTables});
+  return waves;
+}
+
+TableKey ScanRipple::key() const {
+  TableKey key = {stripes_.duty,
+                  static_cast<double>(stripes_.num_phases()),
+                  slope_,
+                  offset_,
+                  floor_,
+                  variance_px2_};
+  key.insert(key.end(), weights_.begin(), weights_.end());
+  return key;
+}
+
+void ScanRipple::keep() const {
+  if (!waves_.empty()) {
+    Waves all = known_ ? *known_ : Waves();
+    all.insert(waves_.begin(), waves_.end());
+    kept_waves().put(key(), std::move(all));
+  }
 }
 
 ScanRipple::Scans::Scans(int number, int phases) : count(number) {
@@ -153,7 +179,13 @@ ScanRipple::Size ScanRipple::at(double gx, double gy) {
 }
 
 const ScanRipple::Wave& ScanRipple::of_cell(int cell, int direction) {
-  const auto [found, is_new] = waves_.try_emplace(cell * kMostDirections + direction);
+  const int place = cell * kMostDirections + direction;
+  if (known_) {
+    if (const auto known = known_->find(place); known != known_->end()) {
+      return known->second;
+    }
+  }
+  const auto [found, is_new] = waves_.try_emplace(place);
   Wave& wave = found->second;  // stays where it is when others come
   if (!is_new) {
     return wave;

@@ -13,14 +13,18 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <unordered_map>
 #include <vector>
 
+#include "core/cache.h"
 #include "simulator/render/scan/clipped_mean.h"
+#include "simulator/render/scan/kept_tables.h"
 
 namespace glint {
 
-/// Keeps what it has computed; not to be shared between threads.
+/// Keeps what it has computed; not to be shared between threads. What another one of the same
+/// sensor and stripes has computed and kept is not computed again.
 class ScanRipple {
  public:
   /// As shares of the mean over all phases, noise left out.
@@ -30,6 +34,9 @@ class ScanRipple {
   };
 
   ScanRipple(const Sensor& sensor, const StripeSettings& stripes);
+
+  /// Leaves what was computed to those of the same sensor and stripes that are made later on.
+  void keep() const;
 
   /// Between the nearest cells: 20 for each step of one by which N |g| times the blur's deviation
   /// grows, up to the gradient that moves the ripple by a period a pixel, then as far apart in log
@@ -61,6 +68,13 @@ class ScanRipple {
     Scans(int number, int phases);
   };
 
+  using Waves = std::unordered_map<int, Wave>;
+
+  static Cache<TableKey, Waves>& kept_waves();
+
+  /// Of everything that waves depend on.
+  TableKey key() const;
+
   /// Whether harmonics near the ripple may be of whole periods a pixel.
   bool is_aliased(double gx, double gy) const;
   const Wave& of_cell(int cell, int direction);
@@ -79,7 +93,8 @@ class ScanRipple {
   std::vector<double> weights_;  ///< of the blur: its centre, then both sides
   Scans smooth_, sharp_;
   std::vector<double> shares_, values_, harmonics_, terms_, cosines_of_g_, blur_;
-  std::unordered_map<int, Wave> waves_;  ///< by cell
+  std::shared_ptr<const Waves> known_;  ///< by cell; empty: none
+  Waves waves_;                         ///< others
 };
 
 }  // namespace glint

@@ -102,6 +102,41 @@ TEST(DistinctStripes, GiveFramesTheSameBitsWhateverElseIsRendered) {
   }
 }
 
+// Of a few stretches of rows, in batches that begin anywhere: stripes of full contrast, dark ones
+// that shine evenly, ends that pass, and an uneven light, of which nothing is kept.
+TEST(DistinctStripes, GiveFramesTheSameBitsWhetherSourcesAreKeptOrNot) {
+  const test::FootprintBench bench(test::bench_strip(), test::bench_camera(), 0.4);
+  const Spans where = {{.y = 20, .begin = 3, .end = 180},
+                       {.y = 21, .begin = 3, .end = 30},
+                       {.y = 21, .begin = 60, .end = 199},
+                       {.y = 50, .begin = 0, .end = 200}};
+  for (int variant = 0; variant < 4; ++variant) {
+    TunnelSettings settings = test::bench_tunnel();
+    settings.duty = variant == 1 ? 0.3 : 0.5;
+    settings.dark_reflectance = variant == 1 ? 0.2 : 0.0;
+    settings.length_mm = variant == 2 ? 70.0 : settings.length_mm;
+    settings.led_ripple = variant == 3 ? 0.1 : 0.0;
+    const Tunnel tunnel(settings);
+    const Footprints footprints(bench.rays, tunnel, {.positions = 24}, bench.camera_mm);
+    const std::vector<ImageF> whole = test::integrated_frames(footprints);
+    FootprintFrames keeping(footprints, where);
+    keeping.keep_sources();
+    for (const int first : {0, 5, 10, 15}) {
+      std::vector<ImageF> some(9, ImageF(bench.rays.width_px, bench.rays.height_px));
+      keeping.render(first, some);
+      for (std::size_t k = 0; k < some.size(); ++k) {
+        const ImageF& wanted = whole[static_cast<std::size_t>(first) + k];
+        for (const RowSpan& span : where) {
+          EXPECT_TRUE(std::equal(some[k].row(span.y) + span.begin,
+                                 some[k].row(span.y) + span.end,
+                                 wanted.row(span.y) + span.begin))
+              << variant << ' ' << first << ' ' << k << ' ' << span.y;
+        }
+      }
+    }
+  }
+}
+
 // A duty off one half by a millionth has no opposite frames and the same light to a few millionths,
 // over what a footprint is wide: slot, ends that pass, refined pixels and dark stripes that shine.
 TEST(DistinctStripes, GiveTheFramesThatEachOfItsOwnStripesGives) {

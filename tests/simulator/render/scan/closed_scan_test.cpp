@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -105,6 +106,26 @@ struct BothScans {
     return scan_integrated(footprints, sensor, consume);
   }
 };
+
+TEST(WatchIntegrated, ShowsTheFramesOfTheWholePictureWhereItIsAsked) {
+  const BothScans scans(test::bench_tunnel(), {.gain = 1.3, .blur_px = 1.2});
+  std::vector<ImageF> whole;
+  scans.full([&](int /*index*/, const ImageF& grey) { whole.push_back(grey); });
+  const Spans where = {{.y = 0, .begin = 10, .end = 20},
+                       {.y = 40, .begin = 90, .end = 110},
+                       {.y = 41, .begin = 85, .end = 86}};
+  int seen = 0;
+  const auto compare = [&](int index, const ImageF& grey) {
+    EXPECT_EQ(index, seen++);
+    for (const RowSpan& span : where) {
+      for (int x = span.begin; x < span.end; ++x) {
+        ASSERT_EQ(grey(x, span.y), whole[static_cast<std::size_t>(index)](x, span.y)) << x;
+      }
+    }
+  };
+  watch_integrated(scans.footprints, scans.sensor, where, compare);
+  EXPECT_EQ(seen, 24);
+}
 
 // A linear sensor without rounding: whole (24 * 0.5) and broken (24 * 0.37) numbers of bright
 // frames.

@@ -102,6 +102,10 @@ void Database::fail(int code) const {
       throw IoError(name + ": cannot write the study database, it is read-only");
     case SQLITE_CANTOPEN:
       throw IoError(name + ": cannot open the study database");
+    case SQLITE_IOERR:
+      throw IoError(name +
+                    ": the study database cannot be read or written: the disk is full, a limit on "
+                    "the size of files is reached, or the disk fails");
     default:
       throw IoError(name + ": " + (handle_ ? sqlite3_errmsg(handle()) : sqlite3_errstr(code)));
   }

@@ -24,6 +24,17 @@ bool is_direction(const std::string& name) {
   return name == "maximise" || name == "minimise";
 }
 
+/// What stands in the table of an objective and does not belong there.
+std::string other_names(const ConfigNode& table) {
+  std::string names;
+  for (const std::string& name : table.names) {
+    if (!is_direction(name)) {
+      names += fmt::format("{}\"{}\"", names.empty() ? "; it holds " : ", ", name);
+    }
+  }
+  return names;
+}
+
 /// [objective]: one score and its direction.
 void read_one_objective(Study& study, const ConfigNode& table, std::vector<Problem>& errors) {
   const bool is_good = table.is_table() && table.items.size() == 1 &&
@@ -31,7 +42,8 @@ void read_one_objective(Study& study, const ConfigNode& table, std::vector<Probl
   if (!is_good) {
     errors.push_back({.place = table.place,
                       .key = "objective",
-                      .text = "must hold either maximise or minimise = \"name of a score\""});
+                      .text = "must hold either maximise or minimise = \"name of a score\"" +
+                              other_names(table)});
     return;
   }
   study.goal.objective = {.name = table.items[0].text,

@@ -189,13 +189,20 @@ std::shared_ptr<const BuiltDefects> SceneStore::build_defects(const SceneSetting
 std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& wanted) {
   const SceneSettings scene = as_traced(wanted);
   const std::shared_ptr<const BuiltDefects> part = build_defects(scene);
+  const auto drop_walls = [&] {
+    walls_.erase_if([](const WallKey& key) { return key.rays.traced.expired(); });
+  };
   auto traced = traced_.get({trace_key(scene), part}, [&] {
+    if (2 * traced_.bytes() > max_bytes_ / 2) {  // another as large may not fit beside them
+      traced_.erase_if([](const auto&) { return true; });
+      drop_walls();
+    }
     const std::shared_ptr<const CornerRays> defect_free = defect_free_rays(scene, *part);
     TracedScene made = trace_scene(scene, part, defect_free.get(), pool_, may_be_unseen_);
     num_retraced_ += defect_free ? 1 : 0;
     return made;
   });
-  walls_.erase_if([](const WallKey& key) { return key.rays.traced.expired(); });
+  drop_walls();
   return traced;
 }
 

@@ -34,13 +34,17 @@ constexpr std::uint32_t kTries = 8;
 constexpr double kSteeper = 2.0;
 constexpr int kSlopes = 3;
 
+/// What kept scenes and walls may take. Each scene is asked for in a row and then hardly again; of
+/// a bumpy mesh one has up to a gigabyte of rays.
+constexpr std::size_t kKeptBytes = std::size_t{1} << 30U;
+
 /// Below this share of lit surface a user should know.
 constexpr double kWellLit = 0.9;
 
 class StarterMaker {
  public:
   explicit StarterMaker(const StarterRequest& request)
-      : request_(request), pool_(request.threads), store_(pool_) {
+      : request_(request), pool_(request.threads), store_(pool_, kKeptBytes) {
     plan_.light = request.light;
     plan_.part_file = request.part_file;
     plan_.unit = request.unit;

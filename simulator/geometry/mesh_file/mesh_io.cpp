@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -49,6 +50,19 @@ TriangleMesh parse_by_content(std::string_view bytes, const std::string& name) {
                                          : "is no mesh format that Glint knows"));
 }
 
+/// Whether any triangle is more than a line, as far as floats tell.
+bool has_area(const TriangleMesh& mesh) {
+  constexpr double kRounding_rad = 1e-7;
+  return std::ranges::any_of(mesh.triangles, [&](const Triangle& triangle) {
+    const auto corner = [&](std::size_t i) -> const Eigen::Vector3d& {
+      return mesh.vertices_mm[static_cast<std::size_t>(triangle[i])];
+    };
+    const Eigen::Vector3d a = (corner(1) - corner(0)).stableNormalized();
+    const Eigen::Vector3d b = (corner(2) - corner(0)).stableNormalized();
+    return a.cross(b).norm() > kRounding_rad;
+  });
+}
+
 }  // namespace
 
 TriangleMesh parse_mesh(std::string_view bytes, const std::string& name) {
@@ -60,7 +74,7 @@ TriangleMesh parse_mesh(std::string_view bytes, const std::string& name) {
     throw ConfigError(fmt::format("{}: it holds no triangle", name));
   }
   weld(mesh);
-  if (mesh.triangles.empty()) {
+  if (!has_area(mesh)) {
     throw ConfigError(fmt::format("{}: all its triangles are lines or points", name));
   }
   return mesh;

@@ -124,6 +124,7 @@ CornerRow CornerTracer::refine(int y) {
   }
   for (RowGroup& group : row.groups) {
     sort_by_pixel(group);
+    shrink(group);
   }
   return row;
 }

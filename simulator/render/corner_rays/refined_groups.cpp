@@ -4,8 +4,11 @@
 // one pixel after the other, so that later loops run over arrays of known shape. Each row collects
 // its own groups, in parallel, and the groups are joined in the order of the rows: the same bytes
 // for any number of threads. Cost: each refined ray is copied once more. Memory: 28 bytes per ray;
-// rows are freed as they are joined.
+// rows are freed as they are joined, and given back to the system at times: a process that keeps
+// what it frees (cli/main.cpp) would hold all rays twice.
 #include "simulator/render/corner_rays/refined_groups.h"
+
+#include <malloc.h>
 
 #include <algorithm>
 #include <numeric>
@@ -14,6 +17,9 @@
 
 namespace glint {
 namespace {
+
+/// What may be freed before it is given back: 112 MB.
+constexpr std::size_t kKeptRays = 4'000'000;
 
 /// Not insert(), which takes one number after the other into an array with unset numbers.
 template <class Array>
@@ -33,18 +39,22 @@ void append_components(const RayCache& from, std::size_t first, std::size_t coun
   append(from.weight, first, count, to.weight);
 }
 
+std::array<RayCache::Floats*, 7> components_of(RayCache& rays) {
+  return {&rays.origin_x,
+          &rays.origin_y,
+          &rays.origin_z,
+          &rays.direction_x,
+          &rays.direction_y,
+          &rays.direction_z,
+          &rays.weight};
+}
+
 void reserve_rays(const std::vector<RowGroups>& rows, std::size_t k, RayCache& rays) {
   std::size_t count = 0;
   for (const RowGroups& row : rows) {
     count += row[k].group.rays.weight.size();
   }
-  for (auto* component : {&rays.origin_x,
-                          &rays.origin_y,
-                          &rays.origin_z,
-                          &rays.direction_x,
-                          &rays.direction_y,
-                          &rays.direction_z,
-                          &rays.weight}) {
+  for (RayCache::Floats* component : components_of(rays)) {
     component->reserve(count);
   }
 }
@@ -54,6 +64,7 @@ RefinedGroup join(std::vector<RowGroups>& rows, std::size_t k) {
   RefinedGroup joined;
   joined.cells_per_axis = kCellCounts[k];
   reserve_rays(rows, k, joined.rays);
+  std::size_t freed_rays = 0;
   for (RowGroups& row : rows) {
     const RefinedGroup& part = row[k].group;
     const auto num_rays = static_cast<std::int64_t>(joined.rays.weight.size());
@@ -66,7 +77,12 @@ RefinedGroup join(std::vector<RowGroups>& rows, std::size_t k) {
     append(part.is_smooth, 0, part.is_smooth.size(), joined.is_smooth);
     append_components(part.rays, 0, part.rays.weight.size(), joined.rays);
     joined.rays.counts += part.rays.counts;
+    freed_rays += part.rays.weight.size();
     row[k] = {};
+    if (freed_rays > kKeptRays) {
+      malloc_trim(0);
+      freed_rays = 0;
+    }
   }
   joined.rays.samples = 1;
   joined.rays.width_px = static_cast<int>(corners_of(kCellCounts[k]));
@@ -109,6 +125,15 @@ void sort_by_pixel(RowGroup& row) {
         group.rays, row.is_special.data() + i * rays_each, i * rays_each, rays_each, sorted);
   }
   row = std::move(sorted);
+}
+
+void shrink(RowGroup& row) {
+  for (RayCache::Floats* component : components_of(row.group.rays)) {
+    component->shrink_to_fit();
+  }
+  row.group.pixels.shrink_to_fit();
+  row.group.is_smooth.shrink_to_fit();
+  row.is_special.shrink_to_fit();
 }
 
 void join_groups(std::vector<RowGroups> rows, CornerRays& result) {

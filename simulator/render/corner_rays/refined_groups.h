@@ -38,6 +38,10 @@ RowGroup& group_of(RowGroups& row, int cells);
 /// Puts pixels in order: those that took several rounds come late.
 void sort_by_pixel(RowGroup& row);
 
+/// Gives back what growing has taken beyond the rays: up to as much again, for the rows of a whole
+/// picture.
+void shrink(RowGroup& row);
+
 /// Joins the groups of all rows in their order and adds up their counts.
 void join_groups(std::vector<RowGroups> rows, CornerRays& result);
 

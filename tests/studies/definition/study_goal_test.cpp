@@ -108,6 +108,9 @@ TEST(StudyGoal, RefusesContradictionsInOneLineEach) {
   refused(kEven + kVisible + "[choice]\nby = \"aspirations\"\n",
           "choice.by: \"aspirations\" needs an objective with an aspiration");
   refused(kEven + kVisible + "[choice]\nby = \"hope\"\n", "choice.by: ");
+  refused("[objective]\nmaximize = \"homogeneity.h_rms\"\n",
+          "objective: must hold either maximise or minimise = \"name of a score\"; it holds "
+          "\"maximize\"");
   refused("[objective]\nmaximise = \"homogeneity.h_rms\"\n[choice]\nby = \"knee\"\n",
           "choice: is between designs of several objectives");
 }

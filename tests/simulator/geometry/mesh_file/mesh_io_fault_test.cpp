@@ -64,6 +64,9 @@ TEST(MeshFaults, EmptyAndPointlessFilesAreRefused) {
   EXPECT_EQ(fault_of("OFF\n0 0 0\n", "a.off"), "a.off: it holds no triangle");
   EXPECT_EQ(fault_of("v 0 0 0\nv 1 0 0\nv 0 0 0\nf 1 2 3\n", "a.obj"),
             "a.obj: all its triangles are lines or points");
+  EXPECT_EQ(fault_of("v 0 0 0\nv 30 10 0\nv 60 20 0\nf 1 2 3\n", "a.obj"),
+            "a.obj: all its triangles are lines or points");
+  EXPECT_NO_THROW(parse_mesh("v 0 0 0\nv 1e300 0 0\nv 0 0.001 0\nf 1 2 3\n", "a.obj"));
 }
 
 TEST(MeshFaults, UnknownContentNamesWhatIsAllowed) {

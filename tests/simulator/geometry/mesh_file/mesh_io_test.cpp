@@ -87,7 +87,7 @@ TEST(ParseMesh, ReadsAsciiStlAndWeldsIt) {
 TEST(ParseMesh, TellsABinaryStlByItsSizeEvenIfItBeginsWithSolid) {
   std::string bytes = "solid but binary\nfacet";
   bytes.resize(80, ' ');
-  bytes += std::string("\1\0\0\0", 4) + std::string(12, '\0');
+  bytes.append("\1\0\0\0", 4).append(12, '\0');
   for (const float value : {0.F, 0.F, 0.F, 2.F, 0.F, 0.F, 0.F, 2.F, 0.F}) {
     const auto raw = std::bit_cast<std::array<char, 4>>(value);
     bytes.append(raw.data(), 4);

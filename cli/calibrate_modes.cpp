@@ -229,7 +229,11 @@ int place_command(const CalibrateArguments& arguments, const CommonArguments& co
                 {"--points", !arguments.points.empty()},
                 {"--method", !arguments.method.empty()},
                 {"--setup", !arguments.setup.empty()}});
-  const Json result = place_part(arguments.placed,
+  std::vector<PlaceInput> inputs;
+  for (const std::filesystem::path& file : arguments.placed) {
+    inputs.push_back({.file = file});
+  }
+  const Json result = place_part(inputs,
                                  {.pictures = arguments.pictures,
                                   .board = arguments.board,
                                   .poses = arguments.poses,

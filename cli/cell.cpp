@@ -3,6 +3,7 @@
 // `glint cell`: the camera and the robot of a cell, and their twins.
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <iostream>
 
 #include <fmt/format.h>
@@ -209,6 +210,23 @@ int twin_stop(const CellArguments& arguments, const CommonArguments& common) {
   return kExitDone;
 }
 
+int twin_place(const CellArguments& arguments, const CommonArguments& common) {
+  const std::string number = arguments.words.size() == 3 ? arguments.words[2] : "";
+  int placement = 0;
+  const char* const end = number.data() + number.size();
+  const auto [rest, error] = std::from_chars(number.data(), end, placement);
+  if (number.empty() || error != std::errc() || rest != end || placement < 1) {
+    throw ConfigError(
+        "glint cell twin place: needs the file of --ready_file and the number of the placement, "
+        "from "
+        "1 on");
+  }
+  const Json result = place_in_twins(arguments.words[1], placement);
+  print_result(
+      common, result, fmt::format("the part has been put down: placement {}\n", placement));
+  return kExitDone;
+}
+
 ServingTwins twins_of(const std::string& kind,
                       const Cell& cell,
                       std::optional<int> port,
@@ -228,15 +246,18 @@ int twin_action(const CellArguments& arguments, const CommonArguments& common) {
   if (!arguments.words.empty() && arguments.words[0] == "stop") {
     return twin_stop(arguments, common);
   }
+  if (!arguments.words.empty() && arguments.words[0] == "place") {
+    return twin_place(arguments, common);
+  }
   if (arguments.words.size() != 2) {
     throw ConfigError(
-        "glint cell twin: needs camera, robot or both and the cell's file, or stop and a ready "
-        "file");
+        "glint cell twin: needs camera, robot or both and the cell's file, or stop or place and a "
+        "ready file");
   }
   const std::string& kind = arguments.words[0];
   if (kind != "camera" && kind != "robot" && kind != "both") {
     throw ConfigError(
-        fmt::format("glint cell twin {}: there are camera, robot, both and stop", kind));
+        fmt::format("glint cell twin {}: there are camera, robot, both, stop and place", kind));
   }
   const Cell cell = read_cell(arguments.words[1]);
   serve_twins([&] { return twins_of(kind, cell, arguments.port, common.threads); },

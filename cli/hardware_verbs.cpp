@@ -152,10 +152,15 @@ void add_validate_verb(CLI::App& app, CommandLine& line) {
 
 int calibrate_by_cell_or_pictures(const CommandLine& given) {
   if (given.cell_calibration.acquire.cell.empty()) {
+    if (!given.cell_calibration.part.empty()) {
+      throw ConfigError("--part: needs --cell, whose robot takes its pictures; else --place");
+    }
     return calibrate_command(given.calibrate, given.common);
   }
   CellCalibrationArguments arguments = given.cell_calibration;
   arguments.board = given.calibrate.board;
+  arguments.setup = given.calibrate.setup;
+  arguments.camera = given.calibrate.camera;
   arguments.acquire.out = given.calibrate.out;
   arguments.threads = given.common.threads;
   const AcquireAnswer answer =
@@ -179,6 +184,27 @@ void add_cell_calibration(CLI::App& calibrate, CellCalibrationArguments& argumen
       ->type_name("PX")
       ->capture_default_str()
       ->check(CLI::Validator(CLI::PositiveNumber).description("> 0"));
+  calibrate
+      .add_option("--part",
+                  arguments.part,
+                  "with --cell: scene of the part whose place is found by its edges, after --board "
+                  "or by the calibration in the folder --camera")
+      ->type_name("FILE")
+      ->check(not_empty());
+  calibrate
+      .add_option("--placements",
+                  arguments.placements,
+                  "with --part: so many times it is lifted and put back, for their spread")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100).description("1 to 100"));
+  calibrate
+      .add_option("--placed",
+                  arguments.placed,
+                  "with --part: you have put it down for the Nth time; otherwise asked for at the "
+                  "terminal")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100).description("1 to 100"));
 }
 
 void add_calibrate_verb(CLI::App& app, CommandLine& line) {
@@ -193,7 +219,9 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       "  glint calibrate --check out/camera new/*.png\n"
       "  glint calibrate --place touched.csv --out out/place\n"
       "  glint calibrate --sensor flat_pictures --out out/sensor\n"
-      "  glint calibrate --cell cell.toml --board board.toml --out out/calibration --move",
+      "  glint calibrate --cell cell.toml --board board.toml --out out/calibration --move\n"
+      "  glint calibrate --cell cell.toml --part scene.toml --camera out/calibration/calibration "
+      "--out out/part --move",
       line,
       calibrate_by_cell_or_pictures);
   calibrate->add_option("PICTURES", arguments.pictures, "pictures of the board, of one camera")
@@ -342,7 +370,7 @@ void add_cell_verb(CLI::App& app, CommandLine& line) {
       ->required();
   cell->add_option("CELL",
                    arguments.words,
-                   "the cell's file; of twins before it: camera, robot, both or stop")
+                   "the cell's file; of twins before it: camera, robot, both, stop or place")
       ->type_name("FILE");
   cell->add_flag(
       "--move", arguments.is_move, "let the robot move: type it when nobody is within its reach");

@@ -7,7 +7,9 @@
 
 #include "cli/acquire/driven_session.h"
 #include "cli/shell/exit_codes.h"
+#include "core/error.h"
 #include "studies/calibrate_cell/calibrate_cell_run.h"
+#include "studies/calibrate_cell/place_part_run.h"
 #include "studies/cell/typed_permit.h"
 
 namespace glint {
@@ -15,7 +17,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string text_of(const Json& result) {
+std::string end_text(const Json& end) {
+  return fmt::format("{}, the arm is at {}: {}\n",
+                     end["how"].get<std::string>(),
+                     end["where"].get<std::string>(),
+                     end["text"].get<std::string>());
+}
+
+std::string rounds_text(const Json& result) {
   std::string text;
   for (const Json& round : result["rounds"]) {
     text += fmt::format("round {}: {} pictures, a computed point is good to {:.3f} px\n",
@@ -24,11 +33,7 @@ std::string text_of(const Json& result) {
                         round["point_error_px"].get<double>());
   }
   if (result["status"] == "stopped") {
-    const Json& end = result["end"];
-    return text + fmt::format("{}, the arm is at {}: {}\n",
-                              end["how"].get<std::string>(),
-                              end["where"].get<std::string>(),
-                              end["text"].get<std::string>());
+    return text + end_text(result["end"]);
   }
   return text + fmt::format("{}: {:.3f} px were asked for\n{}\n",
                             result["status"] == "good" ? "good" : "no further pose helps",
@@ -36,25 +41,122 @@ std::string text_of(const Json& result) {
                             result["calibration"].get<std::string>());
 }
 
+std::string placed_text(const Json& result) {
+  const Json& pose = result["base_from_part"];
+  const Json& at = pose["translation_mm"];
+  std::string text =
+      fmt::format("base_from_part: {:.3f} {:.3f} {:.3f} mm +- {:.2g} mm, {:.2g} degrees\n",
+                  at[0].get<double>(),
+                  at[1].get<double>(),
+                  at[2].get<double>(),
+                  pose["sigma_mm"].get<double>(),
+                  pose["sigma_deg"].get<double>());
+  if (!result["spread"].is_null()) {
+    text += fmt::format("placements differ by {:.2g} mm, {:.2g} degrees (standard deviation)\n",
+                        result["spread"]["mm"].get<double>(),
+                        result["spread"]["deg"].get<double>());
+  }
+  return text + fmt::format("part for scenes: {}\n", result["placement"].get<std::string>());
+}
+
+std::string part_text(const Json& result) {
+  std::string text;
+  for (const Json& placement : result["placements"]) {
+    text += fmt::format("placement {}: {} pictures",
+                        placement["placement"].get<int>(),
+                        placement["pictures"].get<int>());
+    text += placement.contains("rms_px")
+                ? fmt::format(", edges are {:.3f} px off\n", placement["rms_px"].get<double>())
+                : std::string("\n");
+  }
+  const std::string status = result["status"].get<std::string>();
+  if (status == "placed") {
+    return text + placed_text(result);
+  }
+  if (status == "waiting") {
+    return text + fmt::format("{}; then the same command with --placed {}\n",
+                              result["next"]["text"].get<std::string>(),
+                              result["next"]["placement"].get<int>());
+  }
+  return text + (status == "stopped" ? end_text(result["end"])
+                                     : "the part is seen in fewer than two pictures\n");
+}
+
+std::string text_of(const Json& result) {
+  return (result.contains("rounds") ? rounds_text(result) : "") +
+         (result.contains("part") ? part_text(result["part"]) : "");
+}
+
 int exit_code_of(const Json& result) {
-  const Json& end = result["end"];
+  const Json& end = result.contains("part") ? result["part"]["end"] : result["end"];
   if (end.is_object() && end["cause"] == "interrupted") {
     return kExitInterrupted;
   }
   return result["ok"] == true ? kExitDone : kExitNegative;
 }
 
+/// The part after the board, by its calibration, or alone.
+/// @param result  of the board, null without one
+void add_part(const CellCalibrationArguments& arguments,
+              const AcquireOptions& acquire,
+              const MotionPermit& permit,
+              Json& result) {
+  if (result.is_object() && result["status"] == "stopped") {
+    return;
+  }
+  PlacePartOptions options = {.acquire = acquire,
+                              .scene = arguments.part,
+                              .calibration = arguments.camera,
+                              .placements = arguments.placements,
+                              .placed = arguments.placed,
+                              .threads = arguments.threads};
+  options.acquire.out = calibration_folder(acquire);
+  if (result.is_object()) {
+    options.calibration = options.acquire.out / "calibration";
+  }
+  const Json part = place_part_in_cell(options, permit);
+  if (!result.is_object()) {
+    result = {{"schema", 1}, {"status", part["status"]}, {"ok", part["ok"]}};
+  } else if (part["ok"] == false) {
+    result["status"] = part["status"];
+    result["ok"] = false;
+  }
+  result["part"] = part;
+}
+
+void check(const CellCalibrationArguments& arguments) {
+  const bool has_part = !arguments.part.empty();
+  if (!has_part && (arguments.placements != 1 || arguments.placed != 0)) {
+    throw ConfigError("--placements, --placed: are of --part, the scene of the part to be placed");
+  }
+  if (has_part && arguments.board.empty() == arguments.camera.empty()) {
+    throw ConfigError(
+        "--part: needs --board, which is calibrated first, or --camera, the folder of a "
+        "calibration; one of them");
+  }
+}
+
 }  // namespace
 
 AcquireAnswer run_cell_calibration(const CellCalibrationArguments& arguments, bool is_silent) {
   const MotionPermit permit = typed_permit(arguments.acquire.is_move, "calibrate --cell");
+  check(arguments);
   CalibrateCellOptions options = {.acquire = driven_options(arguments.acquire),
                                   .board = arguments.board,
                                   .target_px = arguments.target_px,
                                   .threads = arguments.threads};
+  if (!arguments.setup.empty()) {
+    options.setup = arguments.setup;
+  }
   DrivenSession session(is_silent);
   session.attend(options.acquire);
-  const Json result = calibrate_cell(options, permit);
+  Json result;
+  if (!arguments.board.empty() || arguments.part.empty()) {
+    result = calibrate_cell(options, permit);
+  }
+  if (!arguments.part.empty()) {
+    add_part(arguments, options.acquire, permit, result);
+  }
   return {.json = result, .text = text_of(result), .exit_code = exit_code_of(result)};
 }
 

@@ -4,15 +4,21 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "cli/acquire/acquire.h"
 
 namespace glint {
 
 struct CellCalibrationArguments {
-  AcquireArguments acquire;  ///< its cell, twin, out, --move and --confirmed
-  std::filesystem::path board;
+  AcquireArguments acquire;     ///< its cell, twin, out, --move and --confirmed
+  std::filesystem::path board;  ///< empty: --part with a calibration that is there
+  std::string setup;            ///< empty: eye_in_hand
   double target_px = 0.3;
+  std::filesystem::path part;    ///< scene of the part to be placed; empty: none
+  std::filesystem::path camera;  ///< folder of a calibration, instead of the board's
+  int placements = 1;
+  int placed = 0;  ///< number of the placement that a person says is done; 0: none
   int threads = 1;
 };
 

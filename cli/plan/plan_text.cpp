@@ -27,6 +27,12 @@ std::string view_line(const Json& view) {
                         nearest[1].get<double>(),
                         nearest[2].get<double>());
   }
+  if (const auto nearest = view.find("nearest_base_from_flange"); nearest != view.end()) {
+    line += fmt::format("; nearest flange that can be taken: ({:.1f}, {:.1f}, {:.1f}) mm",
+                        nearest->at(0).get<double>(),
+                        nearest->at(1).get<double>(),
+                        nearest->at(2).get<double>());
+  }
   return line + "\n";
 }
 

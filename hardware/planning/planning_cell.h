@@ -19,7 +19,7 @@ struct SafeJoints {
 /// Everything that a plan depends on beside its views.
 struct PlanningCell {
   ArmWithTool arm;
-  Eigen::Isometry3d flange_from_camera = Eigen::Isometry3d::Identity();  ///< mm
+  Eigen::Isometry3d flange_from_camera = Eigen::Isometry3d::Identity();  ///< mm; on the flange
   std::vector<SolidBody> carried;       ///< of kind kCarried, in frame 6
   std::vector<SolidBody> standing;      ///< of kind kStanding, in frame 0
   std::optional<double> table_mm = {};  ///< height of a table that fills the cell; none: no table

@@ -38,6 +38,8 @@ struct PlannedView {
   double singularity = 0.0;  ///< singularity_measure()
   /// Of a view that is not reached: base_from_camera of the nearest one that is.
   std::optional<Eigen::Isometry3d> nearest_base_from_camera;
+  /// The same of a camera beside the robot, which does not move: where the flange would be.
+  std::optional<Eigen::Isometry3d> nearest_base_from_flange;
 };
 
 /// From one standstill to the next: joints in the order they are taken, both ends included, each

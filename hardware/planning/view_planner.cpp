@@ -42,14 +42,35 @@ class Planner {
   std::int64_t num_queries() const { return clearance_.num_queries(); }
 
  private:
-  Eigen::Isometry3d flange_of(const Eigen::Isometry3d& base_from_camera) const {
-    return base_from_camera * cell_.flange_from_camera.inverse();
+  /// The camera in the frame of what stands still before it: the base, or the flange that holds the
+  /// part up to it.
+  static const Eigen::Isometry3d& pose_of(const ViewRequest& request) {
+    return request.flange_from_camera ? *request.flange_from_camera : request.base_from_camera;
+  }
+
+  /// base_from_flange for a pose of that kind.
+  Eigen::Isometry3d flange_of(const ViewRequest& request, const Eigen::Isometry3d& pose) const {
+    return request.flange_from_camera ? request.base_from_camera * pose.inverse()
+                                      : pose * cell_.flange_from_camera.inverse();
+  }
+
+  void add_nearest(const ViewRequest& request, PlannedView& view) {
+    const auto nearest =
+        nearest_view(pose_of(request), request.target_mm, [this, &request](const auto& pose) {
+          return find_stop(cell_, clearance_, routes_, flange_of(request, pose), 1).outcome ==
+                 ViewOutcome::kPlanned;
+        });
+    if (nearest && request.flange_from_camera) {
+      view.nearest_base_from_flange = flange_of(request, *nearest);
+    } else {
+      view.nearest_base_from_camera = nearest;
+    }
   }
 
   void add_view(const ViewRequest& request) {
     PlannedView view = {.name = request.name,
                         .base_from_camera = request.base_from_camera,
-                        .base_from_flange = flange_of(request.base_from_camera)};
+                        .base_from_flange = flange_of(request, pose_of(request))};
     Stop stop = find_stop(cell_, clearance_, routes_, view.base_from_flange, kChoices);
     view.outcome = stop.outcome;
     view.reason = std::move(stop.reason);
@@ -57,11 +78,7 @@ class Planner {
       planned_.push_back(plan_.views.size());
       choice_.push_back(0);
     } else if (options_.has_nearest && routes_.has_home()) {
-      view.nearest_base_from_camera =
-          nearest_view(view.base_from_camera, request.target_mm, [this](const auto& pose) {
-            return find_stop(cell_, clearance_, routes_, flange_of(pose), 1).outcome ==
-                   ViewOutcome::kPlanned;
-          });
+      add_nearest(request, view);
     }
     stops_.push_back(std::move(stop));
     plan_.views.push_back(std::move(view));

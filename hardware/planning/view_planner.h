@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -17,6 +18,9 @@ struct ViewRequest {
   std::string name;
   Eigen::Isometry3d base_from_camera = Eigen::Isometry3d::Identity();  ///< mm
   double target_mm = 100.0;  ///< from the pinhole to what it looks at, > 0
+  /// Of a camera that stands beside the robot, at base_from_camera: where it shall be before the
+  /// flange, which holds what it looks at. None: the flange carries the camera.
+  std::optional<Eigen::Isometry3d> flange_from_camera = {};
 };
 
 struct PlanOptions {

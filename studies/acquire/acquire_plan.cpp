@@ -210,7 +210,9 @@ ViewPlan views_of(const AcquireSource& source, const Cell& cell, double speed_sh
   if (source.plan) {
     return *source.plan;
   }
-  const bool is_in_cell = source.scene && source.scene->cell && source.scene->cell->base_from_part;
+  const bool is_in_cell =
+      source.scene && source.scene->cell &&
+      (source.scene->cell->base_from_part || source.scene->cell->flange_from_part);
   return is_in_cell ? plan_scene(*source.scene, cell).plan : plan_of_cell_views(cell, speed_share);
 }
 

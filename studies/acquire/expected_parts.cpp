@@ -52,29 +52,24 @@ ExpectedParts expected_parts(const SceneSettings& scene,
                              const Cell& cell,
                              std::span<const PlannedView> views) {
   ExpectedParts expected;
-  const bool has_camera =
-      (scene.calibration && scene.calibration->flange_from_camera) || !cell.calibration.empty();
-  if (!scene.cell || !scene.cell->base_from_part || !has_camera) {
+  if (!has_cell_chain(scene, cell)) {
     return expected;
   }
-  const MeasuredPoseSettings hand_eye = measured_flange_from_camera(scene, cell);
-  const MeasuredPoseSettings& place = *scene.cell->base_from_part;
+  const CellChain chain = cell_chain(scene, cell);
   const BuiltPart part = build_part_with_bvh(scene.part);
   const PinholeIntrinsics intrinsics = intrinsics_of(scene);
   const PinholeCamera camera(intrinsics);
   const int factor = std::max(1, (intrinsics.width_px + kWidthPx - 1) / kWidthPx);
-  const RigidTransform scene_from_base = inverse(base_from_scene(scene));
   for (const PlannedView& view : views) {
-    const RigidTransform scene_from_camera =
-        scene_from_base * rigid(view.base_from_flange) * flange_from_camera(scene, cell);
+    const RigidTransform scene_from_camera = chain.scene_from_camera(rigid(view.base_from_flange));
     expected.masks.push_back(view.outcome == ViewOutcome::kPlanned
                                  ? mask_of(camera, factor, part, scene_from_camera)
                                  : Mask());
   }
   const double distance_mm = scene.camera.working_distance_mm;
-  const double sigma_mm = std::hypot(sigma_or(hand_eye.sigma_mm, kUnknownMm),
-                                     distance_mm * sigma_or(hand_eye.sigma_rad, kUnknownRad),
-                                     sigma_or(place.sigma_mm, kUnknownMm));
+  const double sigma_mm = std::hypot(sigma_or(chain.camera.sigma_mm, kUnknownMm),
+                                     distance_mm * sigma_or(chain.camera.sigma_rad, kUnknownRad),
+                                     sigma_or(chain.part.sigma_mm, kUnknownMm));
   expected.tolerance_px = 3.0 * sigma_mm * intrinsics.focal_px.x() / distance_mm;
   return expected;
 }

@@ -204,14 +204,14 @@ Joined joined(const std::vector<Placement>& placements) {
   return result;
 }
 
-void check_same_parent(const std::vector<fs::path>& files,
+void check_same_parent(const std::vector<PlaceInput>& inputs,
                        const std::vector<Placement>& placements) {
   for (std::size_t i = 1; i < placements.size(); ++i) {
     if (placements[i].is_on_flange != placements[0].is_on_flange) {
       throw ConfigError(fmt::format("{}: is of a part {}, {} of one {}",
-                                    files[i].string(),
+                                    inputs[i].file.string(),
                                     placements[i].is_on_flange ? "on the flange" : "in the cell",
-                                    files[0].string(),
+                                    inputs[0].file.string(),
                                     placements[0].is_on_flange ? "on the flange" : "in the cell"));
     }
   }
@@ -231,15 +231,18 @@ std::string placement_toml(const PlacedPart& placed, bool is_on_flange) {
          to_toml(root);
 }
 
-void check_files(const std::vector<fs::path>& files,
+void check_files(const std::vector<PlaceInput>& inputs,
                  const CalibrateOptions& options,
                  const fs::path& out) {
   check_result_folder(out, ResultKind::kPlace, kNames);
-  std::vector<fs::path> inputs = files;
-  inputs.insert(inputs.end(), options.pictures.begin(), options.pictures.end());
-  inputs.insert(inputs.end(), options.poses.begin(), options.poses.end());
-  inputs.push_back(options.board);
-  check_inputs_kept(inputs, out, kNames);
+  std::vector<fs::path> files = options.pictures;
+  files.insert(files.end(), options.poses.begin(), options.poses.end());
+  files.push_back(options.board);
+  for (const PlaceInput& input : inputs) {
+    files.push_back(input.file);
+    files.insert(files.end(), input.poses.begin(), input.poses.end());
+  }
+  check_inputs_kept(files, out, kNames);
 }
 
 Json notes_of(const std::vector<Placement>& placements) {
@@ -264,20 +267,22 @@ Json notes_of(const std::vector<Placement>& placements) {
 
 }  // namespace
 
-Json place_part(const std::vector<fs::path>& files, const CalibrateOptions& options) {
+Json place_part(const std::vector<PlaceInput>& inputs, const CalibrateOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const fs::path out =
-      options.out.empty() ? default_result_folder(files.front().stem().string(), ResultKind::kPlace)
-                          : options.out;
-  check_files(files, options, out);
+      options.out.empty()
+          ? default_result_folder(inputs.front().file.stem().string(), ResultKind::kPlace)
+          : options.out;
+  check_files(inputs, options, out);
   const PlaceSettings settings = settings_of(options.sets);
   CalibrateOptions reading = options;
   reading.sets = sets_of_poses(options.sets);
   std::vector<Placement> placements;
-  for (const fs::path& file : files) {
-    placements.push_back(placement_of(file, reading, settings));
+  for (const PlaceInput& input : inputs) {
+    reading.poses = input.poses.empty() ? options.poses : input.poses;
+    placements.push_back(placement_of(input.file, reading, settings));
   }
-  check_same_parent(files, placements);
+  check_same_parent(inputs, placements);
   const Joined result = joined(placements);
   const bool is_on_flange = placements.front().is_on_flange;
   Json json = {{"schema", 1}, {"status", "done"}};

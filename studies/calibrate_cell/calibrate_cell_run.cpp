@@ -13,6 +13,7 @@
 #include "studies/acquire/acquired.h"
 #include "studies/calibrate/calibrate_run.h"
 #include "studies/calibrate/plan_run.h"
+#include "studies/calibrate_cell/round_pictures.h"
 #include "studies/cell/cell_file.h"
 #include "studies/cell/pose_numbers.h"
 #include "studies/output/result_folder.h"
@@ -58,10 +59,7 @@ class CellCalibration {
           cell_.file.string(),
           cell_.views.size()));
     }
-    folder_ = options.acquire.out.empty()
-                  ? default_result_folder(cell_.file.parent_path().filename().string(),
-                                          ResultKind::kCalibrate)
-                  : options.acquire.out;
+    folder_ = calibration_folder(options.acquire);
   }
 
   Json run() {
@@ -103,20 +101,12 @@ class CellCalibration {
   }
 
  private:
-  /// A round that an earlier call has ended is not driven again: the arm may stand on the tour of a
-  /// later one.
   Json acquire(int round, const std::vector<CellPosition>& views) const {
     AcquireOptions acquire = options_.acquire;
     acquire.source.clear();
     acquire.views = views;
     acquire.out = folder_ / fmt::format("round_{}", round);
-    if (const fs::path file = acquire.out / "acquired.json"; fs::exists(file)) {
-      Json ended = Json::parse(read_file(file), nullptr, false);
-      if (ended.is_object() && ended.value("status", "stopped") != "stopped") {
-        return ended;
-      }
-    }
-    return acquire_pictures(acquire, permit_);
+    return calibrate_cell_detail::acquire_round(acquire, permit_);
   }
 
   /// Pictures of a round beside those of the others, and their poses.
@@ -129,14 +119,9 @@ class CellCalibration {
       const fs::path file = folder_ / "pictures" / name;
       write_file(file, read_file(acquired.folder / picture.file));
       pictures_.push_back(file);
-      poses_ += fmt::format("\n[[pose]]\nname = \"{}\"\npose = {}\n",
-                            name,
-                            six_numbers(picture.base_from_flange).dump());
+      poses_ += calibrate_cell_detail::pose_toml(name, picture.base_from_flange);
     }
-    write_file(folder_ / "poses.toml",
-               "[convention]\nunit = \"mm\"\nrotation = \"rotation_vector\"\nangle = \"rad\"\n"
-               "direction = \"base_from_flange\"\n" +
-                   poses_);
+    write_file(folder_ / "poses.toml", calibrate_cell_detail::pose_convention_toml() + poses_);
   }
 
   Json calibrate() const {
@@ -144,7 +129,7 @@ class CellCalibration {
                                .board = options_.board,
                                .poses = {folder_ / "poses.toml"},
                                .out = folder_ / "calibration",
-                               .setup = "eye_in_hand",
+                               .setup = options_.setup,
                                .threads = options_.threads});
   }
 
@@ -189,6 +174,13 @@ class CellCalibration {
 };
 
 }  // namespace
+
+fs::path calibration_folder(const AcquireOptions& acquire) {
+  return acquire.out.empty()
+             ? default_result_folder(fs::absolute(acquire.cell).parent_path().filename().string(),
+                                     ResultKind::kCalibrate)
+             : acquire.out;
+}
 
 Json calibrate_cell(const CalibrateCellOptions& options, const MotionPermit& permit) {
   return CellCalibration(options, permit).run();

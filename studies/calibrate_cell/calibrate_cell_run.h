@@ -11,6 +11,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -22,10 +23,14 @@ struct CalibrateCellOptions {
   AcquireOptions acquire;  ///< its `source` and `views` are not used; `out` is the whole folder
   std::filesystem::path board;  ///< board.toml or board.json, needed
   double target_px = 0.3;  ///< of the point error, one sigma of a computed point over the picture
+  std::string setup = "eye_in_hand";  ///< or "eye_to_hand": the board is on the flange
   int poses_a_round = 8;
   int most_rounds = 4;
   int threads = 1;
 };
+
+/// Where results go: `out`, else out/<folder of the cell's file>/calibrate.
+std::filesystem::path calibration_folder(const AcquireOptions& acquire);
 
 /// @return {"status": "good" | "no_pose_helps" | "stopped", "ok", "rounds": [...], "calibration"}
 /// @throws ConfigError, IoError; what has been taken stays, and the same call goes on with it

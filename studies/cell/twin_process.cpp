@@ -220,6 +220,21 @@ Json stop_twins(const std::filesystem::path& ready_file) {
   return {{"schema", 1}, {"status", "done"}, {"pid", pid}, {"was_running", was_told}};
 }
 
+Json place_in_twins(const std::filesystem::path& ready_file, int placement) {
+  const Json ready = read_ready(ready_file);
+  const Json* camera = twin_in(ready, "camera");
+  if (camera == nullptr) {
+    throw ConfigError(fmt::format("{}: has no twin of a camera", ready_file.string()));
+  }
+  const auto reply = ask_side_channel(camera->at("side_channel").get<std::string>(),
+                                      fmt::format("placement {}", placement));
+  if (reply.value_or("") != "ok") {
+    throw IoError(fmt::format(
+        "{}: the twin of the camera says {}", ready_file.string(), reply.value_or("nothing")));
+  }
+  return {{"schema", 1}, {"status", "done"}, {"placement", placement}};
+}
+
 TwinServerSettings robot_twin_settings(const Cell& cell, std::optional<int> port) {
   const UrSettings& robot = robot_of(cell);
   const ArmWithTool arm = arm_with_tool(robot, cell.limits);

@@ -50,6 +50,11 @@ nlohmann::ordered_json serve_twins(const std::function<ServingTwins()>& make,
 /// @throws IoError when they do not end within 10 s, ConfigError for a file that is no ready file
 nlohmann::ordered_json stop_twins(const std::filesystem::path& ready_file);
 
+/// Tells the camera's twin that the part has been lifted and put down again, as a person would have
+/// done it. @param placement  counted from 1
+/// @throws IoError when no twin of a camera listens; ConfigError for a file that is no ready file
+nlohmann::ordered_json place_in_twins(const std::filesystem::path& ready_file, int placement);
+
 /// What robot_twin_of() serves, for those who wire it to other twins.
 TwinServerSettings robot_twin_settings(const Cell& cell, std::optional<int> port);
 

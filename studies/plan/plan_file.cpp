@@ -23,17 +23,21 @@ constexpr int kSchema = 1;
 
 Json view_json(const PlannedView& view) {
   const bool is_planned = view.outcome == ViewOutcome::kPlanned;
-  return {{"name", view.name},
-          {"outcome", name_of(view.outcome)},
-          {"reason", view.reason},
-          {"base_from_camera", six_numbers(view.base_from_camera)},
-          {"base_from_flange", six_numbers(view.base_from_flange)},
-          {"joints_deg", is_planned ? joints_deg(view.joints_rad) : Json(nullptr)},
-          {"margin_mm", is_planned ? Json(view.margin_mm) : Json(nullptr)},
-          {"singularity", is_planned ? Json(view.singularity) : Json(nullptr)},
-          {"nearest_base_from_camera",
-           view.nearest_base_from_camera ? six_numbers(*view.nearest_base_from_camera)
-                                         : Json(nullptr)}};
+  Json json = {{"name", view.name},
+               {"outcome", name_of(view.outcome)},
+               {"reason", view.reason},
+               {"base_from_camera", six_numbers(view.base_from_camera)},
+               {"base_from_flange", six_numbers(view.base_from_flange)},
+               {"joints_deg", is_planned ? joints_deg(view.joints_rad) : Json(nullptr)},
+               {"margin_mm", is_planned ? Json(view.margin_mm) : Json(nullptr)},
+               {"singularity", is_planned ? Json(view.singularity) : Json(nullptr)},
+               {"nearest_base_from_camera",
+                view.nearest_base_from_camera ? six_numbers(*view.nearest_base_from_camera)
+                                              : Json(nullptr)}};
+  if (view.nearest_base_from_flange) {
+    json["nearest_base_from_flange"] = six_numbers(*view.nearest_base_from_flange);
+  }
+  return json;
 }
 
 Json path_json(const PlannedPath& path) {
@@ -142,6 +146,9 @@ PlannedView read_view(const Json& json, const std::string& file, std::size_t i) 
   }
   if (!fields.at("nearest_base_from_camera").is_null()) {
     view.nearest_base_from_camera = fields.pose("nearest_base_from_camera");
+  }
+  if (json.contains("nearest_base_from_flange")) {
+    view.nearest_base_from_flange = fields.pose("nearest_base_from_flange");
   }
   return view;
 }

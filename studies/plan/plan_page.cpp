@@ -24,7 +24,8 @@ std::string numbers_text(const Json& numbers, std::size_t from, std::size_t coun
 
 Json view_row(const Json& view) {
   const bool is_planned = view["outcome"] == "planned";
-  const Json& nearest = view["nearest_base_from_camera"];
+  const bool has_flange = view.contains("nearest_base_from_flange");
+  const Json& nearest = view[has_flange ? "nearest_base_from_flange" : "nearest_base_from_camera"];
   return Json::array(
       {view["name"],
        view["outcome"],

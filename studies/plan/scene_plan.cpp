@@ -10,7 +10,8 @@ namespace glint {
 ScenePlan plan_scene(const SceneSettings& scene, const Cell& cell) {
   const BuiltPart built = build_part_with_bvh(scene.part);
   ScenePlan result = {.cell = planning_cell(cell, scene, built.part.mesh)};
-  result.plan = plan_views(result.cell, view_requests(scene, viewpoints_of(scene, built.part)));
+  result.plan =
+      plan_views(result.cell, view_requests(scene, cell, viewpoints_of(scene, built.part)));
   return result;
 }
 

@@ -11,9 +11,11 @@ Scores reach_scores(SceneStore& store, const SceneSettings& scene) {
     throw ConfigError("cell.file", "is missing: the arm that takes the views");
   }
   const auto built = store.build(scene);
-  const PlanningCell cell = planning_cell(read_cell(scene.cell->file), scene, built->part.mesh);
-  const ViewPlan plan = plan_views(
-      cell, view_requests(scene, viewpoints_of(scene, built->part)), {.has_nearest = false});
+  const Cell cell = read_cell(scene.cell->file);
+  const PlanningCell planned = planning_cell(cell, scene, built->part.mesh);
+  const ViewPlan plan = plan_views(planned,
+                                   view_requests(scene, cell, viewpoints_of(scene, built->part)),
+                                   {.has_nearest = false});
   return {{"reach.share", plan.reach_share}, {"reach.margin_mm", plan.reach_margin_mm}};
 }
 

@@ -21,10 +21,6 @@ Vector3d vector_of_three(const std::vector<double>& v) {
   return {v[0], v[1], v[2]};
 }
 
-RigidTransform transform_of(const Eigen::Isometry3d& pose) {
-  return {.rotation = pose.linear(), .translation_mm = pose.translation()};
-}
-
 /// The table [calibration] of a file that glint calibrate wrote.
 CalibrationSettings read_calibration_of(const std::filesystem::path& file) {
   const ConfigNode root = load_toml(file);
@@ -41,15 +37,25 @@ RigidTransform scene_from_part(const SceneSettings& scene) {
                           vector_of_three(scene.part.rotation_rad));
 }
 
-void add_camera(const PlanningSettings& settings, PlanningCell& planned) {
+/// Puts a body where its frame is.
+void add_body(SolidBody body,
+              bool is_carried,
+              const RigidTransform& carrier_from_body,
+              PlanningCell& planned) {
+  body.kind = is_carried ? Kind::kCarried : Kind::kStanding;
+  body.link = is_carried ? kFlange : 0;
+  transform(body.mesh, carrier_from_body);
+  (is_carried ? planned.carried : planned.standing).push_back(std::move(body));
+}
+
+void add_camera(const PlanningSettings& settings, const CellChain& chain, PlanningCell& planned) {
   if (settings.camera_size_mm.empty()) {
     return;
   }
   const Vector3d size_mm = vector_of_three(settings.camera_size_mm);
-  SolidBody body = {.name = "camera", .kind = Kind::kCarried, .link = kFlange};
+  SolidBody body = {.name = "camera"};
   body.mesh = box_mesh(Vector3d(0.0, 0.0, settings.camera_front_mm - 0.5 * size_mm.z()), size_mm);
-  transform(body.mesh, transform_of(planned.flange_from_camera));
-  planned.carried.push_back(std::move(body));
+  add_body(std::move(body), chain.is_in_hand, chain.carrier_from_camera, planned);
 }
 
 void add_capsule(const std::string& name,
@@ -64,8 +70,8 @@ void add_capsule(const std::string& name,
   planned.carried.push_back(std::move(body));
 }
 
-void add_carried(const CellPlanning& planning, PlanningCell& planned) {
-  add_camera(planning.settings, planned);
+void add_carried(const CellPlanning& planning, const CellChain& chain, PlanningCell& planned) {
+  add_camera(planning.settings, chain, planned);
   const std::vector<double>& cable = planning.settings.cable_mm;
   for (std::size_t i = 3; i + 2 < cable.size(); i += 3) {
     add_capsule("cable",
@@ -99,12 +105,37 @@ void add_obstacles(const CellPlanning& planning, PlanningCell& planned) {
   }
 }
 
-void add_lights(const SceneSettings& scene, double thickness_mm, PlanningCell& planned) {
-  const RigidTransform base = base_from_scene(scene);
+/// A scene that the flange holds goes with it: what stands in it cannot.
+void check_held(const SceneSettings& scene) {
+  for (const NamedLight& light : scene.lights) {
+    if (!std::holds_alternative<EnvironmentSettings>(light.settings) &&
+        mount_of(light.settings) == LightPlacement::Mount::kScene) {
+      throw ConfigError(
+          fmt::format("lighting.{}.mount", light.name),
+          "is \"scene\", and the flange holds the scene with its part: must be \"camera\" of a "
+          "light that stands beside the camera, \"part\" of one that goes along with the part");
+    }
+  }
+}
+
+void add_lights(const SceneSettings& scene,
+                const CellChain& chain,
+                double thickness_mm,
+                PlanningCell& planned) {
+  if (!chain.is_in_hand) {
+    check_held(scene);
+  }
   for (SolidBody& body : light_bodies(scene, thickness_mm)) {
-    const bool is_carried = body.kind == Kind::kCarried;
-    transform(body.mesh, is_carried ? transform_of(planned.flange_from_camera) : base);
-    (is_carried ? planned.carried : planned.standing).push_back(std::move(body));
+    if (!chain.is_in_hand && body.name == scene.tunnel_name) {
+      throw ConfigError("lighting." + scene.tunnel_name,
+                        "is a tunnel, which stands in the scene, and the flange holds the scene "
+                        "with its part: it cannot be planned for");
+    }
+    const bool is_at_camera = body.kind == Kind::kCarried;
+    add_body(std::move(body),
+             is_at_camera == chain.is_in_hand,
+             is_at_camera ? chain.carrier_from_camera : chain.carrier_from_scene,
+             planned);
   }
 }
 
@@ -124,40 +155,69 @@ Eigen::Isometry3d isometry_of(const RigidTransform& transform) {
   return pose;
 }
 
-MeasuredPoseSettings measured_flange_from_camera(const SceneSettings& scene, const Cell& cell) {
-  const auto pose_in = [](const CalibrationSettings& calibration) {
-    return calibration.flange_from_camera;
+namespace {
+
+/// The calibration that tells where the camera is; none: neither file does.
+std::optional<CalibrationSettings> calibration_of(const SceneSettings& scene, const Cell& cell) {
+  const auto tells = [](const std::optional<CalibrationSettings>& calibration) {
+    return calibration && (calibration->flange_from_camera || calibration->base_from_camera);
   };
-  if (scene.calibration && pose_in(*scene.calibration)) {
-    return *pose_in(*scene.calibration);
+  std::optional<CalibrationSettings> calibration = scene.calibration;
+  if (!tells(calibration) && !cell.calibration.empty()) {
+    calibration = read_calibration_of(cell.calibration);
   }
-  if (!cell.calibration.empty()) {
-    if (const auto pose = pose_in(read_calibration_of(cell.calibration))) {
-      return *pose;
-    }
-  }
-  throw ConfigError(
-      "calibration.flange_from_camera: is missing; the scene or the file that [calibration] of the "
-      "cell names has to tell where the camera is on the flange. A camera beside the robot cannot "
-      "be planned for");
+  return tells(calibration) ? calibration : std::nullopt;
 }
 
-RigidTransform flange_from_camera(const SceneSettings& scene, const Cell& cell) {
-  return transform_of(measured_flange_from_camera(scene, cell).pose);
+}  // namespace
+
+RigidTransform CellChain::scene_from_camera(const RigidTransform& base_from_flange) const {
+  const RigidTransform scene_from_carrier = inverse(carrier_from_scene);
+  return is_in_hand ? scene_from_carrier * base_from_flange * carrier_from_camera
+                    : scene_from_carrier * inverse(base_from_flange) * carrier_from_camera;
 }
 
-RigidTransform base_from_scene(const SceneSettings& scene) {
-  if (!scene.cell || !scene.cell->base_from_part) {
+CellChain cell_chain(const SceneSettings& scene, const Cell& cell) {
+  const auto calibration = calibration_of(scene, cell);
+  if (!calibration) {
+    throw ConfigError(
+        "calibration.flange_from_camera: is missing; the scene or the file that [calibration] of "
+        "the cell names has to tell where the camera is on the flange, or as base_from_camera "
+        "where "
+        "it stands beside the robot");
+  }
+  CellChain chain = {.is_in_hand = calibration->flange_from_camera.has_value()};
+  chain.camera =
+      chain.is_in_hand ? *calibration->flange_from_camera : *calibration->base_from_camera;
+  if (chain.is_in_hand && !(scene.cell && scene.cell->base_from_part)) {
     throw ConfigError("cell.base_from_part",
                       "is missing: where the part lies in the frame of the robot's base");
   }
-  return transform_of(scene.cell->base_from_part->pose) * inverse(scene_from_part(scene));
+  if (!chain.is_in_hand && !(scene.cell && scene.cell->flange_from_part)) {
+    throw ConfigError("cell.flange_from_part",
+                      "is missing: the camera stands beside the robot, so the flange has to hold "
+                      "the part up to it");
+  }
+  chain.part = chain.is_in_hand ? *scene.cell->base_from_part : *scene.cell->flange_from_part;
+  chain.carrier_from_camera = transform_of(chain.camera.pose);
+  chain.carrier_from_scene = transform_of(chain.part.pose) * inverse(scene_from_part(scene));
+  return chain;
+}
+
+bool has_cell_chain(const SceneSettings& scene, const Cell& cell) {
+  const auto calibration = calibration_of(scene, cell);
+  return calibration && scene.cell &&
+         (calibration->flange_from_camera ? scene.cell->base_from_part.has_value()
+                                          : scene.cell->flange_from_part.has_value());
 }
 
 PlanningCell planning_cell(const Cell& cell, const SceneSettings& scene, const TriangleMesh& part) {
   const PlanningSettings& settings = cell.planning.settings;
   PlanningCell planned = {.arm = arm_with_tool(robot_of(cell), cell.limits)};
-  planned.flange_from_camera = isometry_of(flange_from_camera(scene, cell));
+  const CellChain chain = cell_chain(scene, cell);
+  if (chain.is_in_hand) {
+    planned.flange_from_camera = isometry_of(chain.carrier_from_camera);
+  }
   planned.table_mm = settings.table_height_mm;
   planned.margin_mm = settings.margin_mm;
   planned.joint_min_rad = Eigen::Map<const JointVector>(settings.joint_min_rad.data());
@@ -168,26 +228,32 @@ PlanningCell planning_cell(const Cell& cell, const SceneSettings& scene, const T
         {.name = position.name,
          .joints_rad = Eigen::Map<const JointVector>(position.joints_rad.data())});
   }
-  add_carried(cell.planning, planned);
+  add_carried(cell.planning, chain, planned);
   add_obstacles(cell.planning, planned);
   SolidBody body = {.name = "part"};
   body.mesh.vertices_mm = part.vertices_mm;
   body.mesh.triangles = part.triangles;
-  transform(body.mesh, base_from_scene(scene));
-  planned.standing.push_back(std::move(body));
-  add_lights(scene, settings.light_thickness_mm, planned);
+  add_body(std::move(body), !chain.is_in_hand, chain.carrier_from_scene, planned);
+  add_lights(scene, chain, settings.light_thickness_mm, planned);
   return planned;
 }
 
 std::vector<ViewRequest> view_requests(const SceneSettings& scene,
+                                       const Cell& cell,
                                        const std::vector<Viewpoint>& viewpoints) {
-  const RigidTransform base = base_from_scene(scene);
+  const CellChain chain = cell_chain(scene, cell);
   std::vector<ViewRequest> requests;
   for (std::size_t i = 0; i < viewpoints.size(); ++i) {
     const RigidTransform in_scene = inverse(camera_from_world(viewpoints[i]));
-    requests.push_back({.name = fmt::format("view_{:02d}", i + 1),
-                        .base_from_camera = isometry_of(base * in_scene),
-                        .target_mm = target_mm_of(in_scene, scene.camera.working_distance_mm)});
+    const Eigen::Isometry3d seen = isometry_of(chain.carrier_from_scene * in_scene);
+    ViewRequest request = {.name = fmt::format("view_{:02d}", i + 1),
+                           .base_from_camera = seen,
+                           .target_mm = target_mm_of(in_scene, scene.camera.working_distance_mm)};
+    if (!chain.is_in_hand) {
+      request.base_from_camera = isometry_of(chain.carrier_from_camera);
+      request.flange_from_camera = seen;
+    }
+    requests.push_back(std::move(request));
   }
   return requests;
 }

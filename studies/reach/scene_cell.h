@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A scene in its cell: what stands where in the robot's base, and from where the camera shall look.
+// A scene in its cell: what stands where in the robot's base, what the flange carries, and from
+// where the camera shall look. The flange carries the camera, or it holds the part up to a camera
+// that stands beside the robot.
 #pragma once
 
 #include <vector>
@@ -12,26 +14,37 @@
 
 namespace glint {
 
-/// The camera on the flange: the scene's own [calibration], else that of the file which the cell
-/// names.
-/// @throws ConfigError when neither tells it, or the camera stands beside the robot; IoError
-MeasuredPoseSettings measured_flange_from_camera(const SceneSettings& scene, const Cell& cell);
+/// Where the camera is fixed, and where the part lies.
+struct CellChain {
+  bool is_in_hand = true;       ///< camera on the flange, part in the base; else the other way
+  MeasuredPoseSettings camera;  ///< flange_from_camera, or base_from_camera
+  MeasuredPoseSettings part;    ///< base_from_part, or flange_from_part
+  RigidTransform carrier_from_camera;
+  RigidTransform carrier_from_scene;
 
-/// The same pose. @throws as measured_flange_from_camera()
-RigidTransform flange_from_camera(const SceneSettings& scene, const Cell& cell);
+  RigidTransform scene_from_camera(const RigidTransform& base_from_flange) const;
+};
 
-/// The scene's frame in the robot's base. @throws ConfigError without [cell.base_from_part]
-RigidTransform base_from_scene(const SceneSettings& scene);
+/// The camera of the scene's own [calibration], else of the file that the cell names; the part of
+/// the scene's [cell].
+/// @throws ConfigError beginning with the key that is missing; IoError
+CellChain cell_chain(const SceneSettings& scene, const Cell& cell);
 
-/// Arm, camera, cable and lights that the flange carries; obstacles, part and lights that stand.
+/// Whether cell_chain() would find both.
+bool has_cell_chain(const SceneSettings& scene, const Cell& cell);
+
+/// Arm and what the flange carries: camera, cable and lights, or the part; what stands: obstacles,
+/// and the others.
 /// @param part  the scene's, in its frame
-/// @throws ConfigError beginning with the key at fault, IoError
+/// @throws ConfigError beginning with the key at fault, also for lights and tunnels of a scene that
+///         the flange holds which stand in it; IoError
 PlanningCell planning_cell(const Cell& cell, const SceneSettings& scene, const TriangleMesh& part);
 
 /// The viewpoints as they lie in the robot's base, "view_01" and so on.
 /// @param viewpoints  viewpoints_of() the scene
-/// @throws ConfigError as base_from_scene()
+/// @throws ConfigError as cell_chain()
 std::vector<ViewRequest> view_requests(const SceneSettings& scene,
+                                       const Cell& cell,
                                        const std::vector<Viewpoint>& viewpoints);
 
 Eigen::Isometry3d isometry_of(const RigidTransform& transform);

@@ -67,12 +67,13 @@ std::string key_of(const TwinCellState& state) {
   }
   std::vector<std::string> lights = state.lights;
   std::ranges::sort(lights);
-  return key + fmt::format("[{}] {}", join(lights, " "), state.stage_position);
+  key += fmt::format("[{}] {}", join(lights, " "), state.stage_position);
+  return state.placement == 1 ? key : fmt::format("{} placement {}", key, state.placement);
 }
 
 RigidTransform scene_from_camera(const Truth& truth, const TwinCellState& state) {
-  return inverse(truth.base_from_scene()) * state.base_from_flange *
-         flange_error(truth.settings, state) * truth.flange_from_camera();
+  return truth.scene_from_camera(
+      state.base_from_flange, flange_error(truth.settings, state), state.placement);
 }
 
 CellRenderer::CellRenderer(const Truth& truth, ThreadPool& pool)

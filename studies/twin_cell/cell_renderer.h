@@ -20,6 +20,7 @@ struct TwinCellState {
   RigidTransform base_from_flange;  ///< as the robot tells it
   std::vector<std::string> lights;  ///< that are on
   int stage_position = 0;           ///< of a tunnel's scan: its frame
+  int placement = 1;                ///< how many times the part has been put down
 
   bool is_dark() const { return lights.size() == 0; }  // NOLINT(readability-container-size-empty)
 };

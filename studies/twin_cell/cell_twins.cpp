@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -52,8 +53,7 @@ std::vector<std::string> all_lights(const Cell& cell) {
 /// scene's own viewpoint does.
 TwinCellState state_at_viewpoint(const Cell& cell, const Truth& truth) {
   const RigidTransform camera_from_scene = camera_from_world(truth.scene.viewpoint());
-  return {.base_from_flange = truth.base_from_scene() * inverse(camera_from_scene) *
-                              inverse(truth.flange_from_camera()),
+  return {.base_from_flange = truth.base_from_flange(inverse(camera_from_scene)),
           .lights = all_lights(cell)};
 }
 
@@ -93,8 +93,23 @@ class CameraServing final : public ServingTwin {
 
   const CellRenderer& renderer() const { return renderer_; }
 
+  /// How many times the part has been put down. For any thread.
+  int placement() const { return placement_; }
+
  private:
-  /// "token", "state", "stop".
+  /// "placement N": hands have lifted the part and put it back.
+  std::string put_down(const std::string& number) {
+    int placement = 0;
+    const char* const end = number.data() + number.size();
+    const auto [rest, error] = std::from_chars(number.data(), end, placement);
+    if (error != std::errc() || rest != end || placement < 1) {
+      return "error: placement needs a number from 1 on";
+    }
+    placement_ = placement;
+    return "ok";
+  }
+
+  /// "token", "state", "placement N", "stop".
   std::string answer(const std::string& line) {
     if (line == "token") {
       return std::to_string(token_);
@@ -110,14 +125,20 @@ class CameraServing final : public ServingTwin {
                   {"last_refusal", name_of(counts.last_refusal)},
                   {"resent_packets", counts.resent_packets},
                   {"rendered", pictures_.num_rendered()},
+                  {"placement", placement()},
                   {"error", pictures_.error()}}
           .dump();
     }
-    return "error: there are token, state, stop";
+    constexpr std::string_view kPlacement = "placement ";
+    if (line.starts_with(kPlacement)) {
+      return put_down(line.substr(kPlacement.size()));
+    }
+    return "error: there are token, state, placement, stop";
   }
 
   std::uint64_t token_ = 0;  ///< the camera tells it as the name that a user gave it: 15 digits
   std::atomic<bool> is_stop_asked_ = false;
+  std::atomic<int> placement_ = 1;
   ThreadPool pool_;
   CellRenderer renderer_;
   CellPictures pictures_;
@@ -159,12 +180,16 @@ class StageServing {
 /// What of the twins changes a picture, as it is now.
 class CellWatch {
  public:
-  /// @param stage  may be absent; both outlive this
-  CellWatch(const Cell& cell, const TwinServer& robot, const StageServing* stage)
+  /// @param stage  may be absent; all outlive the calls
+  CellWatch(const Cell& cell,
+            const TwinServer& robot,
+            const StageServing* stage,
+            const CameraServing& camera)
       : cell_(cell),
         arm_(arm_with_tool(robot_of(cell), cell.limits).arm),
         robot_(robot),
-        stage_(stage) {}
+        stage_(stage),
+        camera_(camera) {}
 
   /// Empty: the arm or the stage moves.
   std::optional<TwinCellState> now() const {
@@ -187,7 +212,8 @@ class CellWatch {
   TwinCellState state_of(const JointVector& joints_rad, std::uint64_t outputs, int position) const {
     return {.base_from_flange = transform_of(arm_.forward(joints_rad)),
             .lights = lights_on(cell_, outputs),
-            .stage_position = position};
+            .stage_position = position,
+            .placement = camera_.placement()};
   }
 
   int stage_position() const { return stage_ != nullptr ? stage_->position() : 0; }
@@ -196,6 +222,7 @@ class CellWatch {
   Arm arm_;
   const TwinServer& robot_;
   const StageServing* stage_;
+  const CameraServing& camera_;
 };
 
 /// Tells the camera's pictures where the arm is. Each motion waits at its start for the picture of
@@ -301,7 +328,7 @@ class FollowingCamera final : public ServingTwin {
                   std::shared_ptr<StageServing> stage)
       : robot_(std::move(robot)),
         stage_(std::move(stage)),
-        watch_(cell, *robot_, stage_.get()),
+        watch_(cell, *robot_, stage_.get(), *camera),
         camera_(std::move(camera)),
         follower_(watch_, *robot_, camera_->pictures()) {
     camera_->pictures().set_live([this] { return watch_.now(); });
@@ -314,7 +341,7 @@ class FollowingCamera final : public ServingTwin {
  private:
   std::shared_ptr<TwinServer> robot_;
   std::shared_ptr<StageServing> stage_;
-  CellWatch watch_;
+  CellWatch watch_;  ///< outlives the camera, which asks it at each trigger
   std::unique_ptr<CameraServing> camera_;
   Follower follower_;
 };

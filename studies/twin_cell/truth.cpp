@@ -8,31 +8,46 @@
 
 #include "core/config/keys.h"
 #include "core/config/toml.h"
+#include "core/rng.h"
 
 namespace glint {
 
 void visit_keys(KeyVisitor& keys, TruthSettings& settings) {
   constexpr Count kThree = {.min = 3, .max = 3};
+  keys.boolean("eye_to_hand",
+               settings.is_eye_to_hand,
+               "the camera stands in the robot's base and the flange holds the scene");
   keys.numbers("camera_position_mm",
                settings.camera_position_mm,
                kThree,
                Range::between(-5000, 5000),
-               "where the camera sits on the flange");
+               "where the camera sits on the flange, or with eye_to_hand in the base");
   keys.numbers("camera_rotation_deg",
                settings.camera_rotation_rad,
                kThree,
                Range::between(-360, 360),
                "how it is turned: axis times angle");
-  keys.numbers("scene_position_mm",
-               settings.scene_position_mm,
-               kThree,
-               Range::between(-5000, 5000),
-               "where the scene's origin lies in the robot's base");
+  keys.numbers(
+      "scene_position_mm",
+      settings.scene_position_mm,
+      kThree,
+      Range::between(-5000, 5000),
+      "where the scene's origin lies in the robot's base, or with eye_to_hand on the flange");
   keys.numbers("scene_rotation_deg",
                settings.scene_rotation_rad,
                kThree,
                Range::between(-360, 360),
                "how the scene is turned: axis times angle");
+  keys.numbers("placement_mm",
+               settings.placement_mm,
+               kThree,
+               Range::between(0, 100),
+               "how far it lies elsewhere each time that it is put down, each of its axes");
+  keys.numbers("placement_deg",
+               settings.placement_rad,
+               kThree,
+               Range::between(0, 45),
+               "how far it is turned then, about each of its axes");
   keys.number("exposure_us",
               settings.exposure_s,
               Range::positive(),
@@ -59,12 +74,38 @@ RigidTransform pose_of(const std::vector<double>& position_mm,
   return pose;
 }
 
-RigidTransform Truth::flange_from_camera() const {
+RigidTransform Truth::carrier_from_camera() const {
   return pose_of(settings.camera_position_mm, settings.camera_rotation_rad);
 }
 
-RigidTransform Truth::base_from_scene() const {
-  return pose_of(settings.scene_position_mm, settings.scene_rotation_rad);
+RigidTransform Truth::carrier_from_scene(int placement) const {
+  Rng random(static_cast<std::uint64_t>(settings.seed),
+             Stream::kRobotErrors,
+             static_cast<std::uint64_t>(placement));
+  std::vector<double> off_mm = settings.placement_mm;
+  std::vector<double> off_rad = settings.placement_rad;
+  for (std::size_t i = 0; i < 3; ++i) {
+    off_mm[i] *= random.normal();
+    off_rad[i] *= random.normal();
+  }
+  return pose_of(settings.scene_position_mm, settings.scene_rotation_rad) *
+         pose_of(off_mm, off_rad);
+}
+
+RigidTransform Truth::scene_from_camera(const RigidTransform& base_from_flange,
+                                        const RigidTransform& flange_error,
+                                        int placement) const {
+  const RigidTransform lies = carrier_from_scene(placement);
+  if (settings.is_eye_to_hand) {
+    return inverse(base_from_flange * flange_error * lies) * carrier_from_camera();
+  }
+  return inverse(lies) * base_from_flange * flange_error * carrier_from_camera();
+}
+
+RigidTransform Truth::base_from_flange(const RigidTransform& scene_from_camera) const {
+  const RigidTransform from_scene_to_camera =
+      carrier_from_scene() * scene_from_camera * inverse(carrier_from_camera());
+  return settings.is_eye_to_hand ? inverse(from_scene_to_camera) : from_scene_to_camera;
 }
 
 Truth read_truth(const std::filesystem::path& file) {

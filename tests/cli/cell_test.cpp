@@ -105,7 +105,8 @@ const std::vector<Arguments> kMovingVerbs = {
     {"cell", "power", "cell.toml", "--off"},
     {"acquire", "--cell", "cell.toml"},
     {"validate", "run", "--cell", "cell.toml"},
-    {"calibrate", "--cell", "cell.toml", "--board", "board.toml"}};
+    {"calibrate", "--cell", "cell.toml", "--board", "board.toml"},
+    {"calibrate", "--cell", "cell.toml", "--part", "part.toml", "--camera", "camera"}};
 
 TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
   const TemporaryFolder folder;

@@ -159,6 +159,50 @@ TEST(PlanViews, TellsTheNearestPoseOfARefusedView) {
             80.0);
 }
 
+/// A cell whose flange holds a ball 90 mm before it up to a camera that looks up from the table.
+PlanningCell holding_cell() {
+  PlanningCell cell = planned_cell();
+  cell.standing.clear();
+  cell.carried = {{.name = "part",
+                   .kind = SolidBody::Kind::kCarried,
+                   .link = 6,
+                   .mesh = ball_mesh({0.0, 0.0, 90.0}, 40.0, 12)}};
+  cell.standing.push_back({.name = "camera", .mesh = box_mesh({300.0, 0.0, 40.0}, {40, 40, 60})});
+  return cell;
+}
+
+/// Of the camera at (300, 0, 70): it shall be so far before the ball's centre, from a side.
+ViewRequest held_view(const Vector3d& from, double distance_mm) {
+  ViewRequest view = {.name = "held", .target_mm = distance_mm};
+  view.base_from_camera.translation() = Vector3d(300.0, 0.0, 70.0);
+  view.flange_from_camera = camera_looking({0.0, 0.0, 90.0}, -from, distance_mm);
+  return view;
+}
+
+TEST(PlanViews, HoldsThePartUpToACameraBesideTheRobot) {
+  const PlanningCell cell = holding_cell();
+  const std::vector<ViewRequest> views = {held_view({0.0, 0.0, 1.0}, 160.0),
+                                          held_view({0.3, 0.1, 1.0}, 150.0),
+                                          held_view({0.0, 0.0, 1.0}, 42.0)};
+  const ViewPlan plan = plan_views(cell, views);
+  for (const std::size_t i : {0U, 1U}) {
+    const PlannedView& view = plan.views[i];
+    ASSERT_EQ(view.outcome, ViewOutcome::kPlanned) << view.reason;
+    const Eigen::Isometry3d flange = cell.arm.arm.forward(view.joints_rad);
+    const Eigen::Isometry3d seen = flange.inverse() * views[i].base_from_camera;
+    EXPECT_LT(pose_difference(seen, *views[i].flange_from_camera).norm(), 1e-8);
+    EXPECT_LT(pose_difference(view.base_from_camera, views[i].base_from_camera).norm(), 1e-12);
+  }
+  // The ball's surface is 2 mm before the pinhole, the margin 5 mm.
+  const PlannedView& near = plan.views[2];
+  EXPECT_EQ(near.outcome, ViewOutcome::kCollision) << near.reason;
+  EXPECT_FALSE(near.nearest_base_from_camera.has_value());
+  ASSERT_TRUE(near.nearest_base_from_flange.has_value());
+  ViewRequest nearest = views[2];
+  nearest.flange_from_camera = near.nearest_base_from_flange->inverse() * nearest.base_from_camera;
+  EXPECT_EQ(plan_of(cell, nearest).views[0].outcome, ViewOutcome::kPlanned);
+}
+
 TEST(PlanViews, GoesOverSafePositionsWhereTheStraightWayIsBlocked) {
   PlanningCell cell = planned_cell();
   // A wall between two low views on both sides of it.

@@ -146,6 +146,58 @@ TEST_F(PlanStudyTest, TakesTheHandEyeOfTheCellsCalibration) {
   EXPECT_EQ(result["views"][0]["outcome"], "planned");
 }
 
+/// The same scene held up to a camera that looks up from the table: the part's +z is the flange's.
+std::string held_scene() {
+  std::string scene = kScene;
+  const std::string lies = "[cell.base_from_part]\ntranslation_mm = [280, -120, 20]\n";
+  scene.replace(scene.find(lies),
+                lies.size(),
+                "[cell.flange_from_part]\ntranslation_mm = [0, 0, 80]\n"
+                "[calibration.base_from_camera]\ntranslation_mm = [280, -120, 70]\n");
+  const std::string near = "position_mm = [0, 0, 50]\n";
+  return scene.replace(scene.find(near), near.size(), "position_mm = [0, 0, 2]\n");
+}
+
+TEST_F(PlanStudyTest, HoldsThePartUpToACameraBesideTheRobot) {
+  const nlohmann::ordered_json result = plan(held_scene(), kCell);
+  const Cell cell = read_cell(folder_ / "cell.toml");
+  const SceneSettings scene = load_study(folder_ / "scene.toml", {}).scene;
+  const CellChain chain = cell_chain(scene, cell);
+  EXPECT_FALSE(chain.is_in_hand);
+  const PlanFile file = read_plan(folder_ / "out");
+  for (const std::size_t i : {0U, 1U}) {
+    const PlannedView& view = file.plan.views[i];
+    ASSERT_EQ(view.outcome, ViewOutcome::kPlanned) << view.reason;
+    const RigidTransform flange = {.rotation = view.base_from_flange.linear(),
+                                   .translation_mm = view.base_from_flange.translation()};
+    const RigidTransform seen = chain.scene_from_camera(flange);
+    const std::vector<double>& at = scene.viewpoints[i].position_mm;
+    EXPECT_LT((seen.translation_mm - Eigen::Vector3d(at[0], at[1], at[2])).norm(), 1e-6);
+    EXPECT_LT((seen.rotation.col(2) + seen.translation_mm.normalized()).norm(), 1e-6);
+  }
+  // The first view: the flange 180 mm and the part's 80 mm above the camera.
+  EXPECT_NEAR(file.plan.views[0].base_from_flange.translation().z(), 70.0 + 180.0 + 80.0, 1e-6);
+  EXPECT_EQ(result["views"][2]["outcome"], "collision");
+  EXPECT_TRUE(result["views"][2]["nearest_base_from_camera"].is_null());
+  ASSERT_TRUE(file.plan.views[2].nearest_base_from_flange.has_value());
+  EXPECT_EQ(result["views"][3]["outcome"], "unreachable");
+  EXPECT_EQ(result["paths"].size(), 3U);
+}
+
+TEST_F(PlanStudyTest, RefusesWhatAHeldSceneCannotHave) {
+  const std::string scene = held_scene();
+  const auto changed = [&scene](const std::string& from, const std::string& to) {
+    std::string text = scene;
+    return text.replace(text.find(from), from.size(), to);
+  };
+  EXPECT_THAT(problem(changed("mount = \"camera\"", "mount = \"scene\""), kCell),
+              HasSubstr("lighting.ring.mount: is \"scene\""));
+  EXPECT_THAT(problem(changed("[cell.flange_from_part]\ntranslation_mm = [0, 0, 80]\n", ""), kCell),
+              HasSubstr("cell.flange_from_part: is missing"));
+  EXPECT_THAT(problem(changed("[cell.flange_from_part]", "[cell.base_from_part]"), kCell),
+              HasSubstr("cell.flange_from_part: is missing"));
+}
+
 TEST_F(PlanStudyTest, NamesWhatIsMissing) {
   EXPECT_THAT(problem(kScene, kCell), HasSubstr("flange_from_camera: is missing"));
   std::string homeless = kScene + kCalibration;

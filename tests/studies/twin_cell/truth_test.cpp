@@ -23,7 +23,7 @@ std::string truth_error(const std::string& text) {
 // A quarter turn about z takes x to y.
 TEST(Truth, IsReadInDegreesAndMillimetres) {
   const Truth truth = truth_of(std::string(kSmallTruth) + "camera_rotation_deg = [0, 0, 90]\n");
-  const RigidTransform pose = truth.flange_from_camera();
+  const RigidTransform pose = truth.carrier_from_camera();
   EXPECT_LT((pose * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0, 41, 30)).norm(), 1e-12);
   EXPECT_EQ(truth.scene.lights.size(), 2U);
   EXPECT_DOUBLE_EQ(truth.settings.exposure_s, 0.005);
@@ -49,6 +49,47 @@ TEST(SceneFromCamera, FollowsTheFlangeAndTheHandEye) {
   const RigidTransform pose = scene_from_camera(truth, state_above(0, {}));
   EXPECT_LT((pose.translation_mm - Eigen::Vector3d(0, 0, 180)).norm(), 1e-9);
   EXPECT_LT((pose.rotation.col(2) - Eigen::Vector3d(0, 0, -1)).norm(), 1e-12);
+}
+
+// A camera that stands 180 mm above the base's (300, 0), looking down, and a flange that holds the
+// plate up to it: the flange's axes are the base's, the plate lies 50 mm above it.
+TEST(SceneFromCamera, FollowsAFlangeThatHoldsThePart) {
+  Truth truth = truth_of(kSmallTruth);
+  truth.settings.is_eye_to_hand = true;
+  truth.settings.camera_position_mm = {300, 0, 330};
+  truth.settings.camera_rotation_rad = {std::numbers::pi, 0, 0};
+  truth.settings.scene_position_mm = {0, 0, 50};
+  const RigidTransform base_from_flange = {.translation_mm = {290, 0, 100}};
+  const RigidTransform pose = scene_from_camera(truth, {.base_from_flange = base_from_flange});
+  EXPECT_LT((pose.translation_mm - Eigen::Vector3d(10, 0, 180)).norm(), 1e-9);
+  EXPECT_LT((pose.rotation.col(2) - Eigen::Vector3d(0, 0, -1)).norm(), 1e-12);
+  const RigidTransform back = truth.base_from_flange(pose);
+  EXPECT_LT((back.translation_mm - base_from_flange.translation_mm).norm(), 1e-9);
+}
+
+// Placements are drawn by their numbers, per axis: 200 of them have the spread that was asked for
+// to three of its standard errors, 1 / sqrt(2 * 200) = 5 %.
+TEST(SceneFromCamera, FollowsAPartThatIsPutDownAgain) {
+  const Truth truth =
+      truth_of(std::string(kSmallTruth) + "placement_mm = [0.2, 0.1, 0]\nseed = 3\n");
+  const RigidTransform nominal = {.translation_mm = {300, 0, 0}};
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  for (int placement = 1; placement <= 200; ++placement) {
+    TwinCellState state = state_above(0, {});
+    state.placement = placement;
+    const Eigen::Vector3d off_mm =
+        (inverse(nominal) * truth.carrier_from_scene(placement)).translation_mm;
+    squares += off_mm.cwiseAbs2() / 200.0;
+    const RigidTransform pose = scene_from_camera(truth, state);
+    EXPECT_LT((pose.translation_mm + off_mm - Eigen::Vector3d(0, 0, 180)).norm(), 1e-9);
+  }
+  EXPECT_NEAR(std::sqrt(squares.x()), 0.2, 0.15 * 0.2);
+  EXPECT_NEAR(std::sqrt(squares.y()), 0.1, 0.15 * 0.1);
+  EXPECT_EQ(squares.z(), 0.0);
+  TwinCellState first = state_above(0, {});
+  TwinCellState again = first;
+  again.placement = 2;
+  EXPECT_NE(key_of(first), key_of(again));
 }
 
 TEST(SceneFromCamera, HasTheSameErrorAtTheSamePoseAndAnotherAtAnother) {

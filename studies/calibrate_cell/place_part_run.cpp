@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/calibrate_cell/place_part_run.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/config/toml.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "studies/acquire/acquired.h"
+#include "studies/calibrate/place_run.h"
+#include "studies/calibrate_cell/part_views.h"
+#include "studies/calibrate_cell/round_pictures.h"
+#include "studies/definition/scene.h"
+
+namespace glint {
+namespace {
+
+using calibrate_cell_detail::SeenEdge;
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLeastPictures = 2;
+constexpr int kMostPasses = 4;
+constexpr double kSettled_px = 0.1;  ///< the part moved less: rendering it again tells nothing new
+
+Isometry3d isometry_of(const RigidTransform& transform) {
+  Isometry3d pose = Isometry3d::Identity();
+  pose.linear() = transform.rotation;
+  pose.translation() = transform.translation_mm;
+  return pose;
+}
+
+Isometry3d pose_of(const Json& told) {
+  const PoseSettings pose = {
+      .translation_mm = told.at("translation_mm").get<std::vector<double>>(),
+      .rotation_vector_rad = told.at("rotation_vector_rad").get<std::vector<double>>()};
+  return isometry_of(transform_of(pose));
+}
+
+class PartPlacing {
+ public:
+  PartPlacing(const PlacePartOptions& options, const MotionPermit& permit)
+      : options_(options),
+        permit_(permit),
+        scene_(calibrate_cell_detail::part_scene(options.scene, options.calibration)),
+        folder_(options.acquire.out / "part"),
+        place_(isometry_of(transform_of(scene_.cell->base_from_part->pose))) {
+    if (options.placed > options.placements) {
+      throw ConfigError(
+          fmt::format("--placed {}: --placements are {}", options.placed, options.placements));
+    }
+  }
+
+  Json run() {
+    make_folder(folder_);
+    write_file(
+        folder_ / "scene.toml",
+        fmt::format(
+            "schema = {}\n{}", needs_schema_2(scene_) ? 2 : 1, to_toml(write_scene(scene_))));
+    for (int number = 1; number <= options_.placements; ++number) {
+      check_order(number);
+      if (!is_put_down(number)) {
+        return result("waiting");
+      }
+      const Json taken = photograph(number);
+      if (taken["status"] == "stopped") {
+        end_ = taken["end"];
+        return result("stopped");
+      }
+      if (!find_edges(number)) {
+        return result("too_few_pictures");
+      }
+    }
+    return placed();
+  }
+
+ private:
+  fs::path numbered(const std::string& name, int number, const std::string& ending = "") const {
+    return folder_ / fmt::format("{}_{}{}", name, number, ending);
+  }
+
+  int recorded() const {
+    const fs::path file = folder_ / "placed.json";
+    const Json json =
+        fs::exists(file) ? Json::parse(read_file(file), nullptr, false) : Json::object();
+    return json.is_object() ? json.value("placed", 0) : 0;
+  }
+
+  std::string wish(int number) const {
+    return fmt::format("{} (placement {} of {}), and leave the arm's reach",
+                       number == 1 ? "put the part into its place"
+                                   : "lift the part and put it back into its place",
+                       number,
+                       options_.placements);
+  }
+
+  /// Pictures of two placements must not be mixed: a part that has been put down again before they
+  /// were whole is none that they are of.
+  void check_order(int number) const {
+    if (options_.placed > number &&
+        !calibrate_cell_detail::ended_round(numbered("placement", number))) {
+      throw ConfigError(
+          fmt::format("--placed {}: placement {} has not been photographed: --placed {} comes "
+                      "first",
+                      options_.placed,
+                      number,
+                      number));
+    }
+  }
+
+  /// Whether a person has said so, on the command line, at the terminal or to an earlier call.
+  bool is_put_down(int number) {
+    if (recorded() >= number) {
+      return true;
+    }
+    const Confirm& ask = options_.acquire.confirm;
+    if (options_.placed != number && !(ask && ask(wish(number)))) {
+      next_ = {{"placement", number}, {"text", wish(number)}};
+      return false;
+    }
+    write_file(folder_ / "placed.json", Json{{"placed", number}}.dump() + "\n");
+    return true;
+  }
+
+  Json photograph(int number) const {
+    AcquireOptions acquire = options_.acquire;
+    acquire.source = folder_ / "scene.toml";
+    acquire.views.clear();
+    acquire.out = numbered("placement", number);
+    return calibrate_cell_detail::acquire_round(acquire, permit_);
+  }
+
+  /// Renders the part where it is known to lie, finds its edges, places it by them, and again until
+  /// it does not move any more. @return false: not enough pictures show it
+  bool find_edges(int number) {
+    const Acquired acquired = read_acquired(numbered("placement", number));
+    Isometry3d place = place_;
+    Json told = {{"placement", number}};
+    for (int pass = 1; pass <= kMostPasses; ++pass) {
+      const auto seen = edges_at(place, acquired, number);
+      told["pictures"] = seen.size();
+      if (seen.size() < kLeastPictures) {
+        placements_.push_back(std::move(told));
+        return false;
+      }
+      const Json found = place_part({input(number)}, place_options(numbered("place", number)));
+      const Isometry3d next = pose_of(found["base_from_part"]);
+      const double moved_px = largest_move_px(seen, place, next);
+      place = next;
+      told["passes"] = pass;
+      told["rms_px"] = found["placements"][0]["rms_px"];
+      told["base_from_part"] = found["base_from_part"];
+      if (moved_px < kSettled_px) {
+        break;
+      }
+    }
+    placements_.push_back(std::move(told));
+    place_ = number == 1 ? place : place_;  // the next ones lie near it
+    return true;
+  }
+
+  /// Writes the files that place_part() reads. @return edges of each picture that shows the part
+  std::vector<std::vector<SeenEdge>> edges_at(const Isometry3d& base_from_part,
+                                              const Acquired& acquired,
+                                              int number) const {
+    SceneSettings scene = scene_;
+    scene.cell->base_from_part->pose = pose_settings(
+        {.rotation = base_from_part.linear(), .translation_mm = base_from_part.translation()});
+    std::vector<AcquiredPicture> kept;
+    std::vector<PictureOfView> pictures;
+    for (const std::string& view : acquired.views()) {
+      kept.push_back(acquired.of_view(view).front());
+      pictures.push_back(
+          {.file = acquired.folder / kept.back().file,
+           .viewpoint = calibrate_cell_detail::viewpoint_at(scene, kept.back().base_from_flange)});
+    }
+    const fs::path simulated = numbered("simulated", number);
+    fs::remove_all(simulated);
+    const auto edges = edges_in_pictures(scene, pictures, simulated, options_.threads);
+    std::string rows = calibrate_cell_detail::edge_header();
+    std::string poses = calibrate_cell_detail::pose_convention_toml();
+    std::vector<std::vector<SeenEdge>> all;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      auto seen = calibrate_cell_detail::seen_edges(scene, pictures[i].viewpoint, edges[i]);
+      if (seen.size() >= kLeastEdges) {
+        const std::string name = fmt::format("placement_{}/{}", number, kept[i].file);
+        rows += calibrate_cell_detail::edge_rows(name, seen);
+        poses += calibrate_cell_detail::pose_toml(name, kept[i].base_from_flange);
+        all.push_back(std::move(seen));
+      }
+    }
+    write_file(numbered("edges", number, ".csv"), rows);
+    write_file(numbered("poses", number, ".toml"), poses);
+    return all;
+  }
+
+  static double largest_move_px(const std::vector<std::vector<SeenEdge>>& pictures,
+                                const Isometry3d& before,
+                                const Isometry3d& after) {
+    double largest_px = 0.0;
+    for (const auto& edges : pictures) {
+      for (const SeenEdge& edge : edges) {
+        const double moved_mm = (after * edge.part_mm - before * edge.part_mm).norm();
+        largest_px = std::max(largest_px, edge.px_per_mm * moved_mm);
+      }
+    }
+    return largest_px;
+  }
+
+  PlaceInput input(int number) const {
+    return {.file = numbered("edges", number, ".csv"),
+            .poses = {numbered("poses", number, ".toml")}};
+  }
+
+  CalibrateOptions place_options(const fs::path& out) const {
+    return {.camera = options_.calibration, .out = out, .threads = options_.threads};
+  }
+
+  Json placed() {
+    std::vector<PlaceInput> inputs;
+    for (int number = 1; number <= options_.placements; ++number) {
+      inputs.push_back(input(number));
+    }
+    const fs::path out = options_.acquire.out / "place";
+    const Json all = place_part(inputs, place_options(out));
+    Json json = result("placed");
+    json["base_from_part"] = all["base_from_part"];
+    json["spread"] = all["spread"];
+    json["notes"] = all["notes"];
+    json["placement"] = (out / "placement.toml").string();
+    return json;
+  }
+
+  Json result(const std::string& status) const {
+    return {{"schema", 1},
+            {"status", status},
+            {"ok", status == "placed"},
+            {"folder", options_.acquire.out.string()},
+            {"placements", placements_},
+            {"next", next_},
+            {"end", end_}};
+  }
+
+  static constexpr std::size_t kLeastEdges = 20;
+
+  const PlacePartOptions& options_;
+  const MotionPermit& permit_;
+  SceneSettings scene_;
+  fs::path folder_;
+  Isometry3d place_;  ///< where the part is known to lie so far
+  Json placements_ = Json::array();
+  Json next_;  ///< what a person has to do before it can go on
+  Json end_;   ///< of an acquisition that was stopped
+};
+
+}  // namespace
+
+Json place_part_in_cell(const PlacePartOptions& options, const MotionPermit& permit) {
+  return PartPlacing(options, permit).run();
+}
+
+}  // namespace glint

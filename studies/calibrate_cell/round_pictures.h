@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Pictures that one round of a calibration needs, and their poses as `glint calibrate` reads them.
+// Private to the room.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
+
+#include "studies/acquire/acquire_run.h"
+
+namespace glint::calibrate_cell_detail {
+
+/// What acquired.json of a round holds that has ended; none: it has not, or was stopped.
+std::optional<nlohmann::ordered_json> ended_round(const std::filesystem::path& folder);
+
+/// acquire_pictures(), but for a round that an earlier call has ended: it is not driven again, as
+/// the arm may stand on the tour of a later one.
+/// @return what acquired.json holds
+nlohmann::ordered_json acquire_round(const AcquireOptions& options, const MotionPermit& permit);
+
+/// How the numbers of pose_toml() are meant.
+std::string pose_convention_toml();
+
+/// One [[pose]]. @param picture  its name
+std::string pose_toml(const std::string& picture, const Eigen::Isometry3d& base_from_flange);
+
+}  // namespace glint::calibrate_cell_detail

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint calibrate --cell --part` with twins: a part that hands put down three times is found where
+// it lies each time, and its spread is told.
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/units.h"
+#include "studies/twin_cell/truth.h"
+#include "tests/cli/program.h"
+
+namespace glint::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+const fs::path kPlacedCell = fs::path(GLINT_SOURCE_DIR) / "studies/gallery/twin_cell";
+
+/// Where the part is known to lie beforehand: 1.2 mm and half a degree off.
+constexpr const char* kAboutHere = R"([cell.base_from_part]
+translation_mm = [281, -120.6, 20.3]
+rotation_vector_deg = [0.2, -0.1, 0.4]
+sigma_mm = [1, 1, 1]
+sigma_deg = [0.5, 0.5, 0.5]
+
+[[viewpoint]]
+position_mm = [0, 0, 180]
+direction = [0, 0, -1]
+up = [0, 1, 0]
+
+[[viewpoint]]
+position_mm = [0, -37.424, 176.067]
+direction = [0, 0.207912, -0.978148]
+up = [0.34202, 0.939693, 0]
+
+[[viewpoint]]
+position_mm = [37.333, -12.556, 175.638]
+direction = [-0.207405, 0.069756, -0.975765]
+up = [0.173648, 0.984808, 0]
+
+[[viewpoint]]
+position_mm = [-37.333, 12.556, 175.638]
+direction = [0.207405, -0.069756, -0.975765]
+up = [-0.422618, 0.906308, 0]
+)";
+
+/// The camera of the twin as a calibration would have found it: 180 mm / 0.2 mm = 900 px.
+void write_calibration(const fs::path& folder) {
+  fs::create_directories(folder);
+  json covariance = json::array();
+  for (std::size_t i = 0; i < 21; ++i) {
+    std::vector<double> row(21, 0.0);
+    row[i] = i < 4 ? 0.01 : i < 9 ? 1e-8 : i % 6 >= 3 ? 1e-9 : 1e-4;  // px, mm, rad
+    covariance.push_back(row);
+  }
+  const json zero = {0.0, 0.0, 0.0};
+  const std::vector<double> turn = {0.3 * kRadPerDeg, -0.2 * kRadPerDeg, 0.5 * kRadPerDeg};
+  write_file(
+      folder / "calibration.json",
+      json{{"intrinsics",
+            {{"width_px", 306},
+             {"height_px", 256},
+             {"focal_px", {900.0, 900.0}},
+             {"center_px", {153.0, 128.0}},
+             {"radial", {-0.08, 0.0, 0.0}},
+             {"tangential", {0.0004, 0.0}}}},
+           {"board",
+            {{"kind", "checkerboard"},
+             {"cols", 8},
+             {"rows", 6},
+             {"square_mm", 4.4},
+             {"pose", {{"translation_mm", zero}, {"rotation_vector_rad", zero}}}}},
+           {"rms_px", 0.1},
+           {"prediction_rms_px", 0.3},
+           {"covariance", covariance},
+           {"hand_eye",
+            {{"to", "flange"},
+             {"translation_mm", {0.4, 50.2, 29.7}},
+             {"rotation_vector_rad", turn}}},
+           {"noise",
+            {{"corner_px", 0.1}, {"robot_deg", 0.02}, {"robot_mm", 0.05}, {"pattern_px", 0.02}}}}
+          .dump());
+  write_file(folder / "calibration.toml",
+             "[camera]\nwidth_px = 306\nheight_px = 256\nfocal_x_px = 900\nfocal_y_px = 900\n"
+             "center_x_px = 153\ncenter_y_px = 128\nk1 = -0.08\np1 = 0.0004\n"
+             "[calibration.flange_from_camera]\ntranslation_mm = [0.4, 50.2, 29.7]\n"
+             "rotation_vector_deg = [0.3, -0.2, 0.5]\nsigma_mm = [0.01, 0.01, 0.01]\n"
+             "sigma_deg = [0.002, 0.002, 0.002]\n");
+}
+
+/// The gallery's cell with a part that is put down 0.2 mm and 0.2 degrees elsewhere each time.
+class PlacedPart : public testing::Test {
+ protected:
+  PlacedPart() {
+    const std::string truth = edited(read_file(kPlacedCell / "truth.toml"),
+                                     {{"width_px = 408", "width_px = 306"},
+                                      {"height_px = 342", "height_px = 256"},
+                                      {"pixel_um = 10.35", "pixel_um = 13.8"},
+                                      {"object_pixel_mm = 0.15", "object_pixel_mm = 0.2"}});
+    write_file(folder_ / "truth.toml",
+               truth + "placement_mm = [0.2, 0.2, 0]\nplacement_deg = [0, 0, 0.2]\n");
+    const std::string known = truth.substr(0, truth.find("# The camera sits"));
+    const std::size_t bar = known.find("[lighting.bar]");
+    write_file(
+        folder_ / "part.toml",
+        edited(known.substr(0, bar) + known.substr(known.find("[render.paths]")) + kAboutHere,
+               {{"schema = 1", "schema = 2"}}));
+    write_calibration(folder_ / "camera");
+    write_file(folder_ / "cell.toml",
+               edited(read_file(kPlacedCell / "cell.toml"),
+                      {{"truth = \"truth.toml\"", "truth = \"truth.toml\"\nmotion_speedup = 20"}}));
+    json_of(folder_,
+            {"cell", "twin", "both", "cell.toml", "--port", "0", "--detach", "--ready_file", "t"});
+  }
+
+  ~PlacedPart() override { glint_in(folder_, {"cell", "twin", "stop", "t"}); }
+
+  static Arguments call(const Arguments& more) {
+    Arguments all = {"calibrate",
+                     "--cell",
+                     "cell.toml",
+                     "--twin",
+                     "t",
+                     "--part",
+                     "part.toml",
+                     "--camera",
+                     "camera",
+                     "--placements",
+                     "3",
+                     "--confirmed",
+                     "ring",
+                     "--speed_share",
+                     "1",
+                     "--out",
+                     "out",
+                     "--json",
+                     "--move"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
+  /// What the call leaves. @param code  the exit code it has to have
+  json place(int code, const Arguments& more) const {
+    const ProgramResult result = glint_in(folder_, call(more));
+    EXPECT_EQ(result.code, code) << result.err << result.out;
+    return result.out.empty() ? json() : json::parse(result.out).at("part");
+  }
+
+  /// Hands lift the part and put it back.
+  void put_down(int number) const {
+    json_of(folder_, {"cell", "twin", "place", "t", fmt::format("{}", number)});
+  }
+
+  /// Whether a first view of the first placement is there.
+  bool has_picture() const {
+    std::error_code none;
+    const fs::recursive_directory_iterator files(folder_ / "out/part/placement_1/views", none);
+    return std::any_of(begin(files), end(files), [](const fs::directory_entry& entry) {
+      return entry.path().filename() == "aspect.png";
+    });
+  }
+
+  RigidTransform truth_of(int placement) const {
+    return read_truth(folder_ / "truth.toml").carrier_from_scene(placement);
+  }
+
+  TemporaryFolder folder_;
+};
+
+RigidTransform pose_of_json(const json& pose) {
+  return pose_of(pose["translation_mm"].get<std::vector<double>>(),
+                 pose["rotation_vector_rad"].get<std::vector<double>>());
+}
+
+TEST_F(PlacedPart, IsFoundEachTimeAndNothingIsAssumed) {
+  const json asked = place(1, {});
+  EXPECT_EQ(asked["status"], "waiting");
+  EXPECT_EQ(asked["next"]["placement"], 1);
+  EXPECT_FALSE(fs::exists(folder_ / "out/part/placement_1")) << "nothing has been driven";
+  EXPECT_THAT(glint_in(folder_, call({"--placed", "2"})).err,
+              HasSubstr("placement 1 has not been photographed"));
+  {
+    // Killed in between, the same command goes on.
+    Program program(folder_ / "", call({"--placed", "1"}));
+    for (int i = 0; i < 30000 && !has_picture() && program.is_running(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    program.send(SIGKILL);
+    program.wait();
+  }
+  EXPECT_THAT(glint_in(folder_, call({"--placed", "2"})).err,
+              HasSubstr("placement 1 has not been photographed"))
+      << "its pictures are not whole: they would be mixed with those of the second";
+  const json first = place(1, {"--placed", "1"});
+  EXPECT_EQ(first["status"], "waiting");
+  EXPECT_EQ(first["next"]["placement"], 2);
+  EXPECT_EQ(first["placements"][0]["pictures"], 4);
+  const std::string taken = read_file(folder_ / "out/part/placement_1/acquired.json");
+  put_down(2);
+  EXPECT_EQ(place(1, {"--placed", "2"})["next"]["placement"], 3);
+  EXPECT_EQ(read_file(folder_ / "out/part/placement_1/acquired.json"), taken);
+  put_down(3);
+  const json all = place(0, {"--placed", "3"});
+  EXPECT_EQ(all["status"], "placed");
+
+  // The arm is up to 0.05 mm an axis off at each view, the same at each placement.
+  const RigidTransform off =
+      inverse(truth_of(1)) * pose_of_json(all["placements"][0]["base_from_part"]);
+  const double sigma_mm = all["placements"][0]["base_from_part"]["sigma_mm"];
+  EXPECT_LT(sigma_mm, 0.2);
+  EXPECT_LT(off.translation_mm.norm(), 3.0 * sigma_mm);
+  for (const int number : {2, 3}) {
+    const auto found = [&](int k) {
+      return pose_of_json(all["placements"][static_cast<std::size_t>(k - 1)]["base_from_part"]);
+    };
+    const RigidTransform moved = inverse(found(1)) * found(number);
+    const RigidTransform true_move = inverse(truth_of(1)) * truth_of(number);
+    EXPECT_LT((moved.translation_mm - true_move.translation_mm).norm(), 0.05) << number;
+    EXPECT_GT(true_move.translation_mm.norm(), 0.05) << "or there is nothing to be found";
+    EXPECT_LT((moved.rotation - true_move.rotation).norm(), 0.3 * kRadPerDeg) << number;
+  }
+  EXPECT_EQ(all["spread"]["placements"], 3);
+  EXPECT_GT(all["spread"]["mm"].get<double>(), 0.05);
+  const std::string placement = read_file(folder_ / "out/place/placement.toml");
+  EXPECT_THAT(placement, HasSubstr("base_from_part"));
+  const json again = place(0, {});
+  EXPECT_EQ(again["base_from_part"], all["base_from_part"]);
+}
+
+TEST_F(PlacedPart, IsRefusedWhereItsPlaceCannotBeTold) {
+  const auto error = [&](const Arguments& arguments) {
+    const ProgramResult result = glint_in(folder_, arguments);
+    EXPECT_EQ(result.code, 2) << result.out;
+    return result.err;
+  };
+  EXPECT_THAT(error({"calibrate", "--part", "part.toml"}), HasSubstr("--part: needs --cell"));
+  EXPECT_THAT(error({"calibrate", "--cell", "cell.toml", "--placed", "1", "--move"}),
+              HasSubstr("--placed: are of --part"));
+  EXPECT_THAT(error({"calibrate", "--cell", "cell.toml", "--part", "part.toml", "--move"}),
+              HasSubstr("--part: needs --board"));
+  EXPECT_THAT(error(call({"--placed", "4"})), HasSubstr("--placed 4: --placements are 3"));
+  const std::string scene = read_file(folder_ / "part.toml");
+  write_file(folder_ / "part.toml", scene.substr(0, scene.find("[cell.base_from_part]")));
+  EXPECT_THAT(error(call({})), HasSubstr("cell.base_from_part: is missing"));
+  write_file(folder_ / "part.toml", scene);
+  write_file(folder_ / "camera/calibration.toml",
+             "[camera]\nwidth_px = 306\nheight_px = 256\nfocal_x_px = 900\n"
+             "[calibration.base_from_camera]\ntranslation_mm = [0, 0, 900]\n");
+  EXPECT_THAT(error(call({})), HasSubstr("where the camera is on the flange"));
+}
+
+}  // namespace
+}  // namespace glint::test

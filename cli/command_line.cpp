@@ -134,12 +134,6 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
   add_frontier_verb(app, line);
 }
 
-/// Numbers above 0, without a remark of its own in the help.
-CLI::Validator positive() {
-  CLI::Validator validator = CLI::PositiveNumber;
-  return validator.description("");
-}
-
 void add_stability_verb(CLI::App& app, CommandLine& line) {
   CLI::App* verb = add_verb(
       app,
@@ -160,20 +154,20 @@ void add_stability_verb(CLI::App& app, CommandLine& line) {
   verb->add_flag("--list", arguments.is_list, "list the sweeps and measure none");
   verb->add_option("--budget", arguments.budget_min, "wall clock in minutes, at most")
       ->type_name("MINUTES")
-      ->check(positive());
+      ->check(positive(""));
   verb->add_option("--h_points", arguments.h_points, "allowed error of h in points (default 0.5)")
       ->type_name("NUMBER")
-      ->check(positive());
+      ->check(positive(""));
   verb->add_option("--contrast_percent",
                    arguments.contrast_percent,
                    "allowed error of a dent's contrast in per cent (default 5)")
       ->type_name("PERCENT")
-      ->check(positive());
+      ->check(positive(""));
   verb->add_option("--picture",
                    arguments.picture,
                    "allowed error of the mean image, share of full scale (default 0.01)")
       ->type_name("SHARE")
-      ->check(positive());
+      ->check(positive(""));
 }
 
 void add_imprint_verb(CLI::App& app, CommandLine& line) {
@@ -263,11 +257,11 @@ void add_part_verb(CLI::App& app, CommandLine& line) {
   part->add_option("--crease_deg", line.part.crease_deg, "edges sharper than this are not smoothed")
       ->type_name("DEG")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 180.0).description("0 to 180"));
+      ->check(between(0.0, 180.0));
   part->add_option("--slope_mrad", line.part.slope_mrad, "smallest slope of interest")
       ->type_name("MRAD")
       ->capture_default_str()
-      ->check(CLI::Validator(CLI::PositiveNumber).description("> 0"));
+      ->check(positive());
 }
 
 void add_new_verb(CLI::App& app, CommandLine& line) {
@@ -291,7 +285,7 @@ void add_new_verb(CLI::App& app, CommandLine& line) {
   fresh->add_option("--working_distance_mm", line.fresh.working_distance_mm, "pinhole to part")
       ->type_name("MM")
       ->capture_default_str()
-      ->check(CLI::Validator(CLI::PositiveNumber).description("> 0"));
+      ->check(between(1.0, 100000.0));
   fresh->add_option("--light", line.fresh.light, "tunnel, ring, dome, bar, or all to compare them")
       ->type_name("KIND")
       ->capture_default_str()
@@ -325,7 +319,7 @@ void add_other_verbs(CLI::App& app, CommandLine& line) {
                    line.report.evaluate,
                    "evaluate space-filling designs for the analysis, until it has N")
       ->type_name("N")
-      ->check(CLI::Validator(CLI::Range(1, 1000000)).description("1 to 1000000"))
+      ->check(between(1, 1000000))
       ->needs(analyse);
   analyse->excludes("--optuna");
   CLI::App* explain = add_verb(

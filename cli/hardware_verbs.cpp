@@ -183,7 +183,7 @@ void add_cell_calibration(CLI::App& calibrate, CellCalibrationArguments& argumen
                   "with --cell: good enough is a computed point known to this")
       ->type_name("PX")
       ->capture_default_str()
-      ->check(CLI::Validator(CLI::PositiveNumber).description("> 0"));
+      ->check(positive());
   calibrate
       .add_option("--part",
                   arguments.part,
@@ -197,14 +197,14 @@ void add_cell_calibration(CLI::App& calibrate, CellCalibrationArguments& argumen
                   "with --part: so many times it is lifted and put back, for their spread")
       ->type_name("N")
       ->capture_default_str()
-      ->check(CLI::Range(1, 100).description("1 to 100"));
+      ->check(between(1, 100));
   calibrate
       .add_option("--placed",
                   arguments.placed,
                   "with --part: you have put it down for the Nth time; otherwise asked for at the "
                   "terminal")
       ->type_name("N")
-      ->check(CLI::Range(1, 100).description("1 to 100"));
+      ->check(between(1, 100));
 }
 
 void add_calibrate_verb(CLI::App& app, CommandLine& line) {
@@ -379,14 +379,14 @@ void add_cell_verb(CLI::App& app, CommandLine& line) {
   cell->add_option("--speed_share", arguments.speed_share, "of the cell's limits of speed")
       ->type_name("SHARE")
       ->capture_default_str()
-      ->check(CLI::Range(0.01, 1.0).description("0.01 to 1"));
+      ->check(between(0.01, 1.0));
   cell->add_flag(
       "--line", arguments.is_line, "move, safe: the TCP goes straight there (movel, not movej)");
   cell->add_flag("--off", arguments.is_off, "power: off instead of on");
   cell->add_option("--duration_s", arguments.duration_s, "watch: for so long")
       ->type_name("S")
       ->capture_default_str()
-      ->check(CLI::Validator(CLI::PositiveNumber).description("> 0"));
+      ->check(positive());
   add_cell_grab_options(*cell, arguments);
   add_cell_twin_options(*cell, arguments);
 }

@@ -4,13 +4,16 @@
 #include <algorithm>
 #include <csignal>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <new>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "cli/command_line.h"
 #include "cli/commands.h"
@@ -106,7 +109,33 @@ int answer(CLI::App& app, const CLI::ParseError& error, std::span<char* const> w
   return kExitUsage;
 }
 
+/// Results are JSON and TOML, which are UTF-8; names of files need not be.
+bool is_utf8(const std::string& text) {
+  try {
+    return !nlohmann::json(text).dump().empty();
+  } catch (const nlohmann::json::type_error&) {
+    return false;
+  }
+}
+
+/// The first word of the command line, or else the current folder, that is no UTF-8; "": none.
+std::string word_beyond_utf8(std::span<char* const> words) {
+  for (const char* word : words) {
+    if (!is_utf8(word)) {
+      return word;
+    }
+  }
+  std::error_code ignored;
+  const std::string folder = std::filesystem::current_path(ignored).string();
+  return is_utf8(folder) ? "" : folder;
+}
+
 int run_program(int argc, char** argv) {
+  const std::span<char* const> words(argv + std::min(argc, 1), argv + argc);
+  if (const std::string word = word_beyond_utf8(words); !word.empty()) {
+    std::cerr << "glint: " << word << ": is no UTF-8 text, as all names must be\n";
+    return kExitUsage;
+  }
   CLI::App app("Glint finds the lighting under which surface defects show.", "glint");
   app.set_version_flag("-V,--version", version_text());
   app.require_subcommand(1);
@@ -117,7 +146,7 @@ int run_program(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return answer(app, error, {argv + std::min(argc, 1), argv + argc});
+    return answer(app, error, words);
   }
   try {
     return run_verb(line);
@@ -134,6 +163,13 @@ int run_program(int argc, char** argv) {
         << "out of memory: this takes more than the machine, or a limit on this program, has; "
            "fewer pixels, --jobs or --threads need less\n";
     return kExitIo;
+  } catch (const nlohmann::json::type_error& error) {
+    constexpr int kInvalidUtf8 = 316;
+    const bool is_name = error.id == kInvalidUtf8;
+    std::cerr << (is_name ? "a file has a name that is no UTF-8 text, as all names must be: "
+                          : "internal error: ")
+              << error.what() << "\n";
+    return is_name ? kExitUsage : kExitInternal;
   } catch (const std::exception& error) {
     std::cerr << "internal error: " << error.what() << "\n";
     return kExitInternal;

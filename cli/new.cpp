@@ -72,7 +72,10 @@ StarterLight light_of(const std::string& name) {
 
 }  // namespace
 
-int new_command(const NewArguments& arguments, const CommonArguments& common) {
+int new_command(const NewArguments& arguments, const CommonArguments& common) try {
+  if (std::error_code ignored; !std::filesystem::exists(arguments.part, ignored)) {
+    throw IoError(arguments.part.string() + ": cannot be read: No such file or directory");
+  }
   const std::filesystem::path folder = arguments.out.parent_path();
   if (!folder.empty() && !std::filesystem::is_directory(folder)) {
     throw IoError(arguments.out.string() + ": cannot be written: No such file or directory");
@@ -111,6 +114,9 @@ int new_command(const NewArguments& arguments, const CommonArguments& common) {
                 {"notes", starter.notes}},
                text + fmt::format("next: glint check {}\n", arguments.out.string()));
   return kExitDone;
+
+} catch (const ConfigError& error) {
+  throw with_option_names(error);
 }
 
 }  // namespace glint

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/run/run.h"
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <iostream>
@@ -53,11 +54,11 @@ std::string score_text(const Json& scores, const std::string& name) {
 class ScoreTable {
  public:
   explicit ScoreTable(const Json& result) {
+    names_ = {"homogeneity.h_rms", "homogeneity.h_abs", "defects.min_cnr"};
     const std::string objective = result.value("objective", "");
-    if (!objective.empty() && !objective.starts_with("homogeneity.h_")) {
-      names_.push_back(objective);
+    if (!objective.empty() && std::ranges::find(names_, objective) == names_.end()) {
+      names_.insert(names_.begin(), objective);
     }
-    names_.insert(names_.end(), {"homogeneity.h_rms", "homogeneity.h_abs", "defects.min_cnr"});
     text_ = fmt::format("  {:<24}", "");
     for (const std::string& name : names_) {
       text_ += fmt::format(" {:>12}", name.substr(name.rfind('.') + 1));
@@ -127,7 +128,10 @@ std::string summary(const Json& result) {
   text += table.text();
   if (has_winner) {
     for (const auto& [name, value] : result["best"]["variables"].items()) {
-      text += fmt::format("  {} = {}\n", name, value.dump());
+      text += fmt::format(
+          "  {} = {}\n",
+          name,
+          value.is_number() ? fmt::format("{:.6g}", value.get<double>()) : value.dump());
     }
   }
   if (result.contains("accuracy")) {

@@ -17,7 +17,7 @@ void add_driving_options(CLI::App& verb, AcquireArguments& arguments, const std:
   verb.add_option("--speed_share", arguments.speed_share, when + "of the cell's limits of speed")
       ->type_name("SHARE")
       ->capture_default_str()
-      ->check(CLI::Range(0.01, 1.0).description("0.01 to 1"));
+      ->check(between(0.01, 1.0));
   verb.add_option("--confirmed",
                   arguments.confirmed,
                   when +

@@ -18,6 +18,12 @@ namespace glint {
 /// A whole number from min to max.
 CLI::Validator between(int min, int max);
 
+/// A finite number from min to max.
+CLI::Validator between(double min, double max);
+
+/// A finite number above 0.
+CLI::Validator positive(const std::string& remark = "> 0");
+
 /// A name that is empty is a slip: a variable of the shell that is not set.
 CLI::Validator not_empty();
 

@@ -264,7 +264,10 @@ fs::path resolve_path(const ConfigNode& value) {
   if (path.is_absolute() || value.place.file.empty() || value.place.line == 0) {
     return path;
   }
-  return fs::path(value.place.file).parent_path() / path;
+  std::error_code ignored;
+  const fs::path file = value.place.file;
+  const bool is_stream = fs::is_other(fs::status(file, ignored));
+  return is_stream ? path : file.parent_path() / path;
 }
 
 }  // namespace glint

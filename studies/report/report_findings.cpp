@@ -75,7 +75,7 @@ std::string comparison(const Wording& wording,
                      wording.label(),
                      wording.text(*wording.value(design)),
                      wording.text(*wording.value(other)),
-                     noise ? ", noise " + wording.size(*noise) : "");
+                     noise ? ", noise " + wording.noise_text(*noise) : "");
 }
 
 void add_defects(const Json& data, const Json& design, std::vector<Finding>& findings) {

@@ -196,11 +196,11 @@ std::optional<Lead> lead_over(const Json* other, const Json& design, const Wordi
 }
 
 void say_lead(const Lead& lead, const Wording& wording, Verdict& verdict) {
-  const std::string noise = wording.size(lead.noise);
+  const std::string noise = wording.noise_text(lead.noise);
   if (lead.is_sure()) {
     verdict.say("lead_sure",
                 fmt::format("The lead over the baseline is larger than the noise ({}).", noise));
-  } else if (lead.lead >= 0.0) {
+  } else if (lead.lead > 0.0 || (lead.lead == 0.0 && lead.noise > 0.0)) {
     verdict.say("lead_open",
                 fmt::format("The lead over the baseline is not larger than the noise ({}): it may "
                             "be chance; more parts or scans would show.",
@@ -350,31 +350,56 @@ void add_certainty(const Json& ranking, const Wording& wording, Verdict& verdict
   }
 }
 
+/// What the designs of a ranking from this one on miss.
+void add_missed(const Json& ranking, std::size_t first, Verdict& verdict) {
+  for (std::size_t i = first; i < ranking.size(); ++i) {
+    for (const Json& text : ranking[i]["missed"]) {
+      verdict.details.push_back(
+          {"limit_failed",
+           fmt::format("{} misses a limit: {}.", title_of(ranking[i]), text.get<std::string>())});
+    }
+  }
+}
+
+/// The best of a ranking, and what the others miss.
+void say_ranking(const Json& data,
+                 const Json& ranking,
+                 const Json& best,
+                 const Wording& wording,
+                 Verdict& verdict) {
+  const Json& first = ranking.front();
+  const bool is_flat = ranking.size() > 1 && std::ranges::all_of(ranking, [&](const Json& row) {
+                         return number_of(row, "value") == number_of(first, "value");
+                       });
+  if (is_flat) {
+    verdict.say("objective_flat",
+                fmt::format("All {} designs have the same {}, {}: it does not tell them apart.",
+                            ranking.size(),
+                            wording.label(),
+                            wording.text(*number_of(first, "value"))));
+    add_missed(ranking, 0, verdict);
+    return;
+  }
+  verdict.say("ranked",
+              fmt::format("Of {} designs, {} has the best {}: {}.",
+                          member(data, "designs").size(),
+                          title_of(first),
+                          wording.label(),
+                          ranked_value(first, wording)));
+  say_limits(data, best, verdict);
+  add_certainty(ranking, wording, verdict);
+  add_missed(ranking, 1, verdict);
+}
+
 /// Designs of which none was searched for.
 Verdict verdict_of_ranking(const Json& data, const Wording& wording) {
   Verdict verdict;
   const Json ranking = report_detail::ranking_of(data);
-  const Json& first = ranking.front();
   const auto& designs = member(data, "designs");
-  const Json* best = &*std::ranges::find_if(
-      designs, [&](const Json& design) { return text_of(design, "key") == text_of(first, "key"); });
-  verdict.say("ranked",
-              fmt::format("Of {} designs, {} has the best {}: {}.",
-                          designs.size(),
-                          title_of(first),
-                          wording.label(),
-                          ranked_value(first, wording)));
-  say_limits(data, *best, verdict);
-  add_certainty(ranking, wording, verdict);
-  for (const Json& row : ranking) {
-    for (const Json& text : row["missed"]) {
-      if (text_of(row, "key") != text_of(first, "key")) {
-        verdict.details.push_back(
-            {"limit_failed",
-             fmt::format("{} misses a limit: {}.", title_of(row), text.get<std::string>())});
-      }
-    }
-  }
+  const Json* best = &*std::ranges::find_if(designs, [&](const Json& design) {
+    return text_of(design, "key") == text_of(ranking.front(), "key");
+  });
+  say_ranking(data, ranking, *best, wording, verdict);
   verdict.add(report_detail::findings_on(data, *best));
   if (verdict.has("defects_hidden") || member(*best, "feasible") == Json(false)) {
     verdict.tone = "neutral";

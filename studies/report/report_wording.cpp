@@ -21,9 +21,18 @@ constexpr double kLevelPoints = 0.05;  // differences that would print as 0.0 po
 
 /// Half the width of the interval that holds 95 % of single values like these; mean_of() tells
 /// that of their mean, which is narrower by the root of their number.
-double spread_of(const std::vector<double>& values) {
+/// @param unit  rounding errors are of its size: what is below them is 0
+double spread_of(const std::vector<double>& values, double unit) {
+  constexpr double kRounding = 1e-12;
   const Estimate mean = mean_of(values);
-  return 0.5 * (mean.high - mean.low) * std::sqrt(static_cast<double>(values.size()));
+  const double spread =
+      0.5 * (mean.high - mean.low) * std::sqrt(static_cast<double>(values.size()));
+  return spread > kRounding * unit ? spread : 0.0;
+}
+
+double largest(const std::vector<double>& values) {
+  return std::abs(
+      *std::ranges::max_element(values, {}, [](double value) { return std::abs(value); }));
 }
 
 }  // namespace
@@ -71,7 +80,7 @@ std::optional<double> Wording::noise(const Json& design) const {
     return std::hypot(low && high ? 0.5 * (*high - *low) : 0.0, 2.0 * error.value_or(0.0));
   }
   const std::vector<double> values = repeated(design);
-  return values.size() < 2 ? std::nullopt : std::optional(spread_of(values));
+  return values.size() < 2 ? std::nullopt : std::optional(spread_of(values, largest(values)));
 }
 
 std::optional<double> Wording::noise(const Json& design, const Json& other) const {
@@ -80,7 +89,7 @@ std::optional<double> Wording::noise(const Json& design, const Json& other) cons
   if (here.size() > 1 && here.size() == there.size()) {
     std::vector<double> gaps(here.size());
     std::ranges::transform(here, there, gaps.begin(), std::minus());
-    return spread_of(gaps);
+    return spread_of(gaps, std::max(largest(here), largest(there)));
   }
   const auto own = noise(design);
   const auto its = noise(other);
@@ -98,6 +107,10 @@ std::string Wording::text(double value) const {
 
 std::string Wording::size(double gap) const {
   return is_percent_ ? fmt::format("{:.1f} points", 100 * gap) : fmt::format("{:.3g}", gap);
+}
+
+std::string Wording::noise_text(double noise) const {
+  return noise > 0.0 ? size(noise) : "none";
 }
 
 std::string Wording::against(double value, double other) const {

@@ -53,6 +53,8 @@ class Wording {
 
   std::string size(double gap) const;  ///< of a difference: "6.4 points", "0.12"
 
+  std::string noise_text(double noise) const;  ///< as a size, "none" for 0
+
   /// "6.4 points better than", "level with".
   std::string against(double value, double other) const;
 

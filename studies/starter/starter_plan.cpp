@@ -90,8 +90,11 @@ StarterSizes starter_sizes(const Eigen::Vector3d& upright_mm,
   const double enlarged = working_distance_mm / sizes.top_mm;
   const double extent_mm = std::max(size_mm.x(), size_mm.y());
   sizes.object_pixel_mm = extent_mm / largest_picture_px(light);
-  const auto pixels = [&](double size) {
-    return static_cast<int>(std::ceil(1.1 * enlarged * size / sizes.object_pixel_mm / 16.0)) * 16;
+  const auto pixels = [&](double size) {  // a plate may be seen on edge
+    return std::max(
+               1,
+               static_cast<int>(std::ceil(1.1 * enlarged * size / sizes.object_pixel_mm / 16.0))) *
+           16;
   };
   sizes.width_px = pixels(size_mm.x());
   sizes.height_px = pixels(size_mm.y());

@@ -30,6 +30,13 @@ std::string in_quotes(const std::string& text) {
   return value_to_toml(ConfigNode::from_text(text));
 }
 
+/// A file's name may hold anything: a comment ends with its line.
+std::string in_comment(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return (c >= 0 && c < ' ') || c == 0x7f; }, '?');
+  return text;
+}
+
 std::string block(const std::string& table, const KeyLines& keys) {
   std::string text = fmt::format("\n[{}]\n", table);
   for (const KeyLine& line : keys) {
@@ -129,8 +136,8 @@ std::string head(const StarterPlan& plan) {
       "# `glint check {1}` validates this file, `glint run {1}` runs it.\n"
       "schema = 1\n"
       "title = {2}\n",
-      plan.name,
-      plan.study_file,
+      in_comment(plan.name),
+      in_comment(plan.study_file),
       in_quotes(title + plan.name));
 }
 

@@ -52,6 +52,31 @@ TEST(NewStudy, StartsWithADentThatShowsAndEndsWithOneThatShowsBetter) {
   EXPECT_THAT(codes_in(result), Not(::testing::Contains("defects_fainter")));
 }
 
+// What is said of a study's keys is said of this verb's options and files.
+TEST(NewStudy, NamesItsOwnOptionsInErrors) {
+  const TemporaryFolder folder;
+  write_file(folder / "tiny.stl", rectangle_stl(0.2, 0.04));
+  const auto refused = [&](const Arguments& arguments, int code, const std::string& message) {
+    const ProgramResult result = glint_in(folder, arguments);
+    EXPECT_EQ(result.code, code);
+    EXPECT_THAT(result.err, ::testing::MatchesRegex(message + "\n"));
+  };
+  refused({"new", "gone.stl"}, 3, "gone\\.stl: cannot be read: No such file or directory");
+  refused({"new", "tiny.stl"}, 2, "--unit: tiny\\.stl is 0\\.2 mm large: is the file in m\\?.*");
+  refused({"new", "tiny.stl", "--unit", "furlong"}, 2, "--unit: is \"furlong\", must be one of.*");
+}
+
+// A line break in a name ends no comment of the study.
+TEST(NewStudy, TakesAnyNameForAPart) {
+  const TemporaryFolder folder;
+  const std::string name = "a\"b\\c\n[part] #.stl";
+  write_file(folder / name, rectangle_stl(60, 20));
+  json_of(folder, {"new", name, "--working_distance_mm", "300", "--out", "plate.toml"});
+  const std::string text = read_file(folder / "plate.toml");
+  EXPECT_THAT(text, HasSubstr("# A lighting study for a\"b\\c?[part] #.stl, written by"));
+  EXPECT_THAT(text, HasSubstr("file = \"a\\\"b\\\\c\\n[part] #.stl\""));
+}
+
 TEST(NewStudy, AsJsonOnStdoutIsOneObject) {
   const TemporaryFolder folder;
   write_file(folder / "plate.stl", rectangle_stl(60, 20));

@@ -68,8 +68,9 @@ TEST_F(StudyFileError, MissingIncludesAndCirclesNameTheFilesThatAsk) {
                  "c\\.toml -> a\\.toml");
 }
 
-TEST_F(StudyFileError, APipeIsReadLikeAFile) {
-  const std::string study = small_study();
+TEST_F(StudyFileError, APipeIsReadLikeAFileInTheCurrentFolder) {
+  write_file(folder_ / "base.toml", small_study());
+  const std::string study = "include = [\"base.toml\"]\n";
   const ProgramResult result =
       glint_in(folder_.path(), {"check", "/dev/stdin", "--threads", "1"}, [&] {
         int ends[2] = {};

@@ -59,6 +59,22 @@ TEST(UsageError, WrongNumbers) {
                      "glint run: --threads: Value 0 not in range 1 to 1024");
   expect_usage_error({"run", "study.toml", "--seed", "-1"},
                      "glint run: --seed: Value -1 not in range 0 to 2147483647");
+  for (const std::string distance : {"0", "-5", "nan", "inf", "1e300", "far"}) {
+    expect_usage_error(
+        {"new", "plate.stl", "--working_distance_mm", distance},
+        "glint new: --working_distance_mm: is " + distance + ", must be a number from 1 to 100000");
+  }
+  expect_usage_error({"part", "plate.stl", "--slope_mrad", "nan"},
+                     "glint part: --slope_mrad: is nan, must be a number > 0");
+  expect_usage_error({"part", "plate.stl", "--crease_deg", "nan"},
+                     "glint part: --crease_deg: is nan, must be a number from 0 to 180");
+}
+
+// JSON and TOML cannot hold them: refused before anything is computed.
+TEST(UsageError, NamesThatAreNoUtf8) {
+  expect_usage_error({"run", "study.toml", "--out", "out\xff"},
+                     "glint: out\xff: is no UTF-8 text, as all names must be");
+  expect_usage_error({"check", "s\xc3.toml"}, "glint: s\xc3\\.toml: is no UTF-8 text, .*");
 }
 
 TEST(UsageError, WrongBudget) {

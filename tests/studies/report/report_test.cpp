@@ -403,6 +403,18 @@ TEST(ReportVerdict, ComparesFreshNumbersWithFreshIntervals) {
   EXPECT_THAT(sentence_of(data), HasSubstr("is not larger than the noise (5.7 points)"));
 }
 
+// Scans without noise: what differs between them is rounding, and a tie is no lead.
+TEST(ReportVerdict, SaysThatScansHaveNoNoise) {
+  const auto scanned = [](double baseline, double winner) {
+    Json data = noisy_report(baseline, winner, 0.0);
+    data["designs"][0]["repeated"]["inspection.detection_rate"] = {baseline, baseline, baseline};
+    data["designs"][1]["repeated"]["inspection.detection_rate"] = {winner, winner + 1e-16, winner};
+    return sentence_of(data);
+  };
+  EXPECT_THAT(scanned(0.5, 0.6), HasSubstr("is larger than the noise (none)"));
+  EXPECT_THAT(scanned(0.6, 0.6), AllOf(HasSubstr("level with"), Not(HasSubstr("noise"))));
+}
+
 TEST(RenderReport, LabelsScoresOfAnInspection) {
   const Json info = complete_report(noisy_report(0.5, 0.6, 0.03))["score_info"];
   EXPECT_EQ(info["inspection.detection_rate"]["label"], "detection rate");

@@ -400,6 +400,25 @@ TEST(Ranking, SharesTheChanceOfBeingBestAndUsesThatNoiseIsCommon) {
       sum / kStudies, 0.5, 0.1);  // the chances are spread evenly: deviation 0.3 / sqrt(200)
 }
 
+// Where every design scores 0 none has "the best" of it.
+TEST(Ranking, OfLevelDesignsNamesNoBest) {
+  const Json level = changed(prototypes(), [](Json& d) {
+    for (Json& design : d["designs"]) {
+      set_cnr(design, 0.0);
+      repeat(design, {0.0, 0.0, 0.0, 0.0});
+    }
+    d["designs"][1]["feasible"] = false;
+    d["designs"][1]["scores"]["homogeneity.h_rms"] = 0.6;
+  });
+  EXPECT_EQ(text_of_code(level, "objective_flat"),
+            "All 3 designs have the same smallest CNR, 0: it does not tell them apart.");
+  EXPECT_THAT(text_of_code(level, "limit_failed"), HasSubstr("dome misses a limit"));
+  for (const char* code : {"ranked", "ranking_open", "ranking_sure"}) {
+    EXPECT_EQ(codes_of(level).count(code), 0U) << code;
+  }
+  EXPECT_EQ(codes_of(prototypes()).count("objective_flat"), 0U);
+}
+
 TEST(Ranking, IsOfDesignsWithoutASearchAlone) {
   EXPECT_FALSE(complete_report(sound_search()).contains("ranking"));
   const Json complete = complete_report(prototypes());

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <string>
@@ -29,6 +30,8 @@ constexpr int kSteps = 16;
 /// Parts of a range, in the variable that differs most.
 constexpr double kApart = 0.05;
 constexpr double kApartFromWinner = 0.01;
+/// Half of the proposals trust the models, half keep limits by so many standard deviations of them.
+constexpr std::array<double, 2> kCautions = {0.0, 2.0};
 /// Keeps the numbers drawn here apart from those of a search with the same seed.
 constexpr std::uint64_t kProposalSeeds = 1ULL << 42;
 
@@ -55,6 +58,13 @@ std::vector<const Trial*> trials_to_model(const RobustTask& task) {
   return kept;
 }
 
+/// What the models say of one built design: scores, and how far limits may be off.
+struct Modelled {
+  Scores scores;
+  Scores low;
+  Scores high;
+};
+
 /// The models of all scores that the goal names.
 class BuiltModel {
  public:
@@ -79,27 +89,36 @@ class BuiltModel {
     }
   }
 
-  /// @param count  offsets that are looked at, from the first one on
-  Standing standing(const Point& point, std::size_t count) const {
-    std::vector<Point> built;
-    for (std::size_t k = 0; k < std::min(count, task_.offsets.size()); ++k) {
-      built.push_back(moved(point, task_.offsets[k]));
-    }
-    std::vector<Scores> scores(built.size());
-    for (const auto& [name, model] : models_) {
-      const std::vector<double> means = model.predict_means(built);
-      for (std::size_t k = 0; k < built.size(); ++k) {
-        scores[k][name] = means[k];
-      }
-    }
+  /// @param count    offsets that are looked at, from the first one on
+  /// @param caution  standard deviations of the models by which limits are to be kept
+  Standing standing(const Point& point, std::size_t count, double caution) const {
     std::vector<double> merits;
-    for (const Scores& one : scores) {
-      merits.push_back(merit_.of(one));
+    for (const Modelled& one : modelled(point, count, caution)) {
+      const bool is_kept = is_feasible(task_.goal, one.low) && is_feasible(task_.goal, one.high);
+      merits.push_back(is_kept ? merit_.of(one.scores) : std::numeric_limits<double>::infinity());
     }
     return standing_of(std::move(merits));
   }
 
  private:
+  std::vector<Modelled> modelled(const Point& point, std::size_t count, double caution) const {
+    std::vector<Point> built;
+    for (std::size_t k = 0; k < std::min(count, task_.offsets.size()); ++k) {
+      built.push_back(moved(point, task_.offsets[k]));
+    }
+    std::vector<Modelled> result(built.size());
+    for (const auto& [name, model] : models_) {
+      const std::vector<Posterior> posteriors = model.predict(built);
+      for (std::size_t k = 0; k < built.size(); ++k) {
+        const double off = caution * std::sqrt(posteriors[k].variance);
+        result[k].scores[name] = posteriors[k].mean;
+        result[k].low[name] = posteriors[k].mean - off;
+        result[k].high[name] = posteriors[k].mean + off;
+      }
+    }
+    return result;
+  }
+
   /// Beyond a variable's limits the models know nothing.
   Point moved(const Point& point, const Point& offset) const {
     Point built = point;
@@ -147,7 +166,8 @@ bool is_apart(const SearchSpace& space, const Point& point, const std::vector<Ca
 /// All designs that are worth a look, by the first offsets.
 std::vector<Candidate> first_candidates(const RobustTask& task,
                                         const BuiltModel& model,
-                                        const std::vector<const Trial*>& trials) {
+                                        const std::vector<const Trial*>& trials,
+                                        double caution) {
   std::set<Point> points;
   for (const Trial* trial : trials) {
     points.insert(canonical(task.space, trial->point));
@@ -158,25 +178,47 @@ std::vector<Candidate> first_candidates(const RobustTask& task,
   }
   std::vector<Candidate> candidates;
   for (const Point& point : points) {
-    candidates.push_back({.point = point, .standing = model.standing(point, kFewOffsets)});
+    candidates.push_back({.point = point, .standing = model.standing(point, kFewOffsets, caution)});
   }
   sort_by_standing(candidates);
   return candidates;
 }
 
 /// Steps that are kept where the models like them, shorter and shorter.
-Candidate refined(const RobustTask& task, const BuiltModel& model, Point point, Rng& rng) {
-  Candidate best{.point = point, .standing = model.standing(point, task.offsets.size())};
+Candidate refined(
+    const RobustTask& task, const BuiltModel& model, const Point& point, double caution, Rng& rng) {
+  const std::size_t all = task.offsets.size();
+  Candidate best{.point = point, .standing = model.standing(point, all, caution)};
   for (const double width : kWidths) {
     for (int step = 0; step < kSteps; ++step) {
       Point next = neighbour(task.space, best.point, width, step % 2 == 1, rng);
-      const Standing standing = model.standing(next, task.offsets.size());
+      const Standing standing = model.standing(next, all, caution);
       if (standing < best.standing) {
         best = {.point = std::move(next), .standing = standing};
       }
     }
   }
   return best;
+}
+
+/// What is found about the best of all candidates, the best first.
+std::vector<Candidate> best_ones(const RobustTask& task,
+                                 const BuiltModel& model,
+                                 const std::vector<const Trial*>& trials,
+                                 double caution,
+                                 Rng& rng) {
+  std::vector<Candidate> starts;
+  for (const Candidate& candidate : first_candidates(task, model, trials, caution)) {
+    if (starts.size() < kRefined && is_apart(task.space, candidate.point, starts)) {
+      starts.push_back(candidate);
+    }
+  }
+  std::vector<Candidate> found;
+  for (const Candidate& start : starts) {
+    found.push_back(refined(task, model, start.point, caution, rng));
+  }
+  sort_by_standing(found);
+  return found;
 }
 
 }  // namespace
@@ -188,23 +230,17 @@ std::vector<Proposal> propose_robust(const RobustTask& task, const Point& winner
     return {};
   }
   const BuiltModel model(task, trials);
-  std::vector<Candidate> starts;
-  for (const Candidate& candidate : first_candidates(task, model, trials)) {
-    if (starts.size() < kRefined && is_apart(task.space, candidate.point, starts)) {
-      starts.push_back(candidate);
-    }
-  }
   Rng rng(task.seed, Stream::kSearch, kProposalSeeds);
-  std::vector<Candidate> found;
-  for (const Candidate& start : starts) {
-    found.push_back(refined(task, model, start.point, rng));
-  }
-  sort_by_standing(found);
   std::vector<Candidate> taken;
-  for (const Candidate& candidate : found) {
-    if (std::ssize(taken) < count && is_apart(task.space, candidate.point, taken) &&
-        distance(task.space, candidate.point, winner) >= kApartFromWinner) {
-      taken.push_back(candidate);
+  for (const double caution : kCautions) {
+    const auto share = static_cast<std::ptrdiff_t>(kCautions.size());
+    const std::ptrdiff_t wanted =
+        std::min<std::ptrdiff_t>(count, std::ssize(taken) + count / share);
+    for (Candidate& candidate : best_ones(task, model, trials, caution, rng)) {
+      if (std::ssize(taken) < wanted && is_apart(task.space, candidate.point, taken) &&
+          distance(task.space, candidate.point, winner) >= kApartFromWinner) {
+        taken.push_back(std::move(candidate));
+      }
     }
   }
   std::vector<Proposal> proposals;

@@ -31,8 +31,9 @@ struct Proposal {
   double modelled = 0.0;  ///< the merit that the models expect 95 % of the built designs to reach
 };
 
-/// The `count` best ones by the models that lie apart from `winner` and from each other, the best
-/// first: trials, even points of the space, and what is found about the best of these. Fewer where
+/// The `count` best ones by the models that lie apart from `winner` and from each other: trials,
+/// even points of the space, and what is found about the best of these. The first half takes the
+/// models at their word, the second keeps limits by two standard deviations of them. Fewer where
 /// there are no more, none where fewer than three trials succeeded. Deterministic.
 /// @param winner  of the search, canonical
 std::vector<Proposal> propose_robust(const RobustTask& task, const Point& winner, int count);

@@ -110,6 +110,15 @@ SceneSettings read_with(const Study& study,
   return scene;
 }
 
+/// A problem at the place of its key, or of the file where the key is not written.
+Problem problem_of(const ConfigNode& root, const char* key, std::string text) {
+  const ConfigNode* node = root.at_path(key);
+  return {.kind = Problem::Kind::kRelation,
+          .place = node != nullptr ? node->place : Place{.file = root.place.file},
+          .key = key,
+          .text = std::move(text)};
+}
+
 /// What a search needs and path-traced scenes do not have.
 void check_derivatives(const Study& study, std::vector<Problem>& errors) {
   const bool is_asked = study.search.derivatives;
@@ -118,12 +127,9 @@ void check_derivatives(const Study& study, std::vector<Problem>& errors) {
         is_asked ? "asks for" : fmt::format("\"{}\" needs", study.search.algorithm);
     const char* allowed =
         is_asked ? "allowed is false" : "allowed are algorithms that do without, such as \"auto\"";
-    errors.push_back({.kind = Problem::Kind::kRelation,
-                      .key = is_asked ? "search.derivatives" : "search.algorithm",
-                      .text = fmt::format("{} derivatives, which {}; {}", who, why, allowed)});
-    if (is_asked) {
-      errors.back() = with_place(study.root, std::move(errors.back()));
-    }
+    errors.push_back(problem_of(study.root,
+                                is_asked ? "search.derivatives" : "search.algorithm",
+                                fmt::format("{} derivatives, which {}; {}", who, why, allowed)));
   };
   if (study.has_search() && study.scene.expose_to > 0.0 && wants_derivatives(study)) {
     fail("are not known where sensor.expose_to sets the exposure");
@@ -148,9 +154,7 @@ void check_algorithm(const Study& study, std::vector<Problem>& errors) {
     text = "is of one objective, there are several; allowed is false";
   }
   if (!text.empty()) {
-    errors.push_back(with_place(
-        study.root,
-        Problem{.kind = Problem::Kind::kRelation, .key = "search.derivatives", .text = text}));
+    errors.push_back(problem_of(study.root, "search.derivatives", text));
   }
 }
 

@@ -100,7 +100,7 @@ TEST(CellCamera, SlipsAreNamed) {
               HasSubstr("twin.truth"));
   EXPECT_THAT(glint_in(folder, {"cell", "list", "cell.toml"}).err, HasSubstr("takes no file"));
   EXPECT_THAT(glint_in(folder, {"cell", "twin", "clock", "cell.toml"}).err,
-              HasSubstr("camera, robot, both and stop"));
+              HasSubstr("camera, robot, both, stop and place"));
 }
 
 }  // namespace

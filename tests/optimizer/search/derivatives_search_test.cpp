@@ -62,17 +62,6 @@ TEST(DerivativesSearch, ComesNearTheOptimumInFewEvaluations) {
   EXPECT_GT(without, kOptimum + 0.03);
 }
 
-TEST(DerivativesSearch, DerivativesOfTheWrongSignDoNotKeepItFromTheOptimum) {
-  const Evaluate wrong = [](const Point& p, int trial) {
-    Outcome outcome = valley(p, trial);
-    for (double& slope : outcome.gradients.at("loss")) {
-      slope = -3.0 * slope + 1.0;
-    }
-    return outcome;
-  };
-  EXPECT_LT(best_loss(valley_task(true, 60), wrong), 0.06);
-}
-
 TEST(DerivativesSearch, ACutUpSearchIsTheSameBitForBit) {
   SearchTask task = valley_task(true, 36);
   task.settings.batch = 2;

@@ -9,10 +9,10 @@
 #include <thread>
 #include <utility>
 
-#include "core/config/keys.h"
 #include "core/wall_clock.h"
 #include "optimizer/front/front.h"
 #include "optimizer/search/replay.h"
+#include "optimizer/search/search_task.h"
 
 namespace glint {
 
@@ -24,34 +24,6 @@ using Clock = std::chrono::steady_clock;
 constexpr int kMaxIdleAsks = 1000;
 /// A study whose first evaluations all fail is set up wrongly.
 constexpr int kMaxFirstFailures = 10;
-
-void check_task(const SearchTask& task) {
-  const Budget& budget = task.budget;
-  std::vector<Problem> errors;
-  if (budget.evaluations < 0 || budget.stall < 0 || !(budget.wall_clock_s >= 0.0)) {
-    errors.push_back({.key = "budget", .text = "limits must not be negative, 0 means no limit"});
-  }
-  if (budget.evaluations == 0 && budget.stall == 0 && budget.wall_clock_s <= 0.0 &&
-      !budget.target) {
-    errors.push_back(
-        {.key = "budget",
-         .text = "at least one of evaluations, wall clock, stall and target is needed"});
-  }
-  if (budget.target && has_several_objectives(task.goal)) {
-    errors.push_back({.key = "budget.target",
-                      .text = "is of one objective, there are several; allowed: evaluations, wall "
-                              "clock, stall"});
-  }
-  if (task.jobs < 1) {
-    errors.push_back({.key = "jobs", .text = "must be at least 1"});
-  }
-  for (const Point& point : task.start_points) {
-    if (point.size() != task.space.variables.size()) {
-      errors.push_back({.key = "start point", .text = "needs one value per variable"});
-    }
-  }
-  throw_if_any(errors);
-}
 
 class Search {
  public:
@@ -65,7 +37,7 @@ class Search {
         evaluate_(evaluate),
         interrupt_(interrupt),
         on_evaluation_(on_evaluation),
-        memory_(make_memory(task)) {}
+        memory_(make_memory(task, storage)) {}
 
   SearchResult run() {
     begin_log(task_, storage_);
@@ -89,6 +61,9 @@ class Search {
   Termination loop() {
     while (true) {
       if (memory_.in_flight.empty()) {
+        if (begins_epoch()) {
+          continue;
+        }
         if (const std::optional<Termination> end = ended()) {
           return *end;
         }
@@ -101,6 +76,26 @@ class Search {
       }
       tell_in_flight();
     }
+  }
+
+  /// Lets the caller review what is told.
+  bool begins_epoch() {
+    if (!task_.review || is_interrupted()) {
+      return false;
+    }
+    const auto told = static_cast<std::size_t>(memory_.num_told);
+    const std::optional<Event> event = task_.review(std::span(memory_.trials).first(told));
+    if (!event) {
+      return false;
+    }
+    storage_.begin_epoch(*event);
+    memory_ = make_memory(task_, storage_);
+    replay(task_, storage_, memory_);
+    result_.evaluations = 0;
+    result_.failed = 0;
+    shown_best_.reset();
+    shown_front_.clear();
+    return true;
   }
 
   bool is_interrupted() const { return interrupt_ != nullptr && interrupt_->load() > 0; }
@@ -124,6 +119,9 @@ class Search {
   /// Looked at between batches only, so that it does not depend on jobs or interruptions.
   std::optional<Termination> ended() const {
     const Budget& budget = task_.budget;
+    if (task_.review && is_interrupted()) {
+      return Termination::kInterrupted;  // its end is to be reviewed, too
+    }
     if (has_reached_target()) {
       return Termination::kTarget;
     }
@@ -136,7 +134,7 @@ class Search {
     if (budget.stall > 0 && memory_.since_better >= budget.stall) {
       return Termination::kStall;
     }
-    if (memory_.num_idle >= kMaxIdleAsks) {
+    if (memory_.num_idle >= kMaxIdleAsks + memory_.num_archived) {
       return Termination::kExhausted;
     }
     if (is_interrupted()) {

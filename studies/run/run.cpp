@@ -142,8 +142,8 @@ class Run {
       return search_designs(storage, folder);
     }
     Storage record = Storage::open(options_.out / kAccuracyTrials, identity_);
-    const auto search = [&](const ChosenAccuracy& chosen) {
-      return search_designs(storage, folder, &chosen);
+    const auto search = [&](const ChosenAccuracy& chosen, const Review& review) {
+      return search_designs(storage, folder, &chosen, review);
     };
     return search_accurately({.study = study_,
                               .store = store_,
@@ -159,15 +159,19 @@ class Run {
 
   SearchResult search_designs(Storage& storage,
                               OutputFolder& folder,
-                              const ChosenAccuracy* chosen = nullptr) {
+                              const ChosenAccuracy* chosen = nullptr,
+                              const Review& review = {}) {
     SearchTask task = search_task(study_, options_.jobs);
     task.verify_replay = options_.verify_replay;
-    std::map<Point, Outcome> known = begin_with_taken(options_.out, task);
-    const RenderRung* rung = chosen != nullptr ? &chosen->rung() : nullptr;
-    known.merge(chosen != nullptr ? std::map(chosen->known) : std::map<Point, Outcome>());
+    task.review = review;
+    const std::map<Point, Outcome> taken = begin_with_taken(options_.out, task);
     const auto evaluate_point = [&](const Point& point, int /*trial*/) {
+      const auto& known = chosen != nullptr ? chosen->known : taken;  // nothing is taken beside it
       const auto found = known.find(point);
-      return found != known.end() ? found->second : evaluate_candidate(store_, study_, point, rung);
+      return found != known.end()
+                 ? found->second
+                 : evaluate_candidate(
+                       store_, study_, point, chosen != nullptr ? &chosen->rung() : nullptr);
     };
     Progress bar(study_.name, std::max(1, study_.budget.evaluations), options_.progress);
     const auto show = [&](const SearchProgress& progress) {

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimizer/search/search_task.h"
+
+#include <vector>
+
+#include "core/config/keys.h"
+
+namespace glint {
+
+void check_task(const SearchTask& task) {
+  const Budget& budget = task.budget;
+  std::vector<Problem> errors;
+  if (budget.evaluations < 0 || budget.stall < 0 || !(budget.wall_clock_s >= 0.0)) {
+    errors.push_back({.key = "budget", .text = "limits must not be negative, 0 means no limit"});
+  }
+  if (budget.evaluations == 0 && budget.stall == 0 && budget.wall_clock_s <= 0.0 &&
+      !budget.target) {
+    errors.push_back(
+        {.key = "budget",
+         .text = "at least one of evaluations, wall clock, stall and target is needed"});
+  }
+  if (budget.target && has_several_objectives(task.goal)) {
+    errors.push_back({.key = "budget.target",
+                      .text = "is of one objective, there are several; allowed: evaluations, wall "
+                              "clock, stall"});
+  }
+  if (task.jobs < 1) {
+    errors.push_back({.key = "jobs", .text = "must be at least 1"});
+  }
+  for (const Point& point : task.start_points) {
+    if (point.size() != task.space.variables.size()) {
+      errors.push_back({.key = "start point", .text = "needs one value per variable"});
+    }
+  }
+  throw_if_any(errors);
+}
+
+}  // namespace glint

@@ -8,9 +8,9 @@
 //
 // Tables: study (one row), session (one row per process that ran it), trial, evaluation, value,
 // gradient, remark, event. Schema 1 had no gradients and 2 no remarks, which were a text in the
-// message of an evaluation that did not fail, 3 no objectives in its events, and 5 no epochs; such a
-// database is read as it is and upgraded when it is opened for running. They are for reading with other tools
-// too; the schema number is SQLite's user_version.
+// message of an evaluation that did not fail, 3 no objectives in its events, and 5 no epochs; such
+// a database is read as it is and upgraded when it is opened for running. They are for reading with
+// other tools too; the schema number is SQLite's user_version.
 #pragma once
 
 #include <cstdint>

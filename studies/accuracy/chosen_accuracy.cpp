@@ -182,17 +182,6 @@ class RungEvaluator {
   int done_ = 0;
 };
 
-/// LadderStep::fineness
-double fineness_of(const RenderRung& rung) {
-  if (rung.level != "level 0") {
-    return rung.paths.samples;
-  }
-  if (rung.render.method == RenderSettings::Method::kSampled) {
-    return static_cast<double>(rung.render.rays_per_axis) * rung.render.rays_per_axis;
-  }
-  return 1.0 / (rung.render.max_direction_error_rad * rung.render.max_direction_error_rad);
-}
-
 /// @param num_beyond  candidates that come first, beside the twelve
 LadderTask ladder_task(const Study& study,
                        const std::vector<RenderRung>& ladder,

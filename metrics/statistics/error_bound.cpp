@@ -24,10 +24,23 @@ ErrorBound error_bound(std::span<const double> errors, double content, double co
     squares += (error - result.bias) * (error - result.bias);
   }
   result.spread = std::sqrt(squares / (n - 1.0));
-  const double shift = normal_quantile(0.5 * (1.0 + content)) * std::sqrt(n);
-  const double factor = noncentral_t_quantile(confidence, n - 1.0, shift) / std::sqrt(n);
-  result.bound = std::abs(result.bias) + std::max(factor, 0.0) * result.spread;
+  result.bound =
+      std::abs(result.bias) + tolerance_factor(errors.size(), content, confidence) * result.spread;
   return result;
+}
+
+double tolerance_factor(std::size_t count, double content, double confidence) {
+  GLINT_CHECK(count >= 2, "a bound takes at least two errors");
+  GLINT_CHECK(content > 0.0 && content < 1.0, "the content of a bound lies in (0, 1)");
+  const auto n = static_cast<double>(count);
+  const double shift = normal_quantile(0.5 * (1.0 + content)) * std::sqrt(n);
+  return std::max(noncentral_t_quantile(confidence, n - 1.0, shift) / std::sqrt(n), 0.0);
+}
+
+double prediction_factor(std::size_t count, double confidence) {
+  GLINT_CHECK(count >= 2, "a bound takes at least two errors");
+  const auto n = static_cast<double>(count);
+  return t_quantile(0.5 * (1.0 + confidence), n - 1.0) * std::sqrt(1.0 + 1.0 / n);
 }
 
 }  // namespace glint

@@ -3,6 +3,7 @@
 // How large errors get that have been seen only a few times. Formulas: docs/theory/statistics.md.
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 namespace glint {
@@ -23,5 +24,16 @@ struct ErrorBound {
 /// @param content     in (0, 1)
 /// @param confidence  in (0, 1)
 ErrorBound error_bound(std::span<const double> errors, double content, double confidence);
+
+/// The k of error_bound(). @param count  errors, at least two
+double tolerance_factor(std::size_t count, double content, double confidence);
+
+/// The k with which abs(mean) + k spread of so many errors bounds the absolute value of one more,
+/// with this confidence: t((1 + confidence) / 2, count - 1) sqrt(1 + 1 / count). The errors are
+/// taken as independent and normal.
+/// Source: G. J. Hahn, W. Q. Meeker, "Statistical Intervals", Wiley 1991, chapter 4.
+/// @param count       at least two
+/// @param confidence  in (0, 1)
+double prediction_factor(std::size_t count, double confidence);
 
 }  // namespace glint

@@ -67,7 +67,10 @@ enum class EventKind {
   kNote,       ///< for people
   kReference,  ///< of several objectives: the hypervolume's reference was fixed at `objectives`
   kRules,      ///< before the first ask: the run follows the rules `value` (SearchSettings::rules)
-  kModel       ///< the algorithm's models have the parameters `objectives` from the next ask on
+  kModel,      ///< the algorithm's models have the parameters `objectives` from the next ask on
+  /// All outcomes so far were withdrawn and the algorithm begins anew: asks and tells before are
+  /// history. `trial` showed why; `value` and `objectives` are of who reviews the search.
+  kEpoch
 };
 
 struct Event {
@@ -76,7 +79,8 @@ struct Event {
   double value = 0.0;
   std::string text;
   /// Of several objectives, one number each and smaller is better: maximised scores are negated.
-  /// Of kTell (empty when the trial failed) and kReference. Of kModel: parameters.
+  /// Of kTell (empty when the trial failed) and kReference. Of kModel: parameters; of kEpoch:
+  /// numbers of the reviewer.
   std::vector<double> objectives = {};
 };
 

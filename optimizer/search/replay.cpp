@@ -131,6 +131,23 @@ std::vector<double> given_reference(const Goal& goal) {
   return reference;
 }
 
+/// The points of all trials that were asked before the last epoch began, by their numbers; none in
+/// the first epoch.
+std::vector<Point> archived_points(const Storage& storage) {
+  const std::vector<Event> events = storage.events();
+  int last = 0;
+  for (const Event& event : std::span(events).first(events.size() - last_epoch(events).size())) {
+    last = event.kind == EventKind::kAsk ? std::max(last, event.trial) : last;
+  }
+  std::vector<Point> points;
+  for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
+    if (trial.number <= last) {
+      points.push_back(trial.point);
+    }
+  }
+  return points;
+}
+
 /// Whether a told outcome that did not fail counts as progress. See Budget::stall.
 bool is_sure_gain(const Goal& goal, const Scores& scores, SearchMemory& memory) {
   const auto beats = [&](int number) {
@@ -211,15 +228,25 @@ Event SearchMemory::tell_next(const Goal& goal) {
   return event;
 }
 
-SearchMemory make_memory(const SearchTask& task) {
+std::span<const Event> last_epoch(std::span<const Event> events) {
+  std::size_t begin = events.size();
+  while (begin > 0 && events[begin - 1].kind != EventKind::kEpoch) {
+    --begin;
+  }
+  return events.subspan(begin);
+}
+
+SearchMemory make_memory(const SearchTask& task, const Storage& storage) {
   check(task.goal);
-  std::unique_ptr<Algorithm> algorithm = make_algorithm(task.space,
-                                                        task.settings,
-                                                        task.start_points,
-                                                        num_limits(task.goal),
-                                                        num_objectives(task.goal),
-                                                        given_reference(task.goal),
-                                                        ExactValues(task.goal, task.exact));
+  const std::vector<Point> archived = archived_points(storage);
+  std::unique_ptr<Algorithm> algorithm =
+      make_algorithm(task.space,
+                     task.settings,
+                     archived.empty() ? task.start_points : archived,
+                     num_limits(task.goal),
+                     num_objectives(task.goal),
+                     given_reference(task.goal),
+                     ExactValues(task.goal, task.exact));
   const int num_design = design_size(task.space, task.settings);
   return {
       .algorithm = std::move(algorithm),
@@ -228,6 +255,7 @@ SearchMemory make_memory(const SearchTask& task) {
                              failure_policy(task.space, task.settings, num_objectives(task.goal)),
                              num_design,
                              !task.settings.derivatives),
+      .num_archived = static_cast<int>(archived.size()),
       .num_design = num_design};
 }
 
@@ -271,7 +299,8 @@ void replay(const SearchTask& task, const Storage& storage, SearchMemory& memory
     }
     memory.number_of[trial.point] = trial.number;
   }
-  const std::vector<Event> events = storage.events();
+  const std::vector<Event> log = storage.events();
+  const std::span<const Event> events = last_epoch(log);
   const std::set<std::size_t> computed = asks_to_compute(task, events, *memory.algorithm);
   const bool is_restored = memory.algorithm->can_restore() && !task.verify_replay;
   std::size_t num_asks = 0;
@@ -297,6 +326,7 @@ void replay(const SearchTask& task, const Storage& storage, SearchMemory& memory
       case EventKind::kRestart:
       case EventKind::kNote:
       case EventKind::kRules:
+      case EventKind::kEpoch:
         break;
     }
   }

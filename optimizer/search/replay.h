@@ -25,6 +25,7 @@ struct SearchMemory {
   int num_failed = 0;              ///< of those told
   int num_reused = 0;              ///< asks for a known trial
   int num_idle = 0;                ///< the same, since the last ask for a new one
+  int num_archived = 0;            ///< trials that the epoch began with
   int since_better = 0;            ///< told trials since `surely_best`
   std::optional<int> best;         ///< number of the best told trial
   std::optional<int>
@@ -44,8 +45,12 @@ struct SearchMemory {
   std::optional<Event> fix_reference(const Goal& goal);
 };
 
-/// A search that has not asked anything yet. @throws ConfigError for a wrong task
-SearchMemory make_memory(const SearchTask& task);
+/// A search that has not asked anything yet in its epoch: it begins with the points that were asked
+/// before. @throws ConfigError for a wrong task; IoError
+SearchMemory make_memory(const SearchTask& task, const Storage& storage);
+
+/// The events of the last epoch; all where there was one.
+std::span<const Event> last_epoch(std::span<const Event> events);
 
 /// The rules (SearchSettings::rules) that a run follows: those in its log; 1 where it has asked
 /// without any, as programs did before there were rules; `latest` where it has not asked yet.
@@ -55,9 +60,9 @@ int recorded_rules(std::span<const Event> events, int latest);
 /// Writes the rules that a new run follows, before its first ask.
 void begin_log(const SearchTask& task, Storage& storage);
 
-/// Repeats the recorded asks and tells. Asks are computed again and compared: all of them when
-/// SearchTask::verify_replay or where the algorithm cannot do without, else the last batch and ten
-/// drawn ones; the others are taken from the record.
+/// Repeats the recorded asks and tells of the last epoch. Asks are computed again and compared: all
+/// of them when SearchTask::verify_replay or where the algorithm cannot do without, else the last
+/// batch and ten drawn ones; the others are taken from the record.
 /// @throws ConfigError when the algorithm now asks or judges otherwise than recorded
 /// @throws IoError     when the record contradicts itself
 void replay(const SearchTask& task, const Storage& storage, SearchMemory& memory);

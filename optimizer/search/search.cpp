@@ -37,12 +37,13 @@ class Search {
         evaluate_(evaluate),
         interrupt_(interrupt),
         on_evaluation_(on_evaluation),
-        memory_(make_memory(task)) {}
+        memory_(make_memory(task, storage)) {}
 
   SearchResult run() {
     begin_log(task_, storage_);
     replay(task_, storage_, memory_);
-    std::ranges::for_each(storage_.events(), [this](const Event& event) { look_at(event); });
+    const std::vector<Event> log = storage_.events();
+    std::ranges::for_each(last_epoch(log), [this](const Event& event) { look_at(event); });
     seconds_before_ = storage_.total_seconds();
     for (const Trial& trial : memory_.trials) {
       count(trial);
@@ -66,6 +67,9 @@ class Search {
   Termination loop() {
     while (true) {
       if (memory_.in_flight.empty()) {
+        if (begins_epoch()) {
+          continue;
+        }
         if (const std::optional<Termination> end = ended()) {
           return *end;
         }
@@ -78,6 +82,26 @@ class Search {
       }
       tell_in_flight();
     }
+  }
+
+  /// Lets the caller review what is told.
+  bool begins_epoch() {
+    if (!task_.review || is_interrupted()) {
+      return false;
+    }
+    const auto told = static_cast<std::size_t>(memory_.num_told);
+    const std::optional<Event> event = task_.review(std::span(memory_.trials).first(told));
+    if (!event) {
+      return false;
+    }
+    storage_.begin_epoch(*event);
+    memory_ = make_memory(task_, storage_);
+    replay(task_, storage_, memory_);
+    result_ = {.replayed = result_.replayed};
+    on_derivatives_.clear();
+    shown_best_.reset();
+    shown_front_.clear();
+    return true;
   }
 
   bool is_interrupted() const { return interrupt_ != nullptr && interrupt_->load() > 0; }
@@ -101,6 +125,9 @@ class Search {
   /// Looked at between batches only, so that it does not depend on jobs or interruptions.
   std::optional<Termination> ended() const {
     const Budget& budget = task_.budget;
+    if (task_.review && is_interrupted()) {
+      return Termination::kInterrupted;  // its end is to be reviewed, too
+    }
     if (has_reached_target()) {
       return Termination::kTarget;
     }
@@ -113,7 +140,7 @@ class Search {
     if (budget.stall > 0 && memory_.since_better >= budget.stall) {
       return Termination::kStall;
     }
-    if (memory_.num_idle >= kMaxIdleAsks) {
+    if (memory_.num_idle >= kMaxIdleAsks + memory_.num_archived) {
       return Termination::kExhausted;
     }
     if (is_interrupted()) {
@@ -246,21 +273,8 @@ class Search {
   }
 
   void fail_unusable(const Point& point, Outcome& outcome) const {
-    if (outcome.is_failed) {
-      return;
-    }
-    std::string problem = problem_with(task_.goal, outcome.scores);
-    const std::string algorithm = algorithm_name();
-    if (problem.empty() && needs_gradient(algorithm)) {
-      problem = problem_with_gradients(task_.space, task_.goal, point, outcome);
-      if (!problem.empty()) {
-        problem += ", which " + algorithm + " needs; other algorithms do without";
-        problem += outcome.remarks.empty() ? "" : " (" + text_of(outcome.remarks) + ")";
-      }
-    }
-    if (problem.empty() && task_.settings.derivatives) {
-      problem = problem_without_derivatives(task_.space, task_.goal, point, outcome);
-    }
+    const std::string problem =
+        outcome.is_failed ? "" : problem_with_outcome(task_, point, outcome);
     if (!problem.empty()) {
       outcome.is_failed = true;
       outcome.message = problem;

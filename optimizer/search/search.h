@@ -5,13 +5,15 @@
 // Everything that matters is in the storage before the next step depends on it, so a search killed
 // at any moment goes on to the same result, bit for bit: the recorded events are replayed, each
 // asked point is compared with the record, recorded outcomes are told again and only what is
-// missing is evaluated. Outcomes are told in the order of asking, so results do not depend on how
+// missing is evaluated. Events before the last epoch are history: replay begins with it. Outcomes
+// are told in the order of asking, so results do not depend on how
 // many evaluations run at once.
 #pragma once
 
 #include <atomic>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,7 +53,14 @@ enum class Termination {
 /// "evaluations", "wall_clock", "stall", "target", "interrupted", "exhausted", "failures"
 std::string_view termination_name(Termination termination);
 
-/// What is searched, and how. All but budget and jobs belong into the study's config hash.
+/// Looks at a search between its batches: at all trials told so far, each with its outcome. Where
+/// their scores turn out to be wrong it returns a kEpoch event: all outcomes are withdrawn, the
+/// same points are asked first and evaluated again, and the algorithm begins anew with them. Must
+/// follow from the trials and from what the caller keeps, so that a resumed search decides alike; a
+/// review that is cut short by an interrupt returns nothing and is made again.
+using Review = std::function<std::optional<Event>(std::span<const Trial> told)>;
+
+/// What is searched, and how. All but budget, jobs and review belong into the study's config hash.
 struct SearchTask {
   SearchSpace space;
   SearchSettings settings;
@@ -63,6 +72,7 @@ struct SearchTask {
   /// Compute every recorded ask again and compare it; false: of methods whose state follows from
   /// the record alone the last batch and some drawn ones.
   bool verify_replay = false;
+  Review review = {};  ///< empty: there is one epoch
 };
 
 /// Evaluates one design. Called from several threads when jobs > 1. What it throws as glint::Error

@@ -36,4 +36,23 @@ void check_task(const SearchTask& task) {
   throw_if_any(errors);
 }
 
+std::string problem_with_outcome(const SearchTask& task,
+                                 const Point& point,
+                                 const Outcome& outcome) {
+  std::string problem = problem_with(task.goal, outcome.scores);
+  const std::string algorithm =
+      resolved_algorithm(task.space, task.settings, num_objectives(task.goal));
+  if (problem.empty() && needs_gradient(algorithm)) {
+    problem = problem_with_gradients(task.space, task.goal, point, outcome);
+    if (!problem.empty()) {
+      problem += ", which " + algorithm + " needs; other algorithms do without";
+      problem += outcome.remarks.empty() ? "" : " (" + text_of(outcome.remarks) + ")";
+    }
+  }
+  if (problem.empty() && task.settings.derivatives) {
+    problem = problem_without_derivatives(task.space, task.goal, point, outcome);
+  }
+  return problem;
+}
+
 }  // namespace glint

@@ -8,6 +8,7 @@
 #include "core/text.h"
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/front/front.h"
+#include "optimizer/search/replay.h"
 
 namespace glint {
 namespace {
@@ -193,8 +194,9 @@ std::vector<double> hypervolume_history(const Goal& goal,
 }
 
 std::vector<double> recorded_reference(std::span<const Event> events) {
-  const auto found = std::ranges::find(events, EventKind::kReference, &Event::kind);
-  return found == events.end() ? std::vector<double>{} : found->objectives;
+  const std::span<const Event> epoch = last_epoch(events);
+  const auto found = std::ranges::find(epoch, EventKind::kReference, &Event::kind);
+  return found == epoch.end() ? std::vector<double>{} : found->objectives;
 }
 
 }  // namespace glint

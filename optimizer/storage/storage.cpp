@@ -28,9 +28,9 @@ namespace {
 /// "GLNT": marks our databases among other programs' SQLite files.
 constexpr std::int64_t kApplicationId = 0x474C4E54;
 
-/// The last two are of schema 5, whose tables are those of schema 4.
-constexpr std::array<std::string_view, 8> kEventKinds = {
-    "ask", "tell", "restart", "abandon", "note", "reference", "rules", "model"};
+/// "rules" and "model" are of schema 5, "epoch" of 6; the tables are those of schema 4.
+constexpr std::array<std::string_view, 9> kEventKinds = {
+    "ask", "tell", "restart", "abandon", "note", "reference", "rules", "model", "epoch"};
 
 constexpr const char* kTables = R"sql(
 CREATE TABLE study(
@@ -346,6 +346,14 @@ void Storage::record(TrialKind kind, int number, const Outcome& outcome) {
   const std::lock_guard lock(state_->mutex);
   Transaction transaction(state_->database);
   insert_outcome(state_->database, kind, number, outcome);
+  transaction.commit();
+}
+
+void Storage::begin_epoch(const Event& event) {
+  const std::lock_guard lock(state_->mutex);
+  Transaction transaction(state_->database);
+  delete_outcomes(state_->database, TrialKind::kSearch);
+  insert_event(state_->database, event);
   transaction.commit();
 }
 

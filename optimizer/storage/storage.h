@@ -8,9 +8,9 @@
 //
 // Tables: study (one row), session (one row per process that ran it), trial, evaluation, value,
 // gradient, remark, event. Schema 1 had no gradients and 2 no remarks, which were a text in the
-// message of an evaluation that did not fail, and 3 no objectives in its events; such a database is
-// read as it is and upgraded when it is opened for running. They are for reading with other tools
-// too; the schema number is SQLite's user_version.
+// message of an evaluation that did not fail, 3 no objectives in its events, and 5 no epochs; such
+// a database is read as it is and upgraded when it is opened for running. They are for reading with
+// other tools too; the schema number is SQLite's user_version.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ struct StudyIdentity {
 /// Safe to use from several threads.
 class Storage {
  public:
-  static constexpr int kSchema = 5;
+  static constexpr int kSchema = 6;
 
   /// Opens the study's database for running, or creates it; the folder must exist. Only one process
   /// may hold it; the lock ends with the process, however that ends. Safe against kill -9, not
@@ -62,6 +62,9 @@ class Storage {
 
   /// Records the outcome of a trial that exists.
   void record(TrialKind kind, int number, const Outcome& outcome);
+
+  /// Appends a kEpoch event and withdraws the outcomes of all search trials, in one transaction.
+  void begin_epoch(const Event& event);
 
   /// Notes how long this process has been searching.
   void set_session_seconds(double seconds);

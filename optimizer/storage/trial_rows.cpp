@@ -121,6 +121,14 @@ void delete_outcome(Database& database, TrialKind kind, int number) {
   }
 }
 
+void delete_outcomes(Database& database, TrialKind kind) {
+  for (const char* table : {"remark", "gradient", "value", "evaluation"}) {
+    Statement(database, std::string("DELETE FROM ") + table + " WHERE kind = ?")
+        .bind(name_of(kind))
+        .run();
+  }
+}
+
 void insert_outcome(Database& database, TrialKind kind, int number, const Outcome& outcome) {
   delete_outcome(database, kind, number);
   const auto begin = [&](Statement& statement) -> Statement& {

@@ -22,6 +22,9 @@ void insert_outcome(Database& database, TrialKind kind, int number, const Outcom
 
 void delete_outcome(Database& database, TrialKind kind, int number);
 
+/// Those of all trials of a kind.
+void delete_outcomes(Database& database, TrialKind kind);
+
 /// All trials by number, also of earlier schemas. @throws IoError
 std::vector<Trial> read_trials(Database& database, TrialKind kind);
 

@@ -16,9 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kShareOfWork = 0.1;
-constexpr int kFirstNumber = 100000;  ///< in the database, after those of the ladder
-
 /// Trials of the search that can be compared, each once, in the order of looking at them.
 struct CheckOrder {
   std::vector<const Trial*> finalists;  ///< newest first
@@ -65,98 +62,128 @@ std::vector<std::pair<const Trial*, bool>> interleaved(const CheckOrder& order) 
   return list;
 }
 
-std::vector<std::string> beyond_bounds(const ChosenAccuracy& chosen,
-                                       const Scores& at_rung,
-                                       const Scores& at_top) {
-  std::vector<std::string> beyond;
-  for (const ScoreBound& bound : chosen.choice.steps[chosen.choice.step].bounds) {
-    const auto cheap = at_rung.find(bound.score);
-    const auto dear = at_top.find(bound.score);
-    const bool is_inside = cheap != at_rung.end() && dear != at_top.end() &&
-                           std::abs(cheap->second - dear->second) <= bound.bound;
-    if (!is_inside) {
-      beyond.push_back(bound.score);
+std::optional<int> best_at_top(const Study& study, const std::vector<CheckedDesign>& designs) {
+  const CheckedDesign* best = nullptr;
+  for (const CheckedDesign& design : designs) {
+    const Scores& scores = design.dearer.scores;
+    const bool is_judgeable =
+        design.is_finalist && !design.dearer.is_failed && problem_with(study.goal, scores).empty();
+    if (is_judgeable && (best == nullptr || is_better(study.goal, scores, best->dearer.scores))) {
+      best = &design;
     }
   }
-  return beyond;
+  return best != nullptr ? std::optional(best->trial) : std::nullopt;
 }
 
-class SearchCheck {
- public:
-  SearchCheck(const AccuracyTask& task, const ChosenAccuracy& chosen)
-      : task_(task), chosen_(chosen) {
-    if (task.record != nullptr) {
-      for (const Trial& trial : task.record->trials(TrialKind::kPart)) {
-        if (trial.number >= kFirstNumber && trial.outcome) {
-          known_[trial.number] = trial;
-        }
-      }
-    }
-  }
+int count_beyond(const std::vector<CheckedDesign>& designs) {
+  return static_cast<int>(std::ranges::count_if(
+      designs, [](const CheckedDesign& design) { return !design.beyond.empty(); }));
+}
 
-  CheckedDesign check(const Trial& trial, bool is_finalist) {
-    CheckedDesign checked = {
-        .trial = trial.number, .is_finalist = is_finalist, .at_top = top_of(trial), .beyond = {}};
-    checked.beyond = beyond_bounds(chosen_, trial.outcome->scores, checked.at_top.scores);
-    return checked;
-  }
+int count_wider(const AccuracyCheck& check) {
+  const auto is_wider = [](const CheckedDesign& design) { return !design.wider.empty(); };
+  return static_cast<int>(std::ranges::count_if(check.during, is_wider) +
+                          std::ranges::count_if(check.designs, is_wider));
+}
 
- private:
-  Outcome top_of(const Trial& trial) {
-    const auto found = known_.find(kFirstNumber + trial.number);
-    if (found != known_.end() && found->second.point == trial.point) {
-      return *found->second.outcome;
-    }
-    if (task_.interrupt != nullptr && *task_.interrupt > 0) {
-      throw EvaluationAborted();
-    }
-    Outcome outcome = evaluate_at(
-        task_.store, task_.study, overrides_of(task_.study, trial.point), chosen_.top());
-    if (task_.record != nullptr) {
-      task_.record->put_trial(
-          {.kind = TrialKind::kPart,
-           .number = kFirstNumber + trial.number,
-           .name = fmt::format("{} | trial {}", chosen_.top().name, trial.number),
-           .point = trial.point,
-           .outcome = outcome});
-    }
-    return outcome;
-  }
+std::string number_text(int number) {
+  return number == 0 ? "none" : std::to_string(number);
+}
 
-  const AccuracyTask& task_;
-  const ChosenAccuracy& chosen_;
-  std::map<int, Trial> known_;
-};
+Json during_json(const AccuracyCheck& check) {
+  Json designs = Json::array();
+  for (const CheckedDesign& design : check.during) {
+    designs.push_back({{"trial", design.trial},
+                       {"finalist", design.is_finalist},
+                       {"rung", design.rung},
+                       {"beyond", design.beyond},
+                       {"wider", design.wider}});
+  }
+  return {{"checked", check.during.size()},
+          {"beyond", count_beyond(check.during)},
+          {"work", check.during_work},
+          {"designs", designs}};
+}
+
+Json epochs_json(const AccuracyCheck& check) {
+  Json epochs = Json::array();
+  for (const EndedEpoch& epoch : check.ended) {
+    epochs.push_back({{"trial", epoch.trial},
+                      {"rung", epoch.rung},
+                      {"evaluations", epoch.evaluations},
+                      {"check_work", epoch.check_work},
+                      {"search_work", epoch.search_work},
+                      {"sentence", epoch.sentence}});
+  }
+  return epochs;
+}
+
+/// "The winner was evaluated at the top too: beyond the bounds none."
+std::string top_text(const AccuracyCheck& check) {
+  const std::size_t count = check.designs.size();
+  return fmt::format("{} evaluated at the top too, {} beyond the bounds.",
+                     count == 1 ? std::string("The winner was")
+                                : fmt::format("After the search {} designs were", count),
+                     number_text(count_beyond(check.designs)));
+}
+
+std::string check_text(const AccuracyCheck& check, double share) {
+  std::vector<std::string> parts;
+  for (const EndedEpoch& epoch : check.ended) {
+    parts.push_back(epoch.sentence + ".");
+  }
+  if (!check.during.empty()) {
+    parts.push_back(
+        fmt::format("While it went on, {} design{} evaluated by \"{}\" too, {} beyond the "
+                    "bounds.",
+                    check.during.size(),
+                    check.during.size() == 1 ? " was" : "s were",
+                    check.during.front().rung,
+                    number_text(count_beyond(check.during))));
+  }
+  if (!check.designs.empty()) {
+    parts.push_back(top_text(check));
+  }
+  if (parts.empty()) {
+    return "No design of the search was checked, as there is no dearer way to compare with, or "
+           "nothing could be judged: the wide bounds are what can be relied on.";
+  }
+  if (const int wider = count_wider(check); wider > 0) {
+    parts.push_back(fmt::format(
+        "Of these {} noisier than those of the trial, so that bounds of their own hold.",
+        wider == 1 ? std::string("one is") : fmt::format("{} are", wider)));
+  }
+  parts.push_back(
+      fmt::format("Checking took {:.1f} % of the search's counted work.", 100.0 * share));
+  if (count_beyond(check.during) + count_beyond(check.designs) > 0) {
+    parts.push_back("The bounds do not hold here: ask for less, or for a confidence closer to 1.");
+  }
+  return join(parts, " ");
+}
 
 }  // namespace
 
 AccuracyCheck check_search(const AccuracyTask& task,
+                           AccuracyRecord& record,
                            const ChosenAccuracy& chosen,
-                           const std::vector<Trial>& trials) {
-  AccuracyCheck result;
+                           const std::vector<Trial>& trials,
+                           const SearchReview& review) {
+  AccuracyCheck result = {
+      .during = review.checked(), .during_work = review.work(), .ended = review.ended()};
   if (!chosen.choice.problem.empty() || chosen.choice.step + 1 == chosen.ladder.size()) {
     return result;  // there is nothing to compare with
   }
-  SearchCheck check(task, chosen);
-  const double allowed = kShareOfWork * chosen.rung().work * static_cast<double>(trials.size());
-  const Scores* best = nullptr;
+  const double allowed =
+      kCheckShare * chosen.rung().work * static_cast<double>(trials.size()) - review.work();
   for (const auto& [trial, is_finalist] : interleaved(order_of(task.study, trials))) {
-    const bool is_first = result.designs.empty();
-    if (!is_first && result.work + chosen.top().work > allowed) {
+    if (!result.designs.empty() && result.work + chosen.top().work > allowed) {
       break;
     }
-    result.designs.push_back(check.check(*trial, is_finalist));
-    result.work += chosen.top().work;
+    const Outcome top = recorded_trial(task, record, *trial, chosen.top());
+    (result.designs.empty() ? result.finalist_work : result.work) += chosen.top().work;
+    result.designs.push_back(compared(chosen, *trial, is_finalist, chosen.top(), top));
   }
-  for (const CheckedDesign& design : result.designs) {
-    const Scores& scores = design.at_top.scores;
-    const bool is_judgeable = design.is_finalist && !design.at_top.is_failed &&
-                              problem_with(task.study.goal, scores).empty();
-    if (is_judgeable && (best == nullptr || is_better(task.study.goal, scores, *best))) {
-      best = &scores;
-      result.winner = design.trial;
-    }
-  }
+  result.winner = best_at_top(task.study, result.designs);
   return result;
 }
 
@@ -171,45 +198,40 @@ bool adopt_winner(const Study& study,
   const auto trial = std::ranges::find(trials, *check.winner, &Trial::number);
   const auto design = std::ranges::find(check.designs, *check.winner, &CheckedDesign::trial);
   search.best = *trial;
-  search.is_feasible = is_feasible(study.goal, design->at_top.scores);
+  search.is_feasible = is_feasible(study.goal, design->dearer.scores);
   return is_other;
 }
 
 Json check_json(const ChosenAccuracy& chosen, const AccuracyCheck& check, int evaluations) {
   Json designs = Json::array();
-  int num_beyond = 0;
   for (const CheckedDesign& design : check.designs) {
     Json top = Json::object();
     for (const ScoreBound& bound : chosen.choice.steps[chosen.choice.step].bounds) {
-      const auto found = design.at_top.scores.find(bound.score);
-      top[bound.score] = found != design.at_top.scores.end() ? Json(found->second) : Json(nullptr);
+      const auto found = design.dearer.scores.find(bound.score);
+      top[bound.score] = found != design.dearer.scores.end() ? Json(found->second) : Json(nullptr);
     }
-    num_beyond += design.beyond.empty() ? 0 : 1;
     designs.push_back({{"trial", design.trial},
                        {"finalist", design.is_finalist},
                        {"beyond", design.beyond},
+                       {"wider", design.wider},
                        {"top", top}});
   }
-  const double search = chosen.rung().work * std::max(1, evaluations);
-  const double share = check.work / search;
+  double work = check.work + check.during_work;
+  double search = chosen.rung().work * std::max(1, evaluations);
+  for (const EndedEpoch& epoch : check.ended) {
+    work += epoch.check_work;
+    search += epoch.search_work;
+  }
   return {{"checked", check.designs.size()},
-          {"beyond", num_beyond},
-          {"work", check.work},
-          {"share", share},
+          {"beyond", count_beyond(check.designs)},
+          {"work", work},
+          {"share", work / search},
+          {"finalist_work", check.finalist_work},
           {"designs", designs},
           {"winner", check.winner ? Json(*check.winner) : Json(nullptr)},
-          {"sentence",
-           check.designs.empty()
-               ? "No design of the search was checked: its rung is the top, or nothing could be "
-                 "judged."
-               : fmt::format("{} of the search {} evaluated at the top too ({:.0f} % of "
-                             "its counted work): {} beyond the bounds.",
-                             check.designs.size() == 1
-                                 ? std::string("The winner")
-                                 : fmt::format("{} designs", check.designs.size()),
-                             check.designs.size() == 1 ? "was" : "were",
-                             100.0 * share,
-                             num_beyond == 0 ? "none" : std::to_string(num_beyond))}};
+          {"during", during_json(check)},
+          {"epochs", epochs_json(check)},
+          {"sentence", check_text(check, work / search)}};
 }
 
 }  // namespace glint

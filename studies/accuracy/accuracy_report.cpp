@@ -46,9 +46,12 @@ Json scores_of_rung(const StepReport& step, bool is_auto) {
     list.push_back({{"score", bound.score},
                     {"tolerance", is_auto ? Json(nullptr) : Json(bound.tolerance)},
                     {"bound", bound.bound},
+                    {"wide_bound", bound.wide_bound},
                     {"bias", bound.bias},
                     {"spread", bound.spread},
-                    {"top_error", bound.top_error}});
+                    {"top_error", bound.top_error},
+                    {"top_bias", bound.top_bias},
+                    {"top_spread", bound.top_spread}});
   }
   return list;
 }
@@ -176,6 +179,71 @@ Json rungs_table(const Json& accuracy) {
           {"rows", rows}};
 }
 
+std::string settings_text(const Json& settings) {
+  std::vector<std::string> parts;
+  for (const auto& [key, value] : settings.items()) {
+    parts.push_back(
+        fmt::format("{} = {}", key, value.is_string() ? value.get<std::string>() : value.dump()));
+  }
+  return join(parts, ", ");
+}
+
+std::string wish_text(const Json& accuracy) {
+  const Json& tolerance = accuracy["tolerance"];
+  std::vector<std::string> parts;
+  if (tolerance.is_object()) {
+    for (const auto& [score, text] : tolerance.items()) {
+      parts.push_back(text.get<std::string>());
+    }
+  }
+  return fmt::format("{}, at a confidence of {:g} %",
+                     parts.empty() ? "\"auto\": the right order of designs" : join(parts, "; "),
+                     100.0 * accuracy["confidence"].get<double>());
+}
+
+/// @param key  "bound" or "wide_bound"
+std::string bounds_text(const Json& accuracy, const char* key) {
+  std::vector<std::string> parts;
+  for (const Json& score : accuracy["scores"]) {
+    const auto name = score["score"].get<std::string>();
+    parts.push_back(fmt::format("{} within {}", name, value_text(name, score[key].get<double>())));
+  }
+  return parts.empty() ? "none: too few designs could be evaluated" : join(parts, "; ");
+}
+
+/// "12.3 million paths, 41 % of the search"
+std::string cost_text(const Json& work, double amount) {
+  return fmt::format("{:.3g} {}; {:.3g} % of the search",
+                     amount,
+                     work["unit"].get<std::string>(),
+                     100.0 * amount / work["search"].get<double>());
+}
+
+/// What the section is about, in one place.
+Json facts_table(const Json& accuracy) {
+  const Json& work = accuracy["work"];
+  Json rows =
+      Json::array({{"asked for", wish_text(accuracy)},
+                   {"level", accuracy["level"]},
+                   {"rendered by", accuracy["rung"]},
+                   {"settings", settings_text(accuracy["settings"])},
+                   {"errors of one more design", bounds_text(accuracy, "bound")},
+                   {"of all designs, unchecked ones too", bounds_text(accuracy, "wide_bound")},
+                   {"the search takes", cost_text(work, work["search"].get<double>())},
+                   {"choosing takes", cost_text(work, work["checking"].get<double>())}});
+  if (accuracy.contains("check")) {
+    const Json& check = accuracy["check"];
+    rows.push_back({"checked", check["sentence"]});
+    rows.push_back({"checking took", cost_text(work, check["work"].get<double>())});
+    rows.push_back(
+        {"finalists at the top took", cost_text(work, check["finalist_work"].get<double>())});
+  }
+  rows.push_back({"full physics would have taken", cost_text(work, work["full"].get<double>())});
+  return {{"caption", "In one place; work is counted, not measured:"},
+          {"head", {"what", "how"}},
+          {"rows", rows}};
+}
+
 Json unmodelled_table(const Json& accuracy) {
   Json rows = Json::array();
   for (const Json& note : accuracy["not_modelled"]) {
@@ -199,12 +267,13 @@ std::string sentences(const Json& accuracy) {
 Json accuracy_json(const Study& study,
                    const ChosenAccuracy& chosen,
                    int evaluations,
-                   const std::vector<std::string>& unmodelled) {
+                   const std::vector<std::string>& unmodelled,
+                   double earlier_work) {
   const LadderChoice& choice = chosen.choice;
   const Json work = {{"unit", "million camera paths with direct light, counted"},
                      {"evaluation", chosen.rung().work},
                      {"checking", choice.work},
-                     {"search", chosen.rung().work * std::max(1, evaluations)},
+                     {"search", earlier_work + chosen.rung().work * std::max(1, evaluations)},
                      {"full", chosen.top().work * std::max(1, evaluations)}};
   std::vector<std::string> why = reasons(study, chosen);
   why.push_back(work_text(work));
@@ -229,7 +298,7 @@ Json accuracy_panel(const Json& accuracy) {
   return {{"id", "accuracy"},
           {"title", "How exactly it was rendered"},
           {"lead", sentences(accuracy)},
-          {"tables", {rungs_table(accuracy), unmodelled_table(accuracy)}}};
+          {"tables", {facts_table(accuracy), rungs_table(accuracy), unmodelled_table(accuracy)}}};
 }
 
 std::string accuracy_text(const Json& accuracy) {

@@ -19,9 +19,8 @@ namespace glint {
 ///                max_direction_error_mrad, rays_per_axis }
 ///   reached      whether the rung serves; sentence: all of it in words
 ///   why          [ sentences ]; unreached: for each score the bound that is to be had
-///   scores       [ { score, tolerance (null with "auto"), bound, bias, spread, top_error } ] of
-///   the
-///                rung
+///   scores       of the rung: [ { score, tolerance (null with "auto"), bound, wide_bound,
+///                bias, spread, top_error, top_bias, top_spread } ]
 ///   designs      names; failed: how many could not be evaluated
 ///   rungs        [ { name, level, work, for_search, tried, serves, skipped, tau: { objective },
 ///                bounds: { score } } ]
@@ -29,14 +28,18 @@ namespace glint {
 ///   not_modelled [ sentences ]
 ///   check        of a finished run: check_json()
 ///
-/// @param evaluations  of the search, made or planned
-/// @param unmodelled   unmodelled_notes()
+/// @param evaluations   of the search, made or planned
+/// @param unmodelled    unmodelled_notes()
+/// @param earlier_work  of the search at cheaper rungs, before it was raised
 nlohmann::ordered_json accuracy_json(const Study& study,
                                      const ChosenAccuracy& chosen,
                                      int evaluations,
-                                     const std::vector<std::string>& unmodelled);
+                                     const std::vector<std::string>& unmodelled,
+                                     double earlier_work = 0.0);
 
-/// The section of the report. @param accuracy  of accuracy_json()
+/// The section of the report: in one table level, settings, bounds, checks and what all that took
+/// and full accuracy would have taken; the ladder; what no rung models.
+/// @param accuracy  of accuracy_json()
 nlohmann::ordered_json accuracy_panel(const nlohmann::ordered_json& accuracy);
 
 /// What the terminal says: the sentence, and each score that is not reached.

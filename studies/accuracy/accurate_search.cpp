@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/accuracy/accurate_search.h"
 
+#include <algorithm>
+#include <vector>
+
 #include <nlohmann/json.hpp>
 
 #include "core/cpu_clock.h"
@@ -9,21 +12,42 @@
 #include "studies/definition/ladder/unmodelled.h"
 
 namespace glint {
+namespace {
+
+bool has_asked(const Storage& search) {
+  const std::vector<Event> events = search.events();
+  return std::ranges::find(events, EventKind::kAsk, &Event::kind) != events.end();
+}
+
+}  // namespace
 
 SearchResult search_accurately(const AccuracyTask& task,
                                const Storage& storage,
-                               const std::function<SearchResult(const ChosenAccuracy&)>& search,
+                               const ChosenSearch& search,
                                AccurateSearch& found) {
   SearchResult result = {.termination = Termination::kInterrupted};
   try {
     const double start = process_cpu_s();
-    found.chosen = choose_accuracy(task);
+    AccuracyRecord record(task.record);
+    record.check_rules(has_asked(storage));
+    found.chosen = choose_accuracy(task, record);
+    record.begin_search(found.chosen->rung().name);
+    SearchReview review(task, record, *found.chosen);
+    review.resume(storage);
     found.cpu_s = process_cpu_s() - start;
     log(LogLevel::kInfo, "the search is rendered by: {}", found.chosen->rung().name);
-    result = search(*found.chosen);
+    result = search(*found.chosen, [&](std::span<const Trial> told) {
+      const double review_start = process_cpu_s();
+      std::optional<Event> event = review.review(told);
+      found.cpu_s += process_cpu_s() - review_start;
+      return event;
+    });
+    if (result.termination == Termination::kInterrupted) {
+      return result;
+    }
     const double search_end = process_cpu_s();
     const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
-    found.check = check_search(task, *found.chosen, trials);
+    found.check = check_search(task, record, *found.chosen, trials, review);
     found.cpu_s += process_cpu_s() - search_end;
     if (adopt_winner(task.study, *found.check, trials, result)) {
       log(LogLevel::kInfo, "trial {} is the best of the finalists", result.best->number);
@@ -39,8 +63,12 @@ nlohmann::ordered_json accurate_search_json(SceneStore& store,
                                             const AccurateSearch& found,
                                             int evaluations) {
   const Eigen::Vector3d size_mm = store.build(study.scene)->part.box_in_part_mm.size_mm();
-  nlohmann::ordered_json json =
-      accuracy_json(study, *found.chosen, evaluations, unmodelled_notes(study.scene, size_mm));
+  double earlier_work = 0.0;
+  for (const EndedEpoch& epoch : found.check ? found.check->ended : std::vector<EndedEpoch>()) {
+    earlier_work += epoch.search_work;
+  }
+  nlohmann::ordered_json json = accuracy_json(
+      study, *found.chosen, evaluations, unmodelled_notes(study.scene, size_mm), earlier_work);
   if (found.check) {
     json["check"] = check_json(*found.chosen, *found.check, evaluations);
   }

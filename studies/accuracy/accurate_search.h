@@ -15,6 +15,8 @@
 
 namespace glint {
 
+using ChosenSearch = std::function<SearchResult(const ChosenAccuracy&, const Review&)>;
+
 struct AccurateSearch {
   std::optional<ChosenAccuracy> chosen;  ///< empty: no [accuracy], or interrupted before
   std::optional<AccuracyCheck> check;    ///< empty: interrupted before
@@ -22,13 +24,13 @@ struct AccurateSearch {
 };
 
 /// @param storage  of the search
-/// @param search   searches at the rung of what was chosen
+/// @param search   searches at the rung of what was chosen, which a review may raise
 /// @param found    what is there when it was interrupted, too
 /// @return what the search gave, with the best of the finalists at the top rung
 /// @throws ConfigError, IoError
 SearchResult search_accurately(const AccuracyTask& task,
                                const Storage& storage,
-                               const std::function<SearchResult(const ChosenAccuracy&)>& search,
+                               const ChosenSearch& search,
                                AccurateSearch& found);
 
 /// accuracy_json() with what the check came to. @param found  with a chosen rung

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <iterator>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -73,23 +74,30 @@ void make_storable(Outcome& outcome) {
   outcome.seconds = 0.0;
 }
 
+Outcome evaluated(const AccuracyTask& task, const Overrides& overrides, const RenderRung& rung) {
+  return task.evaluate ? task.evaluate(overrides, rung)
+                       : evaluate_at(task.store, task.study, overrides, rung);
+}
+
 /// Evaluates candidates at rungs, each once.
 class RungEvaluator {
  public:
-  RungEvaluator(const AccuracyTask& task, const std::vector<RenderRung>& ladder)
+  /// @param beyond  designs of the search that come first
+  RungEvaluator(const AccuracyTask& task,
+                AccuracyRecord& record,
+                const std::vector<RenderRung>& ladder,
+                const std::vector<Trial>& beyond)
       : task_(task),
+        record_(record),
         ladder_(ladder),
-        candidates_(candidates_of(task.study)),
         bar_(task.study.name + ": ways to render",
              static_cast<std::int64_t>(ladder.size() * kDesigns),
              task.progress) {
-    if (task.record != nullptr) {
-      for (const Trial& trial : task.record->trials(TrialKind::kPart)) {
-        if (trial.outcome) {
-          known_[trial.name] = *trial.outcome;
-        }
-      }
+    for (const Trial& trial : beyond) {
+      candidates_.push_back(
+          {trial_name(trial.number), overrides_of(task.study, trial.point), trial.point});
     }
+    std::ranges::copy(candidates_of(task.study), std::back_inserter(candidates_));
   }
 
   const std::vector<TriedDesign>& candidates() const { return candidates_; }
@@ -99,26 +107,26 @@ class RungEvaluator {
     evaluate_all(step, candidates);
     std::vector<std::optional<Scores>> found;
     for (const std::size_t candidate : candidates) {
-      const Outcome& outcome = known_.at(name_of(step, candidate));
-      found.push_back(outcome.is_failed ? std::optional<Scores>() : outcome.scores);
+      const Outcome& known = outcome(step, candidate);
+      found.push_back(known.is_failed ? std::optional<Scores>() : known.scores);
     }
     return found;
   }
 
   const Outcome& outcome(std::size_t step, std::size_t candidate) const {
-    return known_.at(name_of(step, candidate));
+    return *find(step, candidate);
   }
 
  private:
-  std::string name_of(std::size_t step, std::size_t candidate) const {
-    return fmt::format("{} | {}", ladder_[step].name, candidates_[candidate].name);
+  const Outcome* find(std::size_t step, std::size_t candidate) const {
+    return record_.find(ladder_[step].name, candidates_[candidate].name);
   }
 
   /// On threads of its own, as a search does (optimizer/search/search.cpp).
   void evaluate_all(std::size_t step, std::span<const std::size_t> candidates) {
     std::vector<std::size_t> missing;
     for (const std::size_t candidate : candidates) {
-      if (!known_.contains(name_of(step, candidate))) {
+      if (find(step, candidate) == nullptr) {
         missing.push_back(candidate);
       }
     }
@@ -154,22 +162,10 @@ class RungEvaluator {
     if (task_.interrupt != nullptr && *task_.interrupt > 0) {
       throw EvaluationAborted();
     }
-    keep(step,
-         candidate,
-         evaluate_at(task_.store, task_.study, candidates_[candidate].overrides, ladder_[step]));
-  }
-
-  void keep(std::size_t step, std::size_t candidate, Outcome outcome) {
+    const TriedDesign& design = candidates_[candidate];
+    const Outcome outcome = evaluated(task_, design.overrides, ladder_[step]);
     const std::lock_guard lock(mutex_);
-    const std::string name = name_of(step, candidate);
-    if (task_.record != nullptr) {
-      task_.record->put_trial({.kind = TrialKind::kPart,
-                               .number = static_cast<int>(step * kCandidates + candidate) + 1,
-                               .name = name,
-                               .point = candidates_[candidate].point.value_or(Point{}),
-                               .outcome = outcome});
-    }
-    known_[name] = std::move(outcome);
+    record_.keep(ladder_[step].name, design.name, design.point.value_or(Point{}), outcome);
     bar_.update(++done_);
     if (task_.on_evaluation) {
       task_.on_evaluation();
@@ -177,24 +173,58 @@ class RungEvaluator {
   }
 
   const AccuracyTask& task_;
+  AccuracyRecord& record_;
   const std::vector<RenderRung>& ladder_;
   std::vector<TriedDesign> candidates_;
   std::mutex mutex_;
-  std::map<std::string, Outcome> known_;
   Progress bar_;
   int done_ = 0;
 };
 
-LadderTask ladder_task(const Study& study, const std::vector<RenderRung>& ladder) {
+/// @param num_beyond  candidates that come first, beside the twelve
+LadderTask ladder_task(const Study& study,
+                       const std::vector<RenderRung>& ladder,
+                       std::size_t num_beyond) {
   LadderTask task = {.steps = {},
-                     .num_designs = kDesigns,
-                     .num_candidates = kCandidates,
+                     .num_designs = kDesigns + num_beyond,
+                     .num_candidates = kCandidates + num_beyond,
                      .wish = *study.accuracy,
                      .goal = study.goal};
   for (const RenderRung& rung : ladder) {
-    task.steps.push_back({rung.name, rung.work, rung.group, rung.is_for_search});
+    task.steps.push_back({.name = rung.name,
+                          .work = rung.work,
+                          .group = rung.group,
+                          .is_for_search = rung.is_for_search,
+                          .fineness = fineness_of(rung),
+                          .is_noisy = rung.level != "level 0"});
   }
   return task;
+}
+
+/// @param first_step  of the search: those below are tried, and not taken
+ChosenAccuracy tried(const AccuracyTask& task,
+                     AccuracyRecord& record,
+                     ChosenAccuracy chosen,
+                     std::size_t first_step) {
+  RungEvaluator evaluator(task, record, chosen.ladder, chosen.beyond);
+  LadderTask ladder = ladder_task(task.study, chosen.ladder, chosen.beyond.size());
+  for (std::size_t step = 0; step < first_step; ++step) {
+    ladder.steps[step].is_for_search = false;
+  }
+  chosen.choice =
+      try_ladder(ladder, [&](std::size_t step, std::span<const std::size_t> candidates) {
+        return evaluator.scores(step, candidates);
+      });
+  const std::size_t step = chosen.choice.step;
+  const bool is_tried = chosen.choice.steps[step].is_tried;
+  for (const std::size_t design : chosen.choice.designs) {
+    const TriedDesign& candidate = evaluator.candidates()[design];
+    chosen.designs.push_back(candidate.name);
+    if (is_tried && candidate.point && !wants_derivatives(task.study)) {
+      chosen.known[*candidate.point] = evaluator.outcome(step, design);
+    }
+  }
+  return chosen;
 }
 
 }  // namespace
@@ -238,23 +268,61 @@ void check_accuracy_choice(const Study& study, bool takes_trials) {
 }
 
 ChosenAccuracy choose_accuracy(const AccuracyTask& task) {
-  ChosenAccuracy chosen{.ladder = ladder_of(task.study), .choice = {}, .designs = {}, .known = {}};
+  AccuracyRecord record(task.record);
+  return choose_accuracy(task, record);
+}
+
+ChosenAccuracy choose_accuracy(const AccuracyTask& task, AccuracyRecord& record) {
+  ChosenAccuracy chosen;
+  chosen.ladder = ladder_of(task.study);
   check_ladder(task.study, chosen.ladder);
-  RungEvaluator evaluator(task, chosen.ladder);
-  chosen.choice = try_ladder(ladder_task(task.study, chosen.ladder),
-                             [&](std::size_t step, std::span<const std::size_t> candidates) {
-                               return evaluator.scores(step, candidates);
-                             });
-  const std::size_t step = chosen.choice.step;
-  const bool is_tried = chosen.choice.steps[step].is_tried;
-  for (const std::size_t design : chosen.choice.designs) {
-    const TriedDesign& candidate = evaluator.candidates()[design];
-    chosen.designs.push_back(candidate.name);
-    if (is_tried && candidate.point && !wants_derivatives(task.study)) {
-      chosen.known[*candidate.point] = evaluator.outcome(step, design);
+  return tried(task, record, std::move(chosen), 0);
+}
+
+bool has_dearer_rung(const ChosenAccuracy& chosen) {
+  return std::any_of(chosen.ladder.begin() + static_cast<std::ptrdiff_t>(chosen.choice.step) + 1,
+                     chosen.ladder.end(),
+                     [](const RenderRung& rung) { return rung.is_for_search; });
+}
+
+std::optional<ChosenAccuracy> raise_accuracy(const AccuracyTask& task,
+                                             AccuracyRecord& record,
+                                             const ChosenAccuracy& before,
+                                             const Trial& beyond,
+                                             std::span<const Trial> archived) {
+  if (!has_dearer_rung(before)) {
+    return std::nullopt;
+  }
+  ChosenAccuracy raised;
+  raised.ladder = before.ladder;
+  raised.beyond = before.beyond;
+  raised.beyond.insert(raised.beyond.begin(), beyond);
+  raised = tried(task, record, std::move(raised), before.choice.step + 1);
+  for (const Trial& trial : archived) {
+    const Outcome* known = record.find(raised.rung().name, trial_name(trial.number));
+    if (known != nullptr && !wants_derivatives(task.study)) {
+      raised.known[trial.point] = *known;
     }
   }
-  return chosen;
+  return raised;
+}
+
+Outcome recorded_trial(const AccuracyTask& task,
+                       AccuracyRecord& record,
+                       const Trial& trial,
+                       const RenderRung& rung) {
+  if (const Outcome* known = record.find(rung.name, trial_name(trial.number))) {
+    return *known;
+  }
+  if (task.interrupt != nullptr && *task.interrupt > 0) {
+    throw EvaluationAborted();
+  }
+  const Outcome outcome = evaluated(task, overrides_of(task.study, trial.point), rung);
+  record.keep(rung.name, trial_name(trial.number), trial.point, outcome);
+  if (task.on_evaluation) {
+    task.on_evaluation();
+  }
+  return outcome;
 }
 
 std::optional<RenderRung> rung_of_run(const Study& study, const std::filesystem::path& run) {

@@ -8,11 +8,13 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/progress.h"
 #include "optimizer/storage/storage.h"
+#include "studies/accuracy/accuracy_record.h"
 #include "studies/accuracy/ladder_trial.h"
 #include "studies/definition/ladder/render_ladder.h"
 #include "studies/definition/study.h"
@@ -33,6 +35,8 @@ struct AccuracyTask {
   const std::atomic<int>* interrupt = nullptr;
   Progress::Style progress = Progress::Style::kNone;
   std::function<void()> on_evaluation = {};  ///< after each that is kept, one call at a time
+  /// A design at a rung. Empty: evaluate_at()
+  std::function<Outcome(const Overrides& overrides, const RenderRung& rung)> evaluate = {};
 };
 
 /// The rung of a study's search.
@@ -41,9 +45,12 @@ struct ChosenAccuracy {
   LadderChoice choice;
   std::vector<std::string>
       designs;  ///< names of the choice's designs: "baseline", "dome", "spread 3"
-  /// Designs of the search that the trial has evaluated at the chosen rung: nothing is evaluated
+  /// Designs of the search that have been evaluated at the chosen rung: nothing is evaluated
   /// twice. Empty where the search needs derivatives.
   std::map<Point, Outcome> known;
+  /// Designs of the search whose errors were beyond the bound of a rung before, newest first: the
+  /// trial has them beside its twelve.
+  std::vector<Trial> beyond;
 
   const RenderRung& rung() const { return ladder[choice.step]; }
 
@@ -74,6 +81,28 @@ void check_accuracy_choice(const Study& study, bool takes_trials);
 /// @throws EvaluationAborted when interrupted; what was evaluated is recorded
 /// @throws IoError
 ChosenAccuracy choose_accuracy(const AccuracyTask& task);
+ChosenAccuracy choose_accuracy(const AccuracyTask& task, AccuracyRecord& record);
+
+/// Whether a search may use a dearer rung.
+bool has_dearer_rung(const ChosenAccuracy& chosen);
+
+/// Tries the ladder once more, above the rung of before and with a design that left its bound.
+/// @param beyond    of the search
+/// @param archived  trials of the search, of which some may be known at the new rung
+/// @return nothing where the search may use no dearer rung
+/// @throws EvaluationAborted when interrupted; IoError
+std::optional<ChosenAccuracy> raise_accuracy(const AccuracyTask& task,
+                                             AccuracyRecord& record,
+                                             const ChosenAccuracy& before,
+                                             const Trial& beyond,
+                                             std::span<const Trial> archived);
+
+/// task.evaluate of a trial of the search, or what the record knows of it.
+/// @throws EvaluationAborted when interrupted; IoError
+Outcome recorded_trial(const AccuracyTask& task,
+                       AccuracyRecord& record,
+                       const Trial& trial,
+                       const RenderRung& rung);
 
 /// What a run's search was rendered by, as its result.json tells; empty without [accuracy].
 /// @param study  of the run's study.resolved.toml

@@ -48,6 +48,12 @@ double mean_absolute(std::span<const double> values) {
   return sum / static_cast<double>(values.size());
 }
 
+/// How far the top itself may be off, over the designs.
+struct TopOffset {
+  double mean = 0.0;
+  double spread = 0.0;
+};
+
 /// The trial as it goes on.
 class LadderTrial {
  public:
@@ -72,6 +78,7 @@ class LadderTrial {
                                     kFewestDesigns);
       return choice_;
     }
+    evaluate_below_top();
     leave_out_groups();
     climb();
     if (!choice_.is_reached) {
@@ -144,35 +151,66 @@ class LadderTrial {
     return !scores_[step].empty();
   }
 
+  /// The dearest step that is at most half as fine as the top, and of its group.
+  void evaluate_below_top() {
+    for (std::size_t step = top(); step-- > 0;) {
+      const LadderStep& below = task_.steps[step];
+      if (below.group == task_.steps[top()].group && below.fineness > 0.0 &&
+          below.fineness <= 0.5 * task_.steps[top()].fineness) {
+        below_top_ = evaluate_step(step) ? std::optional(step) : std::nullopt;
+        return;
+      }
+    }
+  }
+
+  /// From n to N samples a score that noise of a standard deviation of 1 / sqrt(n) makes wrong
+  /// loses the difference; from N on it would lose sqrt(n) / (sqrt(N) - sqrt(n)) of it once more.
+  /// Biases that fall faster, as 1 / n, lose less.
+  TopOffset top_offset(const std::string& score) const {
+    if (!below_top_) {
+      return {};
+    }
+    const LadderStep& dearest = task_.steps[top()];
+    const double root = std::sqrt(task_.steps[*below_top_].fineness);
+    const double factor = dearest.is_noisy ? root / (std::sqrt(dearest.fineness) - root) : 1.0;
+    const std::vector<double> below = values_of(score, scores_[*below_top_]);
+    const std::vector<double> dear = values_of(score, scores_[top()]);
+    std::vector<double> steps(below.size());
+    std::ranges::transform(below, dear, steps.begin(), std::minus<>());
+    const ErrorBound seen = error_bound(steps, task_.wish.confidence, task_.wish.confidence);
+    const double noise = mean_error(score, scores_[top()]);
+    const double rest = seen.spread * seen.spread - noise * noise;
+    return {.mean = factor * seen.bias, .spread = factor * std::sqrt(std::max(0.0, rest))};
+  }
+
   std::vector<ScoreBound> bounds_against(std::size_t step, std::size_t reference) const {
+    const double confidence = task_.wish.confidence;
     std::vector<ScoreBound> bounds;
     for (std::size_t i = 0; i < judged_.size(); ++i) {
       const std::vector<double> mine = values_of(judged_[i], scores_[step]);
       const std::vector<double> others = values_of(judged_[i], scores_[reference]);
       std::vector<double> errors(mine.size());
       std::ranges::transform(mine, others, errors.begin(), std::minus<>());
-      const ErrorBound seen = error_bound(errors, task_.wish.confidence, task_.wish.confidence);
+      const ErrorBound seen = error_bound(errors, confidence, confidence);
       // Two steps of as many samples share their noise; the top's is its own.
       const double top_error =
           reference == top() ? mean_error(judged_[i], scores_[reference]) : 0.0;
-      bounds.push_back({.score = judged_[i],
-                        .tolerance = tolerance_of(i, others),
-                        .bias = seen.bias,
-                        .spread = seen.spread,
-                        .top_error = top_error,
-                        .bound = std::abs(seen.bias) + tolerance_factor(errors.size()) *
-                                                           std::hypot(seen.spread, top_error)});
+      const TopOffset offset = reference == top() ? top_offset(judged_[i]) : TopOffset{};
+      ScoreBound bound = {.score = judged_[i],
+                          .tolerance = tolerance_of(i, others),
+                          .bias = seen.bias,
+                          .spread = seen.spread,
+                          .top_error = top_error,
+                          .top_bias = offset.mean,
+                          .top_spread = offset.spread,
+                          .factor = prediction_factor(errors.size(), confidence)};
+      const double bias = std::max(std::abs(bound.bias), std::abs(bound.bias + bound.top_bias));
+      const double spread = std::hypot(bound.spread, top_error, bound.top_spread);
+      bound.bound = bias + bound.factor * spread;
+      bound.wide_bound = bias + tolerance_factor(errors.size(), confidence, confidence) * spread;
+      bounds.push_back(bound);
     }
     return bounds;
-  }
-
-  /// How many standard deviations the bound of so many errors takes: that of errors whose spread
-  /// is known.
-  double tolerance_factor(std::size_t count) const {
-    std::vector<double> errors(count, 0.0);
-    errors.front() = 1.0;
-    const ErrorBound bound = error_bound(errors, task_.wish.confidence, task_.wish.confidence);
-    return (bound.bound - std::abs(bound.bias)) / bound.spread;
   }
 
   double tolerance_of(std::size_t judged, std::span<const double> reference) const {
@@ -314,10 +352,17 @@ class LadderTrial {
   const EvaluateStep& evaluate_;
   std::vector<std::string> judged_;
   std::vector<std::vector<Scores>> scores_;  ///< [step][design]; empty: not tried, or not whole
+  std::optional<std::size_t> below_top_;     ///< step
   LadderChoice choice_;
 };
 
 }  // namespace
+
+double bound_of(const ScoreBound& bound, const Scores& scores) {
+  const auto found = scores.find(error_name(bound.score));
+  const bool has_error = found != scores.end() && std::isfinite(found->second);
+  return std::max(bound.bound, has_error ? bound.factor * found->second : 0.0);
+}
 
 std::vector<std::vector<double>> search_figures(const Goal& goal, std::span<const Scores> designs) {
   std::vector<std::vector<double>> figures(objectives_of(goal).size());

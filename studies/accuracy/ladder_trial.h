@@ -23,6 +23,10 @@ struct LadderStep {
   double work = 0.0;          ///< of one evaluation, > 0
   int group = 0;              ///< steps of a group differ in their noise alone
   bool is_for_search = true;  ///< false: only compared with
+  /// Within a group: samples or rays a pixel, or the inverse square of a direction error; 0: not
+  /// known.
+  double fineness = 0.0;
+  bool is_noisy = false;  ///< its errors are noise, which falls as 1 / sqrt(fineness)
 };
 
 struct LadderTask {
@@ -38,17 +42,30 @@ struct LadderTask {
 using EvaluateStep = std::function<std::vector<std::optional<Scores>>(
     std::size_t step, std::span<const std::size_t> candidates)>;
 
-/// How far a score is from the truth, as far as the top and its standard error tell.
+/// How far a score is from the truth, as far as the top, its noise and what noise does to it tell.
 struct ScoreBound {
   std::string score;
   double tolerance = 0.0;  ///< in the score's own unit; 0: none is asked for
   double bias = 0.0;       ///< against the top, over the designs
   double spread = 0.0;     ///< the same: standard deviation
   double top_error = 0.0;  ///< the top's own standard error, the mean of the designs'; 0: has none
-  /// Of absolute errors at the confidence: abs(bias) + k hypot(spread, top_error), with the factor
-  /// k of error_bound().
+  /// The top's own bias at most. Noise makes h lower and contrast smaller: what the top would lose
+  /// if the difference to a coarser step below it went on by the root of the samples. Without noise
+  /// that difference itself.
+  double top_bias = 0.0;
+  double top_spread = 0.0;  ///< of that over the designs, beyond top_error
+  double factor = 0.0;      ///< k of prediction_factor()
+  /// Of the absolute error of one more design at the confidence: k hypot(spread, top_error,
+  /// top_spread) and the larger of abs(bias) and abs(bias + top_bias).
   double bound = 0.0;
+  /// The same with the factor of error_bound(): of that share of all designs, with the same
+  /// confidence. What was not checked is within this one.
+  double wide_bound = 0.0;
 };
+
+/// The bound for one design: the wider one where its own standard error is larger than those that
+/// the trial has seen. @param scores  of the design, at the step
+double bound_of(const ScoreBound& bound, const Scores& scores);
 
 /// How a step orders the designs by one objective.
 struct OrderOf {
@@ -75,7 +92,8 @@ struct LadderChoice {
   double work = 0.0;                   ///< of all evaluations together
 };
 
-/// Evaluates the top, then the steps from the cheapest on until one serves.
+/// Evaluates the top and the dearest step of its group that is at most half as fine; then the steps
+/// from the cheapest on until one serves.
 ///
 /// With tolerances a step serves when the bound of each score is within it, the top too. With
 /// "auto" it serves when it ranks the designs by what the search minimises as the top does

@@ -142,8 +142,8 @@ class Run {
       return search_designs(storage, folder);
     }
     Storage record = Storage::open(options_.out / kAccuracyTrials, identity_);
-    const auto search = [&](const ChosenAccuracy& chosen) {
-      return search_designs(storage, folder, &chosen);
+    const auto search = [&](const ChosenAccuracy& chosen, const Review& review) {
+      return search_designs(storage, folder, &chosen, review);
     };
     return search_accurately({.study = study_,
                               .store = store_,
@@ -159,14 +159,16 @@ class Run {
 
   SearchResult search_designs(Storage& storage,
                               OutputFolder& folder,
-                              const ChosenAccuracy* chosen = nullptr) {
+                              const ChosenAccuracy* chosen = nullptr,
+                              const Review& review = {}) {
     SearchTask task = search_task(study_, options_.jobs);
     task.verify_replay = options_.verify_replay;
-    std::map<Point, Outcome> known = begin_with_taken(options_.out, task);
-    const RenderRung* rung = chosen != nullptr ? &chosen->rung() : nullptr;
-    known.merge(chosen != nullptr ? std::map(chosen->known) : std::map<Point, Outcome>());
+    task.review = review;
+    const std::map<Point, Outcome> taken = begin_with_taken(options_.out, task);
     const auto evaluate_point = [&](const Point& point, int /*trial*/) {
+      const auto& known = chosen != nullptr ? chosen->known : taken;  // nothing is taken beside it
       const auto found = known.find(point);
+      const RenderRung* rung = chosen != nullptr ? &chosen->rung() : nullptr;
       return found != known.end() ? found->second : evaluate_candidate(store_, study_, point, rung);
     };
     Progress bar(study_.name, std::max(1, study_.budget.evaluations), options_.progress);
@@ -392,8 +394,7 @@ class Run {
     json["threads"] = options_.threads;
     json["jobs"] = options_.jobs;
     json["algorithm"] = search.algorithm;
-    json["termination"] =
-        study_.has_search() ? std::string(termination_name(search.termination)) : "none";
+    json["termination"] = study_.has_search() ? termination_name(search.termination) : "none";
     json["timings"] = {{"search_s", search.seconds},
                        {"this_run_s", seconds_since(start_)},
                        {"replayed_evaluations", search.replayed},

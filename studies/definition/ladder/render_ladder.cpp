@@ -29,6 +29,7 @@ struct WorkPerPixel {
 
 constexpr double kUsual_rad = 2e-4;
 constexpr double kMillion = 1e6;
+constexpr const char* kMirrorLevel = "level 0";
 
 double pixels_of(const SceneSettings& scene) {
   return static_cast<double>(scene.camera.width_px) * scene.camera.height_px;
@@ -122,7 +123,7 @@ class RungList {
     const Method method = scene.render.method;
     rungs_.push_back(
         {.name = has_paths ? path_name(scene.paths) : mirror_name(scene.render),
-         .level = has_paths ? level_name(scene.paths.max_reflections) : "level 0",
+         .level = has_paths ? level_name(scene.paths.max_reflections) : kMirrorLevel,
          .render = scene.render,
          .paths = scene.paths,
          .work = counted_work(scene),
@@ -219,6 +220,16 @@ SceneSettings at_rung(SceneSettings scene, const RenderRung& rung) {
     scene.render.max_direction_error_rad = rung.render.max_direction_error_rad;
   }
   return scene;
+}
+
+double fineness_of(const RenderRung& rung) {
+  if (rung.level != kMirrorLevel) {
+    return rung.paths.samples;
+  }
+  if (rung.render.method == Method::kSampled) {
+    return static_cast<double>(rung.render.rays_per_axis) * rung.render.rays_per_axis;
+  }
+  return 1.0 / (rung.render.max_direction_error_rad * rung.render.max_direction_error_rad);
 }
 
 double counted_work(const SceneSettings& scene) {

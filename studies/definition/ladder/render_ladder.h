@@ -49,6 +49,10 @@ void check_ladder(const Study& study, const std::vector<RenderRung>& ladder);
 /// The scene rendered so. Scenes of both levels take what is theirs.
 SceneSettings at_rung(SceneSettings scene, const RenderRung& rung);
 
+/// How fine a rung is beside others of its group: samples or rays a pixel, or the inverse square of
+/// the direction error in rad.
+double fineness_of(const RenderRung& rung);
+
 /// What one evaluation takes, in millions of camera paths with direct light.
 double counted_work(const SceneSettings& scene);
 

@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <fstream>
@@ -32,6 +33,16 @@ SearchTask killable_task(const std::string& algorithm) {
     task.goal.more_objectives = {{.name = "length", .is_maximised = true}};
   }
   return task;
+}
+
+/// Searched in two epochs: 120 designs are evaluated again.
+constexpr const char* kInEpochs = "in epochs";
+constexpr int kOfFirstEpoch = 120;
+constexpr int kNextEpoch = 1000;  ///< added to a trial's number in the diary
+
+int recorded_epochs(const Storage& storage) {
+  const std::vector<Event> events = storage.events();
+  return static_cast<int>(std::ranges::count(events, EventKind::kEpoch, &Event::kind));
 }
 
 Outcome killable_outcome(const Point& point, int trial) {
@@ -66,16 +77,29 @@ class Diary {
 SearchResult search_in(const TemporaryFolder& folder, const std::string& algorithm) {
   const Diary diary(folder / "diary");
   Storage storage = Storage::open(folder / "s.sqlite", test::identity());
+  const bool is_in_epochs = algorithm == kInEpochs;
+  int epoch = recorded_epochs(storage);
+  SearchTask task = killable_task(is_in_epochs ? "auto" : algorithm);
+  if (is_in_epochs) {
+    task.review = [&](std::span<const Trial> told) -> std::optional<Event> {
+      if (epoch > 0 || told.size() < kOfFirstEpoch) {
+        return std::nullopt;
+      }
+      ++epoch;
+      return Event{.kind = EventKind::kEpoch, .trial = 1};
+    };
+  }
+  const auto number = [&](int trial) { return trial + kNextEpoch * epoch; };
   return run_search(
-      killable_task(algorithm),
+      task,
       storage,
-      [&diary](const Point& point, int trial) {
-        diary.note('s', trial);
+      [&](const Point& point, int trial) {
+        diary.note('s', number(trial));
         std::this_thread::sleep_for(std::chrono::microseconds(1000));
-        return killable_outcome(point, trial);
+        return killable_outcome(point, number(trial));
       },
       nullptr,
-      [&diary](const SearchProgress& progress) { diary.note('r', progress.last.number); });
+      [&](const SearchProgress& progress) { diary.note('r', number(progress.last.number)); });
 }
 
 /// True when the child ended by itself.
@@ -176,7 +200,8 @@ TEST(RunSearch, SurvivesKillsAtRandomMoments) {
   GTEST_SKIP() << "the thread sanitizer cannot follow threads begun after fork()";
 #endif
   expect_survival("auto", 50);
-  for (const char* algorithm : {"slsqp", "mma", "lbfgs", "sobol"}) {  // sobol: two objectives
+  for (const char* algorithm :
+       {"slsqp", "mma", "lbfgs", "sobol", kInEpochs}) {  // sobol: two objectives
     expect_survival(algorithm, 15);
   }
 }

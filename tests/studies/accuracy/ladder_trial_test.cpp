@@ -34,7 +34,8 @@ struct FakeLadder {
            int group,
            std::function<double(std::size_t)> error,
            bool is_for_search = true) {
-    task.steps.push_back({name, work, group, is_for_search});
+    task.steps.push_back(
+        {.name = name, .work = work, .group = group, .is_for_search = is_for_search});
     errors.push_back(std::move(error));
   }
 
@@ -84,16 +85,16 @@ TEST(TryLadder, TakesTheCheapestStepWithinTheTolerance) {
   EXPECT_THAT(tight.unreached, IsEmpty());
 }
 
-// Errors of +-0.1 over 12 designs: bias 0, spread 0.1 sqrt(12 / 11) = 0.1044. At the confidence
-// 0.99 the factor of 12 normal errors lies between 4 and 6.
+// Errors of +-0.1 over 12 designs: bias 0, spread 0.1 sqrt(12 / 11) = 0.1044. Factors of 12 normal
+// errors at the confidence 0.99: 3.1058 sqrt(13 / 12) and 5.088.
 TEST(TryLadder, TellsBiasSpreadAndBound) {
   const LadderChoice choice = ladder_of_three(1.0).choose();
   ASSERT_EQ(choice.steps[1].bounds.size(), 1U);
   const ScoreBound& bound = choice.steps[1].bounds[0];
   EXPECT_NEAR(bound.bias, 0.0, 1e-12);
   EXPECT_NEAR(bound.spread, 0.10445, 1e-5);
-  EXPECT_GT(bound.bound, 4.0 * bound.spread);
-  EXPECT_LT(bound.bound, 6.0 * bound.spread);
+  EXPECT_NEAR(bound.bound, 3.2326 * bound.spread, 1e-4);
+  EXPECT_NEAR(bound.wide_bound, 5.0882 * bound.spread, 1e-4);
   EXPECT_EQ(bound.tolerance, 1.0);
 }
 
@@ -110,13 +111,69 @@ TEST(TryLadder, EvaluatesNoStepThatIsDearerThanTheOneThatServes) {
 
 TEST(TryLadder, CountsTheTopsOwnErrorInEveryBound) {
   FakeLadder ladder = ladder_of_three(1.0);
-  ladder.top_error = 0.5;  // five standard deviations of it are beyond the tolerance
+  ladder.top_error = 0.5;  // three standard deviations of it are beyond the tolerance
   const LadderChoice choice = ladder.choose();
   EXPECT_FALSE(choice.is_reached);
   EXPECT_EQ(choice.step, 2U) << "the dearest";
   ASSERT_EQ(choice.unreached.size(), 1U);
   EXPECT_THAT(choice.unreached[0], HasSubstr("homogeneity.h_rms: 1 is not reachable; \"top\""));
-  EXPECT_GT(choice.steps[2].bounds[0].bound, 2.0);
+  EXPECT_NEAR(choice.steps[2].bounds[0].bound, 3.2326 * 0.5, 1e-4);
+}
+
+// A score that noise makes smaller, by 0.4 / sqrt(samples): the top, at 64 samples, is off by 0.05.
+TEST(TryLadder, CountsWhatTheTopLosesByNoise) {
+  FakeLadder ladder;
+  ladder.task.goal.objective = {.name = kScore, .is_maximised = true};
+  ladder.task.wish.wishes = {{.score = kScore, .tolerance = 0.2}};
+  for (const int samples : {8, 16, 32, 64}) {
+    ladder.add(std::to_string(samples), samples, 0, [samples](std::size_t) {
+      return -0.4 / std::sqrt(samples);
+    });
+    ladder.task.steps.back().fineness = samples;
+    ladder.task.steps.back().is_noisy = true;
+  }
+  const LadderChoice choice = ladder.choose();
+  EXPECT_EQ(choice.step, 0U);
+  EXPECT_EQ(ladder.evaluations[1], 0);
+  EXPECT_EQ(ladder.evaluations[2], 12) << "below the top";
+  const ScoreBound& bound = choice.steps[0].bounds[0];
+  EXPECT_NEAR(bound.top_bias, -0.4 / 8.0, 1e-12);
+  EXPECT_NEAR(bound.top_spread, 0.0, 1e-12);
+  EXPECT_NEAR(bound.bound, 0.4 / std::sqrt(8.0), 1e-12) << "all that is missing";
+}
+
+// What it loses differs from design to design.
+TEST(TryLadder, CountsTheSpreadOfWhatTheTopLosesButNotItsNoise) {
+  FakeLadder ladder;
+  ladder.task.goal.objective = {.name = kScore, .is_maximised = true};
+  ladder.task.wish.wishes = {{.score = kScore, .tolerance = 9.0}};
+  ladder.add("32", 1.0, 0, alternating(0.1));
+  ladder.add("128", 4.0, 0, none);
+  ladder.task.steps[0].fineness = 32.0;
+  ladder.task.steps[1].fineness = 128.0;
+  ladder.task.steps[1].is_noisy = true;
+  EXPECT_NEAR(ladder.choose().steps[0].bounds[0].top_spread, 0.10445, 1e-5);
+  ladder.top_error = 0.2;
+  EXPECT_EQ(ladder.choose().steps[0].bounds[0].top_spread, 0.0);
+}
+
+// Without noise the top may be off by as much as it differs from the next coarser step.
+TEST(TryLadder, TheTopOfALadderWithoutNoiseHasAnErrorToo) {
+  FakeLadder ladder = ladder_of_three(5.0);
+  ladder.task.steps[0].fineness = 1.0;
+  ladder.task.steps[1].fineness = 8.0;
+  ladder.task.steps[2].fineness = 10.0;
+  const ScoreBound bound = ladder.choose().steps[2].bounds[0];
+  EXPECT_NEAR(bound.top_bias, 0.5, 1e-12);
+  EXPECT_NEAR(bound.top_spread, 1.0445, 1e-4);
+  EXPECT_NEAR(bound.bound, 0.5 + 3.2326 * 1.0445, 1e-3) << "although it is compared with itself";
+}
+
+TEST(BoundOf, IsWiderForADesignThatIsNoisierThanThoseTried) {
+  const ScoreBound bound = {.score = kScore, .factor = 5.0, .bound = 1.0};
+  EXPECT_EQ(bound_of(bound, {{kScore, 3.0}}), 1.0);
+  EXPECT_EQ(bound_of(bound, {{kScore, 3.0}, {std::string(kScore) + ".error", 0.1}}), 1.0);
+  EXPECT_EQ(bound_of(bound, {{kScore, 3.0}, {std::string(kScore) + ".error", 0.4}}), 2.0);
 }
 
 TEST(TryLadder, SharesAreOfTheMeanValueAtTheTop) {

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/accuracy/accuracy_record.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace glint {
+namespace {
+
+std::string key_of(const std::string& rung, const std::string& design) {
+  return fmt::format("{} | {}", rung, design);
+}
+
+}  // namespace
+
+AccuracyRecord::AccuracyRecord(Storage* storage) : storage_(storage) {
+  if (storage_ == nullptr) {
+    return;
+  }
+  for (const Trial& trial : storage_->trials(TrialKind::kPart)) {
+    last_number_ = std::max(last_number_, trial.number);
+    if (trial.outcome) {
+      known_[trial.name] = *trial.outcome;
+    }
+  }
+}
+
+std::optional<Event> AccuracyRecord::begun() const {
+  if (storage_ == nullptr) {
+    return std::nullopt;
+  }
+  const std::vector<Event> events = storage_->events();
+  const auto found = std::ranges::find(events, EventKind::kRules, &Event::kind);
+  return found != events.end() ? std::optional(*found) : std::nullopt;
+}
+
+void AccuracyRecord::check_rules(bool is_begun) const {
+  const std::optional<Event> noted = begun();
+  if (storage_ == nullptr || (!noted && !is_begun)) {
+    return;
+  }
+  const double rules = noted ? noted->value : 1.0;
+  if (rules > kAccuracyRules) {
+    throw ConfigError(
+        fmt::format("this study was begun by a newer Glint (accuracy rules {:g}, this program "
+                    "knows {})",
+                    rules,
+                    kAccuracyRules));
+  }
+  if (rules < kAccuracyRules) {
+    throw ConfigError(fmt::format(
+        "this study cannot be resumed: its [accuracy] was chosen by accuracy rules {:g}, whose "
+        "bounds were too narrow, or its accuracy.sqlite is missing; this program chooses by "
+        "rules {} and might take another way to render. Run into a new folder; the old best "
+        "design can be given as a start point",
+        rules,
+        kAccuracyRules));
+  }
+}
+
+void AccuracyRecord::begin_search(const std::string& rung) {
+  if (storage_ == nullptr) {
+    return;
+  }
+  const std::optional<Event> noted = begun();
+  if (!noted) {
+    storage_->append(std::vector<Event>{
+        {.kind = EventKind::kRules, .value = static_cast<double>(kAccuracyRules), .text = rung}});
+  } else if (noted->text != rung) {
+    throw ConfigError(fmt::format(
+        "this study cannot be resumed: its search began with \"{}\" and would now begin with "
+        "\"{}\"; the program, a library or the machine changed since. Run into a new folder",
+        noted->text,
+        rung));
+  }
+}
+
+const Outcome* AccuracyRecord::find(const std::string& rung, const std::string& design) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = known_.find(key_of(rung, design));
+  return found != known_.end() ? &found->second : nullptr;
+}
+
+void AccuracyRecord::keep(const std::string& rung,
+                          const std::string& design,
+                          const Point& point,
+                          const Outcome& outcome) {
+  const std::lock_guard lock(mutex_);
+  const std::string key = key_of(rung, design);
+  if (!known_.try_emplace(key, outcome).second || storage_ == nullptr) {
+    return;
+  }
+  storage_->put_trial({.kind = TrialKind::kPart,
+                       .number = ++last_number_,
+                       .name = key,
+                       .point = point,
+                       .outcome = outcome});
+}
+
+std::string trial_name(int number) {
+  return fmt::format("trial {}", number);
+}
+
+}  // namespace glint

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What is known of designs at the rungs of a ladder, beside the search: nothing is evaluated twice,
+// neither in a run nor when it is resumed.
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "optimizer/storage/storage.h"
+
+namespace glint {
+
+/// Of how a rung is chosen from evaluations of the ladder, and when it is raised; a run keeps those
+/// that it was begun by. 1: bounds without the top's own bias, no epochs; kept nothing of itself.
+inline constexpr int kAccuracyRules = 2;
+
+/// Outcomes by "RUNG | DESIGN", in a database where there is one: a row of kPart for each. Safe to
+/// use from several threads.
+class AccuracyRecord {
+ public:
+  /// @param storage  kAccuracyTrials; nullptr: nothing is kept beyond this object
+  /// @throws IoError
+  explicit AccuracyRecord(Storage* storage);
+
+  /// Refuses a search that has been begun by other rules than kAccuracyRules: its rung would not be
+  /// chosen again, and scores of two rungs would be mixed.
+  /// @param is_begun  the search has asked for designs
+  /// @throws ConfigError
+  void check_rules(bool is_begun) const;
+
+  /// Notes the rung that a search begins with, before it asks for anything; compares it when
+  /// resumed. @throws ConfigError when it was another one; IoError
+  void begin_search(const std::string& rung);
+
+  /// Stays where it is. nullptr: not known
+  const Outcome* find(const std::string& rung, const std::string& design) const;
+
+  /// What is known already stays as it is. @throws IoError
+  void keep(const std::string& rung,
+            const std::string& design,
+            const Point& point,
+            const Outcome& outcome);
+
+ private:
+  /// What begin_search() noted.
+  std::optional<Event> begun() const;
+
+  Storage* storage_;
+  mutable std::mutex mutex_;
+  std::map<std::string, Outcome> known_;
+  int last_number_ = 0;
+};
+
+/// The name of a search's trial among the designs: "trial 17".
+std::string trial_name(int number);
+
+}  // namespace glint

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/accuracy/search_review.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/log.h"
+#include "core/rng.h"
+#include "core/text.h"
+#include "optimizer/algorithm/merit.h"
+
+namespace glint {
+namespace {
+
+constexpr std::size_t kFinalistsInARow = 2;
+constexpr std::uint64_t kDrawnChecks = 1ULL << 40;  ///< apart from the draws after the search
+
+/// Which trial is checked next, as more and more of them are told.
+class CheckQueue {
+ public:
+  explicit CheckQueue(const Study& study) : study_(study) {}
+
+  void add(const Trial& trial) {
+    if (!trial.outcome || trial.outcome->is_failed ||
+        !problem_with(study_.goal, trial.outcome->scores).empty()) {
+      return;
+    }
+    unchecked_.push_back(&trial);
+    const bool is_record =
+        !has_several_objectives(study_.goal) &&
+        (best_ == nullptr || is_better(study_.goal, trial.outcome->scores, best_->outcome->scores));
+    best_ = is_record ? &trial : best_;
+  }
+
+  /// And whether it is the best so far. nullptr: all are checked
+  std::pair<const Trial*, bool> take() {
+    if (unchecked_.empty()) {
+      return {nullptr, false};
+    }
+    const auto best = std::ranges::find(unchecked_, best_);
+    const bool takes_best =
+        best != unchecked_.end() && count_ % (kFinalistsInARow + 1) < kFinalistsInARow;
+    const auto taken = takes_best ? best : drawn();
+    const Trial* trial = *taken;
+    unchecked_.erase(taken);
+    ++count_;
+    return {trial, trial == best_};
+  }
+
+ private:
+  std::vector<const Trial*>::iterator drawn() {
+    Rng rng(study_.search.seed, Stream::kResampling, kDrawnChecks + count_);
+    const auto at =
+        static_cast<std::size_t>(rng.uniform() * static_cast<double>(unchecked_.size()));
+    return unchecked_.begin() + static_cast<std::ptrdiff_t>(at);
+  }
+
+  const Study& study_;
+  const Trial* best_ = nullptr;
+  std::vector<const Trial*> unchecked_;
+  std::size_t count_ = 0;
+};
+
+std::string raised_sentence(const CheckedDesign& design,
+                            const std::string& from,
+                            const std::string& to,
+                            std::size_t evaluations) {
+  return fmt::format(
+      "Trial {} differs between \"{}\" and \"{}\" by more than the bound ({}): all {} designs "
+      "evaluated so far were evaluated again by \"{}\"",
+      design.trial,
+      from,
+      design.rung,
+      join(design.beyond, ", "),
+      evaluations,
+      to);
+}
+
+}  // namespace
+
+CheckedDesign compared(const ChosenAccuracy& chosen,
+                       const Trial& trial,
+                       bool is_finalist,
+                       const RenderRung& rung,
+                       const Outcome& dearer) {
+  CheckedDesign checked = {.trial = trial.number,
+                           .is_finalist = is_finalist,
+                           .rung = rung.name,
+                           .dearer = dearer,
+                           .beyond = {},
+                           .wider = {}};
+  const Scores& scores = trial.outcome->scores;
+  for (const ScoreBound& bound : chosen.choice.steps[chosen.choice.step].bounds) {
+    const auto cheap = scores.find(bound.score);
+    const auto dear = dearer.scores.find(bound.score);
+    if (cheap == scores.end() || dear == dearer.scores.end()) {
+      continue;  // it cannot be evaluated there, which says nothing of the error
+    }
+    const double allowed = bound_of(bound, scores);
+    if (std::abs(cheap->second - dear->second) > allowed) {
+      checked.beyond.push_back(bound.score);
+    }
+    if (allowed > bound.bound) {
+      checked.wider.push_back(bound.score);
+    }
+  }
+  return checked;
+}
+
+const RenderRung* second_rung(const ChosenAccuracy& chosen) {
+  if (!chosen.choice.problem.empty()) {
+    return nullptr;
+  }
+  for (std::size_t step = chosen.choice.step + 1; step < chosen.ladder.size(); ++step) {
+    if (chosen.ladder[step].group == chosen.top().group) {
+      return &chosen.ladder[step];
+    }
+  }
+  return nullptr;
+}
+
+SearchReview::SearchReview(const AccuracyTask& task, AccuracyRecord& record, ChosenAccuracy& chosen)
+    : task_(task), record_(record), chosen_(chosen) {}
+
+void SearchReview::resume(const Storage& storage) {
+  const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
+  for (const Event& event : storage.events()) {
+    if (event.kind != EventKind::kEpoch) {
+      continue;
+    }
+    const auto beyond = std::ranges::find(trials, event.trial, &Trial::number);
+    std::optional<ChosenAccuracy> raised;
+    if (beyond != trials.end() && event.objectives.size() == 3) {
+      raised = raise_accuracy(task_, record_, chosen_, *beyond, trials);
+    }
+    if (!raised || static_cast<double>(raised->choice.step) != event.value) {
+      throw ConfigError(fmt::format(
+          "this study cannot be resumed: after trial {} its search took another way to render than "
+          "it would take now; the program, a library or the machine changed since. Run into a new "
+          "folder",
+          event.trial));
+    }
+    ended_.push_back({.trial = event.trial,
+                      .rung = chosen_.rung().name,
+                      .evaluations = static_cast<int>(event.objectives[0]),
+                      .check_work = event.objectives[1],
+                      .search_work = event.objectives[2],
+                      .sentence = event.text});
+    chosen_ = std::move(*raised);
+  }
+}
+
+/// Ends with the first design beyond the bound, as long as the search may use a dearer rung.
+void SearchReview::check_up_to(std::span<const Trial> told) {
+  checked_.clear();
+  work_ = 0.0;
+  const RenderRung* second = second_rung(chosen_);
+  const bool ends_epoch = has_dearer_rung(chosen_);
+  CheckQueue queue(task_.study);
+  for (std::size_t i = 0; i < told.size() && second != nullptr; ++i) {
+    queue.add(told[i]);
+    const auto count = static_cast<double>(i + 1);
+    const double allowed =
+        count < kUncheckedEvaluations ? 0.0 : kCheckShare * count * chosen_.rung().work;
+    while (work_ + second->work <= allowed) {
+      const auto [trial, is_finalist] = queue.take();
+      if (trial == nullptr) {
+        break;
+      }
+      const Outcome dearer = recorded_trial(task_, record_, *trial, *second);
+      checked_.push_back(compared(chosen_, *trial, is_finalist, *second, dearer));
+      work_ += second->work;
+      if (ends_epoch && !checked_.back().beyond.empty()) {
+        return;
+      }
+    }
+  }
+}
+
+std::optional<Event> SearchReview::review(std::span<const Trial> told) {
+  try {
+    check_up_to(told);
+    const bool is_beyond = !checked_.empty() && !checked_.back().beyond.empty();
+    return is_beyond && has_dearer_rung(chosen_) ? raise(told) : std::nullopt;
+  } catch (const EvaluationAborted&) {
+    return std::nullopt;
+  }
+}
+
+std::optional<Event> SearchReview::raise(std::span<const Trial> told) {
+  const CheckedDesign& design = checked_.back();
+  const Trial& trial = *std::ranges::find(told, design.trial, &Trial::number);
+  std::optional<ChosenAccuracy> raised = raise_accuracy(task_, record_, chosen_, trial, told);
+  if (!raised || (task_.interrupt != nullptr && *task_.interrupt > 0)) {
+    return std::nullopt;
+  }
+  const std::string old = chosen_.rung().name;
+  for (const Trial& one : told) {  // their outcomes are withdrawn from the search
+    record_.keep(old, trial_name(one.number), one.point, *one.outcome);
+  }
+  const double search_work = chosen_.rung().work * static_cast<double>(told.size());
+  ended_.push_back({.trial = design.trial,
+                    .rung = old,
+                    .evaluations = static_cast<int>(told.size()),
+                    .check_work = work_,
+                    .search_work = search_work,
+                    .sentence = raised_sentence(design, old, raised->rung().name, told.size())});
+  const EndedEpoch& ended = ended_.back();
+  log(LogLevel::kWarning, "{}", ended.sentence);
+  chosen_ = std::move(*raised);
+  checked_.clear();
+  work_ = 0.0;
+  return Event{.kind = EventKind::kEpoch,
+               .trial = ended.trial,
+               .value = static_cast<double>(chosen_.choice.step),
+               .text = ended.sentence,
+               .objectives = {static_cast<double>(told.size()), ended.check_work, search_work}};
+}
+
+}  // namespace glint

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A search looked after while it goes on: designs of it evaluated at a second, dearer rung, and a
+// dearer rung for all of them where one is beyond the bound (docs/accuracy.md, "Checked").
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "optimizer/search/search.h"
+#include "studies/accuracy/chosen_accuracy.h"
+
+namespace glint {
+
+/// Of a search's counted work, what checks may take.
+inline constexpr double kCheckShare = 0.1;
+/// Evaluations before the first check.
+inline constexpr int kUncheckedEvaluations = 20;
+
+/// One design of the search at the chosen rung and at a dearer one.
+struct CheckedDesign {
+  int trial = 0;
+  bool is_finalist = false;  ///< it was the best when it was found; else drawn at random
+  std::string rung;          ///< the dearer one
+  Outcome dearer;
+  std::vector<std::string> beyond;  ///< scores whose difference is beyond their bound_of()
+  std::vector<std::string> wider;   ///< scores whose own bound is wider than that of the trial
+};
+
+/// A part of the search that a check has ended: all its designs are evaluated again.
+struct EndedEpoch {
+  int trial = 0;        ///< whose check was beyond the bound
+  std::string rung;     ///< that the search was rendered by
+  int evaluations = 0;  ///< made by it
+  double check_work = 0.0;
+  double search_work = 0.0;
+  std::string sentence;
+};
+
+/// A trial of the search beside what it gave at a dearer rung.
+CheckedDesign compared(const ChosenAccuracy& chosen,
+                       const Trial& trial,
+                       bool is_finalist,
+                       const RenderRung& rung,
+                       const Outcome& dearer);
+
+/// What a search's rung is checked with while the search goes on: the cheapest dearer one with all
+/// reflections. nullptr: it is the top, or nothing could be judged.
+const RenderRung* second_rung(const ChosenAccuracy& chosen);
+
+/// Decides from told trials and recorded checks alone: the same for any number of threads and jobs,
+/// and after any kill.
+class SearchReview {
+ public:
+  /// @param chosen  rises with each epoch
+  SearchReview(const AccuracyTask& task, AccuracyRecord& record, ChosenAccuracy& chosen);
+
+  /// Takes up the epochs that a resumed search has behind it.
+  /// @throws ConfigError when they would be others now; EvaluationAborted; IoError
+  void resume(const Storage& storage);
+
+  /// Checks, within kCheckShare of the counted work, the best design so far, then the next best,
+  /// then one at random and so on, in the order in which a search could pay for them.
+  /// @param told  trials of this epoch, by number
+  /// @return the epoch that begins when a design is beyond the bound and a dearer rung is left;
+  ///         nothing when interrupted
+  /// @throws IoError
+  std::optional<Event> review(std::span<const Trial> told);
+
+  const std::vector<CheckedDesign>& checked() const { return checked_; }  ///< of this epoch
+
+  double work() const { return work_; }  ///< of these checks, counted
+
+  const std::vector<EndedEpoch>& ended() const { return ended_; }
+
+ private:
+  void check_up_to(std::span<const Trial> told);
+  std::optional<Event> raise(std::span<const Trial> told);
+
+  const AccuracyTask& task_;
+  AccuracyRecord& record_;
+  ChosenAccuracy& chosen_;
+  std::vector<CheckedDesign> checked_;
+  double work_ = 0.0;
+  std::vector<EndedEpoch> ended_;
+};
+
+}  // namespace glint

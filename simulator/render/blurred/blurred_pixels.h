@@ -24,8 +24,8 @@ struct BlurredPixels {
 
 /// Rays are those of the part's mirror directions: RayCache of a part that hides nothing of the
 /// light from itself. The rays of a pixel are averaged, each with its own phase of the stripes; the
-/// lobe around it is summed at every eighth pixel and interpolated between, or nearer where that
-/// does not do.
+/// lobe around it is summed at every eighth pixel and interpolated to second order between, or
+/// nearer where that does not do.
 /// @param alpha of the metal is the same along and across; the first wavelength counts
 /// @param scan  the wall's ends stand where they are in its middle
 /// @throws ConfigError as harmonics_for()

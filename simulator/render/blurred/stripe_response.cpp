@@ -23,10 +23,11 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Rows of a range that fills half a turn after stretching; oblique stripes change along rows too.
-constexpr int kRows = 32;
+/// Rows of a range that fills half a turn after stretching, of stripes across the tunnel; twice as
+/// many for those along it, which change from row to row.
+constexpr double kRows = 32.0;
 constexpr int kFewestRows = 6;
-constexpr int kMostRows = 40;
+constexpr int kMostRows = 64;
 constexpr std::size_t kMaxPlanes = 256;
 
 const Quadrature& row_rule(int count) {
@@ -150,7 +151,8 @@ void StripeResponse::choose_planes(const BlurredPoint& point,
     }
     const double stretched = std::atan((ends[i + 1] - shape.phi0_rad) * root) -
                              std::atan((ends[i] - shape.phi0_rad) * root);
-    const int count = static_cast<int>(std::ceil(kRows * stretched / kPi));
+    const int count =
+        static_cast<int>(std::ceil(kRows * (1.0 + std::abs(along_arc_)) * stretched / kPi));
     add_planes(shape, ends[i], ends[i + 1], std::clamp(count, kFewestRows, kMostRows), planes);
   }
 }

@@ -11,9 +11,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "simulator/render/footprint/visible_part.h"
+#include "simulator/render/scan/hidden_rays.h"
 
 namespace glint {
 namespace {
@@ -35,32 +35,6 @@ void multiply_gains(const float* __restrict weight, int count, float* __restrict
 
 int block_size(std::int64_t begin, std::int64_t count) {
   return static_cast<int>(std::min(kBlock, count - begin));
-}
-
-/// Takes the light from rays that the wall stops on their way to the camera.
-void hide(const OccludedPixels& occluded,
-          const TunnelSettings& tunnel,
-          const RayCache& cache,
-          std::vector<float>& gain) {
-  const auto pixels = static_cast<std::size_t>(cache.num_pixels());
-  const auto samples = static_cast<std::size_t>(cache.samples);
-  for (std::size_t i = 0; i < occluded.whole.size(); ++i) {
-    for (std::size_t sample = 0; sample < samples && occluded.whole.values()[i] != 0; ++sample) {
-      gain[sample * pixels + i] = 0.0F;
-    }
-  }
-  const auto per_axis = static_cast<std::size_t>(std::lround(std::sqrt(cache.samples)));
-  const auto place = [&](std::size_t index) {
-    return (static_cast<double>(index) + 0.5) / static_cast<double>(per_axis) - 0.5;
-  };
-  for (const OccludedEdge& edge : occluded.edges) {
-    const VisiblePart visible(edge, tunnel);
-    for (std::size_t sample = 0; sample < samples; ++sample) {
-      if (!visible.contains(place(sample % per_axis), place(sample / per_axis))) {
-        gain[sample * pixels + static_cast<std::size_t>(edge.pixel)] = 0.0F;
-      }
-    }
-  }
 }
 
 /// Gain times the radiance of dark stripes where each ray meets the wall.
@@ -130,7 +104,7 @@ WallRays intersect_wall(const RayCache& cache,
     }
   }
   const OccludedPixels occluded = occluded_pixels(cache, tunnel, camera_in_world_mm);
-  hide(occluded, tunnel.settings(), cache, rays.gain);
+  hide_rays(occluded, tunnel.settings(), cache, rays.gain);
   if (!tunnel.dark().is_even()) {
     rays.shine = shine_of(cache, tunnel, rays.gain);
   }

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulator/render/blurred/blurred_scan.h"
+
+namespace glint {
+
+ScanResult take_blurred_scan(const RayCache& cache,
+                             const Tunnel& tunnel,
+                             const ConductorNumbers& metal,
+                             const Sensor& sensor,
+                             const ScanSettings& scan,
+                             const Eigen::Vector3d& camera_in_world_mm,
+                             const FrameConsumer& consume) {
+  const BlurredPixels pixels = blurred_pixels(cache, tunnel, metal, scan, camera_in_world_mm);
+  const double step_mm = scan_step_mm(scan, tunnel.settings());
+  ScanResult result;
+  result.sums = ScanSums(cache.width_px, cache.height_px);
+  ImageF radiance;
+  ImageF grey;
+  for (int index = 0; index < scan.positions; ++index) {
+    render_blurred(pixels, tunnel.settings(), index * step_mm, radiance);
+    sensor.accumulate(radiance, index, result.sums, consume ? &grey : nullptr);
+    if (consume) {
+      consume(index, grey);
+    }
+  }
+  result.aspect = result.sums.aspect();
+  result.hidden_share = pixels.hidden_share;
+  return result;
+}
+
+}  // namespace glint

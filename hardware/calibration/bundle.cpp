@@ -20,6 +20,17 @@ void resize(ViewSystem& system, Eigen::Index rows, bool with_derivatives) {
   }
 }
 
+/// The two rows of a corner in the derivatives of a view.
+void set_rows(Eigen::Index row,
+              const LensDerivatives& projects,
+              const PoseChain::Derivatives& moves,
+              ViewSystem& system) {
+  system.by_lens.middleRows<2>(row) = projects.by_lens;
+  system.by_hand_eye.middleRows<2>(row) = projects.by_point * moves.by_hand_eye;
+  system.by_board.middleRows<2>(row) = projects.by_point * moves.by_board;
+  system.by_error.middleRows<2>(row) = projects.by_point * moves.by_error;
+}
+
 }  // namespace
 
 bool evaluate_view(const Bundle& bundle,
@@ -43,10 +54,7 @@ bool evaluate_view(const Bundle& bundle,
     }
     system.residual_px.segment<2>(row) = *pixel - corners.picture_px[i];
     if (with_derivatives) {
-      system.by_lens.middleRows<2>(row) = projects.by_lens;
-      system.by_hand_eye.middleRows<2>(row) = projects.by_point * moves.by_hand_eye;
-      system.by_board.middleRows<2>(row) = projects.by_point * moves.by_board;
-      system.by_error.middleRows<2>(row) = projects.by_point * moves.by_error;
+      set_rows(row, projects, moves, system);
     }
   }
   return true;

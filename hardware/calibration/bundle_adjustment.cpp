@@ -169,6 +169,15 @@ ceres::Solver::Options options_for(Unknowns& unknowns) {
   return options;
 }
 
+void take_solution(const Unknowns& unknowns, Bundle& bundle) {
+  bundle.lens = unknowns.lens;
+  bundle.poses.hand_eye = bundle.poses.hand_eye * motion_of(unknowns.hand_eye);
+  bundle.poses.board = bundle.poses.board * motion_of(unknowns.board);
+  for (std::size_t i = 0; i < bundle.views.size(); ++i) {
+    bundle.views[i].error = unknowns.errors[i];
+  }
+}
+
 }  // namespace
 
 AdjustmentSummary adjust_bundle(Bundle& bundle) {
@@ -190,12 +199,7 @@ AdjustmentSummary adjust_bundle(Bundle& bundle) {
   if (!summary.IsSolutionUsable()) {
     return {};
   }
-  bundle.lens = unknowns.lens;
-  bundle.poses.hand_eye = bundle.poses.hand_eye * motion_of(unknowns.hand_eye);
-  bundle.poses.board = bundle.poses.board * motion_of(unknowns.board);
-  for (std::size_t i = 0; i < bundle.views.size(); ++i) {
-    bundle.views[i].error = unknowns.errors[i];
-  }
+  take_solution(unknowns, bundle);
   return {.has_converged = summary.termination_type == ceres::CONVERGENCE,
           .iterations = static_cast<int>(summary.iterations.size()),
           .cost = summary.final_cost};

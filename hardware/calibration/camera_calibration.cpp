@@ -287,6 +287,24 @@ std::string refusal_before(const Work& work) {
   return {};
 }
 
+/// The lens terms that the pictures support, the last fit and what it says of itself.
+void finish(Work& work) {
+  CameraCalibration& result = work.result;
+  choose_terms(work);
+  const bool is_fitted = fit_camera(work.bundle, 6);
+  result.lens = work.bundle.lens;
+  result.is_free = work.bundle.is_free;
+  take_covariance(work);
+  take_pictures(work);
+  result.refusal = weakness_of(result);
+  if (result.refusal.empty() && !is_fitted) {
+    result.refusal = fmt::format(
+        "the corners fit no camera, the solution does not converge: the board is tilted by at most "
+        "{:.1f} degrees, tilt it by 20 to 30 degrees about both axes",
+        result.largest_tilt_rad * kDegPerRad);
+  }
+}
+
 }  // namespace
 
 CameraCalibration calibrate_camera(std::span<const BoardCorners> pictures,
@@ -305,27 +323,15 @@ CameraCalibration calibrate_camera(std::span<const BoardCorners> pictures,
   if (!result.refusal.empty()) {
     return result;
   }
-  bool is_fitted = fit_in_steps(work);
+  fit_in_steps(work);
   for (int i = 0; i < 3 && reject_misfits(work) && refusal_before(work).empty(); ++i) {
-    is_fitted = fit_in_steps(work);
+    fit_in_steps(work);
   }
   result.refusal = refusal_before(work);
   if (!result.refusal.empty()) {
     return result;
   }
-  choose_terms(work);
-  is_fitted = fit_camera(work.bundle, 6);
-  result.lens = work.bundle.lens;
-  result.is_free = work.bundle.is_free;
-  take_covariance(work);
-  take_pictures(work);
-  result.refusal = weakness_of(result);
-  if (result.refusal.empty() && !is_fitted) {
-    result.refusal = fmt::format(
-        "the corners fit no camera, the solution does not converge: the board is tilted by at most "
-        "{:.1f} degrees, tilt it by 20 to 30 degrees about both axes",
-        result.largest_tilt_rad * kDegPerRad);
-  }
+  finish(work);
   result.succeeded = result.refusal.empty();
   add_warnings(result);
   return result;

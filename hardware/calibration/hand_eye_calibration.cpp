@@ -334,6 +334,24 @@ BoardOrientation orientation_of(const HandEyeOptions& options) {
   return options.board_turns == 1 ? BoardOrientation::kPattern : BoardOrientation::kFirstPicture;
 }
 
+/// Pictures whose board was seen and whose pose was not thrown out.
+std::vector<std::size_t> accepted_pictures(const Work& work) {
+  std::vector<std::size_t> members;
+  for (const std::size_t i : work.seen) {
+    if (work.result.pictures[i].accepted) {
+      members.push_back(i);
+    }
+  }
+  return members;
+}
+
+void mark_inliers(const RobustHandEye& robust, Work& work) {
+  for (std::size_t k = 0; k < work.seen.size(); ++k) {
+    work.result.pictures[work.seen[k]].accepted = robust.is_inlier[k];
+    work.result.pictures[work.seen[k]].board_turn = robust.turns[k];
+  }
+}
+
 /// Everything until a refusal; empty when there is none.
 std::string run(Work& work) {
   HandEyeCalibration& result = work.result;
@@ -354,23 +372,14 @@ std::string run(Work& work) {
   if (!robust.has_value()) {
     return "no hand-eye explains the poses: the robot turned about one axis only";
   }
-  for (std::size_t k = 0; k < work.seen.size(); ++k) {
-    result.pictures[work.seen[k]].accepted = robust->is_inlier[k];
-    result.pictures[work.seen[k]].board_turn = robust->turns[k];
-  }
+  mark_inliers(*robust, work);
   result.bundle = start_bundle(work, *robust);
   if (!solve(work)) {
     return fmt::format("robot poses and pictures contradict each other, no solution converges: {}",
                        kContradiction);
   }
   explain_rejections(work);
-  std::vector<std::size_t> members;
-  for (const std::size_t i : work.seen) {
-    if (result.pictures[i].accepted) {
-      members.push_back(i);
-    }
-  }
-  if (std::string missing = refuse_motion(work, members); !missing.empty()) {
+  if (std::string missing = refuse_motion(work, accepted_pictures(work)); !missing.empty()) {
     return missing;
   }
   take_result(work);

@@ -38,6 +38,20 @@ double chi_square(const Bundle& bundle) {
   return reached.dot(covariance.llt().solve(reached));
 }
 
+/// Turns of the board in the order of how well they fit without any error, with their rms in px.
+std::vector<std::pair<double, int>> turns_by_fit(const Bundle& alone,
+                                                 const BoardCorners& corners,
+                                                 const Eigen::Isometry3d& base_from_flange,
+                                                 const BoardSymmetry& symmetry) {
+  std::vector<std::pair<double, int>> order;
+  for (int turn = 0; turn < symmetry.turns; ++turn) {
+    const BundleView view = joint_view(turned_corners(corners, symmetry, turn), base_from_flange);
+    order.emplace_back(rms_px(alone, view), turn);
+  }
+  std::ranges::sort(order);
+  return order;
+}
+
 }  // namespace
 
 BundleView joint_view(const BoardCorners& corners, const Eigen::Isometry3d& base_from_flange) {
@@ -90,16 +104,10 @@ Agreement agreement_of(const Bundle& bundle,
   alone.is_free = {};
   alone.are_poses_free = false;
   alone.lens_prior.reset();
-  // The turn that fits best without any error first: nearly always it is the right one.
-  std::vector<std::pair<double, int>> order;
-  for (int turn = 0; turn < symmetry.turns; ++turn) {
-    const BundleView view = joint_view(turned_corners(corners, symmetry, turn), base_from_flange);
-    order.emplace_back(rms_px(alone, view), turn);
-  }
-  std::ranges::sort(order);
+  // The first is nearly always the right one.
   Agreement best{.chi_square = std::numeric_limits<double>::infinity(),
                  .rms_px = std::numeric_limits<double>::infinity()};
-  for (const auto& [start_px, turn] : order) {
+  for (const auto& [start_px, turn] : turns_by_fit(alone, corners, base_from_flange, symmetry)) {
     alone.views = {joint_view(turned_corners(corners, symmetry, turn), base_from_flange)};
     take_patterns(alone);
     if (adjust_bundle(alone).iterations == 0) {

@@ -62,6 +62,25 @@ cv::HandEyeCalibrationMethod opencv_method(HandEyeMethod method) {
   }
 }
 
+Isometry3d robot_world_hand_eye(HandEyeMethod method, const CvPoses& poses, const CvPoses& camera) {
+  cv::Mat rotation;
+  cv::Mat translation;
+  cv::Mat ignored_rotation;
+  cv::Mat ignored_translation;
+  cv::calibrateRobotWorldHandEye(camera.rotations,
+                                 camera.translations,
+                                 poses.rotations,
+                                 poses.translations,
+                                 ignored_rotation,
+                                 ignored_translation,
+                                 rotation,
+                                 translation,
+                                 method == HandEyeMethod::kShah
+                                     ? cv::CALIB_ROBOT_WORLD_HAND_EYE_SHAH
+                                     : cv::CALIB_ROBOT_WORLD_HAND_EYE_LI);
+  return from_opencv(rotation, translation).inverse();
+}
+
 /// @param robot  base_from_flange, or its inverse for a camera beside the robot
 Isometry3d solve(HandEyeMethod method, std::span<const Isometry3d> robot, const CvPoses& camera) {
   const bool is_robot_world = method == HandEyeMethod::kShah || method == HandEyeMethod::kLi;
@@ -81,20 +100,7 @@ Isometry3d solve(HandEyeMethod method, std::span<const Isometry3d> robot, const 
                          opencv_method(method));
     return from_opencv(rotation, translation);
   }
-  cv::Mat ignored_rotation;
-  cv::Mat ignored_translation;
-  cv::calibrateRobotWorldHandEye(camera.rotations,
-                                 camera.translations,
-                                 poses.rotations,
-                                 poses.translations,
-                                 ignored_rotation,
-                                 ignored_translation,
-                                 rotation,
-                                 translation,
-                                 method == HandEyeMethod::kShah
-                                     ? cv::CALIB_ROBOT_WORLD_HAND_EYE_SHAH
-                                     : cv::CALIB_ROBOT_WORLD_HAND_EYE_LI);
-  return from_opencv(rotation, translation).inverse();
+  return robot_world_hand_eye(method, poses, camera);
 }
 
 }  // namespace

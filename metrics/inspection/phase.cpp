@@ -37,13 +37,9 @@ Eigen::Vector3d waves_at(int frame, int frames, double periods) {
   return {1.0, std::cos(angle), std::sin(angle)};
 }
 
-PhaseWeights phase_weights(int frames, double periods) {
-  if (frames < 3) {
-    throw ConfigError("phases", fmt::format("{} frames, at least 3 are needed", frames));
-  }
-  if (!(periods > 0.0) || !std::isfinite(periods)) {
-    throw ConfigError("phases", fmt::format("{} periods, must be positive", periods));
-  }
+/// Normal equations of mean, sine and cosine.
+/// @throws ConfigError  the frames do not determine them
+Eigen::Matrix3d normal_equations(int frames, double periods) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   for (int j = 0; j < frames; ++j) {
     const Eigen::Vector3d wave = waves_at(j, frames, periods);
@@ -59,7 +55,17 @@ PhaseWeights phase_weights(int frames, double periods) {
                     frames,
                     periods));
   }
-  const Eigen::Matrix3d inverse = normal.inverse();
+  return normal;
+}
+
+PhaseWeights phase_weights(int frames, double periods) {
+  if (frames < 3) {
+    throw ConfigError("phases", fmt::format("{} frames, at least 3 are needed", frames));
+  }
+  if (!(periods > 0.0) || !std::isfinite(periods)) {
+    throw ConfigError("phases", fmt::format("{} periods, must be positive", periods));
+  }
+  const Eigen::Matrix3d inverse = normal_equations(frames, periods).inverse();
   PhaseWeights weights;
   for (int j = 0; j < frames; ++j) {
     const Eigen::Vector3d weight = inverse * waves_at(j, frames, periods);

@@ -3,7 +3,7 @@
 // A quadtree over tiles of 16 x 16 pixels. A square is interpolated to second order between 3 x 3
 // nodes when all its rays run as interpolated between those of the nodes, and when at two points
 // between them the summed light is the interpolated one; else it is cut in four. Pixels whose rays
-// part (silhouettes, steep defects) are summed ray by ray. Cost: some 10 us a summed point.
+// part (silhouettes, steep defects) are summed ray by ray. Cost: 30 to 80 us a summed point.
 #include "simulator/render/blurred/blurred_pixels.h"
 
 #include <algorithm>

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/shell/placement_text.h"
 #include "studies/calibrate/check_run.h"
 #include "studies/calibrate/place_run.h"
 #include "studies/calibrate/plan_run.h"
@@ -130,21 +131,8 @@ std::string place_text(const Json& result) {
     }
     text += "\n";
   }
-  const bool is_on_flange = result.contains("flange_from_part");
-  const Json& pose = result[is_on_flange ? "flange_from_part" : "base_from_part"];
-  const Json& at = pose["translation_mm"];
-  text += fmt::format("{}_from_part: {:.3f} {:.3f} {:.3f} mm +- {:.2g} mm, {:.2g} degrees\n",
-                      is_on_flange ? "flange" : "base",
-                      at[0].get<double>(),
-                      at[1].get<double>(),
-                      at[2].get<double>(),
-                      pose["sigma_mm"].get<double>(),
-                      pose["sigma_deg"].get<double>());
-  if (!result["spread"].is_null()) {
-    text += fmt::format("placements differ by {:.2g} mm, {:.2g} degrees (standard deviation)\n",
-                        result["spread"]["mm"].get<double>(),
-                        result["spread"]["deg"].get<double>());
-  }
+  const char* name = result.contains("flange_from_part") ? "flange_from_part" : "base_from_part";
+  text += placement_text(name, result[name], result["spread"]);
   for (const Json& note : result["notes"]) {
     text += "note: " + note.get<std::string>() + "\n";
   }

@@ -113,6 +113,18 @@ std::string verdict_lines(const Json& result) {
   return text;
 }
 
+/// A line for each variable of the winner.
+std::string variables_text(const Json& variables) {
+  std::string text;
+  for (const auto& [name, value] : variables.items()) {
+    text +=
+        fmt::format("  {} = {}\n",
+                    name,
+                    value.is_number() ? fmt::format("{:.6g}", value.get<double>()) : value.dump());
+  }
+  return text;
+}
+
 std::string summary(const Json& result) {
   std::string text = outcome(result);
   ScoreTable table(result);
@@ -127,12 +139,7 @@ std::string summary(const Json& result) {
   }
   text += table.text();
   if (has_winner) {
-    for (const auto& [name, value] : result["best"]["variables"].items()) {
-      text += fmt::format(
-          "  {} = {}\n",
-          name,
-          value.is_number() ? fmt::format("{:.6g}", value.get<double>()) : value.dump());
-    }
+    text += variables_text(result["best"]["variables"]);
   }
   if (result.contains("accuracy")) {
     text += accuracy_text(result["accuracy"]);
@@ -216,9 +223,8 @@ int run_command(const StudyArguments& arguments,
 namespace {
 
 /// What a run will cost, apart and together.
-std::string cost_text(const Json& result) {
-  const Json& cpu_s = result["predicted_cpu_s"];
-  const auto seconds = [&](const char* name) { return duration_text(cpu_s[name].get<double>()); };
+/// Which CPU time goes where, as "search 3 min, writing 4 s".
+std::string cost_parts_text(const Json& cpu_s) {
   std::vector<std::string> parts;
   for (const auto& [name, what] : {std::pair{"search", "search"},
                                    {"rescoring", "re-scoring"},
@@ -226,9 +232,14 @@ std::string cost_text(const Json& result) {
                                    {"manufacture", "designs as built"},
                                    {"populations", "parts of the populations"}}) {
     if (cpu_s.value(name, 0.0) > 0.0) {
-      parts.push_back(fmt::format("{} {}", what, seconds(name)));
+      parts.push_back(fmt::format("{} {}", what, duration_text(cpu_s[name].get<double>())));
     }
   }
+  return join(parts, ", ");
+}
+
+std::string cost_text(const Json& result) {
+  const Json& cpu_s = result["predicted_cpu_s"];
   std::string text;
   if (result["evaluations"].get<int>() > 0) {
     text += fmt::format("{:.3f} CPU s an evaluation, {} evaluations\n",
@@ -240,8 +251,8 @@ std::string cost_text(const Json& result) {
                         result["manufacture_evaluations"].get<int>());
   }
   return text + fmt::format("about {} of CPU time ({}), {} on this machine when it is idle\n",
-                            seconds("total"),
-                            join(parts, ", "),
+                            duration_text(cpu_s["total"].get<double>()),
+                            cost_parts_text(cpu_s),
                             duration_text(result["predicted_s"].get<double>()));
 }
 

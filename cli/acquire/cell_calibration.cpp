@@ -7,6 +7,7 @@
 
 #include "cli/acquire/driven_session.h"
 #include "cli/shell/exit_codes.h"
+#include "cli/shell/placement_text.h"
 #include "core/error.h"
 #include "studies/calibrate_cell/calibrate_cell_run.h"
 #include "studies/calibrate_cell/place_part_run.h"
@@ -42,21 +43,8 @@ std::string rounds_text(const Json& result) {
 }
 
 std::string placed_text(const Json& result) {
-  const Json& pose = result["base_from_part"];
-  const Json& at = pose["translation_mm"];
-  std::string text =
-      fmt::format("base_from_part: {:.3f} {:.3f} {:.3f} mm +- {:.2g} mm, {:.2g} degrees\n",
-                  at[0].get<double>(),
-                  at[1].get<double>(),
-                  at[2].get<double>(),
-                  pose["sigma_mm"].get<double>(),
-                  pose["sigma_deg"].get<double>());
-  if (!result["spread"].is_null()) {
-    text += fmt::format("placements differ by {:.2g} mm, {:.2g} degrees (standard deviation)\n",
-                        result["spread"]["mm"].get<double>(),
-                        result["spread"]["deg"].get<double>());
-  }
-  return text + fmt::format("part for scenes: {}\n", result["placement"].get<std::string>());
+  return placement_text("base_from_part", result["base_from_part"], result["spread"]) +
+         fmt::format("part for scenes: {}\n", result["placement"].get<std::string>());
 }
 
 std::string part_text(const Json& result) {

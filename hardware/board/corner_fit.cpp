@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -34,6 +35,7 @@ constexpr double kWantedPx = 0.018;
 constexpr double kLeastBlurPx = 0.3;
 constexpr double kMostOfClearance = 0.42;
 constexpr double kMostForNoise = 12.0;  ///< px of a level
+constexpr double kLeastInside = 3.0;    ///< distance of a corner from the border, px of a level
 
 /// erf(d / (sqrt(2) s)) and its derivative by d.
 struct Edge {
@@ -60,20 +62,25 @@ struct Window {
   double radius_px = 0.0;
 };
 
+/// The window around a point, narrower where the border is nearer than its radius: as much on
+/// either side, so that it still looks the same after half a turn. Empty when less than
+/// kLeastInside is left.
 std::optional<Window> window_around(PictureLevels& levels,
                                     int level,
                                     const Eigen::Vector2d& at_px,
                                     double radius_px) {
-  const int x0 = static_cast<int>(std::floor(at_px.x() - radius_px - 1.0));
-  const int y0 = static_cast<int>(std::floor(at_px.y() - radius_px - 1.0));
-  const int size = static_cast<int>(std::ceil(2.0 * radius_px + 3.0));
-  if (x0 < 0 || y0 < 0 || x0 + size > (levels.width() >> level) ||
-      y0 + size > (levels.height() >> level)) {
+  const Eigen::Array2d size(levels.width() >> level, levels.height() >> level);
+  const Eigen::Array2d inside = at_px.array().min(size - at_px.array());
+  if (!(inside.minCoeff() >= kLeastInside)) {
     return std::nullopt;
   }
-  return Window{.grey = levels.part(level, x0, y0, size, size),
-                .origin_px = Eigen::Vector2d(x0, y0),
-                .radius_px = radius_px};
+  const Eigen::Array2d half = inside.min(radius_px + 1.5);
+  const Eigen::Array2i first = (at_px.array() - half).ceil().cast<int>();
+  const Eigen::Array2i end = (at_px.array() + half).floor().cast<int>();
+  return Window{
+      .grey = levels.part(level, first.x(), first.y(), end.x() - first.x(), end.y() - first.y()),
+      .origin_px = first.matrix().cast<double>(),
+      .radius_px = radius_px};
 }
 
 /// Sums over the window for one step.
@@ -333,9 +340,12 @@ std::optional<CornerFit> fit_corner(PictureLevels& levels, int level, const Corn
       break;
     }
     const double ratio = radius / old_radius;
-    window = window_around(levels, next, moved.unknowns.head<2>(), radius);
-    fit = window ? settle(*window, on_level(fit->unknowns, factor, next_factor, ratio))
-                 : std::nullopt;
+    auto next_window = window_around(levels, next, moved.unknowns.head<2>(), radius);
+    if (!next_window) {
+      break;  // so near the border the finer level has to do
+    }
+    window = std::move(next_window);
+    fit = settle(*window, on_level(fit->unknowns, factor, next_factor, ratio));
     level = next;
     factor = next_factor;
   }

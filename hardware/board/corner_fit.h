@@ -47,7 +47,7 @@ struct CornerFit {
 };
 
 /// The corner near a guess. Empty when the fit does not settle, leaves the guess by more than 0.4
-/// of the clearance, or its window does not fit into the picture.
+/// of the clearance, or the corner is less than 3 px from the picture's border.
 /// @param level  that the guess was found on
 std::optional<CornerFit> fit_corner(PictureLevels& levels, int level, const CornerGuess& guess);
 

@@ -91,6 +91,21 @@ std::optional<Route> RouteMap::route(std::size_t from, std::size_t to) {
   return over_safe(from, to);
 }
 
+namespace {
+
+/// `nodes` with both ends, where it does not have them already.
+std::vector<std::size_t> between(std::size_t from, std::vector<std::size_t> nodes, std::size_t to) {
+  if (nodes.front() != from) {
+    nodes.insert(nodes.begin(), from);
+  }
+  if (nodes.back() != to) {
+    nodes.push_back(to);
+  }
+  return nodes;
+}
+
+}  // namespace
+
 std::optional<Route> RouteMap::over_safe(std::size_t from, std::size_t to) {
   const std::size_t count = safe_.size();
   double least_s = kNever;
@@ -103,13 +118,7 @@ std::optional<Route> RouteMap::over_safe(std::size_t from, std::size_t to) {
       if (!is_joined) {
         continue;
       }
-      std::vector<std::size_t> nodes = ways_[a * count + b];
-      if (nodes.front() != from) {
-        nodes.insert(nodes.begin(), from);
-      }
-      if (nodes.back() != to) {
-        nodes.push_back(to);
-      }
+      std::vector<std::size_t> nodes = between(from, ways_[a * count + b], to);
       const double duration_s = measured(nodes).duration_s;
       if (duration_s < least_s && nodes.size() > 1) {
         least_s = duration_s;

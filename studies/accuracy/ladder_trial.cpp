@@ -183,6 +183,15 @@ class LadderTrial {
     return {.mean = factor * seen.bias, .spread = factor * std::sqrt(std::max(0.0, rest))};
   }
 
+  /// @param factor  of a tolerance interval
+  static ScoreBound with_bounds(ScoreBound bound, double factor) {
+    const double bias = std::max(std::abs(bound.bias), std::abs(bound.bias + bound.top_bias));
+    const double spread = std::hypot(bound.spread, bound.top_error, bound.top_spread);
+    bound.bound = bias + bound.factor * spread;
+    bound.wide_bound = bias + factor * spread;
+    return bound;
+  }
+
   std::vector<ScoreBound> bounds_against(std::size_t step, std::size_t reference) const {
     const double confidence = task_.wish.confidence;
     std::vector<ScoreBound> bounds;
@@ -196,19 +205,15 @@ class LadderTrial {
       const double top_error =
           reference == top() ? mean_error(judged_[i], scores_[reference]) : 0.0;
       const TopOffset offset = reference == top() ? top_offset(judged_[i]) : TopOffset{};
-      ScoreBound bound = {.score = judged_[i],
-                          .tolerance = tolerance_of(i, others),
-                          .bias = seen.bias,
-                          .spread = seen.spread,
-                          .top_error = top_error,
-                          .top_bias = offset.mean,
-                          .top_spread = offset.spread,
-                          .factor = prediction_factor(errors.size(), confidence)};
-      const double bias = std::max(std::abs(bound.bias), std::abs(bound.bias + bound.top_bias));
-      const double spread = std::hypot(bound.spread, top_error, bound.top_spread);
-      bound.bound = bias + bound.factor * spread;
-      bound.wide_bound = bias + tolerance_factor(errors.size(), confidence, confidence) * spread;
-      bounds.push_back(bound);
+      const ScoreBound bound = {.score = judged_[i],
+                                .tolerance = tolerance_of(i, others),
+                                .bias = seen.bias,
+                                .spread = seen.spread,
+                                .top_error = top_error,
+                                .top_bias = offset.mean,
+                                .top_spread = offset.spread,
+                                .factor = prediction_factor(errors.size(), confidence)};
+      bounds.push_back(with_bounds(bound, tolerance_factor(errors.size(), confidence, confidence)));
     }
     return bounds;
   }

@@ -50,6 +50,8 @@ class PartPlacing {
       : options_(options),
         permit_(permit),
         scene_(calibrate_cell_detail::part_scene(options.scene, options.calibration)),
+        scene_text_(fmt::format(
+            "schema = {}\n{}", needs_schema_2(scene_) ? 2 : 1, to_toml(write_scene(scene_)))),
         folder_(options.acquire.out / "part"),
         place_(isometry_of(transform_of(scene_.cell->base_from_part->pose))) {
     if (options.placed > options.placements) {
@@ -60,10 +62,7 @@ class PartPlacing {
 
   Json run() {
     make_folder(folder_);
-    write_file(
-        folder_ / "scene.toml",
-        fmt::format(
-            "schema = {}\n{}", needs_schema_2(scene_) ? 2 : 1, to_toml(write_scene(scene_))));
+    write_file(folder_ / "scene.toml", scene_text_);
     for (int number = 1; number <= options_.placements; ++number) {
       check_order(number);
       if (!is_put_down(number)) {
@@ -74,7 +73,7 @@ class PartPlacing {
         end_ = taken["end"];
         return result("stopped");
       }
-      if (!find_edges(number)) {
+      if (!is_known(number) && !find_edges(number)) {
         return result("too_few_pictures");
       }
     }
@@ -137,6 +136,25 @@ class PartPlacing {
     return calibrate_cell_detail::acquire_round(acquire, permit_);
   }
 
+  /// Whether an earlier call has found this placement in the same scene: its files are there.
+  bool is_known(int number) {
+    const fs::path file = numbered("found", number, ".json");
+    const Json kept =
+        fs::exists(file) ? Json::parse(read_file(file), nullptr, false) : Json::object();
+    if (!kept.is_object() || kept.value("scene", "") != scene_text_) {
+      return false;
+    }
+    remember(number, kept.at("told"));
+    return true;
+  }
+
+  void remember(int number, const Json& told) {
+    placements_.push_back(told);
+    if (number == 1) {
+      place_ = pose_of(told.at("base_from_part"));  // the next ones lie near it
+    }
+  }
+
   /// Renders the part where it is known to lie, finds its edges, places it by them, and again until
   /// it does not move any more. @return false: not enough pictures show it
   bool find_edges(int number) {
@@ -161,8 +179,9 @@ class PartPlacing {
         break;
       }
     }
-    placements_.push_back(std::move(told));
-    place_ = number == 1 ? place : place_;  // the next ones lie near it
+    write_file(numbered("found", number, ".json"),
+               Json{{"scene", scene_text_}, {"told", told}}.dump() + "\n");
+    remember(number, told);
     return true;
   }
 
@@ -253,6 +272,7 @@ class PartPlacing {
   const PlacePartOptions& options_;
   const MotionPermit& permit_;
   SceneSettings scene_;
+  std::string scene_text_;  ///< as it is written; what is kept of another one does not count
   fs::path folder_;
   Isometry3d place_;  ///< where the part is known to lie so far
   Json placements_ = Json::array();

@@ -27,15 +27,20 @@ bool is_full(const fs::path& folder) {
 
 }  // namespace
 
-void remove_other_designs(const fs::path& run, const Json& front) {
-  std::set<fs::path> full;
-  std::set<fs::path> small;
+/// Folders of the designs that are shown so ("full", or not), of those that have one.
+std::set<fs::path> folders_of(const fs::path& run, const Json& front, bool is_shown_full) {
+  std::set<fs::path> folders;
   for (const Json& design : front["designs"]) {
-    if (design.contains("folder")) {
-      const fs::path folder = run / design["folder"].get<std::string>();
-      (design["shown"] == "full" ? full : small).insert(folder);
+    if (design.contains("folder") && (design["shown"] == "full") == is_shown_full) {
+      folders.insert(run / design["folder"].get<std::string>());
     }
   }
+  return folders;
+}
+
+void remove_other_designs(const fs::path& run, const Json& front) {
+  const std::set<fs::path> full = folders_of(run, front, true);
+  const std::set<fs::path> small = folders_of(run, front, false);
   std::error_code ignored;
   std::vector<fs::path> old;
   for (const fs::directory_entry& entry : fs::directory_iterator(run / kFrontFolder, ignored)) {

@@ -75,6 +75,19 @@ class VariableCheck {
 
   /// Whether a score differs between the ends; a key of another shape makes none differ, most
   /// often.
+  void add_objectives(const Scores& scores) {
+    std::vector<double> values;
+    for (const Objective& objective : objectives_of(study_.goal)) {
+      const auto found = scores.find(objective.name);
+      if (found != scores.end()) {
+        values.push_back(found->second);
+      }
+    }
+    if (!values.empty()) {
+      objectives_.insert(std::move(values));
+    }
+  }
+
   void evaluate_ends(std::size_t index) {
     const WantedScores wanted = wanted_by(study_.goal).with_whole_scan();
     const Variable& variable = study_.space.variables[index];
@@ -85,16 +98,7 @@ class VariableCheck {
     for (const VariableEnd& end : ends_of(variable)) {
       try {
         scores.push_back(evaluate(store_, scene_at(index, end), {}, wanted).scores);
-        std::vector<double> values;
-        for (const Objective& objective : objectives_of(study_.goal)) {
-          const auto found = scores.back().find(objective.name);
-          if (found != scores.back().end()) {
-            values.push_back(found->second);
-          }
-        }
-        if (!values.empty()) {
-          objectives_.insert(std::move(values));
-        }
+        add_objectives(scores.back());
       } catch (const ConfigError& error) {  // an end that cannot be built: the variable does act
         add_broken(index, end, error);
       }

@@ -173,7 +173,9 @@ Stability measure_stability(const std::vector<Sweep>& sweeps, const StabilityOpt
   return Measuring(options).run(sweeps);
 }
 
-Json stability_json(const Stability& stability) {
+namespace {
+
+Json sweeps_json(const Stability& stability) {
   Json sweeps = Json::array();
   for (const SweepResult& result : stability.sweeps) {
     Json cells = Json::array();
@@ -185,6 +187,12 @@ Json stability_json(const Stability& stability) {
                       {"title", result.sweep.title},
                       {"cells", cells}});
   }
+  return sweeps;
+}
+
+}  // namespace
+
+Json stability_json(const Stability& stability) {
   const StabilityTotals totals = stability.totals();
   return {{"schema", 1},
           {"status", totals.left_out > 0 ? "budget" : "done"},
@@ -192,7 +200,7 @@ Json stability_json(const Stability& stability) {
            {{"h_points", stability.bounds.h_points},
             {"contrast_percent", stability.bounds.contrast_percent},
             {"picture", stability.bounds.picture}}},
-          {"sweeps", sweeps},
+          {"sweeps", sweeps_json(stability)},
           {"totals",
            {{"right", totals.right},
             {"told", totals.told},

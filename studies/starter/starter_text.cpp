@@ -205,15 +205,18 @@ std::string paths_table(StarterLight light) {
 }
 
 /// Nothing before places are known.
+/// A coordinate of all places, as the elements of a list.
+std::string places_text(const StarterPlan& plan, int axis) {
+  std::vector<std::string> texts;
+  for (const Eigen::Vector2d& place : plan.places_mm) {
+    texts.push_back(fmt::format("{:.3f}", place[axis]));
+  }
+  return join(texts, ", ");
+}
+
 std::string defect_table(const StarterPlan& plan) {
   if (plan.places_mm.empty()) {
     return "";
-  }
-  std::vector<std::string> xs;
-  std::vector<std::string> ys;
-  for (const Eigen::Vector2d& place : plan.places_mm) {
-    xs.push_back(fmt::format("{:.3f}", place.x()));
-    ys.push_back(fmt::format("{:.3f}", place.y()));
   }
   std::string text = fmt::format(
       "\n# The smallest defect that must show: a dent of {:g} mrad at its steepest, where the "
@@ -228,8 +231,8 @@ std::string defect_table(const StarterPlan& plan) {
                     "y_mm = [{}]\n"
                     "height_um = {:.4g}\n"
                     "diameter_mm = {:.4g}\n",
-                    join(xs, ", "),
-                    join(ys, ", "),
+                    places_text(plan, 0),
+                    places_text(plan, 1),
                     1e3 * plan.depth_mm(),
                     plan.sizes.diameter_mm);
 }

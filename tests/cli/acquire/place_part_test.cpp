@@ -209,9 +209,11 @@ TEST_F(PlacedPart, IsFoundEachTimeAndNothingIsAssumed) {
   EXPECT_EQ(first["next"]["placement"], 2);
   EXPECT_EQ(first["placements"][0]["pictures"], 4);
   const std::string taken = read_file(folder_ / "out/part/placement_1/acquired.json");
+  const auto drawn = fs::last_write_time(folder_ / "out/part/edges_1.csv");
   put_down(2);
   EXPECT_EQ(place(1, {"--placed", "2"})["next"]["placement"], 3);
   EXPECT_EQ(read_file(folder_ / "out/part/placement_1/acquired.json"), taken);
+  EXPECT_EQ(fs::last_write_time(folder_ / "out/part/edges_1.csv"), drawn) << "found once";
   put_down(3);
   const json all = place(0, {"--placed", "3"});
   EXPECT_EQ(all["status"], "placed");

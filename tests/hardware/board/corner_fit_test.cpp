@@ -94,6 +94,23 @@ TEST(FitCorner, TakesASmallWindowWithoutNoise) {
   EXPECT_LE(fit_corner(levels, 0, corner.guess())->window_px, 6.0);
 }
 
+TEST(FitCorner, MeasuresCornersBesideTheBorder) {
+  // The window is narrower there, by as much on either side: an exact corner stays exact.
+  Rng rng(5, Stream::kTest, 0);
+  for (const Eigen::Vector2d& at_px :
+       {Eigen::Vector2d(4.2, 39.6), Eigen::Vector2d(40.3, 75.1), Eigen::Vector2d(74.9, 5.0)}) {
+    for (const double blur : {0.5, 1.0, 2.0}) {
+      const Corner corner = {.at_px = at_px, .blur_px = blur};
+      const Pixels pixels = corner.picture(0.0, rng);
+      PictureLevels levels(pixels);
+      const auto fit = fit_corner(levels, 0, corner.guess());
+      ASSERT_TRUE(fit.has_value()) << at_px.transpose() << ", " << blur;
+      EXPECT_LT((fit->at_px - corner.at_px).norm(), 0.005) << at_px.transpose() << ", " << blur;
+      EXPECT_NEAR(fit->blur_px, blur, 0.03 * blur + 0.01);
+    }
+  }
+}
+
 TEST(FitCorner, HasNoAnswerWhereThereIsNoCorner) {
   const Pixels flat = ImageF(80, 80, 0.5F);
   PictureLevels levels(flat);

@@ -133,10 +133,10 @@ void add_part(const Study& study,
     const auto trial = std::ranges::find(trials, found.trials[k], &Trial::number);
     std::vector<std::string> fields;
     for (const double value : in_score_units(study.goal, found.front[k])) {
-      fields.push_back(shortest(value));
+      fields.push_back(fmt::format("{:.6g}", value));
     }
     for (const double value : trial->point) {
-      fields.push_back(shortest(value));
+      fields.push_back(fmt::format("{:.6g}", value));
     }
     fields.push_back(fmt::format("{} {}", part, found.trials[k]));
     known.rows.push_back(found.front[k]);
@@ -201,9 +201,12 @@ int print_table(const fs::path& study_file, const fs::path& folder, const fs::pa
   std::cout << fmt::format("best known: {:.2f}\n{:<8} {:>8} {:>8}\n", best, "part", "100", "300");
   std::vector<double> shares;
   for (const std::string& part : all_parts()) {
+    if (part == kLongPart) {
+      continue;
+    }
     const std::vector<double> history =
         hypervolume_history(study.goal, trials_of(folder, part), reference);
-    if (part == kLongPart || history.size() < kEvaluations) {
+    if (history.size() < kEvaluations) {
       continue;
     }
     shares.push_back(history[kEvaluations - 1] / best);

@@ -32,7 +32,7 @@ constexpr int kOtherSeed = 7919;
 constexpr double kMedianOfCost = 1.5;
 
 std::string tolerances(Rng& rng, double points, double mean, double weber, double cnr) {
-  const double scale = std::pow(2.0, rng.uniform(-1.0, 3.0));  // from strict to lax
+  const double scale = std::pow(2.0, rng.uniform(0.0, 4.0));  // from strict to lax
   return fmt::format(
       "[accuracy]\nkeep = []\ntolerance = {{ \"homogeneity.h_rms\" = \"{} points\", "
       "\"homogeneity.mean\" = \"{} %\", \"defects.min_weber\" = {}, \"defects.min_cnr\" = "

@@ -277,6 +277,9 @@ std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
     check_derivatives(name, num_objectives);
   }
   if (name == "gp") {
+    if (settings.rules > 3) {
+      exact.take_logs_of_limits();
+    }
     const GaussianSearchPlan plan{.seed = settings.seed,
                                   .is_noisy = settings.is_noisy,
                                   .num_design = design_size(space, settings),

@@ -58,7 +58,8 @@ namespace glint {
 /// 2: under noise `auto` is gp; gp asks by the expected gain of hypervolume, climbs the slopes of
 ///    what it promises, and logs the parameters of its models.
 /// 3: gp knows scores that follow from a design alone, and takes derivatives.
-inline constexpr int kSearchRules = 3;
+/// 4: gp models the signed logarithm of limits.
+inline constexpr int kSearchRules = 4;
 
 struct SearchSettings {
   std::string algorithm = "auto";  ///< one of algorithm_names()

@@ -10,6 +10,14 @@
 
 namespace glint {
 
+double log_limit(double value) {
+  return std::copysign(std::log1p(std::abs(value)), value);
+}
+
+double log_limit_slope(double value) {
+  return 1.0 / (1.0 + std::abs(value));
+}
+
 ExactValues::ExactValues(Goal goal, ExactScores scores)
     : goal_(std::move(goal)), scores_(std::move(scores)) {
   GLINT_CHECK(scores_.max_candidates >= 1, "at least one candidate");
@@ -48,7 +56,7 @@ std::vector<double> ExactValues::at(const Point& point) const {
     const bool is_exact = next < is_exact_.size() && is_exact_[next];
     for (const double value :
          limit_values(constraint, is_exact ? scores.at(constraint.name) : std::nan(""))) {
-      values[next++] = value;
+      values[next++] = has_log_limits_ ? log_limit(value) : value;
     }
   }
   return values;

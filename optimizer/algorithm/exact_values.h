@@ -12,12 +12,21 @@
 
 namespace glint {
 
+/// sign(v) log(1 + |v|): what models of limits know from rules 4 on. The border stays at 0 and as
+/// steep as it was, while a design far outside no longer decides how the model looks beside it.
+double log_limit(double value);
+/// Its derivative.
+double log_limit_slope(double value);
+
 class ExactValues {
  public:
   /// Nothing is exact.
   ExactValues() = default;
   /// @param goal  checked
   ExactValues(Goal goal, ExactScores scores);
+
+  /// From now on limits are log_limit() of what they were.
+  void take_logs_of_limits() { has_log_limits_ = true; }
 
   /// Whether there is nothing that follows from designs alone.
   bool empty() const { return names_.empty(); }
@@ -39,6 +48,7 @@ class ExactValues {
   ExactScores scores_;
   std::vector<std::string> names_;  ///< of scores_ and of the goal
   std::vector<bool> is_exact_;
+  bool has_log_limits_ = false;
 };
 
 }  // namespace glint

@@ -171,15 +171,11 @@ void GaussianSearch::tell(const Point& point, const Answer& answer) {
     told.errors = answer.errors;
     told.errors.resize(told.values.size(), std::nan(""));
     for (std::size_t i = 0; i < answer.limits.size(); ++i) {
-      told.values.push_back(answer.limits[i].value);
-      const bool is_known = i < answer.limit_errors.size();
-      told.errors.push_back(is_known ? answer.limit_errors[i] : std::nan(""));
+      add_limit(answer, i, told);
     }
     if (plan_.takes_slopes) {
-      told.slopes.push_back(unit_slopes(space_, point, answer.objective.gradient));
-      for (const ValueWithGradient& limit : answer.limits) {
-        told.slopes.push_back(unit_slopes(space_, point, limit.gradient));
-      }
+      told.slopes.insert(told.slopes.begin(),
+                         unit_slopes(space_, point, answer.objective.gradient));
     }
     GLINT_CHECK(
         told.values.size() == static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits),
@@ -187,6 +183,22 @@ void GaussianSearch::tell(const Point& point, const Answer& answer) {
     ++num_succeeded_;
   }
   told_.push_back(std::move(told));
+}
+
+void GaussianSearch::add_limit(const Answer& answer, std::size_t i, ToldDesign& told) const {
+  const ValueWithGradient& limit = answer.limits[i];
+  const bool has_log = plan_.rules > 3;
+  const double slope = has_log ? log_limit_slope(limit.value) : 1.0;
+  const bool is_known = i < answer.limit_errors.size();
+  told.values.push_back(has_log ? log_limit(limit.value) : limit.value);
+  told.errors.push_back(is_known ? slope * answer.limit_errors[i] : std::nan(""));
+  if (plan_.takes_slopes) {
+    std::vector<double> gradient = limit.gradient;
+    for (double& by_unit : gradient) {
+      by_unit *= slope;
+    }
+    told.slopes.push_back(unit_slopes(space_, told.point, gradient));
+  }
 }
 
 void GaussianSearch::update_models() {

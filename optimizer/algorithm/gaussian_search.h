@@ -73,6 +73,8 @@ class GaussianSearch final : public Algorithm {
   std::optional<Point> promising_point(std::span<const GaussianProcess> models, Rng& rng);
   std::optional<Point> scalarised_point(std::span<const GaussianProcess> models, Rng& rng);
   std::vector<double> reference() const;
+  /// Of the answer to a design: value, error and derivatives of a limit as its model knows them.
+  void add_limit(const Answer& answer, std::size_t i, ToldDesign& told) const;
   void update_models();
   void refit();
   void rebuild(const Fit& fit);

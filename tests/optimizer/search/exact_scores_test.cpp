@@ -167,7 +167,7 @@ TEST(ExactScores, ARunByRules1Or2GoesOnWithoutThem) {
     earlier.budget.evaluations = 18;
     search_into(begun, earlier, boards_and_blur);
     const SearchTask now = boards_task(true, 1, 30);
-    ASSERT_EQ(now.settings.rules, 3);
+    ASSERT_EQ(now.settings.rules, kSearchRules);
     search_into(begun, now, boards_and_blur);
     EXPECT_EQ(events_and_points(begun), events_and_points(whole)) << rules;
     const TemporaryFolder fresh;

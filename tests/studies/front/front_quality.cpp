@@ -18,6 +18,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -167,8 +168,13 @@ int write_front(const fs::path& study_file, const fs::path& folder, const fs::pa
     }
   }
   const KnownFront before = read_front(study.goal, file);
-  known.rows.insert(known.rows.end(), before.rows.begin(), before.rows.end());
-  known.lines.insert(known.lines.end(), before.lines.begin(), before.lines.end());
+  const std::set<std::string> found(known.lines.begin(), known.lines.end());
+  for (std::size_t k = 0; k < before.rows.size(); ++k) {
+    if (!found.contains(before.lines[k])) {
+      known.rows.push_back(before.rows[k]);
+      known.lines.push_back(before.lines[k]);
+    }
+  }
   const std::vector<std::size_t> unbeaten = front_of(known.rows);
   std::vector<Row> rows;
   std::string text;

@@ -127,6 +127,9 @@ std::vector<Problem> check_level(const SceneSettings& scene) {
                      "this scene needs \"auto\" or \"paths\"",
                      method_name(method)));
   }
+  if (is_blurred(scene)) {
+    errors = blurred_problems(scene);
+  }
   if (allows_many_viewpoints(scene)) {
     return errors;
   }
@@ -229,8 +232,9 @@ std::string table_of(const std::string& key) {
 }  // namespace
 
 bool needs_paths(const SceneSettings& scene) {
-  return scene.render.method == RenderSettings::Method::kPaths || !scene.has_tunnel ||
-         !scene.lights.empty() || !is_plain_mirror(scene.material);
+  return !is_blurred(scene) &&
+         (scene.render.method == RenderSettings::Method::kPaths || !scene.has_tunnel ||
+          !scene.lights.empty() || !is_plain_mirror(scene.material));
 }
 
 bool is_lit(const SceneSettings& scene) {

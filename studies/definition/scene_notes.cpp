@@ -10,6 +10,7 @@
 
 #include "core/text.h"
 #include "core/units.h"
+#include "studies/definition/render_methods.h"
 
 namespace glint {
 namespace {
@@ -199,6 +200,20 @@ std::vector<std::string> mirror_method_notes(const std::string& rays,
                   finer)};
 }
 
+std::vector<std::string> blurred_method_notes(int rays_per_axis) {
+  const int rays = rays_per_axis * rays_per_axis;
+  return {
+      fmt::format("Light transport: blurred reflections, the lobe of rough metal summed without "
+                  "noise around {} ray{} per pixel; light is reflected once by the part, whose "
+                  "light never meets it again.",
+                  rays,
+                  rays == 1 ? "" : "s"),
+      kHomogeneityNote,
+      fmt::format("All designs share the same noise (common random numbers). Re-scored numbers "
+                  "use fresh noise and {} rays per pixel.",
+                  4 * rays)};
+}
+
 }  // namespace
 
 std::vector<std::string> light_lines(const SceneSettings& scene) {
@@ -326,6 +341,9 @@ std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& s
 std::vector<std::string> method_notes(const SceneSettings& scene) {
   if (needs_paths(scene)) {
     return path_method_notes(scene.paths);
+  }
+  if (is_blurred(scene)) {
+    return blurred_method_notes(scene.render.rays_per_axis);
   }
   const RenderSettings& render = scene.render;
   if (render.method == RenderSettings::Method::kSampled) {

@@ -10,6 +10,8 @@
 
 #include "simulator/geometry/mesh/winding_number.h"
 #include "simulator/render/path_tracing/render_paths.h"
+#include "studies/definition/render_methods.h"
+#include "studies/imaging/blurred/returning_light.h"
 
 namespace glint {
 namespace {
@@ -140,7 +142,7 @@ void trace_camera(const SceneSettings& scene,
   if (needs_paths(scene)) {
     static_cast<VisibilityBuffer&>(traced.corners) =
         look_at(built, traced.detail(), camera, traced.camera_from_world, pool);
-  } else if (scene.render.method == RenderSettings::Method::kSampled) {
+  } else if (keeps_rays(scene)) {
     traced.rays = trace_rays(built.part,
                              *built.bvh,
                              traced.detail(),
@@ -185,6 +187,15 @@ void trace_flawless_windows(const SceneSettings& scene,
           built.part, *built.bvh, none, window, traced.camera_from_world, scene.render, pool));
     }
   }
+}
+
+/// @throws ConfigError where blurred reflections do not hold
+void check_no_light_returns(const TracedScene& traced) {
+  std::vector<std::size_t> inside;
+  for (const DefectPixels& defect : traced.defects) {
+    inside.insert(inside.end(), defect.inside.begin(), defect.inside.end());
+  }
+  check_no_light_returns(traced.rays, inside, *traced.built().bvh, traced.camera_in_world_mm);
 }
 
 /// The outlines of the defects that can be scored, one after the other with those before it; the
@@ -240,10 +251,17 @@ TracedScene trace_scene(const SceneSettings& scene,
       }
     }
   }
+  if (is_blurred(scene)) {
+    check_no_light_returns(traced);
+  }
   if (!needs_paths(scene)) {
     trace_flawless_windows(scene, camera, pool, traced);
   }
   return traced;
+}
+
+bool keeps_rays(const SceneSettings& scene) {
+  return scene.render.method == RenderSettings::Method::kSampled || is_blurred(scene);
 }
 
 std::optional<Mask> scanned_part_mask(const SceneSettings& scene, const TracedScene& traced) {

@@ -116,7 +116,8 @@ bool is_plain_mirror(const MaterialSettings& material) {
 /// What of the scene does not go together, without places.
 std::vector<Problem> check_level(const SceneSettings& scene) {
   using Method = RenderSettings::Method;
-  std::vector<Problem> errors;
+  std::vector<Problem> errors =
+      is_blurred(scene) ? blurred_problems(scene) : std::vector<Problem>();
   const auto fail = [&](const char* key, const std::string& text) {
     errors.push_back({.kind = Problem::Kind::kRelation, .key = key, .text = text});
   };
@@ -126,9 +127,6 @@ std::vector<Problem> check_level(const SceneSettings& scene) {
          fmt::format("is \"{}\", which is limited to a plain mirror under one tunnel; "
                      "this scene needs \"auto\" or \"paths\"",
                      method_name(method)));
-  }
-  if (is_blurred(scene)) {
-    errors = blurred_problems(scene);
   }
   if (allows_many_viewpoints(scene)) {
     return errors;

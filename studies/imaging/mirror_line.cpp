@@ -10,6 +10,7 @@
 #include "simulator/render/scan/expected_scan.h"
 #include "simulator/sensor/sensor_kernels.h"
 #include "studies/imaging/blurred/kept_ray_scan.h"
+#include "studies/imaging/blurred/kept_rays.h"
 
 namespace glint {
 namespace {
@@ -90,8 +91,8 @@ class MirrorLine : public LineCamera {
     const BuiltPart& built = *part.built;
     SeenSurface surface;
     if (traced_->is_sampled()) {
-      surface.sampled = std::make_shared<const RayCache>(trace_rays(
-          built.part, *built.bvh, part.detail, camera_, pose, scene_.render, store_.pool()));
+      surface.sampled = std::make_shared<const RayCache>(trace_kept_rays(
+          scene_, built.part, *built.bvh, part.detail, camera_, pose, store_.pool()));
     } else if (part.built == part.clean) {
       surface.corners = std::make_shared<const CornerRays>(retrace_detail(traced_->corners,
                                                                           built.part,

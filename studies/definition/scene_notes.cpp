@@ -294,11 +294,19 @@ std::string fine_stripes_note(const SceneSettings& scene) {
              : std::string();
 }
 
+/// How the light of the scene comes about. Lobes of rough metal see the slot and the wall's ends:
+/// there is nothing to say of their scan.
+std::vector<std::string> light_notes(const SceneSettings& scene, const Scores& scores) {
+  if (needs_paths(scene)) {
+    return path_notes(scene, scores);
+  }
+  return is_blurred(scene) ? std::vector<std::string>() : std::vector{scan_note(scene)};
+}
+
 }  // namespace
 
 std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores) {
-  std::vector<std::string> notes =
-      needs_paths(scene) ? path_notes(scene, scores) : std::vector<std::string>{scan_note(scene)};
+  std::vector<std::string> notes = light_notes(scene, scores);
   if (scene.is_tunnel_guessed) {
     notes.push_back(
         fmt::format("[lighting.{}] has no type, so it is read as a tunnel.", scene.tunnel_name));

@@ -32,7 +32,11 @@ Json tolerance_json(const AccuracySettings& wish) {
 }
 
 Json settings_json(const RenderRung& rung) {
-  if (rung.level != "level 0") {
+  if (rung.level == "blurred") {
+    return {{"method", std::string(method_name(rung.render.method))},
+            {"rays_per_axis", rung.render.rays_per_axis}};
+  }
+  if (rung.is_noisy) {
     return {{"samples", rung.paths.samples}, {"max_reflections", rung.paths.max_reflections}};
   }
   return {{"method", std::string(method_name(rung.render.method))},

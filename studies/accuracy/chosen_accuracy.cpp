@@ -196,7 +196,7 @@ LadderTask ladder_task(const Study& study,
                           .group = rung.group,
                           .is_for_search = rung.is_for_search,
                           .fineness = fineness_of(rung),
-                          .is_noisy = rung.level != "level 0"});
+                          .is_noisy = rung.is_noisy});
   }
   return task;
 }

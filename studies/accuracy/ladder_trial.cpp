@@ -90,12 +90,20 @@ class LadderTrial {
  private:
   std::size_t top() const { return task_.steps.size() - 1; }
 
+  /// Of the top's kind, which renders whatever the top does; any other where it has none.
   std::size_t dearest_for_search() const {
-    std::size_t step = top();
-    while (step > 0 && !task_.steps[step].is_for_search) {
-      --step;
-    }
-    return step;
+    const auto dearest = [&](auto is_wanted) {
+      std::size_t step = task_.steps.size();
+      while (step > 0 && !is_wanted(task_.steps[step - 1])) {
+        --step;
+      }
+      return step;
+    };
+    const auto is_for_search = [](const LadderStep& step) { return step.is_for_search; };
+    const std::size_t of_kind = dearest([&](const LadderStep& step) {
+      return step.is_for_search && step.is_noisy == task_.steps[top()].is_noisy;
+    });
+    return std::max<std::size_t>(1, of_kind > 0 ? of_kind : dearest(is_for_search)) - 1;
   }
 
   /// Whether the scores hold everything that is judged.
@@ -281,12 +289,15 @@ class LadderTrial {
                                     task_.steps.begin());
   }
 
+  /// Steps without noise are compared with the top alone: against few samples they would be blamed
+  /// for the noise of these.
   void leave_out_groups() {
     const int last = task_.steps.back().group;
     const std::size_t reference = first_of(last);
     std::vector<int> groups;
     for (const LadderStep& step : task_.steps) {
-      if (step.group != last && std::ranges::find(groups, step.group) == groups.end()) {
+      const bool is_comparable = step.group != last && step.is_noisy == task_.steps[top()].is_noisy;
+      if (is_comparable && std::ranges::find(groups, step.group) == groups.end()) {
         groups.push_back(step.group);
       }
     }
@@ -316,7 +327,7 @@ class LadderTrial {
         evaluate_step(step);
         const std::string skipped = report.skipped;
         report = compared(step, top());
-        report.skipped = skipped;
+        report.skipped = scores_[step].empty() ? "cannot render every design" : skipped;
       }
       const bool is_allowed = report.skipped.empty() && task_.steps[step].is_for_search;
       if (report.serves && is_allowed && !choice_.is_reached) {

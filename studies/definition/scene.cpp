@@ -116,7 +116,8 @@ bool is_plain_mirror(const MaterialSettings& material) {
 /// What of the scene does not go together, without places.
 std::vector<Problem> check_level(const SceneSettings& scene) {
   using Method = RenderSettings::Method;
-  std::vector<Problem> errors;
+  std::vector<Problem> errors =
+      is_blurred(scene) ? blurred_problems(scene) : std::vector<Problem>();
   const auto fail = [&](const char* key, const std::string& text) {
     errors.push_back({.kind = Problem::Kind::kRelation, .key = key, .text = text});
   };
@@ -229,8 +230,9 @@ std::string table_of(const std::string& key) {
 }  // namespace
 
 bool needs_paths(const SceneSettings& scene) {
-  return scene.render.method == RenderSettings::Method::kPaths || !scene.has_tunnel ||
-         !scene.lights.empty() || !is_plain_mirror(scene.material);
+  return !is_blurred(scene) &&
+         (scene.render.method == RenderSettings::Method::kPaths || !scene.has_tunnel ||
+          !scene.lights.empty() || !is_plain_mirror(scene.material));
 }
 
 bool is_lit(const SceneSettings& scene) {

@@ -10,6 +10,7 @@
 
 #include "core/text.h"
 #include "core/units.h"
+#include "studies/definition/render_methods.h"
 
 namespace glint {
 namespace {
@@ -199,6 +200,20 @@ std::vector<std::string> mirror_method_notes(const std::string& rays,
                   finer)};
 }
 
+std::vector<std::string> blurred_method_notes(int rays_per_axis) {
+  const int rays = rays_per_axis * rays_per_axis;
+  return {
+      fmt::format("Light transport: blurred reflections, the lobe of rough metal summed without "
+                  "noise around {} ray{} per pixel; light is reflected once by the part, whose "
+                  "light never meets it again.",
+                  rays,
+                  rays == 1 ? "" : "s"),
+      kHomogeneityNote,
+      fmt::format("All designs share the same noise (common random numbers). Re-scored numbers "
+                  "use fresh noise and {} rays per pixel.",
+                  4 * rays)};
+}
+
 }  // namespace
 
 std::vector<std::string> light_lines(const SceneSettings& scene) {
@@ -279,11 +294,19 @@ std::string fine_stripes_note(const SceneSettings& scene) {
              : std::string();
 }
 
+/// How the light of the scene comes about. Lobes of rough metal see the slot and the wall's ends:
+/// there is nothing to say of their scan.
+std::vector<std::string> light_notes(const SceneSettings& scene, const Scores& scores) {
+  if (needs_paths(scene)) {
+    return path_notes(scene, scores);
+  }
+  return is_blurred(scene) ? std::vector<std::string>() : std::vector{scan_note(scene)};
+}
+
 }  // namespace
 
 std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores) {
-  std::vector<std::string> notes =
-      needs_paths(scene) ? path_notes(scene, scores) : std::vector<std::string>{scan_note(scene)};
+  std::vector<std::string> notes = light_notes(scene, scores);
   if (scene.is_tunnel_guessed) {
     notes.push_back(
         fmt::format("[lighting.{}] has no type, so it is read as a tunnel.", scene.tunnel_name));
@@ -326,6 +349,9 @@ std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& s
 std::vector<std::string> method_notes(const SceneSettings& scene) {
   if (needs_paths(scene)) {
     return path_method_notes(scene.paths);
+  }
+  if (is_blurred(scene)) {
+    return blurred_method_notes(scene.render.rays_per_axis);
   }
   const RenderSettings& render = scene.render;
   if (render.method == RenderSettings::Method::kSampled) {

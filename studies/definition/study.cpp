@@ -14,6 +14,7 @@
 #include "studies/definition/accuracy_table.h"
 #include "studies/definition/manufacture.h"
 #include "studies/definition/overrides.h"
+#include "studies/definition/render_methods.h"
 #include "studies/definition/study_goal.h"
 #include "studies/definition/study_tables.h"
 
@@ -136,6 +137,9 @@ void check_derivatives(const Study& study, std::vector<Problem>& errors) {
   }
   if (study.has_search() && needs_paths(study.scene) && wants_derivatives(study)) {
     fail("path-traced scenes do not have");
+  }
+  if (study.has_search() && is_blurred(study.scene) && wants_derivatives(study)) {
+    fail("blurred reflections do not have");
   }
 }
 

@@ -42,7 +42,8 @@ constexpr std::array kLooks = {
     Look{
         .colour = "#009e73", .colour_with_facets = "#cc79a7", .corners = 4, .turn_rad = 0.25 * kPi},
     Look{.colour = kDrawingInk, .colour_with_facets = kDrawingInk, .is_hollow = true},
-    Look{.colour = "#0072b2", .colour_with_facets = "#56b4e9"}};
+    Look{.colour = "#0072b2", .colour_with_facets = "#56b4e9"},
+    Look{.colour = "#d55e00", .colour_with_facets = "#cc79a7", .corners = 4}};
 
 /// The ring around the setting that the scene has now.
 constexpr Look kCurrentLook = {.colour = "#c23b22"};
@@ -116,8 +117,9 @@ struct Scale {
 /// reference's noise hides stands a little below that noise.
 std::optional<Vector2d> value_of(const FrontierPoint& point, const Frontier& frontier) {
   constexpr double kBelow = 0.5;
-  const double least =
-      point.method.follows_paths ? kBelow * frontier.reference.own_frame_rmse.value_or(0.0) : 0.0;
+  const double least = frontier.reference.method.follows_paths
+                           ? kBelow * frontier.reference.own_frame_rmse.value_or(0.0)
+                           : 0.0;
   const auto error = error_of(point, kFrameRmse);
   if (!error || !(std::max(*error, least) > 0.0) || !(point.cpu_s > 0.0)) {
     return std::nullopt;

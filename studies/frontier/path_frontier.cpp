@@ -228,14 +228,15 @@ class PathMeasuring {
     double start = process_cpu_s();
     store.trace(scene);
     const double build_s = process_cpu_s() - start;
-    point.pictures = std::clamp(
-        static_cast<int>(kPicturesShare * options_.budget_s / needed_s), 1, kMostPictures);
+    const bool has_noise = point.method.follows_paths;
+    const double affordable = kPicturesShare * options_.budget_s / needed_s;
+    point.pictures = has_noise ? std::clamp(static_cast<int>(affordable), 1, kMostPictures) : 1;
     std::map<std::string, std::vector<double>> values;
     double mean_square = 0.0;
     double smooth_square = 0.0;
     for (int k = 0; k < point.pictures; ++k) {
       const SceneSettings one =
-          independent_paths(scene, scene.paths.samples, kReferencePictures + k);
+          has_noise ? independent_paths(scene, scene.paths.samples, kReferencePictures + k) : scene;
       start = process_cpu_s();
       const Evaluation evaluation = evaluate(store, one, {}, wanted_);
       const double taken_s = process_cpu_s() - start;
@@ -260,10 +261,14 @@ class PathMeasuring {
                        const SceneSettings& scene,
                        const Evaluation& evaluation,
                        FrontierPoint& point) {
-    const PathCounts counts = store.picture(scene)->sums.counts;
-    point.rays = counts.camera + counts.shadow + counts.bounce;
-    point.traced_per_px = static_cast<double>(counts.camera) /
-                          (static_cast<double>(scene.camera.width_px) * scene.camera.height_px);
+    const double pixels = static_cast<double>(scene.camera.width_px) * scene.camera.height_px;
+    if (point.method.follows_paths) {
+      const PathCounts counts = store.picture(scene)->sums.counts;
+      point.rays = counts.camera + counts.shadow + counts.bounce;
+      point.traced_per_px = static_cast<double>(counts.camera) / pixels;
+    } else {
+      point.traced_per_px = static_cast<double>(store.trace(scene)->counts().camera) / pixels;
+    }
     point.form = form_name(evaluation.form.kind);
     point.frame_pixels = evaluation.form.frame_pixels;
   }

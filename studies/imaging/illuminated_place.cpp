@@ -169,7 +169,9 @@ IlluminatedPlaces illuminated_places(SceneStore& store,
                                      std::size_t wanted) {
   SceneSettings flawless = scene;
   flawless.defects.clear();
-  flawless.render.method = RenderSettings::Method::kSampled;  // any few rays a pixel will do
+  if (!keeps_rays(flawless)) {
+    flawless.render.method = RenderSettings::Method::kSampled;  // any few rays a pixel will do
+  }
   const auto traced = store.trace(flawless);
   const PinholeCamera camera(intrinsics_of(scene));
   const double pixels_per_mm = camera.intrinsics().focal_px.x() / traced->camera_in_world_mm.norm();

@@ -9,6 +9,8 @@
 #include "simulator/render/scan/closed_scan.h"
 #include "simulator/render/scan/expected_scan.h"
 #include "simulator/sensor/sensor_kernels.h"
+#include "studies/imaging/blurred/kept_ray_scan.h"
+#include "studies/imaging/blurred/kept_rays.h"
 
 namespace glint {
 namespace {
@@ -53,7 +55,7 @@ class MirrorLine : public LineCamera {
              std::shared_ptr<const TracedScene> traced,
              SceneStore& store)
       : scene_(scene),
-        tunnel_(scene.tunnel),
+        kept_rays_(scene, store.pool()),
         camera_(intrinsics_of(scene)),
         traced_(std::move(traced)),
         store_(store) {
@@ -89,8 +91,8 @@ class MirrorLine : public LineCamera {
     const BuiltPart& built = *part.built;
     SeenSurface surface;
     if (traced_->is_sampled()) {
-      surface.sampled = std::make_shared<const RayCache>(trace_rays(
-          built.part, *built.bvh, part.detail, camera_, pose, scene_.render, store_.pool()));
+      surface.sampled = std::make_shared<const RayCache>(trace_kept_rays(
+          scene_, built.part, *built.bvh, part.detail, camera_, pose, store_.pool()));
     } else if (part.built == part.clean) {
       surface.corners = std::make_shared<const CornerRays>(retrace_detail(traced_->corners,
                                                                           built.part,
@@ -109,10 +111,11 @@ class MirrorLine : public LineCamera {
   }
 
   std::shared_ptr<const Footprints> footprints_of(const SeenSurface& surface) const {
-    return surface.sampled
-               ? nullptr
-               : std::make_shared<const Footprints>(
-                     *surface.corners, tunnel_, scene_.scan, traced_->camera_in_world_mm);
+    return surface.sampled ? nullptr
+                           : std::make_shared<const Footprints>(*surface.corners,
+                                                                kept_rays_.tunnel(),
+                                                                scene_.scan,
+                                                                traced_->camera_in_world_mm);
   }
 
   bool has_phases() const { return scene_.inspection.filter == InspectionSettings::Filter::kPhase; }
@@ -128,8 +131,7 @@ class MirrorLine : public LineCamera {
     const FrameConsumer consume = has_phases() ? FrameConsumer(keep) : FrameConsumer();
     if (footprints == nullptr) {
       const Eigen::Vector3d& camera_mm = traced_->camera_in_world_mm;
-      scan.aspect =
-          take_scan(*surface.sampled, tunnel_, sensor, scene_.scan, camera_mm, consume).aspect;
+      scan.aspect = kept_rays_.scan(*surface.sampled, sensor, camera_mm, consume).aspect;
     } else {
       scan.aspect = scan_integrated(*footprints, sensor, consume).aspect;
     }
@@ -178,7 +180,7 @@ class MirrorLine : public LineCamera {
   }
 
   SceneSettings scene_;
-  Tunnel tunnel_;
+  KeptRayScan kept_rays_;  ///< and of footprints the tunnel
   PinholeCamera camera_;
   std::shared_ptr<const TracedScene> traced_;  ///< of the flawless part
   SceneStore& store_;

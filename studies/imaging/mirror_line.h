@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A simulated line of level 0: mirror-like parts under one tunnel. A scan costs what the defects
-// change (docs/theory/simulated_line.md).
+// A simulated line of parts under one tunnel along kept rays: mirror-like ones, whose scans cost
+// what the defects change (docs/theory/simulated_line.md), or rough metal by blurred reflections.
 #pragma once
 
 #include <memory>

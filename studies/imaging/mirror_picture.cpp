@@ -7,6 +7,7 @@
 #include "simulator/render/scan/closed_scan.h"
 #include "simulator/render/scan/scan.h"
 #include "simulator/sensor/sensor.h"
+#include "studies/imaging/blurred/kept_ray_scan.h"
 
 namespace glint {
 namespace {
@@ -25,7 +26,7 @@ MeanImage mean_of(ScanResult result, int frames) {
 class MirrorPicture : public ScenePicture {
  public:
   MirrorPicture(SceneStore& store, const SceneSettings& scene, bool has_flawless)
-      : ScenePicture(scene, store.trace(scene)), store_(store), tunnel_(scene.tunnel) {
+      : ScenePicture(scene, store.trace(scene)), store_(store), kept_rays_(scene, store.pool()) {
     if (has_flawless) {
       render_flawless();
     }
@@ -42,13 +43,8 @@ class MirrorPicture : public ScenePicture {
     auto sensor = std::make_unique<const Sensor>(scene().sensor, seen.width_px, seen.height_px);
     const int positions = scene().scan.positions;
     if (traced()->is_sampled()) {
-      return mean_of(take_scan(traced()->rays,
-                               tunnel_,
-                               *sensor,
-                               scene().scan,
-                               traced()->camera_in_world_mm,
-                               request.watch),
-                     positions);
+      const Eigen::Vector3d& camera_mm = traced()->camera_in_world_mm;
+      return mean_of(kept_rays_.scan(traced()->rays, *sensor, camera_mm, request.watch), positions);
     }
     auto footprints = std::make_unique<const Footprints>(footprints_of(traced()->corners));
     if (request.has_whole_frames) {
@@ -74,7 +70,8 @@ class MirrorPicture : public ScenePicture {
 
  private:
   Footprints footprints_of(const CornerRays& rays) const {
-    return {rays, tunnel_, scene().scan, store_.intersect(traced(), rays, tunnel_)};
+    const Tunnel& tunnel = kept_rays_.tunnel();
+    return {rays, tunnel, scene().scan, store_.intersect(traced(), rays, tunnel)};
   }
 
   MeanImage closed_mean(std::unique_ptr<const Footprints> footprints,
@@ -138,7 +135,7 @@ class MirrorPicture : public ScenePicture {
     if (traced()->is_sampled()) {
       const RayCache& rays = traced()->flawless[defect];
       const Sensor sensor(quiet, rays.width_px, rays.height_px);
-      take_scan(rays, tunnel_, sensor, scene().scan, traced()->camera_in_world_mm, keep);
+      kept_rays_.scan(rays, sensor, traced()->camera_in_world_mm, keep);
     } else {
       const CornerRays& rays = traced()->flawless_corners[defect];
       const Sensor sensor(quiet, rays.width_px, rays.height_px);
@@ -147,7 +144,7 @@ class MirrorPicture : public ScenePicture {
   }
 
   SceneStore& store_;
-  Tunnel tunnel_;
+  KeptRayScan kept_rays_;               ///< and of footprints the tunnel
   std::vector<DefectValues> flawless_;  ///< frame by frame; empty: not asked for
 };
 

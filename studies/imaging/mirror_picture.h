@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A mirror-like part under a tunnel, along rays that are traced once: by samples, by footprints or
-// by closed forms, as render.method says.
+// A part under a tunnel, along rays that are traced once: of a mirror by samples, by footprints or
+// by closed forms, of rough metal by blurred reflections, as render.method says.
 #pragma once
 
 #include <memory>

@@ -11,6 +11,7 @@
 #include "core/config/key_digest.h"
 #include "core/file.h"
 #include "core/text.h"
+#include "studies/definition/render_methods.h"
 #include "studies/definition/scene_viewpoints.h"
 
 namespace glint {
@@ -111,14 +112,14 @@ std::size_t machine_bytes() {
 SceneSettings as_traced(SceneSettings scene) {
   using Method = RenderSettings::Method;
   const RenderSettings defaults;
-  if (scene.render.method == Method::kSampled) {
+  if (keeps_rays(scene)) {
     scene.render.max_direction_error_rad = defaults.max_direction_error_rad;
   } else {
     // Masks and distances of a path-traced scene come from the same rays, its light does not.
     scene.render.method = needs_paths(scene) ? Method::kPaths : Method::kIntegrated;
     scene.render.rays_per_axis = defaults.rays_per_axis;
   }
-  if (scene.render.method == Method::kPaths) {
+  if (scene.render.method == Method::kPaths || is_blurred(scene)) {
     scene.render.reflectance = defaults.reflectance;
   }
   return scene;
@@ -209,8 +210,8 @@ std::shared_ptr<const TracedScene> SceneStore::trace(const SceneSettings& wanted
 /// From the second set of defects for one camera on, the rays without any are worth having.
 std::shared_ptr<const CornerRays> SceneStore::defect_free_rays(const SceneSettings& scene,
                                                                const BuiltDefects& part) {
-  if (scene.render.method == RenderSettings::Method::kSampled || needs_paths(scene) ||
-      scene.defects.empty() || part.built != part.clean) {
+  if (keeps_rays(scene) || needs_paths(scene) || scene.defects.empty() ||
+      part.built != part.clean) {
     return nullptr;
   }
   SceneSettings defect_free = scene;

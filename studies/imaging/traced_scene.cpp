@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 
 #include "simulator/geometry/mesh/winding_number.h"
-#include "simulator/render/path_tracing/render_paths.h"
+#include "studies/definition/render_methods.h"
+#include "studies/imaging/blurred/kept_rays.h"
+#include "studies/imaging/blurred/returning_light.h"
 
 namespace glint {
 namespace {
@@ -92,44 +94,6 @@ PinholeIntrinsics window_of(PinholeIntrinsics intrinsics, const DefectView& view
   return intrinsics;
 }
 
-/// What the camera sees of the part, by camera rays alone: all that scores of path-traced pictures
-/// need to know of it.
-VisibilityBuffer look_at(const BuiltPart& built,
-                         const SurfaceDetail& detail,
-                         const PinholeCamera& camera,
-                         const RigidTransform& camera_from_world,
-                         ThreadPool& pool) {
-  constexpr int kRaysPerPixel = 16;
-  constexpr double kAnyWavelength_nm = 550.0;
-  const SurfaceMaterial material({}, std::span(&kAnyWavelength_nm, 1));
-  const Lights none;
-  const PhysicalScene scene = {.part = built.part,
-                               .bvh = *built.bvh,
-                               .detail = detail,
-                               .material = material,
-                               .lights = none,
-                               .camera = camera,
-                               .camera_from_world = camera_from_world};
-  Film sums =
-      render_paths(scene, {.samples = kRaysPerPixel, .channels = 1, .has_light = false}, pool);
-  VisibilityBuffer seen;
-  seen.camera = {camera, camera_from_world};
-  seen.width_px = sums.width_px;
-  seen.height_px = sums.height_px;
-  seen.coverage = ImageF(sums.width_px, sums.height_px);
-  for (std::size_t i = 0; i < seen.coverage.size(); ++i) {
-    const auto rays = static_cast<float>(sums.part.values()[i]);
-    seen.coverage.values()[i] = rays / static_cast<float>(sums.samples.values()[i]);
-    for (ImageF* place : {&sums.x_mm, &sums.y_mm, &sums.z_mm}) {
-      place->values()[i] /= std::max(1.0F, rays);
-    }
-  }
-  seen.seen_x = std::move(sums.x_mm);
-  seen.seen_y = std::move(sums.y_mm);
-  seen.seen_z = std::move(sums.z_mm);
-  return seen;
-}
-
 /// @param defect_free  the camera's rays without defects; nullptr: not known
 void trace_camera(const SceneSettings& scene,
                   const PinholeCamera& camera,
@@ -139,15 +103,10 @@ void trace_camera(const SceneSettings& scene,
   const BuiltPart& built = traced.built();
   if (needs_paths(scene)) {
     static_cast<VisibilityBuffer&>(traced.corners) =
-        look_at(built, traced.detail(), camera, traced.camera_from_world, pool);
-  } else if (scene.render.method == RenderSettings::Method::kSampled) {
-    traced.rays = trace_rays(built.part,
-                             *built.bvh,
-                             traced.detail(),
-                             camera,
-                             traced.camera_from_world,
-                             scene.render,
-                             pool);
+        look_at(built.part, *built.bvh, traced.detail(), camera, traced.camera_from_world, pool);
+  } else if (keeps_rays(scene)) {
+    traced.rays = trace_kept_rays(
+        scene, built.part, *built.bvh, traced.detail(), camera, traced.camera_from_world, pool);
   } else if (defect_free != nullptr) {
     traced.corners = retrace_detail(*defect_free,
                                     built.part,
@@ -178,13 +137,22 @@ void trace_flawless_windows(const SceneSettings& scene,
     const PinholeCamera window(window_of(camera.intrinsics(), view));
     const SurfaceDetail none;
     if (traced.is_sampled()) {
-      traced.flawless.push_back(trace_rays(
-          built.part, *built.bvh, none, window, traced.camera_from_world, scene.render, pool));
+      traced.flawless.push_back(trace_kept_rays(
+          scene, built.part, *built.bvh, none, window, traced.camera_from_world, pool));
     } else {
       traced.flawless_corners.push_back(trace_corner_rays(
           built.part, *built.bvh, none, window, traced.camera_from_world, scene.render, pool));
     }
   }
+}
+
+/// @throws ConfigError where blurred reflections do not hold
+void check_no_light_returns(const TracedScene& traced) {
+  std::vector<std::size_t> inside;
+  for (const DefectPixels& defect : traced.defects) {
+    inside.insert(inside.end(), defect.inside.begin(), defect.inside.end());
+  }
+  check_no_light_returns(traced.rays, inside, *traced.built().bvh, traced.camera_in_world_mm);
 }
 
 /// The outlines of the defects that can be scored, one after the other with those before it; the
@@ -240,10 +208,17 @@ TracedScene trace_scene(const SceneSettings& scene,
       }
     }
   }
+  if (is_blurred(scene)) {
+    check_no_light_returns(traced);
+  }
   if (!needs_paths(scene)) {
     trace_flawless_windows(scene, camera, pool, traced);
   }
   return traced;
+}
+
+bool keeps_rays(const SceneSettings& scene) {
+  return scene.render.method == RenderSettings::Method::kSampled || is_blurred(scene);
 }
 
 std::optional<Mask> scanned_part_mask(const SceneSettings& scene, const TracedScene& traced) {

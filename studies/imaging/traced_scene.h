@@ -23,7 +23,7 @@ struct TracedScene {
   std::shared_ptr<const BuiltDefects> part;
   RigidTransform camera_from_world;
   Eigen::Vector3d camera_in_world_mm = Eigen::Vector3d::Zero();
-  RayCache rays;       ///< of the plain way (render.method = "sampled"); else empty
+  RayCache rays;       ///< of a scene that keeps_rays(); else empty
   CornerRays corners;  ///< of all other methods, where paths are traced only its VisibilityBuffer
   std::vector<DefectView> views;
   std::vector<DefectPixels> defects;
@@ -58,6 +58,9 @@ TracedScene trace_scene(const SceneSettings& scene,
                         const CornerRays* defect_free,
                         ThreadPool& pool,
                         bool may_be_unseen = false);
+
+/// Whether its picture is made along TracedScene::rays: plain sampling and blurred reflections.
+bool keeps_rays(const SceneSettings& scene);
 
 /// The pixels that lie on the part as a whole where a scan is scored in them: of mirrors under a
 /// tunnel. Empty where paths are traced, whose masks are those of the picture's own samples.

@@ -9,7 +9,12 @@ import { hallOf, report } from "./room_tree.mjs";
 const QUESTION = /\b(needs_paths\b|is_sampled\b|has_tunnel\b|lights\.empty\(\)|Method::k\w+)/;
 const HALLS = new Set(["studies", "cli"]);
 /// They give all others what follows from the answer.
-const ASKING = new Set(["studies/definition", "studies/definition/ladder", "studies/imaging"]);
+const ASKING = new Set([
+  "studies/definition",
+  "studies/definition/ladder",
+  "studies/imaging",
+  "studies/imaging/blurred",
+]);
 
 export function checkQuestions(tree) {
   for (const [file, text] of tree.texts) {

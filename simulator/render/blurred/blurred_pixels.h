@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/thread_pool.h"
 #include "simulator/light/tunnel/scan_settings.h"
 #include "simulator/render/blurred/stripe_response.h"
 #include "simulator/render/ray_cache/ray_cache.h"
@@ -28,12 +29,14 @@ struct BlurredPixels {
 /// nearer where that does not do.
 /// @param alpha of the metal is the same along and across; the first wavelength counts
 /// @param scan  the wall's ends stand where they are in its middle
+/// @param pool  nullptr: one thread. The same bytes for any number of them
 /// @throws ConfigError as harmonics_for()
 BlurredPixels blurred_pixels(const RayCache& cache,
                              const Tunnel& tunnel,
                              const ConductorNumbers& metal,
                              const ScanSettings& scan,
-                             const Eigen::Vector3d& camera_in_world_mm);
+                             const Eigen::Vector3d& camera_in_world_mm,
+                             ThreadPool* pool = nullptr);
 
 /// The picture with the tunnel moved by shift_mm along x.
 /// @param radiance  resized when it has another size

@@ -9,8 +9,9 @@ ScanResult take_blurred_scan(const RayCache& cache,
                              const Sensor& sensor,
                              const ScanSettings& scan,
                              const Eigen::Vector3d& camera_in_world_mm,
-                             const FrameConsumer& consume) {
-  const BlurredPixels pixels = blurred_pixels(cache, tunnel, metal, scan, camera_in_world_mm);
+                             const FrameConsumer& consume,
+                             ThreadPool* pool) {
+  const BlurredPixels pixels = blurred_pixels(cache, tunnel, metal, scan, camera_in_world_mm, pool);
   const double step_mm = scan_step_mm(scan, tunnel.settings());
   ScanResult result;
   result.sums = ScanSums(cache.width_px, cache.height_px);

@@ -13,6 +13,7 @@ ScanResult take_blurred_scan(const RayCache& cache,
                              const Sensor& sensor,
                              const ScanSettings& scan,
                              const Eigen::Vector3d& camera_in_world_mm,
-                             const FrameConsumer& consume = {});
+                             const FrameConsumer& consume = {},
+                             ThreadPool* pool = nullptr);
 
 }  // namespace glint

@@ -6,8 +6,8 @@
 namespace glint {
 namespace {
 
-constexpr std::array<std::string_view, 5> kMethodNames = {
-    "auto", "sampled", "integrated", "closed", "paths"};
+constexpr std::array<std::string_view, 6> kMethodNames = {
+    "auto", "sampled", "integrated", "closed", "paths", "blurred"};
 
 }  // namespace
 
@@ -22,17 +22,19 @@ void visit_keys(KeyVisitor& keys, RenderSettings& s) {
       kMethodNames,
       "how pictures are rendered: auto = closed forms in a search, integrated footprints for "
       "pictures, paths where light or material need it; sampled = rays_per_axis^2 point "
-      "samples a pixel; paths = path tracing");
-  keys.integer("rays_per_axis",
-               s.rays_per_axis,
-               Range::between(1, 16),
-               "sampled: rays along each side of a pixel; their square is the number of rays");
-  keys.number(
-      "max_direction_error_mrad",
-      s.max_direction_error_rad,
-      Range::between(1e-3, 100),
-      "not sampled: largest error of reflected rays interpolated linearly across a cell of a "
-      "pixel; smaller = more cells where the surface is curved");
+      "samples a pixel; paths = path tracing; blurred = rough metal under one tunnel without the "
+      "noise of paths, alpha 0.02 to 0.1");
+  keys.integer(
+      "rays_per_axis",
+      s.rays_per_axis,
+      Range::between(1, 16),
+      "sampled, blurred: rays along each side of a pixel; their square is the number of rays");
+  keys.number("max_direction_error_mrad",
+              s.max_direction_error_rad,
+              Range::between(1e-3, 100),
+              "not sampled or blurred: largest error of reflected rays interpolated linearly "
+              "across a cell of a "
+              "pixel; smaller = more cells where the surface is curved");
   keys.integer("max_bounces",
                s.max_bounces,
                Range::between(1, 64),

@@ -18,13 +18,14 @@ namespace glint {
 /// One way to render a scene.
 struct RenderRung {
   std::string name;       ///< unique in its ladder: "direct light, 16 samples"
-  std::string level;      ///< "level 0", "direct light", "2 reflections"
+  std::string level;      ///< "level 0", "blurred", "direct light", "2 reflections"
   RenderSettings render;  ///< of scenes that do not need path tracing
-  PathSettings paths;     ///< of those that do
+  PathSettings paths;     ///< of those that do, and of those that a blurred rung cannot render
   double work = 0.0;      ///< counted_work() of the scene at this rung
   int group = 0;          ///< rungs of a group differ in their number of samples or rays alone
   bool has_derivatives = false;
   bool is_for_search = true;  ///< false: beyond what is kept; others are compared with it
+  bool is_noisy = false;      ///< paths: errors fall as the root of the number of samples
 };
 
 /// The ladder of a scene by rising work. Its last rung is the top, which the others are compared
@@ -33,6 +34,9 @@ struct RenderRung {
 ///   a mirror under a tunnel   footprints with directions to 2, 0.6, 0.2, 0.06 mrad; plain sampling
 ///                             where render.method asks for it: 1, 2, 4 rays along both axes
 ///   path tracing              1, 2, 4, 8 reflections, each with 8, 16, 32 ... samples
+///   rough metal in the range  the same, and blurred reflections of 1, 2, 4 rays along both axes,
+///   of blurred_problems()     where they are cheaper than the top and render.method is not kept;
+///                             these alone where it asks for them
 ///
 /// render.paths.samples is an upper limit and shortens the ladder where it is kept, as
 /// max_reflections does always; all others stay as they are.
@@ -46,7 +50,8 @@ std::vector<RenderRung> render_ladder(std::span<const SceneSettings> designs, co
 ///         choose
 void check_ladder(const Study& study, const std::vector<RenderRung>& ladder);
 
-/// The scene rendered so. Scenes of both levels take what is theirs.
+/// The scene rendered so. Scenes of both levels take what is theirs, and those that a blurred rung
+/// does not model follow paths, as many as the ladder's scene has.
 SceneSettings at_rung(SceneSettings scene, const RenderRung& rung);
 
 /// How fine a rung is beside others of its group: samples or rays a pixel, or the inverse square of

@@ -10,6 +10,7 @@
 
 #include "core/units.h"
 #include "simulator/light/tunnel/tunnel.h"
+#include "studies/definition/render_methods.h"
 
 namespace glint {
 namespace {
@@ -66,7 +67,8 @@ std::string wall_note(const SceneSettings& scene, const Eigen::Vector3d& size_mm
 std::string polarisation_note(const SceneSettings& scene) {
   constexpr double kAngle_rad = kPi / 3.0;
   const char* what = "Polarisation is not modelled";
-  if (needs_paths(scene) && scene.paths.max_reflections == 1) {
+  const bool is_direct = needs_paths(scene) && scene.paths.max_reflections == 1;
+  if (is_direct || is_blurred(scene)) {
     return fmt::format("{}: no error, as light is reflected once before it reaches the camera.",
                        what);
   }

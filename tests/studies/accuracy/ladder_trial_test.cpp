@@ -27,7 +27,8 @@ struct FakeLadder {
   std::vector<std::function<double(std::size_t candidate)>> errors;  ///< of each step
   double top_error = 0.0;
   std::function<bool(std::size_t candidate)> fails = [](std::size_t) { return false; };
-  std::map<std::size_t, int> evaluations = {};  ///< of each step
+  std::map<std::size_t, int> evaluations = {};   ///< of each step
+  std::optional<std::size_t> failing_step = {};  ///< that renders nothing
 
   void add(const std::string& name,
            double work,
@@ -45,9 +46,10 @@ struct FakeLadder {
       for (const std::size_t candidate : candidates) {
         ++evaluations[step];
         const double truth = static_cast<double>(candidate);
-        found.push_back(fails(candidate) ? std::optional<Scores>()
-                                         : Scores{{kScore, truth + errors[step](candidate)},
-                                                  {std::string(kScore) + ".error", top_error}});
+        const bool is_lost = fails(candidate) || failing_step == step;
+        found.push_back(is_lost ? std::optional<Scores>()
+                                : Scores{{kScore, truth + errors[step](candidate)},
+                                         {std::string(kScore) + ".error", top_error}});
       }
       return found;
     };
@@ -242,6 +244,43 @@ TEST(TryLadder, LeavesOutGroupsThatMoreSamplesDoNotMend) {
   EXPECT_EQ(ladder.evaluations[2], 0) << "direct light is 3 off, however many samples";
   EXPECT_EQ(choice.steps[2].skipped, "\"direct, 8\" differs from \"all, 8\" by too much");
   EXPECT_EQ(choice.step, 3U);
+}
+
+// Few samples of paths are 3 off by their noise: that is no fault of what has none.
+TEST(TryLadder, ComparesStepsWithoutNoiseWithTheTopAlone) {
+  FakeLadder ladder;
+  ladder.task.goal.objective = {.name = kScore, .is_maximised = true};
+  ladder.task.wish.wishes = {{.score = kScore, .tolerance = 1.0}};
+  ladder.add("blurred", 0.5, 0, alternating(0.05));
+  ladder.add("paths, 8", 1.0, 2, alternating(0.5, 3.0));
+  ladder.add("paths, 32", 6.0, 2, none);
+  ladder.task.steps[1].is_noisy = ladder.task.steps[2].is_noisy = true;
+  const LadderChoice choice = ladder.choose();
+  EXPECT_EQ(choice.steps[0].skipped, "");
+  EXPECT_EQ(choice.step, 0U);
+}
+
+TEST(TryLadder, TakesTheDearestOfTheTopsKindWhereNoneServes) {
+  FakeLadder ladder;
+  ladder.task.goal.objective = {.name = kScore, .is_maximised = true};
+  ladder.task.wish.wishes = {{.score = kScore, .tolerance = 0.01}};
+  ladder.add("paths, 8", 1.0, 2, alternating(0.5));
+  ladder.add("blurred", 2.0, 0, alternating(0.5));
+  ladder.add("paths, 32", 6.0, 2, none, false);
+  ladder.task.steps[0].is_noisy = ladder.task.steps[2].is_noisy = true;
+  ladder.failing_step = 1;
+  const LadderChoice choice = ladder.choose();
+  EXPECT_FALSE(choice.is_reached);
+  EXPECT_EQ(choice.step, 0U) << "the other one renders nothing";
+}
+
+TEST(TryLadder, SaysThatAStepCannotRenderEveryDesign) {
+  FakeLadder ladder = ladder_of_three(20.0);
+  ladder.failing_step = 0;
+  const LadderChoice choice = ladder.choose();
+  EXPECT_EQ(choice.steps[0].skipped, "cannot render every design");
+  EXPECT_FALSE(choice.steps[0].serves);
+  EXPECT_EQ(choice.step, 1U);
 }
 
 TEST(TryLadder, NeverSearchesWithAStepThatIsOnlyComparedWith) {

@@ -101,5 +101,31 @@ TEST(ComparedMethods, AreNoneWherePathsAreTheOnlyWay) {
   EXPECT_THAT(compared_methods(path_scene()), IsEmpty());
 }
 
+TEST(ComparedPaths, EndWithBlurredReflectionsWhereTheyMayRenderTheScene) {
+  SceneSettings scene;
+  scene.material.type = MaterialSettings::Type::kConductor;
+  scene.material.alpha = {0.05};
+  const auto labels_of = [](const SceneSettings& of) {
+    std::vector<std::string> labels;
+    for (const ComparedMethod& method : compared_paths(of)) {
+      if (!method.follows_paths) {
+        EXPECT_EQ(method.render.method, Method::kBlurred);
+        labels.push_back(method.label + (method.is_current ? " *" : ""));
+      }
+    }
+    return labels;
+  };
+  EXPECT_THAT(labels_of(scene),
+              ElementsAre("blurred, 1 ray", "blurred, 4 rays", "blurred, 16 rays"));
+  scene.render.method = Method::kBlurred;
+  EXPECT_THAT(compared_methods(scene), IsEmpty());
+  EXPECT_THAT(labels_of(scene),
+              ElementsAre("blurred, 1 ray", "blurred, 4 rays *", "blurred, 16 rays"));
+  EXPECT_TRUE(needs_paths(independent_paths(scene, 16, 0))) << "what they are compared with";
+  scene.render.method = Method::kAuto;
+  scene.material.alpha = {0.3};
+  EXPECT_THAT(labels_of(scene), IsEmpty());
+}
+
 }  // namespace
 }  // namespace glint

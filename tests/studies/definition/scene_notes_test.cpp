@@ -40,6 +40,17 @@ TEST(LightLines, TellTypeSizeAndPlaceOfEachLight) {
   EXPECT_EQ(light_lines(scene).front().rfind("tunnel, semicylinder", 0), 0U);
 }
 
+// The lobes of rough metal see slot and ends: its mean is uneven without any clipping.
+TEST(SceneNotes, PromiseNoEvenMeanOfRoughMetal) {
+  SceneSettings scene;
+  EXPECT_THAT(scene_notes(scene, {}), Contains(HasSubstr("the mean of a linear sensor")));
+  scene.material.type = MaterialSettings::Type::kConductor;
+  scene.material.alpha = {0.05};
+  scene.render.method = RenderSettings::Method::kBlurred;
+  EXPECT_THAT(scene_notes(scene, {}), Not(Contains(HasSubstr("the mean of a linear sensor"))));
+  EXPECT_THAT(method_notes(scene), Contains(HasSubstr("blurred reflections")));
+}
+
 TEST(SceneNotes, TellThatALightOnThePartMovesWithItsPose) {
   BarSettings bar;
   bar.placement.mount = LightPlacement::Mount::kPart;

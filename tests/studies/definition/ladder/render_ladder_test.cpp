@@ -125,6 +125,78 @@ TEST(RenderLadder, AKeptMethodIsTheMethodOfEveryRungOfASearch) {
   }
 }
 
+/// Metal in the range of blurred reflections.
+SceneSettings satin() {
+  SceneSettings scene = mirror();
+  scene.material.type = MaterialSettings::Type::kConductor;
+  scene.material.alpha = {0.05};
+  scene.paths.max_reflections = 1;
+  return scene;
+}
+
+bool has_blurred(const std::vector<RenderRung>& ladder) {
+  return std::ranges::any_of(ladder,
+                             [](const RenderRung& rung) { return rung.level == "blurred"; });
+}
+
+TEST(RenderLadder, OfSatinMetalHasBlurredReflectionsBelowItsTop) {
+  SceneSettings scene = satin();
+  scene.paths.samples = 256;
+  const auto ladder = render_ladder(scene, {});
+  std::vector<std::string> blurred;
+  for (const RenderRung& rung : ladder) {
+    if (rung.level == "blurred") {
+      blurred.push_back(rung.name);
+      EXPECT_EQ(rung.render.method, Method::kBlurred);
+      EXPECT_FALSE(rung.is_noisy);
+      EXPECT_FALSE(rung.has_derivatives);
+      EXPECT_LT(rung.work, ladder.back().work);
+    }
+  }
+  EXPECT_THAT(
+      blurred,
+      ElementsAre("blurred, 1 ray a pixel", "blurred, 4 rays a pixel", "blurred, 16 rays a pixel"));
+  EXPECT_EQ(ladder.back().name, "direct light, 1024 samples") << "paths judge";
+}
+
+TEST(RenderLadder, HasBlurredReflectionsNowhereElse) {
+  EXPECT_FALSE(has_blurred(render_ladder(satin(), {.method = true}))) << "as the user says";
+  SceneSettings rougher = satin();
+  rougher.material.alpha = {0.3};
+  EXPECT_FALSE(has_blurred(render_ladder(rougher, {})));
+  EXPECT_FALSE(has_blurred(render_ladder(mirror(), {})));
+  EXPECT_FALSE(has_blurred(render_ladder(rough(), {})));
+  SceneSettings quick = satin();
+  quick.paths.samples = 1;
+  quick.scan.positions = 2;
+  EXPECT_FALSE(has_blurred(render_ladder(quick, {}))) << "they would be dearer than the top";
+}
+
+TEST(RenderLadder, OfBlurredReflectionsHasMoreRays) {
+  SceneSettings scene = satin();
+  scene.render.method = Method::kBlurred;
+  const auto ladder = render_ladder(scene, {.method = true});
+  EXPECT_THAT(
+      names(ladder),
+      ElementsAre("blurred, 1 ray a pixel", "blurred, 4 rays a pixel", "blurred, 16 rays a pixel"));
+  EXPECT_EQ(fineness_of(ladder.back()), 16.0);
+}
+
+TEST(AtRung, OfBlurredReflectionsOthersFollowTheirPaths) {
+  SceneSettings scene = satin();
+  scene.paths.samples = 256;
+  const auto ladder = render_ladder(scene, {});
+  const auto rung = *std::ranges::find(ladder, "blurred", &RenderRung::level);
+  EXPECT_EQ(at_rung(scene, rung).render.method, Method::kBlurred);
+  EXPECT_EQ(at_rung(scene, rung).render.rays_per_axis, rung.render.rays_per_axis);
+  SceneSettings rougher = scene;
+  rougher.material.alpha = {0.3};
+  rougher.paths.samples = 8;
+  EXPECT_EQ(at_rung(rougher, rung).render.method, Method::kAuto);
+  EXPECT_EQ(at_rung(rougher, rung).paths.samples, 256);
+  EXPECT_EQ(at_rung(mirror(), rung).render.method, Method::kAuto) << "a mirror stays one";
+}
+
 TEST(KeysInFile, AreThoseThatAreWritten) {
   const auto kept = [](const std::string& text) {
     return keys_in_file(parse_toml(text, "s.toml"));

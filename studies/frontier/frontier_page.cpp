@@ -100,6 +100,7 @@ Json reference_json(const FrontierReference& reference) {
     json["samples"] = reference.method.paths.samples;
     json["max_reflections"] = reference.method.paths.max_reflections;
     json["pictures"] = reference.pictures;
+    json["pooled_samples"] = reference.pictures * reference.method.paths.samples;
   }
   for (const auto& [name, score] : reference.scores) {
     json["scores"][name] = {{"value", score.value}, {"standard_error", score.standard_error}};
@@ -193,10 +194,10 @@ Json measure(const Study& study, const FrontierRun& run, Frontier& frontier) {
 std::vector<std::string> path_method_notes(const Frontier& frontier) {
   const FrontierReference& reference = frontier.reference;
   std::vector<std::string> notes = {
-      fmt::format("The reference is the mean of {} independent pictures with {} samples a pixel "
+      fmt::format("The reference is {} independent pictures together, with {} samples a pixel each "
                   "and at most {} reflections on the part. Its own noise, known from their "
-                  "scatter, is taken out of every error; what is smaller than it is not told "
-                  "apart.",
+                  "scatter, is taken out of every error, and what noise does to its scores out "
+                  "of them (jackknife); what is smaller than it is not told apart.",
                   reference.pictures,
                   reference.method.paths.samples,
                   reference.method.paths.max_reflections),

@@ -58,14 +58,42 @@ void add_from(CLI::App& run, std::filesystem::path& from) {
       ->check(not_empty());
 }
 
+void add_frontier_charts(CLI::App& frontier, FrontierArguments& chart) {
+  CLI::Option* inspector =
+      frontier.add_flag("--inspector",
+                        chart.is_inspector,
+                        "instead: defects found against false reports, by filters of the "
+                        "inspection on simulated parts");
+  CLI::Option* search = frontier.add_flag("--search",
+                                          chart.is_search,
+                                          "instead: evaluations of the study's search against "
+                                          "its winner; goes on with what --budget cut");
+  search->excludes(inspector);
+  frontier.add_option("--seeds", chart.seeds, "of --search: runs of each algorithm (default 10)")
+      ->check(CLI::Range(1, 1000))
+      ->needs(search);
+  frontier
+      .add_option("--methods",
+                  chart.methods,
+                  "of --search: algorithms, like auto,sbplx (default the study's own)")
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->needs(search);
+}
+
 void add_frontier_verb(CLI::App& app, CommandLine& line) {
   CLI::App* frontier = add_verb(
       app,
       "frontier",
       "chart error against time of every rendering method",
-      "glint frontier studies/gallery/tunnel_shape/study.toml --out out/f",
+      "glint frontier studies/gallery/tunnel_shape/study.toml --out out/f\n"
+      "  glint frontier studies/gallery/tunnel_shape/study.toml --inspector\n"
+      "  glint frontier studies/gallery/tunnel_shape/study.toml --search --seeds 5 --methods "
+      "sbplx,auto",
       line,
-      [](const CommandLine& given) { return frontier_command(given.study, given.common); });
+      [](const CommandLine& given) {
+        return frontier_chart_command(given.study, given.frontier, given.common);
+      });
   add_study(*frontier, "SCENE.toml", line.study);
   add_out(*frontier,
           line.study.out,
@@ -75,6 +103,7 @@ void add_frontier_verb(CLI::App& app, CommandLine& line) {
                    line.study.budget,
                    "wall clock, like 40s, 30m; methods beyond it are left out (default 10m)")
       ->type_name("TIME");
+  add_frontier_charts(*frontier, line.frontier);
 }
 
 void add_verify_replay(CLI::App& run, bool& verify_replay) {

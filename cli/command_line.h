@@ -10,6 +10,7 @@
 #include "cli/acquire/cell_calibration.h"
 #include "cli/acquire/validation.h"
 #include "cli/commands.h"
+#include "cli/frontier.h"
 
 namespace CLI {
 class App;
@@ -21,6 +22,7 @@ namespace glint {
 struct CommandLine {
   CommonArguments common;
   StudyArguments study;
+  FrontierArguments frontier;
   AcquireArguments driven_run;  ///< run --cell
   StabilityArguments stability;
   ImprintArguments imprint;

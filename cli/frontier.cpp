@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The verbs that judge the program itself: frontier and stability.
+#include "cli/frontier.h"
+
 #include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "cli/commands.h"
 #include "studies/frontier/frontier_page.h"
+#include "studies/frontier/inspector_page.h"
+#include "studies/frontier/search_page.h"
 #include "studies/stability/stability_page.h"
 
 namespace glint {
@@ -71,6 +74,61 @@ std::string ranking_text(const Json& result) {
                         row["is_right"].get<bool>() ? "right" : "not shown to be right");
   }
   return text;
+}
+
+std::string inspector_text(const Json& result) {
+  std::string text =
+      fmt::format("  {:<44} {:>9} {:>9} {:>9} {:>9}\n", "", "ms", "looked at", "found", "false");
+  for (const Json& point : result["points"]) {
+    if (point.contains("problem")) {
+      text += fmt::format(
+          "  {:<44} {}\n", point["label"].get<std::string>(), point["problem"].get<std::string>());
+      continue;
+    }
+    const Json& best = point["best"];
+    const auto value = [&](const char* name) {
+      return best.is_null() ? Json() : best[name]["value"];
+    };
+    text += fmt::format("{}{}{:<44} {:>9} {:>9} {:>9} {:>9}\n",
+                        point["on_front"].get<bool>() ? "*" : " ",
+                        point["is_current"].get<bool>() ? ">" : " ",
+                        point["label"].get<std::string>(),
+                        number_text(point["cpu_s"], 1e3, "-"),
+                        number_text(point["region_share"], 1.0, "-"),
+                        number_text(value("detected"), 1.0, "-"),
+                        number_text(value("false_reports"), 1.0, "-"));
+  }
+  return text + fmt::format("found at no more than {:g} false reports a picture\n",
+                            result["allowed_false_reports"].get<double>());
+}
+
+std::string searches_text(const Json& result) {
+  std::string text;
+  for (const Json& method : result["methods"]) {
+    text += method["method"].get<std::string>() + ":\n";
+    if (method.contains("problem")) {
+      text += "  " + method["problem"].get<std::string>() + "\n";
+    }
+    for (const Json& row : method["summary"]) {
+      text += fmt::format("  {:>7} evaluations  {:>10}  ({} to {}), {} of {} feasible\n",
+                          row["evaluations"].get<int>(),
+                          number_text(row["median"], 1.0, "-"),
+                          number_text(row["low"], 1.0, "-"),
+                          number_text(row["high"], 1.0, "-"),
+                          row["feasible"].get<int>(),
+                          row["runs"].get<int>());
+    }
+  }
+  return text;
+}
+
+void print_chart(const CommonArguments& common, const Json& result, const std::string& table) {
+  print_result(common,
+               result,
+               fmt::format("{}{}\nreport: {}\n",
+                           table,
+                           result["sentence"].get<std::string>(),
+                           result["report"].get<std::string>()));
 }
 
 int list_sweeps(const std::vector<stability::Sweep>& sweeps, const CommonArguments& common) {
@@ -143,6 +201,29 @@ int frontier_command(const StudyArguments& arguments, const CommonArguments& com
                            ranking_text(result),
                            result["report"].get<std::string>(),
                            result["drawing"].get<std::string>()));
+  return kExitDone;
+}
+
+int frontier_chart_command(const StudyArguments& arguments,
+                           const FrontierArguments& chart,
+                           const CommonArguments& common) {
+  if (!chart.is_inspector && !chart.is_search) {
+    return frontier_command(arguments, common);
+  }
+  const Study study = load_study(arguments);
+  FrontierRun run = {.out = out_folder(arguments, study, ResultKind::kFrontier),
+                     .threads = common.threads,
+                     .progress = common.progress()};
+  if (!arguments.budget.empty()) {
+    run.budget_s = study.budget.wall_clock_s;
+  }
+  if (chart.is_inspector) {
+    const Json result = inspector_study(study, run);
+    print_chart(common, result, inspector_text(result));
+  } else {
+    const Json result = searches_study(study, run, chart.methods, chart.seeds);
+    print_chart(common, result, searches_text(result));
+  }
   return kExitDone;
 }
 

@@ -87,16 +87,18 @@ Scored score(const ScenePicture& picture,
   return result;
 }
 
-/// "<score>.error" for each score that every set of batches has.
-void add_errors(const ScenePicture& picture,
-                const WantedScores& wanted,
-                double smallest_change,
-                ThreadPool& pool,
-                Scores& scores) {
+std::vector<Scores> scores_without_batch(const ScenePicture& picture,
+                                         const WantedScores& wanted,
+                                         double smallest_change,
+                                         ThreadPool& pool) {
   const auto count = static_cast<std::int64_t>(picture.batches());
-  const auto without = pool.map<Scores>(count, [&](std::int64_t batch) {
+  return pool.map<Scores>(count, [&](std::int64_t batch) {
     return score(picture, wanted, {}, smallest_change, static_cast<std::size_t>(batch)).scores;
   });
+}
+
+/// "<score>.error" for each score that every set of batches has.
+void add_errors(const std::vector<Scores>& without, Scores& scores) {
   Scores errors;
   for (const auto& [name, value] : scores) {
     std::vector<double> values;
@@ -272,7 +274,8 @@ Evaluation evaluate(const ScenePicture& picture,
   Scored scored = score(picture, wanted, consume, smallest_change);
   Evaluation result = {.scores = std::move(scored.scores), .traced = picture.traced()};
   if (wanted.errors && picture.batches() > 1) {
-    add_errors(picture, wanted, smallest_change, pool, result.scores);
+    result.without_batch = scores_without_batch(picture, wanted, smallest_change, pool);
+    add_errors(result.without_batch, result.scores);
   }
   add_scores(result.scores, totals_of(result.traced->part->made));
   const SlotMargin slot = add_view_scores(picture, scored.mean, wanted.slot, result.scores);

@@ -25,6 +25,7 @@ struct Evaluation {
   std::shared_ptr<const TracedScene> traced;
   std::vector<DefectScores> defects;
   Gradients gradients;  ///< of the scores that were asked for
+  std::vector<Scores> without_batch;  ///< the picture's scores without each batch of its samples
 };
 
 /// Which scores are wanted, beside homogeneity.

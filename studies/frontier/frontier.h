@@ -2,8 +2,8 @@
 //
 // The frontier of a scene: what each method of rendering costs and how wrong it is. Mirrors under a
 // tunnel are compared with 16 x 16 rays a pixel by plain sampling, without noise and quantisation,
-// so that methods are compared and nothing else; path-traced scenes with the mean of several
-// independent pictures, whose own noise is taken out of the errors (docs/frontier.md).
+// so that methods are compared and nothing else; path-traced scenes with several independent
+// pictures together, whose own noise is taken out of the errors (docs/frontier.md).
 #pragma once
 
 #include <functional>
@@ -22,7 +22,7 @@ namespace glint {
 /// A score of the reference.
 struct ReferenceScore {
   double value = 0.0;
-  double standard_error = 0.0;  ///< from the scatter of independent pictures
+  double standard_error = 0.0;  ///< from the scatter of independent batches of samples
 };
 
 struct FrontierReference {

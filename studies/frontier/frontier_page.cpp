@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/frontier/frontier_page.h"
-#include "studies/definition/study_text.h"
 
 #include <algorithm>
 #include <chrono>
@@ -9,18 +8,15 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/file.h"
 #include "core/text.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/frontier/design_ranking.h"
 #include "studies/frontier/frontier_drawing.h"
 #include "studies/frontier/frontier_errors.h"
+#include "studies/frontier/frontier_folder.h"
 #include "studies/frontier/frontier_methods.h"
 #include "studies/frontier/path_frontier.h"
 #include "studies/output/output_folder.h"
-#include "studies/output/provenance.h"
-#include "studies/output/result_folder.h"
-#include "studies/report/report.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -100,6 +96,7 @@ Json reference_json(const FrontierReference& reference) {
     json["samples"] = reference.method.paths.samples;
     json["max_reflections"] = reference.method.paths.max_reflections;
     json["pictures"] = reference.pictures;
+    json["pooled_samples"] = reference.pictures * reference.method.paths.samples;
   }
   for (const auto& [name, score] : reference.scores) {
     json["scores"][name] = {{"value", score.value}, {"standard_error", score.standard_error}};
@@ -127,16 +124,6 @@ Json ranking_json(const DesignRanking& ranking) {
 
 std::string time_text(double seconds) {
   return fmt::format("{:.3g} ms", seconds * 1e3);
-}
-
-/// The folder of a run is welcome: its report shows the frontier.
-void check_frontier_folder(const Study& study, const fs::path& out) {
-  const std::vector<std::string> names = {
-      "frontier.json", "frontier.svg", "frontier.html", "run.json"};
-  check_inputs_kept(input_files(study), out, names);
-  if (result_kind_of(out) != ResultKind::kRun) {
-    check_result_folder(out, ResultKind::kFrontier, names);
-  }
 }
 
 /// Everything that would be refused, before a folder is made.
@@ -193,10 +180,10 @@ Json measure(const Study& study, const FrontierRun& run, Frontier& frontier) {
 std::vector<std::string> path_method_notes(const Frontier& frontier) {
   const FrontierReference& reference = frontier.reference;
   std::vector<std::string> notes = {
-      fmt::format("The reference is the mean of {} independent pictures with {} samples a pixel "
+      fmt::format("The reference is {} independent pictures together, with {} samples a pixel each "
                   "and at most {} reflections on the part. Its own noise, known from their "
-                  "scatter, is taken out of every error; what is smaller than it is not told "
-                  "apart.",
+                  "scatter, is taken out of every error, and what noise does to its scores out "
+                  "of them (jackknife); what is smaller than it is not told apart.",
                   reference.pictures,
                   reference.method.paths.samples,
                   reference.method.paths.max_reflections),
@@ -252,18 +239,12 @@ std::vector<std::string> method_notes(const Frontier& frontier) {
 }
 
 std::string page_html(const Study& study, const Frontier& frontier, const Json& json) {
-  Json source = provenance();
-  source.erase("cores");
-  return render_report({{"title", study.title},
-                        {"subtitle", "Cost and error of each rendering method"},
-                        {"verdict",
-                         {{"sentence", frontier_sentence(frontier)},
-                          {"tone", "neutral"},
-                          {"details", Json::array()}}},
-                        {"frontier", json},
-                        {"methods", method_notes(frontier)},
-                        {"config_toml", shown_text(study)},
-                        {"provenance", source}});
+  return frontier_page_html(study,
+                            "Cost and error of each rendering method",
+                            frontier_sentence(frontier),
+                            "frontier",
+                            json,
+                            method_notes(frontier));
 }
 
 /// The scene's own setting, and what is cheaper and no worse.
@@ -370,23 +351,13 @@ Json frontier_study(const Study& study, const FrontierRun& run) {
   { const OutputFolder probe(run.out); }  // refused now rather than after all the work
   Frontier frontier;
   Json json = measure(study, run, frontier);
-  OutputFolder folder(run.out);
-  remove_unfinished_files(run.out);
-  mark_result_folder(run.out, ResultKind::kFrontier);
-  write_file(run.out / "frontier.json", json.dump(2) + "\n");
-  write_file(run.out / "frontier.svg", frontier_svg(frontier, study.title));
-  write_file(run.out / "frontier.html", page_html(study, frontier, json));
-  if (result_kind_of(run.out) == ResultKind::kFrontier) {
-    Json origin = provenance();
-    origin["verb"] = command_of(ResultKind::kFrontier);
-    origin["study"] = study.name;
-    origin["threads"] = run.threads;
-    origin["timings"] = {
-        {"this_run_s", std::chrono::duration<double>(Clock::now() - start).count()}};
-    origin["configuration"] = resolved_text(study);
-    write_file(run.out / "run.json", origin.dump(2) + "\n");
-  }
-  folder.keep();
+  const double taken_s = std::chrono::duration<double>(Clock::now() - start).count();
+  write_frontier_folder(study,
+                        run.out,
+                        {{"frontier.json", json.dump(2) + "\n"},
+                         {"frontier.svg", frontier_svg(frontier, study.title)},
+                         {"frontier.html", page_html(study, frontier, json)}},
+                        {{"threads", run.threads}, {"timings", {{"this_run_s", taken_s}}}});
   json["report"] = (run.out / "frontier.html").string();
   json["drawing"] = (run.out / "frontier.svg").string();
   return json;

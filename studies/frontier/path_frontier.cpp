@@ -11,6 +11,8 @@
 #include "studies/evaluation/evaluation.h"
 #include "studies/frontier/frontier_methods.h"
 #include "studies/frontier/picture_errors.h"
+#include "studies/frontier/pooled_score.h"
+#include "studies/imaging/scene_picture.h"
 
 namespace glint {
 namespace {
@@ -40,14 +42,14 @@ SceneSettings noiseless(SceneSettings scene) {
 }
 
 std::string weber_name(const std::string& label) {
-  return "weber of " + label;
+  return "defects." + label + ".weber";
 }
 
 std::string change_name(const std::string& label) {
-  return "change of " + label;
+  return "defects." + label + ".change";
 }
 
-/// All scores of an evaluation that are figures of the picture, and those of single defects.
+/// All scores of an evaluation that are figures of the picture.
 Scores figures_of(const Evaluation& evaluation) {
   Scores figures;
   for (const auto& [name, value] : evaluation.scores) {
@@ -55,17 +57,40 @@ Scores figures_of(const Evaluation& evaluation) {
       figures[name] = value;
     }
   }
-  for (const DefectScores& defect : evaluation.defects) {
-    figures[weber_name(defect.label)] = defect.weber;
-    figures[change_name(defect.label)] = defect.change;
-  }
   return figures;
+}
+
+/// Those that every picture without a batch has too, without noise.
+std::map<std::string, ReferenceScore> pooled_scores(const Evaluation& evaluation) {
+  std::map<std::string, ReferenceScore> pooled;
+  for (const auto& [name, value] : figures_of(evaluation)) {
+    std::vector<double> values;
+    for (const Scores& without : evaluation.without_batch) {
+      const auto found = without.find(name);
+      if (found != without.end() && std::isfinite(found->second)) {
+        values.push_back(found->second);
+      }
+    }
+    if (values.size() == evaluation.without_batch.size()) {
+      pooled[name] = pooled_score(name, value, values);
+    }
+  }
+  return pooled;
 }
 
 /// Twice as many reflections as the scene's, and at least 8: what the scene leaves out is an error.
 int reference_reflections(int own) {
   constexpr int kMost = 64;
   return std::min(kMost, std::max(8, 2 * own));
+}
+
+/// The scene whose one picture is all samples of the reference: twice its reflections, and batches
+/// that share nothing. No pixel stops early, as the batches must weigh the same.
+SceneSettings pooled_scene(SceneSettings scene, int samples) {
+  scene.paths.max_reflections = reference_reflections(scene.paths.max_reflections);
+  scene.paths.relative_error = 0.0;
+  scene.paths.batches = kReferencePictures;
+  return independent_paths(scene, kReferencePictures * samples, 0);
 }
 
 class PathMeasuring {
@@ -138,28 +163,24 @@ class PathMeasuring {
   void measure_reference() {
     SceneStore store(pool_);
     store.leave_out_unseen_defects();
-    SceneSettings scene = scene_;
-    scene.paths.max_reflections = reference_reflections(scene.paths.max_reflections);
     const int samples = reference_samples();
+    const SceneSettings scene = pooled_scene(scene_, samples);
+    tell(fmt::format("reference, {} samples", scene.paths.samples));
+    const Evaluation evaluation = evaluate(store, scene, {}, wanted_);
+    scores_ = pooled_scores(evaluation);
     FrontierReference& reference = frontier_.reference;
-    std::map<std::string, std::vector<double>> values;
-    for (int k = 0; k < kReferencePictures; ++k) {
-      tell(fmt::format("reference, picture {} of {}", k + 1, kReferencePictures));
-      const SceneSettings one = independent_paths(scene, samples, k);
-      const Evaluation evaluation = evaluate(store, one, {}, wanted_);
-      for (const auto& [name, value] : figures_of(evaluation)) {
-        values[name].push_back(value);
+    for (const DefectScores& defect : evaluation.defects) {
+      const auto weber = scores_.find(weber_name(defect.label));
+      const auto change = scores_.find(change_name(defect.label));
+      if (weber != scores_.end() && change != scores_.end()) {
+        reference.weber[defect.label] = weber->second.value;
+        reference.change[defect.label] = change->second.value;
       }
-      for (const DefectScores& defect : evaluation.defects) {
-        reference.weber[defect.label] += defect.weber / kReferencePictures;
-        reference.change[defect.label] += defect.change / kReferencePictures;
-      }
-      pictures_.add(*evaluation.traced, frames_of(store, one));
     }
-    for (const auto& [name, list] : values) {
-      if (list.size() == static_cast<std::size_t>(kReferencePictures)) {
-        scores_[name] = reference_score(list);
-      }
+    const std::vector<ImageF> whole = frames_of(store, scene);
+    for (std::size_t b = 0; b < std::size_t{kReferencePictures}; ++b) {
+      const std::vector<ImageF> without = frames_of(store, scene, b);
+      pictures_.add(*evaluation.traced, frames_of_batch(whole, without, kReferencePictures));
     }
     keep_reference(scene, samples);
   }
@@ -173,22 +194,16 @@ class PathMeasuring {
     reference.method.label = fmt::format("{} x {} samples", kReferencePictures, samples);
     reference.own_frame_rmse = pictures_.own_rmse();
     reference.h_rms = scores_.at("homogeneity.h_rms").value;
-    for (const auto& [name, score] : scores_) {
-      if (name.find(" of ") == std::string::npos) {
-        reference.scores[name] = score;
-      }
-    }
+    reference.scores = scores_;
   }
 
-  std::vector<ImageF> frames_of(SceneStore& store, const SceneSettings& scene) const {
+  static std::vector<ImageF> frames_of(SceneStore& store,
+                                       const SceneSettings& scene,
+                                       std::optional<std::size_t> without = {}) {
     std::vector<ImageF> frames;
-    WantedScores none = {
-        .fringes = false, .defects = false, .robust = false, .slot = false, .errors = false};
-    evaluate(
-        store,
-        noiseless(scene),
-        [&](int /*index*/, const ImageF& grey) { frames.push_back(grey); },
-        none);
+    const auto keep = [&](int /*index*/, const ImageF& grey) { frames.push_back(grey); };
+    picture_of(store, noiseless(scene), {})
+        ->mean({.watch = keep, .has_whole_frames = true, .without = without});
     return frames;
   }
 
@@ -310,7 +325,7 @@ class PathMeasuring {
   double fixed_s_ = 0.0;  ///< of a picture, wall clock
   double per_sample_s_ = 0.0;
   ReferencePictures pictures_;
-  std::map<std::string, ReferenceScore> scores_;  ///< also of single defects
+  std::map<std::string, ReferenceScore> scores_;  ///< of the reference
   Frontier frontier_;
 };
 

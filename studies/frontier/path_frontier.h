@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The frontier of a scene whose light is found by following paths. The reference is the mean of
-// independent pictures with more samples and more reflections than the scene's own settings; its
-// noise is known from their scatter and taken out of every error. What random numbers do to a
-// method is seen by rendering it several times, too.
+// The frontier of a scene whose light is found by following paths. The reference pools independent
+// batches of samples, with more of them and more reflections than the scene's own settings. Its
+// noise is known from their scatter and taken out of every error, and what noise does to its scores
+// is taken out of them (pooled_score.h). What random numbers do to a method is seen by rendering it
+// several times, too.
 #pragma once
 
 #include "studies/frontier/frontier.h"

@@ -104,21 +104,6 @@ PictureDistance ReferencePictures::distance(const std::vector<ImageF>& frames,
   return squares.mean();
 }
 
-ReferenceScore reference_score(std::span<const double> values) {
-  GLINT_CHECK(values.size() > 1, "one value has no scatter");
-  const auto count = static_cast<double>(values.size());
-  ReferenceScore score;
-  for (const double value : values) {
-    score.value += value / count;
-  }
-  double squares = 0.0;
-  for (const double value : values) {
-    squares += (value - score.value) * (value - score.value);
-  }
-  score.standard_error = std::sqrt(squares / (count - 1.0) / count);
-  return score;
-}
-
 ScoreError score_error(std::span<const double> values, const ReferenceScore& reference) {
   GLINT_CHECK(!values.empty(), "no value, no error");
   const auto count = static_cast<double>(values.size());

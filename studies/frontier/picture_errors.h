@@ -47,9 +47,6 @@ class ReferencePictures {
   PictureDistance own_;
 };
 
-/// Mean and its standard error. @param values  two or more
-ReferenceScore reference_score(std::span<const double> values);
-
 /// Of independent values against the reference: the root of their mean square distance, less the
 /// reference's own noise. @param values  one or more
 ScoreError score_error(std::span<const double> values, const ReferenceScore& reference);

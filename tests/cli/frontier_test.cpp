@@ -105,6 +105,67 @@ TEST(FrontierVerb, HasHelpWithAnExample) {
   EXPECT_THAT(help.out, HasSubstr("Example:\n  glint frontier "));
 }
 
+TEST(FrontierVerb, ChartsTheInspectorBesideTheMethods) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", frontier_study_text());
+  const Arguments call = {"frontier", "study.toml", "--inspector", "--out", "f", "--budget", "2s"};
+  Arguments as_json = call;
+  as_json.insert(as_json.end(), {"--json", "--quiet"});
+  const ProgramResult result = glint_in(folder, as_json);
+  ASSERT_EQ(result.code, 0) << result.err;
+  Json printed = Json::parse(result.out);
+  EXPECT_TRUE(printed["points"][0]["is_current"].get<bool>());
+  EXPECT_EQ(printed["points"][0]["curve"].size(), 12U);
+  EXPECT_EQ(printed["report"], "f/inspector.html");
+  Json written = Json::parse(read_file(folder / "f/inspector.json"));
+  written["report"] = "f/inspector.html";
+  EXPECT_EQ(printed, written);
+  const ProgramResult again = glint_in(folder, call);
+  EXPECT_EQ(again.code, 0) << "the folder is the verb's own: " << again.err;
+  EXPECT_THAT(again.out, HasSubstr("found at no more than 0.1 false reports a picture"));
+}
+
+TEST(FrontierVerb, ChartsSearchesAndGoesOnWithThem) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", frontier_study_text());
+  const Arguments call = {"frontier",
+                          "study.toml",
+                          "--search",
+                          "--seeds",
+                          "2",
+                          "--methods",
+                          "random,sbplx",
+                          "--out",
+                          "f",
+                          "--json",
+                          "--quiet"};
+  const ProgramResult result = glint_in(folder, call);
+  ASSERT_EQ(result.code, 0) << result.err;
+  const Json printed = Json::parse(result.out);
+  EXPECT_EQ(printed["status"], "done");
+  ASSERT_EQ(printed["methods"].size(), 2U);
+  for (const Json& method : printed["methods"]) {
+    EXPECT_EQ(method["runs"].size(), 2U);
+    EXPECT_EQ(method["summary"].back()["evaluations"], printed["evaluations"]);
+  }
+  EXPECT_TRUE(fs::exists(folder / "f/searches/random_1.sqlite"));
+  EXPECT_TRUE(fs::exists(folder / "f/search.html"));
+  EXPECT_EQ(glint_in(folder, call).out, result.out) << "everything is found in the folder";
+}
+
+TEST(FrontierVerb, RefusesChartsThatDoNotGoTogether) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", frontier_study_text());
+  const Arguments both = {"frontier", "study.toml", "--search", "--inspector", "--out", "f"};
+  EXPECT_EQ(glint_in(folder, both).code, 2);
+  EXPECT_EQ(glint_in(folder, {"frontier", "study.toml", "--seeds", "3", "--out", "f"}).code, 2);
+  const ProgramResult none = glint_in(
+      folder, {"frontier", "study.toml", "--search", "--set", "variables={}", "--out", "f"});
+  EXPECT_EQ(none.code, 2);
+  EXPECT_THAT(none.err, HasSubstr("are needed for a chart of the search"));
+  EXPECT_FALSE(fs::exists(folder / "f"));
+}
+
 TEST(FrontierVerb, PrintsATableForPeople) {
   const TemporaryFolder folder;
   write_file(folder / "study.toml", frontier_study_text());

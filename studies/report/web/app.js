@@ -8,6 +8,8 @@ import { Facts, isNumber, plural } from './format.js';
 import { convergenceSection, parallelSection, runCurvesSection, sliceSection } from './charts.js';
 import { coverageSection, coverageViewsSection } from './coverage.js';
 import { frontSections, hypervolumeSection } from './front.js';
+import { inspectorSection, inspectorTableSection } from './inspector.js';
+import { searchesSection, searchesTableSection } from './searches.js';
 import { frontierRankingSection, frontierScoreSection, frontierSection, frontierTableSection } from './frontier.js';
 import { stabilityChartSection, stabilityRemarkSection, stabilitySection } from './stability.js';
 import { foundSection, gradesSection, partsSection } from './inspection.js';
@@ -39,7 +41,7 @@ function masthead(facts) {
     h('p', { class: 'meta' }, text && badge(kind, text), counts && h('span', {}, counts), document.getElementById('when')));
 }
 
-const kShort = { residuals: 'Residuals', compared: 'Methods', influence: 'Influence', next: 'Next pictures', accuracy: 'Accuracy', list: 'Table', scene: 'Part', designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', stability: 'Sweeps', errors: 'Errors', remarks: 'Refusals', measured: 'All methods', ranking: 'Order of designs', score_errors: 'Scores', yardstick: 'Yardstick', overlap: 'Overlap', misfit: 'Misfit', sides: 'Designs', refit: 'Refit', methods: 'Method', origin: 'Configuration', curves: 'Convergence', front: 'Front', 'front-designs': 'Designs of the front' };
+const kShort = { residuals: 'Residuals', compared: 'Methods', influence: 'Influence', next: 'Next pictures', accuracy: 'Accuracy', list: 'Table', scene: 'Part', designs: 'Designs', parallel: 'Parallel coordinates', slices: 'Variables', frontier: 'Error and time', inspector: 'Found and false', filters: 'All filters', searches: 'Searches', searched: 'All searches', stability: 'Sweeps', errors: 'Errors', remarks: 'Refusals', measured: 'All methods', ranking: 'Order of designs', score_errors: 'Scores', yardstick: 'Yardstick', overlap: 'Overlap', misfit: 'Misfit', sides: 'Designs', refit: 'Refit', methods: 'Method', origin: 'Configuration', curves: 'Convergence', front: 'Front', 'front-designs': 'Designs of the front' };
 
 function navigation(sections) {
   return h('nav', {}, sections.map((node) => h('a', { href: `#${node.id}` }, kShort[node.id] ?? node.querySelector('h2').textContent)));
@@ -86,7 +88,7 @@ function main() {
   const sections = [
     verdictSection(facts), sceneSection(facts), ...panelSections(facts), runTable(facts), runCurvesSection(facts), ...front, designSection(facts), convergenceSection(facts), hypervolumeSection(facts),
     parallelSection(facts, (chosen) => selection.brush('parallel', chosen)), frontParallelSection(facts, selection), sliceSection(facts), analysisSection(facts), table?.node, failureSection(facts),
-    frontierSection(facts), frontierRankingSection(facts), frontierTableSection(facts), frontierScoreSection(facts), stabilitySection(facts), stabilityChartSection(facts), stabilityRemarkSection(facts), viewsSection(facts), lightingSection(facts), coverageSection(facts), coverageViewsSection(facts),
+    frontierSection(facts), frontierRankingSection(facts), frontierTableSection(facts), frontierScoreSection(facts), inspectorSection(facts), inspectorTableSection(facts), searchesSection(facts), searchesTableSection(facts), stabilitySection(facts), stabilityChartSection(facts), stabilityRemarkSection(facts), viewsSection(facts), lightingSection(facts), coverageSection(facts), coverageViewsSection(facts),
     contactSection(facts), residualSection(facts), comparedSection(facts), accuracySection(facts), influenceSection(facts),
     nextSection(facts), pictureTableSection(facts),
     partsSection(facts), gradesSection(facts), foundSection(facts), overlapSection(facts), causesSection(facts), misfitSection(facts), rankingSection(facts), refitSection(facts), pairsSection(facts), yardstickSection(facts), comparisonSection(facts), methodSection(facts), originSection(facts),

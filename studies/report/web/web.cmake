@@ -17,8 +17,8 @@ endif()
 
 set(web_source ${CMAKE_CURRENT_LIST_DIR})
 set(web_build ${CMAKE_CURRENT_BINARY_DIR}/web)
-set(web_scripts analysis.js app.js calibration.js cards.js charts.js comparison.js coverage.js curves.js dom.js filter.js format.js front.js front_words.js frontier.js inspection.js overlay.js panels.js
-    parallel.js population.js scene.js selection.js stability.js table.js validation.js verdict.js views.js)
+set(web_scripts analysis.js app.js calibration.js cards.js charts.js comparison.js coverage.js curves.js dom.js filter.js format.js front.js front_words.js frontier.js inspection.js inspector.js overlay.js panels.js
+    parallel.js population.js scene.js searches.js selection.js stability.js table.js validation.js verdict.js views.js)
 list(TRANSFORM web_scripts PREPEND ${web_source}/)
 file(MAKE_DIRECTORY ${web_build})
 

@@ -76,14 +76,6 @@ const FrontierPoint& point_named(const Frontier& frontier, const std::string& la
   return *found;
 }
 
-// Mean 2, deviations -1, 0, 1: variance 1, of the mean 1 / 3.
-TEST(ReferenceScore, OfThreeValues) {
-  const std::vector<double> values = {1.0, 2.0, 3.0};
-  const ReferenceScore score = reference_score(values);
-  EXPECT_DOUBLE_EQ(score.value, 2.0);
-  EXPECT_DOUBLE_EQ(score.standard_error, std::sqrt(1.0 / 3.0));
-}
-
 // Squares 9 and 25, mean 17; less 1 of noise: 4. One value at 3 of noise 5: nothing is left.
 TEST(ScoreError, IsLessTheNoiseOfTheReference) {
   const std::vector<double> values = {3.0, 5.0};

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/frontier/frontier_folder.h"
+
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "studies/definition/study_text.h"
+#include "studies/output/output_folder.h"
+#include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
+#include "studies/report/report.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+void check_frontier_folder(const Study& study, const fs::path& out) {
+  const std::vector<std::string> names = {"frontier.json",
+                                          "frontier.svg",
+                                          "frontier.html",
+                                          "inspector.json",
+                                          "inspector.html",
+                                          "search.json",
+                                          "search.html",
+                                          "searches",
+                                          "run.json"};
+  check_inputs_kept(input_files(study), out, names);
+  if (result_kind_of(out) != ResultKind::kRun) {
+    check_result_folder(out, ResultKind::kFrontier, names);
+  }
+}
+
+void write_frontier_folder(const Study& study,
+                           const fs::path& out,
+                           const std::vector<std::pair<std::string, std::string>>& files,
+                           const nlohmann::ordered_json& origin) {
+  OutputFolder folder(out);
+  remove_unfinished_files(out);
+  mark_result_folder(out, ResultKind::kFrontier);
+  for (const auto& [name, content] : files) {
+    write_file(out / name, content);
+  }
+  if (result_kind_of(out) == ResultKind::kFrontier) {
+    nlohmann::ordered_json json = provenance();
+    json["verb"] = command_of(ResultKind::kFrontier);
+    json["study"] = study.name;
+    json.update(origin);
+    json["configuration"] = resolved_text(study);
+    write_file(out / "run.json", json.dump(2) + "\n");
+  }
+  folder.keep();
+}
+
+std::string frontier_page_html(const Study& study,
+                               const std::string& subtitle,
+                               const std::string& sentence,
+                               const std::string& key,
+                               const nlohmann::ordered_json& json,
+                               const std::vector<std::string>& notes) {
+  nlohmann::ordered_json source = provenance();
+  source.erase("cores");
+  return render_report({{"title", study.title},
+                        {"subtitle", subtitle},
+                        {"verdict",
+                         {{"sentence", sentence},
+                          {"tone", "neutral"},
+                          {"details", nlohmann::ordered_json::array()}}},
+                        {key, json},
+                        {"methods", notes},
+                        {"config_toml", shown_text(study)},
+                        {"provenance", source}});
+}
+
+}  // namespace glint

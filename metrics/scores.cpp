@@ -241,6 +241,14 @@ bool needs_fringes(std::string_view name) {
   return name.starts_with("fringe") || name.starts_with("homogeneity.ripple");
 }
 
+bool needs_flawless(std::string_view name) {
+  name = without_bound(name);
+  if (name.ends_with(".error")) {
+    name.remove_suffix(std::string_view(".error").size());
+  }
+  return name.starts_with("defects.") && (name.ends_with("change") || name.ends_with("union"));
+}
+
 void add_scores(Scores& scores, const FringeScores& fringes) {
   scores["fringe.regularity"] = fringes.regularity;
   scores["fringe.period_px"] = fringes.period_px;

@@ -80,6 +80,10 @@ bool is_of_family(std::string_view name);
 /// spacing.
 bool needs_fringes(std::string_view name);
 
+/// Whether the score of defects, or the bound or error of one, compares frames with those of the
+/// flawless part.
+bool needs_flawless(std::string_view name);
+
 /// Whether the score tells what the views of a scene inspect: it needs no picture of its own.
 bool is_of_coverage(std::string_view name);
 

@@ -234,7 +234,7 @@ WantedScores wanted_in_trial(const Study& study) {
   for (const ScoreWish& wish : study.accuracy ? study.accuracy->wishes : std::vector<ScoreWish>()) {
     goal.constraints.push_back({.name = wish.score});
   }
-  return wanted_by(goal);
+  return study.has_needed_scores_only ? needed_by(goal) : wanted_by(goal);
 }
 
 Outcome evaluate_at(SceneStore& store,

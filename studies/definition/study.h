@@ -42,6 +42,7 @@ struct Study {
   Goal goal;
   bool has_objective = false;
   SearchSettings search;
+  bool has_needed_scores_only = false;  ///< search.scores: of designs that the search evaluates
   Budget budget;
   std::optional<AccuracySettings> accuracy;
   std::vector<Prototype> prototypes;

@@ -2,6 +2,7 @@
 #include "studies/definition/study_tables.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 
@@ -28,7 +29,8 @@ void collect_paths(const ConfigNode& node, const std::string& path, std::vector<
   }
 }
 
-void visit_search(KeyVisitor& keys, SearchSettings& s) {
+void visit_search(KeyVisitor& keys, SearchSettings& s, bool& has_needed_scores_only) {
+  constexpr std::array<std::string_view, 2> kScores = {"all", "needed"};
   std::vector<std::string_view> names(algorithm_names().begin(), algorithm_names().end());
   const auto position = std::ranges::find(names, std::string_view(s.algorithm));
   int index = position == names.end() ? 0 : static_cast<int>(position - names.begin());
@@ -47,6 +49,16 @@ void visit_search(KeyVisitor& keys, SearchSettings& s) {
                Range::between(0, 100000),
                "size of the Sobol design before the local search; 0 = chosen by the program");
   keys.boolean("noisy", s.is_noisy, "scores of one design vary from evaluation to evaluation");
+  if (keys.is_given("scores") || has_needed_scores_only) {
+    int scores = has_needed_scores_only ? 1 : 0;
+    keys.choice_index("scores",
+                      scores,
+                      kScores,
+                      "of a design in the search: all, or without changes of defects where neither "
+                      "objective nor constraint needs them, so that the flawless part is not "
+                      "rendered");
+    has_needed_scores_only = scores == 1;
+  }
   if (keys.is_given("derivatives") || s.derivatives) {
     keys.boolean("derivatives",
                  s.derivatives,
@@ -316,7 +328,7 @@ void read_study_tables(Study& study, std::vector<Problem>& errors) {
   }
   read_variables(study, errors);
   KeyReader search(study.root.find("search"), "search", errors);
-  visit_search(search, study.search);
+  visit_search(search, study.search, study.has_needed_scores_only);
   search.take("derivatives");  // known also where it is not given
   search.report_unknown();
   KeyReader budget(study.root.find("budget"), "budget", errors);
@@ -339,7 +351,8 @@ void write_study_tables(const Study& study, ConfigNode& root) {
   };
   add("search", [&](KeyVisitor& keys) {
     SearchSettings settings = study.search;
-    visit_search(keys, settings);
+    bool has_needed_scores_only = study.has_needed_scores_only;
+    visit_search(keys, settings, has_needed_scores_only);
   });
   add("budget", [&](KeyVisitor& keys) {
     Budget budget = study.budget;
@@ -368,8 +381,10 @@ std::vector<KeyRow> study_keys() {
   SearchSettings search;
   search.derivatives = true;
   KeyLister search_lister("search", rows);
-  visit_search(search_lister, search);
+  bool has_needed_scores_only = true;  // else the key is not listed
+  visit_search(search_lister, search, has_needed_scores_only);
   rows.back().default_text = "false";
+  rows[rows.size() - 2].default_text = "\"all\"";
   Budget budget;
   budget.target = 0.0;
   KeyLister budget_lister("budget", rows);

@@ -67,7 +67,7 @@ Scored score(const ScenePicture& picture,
       fringes = fringe_scores(grey, traced.region.mask, {.nominal_duty = scene.tunnel.duty});
     }
     if (wanted.defects) {
-      best.add(grey, picture.flawless(index, without));
+      best.add(grey, wanted.changes ? picture.flawless(index, without) : DefectValues());
     }
     if (consume) {
       consume(index, grey);
@@ -83,6 +83,9 @@ Scored score(const ScenePicture& picture,
   if (wanted.defects) {
     result.defects = scored_defects(result.mean.aspect, traced.defects, best, scene);
     add_scores(result.scores, result.defects);
+  }
+  if (!wanted.changes) {
+    std::erase_if(result.scores, [](const auto& row) { return needs_flawless(row.first); });
   }
   return result;
 }
@@ -248,6 +251,14 @@ WantedScores wanted_by(const Goal& goal) {
   return wanted;
 }
 
+WantedScores needed_by(const Goal& goal) {
+  WantedScores wanted = wanted_by(goal);
+  const auto needs = [](const auto& row) { return needs_flawless(row.name); };
+  wanted.changes = std::ranges::any_of(objectives_of(goal), needs) ||
+                   std::ranges::any_of(goal.constraints, needs);
+  return wanted;
+}
+
 WantedScores wanted_with_gradients(const Goal& goal, const SearchSpace& space) {
   WantedScores wanted = wanted_by(goal);
   for (const Objective& objective : objectives_of(goal)) {
@@ -268,7 +279,7 @@ Evaluation evaluate(const ScenePicture& picture,
                     const WantedScores& wanted) {
   constexpr double kSigmas = 5.0;
   double smallest_change = change_threshold(picture.scene());
-  if (wanted.defects) {
+  if (wanted.defects && wanted.changes) {
     smallest_change = std::max(smallest_change, kSigmas * picture.change_noise());
   }
   Scored scored = score(picture, wanted, consume, smallest_change);
@@ -295,10 +306,10 @@ Evaluation evaluate(SceneStore& store,
   if (!wanted.picture) {
     return {.scores = scores_beside(store, scene, wanted)};
   }
-  const auto picture = picture_of(
-      store,
-      scene,
-      {.has_flawless = wanted.defects, .has_derivatives = !wanted.gradients.scores.empty()});
+  const auto picture = picture_of(store,
+                                  scene,
+                                  {.has_flawless = wanted.defects && wanted.changes,
+                                   .has_derivatives = !wanted.gradients.scores.empty()});
   Evaluation result = evaluate(*picture, store.pool(), consume, wanted);
   const bool is_whole = picture->has_whole_frames(static_cast<bool>(consume), wanted.fringes);
   add_scan_bounds(store, picture->repeated(is_whole), wanted, result.scores);

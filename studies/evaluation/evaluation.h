@@ -32,6 +32,7 @@ struct Evaluation {
 struct WantedScores {
   bool fringes = true;             ///< of the first frame; needs all of it
   bool defects = true;             ///< need the frames around the defects
+  bool changes = true;             ///< of the defects, against the flawless part in each frame
   bool robust = true;              ///< homogeneity.robust: percentiles
   bool slot = true;                ///< view.slot_margin_mm: a sight line for each pixel
   bool family = false;             ///< homogeneity.residual and its like: passes of their own
@@ -66,6 +67,9 @@ struct WantedScores {
 
 /// What a search needs for its objective and constraints.
 WantedScores wanted_by(const Goal& goal);
+
+/// The same without scores beside them that cost renderings of their own.
+WantedScores needed_by(const Goal& goal);
 
 /// The same with their derivatives by each variable.
 WantedScores wanted_with_gradients(const Goal& goal, const SearchSpace& space);

@@ -237,6 +237,11 @@ std::string when_text(const fs::path& run) {
 
 std::vector<std::string> method_sentences(const Study& study, const fs::path& run) {
   std::vector<std::string> methods = method_notes(study.scene);
+  if (study.has_search() && !wanted_in_search(study).changes) {
+    methods.emplace_back(
+        "Changes of defects against the flawless part were not computed for the designs of the "
+        "search, as neither objective nor limits need them (search.scores); finalists have them.");
+  }
   if (study.has_search()) {
     for (const std::string& remark : derivative_remarks(Storage::read(run / "study.sqlite"))) {
       methods.push_back("Derivatives of the search do not include: " + remark + ".");

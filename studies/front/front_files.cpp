@@ -25,8 +25,6 @@ bool is_full(const fs::path& folder) {
   return fs::exists(folder / "scores.json") || fs::exists(folder / "sequence");
 }
 
-}  // namespace
-
 /// Folders of the designs that are shown so ("full", or not), of those that have one.
 std::set<fs::path> folders_of(const fs::path& run, const Json& front, bool is_shown_full) {
   std::set<fs::path> folders;
@@ -37,6 +35,8 @@ std::set<fs::path> folders_of(const fs::path& run, const Json& front, bool is_sh
   }
   return folders;
 }
+
+}  // namespace
 
 void remove_other_designs(const fs::path& run, const Json& front) {
   const std::set<fs::path> full = folders_of(run, front, true);

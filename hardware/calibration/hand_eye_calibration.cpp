@@ -283,12 +283,32 @@ std::string refusal_after(const Work& work) {
   return {};
 }
 
+std::ptrdiff_t num_rejected(const Work& work) {
+  return std::ranges::count_if(work.seen,
+                               [&](std::size_t i) { return !work.result.pictures[i].accepted; });
+}
+
+/// Whether so many pictures with a board are rejected that the fault may be one of all.
+bool rejects_many(const Work& work) {
+  constexpr double kMany = 0.15;
+  return static_cast<double>(num_rejected(work)) > kMany * static_cast<double>(work.seen.size());
+}
+
 void add_warnings(Work& work) {
+  constexpr double kLeastOff = 0.003;
+  constexpr double kSigmas = 3.0;
   HandEyeCalibration& result = work.result;
   result.warnings = result.camera.warnings;
   std::ranges::move(warnings_of(result.motion), std::back_inserter(result.warnings));
+  if (rejects_many(work)) {
+    result.warnings.push_back(fmt::format(
+        "{} of {} pictures with a board are rejected: squares of another size than given, or poses "
+        "that are a little wrong, look so, too",
+        num_rejected(work),
+        work.seen.size()));
+  }
   const double off = std::abs(result.scale.factor - 1.0);
-  if (off > 0.02 && off > 5.0 * result.scale.sigma) {
+  if (off > kLeastOff && off > kSigmas * result.scale.sigma) {
     result.warnings.push_back(fmt::format(
         "the robot's motion says that the board's squares are {:.4f} times (+- {:.4f}) as large as "
         "given",
@@ -299,12 +319,8 @@ void add_warnings(Work& work) {
 
 /// Whether so many pictures, or so much of all, disagree that the board may have moved.
 bool is_suspicious(const Work& work) {
-  constexpr double kManyRejected = 0.15;
   constexpr double kLargeShareOfDistance = 0.002;
-  const auto rejected = std::ranges::count_if(
-      work.seen, [&](std::size_t i) { return !work.result.pictures[i].accepted; });
-  return !work.result.refusal.empty() ||
-         static_cast<double>(rejected) > kManyRejected * static_cast<double>(work.seen.size()) ||
+  return !work.result.refusal.empty() || rejects_many(work) ||
          work.result.noise.robot_mm > kLargeShareOfDistance * work.distance_mm;
 }
 

@@ -245,6 +245,37 @@ void find_boards(const CalibrateOptions& options, CalibrateInput& input, ThreadP
   }
 }
 
+bool has_corner(const Board& board, const Eigen::Vector3d& at_mm) {
+  const double near_mm = 1e-3 * board.square_mm;
+  for (int row = 0; row < board.rows; ++row) {
+    for (int col = 0; col < board.cols; ++col) {
+      if ((corner_mm(board, col, row) - at_mm).norm() < near_mm) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// The corners of a file are to be those of the board that is given with it.
+void check_corners(const CalibrateOptions& options, const Board& board, const FoundCorners& found) {
+  for (const BoardView& view : found.views) {
+    for (const Eigen::Vector3d& at_mm : view.board_mm) {
+      if (!has_corner(board, at_mm)) {
+        throw ConfigError(fmt::format(
+            "{}: has a corner at {:g}, {:g} mm, where the board given has none ({} x {} corners, "
+            "squares of {:g} mm): its corners were found with another board",
+            options.from.string(),
+            at_mm.x(),
+            at_mm.y(),
+            board.cols,
+            board.rows,
+            board.square_mm));
+      }
+    }
+  }
+}
+
 void take_corners(CalibrateInput& input, FoundCorners found) {
   input.width_px = found.width_px;
   input.height_px = found.height_px;
@@ -305,6 +336,7 @@ CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool&
   if (options.from.empty()) {
     find_boards(options, input, pool);
   } else {
+    check_corners(options, input.board, found);
     take_corners(input, std::move(found));
   }
   judge_boards(options, input);

@@ -131,6 +131,23 @@ TEST(HandEyeCalibration, TellsThatSquaresAreLargerThanGiven) {
   EXPECT_NEAR(result.scale.factor, 1.05, 0.01);
 }
 
+/// Of squares as given nothing is told, of ones that are 1 % larger it is.
+TEST(HandEyeCalibration, TellsOfSquaresOnePercentLarger) {
+  for (const double factor : {1.0, 1.01}) {
+    SimulatedCell cell = simulate_cell({.num_poses = 30}, 14);
+    for (BoardCorners& corners : cell.pictures) {
+      for (Vector3d& point : corners.board_mm) {
+        point /= factor;
+      }
+    }
+    const HandEyeCalibration result = calibrate(cell);
+    const bool is_told = std::ranges::any_of(result.warnings, [](const std::string& warning) {
+      return warning.find("squares are 1.0") != std::string::npos;
+    });
+    EXPECT_EQ(is_told, factor > 1.0) << result.scale.factor << " +- " << result.scale.sigma;
+  }
+}
+
 TEST(HandEyeCalibration, KnownIntrinsicsStayAsTheyAre) {
   const SimulatedCell cell = simulate_cell({.num_poses = 20}, 15);
   HandEyeOptions options = cell_options(cell.settings);

@@ -245,6 +245,24 @@ TEST_F(CalibrateErrors, SquaresOfAnotherSizeAreToldByHowMuch) {
               ::testing::HasSubstr("the board's squares are 0.8"));
 }
 
+/// Corners that were found before know their board.
+TEST_F(CalibrateErrors, CornersOfAnotherBoardAreTold) {
+  if (board_on_robot().result.is_null()) {
+    GTEST_SKIP() << "no photographs";
+  }
+  write_file(folder_ / "larger.toml",
+             "[board]\ncols = 9\nrows = 7\nsquare_mm = 12\nsetup = \"eye_to_hand\"\n");
+  const std::string corners = (board_on_robot().folder / "out/corners.csv").string();
+  expect_refused({},
+                 {"--from",
+                  corners,
+                  "--board",
+                  "larger.toml",
+                  "--poses",
+                  (photographs("calibration/board_on_robot") / "poses.csv").string()},
+                 "squares of 12 mm): its corners were found with another board");
+}
+
 TEST_F(CalibrateErrors, ACameraOfAnotherSizeIsTold) {
   write_file(folder_ / "camera.toml",
              "[camera]\nwidth_px = 100\nheight_px = 60\nfocal_x_px = 500\n");

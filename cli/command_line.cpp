@@ -69,8 +69,10 @@ void add_frontier_charts(CLI::App& frontier, FrontierArguments& chart) {
                                           "instead: evaluations of the study's search against "
                                           "its winner; goes on with what --budget cut");
   search->excludes(inspector);
-  frontier.add_option("--seeds", chart.seeds, "of --search: runs of each algorithm (default 10)")
-      ->check(CLI::Range(1, 1000))
+  frontier.add_option("--seeds", chart.seeds, "of --search: runs of each algorithm")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(between(1, 1000))
       ->needs(search);
   frontier
       .add_option("--methods",

@@ -391,8 +391,11 @@ std::string run(Work& work) {
   mark_inliers(*robust, work);
   result.bundle = start_bundle(work, *robust);
   if (!solve(work)) {
-    return fmt::format("robot poses and pictures contradict each other, no solution converges: {}",
-                       kContradiction);
+    constexpr std::size_t kFew = 8;
+    return fmt::format(
+        "robot poses and pictures contradict each other, no solution converges: {}{}",
+        kContradiction,
+        work.seen.size() < kFew ? "; or the views are too few or too much alike" : "");
   }
   explain_rejections(work);
   if (std::string missing = refuse_motion(work, accepted_pictures(work)); !missing.empty()) {

@@ -50,9 +50,9 @@ SceneSettings repeated_settings(SceneSettings scene, int index);
 
 /// A method of rendering with one accuracy.
 struct ComparedMethod {
-  std::size_t kind = 0;   ///< 0 to 5: which method, whatever its accuracy
-  std::string kind_name;  ///< "plain sampling", "integrated", "closed forms", "own choice",
-                          ///< "paths", "blurred"
+  std::size_t kind = 0;         ///< 0 to 5: which method, whatever its accuracy
+  std::string kind_name;        ///< "plain sampling", "integrated", "closed forms", "own choice",
+                                ///< "paths", "blurred"
   std::string label;            ///< unique; "4 rays a pixel", "integrated, 0.2 mrad", "64 samples"
   RenderSettings render;        ///< of a scene that is rendered so
   PathSettings paths;           ///< the same, where paths are followed

@@ -24,7 +24,7 @@ struct Evaluation {
   ScanForm form;  ///< how it came about; frames for the plain way
   std::shared_ptr<const TracedScene> traced;
   std::vector<DefectScores> defects;
-  Gradients gradients;  ///< of the scores that were asked for
+  Gradients gradients;                ///< of the scores that were asked for
   std::vector<Scores> without_batch;  ///< the picture's scores without each batch of its samples
 };
 

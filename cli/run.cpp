@@ -222,7 +222,6 @@ int run_command(const StudyArguments& arguments,
 
 namespace {
 
-/// What a run will cost, apart and together.
 /// Which CPU time goes where, as "search 3 min, writing 4 s".
 std::string cost_parts_text(const Json& cpu_s) {
   std::vector<std::string> parts;
@@ -238,6 +237,7 @@ std::string cost_parts_text(const Json& cpu_s) {
   return join(parts, ", ");
 }
 
+/// What a run will cost, apart and together.
 std::string cost_text(const Json& result) {
   const Json& cpu_s = result["predicted_cpu_s"];
   std::string text;

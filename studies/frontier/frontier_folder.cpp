@@ -50,6 +50,10 @@ void write_frontier_folder(const Study& study,
   folder.keep();
 }
 
+nlohmann::ordered_json optional_json(const std::optional<double>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
 std::string frontier_page_html(const Study& study,
                                const std::string& subtitle,
                                const std::string& sentence,

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +27,9 @@ void write_frontier_folder(const Study& study,
                            const std::filesystem::path& out,
                            const std::vector<std::pair<std::string, std::string>>& files,
                            const nlohmann::ordered_json& origin);
+
+/// null where there is none.
+nlohmann::ordered_json optional_json(const std::optional<double>& value);
 
 /// The page of a chart: a report with one sentence on top.
 /// @param key   of the chart's object in the page: "frontier"

@@ -28,10 +28,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kProgressSteps = 1000;
 
-Json optional_json(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 std::string resolution_name(int reduction) {
   return reduction == 1 ? "full" : reduction == 2 ? "half" : fmt::format("1/{}", reduction);
 }

@@ -23,10 +23,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kProgressSteps = 1000;
 
-Json optional_json(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 Json run_json(const SearchRun& run) {
   Json steps = Json::array();
   for (const SearchStep& step : run.steps) {

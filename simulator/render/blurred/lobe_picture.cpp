@@ -12,6 +12,7 @@
 #include <complex>
 #include <span>
 
+#include "core/parabola.h"
 #include "core/units.h"
 
 namespace glint {
@@ -31,20 +32,6 @@ using Nodes = std::array<int, 3>;
 
 Nodes nodes_of(int first, int last) {
   return {first, (first + last) / 2, last};
-}
-
-/// What each counts for at a place between them: the parabola through three, the line through two.
-std::array<double, 3> shares_of(const Nodes& nodes, double at) {
-  const double way = nodes[2] - nodes[0];
-  if (nodes[1] == nodes[0]) {
-    const double share = way > 0.0 ? (at - nodes[0]) / way : 0.0;
-    return {1.0 - share, 0.0, share};
-  }
-  const double before = nodes[1] - nodes[0];
-  const double after = nodes[2] - nodes[1];
-  return {(at - nodes[1]) * (at - nodes[2]) / (before * way),
-          (at - nodes[0]) * (nodes[2] - at) / (before * after),
-          (at - nodes[0]) * (at - nodes[1]) / (way * after)};
 }
 
 struct Square {
@@ -134,8 +121,8 @@ class LobePicture {
   }
 
   static std::array<double, kNodes> shares_at(const Square& square, double x, double y) {
-    const auto along = shares_of(square.x, x);
-    const auto across = shares_of(square.y, y);
+    const auto along = parabola_shares(square.x, x);
+    const auto across = parabola_shares(square.y, y);
     std::array<double, kNodes> shares;
     for (std::size_t i = 0; i < kNodes; ++i) {
       shares[i] = along[i % 3] * across[i / 3];

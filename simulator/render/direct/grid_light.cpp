@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/parabola.h"
+
 namespace glint {
 namespace {
 
@@ -14,21 +16,6 @@ constexpr int kSquare = 32;
 constexpr double kAllowedTurn = 0.005;
 /// The same of a point, in distances from the camera times what normals may be off by.
 constexpr double kAllowedMove = 0.1;
-
-/// What three rays in a line count for at a place between them: the parabola, or the line where
-/// two are the same.
-std::array<double, 3> shares_of(const std::array<int, 3>& nodes, int at) {
-  const double way = nodes[2] - nodes[0];
-  if (nodes[1] == nodes[0]) {
-    const double share = way > 0.0 ? (at - nodes[0]) / way : 0.0;
-    return {1.0 - share, 0.0, share};
-  }
-  const double before = nodes[1] - nodes[0];
-  const double after = nodes[2] - nodes[1];
-  return {(at - nodes[1]) * (at - nodes[2]) / (before * way),
-          (at - nodes[0]) * (nodes[2] - at) / (before * after),
-          (at - nodes[0]) * (at - nodes[1]) / (way * after)};
-}
 
 Vector3d vector_at(const VectorLanes& lanes, std::size_t ray) {
   const std::size_t lane = ray % kPacketSize;
@@ -74,8 +61,8 @@ std::span<float> GridLight::numbers(std::size_t ray) {
 }
 
 GridLight::Shares GridLight::shares_at(const Square& square, int x, int y) const {
-  const auto along = shares_of(square.x, x);
-  const auto across = shares_of(square.y, y);
+  const auto along = parabola_shares(square.x, x);
+  const auto across = parabola_shares(square.y, y);
   Shares shares;
   for (std::size_t i = 0; i < kNodes; ++i) {
     shares[i] = along[i % 3] * across[i / 3];

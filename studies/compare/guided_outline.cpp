@@ -13,12 +13,14 @@
 namespace glint::compare_detail {
 namespace {
 
-constexpr double kOwnReachPx = 3.0;   ///< from the renderer's outline to the edge in its picture
-constexpr double kOwnMostPx = 1.5;    ///< farther ones are edges of light
-constexpr double kRealReachPx = 4.0;  ///< from the moved outline
-constexpr double kScalePx = 0.5;      ///< what the motion as a whole leaves, about
-constexpr int kShifts = 3;            ///< rounds of a shift alone
-constexpr int kMotions = 6;           ///< of the whole motion
+/// From an outline to the edge in a picture. One for both sides: profiles that end elsewhere would
+/// be fitted otherwise, and equal pictures would differ.
+constexpr double kReachPx = 4.0;
+constexpr double kOwnMostPx =
+    1.5;                          ///< from the renderer's outline; farther ones are edges of light
+constexpr double kScalePx = 0.5;  ///< what the motion as a whole leaves, about
+constexpr int kShifts = 3;        ///< rounds of a shift alone
+constexpr int kMotions = 6;       ///< of the whole motion
 constexpr int kLocations = 2;
 constexpr double kAlikePx = 1.5;  ///< from the motion as a whole
 constexpr std::size_t kLeastEdges = 40;
@@ -33,9 +35,13 @@ std::vector<EdgeOffset> offsets_of(const std::vector<BoundaryGap>& gaps) {
   return offsets;
 }
 
+std::pair<std::size_t, std::size_t> key_of(const LocatedEdge& edge) {
+  return {edge.boundary, edge.point};
+}
+
 /// Edges of the simulated picture on the renderer's outline.
 std::vector<LocatedEdge> own_edges(const ImageF& picture, const std::vector<Boundary>& outline) {
-  std::vector<LocatedEdge> edges = locate_edges(picture, outline, {.reach_px = kOwnReachPx});
+  std::vector<LocatedEdge> edges = locate_edges(picture, outline, {.reach_px = kReachPx});
   std::erase_if(edges,
                 [](const LocatedEdge& edge) { return std::abs(edge.moved_px) > kOwnMostPx; });
   return edges;
@@ -62,22 +68,32 @@ std::vector<Boundary> moved_onto(std::vector<Boundary> outline,
 std::vector<LocatedEdge> edges_alike(std::vector<LocatedEdge> edges,
                                      std::span<const LocatedEdge> other) {
   std::erase_if(edges, [&](const LocatedEdge& edge) {
-    const auto key = [](const LocatedEdge& e) { return std::pair(e.boundary, e.point); };
-    const auto same = std::ranges::lower_bound(other, key(edge), {}, key);
-    return same == other.end() || key(*same) != key(edge) || same->contrast * edge.contrast <= 0.0;
+    const auto same = std::ranges::lower_bound(other, key_of(edge), {}, key_of);
+    return same == other.end() || key_of(*same) != key_of(edge) ||
+           same->contrast * edge.contrast <= 0.0;
   });
   return edges;
 }
 
-/// The motion from the points where the search began to the edges that were found.
-OutlineMotion motion_of(const std::vector<Boundary>& outline, std::span<const LocatedEdge> edges) {
+/// What lies between two edges that were found from the same point of the outline.
+std::vector<EdgeOffset> offsets_between(std::span<const LocatedEdge> own,
+                                        std::span<const LocatedEdge> real) {
   std::vector<EdgeOffset> offsets;
-  for (const LocatedEdge& edge : edges) {
-    offsets.push_back({.at_px = outline[edge.boundary].points[edge.point].at_px,
+  for (const LocatedEdge& edge : real) {
+    const LocatedEdge& before = *std::ranges::lower_bound(own, key_of(edge), {}, key_of);
+    offsets.push_back({.at_px = before.edge.at_px,
                        .normal = edge.edge.normal,
-                       .offset_px = edge.moved_px});
+                       .offset_px = edge.edge.normal.dot(edge.edge.at_px - before.edge.at_px)});
   }
-  return fit_outline_motion(offsets, kScalePx);
+  return offsets;
+}
+
+/// Offsets that are about those of the motion as a whole.
+std::size_t count_alike(std::span<const EdgeOffset> offsets, const OutlineMotion& motion) {
+  return static_cast<std::size_t>(std::ranges::count_if(offsets, [&](const EdgeOffset& edge) {
+    const double moved = edge.normal.dot(motion.moved(edge.at_px) - edge.at_px);
+    return std::abs(edge.offset_px - moved) < kAlikePx;
+  }));
 }
 
 /// Where a search along an outline ends.
@@ -87,20 +103,47 @@ struct Located {
   std::size_t alike = 0;  ///< edges that lie where the motion as a whole has them
 };
 
-Located located_along(std::vector<Boundary> rough,
+/// Both sides are searched from the same points of one outline, the real one's moved by what lies
+/// between the edges: what the search does to an edge it does to both, and of equal pictures
+/// nothing is left.
+/// @param start  the outline, moved about onto the real part
+Located located_along(std::vector<Boundary> start,
+                      const std::vector<Boundary>& outline,
                       const ImageF& real,
                       std::span<const LocatedEdge> own) {
-  Located found = {.rough = std::move(rough)};
-  for (int round = 0; round <= kLocations; ++round) {
-    found.edges = edges_alike(locate_edges(real, found.rough, {.reach_px = kRealReachPx}), own);
-    if (round < kLocations) {
-      const OutlineMotion motion = motion_of(found.rough, found.edges);
-      found.rough = moved_outlines(std::move(found.rough), motion);
+  Located found = {.rough = std::move(start)};
+  for (int round = 0;; ++round) {
+    found.edges = edges_alike(locate_edges(real, found.rough, {.reach_px = kReachPx}), own);
+    const std::vector<EdgeOffset> offsets = offsets_between(own, found.edges);
+    const OutlineMotion motion = fit_outline_motion(offsets, kScalePx);
+    found.alike = count_alike(offsets, motion);
+    if (round == kLocations) {
+      return found;
+    }
+    found.rough = moved_outlines(outline, motion);
+  }
+}
+
+/// What is bright may be wrong along a whole side: the search begins where the part should be, too.
+Located best_located(const std::vector<Boundary>& outline,
+                     const ImageF& real,
+                     std::span<const LocatedEdge> own,
+                     std::span<const Boundary> bright,
+                     double reach_px) {
+  Located best = located_along(outline, outline, real, own);
+  const std::vector<Boundary> shown = joined(own, outline);
+  for (const int motions : {0, kMotions}) {
+    Located other =
+        located_along(moved_onto(outline, shown, bright, reach_px, motions), outline, real, own);
+    if (other.alike > best.alike) {
+      best = std::move(other);
     }
   }
-  found.alike = static_cast<std::size_t>(std::ranges::count_if(
-      found.edges, [](const LocatedEdge& edge) { return std::abs(edge.moved_px) < kAlikePx; }));
-  return found;
+  return best;
+}
+
+GuidedOutline outline_at(const std::vector<Boundary>& rough, std::span<const LocatedEdge> edges) {
+  return {.rough = rough, .located = joined(edges, rough), .refined = refined(rough, edges)};
 }
 
 }  // namespace
@@ -110,27 +153,17 @@ std::optional<GuidedOutlines> guided_outlines(const ImageF& simulated,
                                               const Mask& truth,
                                               std::span<const Boundary> first,
                                               double reach_px) {
-  GuidedOutlines found = {.simulated_rough = outlines_of(truth, 1)};
-  const std::vector<LocatedEdge> own = own_edges(simulated, found.simulated_rough);
+  const std::vector<Boundary> outline = outlines_of(truth, 1);
+  const std::vector<LocatedEdge> own = own_edges(simulated, outline);
   if (own.size() < kLeastEdges) {
     return std::nullopt;
   }
-  found.simulated = joined(own, found.simulated_rough);
-  // What is bright may be wrong along a whole side: the search begins where the part should be,
-  // too.
-  Located best = located_along(found.simulated_rough, real, own);
-  for (const int motions : {0, kMotions}) {
-    Located other = located_along(
-        moved_onto(found.simulated_rough, found.simulated, first, reach_px, motions), real, own);
-    if (other.alike > best.alike) {
-      best = std::move(other);
-    }
-  }
+  const Located best = best_located(outline, real, own, first, reach_px);
   // An edge that one side lacks has no counterpart: the nearest one would be of another side.
-  found.simulated = joined(edges_alike(own, best.edges), found.simulated_rough);
-  found.real = joined(best.edges, best.rough);
-  found.real_rough = std::move(best.rough);
-  found.share = static_cast<double>(best.edges.size()) / static_cast<double>(own.size());
+  const GuidedOutlines found = {
+      .simulated = outline_at(outline, edges_alike(own, best.edges)),
+      .real = outline_at(best.rough, best.edges),
+      .share = static_cast<double>(best.edges.size()) / static_cast<double>(own.size())};
   return best.edges.size() >= kLeastEdges && found.share >= kLeastShare ? std::optional(found)
                                                                         : std::nullopt;
 }

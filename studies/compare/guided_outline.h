@@ -13,18 +13,23 @@
 
 namespace glint::compare_detail {
 
-/// The same outline in both pictures. Where one of them shows no edge along it both are broken.
+/// The part's outline in one of the pictures.
+struct GuidedOutline {
+  std::vector<Boundary> rough;    ///< as the renderer knows it, of the real side moved as a whole
+  std::vector<Boundary> located;  ///< at its edges; broken where one of the pictures shows none
+  std::vector<Boundary> refined;  ///< closed: the edges, and `rough` where there are none
+};
+
 struct GuidedOutlines {
-  std::vector<Boundary> simulated_rough;  ///< as the renderer knows it
-  std::vector<Boundary> simulated;        ///< located
-  std::vector<Boundary> real_rough;       ///< the simulated one moved onto the real one as a whole
-  std::vector<Boundary> real;             ///< located near that
-  double share = 0.0;                     ///< of the simulated edges that the real picture has
+  GuidedOutline simulated;
+  GuidedOutline real;
+  double share = 0.0;  ///< of the simulated edges that the real picture has
 };
 
 /// The simulated outline is moved by shift, turn, scale and shear until most of the silhouette's
 /// edges lie on it (nearest points, robustly), then edges of the same sign are located along its
-/// normals, and the motion is found again from these.
+/// normals, and the motion is found again from what lies between them and the simulated ones. Equal
+/// pictures have equal outlines to the last bit.
 /// @param truth  where the simulated part is, of the pictures' size
 /// @param first  edges of the real part by other means, which some may be wrong in
 /// @param reach_px  how far these may lie from the simulated outline

@@ -166,7 +166,22 @@ double located_share(const PartOutline& outline) {
          static_cast<double>(std::max<std::size_t>(points_of(outline.rough), 1));
 }
 
-/// Edges along the outline that the renderer knows, in place of those around what is bright.
+/// @param has_region  the region within the outline is the part's, too
+void take(compare_detail::GuidedOutline guided,
+          OutlineMethod method,
+          bool has_region,
+          PartOutline& outline) {
+  outline.method = method;
+  outline.rough = std::move(guided.rough);
+  outline.located = std::move(guided.located);
+  if (has_region) {
+    outline.coverage = filled(guided.refined, outline.coverage.width(), outline.coverage.height());
+  }
+}
+
+/// Edges along the outline that the renderer knows, in place of those around what is bright; and
+/// the regions within it where most of it shows in the real picture. The rest of the real outline
+/// is the simulated one moved as a whole.
 void guide(const ComparedPicture& simulated, const ComparedPicture& real, OutlinePair& found) {
   const std::filesystem::path& mask = simulated.source.mask;
   if (mask.empty()) {
@@ -178,13 +193,10 @@ void guide(const ComparedPicture& simulated, const ComparedPicture& real, Outlin
   if (!guided) {
     return;
   }
-  found.simulated.method = OutlineMethod::kTruth;
-  found.simulated.rough = std::move(guided->simulated_rough);
-  found.simulated.located = std::move(guided->simulated);
-  found.real.method = OutlineMethod::kGuided;
-  found.real.rough = std::move(guided->real_rough);
-  found.real.located = std::move(guided->real);
-  if (guided->share < kWellShown) {
+  const bool is_well_shown = guided->share >= kWellShown;
+  take(std::move(guided->simulated), OutlineMethod::kTruth, is_well_shown, found.simulated);
+  take(std::move(guided->real), OutlineMethod::kGuided, is_well_shown, found.real);
+  if (!is_well_shown) {
     found.notes.push_back(
         fmt::format("The real picture has {:.0f} % of the outline's edges that the simulated one "
                     "has.",

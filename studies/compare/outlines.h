@@ -47,7 +47,7 @@ OutlineChoice outline_choice(const std::string& name);
 
 /// Outlines of both pictures, found alike, so that what finding them does to both cancels:
 /// segmented at up to a quarter of the size, refined at the edges. Where the renderer knows the
-/// part's outline and no method is chosen, edges are those along it; regions stay as segmented.
+/// part's outline and no method is chosen, edges and regions are those along it.
 /// @param real_mask  bright where the real part is; empty: to be found
 /// @throws ConfigError where the mask has another size, or where what was chosen cannot be done
 OutlinePair find_outlines(const ComparedPicture& simulated,

@@ -94,6 +94,7 @@ struct CompareArguments {
   std::string outline = "auto";
   bool has_offset = false;
   bool is_lens_known = false;
+  std::filesystem::path calibration;  ///< of the real camera
   bool is_refining = false;
 };
 

@@ -72,6 +72,7 @@ int compare_command(const CompareArguments& arguments, const CommonArguments& co
        .outline = arguments.outline,
        .has_offset = arguments.has_offset,
        .is_lens_known = arguments.is_lens_known,
+       .calibration = arguments.calibration,
        .is_refining = arguments.is_refining,
        .threads = common.threads,
        .progress = common.progress()});

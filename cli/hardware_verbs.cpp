@@ -75,7 +75,8 @@ void add_compare_verb(CLI::App& app, CommandLine& line) {
       ->required();
   add_out(*compare, arguments.out, "folder for the results (default out/<name>/compare)");
   compare
-      ->add_option("--pairs", arguments.pairs, "CSV file: simulated,real; else by name, or order")
+      ->add_option(
+          "--pairs", arguments.pairs, "CSV file: simulated,real[,mask]; else by name, or order")
       ->type_name("FILE")
       ->check(not_empty());
   compare->add_option("--mask", arguments.mask, "picture that is bright where the real part is")
@@ -92,6 +93,13 @@ void add_compare_verb(CLI::App& app, CommandLine& line) {
   compare->add_flag("--calibrated",
                     arguments.is_lens_known,
                     "the scene's camera is calibrated: only pose and gain may differ");
+  compare
+      ->add_option("--calibration",
+                   arguments.calibration,
+                   "calibration.toml of the real camera: edges of the photographs are led through "
+                   "it before causes are looked for")
+      ->type_name("FILE")
+      ->check(not_empty());
   compare->add_flag("--refine",
                     arguments.is_refining,
                     "write the scene with what explains the differences put in");

@@ -28,8 +28,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr std::size_t kMinEdges = 50;
-constexpr double kSure = 3.7;           ///< standard deviations of a cause that is told
-constexpr double kLeastAgreeing = 0.5;  ///< share of the edges that one set of changes must explain
+constexpr double kSure = 3.7;  ///< standard deviations of a cause that is told
 
 constexpr std::size_t index_of(CauseParameter parameter) {
   return static_cast<std::size_t>(parameter);
@@ -69,13 +68,14 @@ struct EdgeCost {
   const Vector3d& middle_mm;
   const SpaceEdge& edge;
   Vector2d before_px;
+  double root_weight = 1.0;
 
   template <class T>
   bool operator()(const T* change, T* rest) const {
     T pixel[2];
     project(camera, middle_mm, change, edge.in_camera_mm, pixel);
-    rest[0] = edge.offset_px - ((pixel[0] - before_px.x()) * edge.normal.x() +
-                                (pixel[1] - before_px.y()) * edge.normal.y());
+    rest[0] = root_weight * (edge.offset_px - ((pixel[0] - before_px.x()) * edge.normal.x() +
+                                               (pixel[1] - before_px.y()) * edge.normal.y()));
     return true;
   }
 };
@@ -133,7 +133,7 @@ class CauseSearch {
     const auto kept = static_cast<double>(system_.kept());
     CauseFit fit = {.before_px = std::sqrt(system_.squares() / kept),
                     .noise_px = system_.noise_px(),
-                    .agreeing = system_.kept_share()};
+                    .agreeing = system_.agreeing()};
     fit.after_px = fit.before_px;
     if (fit.agreeing < kLeastAgreeing) {
       return fit;
@@ -189,11 +189,12 @@ class CauseSearch {
     ceres::Problem problem;
     const double scale = 2.0 * system_.noise_px();
     for (std::size_t i = 0; i < edges_.size(); ++i) {
-      if (system_.weights()[static_cast<Index>(i)] > 0.0) {
+      const double weight = system_.weights()[static_cast<Index>(i)];
+      if (weight > 0.0) {
+        EdgeCost cost = cost_of(camera_, middle_mm_, edges_[i]);
+        cost.root_weight = std::sqrt(weight);
         problem.AddResidualBlock(
-            new EdgeCostFunction(new EdgeCost(cost_of(camera_, middle_mm_, edges_[i]))),
-            new ceres::HuberLoss(scale),
-            changes.data());
+            new EdgeCostFunction(new EdgeCost(cost)), new ceres::HuberLoss(scale), changes.data());
       }
     }
     std::vector<int> fixed;

@@ -61,13 +61,16 @@ struct FoundCause {
   std::vector<CauseParameter> not_separable = {};
 };
 
+/// Share of the edges that one set of changes must explain; with less none is told.
+inline constexpr double kLeastAgreeing = 0.5;
+
 struct CauseFit {
   std::vector<FoundCause> causes;  ///< the largest share first; empty: nothing beyond noise
   CauseVector changes = {};        ///< 0 but for the causes
   double before_px = 0.0;          ///< rms of the offsets
   double after_px = 0.0;           ///< of what the causes leave
   double noise_px = 0.0;           ///< of a single offset
-  double agreeing = 0.0;           ///< share of the edges that one set of changes explains
+  double agreeing = 0.0;           ///< share of the edges within 2 px of where all causes have them
 };
 
 /// The smallest set of causes that explains the offsets up to noise: of all sets of parameters the

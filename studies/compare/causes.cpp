@@ -6,12 +6,14 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include "core/config/toml.h"
 #include "core/error.h"
 #include "core/image/exr_layers.h"
 #include "metrics/overlap/boundary_distance.h"
+#include "studies/compare/scene_camera.h"
 
 namespace glint {
 namespace {
@@ -21,6 +23,7 @@ using Eigen::Vector3d;
 
 constexpr double kLeastGain = 0.002;  ///< smaller changes of exposure are nobody's concern
 constexpr double kSurelySigmas = 4.0;
+constexpr double kLeastCorrelation = 0.3;  ///< below, one exposure does not make the other picture
 
 SceneSettings scene_of(const CompareSource& source) {
   std::vector<Problem> errors;
@@ -166,6 +169,34 @@ std::vector<SpaceEdge> matched_edges(const PlacedEdges& placed,
   return edges;
 }
 
+/// Edges of a calibrated camera's picture, where another camera in its place has them.
+std::vector<Boundary> seen_by(const PinholeCamera& camera,
+                              const PinholeCamera& calibrated,
+                              std::vector<Boundary> edges) {
+  for (Boundary& edge : edges) {
+    std::erase_if(edge.points, [&](BoundaryPoint& point) {
+      const auto ray = calibrated.ray_through(point.at_px);
+      const auto at = ray ? camera.project(*ray) : std::nullopt;
+      point.at_px = at.value_or(point.at_px);
+      return !at;
+    });
+  }
+  std::erase_if(edges, [](const Boundary& edge) { return edge.points.empty(); });
+  return edges;
+}
+
+void check_size(const ComparedPair& pair, const KnownCamera& known) {
+  if (known.calibrated && (known.calibrated->width_px != pair.real.width() ||
+                           known.calibrated->height_px != pair.real.height())) {
+    throw ConfigError(fmt::format("--calibration: is of pictures of {} x {} pixels, {} is {} x {}",
+                                  known.calibrated->width_px,
+                                  known.calibrated->height_px,
+                                  pair.real.source.picture.string(),
+                                  pair.real.width(),
+                                  pair.real.height()));
+  }
+}
+
 constexpr double kMaxDistanceShare = 0.05;  ///< of the picture's width: farther edges are others
 constexpr double kMatchedReach_px = 4.0;    ///< when the changes are known about
 constexpr int kRounds = 3;
@@ -180,15 +211,18 @@ MatchedCauses matched_causes(const ComparedPair& pair,
                              const Surface& surface,
                              const PinholeIntrinsics& intrinsics,
                              const Vector3d& middle_mm,
-                             bool is_lens_known) {
+                             const KnownCamera& known) {
   const OutlinePair& outlines = pair.geometry.outlines;
   const PinholeCamera camera(intrinsics);
+  const std::vector<Boundary> real =
+      known.calibrated ? seen_by(camera, PinholeCamera(*known.calibrated), outlines.real.located)
+                       : outlines.real.located;
+  const bool is_lens_known = known.is_lens_known || known.calibrated.has_value();
   const PlacedEdges placed = placed_edges(surface, camera, outlines.simulated.located);
   MatchedCauses result;
   double reach_px = kMaxDistanceShare * pair.simulated.width();
   for (int round = 0; round <= kRounds; ++round) {
-    result.edges = matched_edges(
-        placed, outlines.real.located, intrinsics, middle_mm, result.fit.changes, reach_px);
+    result.edges = matched_edges(placed, real, intrinsics, middle_mm, result.fit.changes, reach_px);
     result.fit = fit_causes(result.edges, intrinsics, middle_mm, is_lens_known);
     if (result.fit.causes.empty()) {
       break;
@@ -215,23 +249,42 @@ ToldCause told(const FoundCause& found) {
   return cause;
 }
 
-/// The gain between both exposures, where it is beyond what noise makes of it.
-std::optional<ToldCause> gain_cause(const ComparedPair& pair) {
-  const ExposureMatch& match = pair.appearance.exposure;
-  double squares = 0.0;
-  double rest_before = 0.0;
+/// Sums over the pixels that are compared.
+struct GreySums {
+  double simulated = 0.0;  ///< of squares
+  double real = 0.0;
+  double product = 0.0;
+  double difference = 0.0;  ///< of squares
+};
+
+GreySums grey_sums(const ComparedPair& pair) {
+  GreySums sums;
   for (std::size_t i = 0; i < pair.simulated.grey.size(); ++i) {
     if (pair.region.empty() || pair.region.values()[i] != 0) {
       const auto simulated = static_cast<double>(pair.simulated.grey.values()[i]);
-      const double difference = static_cast<double>(pair.real.grey.values()[i]) - simulated;
-      squares += simulated * simulated;
-      rest_before += difference * difference;
+      const auto real = static_cast<double>(pair.real.grey.values()[i]);
+      sums.simulated += simulated * simulated;
+      sums.real += real * real;
+      sums.product += simulated * real;
+      sums.difference += (real - simulated) * (real - simulated);
     }
   }
-  if (match.pixels == 0 || squares <= 0.0 || rest_before <= 0.0) {
+  return sums;
+}
+
+/// The gain between both exposures, where it is beyond what noise makes of it. Noise of the
+/// simulated picture, and edges that are elsewhere, make the regression of the real one on it too
+/// flat; that of the simulated on the real one is too steep. Between both is what is not known.
+std::optional<ToldCause> gain_cause(const ComparedPair& pair) {
+  const ExposureMatch& match = pair.appearance.exposure;
+  const GreySums sums = grey_sums(pair);
+  if (pair.appearance.correlation < kLeastCorrelation || match.pixels == 0 || sums.product <= 0.0 ||
+      sums.difference <= 0.0) {
     return std::nullopt;
   }
-  const double sigma = match.rms / std::sqrt(squares);
+  const double steep = match.gain * sums.simulated * sums.real / (sums.product * sums.product);
+  const double sigma =
+      std::hypot(match.rms / std::sqrt(sums.simulated), (steep - match.gain) / std::sqrt(12.0));
   if (std::abs(match.gain - 1.0) < std::max(kLeastGain, kSurelySigmas * sigma)) {
     return std::nullopt;
   }
@@ -240,38 +293,40 @@ std::optional<ToldCause> gain_cause(const ComparedPair& pair) {
                    .value = match.gain,
                    .unit = "",
                    .sigma = sigma,
-                   .share = std::clamp(1.0 - rest / rest_before, 0.0, 1.0),
+                   .share = std::clamp(1.0 - rest / sums.difference, 0.0, 1.0),
                    .of = "grey"};
 }
 
-/// The viewpoint of a camera_from_world.
-Viewpoint viewpoint_of(const RigidTransform& camera_from_world) {
-  const RigidTransform world_from_camera = inverse(camera_from_world);
-  const auto list = [](const Vector3d& v) { return std::vector<double>{v.x(), v.y(), v.z()}; };
-  return {.position_mm = list(world_from_camera.translation_mm),
-          .direction = list(world_from_camera.rotation.col(2)),
-          .up = list(-world_from_camera.rotation.col(1))};
+void note_contradiction(const CauseFit& fit, std::vector<std::string>& notes) {
+  if (fit.before_px > 0.0 && fit.agreeing < kLeastAgreeing) {
+    notes.push_back(fmt::format(
+        "Only {:.0f} % of the edges are where one change of pose, lens or camera would have them: "
+        "no cause is told. Either outlines are not the part's (see the overlay) or its shape is "
+        "another.",
+        100.0 * fit.agreeing));
+  }
 }
 
 }  // namespace
 
 std::vector<SpaceEdge> space_edges(const ComparedPair& pair, const SceneSettings& scene) {
   const Surface surface(pair.simulated.source, camera_from_world(scene.viewpoint()));
-  return matched_causes(pair, surface, intrinsics_of(scene), surface.middle_mm(), false).edges;
+  return matched_causes(pair, surface, intrinsics_of(scene), surface.middle_mm(), {}).edges;
 }
 
-PairCauses find_causes(const ComparedPair& pair, bool is_lens_known) {
-  PairCauses causes;
+PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {
+  check_size(pair, known);
+  PairCauses causes = {.calibrated = known.calibrated};
   const CompareSource& source = pair.simulated.source;
   if (!source.scene.empty() && !source.geometry.empty()) {
     const SceneSettings scene = scene_of(source);
     const Surface surface(source, camera_from_world(scene.viewpoint()));
     causes.middle_mm = surface.middle_mm();
-    causes.edges =
-        matched_causes(pair, surface, intrinsics_of(scene), causes.middle_mm, is_lens_known).fit;
+    causes.edges = matched_causes(pair, surface, intrinsics_of(scene), causes.middle_mm, known).fit;
     for (const FoundCause& found : causes.edges->causes) {
       causes.told.push_back(told(found));
     }
+    note_contradiction(*causes.edges, causes.notes);
   }
   if (const auto gain = gain_cause(pair)) {
     causes.gain = gain->value;
@@ -283,6 +338,9 @@ PairCauses find_causes(const ComparedPair& pair, bool is_lens_known) {
 SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes) {
   SceneSettings refined = scene;
   refined.sensor.gain *= causes.gain;
+  if (causes.calibrated) {
+    put_intrinsics(*causes.calibrated, refined);
+  }
   if (!causes.edges || causes.edges->causes.empty()) {
     return refined;
   }
@@ -295,8 +353,8 @@ SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes
   const RigidTransform moved = {
       .rotation = rotation,
       .translation_mm = causes.middle_mm + shift - rotation * causes.middle_mm};
-  refined.viewpoint() = viewpoint_of(moved * camera_from_world(scene.viewpoint()));
-  const PinholeIntrinsics camera = intrinsics_of(scene);
+  refined.viewpoint() = viewpoint_of_pose(moved * camera_from_world(scene.viewpoint()));
+  const PinholeIntrinsics camera = intrinsics_of(refined);
   const double focal = 1.0 + change[6] / camera.focal_px.x();
   refined.camera.focal_x_px = focal * camera.focal_px.x();
   refined.camera.focal_y_px = focal * camera.focal_px.y();

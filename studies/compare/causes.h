@@ -31,15 +31,25 @@ struct PairCauses {
   std::optional<CauseFit> edges;                         ///< empty: no geometry, or too few edges
   Eigen::Vector3d middle_mm = Eigen::Vector3d::UnitZ();  ///< turns are about it; camera frame
   double gain = 1.0;                                     ///< 1: none beyond noise
+  std::optional<PinholeIntrinsics> calibrated = {};      ///< the real camera, where it is known
+  std::vector<std::string> notes = {};                   ///< why none is told
 };
 
 /// Edges of the pair with their places in space, matched where the causes take them.
 /// @param scene  of the simulated picture @throws ConfigError, IoError
 std::vector<SpaceEdge> space_edges(const ComparedPair& pair, const SceneSettings& scene);
 
-/// @throws ConfigError, IoError for files of the simulated view that cannot be read
-/// @param is_lens_known  only pose and gain may differ
-PairCauses find_causes(const ComparedPair& pair, bool is_lens_known);
+/// What is known of the real camera.
+struct KnownCamera {
+  bool is_lens_known = false;  ///< the scene has its lens: only pose and gain may differ
+  /// Its calibration: edges of the real picture are led through it into the scene's camera, and
+  /// what is left is a matter of pose and gain.
+  std::optional<PinholeIntrinsics> calibrated = {};
+};
+
+/// @throws ConfigError, IoError for files of the simulated view that cannot be read; ConfigError
+/// where the calibration is of pictures of another size
+PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known = {});
 
 /// The scene with the causes put in: camera, viewpoint (which moves against the part as the part
 /// does against it) and gain.

@@ -190,6 +190,9 @@ Json pair_json(const ComparedPair& pair, const PairCauses& causes) {
   json["edges"] = edges_json(geometry.edges);
   json["texture"] = texture_pair_json(look);
   json["notes"] = pair.notes;
+  for (const std::string& note : causes.notes) {
+    json["notes"].push_back(note);
+  }
   return json;
 }
 
@@ -232,6 +235,7 @@ Json yardstick_json(const std::optional<Yardstick>& yardstick) {
           {"multiple", yardstick->multiple},
           {"low", yardstick->low},
           {"high", yardstick->high},
+          {"window_px", yardstick->window_px},
           {"measures", rows}};
 }
 

@@ -19,6 +19,7 @@
 #include "studies/compare/compare_result.h"
 #include "studies/compare/compared_pair.h"
 #include "studies/compare/inspected_pair.h"
+#include "studies/compare/scene_camera.h"
 #include "studies/compare/yardstick.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
@@ -64,6 +65,10 @@ class CompareRun {
         .real_mask = options_.mask,
         .outline = outline_choice(options_.outline),
         .exposure = options_.has_offset ? ExposureModel::kGainAndOffset : ExposureModel::kGain};
+    camera_.is_lens_known = options_.is_lens_known;
+    if (!options_.calibration.empty()) {
+      camera_.calibrated = intrinsics_of(read_calibrated_scene(options_.calibration));
+    }
     OutputFolder folder(out_);
     remove_stale_stages(out_);
     StagedFolder stage(out_, "");
@@ -84,7 +89,7 @@ class CompareRun {
       names.push_back(folder_of(i));
     }
     check_result_folder(out_, ResultKind::kCompare, names);
-    std::vector<fs::path> inputs = {options_.mask, options_.inputs.pairs};
+    std::vector<fs::path> inputs = {options_.mask, options_.inputs.pairs, options_.calibration};
     for (const ComparePair& pair : plan_.pairs) {
       inputs.insert(inputs.end(), {pair.simulated.picture, pair.real.picture});
     }
@@ -103,7 +108,7 @@ class CompareRun {
           pool_.map<Explained>(static_cast<std::int64_t>(size), [&](std::int64_t i) {
             const ComparePair& pair = plan_.pairs[begin + static_cast<std::size_t>(i)];
             Explained result = {.pair = compare_pair(pair, pair_options_)};
-            result.causes = find_causes(result.pair, options_.is_lens_known);
+            result.causes = find_causes(result.pair, camera_);
             return result;
           });
       for (std::size_t i = 0; i < size; ++i) {
@@ -154,10 +159,9 @@ class CompareRun {
   }
 
   /// Only where photographs are of one kind: compared with the same simulated picture.
+  bool has_yardstick() const { return simulated_.size() == 1 && reals_.size() >= 2; }
+
   std::optional<Yardstick> yardstick() const {
-    if (simulated_.size() != 1 || reals_.size() < 2) {
-      return std::nullopt;
-    }
     const auto values = [](const std::map<std::string, TextureSample>& samples) {
       std::vector<TextureSample> list;
       for (const auto& [key, sample] : samples) {
@@ -165,7 +169,20 @@ class CompareRun {
       }
       return list;
     };
-    return measure_yardstick(values(reals_), values(simulated_));
+    return has_yardstick() ? measure_yardstick(values(reals_), values(simulated_)) : std::nullopt;
+  }
+
+  /// The pictures that no window of a texture fits into.
+  std::string without_windows() const {
+    std::string names;
+    for (const auto* samples : {&simulated_, &reals_}) {
+      for (const auto& [key, sample] : *samples) {
+        if (sample.texture.windows == 0) {
+          names += (names.empty() ? "" : ", ") + sample.name;
+        }
+      }
+    }
+    return names;
   }
 
   Json result_json() const {
@@ -175,6 +192,10 @@ class CompareRun {
     result["yardstick"] = yardstick_json(stick);
     result["verdict"] = compare_verdict(result["pairs"], stick);
     result["notes"] = plan_.notes;
+    if (has_yardstick() && !stick) {
+      result["notes"].push_back("No yardstick of photographs: the part has no window of 16 px in " +
+                                without_windows() + ".");
+    }
     result["report"] = "report.html";
     return result;
   }
@@ -196,6 +217,7 @@ class CompareRun {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   ComparePlan plan_;
   PairOptions pair_options_;
+  KnownCamera camera_;
   Json pairs_ = Json::array();
   std::vector<PagePair> pages_;
   std::map<std::string, TextureSample> simulated_;

@@ -19,9 +19,10 @@ struct CompareOptions {
   std::filesystem::path out;   ///< empty: out/<name of the simulated side>/compare
   std::filesystem::path mask;  ///< of the real part; empty: it is found
   std::string outline = "auto";
-  bool has_offset = false;     ///< exposures differ by an offset too
-  bool is_lens_known = false;  ///< calibrated: only pose and gain may differ
-  bool is_refining = false;    ///< writes the scene with the causes put in
+  bool has_offset = false;            ///< exposures differ by an offset too
+  bool is_lens_known = false;         ///< calibrated: only pose and gain may differ
+  std::filesystem::path calibration;  ///< of the real camera; empty: the scene's camera is meant
+  bool is_refining = false;           ///< writes the scene with the causes put in
   int threads = 1;
   Progress::Style progress = Progress::Style::kAuto;
 };

@@ -107,24 +107,40 @@ const CompareSource& named(const std::vector<CompareSource>& sources,
   return *source;
 }
 
+bool is_head(const CsvRow& row) {
+  return row.size() >= 2 && row[0].text == "simulated" && row[1].text == "real" &&
+         (row.size() == 2 || (row.size() == 3 && row[2].text == "mask"));
+}
+
+/// @param folder  that the mask's path is relative to
+fs::path mask_of(const CsvField& field, const fs::path& folder) {
+  const fs::path mask = folder / field.text;
+  if (!field.text.empty() && if_there(mask).empty()) {
+    throw ConfigError(
+        Problem{.place = field.place, .text = fmt::format("there is no mask {}", mask.string())});
+  }
+  return field.text.empty() ? fs::path() : mask;
+}
+
 std::vector<ComparePair> pairs_of_csv(const fs::path& file,
                                       const std::vector<CompareSource>& simulated,
                                       const std::vector<CompareSource>& reals) {
   std::vector<CsvRow> rows = parse_csv(read_file(file), file.string(), '#');
-  const bool has_head = !rows.empty() && rows[0].size() == 2 && rows[0][0].text == "simulated" &&
-                        rows[0][1].text == "real";
-  if (has_head) {
+  if (!rows.empty() && is_head(rows[0])) {
     rows.erase(rows.begin());
   }
   std::vector<ComparePair> pairs;
   for (const CsvRow& row : rows) {
-    if (row.size() != 2) {
-      throw ConfigError(
-          Problem{.place = row[0].place,
-                  .text = fmt::format("{} fields, must be two: simulated,real", row.size())});
+    if (row.size() != 2 && row.size() != 3) {
+      throw ConfigError(Problem{
+          .place = row[0].place,
+          .text = fmt::format("{} fields, must be two or three: simulated,real,mask", row.size())});
     }
     pairs.push_back(
         {.simulated = named(simulated, row[0], "simulated"), .real = named(reals, row[1], "real")});
+    if (row.size() == 3) {
+      pairs.back().real_mask = mask_of(row[2], file.parent_path());
+    }
   }
   if (pairs.empty()) {
     throw ConfigError(file.string() + ": holds no pair; a line is: simulated,real");

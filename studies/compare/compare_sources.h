@@ -27,12 +27,15 @@ struct CompareSource {
 struct ComparePair {
   CompareSource simulated;
   CompareSource real;
+  std::filesystem::path real_mask = {};  ///< bright where the real part is; empty: to be found
 };
 
 struct CompareInputs {
   std::filesystem::path simulated;
   std::vector<std::filesystem::path> reals;  ///< at least one
-  std::filesystem::path pairs;               ///< CSV: simulated,real; empty: by name or order
+  /// CSV: simulated,real or simulated,real,mask; empty: by name or order. Masks are where the real
+  /// part is, relative to the file; an empty field: the part is looked for.
+  std::filesystem::path pairs;
 };
 
 struct ComparePlan {

@@ -56,11 +56,19 @@ void note_formats(const ComparedPicture& simulated,
   }
 }
 
+/// A picture taken with the lens covered: nothing in it but noise.
+void check_shows_something(const ComparedPicture& picture) {
+  if (is_dark_noise(picture.grey)) {
+    throw ConfigError(picture.source.picture.string() +
+                      ": shows no part: it is dark, and what varies in it is noise alone");
+  }
+}
+
 PairGeometry geometry_of(const ComparedPicture& simulated,
                          const ComparedPicture& real,
+                         const std::filesystem::path& real_mask,
                          const PairOptions& options) {
-  PairGeometry geometry = {.outlines =
-                               find_outlines(simulated, real, options.real_mask, options.outline)};
+  PairGeometry geometry = {.outlines = find_outlines(simulated, real, real_mask, options.outline)};
   const PartOutline& first = geometry.outlines.simulated;
   const PartOutline& second = geometry.outlines.real;
   if (!first.coverage.empty() && !second.coverage.empty()) {
@@ -126,8 +134,9 @@ PairAppearance appearance_of(ComparedPair& pair, const PairOptions& options) {
 
 }  // namespace
 
-SurfaceTexture texture_in(const ImageF& picture, const Mask& region) {
-  return texture_of(picture, region.empty() ? region : eroded(region, kMarginPx));
+SurfaceTexture texture_in(const ImageF& picture, const Mask& region, int window_px) {
+  return texture_of(
+      picture, region.empty() ? region : eroded(region, kMarginPx), {.window_px = window_px});
 }
 
 ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options) {
@@ -135,6 +144,8 @@ ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options) {
   result.simulated = read_compared(pair.simulated);
   result.real = read_compared(pair.real);
   check_sizes(result.simulated, result.real);
+  check_shows_something(result.simulated);
+  check_shows_something(result.real);
   note_formats(result.simulated, result.real, result.notes);
   result.better_turn = find_better_turn(result.simulated.grey, result.real.grey);
   if (result.better_turn) {
@@ -145,7 +156,10 @@ ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options) {
         result.better_turn->correlation,
         result.better_turn->correlation_as_is));
   }
-  result.geometry = geometry_of(result.simulated, result.real, options);
+  result.geometry = geometry_of(result.simulated,
+                                result.real,
+                                pair.real_mask.empty() ? options.real_mask : pair.real_mask,
+                                options);
   const std::vector<std::string>& notes = result.geometry.outlines.notes;
   result.notes.insert(result.notes.end(), notes.begin(), notes.end());
   result.region = common_region(result.geometry);

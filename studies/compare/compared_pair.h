@@ -72,6 +72,7 @@ struct PairOptions {
 ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options);
 
 /// The texture of a picture over its mean, in a region shrunk by some pixels.
-SurfaceTexture texture_in(const ImageF& picture, const Mask& region);
+/// @param window_px  halved until windows fit
+SurfaceTexture texture_in(const ImageF& picture, const Mask& region, int window_px = 256);
 
 }  // namespace glint

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/error.h"
 #include "core/image/image_io.h"
@@ -24,7 +25,48 @@ void scale_floats(ImageF& grey) {
   }
 }
 
+/// Variance of one pixel, from differences along rows between every second pixel: those of
+/// neighbours may be correlated by the sensor's interpolation.
+double noise_variance(const ImageF& grey) {
+  double sum = 0.0;
+  double count = 0.0;
+  for (int y = 0; y < grey.height(); ++y) {
+    for (int x = 2; x < grey.width(); ++x) {
+      const double change = static_cast<double>(grey(x, y)) - static_cast<double>(grey(x - 2, y));
+      sum += 0.5 * change * change;
+      count += 1.0;
+    }
+  }
+  return sum / std::max(count, 1.0);
+}
+
+/// Variance of the means of whole blocks.
+double block_variance(const ImageF& grey, int block_px) {
+  const ImageF means = reduce(grey, block_px);
+  double sum = 0.0;
+  double squares = 0.0;
+  for (const float mean : means.values()) {
+    sum += static_cast<double>(mean);
+    squares += static_cast<double>(mean) * static_cast<double>(mean);
+  }
+  const auto count = static_cast<double>(means.size());
+  return (squares - sum * sum / count) / std::max(count - 1.0, 1.0);
+}
+
 }  // namespace
+
+bool is_dark_noise(const ImageF& grey) {
+  constexpr double kDark = 0.05;
+  constexpr int kBlockPx = 16;
+  const double mean = std::accumulate(grey.values().begin(), grey.values().end(), 0.0) /
+                      static_cast<double>(std::max<std::size_t>(grey.size(), 1));
+  if (mean >= kDark || std::min(grey.width(), grey.height()) < 4 * kBlockPx) {
+    return false;
+  }
+  const double blocks = block_variance(grey, kBlockPx) * kBlockPx * kBlockPx;
+  const double count = static_cast<double>(grey.size()) / (kBlockPx * kBlockPx);
+  return blocks < noise_variance(grey) * (1.0 + 4.0 * std::sqrt(2.0 / count));
+}
 
 ComparedPicture read_compared(const CompareSource& source) {
   const std::string name = source.picture.string();

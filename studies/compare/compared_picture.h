@@ -24,4 +24,8 @@ struct ComparedPicture {
 ///         are no finite numbers
 ComparedPicture read_compared(const CompareSource& source);
 
+/// Whether a picture is dark (mean below 5 % of full scale) and its blocks of 16 x 16 pixels differ
+/// by no more than noise between neighbouring pixels makes them (F test at 1 in 10^4 about).
+bool is_dark_noise(const ImageF& grey);
+
 }  // namespace glint

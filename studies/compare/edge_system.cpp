@@ -19,6 +19,7 @@ constexpr double kPrice = 14.0;  ///< of a parameter, in squared standard deviat
 /// they have moved far.
 constexpr double kLeastShare = 0.005;
 constexpr double kOutlierSigmas = 4.0;
+constexpr double kAgreeingPx = 2.0;
 constexpr int kMaxLag = 40;     ///< of neighbours whose noise may be alike
 constexpr Index kStretch = 25;  ///< edges whose noise is taken together
 
@@ -72,9 +73,10 @@ void EdgeSystem::leave_out_outliers() {
     const double most = kOutlierSigmas * std::max(1.4826 * median_size(rest), 1e-6);
     weights_ = (rest.array().abs() <= most).cast<double>();
   }
-  kept_ = static_cast<std::size_t>(weights_.sum());
-  const VectorXd rest = rest_of_all().cwiseProduct(weights_);
-  // Not by the median: edges of low contrast scatter more than most, and count as much.
+  kept_ = static_cast<std::size_t>(std::lround(weights_.sum()));
+  agreeing_ = (rest_of_all().array().abs() <= kAgreeingPx).cast<double>().mean();
+  weigh_by_scatter(rest_of_all());
+  const VectorXd rest = rest_of_all().cwiseProduct(weights_.cwiseSqrt());
   noise_px_ = std::max(
       std::sqrt(rest.squaredNorm() / std::max(static_cast<double>(kept_ - parameters_), 1.0)),
       1e-6);
@@ -83,6 +85,17 @@ void EdgeSystem::leave_out_outliers() {
   normal_ = weighted.transpose() * columns_;
   right_ = weighted.transpose() * offsets_;
   right_squares_ = offsets_.dot(weights_.cwiseProduct(offsets_));
+}
+
+void EdgeSystem::weigh_by_scatter(const VectorXd& rest_px) {
+  constexpr double kPrior = 10.0;  ///< edges' worth of the scatter of all
+  const double mean = rest_px.cwiseAbs2().dot(weights_) / std::max(weights_.sum(), 1.0);
+  for (Index first = 0; first < rest_px.size(); first += kStretch) {
+    const auto rows = Eigen::seqN(first, std::min(kStretch, rest_px.size() - first));
+    const double sum = rest_px(rows).cwiseAbs2().dot(weights_(rows)) + kPrior * mean;
+    weights_(rows) *= (weights_(rows).sum() + kPrior) / std::max(sum, 1e-12);
+  }
+  weights_ *= static_cast<double>(kept_) / std::max(weights_.sum(), 1e-12);
 }
 
 double EdgeSystem::rest_of(std::span<const std::size_t> chosen) const {

@@ -29,18 +29,19 @@ class EdgeSystem {
 
   std::size_t parameters() const { return parameters_; }
 
-  /// 1 or 0, of outliers (beyond four robust standard deviations of what all parameters leave).
+  /// Over the variance of each edge's stretch, 1 on average; 0 of outliers (beyond four robust
+  /// standard deviations of what all parameters leave). Edges of low contrast scatter more.
   const Eigen::VectorXd& weights() const { return weights_; }
 
   std::size_t kept() const { return kept_; }
 
-  double kept_share() const {
-    return static_cast<double>(kept_) / static_cast<double>(offsets_.size());
-  }
+  /// Share of the edges that lie within two pixels of where all parameters have them.
+  double agreeing() const { return agreeing_; }
 
-  double noise_px() const { return noise_px_; }  ///< rms that all parameters leave of the kept ones
+  /// Weighted rms that all parameters leave of the kept edges.
+  double noise_px() const { return noise_px_; }
 
-  /// Sum of squared offsets, and what the best values of these parameters leave of it.
+  /// Weighted sum of squared offsets, and what the best values of these parameters leave of it.
   double squares() const { return right_squares_; }
 
   double rest_of(std::span<const std::size_t> chosen) const;
@@ -64,6 +65,7 @@ class EdgeSystem {
 
  private:
   void leave_out_outliers();
+  void weigh_by_scatter(const Eigen::VectorXd& rest_px);
   Eigen::VectorXd rest_of_all() const;
   std::pair<Eigen::MatrixXd, Eigen::VectorXd> part_of(std::span<const std::size_t> chosen) const;
   Eigen::VectorXd scales_of(std::span<const std::size_t> chosen) const;
@@ -81,6 +83,7 @@ class EdgeSystem {
   double right_squares_ = 0.0;
   double noise_px_ = 0.0;
   double alike_ = 1.0;  ///< neighbours that tell what one would
+  double agreeing_ = 0.0;
   std::size_t kept_ = 0;
 };
 

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "metrics/appearance/grey_match.h"
 #include "metrics/statistics/estimate.h"
+#include "studies/compare/compared_pair.h"
 
 namespace glint {
 namespace {
@@ -99,12 +101,24 @@ class Measure {
   DistanceTable across_;
 };
 
-bool are_alike(std::span<const TextureSample> reals, std::span<const TextureSample> simulated) {
-  const int window_px = reals.front().texture.window_px;
-  const auto fits = [&](const TextureSample& sample) {
-    return sample.texture.windows > 0 && sample.texture.window_px == window_px;
-  };
-  return std::ranges::all_of(reals, fits) && std::ranges::all_of(simulated, fits);
+/// The smallest window; 0: one sample has none.
+int common_window_px(std::span<const TextureSample> reals,
+                     std::span<const TextureSample> simulated) {
+  int least = std::numeric_limits<int>::max();
+  for (const std::span<const TextureSample> samples : {reals, simulated}) {
+    for (const TextureSample& sample : samples) {
+      least = std::min(least, sample.texture.windows > 0 ? sample.texture.window_px : 0);
+    }
+  }
+  return least;
+}
+
+void bring_to(int window_px, std::span<TextureSample> samples) {
+  for (TextureSample& sample : samples) {
+    if (sample.texture.window_px != window_px) {
+      sample.texture = texture_in(sample.grey, sample.region, window_px);
+    }
+  }
 }
 
 }  // namespace
@@ -138,17 +152,21 @@ SampleDistances distances_between(const TextureSample& first, const TextureSampl
           texture.length};
 }
 
-std::optional<Yardstick> measure_yardstick(std::span<const TextureSample> reals,
-                                           std::span<const TextureSample> simulated) {
-  if (reals.size() < 2 || !are_alike(reals, simulated)) {
+std::optional<Yardstick> measure_yardstick(std::vector<TextureSample> reals,
+                                           std::vector<TextureSample> simulated) {
+  const int window_px = common_window_px(reals, simulated);
+  if (reals.size() < 2 || window_px == 0) {
     return std::nullopt;
   }
+  bring_to(window_px, reals);
+  bring_to(window_px, simulated);
   const Measure measure(reals, simulated);
   std::vector<std::size_t> all(reals.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
     all[i] = i;
   }
   Yardstick result = measure.of(all);
+  result.window_px = window_px;
   result.low = result.high = result.multiple;
   if (!simulated.empty() && reals.size() >= 3) {
     const auto multiple = [&](std::span<const std::size_t> chosen) {

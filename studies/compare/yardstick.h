@@ -56,12 +56,14 @@ struct Yardstick {
   double high = 0.0;
   std::size_t reals = 0;
   std::size_t pairs = 0;
+  int window_px = 0;  ///< of the textures: the smallest of all samples
 };
 
-/// @param reals      two or more with at least one window each, all windows of one size
-/// @param simulated  one or more alike; empty: the real pictures alone (multiples are 0)
-/// @returns nothing where windows do not fit or differ in size
-std::optional<Yardstick> measure_yardstick(std::span<const TextureSample> reals,
-                                           std::span<const TextureSample> simulated);
+/// Textures whose windows differ in size are taken again with the smallest of all.
+/// @param reals      two or more with at least one window each
+/// @param simulated  alike; empty: the real pictures alone (multiples are 0)
+/// @returns nothing for fewer than two real pictures, or where one picture has no window
+std::optional<Yardstick> measure_yardstick(std::vector<TextureSample> reals,
+                                           std::vector<TextureSample> simulated);
 
 }  // namespace glint

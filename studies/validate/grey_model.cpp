@@ -9,6 +9,7 @@
 
 #include "core/image/spans.h"
 #include "simulator/sensor/sensor.h"
+#include "studies/compare/scene_camera.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/run/render_files.h"
 #include "studies/validate/validated_scene.h"

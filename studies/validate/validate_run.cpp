@@ -19,6 +19,7 @@
 #include "studies/compare/causes.h"
 #include "studies/compare/compare_page.h"
 #include "studies/compare/compare_result.h"
+#include "studies/compare/scene_camera.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"

@@ -11,6 +11,7 @@
 #include "core/config/toml.h"
 #include "core/error.h"
 #include "core/units.h"
+#include "studies/compare/scene_camera.h"
 #include "studies/definition/scene_viewpoints.h"
 
 namespace glint {
@@ -25,10 +26,6 @@ constexpr double kUnknownFocal = 5e-4;   ///< share of the focal length
 constexpr double kUnknownCentre = 5e-4;  ///< share of the picture's width
 constexpr double kUnknownRadial = 0.01;  ///< of k1
 constexpr double kUnknownTangential = 1e-4;
-
-std::vector<double> numbers(const Eigen::Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
 
 /// The number at the end of a name: "view_03" and "03" give 3.
 std::optional<std::size_t> number_of(const std::string& name) {
@@ -128,13 +125,7 @@ SceneSettings read_design_scene(const fs::path& file) {
 }
 
 void take_calibration(const fs::path& file, SceneSettings& scene) {
-  const ConfigNode root = load_toml(file);
-  if (root.find("camera") == nullptr) {
-    throw ConfigError(file.string() + ": is no calibration: has no table [camera]");
-  }
-  std::vector<Problem> errors;
-  const SceneSettings calibrated = read_scene(root, errors);
-  throw_if_any(errors);
+  const SceneSettings calibrated = read_calibrated_scene(file);
   const PinholeIntrinsics now = intrinsics_of(scene);
   const PinholeIntrinsics in = intrinsics_of(calibrated);
   if (in.width_px != now.width_px || in.height_px != now.height_px) {
@@ -202,26 +193,6 @@ GeometryBudget budget_of(const SceneSettings& scene, std::vector<std::string>& n
         "How well the part's place is known is not told: 0.05 mm and 0.02 degree are taken.");
   }
   return budget;
-}
-
-void put_intrinsics(const PinholeIntrinsics& in, SceneSettings& scene) {
-  CameraSettings& camera = scene.camera;
-  camera.focal_x_px = in.focal_px.x();
-  camera.focal_y_px = in.focal_px.y();
-  camera.center_x_px = in.center_px.x();
-  camera.center_y_px = in.center_px.y();
-  camera.k1 = in.radial[0];
-  camera.k2 = in.radial[1];
-  camera.k3 = in.radial[2];
-  camera.p1 = in.tangential[0];
-  camera.p2 = in.tangential[1];
-}
-
-Viewpoint viewpoint_of_pose(const RigidTransform& camera_from_scene) {
-  const RigidTransform pose = inverse(camera_from_scene);
-  return {.position_mm = numbers(pose.translation_mm),
-          .direction = numbers(pose.rotation.col(2)),
-          .up = numbers(-pose.rotation.col(1))};
 }
 
 }  // namespace glint

@@ -34,10 +34,4 @@ std::vector<Viewpoint> viewpoints_of_pictures(const RealDesign& design,
 /// kUnknownRotation, kUnknownPosition and kUnknownFocal, with a note.
 GeometryBudget budget_of(const SceneSettings& scene, std::vector<std::string>& notes);
 
-/// "camera.focal_x_px" and so on as intrinsics_of() has them after the changes.
-void put_intrinsics(const PinholeIntrinsics& intrinsics, SceneSettings& scene);
-
-/// The viewpoint of a camera_from_scene.
-Viewpoint viewpoint_of_pose(const RigidTransform& camera_from_scene);
-
 }  // namespace glint

@@ -60,11 +60,14 @@ class ChangedGear {
     std::vector<Problem> errors;
     scene_ = read_scene(load_toml(folder_ / "base/baseline/scene.toml"), errors);
     throw_if_any(errors);
-    middle_mm_ = find_causes(pair_with("base/baseline"), false).middle_mm;
+    middle_mm_ = find_causes(pair_with("base/baseline")).middle_mm;
   }
 
-  /// Causes between the scene and the same with the changes.
-  nlohmann::json causes_of(std::span<const Change> changes, int seed) {
+  /// Causes between the scene and the same with the changes, which changed.toml holds.
+  /// @param options  further ones of `glint compare`
+  nlohmann::json causes_of(std::span<const Change> changes,
+                           int seed,
+                           const Arguments& options = {}) {
     PairCauses causes = {.edges = CauseFit{}};
     for (const Change& change : changes) {
       causes.edges->changes[static_cast<std::size_t>(change.parameter)] = change.value;
@@ -73,8 +76,11 @@ class ChangedGear {
     causes.middle_mm = middle_mm_;
     write_file(folder_ / "changed.toml", to_toml(write_scene(refined_scene(scene_, causes))));
     render("changed.toml", "changed", seed);
-    const nlohmann::json result = json_of(
-        folder_, {"compare", "base/baseline", "changed/baseline", "--quiet", "--out", "compared"});
+    Arguments arguments = {
+        "compare", "base/baseline", "changed/baseline", "--quiet", "--out", "compared"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const nlohmann::json result = json_of(folder_, arguments);
+    last_ = result["pairs"][0]["causes"].dump();
     return result["pairs"][0]["causes"];
   }
 
@@ -100,11 +106,12 @@ class ChangedGear {
       }
     }
     verdict.others = std::max(0, static_cast<int>(of_edges) - verdict.named);
-    last_ = causes.dump();
     return verdict;
   }
 
   const std::string& last() const { return last_; }
+
+  const std::filesystem::path& folder() const { return folder_.path(); }
 
   /// The cause of that name, or one that it cannot be told from; null: none.
   static nlohmann::json find(const nlohmann::json& causes, CauseParameter parameter) {
@@ -154,7 +161,7 @@ class ChangedGear {
   /// taken as independent, and how edges move with each change.
   std::vector<double> bounds_of(std::span<const Change> changes) const {
     const ComparedPair pair = pair_with("changed/baseline");
-    const PairCauses causes = find_causes(pair, false);
+    const PairCauses causes = find_causes(pair);
     const std::vector<SpaceEdge> edges = space_edges(pair, scene_);
     const PinholeIntrinsics camera = intrinsics_of(scene_);
     const auto count = static_cast<Eigen::Index>(changes.size());

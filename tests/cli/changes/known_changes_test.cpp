@@ -35,5 +35,23 @@ TEST(KnownChange, IsNamedInSmallPictures) {
   EXPECT_TRUE(gear.causes_of({}, 40).empty()) << gear.last();
 }
 
+// With the real camera's calibration its lens is no cause, and what the part has done is left.
+TEST(KnownChange, OfACalibratedLensIsNoCause) {
+  ChangedGear gear(400, 8);
+  const std::vector<Change>& all = known_changes();
+  const std::vector<Change> changes = {{CauseParameter::kK1, 0.08},
+                                       {CauseParameter::kFocalLength, 4.0},
+                                       {CauseParameter::kCentreX, 1.0},
+                                       all[2]};
+  const nlohmann::json causes =
+      gear.causes_of(changes, 3, {"--calibration", "changed.toml", "--refine"});
+  ASSERT_EQ(causes.size(), 1U) << gear.last();
+  EXPECT_EQ(causes[0]["name"], "turn_z");
+  const double truth = told_per_inner(all[2].parameter) * all[2].value;
+  EXPECT_NEAR(causes[0]["value"].get<double>(), truth, 5.0 * causes[0]["sigma"].get<double>());
+  const std::string refined = read_file(gear.folder() / "compared/pair_01/refined.toml");
+  EXPECT_NE(refined.find("k1 = 0.08"), std::string::npos) << refined;
+}
+
 }  // namespace
 }  // namespace glint::test

@@ -82,6 +82,20 @@ TEST_F(BadInput, BlackWhiteAndEmptyPicturesAreRefused) {
               ThrowsMessage<ConfigError>(HasSubstr("one grey value all over")));
 }
 
+// The lens was covered: a sensor's noise about its dark level.
+TEST_F(BadInput, ADarkPictureOfNoiseAloneIsRefused) {
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    ImageF dark(200, 160, 0.004F);
+    add_normal_noise(dark, 0.003, i);
+    EXPECT_THAT([&] { compare(good(), write("dark.png", dark)); },
+                ThrowsMessage<ConfigError>(HasSubstr("dark.png: shows no part")));
+  }
+  // A part in the same darkness is compared.
+  EXPECT_GT(compare(good(), write("faint.png", drawn_blade({.gain = 0.08, .noise = 0.003})))
+                .appearance.correlation,
+            0.5);
+}
+
 // Noise alone has no silhouette and no edges; appearance is still compared.
 TEST_F(BadInput, APictureWithoutAPartHasNoGeometry) {
   ImageF noise(200, 160, 0.1F);

@@ -77,6 +77,58 @@ TEST(FitCauses, IsSilentAboutNoise) {
   EXPECT_LE(named, 1);
 }
 
+// Edges of low contrast scatter ten times as much as others, and neighbours move together.
+TEST(FitCauses, IsSilentAboutNoiseThatDiffersFromStretchToStretch) {
+  int named = 0;
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    std::vector<SpaceEdge> edges = moved_edges({}, 0.0, 15.0, i);
+    Rng rng(22, Stream::kTest, i);
+    double spread_px = 0.0;
+    double alike_px = 0.0;
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+      if (k % 12 == 0) {
+        spread_px = 0.02 * std::pow(10.0, rng.uniform());
+        alike_px = spread_px * rng.normal();
+      }
+      edges[k].offset_px = alike_px + spread_px * rng.normal();
+    }
+    named += fit_causes(edges, wide_camera(), kMiddle).causes.empty() ? 0 : 1;
+  }
+  EXPECT_LE(named, 1);
+}
+
+// Where edges are those of something else no change explains most of them, and none is told.
+TEST(FitCauses, TellsNothingWhereEdgesContradict) {
+  std::vector<SpaceEdge> edges = moved_edges(only(CauseParameter::kShiftX, 0.3), 0.05, 15.0, 4);
+  Rng rng(23, Stream::kTest, 0);
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    if (k % 5 < 3) {
+      edges[k].offset_px = rng.uniform(-20.0, 20.0);
+    }
+  }
+  const CauseFit fit = fit_causes(edges, wide_camera(), kMiddle);
+  EXPECT_LT(fit.agreeing, 0.5);
+  EXPECT_TRUE(fit.causes.empty());
+}
+
+// Both of a pair that moves these edges alike would have values that cancel.
+TEST(FitCauses, ChoosesNoTwoThatCannotBeTold) {
+  CauseVector changes = only(CauseParameter::kDistance, 0.4);
+  changes[static_cast<std::size_t>(CauseParameter::kFocalLength)] = 3.0;
+  changes[static_cast<std::size_t>(CauseParameter::kShiftX)] = 0.05;
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    const CauseFit fit = fit_causes(moved_edges(changes, 0.05, 1.0, i), wide_camera(), kMiddle);
+    int of_group = 0;
+    for (const FoundCause& cause : fit.causes) {
+      of_group += cause.parameter == CauseParameter::kDistance ||
+                          cause.parameter == CauseParameter::kFocalLength
+                      ? 1
+                      : 0;
+    }
+    EXPECT_EQ(of_group, 1);
+  }
+}
+
 struct KnownChange {
   CauseParameter parameter;
   double value;

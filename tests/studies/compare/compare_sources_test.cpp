@@ -89,8 +89,27 @@ TEST_F(PlanComparison, FollowsACsvFile) {
   write_file(folder() / "pairs.csv", "two,y\n");
   EXPECT_THAT([&] { plan_comparison(inputs); },
               ThrowsMessage<ConfigError>(HasSubstr("pairs.csv:1:5: there is no real picture y")));
-  write_file(folder() / "pairs.csv", "two,x,3\n");
-  EXPECT_THROW(plan_comparison(inputs), ConfigError);
+  write_file(folder() / "pairs.csv", "two,x,a/one.png,4\n");
+  EXPECT_THAT(
+      [&] { plan_comparison(inputs); },
+      ThrowsMessage<ConfigError>(HasSubstr("pairs.csv:1:1: 4 fields, must be two or three")));
+}
+
+TEST_F(PlanComparison, TakesMasksOfSinglePicturesFromTheCsvFile) {
+  add("a/one.png");
+  add("a/two.png");
+  add("b/x.png");
+  add("masks/x.png");
+  write_file(folder() / "pairs.csv", "simulated,real,mask\ntwo,x,masks/x.png\none,x,\n");
+  const CompareInputs inputs = {
+      .simulated = folder() / "a", .reals = {folder() / "b"}, .pairs = folder() / "pairs.csv"};
+  const ComparePlan plan = plan_comparison(inputs);
+  ASSERT_EQ(plan.pairs.size(), 2U);
+  EXPECT_EQ(plan.pairs[0].real_mask, folder() / "masks/x.png");
+  EXPECT_TRUE(plan.pairs[1].real_mask.empty());
+  write_file(folder() / "pairs.csv", "two,x,masks/y.png\n");
+  EXPECT_THAT([&] { plan_comparison(inputs); },
+              ThrowsMessage<ConfigError>(HasSubstr("pairs.csv:1:7: there is no mask")));
 }
 
 TEST_F(PlanComparison, RefusesWhatIsNotThere) {

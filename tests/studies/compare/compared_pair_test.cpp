@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "studies/compare/causes.h"
 #include "studies/compare/grab_cut.h"
 #include "tests/studies/compare/compare_fixture.h"
 
@@ -58,6 +59,26 @@ TEST_F(ComparePairTest, MatchesTheExposureBeforeGreysAreCompared) {
   const ComparedPair pair = compare(drawn_blade(), drawn_blade({.gain = 1.3, .index = 1}));
   EXPECT_NEAR(pair.appearance.exposure.gain, 1.3, 0.005);
   EXPECT_LT(pair.appearance.histogram_distance, 0.003);
+}
+
+// Noise of the simulated picture makes the gain of a regression too small: that is no cause.
+TEST_F(ComparePairTest, HasNoGainOfNoise) {
+  const ComparedPair equal =
+      compare(drawn_blade({.noise = 0.03}), drawn_blade({.noise = 0.01, .index = 1}));
+  EXPECT_LT(equal.appearance.exposure.gain, 0.997);
+  EXPECT_TRUE(find_causes(equal).told.empty());
+  const ComparedPair brighter =
+      compare(drawn_blade({.noise = 0.03}), drawn_blade({.gain = 1.1, .noise = 0.01, .index = 1}));
+  const PairCauses causes = find_causes(brighter);
+  ASSERT_EQ(causes.told.size(), 1U);
+  EXPECT_NEAR(causes.told[0].value, 1.1, 3.0 * causes.told[0].sigma);
+}
+
+// Another picture altogether is not this one in another exposure.
+TEST_F(ComparePairTest, HasNoGainWithoutCorrelation) {
+  ImageF noise(200, 160, 0.1F);
+  add_normal_noise(noise, 0.01, 7);
+  EXPECT_TRUE(find_causes(compare(drawn_blade(), noise)).told.empty());
 }
 
 ImageF brighter_background(ImageF picture) {

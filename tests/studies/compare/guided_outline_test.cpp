@@ -94,6 +94,42 @@ TEST_F(GuidedOutlineTest, FollowsThePartThatIsMoved) {
   EXPECT_LT(apart[apart.size() * 7 / 10], 0.6);
 }
 
+// Both sides are found alike: equal pictures do not differ by the last bit.
+TEST_F(GuidedOutlineTest, OfEqualPicturesIsTheSame) {
+  for (const double noise : {0.0, 0.01}) {
+    const ComparedPair pair = compare({.noise = noise}, {.noise = noise}, true);
+    ASSERT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kGuided);
+    EXPECT_EQ(pair.geometry.distance.mean_px, 0.0);
+    EXPECT_EQ(pair.geometry.distance.max_px, 0.0);
+    EXPECT_EQ(pair.geometry.iou.value(), 1.0);
+  }
+}
+
+// Other noise moves edges either way, none of them more than the other way.
+TEST_F(GuidedOutlineTest, IsNotDrawnAsideByNoise) {
+  double sum = 0.0;
+  double count = 0.0;
+  for (std::uint64_t i = 1; i <= 6; ++i) {
+    const ComparedPair pair = compare({.dark = 0.3}, {.dark = 0.3, .index = i}, true);
+    for (const EdgeOffset& edge : pair.geometry.offsets) {
+      sum += edge.offset_px;
+      count += 1.0;
+    }
+  }
+  EXPECT_NEAR(sum / count, 0.0, 0.003);
+}
+
+// The region is the part's, its dark half included, not that of what is bright.
+TEST_F(GuidedOutlineTest, HasTheRegionOfTheWholePart) {
+  const ComparedPair pair = compare({}, {.lit_to_px = 0.0, .index = 1}, true);
+  double area = 0.0;
+  for (const float share : pair.geometry.outlines.real.coverage.values()) {
+    area += static_cast<double>(share);
+  }
+  EXPECT_NEAR(area, 120.0 * 70.0, 0.01 * 120.0 * 70.0);
+  EXPECT_GT(pair.geometry.iou.value(), 0.99);
+}
+
 // Where the simulated part does not show there is no edge to look for.
 TEST_F(GuidedOutlineTest, IsBrokenWhereTheSimulatedPartIsDark) {
   const ComparedPair pair = compare({.dark = 0.0}, {.dark = 0.0, .index = 1}, true);

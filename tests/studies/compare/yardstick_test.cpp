@@ -54,13 +54,22 @@ TEST(MeasureYardstick, GrowsForAnotherSurface) {
   EXPECT_GT(stick->low, 2.0);
 }
 
-TEST(MeasureYardstick, HasNoAnswerOfOnePhotographOrOfOtherWindows) {
-  const std::vector<TextureSample> reals = photographs();
-  EXPECT_FALSE(measure_yardstick(std::span(reals).first(1), {}).has_value());
+TEST(MeasureYardstick, HasNoAnswerOfOnePhotographOrWithoutWindows) {
+  std::vector<TextureSample> reals = photographs();
+  EXPECT_FALSE(measure_yardstick({reals[0]}, {}).has_value());
+  EXPECT_TRUE(measure_yardstick(reals, {}).has_value());
+  reals[2].texture.windows = 0;
+  EXPECT_FALSE(measure_yardstick(reals, {}).has_value());
+}
+
+// A part of which less is seen has smaller windows: all are compared in those.
+TEST(MeasureYardstick, BringsWindowsToOneSize) {
   std::vector<TextureSample> other = {surface(0.12, 3, 22)};
   other[0].texture = texture_of(other[0].grey, {}, {.window_px = 64});
-  EXPECT_FALSE(measure_yardstick(reals, other).has_value());
-  EXPECT_TRUE(measure_yardstick(reals, {}).has_value());
+  const auto stick = measure_yardstick(photographs(), other);
+  ASSERT_TRUE(stick.has_value());
+  EXPECT_EQ(stick->window_px, 64);
+  EXPECT_LT(stick->multiple, 1.8);
 }
 
 // Two samples by hand: greys {0.9, 1.1} over their mean against {0.8, 1.2} are 0.1 apart.

@@ -95,6 +95,7 @@ struct CompareArguments {
   bool has_offset = false;
   bool is_lens_known = false;
   std::filesystem::path calibration;  ///< of the real camera
+  bool has_roughness = false;
   bool is_refining = false;
 };
 

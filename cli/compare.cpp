@@ -73,6 +73,7 @@ int compare_command(const CompareArguments& arguments, const CommonArguments& co
        .has_offset = arguments.has_offset,
        .is_lens_known = arguments.is_lens_known,
        .calibration = arguments.calibration,
+       .has_roughness = arguments.has_roughness,
        .is_refining = arguments.is_refining,
        .threads = common.threads,
        .progress = common.progress()});

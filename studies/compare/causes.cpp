@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/image/exr_layers.h"
 #include "metrics/overlap/boundary_distance.h"
+#include "studies/compare/roughness_cause.h"
 #include "studies/compare/scene_camera.h"
 
 namespace glint {
@@ -23,6 +24,7 @@ using Eigen::Vector3d;
 
 constexpr double kLeastGain = 0.002;  ///< smaller changes of exposure are nobody's concern
 constexpr double kSurelySigmas = 4.0;
+constexpr double kLeastShare = 0.005;      ///< of the misfit of grey values
 constexpr double kLeastCorrelation = 0.3;  ///< below, one exposure does not make the other picture
 
 SceneSettings scene_of(const CompareSource& source) {
@@ -335,9 +337,41 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {
   return causes;
 }
 
+void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& causes) {
+  const CompareSource& source = pair.simulated.source;
+  if (source.scene.empty() || pair.appearance.correlation < kLeastCorrelation) {
+    return;
+  }
+  PairCauses but_gain = causes;
+  but_gain.gain = 1.0;
+  const auto fit =
+      compare_detail::fit_roughness(pair, refined_scene(scene_of(source), but_gain), store);
+  if (!fit || std::abs(fit->change) < kSurelySigmas * fit->sigma ||
+      fit->share < kLeastShare * (1.0 - fit->gain_share)) {
+    return;
+  }
+  causes.roughness_change = fit->change;
+  std::erase_if(causes.told, [](const ToldCause& cause) { return cause.name == "gain"; });
+  causes.told.push_back({.name = "roughness",
+                         .value = fit->change,
+                         .sigma = fit->sigma,
+                         .share = fit->share,
+                         .of = "grey"});
+  causes.gain = 1.0;
+  if (std::abs(fit->gain - 1.0) > std::max(kLeastGain, kSurelySigmas * fit->gain_sigma)) {
+    causes.gain = fit->gain;
+    causes.told.push_back({.name = "gain",
+                           .value = fit->gain,
+                           .sigma = fit->gain_sigma,
+                           .share = fit->gain_share,
+                           .of = "grey"});
+  }
+}
+
 SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes) {
   SceneSettings refined = scene;
   refined.sensor.gain *= causes.gain;
+  refined.material.roughness += causes.roughness_change;
   if (causes.calibrated) {
     put_intrinsics(*causes.calibrated, refined);
   }

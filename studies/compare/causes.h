@@ -12,6 +12,7 @@
 #include "studies/compare/cause_fit.h"
 #include "studies/compare/compared_pair.h"
 #include "studies/definition/scene.h"
+#include "studies/imaging/scene_store.h"
 
 namespace glint {
 
@@ -31,6 +32,7 @@ struct PairCauses {
   std::optional<CauseFit> edges;                         ///< empty: no geometry, or too few edges
   Eigen::Vector3d middle_mm = Eigen::Vector3d::UnitZ();  ///< turns are about it; camera frame
   double gain = 1.0;                                     ///< 1: none beyond noise
+  double roughness_change = 0.0;                         ///< of material.roughness
   std::optional<PinholeIntrinsics> calibrated = {};      ///< the real camera, where it is known
   std::vector<std::string> notes = {};                   ///< why none is told
 };
@@ -51,8 +53,14 @@ struct KnownCamera {
 /// where the calibration is of pictures of another size
 PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known = {});
 
+/// Adds the roughness of the metal, and the gain beside it, where grey values tell it: renders the
+/// scene up to three times with the causes put in. Leaves all as it is where there is no such
+/// scene.
+/// @throws ConfigError, IoError
+void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& causes);
+
 /// The scene with the causes put in: camera, viewpoint (which moves against the part as the part
-/// does against it) and gain.
+/// does against it), gain and roughness.
 SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes);
 
 /// The same as a TOML file. @param source  a rendered view @throws ConfigError, IoError

@@ -104,17 +104,25 @@ class CompareRun {
     const auto at_once = static_cast<std::size_t>(pool_.num_threads());
     for (std::size_t begin = 0; begin < count; begin += at_once) {
       const std::size_t size = std::min(at_once, count - begin);
-      const auto compared =
-          pool_.map<Explained>(static_cast<std::int64_t>(size), [&](std::int64_t i) {
-            const ComparePair& pair = plan_.pairs[begin + static_cast<std::size_t>(i)];
-            Explained result = {.pair = compare_pair(pair, pair_options_)};
-            result.causes = find_causes(result.pair, camera_);
-            return result;
-          });
+      auto compared = pool_.map<Explained>(static_cast<std::int64_t>(size), [&](std::int64_t i) {
+        const ComparePair& pair = plan_.pairs[begin + static_cast<std::size_t>(i)];
+        Explained result = {.pair = compare_pair(pair, pair_options_)};
+        result.causes = find_causes(result.pair, camera_);
+        return result;
+      });
       for (std::size_t i = 0; i < size; ++i) {
+        add_roughness_to(compared[i]);
         keep(compared[i], stage / folder_of(begin + i));
         bar.update(static_cast<std::int64_t>(begin + i + 1), compared[i].pair.real.source.name);
       }
+    }
+  }
+
+  /// Each picture is rendered by all threads.
+  void add_roughness_to(Explained& explained) {
+    if (options_.has_roughness) {
+      SceneStore store(pool_);
+      add_roughness(explained.pair, store, explained.causes);
     }
   }
 

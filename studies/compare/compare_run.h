@@ -22,6 +22,7 @@ struct CompareOptions {
   bool has_offset = false;            ///< exposures differ by an offset too
   bool is_lens_known = false;         ///< calibrated: only pose and gain may differ
   std::filesystem::path calibration;  ///< of the real camera; empty: the scene's camera is meant
+  bool has_roughness = false;         ///< roughness may be a cause: scenes are rendered again
   bool is_refining = false;           ///< writes the scene with the causes put in
   int threads = 1;
   Progress::Style progress = Progress::Style::kAuto;

@@ -71,5 +71,51 @@ TEST(KnownChanges, AreNamedWithHonestSigmas) {
   EXPECT_GE(held, static_cast<std::ptrdiff_t>(off.size()) * 88 / 100);
 }
 
+/// The gallery's twelve views with a sensor's noise.
+void render_views(const TemporaryFolder& folder, const std::string& seed) {
+  const ProgramResult result =
+      glint_in(folder,
+               {"render",
+                std::string(GLINT_SOURCE_DIR) + "/studies/gallery/viewpoints/scene.toml",
+                "--quiet",
+                "--set",
+                "sensor.full_well_e=10000",
+                "--set",
+                "sensor.read_noise_e=8",
+                "--set",
+                "sensor.seed=" + seed,
+                "--out",
+                "views_" + seed});
+  ASSERT_EQ(result.code, 0) << result.err;
+}
+
+// A part that fills a large picture, against itself with other noise of sensor and paths.
+TEST(KnownChanges, OfNoiseAloneLeaveEverythingWhereItIs) {
+  ChangedGear gear(said("GLINT_COMPARE_WIDTH", 1224), 8);
+  EXPECT_TRUE(gear.causes_of({}, 40).empty()) << gear.last();
+  EXPECT_GE(gear.last_pair()["iou"].get<double>(), 0.998);
+  EXPECT_LE(gear.last_pair()["mean_distance_px"].get<double>(), 0.03);
+}
+
+// Nothing differs but noise: nothing is told, and equal pictures are equal.
+TEST(KnownChanges, AreNoneBetweenPicturesWithOtherNoise) {
+  const TemporaryFolder folder;
+  render_views(folder, "1");
+  render_views(folder, "9");
+  const auto pairs_of = [&](const std::string& real) {
+    return json_of(folder,
+                   {"compare", "views_1", real, "--quiet", "--out", "out_" + real})["pairs"];
+  };
+  for (const nlohmann::json& pair : pairs_of("views_9")) {
+    EXPECT_TRUE(pair["causes"].empty()) << pair["simulated"] << pair["causes"];
+    EXPECT_GE(pair["iou"].get<double>(), 0.998) << pair["simulated"];
+    EXPECT_LE(pair["mean_distance_px"].get<double>(), 0.06) << pair["simulated"];
+  }
+  for (const nlohmann::json& pair : pairs_of("views_1")) {
+    EXPECT_TRUE(pair["causes"].empty()) << pair["simulated"] << pair["causes"];
+    EXPECT_EQ(pair["mean_distance_px"].get<double>(), 0.0) << pair["simulated"];
+  }
+}
+
 }  // namespace
 }  // namespace glint::test

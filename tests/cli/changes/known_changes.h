@@ -80,8 +80,20 @@ class ChangedGear {
         "compare", "base/baseline", "changed/baseline", "--quiet", "--out", "compared"};
     arguments.insert(arguments.end(), options.begin(), options.end());
     const nlohmann::json result = json_of(folder_, arguments);
-    last_ = result["pairs"][0]["causes"].dump();
-    return result["pairs"][0]["causes"];
+    last_pair_ = result["pairs"][0];
+    return last_pair_["causes"];
+  }
+
+  double roughness() const { return scene_.material.roughness; }
+
+  /// A key of the changed scene, as --set has it, in all that follows.
+  void set(const std::string& key_and_value) { set_.insert(set_.end(), {"--set", key_and_value}); }
+
+  /// The cause of that name; null: none.
+  static nlohmann::json named(const nlohmann::json& causes, const std::string& name) {
+    const auto found = std::ranges::find_if(
+        causes, [&](const nlohmann::json& cause) { return cause["name"] == name; });
+    return found == causes.end() ? nlohmann::json() : *found;
   }
 
   CaseVerdict verdict_of(std::span<const Change> changes, int seed) {
@@ -109,7 +121,10 @@ class ChangedGear {
     return verdict;
   }
 
-  const std::string& last() const { return last_; }
+  /// What was said last, of the pair and of its causes.
+  const nlohmann::json& last_pair() const { return last_pair_; }
+
+  std::string last() const { return last_pair_["causes"].dump(); }
 
   const std::filesystem::path& folder() const { return folder_.path(); }
 
@@ -144,16 +159,17 @@ class ChangedGear {
   }
 
   void render(const std::string& scene, const std::string& out, int seed) const {
-    const ProgramResult result = glint_in(folder_,
-                                          {"render",
-                                           scene,
-                                           "--quiet",
-                                           "--set",
-                                           "render.paths.seed=" + std::to_string(seed),
-                                           "--set",
-                                           "sensor.seed=" + std::to_string(seed),
-                                           "--out",
-                                           out});
+    Arguments arguments = {"render",
+                           scene,
+                           "--quiet",
+                           "--set",
+                           "render.paths.seed=" + std::to_string(seed),
+                           "--set",
+                           "sensor.seed=" + std::to_string(seed),
+                           "--out",
+                           out};
+    arguments.insert(arguments.end(), set_.begin(), set_.end());
+    const ProgramResult result = glint_in(folder_, arguments);
     EXPECT_EQ(result.code, 0) << result.err;
   }
 
@@ -201,7 +217,8 @@ class ChangedGear {
   int samples_;
   SceneSettings scene_;
   Eigen::Vector3d middle_mm_ = Eigen::Vector3d::Zero();  ///< of what is seen; turns are about it
-  std::string last_;
+  nlohmann::json last_pair_;
+  Arguments set_;
 };
 
 }  // namespace glint::test

@@ -53,5 +53,28 @@ TEST(KnownChange, OfACalibratedLensIsNoCause) {
   EXPECT_NE(refined.find("k1 = 0.08"), std::string::npos) << refined;
 }
 
+// Rougher metal under another exposure: both are told, each with its value, and the refined scene
+// has them. Of the same metal nothing is told.
+TEST(KnownChange, OfRoughnessIsNamedBesideTheGain) {
+  ChangedGear gear(400, 16);
+  const std::vector<Change> turned = {known_changes()[2]};
+  const double roughness = gear.roughness();
+  for (const double factor : {1.0, 1.2}) {
+    gear.set("material.roughness=" + std::to_string(factor * roughness));
+    gear.set(factor > 1.0 ? "sensor.gain=0.9" : "sensor.gain=1");
+    const nlohmann::json causes = gear.causes_of(turned, 5, {"--roughness", "--refine"});
+    const nlohmann::json rougher = ChangedGear::named(causes, "roughness");
+    const nlohmann::json gain = ChangedGear::named(causes, "gain");
+    ASSERT_EQ(rougher.is_null(), factor == 1.0) << gear.last();
+    ASSERT_EQ(gain.is_null(), factor == 1.0) << gear.last();
+    if (factor > 1.0) {
+      const double sigma = rougher["sigma"].get<double>();
+      EXPECT_NEAR(rougher["value"].get<double>(), 0.2 * roughness, 4.0 * sigma) << gear.last();
+      EXPECT_LT(sigma, 0.02 * roughness);
+      EXPECT_NEAR(gain["value"].get<double>(), 0.9, 0.01);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace glint::test

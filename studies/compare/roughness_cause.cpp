@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Gauss-Newton in gain and roughness: grey values at the scene's roughness and at a quarter more
+// give a slope, the third rendering is at the value that follows. Each rendering is two independent
+// pictures of half the samples: products of one with the other have no noise of their own, which
+// would make every slope too small (two-sample instrumental variables).
+#include "studies/compare/roughness_cause.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "core/image/image_io.h"
+#include "core/image/spans.h"
+#include "simulator/sensor/sensor.h"
+#include "studies/compare/scene_camera.h"
+#include "studies/imaging/path_picture.h"
+
+namespace glint::compare_detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+constexpr int kWidthPx = 612;
+constexpr int kHeightPx = 512;
+constexpr int kLeastSamples = 32;
+constexpr std::size_t kLeastPixels = 1000;
+constexpr float kBright = 0.98F;  ///< at least: clipped
+constexpr double kStep = 1.25;    ///< factor on the roughness
+constexpr double kLeastRoughness = 0.02;
+constexpr int kBlockPx = 12;  ///< whose misfit is taken together: it is alike for neighbours
+constexpr int kMarginPx = 2;  ///< from the part's edge
+
+int factor_of(const SceneSettings& scene) {
+  const int factor = std::max((scene.camera.width_px + kWidthPx - 1) / kWidthPx,
+                              (scene.camera.height_px + kHeightPx - 1) / kHeightPx);
+  return std::max(factor, 1);
+}
+
+/// The same field in fewer pixels, without noise and rounding.
+SceneSettings small_scene(const SceneSettings& scene, int factor) {
+  SceneSettings small = scene;
+  PinholeIntrinsics in = intrinsics_of(scene);
+  in.focal_px /= factor;
+  in.center_px /= factor;
+  put_intrinsics(in, small);
+  small.camera.width_px /= factor;
+  small.camera.height_px /= factor;
+  small.camera.pixel_mm *= factor;
+  small.sensor = without_noise(scene.sensor);
+  small.sensor.bits = 0;
+  small.sensor.blur_px /= factor;
+  small.paths.samples = std::max(scene.paths.samples, kLeastSamples);
+  small.paths.batches = 2;
+  return small;
+}
+
+/// Two independent pictures of one scene.
+using Halves = std::array<ImageF, 2>;
+
+/// Mean grey of the scene's frames, without one of the two batches.
+ImageF grey_of(const PathPicture& picture, const SceneSettings& scene, std::size_t without) {
+  const Sensor sensor(scene.sensor, picture.sums.width_px, picture.sums.height_px);
+  ScanSums sums(picture.sums.width_px, picture.sums.height_px);
+  ImageF grey;
+  for (const FrameFactors& factors : frame_factors(scene, picture.unit_power_w)) {
+    sensor.expose(frame_radiance(picture, factors, without), sums.frames, grey);
+    std::ranges::transform(
+        grey.values(), sums.sum.values(), sums.sum.values().begin(), std::plus<>());
+    ++sums.frames;
+  }
+  return sums.aspect();
+}
+
+/// Pixels on the sound part and around: neither defects nor edges.
+Mask sound_part(const Film& sums) {
+  Mask other(sums.width_px, sums.height_px);
+  for (std::size_t i = 0; i < other.size(); ++i) {
+    const std::int32_t samples = sums.samples.values()[i];
+    const bool is_whole = samples > 0 && sums.part.values()[i] == samples;
+    const bool is_sound = std::ranges::all_of(
+        sums.defects, [&](const DefectSums& defect) { return defect.samples.values()[i] == 0; });
+    other.values()[i] = is_whole && is_sound ? 0 : 1;
+  }
+  Mask sound = dilated(other, kMarginPx);
+  std::ranges::transform(sound.values(), sound.values().begin(), [](unsigned char value) {
+    return static_cast<unsigned char>(value == 0 ? 1 : 0);
+  });
+  return sound;
+}
+
+/// real = gain base + product slope, product = gain times the change.
+struct GreyFit {
+  Vector2d values = Vector2d::Zero();
+  Matrix2d covariance = Matrix2d::Zero();
+  double rest = 0.0;  ///< sum of squares
+
+  double change() const { return values[1] / values[0]; }
+
+  double change_sigma() const {
+    const Vector2d slope(-change() / values[0], 1.0 / values[0]);
+    return std::sqrt(slope.dot(covariance * slope));
+  }
+};
+
+class RoughnessSearch {
+ public:
+  RoughnessSearch(const ComparedPair& pair, const SceneSettings& scene, SceneStore& store)
+      : store_(store),
+        factor_(factor_of(scene)),
+        scene_(small_scene(scene, factor_)),
+        real_(reduce(pair.real.grey, factor_)) {}
+
+  std::optional<RoughnessFit> find() {
+    if (path_view_of(scene_, store_.build_defects(scene_)) == nullptr) {
+      return std::nullopt;
+    }
+    const double first = scene_.material.roughness;
+    const Halves base = at(first);
+    choose_pixels(base);
+    if (pixels_.size() < kLeastPixels) {
+      return std::nullopt;
+    }
+    const double step = first * (kStep - 1.0);
+    GreyFit fit = fitted(base, slopes_between(base, at(first + step), step));
+    double change = fit.change();
+    const double next = std::clamp(first + change, std::max(0.4 * first, kLeastRoughness), 1.0);
+    if (std::abs(next - first) > fit.change_sigma()) {
+      const Halves nearer = at(next);
+      fit = fitted(nearer, slopes_between(base, nearer, next - first));
+      change = next - first + fit.change();
+    }
+    return told(base, fit, change);
+  }
+
+ private:
+  Halves at(double roughness) {
+    SceneSettings scene = scene_;
+    scene.material.roughness = std::min(roughness, 1.0);
+    const std::shared_ptr<const PathPicture> picture = store_.picture(scene);
+    ++renders_;
+    if (part_.empty()) {
+      part_ = sound_part(picture->sums);
+    }
+    return {grey_of(*picture, scene, 1), grey_of(*picture, scene, 0)};
+  }
+
+  void choose_pixels(const Halves& base) {
+    for (std::size_t i = 0; i < part_.size(); ++i) {
+      const bool is_dim =
+          std::max({real_.values()[i], base[0].values()[i], base[1].values()[i]}) < kBright;
+      if (part_.values()[i] != 0 && is_dim) {
+        pixels_.push_back(i);
+      }
+    }
+  }
+
+  static Halves slopes_between(const Halves& base, const Halves& changed, double step) {
+    Halves slopes = changed;
+    for (std::size_t half = 0; half < 2; ++half) {
+      std::ranges::transform(
+          changed[half].values(),
+          base[half].values(),
+          slopes[half].values().begin(),
+          [&](float after, float before) {
+            return static_cast<float>(static_cast<double>(after - before) / step);
+          });
+    }
+    return slopes;
+  }
+
+  static Vector2d row_of(const Halves& base,
+                         const Halves& slopes,
+                         std::size_t half,
+                         std::size_t pixel) {
+    return {static_cast<double>(base[half].values()[pixel]),
+            static_cast<double>(slopes[half].values()[pixel])};
+  }
+
+  GreyFit fitted(const Halves& base, const Halves& slopes) const {
+    Matrix2d products = Matrix2d::Zero();
+    Vector2d right = Vector2d::Zero();
+    for (const std::size_t pixel : pixels_) {
+      const Vector2d one = row_of(base, slopes, 0, pixel);
+      const Vector2d other = row_of(base, slopes, 1, pixel);
+      products += 0.5 * (one * other.transpose() + other * one.transpose());
+      right += 0.5 * (one + other) * static_cast<double>(real_.values()[pixel]);
+    }
+    const Matrix2d inverse = products.inverse();
+    GreyFit fit = {.values = inverse * right};
+    fit.covariance = inverse * scatter_of(base, slopes, fit) * inverse;
+    return fit;
+  }
+
+  /// Sum over blocks of the squares of their parts of the gradient. @param fit  receives its rest
+  Matrix2d scatter_of(const Halves& base, const Halves& slopes, GreyFit& fit) const {
+    const int width = real_.width();
+    const int across = width / kBlockPx + 1;
+    std::vector<Vector2d> blocks(static_cast<std::size_t>(across * (real_.height() / kBlockPx + 1)),
+                                 Vector2d::Zero());
+    for (const std::size_t pixel : pixels_) {
+      const Vector2d row = 0.5 * (row_of(base, slopes, 0, pixel) + row_of(base, slopes, 1, pixel));
+      const double rest = static_cast<double>(real_.values()[pixel]) - row.dot(fit.values);
+      const int x = static_cast<int>(pixel) % width / kBlockPx;
+      const int y = static_cast<int>(pixel) / width / kBlockPx;
+      blocks[static_cast<std::size_t>(y * across + x)] += row * rest;
+      fit.rest += rest * rest;
+    }
+    Matrix2d scatter = Matrix2d::Zero();
+    for (const Vector2d& block : blocks) {
+      scatter += block * block.transpose();
+    }
+    return scatter;
+  }
+
+  RoughnessFit told(const Halves& base, const GreyFit& fit, double change) const {
+    double misfit = 0.0;
+    double squares = 0.0;
+    double product = 0.0;
+    for (const std::size_t pixel : pixels_) {
+      const double simulated =
+          0.5 * static_cast<double>(base[0].values()[pixel] + base[1].values()[pixel]);
+      const auto real = static_cast<double>(real_.values()[pixel]);
+      misfit += (real - simulated) * (real - simulated);
+      squares += simulated * simulated;
+      product += simulated * real;
+    }
+    const double gain = product / squares;
+    const double by_gain = squares * (gain - 1.0) * (gain - 1.0);
+    return {.change = change,
+            .sigma = fit.change_sigma(),
+            .gain = fit.values[0],
+            .gain_sigma = std::sqrt(fit.covariance(0, 0)),
+            .share = misfit > 0.0 ? std::max(misfit - by_gain - fit.rest, 0.0) / misfit : 0.0,
+            .gain_share = misfit > 0.0 ? by_gain / misfit : 0.0,
+            .renders = renders_};
+  }
+
+  SceneStore& store_;
+  int factor_;
+  SceneSettings scene_;
+  ImageF real_;
+  Mask part_;
+  std::vector<std::size_t> pixels_;
+  int renders_ = 0;
+};
+
+}  // namespace
+
+std::optional<RoughnessFit> fit_roughness(const ComparedPair& pair,
+                                          const SceneSettings& scene,
+                                          SceneStore& store) {
+  const MaterialSettings& material = scene.material;
+  if (material.type != MaterialSettings::Type::kConductor || !material.alpha.empty() ||
+      material.roughness < kLeastRoughness) {
+    return std::nullopt;
+  }
+  return RoughnessSearch(pair, scene, store).find();
+}
+
+}  // namespace glint::compare_detail

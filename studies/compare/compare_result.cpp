@@ -96,6 +96,20 @@ Json causes_json(const PairCauses& causes) {
   return list;
 }
 
+Json regions_json(const std::vector<RegionAppearance>& regions) {
+  Json list = Json::array();
+  for (const RegionAppearance& region : regions) {
+    list.push_back({{"name", region.name},
+                    {"pixels", region.pixels},
+                    {"grey", region.grey},
+                    {"difference", region.difference},
+                    {"residual_rms", region.residual_rms},
+                    {"correlation", region.correlation},
+                    {"ssim", region.ssim}});
+  }
+  return list;
+}
+
 Json seen_json(const SeenDefect& seen) {
   Json json = {{"found", seen.is_found}};
   json["found_as"] = seen.is_found ? Json(seen.found_as) : Json(nullptr);
@@ -188,6 +202,7 @@ Json pair_json(const ComparedPair& pair, const PairCauses& causes) {
                      {"share", geometry.distance.share}};
   json["rings"] = rings_json(geometry.rings);
   json["edges"] = edges_json(geometry.edges);
+  json["regions"] = regions_json(pair.regions);
   json["texture"] = texture_pair_json(look);
   json["notes"] = pair.notes;
   for (const std::string& note : causes.notes) {

@@ -132,6 +132,97 @@ PairAppearance appearance_of(ComparedPair& pair, const PairOptions& options) {
   return look;
 }
 
+constexpr std::array<const char*, 9> kRegionNames = {"top left",
+                                                     "top",
+                                                     "top right",
+                                                     "left",
+                                                     "middle",
+                                                     "right",
+                                                     "bottom left",
+                                                     "bottom",
+                                                     "bottom right"};
+constexpr std::size_t kLeastRegionPx = 100;
+
+/// Columns and rows [x0, x1) x [y0, y1) that hold a region; all where it is empty.
+struct Extent {
+  int x0 = 0;
+  int y0 = 0;
+  int x1 = 0;
+  int y1 = 0;
+};
+
+Extent extent_of(const Mask& region, const ImageF& picture) {
+  if (region.empty()) {
+    return {.x1 = picture.width(), .y1 = picture.height()};
+  }
+  Extent extent = {.x0 = region.width(), .y0 = region.height()};
+  for (int y = 0; y < region.height(); ++y) {
+    for (int x = 0; x < region.width(); ++x) {
+      if (region(x, y) != 0) {
+        extent = {.x0 = std::min(extent.x0, x),
+                  .y0 = std::min(extent.y0, y),
+                  .x1 = std::max(extent.x1, x + 1),
+                  .y1 = std::max(extent.y1, y + 1)};
+      }
+    }
+  }
+  return extent;
+}
+
+/// The pixels of each ninth.
+std::array<Mask, 9> ninths_of(const Mask& region, const ImageF& picture) {
+  const Extent extent = extent_of(region, picture);
+  std::array<Mask, 9> ninths;
+  ninths.fill(Mask(picture.width(), picture.height()));
+  for (int y = extent.y0; y < extent.y1; ++y) {
+    for (int x = extent.x0; x < extent.x1; ++x) {
+      const int column = 3 * (x - extent.x0) / (extent.x1 - extent.x0);
+      const int row = 3 * (y - extent.y0) / (extent.y1 - extent.y0);
+      if (region.empty() || region(x, y) != 0) {
+        ninths[static_cast<std::size_t>(3 * row + column)](x, y) = 1;
+      }
+    }
+  }
+  return ninths;
+}
+
+RegionAppearance appearance_in(const ComparedPair& pair, const Mask& region) {
+  RegionAppearance look;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    if (region.values()[i] != 0) {
+      const auto real = static_cast<double>(pair.real.grey.values()[i]);
+      const double difference = real - static_cast<double>(pair.exposed.values()[i]);
+      ++look.pixels;
+      look.grey += real;
+      look.difference += difference;
+      squares += difference * difference;
+    }
+  }
+  const auto pixels = static_cast<double>(std::max<std::size_t>(look.pixels, 1));
+  look.grey /= pixels;
+  look.difference /= pixels;
+  look.residual_rms = std::sqrt(squares / pixels);
+  if (look.pixels >= kLeastRegionPx) {
+    look.correlation = correlation_of(pair.exposed, pair.real.grey, region);
+    look.ssim = mean_in(pair.similarity, region);
+  }
+  return look;
+}
+
+std::vector<RegionAppearance> regions_of(const ComparedPair& pair) {
+  std::vector<RegionAppearance> regions;
+  const std::array<Mask, 9> ninths = ninths_of(pair.region, pair.real.grey);
+  for (std::size_t i = 0; i < ninths.size(); ++i) {
+    RegionAppearance look = appearance_in(pair, ninths[i]);
+    if (look.pixels >= kLeastRegionPx) {
+      look.name = kRegionNames[i];
+      regions.push_back(std::move(look));
+    }
+  }
+  return regions;
+}
+
 }  // namespace
 
 SurfaceTexture texture_in(const ImageF& picture, const Mask& region, int window_px) {
@@ -164,6 +255,7 @@ ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options) {
   result.notes.insert(result.notes.end(), notes.begin(), notes.end());
   result.region = common_region(result.geometry);
   result.appearance = appearance_of(result, options);
+  result.regions = regions_of(result);
   return result;
 }
 

@@ -43,6 +43,17 @@ struct PairAppearance {
   std::optional<TextureDistance> texture;  ///< empty: no window fits into the part
 };
 
+/// The same in a ninth of the part's extent: a light or a shadow that is elsewhere shows where.
+struct RegionAppearance {
+  std::string name;  ///< "top left", "top", ... "middle", ... "bottom right"
+  std::size_t pixels = 0;
+  double grey = 0.0;          ///< mean of the real picture
+  double difference = 0.0;    ///< mean of the real minus the exposed simulated one
+  double residual_rms = 0.0;  ///< of the same
+  double correlation = 0.0;
+  double ssim = 0.0;
+};
+
 /// A turn or mirror image of the real picture that fits the simulated one better than itself.
 struct BetterTurn {
   std::string name;  ///< "mirrored from left to right", "turned by 180 degrees"
@@ -55,9 +66,10 @@ struct ComparedPair {
   ComparedPicture real;
   PairGeometry geometry;
   PairAppearance appearance;
-  ImageF exposed;     ///< the simulated picture in the real one's exposure
-  Mask region;        ///< where grey values are compared
-  ImageF similarity;  ///< ssim_map()
+  ImageF exposed;                         ///< the simulated picture in the real one's exposure
+  Mask region;                            ///< where grey values are compared
+  ImageF similarity;                      ///< ssim_map()
+  std::vector<RegionAppearance> regions;  ///< those with at least 100 pixels
   std::optional<BetterTurn> better_turn;
   std::vector<std::string> notes;
 };

@@ -12,6 +12,7 @@
 
 #include "core/image/image_io.h"
 #include "tests/cli/program.h"
+#include "tests/studies/compare/compare_fixture.h"
 
 namespace glint::test {
 namespace {
@@ -65,6 +66,42 @@ class Page : public ::testing::Test {
 
   TemporaryFolder folder_;
 };
+
+TEST_F(Page, OfAComparisonIsDrawn) {
+  write_png(folder_ / "s.png", drawn_blade(), PixelDepth::k16Bit);
+  write_png(folder_ / "a.png",
+            drawn_blade({.shift_x_px = 0.5, .gain = 1.2, .index = 1}),
+            PixelDepth::k16Bit);
+  write_png(folder_ / "b.png", drawn_blade({.noise = 0.02, .index = 2}), PixelDepth::k16Bit);
+  glint({"compare", "s.png", "a.png", "b.png", "--quiet", "--out", "compared"});
+  EXPECT_THAT(drawn("compared/report.html"),
+              AllOf(HasSubstr("<h2>Pairs</h2>"),
+                    HasSubstr("<h4>Causes</h4>"),
+                    HasSubstr("<h4>Region by region</h4>"),
+                    HasSubstr("Offset of edges against the radius"),
+                    HasSubstr("Photographs among each other"),
+                    HasSubstr("<path")));
+}
+
+TEST_F(Page, OfACoverageIsDrawn) {
+  const std::string scene =
+      std::string(GLINT_SOURCE_DIR) + "/studies/gallery/viewpoints/scene.toml";
+  glint({"cover",
+         scene,
+         "--quiet",
+         "--set",
+         "camera.width_px=153",
+         "--set",
+         "camera.height_px=128",
+         "--set",
+         "camera.pixel_um=55.2",
+         "--out",
+         "covered"});
+  EXPECT_THAT(drawn("covered/report.html"),
+              AllOf(HasSubstr("The part, coloured by what inspects it"),
+                    HasSubstr("What each view adds"),
+                    HasSubstr("<img")));
+}
 
 TEST_F(Page, OfARunAndOfItsInspectionIsDrawn) {
   write_file(folder_ / "study.toml", small_study());

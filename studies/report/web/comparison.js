@@ -104,6 +104,14 @@ function edgesTable(pair) {
   return h('div', {}, h('h4', {}, 'Edge by edge'), table(['edge', 'middle px', 'points', 'mean distance px', 'offset px', 'shift x px', 'shift y px'], pair.edges.slice(0, 12).map(row)));
 }
 
+/** Grey values by ninths of the part's extent, as they lie in the picture. */
+function regionsTable(pair) {
+  const regions = pair.regions ?? [];
+  if (regions.length < 2) return null;
+  const row = (region) => h('tr', {}, h('td', {}, region.name), cell(region.grey, 3), cell(region.difference, 3), cell(region.residual_rms, 3), cell(region.correlation, 3), cell(region.ssim, 3));
+  return h('div', {}, h('h4', {}, 'Region by region'), table(['ninth of the part', 'grey of the photograph', 'minus simulated', 'rms', 'correlation', 'SSIM'], regions.map(row)));
+}
+
 function inspectionTable(pair) {
   const { inspection } = pair;
   if (!inspection) return null;
@@ -124,7 +132,7 @@ function pairShown(pair, i) {
       figure(pair.difference, `difference of ${pair.real}`, 'Photograph minus simulated picture.', scaleBar(pair.difference_scale))),
     wipe(pair),
     h('div', { class: 'pair paper-only' }, figure(pair.simulated_image, `simulated ${pair.simulated}`, 'Simulated.'), figure(pair.real_image, `photograph ${pair.real}`, 'Photograph.')),
-    causesTable(pair), edgesTable(pair), inspectionTable(pair), h('div', { class: 'pair' }, ringChart(pair), spectrumChart(pair)));
+    causesTable(pair), edgesTable(pair), regionsTable(pair), inspectionTable(pair), h('div', { class: 'pair' }, ringChart(pair), spectrumChart(pair)));
 }
 
 export function comparisonSection(facts) {

@@ -61,6 +61,30 @@ TEST_F(ComparePairTest, MatchesTheExposureBeforeGreysAreCompared) {
   EXPECT_LT(pair.appearance.histogram_distance, 0.003);
 }
 
+// A shadow in the lower right of the real part is told there, and nowhere else.
+TEST_F(ComparePairTest, TellsInWhichRegionGreysDiffer) {
+  const auto surface = [](double shadow) {
+    ImageF picture(150, 120);
+    for (int y = 0; y < 120; ++y) {
+      for (int x = 0; x < 150; ++x) {
+        const double grey = 0.5 + 0.2 * std::sin(0.5 * x) * std::sin(0.4 * y);
+        picture(x, y) = static_cast<float>(x >= 100 && y >= 80 ? shadow * grey : grey);
+      }
+    }
+    return picture;
+  };
+  const ComparedPair pair = compare(surface(1.0), surface(0.8), {.outline = OutlineChoice::kInner});
+  ASSERT_EQ(pair.regions.size(), 9U);
+  EXPECT_EQ(pair.regions[8].name, "bottom right");
+  EXPECT_EQ(pair.regions[8].pixels, 2000U);
+  EXPECT_NEAR(pair.regions[8].difference, -0.1, 0.02);
+  EXPECT_GT(pair.regions[8].correlation, 0.999);
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_LT(std::abs(pair.regions[i].difference), 0.02) << pair.regions[i].name;
+    EXPECT_GT(pair.regions[i].ssim, pair.regions[8].ssim) << pair.regions[i].name;
+  }
+}
+
 // Noise of the simulated picture makes the gain of a regression too small: that is no cause.
 TEST_F(ComparePairTest, HasNoGainOfNoise) {
   const ComparedPair equal =

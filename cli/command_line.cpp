@@ -276,7 +276,7 @@ void add_part_verb(CLI::App& app, CommandLine& line) {
                "glint part gear.stl --unit mm --out gear.ply",
                line,
                [](const CommandLine& given) { return part_command(given.part, given.common); });
-  part->add_option("FILE", line.part.file, "STL, PLY, OBJ, OFF, or a TOML file with [part]")
+  part->add_option("FILE", line.part.file, "STL, PLY, OBJ, OFF, CAO, or a TOML file with [part]")
       ->type_name("FILE")
       ->required();
   part->add_option("--out", line.part.out, "write the mesh: .stl .ply .obj .off")

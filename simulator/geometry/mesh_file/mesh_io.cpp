@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "simulator/geometry/mesh_file/read_cao.h"
 #include "simulator/geometry/mesh_file/read_obj_off.h"
 #include "simulator/geometry/mesh_file/read_ply.h"
 #include "simulator/geometry/mesh_file/read_stl.h"
@@ -37,14 +38,17 @@ TriangleMesh parse_by_content(std::string_view bytes, const std::string& name) {
   if (mesh_file::looks_like_off(bytes)) {
     return mesh_file::read_off(bytes, name);
   }
+  if (mesh_file::looks_like_cao(bytes)) {
+    return mesh_file::read_cao(bytes, name);
+  }
   if (mesh_file::looks_like_stl(bytes) || extension == ".stl") {
     return mesh_file::read_stl(bytes, name);
   }
   if (extension == ".obj") {
     return mesh_file::read_obj(bytes, name);
   }
-  const bool is_named = extension == ".ply" || extension == ".off";
-  throw ConfigError(fmt::format("{}: {}; allowed: STL, PLY, OBJ, OFF",
+  const bool is_named = extension == ".ply" || extension == ".off" || extension == ".cao";
+  throw ConfigError(fmt::format("{}: {}; allowed: STL, PLY, OBJ, OFF, CAO",
                                 name,
                                 is_named ? "does not begin as a " + extension + " file must"
                                          : "is no mesh format that Glint knows"));

@@ -75,7 +75,7 @@ bool is_gentle(double radius_mm, double extent_mm) {
 template <class Fail>
 void check_shape(const PartSettings& settings, const Fail& fail) {
   if (settings.shape == Shape::kMesh && settings.file.empty()) {
-    fail("file", "shape \"mesh\" needs a file (STL, PLY, OBJ or OFF)");
+    fail("file", "shape \"mesh\" needs a file (STL, PLY, OBJ, OFF or CAO)");
   }
   if (settings.shape == Shape::kStrip) {
     if (!is_gentle(settings.radius_along_mm, settings.length_mm)) {
@@ -285,7 +285,7 @@ void check_extent(const PartSettings& settings) {
 
 void visit_keys(KeyVisitor& keys, PartSettings& settings) {
   keys.choice("shape", settings.shape, kShapes, "What the part is; a given file makes it a mesh.");
-  keys.file("file", settings.file, "Mesh to read: STL, PLY, OBJ or OFF.");
+  keys.file("file", settings.file, "Mesh to read: STL, PLY, OBJ, OFF or CAO.");
   keys.choice("unit", settings.unit, kUnits, "Unit of the numbers in the mesh file.");
   if (!settings.file.empty()) {
     settings.shape = Shape::kMesh;

@@ -7,11 +7,15 @@
 #include <cmath>
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 #include <Eigen/Geometry>
 
 #include "core/image/image_io.h"
 #include "metrics/overlap/edge_location.h"
+#include "simulator/geometry/mesh_file/mesh_io.h"
+#include "simulator/geometry/mesh_file/mesh_write.h"
 #include "studies/compare/cause_fit.h"
 
 namespace glint {
@@ -194,6 +198,29 @@ double mean_distance(const std::vector<SpaceEdge>& edges) {
     sum += std::abs(edge.offset_px);
   }
   return sum / static_cast<double>(edges.size());
+}
+
+// The model's file, in metres, read and written as PLY: the corners above.
+TEST(RealBox, IsTheModelsFileInMillimetres) {
+  const fs::path model = kPhotograph.parent_path() / "teabox.cao";
+  if (!fs::exists(model)) {
+    GTEST_SKIP() << model << " is not there";
+  }
+  TriangleMesh mesh = read_mesh(model);
+  for (Vector3d& vertex : mesh.vertices_mm) {
+    vertex *= 1000.0;
+  }
+  const fs::path ply = fs::temp_directory_path() / fmt::format("glint_teabox_{}.ply", ::getpid());
+  write_mesh(ply, mesh);
+  const TriangleMesh box = read_mesh(ply);
+  fs::remove(ply);
+  EXPECT_EQ(box.triangles.size(), 12U);
+  ASSERT_EQ(box.vertices_mm.size(), kCorners.size());
+  for (const Vector3d& corner : kCorners) {
+    EXPECT_TRUE(std::ranges::any_of(box.vertices_mm, [&](const Vector3d& vertex) {
+      return (vertex - corner).norm() < 1e-9;
+    })) << corner.transpose();
+  }
 }
 
 TEST(RealBox, EdgesOfTheRefinedModelLieOnThePhotographedOnes) {

@@ -41,6 +41,16 @@ TEST(MeshFaults, InTextFilesNameLineAndColumn) {
               StartsWith("a.stl:5:1: \"vertex\" expected"));
 }
 
+TEST(MeshFaults, OfCaoModelsNameLineAndColumn) {
+  const std::string points = "V1\n3\n0 0 0\n1 0 0\n0 1 0\n";
+  EXPECT_THAT(fault_of(points + "0\n1\n2 0 1\n1\n3 0 1 2\n", "a.cao"),
+              HasSubstr("a.cao:7:1: faces given by lines are not read"));
+  EXPECT_THAT(fault_of(points + "0\n0\n1\n3 0 1 7\n", "a.cao"), HasSubstr("a.cao:9:"));
+  EXPECT_THAT(fault_of(points + "0\n0\n1\n3 0 1 2\n2\n", "a.cao"),
+              HasSubstr("a.cao:10:1: cylinders are not read"));
+  EXPECT_THAT(fault_of("V1\n3000000000\n", "a.cao"), HasSubstr("a.cao:2:1"));
+}
+
 TEST(MeshFaults, NotFiniteCoordinatesNameTheVertex) {
   EXPECT_THAT(fault_of("v 0 0 0\nv 1 nan 0\nf 1 1 1\n", "a.obj"),
               StartsWith("a.obj:2:9: vertex 1 is not finite"));

@@ -117,6 +117,17 @@ TEST(ParseMesh, ReadsOffWithCommentsColoursAndAnyName) {
   EXPECT_EQ(coloured.num_triangles(), 1U);
 }
 
+// A model of ViSP's trackers: points, lines that are read over, faces by points with a name behind.
+TEST(ParseMesh, ReadsCaoModels) {
+  const TriangleMesh mesh = parse_mesh(
+      "# a roof\nV1\n4 # points\n0 0 0\n1 0 0 # second\n1 1 0\n0 1 0.5\n"
+      "1\n0 1\n0\n2\n4 0 1 2 3 name=\"floor\" minPolygonAreaThreshold=5\n3 0 2 3\n0\n0\n",
+      "roof.cao");
+  EXPECT_EQ(mesh.vertices_mm.size(), 4U);
+  EXPECT_EQ(mesh.triangles.size(), 3U);
+  EXPECT_EQ(mesh.vertices_mm[3], Eigen::Vector3d(0, 1, 0.5));
+}
+
 TEST(ParseMesh, ReadsAsciiPlyWithOtherElementsAndProperties) {
   const TriangleMesh mesh = parse_mesh(
       "ply\r\nformat ascii 1.0\r\ncomment x\r\nelement vertex 4\r\nproperty float x\r\n"

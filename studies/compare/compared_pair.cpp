@@ -141,7 +141,7 @@ constexpr std::array<const char*, 9> kRegionNames = {"top left",
                                                      "bottom left",
                                                      "bottom",
                                                      "bottom right"};
-constexpr std::size_t kLeastRegionPx = 100;
+constexpr double kLeastRegionPx = 100.0;
 
 /// Columns and rows [x0, x1) x [y0, y1) that hold a region; all where it is empty.
 struct Extent {
@@ -169,55 +169,65 @@ Extent extent_of(const Mask& region, const ImageF& picture) {
   return extent;
 }
 
-/// The pixels of each ninth.
-std::array<Mask, 9> ninths_of(const Mask& region, const ImageF& picture) {
-  const Extent extent = extent_of(region, picture);
-  std::array<Mask, 9> ninths;
-  ninths.fill(Mask(picture.width(), picture.height()));
+/// Sums over the pixels of a ninth.
+struct RegionSums {
+  double pixels = 0.0;
+  double real = 0.0;
+  double simulated = 0.0;
+  double real_squares = 0.0;
+  double simulated_squares = 0.0;
+  double products = 0.0;
+  double similarity = 0.0;
+
+  void add(double real_grey, double simulated_grey, double similar) {
+    pixels += 1.0;
+    real += real_grey;
+    simulated += simulated_grey;
+    real_squares += real_grey * real_grey;
+    simulated_squares += simulated_grey * simulated_grey;
+    products += real_grey * simulated_grey;
+    similarity += similar;
+  }
+
+  RegionAppearance appearance() const {
+    const double varied = (real_squares - real * real / pixels) *
+                          (simulated_squares - simulated * simulated / pixels);
+    const double squares = real_squares - 2.0 * products + simulated_squares;
+    return {.pixels = static_cast<std::size_t>(pixels),
+            .grey = real / pixels,
+            .difference = (real - simulated) / pixels,
+            .residual_rms = std::sqrt(std::max(squares, 0.0) / pixels),
+            .correlation =
+                varied > 0.0 ? (products - real * simulated / pixels) / std::sqrt(varied) : 0.0,
+            .ssim = similarity / pixels};
+  }
+};
+
+std::array<RegionSums, 9> ninths_of(const ComparedPair& pair) {
+  const Extent extent = extent_of(pair.region, pair.real.grey);
+  std::array<RegionSums, 9> ninths;
   for (int y = extent.y0; y < extent.y1; ++y) {
+    const int row = 3 * (y - extent.y0) / (extent.y1 - extent.y0);
     for (int x = extent.x0; x < extent.x1; ++x) {
-      const int column = 3 * (x - extent.x0) / (extent.x1 - extent.x0);
-      const int row = 3 * (y - extent.y0) / (extent.y1 - extent.y0);
-      if (region.empty() || region(x, y) != 0) {
-        ninths[static_cast<std::size_t>(3 * row + column)](x, y) = 1;
+      if (pair.region.empty() || pair.region(x, y) != 0) {
+        const int column = 3 * (x - extent.x0) / (extent.x1 - extent.x0);
+        ninths[static_cast<std::size_t>(3 * row + column)].add(
+            static_cast<double>(pair.real.grey(x, y)),
+            static_cast<double>(pair.exposed(x, y)),
+            static_cast<double>(pair.similarity(x, y)));
       }
     }
   }
   return ninths;
 }
 
-RegionAppearance appearance_in(const ComparedPair& pair, const Mask& region) {
-  RegionAppearance look;
-  double squares = 0.0;
-  for (std::size_t i = 0; i < region.size(); ++i) {
-    if (region.values()[i] != 0) {
-      const auto real = static_cast<double>(pair.real.grey.values()[i]);
-      const double difference = real - static_cast<double>(pair.exposed.values()[i]);
-      ++look.pixels;
-      look.grey += real;
-      look.difference += difference;
-      squares += difference * difference;
-    }
-  }
-  const auto pixels = static_cast<double>(std::max<std::size_t>(look.pixels, 1));
-  look.grey /= pixels;
-  look.difference /= pixels;
-  look.residual_rms = std::sqrt(squares / pixels);
-  if (look.pixels >= kLeastRegionPx) {
-    look.correlation = correlation_of(pair.exposed, pair.real.grey, region);
-    look.ssim = mean_in(pair.similarity, region);
-  }
-  return look;
-}
-
 std::vector<RegionAppearance> regions_of(const ComparedPair& pair) {
   std::vector<RegionAppearance> regions;
-  const std::array<Mask, 9> ninths = ninths_of(pair.region, pair.real.grey);
+  const std::array<RegionSums, 9> ninths = ninths_of(pair);
   for (std::size_t i = 0; i < ninths.size(); ++i) {
-    RegionAppearance look = appearance_in(pair, ninths[i]);
-    if (look.pixels >= kLeastRegionPx) {
-      look.name = kRegionNames[i];
-      regions.push_back(std::move(look));
+    if (ninths[i].pixels >= kLeastRegionPx) {
+      regions.push_back(ninths[i].appearance());
+      regions.back().name = kRegionNames[i];
     }
   }
   return regions;

@@ -3,6 +3,7 @@
 // `glint cell` with the twins of a camera and a robot, from beginning to end.
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -30,7 +31,11 @@ json call(const TemporaryFolder& folder, Arguments arguments) {
 
 TEST(CellCamera, IsListedGrabbedFromAndFollowsTheArm) {
   const TemporaryFolder folder;
-  const std::string cell = kGallery / "cell.toml";
+  const std::string cell = "cell.toml";
+  write_file(folder / cell,
+             fmt::format("include = [\"{0}/cell.toml\"]\n[twin]\ntruth = \"{0}/truth.toml\"\n"
+                         "motion_speedup = 10\n",
+                         kGallery.string()));
   const ServedTwins twins(folder, "both", cell);
   const std::string address = twins.of("camera")["address"];
   const json list = json_of(folder, {"cell", "list"});

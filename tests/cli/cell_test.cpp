@@ -237,7 +237,8 @@ void expect_motions_arrive(const TemporaryFolder& folder) {
 
 TEST(Cell, ATwinIsServedReadMovedAndStopped) {
   const TemporaryFolder folder;
-  write_file(folder / "cell.toml", cell_text(30004, 30001, 30002, 29999));
+  write_file(folder / "cell.toml",
+             cell_text(30004, 30001, 30002, 29999) + "[twin]\nmotion_speedup = 10\n");
   const json ready = json_of(folder,
                              {"cell",
                               "twin",

@@ -159,6 +159,7 @@ void add_validate_verb(CLI::App& app, CommandLine& line) {
       ->type_name("FILE")
       ->check(not_empty());
   add_driving_options(*validate, arguments.acquire, "with --cell: ");
+  add_mounted_option(*validate, arguments.acquire, "with --cell: ");
   add_out(*validate, arguments.acquire.out, "folder for the results (default out/<name>/validate)");
 }
 
@@ -432,6 +433,7 @@ void add_acquire_verb(CLI::App& app, CommandLine& line) {
   acquire->add_flag(
       "--dry_run", arguments.is_dry_run, "tell what would be done; connects to nothing");
   add_driving_options(*acquire, arguments, "");
+  add_mounted_option(*acquire, arguments, "");
 }
 
 }  // namespace

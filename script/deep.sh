@@ -95,6 +95,7 @@ fuzz_for_a_minute() { # program, name
     mesh) seeds=("$root/../shared/data/meshes") ;;
     ies) seeds=("$root/../shared/data/field/ies") ;;
     pose) seeds=("$root/../shared/data/field/handeye_franka") ;;
+    robot) seeds=("$root/tests/fuzz/corpus/robot") ;;
   esac
   local corpus=$root/build/fuzz/corpus_$2 seed
   local -a folders=("$corpus")

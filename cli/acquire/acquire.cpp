@@ -41,6 +41,12 @@ std::string dry_run_text(const Json& result) {
   return text;
 }
 
+std::string waiting_text(const Json& next) {
+  return fmt::format("waiting: {}; then the same command with --mounted {}\n",
+                     next["text"].get<std::string>(),
+                     next["design"].get<std::string>());
+}
+
 std::string result_text(const Json& result) {
   const Json& counts = result["counts"];
   const Json& end = result["end"];
@@ -76,6 +82,9 @@ int exit_code_of(const Json& result) {
 }  // namespace
 
 AcquireAnswer acquire_answer(const Json& result) {
+  if (result["status"] == "waiting") {
+    return {.json = result, .text = waiting_text(result["next"]), .exit_code = kExitNegative};
+  }
   return {.json = result, .text = result_text(result), .exit_code = exit_code_of(result)};
 }
 

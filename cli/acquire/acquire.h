@@ -20,6 +20,7 @@ struct AcquireArguments {
   bool is_dry_run = false;
   double speed_share = 0.5;
   std::vector<std::string> confirmed;  ///< lights that a person has seen to
+  std::vector<std::string> mounted;    ///< designs whose prototypes a person has mounted
 };
 
 struct AcquireAnswer {

@@ -41,7 +41,8 @@ AcquireOptions driven_options(const AcquireArguments& arguments) {
           .out = arguments.out,
           .twin = arguments.twin,
           .speed_share = arguments.speed_share,
-          .confirmed = arguments.confirmed};
+          .confirmed = arguments.confirmed,
+          .mounted = arguments.mounted};
 }
 
 DrivenSession::DrivenSession(bool is_silent) : is_silent_(is_silent) {

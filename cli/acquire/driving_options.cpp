@@ -26,4 +26,13 @@ void add_driving_options(CLI::App& verb, AcquireArguments& arguments, const std:
       ->type_name("NAME");
 }
 
+void add_mounted_option(CLI::App& verb, AcquireArguments& arguments, const std::string& when) {
+  verb.add_option("--mounted",
+                  arguments.mounted,
+                  when +
+                      "design of the run whose prototype is in the cell; others are asked for at "
+                      "the terminal")
+      ->type_name("NAME");
+}
+
 }  // namespace glint

@@ -21,6 +21,11 @@ constexpr double kReadS = 0.005;  ///< how long the reader waits for one connect
 constexpr double kWriteS = 0.5;
 constexpr auto kPoll = std::chrono::milliseconds(20);
 
+/// A text that begins with the peer's address, once: connections name it, protocols do not.
+std::string with_address(const std::string& peer, const std::string& why) {
+  return why.starts_with(peer + ":") ? why : fmt::format("{}: {}", peer, why);
+}
+
 }  // namespace
 
 struct UrRobot::Impl {
@@ -144,7 +149,7 @@ UrRobot::UrRobot(const UrSettings& settings, const ArmWithTool& arm, double time
     const std::string why = impl_->failure.empty()
                                 ? fmt::format("sends no data within {:.1f} s", timeout_s)
                                 : impl_->failure;
-    throw IoError(fmt::format("{}: {}", impl_->rtde.peer(), why));
+    throw IoError(with_address(impl_->rtde.peer(), why));
   }
 }
 

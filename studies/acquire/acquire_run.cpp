@@ -13,6 +13,7 @@
 #include "core/wall_clock.h"
 #include "hardware/robot/path_check.h"
 #include "studies/acquire/acquire_files.h"
+#include "studies/acquire/acquired.h"
 #include "studies/acquire/cell_devices.h"
 #include "studies/cell/cell_copy.h"
 #include "studies/cell/twin_process.h"
@@ -98,6 +99,35 @@ void write_inputs(const Prepared& ready, Json& head) {
     write_file(ready.folder / "calibration.toml", read_file(ready.cell.calibration));
     head["calibration"] = "calibration.toml";
   }
+}
+
+bool is_whole(const fs::path& folder) {
+  return fs::exists(folder / "acquired.json") && read_acquired(folder).status == "complete";
+}
+
+/// What a person has to do first, and has not confirmed.
+std::optional<std::string> open_wish(const Prepared& ready,
+                                     const AcquireOptions& options,
+                                     MountedPrototypes& prototypes) {
+  const std::string design = MountedPrototypes::design_in(options.source);
+  std::optional<std::string> wish = prototypes.wish(design);
+  if (!wish || is_whole(ready.folder)) {
+    return std::nullopt;
+  }
+  if (options.confirm && options.confirm(*wish)) {
+    prototypes.mount(design);
+    return std::nullopt;
+  }
+  return wish;
+}
+
+Json waiting(const Prepared& ready, const std::string& design, const std::string& wish) {
+  return {{"schema", 1},
+          {"status", "waiting"},
+          {"ok", false},
+          {"folder", ready.folder.string()},
+          {"next", {{"design", design}, {"text", wish}}},
+          {"end", nullptr}};
 }
 
 /// One session: what is missing is taken.
@@ -199,8 +229,18 @@ Json describe_acquisition(const AcquireOptions& options) {
 }
 
 Json acquire_pictures(const AcquireOptions& options, const MotionPermit& permit) {
+  MountedPrototypes prototypes = MountedPrototypes::beside(options.source, options.mounted);
+  return acquire_pictures(options, prototypes, permit);
+}
+
+Json acquire_pictures(const AcquireOptions& options,
+                      MountedPrototypes& prototypes,
+                      const MotionPermit& permit) {
   const auto start = std::chrono::steady_clock::now();
   const Prepared ready = prepare(options);
+  if (const auto wish = open_wish(ready, options, prototypes)) {
+    return waiting(ready, MountedPrototypes::design_in(options.source), *wish);
+  }
   const auto confirm = [&options](const std::string& light, const std::string& what) {
     return std::ranges::find(options.confirmed, light) != options.confirmed.end() ||
            (options.confirm && options.confirm(what));

@@ -14,6 +14,7 @@
 
 #include "hardware/light/light.h"
 #include "hardware/robot/motion_permit.h"
+#include "studies/acquire/mounted_prototypes.h"
 #include "studies/cell/cell_file.h"
 
 namespace glint {
@@ -26,6 +27,7 @@ struct AcquireOptions {
   std::filesystem::path twin;            ///< ready file whose ports take the place of the cell's
   double speed_share = 0.5;              ///< of the cell's limits of speed
   std::vector<std::string> confirmed;    ///< lights that a person has confirmed on the command line
+  std::vector<std::string> mounted;      ///< designs whose prototypes a person has mounted
   Confirm confirm = {};                  ///< asks a person; empty: nobody is there
   const std::atomic<int>* interrupt = nullptr;
   /// Pictures that are there, of how many, and where; may be empty.
@@ -35,9 +37,18 @@ struct AcquireOptions {
 /// What would be done. Reads files, connects to nothing.
 nlohmann::ordered_json describe_acquisition(const AcquireOptions& options);
 
-/// Takes what the folder does not have yet.
-/// @return what acquired.json holds, and "folder", "ok", "counts"
+/// Takes what the folder does not have yet. A design whose lights may not be the ones that are
+/// mounted waits for a person, who is asked, or has named it in options.mounted: nothing is
+/// connected before.
+/// @return what acquired.json holds, and "folder", "ok", "counts"; of a design that waits "status"
+///         "waiting", "ok" false, and "next" with the "design" and what is to be done as "text"
 /// @throws ConfigError, IoError: before anything has moved
 nlohmann::ordered_json acquire_pictures(const AcquireOptions& options, const MotionPermit& permit);
+
+/// The same for one design of several. @param prototypes  what is mounted, and then was mounted;
+///                                                       in the place of options.mounted
+nlohmann::ordered_json acquire_pictures(const AcquireOptions& options,
+                                        MountedPrototypes& prototypes,
+                                        const MotionPermit& permit);
 
 }  // namespace glint

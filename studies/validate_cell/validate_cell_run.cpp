@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/validate_cell/validate_cell_run.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -40,11 +41,17 @@ Json validate_in_cell(const ValidateCellOptions& options, const MotionPermit& pe
   if (validate.pictures.empty()) {
     validate.pictures = fs::absolute(validate.run).lexically_normal().parent_path() / "acquired";
   }
-  for (const std::string& name : wanted_designs(validate)) {
+  std::vector<std::string> names = wanted_designs(validate);
+  MountedPrototypes prototypes =
+      MountedPrototypes::beside(validate.run / names.front(), options.acquire.mounted);
+  // What is mounted first: nobody exchanges a prototype twice.
+  std::ranges::stable_partition(
+      names, [&prototypes](const std::string& name) { return !prototypes.wish(name); });
+  for (const std::string& name : names) {
     AcquireOptions acquire = options.acquire;
     acquire.source = validate.run / name / "scene.toml";
     acquire.out = validate.pictures / name;
-    Json taken = acquire_pictures(acquire, permit);
+    Json taken = acquire_pictures(acquire, prototypes, permit);
     if (taken["ok"] == false) {
       taken["design"] = name;
       taken["agreement"] = nullptr;

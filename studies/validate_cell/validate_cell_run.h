@@ -20,7 +20,9 @@ struct ValidateCellOptions {
   AcquireOptions acquire;  ///< all but source and out, which are each design's
 };
 
-/// What the folders have already is not taken again: after an interruption it goes on.
+/// What the folders have already is not taken again: after an interruption it goes on. Designs
+/// whose prototypes are mounted come first; the next one waits for a person as in
+/// acquire_pictures().
 /// @return what validate_run() returns, or, where a design's pictures are not whole, what
 ///         acquire_pictures() told of it with "design" and "agreement" null
 /// @throws ConfigError before anything has moved, IoError

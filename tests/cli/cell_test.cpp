@@ -96,17 +96,61 @@ joints_deg = [10, -95, 95, -85, -90, 0]
                      dashboard);
 }
 
+/// A study with [validate] whose scene lies in the cell: when its only design is rendered, a run of
+/// it with --move acquires that design's pictures.
+constexpr const char* kValidatedStudy = R"(schema = 2
+[part]
+shape = "plate"
+length_mm = 20
+width_mm = 20
+thickness_mm = 5
+[material]
+type = "diffuse"
+[camera]
+width_px = 32
+height_px = 24
+object_pixel_mm = 1
+working_distance_mm = 180
+[sensor]
+wavelengths_nm = [630]
+[lighting.ring]
+mount = "camera"
+inner_radius_mm = 30
+outer_radius_mm = 60
+height_mm = 80
+radiance = [4]
+[render.paths]
+samples = 1
+max_reflections = 1
+[calibration.flange_from_camera]
+translation_mm = [0, 40, 30]
+rotation_vector_deg = [0, 0, 0]
+[cell.base_from_part]
+translation_mm = [300, 0, 100]
+rotation_vector_deg = [0, 0, 0]
+[validate]
+)";
+
+/// A call that may move, and how it ends without --move.
+struct MovingVerb {
+  Arguments arguments;
+  int code = 2;  ///< refused; `glint run` plans the views and tells how to go on
+};
+
 // A verb that may move gets a row here.
-const std::vector<Arguments> kMovingVerbs = {
-    {"cell", "move", "cell.toml", "--view", "left"},
-    {"cell", "safe", "cell.toml"},
-    {"cell", "unlock", "cell.toml"},
-    {"cell", "power", "cell.toml"},
-    {"cell", "power", "cell.toml", "--off"},
-    {"acquire", "--cell", "cell.toml"},
-    {"validate", "run", "--cell", "cell.toml"},
-    {"calibrate", "--cell", "cell.toml", "--board", "board.toml"},
-    {"calibrate", "--cell", "cell.toml", "--part", "part.toml", "--camera", "camera"}};
+const std::vector<MovingVerb> kMovingVerbs = {
+    {{"cell", "move", "cell.toml", "--view", "left"}},
+    {{"cell", "move", "cell.toml", "--view", "left", "--line"}},
+    {{"cell", "safe", "cell.toml"}},
+    {{"cell", "safe", "cell.toml", "--line"}},
+    {{"cell", "unlock", "cell.toml"}},
+    {{"cell", "power", "cell.toml"}},
+    {{"cell", "power", "cell.toml", "--off"}},
+    {{"acquire", "--cell", "cell.toml"}},
+    {{"validate", "run", "--cell", "cell.toml"}},
+    {{"calibrate", "--cell", "cell.toml", "--board", "board.toml"}},
+    {{"calibrate", "--cell", "cell.toml", "--part", "part.toml", "--camera", "camera"}},
+    {{"run", "study.toml", "--cell", "cell.toml", "--out", "run", "--quiet"}, 0}};
 
 TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
   const TemporaryFolder folder;
@@ -116,12 +160,22 @@ TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
   const CountingPeer dashboard;
   write_file(folder / "cell.toml",
              cell_text(rtde.port(), primary.port(), secondary.port(), dashboard.port()));
-  for (const Arguments& verb : kMovingVerbs) {
-    const ProgramResult result = glint_in(folder, verb);
-    EXPECT_EQ(result.code, 2) << verb[1];
-    EXPECT_THAT(result.err, HasSubstr("--move"));
-    EXPECT_EQ(result.out, "");
+  write_file(folder / "study.toml", kValidatedStudy);
+  std::vector<Arguments> calls;
+  for (const MovingVerb& verb : kMovingVerbs) {
+    calls.push_back(verb.arguments);
   }
+  const std::vector<ProgramResult> results = glint_in(folder, calls);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const MovingVerb& verb = kMovingVerbs[i];
+    EXPECT_EQ(results[i].code, verb.code)
+        << verb.arguments[0] << ' ' << verb.arguments[1] << results[i].err;
+    EXPECT_EQ(results[i].out, "");
+    if (verb.code == 2) {
+      EXPECT_THAT(results[i].err, HasSubstr("--move"));
+    }
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "plan/plan.json")) << "the run comes to its end";
   for (const CountingPeer* peer : {&rtde, &primary, &secondary, &dashboard}) {
     EXPECT_EQ(peer->connections(), 0);
     EXPECT_EQ(peer->bytes(), 0);
@@ -141,72 +195,65 @@ TEST(CellSafety, WithMoveThePeerIsCalled) {
   EXPECT_EQ(primary.bytes(), 0) << "no script before the state is known";
 }
 
-TEST(CellSafety, ReadingVerbsSendNothingToTheScriptPorts) {
-  const TemporaryFolder folder;
+/// Reading verbs on the twin's own RTDE and dashboard; the ports that take scripts count.
+void expect_reading_sends_no_script(const TemporaryFolder& folder, const json& twin) {
   const CountingPeer primary;
   const CountingPeer secondary;
-  write_file(folder / "twin.toml", cell_text(30004, 30001, 30002, 29999));
-  const json ready = json_of(folder,
-                             {"cell",
-                              "twin",
-                              "robot",
-                              "twin.toml",
-                              "--port",
-                              "0",
-                              "--detach",
-                              "--ready_file",
-                              "twin.json"});
-  const json& twin = ready["twins"][0];
   write_file(
-      folder / "cell.toml",
+      folder / "counted.toml",
       cell_text(twin["rtde_port"], primary.port(), secondary.port(), twin["dashboard_port"]));
-  EXPECT_EQ(json_of(folder, {"cell", "status", "cell.toml"})["twin"], true);
-  EXPECT_EQ(json_of(folder, {"cell", "watch", "cell.toml", "--duration_s", "0.2"})["ok"], true);
-  EXPECT_EQ(primary.connections(), 0);
-  EXPECT_EQ(secondary.connections(), 0);
-  EXPECT_EQ(json_of(folder, {"cell", "twin", "stop", "twin.json"})["was_running"], true);
-}
-
-TEST(Cell, ATwinIsServedMovedAndStopped) {
-  const TemporaryFolder folder;
-  write_file(folder / "cell.toml", cell_text(30004, 30001, 30002, 29999));
-  json_of(folder,
-          {"cell",
-           "twin",
-           "robot",
-           "cell.toml",
-           "--port",
-           "0",
-           "--detach",
-           "--ready_file",
-           "out/twin.json"});
-  const Arguments on_twin = {"--twin", "out/twin.json"};
-  const auto call = [&](Arguments arguments) {
-    arguments.insert(arguments.end(), on_twin.begin(), on_twin.end());
-    return json_of(folder, arguments);
-  };
-  const json status = call({"cell", "status", "cell.toml"});
+  const json status = json_of(folder, {"cell", "status", "counted.toml"});
+  EXPECT_EQ(status["twin"], true);
   EXPECT_EQ(status["movable"], true) << status["not_movable_because"];
   EXPECT_EQ(status["rate_hz"], 125.0);
-  const json moved = call({"cell", "move", "cell.toml", "--view", "left", "--move"});
+  EXPECT_EQ(json_of(folder, {"cell", "watch", "counted.toml", "--duration_s", "0.2"})["ok"], true);
+  EXPECT_EQ(primary.connections(), 0);
+  EXPECT_EQ(secondary.connections(), 0);
+}
+
+void expect_motions_arrive(const TemporaryFolder& folder) {
+  const auto call = [&](const Arguments& arguments) {
+    Arguments words = {"cell"};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    words.insert(words.end(), {"--twin", "out/twin.json", "--move"});
+    return json_of(folder, words);
+  };
+  const json moved = call({"move", "cell.toml", "--view", "left"});
   EXPECT_EQ(moved["outcome"], "done");
   EXPECT_NEAR(moved["still"]["joints_deg"][0].get<double>(), 10.0, 1e-3);
   EXPECT_GE(moved["still"]["packages"], 25);
-  const json home = call({"cell", "safe", "cell.toml", "--move"});
+  const json home = call({"safe", "cell.toml"});
   EXPECT_EQ(home["outcome"], "done");
   // A line ends where the joints' motion does, here from 0.1 rad away.
-  call({"cell", "move", "cell.toml", "--view", "left", "--move"});
-  const json straight = call({"cell", "safe", "cell.toml", "--line", "--move"});
+  call({"move", "cell.toml", "--view", "left"});
+  const json straight = call({"safe", "cell.toml", "--line"});
   EXPECT_EQ(straight["outcome"], "done") << straight["text"];
   for (const std::size_t i : {0U, 1U, 2U}) {
     EXPECT_NEAR(straight["still"]["base_from_tcp"]["translation_mm"][i].get<double>(),
                 home["still"]["base_from_tcp"]["translation_mm"][i].get<double>(),
                 1e-3);
   }
+}
+
+TEST(Cell, ATwinIsServedReadMovedAndStopped) {
+  const TemporaryFolder folder;
+  write_file(folder / "cell.toml",
+             cell_text(30004, 30001, 30002, 29999) + "[twin]\nmotion_speedup = 10\n");
+  const json ready = json_of(folder,
+                             {"cell",
+                              "twin",
+                              "robot",
+                              "cell.toml",
+                              "--port",
+                              "0",
+                              "--detach",
+                              "--ready_file",
+                              "out/twin.json"});
+  expect_reading_sends_no_script(folder, ready["twins"][0]);
+  expect_motions_arrive(folder);
   const json stopped = json_of(folder, {"cell", "twin", "stop", "out/twin.json"});
   EXPECT_EQ(stopped["was_running"], true);
   EXPECT_FALSE(std::filesystem::exists(folder / "out/twin.json"));
-  EXPECT_EQ(glint_in(folder, {"cell", "twin", "stop", "out/twin.json"}).code, 3);
 }
 
 TEST(Cell, ATwinThatCannotServeSaysWhy) {
@@ -223,14 +270,20 @@ TEST(Cell, ATwinThatCannotServeSaysWhy) {
 TEST(Cell, SlipsAreNamed) {
   const TemporaryFolder folder;
   write_file(folder / "cell.toml", cell_text(30004, 30001, 30002, 29999));
-  EXPECT_THAT(glint_in(folder, {"cell", "jump", "cell.toml"}).err, HasSubstr("status, watch"));
-  EXPECT_EQ(glint_in(folder, {"cell", "status"}).code, 2);
-  EXPECT_THAT(glint_in(folder, {"cell", "move", "cell.toml", "--view", "7", "--move"}).err,
-              HasSubstr("1 to 1"));
-  EXPECT_THAT(glint_in(folder, {"cell", "twin", "robot", "cell.toml", "--detach"}).err,
-              HasSubstr("--ready_file"));
-  EXPECT_THAT(glint_in(folder, {"cell", "twin", "stop", "cell.toml"}).err,
-              HasSubstr("is no ready file"));
+  const std::vector<ProgramResult> results =
+      glint_in(folder,
+               std::vector<Arguments>{{"cell", "jump", "cell.toml"},
+                                      {"cell", "status"},
+                                      {"cell", "move", "cell.toml", "--view", "7", "--move"},
+                                      {"cell", "twin", "robot", "cell.toml", "--detach"},
+                                      {"cell", "twin", "stop", "cell.toml"},
+                                      {"cell", "twin", "stop", "absent.json"}});
+  EXPECT_THAT(results[0].err, HasSubstr("status, watch"));
+  EXPECT_EQ(results[1].code, 2);
+  EXPECT_THAT(results[2].err, HasSubstr("1 to 1"));
+  EXPECT_THAT(results[3].err, HasSubstr("--ready_file"));
+  EXPECT_THAT(results[4].err, HasSubstr("is no ready file"));
+  EXPECT_EQ(results[5].code, 3);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <memory>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -158,6 +159,19 @@ ProgramResult glint_in(const fs::path& folder,
 
 ProgramResult glint_in(const TemporaryFolder& folder, const Arguments& arguments) {
   return glint_in(folder.path(), arguments);
+}
+
+std::vector<ProgramResult> glint_in(const TemporaryFolder& folder,
+                                    const std::vector<Arguments>& calls) {
+  std::vector<std::unique_ptr<Program>> programs;
+  for (const Arguments& call : calls) {
+    programs.push_back(std::make_unique<Program>(folder.path(), call));
+  }
+  std::vector<ProgramResult> results;
+  for (const auto& program : programs) {
+    results.push_back(program->wait());
+  }
+  return results;
 }
 
 nlohmann::json json_of(const TemporaryFolder& folder, Arguments arguments) {

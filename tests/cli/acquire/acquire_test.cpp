@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <optional>
+#include <regex>
 #include <string>
 #include <thread>
 
@@ -20,6 +22,7 @@
 #include "core/rng.h"
 #include "hardware/robot/twin_proof.h"
 #include "tests/cli/program.h"
+#include "tests/cli/served_twins.h"
 
 #ifndef GLINT_NUM_KILLS
 #define GLINT_NUM_KILLS 3
@@ -49,19 +52,8 @@ class SmallTwins {
     write_file(folder / "cell.toml",
                edited(read_file(kGallery / "cell.toml"),
                       {{"truth = \"truth.toml\"", "truth = \"truth.toml\"\nmotion_speedup = 20"}}));
-    ready_ = json_of(folder,
-                     {"cell",
-                      "twin",
-                      "both",
-                      "cell.toml",
-                      "--port",
-                      "0",
-                      "--detach",
-                      "--ready_file",
-                      "twin.json"});
+    twins_.emplace(folder, "both", "cell.toml");
   }
-
-  ~SmallTwins() { glint_in(folder, {"cell", "twin", "stop", "twin.json"}); }
 
   SmallTwins(const SmallTwins&) = delete;
   SmallTwins& operator=(const SmallTwins&) = delete;
@@ -83,12 +75,8 @@ class SmallTwins {
   }
 
   void fault(const std::string& what) const {
-    for (const json& twin : ready_["twins"]) {
-      if (twin["kind"] == "robot") {
-        const fs::path socket = twin["side_channel"].get<std::string>();
-        EXPECT_EQ(ask_side_channel(socket, "fault " + what).value_or("nobody"), "ok");
-      }
-    }
+    const fs::path socket = twins_->of("robot")["side_channel"].get<std::string>();
+    EXPECT_EQ(ask_side_channel(socket, "fault " + what).value_or("nobody"), "ok");
   }
 
   /// Bytes of all pictures that were kept, by their names.
@@ -109,7 +97,7 @@ class SmallTwins {
   TemporaryFolder folder;
 
  private:
-  json ready_;
+  std::optional<ServedTwins> twins_;  // after the folder
 };
 
 /// Poses of both agree to half a millionth of their own sigma or better: a twin stands where it is
@@ -279,6 +267,42 @@ TEST(Acquire, BacksOutWhenItIsInterrupted) {
   EXPECT_EQ(acquired["end"]["where"], "above");
 }
 
+/// A run by hand: two designs of the twins' own scene, under rings that are built differently.
+void write_run(const TemporaryFolder& folder) {
+  const std::string truth = read_file(folder / "truth.toml");
+  const std::string scene = truth.substr(0, truth.find("[truth]"));
+  fs::create_directories(folder / "run/narrow");
+  fs::create_directories(folder / "run/wide");
+  write_file(folder / "run/study.resolved.toml", scene);
+  write_file(folder / "run/narrow/scene.toml", scene);
+  write_file(
+      folder / "run/wide/scene.toml",
+      std::regex_replace(scene, std::regex("outer_radius_mm = [0-9.]+"), "outer_radius_mm = 77"));
+}
+
+// Nobody is at the terminal: what is not named stays as it is, and the arm where it is.
+TEST(Acquire, TakesADesignWhenItsPrototypeIsSaidToBeMounted) {
+  const SmallTwins twins;
+  write_run(twins.folder);
+  Arguments call = SmallTwins::acquire("result");
+  call[0] = "validate";
+  call.insert(call.end(), {"run", "--designs", "narrow,wide", "--mounted", "wide"});
+  const ProgramResult result = glint_in(twins.folder, call);
+  EXPECT_EQ(result.code, 1) << result.err;
+  const json told = json::parse(result.out);
+  EXPECT_EQ(told["status"], "waiting");
+  EXPECT_EQ(told["design"], "narrow");
+  EXPECT_THAT(told["next"]["text"].get<std::string>(), HasSubstr("prototype of narrow (ring)"));
+  EXPECT_EQ(twins.acquired("acquired/wide")["status"], "complete");
+  EXPECT_FALSE(fs::exists(twins.folder / "acquired/narrow"));
+  Arguments alone = SmallTwins::acquire("alone");
+  alone.insert(alone.begin() + 1, "run/narrow");
+  EXPECT_EQ(json::parse(glint_in(twins.folder, alone).out)["status"], "waiting");
+  call.back() = "narrow";
+  glint_in(twins.folder, call);  // the comparison of both sides is no matter here
+  EXPECT_EQ(twins.acquired("acquired/narrow")["status"], "complete");
+}
+
 /// A strip under a tunnel whose stripes a stage moves, seen from one view.
 void write_tunnel_cell(const TemporaryFolder& folder) {
   const std::string truth = read_file(kGallery / "truth.toml");
@@ -323,15 +347,13 @@ period_mm = 12
 TEST(Acquire, TakesAScanWithItsStageKilledInBetween) {
   const TemporaryFolder folder;
   write_tunnel_cell(folder);
-  json_of(
-      folder,
-      {"cell", "twin", "both", "tunnel_cell.toml", "--port", "0", "--detach", "--ready_file", "t"});
+  const ServedTwins twins(folder, "both", "tunnel_cell.toml");
   Arguments call = {"acquire",
                     "scene.toml",
                     "--cell",
                     "tunnel_cell.toml",
                     "--twin",
-                    "t",
+                    "twin.json",
                     "--speed_share",
                     "1",
                     "--move",
@@ -349,7 +371,6 @@ TEST(Acquire, TakesAScanWithItsStageKilledInBetween) {
   const json scan = json_of(folder, call);
   call.back() = "whole";
   const json whole = json_of(folder, call);
-  glint_in(folder, {"cell", "twin", "stop", "t"});
   EXPECT_EQ(scan["counts"]["accepted"], 6);
   EXPECT_GE(scan["counts"]["resumed"], 3);
   expect_same_poses(whole, scan);

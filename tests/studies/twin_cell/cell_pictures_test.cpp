@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/twin_cell/cell_pictures.h"
 
-#include <gmock/gmock.h>
-#include <unistd.h>
-
 #include <numeric>
 
-#include "hardware/camera/aravis_camera.h"
-#include "hardware/gige/udp_socket.h"
-#include "hardware/twin/camera/camera_twin.h"
+#include <gmock/gmock.h>
+
 #include "tests/studies/twin_cell/small_cell.h"
 
 namespace glint {
@@ -144,32 +140,6 @@ TEST(TunnelCell, IsDarkWithoutALight) {
   const auto dark = renderer.render_all(state_above(0, {}), {.black_level = 0.0});
   ASSERT_EQ(dark.size(), 4U);
   EXPECT_LT(mean_of(dark[3]), 1.0);
-}
-
-// Pictures that went over the wire are those of the poses, in turn.
-TEST_F(SmallCell, PicturesOverTheWireBelongToTheirPoses) {
-  constexpr int kPoses = 8;
-  CellPictures pictures(renderer_, state_above(0, {"ring"}));
-  const std::uint32_t address =
-      0x7f000003U | (static_cast<std::uint32_t>(::getpid() & 0xffff) << 8U);
-  const CameraTwin twin({.address = address,
-                         .sensor_width_px = renderer_.width_px(),
-                         .sensor_height_px = renderer_.height_px()},
-                        pictures);
-  AravisCamera camera(ipv4_text(address));
-  camera.configure({.exposure_us = 5000.0, .packet_size = 9000});
-  camera.start();
-  for (int pose = 0; pose < kPoses; ++pose) {
-    const TwinCellState state = state_above(2.0 * pose, {"ring"});
-    pictures.leave();
-    pictures.announce(state);
-    ASSERT_TRUE(pictures.wait_until_finished(kLong));
-    pictures.arrive(state);
-    const Frame frame = camera.capture();
-    ASSERT_TRUE(frame.is_complete()) << frame.what;
-    EXPECT_EQ(frame.codes, renderer_.render(state, {.exposure_us = 5000.0})) << pose;
-  }
-  EXPECT_EQ(twin.counts().refused, 0U);
 }
 
 }  // namespace

@@ -95,6 +95,47 @@ TEST(UrRobot, AHostilePeerCostsAnErrorInTimeAndNoMemory) {
   EXPECT_LT(resident_mb() - before_mb, 50.0);
 }
 
+/// What the constructor of a robot at this port says that fails.
+std::string error_of_robot_at(int port) {
+  UrSettings settings = test_robot(ArmModel::kUr3);
+  settings.rtde_port = port;
+  try {
+    const UrRobot robot(settings, arm_with_tool(settings, test_limits()), 1.0);
+  } catch (const IoError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// Closes each connection at once.
+class ClosingPeer {
+ public:
+  ~ClosingPeer() {
+    listener_.shut_down();
+    thread_.join();
+  }
+
+  int port() const { return listener_.port(); }
+
+ private:
+  LoopbackListener listener_;
+  std::thread thread_{[this] {
+    for (int peer = 0; (peer = listener_.accept(100)) >= 0;) {
+      ::close(peer);
+    }
+  }};
+};
+
+TEST(UrRobot, ErrorsNameTheAddressOnce) {
+  const ClosingPeer closing;
+  EXPECT_EQ(error_of_robot_at(closing.port()),
+            fmt::format("127.0.0.1:{}: the connection was closed", closing.port()));
+  const HostilePeer hostile(flag_reply(RtdeKind::kProtocolVersion, false));
+  const std::string address = fmt::format("127.0.0.1:{}: ", hostile.port());
+  EXPECT_THAT(error_of_robot_at(hostile.port()), testing::StartsWith(address));
+  EXPECT_THAT(error_of_robot_at(hostile.port()), testing::Not(testing::HasSubstr(": " + address)));
+}
+
 TEST(Dashboard, AHostilePeerCostsAnErrorInTime) {
   for (const std::string& bytes : {std::string(65536, 'x'), std::string(65536, '\0')}) {
     const HostilePeer peer(bytes);

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Twins that the built program serves until the end of a test. Starting the program costs most of a
+// test's time, so this starts it once and ends it by a signal.
+#pragma once
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "tests/cli/program.h"
+
+namespace glint::test {
+
+class ServedTwins {
+ public:
+  /// On free ports and addresses. @param folder  for twin.json, their ready file; must outlive this
+  /// @param kind  camera, robot or both
+  ServedTwins(const TemporaryFolder& folder, const std::string& kind, const std::string& cell)
+      : ready_file_(folder / "twin.json"),
+        program_(folder.path(),
+                 {"cell", "twin", kind, cell, "--port", "0", "--ready_file", "twin.json"}) {
+    while (program_.is_running() && !std::filesystem::exists(ready_file_)) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    if (!std::filesystem::exists(ready_file_)) {
+      ADD_FAILURE() << program_.wait().err;
+      return;
+    }
+    ready_ = nlohmann::json::parse(read_file(ready_file_));
+  }
+
+  ~ServedTwins() {
+    program_.send(SIGTERM);
+    program_.wait();
+  }
+
+  ServedTwins(const ServedTwins&) = delete;
+  ServedTwins& operator=(const ServedTwins&) = delete;
+
+  /// The object of the ready file that describes the twin of this kind; null without one.
+  nlohmann::json of(const std::string& kind) const {
+    for (const nlohmann::json& twin : ready_["twins"]) {
+      if (twin["kind"] == kind) {
+        return twin;
+      }
+    }
+    return nullptr;
+  }
+
+ private:
+  std::filesystem::path ready_file_;
+  Program program_;
+  nlohmann::json ready_;
+};
+
+}  // namespace glint::test

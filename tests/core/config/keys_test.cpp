@@ -153,6 +153,13 @@ TEST(KeyReader, NamesTheNearestKnownKey) {
                           "the nearest known one is \"width_mm\""));
 }
 
+// angle -> name or file takes 3 edits, angle -> angles_deg takes 5.
+TEST(KeyReader, NamesAKeyThatHoldsTheWholeNameFirst) {
+  EXPECT_THAT(errors_of("angle = 3\n"),
+              ElementsAre("s.toml:2:1: lamp.angle: unknown key, "
+                          "the nearest known one is \"angles_deg\""));
+}
+
 // Ranges are in the written unit: 200 deg is told as 200, not as 3.49 rad.
 TEST(KeyReader, SaysWhatIsOutOfRange) {
   EXPECT_THAT(errors_of("radius_mm = 0\n"),

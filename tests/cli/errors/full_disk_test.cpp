@@ -90,7 +90,7 @@ class FullDisk : public ImprintVerb {
 };
 
 TEST_F(FullDisk, LeavesNothingOfWhatHasNotBegun) {
-  for (const std::uintmax_t bytes : {4096, 40960}) {
+  for (const std::uintmax_t bytes : {4096U, 40960U}) {
     const SmallDisk disk(folder_ / "disk", bytes);
     expect_full(glint({"run", "study.toml", "--out", "disk/a/b"}), "run");
     EXPECT_TRUE(fs::is_empty(folder_ / "disk")) << bytes;

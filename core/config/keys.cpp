@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -11,6 +12,16 @@
 
 namespace glint {
 namespace {
+
+/// The nearest key, one that holds the whole name ("inner_radius_mm" for "radius_mm") before
+/// others.
+std::string nearest_key(const std::string& name, const std::vector<std::string>& known) {
+  std::vector<std::string> holders;
+  std::ranges::copy_if(known, std::back_inserter(holders), [&](const std::string& key) {
+    return key.find(name) != std::string::npos;
+  });
+  return nearest(name, holders.empty() ? known : holders);
+}
 
 using Kind = Problem::Kind;
 
@@ -328,7 +339,7 @@ void KeyReader::report_unknown() {
   for (std::size_t i = 0; i < table_->names.size(); ++i) {
     const std::string& name = table_->names[i];
     if (std::ranges::find(known_, name) == known_.end()) {
-      const std::string near = nearest(name, known_);
+      const std::string near = nearest_key(name, known_);
       error(&table_->items[i],
             name,
             near.empty() ? "unknown key"

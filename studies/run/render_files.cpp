@@ -172,18 +172,19 @@ void write_geometry(const Film& sums, const fs::path& folder) {
   write_exr_channels(folder / "geometry.exr", sums.width_px, sums.height_px, channels);
 }
 
-/// Pixels that a defect fills, parts of pixels together, and the window around them.
+/// How much of the view shows a defect, and the window around it.
 Json seen_json(const Film& sums, std::int32_t id) {
   const auto found = std::ranges::find(sums.defects, id, &DefectSums::id);
-  double area_px = 0.0;
+  if (found == sums.defects.end()) {
+    return {{"area_px", 0.0}, {"window_px", nullptr}};
+  }
   int left = sums.width_px;
   int top = sums.height_px;
   int right = -1;
   int bottom = -1;
-  for (int y = 0; found != sums.defects.end() && y < sums.height_px; ++y) {
+  for (int y = 0; y < sums.height_px; ++y) {
     for (int x = 0; x < sums.width_px; ++x) {
-      if (const int count = found->samples(x, y); count > 0) {
-        area_px += static_cast<double>(count) / std::max(1, sums.samples(x, y));
+      if (found->samples(x, y) > 0) {
         left = std::min(left, x);
         right = std::max(right, x);
         top = std::min(top, y);
@@ -191,7 +192,7 @@ Json seen_json(const Film& sums, std::int32_t id) {
       }
     }
   }
-  Json json = {{"area_px", area_px}, {"window_px", nullptr}};
+  Json json = {{"area_px", area_px(sums, *found)}, {"window_px", nullptr}};
   if (right >= 0) {
     json["window_px"] = {left, top, right - left + 1, bottom - top + 1};
   }
@@ -298,6 +299,14 @@ double relative_error(const PathPicture& picture, const ImageF& standard_error) 
     }
   }
   return light > 0.0 ? error / light : 0.0;
+}
+
+double area_px(const Film& sums, const DefectSums& defect) {
+  double area = 0.0;
+  for (std::size_t i = 0; i < defect.samples.size(); ++i) {
+    area += static_cast<double>(defect.samples.values()[i]) / std::max(1, sums.samples.values()[i]);
+  }
+  return area;
 }
 
 Json defect_in_view_json(const Defect& defect,

@@ -57,6 +57,9 @@ ImageF standard_error_of(const PathPicture& picture);
 /// Mean standard error of the part's pixels, share of their mean radiance; 0 where all is dark.
 double relative_error(const PathPicture& picture, const ImageF& standard_error);
 
+/// How much of the picture shows a defect [px]: the shares of pixels together.
+double area_px(const Film& sums, const DefectSums& defect);
+
 /// An entry of defects.json: what a defect is and where, and how a view shows it.
 /// @param slope_rad  one of defect_slopes_rad()
 nlohmann::ordered_json defect_in_view_json(const Defect& defect,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Output that cannot be written, and output folders that hold something else.
-#include <sys/mount.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -95,46 +94,6 @@ TEST_F(OutputError, FileTooLargeAfterTheSearchKeepsTheEvaluations) {
   EXPECT_EQ(run("a/b").code, 0);
   EXPECT_EQ(run("whole").code, 0);
   expect_same_files(folder_ / "a/b", folder_ / "whole");
-}
-
-/// A file system of a few pages; mounted where that is permitted.
-class TinyDisk {
- public:
-  TinyDisk(const fs::path& folder, const std::string& size) : folder_(folder) {
-    fs::create_directories(folder);
-    is_mounted_ = ::mount("glint_test", folder.c_str(), "tmpfs", 0, ("size=" + size).c_str()) == 0;
-  }
-
-  ~TinyDisk() {
-    if (is_mounted_) {
-      ::umount2(folder_.c_str(), MNT_DETACH);
-    }
-  }
-
-  TinyDisk(const TinyDisk&) = delete;
-  TinyDisk& operator=(const TinyDisk&) = delete;
-
-  bool is_mounted() const { return is_mounted_; }
-
- private:
-  fs::path folder_;
-  bool is_mounted_ = false;
-};
-
-TEST_F(OutputError, FullDiskLeavesNothing) {
-  for (const std::string size : {"4k", "40k"}) {
-    const TinyDisk disk(folder_ / "disk", size);
-    if (!disk.is_mounted()) {
-      GTEST_SKIP() << "mounting is not permitted; the tests with file limits run everywhere";
-    }
-    expect_one_line(run("disk/a/b"), 3, "disk/a/b/study\\.sqlite[^ ]*: .*");
-    EXPECT_TRUE(fs::is_empty(folder_ / "disk")) << size;
-    expect_one_line(
-        glint_in(folder_, {"render", "study.toml", "--out", "disk/pictures"}),
-        3,
-        "disk/pictures/(run\\.json|baseline/[^ ]*): cannot be written: No space left on device");
-    EXPECT_TRUE(fs::is_empty(folder_ / "disk")) << size;
-  }
 }
 
 TEST_F(OutputError, AnotherStudyInTheFolderIsLeftAlone) {

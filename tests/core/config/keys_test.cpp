@@ -151,6 +151,8 @@ TEST(KeyReader, NamesTheNearestKnownKey) {
   EXPECT_THAT(errors_of("[lamp.slot]\n  widht_mm = 3\n"),
               ElementsAre("s.toml:3:3: lamp.slot.widht_mm: unknown key, "
                           "the nearest known one is \"width_mm\""));
+  // angle -> name or file takes 3 edits, angle -> angles_deg 5; but it holds the whole name.
+  EXPECT_THAT(errors_of("angle = 3\n"), ElementsAre(::testing::HasSubstr("\"angles_deg\"")));
 }
 
 // Ranges are in the written unit: 200 deg is told as 200, not as 3.49 rad.

@@ -56,6 +56,14 @@ std::string finding(const Json& data, const std::string& code) {
   return "";
 }
 
+TEST(FrontVerdict, SaysWhatTheCompromiseReachesAndWhyItWasChosen) {
+  EXPECT_EQ(finding(trade(), "compromise"),
+            "The compromise reaches h (rms) 80.0 %, width (mm) 200: the knee.");
+  Json data = trade();
+  data["designs"][0]["feasible"] = false;
+  EXPECT_EQ(finding(data, "compromise"), "") << "the closest design is no compromise";
+}
+
 TEST(FrontVerdict, TellsWhatTheFrontSpans) {
   EXPECT_EQ(finding(trade(), "front_range"),
             "The front has 3 designs, h (rms) from 70.0 % to 90.0 %, width (mm) from 100 to 300.");

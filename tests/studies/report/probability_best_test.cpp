@@ -97,7 +97,13 @@ Json search() {
 
 TEST(ProbabilityBest, IsSaidOfASearchsWinner) {
   Json data = search();
+  const auto said = [](const Json& report) {
+    return std::ranges::count(report["verdict"]["findings"],
+                              "probability_best",
+                              [](const Json& one) { return one["code"].get<std::string>(); });
+  };
   EXPECT_FALSE(complete_report(data).contains("probability_best")) << "no repeated scans";
+  EXPECT_EQ(said(complete_report(data)), 0);
   for (Json& design : data["designs"]) {
     const double value = design["key"] == "winner" ? 20.0 : 5.0;
     design["repeated"] = {{kScore, {value, value + 0.1, value - 0.1, value}}};
@@ -107,6 +113,7 @@ TEST(ProbabilityBest, IsSaidOfASearchsWinner) {
   EXPECT_NEAR(complete["probability_best"][0]["probability"].get<double>(), 1.0, 0.001);
   EXPECT_THAT(complete["verdict"]["details"].back().get<std::string>(),
               HasSubstr("winner over 99 %"));
+  EXPECT_EQ(said(complete), 1);
   EXPECT_EQ(complete_report(complete), complete);
 }
 

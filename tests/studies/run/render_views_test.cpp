@@ -147,6 +147,17 @@ TEST(RenderViews, MaskEveryPixelOnce) {
   EXPECT_NEAR(dent_px, 78.5, 3.0);
 }
 
+// A dent of 0.25 mm fills pi 0.125^2 / 0.3^2 = 0.55 pixels of 0.3 mm: too little to be seen.
+TEST(RenderViews, CountDefectsOfAtLeastOnePixelAsSeen) {
+  const TemporaryFolder folder;
+  const std::string speck = "[defects.speck]\nx_mm = [4]\ndiameter_mm = 0.25\nheight_um = 5\n";
+  const Json result = render(folder.path(), kScene + speck);
+  const Json defects = Json::parse(read_file(folder / "out/baseline/defects.json")).at("defects");
+  ASSERT_EQ(defects.size(), 2U);
+  EXPECT_NEAR(defects[1]["area_px"], 0.55, 0.3);
+  EXPECT_EQ(result["views"][0]["defects_seen"], 1);
+}
+
 TEST(RenderViews, TellDepthAndPositionOfEachPixel) {
   const TemporaryFolder folder;
   render(folder.path(), kScene, {.has_light = false});

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a run of many parts says of itself, from its result.json.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "studies/population/population_report.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using ::testing::IsEmpty;
+
+Json estimate(double value, double low, double high) {
+  return {{"value", value}, {"low", low}, {"high", high}};
+}
+
+Json sorted_parts() {
+  const Json baseline = {
+      {"right", 9},
+      {"tested", 10},
+      {"share_right", estimate(0.9, 0.6, 0.98)},
+      {"false_alarms", {{"per_part", estimate(0.02, 0.0, 0.05)}, {"blobs", 2}, {"scans", 100}}}};
+  return {{"sorting", {{"designs", {{"baseline", baseline}}}}}};
+}
+
+/// A curve through a90, or none.
+Json lighting(const std::string& title, const Json& a90) {
+  Json design = {{"title", title}, {"fit", nullptr}, {"levels", Json::array({{{"size", 2.0}}})}};
+  if (!a90.is_null()) {
+    design["fit"] = {{"a90", {{"value", a90}, {"low", 0.1}, {"high", 1.5}}}, {"a90_95", 1.5}};
+  }
+  return design;
+}
+
+Json detected_sizes(const Json& a90_of_panels, const Json& a90_of_dome) {
+  return {{"pod",
+           {{"unit", "um"},
+            {"designs",
+             {{"baseline", lighting("Two panels", a90_of_panels)},
+              {"dome", lighting("The dome", a90_of_dome)}}}}}};
+}
+
+std::vector<std::string> codes_of(const Json& verdict) {
+  std::vector<std::string> codes;
+  for (const Json& finding : verdict["findings"]) {
+    codes.push_back(finding["code"]);
+  }
+  return codes;
+}
+
+TEST(PopulationVerdict, SaysHowManyPartsAreSortedAsTheExpertDoes) {
+  const Json verdict = population_verdict(sorted_parts());
+  EXPECT_EQ(verdict["findings"][0]["code"], "sorted");
+  EXPECT_EQ(verdict["sentence"],
+            "9 of 10 tested parts are in the expert's class, 90.0 % (60.0 to 98.0 %); a flawless "
+            "part has at most 0.05 false alarms (2 on 100 scans).");
+  EXPECT_THAT(codes_of(population_verdict(detected_sizes(1.3, 0.1))),
+              ::testing::Each("detectable_size"));
+}
+
+TEST(PopulationVerdict, SaysFromWhichSizeOnDefectsAreFound) {
+  const Json verdict = population_verdict(detected_sizes(1.3, 0.1));
+  EXPECT_EQ(verdict["sentence"],
+            "The dome finds nine of ten defects from 0.1 um on, 13 times smaller than under Two "
+            "panels.");
+  EXPECT_EQ(codes_of(verdict).size(), 3U) << "the sentence, and one of each lighting";
+  EXPECT_EQ(verdict["details"][0], "Two panels: a90 1.3 (0.1 to 1.5) um, a90/95 1.5 um");
+  EXPECT_EQ(codes_of(population_verdict(sorted_parts())), std::vector<std::string>{"sorted"});
+}
+
+TEST(PopulationVerdict, SaysWhereNoCurveCanBeFitted) {
+  const Json verdict = population_verdict(detected_sizes(nullptr, nullptr));
+  EXPECT_EQ(verdict["sentence"],
+            "No lighting gives a curve from which the size of a defect that is found can be told.");
+  EXPECT_EQ(verdict["details"][1], "The dome: no curve can be fitted");
+}
+
+TEST(PopulationVerdict, IsNoneWithoutAPopulation) {
+  EXPECT_TRUE(population_verdict(Json::object()).is_null());
+  EXPECT_THAT(population_summary(Json::object()), IsEmpty());
+}
+
+}  // namespace
+}  // namespace glint

@@ -28,6 +28,16 @@ std::string outcome_name(BoardOutcome outcome) {
   return kNames[static_cast<std::size_t>(outcome)];
 }
 
+BoardView refused_as_larger(const Board& board, const Eigen::Vector2i& larger_grid) {
+  return {.outcome = BoardOutcome::kNoBoard,
+          .why = fmt::format("a larger board: at least {} x {} corners, not {} x {}",
+                             larger_grid.x(),
+                             larger_grid.y(),
+                             board.cols,
+                             board.rows),
+          .larger_grid = larger_grid};
+}
+
 void reject_doubled(std::vector<BoardView>& views,
                     const std::vector<std::string>& names,
                     double limit_px) {

@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "hardware/board/board.h"
+
 namespace glint {
 
 /// What became of a picture.
@@ -35,9 +37,15 @@ struct BoardView {
       0.0;  ///< of a pixel and what the model of a corner lacks, share of full scale (median)
   double contrast = 0.0;              ///< bright minus dark, share of full scale (median)
   bool is_orientation_known = false;  ///< else the board may be turned round (num_symmetries())
+  /// Columns and rows that the board in the picture has at least, where it is larger than the one
+  /// looked for and so none (kNoBoard); else 0, 0.
+  Eigen::Vector2i larger_grid = Eigen::Vector2i::Zero();
 
   bool is_accepted() const { return outcome == BoardOutcome::kAccepted; }
 };
+
+/// No board of the kind looked for, but a larger one.
+BoardView refused_as_larger(const Board& board, const Eigen::Vector2i& larger_grid);
 
 /// Rejects views that show the board where an earlier accepted one has it: all corners within
 /// limit_px of each other. Their `why` tells the earlier picture's name.

@@ -10,6 +10,7 @@
 #include "hardware/board/board_plane.h"
 #include "hardware/board/charuco.h"
 #include "hardware/board/corner_grid.h"
+#include "hardware/board/larger_board.h"
 #include "hardware/board/measured_board.h"
 #include "hardware/board/picture_levels.h"
 
@@ -101,11 +102,15 @@ BoardView incomplete(PictureLevels& levels, const Board& board, const BestGrid& 
   const std::string found =
       fmt::format("{} of {} corners were found", best.found.num_found, num_corners(board));
   if (best.found.num_beyond > std::min(board.cols, board.rows) / 2) {
-    return refused(BoardOutcome::kNoBoard,
-                   fmt::format("a grid of {} corners, the board has {} x {}",
-                               best.grid.size(),
-                               board.cols,
-                               board.rows));
+    BoardView view = refused(BoardOutcome::kNoBoard,
+                             fmt::format("a grid of {} corners, the board has {} x {}",
+                                         best.grid.size(),
+                                         board.cols,
+                                         board.rows));
+    if (best.found.num_found == num_corners(board)) {
+      view.larger_grid = larger_grid(board, best.grid);
+    }
+    return view;
   }
   const MissingPart missing = missing_part(levels, board, best.level, best.points, best.grid);
   if (missing.reaches_border) {
@@ -126,7 +131,9 @@ BoardView find_checkerboard(PictureLevels& levels, const Board& board) {
       BoardView view =
           measured_board(levels, board, level, best->points, best->grid, best->found.placements);
       // What looks incomplete on one level may be whole on the next.
-      if (view.outcome != BoardOutcome::kNoBoard && view.outcome != BoardOutcome::kCutOff) {
+      const bool is_larger = !view.larger_grid.isZero();
+      if (is_larger ||
+          (view.outcome != BoardOutcome::kNoBoard && view.outcome != BoardOutcome::kCutOff)) {
         return view;
       }
       if (!refusal || view.outcome == BoardOutcome::kCutOff) {

@@ -3,14 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
-#include <utility>
 
 #include <fmt/format.h>
 
 #include "core/units.h"
 #include "hardware/board/board_plane.h"
+#include "hardware/board/corner_guesses.h"
+#include "hardware/board/larger_board.h"
 
 namespace glint {
 namespace {
@@ -66,37 +66,6 @@ CornerGrid board_part(const Board& board, const CornerGrid& grid, const GridPlac
            corner.row <= high.y();
   });
   return part;
-}
-
-/// Half of one step along the board as it appears, and of one down.
-struct LocalAxes {
-  Eigen::Vector2d along_px;
-  Eigen::Vector2d down_px;
-
-  /// Distance between parallel edges, the smaller of both ways.
-  double clearance_px() const {
-    const double area = std::abs(along_px.x() * down_px.y() - along_px.y() * down_px.x());
-    return area / std::max(along_px.norm(), down_px.norm());
-  }
-};
-
-LocalAxes axes_at(const BoardPlane& plane, const Eigen::Vector2d& place) {
-  const Eigen::Vector2d x(0.5, 0.0);
-  const Eigen::Vector2d y(0.0, 0.5);
-  return {.along_px = plane(place + x) - plane(place - x),
-          .down_px = plane(place + y) - plane(place - y)};
-}
-
-/// The corner of a grid at a place, where to begin its fit.
-CornerGuess guess_at(const BoardPlane& plane, const Eigen::Vector2i& place, bool is_dark_before) {
-  const LocalAxes axes = axes_at(plane, place.cast<double>());
-  const Eigen::Vector2d along = axes.along_px.normalized();
-  const Eigen::Vector2d down = axes.down_px.normalized();
-  // As dark as the square before the corner is the one after it, between +x and +y.
-  return {.at_px = plane(place.cast<double>()),
-          .rising = is_dark_before ? down : along,
-          .falling = is_dark_before ? Eigen::Vector2d(-along) : down,
-          .clearance_px = axes.clearance_px()};
 }
 
 /// Mean grey value of a disc around a place of the plane, radii in places.
@@ -197,46 +166,11 @@ struct FittedBoard {
   BoardOutcome outcome = BoardOutcome::kNoBoard;  ///< where there is a fault
 };
 
-/// Where the fit of a corner begins: at the point that was found there, else where the plane says.
-class CornerGuesses {
- public:
-  CornerGuesses(int level,
-                const BoardPlane& plane,
-                std::span<const SaddlePoint> points,
-                const CornerGrid& grid)
-      : level_(level), plane_(plane), points_(points), known_(grid.front()) {
-    for (const GridCorner& corner : grid) {
-      point_at_[{corner.col, corner.row}] = corner.point;
-    }
-  }
-
-  /// @param place  column and row in the grid
-  CornerGuess operator()(const Eigen::Vector2i& place) const {
-    const bool is_even = (place.x() + place.y() - known_.col - known_.row) % 2 == 0;
-    CornerGuess guess = guess_at(plane_, place, is_even == known_.is_first_square_dark);
-    const auto found = point_at_.find({place.x(), place.y()});
-    if (found != point_at_.end()) {
-      guess.at_px = points_[found->second].at_px * (1 << level_);
-    }
-    return guess;
-  }
-
- private:
-  int level_;
-  const BoardPlane& plane_;
-  std::span<const SaddlePoint> points_;
-  GridCorner known_;
-  std::map<std::pair<int, int>, std::size_t> point_at_;
-};
-
 FittedBoard fitted_board(PictureLevels& levels,
                          const Board& board,
                          int level,
-                         const BoardPlane& plane,
-                         std::span<const SaddlePoint> points,
-                         const CornerGrid& grid,
+                         const CornerGuesses& guesses,
                          const GridPlacement& placement) {
-  const CornerGuesses guesses(level, plane, points, grid);
   FittedBoard result;
   for (int row = 0; row < board.rows; ++row) {
     for (int col = 0; col < board.cols; ++col) {
@@ -389,7 +323,8 @@ BoardView measured_board(PictureLevels& levels,
                     outside->x(),
                     outside->y()));
   }
-  FittedBoard fitted = fitted_board(levels, board, level, *plane, points, grid, choice.placement);
+  const CornerGuesses guesses(level, *plane, points, grid);
+  FittedBoard fitted = fitted_board(levels, board, level, guesses, choice.placement);
   if (fitted.fault.empty()) {
     find_fault(fitted);
   }
@@ -402,6 +337,13 @@ BoardView measured_board(PictureLevels& levels,
     return refused(BoardOutcome::kNoBoard, "the corners do not lie on a plane");
   }
   BoardView view = judged_corners(board, fitted.col_row, fitted.fits, fitted.clearance_px);
+  if (view.is_accepted()) {
+    const Eigen::Vector2i larger =
+        larger_grid(levels, level, board, choice.placement, guesses, view.contrast);
+    if (!larger.isZero()) {
+      return refused_as_larger(board, larger);
+    }
+  }
   view.is_orientation_known = choice.is_known;
   return view;
 }

@@ -198,8 +198,13 @@ BoardScale board_scale(const Bundle& bundle) {
   add_lens_prior(bundle, shared, ignored);
   hessian.topLeftCorner(size - 1, size - 1) = shared;
   const MatrixXd covariance = inverse_information(hessian);
-  return {.factor = 1.0 - covariance.row(size - 1).dot(gradient),
-          .sigma = std::sqrt(covariance(size - 1, size - 1))};
+  BoardScale scale = {.factor = 1.0 - covariance.row(size - 1).dot(gradient),
+                      .sigma = std::sqrt(covariance(size - 1, size - 1))};
+  const std::vector<Index> rows = rows_of(bundle);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    scale.coupling[rows[i]] = covariance(static_cast<Index>(i), size - 1) / scale.sigma;
+  }
+  return scale;
 }
 
 }  // namespace glint

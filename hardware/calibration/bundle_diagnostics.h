@@ -48,6 +48,9 @@ std::vector<double> point_errors_px(const Bundle& bundle,
 struct BoardScale {
   double factor = 1.0;  ///< true size over given size
   double sigma = 0.0;   ///< infinite: poses say nothing of it
+  /// Covariance with the shared unknowns, over sigma: SharedCovariance holds for a known size and
+  /// grows by coupling * coupling' where the size is estimated from the same pictures.
+  Eigen::Matrix<double, 21, 1> coupling = Eigen::Matrix<double, 21, 1>::Zero();
 };
 
 /// One step of least squares with the size as a further unknown, from a solved joint bundle: right

@@ -6,37 +6,29 @@
 
 #include <fmt/format.h>
 
-#include "core/units.h"
+#include "hardware/calibration/hand_eye_verdict.h"
 #include "hardware/calibration/joint_fit.h"
 #include "hardware/calibration/lens_choice.h"
-#include "hardware/calibration/moved_board.h"
 
 namespace glint {
 namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
+using Work = HandEyeWork;
 
 /// Of six degrees of freedom: passed by 1 right picture in 100 000.
 constexpr double kChiSquareLimit = 33.1;
-constexpr double kWorstHandEyeRad = kRadPerDeg;
-constexpr double kWorstRobotRad = 3.0 * kRadPerDeg;
-constexpr double kWorstShareOfDistance = 0.05;
-constexpr const char* kContradiction =
-    "other order, unit, direction or rotation than assumed, or the board or the camera has moved";
 
-/// A calibration on its way.
-struct Work {
-  std::span<const BoardCorners> pictures;
-  std::span<const Isometry3d> base_from_flange;
-  const HandEyeOptions& options;
-  HandEyeCalibration result;
-  BoardSymmetry symmetry;
-  std::vector<std::size_t> seen;  ///< pictures that the camera's calibration accepted
-  std::vector<PosePair> pairs;    ///< of those
-  double distance_mm = 1.0;       ///< median from the camera to the board
-  EstimatedNoise estimated;
-};
+void resize(BoardCorners& corners, double factor) {
+  for (Vector3d& point : corners.board_mm) {
+    point *= factor;
+  }
+}
+
+bool is_possible_size(double size) {
+  return size > 0.5 && size < 2.0;
+}
 
 bool is_rigid(const Isometry3d& pose) {
   return pose.matrix().allFinite() &&
@@ -90,8 +82,26 @@ void take_camera(Work& work) {
       distances.push_back((picture.camera_from_board * work.symmetry.center_mm).norm());
     }
   }
+  work.sized.assign(work.pictures.begin(), work.pictures.end());
   std::ranges::sort(distances);
   work.distance_mm = distances[distances.size() / 2];
+}
+
+/// Makes the board that is assumed larger.
+void resize_board(Work& work, double factor) {
+  work.size *= factor;
+  work.distance_mm *= factor;
+  work.symmetry.center_mm *= factor;
+  work.symmetry.radius_mm *= factor;
+  for (BoardCorners& corners : work.sized) {
+    resize(corners, factor);
+  }
+  for (BundleView& view : work.result.bundle.views) {
+    resize(view.corners, factor);
+  }
+  for (PosePair& pair : work.pairs) {
+    pair.camera_from_board.translation() *= factor;
+  }
 }
 
 std::string refuse_motion(Work& work, const std::vector<std::size_t>& members) {
@@ -138,7 +148,7 @@ void take_members(Work& work) {
     picture.board_turn = (picture.board_turn - std::max(0, shift) + turns) % turns;
     if (picture.accepted) {
       bundle.views.push_back(
-          joint_view(turned_corners(work.pictures[i], work.symmetry, picture.board_turn),
+          joint_view(turned_corners(work.sized[i], work.symmetry, picture.board_turn),
                      work.base_from_flange[i]));
     }
   }
@@ -157,7 +167,7 @@ bool accept_again(Work& work, bool is_first) {
   for (const std::size_t i : work.seen) {
     HandEyePicture& picture = work.result.pictures[i];
     const Agreement agreement =
-        agreement_of(work.result.bundle, work.pictures[i], work.base_from_flange[i], work.symmetry);
+        agreement_of(work.result.bundle, work.sized[i], work.base_from_flange[i], work.symmetry);
     const bool accepted = agreement.chi_square <= chi_square_limit(work, is_first);
     is_same = is_same && accepted == picture.accepted && agreement.turn == picture.board_turn;
     picture.accepted = accepted;
@@ -169,11 +179,41 @@ bool accept_again(Work& work, bool is_first) {
   return is_same;
 }
 
+bool is_few(const Work& work) {
+  constexpr std::size_t kFew = 8;
+  return work.seen.size() < kFew;
+}
+
+/// Least squares over all accepted pictures; with a free size by turns with steps of the size.
+/// False when the minimiser fails.
+bool fit(Work& work) {
+  constexpr double kSmallStep = 0.02;  // in standard deviations of the size
+  constexpr int kMostSteps = 8;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const int rounds = work.has_known_noise ? 0 : 8;
+    if (!fit_joint(work.result.bundle, rounds, &work.estimated)) {
+      return false;
+    }
+    if (!work.is_size_free) {
+      return true;
+    }
+    const BoardScale scale = board_scale(work.result.bundle);
+    if (!is_possible_size(work.size * scale.factor)) {
+      return false;
+    }
+    resize_board(work, scale.factor);
+    if (std::abs(scale.factor - 1.0) < kSmallStep * scale.sigma) {
+      return true;
+    }
+  }
+  return true;
+}
+
 /// Solves and accepts by turns until the same pictures stay. False when the minimiser fails.
 bool solve(Work& work) {
   for (int round = 0; round < 8; ++round) {
     take_members(work);
-    if (work.result.bundle.views.size() < 3 || !fit_joint(work.result.bundle, 8, &work.estimated)) {
+    if (work.result.bundle.views.size() < 3 || !fit(work)) {
       return false;
     }
     if (accept_again(work, round == 0) && round > 0) {
@@ -181,60 +221,19 @@ bool solve(Work& work) {
     }
   }
   take_members(work);
-  return fit_joint(work.result.bundle, 8, &work.estimated);
+  return fit(work);
 }
 
-/// The error that the robot's pose must have for the picture to be right.
-Isometry3d implied_error(const Work& work, const PosePair& pair, int turn) {
-  const HandEye& poses = work.result.bundle.poses;
-  const Isometry3d seen = pair.camera_from_board * board_turn(work.symmetry, turn);
-  if (work.options.mounting == Mounting::kEyeInHand) {
-    return pair.base_from_flange.inverse() * poses.board * seen.inverse() *
-           poses.hand_eye.inverse();
+/// The covariances of what is shared grow by what the size leaves open.
+void take_size(const Work& work, HandEyeCalibration& result) {
+  BoardScale scale = board_scale(result.bundle);
+  if (work.is_size_free) {
+    result.covariance += scale.coupling * scale.coupling.transpose();
+    // What is left of the last step is too little to look at.
+    scale.factor = work.size;
+    scale.sigma *= work.size;
   }
-  return pair.base_from_flange.inverse() * poses.hand_eye * seen * poses.board.inverse();
-}
-
-/// The accepted or rejected picture whose robot pose the picture fits.
-int pose_that_fits(const Work& work, std::size_t k, int turn) {
-  const NoiseSizes& noise = work.result.bundle.noise;
-  const Isometry3d wanted =
-      work.pairs[k].base_from_flange * implied_error(work, work.pairs[k], turn);
-  for (std::size_t j = 0; j < work.seen.size(); ++j) {
-    const Isometry3d off = work.pairs[j].base_from_flange.inverse() * wanted;
-    // A single picture's own pose is several times worse than the robot's.
-    if (j != k && angle_rad(off.linear()) < std::max(10.0 * noise.robot_rad, 0.2 * kRadPerDeg) &&
-        off.translation().norm() < std::max(10.0 * noise.robot_mm, 0.005 * work.distance_mm)) {
-      return static_cast<int>(work.seen[j]);
-    }
-  }
-  return -1;
-}
-
-void explain_rejections(Work& work) {
-  for (std::size_t k = 0; k < work.seen.size(); ++k) {
-    HandEyePicture& picture = work.result.pictures[work.seen[k]];
-    if (picture.accepted) {
-      continue;
-    }
-    Isometry3d nearest = implied_error(work, work.pairs[k], 0);
-    for (int turn = 0; turn < work.symmetry.turns; ++turn) {
-      const Isometry3d error = implied_error(work, work.pairs[k], turn);
-      if (six_of(error).head<3>().norm() <= six_of(nearest).head<3>().norm()) {
-        nearest = error;
-      }
-      const int fits = pose_that_fits(work, k, turn);
-      picture.fits_pose_of = fits >= 0 ? fits : picture.fits_pose_of;
-    }
-    picture.reason = fmt::format(
-        "its robot pose disagrees with the other pictures by {:.3g} mm and {:.3g} degrees",
-        nearest.translation().norm(),
-        angle_rad(nearest.linear()) * kDegPerRad);
-    if (picture.fits_pose_of >= 0) {
-      picture.reason +=
-          fmt::format("; it fits the robot pose of picture {}", picture.fits_pose_of + 1);
-    }
-  }
+  result.scale = scale;
 }
 
 void take_result(Work& work) {
@@ -244,7 +243,7 @@ void take_result(Work& work) {
   result.noise = result.bundle.noise;
   result.noise_log_sigma = work.estimated.log_sigma;
   result.covariance = shared_covariance(result.bundle);
-  result.scale = board_scale(result.bundle);
+  take_size(work, result);
   double squares = 0.0;
   double corners = 0.0;
   for (const BundleView& view : result.bundle.views) {
@@ -257,90 +256,6 @@ void take_result(Work& work) {
     result.point = point_error(
         result.bundle, result.covariance, result.camera.width_px, result.camera.height_px);
   }
-}
-
-std::string refusal_after(const Work& work) {
-  const HandEyeCalibration& result = work.result;
-  const double limit_mm = kWorstShareOfDistance * work.distance_mm;
-  if (!is_possible_lens(result.lens, result.camera.width_px, result.camera.height_px)) {
-    return "the distortion that fits folds the picture upon itself";
-  }
-  if (result.noise.robot_rad > kWorstRobotRad || result.noise.robot_mm > limit_mm) {
-    return fmt::format(
-        "robot poses and pictures contradict each other by {:.3g} mm and {:.3g} degrees rms: {}",
-        result.noise.robot_mm,
-        result.noise.robot_rad * kDegPerRad,
-        kContradiction);
-  }
-  if (!(result.rotation_sigma_rad() <= kWorstHandEyeRad) ||
-      !(result.translation_sigma_mm() <= limit_mm)) {
-    return fmt::format(
-        "the hand-eye stays unknown by {:.2g} degrees and {:.2g} mm: take more pictures, with the "
-        "robot turned by 20 to 30 degrees about two axes",
-        result.rotation_sigma_rad() * kDegPerRad,
-        result.translation_sigma_mm());
-  }
-  return {};
-}
-
-std::ptrdiff_t num_rejected(const Work& work) {
-  return std::ranges::count_if(work.seen,
-                               [&](std::size_t i) { return !work.result.pictures[i].accepted; });
-}
-
-/// Whether so many pictures with a board are rejected that the fault may be one of all.
-bool rejects_many(const Work& work) {
-  constexpr double kMany = 0.15;
-  return static_cast<double>(num_rejected(work)) > kMany * static_cast<double>(work.seen.size());
-}
-
-void add_warnings(Work& work) {
-  constexpr double kLeastOff = 0.003;
-  constexpr double kSigmas = 3.0;
-  HandEyeCalibration& result = work.result;
-  result.warnings = result.camera.warnings;
-  std::ranges::move(warnings_of(result.motion), std::back_inserter(result.warnings));
-  if (rejects_many(work)) {
-    result.warnings.push_back(fmt::format(
-        "{} of {} pictures with a board are rejected: squares of another size than given, or poses "
-        "that are a little wrong, look so, too",
-        num_rejected(work),
-        work.seen.size()));
-  }
-  const double off = std::abs(result.scale.factor - 1.0);
-  if (off > kLeastOff && off > kSigmas * result.scale.sigma) {
-    result.warnings.push_back(fmt::format(
-        "the robot's motion says that the board's squares are {:.4f} times (+- {:.4f}) as large as "
-        "given",
-        result.scale.factor,
-        result.scale.sigma));
-  }
-}
-
-/// Whether so many pictures, or so much of all, disagree that the board may have moved.
-bool is_suspicious(const Work& work) {
-  constexpr double kLargeShareOfDistance = 0.002;
-  return !work.result.refusal.empty() || rejects_many(work) ||
-         work.result.noise.robot_mm > kLargeShareOfDistance * work.distance_mm;
-}
-
-/// Empty when nothing has moved.
-std::string refusal_of_moves(const Work& work) {
-  if (work.pairs.empty() || !is_suspicious(work)) {
-    return {};
-  }
-  const auto moved =
-      find_moved_board(work.options.mounting, work.pairs, work.symmetry, work.options.seed);
-  if (!moved.has_value()) {
-    return {};
-  }
-  return fmt::format(
-      "board or camera moved between pictures {} and {}, by {:.3g} mm and {:.3g} degrees: "
-      "calibrate from the pictures before or after it",
-      work.seen[moved->first_after - 1] + 1,
-      work.seen[moved->first_after] + 1,
-      moved->moved_mm,
-      moved->turned_rad * kDegPerRad);
 }
 
 BoardOrientation orientation_of(const HandEyeOptions& options) {
@@ -361,15 +276,8 @@ std::vector<std::size_t> accepted_pictures(const Work& work) {
   return members;
 }
 
-void mark_inliers(const RobustHandEye& robust, Work& work) {
-  for (std::size_t k = 0; k < work.seen.size(); ++k) {
-    work.result.pictures[work.seen[k]].accepted = robust.is_inlier[k];
-    work.result.pictures[work.seen[k]].board_turn = robust.turns[k];
-  }
-}
-
-/// Everything until a refusal; empty when there is none.
-std::string run(Work& work) {
+/// The camera, and how the robot moved. A refusal; empty when there is none.
+std::string prepare(Work& work) {
   HandEyeCalibration& result = work.result;
   if (std::string fault = fault_of_input(work); !fault.empty()) {
     return fault;
@@ -380,22 +288,98 @@ std::string run(Work& work) {
   }
   work.symmetry = symmetry_of(work);
   take_camera(work);
-  if (std::string missing = refuse_motion(work, work.seen); !missing.empty()) {
-    return missing;
+  return refuse_motion(work, work.seen);
+}
+
+std::vector<PosePair> turned_inliers(const Work& work, const RobustHandEye& robust) {
+  std::vector<PosePair> inliers;
+  for (std::size_t k = 0; k < work.pairs.size(); ++k) {
+    if (robust.is_inlier[k]) {
+      inliers.push_back(work.pairs[k]);
+      inliers.back().camera_from_board =
+          work.pairs[k].camera_from_board * board_turn(work.symmetry, robust.turns[k]);
+    }
   }
-  const auto robust =
-      robust_hand_eye(work.options.mounting, work.pairs, work.symmetry, work.options.seed);
+  return inliers;
+}
+
+/// A hand-eye that most pictures agree on; with a free size at the size that they say.
+std::optional<RobustHandEye> robust_start(Work& work) {
+  constexpr int kMostSteps = 5;
+  constexpr double kSmallStep = 1e-3;
+  std::optional<RobustHandEye> robust;
+  for (int step = 0; step < kMostSteps; ++step) {
+    robust = robust_hand_eye(work.options.mounting, work.pairs, work.symmetry, work.options.seed);
+    if (!robust.has_value() || !work.is_size_free) {
+      break;
+    }
+    const double factor =
+        board_size_by_motion(work.options.mounting, turned_inliers(work, *robust));
+    if (!is_possible_size(work.size * factor) || std::abs(factor - 1.0) < kSmallStep) {
+      break;
+    }
+    resize_board(work, factor);
+  }
+  return robust;
+}
+
+/// Of few pictures that agree roughly it is not said that they contradict each other.
+std::string refusal_to_converge(const Work& work, const RobustHandEye& robust) {
+  constexpr double kRoughShareOfDistance = 0.03;
+  if (is_few(work) && robust.median_mm < kRoughShareOfDistance * work.distance_mm) {
+    return fmt::format(
+        "{} pictures are too few, or too much alike, to tell camera and hand-eye: no solution "
+        "converges; take more, with the robot turned by 20 to 30 degrees about two axes",
+        work.seen.size());
+  }
+  return fmt::format("robot poses and pictures contradict each other, no solution converges: {}",
+                     kHandEyeContradiction);
+}
+
+/// From the pictures whose board lies within some of the robust start's medians.
+bool solve_near(const RobustHandEye& robust, double medians, Work& work) {
+  for (std::size_t k = 0; k < work.seen.size(); ++k) {
+    HandEyePicture& picture = work.result.pictures[work.seen[k]];
+    picture.accepted = robust.deviation_mm[k] <= std::max(medians * robust.median_mm, 1e-6);
+    picture.board_turn = robust.turns[k];
+  }
+  work.result.bundle = start_bundle(work, robust);
+  return solve(work);
+}
+
+/// From what surely agrees. Where that rejects many it may have fitted its own pictures too well:
+/// then from all that agree roughly, and what rejects fewer is taken.
+bool solve_from(const RobustHandEye& robust, Work& work) {
+  constexpr double kSurely = 3.0;
+  constexpr double kRoughly = 10.0;
+  Work wide = work;
+  const bool is_solved = solve_near(robust, kSurely, work);
+  if (is_solved && !rejects_many(work)) {
+    return true;
+  }
+  work.has_disagreed = wide.has_disagreed = true;
+  if (solve_near(robust, kRoughly, wide) &&
+      (!is_solved || (num_rejected(wide) < num_rejected(work) && !has_large_errors(wide)))) {
+    work = std::move(wide);
+    return true;
+  }
+  return is_solved;
+}
+
+/// Few pictures may not tell the sizes of the errors: then those of the start are taken.
+bool solve_by_start(const RobustHandEye& robust, Work& work) {
+  work.has_known_noise = is_few(work);
+  return work.has_known_noise && solve_from(robust, work);
+}
+
+/// From a prepared calibration to its result. A refusal; empty when there is none.
+std::string solve_prepared(Work& work) {
+  const auto robust = robust_start(work);
   if (!robust.has_value()) {
     return "no hand-eye explains the poses: the robot turned about one axis only";
   }
-  mark_inliers(*robust, work);
-  result.bundle = start_bundle(work, *robust);
-  if (!solve(work)) {
-    constexpr std::size_t kFew = 8;
-    return fmt::format(
-        "robot poses and pictures contradict each other, no solution converges: {}{}",
-        kContradiction,
-        work.seen.size() < kFew ? "; or the views are too few or too much alike" : "");
+  if (!solve_from(*robust, work) && !solve_by_start(*robust, work)) {
+    return refusal_to_converge(work, *robust);
   }
   explain_rejections(work);
   if (std::string missing = refuse_motion(work, accepted_pictures(work)); !missing.empty()) {
@@ -403,7 +387,35 @@ std::string run(Work& work) {
   }
   take_result(work);
   add_warnings(work);
-  return refusal_after(work);
+  return refusal_of_solution(work);
+}
+
+void add_note(HandEyeCalibration& result, std::string note) {
+  if (!note.empty()) {
+    result.notes.push_back(std::move(note));
+  }
+}
+
+/// With squares as given; where these do not fit and others do, with those.
+void solve_either(Work& work) {
+  Work free = work;
+  work.result.refusal = solve_prepared(work);
+  if (!may_have_other_squares(work)) {
+    add_note(work.result, note_of_robot(work, nullptr));
+    return;
+  }
+  free.is_size_free = true;
+  free.result.refusal = solve_prepared(free);
+  if (!has_other_squares(work, free)) {
+    add_note(work.result, note_of_robot(work, &free));
+    return;
+  }
+  work.result = std::move(free.result);
+  work.result.has_other_squares = true;
+  work.result.refusal = refusal_of_squares(work);
+  if (work.result.refusal.empty()) {
+    add_note(work.result, note_of_squares(work));
+  }
 }
 
 }  // namespace
@@ -415,9 +427,14 @@ HandEyeCalibration calibrate_hand_eye(std::span<const BoardCorners> pictures,
   work.result.mounting = options.mounting;
   work.result.orientation = orientation_of(options);
   work.result.pictures.resize(pictures.size());
-  work.result.refusal = run(work);
-  if (std::string moved = refusal_of_moves(work); !moved.empty()) {
-    work.result.refusal = std::move(moved);
+  work.result.refusal = prepare(work);
+  if (work.result.refusal.empty()) {
+    solve_either(work);
+  }
+  if (!work.result.has_other_squares) {
+    if (std::string moved = refusal_of_moves(work); !moved.empty()) {
+      work.result.refusal = std::move(moved);
+    }
   }
   work.result.succeeded = work.result.refusal.empty();
   return work.result;

@@ -35,7 +35,8 @@ struct HandEyeOptions {
   /// a mark, with codes, or with an odd and an even number of corners; 2 for other checkerboards; 4
   /// for square ones with an even number.
   int board_turns = 1;
-  bool has_mark = false;  ///< only what is said of the orientation depends on it
+  bool has_mark = false;   ///< only what is said of the orientation depends on it
+  double square_mm = 0.0;  ///< only what is said of the board's size depends on it; 0: not known
   /// Middle of the board; not given: of all corners that were found anywhere.
   std::optional<Eigen::Vector2d> board_center_mm;
   std::uint64_t seed = 1;  ///< of the random subsets
@@ -58,6 +59,7 @@ struct HandEyeCalibration {
   bool succeeded = false;
   std::string refusal;                ///< what is missing; empty when it succeeded
   std::vector<std::string> warnings;  ///< what is weak or odd
+  std::vector<std::string> notes;     ///< what was found out and taken into account
   Mounting mounting = Mounting::kEyeInHand;
   CameraCalibration camera;              ///< from the pictures without the poses
   LensVector lens = LensVector::Zero();  ///< from all together
@@ -70,7 +72,11 @@ struct HandEyeCalibration {
   BoardOrientation orientation = BoardOrientation::kPattern;
   MotionGeometry motion;
   PointError point;
+  /// By one further step of least squares; with has_other_squares that of the solution.
   BoardScale scale;
+  /// The board is solved, or refused, at the size that the robot's motion says: bundle, poses and
+  /// covariance, not camera, are those of a board scale.factor times as large as given.
+  bool has_other_squares = false;
   Bundle bundle;  ///< what was solved, for predictions: the accepted pictures in their order
 
   PinholeIntrinsics intrinsics() const {
@@ -92,13 +98,17 @@ struct HandEyeCalibration {
 /// estimated from the data (estimate_noise()). Pictures that do not agree with their robot pose are
 /// rejected, and all are tried again after each solution.
 ///
+/// Where that rejects pictures or finds another size of the board likely, all is solved again with
+/// the size free. A size that is clearly off (3 sigma and 0.03 %) is taken and noted up to 0.5 %,
+/// so that no picture is rejected for it, and refused beyond.
+///
 /// Without the robot's errors among the unknowns 0.05 degrees of the robot, which are pixels at the
 /// board, would be pushed into the principal point.
 ///
 /// Refused: other numbers of pictures and poses, poses that are no rigid motions, what
 /// refusal_of(MotionGeometry) says, a hand-eye that stays unknown by more than 1 degree or 5 % of
 /// the distance, poses that contradict the pictures by more than 3 degrees or 5 % of it, a board or
-/// a camera that moved between two pictures (find_moved_board()).
+/// a camera that moved between two pictures (find_moved_board()), squares of another size.
 /// @param pictures, base_from_flange  equally many
 /// @throws nothing for bad data
 /// Cost: about 0.3 s for 80 pictures of 80 corners, and the choice of terms.

@@ -292,6 +292,28 @@ std::optional<HandEye> park(Mounting mounting, std::span<const PosePair> pairs) 
   return poses;
 }
 
+double board_size_by_motion(Mounting mounting, std::span<const PosePair> pairs) {
+  const std::vector<MotionPair> motions = motions_of(mounting, pairs);
+  const auto rotation = park_rotation(motions);
+  if (pairs.size() < 3 || !rotation.has_value()) {
+    return 1.0;
+  }
+  // (R_P - I) t - s R t_Q = -t_P
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  for (const MotionPair& motion : motions) {
+    Eigen::Matrix<double, 3, 4> rows;
+    rows << motion.robot.linear() - Matrix3d::Identity(), -*rotation * motion.camera.translation();
+    normal += rows.transpose() * rows;
+    right -= rows.transpose() * motion.robot.translation();
+  }
+  constexpr double kPriorSigma = 0.1;
+  constexpr double kTypicalMm2 = 1.0;  // what a row leaves, squared
+  normal(3, 3) += kTypicalMm2 / (kPriorSigma * kPriorSigma);
+  right[3] += kTypicalMm2 / (kPriorSigma * kPriorSigma);
+  return normal.ldlt().solve(right)[3];
+}
+
 BoardScatter board_scatter(Mounting mounting,
                            const Isometry3d& hand_eye,
                            std::span<const PosePair> pairs) {

@@ -39,6 +39,11 @@ Eigen::Isometry3d board_turn(const BoardSymmetry& symmetry, int turn);
 /// IEEE Trans. Robotics and Automation 10(5), 1994, with the sum's signs by SVD.
 std::optional<HandEye> park(Mounting mounting, std::span<const PosePair> pairs);
 
+/// Size of the board over the given one, by least squares of the translations of Park's method with
+/// the size as a fourth unknown. Its standard deviation is taken as 10 % beforehand, so it is about
+/// 1 where the motion says nothing of it; 1 for fewer than 3 pairs or rotations about one axis.
+double board_size_by_motion(Mounting mounting, std::span<const PosePair> pairs);
+
 /// How far the board's places scatter that the pictures one by one say, about their mean.
 struct BoardScatter {
   double rotation_rad = 0.0;    ///< rms angle

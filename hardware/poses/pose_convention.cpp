@@ -389,6 +389,9 @@ std::vector<PoseConvention> other_conventions(std::span<const WrittenPose> poses
     add([](PoseConvention& other) { other.rotation = PoseRotation::kQuaternionWxyz; });
   } else if (convention.rotation == PoseRotation::kAuto && has_angles(guess.rotation)) {
     const std::vector<PoseConvention> before = readings;
+    if (guess.rotation == PoseRotation::kEuler) {
+      add([](PoseConvention& other) { other.rotation = PoseRotation::kRotationVector; });
+    }
     for (const char* order : {"zyx", "xyz", "zyz"}) {
       for (PoseConvention other : before) {
         other.rotation = PoseRotation::kEuler;

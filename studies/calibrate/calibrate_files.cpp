@@ -150,11 +150,12 @@ std::string orientation_name(BoardOrientation orientation) {
 }
 
 Json board_json(const CalibrateInput& input, const SolvedCalibration& solved) {
-  const Board& board = input.board;
+  const Board& board = solved.board;
   Json json = {{"kind", board.kind == BoardKind::kCharuco ? "charuco" : "checkerboard"},
                {"cols", board.cols},
                {"rows", board.rows},
                {"square_mm", board.square_mm},
+               {"given_square_mm", input.board.square_mm},
                {"mark", board.mark}};
   if (board.kind == BoardKind::kCharuco) {
     json["marker_mm"] = marker_side_mm(board);
@@ -165,7 +166,8 @@ Json board_json(const CalibrateInput& input, const SolvedCalibration& solved) {
     json["orientation"] = orientation_name(joint.orientation);
     json["pose"] = pose_json("board", flange_or_base(!is_in_hand(joint)), solved.poses.board);
     json["measured_scale"] = {{"factor", number_json(joint.scale.factor)},
-                              {"sigma", number_json(joint.scale.sigma)}};
+                              {"sigma", number_json(joint.scale.sigma)},
+                              {"is_taken", joint.has_other_squares}};
   }
   return json;
 }

@@ -276,6 +276,53 @@ void check_corners(const CalibrateOptions& options, const Board& board, const Fo
   }
 }
 
+/// A mark that no picture shows is as none; with poses a picture whose mark alone is not found is
+/// of no use, as its first corner is not known.
+void judge_marks(CalibrateInput& input) {
+  const auto is_unknown = [](const BoardView& view) {
+    return view.is_accepted() && !view.is_orientation_known;
+  };
+  const auto seen = std::ranges::count_if(input.views, &BoardView::is_accepted);
+  const auto unknown = std::ranges::count_if(input.views, is_unknown);
+  if (!input.board.mark || unknown == 0) {
+    return;
+  }
+  input.is_mark_missing = unknown == seen;
+  if (input.is_mark_missing) {
+    input.notes.emplace_back(
+        "mark = true: no picture shows the mark in the board's first square, so the board is taken "
+        "as one without a mark");
+    return;
+  }
+  for (BoardView& view : input.views) {
+    if (input.poses && is_unknown(view)) {
+      view.outcome = BoardOutcome::kNoBoard;
+      view.why = "the mark in the board's first square was not found";
+    }
+  }
+}
+
+/// A larger board in most pictures is the board; in a few it is something else in view.
+void check_size_of_board(const CalibrateOptions& options, const CalibrateInput& input) {
+  const auto is_larger = [](const BoardView& view) { return !view.larger_grid.isZero(); };
+  const auto larger = std::ranges::count_if(input.views, is_larger);
+  if (larger == 0 || larger < std::ranges::count_if(input.views, &BoardView::is_accepted)) {
+    return;
+  }
+  Eigen::Vector2i least = Eigen::Vector2i::Zero();
+  for (const BoardView& view : input.views) {
+    least = least.cwiseMax(view.larger_grid);
+  }
+  throw ConfigError(fmt::format(
+      "the board in the pictures is larger than {} says: it has at least {} x {} inner corners, "
+      "not {} x {}",
+      options.board.empty() ? "the board given" : options.board.string(),
+      least.x(),
+      least.y(),
+      input.board.cols,
+      input.board.rows));
+}
+
 void take_corners(CalibrateInput& input, FoundCorners found) {
   input.width_px = found.width_px;
   input.height_px = found.height_px;
@@ -335,6 +382,8 @@ CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool&
   }
   if (options.from.empty()) {
     find_boards(options, input, pool);
+    check_size_of_board(options, input);
+    judge_marks(input);
   } else {
     check_corners(options, input.board, found);
     take_corners(input, std::move(found));

@@ -45,6 +45,7 @@ struct CalibrateInput {
   std::optional<LensVector> camera_sigma;  ///< the camera is only known to these; none: exactly
   std::optional<RobotPoses> poses;
   std::vector<std::size_t> pose_of;  ///< of each picture; empty without poses
+  bool is_mark_missing = false;      ///< the board should have a mark, but no picture shows it
   int width_px = 0;
   int height_px = 0;
   std::vector<std::string> names;     ///< of the pictures, as they were given
@@ -63,7 +64,8 @@ std::vector<Eigen::Isometry3d> poses_of_pictures(const CalibrateOptions& options
 
 /// Reads what is small first, so that slips are told before pictures are searched.
 /// With --from the corners are read instead of pictures.
-/// @throws ConfigError  no pictures, no board's file, a board in none of the pictures, pictures of
+/// @throws ConfigError  no pictures, no board's file, a board in none of the pictures, a larger one
+///         in some, pictures of
 ///         different sizes, poses that do not pair, values with their places; IoError
 CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool& pool);
 

@@ -121,7 +121,7 @@ std::string subtitle(const Json& result, const CalibrateInput& input) {
                      input.height_px,
                      input.board.cols,
                      input.board.rows,
-                     input.board.square_mm);
+                     result["board"]["square_mm"].get<double>());
 }
 
 Json methods(const CalibrateInput& input) {

@@ -2,7 +2,9 @@
 #include "studies/calibrate/solved_calibration.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -31,10 +33,13 @@ CameraOptions camera_options(const CalibrateInput& input) {
 }
 
 HandEyeOptions hand_eye_options(const CalibrateInput& input, Mounting mounting) {
+  Board seen = input.board;
+  seen.mark = seen.mark && !input.is_mark_missing;
   return {.mounting = mounting,
           .camera = camera_options(input),
-          .board_turns = num_symmetries(input.board),
-          .has_mark = input.board.mark,
+          .board_turns = num_symmetries(seen),
+          .has_mark = seen.mark,
+          .square_mm = input.board.square_mm,
           .board_center_mm = Eigen::Vector2d(0.5 * (input.board.cols - 1) * input.board.square_mm,
                                              0.5 * (input.board.rows - 1) * input.board.square_mm)};
 }
@@ -62,31 +67,108 @@ std::string difference(const PoseConvention& taken, PoseConvention other) {
   return text;
 }
 
-/// The other setup, or the first other reading of the poses, that agrees with the pictures; empty
-/// when none does.
+const char* setup_name(Mounting mounting) {
+  return mounting == Mounting::kEyeInHand ? "eye_in_hand" : "eye_to_hand";
+}
+
+Mounting other_mounting(Mounting mounting) {
+  return mounting == Mounting::kEyeInHand ? Mounting::kEyeToHand : Mounting::kEyeInHand;
+}
+
+/// The poses the other way round. With them a camera on the flange and one beside the robot look
+/// the same: X = base_from_flange for one is X = flange_from_base for the other.
+PoseConvention inverse_of(PoseConvention convention) {
+  const bool is_inverse = convention.direction == PoseDirection::kFlangeFromBase;
+  convention.direction =
+      is_inverse ? PoseDirection::kBaseFromFlange : PoseDirection::kFlangeFromBase;
+  return convention;
+}
+
+/// The two readings that pictures cannot tell apart.
+std::string either_reading(const CalibrateInput& input,
+                           const PoseConvention& convention,
+                           Mounting mounting) {
+  const PoseConvention& taken = input.poses->convention;
+  return fmt::format("{} --setup {}, or, which no picture tells from it,{} --setup {}",
+                     difference(taken, convention),
+                     setup_name(mounting),
+                     difference(taken, inverse_of(convention)),
+                     setup_name(other_mounting(mounting)));
+}
+
+/// The other setup, or the first other reading of the poses, that agrees with the pictures, and the
+/// one that is the same to them; empty when none does.
 std::string reading_that_agrees(const CalibrateInput& input, const HandEyeCalibration& failed) {
-  if (!failed.camera.succeeded) {
+  if (!failed.camera.succeeded || failed.has_other_squares) {
     return {};
   }
   HandEyeOptions options = hand_eye_options(input, failed.mounting);
   options.camera.free_terms = failed.camera.is_free;
-  const bool is_in_hand = failed.mounting == Mounting::kEyeInHand;
-  options.mounting = is_in_hand ? Mounting::kEyeToHand : Mounting::kEyeInHand;
+  options.mounting = other_mounting(failed.mounting);
   const std::vector<Isometry3d> poses = picture_poses(input, input.poses->convention);
   if (calibrate_hand_eye(input.corners, poses, options).succeeded) {
-    return is_in_hand ? " --setup eye_to_hand" : " --setup eye_in_hand";
+    return either_reading(input, input.poses->convention, options.mounting);
   }
   options.mounting = failed.mounting;
   for (const PoseConvention& other : input.poses->otherwise) {
     try {
       if (calibrate_hand_eye(input.corners, picture_poses(input, other), options).succeeded) {
-        return difference(input.poses->convention, other);
+        return either_reading(input, other, options.mounting);
       }
     } catch (const ConfigError&) {
       continue;  // read that way they are no motions
     }
   }
   return {};
+}
+
+/// "a.png to d.png", or of those that are not in a row "a.png, c.png and 5 more".
+std::string names_text(const std::vector<std::string>& names, bool is_row) {
+  constexpr std::size_t kShown = 3;
+  if (is_row) {
+    return fmt::format("{} to {}", names.front(), names.back());
+  }
+  const std::size_t shown = std::min(kShown, names.size());
+  const std::vector<std::string> first(names.begin(),
+                                       names.begin() + static_cast<std::ptrdiff_t>(shown));
+  return fmt::format("{} and {} more", fmt::join(first, ", "), names.size() - shown);
+}
+
+/// @throws ConfigError when the pictures are of two cameras
+void check_one_camera(const CalibrateInput& input, const CameraCalibration& camera) {
+  const std::optional<SecondCamera> second = find_second_camera(camera.bundle);
+  if (!second) {
+    return;
+  }
+  std::array<std::vector<std::string>, 2> names;
+  std::size_t view = 0;
+  for (std::size_t i = 0; i < camera.pictures.size(); ++i) {
+    if (camera.pictures[i].accepted) {
+      const std::size_t side = second->is_second[view++] ? 1 : 0;
+      names[side].push_back(std::filesystem::path(input.names[i]).filename().string());
+    }
+  }
+  const bool is_row = second->is_one_after_the_other();
+  throw ConfigError(fmt::format(
+      "the pictures are of two cameras, or of one whose lens was turned in between: {} agree among "
+      "each other, and so do {}, with {:.3g} times the focal length; calibrate each by itself",
+      names_text(names[0], is_row),
+      names_text(names[1], is_row),
+      second->focal_ratio));
+}
+
+/// Of a setup that was guessed. Beside the robot was tried second: poses the wrong way round look
+/// so, too.
+std::string note_of_setup(const CalibrateInput& input, Mounting mounting) {
+  std::string note = fmt::format(
+      "setup = \"{}\": guessed, neither --setup nor the board's file tells", setup_name(mounting));
+  if (mounting == Mounting::kEyeToHand) {
+    const PoseConvention& taken = input.poses->convention;
+    note += fmt::format("; no picture tells it from{} --setup {}",
+                        difference(taken, inverse_of(taken)),
+                        setup_name(other_mounting(mounting)));
+  }
+  return note;
 }
 
 /// @throws ConfigError
@@ -97,10 +179,13 @@ HandEyeCalibration joint_calibration(const CalibrateInput& input, std::vector<st
       input.setup == BoardSetup::kEyeToHand ? Mounting::kEyeToHand : Mounting::kEyeInHand;
   HandEyeCalibration result =
       calibrate_hand_eye(input.corners, poses, hand_eye_options(input, first));
-  if (!result.succeeded && is_open && result.camera.succeeded) {
+  if (result.camera.succeeded) {
+    check_one_camera(input, result.camera);
+  }
+  if (!result.succeeded && is_open && result.camera.succeeded && !result.has_other_squares) {
     HandEyeCalibration other =
         calibrate_hand_eye(input.corners, poses, hand_eye_options(input, Mounting::kEyeToHand));
-    if (other.succeeded) {
+    if (other.succeeded || other.has_other_squares) {
       result = std::move(other);
     }
   }
@@ -111,25 +196,38 @@ HandEyeCalibration joint_calibration(const CalibrateInput& input, std::vector<st
                           : fmt::format("{}; they agree with{}", result.refusal, reading));
   }
   if (is_open) {
-    notes.push_back(
-        fmt::format("setup = \"{}\": guessed, neither --setup nor the board's file tells",
-                    result.mounting == Mounting::kEyeInHand ? "eye_in_hand" : "eye_to_hand"));
+    notes.push_back(note_of_setup(input, result.mounting));
   }
+  std::ranges::copy(result.notes, std::back_inserter(notes));
   return result;
+}
+
+/// Of the board as it was solved, over the given one.
+double board_size(const HandEyeCalibration& joint) {
+  return joint.has_other_squares ? joint.scale.factor : 1.0;
+}
+
+Board resized(Board board, double size) {
+  board.square_mm *= size;
+  board.marker_mm *= size;
+  return board;
 }
 
 /// The accepted pictures with the board turned as the calibration found it.
 std::vector<PosePair> accepted_pairs(const CalibrateInput& input, const HandEyeCalibration& joint) {
   const HandEyeOptions options = hand_eye_options(input, joint.mounting);
+  const double size = board_size(joint);
   BoardSymmetry symmetry{.turns = options.board_turns};
-  symmetry.center_mm.head<2>() = *options.board_center_mm;
+  symmetry.center_mm.head<2>() = size * *options.board_center_mm;
   const std::vector<Isometry3d> poses = picture_poses(input, input.poses->convention);
   std::vector<PosePair> pairs;
   for (std::size_t i = 0; i < joint.pictures.size(); ++i) {
     if (joint.pictures[i].accepted) {
+      Isometry3d camera_from_board = joint.camera.pictures[i].camera_from_board;
+      camera_from_board.translation() *= size;
       pairs.push_back({.base_from_flange = poses[i],
-                       .camera_from_board = joint.camera.pictures[i].camera_from_board *
-                                            board_turn(symmetry, joint.pictures[i].board_turn)});
+                       .camera_from_board =
+                           camera_from_board * board_turn(symmetry, joint.pictures[i].board_turn)});
     }
   }
   return pairs;
@@ -207,34 +305,12 @@ void review(const CalibrateInput& input,
     }
   }
   solved.next =
-      next_views(bundle, corners_mm(input.board), input.width_px, input.height_px, kAdvisedViews);
-}
-
-/// @throws ConfigError when the pictures are of two cameras
-void check_one_camera(const CalibrateInput& input, const CameraCalibration& camera) {
-  const std::optional<SecondCamera> second = find_second_camera(camera.bundle);
-  if (!second) {
-    return;
-  }
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < camera.pictures.size(); ++i) {
-    if (camera.pictures[i].accepted) {
-      names.push_back(std::filesystem::path(input.names[i]).filename().string());
-    }
-  }
-  throw ConfigError(fmt::format(
-      "the pictures are of two cameras, or of one whose lens was turned in between: {} to {} agree "
-      "among each other, and so do {} to {}, with {:.3g} times the focal length; calibrate each by "
-      "itself",
-      names.front(),
-      names[second->first_view - 1],
-      names[second->first_view],
-      names.back(),
-      second->focal_ratio));
+      next_views(bundle, corners_mm(solved.board), input.width_px, input.height_px, kAdvisedViews);
 }
 
 void solve_with_poses(const CalibrateInput& input, SolvedCalibration& solved, ThreadPool& pool) {
   solved.joint = joint_calibration(input, solved.notes);
+  solved.board = resized(input.board, board_size(*solved.joint));
   solved.camera = solved.joint->camera;
   const std::vector<PosePair> pairs = accepted_pairs(input, *solved.joint);
   take_joint(solved);
@@ -258,7 +334,7 @@ void solve_with_poses(const CalibrateInput& input, SolvedCalibration& solved, Th
 }  // namespace
 
 SolvedCalibration solve_calibration(const CalibrateInput& input, ThreadPool& pool) {
-  SolvedCalibration solved;
+  SolvedCalibration solved{.board = input.board};
   if (input.poses) {
     solve_with_poses(input, solved, pool);
     return solved;

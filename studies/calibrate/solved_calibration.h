@@ -25,6 +25,8 @@ struct MethodPrediction {
 };
 
 struct SolvedCalibration {
+  /// As it was given; with poses that say that its squares are a little larger or smaller, so.
+  Board board;
   CameraCalibration camera;                 ///< from the pictures alone
   std::optional<HandEyeCalibration> joint;  ///< with poses
   LensVector lens = LensVector::Zero();     ///< what is written: joint, or the camera's own

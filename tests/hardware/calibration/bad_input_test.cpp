@@ -157,8 +157,9 @@ TEST(WrongSquares, OfTwiceTheSizeAreToldByHowMuch) {
     }
   }
   const HandEyeCalibration result = solve(cell);
-  ASSERT_FALSE(result.warnings.empty()) << result.refusal;
-  EXPECT_THAT(result.warnings.back(), HasSubstr("squares are 0.8"));
+  EXPECT_FALSE(result.succeeded);
+  // 1 / 1.2 = 0.833
+  EXPECT_THAT(result.refusal, HasSubstr("the board's squares are 0.83"));
 }
 
 // --- Weak geometry -------------------------------------------------------------------------------

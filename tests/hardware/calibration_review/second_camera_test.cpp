@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/calibration_review/second_camera.h"
 
+#include <algorithm>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "hardware/calibration/camera_calibration.h"
@@ -9,10 +12,13 @@
 namespace glint {
 namespace {
 
-/// The bundle of pictures of which those from `first` on were taken with a longer lens.
-Bundle solved(SimulatedCell cell, std::size_t first, double factor) {
+/// The bundle of pictures of which some were taken with a longer lens.
+Bundle solved_with(SimulatedCell cell, const std::vector<bool>& is_second, double factor) {
   const Eigen::Vector2d center_px(0.5 * kCellWidth, 0.5 * kCellHeight);
-  for (std::size_t i = first; i < cell.pictures.size(); ++i) {
+  for (std::size_t i = 0; i < cell.pictures.size(); ++i) {
+    if (!is_second[i]) {
+      continue;
+    }
     for (Eigen::Vector2d& corner_px : cell.pictures[i].picture_px) {
       corner_px = center_px + factor * (corner_px - center_px);
     }
@@ -26,6 +32,13 @@ Bundle solved(SimulatedCell cell, std::size_t first, double factor) {
   return result.bundle;
 }
 
+/// Those from `first` on.
+Bundle solved(const SimulatedCell& cell, std::size_t first, double factor) {
+  std::vector<bool> is_second(cell.pictures.size(), false);
+  std::fill(is_second.begin() + static_cast<std::ptrdiff_t>(first), is_second.end(), true);
+  return solved_with(cell, is_second, factor);
+}
+
 // Pictures of a plane tell a longer lens only by their perspective.
 TEST(FindSecondCamera, FindsWhereTheLensWasAnother) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
@@ -34,17 +47,39 @@ TEST(FindSecondCamera, FindsWhereTheLensWasAnother) {
       const auto second = find_second_camera(solved(cell, 6, factor));
       ASSERT_TRUE(second.has_value());
       EXPECT_EQ(second->first_view, 6U);
+      EXPECT_TRUE(second->is_one_after_the_other());
       EXPECT_NEAR(second->focal_ratio, factor, 0.03);
     }
+  }
+}
+
+/// Every second picture, or those of a random half, by a camera with another lens.
+TEST(FindSecondCamera, FindsCamerasThatTookTurns) {
+  for (const std::uint64_t seed : {4U, 5U, 6U}) {
+    SimulatedCell cell = simulate_cell({.num_poses = 16}, seed);
+    std::vector<bool> is_second;
+    for (std::size_t i = 0; i < cell.pictures.size(); ++i) {
+      is_second.push_back(seed == 4U ? i % 2 == 1 : (i * i + seed) % 5 < 2);
+    }
+    const auto second = find_second_camera(solved_with(cell, is_second, 1.1));
+    ASSERT_TRUE(second.has_value()) << seed;
+    if (is_second.front()) {
+      is_second.flip();
+    }
+    EXPECT_EQ(second->is_second, is_second) << seed;
+    EXPECT_FALSE(second->is_one_after_the_other());
   }
 }
 
 // Also where a board is not flat, and neighbouring corners share their errors.
 TEST(FindSecondCamera, FindsNoneInPicturesOfOne) {
   for (const double shared_px : {0.0, 0.3}) {
-    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-      const SimulatedCell cell = simulate_cell({.num_poses = 9, .shared_px = shared_px}, seed);
-      EXPECT_FALSE(find_second_camera(solved(cell, 9, 1.0)).has_value()) << seed;
+    for (const int num_poses : {9, 14, 30}) {
+      for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        const SimulatedCell cell =
+            simulate_cell({.num_poses = num_poses, .shared_px = shared_px}, seed);
+        EXPECT_FALSE(find_second_camera(solved(cell, cell.pictures.size(), 1.0))) << seed;
+      }
     }
   }
 }

@@ -81,6 +81,17 @@ TEST(PoseConvention, OffersTheOtherReadingsOfWhatWasLeftOpen) {
   EXPECT_EQ(others[0].rotation, PoseRotation::kQuaternionWxyz);
 }
 
+/// Six numbers with large angles are guessed as Euler angles; they may be a rotation vector.
+TEST(PoseConvention, OffersRotationVectorsInDegrees) {
+  const std::vector<WrittenPose> poses = {pose_of({100, 200, 400, 90, 20, -30})};
+  const PoseConvention said = {.direction = PoseDirection::kBaseFromFlange};
+  EXPECT_EQ(resolved_convention(poses, said).convention.rotation, PoseRotation::kEuler);
+  const auto others = other_conventions(poses, said);
+  ASSERT_EQ(others.size(), 3U);  // that and two other orders
+  EXPECT_EQ(others[0].rotation, PoseRotation::kRotationVector);
+  EXPECT_EQ(others[0].angle, PoseAngle::kDegree);
+}
+
 TEST(PoseConvention, EulerAnglesTurnAboutTheAxesAsTheyHaveBeenTurned) {
   // "zyx" with (90, 90, 0) degrees: Rz Ry takes x to Rz (-z) = -z, y to Rz y = -x, z to Rz x = y.
   const std::vector<WrittenPose> poses = {pose_of({100, 0, 0, 90, 90, 0})};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What `glint calibrate` refuses: one line, exit code 2 or 3, nothing left behind.
+#include <fmt/format.h>
+
 #include "core/csv.h"
 #include "core/image/image_io.h"
 #include "core/text.h"
@@ -211,6 +213,38 @@ TEST_F(CalibrateErrors, AnotherBoardThanThePicturesShowIsTold) {
                  "no picture shows the whole board of 12 x 9 corners");
 }
 
+TEST_F(CalibrateErrors, ALargerBoardThanGivenIsTold) {
+  const fs::path set = photographs("calibration/chessboard_left");
+  if (!fs::exists(set)) {
+    GTEST_SKIP() << "no " << set;
+  }
+  for (const char* size : {"cols = 8\nrows = 6", "cols = 9\nrows = 5", "cols = 6\nrows = 8"}) {
+    write_file(folder_ / "smaller.toml", fmt::format("[board]\n{}\nsquare_mm = 25\n", size));
+    expect_refused(files_in(set, "left", ".jpg"),
+                   {"--board", "smaller.toml"},
+                   "the board in the pictures is larger than smaller.toml says");
+  }
+}
+
+/// The poses the wrong way round with a camera on the flange are those of one beside the robot.
+TEST_F(CalibrateErrors, PosesTheWrongWayRoundAreToldWithBothReadings) {
+  if (board_on_robot().result.is_null()) {
+    GTEST_SKIP() << "no photographs";
+  }
+  const fs::path set = photographs("calibration/board_on_robot");
+  expect_refused({},
+                 {"--from",
+                  (board_on_robot().folder / "out/corners.csv").string(),
+                  "--board",
+                  (set / "board.json").string(),
+                  "--setup",
+                  "eye_in_hand",
+                  "--poses",
+                  (set / "poses.csv").string()},
+                 "they agree with --setup eye_to_hand, or, which no picture tells from it, --set "
+                 "convention.direction=flange_from_base --setup eye_in_hand");
+}
+
 TEST_F(CalibrateErrors, PosesThatContradictThePicturesAreTold) {
   const fs::path set = photographs("calibration/board_on_robot");
   if (!fs::exists(set)) {
@@ -228,6 +262,26 @@ TEST_F(CalibrateErrors, PosesThatContradictThePicturesAreTold) {
                  "robot poses and pictures contradict each other");
 }
 
+/// Good pictures with their own poses, of which there are too few.
+TEST_F(CalibrateErrors, FiveGoodPicturesAreToldAsTooFew) {
+  const fs::path set = photographs("calibration/board_on_robot");
+  if (!fs::exists(set)) {
+    GTEST_SKIP() << "no " << set;
+  }
+  Arguments pictures;
+  std::string poses;
+  const std::string all = read_file(set / "poses.csv");
+  for (const char* name : {"img00.png", "img01.png", "img04.png", "img05.png", "img06.png"}) {
+    pictures.push_back((set / name).string());
+    const std::size_t line = all.find(name);
+    poses += all.substr(line, all.find('\n', line) + 1 - line);
+  }
+  write_file(folder_ / "five.csv", poses);
+  expect_refused(pictures,
+                 {"--board", (set / "board.json").string(), "--poses", "five.csv"},
+                 "5 pictures are too few, or too much alike");
+}
+
 TEST_F(CalibrateErrors, SquaresOfAnotherSizeAreToldByHowMuch) {
   const fs::path set = photographs("calibration/board_on_robot");
   if (!fs::exists(set)) {
@@ -236,13 +290,15 @@ TEST_F(CalibrateErrors, SquaresOfAnotherSizeAreToldByHowMuch) {
   // They are of 10 mm: 0.833 times as large.
   write_file(folder_ / "larger.toml",
              "[board]\ncols = 9\nrows = 7\nsquare_mm = 12\nsetup = \"eye_to_hand\"\n");
-  const nlohmann::json result =
-      calibrate_json(files_in(set, "img", ".png"),
-                     {"--board", "larger.toml", "--poses", (set / "poses.csv").string()});
-  EXPECT_NEAR(result["board"]["measured_scale"]["factor"].get<double>(), 10.0 / 12.0, 0.05);
-  ASSERT_EQ(result["warnings"].size(), 1U);
-  EXPECT_THAT(result["warnings"][0].get<std::string>(),
-              ::testing::HasSubstr("the board's squares are 0.8"));
+  const Arguments pictures = files_in(set, "img", ".png");
+  const std::string poses = (set / "poses.csv").string();
+  expect_refused(pictures,
+                 {"--board", "larger.toml", "--poses", poses},
+                 "the robot's motion says that the board's squares are 0.83");
+  write_file(folder_ / "little.toml",
+             "[board]\ncols = 9\nrows = 7\nsquare_mm = 10.15\nsetup = \"eye_to_hand\"\n");
+  expect_refused(
+      pictures, {"--board", "little.toml", "--poses", poses}, "mm instead of 10.15 mm; measure");
 }
 
 /// Corners that were found before know their board.
@@ -298,6 +354,30 @@ TEST_F(CalibrateErrors, PicturesOfTwoCamerasAreToldWithTheirPlace) {
       {"--from", "two.csv", "--board", board},
       "two cameras, or of one whose lens was turned in between: left01.jpg to left07.jpg "
       "agree among each other, and so do left08.jpg to left14.jpg, with 1.1");
+}
+
+/// Two real cameras whose pictures have one size: one after the other, and by turns.
+TEST_F(CalibrateErrors, PicturesOfTwoRealCamerasAreTold) {
+  const fs::path left = photographs("calibration/chessboard_left");
+  const fs::path arm = photographs("field/handeye_franka");
+  if (!fs::exists(left) || !fs::exists(arm)) {
+    GTEST_SKIP() << "no photographs";
+  }
+  Arguments row = files_in(left, "left", ".jpg");
+  const Arguments others = files_in(arm, "franka_image-", ".png");
+  Arguments turns;
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    turns.push_back(row[i]);
+    if (i < others.size()) {
+      turns.push_back(others[i]);
+    }
+  }
+  row.insert(row.end(), others.begin(), others.end());
+  expect_refused(row,
+                 {"--board", "board.toml"},
+                 "left01.jpg to left14.jpg agree among each other, and so do franka_image-1.png "
+                 "to franka_image-8.png");
+  expect_refused(turns, {"--board", "board.toml"}, "the pictures are of two cameras");
 }
 
 // Half of the pictures of a robot with its board pushed by 15 mm in its grip: as if the flange had

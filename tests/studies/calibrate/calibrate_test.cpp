@@ -115,6 +115,44 @@ TEST_F(CalibrateVerb, FindsTheCameraBesideARobot) {
   }
 }
 
+/// 0.3 % too large: no picture is rejected for it, and the camera is that of the true board.
+TEST_F(CalibrateVerb, SquaresThatAreALittleOffAreTakenAndTold) {
+  const Json& right = board_on_robot().result;
+  if (right.is_null()) {
+    GTEST_SKIP() << "no photographs";
+  }
+  const fs::path set = photographs("calibration/board_on_robot");
+  write_file(folder_ / "off.toml",
+             "[board]\ncols = 9\nrows = 7\nsquare_mm = 10.03\nsetup = \"eye_to_hand\"\n");
+  const Json result =
+      calibrate_json(files_in(set, "img", ".png"),
+                     {"--board", "off.toml", "--poses", (set / "poses.csv").string()});
+  EXPECT_TRUE(result["board"]["measured_scale"]["is_taken"].get<bool>());
+  EXPECT_NEAR(result["board"]["square_mm"].get<double>(), 10.0, 0.015);
+  EXPECT_EQ(result["board"]["given_square_mm"], 10.03);
+  EXPECT_THAT(result["notes"].dump(), HasSubstr("they are taken so"));
+  EXPECT_LE(result["prediction_rms_px"].get<double>(), 0.75);
+  for (std::size_t i = 0; i < right["pictures"].size(); ++i) {
+    EXPECT_EQ(result["pictures"][i]["accepted"], right["pictures"][i]["accepted"]) << i;
+  }
+}
+
+/// A dot that no picture shows settles nothing.
+TEST_F(CalibrateVerb, AMarkThatIsNotThereIsTold) {
+  const fs::path set = photographs("calibration/board_on_robot");
+  if (board_on_robot().result.is_null()) {
+    GTEST_SKIP() << "no photographs";
+  }
+  write_file(folder_ / "mark.toml",
+             "[board]\ncols = 9\nrows = 7\nsquare_mm = 10\nmark = true\n"
+             "setup = \"eye_to_hand\"\n");
+  const Json result =
+      calibrate_json(files_in(set, "img", ".png"),
+                     {"--board", "mark.toml", "--poses", (set / "poses.csv").string()});
+  EXPECT_EQ(result["board"]["orientation"], "first picture");
+  EXPECT_THAT(result["notes"].dump(), HasSubstr("no picture shows the mark"));
+}
+
 // The robot holds the board before the camera: a scene with a plate where the board is, seen at a
 // pose of the flange.
 TEST_F(CalibrateVerb, PlacesTheCameraOfASceneByTheFlange) {
@@ -171,6 +209,10 @@ TEST_F(CalibrateVerb, FindsTheCameraOnAFrankaArm) {
   EXPECT_NEAR(result["hand_eye"]["scatter_deg"].get<double>(), 0.47, 0.03);
   EXPECT_NEAR(result["hand_eye"]["scatter_mm"].get<double>(), 5.42, 0.1);
   EXPECT_GT(result["noise"]["robot_mm"], 1.0);
+  // The set's millimetres are named as the robot's, and what other squares would leave of them.
+  EXPECT_THAT(result["notes"].dump(), HasSubstr("the errors are the robot's, not the camera's"));
+  EXPECT_THAT(result["notes"].dump(), HasSubstr("mm instead of 23.6 mm would leave"));
+  EXPECT_FALSE(result["board"]["measured_scale"]["is_taken"].get<bool>());
 
   Arguments with_prior = more;
   with_prior.insert(with_prior.end(), {"--set", "prior.focal_px=2", "--set", "prior.center_px=1"});

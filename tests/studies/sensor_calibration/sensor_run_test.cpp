@@ -42,6 +42,18 @@ LevelStatistics simulated_level(const SensorSettings& settings, double radiance,
   return level_statistics(frames, full);
 }
 
+/// Mean and temporal variance over eight pairs of frames: one pair tells the variance to 0.26 %.
+LevelStatistics averaged_level(const SensorSettings& settings, double radiance, int frame) {
+  constexpr int kPairs = 8;
+  LevelStatistics mean{};
+  for (int pair = 0; pair < kPairs; ++pair) {
+    const LevelStatistics level = simulated_level(settings, radiance, frame + 2 * pair);
+    mean.mean_dn += level.mean_dn / kPairs;
+    mean.temporal_variance_dn2 += level.temporal_variance_dn2 / kPairs;
+  }
+  return mean;
+}
+
 /// Writes a series of a simulated sensor as a camera would have given it.
 void write_series(const fs::path& folder, const SensorSettings& settings, int shift) {
   fs::create_directories(folder);
@@ -175,11 +187,12 @@ TEST(CalibrateSensor, MakesARealCcdIntoASensorThatHasItsMeanAndItsNoise) {
       continue;
     }
     sensor.exposure = *row[1].number() / full_exposure;
-    const LevelStatistics level = simulated_level(sensor, 1.0, 100 * ++compared);
+    const LevelStatistics level = averaged_level(sensor, 1.0, 100 * ++compared);
     EXPECT_NEAR(level.mean_dn / mean, 1.0, 0.01) << mean;
-    // Pictures are there of every fifth level; the others scatter about the line by themselves.
+    // Pictures are there of every fifth level. Of the others, which scatter about the line by
+    // themselves, one is 3.16 % off (at 8.8 % of full scale), all others at most 3 %.
     const bool has_pictures = fs::exists(set / row[7].text.substr(0, row[7].text.find('|')));
-    EXPECT_NEAR(level.temporal_variance_dn2 / *row[4].number(), 1.0, has_pictures ? 0.03 : 0.04)
+    EXPECT_NEAR(level.temporal_variance_dn2 / *row[4].number(), 1.0, has_pictures ? 0.03 : 0.032)
         << mean;
     with_pictures += has_pictures ? 1 : 0;
   }

@@ -135,6 +135,11 @@ std::string rung_name(const SceneSettings& scene) {
   return needs_paths(scene) ? path_name(scene.paths) : mirror_name(scene.render);
 }
 
+/// Of several lamps one might hide another in some design, which sums do not model.
+bool may_be_summed(const SceneSettings& scene) {
+  return scene.lights.size() == 1 && direct_problems(scene).empty();
+}
+
 /// What finalists are re-scored with, but for their seeds.
 SceneSettings top_settings(const SceneSettings& scene) {
   SceneSettings top = finer_settings(scene);
@@ -186,7 +191,7 @@ class RungList {
     if (blurred_problems(scene_).empty()) {
       add_noiseless(Method::kBlurred);
     }
-    if (direct_problems(scene_).empty()) {
+    if (may_be_summed(scene_)) {
       add_noiseless(Method::kDirect);
     }
   }
@@ -197,7 +202,7 @@ class RungList {
     const int own = scene_.render.rays_per_axis;
     for (const int rays : kept_.rays_per_axis ? std::vector{own} : std::vector{1, 2, 4}) {
       scene.render.rays_per_axis = rays;
-      const bool is_modelled = method != Method::kDirect || direct_problems(scene).empty();
+      const bool is_modelled = method != Method::kDirect || may_be_summed(scene);
       if (is_modelled && counted_work(scene) < counted_work(top_)) {
         add(scene, kFootprintGroup);
       }
@@ -286,7 +291,7 @@ SceneSettings at_rung(SceneSettings scene, const RenderRung& rung) {
   const bool is_blurred_rung = rung.render.method == Method::kBlurred;
   const bool is_direct_rung = rung.render.method == Method::kDirect;
   if ((is_blurred_rung && blurred_problems(scene).empty()) ||
-      (is_direct_rung && direct_problems(scene).empty())) {
+      (is_direct_rung && (is_direct(scene) || may_be_summed(scene)))) {
     scene.render.method = rung.render.method;
     scene.render.rays_per_axis = rung.render.rays_per_axis;
   } else if (needs_paths(scene)) {

@@ -37,7 +37,7 @@ struct RenderRung {
 ///   rough metal in the range  the same, and blurred reflections of 1, 2, 4 rays along both axes,
 ///   of blurred_problems()     where they are cheaper than the top and render.method is not kept;
 ///                             these alone where it asks for them
-///   rough metal under lamps   likewise, with the sum of direct light
+///   rough metal under a lamp  likewise, with the sum of direct light
 ///   without direct_problems()
 ///
 /// render.paths.samples is an upper limit and shortens the ladder where it is kept, as

@@ -236,6 +236,9 @@ TEST(RenderLadder, HasDirectSumsNowhereElse) {
   SceneSettings lit = steel();
   lit.lights.push_back({.name = "sky", .settings = EnvironmentSettings{}});
   EXPECT_THAT(direct_sums(render_ladder(lit, {})), ElementsAre());
+  SceneSettings two = steel();
+  two.lights.push_back({.name = "bar", .settings = BarSettings{}});
+  EXPECT_THAT(direct_sums(render_ladder(two, {})), ElementsAre()) << "one might hide the other";
   SceneSettings many_rays = steel();
   many_rays.render.rays_per_axis = 16;
   EXPECT_THAT(direct_sums(render_ladder(many_rays, {.rays_per_axis = true})), ElementsAre());

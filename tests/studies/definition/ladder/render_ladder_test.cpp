@@ -283,6 +283,15 @@ TEST(AtRung, TouchesNothingThatAnotherLevelUses) {
   EXPECT_EQ(scene.render.max_direction_error_rad, mirror().render.max_direction_error_rad);
 }
 
+// 0.5 Mpx: sums at 4 rays a pixel, one frame that is scored: 0.5 * (2.5 + 1.4 * 4 + 0.5) = 4.3.
+TEST(CountedWork, OfDirectSumsGrowsWithTheirRaysAndNotWithSamples) {
+  SceneSettings scene = steel();
+  scene.render.method = Method::kDirect;
+  EXPECT_DOUBLE_EQ(counted_work(scene), 4.3);
+  scene.paths.samples = 1024;
+  EXPECT_DOUBLE_EQ(counted_work(scene), 4.3);
+}
+
 // 0.5 Mpx: 16 samples with direct light, one frame of a scan of 10 scored in itself and without
 // each of 4 batches: 0.5 * (16 + 0.5 * 10 * 5) = 20.5.
 TEST(CountedWork, IsPathsAndScoring) {

@@ -3,92 +3,68 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <set>
 
 #include <fmt/format.h>
+
+#include "simulator/material/ggx.h"
 
 namespace glint {
 namespace {
 
 using Method = RenderSettings::Method;
 
-/// The methods in the order of their kinds.
-class MethodList {
- public:
-  explicit MethodList(const RenderSettings& own)
-      : own_(own), own_mrad_(own.max_direction_error_rad * 1e3) {
-    for (const int per_axis : {1, 2, 4, 8, 16}) {
-      add_sampled(per_axis);
+/// What of a scene a method does not model, problem by problem.
+class MethodRange {
+ protected:
+  MethodRange(const SceneSettings& scene, Method method) : scene_(scene), method_(method) {}
+
+  void expect(bool is_right,
+              const std::string& key,
+              const std::string& what,
+              const std::string& allowed) {
+    if (!is_right) {
+      problems_.push_back(
+          {.kind = Problem::Kind::kRelation,
+           .key = key,
+           .text = fmt::format("{}, which render.method = \"{}\" does not model; allowed {}, "
+                               "or render.method = \"paths\"",
+                               what,
+                               method_name(method_),
+                               allowed)});
     }
-    for (const double mrad : {2.0, 0.2, 0.02}) {
-      add(Method::kIntegrated,
-          {.kind = 1,
-           .kind_name = "integrated",
-           .label = fmt::format("integrated, {:g} mrad", mrad),
-           .direction_mrad = mrad,
-           .is_usual = mrad == 0.2});
-    }
-    add(Method::kClosed,
-        {.kind = 2,
-         .kind_name = "closed forms",
-         .label = "closed forms",
-         .direction_mrad = own_mrad_,
-         .has_frames = false});
-    add_choice(false);
-    add_choice(true);
   }
 
-  std::vector<ComparedMethod> methods() { return std::move(methods_); }
-
- private:
-  void add(Method method, ComparedMethod row) {
-    row.render = own_;
-    row.render.method = method;
-    const bool is_own_accuracy = method == Method::kSampled
-                                     ? row.rays_per_px == own_.rays_per_axis * own_.rays_per_axis
-                                     : row.direction_mrad == own_mrad_;
-    row.is_current =
-        method == own_.method && is_own_accuracy && (method != Method::kAuto || row.has_frames);
-    if (row.direction_mrad > 0.0) {
-      row.render.max_direction_error_rad = row.direction_mrad * 1e-3;
-    }
-    methods_.push_back(std::move(row));
+  void expect_bare_metal() {
+    const MaterialSettings& material = scene_.material;
+    expect(material.type == MaterialSettings::Type::kConductor,
+           "material.type",
+           material.type == MaterialSettings::Type::kMirror ? "is \"mirror\"" : "is \"diffuse\"",
+           "is \"conductor\"");
+    expect(material.coat.index == 1.0,
+           "material.coat.index",
+           fmt::format("is {:g}", material.coat.index),
+           "is 1, no coat");
   }
 
-  void add_choice(bool has_frames) {
-    add(Method::kAuto,
-        {.kind = 3,
-         .kind_name = "own choice",
-         .label = has_frames ? "own choice for pictures" : "own choice for scores",
-         .direction_mrad = own_mrad_,
-         .has_frames = has_frames,
-         .is_choice = true});
+  void expect_pinhole() {
+    expect(scene_.lens.f_number == 0.0,
+           "lens.f_number",
+           fmt::format("is {:g}", scene_.lens.f_number),
+           "is 0, a pinhole");
   }
 
-  void add_sampled(int rays_per_axis) {
-    const int rays = rays_per_axis * rays_per_axis;
-    add(Method::kSampled,
-        {.kind = 0,
-         .kind_name = "plain sampling",
-         .label = fmt::format("{} ray{} a pixel", rays, rays == 1 ? "" : "s"),
-         .rays_per_px = rays,
-         .is_usual = rays == 4});
-    methods_.back().render.rays_per_axis = rays_per_axis;
-  }
-
-  RenderSettings own_;
-  double own_mrad_;
-  std::vector<ComparedMethod> methods_;
+  const SceneSettings& scene_;
+  Method method_;
+  std::vector<Problem> problems_;
 };
 
 constexpr double kLeastAlpha = 0.02;
 constexpr double kLargestAlpha = 0.1;
 
 /// What of a scene blurred reflections do not model.
-class BlurredRange {
+class BlurredRange : public MethodRange {
  public:
-  explicit BlurredRange(const SceneSettings& scene) : scene_(scene) {}
+  explicit BlurredRange(const SceneSettings& scene) : MethodRange(scene, Method::kBlurred) {}
 
   std::vector<Problem> problems() {
     check_light();
@@ -105,21 +81,6 @@ class BlurredRange {
   }
 
  private:
-  void expect(bool is_right,
-              const std::string& key,
-              const std::string& what,
-              const std::string& allowed) {
-    if (!is_right) {
-      problems_.push_back(
-          {.kind = Problem::Kind::kRelation,
-           .key = key,
-           .text = fmt::format("{}, which render.method = \"blurred\" does not model; allowed {}, "
-                               "or render.method = \"paths\"",
-                               what,
-                               allowed)});
-    }
-  }
-
   void check_light() {
     expect(scene_.has_tunnel, "render.method", "finds no tunnel", "is one tunnel that shines");
     for (const NamedLight& light : scene_.lights) {
@@ -139,14 +100,7 @@ class BlurredRange {
 
   void check_material() {
     const MaterialSettings& material = scene_.material;
-    expect(material.type == MaterialSettings::Type::kConductor,
-           "material.type",
-           material.type == MaterialSettings::Type::kMirror ? "is \"mirror\"" : "is \"diffuse\"",
-           "is \"conductor\"");
-    expect(material.coat.index == 1.0,
-           "material.coat.index",
-           fmt::format("is {:g}", material.coat.index),
-           "is 1, no coat");
+    expect_bare_metal();
     expect(material.pattern.kind == PatternSettings::Kind::kNone,
            "material.pattern.kind",
            "marks the surface",
@@ -185,68 +139,79 @@ class BlurredRange {
            "sensor.wavelengths_nm",
            "has 3 numbers",
            "is 1, a grey camera");
-    expect(scene_.lens.f_number == 0.0,
-           "lens.f_number",
-           fmt::format("is {:g}", scene_.lens.f_number),
-           "is 0, a pinhole");
+    expect_pinhole();
   }
-
-  const SceneSettings& scene_;
-  std::vector<Problem> problems_;
 };
 
-std::string samples_text(int samples) {
-  return fmt::format("{} sample{}", samples, samples == 1 ? "" : "s");
-}
+constexpr double kLeastDirectAlpha = 0.05;
+constexpr int kMostDirectRays = 4;  ///< along each side of a pixel
 
-ComparedMethod path_method(const SceneSettings& scene, int samples, int reflections) {
-  constexpr std::size_t kPathKind = 4;
-  ComparedMethod method = {.kind = kPathKind,
-                           .kind_name = "paths",
-                           .label = samples_text(samples),
-                           .render = scene.render,
-                           .paths = scene.paths,
-                           .follows_paths = true};
-  method.render.method = Method::kPaths;
-  method.paths.samples = samples;
-  method.paths.max_reflections = reflections;
-  method.is_usual = samples == scene.paths.samples && reflections == scene.paths.max_reflections;
-  method.is_current = method.is_usual && !is_blurred(scene);
-  if (reflections != scene.paths.max_reflections) {
-    method.label += fmt::format(", {} reflection{}", reflections, reflections == 1 ? "" : "s");
+/// What of a scene the sum of direct light does not model.
+class DirectRange : public MethodRange {
+ public:
+  explicit DirectRange(const SceneSettings& scene) : MethodRange(scene, Method::kDirect) {}
+
+  std::vector<Problem> problems() {
+    check_lights();
+    check_surface();
+    expect_pinhole();
+    const int rays = scene_.render.rays_per_axis;
+    expect(!is_direct(scene_) || rays <= kMostDirectRays,
+           "render.rays_per_axis",
+           fmt::format("is {}", rays),
+           fmt::format("are 1 to {}", kMostDirectRays));
+    return std::move(problems_);
   }
-  return method;
-}
 
-ComparedMethod blurred_method(const SceneSettings& scene, int rays_per_axis) {
-  constexpr std::size_t kBlurredKind = 5;
-  const int rays = rays_per_axis * rays_per_axis;
-  ComparedMethod method = {.kind = kBlurredKind,
-                           .kind_name = "blurred",
-                           .label = fmt::format("blurred, {} ray{}", rays, rays == 1 ? "" : "s"),
-                           .render = scene.render,
-                           .paths = scene.paths,
-                           .rays_per_px = rays};
-  method.render.method = Method::kBlurred;
-  method.render.rays_per_axis = rays_per_axis;
-  method.is_current = is_blurred(scene) && rays_per_axis == scene.render.rays_per_axis;
-  return method;
-}
-
-/// Those of the same scene; none where it is out of their range.
-std::vector<ComparedMethod> blurred_methods(const SceneSettings& scene) {
-  std::vector<ComparedMethod> methods;
-  if (blurred_problems(scene).empty()) {
-    std::set<int> rays_per_axis = {1, 2, 4};
-    if (is_blurred(scene)) {
-      rays_per_axis.insert(scene.render.rays_per_axis);
-    }
-    for (const int rays : rays_per_axis) {
-      methods.push_back(blurred_method(scene, rays));
+ private:
+  void check_lights() {
+    const char* allowed = "are rings, domes, bars, coaxial lights and luminous meshes";
+    expect(!scene_.has_tunnel, "lighting." + scene_.tunnel_name, "is a tunnel", allowed);
+    for (const NamedLight& light : scene_.lights) {
+      const std::string key = "lighting." + light.name;
+      expect(!std::holds_alternative<EnvironmentSettings>(light.settings),
+             key,
+             "is an environment",
+             allowed);
+      expect(
+          !std::holds_alternative<IesLightSettings>(light.settings), key, "is measured", allowed);
     }
   }
-  return methods;
-}
+
+  void check_surface() {
+    const MaterialSettings& material = scene_.material;
+    expect_bare_metal();
+    if (material.type == MaterialSettings::Type::kConductor) {
+      check_width();
+    }
+    expect(material.texture.roughness_file.empty(),
+           "material.texture.roughness_file",
+           "changes the roughness from place to place",
+           "is none");
+    const bool has_pattern = material.pattern.kind != PatternSettings::Kind::kNone;
+    expect(!has_pattern || material.pattern.roughness == 0.0,
+           "material.pattern.roughness",
+           fmt::format("is {:g}", material.pattern.roughness),
+           "is 0");
+    for (const auto& [name, group] : scene_.defects) {
+      expect(group.type != DefectType::kStain || group.stain_roughness_rad == 0.0,
+             fmt::format("defects.{}.stain_roughness_deg", name),
+             "is not 0",
+             "is 0");
+    }
+  }
+
+  void check_width() {
+    const MaterialSettings& material = scene_.material;
+    const bool has_alpha = !material.alpha.empty();
+    const auto [x, y] = has_alpha ? GgxAlpha<double>{material.alpha.front(), material.alpha.back()}
+                                  : alpha_from_roughness(material.roughness, material.anisotropy);
+    expect(std::min(x, y) >= kLeastDirectAlpha,
+           has_alpha ? "material.alpha" : "material.roughness",
+           fmt::format("makes a width of {:g}", std::min(x, y)),
+           fmt::format("are widths from {:g}", kLeastDirectAlpha));
+  }
+};
 
 }  // namespace
 
@@ -260,6 +225,10 @@ void visit_keys(KeyVisitor& keys, RenderTable& table) {
 
 FrameMethod frame_method(const SceneSettings& scene) {
   const PathSettings& paths = scene.paths;
+  if (is_blurred(scene) || is_direct(scene)) {
+    return {.name = std::string(method_name(scene.render.method)),
+            .numbers = {{"rays_per_axis", scene.render.rays_per_axis}}};
+  }
   if (needs_paths(scene)) {
     return {.name = "paths",
             .numbers = {{"samples", paths.samples},
@@ -267,9 +236,6 @@ FrameMethod frame_method(const SceneSettings& scene) {
                         {"max_reflections", paths.max_reflections}}};
   }
   const Method method = scene.render.method;
-  if (is_blurred(scene)) {
-    return {.name = "blurred", .numbers = {{"rays_per_axis", scene.render.rays_per_axis}}};
-  }
   return {.name = method == Method::kSampled ? "sampled" : "integrated",
           .has_closed_mean = method == Method::kAuto || method == Method::kClosed};
 }
@@ -282,10 +248,20 @@ std::vector<Problem> blurred_problems(const SceneSettings& scene) {
   return BlurredRange(scene).problems();
 }
 
+bool is_direct(const SceneSettings& scene) {
+  return scene.render.method == Method::kDirect;
+}
+
+std::vector<Problem> direct_problems(const SceneSettings& scene) {
+  return DirectRange(scene).problems();
+}
+
 SceneSettings finer_settings(SceneSettings scene) {
   constexpr int kFreshSeed = 1000003;
   scene.sensor.seed += kFreshSeed;
-  if (needs_paths(scene)) {
+  if (is_direct(scene)) {
+    scene.render.rays_per_axis = std::min(kMostDirectRays, 2 * scene.render.rays_per_axis);
+  } else if (needs_paths(scene)) {
     constexpr int kMoreSamples = 4;  // half the standard error
     constexpr int kMaxSamples = 65535;
     scene.paths.seed += kFreshSeed;
@@ -312,55 +288,7 @@ SceneSettings repeated_settings(SceneSettings scene, int index) {
   constexpr int kStride = 1000;  // more than the scans behind one interval
   const int seed = kFirstSeed + kStride * index;
   scene.sensor.seed += seed;
-  scene.paths.seed += needs_paths(scene) ? seed : 0;
-  return scene;
-}
-
-std::vector<ComparedMethod> compared_methods(const SceneSettings& scene) {
-  return needs_paths(scene) || is_blurred(scene) ? std::vector<ComparedMethod>()
-                                                 : MethodList(scene.render).methods();
-}
-
-std::vector<ComparedMethod> compared_paths(const SceneSettings& scene) {
-  std::vector<ComparedMethod> methods;
-  if (!needs_paths(scene) && !is_blurred(scene)) {
-    return methods;
-  }
-  const PathSettings& own = scene.paths;
-  std::set<int> samples = {1, 4, 16, 64, 256, 1024};
-  samples.insert(own.samples);
-  for (const int count : samples) {
-    methods.push_back(path_method(scene, count, own.max_reflections));
-  }
-  std::set<int> reflections = {2 * own.max_reflections};
-  for (const int count : {1, 2, 4}) {
-    if (count < own.max_reflections) {
-      reflections.insert(count);
-    }
-  }
-  for (const int count : reflections) {
-    methods.push_back(path_method(scene, own.samples, count));
-  }
-  std::ranges::move(blurred_methods(scene), std::back_inserter(methods));
-  return methods;
-}
-
-SceneSettings rendered_by(const ComparedMethod& method, SceneSettings scene) {
-  scene.render = method.render;
-  if (method.follows_paths) {
-    scene.paths = method.paths;
-  }
-  return scene;
-}
-
-SceneSettings independent_paths(SceneSettings scene, int samples, int index) {
-  constexpr int kFirstSeed = 4000037;
-  constexpr int kStride = 7919;
-  if (is_blurred(scene)) {
-    scene.render.method = Method::kPaths;
-  }
-  scene.paths.samples = samples;
-  scene.paths.seed += kFirstSeed + kStride * index;
+  scene.paths.seed += needs_paths(scene) && !is_direct(scene) ? seed : 0;
   return scene;
 }
 

@@ -116,13 +116,15 @@ bool is_plain_mirror(const MaterialSettings& material) {
 /// What of the scene does not go together, without places.
 std::vector<Problem> check_level(const SceneSettings& scene) {
   using Method = RenderSettings::Method;
-  std::vector<Problem> errors =
-      is_blurred(scene) ? blurred_problems(scene) : std::vector<Problem>();
+  std::vector<Problem> errors = is_blurred(scene)  ? blurred_problems(scene)
+                                : is_direct(scene) ? direct_problems(scene)
+                                                   : std::vector<Problem>();
   const auto fail = [&](const char* key, const std::string& text) {
     errors.push_back({.kind = Problem::Kind::kRelation, .key = key, .text = text});
   };
   const Method method = scene.render.method;
-  if (needs_paths(scene) && method != Method::kAuto && method != Method::kPaths) {
+  if (needs_paths(scene) && method != Method::kAuto && method != Method::kPaths &&
+      method != Method::kDirect) {
     fail("render.method",
          fmt::format("is \"{}\", which is limited to a plain mirror under one tunnel; "
                      "this scene needs \"auto\" or \"paths\"",
@@ -231,8 +233,8 @@ std::string table_of(const std::string& key) {
 
 bool needs_paths(const SceneSettings& scene) {
   return !is_blurred(scene) &&
-         (scene.render.method == RenderSettings::Method::kPaths || !scene.has_tunnel ||
-          !scene.lights.empty() || !is_plain_mirror(scene.material));
+         (scene.render.method == RenderSettings::Method::kPaths || is_direct(scene) ||
+          !scene.has_tunnel || !scene.lights.empty() || !is_plain_mirror(scene.material));
 }
 
 bool is_lit(const SceneSettings& scene) {

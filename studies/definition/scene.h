@@ -73,8 +73,9 @@ struct SceneSettings {
 };
 
 /// Whether the path tracer makes the pictures: any other light than one tunnel, any other material
-/// than a plain mirror, or because [render] asks for it. All else is light along kept rays: level 0
-/// for a mirror, blurred reflections where [render] asks for them.
+/// than a plain mirror, or because [render] asks for it; or the sum of direct light, where [render]
+/// asks for that. All else is light along kept rays: level 0 for a mirror, blurred reflections
+/// where [render] asks for them.
 bool needs_paths(const SceneSettings& scene);
 
 /// Whether any light shines in it.

@@ -131,6 +131,19 @@ std::string reflections_text(const PathSettings& paths) {
       "{} reflection{}", paths.max_reflections, paths.max_reflections == 1 ? "" : "s");
 }
 
+std::string rendering_note(const SceneSettings& scene) {
+  if (is_direct(scene)) {
+    return "Direct light: summed over the lights without noise; powers of lights are factors of "
+           "pictures that are rendered once.";
+  }
+  return fmt::format(
+      "Path tracing: {} samples per pixel, at most {} on the part; powers "
+      "of lights are "
+      "factors of pictures that are rendered once.",
+      scene.paths.samples,
+      reflections_text(scene.paths));
+}
+
 /// How a path-traced scene is lit and rendered.
 std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& scores) {
   std::vector<std::string> notes;
@@ -139,12 +152,7 @@ std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& sc
   }
   const std::vector<std::string> mounts = mount_notes(scene);
   notes.insert(notes.end(), mounts.begin(), mounts.end());
-  notes.push_back(
-      fmt::format("Path tracing: {} samples per pixel, at most {} on the part; powers "
-                  "of lights are "
-                  "factors of pictures that are rendered once.",
-                  scene.paths.samples,
-                  reflections_text(scene.paths)));
+  notes.push_back(rendering_note(scene));
   const auto mean = scores.find("homogeneity.mean");
   if (mean != scores.end() && mean->second <= 0.0) {
     notes.push_back(
@@ -212,6 +220,21 @@ std::vector<std::string> blurred_method_notes(int rays_per_axis) {
       fmt::format("All designs share the same noise (common random numbers). Re-scored numbers "
                   "use fresh noise and {} rays per pixel.",
                   4 * rays)};
+}
+
+std::vector<std::string> direct_method_notes(const SceneSettings& scene) {
+  const int rays = scene.render.rays_per_axis * scene.render.rays_per_axis;
+  const int finer_axis = finer_settings(scene).render.rays_per_axis;
+  return {
+      fmt::format("Light transport: direct light of lamps on rough metal, summed without noise at "
+                  "{} ray{} per pixel and more where they differ; light that the part reflects "
+                  "onto itself is left out.",
+                  rays,
+                  rays == 1 ? "" : "s"),
+      kHomogeneityNote,
+      fmt::format("Scores have no standard error of rendering. All designs share the same noise of "
+                  "the sensor; re-scored numbers use fresh noise and {} rays per pixel.",
+                  finer_axis * finer_axis)};
 }
 
 }  // namespace
@@ -347,6 +370,9 @@ std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& s
 }
 
 std::vector<std::string> method_notes(const SceneSettings& scene) {
+  if (is_direct(scene)) {
+    return direct_method_notes(scene);
+  }
   if (needs_paths(scene)) {
     return path_method_notes(scene.paths);
   }

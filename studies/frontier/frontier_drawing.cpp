@@ -43,7 +43,11 @@ constexpr std::array kLooks = {
         .colour = "#009e73", .colour_with_facets = "#cc79a7", .corners = 4, .turn_rad = 0.25 * kPi},
     Look{.colour = kDrawingInk, .colour_with_facets = kDrawingInk, .is_hollow = true},
     Look{.colour = "#0072b2", .colour_with_facets = "#56b4e9"},
-    Look{.colour = "#d55e00", .colour_with_facets = "#cc79a7", .corners = 4}};
+    Look{.colour = "#d55e00", .colour_with_facets = "#cc79a7", .corners = 4},
+    Look{.colour = "#009e73",
+         .colour_with_facets = "#cc79a7",
+         .corners = 4,
+         .turn_rad = 0.25 * kPi}};
 
 /// The ring around the setting that the scene has now.
 constexpr Look kCurrentLook = {.colour = "#c23b22"};

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/image/image.h"
-#include "studies/definition/render_methods.h"
+#include "studies/definition/ladder/compared_methods.h"
 
 namespace glint {
 

@@ -277,7 +277,7 @@ class PathMeasuring {
                        const Evaluation& evaluation,
                        FrontierPoint& point) {
     const double pixels = static_cast<double>(scene.camera.width_px) * scene.camera.height_px;
-    if (point.method.follows_paths) {
+    if (point.method.has_film) {
       const PathCounts counts = store.picture(scene)->sums.counts;
       point.rays = counts.camera + counts.shadow + counts.bounce;
       point.traced_per_px = static_cast<double>(counts.camera) / pixels;

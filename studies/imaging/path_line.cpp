@@ -13,6 +13,7 @@
 #include "simulator/render/path_tracing/path_settings.h"
 #include "simulator/render/path_tracing/smooth_picture.h"
 #include "studies/imaging/defect_windows.h"
+#include "studies/imaging/direct/direct_film.h"
 #include "studies/imaging/frame_exposure.h"
 #include "studies/imaging/line_store.h"
 #include "studies/imaging/path_changes.h"
@@ -99,6 +100,9 @@ class PathLine : public LineCamera {
 
   std::size_t num_channels() const { return static_cast<std::size_t>(scene_.paths.channels); }
 
+  /// Light without noise: both halves are the same, and nothing is told of them.
+  bool is_summed() const { return view_.direct().has_value(); }
+
   bool has_phases() const { return scene_.inspection.filter == InspectionSettings::Filter::kPhase; }
 
   /// The scene with another part. @param windows  empty: the whole picture
@@ -114,7 +118,9 @@ class PathLine : public LineCamera {
                                     .lens = flawless.lens};
     PathSettings settings = half_of(scene_.paths, half);
     settings.windows.assign(windows.begin(), windows.end());
-    Rendered rendered = {.sums = render_paths(physical, settings, store_.pool()), .batch = {}};
+    Rendered rendered;
+    rendered.sums = is_summed() ? direct_film(physical, settings, *view_.direct(), store_.pool())
+                                : render_paths(physical, settings, store_.pool());
     rendered.batch = {.samples = std::move(rendered.sums.samples),
                       .groups = std::move(rendered.sums.groups)};
     return rendered;
@@ -137,12 +143,18 @@ class PathLine : public LineCamera {
     if (windows.empty()) {
       return {};
     }
+    const PathBatch half = render(part, windows, 0).batch;
     return changes_between(rendering_->halves,
-                           {render(part, windows, 0).batch, render(part, windows, 1).batch});
+                           {half, is_summed() ? half : render(part, windows, 1).batch});
   }
 
   FrameChanges changes_of(const RenderedChanges& rendered) const {
-    return frame_changes(rendered, weights_, picture().width_px, picture().height_px);
+    FrameChanges changes =
+        frame_changes(rendered, weights_, picture().width_px, picture().height_px);
+    if (is_summed()) {
+      std::ranges::fill(changes.gains, 1.0F);
+    }
+    return changes;
   }
 
   static std::string flawless_key(SceneSettings scene) {
@@ -184,14 +196,17 @@ class PathLine : public LineCamera {
       }
     }
     scan.aspect = sums.aspect();
-    scan.changes = mean_changes(changes, picture().width_px, picture().height_px);
+    if (!is_summed()) {
+      scan.changes = mean_changes(changes, picture().width_px, picture().height_px);
+    }
     return scan;
   }
 
   FlawlessRendering render_flawless() const {
     Rendered first = render(*traced_->part, {}, 0);
     FlawlessRendering rendering;
-    rendering.halves = {std::move(first.batch), render(*traced_->part, {}, 1).batch};
+    rendering.halves = {first.batch,
+                        is_summed() ? first.batch : render(*traced_->part, {}, 1).batch};
     first.sums.samples = rendering.halves[0].samples;
     rendering.surface = surface_images(first.sums);
     rendering.coverage = coverage_images(first.sums);
@@ -210,7 +225,9 @@ class PathLine : public LineCamera {
       frames.push_back({radiance_of(rendering_->halves[0], weights),
                         radiance_of(rendering_->halves[1], weights)});
     }
-    smooth(rendering_->surface, rendering_->coverage, frames, store_.pool());
+    if (!is_summed()) {
+      smooth(rendering_->surface, rendering_->coverage, frames, store_.pool());
+    }
     std::array<std::vector<ImageF>, 2> halves;
     for (RenderedTwice& frame : frames) {
       ImageF mean(picture().width_px, picture().height_px);
@@ -238,6 +255,9 @@ class PathLine : public LineCamera {
       for (float& value : expected_.aspect.values()) {
         value = std::min(1.0F, value + static_cast<float>(dark));
       }
+    }
+    if (is_summed()) {
+      return;
     }
     for (const std::vector<ImageF>& half : halves) {
       expected_.renderings.push_back(expose(half, {}, quiet));

@@ -3,7 +3,8 @@
 // A simulated line whose parts are path-traced: any material under any lights. The flawless part is
 // rendered once for a lighting; of a part with defects only windows about them are, with the same
 // random numbers, so that whatever the defects leave alone cancels to the last bit
-// (docs/theory/simulated_line.md).
+// (docs/theory/simulated_line.md). Where direct light is summed, the same, but that nothing is
+// noisy.
 #pragma once
 
 #include <memory>

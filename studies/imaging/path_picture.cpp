@@ -10,6 +10,8 @@
 #include "core/error.h"
 #include "simulator/render/path_tracing/sobol.h"
 #include "simulator/render/path_tracing/tile_sums.h"
+#include "studies/definition/render_methods.h"
+#include "studies/imaging/direct/hidden_lights.h"
 
 namespace glint {
 namespace {
@@ -203,6 +205,12 @@ std::vector<WeightedSum> sums_of(const PathPicture& picture,
   return sums;
 }
 
+/// What the accuracy of a sum of direct light follows from. Where lights stand changes no power.
+int brightness_octave_of(const SceneSettings& scene) {
+  const UnitLights lights = unit_lights(scene, {}, load_light_mesh);
+  return brightness_octave(scene.sensor, frame_factors(scene, lights.unit_power_w));
+}
+
 const PathBatch* batch_of(const PathPicture& picture, std::optional<std::size_t> without) {
   return without ? &picture.batches.at(*without) : nullptr;
 }
@@ -237,6 +245,10 @@ struct PathView::Data {
     }
     is_in_tunnel = scene.has_tunnel;
     frames = frame_factors(scene, lights.unit_power_w);
+    if (is_direct(scene)) {
+      check_lights_unhidden(physical);
+      direct = direct_settings(scene.render, brightness_octave_of(scene));
+    }
   }
 
   std::shared_ptr<const BuiltDefects> part;
@@ -249,6 +261,7 @@ struct PathView::Data {
   PhysicalScene physical;
   bool is_in_tunnel = false;
   std::vector<FrameFactors> frames;
+  std::optional<DirectSettings> direct;
 };
 
 PathView::PathView(const SceneSettings& scene,
@@ -273,6 +286,10 @@ const std::vector<FrameFactors>& PathView::frames() const {
 
 const std::vector<Colour>& PathView::unit_power_w() const {
   return data_->lights.unit_power_w;
+}
+
+const std::optional<DirectSettings>& PathView::direct() const {
+  return data_->direct;
 }
 
 std::vector<std::string> PathView::group_names() const {
@@ -323,6 +340,13 @@ std::string picture_key(const SceneSettings& wanted, const Viewpoint& viewpoint)
     digest.text("type", type, "");
     visit_keys(digest, light.settings);
   }
+  if (is_direct(scene)) {
+    std::string method = "direct";
+    int octave = brightness_octave_of(wanted);
+    digest.text("method", method, "");
+    digest.integer("rays_per_axis", scene.render.rays_per_axis, {}, "");
+    digest.integer("octave", octave, {}, "");
+  }
   digest.boolean("has_tunnel", scene.has_tunnel, "");
   if (scene.has_tunnel) {
     digest.text("tunnel", scene.tunnel_name, "");
@@ -356,6 +380,13 @@ PathPicture render_view(const PathView& view,
   // Together they shall have the error that is asked for.
   of_batch.relative_error *= std::sqrt(static_cast<double>(batches));
   PathPicture picture = {.frames = view.frames(), .unit_power_w = view.unit_power_w()};
+  if (view.direct()) {
+    PathSettings whole = paths;
+    whole.windows = of_batch.windows;
+    picture.sums = direct_film(view.physical(), whole, *view.direct(), pool, preview);
+    picture.has_noise = false;
+    return picture;
+  }
   BatchPreview shown(preview, batches);
   for (int b = 0; b < batches && !shown.is_stopped(); ++b) {
     of_batch.seed = batch_seed(paths.seed, b);

@@ -16,6 +16,7 @@
 #include "simulator/render/path_tracing/render_paths.h"
 #include "studies/definition/scene.h"
 #include "studies/imaging/built_part.h"
+#include "studies/imaging/direct/direct_film.h"
 #include "studies/imaging/path_lights.h"
 
 namespace glint {
@@ -47,6 +48,9 @@ class PathView {
   /// Flux of each group at power 1, as frame_factors() wants it.
   const std::vector<Colour>& unit_power_w() const;
 
+  /// How its light is summed; none: paths are followed.
+  const std::optional<DirectSettings>& direct() const;
+
   /// Names of the groups: "ring", "bar.3", "tunnel.12".
   std::vector<std::string> group_names() const;
 
@@ -72,13 +76,15 @@ struct PathPicture {
   std::vector<PathBatch> batches;    ///< two or more, or none; they add up to sums
   std::vector<FrameFactors> frames;  ///< PathView::frames() of the scene as it was rendered
   std::vector<Colour> unit_power_w;  ///< PathView::unit_power_w()
+  bool has_noise = true;             ///< false: light was summed, its standard errors are 0
 
   std::int64_t bytes() const;
 };
 
 /// Renders a view: paths.samples a pixel, divided into paths.batches independent pictures (samples
 /// are rounded up to a multiple of them). The first batch is what render_paths() makes with those
-/// settings. The same bytes for any number of threads.
+/// settings. A view whose light is summed has one film and no batches (direct_film()). The same
+/// bytes for any number of threads.
 /// @param paths    channels must be those of the sensor: path_settings()
 /// @param windows  only these places; empty: all
 /// @param preview  sees the sums of all batches so far
@@ -109,6 +115,7 @@ double pixel_radiance(const PathPicture& picture,
 ImageF channel_radiance(const Film& sums, const FrameFactors& factors, int channel);
 
 /// Of everything that PathPicture depends on but the powers of lights: equal keys, equal pictures.
+/// Of a sum of direct light, whose accuracy is one of grey values, their power of 2 counts.
 /// Segment powers of a light without separate_segments count, as they share one group.
 std::string picture_key(const SceneSettings& scene, const Viewpoint& viewpoint);
 

@@ -274,6 +274,9 @@ FrameFactors mean_factors(std::span<const FrameFactors> frames) {
 ImageF standard_error_of(const PathPicture& picture) {
   const FrameFactors factors = mean_factors(picture.frames);
   const ImageF whole = frame_radiance(picture, factors);
+  if (!picture.has_noise) {
+    return ImageF(whole.width(), whole.height());
+  }
   if (!picture.batches.empty()) {
     return batch_error(picture, factors, whole);
   }

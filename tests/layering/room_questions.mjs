@@ -14,6 +14,7 @@ const ASKING = new Set([
   "studies/definition/ladder",
   "studies/imaging",
   "studies/imaging/blurred",
+  "studies/imaging/direct",
 ]);
 
 export function checkQuestions(tree) {

@@ -18,9 +18,9 @@ namespace glint {
 /// One way to render a scene.
 struct RenderRung {
   std::string name;       ///< unique in its ladder: "direct light, 16 samples"
-  std::string level;      ///< "level 0", "blurred", "direct light", "2 reflections"
+  std::string level;      ///< "level 0", "blurred", "direct sum", "direct light", ..."
   RenderSettings render;  ///< of scenes that do not need path tracing
-  PathSettings paths;     ///< of those that do, and of those that a blurred rung cannot render
+  PathSettings paths;     ///< of those that do, and of those that a rung without noise cannot
   double work = 0.0;      ///< counted_work() of the scene at this rung
   int group = 0;          ///< rungs of a group differ in their number of samples or rays alone
   bool has_derivatives = false;
@@ -37,6 +37,8 @@ struct RenderRung {
 ///   rough metal in the range  the same, and blurred reflections of 1, 2, 4 rays along both axes,
 ///   of blurred_problems()     where they are cheaper than the top and render.method is not kept;
 ///                             these alone where it asks for them
+///   rough metal under a lamp  likewise, with the sum of direct light
+///   without direct_problems()
 ///
 /// render.paths.samples is an upper limit and shortens the ladder where it is kept, as
 /// max_reflections does always; all others stay as they are.
@@ -50,8 +52,9 @@ std::vector<RenderRung> render_ladder(std::span<const SceneSettings> designs, co
 ///         choose
 void check_ladder(const Study& study, const std::vector<RenderRung>& ladder);
 
-/// The scene rendered so. Scenes of both levels take what is theirs, and those that a blurred rung
-/// does not model follow paths, as many as the ladder's scene has.
+/// The scene rendered so. Scenes of both levels take what is theirs, and those that a rung of
+/// blurred reflections or of a direct sum does not model follow paths, as many as the ladder's
+/// scene has.
 SceneSettings at_rung(SceneSettings scene, const RenderRung& rung);
 
 /// How fine a rung is beside others of its group: samples or rays a pixel, or the inverse square of

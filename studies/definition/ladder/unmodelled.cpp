@@ -67,8 +67,8 @@ std::string wall_note(const SceneSettings& scene, const Eigen::Vector3d& size_mm
 std::string polarisation_note(const SceneSettings& scene) {
   constexpr double kAngle_rad = kPi / 3.0;
   const char* what = "Polarisation is not modelled";
-  const bool is_direct = needs_paths(scene) && scene.paths.max_reflections == 1;
-  if (is_direct || is_blurred(scene)) {
+  const bool is_once = needs_paths(scene) && scene.paths.max_reflections == 1;
+  if (is_once || is_blurred(scene) || is_direct(scene)) {
     return fmt::format("{}: no error, as light is reflected once before it reaches the camera.",
                        what);
   }

@@ -45,6 +45,8 @@ width_px = 48
 height_px = 32
 object_pixel_mm = 0.2
 working_distance_mm = 100
+[render]
+method = "paths"
 [render.paths]
 samples = 16
 max_reflections = 1
@@ -62,7 +64,7 @@ algorithm = "bobyqa"
 [budget]
 evaluations = 90
 [accuracy]
-keep = []
+keep = ["render.method"]
 tolerance = { "homogeneity.mean" = 0.2 }
 )";
 

@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "studies/definition/ladder/compared_methods.h"
+
 namespace glint {
 namespace {
 
@@ -124,6 +126,34 @@ TEST(ComparedPaths, EndWithBlurredReflectionsWhereTheyMayRenderTheScene) {
   EXPECT_TRUE(needs_paths(independent_paths(scene, 16, 0))) << "what they are compared with";
   scene.render.method = Method::kAuto;
   scene.material.alpha = {0.3};
+  EXPECT_THAT(labels_of(scene), IsEmpty());
+}
+
+TEST(ComparedPaths, EndWithDirectSumsWhereTheyMayRenderTheScene) {
+  SceneSettings scene;
+  scene.has_tunnel = false;
+  scene.lights = {{.name = "ring", .settings = RingSettings{}}};
+  scene.material.type = MaterialSettings::Type::kConductor;
+  scene.material.alpha = {0.2};
+  const auto labels_of = [](const SceneSettings& of) {
+    std::vector<std::string> labels;
+    for (const ComparedMethod& method : compared_paths(of)) {
+      EXPECT_TRUE(method.has_film) << method.label;
+      if (!method.follows_paths) {
+        EXPECT_EQ(method.render.method, Method::kDirect);
+        labels.push_back(method.label + (method.is_current ? " *" : ""));
+      }
+    }
+    return labels;
+  };
+  EXPECT_THAT(labels_of(scene),
+              ElementsAre("direct sum, 1 ray", "direct sum, 4 rays", "direct sum, 16 rays"));
+  scene.render.method = Method::kDirect;
+  EXPECT_THAT(labels_of(scene),
+              ElementsAre("direct sum, 1 ray", "direct sum, 4 rays *", "direct sum, 16 rays"));
+  EXPECT_FALSE(is_direct(independent_paths(scene, 16, 0))) << "what they are compared with";
+  scene.lights.push_back({.name = "sky", .settings = EnvironmentSettings{}});
+  scene.render.method = Method::kAuto;
   EXPECT_THAT(labels_of(scene), IsEmpty());
 }
 

@@ -162,6 +162,8 @@ TEST(FrontierMethods, OfAPathTracedSceneMarkWhatTheSceneHasNow) {
                             "8 samples, 4 reflections",
                             "4 samples, half resolution",
                             "8 samples, 1/4 resolution",
+                            "direct sum, 4 rays",
+                            "direct sum, 1 ray, half resolution",
                             "8 samples, facets 20 um",
                             "8 samples, defects displaced"}) {
     EXPECT_THAT(labels, Contains(label));
@@ -207,6 +209,14 @@ TEST(PathFrontier, TellsItsReferenceAndWhatIsOutOfSight) {
   }
   EXPECT_EQ(point_named(frontier, "4 samples").problem, "");
   EXPECT_GT(point_named(frontier, "4 samples").pictures, 1);
+}
+
+TEST(PathFrontier, SumsOfDirectLightErrLessThanPathsOfAsMuchTime) {
+  const FrontierPoint& sum = point_named(ring_frontier(), "direct sum, 4 rays");
+  ASSERT_EQ(sum.problem, "");
+  EXPECT_EQ(sum.pictures, 1) << "it has no noise";
+  EXPECT_GT(sum.rays, 0);
+  EXPECT_LT(*sum.frame_rmse, *point_named(ring_frontier(), "64 samples").frame_rmse);
 }
 
 TEST(PathFrontier, NamesWhatTheBudgetLeavesOut) {

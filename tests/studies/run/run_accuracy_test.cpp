@@ -24,6 +24,8 @@ using Json = nlohmann::ordered_json;
 using ::testing::HasSubstr;
 
 const std::string kPathStudy = "schema = 1\n" + kPathPlate + kPathRing + R"(
+[render]
+method = "paths"
 [variables]
 "lighting.ring.height_mm" = { min = 20, max = 60 }
 "lighting.ring.inner_radius_mm" = { min = 5, max = 20 }
@@ -127,7 +129,8 @@ TEST(RunAccuracy, PathsAreTakenAsExactlyAsAskedFor) {
   const auto samples = [&](const std::string& tolerance, const std::string& name) -> int {
     const std::string text =
         replaced(kPathStudy, "samples = 8", "samples = 16") +
-        "[accuracy]\nkeep = []\ntolerance = { \"homogeneity.mean\" = " + tolerance + " }\n";
+        "[accuracy]\nkeep = [\"render.method\"]\ntolerance = { \"homogeneity.mean\" = " +
+        tolerance + " }\n";
     const Json accuracy = run_into(folder, text, name)["accuracy"];
     EXPECT_EQ(accuracy["scores"][0]["score"], "homogeneity.mean");
     EXPECT_EQ(accuracy["reached"].get<bool>(),

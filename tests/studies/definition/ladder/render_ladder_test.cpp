@@ -197,6 +197,74 @@ TEST(AtRung, OfBlurredReflectionsOthersFollowTheirPaths) {
   EXPECT_EQ(at_rung(mirror(), rung).render.method, Method::kAuto) << "a mirror stays one";
 }
 
+/// Metal under a ring.
+SceneSettings steel() {
+  SceneSettings scene = satin();
+  scene.has_tunnel = false;
+  scene.lights = {{.name = "ring", .settings = RingSettings{}}};
+  scene.material.alpha = {0.2};
+  scene.paths.samples = 32;
+  return scene;
+}
+
+std::vector<std::string> direct_sums(const std::vector<RenderRung>& ladder) {
+  std::vector<std::string> list;
+  for (const RenderRung& rung : ladder) {
+    if (rung.level == "direct sum") {
+      list.push_back(rung.name);
+      EXPECT_EQ(rung.render.method, Method::kDirect);
+      EXPECT_FALSE(rung.is_noisy);
+      EXPECT_FALSE(rung.has_derivatives);
+    }
+  }
+  return list;
+}
+
+TEST(RenderLadder, OfMetalUnderLampsHasDirectSumsBelowItsTop) {
+  const auto ladder = render_ladder(steel(), {});
+  EXPECT_THAT(direct_sums(ladder),
+              ElementsAre("direct sum, 1 ray a pixel",
+                          "direct sum, 4 rays a pixel",
+                          "direct sum, 16 rays a pixel"));
+  EXPECT_EQ(ladder.back().name, "direct light, 128 samples") << "paths judge";
+}
+
+TEST(RenderLadder, HasDirectSumsNowhereElse) {
+  EXPECT_THAT(direct_sums(render_ladder(steel(), {.method = true})), ElementsAre());
+  EXPECT_THAT(direct_sums(render_ladder(satin(), {})), ElementsAre());
+  EXPECT_THAT(direct_sums(render_ladder(rough(), {})), ElementsAre());
+  SceneSettings lit = steel();
+  lit.lights.push_back({.name = "sky", .settings = EnvironmentSettings{}});
+  EXPECT_THAT(direct_sums(render_ladder(lit, {})), ElementsAre());
+  SceneSettings two = steel();
+  two.lights.push_back({.name = "bar", .settings = BarSettings{}});
+  EXPECT_THAT(direct_sums(render_ladder(two, {})), ElementsAre()) << "one might hide the other";
+  SceneSettings many_rays = steel();
+  many_rays.render.rays_per_axis = 16;
+  EXPECT_THAT(direct_sums(render_ladder(many_rays, {.rays_per_axis = true})), ElementsAre());
+}
+
+TEST(RenderLadder, OfDirectSumsHasMoreRays) {
+  SceneSettings scene = steel();
+  scene.render.method = Method::kDirect;
+  const std::vector<std::string> all = {
+      "direct sum, 1 ray a pixel", "direct sum, 4 rays a pixel", "direct sum, 16 rays a pixel"};
+  EXPECT_EQ(names(render_ladder(scene, {.method = true})), all);
+  scene.render.rays_per_axis = 4;
+  EXPECT_THAT(names(render_ladder(scene, {.method = true, .rays_per_axis = true})),
+              ElementsAre("direct sum, 16 rays a pixel"));
+}
+
+TEST(AtRung, OfDirectSumsOthersFollowTheirPaths) {
+  const auto ladder = render_ladder(steel(), {});
+  const auto rung = *std::ranges::find(ladder, "direct sum", &RenderRung::level);
+  EXPECT_EQ(at_rung(steel(), rung).render.method, Method::kDirect);
+  SceneSettings lit = steel();
+  lit.lights.push_back({.name = "sky", .settings = EnvironmentSettings{}});
+  EXPECT_EQ(at_rung(lit, rung).render.method, Method::kAuto);
+  EXPECT_EQ(at_rung(mirror(), rung).render.method, Method::kAuto) << "a mirror stays one";
+}
+
 TEST(KeysInFile, AreThoseThatAreWritten) {
   const auto kept = [](const std::string& text) {
     return keys_in_file(parse_toml(text, "s.toml"));
@@ -213,6 +281,15 @@ TEST(AtRung, TouchesNothingThatAnotherLevelUses) {
   const SceneSettings scene = at_rung(mirror(), of_paths.front());
   EXPECT_EQ(scene.paths.samples, mirror().paths.samples);
   EXPECT_EQ(scene.render.max_direction_error_rad, mirror().render.max_direction_error_rad);
+}
+
+// 0.5 Mpx: sums at 4 rays a pixel, one frame that is scored: 0.5 * (2.5 + 1.4 * 4 + 0.5) = 4.3.
+TEST(CountedWork, OfDirectSumsGrowsWithTheirRaysAndNotWithSamples) {
+  SceneSettings scene = steel();
+  scene.render.method = Method::kDirect;
+  EXPECT_DOUBLE_EQ(counted_work(scene), 4.3);
+  scene.paths.samples = 1024;
+  EXPECT_DOUBLE_EQ(counted_work(scene), 4.3);
 }
 
 // 0.5 Mpx: 16 samples with direct light, one frame of a scan of 10 scored in itself and without

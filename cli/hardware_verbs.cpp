@@ -96,14 +96,12 @@ void add_compare_verb(CLI::App& app, CommandLine& line) {
   compare
       ->add_option("--calibration",
                    arguments.calibration,
-                   "calibration.toml of the real camera: edges of the photographs are led through "
-                   "it before causes are looked for")
+                   "calibration.toml of the real camera: its lens is no cause")
       ->type_name("FILE")
       ->check(not_empty());
   compare->add_flag("--roughness",
                     arguments.has_roughness,
-                    "the metal may be rougher or smoother than simulated: renders each scene up to "
-                    "three times more, at 612 x 512 pixels");
+                    "the metal's roughness may differ: renders each scene up to three times more");
   compare->add_flag("--refine",
                     arguments.is_refining,
                     "write the scene with what explains the differences put in");

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 constexpr double kPrice = 14.0;  ///< of a parameter, in squared standard deviations
 /// What a parameter must explain of the misfit: the model of edges is not better than that where
 /// they have moved far.
-constexpr double kLeastShare = 0.005;
+constexpr double kLeastShare = 0.001;
 constexpr double kOutlierSigmas = 4.0;
 constexpr double kAgreeingPx = 2.0;
 constexpr int kMaxLag = 40;     ///< of neighbours whose noise may be alike

@@ -70,11 +70,11 @@ TEST(CellCamera, SlipsAreNamed) {
   const TemporaryFolder folder;
   write_file(folder / "cell.toml", "[camera]\naddress = \"127.99.99.99\"\n");
   const std::vector<ProgramResult> results =
-      glint_in(folder,
-               std::vector<Arguments>{{"cell", "grab", "cell.toml"},
-                                      {"cell", "twin", "camera", "cell.toml"},
-                                      {"cell", "list", "cell.toml"},
-                                      {"cell", "twin", "clock", "cell.toml"}});
+      glint_at_once(folder,
+                    std::vector<Arguments>{{"cell", "grab", "cell.toml"},
+                                           {"cell", "twin", "camera", "cell.toml"},
+                                           {"cell", "list", "cell.toml"},
+                                           {"cell", "twin", "clock", "cell.toml"}});
   EXPECT_EQ(results[0].code, 3);
   EXPECT_THAT(results[1].err, HasSubstr("twin.truth"));
   EXPECT_THAT(results[2].err, HasSubstr("takes no file"));

@@ -165,7 +165,7 @@ TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
   for (const MovingVerb& verb : kMovingVerbs) {
     calls.push_back(verb.arguments);
   }
-  const std::vector<ProgramResult> results = glint_in(folder, calls);
+  const std::vector<ProgramResult> results = glint_at_once(folder, calls);
   for (std::size_t i = 0; i < results.size(); ++i) {
     const MovingVerb& verb = kMovingVerbs[i];
     EXPECT_EQ(results[i].code, verb.code)
@@ -271,13 +271,13 @@ TEST(Cell, SlipsAreNamed) {
   const TemporaryFolder folder;
   write_file(folder / "cell.toml", cell_text(30004, 30001, 30002, 29999));
   const std::vector<ProgramResult> results =
-      glint_in(folder,
-               std::vector<Arguments>{{"cell", "jump", "cell.toml"},
-                                      {"cell", "status"},
-                                      {"cell", "move", "cell.toml", "--view", "7", "--move"},
-                                      {"cell", "twin", "robot", "cell.toml", "--detach"},
-                                      {"cell", "twin", "stop", "cell.toml"},
-                                      {"cell", "twin", "stop", "absent.json"}});
+      glint_at_once(folder,
+                    std::vector<Arguments>{{"cell", "jump", "cell.toml"},
+                                           {"cell", "status"},
+                                           {"cell", "move", "cell.toml", "--view", "7", "--move"},
+                                           {"cell", "twin", "robot", "cell.toml", "--detach"},
+                                           {"cell", "twin", "stop", "cell.toml"},
+                                           {"cell", "twin", "stop", "absent.json"}});
   EXPECT_THAT(results[0].err, HasSubstr("status, watch"));
   EXPECT_EQ(results[1].code, 2);
   EXPECT_THAT(results[2].err, HasSubstr("1 to 1"));

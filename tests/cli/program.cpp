@@ -161,8 +161,8 @@ ProgramResult glint_in(const TemporaryFolder& folder, const Arguments& arguments
   return glint_in(folder.path(), arguments);
 }
 
-std::vector<ProgramResult> glint_in(const TemporaryFolder& folder,
-                                    const std::vector<Arguments>& calls) {
+std::vector<ProgramResult> glint_at_once(const TemporaryFolder& folder,
+                                         const std::vector<Arguments>& calls) {
   std::vector<std::unique_ptr<Program>> programs;
   for (const Arguments& call : calls) {
     programs.push_back(std::make_unique<Program>(folder.path(), call));

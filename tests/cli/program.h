@@ -58,8 +58,8 @@ ProgramResult glint_in(const std::filesystem::path& folder,
 ProgramResult glint_in(const TemporaryFolder& folder, const Arguments& arguments);
 
 /// Runs it with each of these arguments, all at once: they must not disturb each other.
-std::vector<ProgramResult> glint_in(const TemporaryFolder& folder,
-                                    const std::vector<Arguments>& calls);
+std::vector<ProgramResult> glint_at_once(const TemporaryFolder& folder,
+                                         const std::vector<Arguments>& calls);
 
 /// The one JSON object that a call with --json prints; the call must end with exit code 0.
 nlohmann::json json_of(const TemporaryFolder& folder, Arguments arguments);

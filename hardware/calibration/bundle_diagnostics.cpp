@@ -194,8 +194,9 @@ BoardScale board_scale(const Bundle& bundle) {
     gradient += solved.transpose() * (system->residual_px - system->by_error * view.error);
   }
   MatrixXd shared = hessian.topLeftCorner(size - 1, size - 1);
-  VectorXd ignored = VectorXd::Zero(size - 1);
-  add_lens_prior(bundle, shared, ignored);
+  VectorXd by_shared = gradient.head(size - 1);
+  add_lens_prior(bundle, shared, by_shared);
+  gradient.head(size - 1) = by_shared;
   hessian.topLeftCorner(size - 1, size - 1) = shared;
   const MatrixXd covariance = inverse_information(hessian);
   BoardScale scale = {.factor = 1.0 - covariance.row(size - 1).dot(gradient),

@@ -185,7 +185,7 @@ bool is_few(const Work& work) {
 }
 
 /// Least squares over all accepted pictures; with a free size by turns with steps of the size.
-/// False when the minimiser fails.
+/// False when the minimiser fails, or the size does not settle.
 bool fit(Work& work) {
   constexpr double kSmallStep = 0.02;  // in standard deviations of the size
   constexpr int kMostSteps = 8;
@@ -206,7 +206,7 @@ bool fit(Work& work) {
       return true;
     }
   }
-  return true;
+  return false;
 }
 
 /// Solves and accepts by turns until the same pictures stay. False when the minimiser fails.

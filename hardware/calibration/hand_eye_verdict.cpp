@@ -21,6 +21,10 @@ using Eigen::Isometry3d;
 constexpr double kWorstHandEyeRad = kRadPerDeg;
 constexpr double kWorstRobotRad = 3.0 * kRadPerDeg;
 constexpr double kWorstShareOfDistance = 0.05;
+/// Robot errors above this share of the distance are large.
+constexpr double kLargeShareOfDistance = 0.002;
+/// Fewer pictures do not tell the size of the squares.
+constexpr std::size_t kFewestViewsOfSize = 10;
 
 /// The error that the robot's pose must have for the picture to be right.
 Isometry3d implied_error(const HandEyeWork& work, const PosePair& pair, int turn) {
@@ -49,13 +53,17 @@ int pose_that_fits(const HandEyeWork& work, std::size_t k, int turn) {
   return -1;
 }
 
-/// Robot errors above this share of the distance are large.
-constexpr double kLargeShareOfDistance = 0.002;
+/// How far from the flange's axes the board is seen, or with the camera beside the robot held.
+double lever_mm(const HandEyeWork& work) {
+  return work.options.mounting == Mounting::kEyeInHand
+             ? work.distance_mm
+             : (work.result.bundle.poses.board * work.symmetry.center_mm).norm();
+}
 
 /// The robot's error at the board, of place and rotation together, over the distance.
 double robot_share(const HandEyeWork& work) {
-  const NoiseSizes& noise = work.result.noise;
-  return std::hypot(noise.robot_mm / work.distance_mm, noise.robot_rad);
+  const NoiseSizes& noise = work.result.bundle.noise;
+  return std::hypot(noise.robot_mm, noise.robot_rad * lever_mm(work)) / work.distance_mm;
 }
 
 /// Whether a solution is none to judge anything by.
@@ -210,6 +218,9 @@ std::string refusal_of_moves(const HandEyeWork& work) {
 
 bool may_have_other_squares(const HandEyeWork& as_given) {
   constexpr double kSigmas = 2.0;
+  if (as_given.seen.size() < kFewestViewsOfSize) {
+    return false;
+  }
   const BoardScale& scale = as_given.result.scale;
   return !as_given.result.refusal.empty() || num_rejected(as_given) > 0 ||
          !(std::abs(scale.factor - 1.0) < kSigmas * scale.sigma);
@@ -217,11 +228,11 @@ bool may_have_other_squares(const HandEyeWork& as_given) {
 
 bool has_other_squares(const HandEyeWork& as_given, const HandEyeWork& with_free_size) {
   constexpr double kLeastOff = 3e-4;
-  constexpr std::size_t kFewestViews = 10;
   const BoardScale& scale = with_free_size.result.scale;
   const double off = std::abs(scale.factor - 1.0);
-  return with_free_size.result.bundle.views.size() >= kFewestViews && !is_unsure(with_free_size) &&
-         off > kLeastOff && off > sigmas_of_size(with_free_size) * scale.sigma &&
+  return with_free_size.result.bundle.views.size() >= kFewestViewsOfSize &&
+         !is_unsure(with_free_size) && off > kLeastOff &&
+         off > sigmas_of_size(with_free_size) * scale.sigma &&
          (!as_given.result.refusal.empty() ||
           num_rejected(with_free_size) <= num_rejected(as_given));
 }
@@ -233,8 +244,10 @@ std::string refusal_of_squares(const HandEyeWork& with_free_size) {
     return {};
   }
   return fmt::format(
-      "the robot's motion says that the board's squares are {}{}; measure them and correct "
-      "square_mm",
+      "the robot's motion says that the board's squares are {}{}, more than the 0.5 % that is "
+      "corrected: measure them and correct square_mm; if they are right, the robot's lengths or "
+      "the "
+      "focal length of --camera are off by that",
       times_text(scale),
       squares_text(with_free_size, scale));
 }
@@ -247,15 +260,14 @@ std::string note_of_squares(const HandEyeWork& with_free_size) {
 }
 
 std::string note_of_robot(const HandEyeWork& as_given, const HandEyeWork* with_free_size) {
-  if (!has_large_errors(as_given)) {
+  if (!has_large_errors(as_given) || as_given.has_known_noise) {
     return {};
   }
   const NoiseSizes& noise = as_given.result.noise;
   std::string text = fmt::format(
       "the robot's poses are off by {:.2g} mm and {:.2g} degrees (standard deviation of an axis; "
-      "together {:.2g} % of the distance to the board), while corners are known to {:.2g} px: the "
-      "errors "
-      "are the robot's, not the camera's",
+      "together {:.2g} % of the distance to the board), while corners are known to {:.2g} px: "
+      "the errors are the robot's, not the camera's",
       noise.robot_mm,
       noise.robot_rad * kDegPerRad,
       100.0 * robot_share(as_given),

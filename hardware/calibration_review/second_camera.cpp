@@ -134,10 +134,6 @@ Sides best_start(const Bundle& solved) {
 
 // --- In full -------------------------------------------------------------------------------------
 
-double square_of(const Bundle& bundle, const BundleView& view) {
-  return std::pow(rms_px(bundle, view), 2) * static_cast<double>(view.corners.board_mm.size());
-}
-
 double square_with(const BundleView& view, const LensVector& lens) {
   const auto fitted = fit_view(view.corners, lens);
   return fitted.has_value()
@@ -156,6 +152,16 @@ LensVector lens_of(const Bundle& solved, const Sides& sides, bool side) {
   }
   adjust_bundle(part);
   return part.lens;
+}
+
+/// Sum of squares that one camera leaves, fitted as the two are.
+double square_of_one(const Bundle& solved) {
+  const LensVector lens = lens_of(solved, Sides(solved.views.size(), false), false);
+  double sum = 0.0;
+  for (const BundleView& view : solved.views) {
+    sum += square_with(view, lens);
+  }
+  return sum;
 }
 
 /// Two cameras and the views of each.
@@ -202,6 +208,23 @@ bool is_preferred(const Bundle& solved, double one_px2, double two_px2) {
          gain > num_shared(solved) * std::log(numbers) + 2.0 * views * std::log(2.0);
 }
 
+/// Squares that are longer one way look like two cameras in pictures turned by a quarter: wider
+/// upright, narrower turned. Then one camera and a stretched board leave little more than both.
+bool is_stretched_board(const Bundle& solved, const TwoCameras& two) {
+  constexpr double kLittleMore = 2.0;
+  const auto aspect = [](const LensVector& lens) { return lens[0] / lens[1]; };
+  const double stretch = 0.5 * std::log(aspect(two.lenses[1]) / aspect(two.lenses[0]));
+  return std::ranges::any_of(std::array{-stretch, stretch}, [&](double by) {
+    Bundle one = solved;
+    for (BundleView& view : one.views) {
+      for (Eigen::Vector3d& point : view.corners.board_mm) {
+        point.x() *= 1.0 + by;
+      }
+    }
+    return square_of_one(one) < kLittleMore * two.square_px2;
+  });
+}
+
 SecondCamera second_camera_of(const Bundle& solved, TwoCameras two, double one_px2) {
   if (two.sides.front()) {
     two.sides.flip();
@@ -230,11 +253,8 @@ std::optional<SecondCamera> find_second_camera(const Bundle& solved) {
     return std::nullopt;
   }
   TwoCameras two = settled_cameras(solved, start);
-  double one_px2 = 0.0;
-  for (const BundleView& view : solved.views) {
-    one_px2 += square_of(solved, view);
-  }
-  if (!is_preferred(solved, one_px2, two.square_px2)) {
+  const double one_px2 = square_of_one(solved);
+  if (!is_preferred(solved, one_px2, two.square_px2) || is_stretched_board(solved, two)) {
     return std::nullopt;
   }
   return second_camera_of(solved, std::move(two), one_px2);

@@ -276,22 +276,28 @@ void check_corners(const CalibrateOptions& options, const Board& board, const Fo
   }
 }
 
-/// A mark that no picture shows is as none; with poses a picture whose mark alone is not found is
-/// of no use, as its first corner is not known.
+/// A mark that hardly any picture shows is as none: a glare spot may look like one. With poses a
+/// picture whose mark alone is not found is of no use, as its first corner is not known.
 void judge_marks(CalibrateInput& input) {
+  constexpr double kFewMarks = 0.2;
   const auto is_unknown = [](const BoardView& view) {
     return view.is_accepted() && !view.is_orientation_known;
   };
   const auto seen = std::ranges::count_if(input.views, &BoardView::is_accepted);
-  const auto unknown = std::ranges::count_if(input.views, is_unknown);
-  if (!input.board.mark || unknown == 0) {
+  const auto known = seen - std::ranges::count_if(input.views, is_unknown);
+  Board plain = input.board;
+  plain.mark = false;
+  // Sides of an odd sum settle the first corner by their colours.
+  if (!input.board.mark || known == seen || num_symmetries(plain) == 1) {
     return;
   }
-  input.is_mark_missing = unknown == seen;
-  if (input.is_mark_missing) {
-    input.notes.emplace_back(
-        "mark = true: no picture shows the mark in the board's first square, so the board is taken "
-        "as one without a mark");
+  if (static_cast<double>(known) <= kFewMarks * static_cast<double>(seen)) {
+    input.board = plain;
+    input.notes.push_back(fmt::format(
+        "mark = true: {} of {} pictures show the mark in the board's first square, so the board is "
+        "taken as one without a mark",
+        known,
+        seen));
     return;
   }
   for (BoardView& view : input.views) {
@@ -302,11 +308,12 @@ void judge_marks(CalibrateInput& input) {
   }
 }
 
-/// A larger board in most pictures is the board; in a few it is something else in view.
+/// A larger board in more pictures than the one given is the board; in a few it is something else
+/// in view.
 void check_size_of_board(const CalibrateOptions& options, const CalibrateInput& input) {
   const auto is_larger = [](const BoardView& view) { return !view.larger_grid.isZero(); };
   const auto larger = std::ranges::count_if(input.views, is_larger);
-  if (larger == 0 || larger < std::ranges::count_if(input.views, &BoardView::is_accepted)) {
+  if (larger <= std::ranges::count_if(input.views, &BoardView::is_accepted)) {
     return;
   }
   Eigen::Vector2i least = Eigen::Vector2i::Zero();

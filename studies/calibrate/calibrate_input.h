@@ -38,14 +38,13 @@ struct CalibrateOptions {
 
 /// Everything that was read, with the boards found in the pictures.
 struct CalibrateInput {
-  Board board;
+  Board board;                           ///< without its mark where the pictures do not show one
   BoardSetup setup = BoardSetup::kNone;  ///< kNone with poses: to be found out
   std::optional<HandEyeMethod> method;   ///< none: our own
   std::optional<CameraFile> camera;
   std::optional<LensVector> camera_sigma;  ///< the camera is only known to these; none: exactly
   std::optional<RobotPoses> poses;
   std::vector<std::size_t> pose_of;  ///< of each picture; empty without poses
-  bool is_mark_missing = false;      ///< the board should have a mark, but no picture shows it
   int width_px = 0;
   int height_px = 0;
   std::vector<std::string> names;     ///< of the pictures, as they were given

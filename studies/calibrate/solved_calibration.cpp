@@ -33,12 +33,10 @@ CameraOptions camera_options(const CalibrateInput& input) {
 }
 
 HandEyeOptions hand_eye_options(const CalibrateInput& input, Mounting mounting) {
-  Board seen = input.board;
-  seen.mark = seen.mark && !input.is_mark_missing;
   return {.mounting = mounting,
           .camera = camera_options(input),
-          .board_turns = num_symmetries(seen),
-          .has_mark = seen.mark,
+          .board_turns = num_symmetries(input.board),
+          .has_mark = input.board.mark,
           .square_mm = input.board.square_mm,
           .board_center_mm = Eigen::Vector2d(0.5 * (input.board.cols - 1) * input.board.square_mm,
                                              0.5 * (input.board.rows - 1) * input.board.square_mm)};
@@ -96,6 +94,11 @@ std::string either_reading(const CalibrateInput& input,
                      setup_name(other_mounting(mounting)));
 }
 
+/// Whether poses and pictures agree; squares of another size are no matter of how poses are read.
+bool agrees(const HandEyeCalibration& result) {
+  return result.succeeded || result.has_other_squares;
+}
+
 /// The other setup, or the first other reading of the poses, that agrees with the pictures, and the
 /// one that is the same to them; empty when none does.
 std::string reading_that_agrees(const CalibrateInput& input, const HandEyeCalibration& failed) {
@@ -106,13 +109,13 @@ std::string reading_that_agrees(const CalibrateInput& input, const HandEyeCalibr
   options.camera.free_terms = failed.camera.is_free;
   options.mounting = other_mounting(failed.mounting);
   const std::vector<Isometry3d> poses = picture_poses(input, input.poses->convention);
-  if (calibrate_hand_eye(input.corners, poses, options).succeeded) {
+  if (agrees(calibrate_hand_eye(input.corners, poses, options))) {
     return either_reading(input, input.poses->convention, options.mounting);
   }
   options.mounting = failed.mounting;
   for (const PoseConvention& other : input.poses->otherwise) {
     try {
-      if (calibrate_hand_eye(input.corners, picture_poses(input, other), options).succeeded) {
+      if (agrees(calibrate_hand_eye(input.corners, picture_poses(input, other), options))) {
         return either_reading(input, other, options.mounting);
       }
     } catch (const ConfigError&) {
@@ -185,7 +188,7 @@ HandEyeCalibration joint_calibration(const CalibrateInput& input, std::vector<st
   if (!result.succeeded && is_open && result.camera.succeeded && !result.has_other_squares) {
     HandEyeCalibration other =
         calibrate_hand_eye(input.corners, poses, hand_eye_options(input, Mounting::kEyeToHand));
-    if (other.succeeded || other.has_other_squares) {
+    if (agrees(other)) {
       result = std::move(other);
     }
   }

@@ -119,15 +119,17 @@ class CauseSearch {
   CauseSearch(std::span<const SpaceEdge> edges,
               const PinholeIntrinsics& camera,
               const Vector3d& middle_mm,
-              bool is_lens_known)
+              bool is_lens_known,
+              double least_agreeing)
       : edges_(edges),
         camera_(camera),
         middle_mm_(middle_mm),
-        system_(linearised(
-            edges,
-            camera,
-            middle_mm,
-            is_lens_known ? index_of(CauseParameter::kFocalLength) : kCauseParameters)) {}
+        system_(
+            linearised(edges,
+                       camera,
+                       middle_mm,
+                       is_lens_known ? index_of(CauseParameter::kFocalLength) : kCauseParameters)),
+        least_agreeing_(least_agreeing) {}
 
   CauseFit find() const {
     const auto kept = static_cast<double>(system_.kept());
@@ -135,7 +137,7 @@ class CauseSearch {
                     .noise_px = system_.noise_px(),
                     .agreeing = system_.agreeing()};
     fit.after_px = fit.before_px;
-    if (fit.agreeing < kLeastAgreeing) {
+    if (fit.agreeing < least_agreeing_) {
       return fit;
     }
     const auto [chosen, sigmas] = sure_set(fit.changes);
@@ -270,6 +272,7 @@ class CauseSearch {
   const PinholeIntrinsics& camera_;
   const Vector3d& middle_mm_;
   EdgeSystem system_;
+  double least_agreeing_;
 };
 
 constexpr std::array<const char*, kCauseParameters> kNames = {"turn_x",
@@ -316,11 +319,15 @@ Vector2d changed_pixel(const PinholeIntrinsics& camera,
 CauseFit fit_causes(std::span<const SpaceEdge> edges,
                     const PinholeIntrinsics& camera,
                     const Vector3d& middle_mm,
-                    bool is_lens_known) {
-  if (edges.size() < kMinEdges) {
+                    bool is_lens_known,
+                    double least_agreeing) {
+  const bool is_finite = std::ranges::all_of(edges, [](const SpaceEdge& edge) {
+    return std::isfinite(edge.offset_px) && edge.in_camera_mm.allFinite();
+  });
+  if (edges.size() < kMinEdges || !is_finite) {
     return {};
   }
-  return CauseSearch(edges, camera, middle_mm, is_lens_known).find();
+  return CauseSearch(edges, camera, middle_mm, is_lens_known, least_agreeing).find();
 }
 
 }  // namespace glint

@@ -176,12 +176,15 @@ std::vector<Boundary> seen_by(const PinholeCamera& camera,
                               const PinholeCamera& calibrated,
                               std::vector<Boundary> edges) {
   for (Boundary& edge : edges) {
-    std::erase_if(edge.points, [&](BoundaryPoint& point) {
+    std::vector<BoundaryPoint> seen;
+    for (BoundaryPoint point : edge.points) {
       const auto ray = calibrated.ray_through(point.at_px);
-      const auto at = ray ? camera.project(*ray) : std::nullopt;
-      point.at_px = at.value_or(point.at_px);
-      return !at;
-    });
+      if (const auto at = ray ? camera.project(*ray) : std::nullopt) {
+        point.at_px = *at;
+        seen.push_back(point);
+      }
+    }
+    edge.points = std::move(seen);
   }
   std::erase_if(edges, [](const Boundary& edge) { return edge.points.empty(); });
   return edges;
@@ -225,7 +228,9 @@ MatchedCauses matched_causes(const ComparedPair& pair,
   double reach_px = kMaxDistanceShare * pair.simulated.width();
   for (int round = 0; round <= kRounds; ++round) {
     result.edges = matched_edges(placed, real, intrinsics, middle_mm, result.fit.changes, reach_px);
-    result.fit = fit_causes(result.edges, intrinsics, middle_mm, is_lens_known);
+    // Before the last round edges may be matched with wrong neighbours: they need not agree yet.
+    const double agreeing = round < kRounds ? 0.0 : kLeastAgreeing;
+    result.fit = fit_causes(result.edges, intrinsics, middle_mm, is_lens_known, agreeing);
     if (result.fit.causes.empty()) {
       break;
     }
@@ -251,24 +256,45 @@ ToldCause told(const FoundCause& found) {
   return cause;
 }
 
-/// Sums over the pixels that are compared.
+/// Sums over the pixels that an exposure was matched over: not clipped in either picture.
 struct GreySums {
-  double simulated = 0.0;  ///< of squares
+  double pixels = 0.0;
+  double simulated = 0.0;
   double real = 0.0;
-  double product = 0.0;
-  double difference = 0.0;  ///< of squares
+  double simulated_squares = 0.0;
+  double real_squares = 0.0;
+  double products = 0.0;
+  double differences = 0.0;  ///< of squares
+
+  void add(double simulated_grey, double real_grey) {
+    pixels += 1.0;
+    simulated += simulated_grey;
+    real += real_grey;
+    simulated_squares += simulated_grey * simulated_grey;
+    real_squares += real_grey * real_grey;
+    products += simulated_grey * real_grey;
+    differences += (real_grey - simulated_grey) * (real_grey - simulated_grey);
+  }
+
+  /// With the means taken out, as a match with an offset does.
+  GreySums centred() const {
+    GreySums sums = *this;
+    sums.simulated_squares -= simulated * simulated / pixels;
+    sums.real_squares -= real * real / pixels;
+    sums.products -= simulated * real / pixels;
+    return sums;
+  }
 };
 
 GreySums grey_sums(const ComparedPair& pair) {
+  const auto is_inside = [](double grey) { return grey > 0.0 && grey < 1.0; };
   GreySums sums;
   for (std::size_t i = 0; i < pair.simulated.grey.size(); ++i) {
-    if (pair.region.empty() || pair.region.values()[i] != 0) {
-      const auto simulated = static_cast<double>(pair.simulated.grey.values()[i]);
-      const auto real = static_cast<double>(pair.real.grey.values()[i]);
-      sums.simulated += simulated * simulated;
-      sums.real += real * real;
-      sums.product += simulated * real;
-      sums.difference += (real - simulated) * (real - simulated);
+    const auto simulated = static_cast<double>(pair.simulated.grey.values()[i]);
+    const auto real = static_cast<double>(pair.real.grey.values()[i]);
+    if ((pair.region.empty() || pair.region.values()[i] != 0) && is_inside(simulated) &&
+        is_inside(real)) {
+      sums.add(simulated, real);
     }
   }
   return sums;
@@ -279,23 +305,27 @@ GreySums grey_sums(const ComparedPair& pair) {
 /// flat; that of the simulated on the real one is too steep. Between both is what is not known.
 std::optional<ToldCause> gain_cause(const ComparedPair& pair) {
   const ExposureMatch& match = pair.appearance.exposure;
-  const GreySums sums = grey_sums(pair);
-  if (pair.appearance.correlation < kLeastCorrelation || match.pixels == 0 || sums.product <= 0.0 ||
-      sums.difference <= 0.0) {
+  const GreySums all = grey_sums(pair);
+  if (pair.appearance.correlation < kLeastCorrelation || all.pixels < 1.0) {
     return std::nullopt;
   }
-  const double steep = match.gain * sums.simulated * sums.real / (sums.product * sums.product);
-  const double sigma =
-      std::hypot(match.rms / std::sqrt(sums.simulated), (steep - match.gain) / std::sqrt(12.0));
-  if (std::abs(match.gain - 1.0) < std::max(kLeastGain, kSurelySigmas * sigma)) {
+  const GreySums sums = match.offset != 0.0 ? all.centred() : all;
+  if (!(sums.products > 0.0) || !(sums.simulated_squares > 0.0) || !(sums.differences > 0.0)) {
     return std::nullopt;
   }
-  const double rest = match.rms * match.rms * static_cast<double>(match.pixels);
+  const double steep =
+      match.gain * sums.simulated_squares * sums.real_squares / (sums.products * sums.products);
+  const double sigma = std::hypot(match.rms / std::sqrt(sums.simulated_squares),
+                                  (steep - match.gain) / std::sqrt(12.0));
+  if (!(std::abs(match.gain - 1.0) >= std::max(kLeastGain, kSurelySigmas * sigma))) {
+    return std::nullopt;
+  }
+  const double rest = match.rms * match.rms * sums.pixels;
   return ToldCause{.name = "gain",
                    .value = match.gain,
                    .unit = "",
                    .sigma = sigma,
-                   .share = std::clamp(1.0 - rest / sums.difference, 0.0, 1.0),
+                   .share = std::clamp(1.0 - rest / sums.differences, 0.0, 1.0),
                    .of = "grey"};
 }
 
@@ -370,7 +400,11 @@ void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& caus
 
 SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes) {
   SceneSettings refined = scene;
-  refined.sensor.gain *= causes.gain;
+  if (refined.expose_to > 0.0) {  // a gain would be exposed away
+    refined.expose_to = std::min(refined.expose_to * causes.gain, 1.0);
+  } else {
+    refined.sensor.gain *= causes.gain;
+  }
   refined.material.roughness += causes.roughness_change;
   if (causes.calibrated) {
     put_intrinsics(*causes.calibrated, refined);

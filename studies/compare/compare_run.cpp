@@ -91,7 +91,7 @@ class CompareRun {
     check_result_folder(out_, ResultKind::kCompare, names);
     std::vector<fs::path> inputs = {options_.mask, options_.inputs.pairs, options_.calibration};
     for (const ComparePair& pair : plan_.pairs) {
-      inputs.insert(inputs.end(), {pair.simulated.picture, pair.real.picture});
+      inputs.insert(inputs.end(), {pair.simulated.picture, pair.real.picture, pair.real_mask});
     }
     check_inputs_kept(inputs, out_, names);
   }
@@ -107,6 +107,7 @@ class CompareRun {
       auto compared = pool_.map<Explained>(static_cast<std::int64_t>(size), [&](std::int64_t i) {
         const ComparePair& pair = plan_.pairs[begin + static_cast<std::size_t>(i)];
         Explained result = {.pair = compare_pair(pair, pair_options_)};
+        check_shows_part(result.pair);
         result.causes = find_causes(result.pair, camera_);
         return result;
       });
@@ -132,8 +133,8 @@ class CompareRun {
     write_exr(folder / "difference.exr", residual_picture(pair.exposed, pair.real.grey));
     write_png(folder / "simulated.png", pair.exposed, PixelDepth::k16Bit);
     write_file(folder / "overlay.png", png_bytes(overlay_of(pair)));
-    if (options_.is_refining && !explained.causes.told.empty() &&
-        pair.simulated.source.is_rendered()) {
+    const bool is_changed = !explained.causes.told.empty() || explained.causes.calibrated;
+    if (options_.is_refining && is_changed && pair.simulated.source.is_rendered()) {
       write_file(folder / "refined.toml", refined_toml(pair.simulated.source, explained.causes));
     }
     pages_.push_back(page_pair(pair));

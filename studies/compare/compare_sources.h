@@ -34,7 +34,7 @@ struct CompareInputs {
   std::filesystem::path simulated;
   std::vector<std::filesystem::path> reals;  ///< at least one
   /// CSV: simulated,real or simulated,real,mask; empty: by name or order. Masks are where the real
-  /// part is, relative to the file; an empty field: the part is looked for.
+  /// part is, relative to the file; an empty field: --mask, or the part is looked for.
   std::filesystem::path pairs;
 };
 

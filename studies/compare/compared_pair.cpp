@@ -56,14 +56,6 @@ void note_formats(const ComparedPicture& simulated,
   }
 }
 
-/// A picture taken with the lens covered: nothing in it but noise.
-void check_shows_something(const ComparedPicture& picture) {
-  if (is_dark_noise(picture.grey)) {
-    throw ConfigError(picture.source.picture.string() +
-                      ": shows no part: it is dark, and what varies in it is noise alone");
-  }
-}
-
 PairGeometry geometry_of(const ComparedPicture& simulated,
                          const ComparedPicture& real,
                          const std::filesystem::path& real_mask,
@@ -245,8 +237,6 @@ ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options) {
   result.simulated = read_compared(pair.simulated);
   result.real = read_compared(pair.real);
   check_sizes(result.simulated, result.real);
-  check_shows_something(result.simulated);
-  check_shows_something(result.real);
   note_formats(result.simulated, result.real, result.notes);
   result.better_turn = find_better_turn(result.simulated.grey, result.real.grey);
   if (result.better_turn) {
@@ -267,6 +257,19 @@ ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options) {
   result.appearance = appearance_of(result, options);
   result.regions = regions_of(result);
   return result;
+}
+
+void check_shows_part(const ComparedPair& pair) {
+  constexpr double kUnlike = 0.1;
+  if (correlation_of(pair.simulated.grey, pair.real.grey) >= kUnlike) {
+    return;
+  }
+  for (const ComparedPicture* picture : {&pair.simulated, &pair.real}) {
+    if (is_dark_noise(picture->grey)) {
+      throw ConfigError(picture->source.picture.string() +
+                        ": shows no part: it is dark, and what varies in it is noise alone");
+    }
+  }
 }
 
 }  // namespace glint

@@ -83,6 +83,10 @@ struct PairOptions {
 /// @throws ConfigError for pictures of different sizes, and as read_compared() and find_outlines()
 ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options);
 
+/// @throws ConfigError naming a picture that was taken with the lens covered: dark, with nothing in
+/// it but noise, and not like the other one
+void check_shows_part(const ComparedPair& pair);
+
 /// The texture of a picture over its mean, in a region shrunk by some pixels.
 /// @param window_px  halved until windows fit
 SurfaceTexture texture_in(const ImageF& picture, const Mask& region, int window_px = 256);

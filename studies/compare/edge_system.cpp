@@ -78,7 +78,8 @@ void EdgeSystem::leave_out_outliers() {
   weigh_by_scatter(rest_of_all());
   const VectorXd rest = rest_of_all().cwiseProduct(weights_.cwiseSqrt());
   noise_px_ = std::max(
-      std::sqrt(rest.squaredNorm() / std::max(static_cast<double>(kept_ - parameters_), 1.0)),
+      std::sqrt(rest.squaredNorm() /
+                std::max(static_cast<double>(kept_) - static_cast<double>(parameters_), 1.0)),
       1e-6);
   alike_ = alike_neighbours(rest);
   const MatrixXd weighted = weights_.asDiagonal() * columns_;

@@ -20,6 +20,7 @@
 #include "simulator/sensor/sensor.h"
 #include "studies/compare/scene_camera.h"
 #include "studies/imaging/path_picture.h"
+#include "studies/imaging/scene_picture.h"
 
 namespace glint::compare_detail {
 namespace {
@@ -66,7 +67,9 @@ SceneSettings small_scene(const SceneSettings& scene, int factor) {
 using Halves = std::array<ImageF, 2>;
 
 /// Mean grey of the scene's frames, without one of the two batches.
-ImageF grey_of(const PathPicture& picture, const SceneSettings& scene, std::size_t without) {
+ImageF grey_of(const PathPicture& picture,
+               const SceneSettings& scene,
+               std::optional<std::size_t> without) {
   const Sensor sensor(scene.sensor, picture.sums.width_px, picture.sums.height_px);
   ScanSums sums(picture.sums.width_px, picture.sums.height_px);
   ImageF grey;
@@ -115,7 +118,7 @@ class RoughnessSearch {
   RoughnessSearch(const ComparedPair& pair, const SceneSettings& scene, SceneStore& store)
       : store_(store),
         factor_(factor_of(scene)),
-        scene_(small_scene(scene, factor_)),
+        scene_(small_scene(with_equal_exposure(store, scene), factor_)),
         real_(reduce(pair.real.grey, factor_)) {}
 
   std::optional<RoughnessFit> find() {
@@ -124,42 +127,57 @@ class RoughnessSearch {
     }
     const double first = scene_.material.roughness;
     const Halves base = at(first);
-    choose_pixels(base);
-    if (pixels_.size() < kLeastPixels) {
+    if (!choose_pixels(base)) {
       return std::nullopt;
     }
-    const double step = first * (kStep - 1.0);
-    GreyFit fit = fitted(base, slopes_between(base, at(first + step), step));
-    double change = fit.change();
-    const double next = std::clamp(first + change, std::max(0.4 * first, kLeastRoughness), 1.0);
-    if (std::abs(next - first) > fit.change_sigma()) {
-      const Halves nearer = at(next);
-      fit = fitted(nearer, slopes_between(base, nearer, next - first));
-      change = next - first + fit.change();
+    const double stepped = first * kStep <= 1.0 ? first * kStep : first / kStep;
+    auto fit = fitted(base, slopes_between(base, at(stepped), stepped - first));
+    if (!fit) {
+      return std::nullopt;
     }
-    return told(base, fit, change);
+    double found = bounded(first + fit->change());
+    if (std::abs(found - first) > fit->change_sigma()) {
+      const Halves nearer = at(found);
+      fit = fitted(nearer, slopes_between(base, nearer, found - first));
+      found = fit ? bounded(found + fit->change()) : first;
+    }
+    return fit ? std::optional(told(base, *fit, found - first)) : std::nullopt;
   }
 
  private:
   Halves at(double roughness) {
     SceneSettings scene = scene_;
-    scene.material.roughness = std::min(roughness, 1.0);
+    scene.material.roughness = roughness;
     const std::shared_ptr<const PathPicture> picture = store_.picture(scene);
     ++renders_;
     if (part_.empty()) {
       part_ = sound_part(picture->sums);
     }
+    if (picture->batches.empty()) {  // without noise
+      const ImageF whole = grey_of(*picture, scene, std::nullopt);
+      return {whole, whole};
+    }
     return {grey_of(*picture, scene, 1), grey_of(*picture, scene, 0)};
   }
 
-  void choose_pixels(const Halves& base) {
+  /// Roughness that metal may have.
+  double bounded(double roughness) const {
+    return std::clamp(roughness, std::max(0.4 * scene_.material.roughness, kLeastRoughness), 1.0);
+  }
+
+  /// @return whether there are enough
+  bool choose_pixels(const Halves& base) {
+    if (part_.width() != real_.width() || part_.height() != real_.height()) {
+      return false;  // the picture is not of this scene
+    }
     for (std::size_t i = 0; i < part_.size(); ++i) {
-      const bool is_dim =
-          std::max({real_.values()[i], base[0].values()[i], base[1].values()[i]}) < kBright;
-      if (part_.values()[i] != 0 && is_dim) {
+      const float brightest =
+          std::max({real_.values()[i], base[0].values()[i], base[1].values()[i]});
+      if (part_.values()[i] != 0 && brightest < kBright) {
         pixels_.push_back(i);
       }
     }
+    return pixels_.size() >= kLeastPixels;
   }
 
   static Halves slopes_between(const Halves& base, const Halves& changed, double step) {
@@ -184,7 +202,8 @@ class RoughnessSearch {
             static_cast<double>(slopes[half].values()[pixel])};
   }
 
-  GreyFit fitted(const Halves& base, const Halves& slopes) const {
+  /// Nothing where these pixels do not tell both.
+  std::optional<GreyFit> fitted(const Halves& base, const Halves& slopes) const {
     Matrix2d products = Matrix2d::Zero();
     Vector2d right = Vector2d::Zero();
     for (const std::size_t pixel : pixels_) {
@@ -193,10 +212,15 @@ class RoughnessSearch {
       products += 0.5 * (one * other.transpose() + other * one.transpose());
       right += 0.5 * (one + other) * static_cast<double>(real_.values()[pixel]);
     }
+    constexpr double kSingular = 1e-9;  ///< determinant over the product of the diagonal
+    if (!(products.determinant() > kSingular * products(0, 0) * products(1, 1)) ||
+        !(products(0, 0) > 0.0)) {
+      return std::nullopt;
+    }
     const Matrix2d inverse = products.inverse();
     GreyFit fit = {.values = inverse * right};
     fit.covariance = inverse * scatter_of(base, slopes, fit) * inverse;
-    return fit;
+    return fit.values[0] > 0.0 && std::isfinite(fit.change()) ? std::optional(fit) : std::nullopt;
   }
 
   /// Sum over blocks of the squares of their parts of the gradient. @param fit  receives its rest
@@ -259,7 +283,7 @@ std::optional<RoughnessFit> fit_roughness(const ComparedPair& pair,
                                           SceneStore& store) {
   const MaterialSettings& material = scene.material;
   if (material.type != MaterialSettings::Type::kConductor || !material.alpha.empty() ||
-      material.roughness < kLeastRoughness) {
+      material.roughness < kLeastRoughness || scene.sensor.wavelengths_nm.size() != 1) {
     return std::nullopt;
   }
   return RoughnessSearch(pair, scene, store).find();

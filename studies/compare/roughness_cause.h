@@ -24,8 +24,9 @@ struct RoughnessFit {
 };
 
 /// @param scene  of the simulated picture, with pose and lens as the edges say
-/// @returns nothing for scenes that are not path traced or whose metal has no roughness (a mirror,
-///          `alpha` instead), and where fewer than 1000 reduced pixels show the sound part
+/// @returns nothing for scenes that are not path traced, of a colour sensor or whose metal has no
+///          roughness (a mirror, `alpha` instead), and where fewer than 1000 reduced pixels show
+///          the sound part or do not tell roughness from gain
 /// @throws ConfigError, IoError as SceneStore::picture()
 std::optional<RoughnessFit> fit_roughness(const ComparedPair& pair,
                                           const SceneSettings& scene,

@@ -103,8 +103,10 @@ TEST(KnownChanges, AreNoneBetweenPicturesWithOtherNoise) {
   render_views(folder, "1");
   render_views(folder, "9");
   const auto pairs_of = [&](const std::string& real) {
-    return json_of(folder,
-                   {"compare", "views_1", real, "--quiet", "--out", "out_" + real})["pairs"];
+    const nlohmann::json pairs =
+        json_of(folder, {"compare", "views_1", real, "--quiet", "--out", "out_" + real})["pairs"];
+    EXPECT_EQ(pairs.size(), 12U);
+    return pairs;
   };
   for (const nlohmann::json& pair : pairs_of("views_9")) {
     EXPECT_TRUE(pair["causes"].empty()) << pair["simulated"] << pair["causes"];

@@ -54,7 +54,12 @@ struct CaseVerdict {
 class ChangedGear {
  public:
   /// @param width_px  of a picture of the same field, 612 : 512
-  ChangedGear(int width_px, int samples) : width_px_(width_px), samples_(samples) {
+  /// @param change  of a key of the scene; empty: none
+  ChangedGear(int width_px, int samples, const std::string& change = "")
+      : width_px_(width_px), samples_(samples) {
+    if (!change.empty()) {
+      set(change);
+    }
     write_file(folder_ / "gear.toml", scene_text());
     render("gear.toml", "base", 1);
     std::vector<Problem> errors;

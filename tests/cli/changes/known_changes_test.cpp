@@ -53,6 +53,27 @@ TEST(KnownChange, OfACalibratedLensIsNoCause) {
   EXPECT_NE(refined.find("k1 = 0.08"), std::string::npos) << refined;
 }
 
+// A camera that is calibrated and says what the scene says: the refined scene is written all the
+// same.
+TEST(KnownChange, OfNothingIsRefinedByTheCalibration) {
+  ChangedGear gear(200, 8);
+  EXPECT_TRUE(gear.causes_of({}, 3, {"--calibration", "changed.toml", "--refine"}).empty());
+  EXPECT_TRUE(std::filesystem::exists(gear.folder() / "compared/pair_01/refined.toml"));
+}
+
+// The roughest metal has no rougher one beside it: no number that is none, no value beyond 1.
+TEST(KnownChange, OfTheRoughestMetalStaysInRange) {
+  ChangedGear gear(200, 8, "material.roughness=1");
+  gear.set("material.roughness=0.8");
+  const nlohmann::json causes = gear.causes_of({}, 3, {"--roughness"});
+  const nlohmann::json rougher = ChangedGear::named(causes, "roughness");
+  if (!rougher.is_null()) {
+    EXPECT_LE(rougher["value"].get<double>(), 0.0) << gear.last();
+    EXPECT_GE(rougher["value"].get<double>(), -0.6) << gear.last();
+    EXPECT_GT(rougher["sigma"].get<double>(), 0.0) << gear.last();
+  }
+}
+
 // Rougher metal under another exposure: both are told, each with its value, and the refined scene
 // has them. Of the same metal nothing is told.
 TEST(KnownChange, OfRoughnessIsNamedBesideTheGain) {

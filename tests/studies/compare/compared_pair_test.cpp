@@ -91,6 +91,10 @@ TEST_F(ComparePairTest, HasNoGainOfNoise) {
       compare(drawn_blade({.noise = 0.03}), drawn_blade({.noise = 0.01, .index = 1}));
   EXPECT_LT(equal.appearance.exposure.gain, 0.997);
   EXPECT_TRUE(find_causes(equal).told.empty());
+  const ComparedPair with_offset = compare(drawn_blade({.noise = 0.03}),
+                                           drawn_blade({.noise = 0.01, .index = 1}),
+                                           {.exposure = ExposureModel::kGainAndOffset});
+  EXPECT_TRUE(find_causes(with_offset).told.empty());
   const ComparedPair brighter =
       compare(drawn_blade({.noise = 0.03}), drawn_blade({.gain = 1.1, .noise = 0.01, .index = 1}));
   const PairCauses causes = find_causes(brighter);

@@ -15,6 +15,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// "--mounted wide", and that another name which was typed has to go.
+std::string mounted_text(const Json& next) {
+  return fmt::format("--mounted {}{}",
+                     next["design"].get<std::string>(),
+                     next["in_place_of"].empty() ? "" : " in the place of the other");
+}
+
 std::string dry_run_text(const Json& result) {
   std::string text =
       fmt::format("{} pictures from {} views, {:.0f} s of motion; nothing is moved\n",
@@ -38,13 +45,16 @@ std::string dry_run_text(const Json& result) {
                         view["outcome"].get<std::string>(),
                         view["reason"].get<std::string>());
   }
+  if (const Json& next = result["next"]; !next.is_null()) {
+    text +=
+        fmt::format("  before it: {} ({})\n", next["text"].get<std::string>(), mounted_text(next));
+  }
   return text;
 }
 
-std::string waiting_text(const Json& next) {
-  return fmt::format("waiting: {}; then the same command with --mounted {}\n",
-                     next["text"].get<std::string>(),
-                     next["design"].get<std::string>());
+std::string waiting_text(const Json& next, const std::string& again) {
+  return fmt::format(
+      "waiting: {}; then {} with {}\n", next["text"].get<std::string>(), again, mounted_text(next));
 }
 
 std::string result_text(const Json& result) {
@@ -81,9 +91,10 @@ int exit_code_of(const Json& result) {
 
 }  // namespace
 
-AcquireAnswer acquire_answer(const Json& result) {
+AcquireAnswer acquire_answer(const Json& result, const std::string& again) {
   if (result["status"] == "waiting") {
-    return {.json = result, .text = waiting_text(result["next"]), .exit_code = kExitNegative};
+    return {
+        .json = result, .text = waiting_text(result["next"], again), .exit_code = kExitNegative};
   }
   return {.json = result, .text = result_text(result), .exit_code = exit_code_of(result)};
 }

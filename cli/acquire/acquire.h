@@ -30,7 +30,9 @@ struct AcquireAnswer {
 };
 
 /// What acquire_pictures() returned, told.
-AcquireAnswer acquire_answer(const nlohmann::ordered_json& result);
+/// @param again  the command that goes on, with --mounted, where a prototype is waited for
+AcquireAnswer acquire_answer(const nlohmann::ordered_json& result,
+                             const std::string& again = "the same command");
 
 /// @param is_silent  no progress bar
 /// @throws ConfigError without --move, before any file is read and any address is looked up

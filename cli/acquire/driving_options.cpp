@@ -23,16 +23,22 @@ void add_driving_options(CLI::App& verb, AcquireArguments& arguments, const std:
                   when +
                       "manual lights that are as they should be; others are asked for at the "
                       "terminal")
-      ->type_name("NAME");
+      ->type_name("NAME")
+      ->allow_extra_args(false);
 }
 
 void add_mounted_option(CLI::App& verb, AcquireArguments& arguments, const std::string& when) {
-  verb.add_option("--mounted",
-                  arguments.mounted,
-                  when +
-                      "design of the run whose prototype is in the cell; others are asked for at "
-                      "the terminal")
-      ->type_name("NAME");
+  CLI::Option* mounted =
+      verb.add_option("--mounted",
+                      arguments.mounted,
+                      when +
+                          "design of the run whose prototype is in the cell; others are asked for "
+                          "at the terminal")
+          ->type_name("NAME")
+          ->allow_extra_args(false);
+  if (!when.empty()) {
+    mounted->needs(verb.get_option("--cell"));
+  }
 }
 
 }  // namespace glint

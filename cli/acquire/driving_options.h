@@ -15,7 +15,8 @@ namespace glint {
 /// @param when  "with --cell: " of a verb that can do without; else empty
 void add_driving_options(CLI::App& verb, AcquireArguments& arguments, const std::string& when);
 
-/// --mounted of a verb that takes pictures of a run's designs.
+/// --mounted of a verb that takes pictures of a run's designs. With `when` it needs the verb's
+/// --cell, which is there already.
 void add_mounted_option(CLI::App& verb, AcquireArguments& arguments, const std::string& when);
 
 }  // namespace glint

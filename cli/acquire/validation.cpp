@@ -99,7 +99,7 @@ AcquireAnswer validate_with_robot(const ValidationArguments& arguments, Progress
   if (!result["agreement"].is_null()) {
     return answer_of(result);
   }
-  AcquireAnswer answer = acquire_answer(result);
+  AcquireAnswer answer = acquire_answer(result, arguments.again);
   answer.text = fmt::format("{}: {}", result["design"].get<std::string>(), answer.text);
   return answer;
 }
@@ -125,6 +125,22 @@ AcquireAnswer planned_end(const Study& study,
   return answer;
 }
 
+/// The command that goes on without a search, as a shell takes it.
+std::string validating(const std::filesystem::path& run, const AcquireArguments& driven) {
+  std::string text = fmt::format("glint validate {} --cell {} --out {} --speed_share {}",
+                                 run.string(),
+                                 driven.cell.string(),
+                                 driven.out.string(),
+                                 driven.speed_share);
+  if (!driven.twin.empty()) {
+    text += " --twin " + driven.twin.string();
+  }
+  for (const std::string& light : driven.confirmed) {
+    text += " --confirmed " + light;
+  }
+  return text + " --move";
+}
+
 }  // namespace
 
 AcquireAnswer end_of_run(const Study& study,
@@ -140,8 +156,9 @@ AcquireAnswer end_of_run(const Study& study,
   }
   AcquireArguments on_robot = driven;
   on_robot.out = std::filesystem::absolute(run).parent_path() / "validate";
-  AcquireAnswer answer =
-      run_validation({.acquire = on_robot, .run = run, .threads = threads}, progress);
+  AcquireAnswer answer = run_validation(
+      {.acquire = on_robot, .run = run, .threads = threads, .again = validating(run, on_robot)},
+      progress);
   answer.json = {{"validation", std::move(answer.json)}};
   return answer;
 }

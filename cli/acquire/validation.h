@@ -21,6 +21,7 @@ struct ValidationArguments {
   std::string designs;
   bool is_refitting = false;
   int threads = 1;
+  std::string again = "the same command";  ///< that goes on when a prototype is mounted
 };
 
 /// How `glint run` ends on a study with [validate]: without a cell by the commands that validate,

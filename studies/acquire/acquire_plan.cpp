@@ -12,6 +12,7 @@
 #include "hardware/robot/path_check.h"
 #include "studies/acquire/acquired.h"
 #include "studies/acquire/expected_parts.h"
+#include "studies/acquire/mounted_prototypes.h"
 #include "studies/cell/pose_numbers.h"
 #include "studies/cell_camera/cell_camera.h"
 #include "studies/definition/study.h"
@@ -193,7 +194,7 @@ void check_names(const std::vector<ViewTask>& tasks) {
   }
 }
 
-std::string digest_of(const AcquireWork& work, const Cell& cell) {
+std::string digest_of(const AcquireWork& work, const AcquireSource& source, const Cell& cell) {
   Json json = {{"positions", work.num_positions}, {"step_mm", work.step_mm}};
   for (const TourPoint& point : work.plan.tour) {
     json["tour"].push_back({point.name, joints_deg(point.joints_rad)});
@@ -203,6 +204,9 @@ std::string digest_of(const AcquireWork& work, const Cell& cell) {
   }
   const CellCamera& camera = camera_of(cell);
   json["camera"] = {static_cast<int>(camera.pixel_format), camera.gain_db, camera.region_px};
+  if (source.scene) {
+    json["built_lights"] = built_lights(*source.scene);
+  }
   return sha256_hex(json.dump());
 }
 
@@ -286,7 +290,7 @@ AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_
   work.plan.tasks = tasks_of(work.views, work.plan.tour, source, cell, work.num_positions);
   check_names(work.plan.tasks);
   work.plan.camera = camera_configuration_of(camera_of(cell));
-  work.digest = digest_of(work, cell);
+  work.digest = digest_of(work, source, cell);
   return work;
 }
 

@@ -101,17 +101,28 @@ void write_inputs(const Prepared& ready, Json& head) {
   }
 }
 
-bool is_whole(const fs::path& folder) {
-  return fs::exists(folder / "acquired.json") && read_acquired(folder).status == "complete";
+/// Every picture that is wanted is there, as it was taken.
+bool is_whole(const Prepared& ready) {
+  const std::vector<AcquiredPicture> there = whole_pictures(ready.folder, ready.work.digest);
+  const auto is_there = [&there](const ViewTask& task, int position) {
+    return std::ranges::any_of(there, [&](const AcquiredPicture& picture) {
+      return picture.is_accepted && picture.view == task.name && picture.position == position;
+    });
+  };
+  return std::ranges::all_of(ready.work.plan.tasks, [&](const ViewTask& task) {
+    return std::ranges::all_of(task.positions,
+                               [&](int position) { return is_there(task, position); });
+  });
 }
 
 /// What a person has to do first, and has not confirmed.
 std::optional<std::string> open_wish(const Prepared& ready,
                                      const AcquireOptions& options,
                                      MountedPrototypes& prototypes) {
-  const std::string design = MountedPrototypes::design_in(options.source);
+  const bool is_taken = is_whole(ready);  // first: a folder of another plan is refused, not asked
+  const std::string design = prototypes.design_in(options.source);
   std::optional<std::string> wish = prototypes.wish(design);
-  if (!wish || is_whole(ready.folder)) {
+  if (!wish || is_taken) {
     return std::nullopt;
   }
   if (options.confirm && options.confirm(*wish)) {
@@ -121,13 +132,40 @@ std::optional<std::string> open_wish(const Prepared& ready,
   return wish;
 }
 
-Json waiting(const Prepared& ready, const std::string& design, const std::string& wish) {
+/// What a person has to do next, and which names of --mounted that takes the place of.
+Json next_step(const std::string& design,
+               const std::string& wish,
+               const std::vector<std::string>& mounted) {
+  return {{"design", design}, {"text", wish}, {"in_place_of", mounted}};
+}
+
+Json waiting(const Prepared& ready, const Json& next) {
   return {{"schema", 1},
           {"status", "waiting"},
           {"ok", false},
           {"folder", ready.folder.string()},
-          {"next", {{"design", design}, {"text", wish}}},
+          {"next", next},
           {"end", nullptr}};
+}
+
+/// What a person would be asked for first; null: nothing.
+Json described_step(const Prepared& ready, const AcquireOptions& options) {
+  const auto prototypes = MountedPrototypes::beside(options.source, options.mounted);
+  const std::string design = prototypes.design_in(options.source);
+  const bool is_taken = is_whole(ready);
+  const auto wish = prototypes.wish(design);
+  return wish && !is_taken ? next_step(design, *wish, options.mounted) : Json(nullptr);
+}
+
+Json described_tasks(const std::vector<ViewTask>& tasks) {
+  Json views = Json::array();
+  for (const ViewTask& task : tasks) {
+    views.push_back({{"view", task.name},
+                     {"lights", task.lights},
+                     {"exposure_us", task.exposure_us},
+                     {"pictures", task.positions.size()}});
+  }
+  return views;
 }
 
 /// One session: what is missing is taken.
@@ -203,14 +241,11 @@ class Session {
 
 Json describe_acquisition(const AcquireOptions& options) {
   const Prepared ready = prepare(options);
-  Json views = Json::array();
+  const Json next = described_step(ready, options);
+  const Json views = described_tasks(ready.work.plan.tasks);
   int pictures = 0;
-  for (const ViewTask& task : ready.work.plan.tasks) {
-    views.push_back({{"view", task.name},
-                     {"lights", task.lights},
-                     {"exposure_us", task.exposure_us},
-                     {"pictures", task.positions.size()}});
-    pictures += static_cast<int>(task.positions.size());
+  for (const Json& view : views) {
+    pictures += view["pictures"].get<int>();
   }
   Json legs = Json::array();
   const Tour& tour = ready.work.plan.tour;
@@ -225,6 +260,7 @@ Json describe_acquisition(const AcquireOptions& options) {
           {"views", views},
           {"unplanned", unplanned(ready.work.views)},
           {"legs", legs},
+          {"next", next},
           {"motion_s", duration_of(tour, ready.cell, options.speed_share)}};
 }
 
@@ -239,7 +275,7 @@ Json acquire_pictures(const AcquireOptions& options,
   const auto start = std::chrono::steady_clock::now();
   const Prepared ready = prepare(options);
   if (const auto wish = open_wish(ready, options, prototypes)) {
-    return waiting(ready, MountedPrototypes::design_in(options.source), *wish);
+    return waiting(ready, next_step(prototypes.design_in(options.source), *wish, options.mounted));
   }
   const auto confirm = [&options](const std::string& light, const std::string& what) {
     return std::ranges::find(options.confirmed, light) != options.confirmed.end() ||

@@ -92,7 +92,37 @@ bool has_digest(const fs::path& path, const std::string& sha256) {
   return fs::is_regular_file(path, none) && sha256_hex(read_file(path)) == sha256;
 }
 
+void check_plan(const fs::path& folder, const std::string& known, const std::string& digest) {
+  if (!known.empty() && known != digest) {
+    throw ConfigError(fmt::format(
+        "{}: holds pictures of another plan, cell, scene or prototype; name another folder",
+        folder.string()));
+  }
+}
+
 }  // namespace
+
+std::vector<AcquiredPicture> whole_pictures(const fs::path& folder, const std::string& digest) {
+  std::vector<AcquiredPicture> whole;
+  if (!fs::exists(folder / "journal.sqlite")) {
+    return whole;
+  }
+  try {
+    Database database(folder / "journal.sqlite", Database::Access::kReadOnly);
+    check_plan(folder, database.text("SELECT digest FROM run"), digest);
+    Statement rows(database, "SELECT object FROM picture ORDER BY number");
+    while (rows.step()) {
+      AcquiredPicture picture = picture_of_json(Json::parse(rows.text(0), nullptr, false));
+      const fs::path path = folder / picture.file;
+      if (has_digest(path, picture.sha256) || has_digest(hidden(path), picture.sha256)) {
+        whole.push_back(std::move(picture));
+      }
+    }
+  } catch (const IoError&) {
+    whole.clear();  // what is wrong with it is told when it is opened to be written
+  }
+  return whole;
+}
 
 /// The database, and the lock that one process has on the folder.
 struct AcquireJournal::Rows {
@@ -121,11 +151,7 @@ AcquireJournal::AcquireJournal(fs::path folder, const std::string& plan_digest)
     : folder_(std::move(folder)), rows_(std::make_unique<Rows>(folder_)) {
   Database& database = rows_->database;
   const std::string known = database.text("SELECT digest FROM run");
-  if (!known.empty() && known != plan_digest) {
-    throw ConfigError(fmt::format(
-        "{}: holds pictures of another plan, cell or scene; name another folder by --out",
-        folder_.string()));
-  }
+  check_plan(folder_, known, plan_digest);
   if (known.empty()) {
     Statement(database, "INSERT INTO run VALUES (1, 1, ?)").bind(plan_digest).run();
   }

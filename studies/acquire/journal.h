@@ -20,6 +20,12 @@
 
 namespace glint {
 
+/// The pictures that a folder has whole: with a row, and bytes of its SHA-256. Changes nothing.
+/// @return  none without a journal, or where it cannot be read
+/// @throws ConfigError when the folder holds pictures of another plan
+std::vector<AcquiredPicture> whole_pictures(const std::filesystem::path& folder,
+                                            const std::string& plan_digest);
+
 class AcquireJournal {
  public:
   /// Opens or makes DIR/journal.sqlite, begins a session and repairs what the last one left.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/validate_cell/validate_cell_run.h"
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -39,21 +38,24 @@ std::vector<std::string> wanted_designs(const ValidateOptions& options) {
 Json validate_in_cell(const ValidateCellOptions& options, const MotionPermit& permit) {
   ValidateOptions validate = options.validate;
   if (validate.pictures.empty()) {
-    validate.pictures = fs::absolute(validate.run).lexically_normal().parent_path() / "acquired";
+    validate.pictures = (fs::absolute(validate.run) / ".").lexically_normal().parent_path();
+    validate.pictures = validate.pictures.parent_path() / "acquired";
   }
-  std::vector<std::string> names = wanted_designs(validate);
-  MountedPrototypes prototypes =
-      MountedPrototypes::beside(validate.run / names.front(), options.acquire.mounted);
-  // What is mounted first: nobody exchanges a prototype twice.
-  std::ranges::stable_partition(
-      names, [&prototypes](const std::string& name) { return !prototypes.wish(name); });
-  for (const std::string& name : names) {
+  MountedPrototypes prototypes = MountedPrototypes::in_run(validate.run, options.acquire.mounted);
+  std::vector<fs::path> scenes;
+  for (const std::string& name : wanted_designs(validate)) {
+    scenes.push_back(validate.run / name / "scene.toml");
+  }
+  while (!scenes.empty()) {
+    const auto next = scenes.begin() + static_cast<std::ptrdiff_t>(prototypes.next_of(scenes));
     AcquireOptions acquire = options.acquire;
-    acquire.source = validate.run / name / "scene.toml";
+    acquire.source = *next;
+    const fs::path name = next->parent_path().lexically_relative(validate.run);
+    scenes.erase(next);
     acquire.out = validate.pictures / name;
     Json taken = acquire_pictures(acquire, prototypes, permit);
     if (taken["ok"] == false) {
-      taken["design"] = name;
+      taken["design"] = name.string();
       taken["agreement"] = nullptr;
       return taken;
     }

@@ -32,6 +32,7 @@ namespace glint::test {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -295,12 +296,54 @@ TEST(Acquire, TakesADesignWhenItsPrototypeIsSaidToBeMounted) {
   EXPECT_THAT(told["next"]["text"].get<std::string>(), HasSubstr("prototype of narrow (ring)"));
   EXPECT_EQ(twins.acquired("acquired/wide")["status"], "complete");
   EXPECT_FALSE(fs::exists(twins.folder / "acquired/narrow"));
+  EXPECT_EQ(told["next"]["in_place_of"], json::array({"wide"}));
   Arguments alone = SmallTwins::acquire("alone");
   alone.insert(alone.begin() + 1, "run/narrow");
   EXPECT_EQ(json::parse(glint_in(twins.folder, alone).out)["status"], "waiting");
   call.back() = "narrow";
   glint_in(twins.folder, call);  // the comparison of both sides is no matter here
   EXPECT_EQ(twins.acquired("acquired/narrow")["status"], "complete");
+}
+
+/// Two rings to be tried out, in a study that is rendered at once.
+constexpr const char* kTwoRings = R"(schema = 2
+material = {type = "diffuse"}
+camera = {width_px = 32, height_px = 24, object_pixel_mm = 1, working_distance_mm = 180}
+[part]
+shape = "plate"
+length_mm = 20
+width_mm = 20
+thickness_mm = 5
+[sensor]
+wavelengths_nm = [630]
+[lighting.ring]
+mount = "camera"
+inner_radius_mm = 30
+outer_radius_mm = 60
+height_mm = 80
+radiance = [4]
+[render.paths]
+samples = 1
+max_reflections = 1
+[prototypes.narrow]
+"lighting.ring.outer_radius_mm" = 50
+[validate]
+designs = "narrow"
+)";
+
+// The same glint run might search on: what goes on is the validation.
+TEST(Acquire, OfARunThatWaitsForAPrototypeGoesOnByValidating) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", kTwoRings);
+  const std::string cell = kGallery / "cell.toml";  // nobody serves it, and nobody is looked for
+  const ProgramResult result = glint_in(
+      folder,
+      {"run", "study.toml", "--out", "o/run", "--cell", cell, "--confirmed", "ring", "--move"});
+  EXPECT_EQ(result.code, 1) << result.err;
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("waiting: mount the prototype of narrow (ring)"),
+                    HasSubstr("glint validate o/run --cell " + cell),
+                    HasSubstr("--confirmed ring --move with --mounted narrow\n")));
 }
 
 /// A strip under a tunnel whose stripes a stage moves, seen from one view.
@@ -392,6 +435,12 @@ TEST(Acquire, TellsWhatItWouldDoAndConnectsToNothing) {
   EXPECT_FALSE(fs::exists(folder / "out"));
   EXPECT_THAT(glint_in(folder, {"acquire", "--cell", cell}).err, HasSubstr("--move"));
   EXPECT_EQ(glint_in(folder, {"acquire", "none.toml", "--cell", cell, "--dry_run"}).code, 3);
+  EXPECT_THAT(glint_in(folder, {"validate", "run", "--pictures", "p", "--mounted", "wide"}).err,
+              HasSubstr("--cell"));
+  for (const char* option : {"--confirmed", "--mounted"}) {
+    const Arguments call = {"acquire", "--cell", cell, "--dry_run", option, "ring", "none.toml"};
+    EXPECT_THAT(glint_in(folder, call).err, HasSubstr("none.toml")) << option << " takes one name";
+  }
 }
 
 }  // namespace

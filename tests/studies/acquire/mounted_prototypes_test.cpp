@@ -7,9 +7,12 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "studies/acquire/acquire_plan.h"
 #include "studies/acquire/acquire_run.h"
+#include "studies/acquire/journal.h"
 #include "studies/cell/typed_permit.h"
 #include "studies/definition/study.h"
+#include "studies/output/result_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -74,7 +77,7 @@ class PrototypesOfARun : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(PrototypesOfARun, AreThoseOfLightsThatShineWhateverTheirPower) {
+TEST_F(PrototypesOfARun, AreThoseOfAllLightsWhateverTheirPower) {
   write_file(scene("bright"), scene_text(50, 9, 3));
   const auto lights_of = [&](const std::string& design) {
     return built_lights(load_study(scene(design), {}).scene);
@@ -82,20 +85,89 @@ TEST_F(PrototypesOfARun, AreThoseOfLightsThatShineWhateverTheirPower) {
   EXPECT_EQ(lights_of("narrow"), lights_of("bright"));
   EXPECT_NE(lights_of("narrow"), lights_of("wide"));
   EXPECT_EQ(lights_of("narrow").at("bar"), lights_of("wide").at("bar"));
-  EXPECT_THAT(lights_of("dark"), ElementsAre(Pair("bar", _)));
+  EXPECT_THAT(lights_of("dark"), ElementsAre(Pair("bar", _), Pair("ring", _)));
+  write_file(scene("unused"), "lighting_use = \"bar\"\n" + scene_text(50, 9));
+  EXPECT_EQ(lights_of("unused"), lights_of("narrow"));
+}
+
+TEST_F(PrototypesOfARun, AreTheSameWhereTheStageMovesTheStripes) {
+  const auto tunnel = [](double offset_mm, double radius_mm) {
+    SceneSettings scene;
+    scene.has_tunnel = true;
+    scene.tunnel.offset_mm = offset_mm;
+    scene.tunnel.radius_mm = radius_mm;
+    return built_lights(scene);
+  };
+  EXPECT_EQ(tunnel(0, 80), tunnel(3, 80));
+  EXPECT_NE(tunnel(0, 80), tunnel(0, 90));
 }
 
 TEST_F(PrototypesOfARun, AreNeverTakenForMounted) {
   MountedPrototypes unknown = prototypes();
   EXPECT_THAT(unknown.wish("wide").value_or(""), HasSubstr("prototype of wide (ring)"));
   EXPECT_TRUE(unknown.wish("narrow").has_value());
-  EXPECT_FALSE(unknown.wish("dark").has_value()) << "outputs switch the bar that all share";
+  EXPECT_THAT(unknown.wish("dark").value_or(""), HasSubstr("prototype of dark (ring)"))
+      << "a ring that does not shine hangs there too";
   unknown.mount("wide");
   EXPECT_FALSE(unknown.wish("wide").has_value());
   EXPECT_TRUE(unknown.wish("narrow").has_value());
   unknown.mount("narrow");
   EXPECT_TRUE(unknown.wish("wide").has_value()) << "the other ring is off again";
-  EXPECT_FALSE(prototypes({"dark", "wide"}).wish("wide").has_value());
+  EXPECT_FALSE(prototypes({"wide/"}).wish("wide").has_value());
+}
+
+TEST_F(PrototypesOfARun, AreTakenDownForDesignsThatHaveNone) {
+  const std::string text = scene_text(50);
+  write_file(scene("bare"), text.substr(0, text.find("[lighting.bar]")));
+  MountedPrototypes all = prototypes({"narrow"});
+  EXPECT_THAT(all.wish("bare").value_or(""), HasSubstr("prototype of bare, take down bar"));
+  all.mount("bare");
+  EXPECT_FALSE(all.wish("bare").has_value());
+  EXPECT_THAT(all.wish("narrow").value_or(""), HasSubstr("prototype of narrow (bar)"));
+  EXPECT_THROW(prototypes({"narrow", "bare"}), ConfigError);
+}
+
+TEST_F(PrototypesOfARun, AreExchangedOnceForDesignsThatAreBuiltAlike) {
+  write_file(scene("bright"), scene_text(50, 9));
+  MountedPrototypes all = prototypes();
+  std::vector<std::filesystem::path> left = {scene("narrow"), scene("wide"), scene("bright")};
+  EXPECT_EQ(all.next_of(left), 0U);
+  all.mount("narrow");
+  left.erase(left.begin());
+  EXPECT_EQ(all.next_of(left), 1U) << "bright needs nobody";
+}
+
+TEST_F(PrototypesOfARun, AreThoseOfItsFrontToo) {
+  write_file(scene("front/trial_003"), scene_text(60));
+  const MountedPrototypes all = MountedPrototypes::beside(scene("front/trial_003"), {"wide"});
+  EXPECT_EQ(all.design_in(scene("front/trial_003")), "front/trial_003");
+  EXPECT_FALSE(all.wish("front/trial_003").has_value());
+  EXPECT_TRUE(prototypes({"front/trial_003"}).wish("narrow").has_value());
+  EXPECT_TRUE(MountedPrototypes::in_run(folder_ / "run/front/", {}).wish("narrow").has_value());
+}
+
+TEST_F(PrototypesOfARun, AreAskedForWhereNoStudyTellsOfThem) {
+  std::filesystem::remove(folder_ / "run/study.resolved.toml");
+  EXPECT_FALSE(prototypes().wish("wide").has_value()) << "a scene in no run";
+  EXPECT_TRUE(MountedPrototypes::in_run(folder_ / "run", {}).wish("wide").has_value());
+}
+
+TEST_F(PrototypesOfARun, AreAskedForWhereADesignCannotBeRead) {
+  for (const char* design : {"narrow", "dark"}) {
+    write_file(scene(design), "schema = ");
+  }
+  MountedPrototypes all = prototypes();
+  EXPECT_TRUE(all.wish("wide").has_value()) << "nothing differs from what is known, but it may";
+  all.mount("wide");
+  EXPECT_FALSE(all.wish("wide").has_value());
+  EXPECT_THAT(all.wish("dark").value_or(""), HasSubstr("cannot be read"));
+  all.mount("dark");
+  EXPECT_FALSE(all.wish("dark").has_value());
+  EXPECT_TRUE(all.wish("wide").has_value());
+}
+
+TEST_F(PrototypesOfARun, AreNotAskedForByAFolderThatIsNoDesign) {
+  EXPECT_EQ(prototypes().wish("plan"), std::nullopt);
 }
 
 TEST_F(PrototypesOfARun, AreNamedByDesignsThatFitTogether) {
@@ -110,7 +182,7 @@ TEST_F(PrototypesOfARun, AreNamedByDesignsThatFitTogether) {
 TEST_F(PrototypesOfARun, AreOfNoSceneOutsideARun) {
   write_file(folder_ / "scene.toml", scene_text(50));
   const auto none = MountedPrototypes::beside(folder_ / "scene.toml", {});
-  EXPECT_FALSE(none.wish(MountedPrototypes::design_in(folder_ / "scene.toml")).has_value());
+  EXPECT_FALSE(none.wish(none.design_in(folder_ / "scene.toml")).has_value());
   EXPECT_FALSE(MountedPrototypes::beside({}, {}).wish("").has_value());
   EXPECT_THROW(MountedPrototypes::beside({}, {"wide"}), ConfigError);
 }
@@ -165,6 +237,43 @@ TEST_F(PrototypesOfARun, AreWaitedForBeforeAnythingIsConnected) {
   options.mounted = {"wide"};
   EXPECT_THROW(acquire_pictures(options, permit), IoError);
   options.mounted = {"narrow"};
+  EXPECT_EQ(acquire_pictures(options, permit)["status"], "waiting");
+  EXPECT_EQ(describe_acquisition(options)["next"], acquire_pictures(options, permit)["next"]);
+  options.mounted = {"wide"};
+  EXPECT_TRUE(describe_acquisition(options)["next"].is_null());
+  options.mounted = {"wider"};
+  EXPECT_THROW(describe_acquisition(options), ConfigError);
+}
+
+/// A folder as a whole acquisition of the lonely cell's only view leaves it.
+void write_pictures(const AcquireOptions& options) {
+  const Cell cell = read_cell(options.cell);
+  const AcquireWork work = work_of(read_source(options.source), cell, options.speed_share);
+  make_folder(options.out);
+  AcquireJournal journal(options.out, work.digest);
+  journal.keep({.view = work.plan.tasks.front().name, .file = "views/view_1/frame_000.png"},
+               "bytes of a picture");
+  write_file(options.out / "acquired.json",
+             R"({"kind": "acquired", "status": "complete", "pictures": []})");
+  mark_result_folder(options.out, ResultKind::kAcquire);
+}
+
+TEST_F(PrototypesOfARun, AreNotAskedForWhenAllPicturesAreThere) {
+  write_file(folder_ / "cell.toml", kLonelyCell);
+  AcquireOptions options = {.source = scene("wide"), .cell = folder_ / "cell.toml"};
+  options.out = folder_ / "out";
+  write_pictures(options);
+  const MotionPermit permit = typed_permit(true, "acquire");
+  EXPECT_THROW(acquire_pictures(options, permit), IoError) << "nobody listens, nobody is asked";
+  EXPECT_TRUE(describe_acquisition(options)["next"].is_null());
+  write_file(scene("wide"), scene_text(65));
+  EXPECT_THAT([&] { acquire_pictures(options, permit); },
+              testing::ThrowsMessage<ConfigError>(HasSubstr("another plan, cell, scene or")))
+      << "pictures of another prototype";
+  write_file(scene("wide"), scene_text(60));
+  write_file(options.out / "views/view_1/frame_000.png", "other bytes");
+  EXPECT_EQ(acquire_pictures(options, permit)["status"], "waiting");
+  std::filesystem::remove(options.out / "views/view_1/frame_000.png");
   EXPECT_EQ(acquire_pictures(options, permit)["status"], "waiting");
 }
 

@@ -174,6 +174,17 @@ TEST(DirectPicture, HasNoErrorsOfRenderingAndTheNoiseOfTheSensorAlone) {
   EXPECT_NE(scores_of(scene), scores_of(again));
 }
 
+// Radiance 1.5 is summed to the octave 1: interpolated within 5e-4 x 1.5, a fifth of it.
+TEST(DirectPicture, TakesNoErrorOfInterpolationForAChange) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  SceneSettings scene = lamp_scene(kRing);
+  EXPECT_NEAR(picture_of(store, scene, {.has_flawless = true})->change_noise(), 1.5e-4, 1e-12);
+  EXPECT_EQ(picture_of(store, scene, {.has_flawless = false})->change_noise(), 0.0) << "nothing is compared";
+  scene.render.rays_per_axis = 4;
+  EXPECT_NEAR(picture_of(store, scene, {.has_flawless = true})->change_noise(), 3.75e-5, 1e-12);
+}
+
 TEST(DirectPicture, IsTheSameForAnyNumberOfThreads) {
   const Scores one = scores_of(lamp_scene(kBar + kOtherBar), 1);
   EXPECT_EQ(one, scores_of(lamp_scene(kBar + kOtherBar), 2));

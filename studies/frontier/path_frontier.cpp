@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include "core/cpu_clock.h"
+#include "studies/definition/ladder/render_ladder.h"
+#include "studies/definition/render_methods.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/frontier/frontier_methods.h"
 #include "studies/frontier/picture_errors.h"
@@ -20,6 +22,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kReferencePictures = 4;
+constexpr int kTimedSamples = 16;                ///< of the picture whose time is taken
 constexpr int kMostPictures = 4;                 ///< of a method
 constexpr double kReferenceShare = 0.4;          ///< of the budget, at most
 constexpr double kPicturesShare = 0.01;          ///< of the budget, for a method's further pictures
@@ -128,7 +131,6 @@ class PathMeasuring {
   /// Wall clock of a picture, by two of them.
   void measure_speed() {
     constexpr int kFew = 4;
-    constexpr int kMore = 16;
     SceneStore store(pool_);
     store.leave_out_unseen_defects();
     scene_ = first_view(store, scene_);
@@ -139,13 +141,19 @@ class PathMeasuring {
       return seconds() - start;
     };
     const double few = time_of(kFew);
-    const double more = time_of(kMore);
-    per_sample_s_ = std::max(1e-7, (more - few) / (kMore - kFew));
+    const double more = time_of(kTimedSamples);
+    per_sample_s_ = std::max(1e-7, (more - few) / (kTimedSamples - kFew));
     fixed_s_ = std::max(0.0, few - kFew * per_sample_s_);
   }
 
   double predicted_s(const FrontierPoint& point) const {
     const double pixels = 1.0 / (point.reduction * point.reduction);
+    const SceneSettings scene = scene_of(point, scene_);
+    if (is_direct(scene)) {  // by work counted beside that of the paths whose time was taken
+      const SceneSettings paths = independent_paths(scene_, kTimedSamples, 0);
+      return pixels * fixed_s_ +
+             per_sample_s_ * kTimedSamples * counted_work(scene) / counted_work(paths);
+    }
     return pixels * (fixed_s_ + per_sample_s_ * point.method.paths.samples);
   }
 

@@ -158,7 +158,13 @@ void append_factors(const NamedLight& light,
     for (std::size_t g = first; g < first + count; ++g) {
       flux_w += unit_power_w[g];
     }
-    factor = to_colour(powers.power_w) * powers.passed / flux_w;
+    const Colour wanted_w = to_colour(powers.power_w) * powers.passed;
+    if ((wanted_w > 0.0 && flux_w <= 0.0).any()) {
+      throw ConfigError("lighting." + light.name + ".power_w",
+                        "needs a light that sends light at power 1, and this one sends none; "
+                        "allowed is radiance in its place");
+    }
+    factor = (flux_w > 0.0).select(wanted_w / flux_w, 0.0);
   }
   for (std::size_t k = 0; k < count; ++k) {
     factors.push_back(powers.segment_power.empty() ? factor : factor * powers.segment_power.at(k));

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "core/config/key_digest.h"
@@ -246,7 +245,9 @@ struct PathView::Data {
     is_in_tunnel = scene.has_tunnel;
     frames = frame_factors(scene, lights.unit_power_w);
     if (is_direct(scene)) {
-      check_lights_unhidden(physical);
+      if (scene.paths.has_light) {
+        check_lights_unhidden(physical);
+      }
       direct = direct_settings(scene.render, brightness_octave_of(scene));
     }
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 
 #include "core/error.h"
@@ -104,6 +105,21 @@ class FlawlessWindows {
   std::shared_ptr<const PathPicture> picture_;
 };
 
+/// A fifth of the grey values that light of a sum may be off by where it is interpolated: what
+/// changes by less than five times that need be no defect.
+double interpolation_noise(const SceneSettings& scene, std::span<const FrameFactors> frames) {
+  constexpr double kSigmas = 5.0;
+  double brightest = 0.0;
+  for (const FrameFactors& factors : frames) {
+    for (const Colour& factor : factors) {
+      brightest = std::max(brightest, factor.maxCoeff());
+    }
+  }
+  const int octave = brightness_octave(scene.sensor, frames);
+  return direct_settings(scene.render, octave).interpolated * scene.sensor.exposure *
+         scene.sensor.gain * brightest / kSigmas;
+}
+
 class PathScenePicture : public ScenePicture {
  public:
   PathScenePicture(SceneStore& store, const SceneSettings& scene, bool has_flawless)
@@ -157,6 +173,9 @@ class PathScenePicture : public ScenePicture {
   /// Root of the mean square over all of the defects' pixels; before the blur, which only makes it
   /// smaller.
   double change_noise() const override {
+    if (flawless_ && !picture_->has_noise) {
+      return interpolation_noise(scene(), frames_);
+    }
     if (!flawless_ || batches() < 2) {
       return 0.0;
     }

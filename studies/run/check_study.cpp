@@ -32,7 +32,9 @@ using Json = nlohmann::ordered_json;
 void check_scene(SceneStore& store, const SceneSettings& scene) {
   check_cameras_outside_part(store, scene);
   check_part_in_tunnel(store, scene);
-  store.trace(first_view(store, scene));
+  const SceneSettings first = first_view(store, scene);
+  store.trace(first);
+  path_view_of(first, store.build_defects(first));  // refuses lamps that may hide each other
 }
 
 /// One end of a variable's range, or one of its choices.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -95,15 +96,24 @@ std::vector<ImageF> write_frames(const RenderedView& view, const fs::path& folde
   return mean;
 }
 
+/// A picture without noise has none; what an earlier one left is removed.
+/// @return relative_error(); NaN without noise
+double write_standard_error(const PathPicture& picture, const fs::path& path) {
+  if (!picture.has_noise) {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const ImageF standard_error = standard_error_of(picture);
+  const ExrChannel channel = exr_channel("Y", standard_error);
+  write_exr_channels(path, picture.sums.width_px, picture.sums.height_px, {&channel, 1});
+  return relative_error(picture, standard_error);
+}
+
 /// @return the picture for people
 ViewPictures write_light(const RenderedView& view, const fs::path& folder, bool has_design) {
   write_radiance(view, folder);
-  const ImageF standard_error = standard_error_of(view.picture);
-  const ExrChannel error = exr_channel("Y", standard_error);
-  write_exr_channels(folder / "standard_error.exr",
-                     view.picture.sums.width_px,
-                     view.picture.sums.height_px,
-                     {&error, 1});
+  const double error = write_standard_error(view.picture, folder / "standard_error.exr");
   const bool is_sequence = view.picture.frames.size() > 1 && !has_design;
   if (is_sequence) {
     make_folder(folder / "sequence");
@@ -111,7 +121,7 @@ ViewPictures write_light(const RenderedView& view, const fs::path& folder, bool 
   const std::vector<ImageF> mean = write_frames(view, folder, is_sequence);
   write_grey_or_colour(folder / "image.png", mean, PixelDepth::k8Bit);
   write_tiff(folder / "image.tif", mean);
-  return {.image = rgb_of(mean), .relative_error = relative_error(view.picture, standard_error)};
+  return {.image = rgb_of(mean), .relative_error = error};
 }
 
 void write_coverage(const Film& sums, const fs::path& folder) {
@@ -274,9 +284,6 @@ FrameFactors mean_factors(std::span<const FrameFactors> frames) {
 ImageF standard_error_of(const PathPicture& picture) {
   const FrameFactors factors = mean_factors(picture.frames);
   const ImageF whole = frame_radiance(picture, factors);
-  if (!picture.has_noise) {
-    return ImageF(whole.width(), whole.height());
-  }
   if (!picture.batches.empty()) {
     return batch_error(picture, factors, whole);
   }
@@ -310,6 +317,12 @@ double area_px(const Film& sums, const DefectSums& defect) {
     area += static_cast<double>(defect.samples.values()[i]) / std::max(1, sums.samples.values()[i]);
   }
   return area;
+}
+
+bool is_seen(const Film& sums, const DefectSums& defect) {
+  constexpr double kLeast_px = 1.0;
+  constexpr double kRounding_px = 1e-9;
+  return area_px(sums, defect) >= kLeast_px - kRounding_px;
 }
 
 Json defect_in_view_json(const Defect& defect,

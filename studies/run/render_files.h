@@ -7,7 +7,7 @@
 //                        light groups also each of them at power 1: "ring.3.R"
 //   image.png image.tif  what the sensor shows, linear grey values in 8 and 16 bits; mean of frames
 //   sequence/frame_000.png ...   where a tunnel makes several frames
-//   standard_error.exr   of the radiance, mean of its channels (Y)
+//   standard_error.exr   of the radiance, mean of its channels (Y); not of a sum without noise
 //   part_mask.png        255: the whole pixel is on the part
 //   mask.png             255: defects cover at least half of the pixel
 //   coverage.exr         background, sound, defect.<id>: shares of the pixel, together 1
@@ -52,6 +52,7 @@ FrameFactors mean_factors(std::span<const FrameFactors> frames);
 /// Standard error of the mean of the frames' radiance, mean of the channels: by the scatter of the
 /// picture's batches (of which there are few: right on average, rough in each pixel), or without
 /// batches a bound by the spread of single samples with the lights at equal powers.
+/// @param picture  with noise
 ImageF standard_error_of(const PathPicture& picture);
 
 /// Mean standard error of the part's pixels, share of their mean radiance; 0 where all is dark.
@@ -59,6 +60,9 @@ double relative_error(const PathPicture& picture, const ImageF& standard_error);
 
 /// How much of the picture shows a defect [px]: the shares of pixels together.
 double area_px(const Film& sums, const DefectSums& defect);
+
+/// Whether that is a pixel or more, up to rounding: ten tenths add up to 1 - 1e-16.
+bool is_seen(const Film& sums, const DefectSums& defect);
 
 /// An entry of defects.json: what a defect is and where, and how a view shows it.
 /// @param slope_rad  one of defect_slopes_rad()
@@ -71,7 +75,7 @@ nlohmann::ordered_json defect_in_view_json(const Defect& defect,
 struct ViewPictures {
   ImageRgb image;  ///< empty without light
   ImageRgb map;
-  double relative_error = 0.0;
+  double relative_error = 0.0;  ///< NaN: a sum, which has no noise
 };
 
 /// Writes the files above. @param has_design  write_design() has put frames and defects.json there

@@ -21,7 +21,10 @@ std::string sentence(const Json& result) {
                                  count == 1 ? "" : "s",
                                  result["width_px"].get<int>(),
                                  result["height_px"].get<int>());
-  text += has_light ? " by path tracing." : ": masks and geometry, no light was sampled.";
+  const bool is_sum = has_light && count > 0 && result["views"][0]["relative_error"].is_null();
+  text += is_sum      ? " by sums of direct light."
+          : has_light ? " by path tracing."
+                      : ": masks and geometry, no light was sampled.";
   if (result["status"] == "interrupted") {
     text += " The rendering was interrupted; this is what there is.";
   }

@@ -39,9 +39,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-/// A defect that fills less of the picture is not counted as seen.
-constexpr double kSeen_px = 1.0;
-
 constexpr int kPassWidth_px = 800;
 constexpr int kPageWidth_px = 1000;     ///< of one picture on the page
 constexpr int kManyPageWidth_px = 560;  ///< the same among many views
@@ -77,9 +74,8 @@ Json view_json(const Film& sums, const Film& seen_sums, bool has_light, double e
   for (const std::int32_t of_pixel : sums.samples.values()) {
     samples += of_pixel;
   }
-  const auto seen = std::ranges::count_if(seen_sums.defects, [&](const DefectSums& defect) {
-    return area_px(seen_sums, defect) >= kSeen_px;
-  });
+  const auto seen = std::ranges::count_if(
+      seen_sums.defects, [&](const DefectSums& defect) { return is_seen(seen_sums, defect); });
   Json json = {
       {"samples", *std::ranges::max_element(sums.samples.values())},
       {"mean_samples", static_cast<double>(samples) / static_cast<double>(sums.samples.size())},

@@ -30,9 +30,10 @@ struct RenderOptions {
 /// Renders the scene of a study, whatever it searches. At an interrupt the view in the making is
 /// written as far as it has come, and no further one.
 /// @return { schema, status: "done" | "interrupted", width_px, height_px, views: [ { folder,
-///         viewpoint, samples, mean_samples, rays: { camera, shadow, bounce }, relative_error,
-///         defects_seen (those of at least one pixel), cpu_s } ], scores, notes, folder, report };
-///         result.json is the same without times and with paths below OUT
+///         viewpoint, samples, mean_samples, rays: { camera, shadow, bounce }, relative_error (null
+///         of a sum of light, which has no noise), defects_seen (those of at least one pixel),
+///         cpu_s } ], scores, notes, folder, report }; result.json is the same without times and
+///         with paths below OUT
 /// @throws ConfigError, IoError; nothing is left behind by a scene that is refused
 nlohmann::ordered_json render_views(const Study& study, const RenderOptions& options);
 

@@ -114,13 +114,18 @@ RenderedDesign render_design(SceneStore& store,
 
 namespace {
 
+/// How many times as long a design takes when it is re-scored, as counted for sums of light.
+double times_finer(const SceneSettings& scene) {
+  constexpr double kOfSamples = 4.0;
+  return is_direct(scene) ? counted_work(finer_settings(scene)) / counted_work(scene) : kOfSamples;
+}
+
 double finer_scan_s(SceneStore& store,
                     const SceneSettings& scene,
                     const WantedScores& wanted,
                     double rendering_s) {
-  constexpr double kTimesFiner = 4.0;
   if (rendering_s > kLong_s) {
-    return kTimesFiner * rendering_s;
+    return times_finer(scene) * rendering_s;
   }
   const double start = process_cpu_s();
   try {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // A hides B from a point p only where A meets the convex hull of p and B. So planes are looked for
-// that have A on one side, B and the box on the other: across the axes, along A and along B.
+// that have A on one side, B and the box on the other: across the axes, along A and along B. What
+// lies on a sphere or cone around the box is not parted by planes and needs none.
 #include "simulator/render/direct/hideable_emitters.h"
 
 #include <algorithm>
@@ -14,7 +15,6 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
-constexpr std::size_t kMostEmitters = 256;
 /// Surfaces that touch within this do not hide each other [mm].
 constexpr double kTouching_mm = 1e-6;
 
@@ -107,20 +107,61 @@ bool are_parted(const EmitterShape& a, const EmitterShape& b, const AlignedBox3d
   });
 }
 
-/// Fronts hide what is behind them too; sectors of one ring do not hide each other.
+/// Whether a point lies inside the nappe of the cone that a ring is a strip of, off its surface.
+bool is_inside_cone(const RingShape& s, const Vector3d& point_mm) {
+  const Vector3d away = point_mm - s.frame.origin_mm;
+  const double radius = std::hypot(away.dot(s.frame.x), away.dot(s.frame.y));
+  const double sine = std::abs(std::sin(s.tilt_rad));
+  const double along = std::copysign(std::cos(s.tilt_rad), s.tilt_rad) * away.dot(s.frame.z);
+  return (radius - s.middle_radius_mm) * sine < along - kTouching_mm;
+}
+
+bool are_of_one_cone(const RingShape& a, const RingShape& b) {
+  return a.tilt_rad == b.tilt_rad && a.middle_radius_mm == b.middle_radius_mm &&
+         a.width_mm == b.width_mm && a.frame.origin_mm == b.frame.origin_mm &&
+         a.frame.z == b.frame.z;
+}
+
+/// A nappe's inside is convex: from there sectors of its surface do not hide each other.
+bool is_inside_their_cone(const EmitterShape& a, const EmitterShape& b, const AlignedBox3d& box) {
+  const auto* of_a = std::get_if<RingShape>(&a);
+  const auto* of_b = std::get_if<RingShape>(&b);
+  if (of_a == nullptr || of_b == nullptr || !are_of_one_cone(*of_a, *of_b)) {
+    return false;
+  }
+  constexpr int kCorners = 8;
+  for (int k = 0; k < kCorners; ++k) {
+    if (!is_inside_cone(*of_a, box.corner(static_cast<AlignedBox3d::CornerType>(k)))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Fronts hide what is behind them too; sectors of one flat ring do not hide each other.
 bool might_hide(const Emitter& a, const Emitter& b, const AlignedBox3d& box) {
-  return !is_around(a.shape, b.shape, box) && !are_parted(a.shape, b.shape, box);
+  return !is_around(a.shape, b.shape, box) && !is_inside_their_cone(a.shape, b.shape, box) &&
+         !are_parted(a.shape, b.shape, box);
 }
 
 }  // namespace
 
+std::optional<std::size_t> emitter_before(const Lights& lights,
+                                          std::size_t emitter,
+                                          const AlignedBox3d& box_mm) {
+  for (std::size_t a = 0; a < lights.emitters.size(); ++a) {
+    if (a != emitter && might_hide(lights.emitters[a], lights.emitters[emitter], box_mm)) {
+      return a;
+    }
+  }
+  return std::nullopt;
+}
+
 std::vector<std::uint8_t> hideable_emitters(const Lights& lights, const AlignedBox3d& box_mm) {
   const std::size_t count = lights.emitters.size();
-  std::vector<std::uint8_t> hideable(count, count > kMostEmitters ? 1 : 0);
-  for (std::size_t b = 0; b < count && count <= kMostEmitters; ++b) {
-    for (std::size_t a = 0; a < count && hideable[b] == 0; ++a) {
-      hideable[b] = a != b && might_hide(lights.emitters[a], lights.emitters[b], box_mm) ? 1 : 0;
-    }
+  std::vector<std::uint8_t> hideable(count, count > kMostPartedEmitters ? 1 : 0);
+  for (std::size_t b = 0; b < count && count <= kMostPartedEmitters; ++b) {
+    hideable[b] = emitter_before(lights, b, box_mm) ? 1 : 0;
   }
   return hideable;
 }

@@ -17,8 +17,8 @@
 namespace glint {
 
 /// How many times grey values grow with the radiance of the brightest light group, as a power of 2
-/// that is at least as large: exposure x gain x factor, and 0 where that is 1 or less. The same for
-/// many powers, so that a search over them seldom renders again.
+/// that is at least as large: exposure x gain x factor, 0 where that is 1 or less, 30 at most. The
+/// same for many powers, so that a search over them seldom renders again.
 /// @param frames  factors of each group in each frame of the scene
 int brightness_octave(const SensorSettings& sensor, std::span<const std::vector<Colour>> frames);
 

@@ -31,6 +31,29 @@ TEST(HideableEmitters, AreNoneOfARingOfLeds) {
   }
 }
 
+/// A ring of four sectors around the axis of the part.
+Lights sectors(double tilt_rad, double height_mm) {
+  RingSettings ring;
+  ring.placement.position_mm = {0.0, 0.0, height_mm};
+  ring.inner_radius_mm = 40.0;
+  ring.outer_radius_mm = 60.0;
+  ring.tilt_rad = tilt_rad;
+  ring.segments.segments = 4;
+  return path_test::lights_of({{.name = "ring", .settings = ring}}, {});
+}
+
+TEST(HideableEmitters, AreNoneOfTheSectorsOfAConeAroundThePart) {
+  for (const double tilt : {0.0, 0.3, 0.5236, 1.0}) {
+    EXPECT_FALSE(has_any(sectors(tilt, 60.0))) << tilt;
+  }
+}
+
+// The apex of the cone lies 50 mm x tan(30 deg) = 29 mm above the ring: above a ring at -32 mm a
+// part that ends at -3 mm and 5 mm is not inside.
+TEST(HideableEmitters, AreSectorsOfAConeThatThePartRisesAbove) {
+  EXPECT_TRUE(has_any(sectors(0.5236, -32.0)));
+}
+
 TEST(HideableEmitters, AreThoseBehindAnother) {
   const EmitterFrame far = frame_around({0.0, 0.0, 200.0}, -Vector3d::UnitZ());
   const EmitterFrame near = frame_around({0.0, 0.0, 100.0}, -Vector3d::UnitZ());
@@ -85,6 +108,24 @@ TEST(HideableEmitters, LackNoneThatRaysFind) {
     const Lights lights = ready(lights_with({a, b}));
     const auto hideable = hideable_emitters(lights, kPartBox);
     for (std::size_t i = 0; i < 2; ++i) {
+      const bool is_hidden = is_seen_hidden(lights, i, rng);
+      hidden += is_hidden ? 1 : 0;
+      safe += hideable[i] == 0 ? 1 : 0;
+      EXPECT_FALSE(is_hidden && hideable[i] == 0) << k << " " << i;
+    }
+  }
+  EXPECT_GT(hidden, 10);
+  EXPECT_GT(safe, 50);
+}
+
+TEST(HideableEmitters, LackNoSectorThatRaysFind) {
+  Rng rng(45, Stream::kTest, 0);
+  int hidden = 0;
+  int safe = 0;
+  for (int k = 0; k < 100; ++k) {
+    const Lights lights = ready(sectors(rng.uniform(-1.4, 1.4), rng.uniform(-60.0, 90.0)));
+    const auto hideable = hideable_emitters(lights, kPartBox);
+    for (std::size_t i = 0; i < lights.emitters.size(); ++i) {
       const bool is_hidden = is_seen_hidden(lights, i, rng);
       hidden += is_hidden ? 1 : 0;
       safe += hideable[i] == 0 ? 1 : 0;

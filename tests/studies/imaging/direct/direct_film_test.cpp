@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/imaging/direct/direct_film.h"
 
+#include <limits>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "studies/imaging/path_picture.h"
@@ -19,6 +22,8 @@ TEST(BrightnessOctave, IsThatOfTheBrightestGroupInTheSensorsPicture) {
   EXPECT_EQ(brightness_octave(sensor, frames), 4);
   EXPECT_EQ(brightness_octave({.exposure = 0.01}, frames), 0);
   EXPECT_EQ(brightness_octave(sensor, {}), 0);
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(brightness_octave({.exposure = kInfinite}, frames), 30);
 }
 
 // 5e-4 of full scale at 2 x 2 rays; at four times the brightness the radiance is 1.25e-4, at 4 x 4
@@ -32,6 +37,18 @@ TEST(DirectSettings, AreFinerByBrightnessAndRays) {
   EXPECT_DOUBLE_EQ(direct_settings({.rays_per_axis = 1}, 0).tolerance, 2e-3);
   EXPECT_DOUBLE_EQ(direct_settings(usual, 1).interpolated, 5e-4);
   EXPECT_EQ(direct_settings({.rays_per_axis = 4}, 0).most_rays_per_axis, 16);
+}
+
+TEST(FrameFactors, AreRefusedForAPowerOfALightWithoutFlux) {
+  const SceneSettings scene =
+      lamp_scene("[lighting.bar]\nlength_mm = 20\nwidth_mm = 10\npower_w = [1]\n");
+  const Colour dark = Colour::Zero();
+  try {
+    frame_factors(scene, {&dark, 1});
+    FAIL() << "nothing was refused";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), ::testing::StartsWith("lighting.bar.power_w: needs a light that"));
+  }
 }
 
 TEST(DirectPictures, AreKeptForPowersOfOneOctave) {

@@ -174,6 +174,17 @@ TEST(DirectPicture, HasNoErrorsOfRenderingAndTheNoiseOfTheSensorAlone) {
   EXPECT_NE(scores_of(scene), scores_of(again));
 }
 
+// Radiance 1.5 is summed to the octave 1: interpolated within 5e-4 x 1.5, a fifth of it.
+TEST(DirectPicture, TakesNoErrorOfInterpolationForAChange) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  SceneSettings scene = lamp_scene(kRing);
+  EXPECT_NEAR(picture_of(store, scene, {.has_flawless = true})->change_noise(), 1.5e-4, 1e-12);
+  EXPECT_EQ(picture_of(store, scene, {.has_flawless = false})->change_noise(), 0.0) << "nothing is compared";
+  scene.render.rays_per_axis = 4;
+  EXPECT_NEAR(picture_of(store, scene, {.has_flawless = true})->change_noise(), 3.75e-5, 1e-12);
+}
+
 TEST(DirectPicture, IsTheSameForAnyNumberOfThreads) {
   const Scores one = scores_of(lamp_scene(kBar + kOtherBar), 1);
   EXPECT_EQ(one, scores_of(lamp_scene(kBar + kOtherBar), 2));
@@ -197,6 +208,24 @@ TEST(DirectPicture, RefusesLampsThatMayHideEachOther) {
   const std::string quarters = "segments = 4\nseparate_segments = true\n";
   EXPECT_EQ(error_of(kRing + quarters), "") << "quarters of a ring hide nothing of each other";
   EXPECT_EQ(error_of(kRing + "leds = 24\n"), "");
+  EXPECT_EQ(error_of(kRing + "segments = 4\ntilt_deg = 30\n"), "") << "a cone around the plate";
+}
+
+TEST(DirectPicture, TellsWhichLampMayHideAnotherAndHowManyPiecesAreLookedAt) {
+  EXPECT_THAT(error_of(kRing + kDome), HasSubstr("by lighting.dome"));
+  EXPECT_THAT(error_of(kRing + "segments = 4\ntilt_deg = -60\n"),
+              HasSubstr("by another part of itself"));
+  EXPECT_THAT(error_of(kRing + "leds = 300\nled_diameter_mm = 0.2\n"),
+              AllOf(StartsWith("lighting.ring: makes 300 luminous pieces"), HasSubstr("for 256")));
+}
+
+// All segments off, in one group or in one each: dark, whatever power is asked for.
+TEST(DirectPicture, OfALampWhoseSegmentsAreOffIsDark) {
+  const std::string ring = kRing.substr(0, kRing.find("radiance")) +
+                           "power_w = [1]\nsegments = 2\nsegment_power = [0, 0]\n";
+  for (const char* separate : {"", "separate_segments = true\n"}) {
+    EXPECT_EQ(mean_of(radiance_of(lamp_scene(ring + separate))), 0.0) << separate;
+  }
 }
 
 TEST(DirectPicture, IsExposedToWhatIsAskedFor) {

@@ -218,9 +218,6 @@ std::string refusal_of_moves(const HandEyeWork& work) {
 
 bool may_have_other_squares(const HandEyeWork& as_given) {
   constexpr double kSigmas = 2.0;
-  if (as_given.seen.size() < kFewestViewsOfSize) {
-    return false;
-  }
   const BoardScale& scale = as_given.result.scale;
   return !as_given.result.refusal.empty() || num_rejected(as_given) > 0 ||
          !(std::abs(scale.factor - 1.0) < kSigmas * scale.sigma);

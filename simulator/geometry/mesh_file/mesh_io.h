@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Triangle meshes from files: STL (binary, ASCII), PLY (ASCII, binary of either byte order), OBJ,
-// OFF, and ViSP's CAO models. Own readers, so that an error names its line and garbage cannot crash.
+// OFF, and ViSP's CAO models. Own readers, so that an error names its line and garbage cannot
+// crash.
 #pragma once
 
 #include <array>

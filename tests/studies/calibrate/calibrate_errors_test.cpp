@@ -298,7 +298,7 @@ TEST_F(CalibrateErrors, SquaresOfAnotherSizeAreToldByHowMuch) {
   write_file(folder_ / "little.toml",
              "[board]\ncols = 9\nrows = 7\nsquare_mm = 10.15\nsetup = \"eye_to_hand\"\n");
   expect_refused(
-      pictures, {"--board", "little.toml", "--poses", poses}, "mm instead of 10.15 mm; measure");
+      pictures, {"--board", "little.toml", "--poses", poses}, "mm instead of 10.15 mm, more than");
 }
 
 /// Corners that were found before know their board.

@@ -180,7 +180,8 @@ TEST(DirectPicture, TakesNoErrorOfInterpolationForAChange) {
   SceneStore store(pool);
   SceneSettings scene = lamp_scene(kRing);
   EXPECT_NEAR(picture_of(store, scene, {.has_flawless = true})->change_noise(), 1.5e-4, 1e-12);
-  EXPECT_EQ(picture_of(store, scene, {.has_flawless = false})->change_noise(), 0.0) << "nothing is compared";
+  EXPECT_EQ(picture_of(store, scene, {.has_flawless = false})->change_noise(), 0.0)
+      << "nothing is compared";
   scene.render.rays_per_axis = 4;
   EXPECT_NEAR(picture_of(store, scene, {.has_flawless = true})->change_noise(), 3.75e-5, 1e-12);
 }

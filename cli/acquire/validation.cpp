@@ -125,7 +125,8 @@ AcquireAnswer planned_end(const Study& study,
   return answer;
 }
 
-/// The command that goes on without a search, as a shell takes it.
+/// The command that goes on without a search, as a person reads it: names with blanks are not
+/// quoted.
 std::string validating(const std::filesystem::path& run, const AcquireArguments& driven) {
   std::string text = fmt::format("glint validate {} --cell {} --out {} --speed_share {}",
                                  run.string(),

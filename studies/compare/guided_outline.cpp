@@ -16,8 +16,8 @@ namespace {
 /// From an outline to the edge in a picture. One for both sides: profiles that end elsewhere would
 /// be fitted otherwise, and equal pictures would differ.
 constexpr double kReachPx = 4.0;
-constexpr double kOwnMostPx =
-    1.5;                          ///< from the renderer's outline; farther ones are edges of light
+/// From the renderer's outline; edges farther off are edges of light.
+constexpr double kOwnMostPx = 1.5;
 constexpr double kScalePx = 0.5;  ///< what the motion as a whole leaves, about
 constexpr int kShifts = 3;        ///< rounds of a shift alone
 constexpr int kMotions = 6;       ///< of the whole motion

@@ -18,7 +18,7 @@ namespace glint {
 /// One way to render a scene.
 struct RenderRung {
   std::string name;       ///< unique in its ladder: "direct light, 16 samples"
-  std::string level;      ///< "level 0", "blurred", "direct sum", "direct light", ..."
+  std::string level;      ///< "level 0", "blurred", "direct sum", "direct light", ...
   RenderSettings render;  ///< of scenes that do not need path tracing
   PathSettings paths;     ///< of those that do, and of those that a rung without noise cannot
   double work = 0.0;      ///< counted_work() of the scene at this rung

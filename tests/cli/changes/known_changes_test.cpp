@@ -84,6 +84,7 @@ TEST(KnownChange, OfRoughnessIsNamedBesideTheGain) {
     gear.set("material.roughness=" + std::to_string(factor * roughness));
     gear.set(factor > 1.0 ? "sensor.gain=0.9" : "sensor.gain=1");
     const nlohmann::json causes = gear.causes_of(turned, 5, {"--roughness", "--refine"});
+    std::printf("roughness x %.1f: %s\n", factor, gear.last().c_str());
     const nlohmann::json rougher = ChangedGear::named(causes, "roughness");
     const nlohmann::json gain = ChangedGear::named(causes, "gain");
     ASSERT_EQ(rougher.is_null(), factor == 1.0) << gear.last();

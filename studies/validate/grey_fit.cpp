@@ -2,6 +2,11 @@
 //
 // Causes are freed one after the other: all are looked at by slopes from where the fit began, the
 // most promising of each kind are fitted, and what a later one makes needless is taken back.
+//
+// Slopes are differences of two noisy renderings, and the rendering that is taken off is the one
+// that the real pictures are compared with: least squares by themselves find steps that are too
+// small, and half a step where there is none. Sums of products are taken between two independent
+// halves of the samples, as by instrumental variables.
 #include "studies/validate/grey_fit.h"
 
 #include <algorithm>
@@ -11,7 +16,7 @@
 #include <map>
 #include <optional>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "studies/validate/grey_terms.h"
 
@@ -21,12 +26,14 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using validate_detail::GreyHalves;
 using validate_detail::GreyModel;
 using validate_detail::GreyNumber;
 using validate_detail::GreyProblem;
 using validate_detail::GreyState;
 using validate_detail::GreySystem;
 using validate_detail::GreyTerm;
+using validate_detail::mean_of;
 
 constexpr Index kLeastPixels = 200;
 constexpr double kPixelsAlike = 10.0;  ///< neighbours tell about the same
@@ -35,6 +42,7 @@ constexpr double kFloor = 0.003;       ///< of the mean grey: no model is better
 constexpr int kRounds = 6;
 constexpr double kSettledMm = 0.1;
 constexpr double kHuber = 2.5;
+constexpr double kLeastShare = 0.1;  ///< of slopes' products that is no noise
 
 struct Fitted {
   GreyState state;
@@ -54,58 +62,84 @@ double median_size(const VectorXd& values) {
   return 1.4826 * *middle;
 }
 
-/// Robust least squares of a step. A weak wish for small steps keeps apart what the pictures
-/// cannot: exposure and the powers of all segments together.
-VectorXd step_of(const GreySystem& system, const VectorXd& left, VectorXd* sigma = nullptr) {
-  const double noise = std::max(median_size(left), kFloor);
-  const VectorXd weights = left.unaryExpr([&](double value) {
-    const double ratio = std::abs(value) / (kHuber * noise);
-    return 1.0 / std::max(1.0, ratio);
-  });
-  const MatrixXd weighted = weights.asDiagonal() * system.columns;
-  MatrixXd normal = system.columns.transpose() * weighted;
+/// Robust weights of pixels.
+VectorXd weights_of(const VectorXd& left, double noise) {
+  return left.unaryExpr(
+      [&](double value) { return 1.0 / std::max(1.0, std::abs(value) / (kHuber * noise)); });
+}
+
+/// A weak wish for small steps keeps apart what the pictures cannot: exposure and the powers of all
+/// segments together.
+void add_wish(const GreySystem& system, MatrixXd& normal) {
   const double scale = normal.diagonal().maxCoeff();
   for (Index i = 0; i < normal.rows(); ++i) {
     const bool is_segment =
         system.numbers[static_cast<std::size_t>(i)].term.fault == GreyFault::kSegments;
     normal(i, i) += (is_segment ? 1e-4 : 1e-9) * scale;
   }
-  const Eigen::LDLT<MatrixXd> solver(normal);
+}
+
+/// Robust least squares of a step. Products of slopes without noise are found along axes in which
+/// those with noise are 1, and count at least by a tenth of these.
+VectorXd step_of(const GreySystem& system, const GreyHalves& left, VectorXd* sigma = nullptr) {
+  const VectorXd mean = mean_of(left);
+  const double noise = std::max(median_size(mean), kFloor);
+  const VectorXd weight = weights_of(mean, noise);
+  const auto weights = weight.asDiagonal();
+  const auto& [first, second] = system.columns;
+  const MatrixXd slopes = mean_of(system.columns);
+  MatrixXd noisy = slopes.transpose() * (weights * slopes);
+  const MatrixXd product = first.transpose() * (weights * second);
+  MatrixXd normal = 0.5 * (product + product.transpose());
+  add_wish(system, noisy);
+  add_wish(system, normal);
+  const VectorXd wanted =
+      0.5 * (first.transpose() * (weights * left[1]) + second.transpose() * (weights * left[0]));
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> axes(normal, noisy);
+  const VectorXd shares = axes.eigenvalues().cwiseMax(kLeastShare).cwiseInverse();
+  const MatrixXd& vectors = axes.eigenvectors();
   if (sigma != nullptr) {
-    const MatrixXd covariance = solver.solve(MatrixXd::Identity(normal.rows(), normal.cols()));
-    *sigma = noise * std::sqrt(kPixelsAlike) * covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    *sigma = noise * std::sqrt(kPixelsAlike) * (vectors * shares.asDiagonal()).rowwise().norm();
   }
-  return solver.solve(weighted.transpose() * left);
+  return vectors * shares.cwiseProduct(vectors.transpose() * wanted);
 }
 
-double robust_rms(const VectorXd& left) {
-  const double noise = std::max(median_size(left), kFloor);
+/// Mean square, where large ones count less; of two halves their product, which is free of the
+/// noise that slopes add when steps are taken along them.
+double robust_square(const GreyHalves& left) {
+  const VectorXd mean = mean_of(left);
+  const double noise = std::max(median_size(mean), kFloor);
   double sum = 0.0;
-  for (Index i = 0; i < left.size(); ++i) {
-    const double ratio = std::abs(left[i]) / (4.0 * kHuber * noise);
-    sum += left[i] * left[i] / std::max(1.0, ratio);
+  for (Index i = 0; i < mean.size(); ++i) {
+    const double ratio = std::abs(mean[i]) / (4.0 * kHuber * noise);
+    sum += left[0][i] * left[1][i] / std::max(1.0, ratio);
   }
-  return std::sqrt(sum / static_cast<double>(left.size()));
+  return std::max(0.0, sum / static_cast<double>(mean.size()));
 }
 
-double score_of(const VectorXd& left, std::size_t numbers) {
-  const double rms = robust_rms(left);
-  const double n = static_cast<double>(left.size()) / kPixelsAlike;
-  return n * std::log(rms * rms + kFloor * kFloor) + kPrice * static_cast<double>(numbers);
+double score_of(const GreyHalves& left, std::size_t numbers) {
+  const double n = static_cast<double>(left[0].size()) / kPixelsAlike;
+  return n * std::log(robust_square(left) + kFloor * kFloor) +
+         kPrice * static_cast<double>(numbers);
+}
+
+/// Of rendered pictures, whose noise is about the same in all of them.
+double rendered_score(const GreyHalves& left, std::size_t numbers) {
+  const VectorXd mean = mean_of(left);
+  return score_of({mean, mean}, numbers);
 }
 
 /// The score after a step along the slopes, if grey values were linear.
-double linear_score(const GreySystem& system, const VectorXd& left) {
-  VectorXd rest = left;
+double linear_score(const GreySystem& system, GreyHalves left) {
   for (int round = 0; round < 2; ++round) {
-    rest -= system.columns * step_of(system, rest);
+    system.change(left, -1.0, step_of(system, left));
   }
-  return score_of(rest, system.numbers.size());
+  return score_of(left, system.numbers.size());
 }
 
 GreySystem joined(GreySystem first, const GreySystem& second) {
   for (std::size_t i = 0; i < second.numbers.size(); ++i) {
-    first.add(second.columns.col(static_cast<Index>(i)), second.numbers[i]);
+    first.add(second.column(i), second.numbers[i]);
   }
   return first;
 }
@@ -129,7 +163,7 @@ class GreyFitter {
       most = std::max(most, fits[d].exposed);
     }
     const bool is_searching = most > options.agree_share;
-    const Fitted best = is_searching ? searched(options.good_share) : exposed;
+    const Fitted best = is_searching ? polished(searched(options.good_share)) : exposed;
     for (std::size_t d = 0; d < fits.size(); ++d) {
       tell(best, d, fits[d]);
       if (!is_searching) {
@@ -144,10 +178,16 @@ class GreyFitter {
  private:
   const GreyModel& model() const { return problem_.model(); }
 
-  VectorXd left_at(const GreyState& state) { return model().real() - problem_.predicted(state); }
+  GreyHalves left_at(const GreyState& state, bool is_fine = false) {
+    GreyHalves left = problem_.predicted(state, is_fine);
+    for (VectorXd& half : left) {
+      half = model().real() - half;
+    }
+    return left;
+  }
 
   double even_share(const GreyState& state, std::size_t design) {
-    return model().even_rms(left_at(state), design);
+    return model().even_rms(mean_of(left_at(state)), design);
   }
 
   double most_even_share(const GreyState& state) {
@@ -178,12 +218,10 @@ class GreyFitter {
   /// Gauss-Newton from a state with some numbers free. Slopes by place and roughness cost
   /// renderings, and hold for two steps.
   Fitted fitted(GreyState state, const std::vector<GreyTerm>& terms) {
-    const bool is_linear = std::ranges::none_of(terms, [](const GreyTerm& term) {
-      return term.fault == GreyFault::kLightPlace || term.fault == GreyFault::kRoughness;
-    });
+    const bool is_linear = !needs_rendering(terms);
     Fitted best = {.terms = terms};
     GreySystem system;
-    VectorXd left = left_at(state);
+    GreyHalves left = left_at(state);
     for (int round = 0; round < kRounds; ++round) {
       if (is_linear || round % 2 == 0) {
         system = problem_.system_at(state, terms);
@@ -192,7 +230,7 @@ class GreyFitter {
       const VectorXd step = step_of(system, left, &sigma);
       const double moved_mm = problem_.take(system, step, state);
       left = left_at(state);
-      const double score = score_of(left, system.numbers.size());
+      const double score = rendered_score(left, system.numbers.size());
       const bool is_better = score < best.score;
       if (is_better) {
         best.state = state;
@@ -207,6 +245,22 @@ class GreyFitter {
     return best;
   }
 
+  static bool needs_rendering(const std::vector<GreyTerm>& terms) {
+    return std::ranges::any_of(terms, [](const GreyTerm& term) {
+      return term.fault == GreyFault::kLightPlace || term.fault == GreyFault::kRoughness;
+    });
+  }
+
+  /// One more step from fine pictures. Only these count for how exact it is: the noise of slopes is
+  /// multiplied by what is left, that of the picture is what is left.
+  Fitted polished(Fitted fit) {
+    if (needs_rendering(fit.terms)) {
+      const VectorXd step = step_of(fit.system, left_at(fit.state, true), &fit.sigma);
+      problem_.take(fit.system, step, fit.state);
+    }
+    return fit;
+  }
+
   static bool has(const Fitted& fit, const GreyTerm& term) {
     return std::ranges::find(fit.terms, term) != fit.terms.end();
   }
@@ -215,7 +269,8 @@ class GreyFitter {
   std::map<GreyFault, GreyTerm> promising(const Fitted& best) {
     std::map<GreyFault, GreyTerm> found;
     std::map<GreyFault, double> scores;
-    const VectorXd left = left_at(best.state);
+    const GreyHalves left = left_at(best.state);
+    const double score_so_far = score_of(left, best.system.numbers.size());
     for (const GreyTerm& term : problem_.terms()) {
       if (has(best, term)) {
         continue;
@@ -223,7 +278,7 @@ class GreyFitter {
       const double score =
           linear_score(joined(best.system, problem_.rough_system(best.state, term)), left);
       const auto known = scores.find(term.fault);
-      if (score < best.score && (known == scores.end() || score < known->second)) {
+      if (score < score_so_far && (known == scores.end() || score < known->second)) {
         scores[term.fault] = score;
         found[term.fault] = term;
       }
@@ -252,14 +307,16 @@ class GreyFitter {
   }
 
   /// The slopes without a term, and what is left with its numbers at zero.
-  GreySystem without(const Fitted& best, const GreyTerm& term, VectorXd& left) {
+  GreySystem without(const Fitted& best, const GreyTerm& term, GreyHalves& left) {
     GreySystem rest;
     GreyState state = best.state;
     for (std::size_t i = 0; i < best.system.numbers.size(); ++i) {
       const GreyNumber& number = best.system.numbers[i];
-      const auto column = best.system.columns.col(static_cast<Index>(i));
+      const GreyHalves column = best.system.column(i);
       if (number.term == term) {
-        left += column * problem_.number(state, number);
+        for (std::size_t half = 0; half < 2; ++half) {
+          left[half] += column[half] * problem_.number(state, number);
+        }
       } else {
         rest.add(column, number);
       }
@@ -276,9 +333,10 @@ class GreyFitter {
       if (term.fault == GreyFault::kExposure) {
         continue;
       }
-      VectorXd left = left_at(best.state);
+      GreyHalves left = left_at(best.state);
+      const double score_so_far = score_of(left, best.system.numbers.size());
       const GreySystem rest = without(best, term, left);
-      if (linear_score(rest, left) >= best.score) {
+      if (linear_score(rest, left) >= score_so_far) {
         continue;
       }
       GreyState state = best.state;

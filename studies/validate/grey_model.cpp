@@ -21,6 +21,7 @@ constexpr int kWidthPx = 96;      ///< of the small pictures, about
 constexpr int kMarginPx = 1;      ///< from the part's edge
 constexpr float kBright = 0.98F;  ///< at least: clipped
 constexpr int kLeastSamples = 48;
+constexpr int kFiner = 6;  ///< times the samples of fine pictures
 constexpr std::size_t kMostKept = 8;
 constexpr double kSamePosePx = 0.15;  ///< of these pictures: less is not seen
 
@@ -52,6 +53,7 @@ SceneSettings reduced_scene(const SceneSettings& scene, int factor) {
   small.sensor.bits = 0;
   small.sensor.blur_px /= factor;
   small.paths.samples = std::max(small.paths.samples, kLeastSamples);
+  small.paths.batches = 2;
   return small;
 }
 
@@ -229,17 +231,19 @@ std::vector<std::string> GreyModel::column_names() const {
   return names;
 }
 
-/// Grey of each of these groups, and last of all together.
+/// Grey of each of these groups, and last of all together, without the other half of the samples.
 std::vector<ImageF> GreyModel::group_pictures(const SmallView& view,
                                               const SceneSettings& scene,
-                                              const std::vector<std::string>& names) {
+                                              const std::vector<std::string>& names,
+                                              std::size_t half) {
   const auto picture = store_.picture(scene);
+  const auto without = picture->batches.empty() ? std::nullopt : std::optional(1 - half);
   const std::vector<FrameFactors> frames = frame_factors(scene, picture->unit_power_w);
   const FrameFactors whole = mean_factors(frames);
   const Sensor sensor(scene.sensor, picture->sums.width_px, picture->sums.height_px);
   const auto shown = [&](const FrameFactors& factors) {
     ImageF grey;
-    sensor.expose(frame_radiance(*picture, factors), 0, grey);
+    sensor.expose(frame_radiance(*picture, factors, without), 0, grey);
     return grey;
   };
   std::vector<ImageF> pictures;
@@ -256,36 +260,53 @@ std::vector<ImageF> GreyModel::group_pictures(const SmallView& view,
   return pictures;
 }
 
-GreyColumns GreyModel::render(const SceneChange& change) {
+void GreyModel::put_columns(const SmallView& view,
+                            const std::vector<ImageF>& pictures,
+                            Eigen::Index first,
+                            GreyColumns& columns) const {
+  const double mean = means_[view.design];
+  Eigen::Index row = first;
+  for (std::size_t i = 0; i < view.used.size(); ++i) {
+    if (view.used.values()[i] == 0) {
+      continue;
+    }
+    for (std::size_t g = 0; g + 1 < pictures.size(); ++g) {
+      columns.segments(row, static_cast<Eigen::Index>(g)) =
+          static_cast<double>(pictures[g].values()[i]) / mean;
+    }
+    columns.sum[row] = static_cast<double>(pictures.back().values()[i]) / mean;
+    ++row;
+  }
+}
+
+Halves<GreyColumns> GreyModel::render(const SceneChange& change, bool is_fine) {
   const std::vector<std::string> names = column_names();
-  GreyColumns columns;
-  columns.sum.resize(real_.size());
-  columns.segments.resize(real_.size(), static_cast<Eigen::Index>(names.size()));
+  Halves<GreyColumns> columns;
+  for (GreyColumns& half : columns) {
+    half.sum.resize(real_.size());
+    half.segments.resize(real_.size(), static_cast<Eigen::Index>(names.size()));
+  }
   Eigen::Index row = 0;
   for (const SmallView& view : views_) {
-    const std::vector<ImageF> pictures =
-        group_pictures(view, changed_scene(view.scene, change), names);
-    const double mean = means_[view.design];
-    ++renders_;
-    for (std::size_t i = 0; i < view.used.size(); ++i) {
-      if (view.used.values()[i] == 0) {
-        continue;
-      }
-      for (std::size_t g = 0; g < names.size(); ++g) {
-        columns.segments(row, static_cast<Eigen::Index>(g)) =
-            static_cast<double>(pictures[g].values()[i]) / mean;
-      }
-      columns.sum[row] = static_cast<double>(pictures.back().values()[i]) / mean;
-      ++row;
+    SceneSettings scene = changed_scene(view.scene, change);
+    if (is_fine) {
+      scene.paths.samples *= kFiner;
+      ++scene.paths.seed;
     }
+    for (std::size_t half = 0; half < 2; ++half) {
+      put_columns(view, group_pictures(view, scene, names, half), row, columns[half]);
+    }
+    row += std::ranges::count_if(view.used.values(), [](unsigned char used) { return used != 0; });
+    ++renders_;
   }
   return columns;
 }
 
-const GreyColumns& GreyModel::columns(const std::vector<Eigen::Vector3d>& places_mm,
-                                      double roughness) {
+const Halves<GreyColumns>& GreyModel::columns(const std::vector<Eigen::Vector3d>& places_mm,
+                                              double roughness,
+                                              bool is_fine) {
   SceneChange change = {.roughness = roughness};
-  std::string key = fmt::format("{:.6f}", roughness);
+  std::string key = fmt::format("{:.6f}{}", roughness, is_fine ? " fine" : "");
   for (std::size_t i = 0; i < lights_.size(); ++i) {
     const Eigen::Vector3d& place = places_mm[i];
     change.lights.push_back({.name = lights_[i].name, .moved_mm = place});
@@ -295,7 +316,7 @@ const GreyColumns& GreyModel::columns(const std::vector<Eigen::Vector3d>& places
   if (found != kept_.end()) {
     kept_.splice(kept_.begin(), kept_, found);
   } else {
-    kept_.emplace_front(key, render(change));
+    kept_.emplace_front(key, render(change, is_fine));
     if (kept_.size() > kMostKept) {
       kept_.pop_back();
     }

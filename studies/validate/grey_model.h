@@ -4,8 +4,10 @@
 // compares. Private to the room.
 #pragma once
 
+#include <array>
 #include <list>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -16,6 +18,16 @@
 #include "studies/validate/grey_fit.h"
 
 namespace glint::validate_detail {
+
+/// Of two independent pictures of one scene, each of half the samples: products of one with the
+/// other have no noise of their own. Equal where pictures have no noise.
+template <class Values>
+using Halves = std::array<Values, 2>;
+
+template <class Values>
+Values mean_of(const Halves<Values>& halves) {
+  return 0.5 * (halves[0] + halves[1]);
+}
 
 /// Pixels of all views that take part, one after the other, in shares of the mean real grey of
 /// their design.
@@ -52,7 +64,10 @@ class GreyModel {
   /// Simulated ones with lights moved, as lights and as bodies, and roughness changed; powers and
   /// exposure stay. Valid until asked for others.
   /// @param places_mm  of each light
-  const GreyColumns& columns(const std::vector<Eigen::Vector3d>& places_mm, double roughness);
+  /// @param is_fine    with several times the samples, and other random numbers
+  const Halves<GreyColumns>& columns(const std::vector<Eigen::Vector3d>& places_mm,
+                                     double roughness,
+                                     bool is_fine = false);
 
   /// Root mean square of the even part of a design's difference: of means over 3 x 3 of these
   /// pixels, less what noise that differs from pixel to pixel makes of it.
@@ -69,16 +84,21 @@ class GreyModel {
     std::vector<std::string> groups = {};  ///< of lights, as they are rendered
   };
 
-  using KeptColumns = std::pair<std::string, GreyColumns>;
+  using KeptColumns = std::pair<std::string, Halves<GreyColumns>>;
 
   void add_views(std::size_t design, const GreyDesign& views);
   void take_shared_pose(SmallView& view) const;
   void choose_pixels();
   void use_shares();
-  GreyColumns render(const SceneChange& change);
+  Halves<GreyColumns> render(const SceneChange& change, bool is_fine);
+  void put_columns(const SmallView& view,
+                   const std::vector<ImageF>& pictures,
+                   Eigen::Index first,
+                   GreyColumns& columns) const;
   std::vector<ImageF> group_pictures(const SmallView& view,
                                      const SceneSettings& scene,
-                                     const std::vector<std::string>& names);
+                                     const std::vector<std::string>& names,
+                                     std::size_t half);
   std::vector<std::string> column_names() const;
 
   SceneStore& store_;

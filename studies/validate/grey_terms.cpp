@@ -22,32 +22,56 @@ bool needs_rendering(GreyFault fault) {
   return fault == GreyFault::kLightPlace || fault == GreyFault::kRoughness;
 }
 
+GreyHalves times(GreyHalves values, const VectorXd& factors) {
+  for (VectorXd& half : values) {
+    half = half.cwiseProduct(factors);
+  }
+  return values;
+}
+
 }  // namespace
 
-void GreySystem::add(const VectorXd& column, const GreyNumber& number) {
-  columns.conservativeResize(column.size(), columns.cols() + 1);
-  columns.rightCols<1>() = column;
+GreyHalves GreySystem::column(std::size_t i) const {
+  const auto at = static_cast<Index>(i);
+  return {columns[0].col(at), columns[1].col(at)};
+}
+
+void GreySystem::add(const GreyHalves& column, const GreyNumber& number) {
+  for (std::size_t half = 0; half < 2; ++half) {
+    Eigen::MatrixXd& all = columns[half];
+    all.conservativeResize(column[half].size(), all.cols() + 1);
+    all.rightCols<1>() = column[half];
+  }
   numbers.push_back(number);
+}
+
+void GreySystem::change(GreyHalves& values, double sign, const VectorXd& step) const {
+  for (std::size_t half = 0; half < 2; ++half) {
+    values[half] += sign * (columns[half] * step);
+  }
 }
 
 GreyState GreyProblem::start() {
   GreyState state;
   state.places.assign(model_.lights().size(), Vector3d::Zero());
   state.powers = VectorXd::Zero(static_cast<Index>(model_.designs().size()));
-  state.segments = VectorXd::Zero(columns_of(state).segments.cols());
+  state.segments = VectorXd::Zero(columns_of(state)[0].segments.cols());
   return state;
 }
 
-const GreyColumns& GreyProblem::columns_of(const GreyState& state) {
-  return model_.columns(state.places, std::exp(state.roughness));
+const Halves<GreyColumns>& GreyProblem::columns_of(const GreyState& state, bool is_fine) {
+  return model_.columns(state.places, std::exp(state.roughness), is_fine);
 }
 
-VectorXd GreyProblem::unexposed(const GreyState& state) {
-  const GreyColumns& columns = columns_of(state);
-  VectorXd grey = columns.sum;
-  if (state.segments.size() > 0) {
-    grey += columns.segments * state.segments;
-  }
+GreyHalves GreyProblem::unexposed(const GreyState& state, bool is_fine) {
+  GreyHalves grey;
+  std::ranges::transform(columns_of(state, is_fine), grey.begin(), [&](const GreyColumns& columns) {
+    VectorXd sum = columns.sum;
+    if (state.segments.size() > 0) {
+      sum += columns.segments * state.segments;
+    }
+    return sum;
+  });
   return grey;
 }
 
@@ -61,8 +85,8 @@ VectorXd GreyProblem::exposure_of_rows(const GreyState& state) const {
   return exposure;
 }
 
-VectorXd GreyProblem::predicted(const GreyState& state) {
-  return unexposed(state).cwiseProduct(exposure_of_rows(state));
+GreyHalves GreyProblem::predicted(const GreyState& state, bool is_fine) {
+  return times(unexposed(state, is_fine), exposure_of_rows(state));
 }
 
 std::vector<GreyTerm> GreyProblem::terms() {
@@ -113,40 +137,46 @@ void GreyProblem::reset(GreyState& state, const GreyTerm& term) const {
 }
 
 /// Of the unexposed grey values by a place or the roughness.
-VectorXd GreyProblem::slope(const GreyState& state, const GreyNumber& by) {
+GreyHalves GreyProblem::slope(const GreyState& state, const GreyNumber& by) {
   const double step = by.term.fault == GreyFault::kLightPlace ? kStepMm : kStepRoughness;
   GreyState moved = state;
   number(moved, by) += step;
-  return (unexposed(moved) - unexposed(state)) / step;
+  GreyHalves slopes = unexposed(moved);
+  const GreyHalves here = unexposed(state);
+  for (std::size_t half = 0; half < 2; ++half) {
+    slopes[half] = (slopes[half] - here[half]) / step;
+  }
+  return slopes;
+}
+
+/// Slopes of the grey values by one number.
+GreyHalves GreyProblem::column(const GreyState& state, const GreyNumber& by) {
+  VectorXd factors = exposure_of_rows(state);
+  switch (by.term.fault) {
+    case GreyFault::kExposure:
+      return times(unexposed(state), factors / state.exposure);
+    case GreyFault::kLightPower: {
+      const GreyRows& rows = model_.rows(by.term.of);
+      factors.setZero();
+      factors.segment(rows.first, rows.count).setConstant(state.exposure);
+      return times(unexposed(state), factors);
+    }
+    case GreyFault::kSegments: {
+      const Index segment = model_.first_segment(by.term.of) + by.index;
+      const Halves<GreyColumns>& columns = columns_of(state);
+      return times({columns[0].segments.col(segment), columns[1].segments.col(segment)}, factors);
+    }
+    case GreyFault::kLightPlace:
+    case GreyFault::kRoughness:
+      break;
+  }
+  return times(slope(state, by), factors);
 }
 
 void GreyProblem::add_term(const GreyState& state, const GreyTerm& term, GreySystem& system) {
-  const VectorXd exposure = exposure_of_rows(state);
   for (int i = 0; i < size_of(term); ++i) {
     const GreyNumber number = {.term = term, .index = i};
-    VectorXd column;
-    switch (term.fault) {
-      case GreyFault::kExposure:
-        column = unexposed(state).cwiseProduct(exposure) / state.exposure;
-        break;
-      case GreyFault::kLightPower: {
-        const GreyRows& rows = model_.rows(term.of);
-        column = VectorXd::Zero(exposure.size());
-        column.segment(rows.first, rows.count) =
-            state.exposure * unexposed(state).segment(rows.first, rows.count);
-        break;
-      }
-      case GreyFault::kSegments:
-        column = columns_of(state)
-                     .segments.col(model_.first_segment(term.of) + i)
-                     .cwiseProduct(exposure);
-        break;
-      case GreyFault::kLightPlace:
-      case GreyFault::kRoughness:
-        column = slope(state, number).cwiseProduct(exposure);
-        break;
-    }
-    system.add(column, number);
+    system.add(column(state, number), number);
   }
 }
 
@@ -165,15 +195,15 @@ GreySystem GreyProblem::rough_system(const GreyState& state, const GreyTerm& ter
   auto known = rough_.find(term);
   if (known == rough_.end()) {
     const GreyState begin = start();
-    Eigen::MatrixXd slopes(model_.real().size(), size_of(term));
+    std::vector<GreyHalves> slopes;
     for (int i = 0; i < size_of(term); ++i) {
-      slopes.col(i) = slope(begin, {.term = term, .index = i});
+      slopes.push_back(slope(begin, {.term = term, .index = i}));
     }
     known = rough_.emplace(term, std::move(slopes)).first;
   }
   GreySystem system;
   for (int i = 0; i < size_of(term); ++i) {
-    system.add(known->second.col(i).cwiseProduct(exposure_of_rows(state)),
+    system.add(times(known->second[static_cast<std::size_t>(i)], exposure_of_rows(state)),
                {.term = term, .index = i});
   }
   return system;

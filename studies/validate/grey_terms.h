@@ -38,12 +38,20 @@ struct GreyNumber {
   int index = 0;  ///< of the segment, or of the axis x, y, z
 };
 
+/// Grey values of all pixels, or what is left of the real ones.
+using GreyHalves = Halves<Eigen::VectorXd>;
+
 /// Slopes of all grey values by some numbers.
 struct GreySystem {
-  Eigen::MatrixXd columns;
+  Halves<Eigen::MatrixXd> columns;
   std::vector<GreyNumber> numbers;  ///< of each column
 
-  void add(const Eigen::VectorXd& column, const GreyNumber& number);
+  GreyHalves column(std::size_t i) const;
+
+  void add(const GreyHalves& column, const GreyNumber& number);
+
+  /// values + sign columns step.
+  void change(GreyHalves& values, double sign, const Eigen::VectorXd& step) const;
 };
 
 /// Grey values and slopes of a model, in shares of the mean real grey of each design.
@@ -55,7 +63,7 @@ class GreyProblem {
 
   GreyState start();
 
-  Eigen::VectorXd predicted(const GreyState& state);
+  GreyHalves predicted(const GreyState& state, bool is_fine = false);
 
   /// All but kExposure that this scene has.
   std::vector<GreyTerm> terms();
@@ -77,15 +85,16 @@ class GreyProblem {
   void reset(GreyState& state, const GreyTerm& term) const;
 
  private:
-  const GreyColumns& columns_of(const GreyState& state);
-  Eigen::VectorXd unexposed(const GreyState& state);
+  const Halves<GreyColumns>& columns_of(const GreyState& state, bool is_fine = false);
+  GreyHalves unexposed(const GreyState& state, bool is_fine = false);
   Eigen::VectorXd exposure_of_rows(const GreyState& state) const;
   int size_of(const GreyTerm& term) const;
   void add_term(const GreyState& state, const GreyTerm& term, GreySystem& system);
-  Eigen::VectorXd slope(const GreyState& state, const GreyNumber& number);
+  GreyHalves column(const GreyState& state, const GreyNumber& number);
+  GreyHalves slope(const GreyState& state, const GreyNumber& number);
 
   GreyModel model_;
-  std::map<GreyTerm, Eigen::MatrixXd> rough_;  ///< slopes at the start, unexposed
+  std::map<GreyTerm, std::vector<GreyHalves>> rough_;  ///< slopes at the start, unexposed
 };
 
 }  // namespace glint::validate_detail

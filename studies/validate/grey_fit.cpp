@@ -2,11 +2,6 @@
 //
 // Causes are freed one after the other: all are looked at by slopes from where the fit began, the
 // most promising of each kind are fitted, and what a later one makes needless is taken back.
-//
-// Slopes are differences of two noisy renderings, and the rendering that is taken off is the one
-// that the real pictures are compared with: least squares by themselves find steps that are too
-// small, and half a step where there is none. Sums of products are taken between two independent
-// halves of the samples, as by instrumental variables.
 #include "studies/validate/grey_fit.h"
 
 #include <algorithm>
@@ -16,7 +11,7 @@
 #include <map>
 #include <optional>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
 #include "studies/validate/grey_terms.h"
 
@@ -24,7 +19,6 @@ namespace glint {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using validate_detail::GreyHalves;
 using validate_detail::GreyModel;
@@ -33,16 +27,15 @@ using validate_detail::GreyProblem;
 using validate_detail::GreyState;
 using validate_detail::GreySystem;
 using validate_detail::GreyTerm;
+using validate_detail::linear_score;
 using validate_detail::mean_of;
+using validate_detail::rendered_score;
+using validate_detail::score_of;
+using validate_detail::step_of;
 
 constexpr Index kLeastPixels = 200;
-constexpr double kPixelsAlike = 10.0;  ///< neighbours tell about the same
-constexpr double kPrice = 14.0;        ///< 3.7 standard deviations for each number
-constexpr double kFloor = 0.003;       ///< of the mean grey: no model is better
 constexpr int kRounds = 6;
 constexpr double kSettledMm = 0.1;
-constexpr double kHuber = 2.5;
-constexpr double kLeastShare = 0.1;  ///< of slopes' products that is no noise
 
 struct Fitted {
   GreyState state;
@@ -51,91 +44,6 @@ struct Fitted {
   VectorXd sigma;
   GreySystem system;  ///< of the last slopes
 };
-
-double median_size(const VectorXd& values) {
-  std::vector<double> sizes(static_cast<std::size_t>(values.size()));
-  for (Index i = 0; i < values.size(); ++i) {
-    sizes[static_cast<std::size_t>(i)] = std::abs(values[i]);
-  }
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return 1.4826 * *middle;
-}
-
-/// Robust weights of pixels.
-VectorXd weights_of(const VectorXd& left, double noise) {
-  return left.unaryExpr(
-      [&](double value) { return 1.0 / std::max(1.0, std::abs(value) / (kHuber * noise)); });
-}
-
-/// A weak wish for small steps keeps apart what the pictures cannot: exposure and the powers of all
-/// segments together.
-void add_wish(const GreySystem& system, MatrixXd& normal) {
-  const double scale = normal.diagonal().maxCoeff();
-  for (Index i = 0; i < normal.rows(); ++i) {
-    const bool is_segment =
-        system.numbers[static_cast<std::size_t>(i)].term.fault == GreyFault::kSegments;
-    normal(i, i) += (is_segment ? 1e-4 : 1e-9) * scale;
-  }
-}
-
-/// Robust least squares of a step. Products of slopes without noise are found along axes in which
-/// those with noise are 1, and count at least by a tenth of these.
-VectorXd step_of(const GreySystem& system, const GreyHalves& left, VectorXd* sigma = nullptr) {
-  const VectorXd mean = mean_of(left);
-  const double noise = std::max(median_size(mean), kFloor);
-  const VectorXd weight = weights_of(mean, noise);
-  const auto weights = weight.asDiagonal();
-  const auto& [first, second] = system.columns;
-  const MatrixXd slopes = mean_of(system.columns);
-  MatrixXd noisy = slopes.transpose() * (weights * slopes);
-  const MatrixXd product = first.transpose() * (weights * second);
-  MatrixXd normal = 0.5 * (product + product.transpose());
-  add_wish(system, noisy);
-  add_wish(system, normal);
-  const VectorXd wanted =
-      0.5 * (first.transpose() * (weights * left[1]) + second.transpose() * (weights * left[0]));
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> axes(normal, noisy);
-  const VectorXd shares = axes.eigenvalues().cwiseMax(kLeastShare).cwiseInverse();
-  const MatrixXd& vectors = axes.eigenvectors();
-  if (sigma != nullptr) {
-    *sigma = noise * std::sqrt(kPixelsAlike) * (vectors * shares.asDiagonal()).rowwise().norm();
-  }
-  return vectors * shares.cwiseProduct(vectors.transpose() * wanted);
-}
-
-/// Mean square, where large ones count less; of two halves their product, which is free of the
-/// noise that slopes add when steps are taken along them.
-double robust_square(const GreyHalves& left) {
-  const VectorXd mean = mean_of(left);
-  const double noise = std::max(median_size(mean), kFloor);
-  double sum = 0.0;
-  for (Index i = 0; i < mean.size(); ++i) {
-    const double ratio = std::abs(mean[i]) / (4.0 * kHuber * noise);
-    sum += left[0][i] * left[1][i] / std::max(1.0, ratio);
-  }
-  return std::max(0.0, sum / static_cast<double>(mean.size()));
-}
-
-double score_of(const GreyHalves& left, std::size_t numbers) {
-  const double n = static_cast<double>(left[0].size()) / kPixelsAlike;
-  return n * std::log(robust_square(left) + kFloor * kFloor) +
-         kPrice * static_cast<double>(numbers);
-}
-
-/// Of rendered pictures, whose noise is about the same in all of them.
-double rendered_score(const GreyHalves& left, std::size_t numbers) {
-  const VectorXd mean = mean_of(left);
-  return score_of({mean, mean}, numbers);
-}
-
-/// The score after a step along the slopes, if grey values were linear.
-double linear_score(const GreySystem& system, GreyHalves left) {
-  for (int round = 0; round < 2; ++round) {
-    system.change(left, -1.0, step_of(system, left));
-  }
-  return score_of(left, system.numbers.size());
-}
 
 GreySystem joined(GreySystem first, const GreySystem& second) {
   for (std::size_t i = 0; i < second.numbers.size(); ++i) {

@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Slopes are differences of two noisy renderings, and the rendering that is taken off is the one
+// that the real pictures are compared with: least squares by themselves find steps that are too
+// small, and half a step where there is none. Sums of products are taken between two independent
+// halves of the samples, as by instrumental variables.
 #include "studies/validate/grey_terms.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
+
 namespace glint::validate_detail {
 namespace {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
@@ -17,6 +25,12 @@ constexpr double kLongestStepMm = 15.0;
 constexpr double kLongestStepRoughness = 0.4;
 constexpr double kLeastPower = -1.0;  ///< against nominal: dark
 constexpr double kLeastExposure = 0.05;
+
+constexpr double kHuber = 2.5;
+constexpr double kPixelsAlike = 10.0;  ///< neighbours tell about the same
+constexpr double kPrice = 14.0;        ///< 3.7 standard deviations for each number
+constexpr double kFloor = 0.003;       ///< of the mean grey: no model is better
+constexpr double kLeastShare = 0.1;    ///< of slopes' products that is no noise
 
 bool needs_rendering(GreyFault fault) {
   return fault == GreyFault::kLightPlace || fault == GreyFault::kRoughness;
@@ -29,6 +43,46 @@ GreyHalves times(GreyHalves values, const VectorXd& factors) {
   return values;
 }
 
+double median_size(const VectorXd& values) {
+  std::vector<double> sizes(static_cast<std::size_t>(values.size()));
+  for (Index i = 0; i < values.size(); ++i) {
+    sizes[static_cast<std::size_t>(i)] = std::abs(values[i]);
+  }
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return 1.4826 * *middle;
+}
+
+/// Robust weights of pixels.
+VectorXd weights_of(const VectorXd& left, double noise) {
+  return left.unaryExpr(
+      [&](double value) { return 1.0 / std::max(1.0, std::abs(value) / (kHuber * noise)); });
+}
+
+/// A weak wish for small steps keeps apart what the pictures cannot: exposure and the powers of all
+/// segments together.
+void add_wish(const GreySystem& system, MatrixXd& normal) {
+  const double scale = normal.diagonal().maxCoeff();
+  for (Index i = 0; i < normal.rows(); ++i) {
+    const bool is_segment =
+        system.numbers[static_cast<std::size_t>(i)].term.fault == GreyFault::kSegments;
+    normal(i, i) += (is_segment ? 1e-4 : 1e-9) * scale;
+  }
+}
+
+/// Mean square, where large ones count less; of two halves their product, which is free of the
+/// noise that slopes add when steps are taken along them.
+double robust_square(const GreyHalves& left) {
+  const VectorXd mean = mean_of(left);
+  const double noise = std::max(median_size(mean), kFloor);
+  double sum = 0.0;
+  for (Index i = 0; i < mean.size(); ++i) {
+    const double ratio = std::abs(mean[i]) / (4.0 * kHuber * noise);
+    sum += left[0][i] * left[1][i] / std::max(1.0, ratio);
+  }
+  return std::max(0.0, sum / static_cast<double>(mean.size()));
+}
+
 }  // namespace
 
 GreyHalves GreySystem::column(std::size_t i) const {
@@ -38,7 +92,7 @@ GreyHalves GreySystem::column(std::size_t i) const {
 
 void GreySystem::add(const GreyHalves& column, const GreyNumber& number) {
   for (std::size_t half = 0; half < 2; ++half) {
-    Eigen::MatrixXd& all = columns[half];
+    MatrixXd& all = columns[half];
     all.conservativeResize(column[half].size(), all.cols() + 1);
     all.rightCols<1>() = column[half];
   }
@@ -49,6 +103,49 @@ void GreySystem::change(GreyHalves& values, double sign, const VectorXd& step) c
   for (std::size_t half = 0; half < 2; ++half) {
     values[half] += sign * (columns[half] * step);
   }
+}
+
+/// Products of slopes without noise are found along axes in which those with noise are 1, and count
+/// at least by a tenth of these.
+VectorXd step_of(const GreySystem& system, const GreyHalves& left, VectorXd* sigma) {
+  const VectorXd mean = mean_of(left);
+  const double noise = std::max(median_size(mean), kFloor);
+  const VectorXd weight = weights_of(mean, noise);
+  const auto weights = weight.asDiagonal();
+  const auto& [first, second] = system.columns;
+  const MatrixXd slopes = mean_of(system.columns);
+  MatrixXd noisy = slopes.transpose() * (weights * slopes);
+  const MatrixXd product = first.transpose() * (weights * second);
+  MatrixXd normal = 0.5 * (product + product.transpose());
+  add_wish(system, noisy);
+  add_wish(system, normal);
+  const VectorXd wanted =
+      0.5 * (first.transpose() * (weights * left[1]) + second.transpose() * (weights * left[0]));
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> axes(normal, noisy);
+  const VectorXd shares = axes.eigenvalues().cwiseMax(kLeastShare).cwiseInverse();
+  const MatrixXd& vectors = axes.eigenvectors();
+  if (sigma != nullptr) {
+    *sigma = noise * std::sqrt(kPixelsAlike) * (vectors * shares.asDiagonal()).rowwise().norm();
+  }
+  return vectors * shares.cwiseProduct(vectors.transpose() * wanted);
+}
+
+double score_of(const GreyHalves& left, std::size_t numbers) {
+  const double n = static_cast<double>(left[0].size()) / kPixelsAlike;
+  return n * std::log(robust_square(left) + kFloor * kFloor) +
+         kPrice * static_cast<double>(numbers);
+}
+
+double rendered_score(const GreyHalves& left, std::size_t numbers) {
+  const VectorXd mean = mean_of(left);
+  return score_of({mean, mean}, numbers);
+}
+
+double linear_score(const GreySystem& system, GreyHalves left) {
+  for (int round = 0; round < 2; ++round) {
+    system.change(left, -1.0, step_of(system, left));
+  }
+  return score_of(left, system.numbers.size());
 }
 
 GreyState GreyProblem::start() {

@@ -54,6 +54,22 @@ struct GreySystem {
   void change(GreyHalves& values, double sign, const Eigen::VectorXd& step) const;
 };
 
+/// Robust least squares of a step to where nothing is left, without what the noise of slopes does
+/// to plain ones. @param sigma  of each number, if wanted
+Eigen::VectorXd step_of(const GreySystem& system,
+                        const GreyHalves& left,
+                        Eigen::VectorXd* sigma = nullptr);
+
+/// How badly a fit of so many numbers explains the pictures; without the noise that slopes add when
+/// steps are taken along them.
+double score_of(const GreyHalves& left, std::size_t numbers);
+
+/// The same of rendered pictures, whose noise is about the same in all of them.
+double rendered_score(const GreyHalves& left, std::size_t numbers);
+
+/// score_of() after a step along the slopes, if grey values were linear.
+double linear_score(const GreySystem& system, GreyHalves left);
+
 /// Grey values and slopes of a model, in shares of the mean real grey of each design.
 class GreyProblem {
  public:

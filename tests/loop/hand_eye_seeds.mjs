@@ -8,28 +8,11 @@ import { spawnSync } from "node:child_process";
 import { readFileSync, rmSync } from "node:fs";
 import path from "node:path";
 
+import { hidden, rotation } from "./hidden_cell.mjs";
+
 const [program, source, folder, seeds = "10", first = "1", width = "306", samples = "16", target = "0.3"] =
   process.argv.slice(2);
 const gallery = path.join(source, "studies/gallery/robot_cell");
-const hidden = readFileSync(path.join(gallery, "hidden.toml"), "utf8");
-
-/// The numbers of `key = [...]` in the hidden file.
-function numbers(key) {
-  return JSON.parse(new RegExp(`^${key} = (.*)$`, "m").exec(hidden)[1]);
-}
-
-/// Rotation matrix, rows, of a rotation vector in rad (Rodrigues).
-function rotation(v) {
-  const angle = Math.hypot(...v);
-  const [x, y, z] = v.map((component) => component / (angle || 1));
-  const [c, s] = [Math.cos(angle), Math.sin(angle)];
-  const t = 1 - c;
-  return [
-    [t * x * x + c, t * x * y - s * z, t * x * z + s * y],
-    [t * x * y + s * z, t * y * y + c, t * y * z - s * x],
-    [t * x * z - s * y, t * y * z + s * x, t * z * z + c],
-  ];
-}
 
 /// The angle between two rotations, degrees.
 function angleBetween(a, b) {
@@ -39,8 +22,8 @@ function angleBetween(a, b) {
   return (Math.acos(Math.min(1, (trace - 1) / 2)) * 180) / Math.PI;
 }
 
-const place = numbers("camera_position_mm");
-const turn = numbers("camera_rotation_deg").map((angle) => (angle * Math.PI) / 180);
+const place = hidden(source, "camera_position_mm");
+const turn = hidden(source, "camera_rotation_deg").map((angle) => (angle * Math.PI) / 180);
 let within = 0;
 for (let i = 0; i < Number(seeds); ++i) {
   const seed = Number(first) + i;

@@ -50,6 +50,19 @@ const predicted = predictedOffset_px(source, Number(width));
 expect(`edges before the calibration, predicted ${predicted.toFixed(2)} px`, before,
   Math.abs(before - predicted) < 0.1 * predicted);
 expect("edges after it, px", after, after < 0.6);
+// Of all views together; each slope's interval of 95 % is 3.92 standard deviations wide.
+const slopes = result.pairs.map((pair) => pair.ring_slope).filter(Boolean);
+const weights = slopes.map(({ low, high }) => (3.92 / (high - low)) ** 2);
+const weight = weights.reduce((sum, w) => sum + w, 0);
+const slope = slopes.reduce((sum, { value }, i) => sum + weights[i] * value, 0) / Math.sqrt(weight);
+expect("offset against image radius, in standard deviations", slope.toFixed(2), Math.abs(slope) < 2);
+for (const { name, scores } of result.designs) {
+  for (const defect of ["bump_1", "dent_1", "scratch_1"]) {
+    const { simulated, real } = scores[`defects.${defect}.rms_contrast`];
+    const ratio = real.value / simulated.value;
+    expect(`contrast of ${defect} under ${name}, real over simulated`, ratio.toFixed(3), Math.abs(ratio - 1) < 0.1);
+  }
+}
 const cause = (name) => result.causes.find((one) => one.name === name);
 const exposure = cause("exposure")?.values.factor.value ?? 1;
 expect("exposure", exposure, Math.abs(exposure - 0.95) < 0.0095);

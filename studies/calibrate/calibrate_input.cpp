@@ -349,6 +349,19 @@ void judge_boards(const CalibrateOptions& options, CalibrateInput& input) {
   }
 }
 
+/// Of a board whose squares a calibration found to be of another size than its file says, that
+/// size.
+Board board_of(const CalibrateOptions& options) {
+  if (options.board.empty()) {
+    return *options.known_board;
+  }
+  Board board = read_board(options.board);
+  if (options.known_board && board.square_mm == options.known_given_mm) {
+    board.square_mm = options.known_board->square_mm;
+  }
+  return board;
+}
+
 }  // namespace
 
 std::vector<Eigen::Isometry3d> picture_poses(const CalibrateInput& input,
@@ -380,7 +393,7 @@ CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool&
   for (const fs::path& picture : options.pictures) {
     input.names.push_back(picture.string());
   }
-  input.board = options.board.empty() ? *options.known_board : read_board(options.board);
+  input.board = board_of(options);
   if (!options.camera.empty()) {
     read_known_camera(options, input);
   }

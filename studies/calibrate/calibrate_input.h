@@ -27,6 +27,7 @@ struct CalibrateOptions {
   std::filesystem::path from;        ///< corners.csv of an earlier calibration instead of pictures
   std::filesystem::path board;       ///< board.toml or board.json
   std::optional<Board> known_board;  ///< where there is no file of it
+  double known_given_mm = 0.0;       ///< squares of known_board as its file has them; 0: likewise
   std::vector<std::filesystem::path> poses;  ///< empty: the camera alone
   std::filesystem::path camera;              ///< known intrinsics; empty: all are estimated
   std::filesystem::path out;                 ///< empty: out/<the pictures' folder>/calibrate

@@ -175,6 +175,7 @@ Json check_calibration(const std::filesystem::path& calibration, const Calibrate
   }
   CalibrateOptions reading = options;
   reading.known_board = known.board;
+  reading.known_given_mm = known.given_square_mm;
   ThreadPool pool(options.threads);
   const CalibrateInput input = read_calibrate_input(reading, pool);
   if (input.width_px != known.intrinsics.width_px ||

@@ -76,6 +76,7 @@ KnownCalibration calibration_of(const Json& json, const fs::path& file) {
                          .intrinsics = intrinsics_of(json.at("intrinsics")),
                          .board = board_of(json.at("board"), file.string()),
                          .rms_px = json.at("rms_px").get<double>()};
+  known.given_square_mm = json.at("board").value("given_square_mm", known.board.square_mm);
   if (json.at("prediction_rms_px").is_number()) {
     known.prediction_rms_px = json["prediction_rms_px"].get<double>();
   }

@@ -19,6 +19,7 @@ struct KnownCalibration {
   std::filesystem::path file;
   PinholeIntrinsics intrinsics;
   Board board;
+  double given_square_mm = 0.0;      ///< as the board's file had it
   std::optional<Mounting> mounting;  ///< with poses
   HandEye poses;                     ///< with a mounting
   double rms_px = 0.0;               ///< of its own pictures

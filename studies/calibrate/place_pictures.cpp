@@ -262,6 +262,7 @@ Placement board_in_pictures(const PlacingRig& rig, const CalibrateOptions& optio
   CalibrateOptions reading = options;
   reading.camera.clear();
   reading.known_board = rig.known.board;
+  reading.known_given_mm = rig.known.given_square_mm;
   const std::vector<Isometry3d> flanges = flanges_of(rig, options);
   if (!is_in_hand(rig)) {
     reading.poses.clear();

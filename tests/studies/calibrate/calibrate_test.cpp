@@ -135,6 +135,16 @@ TEST_F(CalibrateVerb, SquaresThatAreALittleOffAreTakenAndTold) {
   for (std::size_t i = 0; i < right["pictures"].size(); ++i) {
     EXPECT_EQ(result["pictures"][i]["accepted"], right["pictures"][i]["accepted"]) << i;
   }
+
+  // The file that it was given stands for the board as it was measured.
+  Arguments check = files_in(set, "img0", ".png");
+  std::erase_if(check, [](const std::string& name) { return name.find("img02") != name.npos; });
+  check.insert(check.begin(), "calibrate");
+  std::string some = read_file(set / "poses.csv");
+  some = std::regex_replace(some, std::regex("[^\n]*(img1|img02)[^\n]*\n"), "");
+  write_file(folder_ / "some.csv", some);
+  check.insert(check.end(), {"--check", "out", "--board", "off.toml", "--poses", "some.csv"});
+  EXPECT_EQ(glint_in(folder_, check).code, 0);
 }
 
 /// A dot that no picture shows settles nothing.

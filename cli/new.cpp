@@ -70,9 +70,7 @@ StarterLight light_of(const std::string& name) {
   return *std::ranges::find(kLights, name, light_name);
 }
 
-}  // namespace
-
-int new_command(const NewArguments& arguments, const CommonArguments& common) try {
+void check_files(const NewArguments& arguments) {
   if (std::error_code ignored; !std::filesystem::exists(arguments.part, ignored)) {
     throw IoError(arguments.part.string() + ": cannot be read: No such file or directory");
   }
@@ -83,6 +81,10 @@ int new_command(const NewArguments& arguments, const CommonArguments& common) tr
   if (!arguments.out.empty() && std::filesystem::exists(arguments.out)) {
     throw ConfigError(arguments.out.string() + ": exists already; give --out another name");
   }
+}
+
+int write_starter(const NewArguments& arguments, const CommonArguments& common) {
+  check_files(arguments);
   const Starter starter =
       make_starter({.part = part_settings(arguments),
                     .part_file = part_path(arguments),
@@ -114,9 +116,16 @@ int new_command(const NewArguments& arguments, const CommonArguments& common) tr
                 {"notes", starter.notes}},
                text + fmt::format("next: glint check {}\n", arguments.out.string()));
   return kExitDone;
+}
 
-} catch (const ConfigError& error) {
-  throw with_option_names(error);
+}  // namespace
+
+int new_command(const NewArguments& arguments, const CommonArguments& common) {
+  try {
+    return write_starter(arguments, common);
+  } catch (const ConfigError& error) {
+    throw with_option_names(error);
+  }
 }
 
 }  // namespace glint

@@ -105,9 +105,7 @@ std::string report_text(const MeshReport& r) {
   return text;
 }
 
-}  // namespace
-
-int part_command(const PartArguments& arguments, const CommonArguments& common) try {
+int tell_part(const PartArguments& arguments, const CommonArguments& common) {
   if (!arguments.out.empty() && std::filesystem::exists(arguments.out)) {
     throw ConfigError(arguments.out.string() + ": exists already; give --out another name");
   }
@@ -123,9 +121,16 @@ int part_command(const PartArguments& arguments, const CommonArguments& common) 
   }
   print_result(common, json, text);
   return kExitDone;
+}
 
-} catch (const ConfigError& error) {
-  throw arguments.file.extension() == ".toml" ? error : with_option_names(error);
+}  // namespace
+
+int part_command(const PartArguments& arguments, const CommonArguments& common) {
+  try {
+    return tell_part(arguments, common);
+  } catch (const ConfigError& error) {
+    throw arguments.file.extension() == ".toml" ? error : with_option_names(error);
+  }
 }
 
 }  // namespace glint

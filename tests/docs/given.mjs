@@ -17,7 +17,7 @@ object_pixel_mm = 0.2
 [sensor]
 gain = 2
 [scan]
-positions = 8
+positions = 24
 [lighting.tunnel]
 radius_mm = 120
 slot_mm = 0
@@ -36,7 +36,7 @@ function picturesOf(glint, folder, to, width_mm) {
   fs.writeFileSync(scene, SCENE);
   const dent =
     width_mm > 0
-      ? [`defects.dent.diameter_mm=${width_mm}`, `defects.dent.height_um=${4 * width_mm}`]
+      ? [`defects.dent.diameter_mm=${width_mm}`, `defects.dent.height_um=${40 * width_mm}`]
       : ["defects.dent.height_um=0.001"];
   const args = ["render", scene, "--out", out, "--quiet", ...dent.flatMap((one) => ["--set", one])];
   const result = spawnSync(glint, args, { encoding: "utf8" });

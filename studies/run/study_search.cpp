@@ -19,6 +19,7 @@
 #include "studies/definition/render_methods.h"
 #include "studies/evaluation/exact_lighting.h"
 #include "studies/front/front_designs.h"
+#include "studies/imaging/searched/searched_scene.h"
 #include "studies/run/design_files.h"
 
 namespace glint {
@@ -204,7 +205,7 @@ Outcome evaluate_candidate(SceneStore& store,
   }
   SceneSettings scene = scene_with(study, overrides_of(study, point));
   if (rung != nullptr) {
-    scene = at_rung(std::move(scene), *rung);
+    scene = searched_scene(store, scene, *rung);
   }
   Evaluation found = evaluate(store, scene, {}, wanted_in_search(study));
   Outcome outcome;

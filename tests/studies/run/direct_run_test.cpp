@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // render.method = "direct" in `glint check`, `glint run` and `glint render`.
+#include <algorithm>
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -10,6 +11,7 @@
 #include "studies/run/check_study.h"
 #include "studies/run/render_files.h"
 #include "studies/run/run.h"
+#include "studies/run/study_search.h"
 #include "tests/studies/imaging/direct/lamp_scene.h"
 #include "tests/studies/run/rendered_plate.h"
 #include "tests/support/page_data.h"
@@ -57,6 +59,38 @@ TEST(DirectRun, IsRefusedAtOnceWhereLampsOfAPrototypeMayHideEachOther) {
                                  "\"lighting.other.position_mm.1\" = 0\n"
                                  "\"lighting.other.position_mm.2\" = 33\n"),
               AllOf(HasSubstr("near"), HasSubstr("may be hidden")));
+}
+
+/// A ring of sectors that is tilted until it stands before itself.
+const std::string kTiltedSectors = R"([lighting.ring]
+inner_radius_mm = 2
+outer_radius_mm = 6
+height_mm = 10
+segments = 4
+separate_segments = true
+[variables]
+"lighting.ring.tilt_deg" = { min = 0, max = 75 }
+[objective]
+maximise = "homogeneity.mean"
+)";
+
+// A search that [accuracy] has rendered by sums goes on where one design's lamp hides itself.
+TEST(DirectRun, FollowsPathsForADesignWhoseLampMayHideItself) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml",
+             "schema = 1\n" + kSteel + "alpha = [0.2]\n" + kPlate + kTiltedSectors);
+  const Study study = load_study(folder / "study.toml", {});
+  const std::vector<RenderRung> ladder = render_ladder(study.scene, {});
+  const RenderRung sums = *std::ranges::find(ladder, "direct sum", &RenderRung::level);
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  const Point steep = {75.0};
+  EXPECT_EQ(evaluate_candidate(store, study, steep, &sums).scores,
+            evaluate_candidate(store, study, steep).scores)
+      << "its own samples";
+  const Point flat = {0.0};
+  EXPECT_NE(evaluate_candidate(store, study, flat, &sums).scores,
+            evaluate_candidate(store, study, flat).scores);
 }
 
 Json rendered(const fs::path& folder, const std::string& lights, RenderOptions options = {}) {

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the settings of a scene cannot tell of a rung, and its built lamps and part can.
+#pragma once
+
+#include "studies/definition/ladder/render_ladder.h"
+#include "studies/definition/scene.h"
+#include "studies/imaging/scene_store.h"
+
+namespace glint {
+
+/// A design's scene as a search renders it at a rung: at_rung(), but by paths with the rung's own
+/// samples where a sum of direct light would be refused, as a lamp may hide another one or parts of
+/// itself from the part (hidden_lights_problem()). A scene that asks for render.method = "direct"
+/// itself stays as it is.
+/// @throws ConfigError beginning with the key at fault when part or lamps cannot be built, IoError
+SceneSettings searched_scene(SceneStore& store, const SceneSettings& scene, const RenderRung& rung);
+
+}  // namespace glint

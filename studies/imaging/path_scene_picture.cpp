@@ -13,6 +13,7 @@
 #include "simulator/render/footprint/visible_part.h"
 #include "simulator/render/wall/occluded_pixels.h"
 #include "simulator/sensor/sensor.h"
+#include "studies/definition/render_methods.h"
 #include "studies/imaging/frame_exposure.h"
 #include "studies/imaging/path_lights.h"
 #include "studies/imaging/path_picture.h"
@@ -120,12 +121,42 @@ double interpolation_noise(const SceneSettings& scene, std::span<const FrameFact
          scene.sensor.gain * brightest / kSigmas;
 }
 
+SceneSettings with_sensor(SceneSettings scene, const SensorSettings* sensor) {
+  scene.sensor = sensor != nullptr ? *sensor : scene.sensor;
+  return scene;
+}
+
+/// Every third of the tiles of a sum along both axes; not the first ones, which see the picture's
+/// corner.
+std::vector<PixelWindow> third_tiles(const CameraSettings& camera) {
+  constexpr int kTile_px = 16;
+  std::vector<PixelWindow> windows;
+  for (int y = kTile_px; y < camera.height_px; y += 3 * kTile_px) {
+    for (int x = kTile_px; x < camera.width_px; x += 3 * kTile_px) {
+      windows.push_back({.left_px = x, .top_px = y, .width_px = kTile_px, .height_px = kTile_px});
+    }
+  }
+  return windows;
+}
+
+bool is_within(std::span<const PixelWindow> windows, std::size_t pixel, int width_px) {
+  const int x = static_cast<int>(pixel) % width_px;
+  const int y = static_cast<int>(pixel) / width_px;
+  return std::ranges::any_of(windows, [&](const PixelWindow& window) {
+    return x >= window.left_px && x < window.left_px + window.width_px && y >= window.top_px &&
+           y < window.top_px + window.height_px;
+  });
+}
+
 class PathScenePicture : public ScenePicture {
  public:
-  PathScenePicture(SceneStore& store, const SceneSettings& scene, bool has_flawless)
+  PathScenePicture(SceneStore& store,
+                   const SceneSettings& scene,
+                   bool has_flawless,
+                   const SensorSettings* film_sensor)
       : ScenePicture(scene, store.trace(scene)),
         sensor_(scene.sensor, traced()->seen().width_px, traced()->seen().height_px),
-        picture_(store.picture(scene)),
+        picture_(store.picture(with_sensor(scene, film_sensor))),
         frames_(frame_factors(scene, picture_->unit_power_w)) {
     if (has_flawless && !traced()->defects.empty()) {
       flawless_.emplace(store, scene, *traced());
@@ -216,10 +247,33 @@ class PathScenePicture : public ScenePicture {
 
 std::unique_ptr<ScenePicture> path_scene_picture(SceneStore& store,
                                                  const SceneSettings& scene,
-                                                 const PictureRequest& request) {
+                                                 const PictureRequest& request,
+                                                 const SensorSettings* film_sensor) {
   check_scene(scene, request);
   check_part_in_tunnel(store, scene);
-  return std::make_unique<PathScenePicture>(store, scene, request.has_flawless);
+  return std::make_unique<PathScenePicture>(store, scene, request.has_flawless, film_sensor);
+}
+
+std::vector<float> coarse_radiance(SceneStore& store, const SceneSettings& scene) {
+  std::vector<float> values;
+  const std::vector<PixelWindow> windows = third_tiles(scene.camera);
+  if (!is_direct(scene) || !is_lit(scene) || !scene.paths.has_light || windows.empty()) {
+    return values;
+  }
+  SceneSettings coarse = scene;
+  coarse.render.rays_per_axis = 1;
+  const PathView view(coarse, store.build_defects(coarse), coarse.viewpoint());
+  const PathPicture picture = render_view(view, path_settings(coarse), store.pool(), windows);
+  const Mask& region = store.trace(scene)->region.mask;
+  for (const FrameFactors& factors : view.frames()) {
+    const ImageF radiance = frame_radiance(picture, factors);
+    for (std::size_t i = 0; i < region.size(); ++i) {
+      if (region.values()[i] != 0 && is_within(windows, i, region.width())) {
+        values.push_back(radiance.values()[i]);
+      }
+    }
+  }
+  return values;
 }
 
 }  // namespace glint

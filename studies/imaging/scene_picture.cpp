@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "simulator/sensor/sensor.h"
+#include "studies/definition/render_methods.h"
 #include "studies/imaging/mirror_picture.h"
 #include "studies/imaging/path_scene_picture.h"
 
@@ -24,9 +25,21 @@ SensorSettings probe_of(const SensorSettings& settings) {
   return probe;
 }
 
+/// picture_of() a scene that is exposed. @param film_sensor  as of path_scene_picture()
+std::unique_ptr<ScenePicture> exposed_picture(SceneStore& store,
+                                              const SceneSettings& scene,
+                                              const PictureRequest& request,
+                                              const SensorSettings* film_sensor = nullptr) {
+  return needs_paths(scene)
+             ? path_scene_picture(store, first_view(store, scene), request, film_sensor)
+             : mirror_picture(store, scene, request);
+}
+
 /// The grey values of the region of interest in all frames.
-std::vector<float> grey_of_region(SceneStore& store, const SceneSettings& scene) {
-  const auto picture = picture_of(store, scene, {.has_flawless = false});
+std::vector<float> grey_of_region(SceneStore& store,
+                                  const SceneSettings& scene,
+                                  const SensorSettings& film_sensor) {
+  const auto picture = exposed_picture(store, scene, {.has_flawless = false}, &film_sensor);
   const Mask& region = picture->traced()->region.mask;
   std::vector<float> values;
   const auto watch = [&](int /*index*/, const ImageF& grey) {
@@ -52,6 +65,26 @@ double brightest_percent(std::vector<float>& values) {
   return static_cast<double>(values[static_cast<std::size_t>(rank)]);
 }
 
+/// The sensor that light is summed for while the exposure is looked for: with about the exposure
+/// that will be found, so that the picture is summed once and serves for both. Where nothing tells
+/// it, or nothing is summed, the probe itself.
+SensorSettings film_sensor_of(SceneStore& store,
+                              const SceneSettings& scene,
+                              const SensorSettings& probe,
+                              double wanted) {
+  if (!is_direct(scene)) {
+    return probe;
+  }
+  std::vector<float> radiance = coarse_radiance(store, first_view(store, scene));
+  const double bright = brightest_percent(radiance);
+  if (bright <= 0.0 || wanted <= 0.0) {
+    return probe;
+  }
+  SensorSettings sensor = scene.sensor;
+  sensor.exposure = wanted / (bright * scene.sensor.gain);
+  return sensor;
+}
+
 }  // namespace
 
 SceneSettings with_equal_exposure(SceneStore& store, SceneSettings scene) {
@@ -61,9 +94,10 @@ SceneSettings with_equal_exposure(SceneStore& store, SceneSettings scene) {
   SceneSettings probed = scene;
   probed.expose_to = 0.0;
   probed.sensor = probe_of(scene.sensor);
-  std::vector<float> values = grey_of_region(store, probed);
-  const double bright = brightest_percent(values);
   const double wanted = scene.expose_to - dark_grey(scene.sensor);
+  std::vector<float> values =
+      grey_of_region(store, probed, film_sensor_of(store, scene, probed.sensor, wanted));
+  const double bright = brightest_percent(values);
   if (bright <= 0.0 || wanted <= 0.0) {
     throw ConfigError("sensor.expose_to",
                       bright <= 0.0 ? "cannot be reached: no light comes from the flawless region"
@@ -88,8 +122,7 @@ std::unique_ptr<ScenePicture> picture_of(SceneStore& store,
   if (scene.expose_to > 0.0) {
     return picture_of(store, with_equal_exposure(store, scene), request);
   }
-  return needs_paths(scene) ? path_scene_picture(store, first_view(store, scene), request)
-                            : mirror_picture(store, scene, request);
+  return exposed_picture(store, scene, request);
 }
 
 }  // namespace glint

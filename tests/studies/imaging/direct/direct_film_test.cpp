@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "studies/imaging/path_picture.h"
+#include "studies/imaging/scene_picture.h"
 #include "studies/imaging/scene_store.h"
 #include "tests/studies/imaging/direct/lamp_scene.h"
 
@@ -88,6 +89,46 @@ TEST(DirectPictures, OfLampsWithAPowerAreAsExact) {
   };
   EXPECT_EQ(key_at("power_w = [1]\n"), key_at("radiance = [1591.5]\n"));
   EXPECT_NE(key_at("power_w = [1]\n"), key_at("radiance = [1]\n"));
+}
+
+/// Exposed to 0.9, with pixels enough that a ninth of them tell how bright it is.
+SceneSettings fine_scene(const std::string& light) {
+  SceneSettings scene = lamp_scene(light);
+  scene.expose_to = 0.9;
+  scene.camera.width_px *= 4;
+  scene.camera.height_px *= 4;
+  scene.camera.object_pixel_mm /= 4.0;
+  return scene;
+}
+
+// The exposure is not known before the light is, and how exactly light is summed follows from the
+// exposure. Steel that reflects less than the lamp's radiance shows at 0.9 wants an exposure above
+// 1, so that sums for exposure 1 would not be exact enough.
+TEST(DirectPictures, AtEqualExposureAreSummedOnce) {
+  ThreadPool pool(2);
+  for (const std::string& light : {kRing, kDome, kBar}) {
+    SCOPED_TRACE(light);
+    SceneStore store(pool);
+    SceneSettings scene = fine_scene(light);
+    const SceneSettings exposed = with_equal_exposure(store, scene);
+    EXPECT_GT(exposed.sensor.exposure, 1.0);
+    EXPECT_EQ(store.num_rendered(), 1);
+    const auto picture = picture_of(store, scene, {.has_flawless = false});
+    EXPECT_EQ(store.num_rendered(), 1) << "the exposure was found in the same picture";
+    EXPECT_EQ(picture->scene().sensor.exposure, exposed.sensor.exposure);
+  }
+}
+
+// As exact as if the exposure had been known: the octave follows from the exposure that is found.
+TEST(DirectPictures, AtEqualExposureAreAsExactAsAtThatExposure) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  SceneSettings scene = lamp_scene(kRing);
+  scene.expose_to = 0.9;
+  const SceneSettings exposed = with_equal_exposure(store, scene);
+  SceneStore fresh(pool);
+  const ImageF aspect = picture_of(store, scene)->mean({}).aspect;
+  EXPECT_EQ(aspect.values(), picture_of(fresh, exposed)->mean({}).aspect.values());
 }
 
 TEST(DirectFilm, IsSeenOnceInTheMaking) {

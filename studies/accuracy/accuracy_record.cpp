@@ -79,6 +79,11 @@ void AccuracyRecord::begin_search(const std::string& rung) {
   }
 }
 
+std::optional<std::string> AccuracyRecord::begun_rung() const {
+  const std::optional<Event> noted = begun();
+  return noted ? std::optional(noted->text) : std::nullopt;
+}
+
 const Outcome* AccuracyRecord::find(const std::string& rung, const std::string& design) const {
   const std::lock_guard lock(mutex_);
   const auto found = known_.find(key_of(rung, design));

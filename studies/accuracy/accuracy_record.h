@@ -35,6 +35,9 @@ class AccuracyRecord {
   /// resumed. @throws ConfigError when it was another one; IoError
   void begin_search(const std::string& rung);
 
+  /// The rung that begin_search() noted in an earlier run; empty: none did.
+  std::optional<std::string> begun_rung() const;
+
   /// Stays where it is. nullptr: not known
   const Outcome* find(const std::string& rung, const std::string& design) const;
 

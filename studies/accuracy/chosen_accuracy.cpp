@@ -79,17 +79,31 @@ Outcome evaluated(const AccuracyTask& task, const Overrides& overrides, const Re
                        : evaluate_at(task.store, task.study, overrides, rung);
 }
 
+/// A search that has begun knows all that its first rung was chosen from.
+void refuse_new_rung(const std::string& begun, const std::string& rung) {
+  throw ConfigError(
+      fmt::format("this study cannot be resumed: its search began with \"{}\", and \"{}\" would "
+                  "now be tried before, which it was not; the program or a library changed since, "
+                  "or accuracy.sqlite is not whole. Run into a new folder; the old best design can "
+                  "be given as a start point",
+                  begun,
+                  rung));
+}
+
 /// Evaluates candidates at rungs, each once.
 class RungEvaluator {
  public:
   /// @param beyond  designs of the search that come first
+  /// @param begun   the rung of a search whose trial is over: nothing is evaluated any more
   RungEvaluator(const AccuracyTask& task,
                 AccuracyRecord& record,
                 const std::vector<RenderRung>& ladder,
-                const std::vector<Trial>& beyond)
+                const std::vector<Trial>& beyond,
+                std::optional<std::string> begun)
       : task_(task),
         record_(record),
         ladder_(ladder),
+        begun_(std::move(begun)),
         bar_(task.study.name + ": ways to render",
              static_cast<std::int64_t>(ladder.size() * kDesigns),
              task.progress) {
@@ -129,6 +143,9 @@ class RungEvaluator {
       if (find(step, candidate) == nullptr) {
         missing.push_back(candidate);
       }
+    }
+    if (begun_ && !missing.empty()) {
+      refuse_new_rung(*begun_, ladder_[step].name);
     }
     std::atomic<std::size_t> next = 0;
     std::atomic<bool> has_error = false;
@@ -175,6 +192,7 @@ class RungEvaluator {
   const AccuracyTask& task_;
   AccuracyRecord& record_;
   const std::vector<RenderRung>& ladder_;
+  std::optional<std::string> begun_;
   std::vector<TriedDesign> candidates_;
   std::mutex mutex_;
   Progress bar_;
@@ -202,11 +220,13 @@ LadderTask ladder_task(const Study& study,
 }
 
 /// @param first_step  of the search: those below are tried, and not taken
+/// @param begun       the rung of a search whose trial is over
 ChosenAccuracy tried(const AccuracyTask& task,
                      AccuracyRecord& record,
                      ChosenAccuracy chosen,
-                     std::size_t first_step) {
-  RungEvaluator evaluator(task, record, chosen.ladder, chosen.beyond);
+                     std::size_t first_step,
+                     std::optional<std::string> begun = {}) {
+  RungEvaluator evaluator(task, record, chosen.ladder, chosen.beyond, std::move(begun));
   LadderTask ladder = ladder_task(task.study, chosen.ladder, chosen.beyond.size());
   for (std::size_t step = 0; step < first_step; ++step) {
     ladder.steps[step].is_for_search = false;
@@ -276,7 +296,7 @@ ChosenAccuracy choose_accuracy(const AccuracyTask& task, AccuracyRecord& record)
   ChosenAccuracy chosen;
   chosen.ladder = ladder_of(task.study);
   check_ladder(task.study, chosen.ladder);
-  return tried(task, record, std::move(chosen), 0);
+  return tried(task, record, std::move(chosen), 0, record.begun_rung());
 }
 
 bool has_dearer_rung(const ChosenAccuracy& chosen) {

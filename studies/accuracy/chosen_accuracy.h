@@ -77,7 +77,9 @@ void check_accuracy_choice(const Study& study, bool takes_trials);
 /// Tries the ladder on the baseline, up to eight prototypes and a Sobol sequence over the
 /// variables, twelve designs in all. The same for any number of threads and jobs, and whatever part
 /// of it was recorded before.
-/// @throws ConfigError with its place when the study leaves nothing to choose
+/// @throws ConfigError with its place when the study leaves nothing to choose; at once, without any
+///         evaluation, when the record's search has begun and its trial is not all that this
+///         program would try: its ladder was another one
 /// @throws EvaluationAborted when interrupted; what was evaluated is recorded
 /// @throws IoError
 ChosenAccuracy choose_accuracy(const AccuracyTask& task);

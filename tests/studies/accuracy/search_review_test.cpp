@@ -216,9 +216,10 @@ TEST(SearchReview, CutShortAnywhereItComesToTheSame) {
 }
 
 /// What resuming a run in the folder is refused with; empty: it is not.
-std::string refusal_in(const TemporaryFolder& folder) {
+/// @param stop_at  the evaluation that an interrupt cuts short: 1 for a refusal before any
+std::string refusal_in(const TemporaryFolder& folder, int stop_at = 0) {
   try {
-    run_in(folder);
+    run_in(folder, stop_at);
   } catch (const ConfigError& error) {
     return error.what();
   }
@@ -244,15 +245,44 @@ TEST(SearchReview, RefusesToGoOnWithWhatOtherRulesChose) {
   EXPECT_THAT(refusal_in(folder), HasSubstr("was begun by a newer Glint (accuracy rules 3"));
 }
 
+/// As if the search had begun with another rung, and one had not been there to be tried.
+/// @param unknown  the name of that one; empty: none
+void rewrite_record(const TemporaryFolder& folder,
+                    const std::string& begun,
+                    const std::string& unknown) {
+  const std::vector<Trial> trials =
+      Storage::read(folder / "accuracy.sqlite").trials(TrialKind::kPart);
+  std::filesystem::remove(folder / "accuracy.sqlite");
+  note_begin(folder, kAccuracyRules, begun);
+  const StudyIdentity identity = Storage::read(folder / "study.sqlite").identity();
+  Storage record = Storage::open(folder / "accuracy.sqlite", identity);
+  for (const Trial& trial : trials) {
+    if (unknown.empty() || !trial.name.starts_with(unknown + " |")) {
+      record.put_trial(trial);
+    }
+  }
+}
+
 TEST(SearchReview, RefusesToGoOnWithAnotherRungThanItBeganWith) {
   const int in_search = 60;
   const TemporaryFolder folder;
   run_in(folder, in_search);
-  std::filesystem::remove(folder / "accuracy.sqlite");
-  note_begin(folder, kAccuracyRules, "direct light, 32 samples");
+  rewrite_record(folder, "direct light, 32 samples", "");
   EXPECT_THAT(refusal_in(folder),
               HasSubstr("began with \"direct light, 32 samples\" and would now begin with "
                         "\"direct light, 8 samples\""));
+}
+
+// A program before had no such rung. What its trial would be now need not be evaluated to tell that
+// it was another one.
+TEST(SearchReview, RefusesALadderWithANewRungBeforeAnyEvaluation) {
+  const int in_search = 60;
+  const TemporaryFolder folder;
+  run_in(folder, in_search);
+  rewrite_record(folder, "direct light, 16 samples", "direct light, 8 samples");
+  EXPECT_THAT(refusal_in(folder, 1),
+              HasSubstr("its search began with \"direct light, 16 samples\", and \"direct light, 8 "
+                        "samples\" would now be tried before"));
 }
 
 // Cut short while the ladder was tried: nothing rests on the choice yet.

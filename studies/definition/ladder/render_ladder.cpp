@@ -34,6 +34,9 @@ struct WorkPerPixel {
   // dome and a bar over a plate.
   static constexpr double kSums = 2.5;    ///< what does not grow with the rays
   static constexpr double kSumRay = 1.4;  ///< of each ray
+  // Where the part may stand in its own light every place of a lamp is asked for: 13, 119, 750 for
+  // 1, 4, 16 rays of a gear under a ring, 290 for 4 rays as the mean of 30 rings.
+  static constexpr double kShadedSum = 25.0;  ///< of one ray; grows as rays^1.5
 };
 
 constexpr double kUsual_rad = 2e-4;
@@ -64,10 +67,17 @@ double path_work(const SceneSettings& scene) {
   return paths.samples * path + WorkPerPixel::kScoring * frames_of(scene) * pictures;
 }
 
+/// By its shape: of a mesh nothing else is known.
+bool may_shade_itself(const SceneSettings& scene) {
+  const PartSettings::Shape shape = scene.part.shape;
+  return shape == PartSettings::Shape::kSpurGear || shape == PartSettings::Shape::kMesh;
+}
+
 double direct_work(const SceneSettings& scene) {
   const double rays = static_cast<double>(scene.render.rays_per_axis) * scene.render.rays_per_axis;
-  return WorkPerPixel::kSums + WorkPerPixel::kSumRay * rays +
-         WorkPerPixel::kScoring * frames_of(scene);
+  const double sums = may_shade_itself(scene) ? WorkPerPixel::kShadedSum * std::pow(rays, 1.5)
+                                              : WorkPerPixel::kSums + WorkPerPixel::kSumRay * rays;
+  return sums + WorkPerPixel::kScoring * frames_of(scene);
 }
 
 double blurred_work(const SceneSettings& scene) {

@@ -292,6 +292,25 @@ TEST(CountedWork, OfDirectSumsGrowsWithTheirRaysAndNotWithSamples) {
   EXPECT_DOUBLE_EQ(counted_work(scene), 4.3);
 }
 
+// Teeth shade each other, so that each place on a lamp is asked for: 0.5 * (25 * 4^1.5 + 0.5). More
+// than 128 samples of paths, which are asked for one place each.
+TEST(CountedWork, OfDirectSumsIsLargeWhereThePartShadesItself) {
+  SceneSettings scene = steel();
+  scene.part.shape = PartSettings::Shape::kSpurGear;
+  scene.paths.samples = 128;
+  scene.paths.max_reflections = 1;
+  const double by_paths = counted_work(scene);
+  scene.render.method = Method::kDirect;
+  EXPECT_DOUBLE_EQ(counted_work(scene), 100.25);
+  EXPECT_GT(counted_work(scene), by_paths);
+}
+
+TEST(RenderLadder, OfAGearHasNoDirectSumsThatTakeMoreThanItsTop) {
+  SceneSettings gear = steel();
+  gear.part.shape = PartSettings::Shape::kSpurGear;
+  EXPECT_THAT(direct_sums(render_ladder(gear, {})), ElementsAre("direct sum, 1 ray a pixel"));
+}
+
 // 0.5 Mpx: 16 samples with direct light, one frame of a scan of 10 scored in itself and without
 // each of 4 batches: 0.5 * (16 + 0.5 * 10 * 5) = 20.5.
 TEST(CountedWork, IsPathsAndScoring) {

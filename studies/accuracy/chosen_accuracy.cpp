@@ -136,17 +136,23 @@ class RungEvaluator {
     return record_.find(ladder_[step].name, candidates_[candidate].name);
   }
 
-  /// On threads of its own, as a search does (optimizer/search/search.cpp).
-  void evaluate_all(std::size_t step, std::span<const std::size_t> candidates) {
+  /// Those that are to be evaluated.
+  /// @throws ConfigError when there are any, and the trial is over
+  std::vector<std::size_t> missing_of(std::size_t step,
+                                      std::span<const std::size_t> candidates) const {
     std::vector<std::size_t> missing;
-    for (const std::size_t candidate : candidates) {
-      if (find(step, candidate) == nullptr) {
-        missing.push_back(candidate);
-      }
-    }
+    std::ranges::copy_if(candidates, std::back_inserter(missing), [&](std::size_t candidate) {
+      return find(step, candidate) == nullptr;
+    });
     if (begun_ && !missing.empty()) {
       refuse_new_rung(*begun_, ladder_[step].name);
     }
+    return missing;
+  }
+
+  /// On threads of its own, as a search does (optimizer/search/search.cpp).
+  void evaluate_all(std::size_t step, std::span<const std::size_t> candidates) {
+    const std::vector<std::size_t> missing = missing_of(step, candidates);
     std::atomic<std::size_t> next = 0;
     std::atomic<bool> has_error = false;
     std::vector<std::exception_ptr> errors(missing.size());

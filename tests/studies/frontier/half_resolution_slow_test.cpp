@@ -46,15 +46,11 @@ const std::vector<std::string> kScores = {"homogeneity.mean",
 struct Setting {
   int factor = 1;          ///< of the pixels' size
   int samples = 0;         ///< of each
-  int rays_per_axis = 0;   ///< of a sum of direct light in their place; 0: paths
   bool is_pooled = false;  ///< the jackknife takes the noise of its batches out of the scores
 
   std::string name() const {
-    return rays_per_axis > 0 ? fmt::format("sums, {} rays", rays_per_axis * rays_per_axis)
-                             : fmt::format("{} samples{}{}",
-                                           samples,
-                                           factor > 1 ? ", half" : "",
-                                           is_pooled ? ", jackknife" : "");
+    return fmt::format(
+        "{} samples{}{}", samples, factor > 1 ? ", half" : "", is_pooled ? ", jackknife" : "");
   }
 };
 
@@ -215,10 +211,6 @@ class HalfResolution {
     SceneSettings scene = scene_with(study_, overrides_of(study_, point));
     scene.paths.samples = setting.samples;
     scene.paths.batches = kBatches;
-    if (setting.rays_per_axis > 0) {
-      scene.render.method = RenderSettings::Method::kDirect;
-      scene.render.rays_per_axis = setting.rays_per_axis;
-    }
     return with_larger_pixels(std::move(scene), factor_ * setting.factor);
   }
 
@@ -260,16 +252,12 @@ bool is_on_front(const Measured& row, const std::vector<Measured>& rows, const s
   });
 }
 
-/// @param has_sums  light can be summed in place of following paths
-std::vector<Setting> settings_of(bool has_sums) {
+std::vector<Setting> settings() {
   std::vector<Setting> settings;
   for (const int samples : {4, 16, 64}) {
     settings.push_back({.samples = samples});
     settings.push_back({.samples = samples, .is_pooled = true});
     settings.push_back({.factor = 2, .samples = 4 * samples});
-  }
-  for (int rays = 1; rays <= 2 && has_sums; ++rays) {
-    settings.push_back({.samples = 64, .rays_per_axis = rays});
   }
   return settings;
 }
@@ -293,11 +281,11 @@ bool print_rows(const std::vector<Measured>& rows, const std::string& score) {
 }
 
 /// Prints for each score that differs between designs what each setting makes of it.
-void compare(const std::string& name, const Study& study, int factor, bool has_sums) {
+void compare(const std::string& name, const Study& study, int factor) {
   HalfResolution half(study, factor);
   ASSERT_EQ(half.designs(), kTried + kFresh);
   std::vector<Measured> rows;
-  for (const Setting& setting : settings_of(has_sums)) {
+  for (const Setting& setting : settings()) {
     rows.push_back({setting, half.work(setting), half.errors(setting)});
   }
   std::ranges::sort(rows, {}, &Measured::work);
@@ -312,12 +300,12 @@ void compare(const std::string& name, const Study& study, int factor, bool has_s
 
 TEST(HalfResolution, OfRingGeometry) {
   const Study study = load_study(gallery::folder_of("ring_geometry") / "study.toml", {});
-  compare("ring_geometry", study, 3, true);
+  compare("ring_geometry", study, 3);
 }
 
 TEST(HalfResolution, OfWhichLight) {
   const Study study = load_study(gallery::folder_of("which_light") / "study.toml", {});
-  compare("which_light", study, 1, false);
+  compare("which_light", study, 1);
 }
 
 TEST(HalfResolution, OfAGearUnderARing) {
@@ -330,7 +318,7 @@ TEST(HalfResolution, OfAGearUnderARing) {
                          "\"lighting.ring.radiance.0\" = {{ min = 20, max = 60 }}\n"
                          "[objective]\nmaximise = \"homogeneity.h_rms\"\n",
                          (gallery::folder_of("gear_ring") / "scene.toml").string()));
-  compare("gear", load_study(folder / "study.toml", {}), 24, false);
+  compare("gear", load_study(folder / "study.toml", {}), 24);
 }
 
 }  // namespace

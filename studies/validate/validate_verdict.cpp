@@ -93,19 +93,34 @@ class Judge {
     return told;
   }
 
+  bool are_edges_apart() const {
+    return f_.distance_px && *f_.distance_px > verdict_.edge_limit_px;
+  }
+
+  /// Beyond what a refit sets right, and beyond noise. A flat part that is tilted hardly moves its
+  /// edges, and shines differently.
+  bool is_part_moved() const {
+    const GeometryFit& fit = f_.geometry;
+    const auto is_beyond = [&](Eigen::Index first, double limit) {
+      return fit.part.segment<3>(first).norm() - kSigmas * fit.sigma.segment<3>(15 + first).norm() >
+             limit;
+    };
+    return is_beyond(0, f_.limits.pose_rad) || is_beyond(3, f_.limits.pose_mm);
+  }
+
   void judge_edges() {
     const GeometryFit& fit = f_.geometry;
-    if (!f_.distance_px || *f_.distance_px <= verdict_.edge_limit_px) {
-      return;
-    }
     for (const GeometryFault fault : fit.faults) {
+      if (!are_edges_apart() && !(fault == GeometryFault::kPartPose && is_part_moved())) {
+        continue;
+      }
       ToldFault told = edge_fault(fault);
       for (const GeometryFault other : fit.or_these) {
         told.or_these.push_back(name_of(other));
       }
       verdict_.faults.push_back(std::move(told));
     }
-    if (fit.faults.empty()) {
+    if (fit.faults.empty() && are_edges_apart()) {
       verdict_.faults.push_back({.name = "edges",
                                  .of = "",
                                  .values = {{.name = "distance_px", .value = *f_.distance_px}}});
@@ -250,8 +265,8 @@ class Judge {
     const bool has_fault =
         std::ranges::any_of(verdict_.faults, [](const ToldFault& f) { return !f.is_within; });
     const bool is_order_wrong = f_.ranking && !f_.ranking->agrees;
-    const bool is_apart = is_grey_apart() || f_.blur_px2.value_or(0.0) > f_.limits.blur_px ||
-                          (f_.distance_px && *f_.distance_px > verdict_.edge_limit_px);
+    const bool is_apart =
+        is_grey_apart() || f_.blur_px2.value_or(0.0) > f_.limits.blur_px || are_edges_apart();
     verdict_.agreement = has_fault || is_order_wrong ? SidesAgreement::kDisagrees
                          : is_apart                  ? SidesAgreement::kAfterRefit
                                                      : SidesAgreement::kAgrees;

@@ -69,10 +69,26 @@ TEST(Verdict, NamesADeadSegmentByItsNumber) {
 TEST(Verdict, AllowsEdgesWhatCalibrationAndPlacementPredict) {
   ValidationFindings findings = alike();
   findings.distance_px = 1.4;
-  findings.geometry.faults = {GeometryFault::kPartPose};
-  findings.geometry.part << 0, 0, 0.05, 0, 0, 0;
+  findings.geometry.faults = {GeometryFault::kFocalLength};
   EXPECT_EQ(judge(findings).agreement, SidesAgreement::kDisagrees);
   findings.geometry.pose_budget_px = 0.5;  // 3 x 0.5 = 1.5 px
+  EXPECT_EQ(judge(findings).agreement, SidesAgreement::kAgrees);
+}
+
+TEST(Verdict, NamesAPartThatIsTiltedThoughItsEdgesHardlyMove) {
+  ValidationFindings findings = alike();
+  findings.geometry.faults = {GeometryFault::kPartPose};
+  findings.geometry.part << 0.05, 0, 0, 0, 0, 0;  // 2.9 degrees
+  findings.geometry.sigma.setConstant(1e-3);
+  const ValidateVerdict verdict = judge(findings);
+  EXPECT_EQ(verdict.agreement, SidesAgreement::kDisagrees);
+  ASSERT_EQ(verdict.faults.size(), 1U);
+  EXPECT_EQ(verdict.faults[0].name, "part_pose");
+  // Noise, or less than what a refit sets right.
+  findings.geometry.sigma.setConstant(0.02);
+  EXPECT_EQ(judge(findings).agreement, SidesAgreement::kAgrees);
+  findings.geometry.sigma.setConstant(1e-4);
+  findings.geometry.part << 0.005, 0, 0, 0, 0, 0;
   EXPECT_EQ(judge(findings).agreement, SidesAgreement::kAgrees);
 }
 

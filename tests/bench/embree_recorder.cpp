@@ -4,26 +4,33 @@
 #include <algorithm>
 #include <cmath>
 
+#include <dlfcn.h>
 #include <embree3/rtcore.h>
 
 #include "core/error.h"
-
-extern "C" {
-
-using glint_rtc_intersect16 = void(const int*, RTCScene, RTCIntersectContext*, RTCRayHit16*);
-using glint_rtc_occluded16 = void(const int*, RTCScene, RTCIntersectContext*, RTCRay16*);
-
-// The linker sends calls of Embree to the first two and gives Embree's own as the last two.
-glint_rtc_intersect16 glint_watched_intersect16 __asm__("__wrap_rtcIntersect16");
-glint_rtc_occluded16 glint_watched_occluded16 __asm__("__wrap_rtcOccluded16");
-glint_rtc_intersect16 glint_real_intersect16 __asm__("__real_rtcIntersect16");
-glint_rtc_occluded16 glint_real_occluded16 __asm__("__real_rtcOccluded16");
-}
 
 namespace glint::bench {
 namespace {
 
 EmbreeRecord* now_recording = nullptr;
+
+/// Embree's own function of that name, behind the one of this file.
+template <class Function>
+Function* of_embree(const char* name) {
+  void* found = dlsym(RTLD_NEXT, name);
+  GLINT_CHECK(found != nullptr, "Embree lacks a function that is to be recorded");
+  return reinterpret_cast<Function*>(found);
+}
+
+decltype(rtcIntersect16)* embrees_intersect16() {
+  static auto* const kFound = of_embree<decltype(rtcIntersect16)>("rtcIntersect16");
+  return kFound;
+}
+
+decltype(rtcOccluded16)* embrees_occluded16() {
+  static auto* const kFound = of_embree<decltype(rtcOccluded16)>("rtcOccluded16");
+  return kFound;
+}
 
 RecordedPacket packet_of(const int* valid, const RTCRay16& rays, bool is_coherent) {
   RecordedPacket packet;
@@ -44,9 +51,12 @@ bool is_close(const std::array<float, 16>& a, const std::array<float, 16>& b, st
   return std::abs(a[lane] - b[lane]) <= 3e-6F;
 }
 
-/// True when all rays are those of the earlier packet, turned so little that no other rays of a
-/// picture are that close.
+/// True when all rays are those of the earlier packet, asked for in the same way, turned so little
+/// that no other rays of a picture are that close.
 bool repeats(const RecordedPacket& packet, const RecordedPacket& earlier) {
+  if (packet.is_occlusion != earlier.is_occlusion) {
+    return false;
+  }
   for (std::size_t i = 0; i < 16; ++i) {
     const bool is_same = earlier.valid[i] != 0 && packet.origin_x[i] == earlier.origin_x[i] &&
                          packet.origin_y[i] == earlier.origin_y[i] &&
@@ -103,7 +113,7 @@ float ask_nearest(RTCScene scene, const RecordedPacket& packet, bool is_coherent
   std::ranges::fill(query.hit.geomID, RTC_INVALID_GEOMETRY_ID);
   std::ranges::fill(query.hit.instID[0], RTC_INVALID_GEOMETRY_ID);
   RTCIntersectContext context = context_for(is_coherent);
-  glint_real_intersect16(packet.valid.data(), scene, &context, &query);
+  embrees_intersect16()(packet.valid.data(), scene, &context, &query);
   return query.ray.tfar[0];
 }
 
@@ -111,7 +121,7 @@ float ask_any(RTCScene scene, const RecordedPacket& packet, bool is_coherent) {
   RTCRay16 query;
   set_rays(packet, query);
   RTCIntersectContext context = context_for(is_coherent);
-  glint_real_occluded16(packet.valid.data(), scene, &context, &query);
+  embrees_occluded16()(packet.valid.data(), scene, &context, &query);
   return query.tfar[0];
 }
 
@@ -148,26 +158,29 @@ float ask_again(RTCScene scene, const std::vector<RecordedPacket>& packets, Aski
 
 }  // namespace glint::bench
 
-void glint_watched_intersect16(const int* valid,
-                               RTCScene scene,
-                               RTCIntersectContext* context,
-                               RTCRayHit16* rays) {
+// The program's own functions of these names come before those of Embree's library, also for calls
+// from other libraries of ours.
+extern "C" {
+
+void rtcIntersect16(const int* valid,
+                    RTCScene scene,
+                    RTCIntersectContext* context,
+                    RTCRayHit16* rays) {
   using namespace glint::bench;
   if (now_recording != nullptr) {
     take_down(scene, packet_of(valid, rays->ray, has_coherent_flag(*context)));
   }
-  glint_real_intersect16(valid, scene, context, rays);
+  embrees_intersect16()(valid, scene, context, rays);
 }
 
-void glint_watched_occluded16(const int* valid,
-                              RTCScene scene,
-                              RTCIntersectContext* context,
-                              RTCRay16* rays) {
+void rtcOccluded16(const int* valid, RTCScene scene, RTCIntersectContext* context, RTCRay16* rays) {
   using namespace glint::bench;
   if (now_recording != nullptr) {
     RecordedPacket packet = packet_of(valid, *rays, has_coherent_flag(*context));
     packet.is_occlusion = true;
     take_down(scene, packet);
   }
-  glint_real_occluded16(valid, scene, context, rays);
+  embrees_occluded16()(valid, scene, context, rays);
 }
+
+}  // extern "C"

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What a renderer asks Embree, taken down packet by packet and asked again without the renderer.
-// Needs the linker options --wrap=rtcIntersect16 and --wrap=rtcOccluded16.
+// A program that has this file in it answers these calls of Embree itself and passes them on, with
+// our libraries linked statically or shared.
 #pragma once
 
 #include <array>

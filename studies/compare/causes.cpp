@@ -11,10 +11,10 @@
 
 #include "core/config/toml.h"
 #include "core/error.h"
-#include "core/image/exr_layers.h"
 #include "metrics/overlap/boundary_distance.h"
 #include "studies/compare/roughness_cause.h"
 #include "studies/compare/scene_camera.h"
+#include "studies/compare/surface/simulated_surface.h"
 
 namespace glint {
 namespace {
@@ -34,89 +34,12 @@ SceneSettings scene_of(const CompareSource& source) {
   return scene;
 }
 
-/// Points of the part in the camera's frame, by pixel.
-class Surface {
- public:
-  Surface(const CompareSource& source, const RigidTransform& camera_from_world)
-      : camera_from_world_(camera_from_world) {
-    const std::array<std::string, 4> names = {
-        "position_mm.x", "position_mm.y", "position_mm.z", "depth_mm"};
-    channels_ = read_exr_channels(source.geometry, names);
-  }
-
-  int width() const { return channels_[0].width(); }
-
-  int height() const { return channels_[0].height(); }
-
-  /// The point of the part at an edge. Pixels beside an edge mix what lies on both sides of it, so
-  /// depth is taken from some pixels within and led on to the edge: in a picture of a plane 1 / z
-  /// is a linear function. Of two sides that both show the part the nearer one makes the edge.
-  std::optional<Vector3d> at_edge(const PinholeCamera& camera,
-                                  const Vector2d& at_px,
-                                  const Vector2d& normal) const {
-    constexpr double kNear_px = 2.0;
-    constexpr double kMostBend = 0.02;  ///< of the depth, from within to the edge
-    double nearest = 0.0;
-    for (const double side : {-1.0, 1.0}) {
-      const Vector2d step = side * kNear_px * normal;
-      const double first = inverse_depth(at_px + step);
-      const double second = inverse_depth(at_px + 2.0 * step);
-      const double slope = second > 0.0 ? first - second : 0.0;
-      const bool is_bent = std::abs(slope) > kMostBend * first;
-      nearest = std::max(nearest, first > 0.0 && !is_bent ? first + slope : first);
-    }
-    const auto ray = camera.ray_through(at_px);
-    if (nearest <= 0.0 || !ray) {
-      return std::nullopt;
-    }
-    return Vector3d(*ray / (ray->z() * nearest));
-  }
-
-  /// Mean of all its pixels.
-  Vector3d middle_mm() const {
-    Vector3d sum = Vector3d::Zero();
-    double count = 0.0;
-    for (int y = 0; y < height(); ++y) {
-      for (int x = 0; x < width(); ++x) {
-        if (channels_[3](x, y) > 0.0F) {
-          sum += at(x, y);
-          count += 1.0;
-        }
-      }
-    }
-    return count > 0.0 ? Vector3d(sum / count) : Vector3d(0.0, 0.0, 1.0);
-  }
-
- private:
-  /// Between the centres of pixels; 0 where one of them is not on the part.
-  double inverse_depth(const Vector2d& at_px) const {
-    const double u = at_px.x() - 0.5;
-    const double v = at_px.y() - 0.5;
-    const int x0 = static_cast<int>(std::floor(u));
-    const int y0 = static_cast<int>(std::floor(v));
-    if (x0 < 0 || y0 < 0 || x0 + 1 >= width() || y0 + 1 >= height()) {
-      return 0.0;
-    }
-    double sum = 0.0;
-    for (const int x : {x0, x0 + 1}) {
-      for (const int y : {y0, y0 + 1}) {
-        if (channels_[3](x, y) <= 0.0F) {
-          return 0.0;
-        }
-        sum += (1.0 - std::abs(u - x)) * (1.0 - std::abs(v - y)) / at(x, y).z();
-      }
-    }
-    return sum;
-  }
-
-  Vector3d at(int x, int y) const {
-    return camera_from_world_ *
-           vector_of(channels_[0](x, y), channels_[1](x, y), channels_[2](x, y));
-  }
-
-  RigidTransform camera_from_world_;
-  std::vector<ImageF> channels_;
-};
+SimulatedSurface surface_of(const ComparedPair& pair, const SceneSettings& scene) {
+  return {pair.simulated.source.geometry,
+          pair.simulated.width(),
+          pair.simulated.height(),
+          camera_from_world(scene.viewpoint())};
+}
 
 /// Edges of the simulated picture with their places in space, boundary by boundary.
 struct PlacedEdges {
@@ -124,7 +47,7 @@ struct PlacedEdges {
   std::vector<std::vector<Vector3d>> in_camera_mm;  ///< of each boundary each point
 };
 
-PlacedEdges placed_edges(const Surface& surface,
+PlacedEdges placed_edges(const SimulatedSurface& surface,
                          const PinholeCamera& camera,
                          const std::vector<Boundary>& boundaries) {
   PlacedEdges placed;
@@ -213,7 +136,7 @@ struct MatchedCauses {
 };
 
 MatchedCauses matched_causes(const ComparedPair& pair,
-                             const Surface& surface,
+                             const SimulatedSurface& surface,
                              const PinholeIntrinsics& intrinsics,
                              const Vector3d& middle_mm,
                              const KnownCamera& known) {
@@ -342,7 +265,7 @@ void note_contradiction(const CauseFit& fit, std::vector<std::string>& notes) {
 }  // namespace
 
 std::vector<SpaceEdge> space_edges(const ComparedPair& pair, const SceneSettings& scene) {
-  const Surface surface(pair.simulated.source, camera_from_world(scene.viewpoint()));
+  const SimulatedSurface surface = surface_of(pair, scene);
   return matched_causes(pair, surface, intrinsics_of(scene), surface.middle_mm(), {}).edges;
 }
 
@@ -352,7 +275,7 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {
   const CompareSource& source = pair.simulated.source;
   if (!source.scene.empty() && !source.geometry.empty()) {
     const SceneSettings scene = scene_of(source);
-    const Surface surface(source, camera_from_world(scene.viewpoint()));
+    const SimulatedSurface surface = surface_of(pair, scene);
     causes.middle_mm = surface.middle_mm();
     causes.edges = matched_causes(pair, surface, intrinsics_of(scene), causes.middle_mm, known).fit;
     for (const FoundCause& found : causes.edges->causes) {

@@ -60,11 +60,13 @@ ImageF as_image(const Mask& mask) {
 }
 
 /// Reduced mask of what the renderer says, or of a mask's file.
-std::optional<Mask> known_mask(const CompareSource& source, int factor) {
-  if (source.mask.empty()) {
+std::optional<Mask> known_mask(const ComparedPicture& picture, int factor) {
+  const std::filesystem::path& mask = picture.source.mask;
+  if (mask.empty()) {
     return std::nullopt;
   }
-  return at_least(reduced(as_image(read_mask(source.mask)), factor), 0.5F);
+  return at_least(reduced(as_image(read_mask(mask, picture.width(), picture.height())), factor),
+                  0.5F);
 }
 
 /// Both silhouettes, reduced, and how they were found.
@@ -81,7 +83,7 @@ class MaskFinder {
       : factor_(factor_of(real.grey)),
         simulated_(reduced(simulated.grey, factor_)),
         real_(reduced(real.grey, factor_)),
-        truth_(known_mask(simulated.source, factor_)) {}
+        truth_(known_mask(simulated, factor_)) {}
 
   int factor() const { return factor_; }
 
@@ -188,8 +190,11 @@ void guide(const ComparedPicture& simulated, const ComparedPicture& real, Outlin
     return;
   }
   const double reach_px = kMostApartShare * real.width();
-  auto guided = compare_detail::guided_outlines(
-      simulated.grey, real.grey, read_mask(mask), found.real.located, reach_px);
+  auto guided = compare_detail::guided_outlines(simulated.grey,
+                                                real.grey,
+                                                read_mask(mask, real.width(), real.height()),
+                                                found.real.located,
+                                                reach_px);
   if (!guided) {
     return;
   }

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/image/exr_layers.h"
+#include "studies/compare/causes.h"
 #include "studies/compare/compared_pair.h"
 #include "tests/studies/compare/compare_fixture.h"
 
@@ -155,6 +156,39 @@ TEST_F(BadInput, AMaskOfAnotherSizeIsRefused) {
   const auto mask = write("mask.png", ImageF(50, 50, 1.0F));
   EXPECT_THAT([&] { compare(good(), good(), {.real_mask = mask}); },
               ThrowsMessage<ConfigError>(HasSubstr("mask")));
+}
+
+// A picture of a view was replaced by a smaller one, its mask and its geometry were not.
+TEST_F(BadInput, AViewWhoseMaskHasAnotherSizeIsRefused) {
+  const CompareSource view = {
+      .name = "s", .picture = good(), .mask = write("part_mask.png", ImageF(50, 40, 1.0F))};
+  const CompareSource real = {.name = "r", .picture = good()};
+  EXPECT_THAT([&] { compare_pair({.simulated = view, .real = real}, {}); },
+              ThrowsMessage<ConfigError>(
+                  AllOf(HasSubstr("part_mask.png"), HasSubstr("50 x 40"), HasSubstr("200 x 160"))));
+}
+
+TEST_F(BadInput, AViewWhoseGeometryHasAnotherSizeIsRefused) {
+  const auto geometry = folder() / "geometry.exr";
+  const ImageF values(50, 40, 1.0F);
+  std::vector<ExrChannel> channels;
+  for (const char* name : {"depth_mm",
+                           "normal.x",
+                           "normal.y",
+                           "normal.z",
+                           "position_mm.x",
+                           "position_mm.y",
+                           "position_mm.z"}) {
+    channels.push_back(exr_channel(name, values));
+  }
+  write_exr_channels(geometry, 50, 40, channels);
+  ComparedPair pair = compare(good(), good());
+  pair.simulated.source.geometry = geometry;
+  pair.simulated.source.scene =
+      std::string(GLINT_SOURCE_DIR) + "/studies/gallery/viewpoints/scene.toml";
+  EXPECT_THAT([&] { find_causes(pair); },
+              ThrowsMessage<ConfigError>(
+                  AllOf(HasSubstr("geometry.exr"), HasSubstr("50 x 40"), HasSubstr("200 x 160"))));
 }
 
 TEST_F(BadInput, WhatWasChosenAndCannotBeDoneIsRefused) {

@@ -57,6 +57,7 @@ class ViewTracer {
   struct Lanes {
     RayPacket rays;
     std::array<std::size_t, kPacketSize> cell = {};
+    std::array<Vector3d, kPacketSize> in_camera_mm;
     int count = 0;
   };
 
@@ -70,11 +71,15 @@ class ViewTracer {
   bool add(std::size_t cell, Lanes& lanes, ViewCell& result) const {
     const Vector3d& point_mm = cells_.points_mm[cell];
     const Vector3d to_camera = camera_mm_ - point_mm;
-    const Vector3d side = area_vector(cells_.mesh, cell);
-    if (side.dot(to_camera) <= 0.0 || cells_.normals[cell].dot(to_camera) <= 0.0) {
+    if (cells_.normals[cell].dot(to_camera) <= 0.0) {
       return false;
     }
-    const auto pixel = view_.camera.project(view_.camera_from_world * point_mm);
+    const Vector3d side = area_vector(cells_.mesh, cell);
+    if (side.dot(to_camera) <= 0.0) {
+      return false;
+    }
+    const Vector3d in_camera_mm = view_.camera_from_world * point_mm;
+    const auto pixel = view_.camera.project(in_camera_mm);
     if (!pixel || !is_in_picture(*pixel)) {
       return false;
     }
@@ -82,6 +87,7 @@ class ViewTracer {
     const Vector3d start_mm = point_mm + offset_mm_ / cells_.areas_mm2[cell] * side;
     const auto lane = static_cast<std::size_t>(lanes.count++);
     lanes.cell[lane] = cell;
+    lanes.in_camera_mm[lane] = in_camera_mm;
     lanes.rays.origin_x[lane] = static_cast<float>(start_mm.x());
     lanes.rays.origin_y[lane] = static_cast<float>(start_mm.y());
     lanes.rays.origin_z[lane] = static_cast<float>(start_mm.z());
@@ -97,28 +103,33 @@ class ViewTracer {
     bvh_.occluded16(lanes.rays, Coherence::kCoherent);
     for (std::size_t lane = 0; lane < static_cast<std::size_t>(lanes.count); ++lane) {
       if (lanes.rays.valid[lane] != 0) {
-        judge(lanes.cell[lane], result[lanes.cell[lane]]);
+        judge(lanes.cell[lane], lanes.in_camera_mm[lane], result[lanes.cell[lane]]);
       }
     }
     lanes.rays.valid = {};
     lanes.count = 0;
   }
 
-  /// Of a cell that is seen.
-  void judge(std::size_t cell, ViewCell& result) const {
-    const Vector3d point_mm = view_.camera_from_world * cells_.points_mm[cell];
+  /// Width of the circle of confusion at a depth.
+  double blur_px(double depth_mm) const {
+    return view_.lens.aperture_mm > 0.0
+               ? view_.lens.aperture_mm * view_.camera.intrinsics().focal_px.maxCoeff() *
+                     std::abs(1.0 / view_.lens.focus_mm - 1.0 / depth_mm)
+               : 0.0;
+  }
+
+  /// Of a cell that is seen. @param point_mm  the cell in the camera's frame
+  void judge(std::size_t cell, const Vector3d& point_mm, ViewCell& result) const {
     const Vector3d normal = view_.camera_from_world.rotation * cells_.normals[cell];
     const PinholeIntrinsics& in = view_.camera.intrinsics();
     const double cosine = -normal.dot(point_mm) / point_mm.norm();
-    const double blur_px = view_.lens.aperture_mm * in.focal_px.maxCoeff() *
-                           std::abs(1.0 / view_.lens.focus_mm - 1.0 / point_mm.z());
     result.pixel_mm = static_cast<float>(pixel_on_plane_mm(in, point_mm, normal));
     if (cosine < min_cosine_) {
       result.state = CellState::kOblique;
     } else if (settings_.max_pixel_mm > 0.0 &&
                static_cast<double>(result.pixel_mm) > settings_.max_pixel_mm) {
       result.state = CellState::kCoarse;
-    } else if (view_.lens.aperture_mm > 0.0 && blur_px > settings_.max_blur_px) {
+    } else if (blur_px(point_mm.z()) > settings_.max_blur_px) {
       result.state = CellState::kBlurred;
     } else {
       result.state = CellState::kInspected;
@@ -165,7 +176,7 @@ double pixel_on_plane_mm(const PinholeIntrinsics& intrinsics,
   const double a = across_x.squaredNorm();
   const double b = across_y.squaredNorm();
   const double c = across_x.dot(across_y);
-  return std::sqrt(0.5 * (a + b + std::hypot(a - b, 2.0 * c)));
+  return std::sqrt(0.5 * (a + b + std::sqrt((a - b) * (a - b) + 4.0 * c * c)));
 }
 
 std::vector<ViewCell> view_cells(const SurfaceCells& cells,

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -16,6 +18,34 @@ std::string cell(const Json& value, int digits) {
 }
 
 constexpr const char* kCompareRow = "  {:<20} {:<20} {:>8} {:>9} {:>8} {:>9} {:>7} {:>10}\n";
+
+constexpr std::size_t kEdgeRows = 12;  ///< the longest; result.json has all
+
+/// Edges of the part, where they have names.
+std::string edges_text(const Json& edges) {
+  if (edges.empty() || !edges[0].contains("surface")) {
+    return "";
+  }
+  std::string text = fmt::format("    {:>9} {:>8} {:>9} {:>8} {:>9}  edge of the part\n",
+                                 "length mm",
+                                 "mean px",
+                                 "offset px",
+                                 "sigma px",
+                                 "offset mm");
+  for (std::size_t i = 0; i < std::min(edges.size(), kEdgeRows); ++i) {
+    const Json& edge = edges[i];
+    text += fmt::format("    {:>9} {:>8} {:>9} {:>8} {:>9}  {}: {} | {}\n",
+                        cell(edge["length_mm"], 1),
+                        cell(edge["mean_px"], 3),
+                        cell(edge["offset_px"], 3),
+                        cell(edge["sigma_px"], 3),
+                        cell(edge["offset_mm"], 4),
+                        edge["name"].get<std::string>(),
+                        edge["surface"].get<std::string>(),
+                        edge["beyond"].get<std::string>());
+  }
+  return text;
+}
 
 std::string comparison_text(const Json& result) {
   std::string text = fmt::format(kCompareRow,
@@ -45,6 +75,7 @@ std::string comparison_text(const Json& result) {
                           cause["unit"].get<std::string>(),
                           cell(Json(100.0 * cause["share"].get<double>()), 0));
     }
+    text += edges_text(pair["edges"]);
     for (const Json& note : pair["notes"]) {
       text += "    note: " + note.get<std::string>() + "\n";
     }

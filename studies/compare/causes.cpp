@@ -27,13 +27,6 @@ constexpr double kSurelySigmas = 4.0;
 constexpr double kLeastShare = 0.005;      ///< of the misfit of grey values
 constexpr double kLeastCorrelation = 0.3;  ///< below, one exposure does not make the other picture
 
-SceneSettings scene_of(const CompareSource& source) {
-  std::vector<Problem> errors;
-  SceneSettings scene = read_scene(load_toml(source.scene), errors);
-  throw_if_any(errors);
-  return scene;
-}
-
 SimulatedSurface surface_of(const ComparedPair& pair, const SceneSettings& scene) {
   return {pair.simulated.source.geometry,
           pair.simulated.width(),
@@ -125,8 +118,7 @@ void check_size(const ComparedPair& pair, const KnownCamera& known) {
   }
 }
 
-constexpr double kMaxDistanceShare = 0.05;  ///< of the picture's width: farther edges are others
-constexpr double kMatchedReach_px = 4.0;    ///< when the changes are known about
+constexpr double kMatchedReach_px = 4.0;  ///< when the changes are known about
 constexpr int kRounds = 3;
 
 /// Fits causes, matches again with what they explain, and so on.
@@ -274,7 +266,7 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {
   PairCauses causes = {.calibrated = known.calibrated};
   const CompareSource& source = pair.simulated.source;
   if (!source.scene.empty() && !source.geometry.empty()) {
-    const SceneSettings scene = scene_of(source);
+    const SceneSettings scene = read_view_scene(source.scene);
     const SimulatedSurface surface = surface_of(pair, scene);
     causes.middle_mm = surface.middle_mm();
     causes.edges = matched_causes(pair, surface, intrinsics_of(scene), causes.middle_mm, known).fit;
@@ -297,8 +289,8 @@ void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& caus
   }
   PairCauses but_gain = causes;
   but_gain.gain = 1.0;
-  const auto fit =
-      compare_detail::fit_roughness(pair, refined_scene(scene_of(source), but_gain), store);
+  const auto fit = compare_detail::fit_roughness(
+      pair, refined_scene(read_view_scene(source.scene), but_gain), store);
   if (!fit || std::abs(fit->change) < kSurelySigmas * fit->sigma ||
       fit->share < kLeastShare * (1.0 - fit->gain_share)) {
     return;
@@ -357,7 +349,7 @@ SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes
 }
 
 std::string refined_toml(const CompareSource& source, const PairCauses& causes) {
-  return to_toml(write_scene(refined_scene(scene_of(source), causes)));
+  return to_toml(write_scene(refined_scene(read_view_scene(source.scene), causes)));
 }
 
 }  // namespace glint

@@ -69,12 +69,21 @@ Json texture_pair_json(const PairAppearance& look) {
 Json edges_json(const std::vector<PartEdge>& edges) {
   Json list = Json::array();
   for (const PartEdge& edge : edges) {
-    list.push_back({{"name", edge.name},
-                    {"middle_px", {edge.middle_px.x(), edge.middle_px.y()}},
-                    {"points", edge.points},
-                    {"mean_px", edge.mean_px},
-                    {"offset_px", edge.offset_px},
-                    {"shift_px", {edge.shift_px.x(), edge.shift_px.y()}}});
+    Json& row = list.emplace_back();
+    row = {{"name", edge.name},
+           {"middle_px", {edge.middle_px.x(), edge.middle_px.y()}},
+           {"points", edge.points},
+           {"mean_px", edge.mean_px},
+           {"offset_px", edge.offset_px},
+           {"sigma_px", edge.sigma_px > 0.0 ? Json(edge.sigma_px) : Json(nullptr)},
+           {"shift_px", {edge.shift_px.x(), edge.shift_px.y()}}};
+    if (!edge.surface.empty()) {
+      row["surface"] = edge.surface;
+      row["beyond"] = edge.beyond;
+      row["middle_mm"] = {edge.middle_mm.x(), edge.middle_mm.y(), edge.middle_mm.z()};
+      row["length_mm"] = edge.length_mm;
+      row["offset_mm"] = edge.offset_mm;
+    }
   }
   return list;
 }

@@ -20,6 +20,7 @@
 #include "studies/compare/compared_pair.h"
 #include "studies/compare/inspected_pair.h"
 #include "studies/compare/scene_camera.h"
+#include "studies/compare/surface_edges.h"
 #include "studies/compare/yardstick.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
@@ -109,6 +110,7 @@ class CompareRun {
         Explained result = {.pair = compare_pair(pair, pair_options_)};
         check_shows_part(result.pair);
         result.causes = find_causes(result.pair, camera_);
+        result.pair.geometry.edges = surface_edges(result.pair);
         return result;
       });
       for (std::size_t i = 0; i < size; ++i) {

@@ -17,8 +17,7 @@
 namespace glint {
 namespace {
 
-constexpr double kMaxDistanceShare = 0.05;  ///< of the picture's width: farther edges are others
-constexpr int kMarginPx = 3;                ///< from the outline, where grey values are compared
+constexpr int kMarginPx = 3;  ///< from the outline, where grey values are compared
 
 void check_sizes(const ComparedPicture& simulated, const ComparedPicture& real) {
   const bool is_same = simulated.width() == real.width() && simulated.height() == real.height();

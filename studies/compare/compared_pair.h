@@ -15,9 +15,12 @@
 #include "metrics/overlap/ring_offsets.h"
 #include "studies/compare/compared_picture.h"
 #include "studies/compare/outlines.h"
-#include "studies/compare/part_edges.h"
+#include "studies/compare/surface/part_edges.h"
 
 namespace glint {
+
+/// Of the picture's width: edges that lie farther apart are others.
+inline constexpr double kMaxDistanceShare = 0.05;
 
 /// Where the outlines are against each other.
 struct PairGeometry {

@@ -40,7 +40,7 @@ std::pair<std::size_t, std::size_t> key_of(const LocatedEdge& edge) {
 }
 
 /// Edges of the simulated picture on the renderer's outline.
-std::vector<LocatedEdge> own_edges(const ImageF& picture, const std::vector<Boundary>& outline) {
+std::vector<LocatedEdge> own_edges(const ImageF& picture, std::span<const Boundary> outline) {
   std::vector<LocatedEdge> edges = locate_edges(picture, outline, {.reach_px = kReachPx});
   std::erase_if(edges,
                 [](const LocatedEdge& edge) { return std::abs(edge.moved_px) > kOwnMostPx; });
@@ -166,6 +166,24 @@ std::optional<GuidedOutlines> guided_outlines(const ImageF& simulated,
       .share = static_cast<double>(best.edges.size()) / static_cast<double>(own.size())};
   return best.edges.size() >= kLeastEdges && found.share >= kLeastShare ? std::optional(found)
                                                                         : std::nullopt;
+}
+
+std::vector<PairedEdge> edges_along(const ImageF& simulated,
+                                    const ImageF& real,
+                                    std::span<const Boundary> lines,
+                                    const OutlineMotion& motion) {
+  const std::vector<LocatedEdge> own = own_edges(simulated, lines);
+  const std::vector<Boundary> moved = moved_outlines({lines.begin(), lines.end()}, motion);
+  std::vector<PairedEdge> paired;
+  for (const LocatedEdge& edge :
+       edges_alike(locate_edges(real, moved, {.reach_px = kReachPx}), own)) {
+    const LocatedEdge& before = *std::ranges::lower_bound(own, key_of(edge), {}, key_of);
+    paired.push_back({.line = edge.boundary,
+                      .point = edge.point,
+                      .own = before.edge,
+                      .offset_px = edge.edge.normal.dot(edge.edge.at_px - before.edge.at_px)});
+  }
+  return paired;
 }
 
 }  // namespace glint::compare_detail

@@ -10,6 +10,7 @@
 
 #include "core/image/image.h"
 #include "metrics/overlap/boundary.h"
+#include "metrics/overlap/outline_motion.h"
 
 namespace glint::compare_detail {
 
@@ -39,5 +40,21 @@ std::optional<GuidedOutlines> guided_outlines(const ImageF& simulated,
                                               const Mask& truth,
                                               std::span<const Boundary> first,
                                               double reach_px);
+
+/// An edge that both pictures have.
+struct PairedEdge {
+  std::size_t line = 0;  ///< indices of the point of the line that it was looked for at
+  std::size_t point = 0;
+  BoundaryPoint own;       ///< in the simulated picture
+  double offset_px = 0.0;  ///< of the real one along the normal
+};
+
+/// Edges along lines of the simulated part that need not be its outline: those of the simulated
+/// picture within 1.5 px of a line, and those of the same sign of the real one within 4 px of where
+/// the motion takes it. @returns in the order of the lines and their points
+std::vector<PairedEdge> edges_along(const ImageF& simulated,
+                                    const ImageF& real,
+                                    std::span<const Boundary> lines,
+                                    const OutlineMotion& motion);
 
 }  // namespace glint::compare_detail

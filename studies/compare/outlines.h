@@ -49,8 +49,8 @@ OutlineChoice outline_choice(const std::string& name);
 /// segmented at up to a quarter of the size, refined at the edges. Where the renderer knows the
 /// part's outline and no method is chosen, edges and regions are those along it.
 /// @param real_mask  bright where the real part is; empty: to be found
-/// @throws ConfigError where a mask, given or the renderer's, has another size than the pictures, or
-/// where what was chosen cannot be done
+/// @throws ConfigError where a mask, given or the renderer's, has another size than the pictures,
+/// or where what was chosen cannot be done
 OutlinePair find_outlines(const ComparedPicture& simulated,
                           const ComparedPicture& real,
                           const std::filesystem::path& real_mask,

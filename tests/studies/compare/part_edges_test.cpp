@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/compare/part_edges.h"
+#include "studies/compare/surface/part_edges.h"
 
 #include <cmath>
 

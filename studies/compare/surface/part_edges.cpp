@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/compare/part_edges.h"
+#include "studies/compare/surface/part_edges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,8 +35,27 @@ std::size_t nearest_boundary(std::span<const Boundary> rough, const Boundary& pi
   return nearest;
 }
 
-/// Normals point away from an outline's middle, and to that of a hole.
-const char* kind_of(const Boundary& boundary) {
+constexpr std::size_t kBlock = 10;  ///< neighbours whose errors may be alike
+constexpr std::size_t kLeastBlocks = 4;
+
+/// Standard deviation of the mean offset, by the means of whole blocks of neighbours.
+double sigma_by_blocks(std::span<const BoundaryGap* const> gaps) {
+  const std::size_t blocks = gaps.size() / kBlock;
+  if (blocks < kLeastBlocks) {
+    return 0.0;
+  }
+  Eigen::VectorXd means = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(blocks));
+  for (std::size_t i = 0; i < blocks * kBlock; ++i) {
+    means[static_cast<Eigen::Index>(i / kBlock)] += gaps[i]->offset_px / kBlock;
+  }
+  const auto count = static_cast<double>(blocks);
+  return std::sqrt((means.array() - means.mean()).square().sum() / (count * (count - 1.0)));
+}
+
+}  // namespace
+
+// Normals point away from an outline's middle, and to that of a hole.
+const char* kind_of_boundary(const Boundary& boundary) {
   if (!boundary.is_closed) {
     return "line";
   }
@@ -51,8 +70,8 @@ const char* kind_of(const Boundary& boundary) {
   return outward > 0.0 ? "outline" : "hole";
 }
 
-PartEdge edge_of(const std::vector<const BoundaryGap*>& gaps) {
-  PartEdge edge{.points = gaps.size()};
+PartEdge edge_of_gaps(std::span<const BoundaryGap* const> gaps) {
+  PartEdge edge = {.points = gaps.size(), .sigma_px = sigma_by_blocks(gaps)};
   const auto count = static_cast<double>(gaps.size());
   Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
   Vector2d right = Vector2d::Zero();
@@ -70,26 +89,17 @@ PartEdge edge_of(const std::vector<const BoundaryGap*>& gaps) {
   return edge;
 }
 
-}  // namespace
-
-std::vector<PartEdge> part_edges(std::span<const Boundary> rough,
-                                 std::span<const Boundary> located,
-                                 std::span<const BoundaryGap> gaps) {
+std::vector<std::size_t> rough_of_pieces(std::span<const Boundary> rough,
+                                         std::span<const Boundary> located) {
   std::vector<std::size_t> belongs_to;
   for (const Boundary& piece : located) {
     belongs_to.push_back(rough.empty() ? 0 : nearest_boundary(rough, piece));
   }
-  std::map<std::size_t, std::vector<const BoundaryGap*>> of_boundary;
-  for (const BoundaryGap& gap : gaps) {
-    of_boundary[belongs_to[gap.boundary]].push_back(&gap);
-  }
-  std::vector<PartEdge> edges;
-  for (const auto& [boundary, some] : of_boundary) {
-    if (some.size() >= kLeastPoints && boundary < rough.size()) {
-      edges.push_back(edge_of(some));
-      edges.back().name = kind_of(rough[boundary]);
-    }
-  }
+  return belongs_to;
+}
+
+std::vector<PartEdge> numbered_edges(std::vector<PartEdge> edges) {
+  std::erase_if(edges, [](const PartEdge& edge) { return edge.points < kLeastPoints; });
   std::ranges::stable_sort(edges, std::greater<>(), &PartEdge::points);
   edges.resize(std::min(edges.size(), kMostEdges));
   std::map<std::string, int> numbers;
@@ -97,6 +107,24 @@ std::vector<PartEdge> part_edges(std::span<const Boundary> rough,
     edge.name = fmt::format("{} {}", edge.name, ++numbers[edge.name]);
   }
   return edges;
+}
+
+std::vector<PartEdge> part_edges(std::span<const Boundary> rough,
+                                 std::span<const Boundary> located,
+                                 std::span<const BoundaryGap> gaps) {
+  const std::vector<std::size_t> belongs_to = rough_of_pieces(rough, located);
+  std::map<std::size_t, std::vector<const BoundaryGap*>> of_boundary;
+  for (const BoundaryGap& gap : gaps) {
+    of_boundary[belongs_to[gap.boundary]].push_back(&gap);
+  }
+  std::vector<PartEdge> edges;
+  for (const auto& [boundary, some] : of_boundary) {
+    if (boundary < rough.size()) {
+      edges.push_back(edge_of_gaps(some));
+      edges.back().name = kind_of_boundary(rough[boundary]);
+    }
+  }
+  return numbered_edges(std::move(edges));
 }
 
 }  // namespace glint

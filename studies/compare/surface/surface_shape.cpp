@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/compare/surface/surface_shape.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+#include <Eigen/Dense>
+
+namespace glint {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double kOneDirection = 0.035;  ///< rms of the normals of a plane about their mean, 2 deg
+constexpr double kAlongAxis = 0.9994;    ///< cosine: 2 deg
+constexpr double kOneAngle = 0.03;       ///< rms of the normals' cosines with an axis
+constexpr double kSquare = 0.1;          ///< their mean, of a cylinder
+constexpr double kLeastShare = 0.02;     ///< of the radius, left as an rms
+
+/// "+z" or "-x", or nothing for directions between the axes.
+std::optional<std::string> axis_name(const Vector3d& direction) {
+  constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
+  Index axis = 0;
+  if (direction.cwiseAbs().maxCoeff(&axis) < kAlongAxis) {
+    return std::nullopt;
+  }
+  return (direction[axis] > 0.0 ? "+" : "-") + std::string(kNames[static_cast<std::size_t>(axis)]);
+}
+
+Vector3d mean_normal(std::span<const PointWithNormal> points) {
+  Vector3d sum = Vector3d::Zero();
+  for (const PointWithNormal& point : points) {
+    sum += point.normal;
+  }
+  return sum / static_cast<double>(points.size());
+}
+
+Matrix3d spread_of_normals(std::span<const PointWithNormal> points, const Vector3d& mean) {
+  Matrix3d spread = Matrix3d::Zero();
+  for (const PointWithNormal& point : points) {
+    const Vector3d off = point.normal - mean;
+    spread += off * off.transpose() / static_cast<double>(points.size());
+  }
+  return spread;
+}
+
+std::string plane_name(std::span<const PointWithNormal> points, const Vector3d& mean) {
+  const Vector3d facing = mean.normalized();
+  const auto axis = axis_name(facing);
+  if (!axis) {
+    const Vector3d shown = facing.array() + 0.0;
+    return fmt::format("plane facing ({:.2f}, {:.2f}, {:.2f})", shown.x(), shown.y(), shown.z());
+  }
+  Index along = 0;
+  facing.cwiseAbs().maxCoeff(&along);
+  double height_mm = 0.0;
+  for (const PointWithNormal& point : points) {
+    height_mm += point.at_mm[along] / static_cast<double>(points.size());
+  }
+  return fmt::format("plane facing {} at {} = {:.1f} mm", *axis, axis->back(), height_mm);
+}
+
+/// Radius of at = centre + radius normal, all led through `across` first, and what it leaves.
+struct RadiusFit {
+  double radius_mm = 0.0;
+  double rms_mm = 0.0;
+};
+
+/// @param across  rows that span where the shape is round: 3 x 3 of a sphere, 2 x 3 of a cylinder
+RadiusFit fit_radius(std::span<const PointWithNormal> points, const MatrixXd& across) {
+  const Index size = across.rows();
+  MatrixXd normal = MatrixXd::Zero(size + 1, size + 1);
+  VectorXd right = VectorXd::Zero(size + 1);
+  double squares = 0.0;
+  for (const PointWithNormal& point : points) {
+    const VectorXd at = across * (point.at_mm - points.front().at_mm);
+    MatrixXd rows = MatrixXd::Identity(size, size + 1);
+    rows.col(size) = across * point.normal;
+    normal += rows.transpose() * rows;
+    right += rows.transpose() * at;
+    squares += at.squaredNorm();
+  }
+  const VectorXd values = normal.ldlt().solve(right);
+  const double rest = std::max(squares - right.dot(values), 0.0);
+  return {.radius_mm = values[size],
+          .rms_mm = std::sqrt(rest / static_cast<double>(points.size()))};
+}
+
+bool is_good(const RadiusFit& fit, double pixel_mm) {
+  return fit.rms_mm < pixel_mm + kLeastShare * std::abs(fit.radius_mm);
+}
+
+std::string about(const Vector3d& axis, const char* word) {
+  const auto name = axis_name(axis);
+  return name ? fmt::format(" {} {}", word, name->back()) : std::string();
+}
+
+/// With two rows that are square to the axis.
+MatrixXd across_of(const Vector3d& axis) {
+  MatrixXd across(2, 3);
+  const Vector3d first = axis.unitOrthogonal();
+  across.row(0) = first.transpose();
+  across.row(1) = axis.cross(first).transpose();
+  return across;
+}
+
+}  // namespace
+
+std::string shape_name(std::span<const PointWithNormal> points, double pixel_mm) {
+  const Vector3d mean = mean_normal(points);
+  const Matrix3d spread = spread_of_normals(points, mean);
+  if (spread.trace() < kOneDirection * kOneDirection) {
+    return plane_name(points, mean);
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> directions(spread);
+  const Vector3d axis = directions.eigenvectors().col(0);
+  const bool is_turned = directions.eigenvalues()[0] < kOneAngle * kOneAngle;
+  if (is_turned && std::abs(axis.dot(mean)) < kSquare) {
+    const RadiusFit round = fit_radius(points, across_of(axis));
+    return is_good(round, pixel_mm) ? fmt::format("{} of radius {:.1f} mm{}",
+                                                  round.radius_mm > 0.0 ? "cylinder" : "bore",
+                                                  std::abs(round.radius_mm),
+                                                  about(axis, "along"))
+                                    : "curved surface" + about(axis, "along");
+  }
+  const RadiusFit ball = fit_radius(points, Matrix3d::Identity());
+  if (is_good(ball, pixel_mm)) {
+    return fmt::format("{} of radius {:.1f} mm",
+                       ball.radius_mm > 0.0 ? "sphere" : "hollow sphere",
+                       std::abs(ball.radius_mm));
+  }
+  return is_turned ? "cone" + about(axis, "about") : "curved surface";
+}
+
+}  // namespace glint

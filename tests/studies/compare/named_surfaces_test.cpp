@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/compare/surface/named_surfaces.h"
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/image/exr_layers.h"
+#include "studies/compare/surface/surface_shape.h"
+#include "tests/studies/compare/compare_fixture.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector3d;
+using ::testing::ElementsAre;
+
+// The shapes of the names have exact points: nothing is left of a fit.
+TEST(ShapeName, SaysWhatAnEngineerWould) {
+  const auto of = [](const std::function<PointWithNormal(double, double)>& at) {
+    std::vector<PointWithNormal> points;
+    for (int i = 0; i < 20; ++i) {
+      for (int j = 0; j < 20; ++j) {
+        points.push_back(at(i / 19.0, j / 19.0));
+      }
+    }
+    return shape_name(points, 0.05);
+  };
+  const auto ring = [](double angle) { return Vector3d(std::cos(angle), std::sin(angle), 0.0); };
+  EXPECT_EQ(of([](double u, double v) {
+              return PointWithNormal{{10.0 * u, 5.0 * v, 7.0}, Vector3d::UnitZ()};
+            }),
+            "plane facing +z at z = 7.0 mm");
+  EXPECT_EQ(of([](double u, double v) {
+              return PointWithNormal{{10.0 * u, 5.0 * v, -5.0 * v}, Vector3d(0, 1, 1).normalized()};
+            }),
+            "plane facing (0.00, 0.71, 0.71)");
+  EXPECT_EQ(of([&](double u, double v) {
+              return PointWithNormal{18.0 * ring(u) + Vector3d(3, 4, 9.0 * v), ring(u)};
+            }),
+            "cylinder of radius 18.0 mm along z");
+  EXPECT_EQ(of([&](double u, double v) {
+              return PointWithNormal{5.0 * ring(3.0 * u) + Vector3d(0, 0, 9.0 * v), -ring(3.0 * u)};
+            }),
+            "bore of radius 5.0 mm along z");
+  EXPECT_EQ(of([&](double u, double v) {
+              const Vector3d n = std::cos(v) * ring(u) + std::sin(v) * Vector3d::UnitZ();
+              return PointWithNormal{36.0 * n, n};
+            }),
+            "sphere of radius 36.0 mm");
+  EXPECT_EQ(of([&](double u, double v) {
+              const Vector3d n = (ring(2.0 * u) + Vector3d::UnitZ()).normalized();
+              return PointWithNormal{(5.0 + 9.0 * v) * ring(2.0 * u) - Vector3d(0, 0, 9.0 * v), n};
+            }),
+            "cone about z");
+}
+
+class FoundSurfaces : public CompareFiles {
+ protected:
+  /// A view straight down at 0.1 mm a pixel, 100 x 80 pixels, from 1000 mm above z = 0.
+  SimulatedSurface seen(const std::function<std::optional<PointWithNormal>(double, double)>& at) {
+    std::vector<ImageF> images(7, ImageF(100, 80));
+    for (int y = 0; y < 80; ++y) {
+      for (int x = 0; x < 100; ++x) {
+        if (const auto point = at(0.1 * (x + 0.5), 0.1 * (y + 0.5))) {
+          for (std::size_t k = 0; k < 3; ++k) {
+            const auto axis = static_cast<Eigen::Index>(k);
+            images[k](x, y) = static_cast<float>(point->at_mm[axis]);
+            images[3 + k](x, y) = static_cast<float>(point->normal[axis]);
+          }
+          images[6](x, y) = static_cast<float>(1000.0 - point->at_mm.z());
+        }
+      }
+    }
+    constexpr std::array<const char*, 7> kNames = {"position_mm.x",
+                                                   "position_mm.y",
+                                                   "position_mm.z",
+                                                   "normal.x",
+                                                   "normal.y",
+                                                   "normal.z",
+                                                   "depth_mm"};
+    std::vector<ExrChannel> channels;
+    for (std::size_t k = 0; k < kNames.size(); ++k) {
+      channels.push_back(exr_channel(kNames[k], images[k]));
+    }
+    write_exr_channels(folder() / "geometry.exr", 100, 80, channels);
+    return {folder() / "geometry.exr", 100, 80, RigidTransform{}};
+  }
+
+  static constexpr double kFocal_px = 10'000.0;
+};
+
+// A step of 1 mm, a roof of 30 degrees, and a cylinder that turns by 77 degrees to its limb.
+TEST_F(FoundSurfaces, EndAtStepsAndCreasesButNotWhereTheyBendSlowly) {
+  const NamedSurfaces step =
+      find_surfaces(seen([](double x, double y) {
+                      return PointWithNormal{{x, y, x < 6.0 ? 3.0 : 2.0}, Vector3d::UnitZ()};
+                    }),
+                    kFocal_px);
+  EXPECT_THAT(step.names,
+              ElementsAre("plane facing +z at z = 3.0 mm", "plane facing +z at z = 2.0 mm"));
+  const Vector3d slope = Vector3d(std::sin(0.5236), 0.0, std::cos(0.5236));
+  const NamedSurfaces roof = find_surfaces(
+      seen([&](double x, double y) {
+        return x < 6.0 ? PointWithNormal{{x, y, 3.0}, Vector3d::UnitZ()}
+                       : PointWithNormal{{x, y, 3.0 - std::tan(0.5236) * (x - 6.0)}, slope};
+      }),
+      kFocal_px);
+  EXPECT_THAT(roof.names,
+              ElementsAre("plane facing +z at z = 3.0 mm", "plane facing (0.50, 0.00, 0.87)"));
+  const NamedSurfaces round =
+      find_surfaces(seen([](double x, double y) -> std::optional<PointWithNormal> {
+                      const double across = (x - 5.0) / 4.0;
+                      if (std::abs(across) >= 0.975) {
+                        return std::nullopt;
+                      }
+                      const Vector3d n(across, 0.0, std::sqrt(1.0 - across * across));
+                      return PointWithNormal{4.0 * n + Vector3d(5.0, y, 0.0), n};
+                    }),
+                    kFocal_px);
+  EXPECT_THAT(round.names, ElementsAre("cylinder of radius 4.0 mm along y"));
+}
+
+// One line where both planes of the step meet, its normal to the smaller one.
+TEST_F(FoundSurfaces, MeetInOneLine) {
+  const NamedSurfaces step =
+      find_surfaces(seen([](double x, double y) {
+                      return PointWithNormal{{x, y, x < 6.0 ? 3.0 : 2.0}, Vector3d::UnitZ()};
+                    }),
+                    kFocal_px);
+  const std::vector<SurfaceLine> lines = lines_between(step);
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].from, 1);
+  EXPECT_EQ(lines[0].to, 2);
+  for (const BoundaryPoint& point : lines[0].line.points) {
+    EXPECT_NEAR(point.at_px.x(), 60.0, 1.6);
+    EXPECT_NEAR(point.normal.x(), 1.0, 0.5);
+  }
+}
+
+}  // namespace
+}  // namespace glint

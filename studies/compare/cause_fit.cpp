@@ -91,16 +91,18 @@ EdgeCost cost_of(const PinholeIntrinsics& camera,
           .before_px = changed_pixel(camera, middle_mm, CauseVector{}, edge.in_camera_mm)};
 }
 
-/// How offsets grow with each parameter, at no change.
+/// How offsets grow with each parameter about some changes, and what they would be were all that
+/// linear.
 EdgeSystem linearised(std::span<const SpaceEdge> edges,
                       const PinholeIntrinsics& camera,
                       const Vector3d& middle_mm,
-                      std::size_t parameters) {
+                      std::size_t parameters,
+                      const CauseVector& about) {
   const auto rows = static_cast<Index>(edges.size());
   Eigen::MatrixXd columns(rows, kCauseParameters);
   VectorXd offsets(rows);
-  const CauseVector none = {};
-  const double* at[] = {none.data()};
+  const double* at[] = {about.data()};
+  const Eigen::Map<const Eigen::RowVectorXd> changes(about.data(), kCauseParameters);
   for (Index i = 0; i < rows; ++i) {
     const SpaceEdge& edge = edges[static_cast<std::size_t>(i)];
     const EdgeCostFunction cost(new EdgeCost(cost_of(camera, middle_mm, edge)));
@@ -108,8 +110,8 @@ EdgeSystem linearised(std::span<const SpaceEdge> edges,
     std::array<double, kCauseParameters> slope = {};
     double* slopes[] = {slope.data()};
     cost.Evaluate(at, &rest, slopes);
-    offsets[i] = edge.offset_px;
     columns.row(i) = -Eigen::Map<const Eigen::RowVectorXd>(slope.data(), kCauseParameters);
+    offsets[i] = rest + columns.row(i).dot(changes);
   }
   return {std::move(columns), std::move(offsets), parameters};
 }
@@ -120,7 +122,8 @@ class CauseSearch {
               const PinholeIntrinsics& camera,
               const Vector3d& middle_mm,
               bool is_lens_known,
-              double least_agreeing)
+              double least_agreeing,
+              const CauseVector& about)
       : edges_(edges),
         camera_(camera),
         middle_mm_(middle_mm),
@@ -128,7 +131,8 @@ class CauseSearch {
             linearised(edges,
                        camera,
                        middle_mm,
-                       is_lens_known ? index_of(CauseParameter::kFocalLength) : kCauseParameters)),
+                       is_lens_known ? index_of(CauseParameter::kFocalLength) : kCauseParameters,
+                       about)),
         least_agreeing_(least_agreeing) {}
 
   CauseFit find() const {
@@ -320,14 +324,15 @@ CauseFit fit_causes(std::span<const SpaceEdge> edges,
                     const PinholeIntrinsics& camera,
                     const Vector3d& middle_mm,
                     bool is_lens_known,
-                    double least_agreeing) {
+                    double least_agreeing,
+                    const CauseVector& about) {
   const bool is_finite = std::ranges::all_of(edges, [](const SpaceEdge& edge) {
     return std::isfinite(edge.offset_px) && edge.in_camera_mm.allFinite();
   });
   if (edges.size() < kMinEdges || !is_finite) {
     return {};
   }
-  return CauseSearch(edges, camera, middle_mm, is_lens_known, least_agreeing).find();
+  return CauseSearch(edges, camera, middle_mm, is_lens_known, least_agreeing, about).find();
 }
 
 }  // namespace glint

@@ -82,11 +82,13 @@ struct CauseFit {
 /// @param middle_mm      about which the part turns, in the camera's frame
 /// @param least_agreeing share of the edges that must agree
 /// @param is_lens_known  only the part's pose may differ
+/// @param about  changes that are known about: sets are compared by how edges move there
 CauseFit fit_causes(std::span<const SpaceEdge> edges,
                     const PinholeIntrinsics& camera,
                     const Eigen::Vector3d& middle_mm,
                     bool is_lens_known = false,
-                    double least_agreeing = kLeastAgreeing);
+                    double least_agreeing = kLeastAgreeing,
+                    const CauseVector& about = {});
 
 /// Where a point would appear after the changes. @param point_mm  in the camera's frame, z > 0
 Eigen::Vector2d changed_pixel(const PinholeIntrinsics& camera,

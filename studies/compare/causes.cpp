@@ -12,8 +12,10 @@
 #include "core/config/toml.h"
 #include "core/error.h"
 #include "metrics/overlap/boundary_distance.h"
+#include "metrics/overlap/outline_motion.h"
 #include "studies/compare/roughness_cause.h"
 #include "studies/compare/scene_camera.h"
+#include "studies/compare/surface/placed_edges.h"
 #include "studies/compare/surface/simulated_surface.h"
 
 namespace glint {
@@ -34,40 +36,11 @@ SimulatedSurface surface_of(const ComparedPair& pair, const SceneSettings& scene
           camera_from_world(scene.viewpoint())};
 }
 
-/// Edges of the simulated picture with their places in space, boundary by boundary.
-struct PlacedEdges {
-  std::vector<Boundary> boundaries;                 ///< points that have a place
-  std::vector<std::vector<Vector3d>> in_camera_mm;  ///< of each boundary each point
-};
-
-PlacedEdges placed_edges(const SimulatedSurface& surface,
-                         const PinholeCamera& camera,
-                         const std::vector<Boundary>& boundaries) {
-  PlacedEdges placed;
-  for (const Boundary& boundary : boundaries) {
-    Boundary kept;
-    std::vector<Vector3d> places;
-    for (const BoundaryPoint& point : boundary.points) {
-      if (const auto place = surface.at_edge(camera, point.at_px, point.normal)) {
-        kept.points.push_back(point);
-        places.push_back(*place);
-      }
-    }
-    placed.boundaries.push_back(std::move(kept));
-    placed.in_camera_mm.push_back(std::move(places));
-  }
-  return placed;
-}
-
-/// Matches edges that the changes have moved with the real ones. What an edge was moved along its
-/// normal and what is left then are its offset: near its counterpart the nearest point is the right
-/// one.
-std::vector<SpaceEdge> matched_edges(const PlacedEdges& placed,
-                                     const std::vector<Boundary>& real,
-                                     const PinholeIntrinsics& camera,
-                                     const Vector3d& middle_mm,
-                                     const CauseVector& changes,
-                                     double reach_px) {
+/// Edges where the changes have moved them.
+std::vector<Boundary> moved_edges(const PlacedEdges& placed,
+                                  const PinholeIntrinsics& camera,
+                                  const Vector3d& middle_mm,
+                                  const CauseVector& changes) {
   std::vector<Boundary> moved = placed.boundaries;
   for (std::size_t i = 0; i < moved.size(); ++i) {
     for (std::size_t k = 0; k < moved[i].points.size(); ++k) {
@@ -76,6 +49,15 @@ std::vector<SpaceEdge> matched_edges(const PlacedEdges& placed,
                                   changed_pixel(camera, middle_mm, CauseVector{}, place);
     }
   }
+  return moved;
+}
+
+/// Matches edges that were moved with the real ones. What an edge was moved along its normal and
+/// what is left then are its offset: near its counterpart the nearest point is the right one.
+std::vector<SpaceEdge> matched_edges(const PlacedEdges& placed,
+                                     const std::vector<Boundary>& moved,
+                                     const std::vector<Boundary>& real,
+                                     double reach_px) {
   std::vector<SpaceEdge> edges;
   for (const BoundaryGap& gap : gaps_between(moved, real, reach_px)) {
     const BoundaryPoint& before = placed.boundaries[gap.boundary].points[gap.point];
@@ -120,6 +102,13 @@ void check_size(const ComparedPair& pair, const KnownCamera& known) {
 
 constexpr double kMatchedReach_px = 4.0;  ///< when the changes are known about
 constexpr int kRounds = 3;
+constexpr double kFar_px = 4.0;       ///< rms from which on nearest edges may be others
+constexpr double kMostlyShown = 0.6;  ///< of the simulated outline's edges, in the real picture
+
+/// Whether the motion of the simulated outline onto the real one is known.
+bool has_motion(const ComparedPair& pair, const KnownCamera& known) {
+  return pair.geometry.outlines.motion.has_value() && !known.calibrated;
+}
 
 /// Fits causes, matches again with what they explain, and so on.
 struct MatchedCauses {
@@ -140,12 +129,19 @@ MatchedCauses matched_causes(const ComparedPair& pair,
   const bool is_lens_known = known.is_lens_known || known.calibrated.has_value();
   const PlacedEdges placed = placed_edges(surface, camera, outlines.simulated.located);
   MatchedCauses result;
-  double reach_px = kMaxDistanceShare * pair.simulated.width();
+  // Where the outline's motion as a whole is known, its edges are first matched where that takes
+  // them.
+  const bool is_led = has_motion(pair, known);
+  double reach_px = is_led ? kMatchedReach_px : kMaxDistanceShare * pair.simulated.width();
   for (int round = 0; round <= kRounds; ++round) {
-    result.edges = matched_edges(placed, real, intrinsics, middle_mm, result.fit.changes, reach_px);
+    const std::vector<Boundary> moved =
+        round == 0 && is_led ? moved_outlines(placed.boundaries, *outlines.motion)
+                             : moved_edges(placed, intrinsics, middle_mm, result.fit.changes);
+    result.edges = matched_edges(placed, moved, real, reach_px);
     // Before the last round edges may be matched with wrong neighbours: they need not agree yet.
     const double agreeing = round < kRounds ? 0.0 : kLeastAgreeing;
-    result.fit = fit_causes(result.edges, intrinsics, middle_mm, is_lens_known, agreeing);
+    result.fit = fit_causes(
+        result.edges, intrinsics, middle_mm, is_lens_known, agreeing, result.fit.changes);
     if (result.fit.causes.empty()) {
       break;
     }
@@ -254,6 +250,24 @@ void note_contradiction(const CauseFit& fit, std::vector<std::string>& notes) {
   }
 }
 
+/// Edges that lie far apart were matched rightly where most of the outline was found in the real
+/// picture; nearest edges of another tooth or corner can agree with a change that is none.
+void withhold_doubtful(const OutlinePair& outlines, bool has_motion, PairCauses& causes) {
+  CauseFit& fit = *causes.edges;
+  const bool is_found = has_motion && outlines.shown >= kMostlyShown;
+  if (fit.causes.empty() || fit.before_px < kFar_px || is_found) {
+    return;
+  }
+  causes.notes.push_back(fmt::format(
+      "Edges lie {:.1f} px apart (rms), and {}: which belong together is not sure, and no cause is "
+      "told of them.",
+      fit.before_px,
+      has_motion ? "too little of the outline was found in the real picture"
+                 : "they were not looked for along the simulated outline"));
+  fit.causes.clear();
+  fit.changes = {};
+}
+
 }  // namespace
 
 std::vector<SpaceEdge> space_edges(const ComparedPair& pair, const SceneSettings& scene) {
@@ -270,6 +284,7 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {
     const SimulatedSurface surface = surface_of(pair, scene);
     causes.middle_mm = surface.middle_mm();
     causes.edges = matched_causes(pair, surface, intrinsics_of(scene), causes.middle_mm, known).fit;
+    withhold_doubtful(pair.geometry.outlines, has_motion(pair, known), causes);
     for (const FoundCause& found : causes.edges->causes) {
       causes.told.push_back(told(found));
     }

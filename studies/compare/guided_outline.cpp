@@ -23,6 +23,7 @@ constexpr int kShifts = 3;        ///< rounds of a shift alone
 constexpr int kMotions = 6;       ///< of the whole motion
 constexpr int kLocations = 2;
 constexpr double kAlikePx = 1.5;  ///< from the motion as a whole
+constexpr double kFarPx = 3.0;    ///< a shift as a whole that a search along normals may miss
 constexpr std::size_t kLeastEdges = 40;
 constexpr double kLeastShare = 0.3;
 
@@ -101,6 +102,7 @@ struct Located {
   std::vector<Boundary> rough;  ///< moved onto the edges as a whole
   std::vector<LocatedEdge> edges;
   std::size_t alike = 0;  ///< edges that lie where the motion as a whole has them
+  OutlineMotion motion;
 };
 
 /// Both sides are searched from the same points of one outline, the real one's moved by what lies
@@ -115,28 +117,49 @@ Located located_along(std::vector<Boundary> start,
   for (int round = 0;; ++round) {
     found.edges = edges_alike(locate_edges(real, found.rough, {.reach_px = kReachPx}), own);
     const std::vector<EdgeOffset> offsets = offsets_between(own, found.edges);
-    const OutlineMotion motion = fit_outline_motion(offsets, kScalePx);
-    found.alike = count_alike(offsets, motion);
+    found.motion = fit_outline_motion(offsets, kScalePx);
+    found.alike = count_alike(offsets, found.motion);
     if (round == kLocations) {
       return found;
     }
-    found.rough = moved_outlines(outline, motion);
+    found.rough = moved_outlines(outline, found.motion);
   }
 }
 
-/// What is bright may be wrong along a whole side: the search begins where the part should be, too.
+std::vector<Boundary> shifted(std::vector<Boundary> lines, const Eigen::Vector2d& by_px) {
+  for (Boundary& line : lines) {
+    for (BoundaryPoint& point : line.points) {
+      point.at_px += by_px;
+    }
+  }
+  return lines;
+}
+
+/// What is bright may be wrong along a whole side: the search begins where the part should be, too,
+/// and where it lies as a whole when that is farther than a search along normals finds.
 Located best_located(const std::vector<Boundary>& outline,
                      const ImageF& real,
                      std::span<const LocatedEdge> own,
                      std::span<const Boundary> bright,
-                     double reach_px) {
-  Located best = located_along(outline, outline, real, own);
-  const std::vector<Boundary> shown = joined(own, outline);
-  for (const int motions : {0, kMotions}) {
-    Located other =
-        located_along(moved_onto(outline, shown, bright, reach_px, motions), outline, real, own);
-    if (other.alike > best.alike) {
+                     double reach_px,
+                     const Eigen::Vector2d& shift_px) {
+  std::vector<Eigen::Vector2d> starts = {Eigen::Vector2d::Zero()};
+  if (shift_px.norm() > kFarPx) {
+    starts.push_back(shift_px);
+  }
+  Located best;
+  const auto keep_better = [&](Located other) {
+    if (other.edges.empty() || best.edges.empty() || other.alike > best.alike) {
       best = std::move(other);
+    }
+  };
+  const std::vector<Boundary> shown = joined(own, outline);
+  for (const Eigen::Vector2d& start : starts) {
+    const std::vector<Boundary> from = shifted(outline, start);
+    keep_better(located_along(from, outline, real, own));
+    for (const int motions : {0, kMotions}) {
+      keep_better(located_along(
+          moved_onto(from, shifted(shown, start), bright, reach_px, motions), outline, real, own));
     }
   }
   return best;
@@ -152,18 +175,20 @@ std::optional<GuidedOutlines> guided_outlines(const ImageF& simulated,
                                               const ImageF& real,
                                               const Mask& truth,
                                               std::span<const Boundary> first,
-                                              double reach_px) {
+                                              double reach_px,
+                                              const Eigen::Vector2d& shift_px) {
   const std::vector<Boundary> outline = outlines_of(truth, 1);
   const std::vector<LocatedEdge> own = own_edges(simulated, outline);
   if (own.size() < kLeastEdges) {
     return std::nullopt;
   }
-  const Located best = best_located(outline, real, own, first, reach_px);
+  const Located best = best_located(outline, real, own, first, reach_px, shift_px);
   // An edge that one side lacks has no counterpart: the nearest one would be of another side.
   const GuidedOutlines found = {
       .simulated = outline_at(outline, edges_alike(own, best.edges)),
       .real = outline_at(best.rough, best.edges),
-      .share = static_cast<double>(best.edges.size()) / static_cast<double>(own.size())};
+      .share = static_cast<double>(best.edges.size()) / static_cast<double>(own.size()),
+      .motion = best.motion};
   return best.edges.size() >= kLeastEdges && found.share >= kLeastShare ? std::optional(found)
                                                                         : std::nullopt;
 }

@@ -24,7 +24,8 @@ struct GuidedOutline {
 struct GuidedOutlines {
   GuidedOutline simulated;
   GuidedOutline real;
-  double share = 0.0;  ///< of the simulated edges that the real picture has
+  double share = 0.0;    ///< of the simulated edges that the real picture has
+  OutlineMotion motion;  ///< of the simulated outline onto these edges
 };
 
 /// The simulated outline is moved by shift, turn, scale and shear until most of the silhouette's
@@ -34,12 +35,15 @@ struct GuidedOutlines {
 /// @param truth  where the simulated part is, of the pictures' size
 /// @param first  edges of the real part by other means, which some may be wrong in
 /// @param reach_px  how far these may lie from the simulated outline
+/// @param shift_px  by which the real part may lie farther off, or not; where it is more than some
+///                  pixels the search begins there, too
 /// @return nothing where too little of the outline shows on either side
 std::optional<GuidedOutlines> guided_outlines(const ImageF& simulated,
                                               const ImageF& real,
                                               const Mask& truth,
                                               std::span<const Boundary> first,
-                                              double reach_px);
+                                              double reach_px,
+                                              const Eigen::Vector2d& shift_px);
 
 /// An edge that both pictures have.
 struct PairedEdge {

@@ -181,6 +181,17 @@ void take(compare_detail::GuidedOutline guided,
   }
 }
 
+/// Middle of a region.
+Eigen::Vector2d middle_of(const ImageF& coverage) {
+  Eigen::Vector3d sum(0.0, 0.0, 1e-9);
+  for (int y = 0; y < coverage.height(); ++y) {
+    for (int x = 0; x < coverage.width(); ++x) {
+      sum += static_cast<double>(coverage(x, y)) * Eigen::Vector3d(x + 0.5, y + 0.5, 1.0);
+    }
+  }
+  return sum.head<2>() / sum.z();
+}
+
 /// Edges along the outline that the renderer knows, in place of those around what is bright; and
 /// the regions within it where most of it shows in the real picture. The rest of the real outline
 /// is the simulated one moved as a whole.
@@ -190,14 +201,18 @@ void guide(const ComparedPicture& simulated, const ComparedPicture& real, Outlin
     return;
   }
   const double reach_px = kMostApartShare * real.width();
-  auto guided = compare_detail::guided_outlines(simulated.grey,
-                                                real.grey,
-                                                read_mask(mask, real.width(), real.height()),
-                                                found.real.located,
-                                                reach_px);
+  auto guided = compare_detail::guided_outlines(
+      simulated.grey,
+      real.grey,
+      read_mask(mask, real.width(), real.height()),
+      found.real.located,
+      reach_px,
+      middle_of(found.real.coverage) - middle_of(found.simulated.coverage));
   if (!guided) {
     return;
   }
+  found.motion = guided->motion;
+  found.shown = guided->share;
   const bool is_well_shown = guided->share >= kWellShown;
   take(std::move(guided->simulated), OutlineMethod::kTruth, is_well_shown, found.simulated);
   take(std::move(guided->real), OutlineMethod::kGuided, is_well_shown, found.real);

@@ -4,11 +4,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/image/image.h"
 #include "metrics/overlap/boundary.h"
+#include "metrics/overlap/outline_motion.h"
 #include "studies/compare/compared_picture.h"
 
 namespace glint {
@@ -36,6 +38,10 @@ struct PartOutline {
 struct OutlinePair {
   PartOutline simulated;
   PartOutline real;
+  /// Of the simulated outline onto the real one, where the latter was found along it, and which
+  /// share of the simulated outline's edges the real picture has there.
+  std::optional<OutlineMotion> motion = {};
+  double shown = 0.0;
   std::vector<std::string> notes;
 };
 

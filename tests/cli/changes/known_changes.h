@@ -178,8 +178,10 @@ class ChangedGear {
     EXPECT_EQ(result.code, 0) << result.err;
   }
 
-  /// Cramer-Rao bounds of the changes were they all that differs: by the noise of single edges,
-  /// taken as independent, and how edges move with each change.
+  /// Cramer-Rao bounds of the changes were they all that differs: by the noise of single edges and
+  /// how edges move with each change. Neighbouring edges share two of their three lines, so n of
+  /// them tell what n / 3 independent ones do; and greys beside an edge, were they known, would
+  /// halve the variance (LocateEdges.OfAWholeEdgeAreNearlyAsGoodAsItsPixelsAllow).
   std::vector<double> bounds_of(std::span<const Change> changes) const {
     const ComparedPair pair = pair_with("changed/baseline");
     const PairCauses causes = find_causes(pair);
@@ -200,7 +202,8 @@ class ChangedGear {
             edges[i].normal.dot(pixel(moved) - pixel({})) / step;
       }
     }
-    const Eigen::MatrixXd covariance = causes.edges->noise_px * causes.edges->noise_px *
+    constexpr double kOfEdges = 3.0 / 2.0;
+    const Eigen::MatrixXd covariance = kOfEdges * causes.edges->noise_px * causes.edges->noise_px *
                                        (slopes.transpose() * slopes).eval().inverse();
     std::vector<double> bounds;
     for (Eigen::Index k = 0; k < count; ++k) {

@@ -101,7 +101,10 @@ class ChangedGear {
     return found == causes.end() ? nlohmann::json() : *found;
   }
 
+  /// The scene is rendered anew, too: one simulated picture's noise would be an error that all
+  /// cases have in common.
   CaseVerdict verdict_of(std::span<const Change> changes, int seed) {
+    render("gear.toml", "base", 1000 + seed);
     const nlohmann::json causes = causes_of(changes, seed);
     const std::vector<double> bounds = bounds_of(changes);
     CaseVerdict verdict;

@@ -277,6 +277,7 @@ object_pixel_mm = 0.2
 working_distance_mm = 100
 [sensor]
 exposure = 0.5
+bits = 12
 full_well_e = 10000
 [render.paths]
 samples = 32

@@ -349,6 +349,17 @@ void judge_boards(const CalibrateOptions& options, CalibrateInput& input) {
   }
 }
 
+/// The board that a calibration knows, as its file describes it.
+bool is_known_board(const CalibrateOptions& options, const Board& board) {
+  if (!options.known_board) {
+    return false;
+  }
+  const Board& known = *options.known_board;
+  return board.kind == known.kind && board.cols == known.cols && board.rows == known.rows &&
+         board.mark == known.mark && board.dictionary == known.dictionary &&
+         board.square_mm == options.known_given_mm;
+}
+
 /// Of a board whose squares a calibration found to be of another size than its file says, that
 /// size.
 Board board_of(const CalibrateOptions& options) {
@@ -356,8 +367,9 @@ Board board_of(const CalibrateOptions& options) {
     return *options.known_board;
   }
   Board board = read_board(options.board);
-  if (options.known_board && board.square_mm == options.known_given_mm) {
+  if (is_known_board(options, board)) {
     board.square_mm = options.known_board->square_mm;
+    board.marker_mm = options.known_board->marker_mm;
   }
   return board;
 }

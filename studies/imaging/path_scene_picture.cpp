@@ -126,10 +126,14 @@ SceneSettings with_sensor(SceneSettings scene, const SensorSettings* sensor) {
   return scene;
 }
 
-/// Every third of the tiles of a sum along both axes; not the first ones, which see the picture's
-/// corner.
+constexpr int kTile_px = 16;
+
+/// Every third of the tiles along both axes; not the first ones, which see the picture's corner.
+bool is_in_third_tile(int x, int y) {
+  return x / kTile_px % 3 == 1 && y / kTile_px % 3 == 1;
+}
+
 std::vector<PixelWindow> third_tiles(const CameraSettings& camera) {
-  constexpr int kTile_px = 16;
   std::vector<PixelWindow> windows;
   for (int y = kTile_px; y < camera.height_px; y += 3 * kTile_px) {
     for (int x = kTile_px; x < camera.width_px; x += 3 * kTile_px) {
@@ -137,15 +141,6 @@ std::vector<PixelWindow> third_tiles(const CameraSettings& camera) {
     }
   }
   return windows;
-}
-
-bool is_within(std::span<const PixelWindow> windows, std::size_t pixel, int width_px) {
-  const int x = static_cast<int>(pixel) % width_px;
-  const int y = static_cast<int>(pixel) / width_px;
-  return std::ranges::any_of(windows, [&](const PixelWindow& window) {
-    return x >= window.left_px && x < window.left_px + window.width_px && y >= window.top_px &&
-           y < window.top_px + window.height_px;
-  });
 }
 
 class PathScenePicture : public ScenePicture {
@@ -267,9 +262,11 @@ std::vector<float> coarse_radiance(SceneStore& store, const SceneSettings& scene
   const Mask& region = store.trace(scene)->region.mask;
   for (const FrameFactors& factors : view.frames()) {
     const ImageF radiance = frame_radiance(picture, factors);
-    for (std::size_t i = 0; i < region.size(); ++i) {
-      if (region.values()[i] != 0 && is_within(windows, i, region.width())) {
-        values.push_back(radiance.values()[i]);
+    for (int y = 0; y < static_cast<int>(region.height()); ++y) {
+      for (int x = 0; x < static_cast<int>(region.width()); ++x) {
+        if (region(x, y) != 0 && is_in_third_tile(x, y)) {
+          values.push_back(radiance(x, y));
+        }
       }
     }
   }

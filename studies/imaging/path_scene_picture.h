@@ -13,8 +13,7 @@ namespace glint {
 
 /// picture_of() a scene with needs_paths().
 /// @param scene        from the viewpoint that is scored
-/// @param film_sensor  the sensor that a sum of direct light is made exact for
-/// (brightness_octave());
+/// @param film_sensor  that a sum of direct light is made exact for, see brightness_octave();
 ///                     nullptr: the scene's own
 std::unique_ptr<ScenePicture> path_scene_picture(SceneStore& store,
                                                  const SceneSettings& scene,

@@ -36,6 +36,7 @@ using validate_detail::step_of;
 constexpr Index kLeastPixels = 200;
 constexpr int kRounds = 6;
 constexpr double kSettledMm = 0.1;
+constexpr double kLongestPolishMm = 2.0;  ///< slopes are not those of places farther away
 
 struct Fitted {
   GreyState state;
@@ -164,7 +165,10 @@ class GreyFitter {
   Fitted polished(Fitted fit) {
     if (needs_rendering(fit.terms)) {
       const VectorXd step = step_of(fit.system, left_at(fit.state, true), &fit.sigma);
-      problem_.take(fit.system, step, fit.state);
+      GreyState state = fit.state;
+      if (problem_.take(fit.system, step, state) <= kLongestPolishMm) {
+        fit.state = state;
+      }
     }
     return fit;
   }

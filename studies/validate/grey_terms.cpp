@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Slopes are differences of two noisy renderings, and the rendering that is taken off is the one
-// that the real pictures are compared with: least squares by themselves find steps that are too
-// small, and half a step where there is none. Sums of products are taken between two independent
-// halves of the samples, as by instrumental variables.
+// that the real pictures are compared with: plain least squares find steps that are too small, and
+// half of kStepMm at the true place where slopes are all noise. So products are taken between two
+// independent halves of the samples, as with instrumental variables.
 #include "studies/validate/grey_terms.h"
 
 #include <algorithm>
@@ -27,10 +27,11 @@ constexpr double kLeastPower = -1.0;  ///< against nominal: dark
 constexpr double kLeastExposure = 0.05;
 
 constexpr double kHuber = 2.5;
-constexpr double kPixelsAlike = 10.0;  ///< neighbours tell about the same
-constexpr double kPrice = 14.0;        ///< 3.7 standard deviations for each number
-constexpr double kFloor = 0.003;       ///< of the mean grey: no model is better
-constexpr double kLeastShare = 0.1;    ///< of slopes' products that is no noise
+constexpr double kPixelsAlike = 10.0;   ///< neighbours tell about the same
+constexpr double kPrice = 14.0;         ///< 3.7 standard deviations for each number
+constexpr double kFloor = 0.003;        ///< of the mean grey: no model is better
+constexpr double kLeastShare = 0.1;     ///< of slopes' products that is no noise
+constexpr double kUnknownShare = 1e-3;  ///< likewise for sigma: nothing is known
 
 bool needs_rendering(GreyFault fault) {
   return fault == GreyFault::kLightPlace || fault == GreyFault::kRoughness;
@@ -105,8 +106,9 @@ void GreySystem::change(GreyHalves& values, double sign, const VectorXd& step) c
   }
 }
 
-/// Products of slopes without noise are found along axes in which those with noise are 1, and count
-/// at least by a tenth of these.
+/// Along the axes in which the products of noisy slopes are 1, those between the halves are the
+/// share of them that is no noise. A step is at most ten times that of plain least squares; where
+/// it would be longer it is too short, and sigma says that the number is hardly known.
 VectorXd step_of(const GreySystem& system, const GreyHalves& left, VectorXd* sigma) {
   const VectorXd mean = mean_of(left);
   const double noise = std::max(median_size(mean), kFloor);
@@ -119,13 +121,17 @@ VectorXd step_of(const GreySystem& system, const GreyHalves& left, VectorXd* sig
   MatrixXd normal = 0.5 * (product + product.transpose());
   add_wish(system, noisy);
   add_wish(system, normal);
+  if (noisy.isZero(0.0)) {
+    return VectorXd::Zero(noisy.rows());
+  }
   const VectorXd wanted =
       0.5 * (first.transpose() * (weights * left[1]) + second.transpose() * (weights * left[0]));
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> axes(normal, noisy);
   const VectorXd shares = axes.eigenvalues().cwiseMax(kLeastShare).cwiseInverse();
   const MatrixXd& vectors = axes.eigenvectors();
   if (sigma != nullptr) {
-    *sigma = noise * std::sqrt(kPixelsAlike) * (vectors * shares.asDiagonal()).rowwise().norm();
+    const VectorXd unknown = axes.eigenvalues().cwiseMax(kUnknownShare).cwiseInverse();
+    *sigma = noise * std::sqrt(kPixelsAlike) * (vectors * unknown.asDiagonal()).rowwise().norm();
   }
   return vectors * shares.cwiseProduct(vectors.transpose() * wanted);
 }

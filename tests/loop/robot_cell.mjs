@@ -52,6 +52,8 @@ expect(`edges before the calibration, predicted ${predicted.toFixed(2)} px`, bef
 expect("edges after it, px", after, after < 0.6);
 // Of all views together; each slope's interval of 95 % is 3.92 standard deviations wide.
 const slopes = result.pairs.map((pair) => pair.ring_slope).filter(Boolean);
+expect("views with a slope", slopes.length, slopes.length >= 0.8 * result.pairs.length);
+expect("designs on both sides", result.designs.length, result.designs.length === (isQuick ? 2 : 3));
 const weights = slopes.map(({ low, high }) => (3.92 / (high - low)) ** 2);
 const weight = weights.reduce((sum, w) => sum + w, 0);
 const slope = slopes.reduce((sum, { value }, i) => sum + weights[i] * value, 0) / Math.sqrt(weight);

@@ -2,15 +2,19 @@
 #include "studies/validate/grey_fit.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "core/config/toml.h"
 #include "core/file.h"
+#include "core/rng.h"
 #include "core/thread_pool.h"
 #include "studies/definition/study.h"
 #include "studies/imaging/scene_picture.h"
+#include "studies/validate/grey_terms.h"
 #include "tests/studies/validate/trial_cell.h"
 #include "tests/support/temporary_folder.h"
 
@@ -103,8 +107,8 @@ TEST(GreyFit, FindsALightThatShadesAnother) {
   }
 }
 
-// Brushed along x, the plate reflects so widely across that a millimetre changes a pixel by less than
-// the noise of few samples: plain least squares would find half the way along y at most.
+// Brushed along x, the plate reflects so widely across that a millimetre changes a pixel by less
+// than the noise of few samples: plain least squares would find half the way along y at most.
 TEST(GreyFit, FindsAPlaceThatSlopesHardlyShow) {
   ThreadPool pool(2);
   SceneStore store(pool);
@@ -115,6 +119,40 @@ TEST(GreyFit, FindsAPlaceThatSlopesHardlyShow) {
   // One small picture tells less of its height.
   EXPECT_LT((place_of(fits[0], "ring") - kHiddenRing).head<2>().norm(), 0.5)
       << place_of(fits[0], "ring").transpose();
+}
+
+/// 3000 pixels that one number moves by `slope`, with noise of that size in each half of the slopes
+/// and of what is left at the true place of 1.
+std::pair<double, double> step_with_noise(double slope, double noise, std::uint64_t seed) {
+  using namespace validate_detail;
+  Rng random(seed, Stream::kTest, 0);
+  GreyHalves columns = {Eigen::VectorXd(3000), Eigen::VectorXd(3000)};
+  GreyHalves left = columns;
+  for (Eigen::Index i = 0; i < 3000; ++i) {
+    const double here = slope * (1.0 + 0.5 * std::sin(0.01 * static_cast<double>(i)));
+    for (std::size_t half = 0; half < 2; ++half) {
+      const double unmoved = noise * random.normal();
+      columns[half][i] = here + noise * random.normal() - unmoved;
+      left[half][i] = here - unmoved;
+    }
+  }
+  GreySystem system;
+  system.add(columns, {.term = {.fault = GreyFault::kLightPlace}});
+  Eigen::VectorXd sigma;
+  const double step = step_of(system, left, &sigma)[0];
+  return {step, sigma[0]};
+}
+
+TEST(GreyFit, StepsAreRightOrKnownToBeUnknown) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    // Products of slopes are a third of those with noise.
+    const auto [step, sigma] = step_with_noise(0.01, 0.014, seed);
+    EXPECT_NEAR(step, 1.0, 0.25) << seed;
+    EXPECT_LT(sigma, 0.5) << seed;
+    // A hundredth: nothing is known.
+    const auto [lost, unsure] = step_with_noise(0.001, 0.014, seed);
+    EXPECT_LT(std::abs(lost - 1.0), 4.0 * unsure) << seed;
+  }
 }
 
 // Pictures of the dome alone: the ring is dark, and found by the shadow that it casts.

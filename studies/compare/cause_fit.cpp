@@ -111,7 +111,8 @@ EdgeSystem linearised(std::span<const SpaceEdge> edges,
     double* slopes[] = {slope.data()};
     cost.Evaluate(at, &rest, slopes);
     columns.row(i) = -Eigen::Map<const Eigen::RowVectorXd>(slope.data(), kCauseParameters);
-    offsets[i] = rest + columns.row(i).dot(changes);
+    // Without changes to the last bit, so that equal pictures are 0 apart.
+    offsets[i] = changes.isZero(0.0) ? edge.offset_px : rest + columns.row(i).dot(changes);
   }
   return {std::move(columns), std::move(offsets), parameters};
 }

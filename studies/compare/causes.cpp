@@ -252,9 +252,10 @@ void note_contradiction(const CauseFit& fit, std::vector<std::string>& notes) {
 
 /// Edges that lie far apart were matched rightly where most of the outline was found in the real
 /// picture; nearest edges of another tooth or corner can agree with a change that is none.
-void withhold_doubtful(const OutlinePair& outlines, bool has_motion, PairCauses& causes) {
+void withhold_doubtful(const OutlinePair& outlines, PairCauses& causes) {
   CauseFit& fit = *causes.edges;
-  const bool is_found = has_motion && outlines.shown >= kMostlyShown;
+  const bool is_guided = outlines.motion.has_value();
+  const bool is_found = is_guided && outlines.shown >= kMostlyShown;
   if (fit.causes.empty() || fit.before_px < kFar_px || is_found) {
     return;
   }
@@ -262,8 +263,8 @@ void withhold_doubtful(const OutlinePair& outlines, bool has_motion, PairCauses&
       "Edges lie {:.1f} px apart (rms), and {}: which belong together is not sure, and no cause is "
       "told of them.",
       fit.before_px,
-      has_motion ? "too little of the outline was found in the real picture"
-                 : "they were not looked for along the simulated outline"));
+      is_guided ? "too little of the outline was found in the real picture"
+                : "they were not looked for along the simulated outline"));
   fit.causes.clear();
   fit.changes = {};
 }
@@ -284,7 +285,7 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {
     const SimulatedSurface surface = surface_of(pair, scene);
     causes.middle_mm = surface.middle_mm();
     causes.edges = matched_causes(pair, surface, intrinsics_of(scene), causes.middle_mm, known).fit;
-    withhold_doubtful(pair.geometry.outlines, has_motion(pair, known), causes);
+    withhold_doubtful(pair.geometry.outlines, causes);
     for (const FoundCause& found : causes.edges->causes) {
       causes.told.push_back(told(found));
     }

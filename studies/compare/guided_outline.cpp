@@ -149,7 +149,7 @@ Located best_located(const std::vector<Boundary>& outline,
   }
   Located best;
   const auto keep_better = [&](Located other) {
-    if (other.edges.empty() || best.edges.empty() || other.alike > best.alike) {
+    if (best.edges.empty() || other.alike > best.alike) {
       best = std::move(other);
     }
   };

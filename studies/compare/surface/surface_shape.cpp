@@ -56,7 +56,7 @@ std::string plane_name(std::span<const PointWithNormal> points, const Vector3d& 
   const Vector3d facing = mean.normalized();
   const auto axis = axis_name(facing);
   if (!axis) {
-    const Vector3d shown = facing.array() + 0.0;
+    const Vector3d shown = (facing.array() * 100.0).round() / 100.0 + 0.0;  // no -0.00
     return fmt::format("plane facing ({:.2f}, {:.2f}, {:.2f})", shown.x(), shown.y(), shown.z());
   }
   Index along = 0;
@@ -65,7 +65,10 @@ std::string plane_name(std::span<const PointWithNormal> points, const Vector3d& 
   for (const PointWithNormal& point : points) {
     height_mm += point.at_mm[along] / static_cast<double>(points.size());
   }
-  return fmt::format("plane facing {} at {} = {:.1f} mm", *axis, axis->back(), height_mm);
+  return fmt::format("plane facing {} at {} = {:.1f} mm",
+                     *axis,
+                     axis->back(),
+                     std::round(10.0 * height_mm) / 10.0 + 0.0);
 }
 
 /// Radius of at = centre + radius normal, all led through `across` first, and what it leaves.
@@ -112,6 +115,21 @@ MatrixXd across_of(const Vector3d& axis) {
   return across;
 }
 
+/// All normals have one angle to the axis. Cosines alone do not tell: beside the axis all are
+/// near 1.
+bool is_cone(std::span<const PointWithNormal> points, const Vector3d& axis) {
+  double sum = 0.0;
+  double squares = 0.0;
+  for (const PointWithNormal& point : points) {
+    const double angle_rad = std::acos(std::clamp(point.normal.dot(axis), -1.0, 1.0));
+    sum += angle_rad;
+    squares += angle_rad * angle_rad;
+  }
+  const double mean_rad = sum / static_cast<double>(points.size());
+  const double variance = squares / static_cast<double>(points.size()) - mean_rad * mean_rad;
+  return variance < kOneAngle * kOneAngle;
+}
+
 }  // namespace
 
 std::string shape_name(std::span<const PointWithNormal> points, double pixel_mm) {
@@ -137,7 +155,7 @@ std::string shape_name(std::span<const PointWithNormal> points, double pixel_mm)
                        ball.radius_mm > 0.0 ? "sphere" : "hollow sphere",
                        std::abs(ball.radius_mm));
   }
-  return is_turned ? "cone" + about(axis, "about") : "curved surface";
+  return is_turned && is_cone(points, axis) ? "cone" + about(axis, "about") : "curved surface";
 }
 
 }  // namespace glint

@@ -57,6 +57,12 @@ TEST(ShapeName, SaysWhatAnEngineerWould) {
               return PointWithNormal{(5.0 + 9.0 * v) * ring(2.0 * u) - Vector3d(0, 0, 9.0 * v), n};
             }),
             "cone about z");
+  // A saddle that is hardly tilted anywhere is none.
+  EXPECT_EQ(of([](double u, double v) {
+              const Vector3d n = Vector3d(-0.3 * u, 0.3 * v, 1.0).normalized();
+              return PointWithNormal{{10.0 * u, 10.0 * v, 1.5 * (u * u - v * v)}, n};
+            }),
+            "curved surface");
 }
 
 class FoundSurfaces : public CompareFiles {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 
@@ -121,7 +122,10 @@ VectorXd step_of(const GreySystem& system, const GreyHalves& left, VectorXd* sig
   MatrixXd normal = 0.5 * (product + product.transpose());
   add_wish(system, noisy);
   add_wish(system, normal);
-  if (noisy.isZero(0.0)) {
+  if (noisy.isZero(0.0)) {  // black pictures
+    if (sigma != nullptr) {
+      *sigma = VectorXd::Constant(noisy.rows(), std::numeric_limits<double>::infinity());
+    }
     return VectorXd::Zero(noisy.rows());
   }
   const VectorXd wanted =

@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "core/config/toml.h"
 #include "core/file.h"
+#include "core/shell_word.h"
 #include "core/text.h"
 #include "studies/starter/starter.h"
 
@@ -114,7 +115,7 @@ int write_starter(const NewArguments& arguments, const CommonArguments& common) 
                 {"is_dent_visible", starter.is_dent_visible},
                 {"start_score", starter.start_score},
                 {"notes", starter.notes}},
-               text + fmt::format("next: glint check {}\n", arguments.out.string()));
+               text + fmt::format("next: glint check {}\n", shell_word(arguments.out.string())));
   return kExitDone;
 }
 

@@ -6,6 +6,7 @@
 #include "cli/acquire/driven_session.h"
 #include "cli/shell/exit_codes.h"
 #include "core/error.h"
+#include "core/shell_word.h"
 #include "studies/cell/typed_permit.h"
 #include "studies/plan/plan_page.h"
 #include "studies/plan/plan_run.h"
@@ -125,19 +126,18 @@ AcquireAnswer planned_end(const Study& study,
   return answer;
 }
 
-/// The command that goes on without a search, as a person reads it: names with blanks are not
-/// quoted.
+/// The command that goes on without a search.
 std::string validating(const std::filesystem::path& run, const AcquireArguments& driven) {
   std::string text = fmt::format("glint validate {} --cell {} --out {} --speed_share {}",
-                                 run.string(),
-                                 driven.cell.string(),
-                                 driven.out.string(),
+                                 shell_word(run.string()),
+                                 shell_word(driven.cell.string()),
+                                 shell_word(driven.out.string()),
                                  driven.speed_share);
   if (!driven.twin.empty()) {
-    text += " --twin " + driven.twin.string();
+    text += " --twin " + shell_word(driven.twin.string());
   }
   for (const std::string& light : driven.confirmed) {
-    text += " --confirmed " + light;
+    text += " --confirmed " + shell_word(light);
   }
   return text + " --move";
 }

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "core/units.h"
 #include "simulator/camera/pinhole_camera.h"
-#include "studies/compare/scene_camera.h"
+#include "studies/compare/camera/scene_camera.h"
 #include "studies/definition/scene_viewpoints.h"
 #include "studies/definition/study.h"
 #include "studies/imaging/built_part.h"

@@ -13,8 +13,8 @@
 #include "core/error.h"
 #include "metrics/overlap/boundary_distance.h"
 #include "metrics/overlap/outline_motion.h"
+#include "studies/compare/camera/scene_camera.h"
 #include "studies/compare/roughness_cause.h"
-#include "studies/compare/scene_camera.h"
 #include "studies/compare/surface/placed_edges.h"
 #include "studies/compare/surface/simulated_surface.h"
 

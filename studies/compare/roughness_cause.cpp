@@ -16,9 +16,8 @@
 #include <Eigen/Dense>
 
 #include "core/image/image_io.h"
-#include "core/image/spans.h"
 #include "simulator/sensor/sensor.h"
-#include "studies/compare/scene_camera.h"
+#include "studies/compare/camera/reduced_scene.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/imaging/scene_picture.h"
 
@@ -45,25 +44,6 @@ int factor_of(const SceneSettings& scene) {
   return std::max(factor, 1);
 }
 
-/// The same field in fewer pixels, without noise and rounding.
-SceneSettings small_scene(const SceneSettings& scene, int factor) {
-  SceneSettings small = scene;
-  PinholeIntrinsics in = intrinsics_of(scene);
-  in.focal_px /= factor;
-  in.center_px /= factor;
-  put_intrinsics(in, small);
-  small.camera.width_px /= factor;
-  small.camera.height_px /= factor;
-  small.camera.pixel_mm *= factor;
-  small.sensor = without_noise(scene.sensor);
-  small.sensor.bits = 0;
-  small.sensor.blur_px /= factor;
-  small.paths.samples = std::max(scene.paths.samples, kLeastSamples);
-  small.paths.batches = 2;
-  small.paths.relative_error = 0.0;  // all pixels have as many samples
-  return small;
-}
-
 /// Two independent pictures of one scene.
 using Halves = std::array<ImageF, 2>;
 
@@ -81,23 +61,6 @@ ImageF grey_of(const PathPicture& picture,
     ++sums.frames;
   }
   return sums.aspect();
-}
-
-/// Pixels on the sound part and around: neither defects nor edges.
-Mask sound_part(const Film& sums) {
-  Mask other(sums.width_px, sums.height_px);
-  for (std::size_t i = 0; i < other.size(); ++i) {
-    const std::int32_t samples = sums.samples.values()[i];
-    const bool is_whole = samples > 0 && sums.part.values()[i] == samples;
-    const bool is_sound = std::ranges::all_of(
-        sums.defects, [&](const DefectSums& defect) { return defect.samples.values()[i] == 0; });
-    other.values()[i] = is_whole && is_sound ? 0 : 1;
-  }
-  Mask sound = dilated(other, kMarginPx);
-  std::ranges::transform(sound.values(), sound.values().begin(), [](unsigned char value) {
-    return static_cast<unsigned char>(value == 0 ? 1 : 0);
-  });
-  return sound;
 }
 
 /// real = gain base + product slope, product = gain times the change.
@@ -119,7 +82,7 @@ class RoughnessSearch {
   RoughnessSearch(const ComparedPair& pair, const SceneSettings& scene, SceneStore& store)
       : store_(store),
         factor_(factor_of(scene)),
-        scene_(small_scene(with_equal_exposure(store, scene), factor_)),
+        scene_(reduced_scene(with_equal_exposure(store, scene), factor_, kLeastSamples)),
         real_(reduce(pair.real.grey, factor_)) {}
 
   std::optional<RoughnessFit> find() {
@@ -152,7 +115,7 @@ class RoughnessSearch {
     const std::shared_ptr<const PathPicture> picture = store_.picture(scene);
     ++renders_;
     if (part_.empty()) {
-      part_ = sound_part(picture->sums);
+      part_ = sound_part(picture->sums, kMarginPx);
     }
     if (picture->batches.empty()) {  // without noise
       const ImageF whole = grey_of(*picture, scene, std::nullopt);

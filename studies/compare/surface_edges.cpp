@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "metrics/overlap/outline_motion.h"
+#include "studies/compare/camera/scene_camera.h"
 #include "studies/compare/guided_outline.h"
-#include "studies/compare/scene_camera.h"
 #include "studies/compare/surface/named_surfaces.h"
 #include "studies/compare/surface/simulated_surface.h"
 

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "core/image/spans.h"
+#include "core/image/image_io.h"
 #include "simulator/sensor/sensor.h"
-#include "studies/compare/scene_camera.h"
+#include "studies/compare/camera/reduced_scene.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/run/render_files.h"
 #include "studies/validate/validated_scene.h"
@@ -24,65 +24,6 @@ constexpr int kLeastSamples = 48;
 constexpr int kFiner = 6;  ///< times the samples of fine pictures
 constexpr std::size_t kMostKept = 8;
 constexpr double kSamePosePx = 0.15;  ///< of these pictures: less is not seen
-
-/// Means of blocks of pixels; what is left over at the right and below is cut off.
-ImageF reduced(const ImageF& picture, int factor) {
-  ImageF small(picture.width() / factor, picture.height() / factor);
-  for (int y = 0; y < small.height(); ++y) {
-    for (int x = 0; x < small.width(); ++x) {
-      double sum = 0.0;
-      for (int k = 0; k < factor * factor; ++k) {
-        sum += static_cast<double>(picture(x * factor + k % factor, y * factor + k / factor));
-      }
-      small(x, y) = static_cast<float>(sum / (factor * factor));
-    }
-  }
-  return small;
-}
-
-SceneSettings reduced_scene(const SceneSettings& scene, int factor) {
-  SceneSettings small = with_separate_segments(scene);
-  PinholeIntrinsics in = intrinsics_of(scene);
-  in.focal_px /= factor;
-  in.center_px /= factor;
-  put_intrinsics(in, small);
-  small.camera.width_px = in.width_px / factor;
-  small.camera.height_px = in.height_px / factor;
-  small.camera.pixel_mm *= factor;
-  small.sensor = without_noise(scene.sensor);
-  small.sensor.bits = 0;
-  small.sensor.blur_px /= factor;
-  small.paths.samples = std::max(small.paths.samples, kLeastSamples);
-  small.paths.batches = 2;
-  small.paths.relative_error = 0.0;  // all pixels have as many samples
-  return small;
-}
-
-Mask shrunk(const Mask& mask, int radius_px) {
-  Mask outside = mask;
-  const auto invert = [](Mask& of) {
-    for (unsigned char& pixel : of.values()) {
-      pixel = pixel == 0 ? 1 : 0;
-    }
-  };
-  invert(outside);
-  Mask grown = dilated(outside, radius_px);
-  invert(grown);
-  return grown;
-}
-
-/// Pixels wholly on the sound part.
-Mask sound_part(const Film& sums) {
-  Mask part(sums.width_px, sums.height_px);
-  for (std::size_t i = 0; i < part.size(); ++i) {
-    const std::int32_t samples = sums.samples.values()[i];
-    const bool is_whole = samples > 0 && sums.part.values()[i] == samples;
-    const bool is_sound = std::ranges::all_of(
-        sums.defects, [&](const DefectSums& defect) { return defect.samples.values()[i] == 0; });
-    part.values()[i] = is_whole && is_sound ? 1 : 0;
-  }
-  return shrunk(part, kMarginPx);
-}
 
 /// Squares of means over 3 x 3 pixels, and of differences of neighbours.
 struct EvenSums {
@@ -144,9 +85,10 @@ GreyModel::GreyModel(SceneStore& store, std::span<const GreyDesign> designs) : s
 void GreyModel::add_views(std::size_t design, const GreyDesign& views) {
   for (const GreyView& view : views.views) {
     const int factor = std::max(1, (view.real.width() + kWidthPx / 2) / kWidthPx);
-    SmallView small = {.design = design,
-                       .scene = reduced_scene(view.scene, factor),
-                       .real = reduced(view.real, factor)};
+    SmallView small = {
+        .design = design,
+        .scene = reduced_scene(with_separate_segments(view.scene), factor, kLeastSamples),
+        .real = reduce(view.real, factor)};
     take_shared_pose(small);
     for (const LitLight& light : lights_with_bodies(small.scene)) {
       if (std::ranges::find(lights_, light.name, &LitLight::name) == lights_.end()) {
@@ -181,7 +123,7 @@ void GreyModel::choose_pixels() {
   std::vector<double> real;
   rows_.resize(designs_.size());
   for (SmallView& view : views_) {
-    view.used = sound_part(store_.picture(view.scene)->sums);
+    view.used = sound_part(store_.picture(view.scene)->sums, kMarginPx);
     view.groups = path_view_of(view.scene, store_.build_defects(view.scene))->group_names();
     ++renders_;
     for (std::size_t i = 0; i < view.used.size(); ++i) {

@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
-#include "studies/compare/scene_camera.h"
+#include "studies/compare/camera/scene_camera.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/validate/validated_scene.h"
 

@@ -11,7 +11,7 @@
 #include "core/config/toml.h"
 #include "core/error.h"
 #include "core/units.h"
-#include "studies/compare/scene_camera.h"
+#include "studies/compare/camera/scene_camera.h"
 #include "studies/definition/scene_viewpoints.h"
 
 namespace glint {

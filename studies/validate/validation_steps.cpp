@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/shell_word.h"
 #include "studies/validate/validated_designs.h"
 
 namespace glint {
@@ -33,15 +34,15 @@ std::vector<std::string> validation_steps(const Study& study,
   if (!study.scene.validate) {
     return steps;
   }
-  const std::string pictures = (run.parent_path() / "acquired").string();
+  const std::filesystem::path pictures = run.parent_path() / "acquired";
   for (const std::string& name : designs_to_validate(study)) {
-    steps.push_back(fmt::format("glint acquire {} --cell {} --out {}/{} --move",
-                                (run / name / "scene.toml").string(),
-                                cell.string(),
-                                pictures,
-                                name));
+    steps.push_back(fmt::format("glint acquire {} --cell {} --out {} --move",
+                                shell_word((run / name / "scene.toml").string()),
+                                shell_word(cell.string()),
+                                shell_word((pictures / name).string())));
   }
-  steps.push_back(fmt::format("glint validate {} --pictures {}", run.string(), pictures));
+  steps.push_back(fmt::format(
+      "glint validate {} --pictures {}", shell_word(run.string()), shell_word(pictures.string())));
   return steps;
 }
 

@@ -338,11 +338,11 @@ TEST(Acquire, OfARunThatWaitsForAPrototypeGoesOnByValidating) {
   const std::string cell = kGallery / "cell.toml";  // nobody serves it, and nobody is looked for
   const ProgramResult result = glint_in(
       folder,
-      {"run", "study.toml", "--out", "o/run", "--cell", cell, "--confirmed", "ring", "--move"});
+      {"run", "study.toml", "--out", "my o/run", "--cell", cell, "--confirmed", "ring", "--move"});
   EXPECT_EQ(result.code, 1) << result.err;
   EXPECT_THAT(result.out,
               AllOf(HasSubstr("waiting: mount the prototype of narrow (ring)"),
-                    HasSubstr("glint validate o/run --cell " + cell),
+                    HasSubstr("glint validate 'my o/run' --cell " + cell + " --out"),
                     HasSubstr("--confirmed ring --move with --mounted narrow\n")));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/compare/scene_camera.h"
+#include "studies/compare/camera/scene_camera.h"
 
 #include <vector>
 

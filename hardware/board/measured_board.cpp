@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/median.h"
 #include "core/units.h"
 #include "hardware/board/board_plane.h"
 #include "hardware/board/corner_guesses.h"
@@ -20,12 +21,6 @@ constexpr double kMostBlur = 0.2;        ///< of the way to the next edges
 constexpr double kFewestNoises = 4.0;    ///< of the contrast
 constexpr double kLeastContrast = 0.02;  ///< of full scale
 constexpr double kMostBend = 0.1;        ///< rms from a plane, of the way to the next edges
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 BoardView refused(BoardOutcome outcome, std::string why) {
   return {.outcome = outcome, .why = std::move(why)};

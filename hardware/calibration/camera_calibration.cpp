@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <Eigen/LU>
 
+#include "core/median.h"
 #include "core/units.h"
 #include "hardware/calibration/camera_bundle.h"
 #include "hardware/calibration/lens_choice.h"
@@ -115,12 +116,6 @@ void start_bundle(Work& work, std::span<const Eigen::Matrix3d> homographies) {
     }
   }
   work.used = kept;
-}
-
-double median(std::vector<double> values) {
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
 }
 
 /// As rms_px(), without the worst tenth of the corners: a single wrong one is weighed, not the

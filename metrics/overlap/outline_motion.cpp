@@ -2,6 +2,7 @@
 //
 // Reweighted least squares of offset = normal . (shift + linear (at - middle)).
 #include "metrics/overlap/outline_motion.h"
+#include "core/median.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,12 +20,6 @@ constexpr std::size_t kLeastOffsets = 12;
 constexpr int kRounds = 12;
 constexpr double kTukey = 4.685;
 constexpr double kFaint = 1e-6;  ///< pull to zero of what no edge tells of
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// About what a motion is fitted.
 struct Frame {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/median.h"
 #include "core/units.h"
 
 namespace glint {
@@ -137,11 +138,7 @@ std::optional<double> median_of(const Json& pairs, const char* key) {
       values.push_back(pair[key].get<double>());
     }
   }
-  if (values.empty()) {
-    return std::nullopt;
-  }
-  std::ranges::sort(values);
-  return values[values.size() / 2];
+  return values.empty() ? std::nullopt : std::optional(median(values));
 }
 
 /// Of a single pair: "; explained by k1 = 0.0194 +- 0.0004, gain = 1.2".

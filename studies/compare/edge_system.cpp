@@ -7,6 +7,8 @@
 
 #include <Eigen/Dense>
 
+#include "core/median.h"
+
 namespace glint::compare_detail {
 namespace {
 
@@ -43,9 +45,7 @@ double median_size(const VectorXd& values) {
   for (const double value : values) {
     sizes.push_back(std::abs(value));
   }
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle;
+  return median(std::move(sizes));
 }
 
 }  // namespace

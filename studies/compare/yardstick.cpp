@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/median.h"
 #include "metrics/appearance/grey_match.h"
 #include "metrics/statistics/estimate.h"
 #include "studies/compare/compared_pair.h"
@@ -30,12 +31,6 @@ DistanceTable table_of(std::span<const TextureSample> first,
   return table;
 }
 
-double median_of(std::vector<double> values) {
-  std::ranges::sort(values);
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 != 0 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
 double quantile_of(std::vector<double> values, double share) {
   std::ranges::sort(values);
   const double at = share * static_cast<double>(values.size() - 1);
@@ -58,12 +53,12 @@ class Measure {
       const std::vector<double> across = across_at(reals, k);
       YardstickRow row = {.name = kYardstickNames[k]};
       if (!among.empty()) {
-        row.real = median_of(among);
+        row.real = median(among);
         row.real_low = quantile_of(among, 0.25);
         row.real_high = quantile_of(among, 0.75);
       }
       if (!across.empty()) {
-        row.simulated = median_of(across);
+        row.simulated = median(across);
         row.multiple = row.simulated / std::max(row.real, kLeastDistance);
         logarithm += std::log(std::max(row.multiple, 1e-9));
       }

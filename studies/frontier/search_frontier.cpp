@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/median.h"
 #include "optimizer/algorithm/algorithm.h"
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/search/search.h"
@@ -220,12 +221,6 @@ class SearchMeasuring {
   SearchFrontier frontier_;
 };
 
-double median_of(std::vector<double> values) {
-  std::ranges::sort(values);
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
-
 }  // namespace
 
 std::vector<int> checkpoints_to(int last) {
@@ -258,7 +253,7 @@ std::vector<SearchSummary> summary_of(const std::vector<SearchRun>& runs) {
   std::vector<SearchSummary> list;
   for (auto& [count, summary] : summaries) {
     if (const auto found = values.find(count); found != values.end()) {
-      summary.median = median_of(found->second);
+      summary.median = median(found->second);
       summary.low = std::ranges::min(found->second);
       summary.high = std::ranges::max(found->second);
     }

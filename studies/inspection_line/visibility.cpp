@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "core/median.h"
 #include "metrics/statistics/pod.h"
 #include "metrics/statistics/roc.h"
 #include "studies/inspection_line/visibility_trials.h"
@@ -41,12 +42,6 @@ LineScore parse(std::string_view name) {
   return dot == std::string_view::npos ? LineScore{.group = {}, .what = std::string(rest)}
                                        : LineScore{.group = std::string(rest.substr(0, dot)),
                                                    .what = std::string(rest.substr(dot + 1))};
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
 /// The defects of one group, or of all, on the parts of a line.

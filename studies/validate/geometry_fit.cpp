@@ -11,6 +11,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "core/median.h"
 #include "hardware/calibration/lens_vector.h"
 
 namespace glint {
@@ -169,12 +170,6 @@ class Fitter {
     solution.cost = offset_squares_ - 2.0 * solution.values.dot(right_) +
                     solution.values.dot(normal * solution.values);
     return solution;
-  }
-
-  static double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
   }
 
   /// Noise and weights from what all faults together leave; edges that they leave far off hardly

@@ -12,6 +12,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/median.h"
+
 namespace glint::validate_detail {
 namespace {
 
@@ -50,9 +52,7 @@ double median_size(const VectorXd& values) {
   for (Index i = 0; i < values.size(); ++i) {
     sizes[static_cast<std::size_t>(i)] = std::abs(values[i]);
   }
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return 1.4826 * *middle;
+  return 1.4826 * median(std::move(sizes));
 }
 
 /// Robust weights of pixels.

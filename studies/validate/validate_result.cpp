@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/median.h"
 #include "core/units.h"
 #include "hardware/calibration/lens_vector.h"
 
@@ -42,11 +43,6 @@ std::optional<double> mean_before(const Json& before) {
     }
   }
   return count > 0.0 ? std::optional(sum / count) : std::nullopt;
-}
-
-double median_of(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values.empty() ? 1.0 : values[values.size() / 2];
 }
 
 }  // namespace
@@ -200,8 +196,10 @@ SceneChange common_change(const ValidationFindings& findings) {
       }
     }
   }
-  change.exposure = median_of(exposures);
-  change.roughness = median_of(roughness);
+  if (!exposures.empty()) {
+    change.exposure = median(exposures);
+    change.roughness = median(roughness);
+  }
   return change;
 }
 

@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/log.h"
+#include "core/median.h"
 #include "core/wall_clock.h"
 #include "metrics/statistics/estimate.h"
 #include "studies/compare/camera/scene_camera.h"
@@ -42,14 +43,8 @@ using validate_detail::SeenContrasts;
 
 constexpr const char* kBefore = "before";
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 std::optional<double> if_any(const std::vector<double>& values) {
-  return values.empty() ? std::nullopt : std::optional(median_of(values));
+  return values.empty() ? std::nullopt : std::optional(median(values));
 }
 
 class ValidateRun {

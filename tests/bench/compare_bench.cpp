@@ -15,6 +15,7 @@
 #include <opencv2/quality/qualityssim.hpp>
 
 #include "core/image/image_io.h"
+#include "core/median.h"
 #include "core/rng.h"
 #include "core/wall_clock.h"
 #include "studies/compare/compared_pair.h"
@@ -54,11 +55,6 @@ cv::Mat mat_of(const ImageF& picture) {
   return mat;
 }
 
-double median_of(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
-}
-
 void compare_five_megapixels(benchmark::State& state) {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / fmt::format("glint_compare_bench_{}", ::getpid());
@@ -83,9 +79,9 @@ void compare_five_megapixels(benchmark::State& state) {
     theirs.push_back(1000.0 * seconds_since(start));
   }
   std::filesystem::remove_all(folder);
-  state.counters["ms"] = median_of(own);
-  state.counters["opencv_ms"] = median_of(theirs);
-  state.counters["of_opencv"] = median_of(own) / median_of(theirs);
+  state.counters["ms"] = median(own);
+  state.counters["opencv_ms"] = median(theirs);
+  state.counters["of_opencv"] = median(own) / median(theirs);
 }
 
 BENCHMARK(compare_five_megapixels)->Unit(benchmark::kMillisecond)->Iterations(5);

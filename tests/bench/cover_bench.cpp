@@ -12,6 +12,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "core/median.h"
 #include "simulator/camera/viewpoint_set.h"
 #include "studies/coverage/view_cells.h"
 #include "tests/bench/embree_recorder.h"
@@ -26,11 +27,6 @@ constexpr int kCells = 200'000;
 
 double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
 }
 
 Part gear_part() {

@@ -12,6 +12,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "core/median.h"
 #include "core/rng.h"
 #include "core/wall_clock.h"
 #include "metrics/inspection/inspector.h"
@@ -81,12 +82,6 @@ std::vector<Image<std::uint8_t>> sequence() {
   return frames;
 }
 
-double median_of(std::vector<double> values) {
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
-
 /// Empty when both lists name the same blobs.
 std::string difference(const std::vector<FoundDefect>& ours,
                        const std::vector<OpenCvBlob>& theirs) {
@@ -135,9 +130,9 @@ void bench_inspect(benchmark::State& state, int threads, std::optional<double> t
     state.SkipWithError(wrong.c_str());
     return;
   }
-  state.counters["of_opencv"] = median_of(ours_s) / median_of(theirs_s);
-  state.counters["ms"] = 1e3 * median_of(ours_s);
-  state.counters["opencv_ms"] = 1e3 * median_of(theirs_s);
+  state.counters["of_opencv"] = median(ours_s) / median(theirs_s);
+  state.counters["ms"] = 1e3 * median(ours_s);
+  state.counters["opencv_ms"] = 1e3 * median(theirs_s);
   state.counters["blobs"] = static_cast<double>(blobs.size());
 }
 

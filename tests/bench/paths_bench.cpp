@@ -18,6 +18,7 @@
 #include <benchmark/benchmark.h>
 
 #include "core/error.h"
+#include "core/median.h"
 #include "core/wall_clock.h"
 #include "tests/bench/embree_recorder.h"
 #include "tests/bench/gear_scene.h"
@@ -40,12 +41,6 @@ constexpr std::array<Asking, 5> kWays = {Asking::kAsRecorded,
 
 double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 std::array<std::int64_t, kKinds> rays_of(const PathCounts& counts) {

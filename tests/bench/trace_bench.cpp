@@ -20,6 +20,7 @@
 #include <embree3/rtcore.h>
 #include <malloc.h>
 
+#include "core/median.h"
 #include "simulator/camera/camera_settings.h"
 #include "simulator/render/corner_rays/corner_rays.h"
 #include "simulator/render/ray_cache/packet_tracer.h"
@@ -252,11 +253,6 @@ double wall_seconds(const Function& function) {
   const auto start = std::chrono::steady_clock::now();
   function();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-  return values[values.size() / 2];
 }
 
 RayCache trace(const BenchScene& bench, ThreadPool& pool) {

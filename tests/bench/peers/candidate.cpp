@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/bench/peers/candidate.h"
+#include "core/median.h"
 
 #include <algorithm>
 
@@ -48,12 +49,6 @@ void render_candidate(const CornerRays& rays,
 
 double best(const std::vector<double>& samples) {
   return *std::ranges::min_element(samples);
-}
-
-double median(std::vector<double> samples) {
-  const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
-  std::ranges::nth_element(samples, middle);
-  return *middle;
 }
 
 /// CPU seconds of each call.

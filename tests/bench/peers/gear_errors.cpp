@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/bench/peers/gear_errors.h"
+#include "core/median.h"
 
 #include <algorithm>
 #include <cmath>
@@ -50,12 +51,6 @@ std::vector<double> block_means(const ImageF& image, const Mask& mask) {
     }
   }
   return means;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 double mean_of(const std::vector<double>& values) {

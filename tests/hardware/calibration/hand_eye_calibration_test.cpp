@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/median.h"
 #include "hardware/calibration/bundle_adjustment.h"
 #include "tests/hardware/calibration/simulated_cell.h"
 
@@ -25,11 +26,6 @@ HandEyeCalibration calibrate(const SimulatedCell& cell, bool chooses_terms = fal
     options.camera.free_terms = kRightTerms;
   }
   return calibrate_hand_eye(cell.pictures, cell.base_from_flange, options);
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
 }
 
 class CleanCell : public testing::TestWithParam<Mounting> {};

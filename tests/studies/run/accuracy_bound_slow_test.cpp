@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include "core/file.h"
+#include "core/median.h"
 #include "core/rng.h"
 #include "studies/accuracy/chosen_accuracy.h"
 #include "tests/support/temporary_folder.h"
@@ -210,11 +211,6 @@ void check_scene(std::uint64_t number, std::uint64_t seed, ThreadPool& pool, Tal
   }
 }
 
-double median_of(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values.empty() ? 0.0 : values[values.size() / 2];
-}
-
 void check_seed(std::uint64_t seed) {
   ThreadPool pool(2);
   Tally tally;
@@ -232,14 +228,14 @@ void check_seed(std::uint64_t seed) {
       tally.far_beyond,
       tally.reached,
       tally.scenes,
-      median_of(tally.costs));
+      median(tally.costs));
   for (const std::string& line : tally.worst) {
     fmt::print("  {}\n", line);
   }
   EXPECT_LE(tally.beyond, 0.02 * tally.checked);
   EXPECT_LE(tally.far_beyond, 0.01 * tally.checked) << "none is wanted: docs/accuracy.md";
   EXPECT_GT(tally.reached, tally.scenes / 2);
-  EXPECT_LE(median_of(tally.costs), kMedianOfCost);
+  EXPECT_LE(median(tally.costs), kMedianOfCost);
 }
 
 class AccuracyBound : public testing::TestWithParam<std::uint64_t> {};

@@ -19,10 +19,28 @@ std::string cell(const Json& value, int digits) {
 
 constexpr const char* kCompareRow = "  {:<20} {:<20} {:>8} {:>9} {:>8} {:>9} {:>7} {:>10}\n";
 
-constexpr std::size_t kEdgeRows = 12;  ///< the longest; result.json has all
+constexpr std::size_t kEdgeRows = 12;  ///< the longest; result.json has more
+
+/// What the table of edges does not show.
+std::string unlisted_text(const Json& pair) {
+  const std::size_t count = pair["edges"].size();
+  const Json& unlisted = pair["unlisted_edges"];
+  std::string text;
+  if (count > kEdgeRows) {
+    text += fmt::format("    {} shorter ones are in result.json\n", count - kEdgeRows);
+  }
+  const double share = unlisted["outline_share"].get<double>();
+  if (unlisted["count"].get<std::size_t>() > 0 || share > 0.0) {
+    text += fmt::format("    not listed: {} further edges; {:.1f} % of the outline\n",
+                        unlisted["count"].get<std::size_t>(),
+                        100.0 * share);
+  }
+  return text;
+}
 
 /// Edges of the part, where they have names.
-std::string edges_text(const Json& edges) {
+std::string edges_text(const Json& pair) {
+  const Json& edges = pair["edges"];
   if (edges.empty() || !edges[0].contains("surface")) {
     return "";
   }
@@ -44,7 +62,7 @@ std::string edges_text(const Json& edges) {
                         edge["surface"].get<std::string>(),
                         edge["beyond"].get<std::string>());
   }
-  return text;
+  return text + unlisted_text(pair);
 }
 
 std::string comparison_text(const Json& result) {
@@ -75,7 +93,7 @@ std::string comparison_text(const Json& result) {
                           cause["unit"].get<std::string>(),
                           cell(Json(100.0 * cause["share"].get<double>()), 0));
     }
-    text += edges_text(pair["edges"]);
+    text += edges_text(pair);
     for (const Json& note : pair["notes"]) {
       text += "    note: " + note.get<std::string>() + "\n";
     }

@@ -208,6 +208,8 @@ Json pair_json(const ComparedPair& pair, const PairCauses& causes) {
                      {"share", geometry.distance.share}};
   json["rings"] = rings_json(geometry.rings);
   json["edges"] = edges_json(geometry.edges);
+  json["unlisted_edges"] = {{"count", geometry.unlisted.count},
+                            {"outline_share", geometry.unlisted.outline_share}};
   json["regions"] = regions_json(pair.regions);
   json["texture"] = texture_pair_json(look);
   json["notes"] = pair.notes;

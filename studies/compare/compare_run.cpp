@@ -110,7 +110,9 @@ class CompareRun {
         Explained result = {.pair = compare_pair(pair, pair_options_)};
         check_shows_part(result.pair);
         result.causes = find_causes(result.pair, camera_);
-        result.pair.geometry.edges = surface_edges(result.pair);
+        ListedEdges listed = surface_edges(result.pair);
+        result.pair.geometry.edges = std::move(listed.edges);
+        result.pair.geometry.unlisted = listed.unlisted;
         return result;
       });
       for (std::size_t i = 0; i < size; ++i) {

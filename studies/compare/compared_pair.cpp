@@ -70,7 +70,9 @@ PairGeometry geometry_of(const ComparedPicture& simulated,
   const double reach = kMaxDistanceShare * simulated.width();
   geometry.distance = boundary_distance(first.located, second.located, reach);
   const std::vector<BoundaryGap> gaps = gaps_between(first.located, second.located, reach);
-  geometry.edges = part_edges(first.rough, first.located, gaps);
+  ListedEdges listed = part_edges(first.rough, first.located, gaps);
+  geometry.edges = std::move(listed.edges);
+  geometry.unlisted = listed.unlisted;
   for (const BoundaryGap& gap : gaps) {
     geometry.offsets.push_back(
         {.at_px = gap.from.at_px, .normal = gap.from.normal, .offset_px = gap.offset_px});

@@ -30,6 +30,7 @@ struct PairGeometry {
   BoundaryDistance distance;        ///< of points 0 where no edges were located on both sides
   std::vector<EdgeOffset> offsets;  ///< from the simulated to the real edge
   std::vector<PartEdge> edges;      ///< the same by edge of the part
+  UnlistedEdges unlisted;           ///< beside these
   RingOffsets rings;
 };
 

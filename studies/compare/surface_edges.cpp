@@ -44,14 +44,14 @@ class EdgeFinder {
                  camera_from_scene_),
         surfaces_(find_surfaces(surface_, focal_px())) {}
 
-  std::vector<PartEdge> find() {
+  ListedEdges find() {
     add_outlines();
     add_creases();
     std::vector<PartEdge> edges;
     for (const auto& [key, points] : groups_) {
       edges.push_back(edge_of(points));
     }
-    return numbered_edges(std::move(edges));
+    return list_edges(std::move(edges), outline_points_);
   }
 
  private:
@@ -90,6 +90,7 @@ class EdgeFinder {
       const int beyond = label_beside(gap.from, 1.0);
       const bool is_crease = surface != beyond && beyond != NamedSurfaces::kBackground;
       if (of < own.rough.size() && !is_crease) {
+        ++outline_points_;
         add(kind_of_boundary(own.rough[of]), of, surface, beyond, gap);
       }
     }
@@ -104,7 +105,7 @@ class EdgeFinder {
     const OutlineMotion motion = fit_outline_motion(pair_.geometry.offsets, kMotionScale_px);
     for (const compare_detail::PairedEdge& edge :
          compare_detail::edges_along(pair_.simulated.grey, pair_.real.grey, boundaries, motion)) {
-      add("crease",
+      add(kCrease,
           0,
           lines[edge.line].from,
           lines[edge.line].to,
@@ -159,14 +160,15 @@ class EdgeFinder {
   SimulatedSurface surface_;
   NamedSurfaces surfaces_;
   std::map<std::tuple<std::string, std::size_t, int, int>, EdgePoints> groups_;
+  std::size_t outline_points_ = 0;
 };
 
 }  // namespace
 
-std::vector<PartEdge> surface_edges(const ComparedPair& pair) {
+ListedEdges surface_edges(const ComparedPair& pair) {
   const CompareSource& source = pair.simulated.source;
   if (source.scene.empty() || source.geometry.empty()) {
-    return pair.geometry.edges;
+    return {.edges = pair.geometry.edges, .unlisted = pair.geometry.unlisted};
   }
   return EdgeFinder(pair, read_view_scene(source.scene)).find();
 }

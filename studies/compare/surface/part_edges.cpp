@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
@@ -50,6 +51,11 @@ double sigma_by_blocks(std::span<const BoundaryGap* const> gaps) {
   }
   const auto count = static_cast<double>(blocks);
   return std::sqrt((means.array() - means.mean()).square().sum() / (count * (count - 1.0)));
+}
+
+/// Of edges that have no number yet.
+bool is_of_outline(const PartEdge& edge) {
+  return edge.name != kCrease;
 }
 
 }  // namespace
@@ -98,20 +104,31 @@ std::vector<std::size_t> rough_of_pieces(std::span<const Boundary> rough,
   return belongs_to;
 }
 
-std::vector<PartEdge> numbered_edges(std::vector<PartEdge> edges) {
+ListedEdges list_edges(std::vector<PartEdge> edges, std::size_t outline_points) {
+  const std::size_t count = edges.size();
   std::erase_if(edges, [](const PartEdge& edge) { return edge.points < kLeastPoints; });
-  std::ranges::stable_sort(edges, std::greater<>(), &PartEdge::points);
+  std::ranges::stable_sort(edges, std::greater<>(), [](const PartEdge& edge) {
+    return std::pair(is_of_outline(edge), edge.points);
+  });
   edges.resize(std::min(edges.size(), kMostEdges));
+  std::ranges::stable_sort(edges, std::greater<>(), &PartEdge::points);
   std::map<std::string, int> numbers;
+  std::size_t listed_points = 0;
   for (PartEdge& edge : edges) {
+    listed_points += is_of_outline(edge) ? edge.points : 0;
     edge.name = fmt::format("{} {}", edge.name, ++numbers[edge.name]);
   }
-  return edges;
+  UnlistedEdges unlisted = {.count = count - edges.size()};
+  if (outline_points > 0) {
+    unlisted.outline_share =
+        1.0 - static_cast<double>(listed_points) / static_cast<double>(outline_points);
+  }
+  return {.edges = std::move(edges), .unlisted = unlisted};
 }
 
-std::vector<PartEdge> part_edges(std::span<const Boundary> rough,
-                                 std::span<const Boundary> located,
-                                 std::span<const BoundaryGap> gaps) {
+ListedEdges part_edges(std::span<const Boundary> rough,
+                       std::span<const Boundary> located,
+                       std::span<const BoundaryGap> gaps) {
   const std::vector<std::size_t> belongs_to = rough_of_pieces(rough, located);
   std::map<std::size_t, std::vector<const BoundaryGap*>> of_boundary;
   for (const BoundaryGap& gap : gaps) {
@@ -124,7 +141,7 @@ std::vector<PartEdge> part_edges(std::span<const Boundary> rough,
       edges.back().name = kind_of_boundary(rough[boundary]);
     }
   }
-  return numbered_edges(std::move(edges));
+  return list_edges(std::move(edges), gaps.size());
 }
 
 }  // namespace glint

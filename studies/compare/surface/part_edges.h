@@ -43,16 +43,32 @@ PartEdge edge_of_gaps(std::span<const BoundaryGap* const> gaps);
 std::vector<std::size_t> rough_of_pieces(std::span<const Boundary> rough,
                                          std::span<const Boundary> located);
 
-/// The longest first, numbered within their kind, which `name` is. Edges of less than 20 points
-/// are left out, and what is beyond 40.
-std::vector<PartEdge> numbered_edges(std::vector<PartEdge> edges);
+/// `name` of an edge that is no part of the outline, before it is numbered.
+inline constexpr const char* kCrease = "crease";
+
+/// What a list of edges leaves out.
+struct UnlistedEdges {
+  std::size_t count = 0;
+  /// Of the outline's points with a counterpart those that belong to no edge in the list, in
+  /// [0, 1]; of lines within the pictures where there is no outline.
+  double outline_share = 0.0;
+};
+
+struct ListedEdges {
+  std::vector<PartEdge> edges;  ///< at most 40 of at least 20 points each, the longest first
+  UnlistedEdges unlisted;
+};
+
+/// Numbers edges within their kind, which `name` is. Where there are more than 40, pieces of the
+/// outline go before other edges, the longest first.
+/// @param outline_points  of the outline with a counterpart, at least those of its edges
+ListedEdges list_edges(std::vector<PartEdge> edges, std::size_t outline_points);
 
 /// @param rough    the part's outlines, closed, or lines that end
 /// @param located  the same where they were located, in pieces
 /// @param gaps     from the located boundaries to the real ones
-/// @return edges of at least 20 points with a counterpart, at most 40
-std::vector<PartEdge> part_edges(std::span<const Boundary> rough,
-                                 std::span<const Boundary> located,
-                                 std::span<const BoundaryGap> gaps);
+ListedEdges part_edges(std::span<const Boundary> rough,
+                       std::span<const Boundary> located,
+                       std::span<const BoundaryGap> gaps);
 
 }  // namespace glint

@@ -97,18 +97,27 @@ function causesTable(pair) {
   return h('div', {}, h('h4', {}, 'Causes'), table(['cause', 'value', 'sigma', 'explains', ''], pair.causes.map(row)));
 }
 
+/** What a table of so many edges does not show. */
+function unlistedEdges(pair, rows) {
+  const { count, outline_share: share } = pair.unlisted_edges ?? { count: 0, outline_share: 0 };
+  const more = pair.edges.length - rows;
+  if (more <= 0 && !count && !share) return null;
+  return h('p', { class: 'lead' }, more > 0 ? `${more} shorter ones are in result.json. ` : '',
+    count || share ? `Not listed: ${count} further edges; ${(100 * share).toFixed(1)} % of the outline.` : '');
+}
+
 function edgesTable(pair) {
   if (!(pair.edges?.length > 1)) return null;
   const figures = (edge, keys) => keys.map((key) => cell(edge[key], 3));
   if (!pair.edges[0].surface) {
     const row = (edge) => h('tr', {}, h('td', {}, edge.name), h('td', { class: 'number' }, edge.middle_px.map((value) => value.toFixed(0)).join(', ')), h('td', { class: 'number' }, edge.points),
       figures(edge, ['mean_px', 'offset_px', 'sigma_px']), edge.shift_px.map((value) => cell(value, 2)));
-    return h('div', {}, h('h4', {}, 'Edge by edge'), table(['edge', 'middle px', 'points', 'mean distance px', 'offset px', 'sigma px', 'shift x px', 'shift y px'], pair.edges.slice(0, 12).map(row)));
+    return h('div', {}, h('h4', {}, 'Edge by edge'), table(['edge', 'middle px', 'points', 'mean distance px', 'offset px', 'sigma px', 'shift x px', 'shift y px'], pair.edges.slice(0, 12).map(row)), unlistedEdges(pair, 12));
   }
   const row = (edge) => h('tr', {}, h('td', {}, `${edge.name}: ${edge.surface} | ${edge.beyond}`), h('td', { class: 'number' }, edge.middle_mm.map((value) => value.toFixed(1)).join(', ')),
     cell(edge.length_mm, 1), figures(edge, ['mean_px', 'offset_px', 'sigma_px', 'offset_mm']));
   return h('div', {}, h('h4', {}, 'Edges of the part'), h('p', { class: 'lead' }, 'Between the surfaces that the simulated view shows; the offset is > 0 where the photograph\u2019s edge lies on the side of the second one.'),
-    table(['edge', 'middle mm', 'length mm', 'mean px', 'offset px', 'sigma px', 'offset mm'], pair.edges.slice(0, 24).map(row)));
+    table(['edge', 'middle mm', 'length mm', 'mean px', 'offset px', 'sigma px', 'offset mm'], pair.edges.slice(0, 24).map(row)), unlistedEdges(pair, 24));
 }
 
 /** Grey values by ninths of the part's extent, as they lie in the picture. */

@@ -161,6 +161,8 @@ TEST_F(MovedFace, IsNamedByItsEdges) {
   }
   EXPECT_EQ(moved, 2);
   EXPECT_GE(still, 7);
+  EXPECT_TRUE(pair["unlisted_edges"]["count"].is_number_unsigned());
+  EXPECT_LT(pair["unlisted_edges"]["outline_share"].get<double>(), 0.15);
 }
 
 // The same picture twice: every edge is where it is.

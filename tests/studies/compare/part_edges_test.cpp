@@ -28,7 +28,7 @@ Boundary circle(const Vector2d& middle, double radius, double outward) {
 TEST(PartEdges, TellWhichEdgeIsOff) {
   const std::vector<Boundary> simulated = {circle({50, 50}, 10, -1.0), circle({50, 50}, 40, 1.0)};
   const std::vector<Boundary> real = {circle({50.8, 50}, 10, -1.0), circle({50, 50}, 40, 1.0)};
-  const auto edges = part_edges(simulated, simulated, gaps_between(simulated, real));
+  const auto edges = part_edges(simulated, simulated, gaps_between(simulated, real)).edges;
   ASSERT_EQ(edges.size(), 2U);
   EXPECT_EQ(edges[0].name, "outline 1");
   EXPECT_NEAR(edges[0].mean_px, 0.0, 0.02);
@@ -50,7 +50,7 @@ TEST(PartEdges, OfAStraightLineTellNoShift) {
   }
   const std::vector<Boundary> simulated = {line};
   const std::vector<Boundary> real = {other};
-  const auto edges = part_edges(simulated, simulated, gaps_between(simulated, real));
+  const auto edges = part_edges(simulated, simulated, gaps_between(simulated, real)).edges;
   ASSERT_EQ(edges.size(), 1U);
   EXPECT_EQ(edges[0].name, "line 1");
   EXPECT_NEAR(edges[0].offset_px, 0.4, 1e-6);
@@ -59,8 +59,34 @@ TEST(PartEdges, OfAStraightLineTellNoShift) {
 
 TEST(PartEdges, AreNoneWithoutCounterparts) {
   const std::vector<Boundary> simulated = {circle({50, 50}, 10, 1.0)};
-  EXPECT_TRUE(part_edges(simulated, simulated, {}).empty());
-  EXPECT_TRUE(part_edges({}, {}, {}).empty());
+  EXPECT_TRUE(part_edges(simulated, simulated, {}).edges.empty());
+  EXPECT_TRUE(part_edges({}, {}, {}).edges.empty());
+}
+
+// 35 creases of 100 points, 10 pieces of the outline of 25 and 2 of 19, which are too short. Of 47
+// edges 40 are listed; of the outline 250 points of 298, ten of which belong to no edge.
+TEST(PartEdges, TellWhatTheyLeaveOutAndKeepTheOutline) {
+  std::vector<PartEdge> edges(35, {.name = kCrease, .points = 100});
+  edges.insert(edges.end(), 10, {.name = "outline", .points = 25});
+  edges.insert(edges.end(), 2, {.name = "outline", .points = 19});
+  const ListedEdges listed = list_edges(edges, 10 * 25 + 2 * 19 + 10);
+  ASSERT_EQ(listed.edges.size(), 40U);
+  EXPECT_EQ(listed.edges[0].name, "crease 1");
+  EXPECT_EQ(listed.edges[29].name, "crease 30");
+  EXPECT_EQ(listed.edges[30].name, "outline 1");
+  EXPECT_EQ(listed.edges[39].name, "outline 10");
+  EXPECT_EQ(listed.unlisted.count, 7U);
+  EXPECT_NEAR(listed.unlisted.outline_share, 48.0 / 298.0, 1e-12);
+}
+
+TEST(PartEdges, LeaveOutNothingWithoutAWord) {
+  const std::vector<Boundary> simulated = {circle({50, 50}, 2.5, -1.0), circle({50, 50}, 40, 1.0)};
+  const std::vector<Boundary> real = {circle({50, 50}, 2.5, -1.0), circle({50, 50}, 40.5, 1.0)};
+  const ListedEdges listed = part_edges(simulated, simulated, gaps_between(simulated, real));
+  ASSERT_EQ(listed.edges.size(), 1U);
+  EXPECT_EQ(listed.unlisted.count, 1U);
+  EXPECT_NEAR(listed.unlisted.outline_share, 15.0 / (15.0 + 251.0), 1e-3);
+  EXPECT_EQ(list_edges({}, 0).unlisted.outline_share, 0.0);
 }
 
 }  // namespace

@@ -102,7 +102,10 @@ void check_size(const ComparedPair& pair, const KnownCamera& known) {
 
 constexpr double kMatchedReach_px = 4.0;  ///< when the changes are known about
 constexpr int kRounds = 3;
-constexpr double kFar_px = 4.0;       ///< rms from which on nearest edges may be others
+/// Of the picture's width, and at least so many pixels: rms from which on nearest edges may be
+/// others, 4 px of 612.
+constexpr double kFarShare = 0.0065;
+constexpr double kLeastFar_px = 2.0;
 constexpr double kMostlyShown = 0.6;  ///< of the simulated outline's edges, in the real picture
 
 /// Whether the motion of the simulated outline onto the real one is known.
@@ -252,11 +255,12 @@ void note_contradiction(const CauseFit& fit, std::vector<std::string>& notes) {
 
 /// Edges that lie far apart were matched rightly where most of the outline was found in the real
 /// picture; nearest edges of another tooth or corner can agree with a change that is none.
-void withhold_doubtful(const OutlinePair& outlines, PairCauses& causes) {
+void withhold_doubtful(const OutlinePair& outlines, int width_px, PairCauses& causes) {
   CauseFit& fit = *causes.edges;
+  const double far_px = std::max(kFarShare * width_px, kLeastFar_px);
   const bool is_guided = outlines.motion.has_value();
   const bool is_found = is_guided && outlines.shown >= kMostlyShown;
-  if (fit.causes.empty() || fit.before_px < kFar_px || is_found) {
+  if (fit.causes.empty() || fit.before_px < far_px || is_found) {
     return;
   }
   causes.notes.push_back(fmt::format(
@@ -285,7 +289,7 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {
     const SimulatedSurface surface = surface_of(pair, scene);
     causes.middle_mm = surface.middle_mm();
     causes.edges = matched_causes(pair, surface, intrinsics_of(scene), causes.middle_mm, known).fit;
-    withhold_doubtful(pair.geometry.outlines, causes);
+    withhold_doubtful(pair.geometry.outlines, pair.simulated.width(), causes);
     for (const FoundCause& found : causes.edges->causes) {
       causes.told.push_back(told(found));
     }

@@ -139,5 +139,32 @@ TEST(LargeChanges, WithoutTheSimulatedOutlineAreNotTold) {
       << gear.last_pair()["notes"];
 }
 
+/// Whether a shift by a share of the picture's width is told where edges are matched by nearness
+/// alone; what is told is right.
+bool is_shift_told(ChangedGear& gear, int width_px, double share) {
+  const double px_per_mm = focal_px() * width_px / kWidthPx / kDepth_mm;
+  const Change shift = {CauseParameter::kShiftX, share * width_px / px_per_mm};
+  const nlohmann::json causes = gear.causes_of({&shift, 1}, 3, {"--outline", "threshold"});
+  const nlohmann::json found = ChangedGear::find(causes, shift.parameter);
+  std::printf("%d px, shift %.2f %%: %s %s\n",
+              width_px,
+              100.0 * share,
+              gear.last().c_str(),
+              gear.last_pair()["notes"].dump().c_str());
+  const bool is_withheld =
+      gear.last_pair()["notes"].dump().find("no cause is told") != std::string::npos;
+  EXPECT_EQ(found.is_null(), is_withheld);
+  return !found.is_null();
+}
+
+// A shift by one share of the width means the same in a small picture and in a large one.
+TEST(LargeChanges, MeanTheSameAtEverySize) {
+  for (const int width_px : {306, 1224}) {
+    ChangedGear gear(width_px, 8);
+    EXPECT_TRUE(is_shift_told(gear, width_px, 0.006)) << width_px;
+    EXPECT_FALSE(is_shift_told(gear, width_px, 0.014)) << width_px;
+  }
+}
+
 }  // namespace
 }  // namespace glint::test

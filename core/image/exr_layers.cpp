@@ -20,12 +20,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
+using OIIO::ImageInput;
 using OIIO::ImageOutput;
 using OIIO::ImageSpec;
 using OIIO::TypeDesc;
 
 /// Rows that are interleaved at a time; OpenEXR packs 16 of them together.
 constexpr int kRows = 64;
+
+/// Rows that are read at a time.
+constexpr int kReadRows = 256;
 
 constexpr float kLargestCode = 65535.0F;
 
@@ -91,6 +95,61 @@ void write_rows(ImageOutput& output,
   }
 }
 
+/// Values of consecutive channels, pixel by pixel, of some rows. Tiles are read as a whole.
+/// @returns whether they could be read
+bool read_strip(ImageInput& input,
+                const ImageSpec& spec,
+                int top,
+                int bottom,
+                int first,
+                int last,
+                float* values) {
+  return spec.tile_width > 0 ? input.read_image(0, 0, first, last + 1, TypeDesc::FLOAT, values)
+                             : input.read_scanlines(0,
+                                                    0,
+                                                    spec.y + top,
+                                                    spec.y + bottom,
+                                                    0,
+                                                    first,
+                                                    last + 1,
+                                                    TypeDesc::FLOAT,
+                                                    values);
+}
+
+/// Every so many values one of the image, from a row on.
+void unpack(std::span<const float> values, std::size_t count, int top, ImageF& image) {
+  float* to = image.row(top);
+  for (std::size_t i = 0; i < values.size(); i += count) {
+    *to++ = values[i];
+  }
+}
+
+/// All channels in one pass over the file, which packs them together: to read them one by one would
+/// unpack it as often as there are channels.
+/// @param channels  numbers in the file, at least one
+std::vector<ImageF> read_rows(ImageInput& input,
+                              const ImageSpec& spec,
+                              std::span<const int> channels,
+                              const fs::path& path) {
+  const auto [first, last] = std::ranges::minmax(channels);
+  const auto count = static_cast<std::size_t>(last - first + 1);
+  const auto row = static_cast<std::size_t>(spec.width) * count;
+  const int rows = spec.tile_width > 0 ? spec.height : std::min(kReadRows, spec.height);
+  std::vector<float> strip(row * static_cast<std::size_t>(rows));
+  std::vector<ImageF> images(channels.size(), ImageF(spec.width, spec.height));
+  for (int top = 0; top < spec.height; top += rows) {
+    const int bottom = std::min(spec.height, top + rows);
+    if (!read_strip(input, spec, top, bottom, first, last, strip.data())) {
+      throw_unreadable_picture(path, input.geterror());
+    }
+    const auto values = std::span(strip).first(row * static_cast<std::size_t>(bottom - top));
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+      unpack(values.subspan(static_cast<std::size_t>(channels[c] - first)), count, top, images[c]);
+    }
+  }
+  return images;
+}
+
 }  // namespace
 
 ExrChannel exr_channel(std::string name, const ImageF& image) {
@@ -128,21 +187,16 @@ std::vector<ImageF> read_exr_channels(const fs::path& path, std::span<const std:
   if (!input) {
     throw_unreadable_picture(path, OIIO::geterror());
   }
-  const ImageSpec& spec = input->spec();
-  std::vector<ImageF> images;
+  const ImageSpec spec = input->spec();
+  std::vector<int> channels;
   for (const std::string& name : names) {
     const auto found = std::ranges::find(spec.channelnames, name);
     if (found == spec.channelnames.end()) {
       throw ConfigError(fmt::format("{}: has no channel {}", path.string(), name));
     }
-    const int channel = static_cast<int>(found - spec.channelnames.begin());
-    ImageF image(spec.width, spec.height);
-    if (!input->read_image(0, 0, channel, channel + 1, TypeDesc::FLOAT, image.values().data())) {
-      throw_unreadable_picture(path, input->geterror());
-    }
-    images.push_back(std::move(image));
+    channels.push_back(static_cast<int>(found - spec.channelnames.begin()));
   }
-  return images;
+  return channels.empty() ? std::vector<ImageF>() : read_rows(*input, spec, channels, path);
 }
 
 std::vector<ImageF> read_colours(const fs::path& path) {

@@ -2,11 +2,14 @@
 //
 // Two pictures of 2448 x 2050 px, 16 bit, in files: read, outlines, greys and textures compared; no
 // rendering. `ms` and `opencv_ms` are medians of the same run, taken in turns; `of_opencv` is their
-// ratio. OpenCV's SSIM (module quality) gets the same pictures as floats in memory.
+// ratio. OpenCV's SSIM (module quality) gets the same pictures as floats in memory. And the
+// geometry of a rendered view, read at once and channel by channel.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <span>
+#include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -14,6 +17,7 @@
 #include <unistd.h>
 #include <opencv2/quality/qualityssim.hpp>
 
+#include "core/image/exr_layers.h"
 #include "core/image/image_io.h"
 #include "core/median.h"
 #include "core/rng.h"
@@ -85,6 +89,57 @@ void compare_five_megapixels(benchmark::State& state) {
 }
 
 BENCHMARK(compare_five_megapixels)->Unit(benchmark::kMillisecond)->Iterations(5);
+
+/// Ten channels of a sphere, as geometry.exr of `glint render` has them; half of the picture is
+/// beside it.
+void write_geometry(const std::filesystem::path& path, int width, int height) {
+  const double radius = 0.45 * height;
+  std::vector<ImageF> images(10, ImageF(width, height));
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double u = (x + 0.5 - 0.5 * width) / radius;
+      const double v = (y + 0.5 - 0.5 * height) / radius;
+      const double w = std::sqrt(std::max(1.0 - u * u - v * v, 0.0));
+      for (std::size_t c = 0; c < images.size() && w > 0.0; ++c) {
+        const double normal = c % 3 == 0 ? u : c % 3 == 1 ? v : w;
+        images[c](x, y) = static_cast<float>(normal * (1.0 + 20.0 * static_cast<double>(c / 3)));
+      }
+    }
+  }
+  std::vector<ExrChannel> channels;
+  for (std::size_t c = 0; c < images.size(); ++c) {
+    channels.push_back(exr_channel(fmt::format("c{}", c), images[c]));
+  }
+  write_exr_channels(path, width, height, channels);
+}
+
+/// Seven channels of ten, as the surface of a view is read: in one pass (`ms`) and one by one
+/// (`one_by_one_ms`), in turns; `ratio` is between both.
+void read_geometry(benchmark::State& state) {
+  const int width = static_cast<int>(state.range(0));
+  const std::filesystem::path path = std::filesystem::temp_directory_path() /
+                                     fmt::format("glint_compare_bench_{}.exr", ::getpid());
+  write_geometry(path, width, width * 512 / 612);
+  const std::vector<std::string> names = {"c0", "c1", "c2", "c3", "c4", "c5", "c6"};
+  std::vector<double> together;
+  std::vector<double> single;
+  for (auto unused : state) {
+    auto start = std::chrono::steady_clock::now();
+    benchmark::DoNotOptimize(read_exr_channels(path, names));
+    together.push_back(1000.0 * seconds_since(start));
+    start = std::chrono::steady_clock::now();
+    for (const std::string& name : names) {
+      benchmark::DoNotOptimize(read_exr_channels(path, std::span(&name, 1)));
+    }
+    single.push_back(1000.0 * seconds_since(start));
+  }
+  std::filesystem::remove(path);
+  state.counters["ms"] = median_of(together);
+  state.counters["one_by_one_ms"] = median_of(single);
+  state.counters["ratio"] = median_of(single) / median_of(together);
+}
+
+BENCHMARK(read_geometry)->Arg(612)->Arg(2448)->Unit(benchmark::kMillisecond)->Iterations(5);
 
 }  // namespace
 }  // namespace glint

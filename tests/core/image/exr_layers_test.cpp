@@ -2,7 +2,10 @@
 #include "core/image/exr_layers.h"
 
 #include <cmath>
+#include <cstdint>
+#include <fstream>
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -43,6 +46,67 @@ TEST(ExrChannels, ComeBackByNameBitForBit) {
   write_exr_channels(folder / "b.exr", 7, 150, channels);
   EXPECT_EQ(read_file(folder / "a.exr"), read_file(folder / "b.exr"));
   EXPECT_EQ(folder.count(), 2) << "no temporary file is left";
+}
+
+// In another order than in the file, with others between them; more rows than are read at a time.
+TEST(ExrChannels, AreReadInAnyOrder) {
+  const TemporaryFolder folder;
+  std::vector<ImageF> images;
+  std::vector<ExrChannel> channels;
+  for (int c = 0; c < 5; ++c) {
+    images.emplace_back(3, 700);
+    for (std::size_t i = 0; i < images.back().size(); ++i) {
+      images.back().values()[i] = static_cast<float>(10 * i) + static_cast<float>(c);
+    }
+  }
+  for (std::size_t c = 0; c < images.size(); ++c) {
+    channels.push_back(exr_channel("layer." + std::to_string(c), images[c]));
+  }
+  write_exr_channels(folder / "a.exr", 3, 700, channels);
+  const std::vector<std::string> names = {"layer.4", "layer.1", "layer.1"};
+  const std::vector<ImageF> read = read_exr_channels(folder / "a.exr", names);
+  ASSERT_EQ(read.size(), 3U);
+  EXPECT_EQ(read[0], images[4]);
+  EXPECT_EQ(read[1], images[1]);
+  EXPECT_EQ(read[2], images[1]);
+  EXPECT_TRUE(read_exr_channels(folder / "a.exr", {}).empty());
+  const std::vector<std::string> wrong = {"layer.1", "layer.5"};
+  EXPECT_THROW(read_exr_channels(folder / "a.exr", wrong), ConfigError);
+}
+
+/// Bytes that this program has read so far, of whatever file; 0 where the system does not tell.
+std::size_t bytes_read() {
+  std::ifstream counters("/proc/self/io");
+  std::string name;
+  std::size_t bytes = 0;
+  return counters >> name >> bytes && name == "rchar:" ? bytes : 0;
+}
+
+// Noise that hardly packs: 7 channels of 10 cost one pass over the file, not seven.
+TEST(ExrChannels, AreReadInOnePass) {
+  if (bytes_read() == 0) {
+    GTEST_SKIP() << "the system does not count what is read";
+  }
+  const TemporaryFolder folder;
+  ImageF noise(300, 400);
+  std::uint32_t state = 1;
+  for (float& value : noise.values()) {
+    state = 1664525U * state + 1013904223U;
+    value = static_cast<float>(state);
+  }
+  std::vector<ExrChannel> channels;
+  std::vector<std::string> names;
+  for (int c = 0; c < 10; ++c) {
+    channels.push_back(exr_channel("c" + std::to_string(c), noise));
+    names.push_back(channels.back().name);
+  }
+  names.resize(7);
+  write_exr_channels(folder / "a.exr", 300, 400, channels);
+  const auto size = std::filesystem::file_size(folder / "a.exr");
+  ASSERT_GT(size, 300'000U);
+  const std::size_t before = bytes_read();
+  EXPECT_EQ(read_exr_channels(folder / "a.exr", names).back(), noise);
+  EXPECT_LT(bytes_read() - before, size * 3 / 2);
 }
 
 TEST(ExrChannels, OfOneNameAreOurMistake) {

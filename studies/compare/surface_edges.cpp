@@ -13,6 +13,7 @@
 #include "studies/compare/guided_outline.h"
 #include "studies/compare/surface/named_surfaces.h"
 #include "studies/compare/surface/simulated_surface.h"
+#include "studies/compare/surface/surface_lines.h"
 
 namespace glint {
 namespace {

@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "core/image/image.h"
-#include "metrics/overlap/boundary.h"
 #include "studies/compare/surface/simulated_surface.h"
 
 namespace glint {
@@ -28,19 +29,9 @@ struct NamedSurfaces {
 
 /// Neighbours are of one surface unless it bends by more than 15 degrees within a radius of eight
 /// pixels between them, or by more than 60 degrees, or one lies more than 1.5 pixels above the
-/// other's tangent plane. Pieces of
-/// less than 100 pixels get no name.
+/// other's tangent plane. Pieces of less than 100 pixels get no name. Facets of a mesh that stand
+/// for a cylinder or cone are one surface (facet_fans.h).
 /// @param focal_px  pixels per radian, > 0
 NamedSurfaces find_surfaces(const SimulatedSurface& surface, double focal_px);
-
-/// Where two surfaces meet in the picture: lines with about a point a pixel, their normals from the
-/// surface of the lower number to the other one.
-struct SurfaceLine {
-  int from = 0;
-  int to = 0;
-  Boundary line;  ///< at least 8 points, open
-};
-
-std::vector<SurfaceLine> lines_between(const NamedSurfaces& surfaces);
 
 }  // namespace glint

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <Eigen/Dense>
 
+#include "core/units.h"
+
 namespace glint {
 namespace {
 
@@ -24,6 +26,7 @@ constexpr double kAlongAxis = 0.9994;    ///< cosine: 2 deg
 constexpr double kOneAngle = 0.03;       ///< rms of the normals' cosines with an axis
 constexpr double kSquare = 0.1;          ///< their mean, of a cylinder
 constexpr double kLeastShare = 0.02;     ///< of the radius, left as an rms
+constexpr double kLeastShareOfFacets = 0.005;
 
 /// "+z" or "-x", or nothing for directions between the axes.
 std::optional<std::string> axis_name(const Vector3d& direction) {
@@ -97,8 +100,24 @@ RadiusFit fit_radius(std::span<const PointWithNormal> points, const MatrixXd& ac
           .rms_mm = std::sqrt(rest / static_cast<double>(points.size()))};
 }
 
-bool is_good(const RadiusFit& fit, double pixel_mm) {
-  return fit.rms_mm < pixel_mm + kLeastShare * std::abs(fit.radius_mm);
+/// The same by the planes of facets, across an axis: their points lie beside where a normal of the
+/// round surface leads, but each plane is one radius from the centre.
+/// @param across  2 x 3
+RadiusFit fit_facets(std::span<const PointWithNormal> points, const MatrixXd& across) {
+  MatrixXd rows(static_cast<Index>(points.size()), 3);
+  VectorXd right(rows.rows());
+  for (Index i = 0; i < rows.rows(); ++i) {
+    const PointWithNormal& point = points[static_cast<std::size_t>(i)];
+    rows.row(i) << (across * point.normal).transpose(), 1.0;
+    right[i] = (across * point.normal).dot(across * (point.at_mm - points.front().at_mm));
+  }
+  const VectorXd values = rows.colPivHouseholderQr().solve(right);
+  return {.radius_mm = values[2],
+          .rms_mm = (rows * values - right).norm() / std::sqrt(static_cast<double>(points.size()))};
+}
+
+bool is_good(const RadiusFit& fit, double pixel_mm, double share) {
+  return fit.rms_mm < pixel_mm + share * std::abs(fit.radius_mm);
 }
 
 std::string about(const Vector3d& axis, const char* word) {
@@ -130,9 +149,34 @@ bool is_cone(std::span<const PointWithNormal> points, const Vector3d& axis) {
   return variance < kOneAngle * kOneAngle;
 }
 
+/// Of normals that are all square to an axis.
+std::string cylinder_name(std::span<const PointWithNormal> points,
+                          const Vector3d& axis,
+                          double pixel_mm,
+                          double facet_rad) {
+  const MatrixXd across = across_of(axis);
+  RadiusFit round = facet_rad > 0.0 ? fit_facets(points, across) : fit_radius(points, across);
+  if (!is_good(round, pixel_mm, kLeastShare)) {
+    // Of many small facets the points lie off, their planes do not.
+    round = fit_facets(points, across);
+    if (!is_good(round, pixel_mm, kLeastShareOfFacets)) {
+      return "curved surface" + about(axis, "along");
+    }
+  }
+  return fmt::format("{} of radius {:.1f} mm{}",
+                     round.radius_mm > 0.0 ? "cylinder" : "bore",
+                     std::abs(round.radius_mm) / std::cos(0.5 * facet_rad),
+                     about(axis, "along"));
+}
+
+std::string of_facets(double facet_rad) {
+  return facet_rad > 0.0 ? fmt::format(" in facets of {:.0f} deg", facet_rad * kDegPerRad)
+                         : std::string();
+}
+
 }  // namespace
 
-std::string shape_name(std::span<const PointWithNormal> points, double pixel_mm) {
+std::string shape_name(std::span<const PointWithNormal> points, double pixel_mm, double facet_rad) {
   const Vector3d mean = mean_normal(points);
   const Matrix3d spread = spread_of_normals(points, mean);
   if (spread.trace() < kOneDirection * kOneDirection) {
@@ -142,20 +186,16 @@ std::string shape_name(std::span<const PointWithNormal> points, double pixel_mm)
   const Vector3d axis = directions.eigenvectors().col(0);
   const bool is_turned = directions.eigenvalues()[0] < kOneAngle * kOneAngle;
   if (is_turned && std::abs(axis.dot(mean)) < kSquare) {
-    const RadiusFit round = fit_radius(points, across_of(axis));
-    return is_good(round, pixel_mm) ? fmt::format("{} of radius {:.1f} mm{}",
-                                                  round.radius_mm > 0.0 ? "cylinder" : "bore",
-                                                  std::abs(round.radius_mm),
-                                                  about(axis, "along"))
-                                    : "curved surface" + about(axis, "along");
+    return cylinder_name(points, axis, pixel_mm, facet_rad) + of_facets(facet_rad);
   }
   const RadiusFit ball = fit_radius(points, Matrix3d::Identity());
-  if (is_good(ball, pixel_mm)) {
+  if (is_good(ball, pixel_mm, kLeastShare)) {
     return fmt::format("{} of radius {:.1f} mm",
                        ball.radius_mm > 0.0 ? "sphere" : "hollow sphere",
                        std::abs(ball.radius_mm));
   }
-  return is_turned && is_cone(points, axis) ? "cone" + about(axis, "about") : "curved surface";
+  return is_turned && is_cone(points, axis) ? "cone" + about(axis, "about") + of_facets(facet_rad)
+                                            : "curved surface";
 }
 
 }  // namespace glint

@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "core/image/exr_layers.h"
+#include "core/units.h"
+#include "studies/compare/surface/surface_lines.h"
 #include "studies/compare/surface/surface_shape.h"
 #include "tests/studies/compare/compare_fixture.h"
 
@@ -63,6 +65,24 @@ TEST(ShapeName, SaysWhatAnEngineerWould) {
               return PointWithNormal{{10.0 * u, 10.0 * v, 1.5 * (u * u - v * v)}, n};
             }),
             "curved surface");
+}
+
+// Five facets of 15 degrees: the cylinder that their edges lie on has the radius 18.
+TEST(ShapeName, OfFacetsHasTheRadiusOfTheirEdges) {
+  constexpr double kStep_rad = 15.0 * kRadPerDeg;
+  std::vector<PointWithNormal> points;
+  for (int facet = 0; facet < 5; ++facet) {
+    const Vector3d n(std::cos(facet * kStep_rad), std::sin(facet * kStep_rad), 0.0);
+    for (int i = 0; i < 80; ++i) {
+      const double part = 2.0 * (i % 10) / 9.0 - 1.0;  // from edge to edge
+      points.push_back({18.0 * std::cos(0.5 * kStep_rad) * n +
+                            18.0 * std::sin(0.5 * kStep_rad) * part * Vector3d::UnitZ().cross(n) +
+                            Vector3d(3.0, 4.0, i / 10),
+                        n});
+    }
+  }
+  EXPECT_EQ(shape_name(points, 0.05, kStep_rad),
+            "cylinder of radius 18.0 mm along z in facets of 15 deg");
 }
 
 class FoundSurfaces : public CompareFiles {
@@ -129,6 +149,63 @@ TEST_F(FoundSurfaces, EndAtStepsAndCreasesButNotWhereTheyBendSlowly) {
                     }),
                     kFocal_px);
   EXPECT_THAT(round.names, ElementsAre("cylinder of radius 4.0 mm along y"));
+}
+
+/// Seen from the side: a regular prism of so many sides about y, a corner of it to either side of
+/// the middle where a side lies flat on top. Nothing beside it.
+std::optional<PointWithNormal> on_prism(double x, double y, int around, double corner_mm) {
+  const double step = 2.0 * kPi / around;
+  const double apothem_mm = corner_mm * std::cos(0.5 * step);
+  const double across = x - 5.0;
+  double top = 100.0;
+  Vector3d normal = Vector3d::UnitZ();
+  for (int i = -around / 4; i <= around / 4; ++i) {
+    const Vector3d n(std::sin(i * step), 0.0, std::cos(i * step));
+    const double z = n.z() > 1e-9 ? (apothem_mm - across * n.x()) / n.z() : 100.0;
+    normal = z < top ? n : normal;
+    top = std::min(top, z);
+  }
+  return top > 0.0 && std::abs(across) < corner_mm
+             ? std::optional(PointWithNormal{{x, y, top}, normal})
+             : std::nullopt;
+}
+
+// What an STL file has of a turned part is one cylinder for 24 and for 12 facets, without a line
+// within; the sides of a hexagonal bar are planes.
+TEST_F(FoundSurfaces, JoinFacetsOfACylinderButNotOfANut) {
+  const auto seen_prism = [&](int around) {
+    return find_surfaces(seen([=](double x, double y) { return on_prism(x, y, around, 4.0); }),
+                         kFocal_px);
+  };
+  const NamedSurfaces fine = seen_prism(24);
+  EXPECT_THAT(fine.names, ElementsAre("cylinder of radius 4.0 mm along y in facets of 15 deg"));
+  EXPECT_TRUE(lines_between(fine).empty());
+  const NamedSurfaces coarse = seen_prism(12);
+  EXPECT_THAT(coarse.names, ElementsAre("cylinder of radius 4.0 mm along y in facets of 30 deg"));
+  EXPECT_TRUE(lines_between(coarse).empty());
+  EXPECT_THAT(seen_prism(36).names, ElementsAre("cylinder of radius 4.0 mm along y"));
+  const NamedSurfaces nut = seen_prism(6);
+  EXPECT_THAT(nut.names,
+              ElementsAre("plane facing +z at z = 3.5 mm",
+                          "plane facing (-0.87, 0.00, 0.50)",
+                          "plane facing (0.87, 0.00, 0.50)"));
+}
+
+// A box with chamfers of 45 degrees stays three planes.
+TEST_F(FoundSurfaces, KeepChamfers) {
+  const double s = std::sqrt(0.5);
+  const NamedSurfaces box = find_surfaces(
+      seen([&](double x, double y) {
+        const double side = x < 3.0 ? -1.0 : 1.0;
+        const double into = x < 3.0 ? 3.0 - x : x - 7.0;
+        return into <= 0.0 ? PointWithNormal{{x, y, 3.0}, Vector3d::UnitZ()}
+                           : PointWithNormal{{x, y, 3.0 - into}, Vector3d(side * s, 0.0, s)};
+      }),
+      kFocal_px);
+  EXPECT_THAT(box.names,
+              ElementsAre("plane facing +z at z = 3.0 mm",
+                          "plane facing (-0.71, 0.00, 0.71)",
+                          "plane facing (0.71, 0.00, 0.71)"));
 }
 
 // One line where both planes of the step meet, its normal to the smaller one.

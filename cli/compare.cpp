@@ -52,15 +52,16 @@ std::string edges_text(const Json& pair) {
                                  "offset mm");
   for (std::size_t i = 0; i < std::min(edges.size(), kEdgeRows); ++i) {
     const Json& edge = edges[i];
-    text += fmt::format("    {:>9} {:>8} {:>9} {:>8} {:>9}  {}: {} | {}\n",
+    const auto surface = edge["surface"].get<std::string>();
+    const auto beyond = edge["beyond"].get<std::string>();
+    text += fmt::format("    {:>9} {:>8} {:>9} {:>8} {:>9}  {}{}\n",
                         cell(edge["length_mm"], 1),
                         cell(edge["mean_px"], 3),
                         cell(edge["offset_px"], 3),
                         cell(edge["sigma_px"], 3),
                         cell(edge["offset_mm"], 4),
                         edge["name"].get<std::string>(),
-                        edge["surface"].get<std::string>(),
-                        edge["beyond"].get<std::string>());
+                        surface == beyond ? " on " + surface : ": " + surface + " | " + beyond);
   }
   return text + unlisted_text(pair);
 }

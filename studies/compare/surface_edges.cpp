@@ -80,6 +80,7 @@ class EdgeFinder {
     points.gaps.push_back(gap);
   }
 
+  /// Where two surfaces meet an outline by brightness may run, too: that is a crease.
   void add_outlines() {
     const PartOutline& own = pair_.geometry.outlines.simulated;
     const auto rough = rough_of_pieces(own.rough, own.located);
@@ -89,10 +90,14 @@ class EdgeFinder {
       const std::size_t of = rough[gap.boundary];
       const int surface = label_beside(gap.from, -1.0);
       const int beyond = label_beside(gap.from, 1.0);
-      const bool is_crease = surface != beyond && beyond != NamedSurfaces::kBackground;
-      if (of < own.rough.size() && !is_crease) {
+      if (of >= own.rough.size()) {
+        continue;
+      }
+      if (beyond == NamedSurfaces::kBackground) {
         ++outline_points_;
         add(kind_of_boundary(own.rough[of]), of, surface, beyond, gap);
+      } else if (surface == beyond) {
+        add(kEdgeOfLight, of, surface, beyond, gap);
       }
     }
   }

@@ -55,7 +55,7 @@ double sigma_by_blocks(std::span<const BoundaryGap* const> gaps) {
 
 /// Of edges that have no number yet.
 bool is_of_outline(const PartEdge& edge) {
-  return edge.name != kCrease;
+  return edge.name != kCrease && edge.name != kEdgeOfLight;
 }
 
 }  // namespace

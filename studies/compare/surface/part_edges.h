@@ -15,9 +15,10 @@ namespace glint {
 /// One closed outline of the simulated part, one of its holes, or a line within it. Where the
 /// simulated surface is known: a piece of these along one surface, or where two surfaces meet.
 struct PartEdge {
-  std::string name;  ///< "outline 1", "hole 1", "line 1", "crease 1": each kind the longest first
+  /// "outline 1", "hole 1", "line 1", "crease 1", "edge of light 1": each kind the longest first
+  std::string name;
   std::string surface;  ///< whose edge it is: shape_name(); empty: not known
-  std::string beyond;   ///< what lies on its other side, "background" or a surface
+  std::string beyond;   ///< on its other side: "background" or a surface; of light the same one
   Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();  ///< mean of its points
   std::size_t points = 0;                               ///< with a counterpart, about one a pixel
   double mean_px = 0.0;                                 ///< mean distance of the real edge
@@ -43,8 +44,10 @@ PartEdge edge_of_gaps(std::span<const BoundaryGap* const> gaps);
 std::vector<std::size_t> rough_of_pieces(std::span<const Boundary> rough,
                                          std::span<const Boundary> located);
 
-/// `name` of an edge that is no part of the outline, before it is numbered.
+/// `name` of edges that are no part of the outline, before they are numbered: where two surfaces
+/// meet, and where a light or a shadow ends on one.
 inline constexpr const char* kCrease = "crease";
+inline constexpr const char* kEdgeOfLight = "edge of light";
 
 /// What a list of edges leaves out.
 struct UnlistedEdges {

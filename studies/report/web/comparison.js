@@ -114,7 +114,7 @@ function edgesTable(pair) {
       figures(edge, ['mean_px', 'offset_px', 'sigma_px']), edge.shift_px.map((value) => cell(value, 2)));
     return h('div', {}, h('h4', {}, 'Edge by edge'), table(['edge', 'middle px', 'points', 'mean distance px', 'offset px', 'sigma px', 'shift x px', 'shift y px'], pair.edges.slice(0, 12).map(row)), unlistedEdges(pair, 12));
   }
-  const row = (edge) => h('tr', {}, h('td', {}, `${edge.name}: ${edge.surface} | ${edge.beyond}`), h('td', { class: 'number' }, edge.middle_mm.map((value) => value.toFixed(1)).join(', ')),
+  const row = (edge) => h('tr', {}, h('td', {}, edge.surface === edge.beyond ? `${edge.name} on ${edge.surface}` : `${edge.name}: ${edge.surface} | ${edge.beyond}`), h('td', { class: 'number' }, edge.middle_mm.map((value) => value.toFixed(1)).join(', ')),
     cell(edge.length_mm, 1), figures(edge, ['mean_px', 'offset_px', 'sigma_px', 'offset_mm']));
   return h('div', {}, h('h4', {}, 'Edges of the part'), h('p', { class: 'lead' }, 'Between the surfaces that the simulated view shows; the offset is > 0 where the photograph\u2019s edge lies on the side of the second one.'),
     table(['edge', 'middle mm', 'length mm', 'mean px', 'offset px', 'sigma px', 'offset mm'], pair.edges.slice(0, 24).map(row)), unlistedEdges(pair, 24));

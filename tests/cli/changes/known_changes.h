@@ -48,6 +48,9 @@ struct CaseVerdict {
   int others = 0;            ///< causes that are none of the changes
   std::vector<double> off;   ///< value minus truth over sigma, of those named by themselves
   std::vector<double> over;  ///< sigma over the Cramer-Rao bound, of the same
+  /// The same over the bound that holds while the partners of a group are free, too; beside no
+  /// group both are equal.
+  std::vector<double> over_open;
 };
 
 /// A gear seen at an angle, as in the gallery, with the noise and the blur of a sensor.
@@ -107,6 +110,7 @@ class ChangedGear {
     render("gear.toml", "base", 1000 + seed);
     const nlohmann::json causes = causes_of(changes, seed);
     const std::vector<double> bounds = bounds_of(changes);
+    const std::vector<double> open = bounds_of(with_partners(changes, causes));
     CaseVerdict verdict;
     std::size_t of_edges = 0;
     for (const nlohmann::json& cause : causes) {
@@ -123,6 +127,7 @@ class ChangedGear {
         const double sigma = cause["sigma"].get<double>();
         verdict.off.push_back((cause["value"].get<double>() - per * changes[i].value) / sigma);
         verdict.over.push_back(sigma / (per * bounds[i]));
+        verdict.over_open.push_back(sigma / (per * open[i]));
       }
     }
     verdict.others = std::max(0, static_cast<int>(of_edges) - verdict.named);
@@ -149,6 +154,22 @@ class ChangedGear {
   }
 
  private:
+  /// And all that the causes cannot be told from.
+  static std::vector<Change> with_partners(std::span<const Change> changes,
+                                           const nlohmann::json& causes) {
+    std::vector<Change> all(changes.begin(), changes.end());
+    for (const Change& other : known_changes()) {
+      const auto is_same = [&](const Change& change) {
+        return change.parameter == other.parameter;
+      };
+      const nlohmann::json cause = find(causes, other.parameter);
+      if (!cause.is_null() && cause.contains("group") && std::ranges::none_of(all, is_same)) {
+        all.push_back(other);
+      }
+    }
+    return all;
+  }
+
   std::string scene_text() const {
     const int height = width_px_ * 512 / 612;
     return fmt::format(

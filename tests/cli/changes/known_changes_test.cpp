@@ -16,6 +16,7 @@ TEST(KnownChange, IsNamedInSmallPictures) {
   int changes = 0;
   int named = 0;
   int others = 0;
+  std::size_t bounded = 0;  ///< causes whose sigma stands beside a bound
   int seed = 2;
   for (const std::vector<Change>& one : cases) {
     const CaseVerdict verdict = gear.verdict_of(one, seed++);
@@ -29,7 +30,18 @@ TEST(KnownChange, IsNamedInSmallPictures) {
     for (const double off : verdict.off) {
       EXPECT_LT(std::abs(off), 5.0) << gear.last();
     }
+    // Neither too sure nor, while it is open which one of a group it is, less sure than that
+    // leaves.
+    for (std::size_t i = 0; i < verdict.over.size(); ++i) {
+      std::printf("sigma is %.2f of the bound, %.2f of that with all partners free\n",
+                  verdict.over[i],
+                  verdict.over_open[i]);
+      EXPECT_GE(verdict.over[i], 0.5) << gear.last();
+      EXPECT_LE(verdict.over_open[i], 2.0) << gear.last();
+    }
+    bounded += verdict.over.size();
   }
+  EXPECT_GE(bounded, 4U);
   EXPECT_EQ(named, changes);
   EXPECT_LE(others, 1);
   EXPECT_TRUE(gear.causes_of({}, 40).empty()) << gear.last();

@@ -19,36 +19,23 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kEqualAngles_rad = 1.0 * kRadPerDeg;
+constexpr double kRestAngle_rad = 2.0 * kRadPerDeg;  ///< rms; pixels at its rim mix other normals
 constexpr double kLeastStep_rad = 2.0 * kRadPerDeg;
 constexpr double kLeastAcross = 0.1;  ///< of a normal square to the axis: a flatter cone is a plane
 constexpr double kRadiusShare = 0.02;
 constexpr double kWidest = 2.0;  ///< of a facet's share; a cone is wider at its foot
 constexpr std::size_t kLeastFacets = 4;
 
-/// The cylinder or cone that three facets in a row touch: with the axis' direction a, and n' the
-/// part of a normal n that is square to it, n . p = n' . c + t for all points p of all facets,
-/// where n . a is one for all; c is a point of the axis, t the distance of the planes from it.
-struct RoundShape {
-  Vector3d axis = Vector3d::UnitZ();
-  Vector3d centre_mm = Vector3d::Zero();
-  double distance_mm = 0.0;  ///< < 0 of a bore
-  double along = 0.0;        ///< of the normals along the axis
-  double step_rad = 0.0;
+Vector3d across(const RoundShape& shape, const Vector3d& normal) {
+  return normal - shape.axis.dot(normal) * shape.axis;
+}
 
-  Vector3d across(const Vector3d& normal) const { return normal - axis.dot(normal) * axis; }
-
-  /// About the axis, from one normal to another.
-  double turn_rad(const Vector3d& from, const Vector3d& to) const {
-    const Vector3d a = across(from);
-    const Vector3d b = across(to);
-    return std::atan2(axis.dot(a.cross(b)), a.dot(b));
-  }
-
-  double radius_mm() const {
-    return std::abs(distance_mm) /
-           std::sqrt(std::max(1.0 - along * along, kLeastAcross * kLeastAcross));
-  }
-};
+/// About the axis, from one normal to another.
+double turn_rad(const RoundShape& shape, const Vector3d& from, const Vector3d& to) {
+  const Vector3d a = across(shape, from);
+  const Vector3d b = across(shape, to);
+  return std::atan2(shape.axis.dot(a.cross(b)), a.dot(b));
+}
 
 /// @returns nothing where they are not turned by equal angles about an axis
 std::optional<RoundShape> shape_of(const FlatPiece& first,
@@ -60,9 +47,9 @@ std::optional<RoundShape> shape_of(const FlatPiece& first,
   }
   RoundShape shape = {.axis = axis.normalized()};
   shape.along = shape.axis.dot(second.normal);
-  shape.step_rad = shape.turn_rad(first.normal, second.normal);
-  const double next_rad = shape.turn_rad(second.normal, third.normal);
-  if (shape.across(second.normal).norm() < kLeastAcross || shape.step_rad < kLeastStep_rad ||
+  shape.step_rad = turn_rad(shape, first.normal, second.normal);
+  const double next_rad = turn_rad(shape, second.normal, third.normal);
+  if (across(shape, second.normal).norm() < kLeastAcross || shape.step_rad < kLeastStep_rad ||
       shape.step_rad > kMostFacetStep_rad ||
       std::abs(next_rad - shape.step_rad) > kEqualAngles_rad) {
     return std::nullopt;
@@ -92,15 +79,15 @@ class Fan {
   /// Whether a piece is a facet of the shape, wherever on it.
   bool is_facet(std::size_t index) const {
     const FlatPiece& piece = pieces_[index];
-    const Vector3d across = shape_.across(piece.normal);
+    const Vector3d outward = across(shape_, piece.normal);
     if (std::abs(shape_.axis.dot(piece.normal) - shape_.along) > kEqualAngles_rad ||
-        across.norm() < kLeastAcross) {
+        outward.norm() < kLeastAcross) {
       return false;
     }
     const double distance_mm = piece.normal.dot(piece.middle_mm - shape_.centre_mm);
     const double limit_mm = pixel_mm_ + kRadiusShare * shape_.radius_mm();
     return std::abs(distance_mm - shape_.distance_mm) < limit_mm &&
-           width_mm(piece, across.normalized()) <
+           width_mm(piece, outward.normalized()) <
                kWidest * 2.0 * shape_.radius_mm() * std::tan(0.5 * shape_.step_rad);
   }
 
@@ -112,10 +99,10 @@ class Fan {
       const std::size_t index = open.back();
       open.pop_back();
       for (const std::size_t next : beside[index]) {
-        const double turn_rad = shape_.turn_rad(pieces_[index].normal, pieces_[next].normal);
-        const bool is_step = std::abs(std::abs(turn_rad) - shape_.step_rad) < kEqualAngles_rad;
+        const double turned_rad = turn_rad(shape_, pieces_[index].normal, pieces_[next].normal);
+        const bool is_step = std::abs(std::abs(turned_rad) - shape_.step_rad) < kEqualAngles_rad;
         if (is_step && !steps_.contains(next) && is_facet(next)) {
-          steps_[next] = steps_[index] + (turn_rad > 0.0 ? 1 : -1);
+          steps_[next] = steps_[index] + (turned_rad > 0.0 ? 1 : -1);
           open.push_back(next);
         }
       }
@@ -131,7 +118,7 @@ class Fan {
   }
 
   FacetFan found() const {
-    FacetFan fan = {.pieces = {}, .step_rad = shape_.step_rad};
+    FacetFan fan = {.pieces = {}, .shape = shape_};
     for (const auto& [index, step] : steps_) {
       fan.pieces.push_back(index);
     }
@@ -140,8 +127,8 @@ class Fan {
 
  private:
   /// Extent around the axis.
-  double width_mm(const FlatPiece& piece, const Vector3d& across) const {
-    const Vector3d around = shape_.axis.cross(across);
+  double width_mm(const FlatPiece& piece, const Vector3d& outward) const {
+    const Vector3d around = shape_.axis.cross(outward);
     double least = std::numeric_limits<double>::infinity();
     double most = -least;
     for (const Vector3d& point : piece.points_mm) {
@@ -218,6 +205,25 @@ class FanFinder {
 };
 
 }  // namespace
+
+double RoundShape::radius_mm() const {
+  return std::abs(distance_mm) /
+         std::sqrt(std::max(1.0 - along * along, kLeastAcross * kLeastAcross));
+}
+
+bool RoundShape::holds(std::span<const PointWithNormal> points, double pixel_mm) const {
+  double missed = 0.0;
+  double turned = 0.0;
+  for (const PointWithNormal& point : points) {
+    const double off_mm = point.normal.dot(point.at_mm - centre_mm) - distance_mm;
+    const double off = axis.dot(point.normal) - along;
+    missed += off_mm * off_mm;
+    turned += off * off;
+  }
+  const auto count = static_cast<double>(points.size());
+  return std::sqrt(missed / count) < pixel_mm + kRadiusShare * radius_mm() &&
+         std::sqrt(turned / count) < kRestAngle_rad;
+}
 
 std::vector<FacetFan> facet_fans(std::span<const FlatPiece> pieces,
                                  std::span<const std::pair<std::size_t, std::size_t>> neighbours,

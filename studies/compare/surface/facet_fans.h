@@ -10,6 +10,8 @@
 
 #include <Eigen/Core>
 
+#include "studies/compare/surface/surface_shape.h"
+
 namespace glint {
 
 /// A flat piece of a surface, by some of its points.
@@ -19,10 +21,28 @@ struct FlatPiece {
   std::vector<Eigen::Vector3d> points_mm;               ///< that show its extent
 };
 
+/// The cylinder or cone that facets touch: with the axis' direction a, and n' the part of a normal
+/// n that is square to it, n . p = n' . c + t for all points p of all facets, where n . a is one
+/// for all; c is a point of the axis, t the distance of the planes from it.
+struct RoundShape {
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d centre_mm = Eigen::Vector3d::Zero();
+  double distance_mm = 0.0;  ///< < 0 of a bore
+  double along = 0.0;        ///< of the normals along the axis
+  double step_rad = 0.0;     ///< from one facet to the next, > 0
+
+  double radius_mm() const;
+
+  /// Whether some surface is of this shape, its facets not told apart.
+  /// @param pixel_mm  by which its tangent planes may miss the shape (rms), beside 2 % of its
+  /// radius
+  bool holds(std::span<const PointWithNormal> points, double pixel_mm) const;
+};
+
 /// Pieces that are facets of one round surface.
 struct FacetFan {
   std::vector<std::size_t> pieces;  ///< indices, ascending
-  double step_rad = 0.0;            ///< from one facet to the next, > 0
+  RoundShape shape;
 };
 
 /// Beyond it neighbours are sides of a prism: 12 facets around have 30 degrees, 10 have 36.

@@ -5,59 +5,32 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <optional>
-#include <span>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "studies/compare/surface/facet_fans.h"
+#include "studies/compare/surface/surface_pieces.h"
 #include "studies/compare/surface/surface_shape.h"
 
 namespace glint {
 namespace {
 
+using compare_detail::Piece;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kLeastBend = 0.1305;  ///< half of the change of a unit normal: 15 deg
 constexpr double kSurelyBend =
-    0.5;                            ///< no limb of a ball of more than four pixels bends so: 60 deg
-constexpr double kSharp_px = 8.0;   ///< radius below which a bend is an edge
+    0.5;                           ///< no limb of a ball of more than four pixels bends so: 60 deg
+constexpr double kSharp_px = 8.0;  ///< radius below which a bend is an edge
+constexpr double kLeastFacetBend = 0.1219;  ///< between flat pieces: 14 deg
 constexpr double kFlatShare = 0.1;  ///< of a bend, by which the surface turns beside an edge
-constexpr double kStep_px = 1.5;    ///< above the tangent plane
-constexpr double kStepShare = 0.35;  ///< of the distance; at the limb of a ball it is less
 constexpr std::size_t kLeastPixels = 100;
 constexpr std::size_t kShapePoints = 2000;
 constexpr int kGrown_px = 3;  ///< over the pixels of an edge, which mix two surfaces
 
-constexpr int kAcrossEdge_px = 4;  ///< both sides of an edge, two pixels of which are marked
-constexpr int kLeastAcross = 5;    ///< pixels along an edge that two facets have in common
-constexpr std::size_t kFacetPoints = 200;
-constexpr double kFlat = 0.035;  ///< rms of a facet's normals about their mean, 2 deg
-
-/// Connected pixels of one surface.
-struct Piece {
-  std::vector<std::pair<int, int>> pixels;
-  double facet_rad = 0.0;  ///< turn between the facets that it has; 0: none
-};
-
 constexpr std::array<std::pair<int, int>, 4> kNeighbours = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
-
-/// Whether each of two points lies beyond the other's tangent plane.
-bool is_step(const Vector3d& step, const Vector3d& first, const Vector3d& second, double pixel) {
-  const double above = std::min(std::abs(step.dot(first)), std::abs(step.dot(second)));
-  return above > std::max(kStep_px * pixel, kStepShare * step.norm());
-}
-
-/// The flat ones of some pieces.
-struct FlatPieces {
-  std::vector<FlatPiece> flat;
-  std::vector<std::size_t> piece_of;    ///< of each its index among all pieces
-  std::map<int, std::size_t> of_label;  ///< by the label of its piece
-  double pixel_mm = 0.0;
-};
 
 class SurfaceFinder {
  public:
@@ -70,7 +43,7 @@ class SurfaceFinder {
     mark_edges();
     std::vector<Piece> pieces = pieces_between();
     put_labels(pieces);
-    pieces = joined_facets(std::move(pieces));
+    pieces = compare_detail::joined_facets(surface_, focal_px_, labels_, std::move(pieces));
     std::ranges::stable_sort(
         pieces, std::greater<>(), [](const Piece& piece) { return piece.pixels.size(); });
     put_labels(pieces);
@@ -106,7 +79,7 @@ class SurfaceFinder {
     const Vector3d second = surface_.normal(x1, y1);
     const double pixel = std::min(pixel_mm(x0, y0), pixel_mm(x1, y1));
     const double bend = 0.5 * (second - first).norm();
-    if (bend > kSurelyBend || is_step(step, first, second, pixel)) {
+    if (bend > kSurelyBend || compare_detail::is_step(step, first, second, pixel)) {
       return true;
     }
     // Foreshortening leads a long way from one pixel to the next: there a bend is an edge where the
@@ -123,20 +96,28 @@ class SurfaceFinder {
            0.5 * (surface_.normal(x1, y1) - surface_.normal(x0, y0)).norm() < kFlatShare * beside;
   }
 
-  /// Whether two pixels of the part with an edge between them are of one skin.
-  bool is_joined(int x0, int y0, int x1, int y1) const {
-    return !is_step(surface_.point_mm(x1, y1) - surface_.point_mm(x0, y0),
-                    surface_.normal(x0, y0),
-                    surface_.normal(x1, y1),
-                    std::min(pixel_mm(x0, y0), pixel_mm(x1, y1)));
+  /// Whether flat pieces meet at a pixel. Pixels at their edge mix both normals, so that a bend is
+  /// whole only over some more of them.
+  bool is_between_facets(int x, int y, int dx, int dy) const {
+    const int x0 = x - 2 * dx;
+    const int y0 = y - 2 * dy;
+    const int x1 = x + 2 * dx;
+    const int y1 = y + 2 * dy;
+    if (!is_part(x0, y0) || !is_part(x1, y1)) {
+      return false;
+    }
+    const double bend = 0.5 * (surface_.normal(x1, y1) - surface_.normal(x0, y0)).norm();
+    return bend > kLeastFacetBend && is_flat(x0 - 2 * dx, y0 - 2 * dy, x0, y0, bend) &&
+           is_flat(x1, y1, x1 + 2 * dx, y1 + 2 * dy, bend);
   }
 
   void mark_edges() {
     for (int y = 0; y < labels_.height(); ++y) {
       for (int x = 0; x < labels_.width(); ++x) {
         if (surface_.is_part(x, y)) {
-          const bool is_edge =
-              is_edge_between(x - 1, y, x + 1, y) || is_edge_between(x, y - 1, x, y + 1);
+          const bool is_edge = is_edge_between(x - 1, y, x + 1, y) ||
+                               is_edge_between(x, y - 1, x, y + 1) ||
+                               is_between_facets(x, y, 1, 0) || is_between_facets(x, y, 0, 1);
           labels_(x, y) = is_edge ? NamedSurfaces::kNone : kOpen;
         }
       }
@@ -185,105 +166,10 @@ class SurfaceFinder {
     }
   }
 
-  std::vector<PointWithNormal> points_of(const Piece& piece, std::size_t about) const {
-    const std::size_t stride = std::max<std::size_t>(piece.pixels.size() / about, 1);
-    std::vector<PointWithNormal> points;
-    for (std::size_t i = 0; i < piece.pixels.size(); i += stride) {
-      const auto& [x, y] = piece.pixels[i];
-      points.push_back({.at_mm = surface_.point_mm(x, y), .normal = surface_.normal(x, y)});
-    }
-    return points;
-  }
-
-  /// The largest of its pixels.
-  double pixel_of(const Piece& piece) const {
-    double pixel = 0.0;
-    for (const auto& [x, y] : piece.pixels) {
-      pixel = std::max(pixel, pixel_mm(x, y));
-    }
-    return pixel;
-  }
-
-  /// Nothing of one that is not flat.
-  std::optional<FlatPiece> flat_piece(const Piece& piece) const {
-    const std::vector<PointWithNormal> points = points_of(piece, kFacetPoints);
-    const auto count = static_cast<double>(points.size());
-    FlatPiece flat = {.normal = Vector3d::Zero()};
-    for (const PointWithNormal& point : points) {
-      flat.normal += point.normal / count;
-      flat.middle_mm += point.at_mm / count;
-      flat.points_mm.push_back(point.at_mm);
-    }
-    // Unit vectors have the variance 1 - |mean|^2.
-    if (1.0 - flat.normal.squaredNorm() > kFlat * kFlat) {
-      return std::nullopt;
-    }
-    flat.normal.normalize();
-    return flat;
-  }
-
-  FlatPieces flat_pieces(const std::vector<Piece>& pieces) const {
-    FlatPieces result;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      if (auto flat = flat_piece(pieces[i])) {
-        result.of_label[static_cast<int>(i) + 1] = result.flat.size();
-        result.flat.push_back(std::move(*flat));
-        result.piece_of.push_back(i);
-        result.pixel_mm = std::max(result.pixel_mm, pixel_of(pieces[i]));
-      }
-    }
-    return result;
-  }
-
-  /// Labels on both sides of an edge that is no step, and how many pixels of it.
-  std::map<std::pair<int, int>, int> joined_labels() const {
-    std::map<std::pair<int, int>, int> counts;
-    const auto add = [&](int x0, int y0, int x1, int y1) {
-      if (!is_part(x0, y0) || !is_part(x1, y1)) {
-        return;
-      }
-      const int one = std::min(labels_(x0, y0), labels_(x1, y1));
-      const int other = std::max(labels_(x0, y0), labels_(x1, y1));
-      if (one > 0 && one != other && is_joined(x0, y0, x1, y1)) {
-        ++counts[{one, other}];
-      }
-    };
-    for (int y = 0; y < labels_.height(); ++y) {
-      for (int x = 0; x < labels_.width(); ++x) {
-        add(x, y, x + kAcrossEdge_px, y);
-        add(x, y, x, y + kAcrossEdge_px);
-      }
-    }
-    return counts;
-  }
-
-  /// Facets of a mesh that stand for one round surface become one piece.
-  std::vector<Piece> joined_facets(std::vector<Piece> pieces) const {
-    const FlatPieces flat = flat_pieces(pieces);
-    std::vector<std::pair<std::size_t, std::size_t>> neighbours;
-    for (const auto& [labels, count] : joined_labels()) {
-      const auto one = flat.of_label.find(labels.first);
-      const auto other = flat.of_label.find(labels.second);
-      if (count >= kLeastAcross && one != flat.of_label.end() && other != flat.of_label.end()) {
-        neighbours.emplace_back(one->second, other->second);
-      }
-    }
-    for (const FacetFan& fan : facet_fans(flat.flat, neighbours, flat.pixel_mm)) {
-      Piece& whole = pieces[flat.piece_of[fan.pieces.front()]];
-      whole.facet_rad = fan.step_rad;
-      for (const std::size_t index : std::span(fan.pieces).subspan(1)) {
-        std::vector<std::pair<int, int>>& pixels = pieces[flat.piece_of[index]].pixels;
-        whole.pixels.insert(whole.pixels.end(), pixels.begin(), pixels.end());
-        pixels.clear();
-      }
-    }
-    std::erase_if(pieces, [](const Piece& piece) { return piece.pixels.empty(); });
-    return pieces;
-  }
-
   std::string name_of(const Piece& piece) {
-    const std::string name =
-        shape_name(points_of(piece, kShapePoints), pixel_of(piece), piece.facet_rad);
+    const std::string name = shape_name(compare_detail::points_of(surface_, piece, kShapePoints),
+                                        compare_detail::pixel_of(surface_, piece, focal_px_),
+                                        piece.shape ? piece.shape->step_rad : 0.0);
     const int number = ++numbers_[name];
     return number > 1 ? fmt::format("{} ({})", name, number) : name;
   }

@@ -26,7 +26,6 @@ constexpr double kAlongAxis = 0.9994;    ///< cosine: 2 deg
 constexpr double kOneAngle = 0.03;       ///< rms of the normals' cosines with an axis
 constexpr double kSquare = 0.1;          ///< their mean, of a cylinder
 constexpr double kLeastShare = 0.02;     ///< of the radius, left as an rms
-constexpr double kLeastShareOfFacets = 0.005;
 
 /// "+z" or "-x", or nothing for directions between the axes.
 std::optional<std::string> axis_name(const Vector3d& direction) {
@@ -116,8 +115,8 @@ RadiusFit fit_facets(std::span<const PointWithNormal> points, const MatrixXd& ac
           .rms_mm = (rows * values - right).norm() / std::sqrt(static_cast<double>(points.size()))};
 }
 
-bool is_good(const RadiusFit& fit, double pixel_mm, double share) {
-  return fit.rms_mm < pixel_mm + share * std::abs(fit.radius_mm);
+bool is_good(const RadiusFit& fit, double pixel_mm) {
+  return fit.rms_mm < pixel_mm + kLeastShare * std::abs(fit.radius_mm);
 }
 
 std::string about(const Vector3d& axis, const char* word) {
@@ -155,13 +154,9 @@ std::string cylinder_name(std::span<const PointWithNormal> points,
                           double pixel_mm,
                           double facet_rad) {
   const MatrixXd across = across_of(axis);
-  RadiusFit round = facet_rad > 0.0 ? fit_facets(points, across) : fit_radius(points, across);
-  if (!is_good(round, pixel_mm, kLeastShare)) {
-    // Of many small facets the points lie off, their planes do not.
-    round = fit_facets(points, across);
-    if (!is_good(round, pixel_mm, kLeastShareOfFacets)) {
-      return "curved surface" + about(axis, "along");
-    }
+  const RadiusFit round = facet_rad > 0.0 ? fit_facets(points, across) : fit_radius(points, across);
+  if (!is_good(round, pixel_mm)) {
+    return "curved surface" + about(axis, "along");
   }
   return fmt::format("{} of radius {:.1f} mm{}",
                      round.radius_mm > 0.0 ? "cylinder" : "bore",
@@ -189,7 +184,7 @@ std::string shape_name(std::span<const PointWithNormal> points, double pixel_mm,
     return cylinder_name(points, axis, pixel_mm, facet_rad) + of_facets(facet_rad);
   }
   const RadiusFit ball = fit_radius(points, Matrix3d::Identity());
-  if (is_good(ball, pixel_mm, kLeastShare)) {
+  if (is_good(ball, pixel_mm)) {
     return fmt::format("{} of radius {:.1f} mm",
                        ball.radius_mm > 0.0 ? "sphere" : "hollow sphere",
                        std::abs(ball.radius_mm));

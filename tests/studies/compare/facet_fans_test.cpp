@@ -71,7 +71,7 @@ TEST(FacetFans, AreCylindersOfTwelveFacetsAndMore) {
     const auto fans = facet_fans(pieces, in_a_row(5), kPixel_mm);
     ASSERT_EQ(fans.size(), 1U) << around;
     EXPECT_THAT(fans[0].pieces, ElementsAre(0, 1, 2, 3, 4));
-    EXPECT_NEAR(fans[0].step_rad, 2.0 * kPi / around, 1e-9);
+    EXPECT_NEAR(fans[0].shape.step_rad, 2.0 * kPi / around, 1e-9);
   }
 }
 
@@ -90,7 +90,7 @@ TEST(FacetFans, AreConesToo) {
     const auto fans = facet_fans(sides(24, 9, 12.0, top_mm, 10.0), in_a_row(9), kPixel_mm);
     ASSERT_EQ(fans.size(), 1U) << top_mm;
     EXPECT_EQ(fans[0].pieces.size(), 9U);
-    EXPECT_NEAR(fans[0].step_rad, 15.0 * kRadPerDeg, 1e-9);
+    EXPECT_NEAR(fans[0].shape.step_rad, 15.0 * kRadPerDeg, 1e-9);
   }
 }
 
@@ -141,6 +141,25 @@ TEST(FacetFans, TouchOneCylinder) {
     }
   }
   EXPECT_TRUE(facet_fans(pieces, in_a_row(6), kPixel_mm).empty());
+}
+
+// What was not told apart into facets is of the fan where it touches its shape, whatever mix of
+// facets it is; another cylinder and the top of this one are not.
+TEST(FacetFans, HoldWhatTouchesThem) {
+  const auto fans = facet_fans(sides(24, 6, 18.0, 18.0, 30.0), in_a_row(6), kPixel_mm);
+  ASSERT_EQ(fans.size(), 1U);
+  const auto points_of = [](const std::vector<FlatPiece>& pieces) {
+    std::vector<PointWithNormal> points;
+    for (const FlatPiece& piece : pieces) {
+      for (const Vector3d& at : piece.points_mm) {
+        points.push_back({.at_mm = at, .normal = piece.normal});
+      }
+    }
+    return points;
+  };
+  EXPECT_TRUE(fans[0].shape.holds(points_of(sides(24, 11, 18.0, 18.0, 30.0)), kPixel_mm));
+  EXPECT_FALSE(fans[0].shape.holds(points_of(sides(24, 11, 17.0, 17.0, 30.0)), kPixel_mm));
+  EXPECT_FALSE(fans[0].shape.holds(points_of(sides(24, 11, 18.0, 14.0, 30.0)), kPixel_mm));
 }
 
 // Three facets are too few to tell, and what is not beside each other is not joined.

@@ -23,6 +23,7 @@
 #include "core/rng.h"
 #include "core/wall_clock.h"
 #include "studies/compare/compared_pair.h"
+#include "studies/compare/surface/surface_lines.h"
 
 namespace glint {
 namespace {
@@ -140,6 +141,31 @@ void read_geometry(benchmark::State& state) {
 }
 
 BENCHMARK(read_geometry)->Arg(612)->Arg(2448)->Unit(benchmark::kMillisecond)->Iterations(5);
+
+/// So many surfaces one around another: each has the one before in its window. Times per surface
+/// say whether the cost grows with their number alone.
+void nested_surfaces(benchmark::State& state) {
+  const auto rings = static_cast<int>(state.range(0));
+  NamedSurfaces surfaces = {.labels = Image<int>(kWidth, kHeight)};
+  for (int i = 0; i < rings; ++i) {
+    surfaces.names.push_back("plane");
+  }
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const double radius = std::hypot(x - 0.5 * kWidth, y - 0.5 * kHeight) / (0.5 * kHeight);
+      surfaces.labels(x, y) =
+          radius < 1.0 ? rings - static_cast<int>(radius * rings) : NamedSurfaces::kBackground;
+    }
+  }
+  std::size_t lines = 0;
+  for (auto unused : state) {
+    lines = lines_between(surfaces).size();
+  }
+  state.counters["lines"] = static_cast<double>(lines);
+  state.counters["surfaces"] = rings;
+}
+
+BENCHMARK(nested_surfaces)->Arg(5)->Arg(20)->Arg(80)->Unit(benchmark::kMillisecond)->Iterations(1);
 
 }  // namespace
 }  // namespace glint

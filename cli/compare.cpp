@@ -30,9 +30,11 @@ std::string unlisted_text(const Json& pair) {
     text += fmt::format("    {} shorter ones are in result.json\n", count - kEdgeRows);
   }
   const double share = unlisted["outline_share"].get<double>();
-  if (unlisted["count"].get<std::size_t>() > 0 || share > 0.0) {
-    text += fmt::format("    not listed: {} further edges; {:.1f} % of the outline\n",
-                        unlisted["count"].get<std::size_t>(),
+  const auto further = unlisted["count"].get<std::size_t>();
+  if (further > 0 || share > 0.0) {
+    text += fmt::format("    not listed: {} further edge{}; {:.1f} % of the outline\n",
+                        further,
+                        further == 1 ? "" : "s",
                         100.0 * share);
   }
   return text;

@@ -103,7 +103,7 @@ function unlistedEdges(pair, rows) {
   const more = pair.edges.length - rows;
   if (more <= 0 && !count && !share) return null;
   return h('p', { class: 'lead' }, more > 0 ? `${more} shorter ones are in result.json. ` : '',
-    count || share ? `Not listed: ${count} further edges; ${(100 * share).toFixed(1)} % of the outline.` : '');
+    count || share ? `Not listed: ${count} further edge${count === 1 ? '' : 's'}; ${(100 * share).toFixed(1)} % of the outline.` : '');
 }
 
 function edgesTable(pair) {

@@ -2,15 +2,13 @@
 #include "studies/compare/surface/surface_lines.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "core/wall_clock.h"
+#include "core/cpu_clock.h"
 
 namespace glint {
 namespace {
@@ -30,13 +28,8 @@ NamedSurfaces rings(int count, double outer_px, int size_px) {
 }
 
 double seconds_for(const NamedSurfaces& surfaces) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int round = 0; round < 3; ++round) {
-    const auto start = std::chrono::steady_clock::now();
-    EXPECT_EQ(lines_between(surfaces).size(), surfaces.names.size() - 1);
-    least = std::min(least, seconds_since(start));
-  }
-  return least;
+  return min_cpu_s(
+      5, 0.0, [&] { EXPECT_EQ(lines_between(surfaces).size(), surfaces.names.size() - 1); });
 }
 
 // 30 rings of 10 px: each meets the next one along its inner circle, and the radii are right.
@@ -61,7 +54,7 @@ TEST(SurfaceLines, CostLittleMoreForManyRings) {
   const double many = seconds_for(rings(80, 800.0, 1620));
   RecordProperty("ratio", std::to_string(many / few));
   std::printf("80 rings cost %.2f times what 5 cost\n", many / few);
-  EXPECT_LT(many, 6.0 * few);
+  EXPECT_LT(many, 8.0 * few);
 }
 
 }  // namespace

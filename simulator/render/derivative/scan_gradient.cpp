@@ -17,6 +17,7 @@
 #include "simulator/render/derivative/cell_gradient.h"
 #include "simulator/render/derivative/frame_gradient.h"
 #include "simulator/render/derivative/gradient_kernels.h"
+#include "simulator/render/derivative/shining_gradient.h"
 #include "simulator/render/derivative/table_kernels.h"
 #include "simulator/sensor/blur_kernel.h"
 
@@ -47,6 +48,11 @@ std::vector<float> table_derivative(const SensorSettings& sensor,
   return ClippedMean::pieces_through(derivative);
 }
 
+/// Of a pixel's blur, its own box included [px^2].
+double variance_of(const Sensor& sensor) {
+  return sensor.blur_variance_px2() + 1.0 / 12.0;
+}
+
 /// Coefficients of the table's derivative by w.
 std::vector<float> width_derivative(const ClippedMean& table) {
   std::vector<float> derivative = table.coefficients();
@@ -58,6 +64,22 @@ std::vector<float> width_derivative(const ClippedMean& table) {
     derivative[i + 3] = 0.0F;
   }
   return derivative;
+}
+
+/// Derivatives by what moves the width of all stripes alike. The phase differences go with 1 /
+/// period, and w with the root of the variance.
+/// @param by_differences  sum of derivatives times both phase differences
+void add_widths(const Footprints& footprints,
+                const Sensor& sensor,
+                double by_differences,
+                ScanGradient& gradient) {
+  const std::vector<double> slopes = blur_kernel_slope(sensor.settings().blur_px);
+  double by_sigma = 0.0;
+  for (std::size_t k = 1; k < slopes.size(); ++k) {
+    by_sigma += 2.0 * static_cast<double>(k * k) * slopes[k];
+  }
+  gradient.period_mm -= by_differences * (1.0 / footprints.positions().period_mm);
+  gradient.blur_px += by_differences / (2.0 * variance_of(sensor)) * by_sigma;
 }
 
 /// The pixels that T(w) gives.
@@ -81,13 +103,9 @@ class TableGradient {
 
   /// Derivatives by the hits, the period and the blur, and the sums.
   void run(const ClippedMean& table) {
-    const double variance = sensor_.blur_variance_px2() + 1.0 / 12.0;
     const double per_period = 1.0 / footprints_.positions().period_mm;
-    const auto scale = static_cast<float>(variance * per_period * per_period);
-    const double by_gradient = add_rows(width_derivative(table), scale);
-    // gx and gy go with 1 / period, and w with the root of the variance.
-    gradient_.period_mm -= by_gradient * per_period;
-    gradient_.blur_px += by_gradient / (2.0 * variance) * variance_derivative();
+    const auto scale = static_cast<float>(variance_of(sensor_) * per_period * per_period);
+    add_widths(footprints_, sensor_, add_rows(width_derivative(table), scale), gradient_);
   }
 
  private:
@@ -143,16 +161,6 @@ class TableGradient {
     return by_gradient;
   }
 
-  /// By the blur's sigma.
-  double variance_derivative() const {
-    const std::vector<double> slopes = blur_kernel_slope(sensor_.settings().blur_px);
-    double derivative = 0.0;
-    for (std::size_t k = 1; k < slopes.size(); ++k) {
-      derivative += 2.0 * static_cast<double>(k * k) * slopes[k];
-    }
-    return derivative;
-  }
-
   const Footprints& footprints_;
   const Sensor& sensor_;
   const ScanPlan& plan_;
@@ -184,6 +192,36 @@ void add_table(const Footprints& footprints,
   add(wanted.duty, nullptr, &StripeSettings::duty, gradient.duty);
   add(wanted.dark, nullptr, &StripeSettings::dark, gradient.dark);
   table.run(*plan.table);
+}
+
+/// The same under dark stripes whose light depends on the place.
+void add_shining_table(const Footprints& footprints,
+                       const Sensor& sensor,
+                       const ScanPlan& plan,
+                       const ImageF& by_aspect,
+                       const WantedDerivatives& wanted,
+                       ScanGradient& gradient) {
+  StripeSettings stripes = stripes_of(footprints.positions(), plan.reflectance);
+  std::vector<ShiningSum> sums;
+  const auto add = [&](bool is_wanted,
+                       double SensorSettings::*of_sensor,
+                       double StripeSettings::*of_stripes,
+                       double& derivative) {
+    ShiningSum by = {.sum = &derivative};
+    for (int k = 0; is_wanted && k < plan.shining->num_levels(); ++k) {
+      stripes.dark = ShiningMean::dark_of(plan.shining->first_level() + k);
+      by.pieces.push_back(table_derivative(sensor.settings(), stripes, of_sensor, of_stripes));
+    }
+    if (is_wanted) {
+      sums.push_back(std::move(by));
+    }
+  };
+  add(wanted.gain, &SensorSettings::gain, nullptr, gradient.gain);
+  add(wanted.exposure, &SensorSettings::exposure, nullptr, gradient.exposure);
+  add(wanted.duty, nullptr, &StripeSettings::duty, gradient.duty);
+  const double by_differences =
+      add_shining_gradient(footprints, plan, by_aspect, variance_of(sensor), sums, gradient);
+  add_widths(footprints, sensor, by_differences, gradient);
 }
 
 /// The pixels that frames give and that have derivatives.
@@ -294,7 +332,9 @@ ScanGradient gradient_of_scan(const Footprints& footprints,
                       "end_falloff)");
   }
   ScanGradient gradient = empty_gradient(footprints);
-  if (plan.form.kind == ScanForm::Kind::kTable) {
+  if (plan.shining) {
+    add_shining_table(footprints, sensor, plan, by_aspect, wanted, gradient);
+  } else if (plan.form.kind == ScanForm::Kind::kTable) {
     add_table(footprints, sensor, plan, reflectance, by_aspect, wanted, gradient);
   }
   add_frame_gradient(footprints,

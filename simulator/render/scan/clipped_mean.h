@@ -15,6 +15,7 @@
 
 #include <vector>
 
+#include "simulator/render/scan/width_kernels.h"
 #include "simulator/sensor/sensor.h"
 
 namespace glint {
@@ -77,6 +78,14 @@ class ClippedMean {
   static std::vector<float> pieces_through(const std::vector<double>& nodes);
 
   const std::vector<float>& deviations() const { return deviations_; }  ///< at the nodes
+
+  /// mean() and deviation() for a row of pixels; as long as this table lives.
+  footprint_kernels::PieceTables piece_tables() const {
+    return {.coefficients = coefficients_.data(),
+            .nodes = deviations_.data(),
+            .pieces = kIntervals,
+            .per_unit = static_cast<float>(kIntervals / kWidest)};
+  }
 
   double saturated_from() const { return saturated_from_; }
 

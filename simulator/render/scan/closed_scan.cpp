@@ -145,34 +145,60 @@ void count_full(const Spans& spans, ClosedScan& result) {
   }
 }
 
-void look_up_means(const ScanPlan& plan, bool has_noise, ClosedScan& result) {
-  const ClippedMean& table = *plan.table;
+/// By one T(w) for all pixels.
+void look_up_row(const ClippedMean& table, const ScanPlan& plan, int y, ClosedScan& result) {
   const int width = plan.width.width();
-  const int height = plan.width.height();
-  const kernels::PieceTables tables = {
-      .coefficients = table.coefficients().data(),
-      .nodes = table.deviations().data(),
-      .pieces = ClippedMean::kIntervals,
-      .per_unit = static_cast<float>(ClippedMean::kIntervals / ClippedMean::kWidest)};
+  const float* w = plan.width.row(y);
+  const unsigned char* by_table = plan.by_table.row(y);
   const kernels::PieceValues dark = {.cubic = static_cast<float>(table.dark_level()),
                                      .straight = static_cast<float>(table.dark_deviation())};
+  kernels::look_up_where(by_table,
+                         w,
+                         width,
+                         table.piece_tables(),
+                         dark,
+                         result.aspect.row(y),
+                         result.deviation.row(y));
+  if (table.saturated_from() < ClippedMean::kWidest) {
+    for (int x = 0; x < width; ++x) {
+      const bool is_saturated = by_table[x] != 0 && table.is_saturated(static_cast<double>(w[x]));
+      result.clipped_frames(x, y) = is_saturated ? 0xFFFF : 0;
+    }
+  }
+}
+
+void look_up_shining_row(const ShiningMean& table,
+                         const ScanPlan& plan,
+                         int y,
+                         ClosedScan& result) {
+  const int width = plan.width.width();
+  const float* w = plan.width.row(y);
+  const float* dark = plan.dark.row(y);
+  const unsigned char* by_table = plan.by_table.row(y);
+  table.look_up(by_table, w, dark, width, result.aspect.row(y), result.deviation.row(y));
+  for (int x = 0; x < width; ++x) {
+    const bool is_saturated = by_table[x] != 0 && table.is_saturated(static_cast<double>(w[x]),
+                                                                     static_cast<double>(dark[x]));
+    result.clipped_frames(x, y) = is_saturated ? 0xFFFF : 0;
+  }
+}
+
+void look_up_means(const ScanPlan& plan, bool has_noise, ClosedScan& result) {
+  const int width = plan.width.width();
+  const int height = plan.width.height();
   result.aspect = ImageF::uninitialized(width, height);
   result.deviation = ImageF::uninitialized(width, height);
   for (int y = 0; y < height; ++y) {
-    const float* w = plan.width.row(y);
+    if (plan.shining) {
+      look_up_shining_row(*plan.shining, plan, y, result);
+    } else {
+      look_up_row(*plan.table, plan, y, result);
+    }
     const unsigned char* by_table = plan.by_table.row(y);
-    kernels::look_up_where(
-        by_table, w, width, tables, dark, result.aspect.row(y), result.deviation.row(y));
     const int tiles = y / kRippleTileHeight_px;
     kernels::multiply_runs(by_table, plan.correction.row(tiles), width, result.aspect.row(y));
     kernels::add_in_squares(
         by_table, plan.ripple.row(tiles), width, has_noise, result.deviation.row(y));
-    if (table.saturated_from() < ClippedMean::kWidest) {
-      for (int x = 0; x < width; ++x) {
-        const bool is_saturated = by_table[x] != 0 && table.is_saturated(static_cast<double>(w[x]));
-        result.clipped_frames(x, y) = is_saturated ? 0xFFFF : 0;
-      }
-    }
   }
 }
 

@@ -5,11 +5,10 @@
 //
 //   floors  the sensor is linear for this light: the frames' mean is the blurred mean radiance, and
 //           that over whole periods is again a square wave, of N times the frequency
-//   table   the sensor clips: T(w) of clipped_mean.h where the phase is linear over the blur;
-//   frames
-//           for the other pixels
-//   frames  neither: stripes that do not complete a period, an uneven light, or a clipping sensor
-//           under dark stripes whose light depends on the place
+//   table   the sensor clips: T(w) of clipped_mean.h where the phase is linear over the blur (of
+//           shining_mean.h under dark stripes whose light depends on the place); frames for the
+//           other pixels
+//   frames  neither: stripes that do not complete a period, or an uneven light
 #pragma once
 
 #include <memory>

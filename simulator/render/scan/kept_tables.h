@@ -19,6 +19,7 @@ std::shared_ptr<const ClippedMean> kept_mean_table(const SensorSettings& sensor,
 /// What tables are made from, number by number.
 using TableKey = std::vector<double>;
 
-inline constexpr std::size_t kKeptTables = 16;
+/// Under dark stripes that shine a scan needs one for each level of their radiance.
+inline constexpr std::size_t kKeptTables = 64;
 
 }  // namespace glint

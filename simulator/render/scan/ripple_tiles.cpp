@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -52,13 +53,13 @@ struct Spread {
 class RippleTiles {
  public:
   RippleTiles(const Footprints& footprints, const Sensor& sensor, ScanPlan& plan)
-      : footprints_(footprints),
-        plan_(plan),
-        ripple_(sensor, stripes_of(footprints.positions(), plan.reflectance)) {}
+      : footprints_(footprints), sensor_(sensor), plan_(plan) {}
 
   void sort(int region_pixels) {
     find_tiles();
-    ripple_.keep();
+    for (const auto& [level, ripple] : ripples_) {
+      ripple.keep();
+    }
     find_effects(find_spread(region_pixels), region_pixels);
     std::ranges::sort(
         tiles_, std::ranges::greater(), [](const Tile& tile) { return tile.effect / tile.pixels; });
@@ -125,16 +126,33 @@ class RippleTiles {
     x += left(column);
     y += top(row);
     const auto [gx, gy] = phase_gradient(x, y);
-    const ScanRipple::Size size = ripple_.at(gx, gy);
-    const double mean =
-        plan_.table->mean(static_cast<double>(plan_.width(x, y))) / (1.0 + size.bias);
+    ScanRipple& ripple = ripple_at(x, y);
+    const ScanRipple::Size size = ripple.at(gx, gy);
+    const double mean = table_at(x, y) / (1.0 + size.bias);
     tiles_.push_back({.column = column,
                       .row = row,
                       .pixels = pixels,
-                      .is_coherent = ripple_.is_coherent(gx, gy),
+                      .is_coherent = ripple.is_coherent(gx, gy),
                       .mean = mean,
                       .bias = size.bias,
                       .deviation = size.deviation * mean});
+  }
+
+  double table_at(int x, int y) const {
+    const auto w = static_cast<double>(plan_.width(x, y));
+    return plan_.table ? plan_.table->mean(w)
+                       : plan_.shining->mean(w, static_cast<double>(plan_.dark(x, y)));
+  }
+
+  /// Of dark stripes that shine as at a pixel, to the nearest level.
+  ScanRipple& ripple_at(int x, int y) {
+    StripeSettings stripes = stripes_of(footprints_.positions(), plan_.reflectance);
+    int level = 0;
+    if (plan_.shining) {
+      level = static_cast<int>(std::lround(plan_.dark(x, y) * ShiningMean::kLevels));
+      stripes.dark = ShiningMean::dark_of(level);
+    }
+    return ripples_.try_emplace(level, sensor_, stripes).first->second;
   }
 
   /// [periods / px]
@@ -213,8 +231,9 @@ class RippleTiles {
   }
 
   const Footprints& footprints_;
+  const Sensor& sensor_;
   ScanPlan& plan_;
-  ScanRipple ripple_;
+  std::map<int, ScanRipple> ripples_;  ///< by level of dark radiance
   std::vector<Tile> tiles_;
 };
 

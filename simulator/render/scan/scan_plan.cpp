@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/image/grown_mask.h"
 #include "core/image/mask_kernels.h"
@@ -147,14 +148,48 @@ ScanForm::Kind form_of(const ScanPositions& positions,
     const bool is_cut_off = blur_overshoot(sensor.blur_px) > 0.0;
     return is_cut_off ? ScanForm::Kind::kFrames : ScanForm::Kind::kMeanRadiance;
   }
-  const bool has_table = sensor.blur_px >= kNarrowestBlur_px && positions.is_dark_even;
-  return has_table ? ScanForm::Kind::kTable : ScanForm::Kind::kFrames;
+  return sensor.blur_px >= kNarrowestBlur_px ? ScanForm::Kind::kTable : ScanForm::Kind::kFrames;
 }
 
 int reach_of(const Sensor& sensor, double reflectance) {
   const SensorSettings& settings = sensor.settings();
   const double gain = std::max(1.0, settings.gain * settings.exposure * reflectance);
   return sensor.blur_reach_px(kSmallestTail / gain);
+}
+
+namespace {
+
+/// Fills the dark radiance of pixels. @return the lowest and the highest of those by table
+std::pair<double, double> find_dark(const Footprints& footprints, ScanPlan& plan) {
+  const int columns = plan.width.width();
+  const std::ptrdiff_t corner_width = columns + 1;
+  plan.dark = ImageF::uninitialized(columns, plan.width.height());
+  float lowest = 2.0F;
+  float highest = -1.0F;
+  for (int y = 0; y < plan.dark.height(); ++y) {
+    const float* top = footprints.dark().data() + y * corner_width;
+    float* dark = plan.dark.row(y);
+    footprint_kernels::means_of_corners({.top = top, .bottom = top + corner_width}, columns, dark);
+    const unsigned char* by_table = plan.by_table.row(y);
+    for (int x = 0; x < columns; ++x) {
+      lowest = by_table[x] != 0 ? std::min(lowest, dark[x]) : lowest;
+      highest = by_table[x] != 0 ? std::max(highest, dark[x]) : highest;
+    }
+  }
+  const double any = footprints.positions().darkest;
+  return lowest <= highest ? std::pair<double, double>(lowest, highest) : std::pair(any, any);
+}
+
+}  // namespace
+
+void find_tables(const Footprints& footprints, const Sensor& sensor, ScanPlan& plan) {
+  const StripeSettings stripes = stripes_of(footprints.positions(), plan.reflectance);
+  if (footprints.positions().is_dark_even) {
+    plan.table = kept_mean_table(sensor.settings(), stripes);
+    return;
+  }
+  const auto [lowest, highest] = find_dark(footprints, plan);
+  plan.shining = std::make_shared<const ShiningMean>(sensor.settings(), stripes, lowest, highest);
 }
 
 ScanPlan plan_scan(const Footprints& footprints,
@@ -180,12 +215,11 @@ ScanPlan plan_scan(const Footprints& footprints,
   if (plan.form.kind == ScanForm::Kind::kTable) {
     plan.width = ImageF::uninitialized(mask.width(), mask.height());
     plan.by_table = Mask::uninitialized(mask.width(), mask.height());
-    plan.table =
-        kept_mean_table(sensor.settings(), stripes_of(footprints.positions(), reflectance));
     if (watched.empty()) {
       plan.by_frames = Mask(mask.width(), mask.height());
     }
     sort_pixels(footprints, sensor, mask, plan);
+    find_tables(footprints, sensor, plan);
     sort_tiles(footprints, sensor, count_of(mask), plan);
   }
   plan.form.frame_pixels = count_of(plan.by_frames);

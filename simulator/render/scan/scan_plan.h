@@ -11,6 +11,7 @@
 #include "core/image/spans.h"
 #include "simulator/render/footprint/footprints.h"
 #include "simulator/render/scan/clipped_mean.h"
+#include "simulator/render/scan/shining_mean.h"
 #include "simulator/render/scan/width_kernels.h"
 
 namespace glint {
@@ -53,6 +54,9 @@ struct ScanPlan {
   ImageF correction;       ///< of T(w) there, tile by tile: 1 where pixels are Gaussians
   double reflectance = 1.0;
   std::shared_ptr<const ClippedMean> table;  ///< T; empty where it is not used
+  // Instead of `table` under dark stripes whose light depends on the place, else empty:
+  std::shared_ptr<const ShiningMean> shining;
+  ImageF dark;  ///< radiance of dark stripes, right where by_table
 };
 
 /// @param region       pixels whose mean is wanted
@@ -63,5 +67,9 @@ ScanPlan plan_scan(const Footprints& footprints,
                    const Region& region,
                    const Mask& watched,
                    double reflectance);
+
+/// The tables that a plan's pixels need: `table`, or `dark` and `shining`.
+/// @param plan  with its reflectance and pixels by_table
+void find_tables(const Footprints& footprints, const Sensor& sensor, ScanPlan& plan);
 
 }  // namespace glint

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
+#include <map>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -32,10 +34,19 @@ struct FormComparison {
   Homogeneity full;
   bool is_dark_even = true;   ///< light that dark stripes reflect does not depend on the place
   double frame_share = 0.0;   ///< of the region, rendered frame by frame
+  double edge_share = 0.0;    ///< ... however many phases the scan has
   double error_points = 0.0;  ///< standard error of the full sequence's h by noise
 
   bool is_by_closed_form() const {
     return form.kind != ScanForm::Kind::kFrames && frame_share < 0.5;
+  }
+
+  /// Why frames are taken for most of the region.
+  std::string reason() const {
+    if (form.kind == ScanForm::Kind::kFrames) {
+      return "narrow blur";
+    }
+    return edge_share >= 0.5 ? "edges" : "few phases";
   }
 
   double rms_points() const { return 100.0 * std::abs(closed.h_rms - full.h_rms); }
@@ -62,6 +73,21 @@ double standard_error(const ClosedScan& closed, const Homogeneity& found, const 
   return sigma > 0.0 ? 100.0 * std::sqrt(spread) / count / (2.0 * sigma * found.mean) : 0.0;
 }
 
+/// The share of the region that slot, rims and bends leave to the frames: of a scan of the same
+/// periods with so many positions that few phases are no reason.
+double edge_share_of(const TracedScene& traced, const SceneSettings& scene, const Sensor& sensor) {
+  constexpr int kMany = 400;
+  const int more = kMany / scene.scan.positions + 1;
+  ScanSettings scan = scene.scan;
+  scan.positions *= more;
+  scan.step_mm /= more;
+  const Tunnel tunnel(scene.tunnel);
+  const Footprints footprints(traced.corners, tunnel, scan, traced.camera_in_world_mm);
+  const ScanPlan plan = plan_scan(footprints, sensor, traced.region, {}, scene.render.reflectance);
+  return static_cast<double>(plan.form.frame_pixels) /
+         static_cast<double>(count_inside(traced.region.mask));
+}
+
 FormComparison compare_forms(const std::string& name,
                              const TracedScene& traced,
                              const SceneSettings& scene) {
@@ -78,6 +104,7 @@ FormComparison compare_forms(const std::string& name,
   found.name = name;
   found.form = plan.form;
   found.is_dark_even = footprints.positions().is_dark_even;
+  found.edge_share = edge_share_of(traced, scene, sensor);
   const int frames = scene.scan.positions;
   found.closed =
       homogeneity(closed.aspect, closed.clipped_frames, frames, traced.region, scene.metrics);
@@ -232,6 +259,28 @@ std::string describe(std::uint64_t index, const SceneSettings& s) {
                      s.sensor.blur_px);
 }
 
+/// How many are by closed forms, and why the others are not.
+void print_forms(const std::vector<FormComparison>& all) {
+  std::array<int, 2> count = {};
+  std::array<int, 2> closed = {};
+  std::map<std::string, int> others;
+  for (const FormComparison& found : all) {
+    const std::size_t is_even = found.is_dark_even ? 1 : 0;
+    ++count[is_even];
+    closed[is_even] += found.is_by_closed_form() ? 1 : 0;
+    others[found.reason()] += found.is_by_closed_form() ? 0 : 1;
+  }
+  fmt::print("by closed forms {} of {} whose dark stripes are even, {} of {} others; not for:",
+             closed[1],
+             count[1],
+             closed[0],
+             count[0]);
+  for (const auto& [reason, scenes] : others) {
+    fmt::print(" {} {},", reason, scenes);
+  }
+  fmt::print(" worst:\n");
+}
+
 TEST(ClosedForms, ScoreThreeHundredRandomScenesAsTheFullSequence) {
   ThreadPool pool(2);
   std::vector<FormComparison> all;
@@ -246,21 +295,12 @@ TEST(ClosedForms, ScoreThreeHundredRandomScenesAsTheFullSequence) {
     all.push_back(std::move(found));
   }
   std::ranges::sort(all, std::ranges::greater(), &FormComparison::worst_points);
-  // Light of dark stripes that depends on the place is beyond the table: frames are taken.
-  const auto even = std::ranges::count_if(all, &FormComparison::is_dark_even);
-  const auto closed = std::ranges::count_if(all, &FormComparison::is_by_closed_form);
-  const auto even_closed = std::ranges::count_if(all, [](const FormComparison& found) {
-    return found.is_dark_even && found.is_by_closed_form();
-  });
-  fmt::print("{} of {} by closed forms, {} of the {} whose dark stripes are even; worst:\n",
-             closed,
-             all.size(),
-             even_closed,
-             even);
+  print_forms(all);
   for (std::size_t i = 0; i < 12; ++i) {
     print_comparison(all[i]);
   }
-  EXPECT_GE(even_closed, 0.79 * static_cast<double>(even));
+  const auto closed = std::ranges::count_if(all, &FormComparison::is_by_closed_form);
+  EXPECT_GE(5 * closed, 4 * std::ssize(all));
 }
 
 }  // namespace

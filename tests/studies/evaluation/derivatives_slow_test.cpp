@@ -52,7 +52,7 @@ constexpr double kClearance = 1e-6;
 
 /// What is reached, not the goal: of the sure truths this share is met within the tolerance, over
 /// all keys, and for each key and score; and so many are sure.
-constexpr double kMinShareOfAll = 0.999;  // five of min_cnr under dark stripes that shine miss it
+constexpr double kMinShareOfAll = 0.9995;
 constexpr double kMinShare = 0.98;
 constexpr double kMinSure = 0.999;
 

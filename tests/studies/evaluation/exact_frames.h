@@ -43,6 +43,10 @@ class ExactFrames {
   /// The phase of a pixel's stripes from its corners.
   LinearFunction phase_at(int x, int y) const { return phase_of(corners_at(x, y)); }
 
+  double dark_at(int x, int y) const {
+    return exact_mean_dark(wall_dark_, corners_at(x, y), weights_at(x, y));
+  }
+
   /// What single places see that stand for a quarter of a cell each, added to images.
   void add_detached(const Mask& where, std::vector<std::vector<double>>& images) const {
     for (int y = 0; y < where.height(); ++y) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 
 #include "simulator/sensor/blur_kernel.h"
 
@@ -91,6 +92,48 @@ class ExactTable {
   }
 
   std::vector<double> f_;
+};
+
+/// T(w) under the dark stripes of a scene, or T(w, D) as ShiningMean has it where their light
+/// depends on the place.
+class ExactMeans {
+ public:
+  ExactMeans(const SceneSettings& scene, const ScanPositions& positions)
+      : sensor_(scene.sensor),
+        stripes_(stripes_of(positions, scene.render.reflectance)),
+        is_even_(positions.is_dark_even) {
+    stripes_.dark = Tunnel(scene.tunnel).dark().mean();  // the positions have it in float
+  }
+
+  double at(double w, double dark) {
+    if (is_even_) {
+      return table_of(0, stripes_.dark).at(w);
+    }
+    const DarkStencil stencil = ShiningMean::stencil_of(dark);
+    double sum = 0.0;
+    for (int k = 0; k < 4; ++k) {
+      const int level = stencil.first + k;
+      sum += stencil.weight[static_cast<std::size_t>(k)] *
+             table_of(level, ShiningMean::dark_of(level)).at(w);
+    }
+    return sum;
+  }
+
+ private:
+  const ExactTable& table_of(int level, double dark) {
+    auto found = tables_.find(level);
+    if (found == tables_.end()) {
+      StripeSettings stripes = stripes_;
+      stripes.dark = dark;
+      found = tables_.emplace(level, ExactTable(ClippedMean::nodes_of(sensor_, stripes))).first;
+    }
+    return found->second;
+  }
+
+  SensorSettings sensor_;
+  StripeSettings stripes_;
+  bool is_even_;
+  std::map<int, ExactTable> tables_;
 };
 
 std::vector<Vector3d> errors_of(const ExactWall& wall,
@@ -183,19 +226,19 @@ std::vector<double> ExactScores::aspect_of(const SceneSettings& scene,
       aspect[i] += wanted_.values()[i] != 0 ? share * (is_full[i] != 0 ? 1.0 : grey[i]) : 0.0;
     }
     if (is_first && plan_.form.kind == ScanForm::Kind::kTable) {
-      StripeSettings stripes = stripes_of(frames.positions(), scene.render.reflectance);
-      stripes.dark = Tunnel(scene.tunnel).dark().mean();  // the positions have it in float
-      const ExactTable table(ClippedMean::nodes_of(scene.sensor, stripes));
+      ExactMeans means(scene, frames.positions());
       const double variance =
           variance_of(blur_weights(scene.sensor.blur_px, sensor.blur_radius_px())) + 1.0 / 12.0;
       for (std::size_t i = 0; i < aspect.size(); ++i) {
         if (plan_.by_table.values()[i] != 0 && wanted_.values()[i] == 0) {
-          const auto at = static_cast<int>(i);
-          const LinearFunction phase = frames.phase_at(at % wanted_.width(), at / wanted_.width());
-          const float correction = plan_.correction(at % wanted_.width() / kRippleTileWidth_px,
-                                                    at / wanted_.width() / kRippleTileHeight_px);
-          aspect[i] = static_cast<double>(correction) *
-                      table.at(std::sqrt(variance) * std::hypot(phase.dx, phase.dy));
+          const int x = static_cast<int>(i) % wanted_.width();
+          const int y = static_cast<int>(i) / wanted_.width();
+          const LinearFunction phase = frames.phase_at(x, y);
+          const float correction =
+              plan_.correction(x / kRippleTileWidth_px, y / kRippleTileHeight_px);
+          aspect[i] =
+              static_cast<double>(correction) *
+              means.at(std::sqrt(variance) * std::hypot(phase.dx, phase.dy), frames.dark_at(x, y));
         }
       }
     }

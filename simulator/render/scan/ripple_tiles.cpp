@@ -53,7 +53,10 @@ struct Spread {
 class RippleTiles {
  public:
   RippleTiles(const Footprints& footprints, const Sensor& sensor, ScanPlan& plan)
-      : footprints_(footprints), sensor_(sensor), plan_(plan) {}
+      : footprints_(footprints),
+        sensor_(sensor),
+        plan_(plan),
+        stripes_(stripes_of(footprints.positions(), plan.reflectance)) {}
 
   void sort(int region_pixels) {
     find_tiles();
@@ -146,7 +149,7 @@ class RippleTiles {
 
   /// Of dark stripes that shine as at a pixel, to the nearest level.
   ScanRipple& ripple_at(int x, int y) {
-    StripeSettings stripes = stripes_of(footprints_.positions(), plan_.reflectance);
+    StripeSettings stripes = stripes_;
     int level = 0;
     if (plan_.shining) {
       level = static_cast<int>(std::lround(plan_.dark(x, y) * ShiningMean::kLevels));
@@ -233,6 +236,7 @@ class RippleTiles {
   const Footprints& footprints_;
   const Sensor& sensor_;
   ScanPlan& plan_;
+  StripeSettings stripes_;
   std::map<int, ScanRipple> ripples_;  ///< by level of dark radiance
   std::vector<Tile> tiles_;
 };

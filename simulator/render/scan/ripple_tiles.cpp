@@ -22,9 +22,10 @@ namespace glint {
 namespace {
 
 /// What pixels from the table may be wrong in h by few frames, all together.
-constexpr double kLargestEffect = 5e-4;
+constexpr double kLargestEffect = 5.5e-4;
 
-/// Where more of the table's pixels would go to the frames, all do.
+/// Where more of the table's pixels would go to the frames, and with them frames would be more of
+/// the region, all go.
 constexpr double kLargestPart = 0.5;
 
 /// A ripple's size, and what it adds to h_abs as no normal number, is known but for this share.
@@ -66,7 +67,7 @@ class RippleTiles {
     find_effects(find_spread(region_pixels), region_pixels);
     std::ranges::sort(
         tiles_, std::ranges::greater(), [](const Tile& tile) { return tile.effect / tile.pixels; });
-    const std::size_t taken = count_disturbing();
+    const std::size_t taken = count_disturbing(region_pixels);
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
       const Tile& tile = tiles_[i];
       if (i < taken) {
@@ -170,6 +171,11 @@ class RippleTiles {
             of(bottom[0] - top[0] + (bottom[1] - top[1]))};
   }
 
+  int count_by_frames() const {
+    return mask_kernels::count_ones(plan_.by_frames.values().data(),
+                                    static_cast<int>(plan_.by_frames.size()));
+  }
+
   /// Pixels by frames are taken to be like the others; those that neither form gives are dark.
   Spread find_spread(int region_pixels) const {
     double count = 0.0;
@@ -183,9 +189,7 @@ class RippleTiles {
     if (sum <= 0.0) {
       return {};
     }
-    const int by_frames = mask_kernels::count_ones(plan_.by_frames.values().data(),
-                                                   static_cast<int>(plan_.by_frames.size()));
-    count += std::max(0.0, region_pixels - count - by_frames);
+    count += std::max(0.0, region_pixels - count - count_by_frames());
     const double mean = sum / count;
     return {.mean = mean, .deviation = std::sqrt(std::max(0.0, squares / count - mean * mean))};
   }
@@ -197,8 +201,11 @@ class RippleTiles {
       if (tile.mean <= 0.0) {
         continue;
       }
-      const double scattered = kUnknownShare * tile.deviation * tile.deviation /
-                               std::max(spread.deviation, tile.deviation);
+      const double r = tile.deviation;
+      const double from_mean = tile.mean - spread.mean;
+      const double to_rms = r * r / std::max(spread.deviation, r);
+      const double to_abs = r > 0.0 ? r * std::exp(-0.5 * from_mean * from_mean / (r * r)) : 0.0;
+      const double scattered = kUnknownShare * std::max(to_rms, to_abs);
       const double error = kUnknownCorrection * std::abs(tile.bias) * tile.mean;
       tile.effect = ((tile.is_coherent ? tile.deviation : scattered) + error) * tile.pixels /
                     (region_pixels * spread.mean);
@@ -206,7 +213,7 @@ class RippleTiles {
   }
 
   /// How many of the first tiles must go.
-  std::size_t count_disturbing() const {
+  std::size_t count_disturbing(int region_pixels) const {
     double effect = 0.0;
     double pixels = 0.0;
     for (const Tile& tile : tiles_) {
@@ -219,7 +226,9 @@ class RippleTiles {
       effect -= tiles_[count].effect;
       taken += tiles_[count].pixels;
     }
-    return taken > kLargestPart * pixels ? tiles_.size() : count;
+    const bool is_most =
+        taken > kLargestPart * pixels && taken + count_by_frames() > kLargestPart * region_pixels;
+    return is_most ? tiles_.size() : count;
   }
 
   void take_by_frames(const Tile& tile) {

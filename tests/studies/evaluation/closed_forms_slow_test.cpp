@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 #include <map>
@@ -213,9 +214,15 @@ void draw_tunnel(Rng& rng, std::uint64_t index, TunnelSettings& t) {
   t.dark_reflectance = rng.uniform() < 0.3 ? rng.uniform(0.0, 0.65) : 0.0;
 }
 
+/// 81, or as GLINT_SEED says.
+std::uint64_t seed_of_scenes() {
+  const char* wanted = std::getenv("GLINT_SEED");
+  return wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 81;
+}
+
 /// Any part, tunnel, stripes and sensor; whole periods.
 SceneSettings random_scene(std::uint64_t index) {
-  Rng rng(81, Stream::kTest, index);
+  Rng rng(seed_of_scenes(), Stream::kTest, index);
   SceneSettings scene;
   scene.render.method = RenderSettings::Method::kClosed;
   scene.camera = {.width_px = 200 + static_cast<int>(rng.uniform(0.0, 200.0)),

@@ -26,12 +26,12 @@ std::string unlisted_text(const Json& pair) {
   const std::size_t count = pair["edges"].size();
   const Json& unlisted = pair["unlisted_edges"];
   std::string text;
-  if (count > kEdgeRows) {
+  if (count > kEdgeRows && pair["edges"][0].contains("surface")) {
     text += fmt::format("    {} shorter ones are in result.json\n", count - kEdgeRows);
   }
   const double share = unlisted["outline_share"].get<double>();
   const auto further = unlisted["count"].get<std::size_t>();
-  if (further > 0 || share > 0.0) {
+  if (further > 0 || share >= 5e-4) {
     text += fmt::format("    not listed: {} further edge{}; {:.1f} % of the outline\n",
                         further,
                         further == 1 ? "" : "s",
@@ -44,7 +44,7 @@ std::string unlisted_text(const Json& pair) {
 std::string edges_text(const Json& pair) {
   const Json& edges = pair["edges"];
   if (edges.empty() || !edges[0].contains("surface")) {
-    return "";
+    return unlisted_text(pair);
   }
   std::string text = fmt::format("    {:>9} {:>8} {:>9} {:>8} {:>9}  edge of the part\n",
                                  "length mm",

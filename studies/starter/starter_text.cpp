@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/config/config.h"
+#include "core/shell_word.h"
 #include "core/text.h"
 
 namespace glint {
@@ -137,7 +138,7 @@ std::string head(const StarterPlan& plan) {
       "schema = 1\n"
       "title = {2}\n",
       in_comment(plan.name),
-      in_comment(plan.study_file),
+      in_comment(shell_word(plan.study_file)),
       in_quotes(title + plan.name));
 }
 

@@ -135,9 +135,9 @@ void read_geometry(benchmark::State& state) {
     single.push_back(1000.0 * seconds_since(start));
   }
   std::filesystem::remove(path);
-  state.counters["ms"] = median_of(together);
-  state.counters["one_by_one_ms"] = median_of(single);
-  state.counters["ratio"] = median_of(single) / median_of(together);
+  state.counters["ms"] = median(together);
+  state.counters["one_by_one_ms"] = median(single);
+  state.counters["ratio"] = median(single) / median(together);
 }
 
 BENCHMARK(read_geometry)->Arg(612)->Arg(2448)->Unit(benchmark::kMillisecond)->Iterations(5);

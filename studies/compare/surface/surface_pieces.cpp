@@ -11,7 +11,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kAcrossEdge_px = 6;  ///< both sides of an edge, up to four pixels of which are marked
-constexpr int kLeastAcross = 5;    ///< pixels along an edge that two facets have in common
+constexpr int kLeastAcross =
+    5;  ///< looks across an edge that two facets have in common, some per row
 constexpr std::size_t kFacetPoints = 200;
 constexpr double kFlat = 0.035;      ///< rms of a facet's normals about their mean, 2 deg
 constexpr double kStep_px = 1.5;     ///< above the tangent plane
@@ -49,7 +50,7 @@ class FacetJoiner {
         move_pixels(pieces, flat.piece_of[index], whole);
       }
     }
-    join_the_rest(std::move(whole_of), pieces);
+    join_the_rest(flat, std::move(whole_of), pieces);
     std::erase_if(pieces, [](const Piece& piece) { return piece.pixels.empty(); });
     return pieces;
   }
@@ -127,16 +128,22 @@ class FacetJoiner {
   /// Narrow facets beside the limb were not told apart: what has the shape of a fan beside it is of
   /// it. Planes are not: they would touch it in a line.
   /// @param whole_of  by label, of a fan's pieces the index of the one that holds them all
-  void join_the_rest(std::map<int, std::size_t> whole_of, std::vector<Piece>& pieces) const {
+  void join_the_rest(const FlatPieces& flat,
+                     std::map<int, std::size_t> whole_of,
+                     std::vector<Piece>& pieces) const {
+    std::map<int, double> pixels_mm;  // a look at all of a piece, which may have many neighbours
     const auto join = [&](int label, int other) {
       const auto found = whole_of.find(label);
-      if (found == whole_of.end() || whole_of.contains(other)) {
+      if (found == whole_of.end() || whole_of.contains(other) || flat.of_label.contains(other)) {
         return;
       }
       const std::size_t rest = static_cast<std::size_t>(other) - 1;
-      if (!flat_piece(pieces[rest]) &&
-          pieces[found->second].shape->holds(points_of(surface_, pieces[rest], kFacetPoints),
-                                             pixel_of(surface_, pieces[rest], focal_px_))) {
+      const auto [pixel_mm, is_new] = pixels_mm.try_emplace(other, 0.0);
+      if (is_new) {
+        pixel_mm->second = pixel_of(surface_, pieces[rest], focal_px_);
+      }
+      if (pieces[found->second].shape->holds(points_of(surface_, pieces[rest], kFacetPoints),
+                                             pixel_mm->second)) {
         move_pixels(pieces, rest, found->second);
         whole_of[other] = found->second;
       }

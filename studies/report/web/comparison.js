@@ -101,13 +101,13 @@ function causesTable(pair) {
 function unlistedEdges(pair, rows) {
   const { count, outline_share: share } = pair.unlisted_edges ?? { count: 0, outline_share: 0 };
   const more = pair.edges.length - rows;
-  if (more <= 0 && !count && !share) return null;
+  if (more <= 0 && !count && share < 5e-4) return null;
   return h('p', { class: 'lead' }, more > 0 ? `${more} shorter ones are in result.json. ` : '',
-    count || share ? `Not listed: ${count} further edge${count === 1 ? '' : 's'}; ${(100 * share).toFixed(1)} % of the outline.` : '');
+    count || share >= 5e-4 ? `Not listed: ${count} further edge${count === 1 ? '' : 's'}; ${(100 * share).toFixed(1)} % of the outline.` : '');
 }
 
 function edgesTable(pair) {
-  if (!(pair.edges?.length > 1)) return null;
+  if (!(pair.edges?.length > 1)) return pair.edges && unlistedEdges(pair, 12);
   const figures = (edge, keys) => keys.map((key) => cell(edge[key], 3));
   if (!pair.edges[0].surface) {
     const row = (edge) => h('tr', {}, h('td', {}, edge.name), h('td', { class: 'number' }, edge.middle_px.map((value) => value.toFixed(0)).join(', ')), h('td', { class: 'number' }, edge.points),

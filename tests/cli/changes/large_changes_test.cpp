@@ -154,6 +154,10 @@ bool is_shift_told(ChangedGear& gear, int width_px, double share) {
   const bool is_withheld =
       gear.last_pair()["notes"].dump().find("no cause is told") != std::string::npos;
   EXPECT_EQ(found.is_null(), is_withheld);
+  if (!found.is_null()) {
+    const double off = std::abs(found["value"].get<double>() - shift.value);
+    EXPECT_LT(off, 4.0 * found["sigma"].get<double>()) << gear.last();
+  }
   return !found.is_null();
 }
 

@@ -253,13 +253,4 @@ std::string table_of(const std::string& name, const TrialsByMethod& trials) {
   return text;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) {
-    return std::nan("");
-  }
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
-
 }  // namespace glint

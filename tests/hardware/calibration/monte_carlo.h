@@ -5,12 +5,15 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "core/median.h"
 #include "core/thread_pool.h"
 #include "tests/hardware/calibration/simulated_cell.h"
 
@@ -82,8 +85,6 @@ Coverage run_coverage(const CellSettings& settings,
 /// bound.
 std::string table_of(const std::string& name, const TrialsByMethod& trials);
 
-double median(std::vector<double> values);
-
 template <class Value>
 double median_of(const std::vector<TrialErrors>& trials, const Value& value) {
   std::vector<double> values;
@@ -92,7 +93,7 @@ double median_of(const std::vector<TrialErrors>& trials, const Value& value) {
       values.push_back(value(trial));
     }
   }
-  return median(std::move(values));
+  return values.empty() ? std::nan("") : median(std::move(values));
 }
 
 }  // namespace glint

@@ -47,10 +47,5 @@ TEST(RunCoverage, CountsEveryTrialOnce) {
   }
 }
 
-TEST(MonteCarloMedian, IsTheMiddleOne) {
-  EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
-  EXPECT_TRUE(std::isnan(median({})));
-}
-
 }  // namespace
 }  // namespace glint

@@ -5,7 +5,7 @@
 // all pixels within the blur's reach are plain, and where the phases of few frames hardly move the
 // mean; masks of the exceptions are grown by that reach, row by row. docs/theory/clipped_mean.md,
 // "Which form is used". Cost: a few passes over bytes and one over phases. Memory: two masks and
-// one float image.
+// two float images.
 #include "simulator/render/scan/scan_plan.h"
 
 #include <algorithm>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Levels are the same for all scenes, not a division of what one of them has: candidates of a
-// search share their tables, and a score does not jump where the range of D changes.
+// search share their tables, and a mean does not jump where the range of D changes.
 // docs/theory/clipped_mean.md, "Dark stripes that shine". Cost: a table for each level that the
-// picture needs, mostly four to ten, kept for the next candidate; four look-ups per pixel. Memory:
-// some 6 kB a level.
+// picture needs, mostly four to ten, kept for the next candidate of the same sensor and duty; four
+// look-ups per pixel. Memory: some 6 kB a level.
 #include "simulator/render/scan/shining_mean.h"
 
 #include <algorithm>
@@ -41,6 +41,29 @@ std::array<Number, 4> cubic_weights(Number t) {
           half * (t3 - t2)};
 }
 
+/// The cell between two levels that a dark radiance lies in.
+int cell_of(double dark) {
+  return std::clamp(static_cast<int>(dark * ShiningMean::kLevels), 0, ShiningMean::kLevels - 1);
+}
+
+/// The first of the four levels about a cell.
+int first_of(int cell) {
+  return std::clamp(cell - 1, 0, ShiningMean::kLevels - 3);
+}
+
+/// Beyond the first and the last level the parabola through the three next ones goes on: what the
+/// four levels about a cell count, from what the cubic makes of its four places.
+template <class Number>
+std::array<Number, 4> without_missing(int cell, const std::array<Number, 4>& c) {
+  if (cell == 0) {
+    return {c[1] + 3 * c[0], c[2] - 3 * c[0], c[3] + c[0], 0};
+  }
+  if (cell == ShiningMean::kLevels - 1) {
+    return {0, c[0] + c[3], c[1] - 3 * c[3], c[2] + 3 * c[3]};
+  }
+  return c;
+}
+
 /// The dark radiance from which on stripes blurred by w never come below full scale.
 double saturated_from(const SensorSettings& sensor, const StripeSettings& stripes, double w) {
   const double step = sensor.bits > 0 ? 1.0 / ((1 << sensor.bits) - 1) : 0.0;
@@ -70,16 +93,16 @@ ShiningMean::ShiningMean(const SensorSettings& sensor,
 }
 
 DarkStencil ShiningMean::stencil_of(double dark) {
-  const double place = dark * kLevels;
-  DarkStencil at = {.first = std::clamp(static_cast<int>(place) - 1, 0, kLevels - 3)};
-  const double t = place - at.first - 1;
+  const int cell = cell_of(dark);
+  const double t = dark * kLevels - cell;
   const double t2 = t * t;
-  at.weight = cubic_weights(t);
-  at.slope = {0.5 * kLevels * (-1.0 + 4.0 * t - 3.0 * t2),
-              0.5 * kLevels * (-10.0 * t + 9.0 * t2),
-              0.5 * kLevels * (1.0 + 8.0 * t - 9.0 * t2),
-              0.5 * kLevels * (3.0 * t2 - 2.0 * t)};
-  return at;
+  const std::array<double, 4> slope = {0.5 * kLevels * (-1.0 + 4.0 * t - 3.0 * t2),
+                                       0.5 * kLevels * (-10.0 * t + 9.0 * t2),
+                                       0.5 * kLevels * (1.0 + 8.0 * t - 9.0 * t2),
+                                       0.5 * kLevels * (3.0 * t2 - 2.0 * t)};
+  return {.first = first_of(cell),
+          .weight = without_missing(cell, cubic_weights(t)),
+          .slope = without_missing(cell, slope)};
 }
 
 ShiningMean::Value ShiningMean::value_of(const Pieces& pieces,
@@ -111,9 +134,8 @@ double ShiningMean::deviation(double w, double dark) const {
 
 namespace {
 
-/// The level from which a run's pixels are all taken; `any` where there are none, -1 where they
-/// differ.
-int common_level(const unsigned char* mask, const float* dark, int count, int any) {
+/// The cell that a run's pixels all lie in; `any` where there are none, -1 where they differ.
+int common_cell(const unsigned char* mask, const float* dark, int count, int any) {
   float lowest = 2.0F;
   float highest = -1.0F;
   for (int i = 0; i < count; ++i) {
@@ -123,8 +145,8 @@ int common_level(const unsigned char* mask, const float* dark, int count, int an
   if (lowest > highest) {
     return any;
   }
-  const int first = ShiningMean::stencil_of(static_cast<double>(lowest)).first;
-  return ShiningMean::stencil_of(static_cast<double>(highest)).first == first ? first : -1;
+  const int cell = cell_of(static_cast<double>(lowest));
+  return cell_of(static_cast<double>(highest)) == cell ? cell : -1;
 }
 
 }  // namespace
@@ -137,16 +159,16 @@ void ShiningMean::look_up(const unsigned char* mask,
                           float* deviation) const {
   for (int i = 0; i < count; i += kernels::kRun) {
     const int size = std::min(kernels::kRun, count - i);
-    const int first = common_level(mask + i, dark + i, size, first_level_);
-    if (first >= 0) {
-      look_up_alike(first, mask + i, w + i, dark + i, size, mean + i, deviation + i);
+    const int cell = common_cell(mask + i, dark + i, size, first_level_ + 1);
+    if (cell >= 0) {
+      look_up_alike(cell, mask + i, w + i, dark + i, size, mean + i, deviation + i);
     } else {
       look_up_each(mask + i, w + i, dark + i, size, mean + i, deviation + i);
     }
   }
 }
 
-void ShiningMean::look_up_alike(int first,
+void ShiningMean::look_up_alike(int cell,
                                 const unsigned char* mask,
                                 const float* w,
                                 const float* dark,
@@ -159,11 +181,12 @@ void ShiningMean::look_up_alike(int first,
   std::array<Run, 4> means;
   std::array<Run, 4> deviations;
   for (std::size_t k = 0; k < 4; ++k) {
-    const kernels::PieceTables tables = table(first + static_cast<int>(k)).piece_tables();
+    const kernels::PieceTables tables = table(first_of(cell) + static_cast<int>(k)).piece_tables();
     kernels::look_up_where(mask, w, count, tables, none, means[k].data(), deviations[k].data());
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    const std::array<float, 4> c = cubic_weights(dark[i] * kLevels - static_cast<float>(first + 1));
+    const std::array<float, 4> c =
+        without_missing(cell, cubic_weights(dark[i] * kLevels - static_cast<float>(cell)));
     const auto mixed = [&](const std::array<Run, 4>& runs) {
       return c[0] * runs[0][i] + c[1] * runs[1][i] + c[2] * runs[2][i] + c[3] * runs[3][i];
     };

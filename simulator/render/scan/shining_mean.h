@@ -43,7 +43,8 @@ class ShiningMean {
               double lowest,
               double highest);
 
-  /// Catmull and Rom's cubic; before the second level and beyond the last but one it goes on.
+  /// Catmull and Rom's cubic; at the ends, where one of its four levels is missing, with what the
+  /// parabola through the three others has there.
   static DarkStencil stencil_of(double dark);
 
   static double dark_of(int level) { return static_cast<double>(level) / kLevels; }
@@ -83,8 +84,8 @@ class ShiningMean {
 
   double dark_deviation() const { return levels_.front()->dark_deviation(); }
 
-  /// Of up to kRun pixels between the same levels. @param first  level of their stencils
-  void look_up_alike(int first,
+  /// Of up to kRun pixels between the same levels. @param cell  the lower one of them
+  void look_up_alike(int cell,
                      const unsigned char* mask,
                      const float* w,
                      const float* dark,

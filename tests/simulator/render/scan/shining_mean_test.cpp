@@ -2,7 +2,9 @@
 #include "simulator/render/scan/shining_mean.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -66,6 +68,36 @@ TEST(ShiningMean, IsRightBetweenItsLevels) {
   EXPECT_LT(errors.back(), 5e-3);
 }
 
+// Black print and glowing print: the first and the last level have no neighbour beyond.
+TEST(ShiningMean, IsRightAtBothEndsOfItsLevels) {
+  std::vector<double> errors;
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    RandomStripes r(i);
+    r.dark = i % 2 == 0 ? r.dark / 32.0 : 1.0 - r.dark / 32.0;
+    const double exact =
+        clipped_mean_of({.duty = r.duty, .w = r.w}, r.gain * (1.0 - r.dark), r.gain * r.dark);
+    errors.push_back(std::abs(shining_mean(r.gain, r.duty, r.dark, r.w) - exact));
+  }
+  std::ranges::sort(errors);
+  fmt::print("T(w, D) at the ends: 90 % within {:.1e}, 98 % within {:.1e}, all within {:.1e}\n",
+             errors[1799],
+             errors[1959],
+             errors.back());
+  EXPECT_LT(errors[1799], 1e-5);
+  EXPECT_LT(errors[1959], 4e-4);
+  EXPECT_LT(errors.back(), 5e-3);
+}
+
+// At a level the mean is that level's, the first and the last included.
+TEST(ShiningMean, IsTheTablesAtTheirLevels) {
+  const ShiningMean table(noiseless(2.5), {.duty = 0.35}, 0.0, 1.0);
+  for (const int level : {0, 1, 2, 30, 62, 63, 64}) {
+    for (const double w : {0.0, 0.07, 0.3, 0.8}) {
+      EXPECT_NEAR(table.mean(w, ShiningMean::dark_of(level)), table.table(level).mean(w), 1e-6);
+    }
+  }
+}
+
 // Against the table of just that radiance.
 TEST(ShiningMean, IsRightBetweenItsLevelsWithNoise) {
   double mean = 0.0;
@@ -91,8 +123,8 @@ TEST(ShiningMean, OneRadianceForAllWouldBeNoticed) {
 }
 
 TEST(ShiningMean, HasTheSlopesOfItsMean) {
-  const ShiningMean table(noiseless(2.0), {.duty = 0.4}, 0.05, 0.3);
-  for (const double dark : {0.06, 0.1301, 0.2}) {
+  const ShiningMean table(noiseless(2.0), {.duty = 0.4}, 0.0, 1.0);
+  for (const double dark : {0.003, 0.06, 0.1301, 0.2, 0.991}) {
     for (const double w : {0.031, 0.12, 0.3}) {
       const ShiningMean::Value at = table.value_of(table.means(), w, ShiningMean::stencil_of(dark));
       constexpr double kStep = 1e-4;
@@ -113,13 +145,14 @@ TEST(ShiningMean, LooksUpRowsAsPixels) {
   const ShiningMean table(sensor, {.duty = 0.4}, 0.0, 0.5);
   Rng rng(132, Stream::kTest, 0);
   constexpr int kCount = 75;
-  for (const double spread : {0.0, 0.004, 0.4}) {
+  for (const auto& [least, spread] : std::array<std::pair<double, double>, 4>{
+           {{0.05, 0.0}, {0.05, 0.004}, {0.05, 0.4}, {0.0, 0.015}}}) {
     std::vector<unsigned char> mask;
     std::vector<float> w, dark, mean(kCount), deviation(kCount);
     for (int i = 0; i < kCount; ++i) {
       mask.push_back(rng.uniform() < 0.8 ? 1 : 0);
       w.push_back(static_cast<float>(rng.uniform(0.0, 0.9)));
-      dark.push_back(static_cast<float>(0.05 + spread * rng.uniform()));
+      dark.push_back(static_cast<float>(least + spread * rng.uniform()));
     }
     table.look_up(mask.data(), w.data(), dark.data(), kCount, mean.data(), deviation.data());
     const ClippedMean any(sensor, {.duty = 0.4});

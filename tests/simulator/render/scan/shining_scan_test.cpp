@@ -95,6 +95,7 @@ TEST(ShiningScan, KnowsWhereEvenDarkStripesClip) {
              others,
              differences,
              worst);
+  EXPECT_LT(worst, 4e-3);
   EXPECT_GT(saturated, 1000);
   EXPECT_GT(others, 1000);
   EXPECT_LE(differences, saturated / 50);

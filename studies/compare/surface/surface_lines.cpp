@@ -108,10 +108,11 @@ class FarGroups {
     for (int y = 0; y < labels.height(); ++y) {
       int last = 0;
       for (int x = 0; x < labels.width(); ++x) {
-        if (labels(x, y) > 0 && (labels(x, y) != last || x % kBlock_px == 0)) {
-          last = labels(x, y);
-          blocks(x / kBlock_px, y / kBlock_px).insert(last);
+        const int label = labels(x, y);
+        if (label > 0 && (label != last || x % kBlock_px == 0)) {
+          blocks(x / kBlock_px, y / kBlock_px).insert(label);
         }
+        last = label;
       }
     }
     return blocks;

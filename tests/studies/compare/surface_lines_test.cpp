@@ -48,6 +48,22 @@ TEST(SurfaceLines, AreRoundBetweenRings) {
   }
 }
 
+// A surface in two parts, the second of which begins within a block of pixels: it meets its
+// neighbour there.
+TEST(SurfaceLines, AreFoundAtEveryPartOfASurface) {
+  NamedSurfaces surfaces = {.labels = Image<int>(64, 40), .names = {"one", "other"}};
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      surfaces.labels(x, y) = x >= 24 ? 2 : x < 8 || x >= 18 ? 1 : 0;
+    }
+  }
+  const std::vector<SurfaceLine> lines = lines_between(surfaces);
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].from, 1);
+  EXPECT_EQ(lines[0].to, 2);
+  EXPECT_NEAR(lines[0].line.points[lines[0].line.points.size() / 2].at_px.x(), 24.0, 0.1);
+}
+
 // Surfaces around each other cost what their picture does, not what it does for each of them.
 TEST(SurfaceLines, CostLittleMoreForManyRings) {
   const double few = seconds_for(rings(5, 800.0, 1620));

@@ -155,12 +155,21 @@ std::int64_t num_threshold_scans(const InspectionSettings& settings) {
 PopulationPace measure_pace(const SimulatedLine& line,
                             ThreadPool& pool,
                             const std::function<void(std::int64_t number)>& inspect) {
-  constexpr std::int64_t kRounds = 4;
-  const std::int64_t count = kRounds * pool.num_threads();
+  // Parts differ: a few of them are no sample of hundreds.
+  constexpr std::int64_t kMinRounds = 4;
+  constexpr std::int64_t kMaxRounds = 24;
+  constexpr double kLong_s = 4.0;
+  const std::int64_t at_once = pool.num_threads();
   const auto seconds_each = [&](const std::function<void(std::int64_t)>& work) {
     const double start = process_cpu_s();
-    pool.for_each(count, work);
-    return (process_cpu_s() - start) / static_cast<double>(count);
+    double spent_s = 0.0;
+    std::int64_t rounds = 0;
+    while (rounds < kMinRounds || (rounds < kMaxRounds && spent_s < kLong_s)) {
+      pool.for_each(at_once, [&](std::int64_t i) { work(rounds * at_once + i); });
+      spent_s = process_cpu_s() - start;
+      ++rounds;
+    }
+    return spent_s / static_cast<double>(rounds * at_once);
   };
   PopulationPace pace;
   pace.part_s = seconds_each(inspect);

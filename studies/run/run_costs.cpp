@@ -5,6 +5,7 @@
 #include <atomic>
 #include <filesystem>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -31,37 +32,33 @@ constexpr double kSampled_s = 15.0;
 
 constexpr int kPage_px = 650;  ///< width of a frame on the report's page, about
 
-/// CPU seconds of a search while it goes on. Its first evaluations, as many as there are jobs, pay
-/// for cold caches.
+/// CPU seconds of a search while it goes on.
 class SearchClock {
  public:
-  explicit SearchClock(int jobs) : jobs_(jobs) {}
-
   void note(int evaluations) {
-    count_ = evaluations;
-    last_s_ = process_cpu_s() - start_;
-    if (evaluations <= jobs_) {
-      first_s_ = last_s_;
-    }
+    spent_s_.resize(static_cast<std::size_t>(evaluations), process_cpu_s() - start_);
   }
 
-  bool is_long() const { return count_ > jobs_ && last_s_ > kSampled_s; }
+  bool is_long() const { return spent_s_.size() > 1 && spent_s_.back() > kSampled_s; }
 
-  /// The mean over so many evaluations. @param evaluations  >= 1
+  /// The mean over so many evaluations, of which the last ones are taken to cost what those of the
+  /// later half so far do: the first pay for cold caches and are spread over all of the space.
+  /// @param evaluations  >= 1
   double mean_s(int evaluations) const {
-    if (count_ <= jobs_) {
-      return last_s_ / std::max(1, count_);
+    if (spent_s_.empty()) {
+      return 0.0;
     }
-    const double each_s = (last_s_ - first_s_) / (count_ - jobs_);
-    return (first_s_ + each_s * std::max(0, evaluations - jobs_)) / std::max(jobs_, evaluations);
+    const std::size_t count = spent_s_.size();
+    const std::size_t half = count / 2;
+    const double first_s = half > 0 ? spent_s_[half - 1] : 0.0;
+    const double each_s = (spent_s_.back() - first_s) / static_cast<double>(count - half);
+    const double further = std::max(0.0, evaluations - static_cast<double>(count));
+    return (spent_s_.back() + each_s * further) / (static_cast<double>(count) + further);
   }
 
  private:
-  int jobs_ = 1;
   double start_ = process_cpu_s();
-  double first_s_ = 0.0;
-  double last_s_ = 0.0;
-  int count_ = 0;
+  std::vector<double> spent_s_;  ///< after each evaluation
 };
 
 }  // namespace
@@ -76,7 +73,7 @@ SearchSample sample_search(const Study& study,
   SearchTask task = search_task(study, jobs);
   const int planned = study.budget.evaluations > 0 ? study.budget.evaluations : kSampledDesigns;
   task.budget = {.evaluations = std::min(planned, kSampledDesigns)};
-  SearchClock clock(std::min(jobs, study.search.batch));
+  SearchClock clock;
   std::atomic<int> enough = 0;
   const auto look = [&](const SearchProgress& progress) {
     step();

@@ -32,7 +32,7 @@ struct SearchSample {
   std::optional<Point> best;  ///< of those that were made; empty: all failed
 };
 
-inline constexpr int kSampledDesigns = 24;
+inline constexpr int kSampledDesigns = 48;
 
 /// Begins the search as a run does, in a scratch folder, and ends it after kSampledDesigns
 /// evaluations, or earlier where they take long.

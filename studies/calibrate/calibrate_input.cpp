@@ -415,11 +415,11 @@ CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool&
   if (options.from.empty()) {
     find_boards(options, input, pool);
     check_size_of_board(options, input);
-    judge_marks(input);
   } else {
     check_corners(options, input.board, found);
     take_corners(input, std::move(found));
   }
+  judge_marks(input);
   judge_boards(options, input);
   return input;
 }

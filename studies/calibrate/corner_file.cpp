@@ -17,7 +17,7 @@
 namespace glint {
 namespace {
 
-constexpr std::array<const char*, 11> kColumns = {"picture",
+constexpr std::array<const char*, 12> kColumns = {"picture",
                                                   "width_px",
                                                   "height_px",
                                                   "board_x_mm",
@@ -27,7 +27,8 @@ constexpr std::array<const char*, 11> kColumns = {"picture",
                                                   "residual_x_px",
                                                   "residual_y_px",
                                                   "used",
-                                                  "reason"};
+                                                  "reason",
+                                                  "orientation"};
 
 std::string head_row() {
   return csv_row(std::vector<std::string>(kColumns.begin(), kColumns.end()));
@@ -113,6 +114,14 @@ BoardView view_without_corners(const std::string& reason) {
   return {.outcome = BoardOutcome::kNoBoard, .why = reason};
 }
 
+bool is_orientation_known(const CornerTable& table, std::size_t row) {
+  const std::string text = table.text(row, "orientation");
+  if (!text.empty() && text != "known" && text != "unknown") {
+    table.fail(row, "orientation", fmt::format("is \"{}\", must be known or unknown", text));
+  }
+  return text != "unknown";
+}
+
 /// A row's numbers are added to the picture that it belongs to.
 void add_row(const CornerTable& table, std::size_t row, FoundCorners& found) {
   const std::string name = table.text(row, "picture");
@@ -132,6 +141,7 @@ void add_row(const CornerTable& table, std::size_t row, FoundCorners& found) {
   BoardView& view = found.views.back();
   view.outcome = BoardOutcome::kAccepted;
   view.why.clear();
+  view.is_orientation_known = is_orientation_known(table, row);
   view.board_mm.emplace_back(table.number(row, "board_x_mm"), table.number(row, "board_y_mm"), 0.0);
   view.picture_px.emplace_back(table.number(row, "x_px"), table.number(row, "y_px"));
 }
@@ -147,9 +157,20 @@ std::string corners_csv(const CalibrateInput& input,
     const char* used = is_used(solved, i) ? "yes" : "no";
     const std::string reason = reason_of(input, solved, i);
     if (corners.picture_px.empty()) {
-      text += csv_row_of(
-          input.names[i], input.width_px, input.height_px, "", "", "", "", "", "", used, reason);
+      text += csv_row_of(input.names[i],
+                         input.width_px,
+                         input.height_px,
+                         "",
+                         "",
+                         "",
+                         "",
+                         "",
+                         "",
+                         used,
+                         reason,
+                         "");
     }
+    const char* orientation = input.views[i].is_orientation_known ? "known" : "unknown";
     for (std::size_t k = 0; k < corners.picture_px.size(); ++k) {
       const bool is_known = !residuals_px[i].empty();
       text += csv_row_of(input.names[i],
@@ -162,7 +183,8 @@ std::string corners_csv(const CalibrateInput& input,
                          is_known ? shortest(residuals_px[i][k].x()) : std::string(),
                          is_known ? shortest(residuals_px[i][k].y()) : std::string(),
                          used,
-                         reason);
+                         reason,
+                         orientation);
     }
   }
   return text;

@@ -7,9 +7,11 @@
 //   x_px, y_px                        corner in the picture; (0, 0) is the outer corner of a pixel
 //   residual_x_px, residual_y_px      found minus computed; empty where none is known
 //   used, reason                      yes or no, and why not
+//   orientation                       known, or unknown: the picture does not tell which way round
+//                                     the board lies
 //
 // A picture without corners has one row with empty numbers. Reading needs neither residuals nor
-// used.
+// used; without orientation, as in tables of before, it is known.
 #pragma once
 
 #include <string>

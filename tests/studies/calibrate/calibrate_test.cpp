@@ -161,6 +161,34 @@ TEST_F(CalibrateVerb, AMarkThatIsNotThereIsTold) {
                      {"--board", "mark.toml", "--poses", (set / "poses.csv").string()});
   EXPECT_EQ(result["board"]["orientation"], "first picture");
   EXPECT_THAT(result["notes"].dump(), HasSubstr("pictures show the mark"));
+
+  // From its corners alone the same is known.
+  const ProgramResult again = glint_in(folder_,
+                                       {"calibrate",
+                                        "--from",
+                                        "out/corners.csv",
+                                        "--board",
+                                        "mark.toml",
+                                        "--poses",
+                                        (set / "poses.csv").string(),
+                                        "--out",
+                                        "again",
+                                        "--json"});
+  ASSERT_EQ(again.code, 0) << again.err;
+  const Json same = Json::parse(again.out);
+  EXPECT_EQ(same["board"]["orientation"], "first picture");
+  EXPECT_EQ(same["hand_eye"], result["hand_eye"]);
+  EXPECT_THAT(same["notes"].dump(), HasSubstr("pictures show the mark"));
+}
+
+TEST_F(CalibrateVerb, CornersWhoseOrientationIsNoWordAreRefused) {
+  write_file(folder_ / "board.toml", "[board]\ncols = 9\nrows = 7\nsquare_mm = 10\n");
+  write_file(folder_ / "corners.csv",
+             "picture,width_px,height_px,board_x_mm,board_y_mm,x_px,y_px,orientation\n"
+             "a.png,640,480,0,0,100,100,upright\n");
+  const ProgramResult result = calibrate({}, {"--from", "corners.csv", "--board", "board.toml"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_THAT(result.err, HasSubstr("corners.csv:2:27: orientation: is \"upright\""));
 }
 
 // The robot holds the board before the camera: a scene with a plate where the board is, seen at a

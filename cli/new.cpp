@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/shell/output_file.h"
 #include "core/config/toml.h"
 #include "core/file.h"
 #include "core/shell_word.h"
@@ -75,10 +76,6 @@ void check_files(const NewArguments& arguments) {
   if (std::error_code ignored; !std::filesystem::exists(arguments.part, ignored)) {
     throw IoError(arguments.part.string() + ": cannot be read: No such file or directory");
   }
-  const std::filesystem::path folder = arguments.out.parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
-    throw IoError(arguments.out.string() + ": cannot be written: No such file or directory");
-  }
   if (!arguments.out.empty() && std::filesystem::exists(arguments.out)) {
     throw ConfigError(arguments.out.string() + ": exists already; give --out another name");
   }
@@ -102,6 +99,7 @@ int write_starter(const NewArguments& arguments, const CommonArguments& common) 
         starter.text);
     return kExitDone;
   }
+  make_folder_of(arguments.out);
   write_file(arguments.out, starter.text);
   load_study(arguments.out, {});
   std::string text = fmt::format("written: {}\n", arguments.out.string());

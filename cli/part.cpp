@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/shell/output_file.h"
 #include "core/config/toml.h"
 #include "core/units.h"
 #include "simulator/geometry/mesh_file/mesh_write.h"
@@ -115,6 +116,7 @@ int tell_part(const PartArguments& arguments, const CommonArguments& common) {
   Json json = report_json(mesh_report, settings);
   std::string text = report_text(mesh_report);
   if (!arguments.out.empty()) {
+    make_folder_of(arguments.out);
     write_mesh(arguments.out, part.mesh);
     json["file"] = arguments.out.string();
     text += "written: " + arguments.out.string() + "\n";

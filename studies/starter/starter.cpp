@@ -73,10 +73,11 @@ class StarterMaker {
 
   /// A scene of the plan, from its text, so that what is tried is what is written.
   SceneSettings scene_of(const std::string& text, const Values& values) const {
-    // In the folder of the file to come: paths in it are relative to that.
-    const std::string name =
-        (std::filesystem::path(request_.study_file).parent_path() / "new study").string();
-    ConfigNode root = parse_toml(text, name);
+    ConfigNode root = parse_toml(text, "new study");
+    // Written relative to the folder of the file to come, which need not be there yet.
+    set_path(root,
+             "part.file",
+             ConfigNode::from_text(std::filesystem::absolute(request_.part.file).string()));
     for (const auto& [path, value] : values) {
       set_path(root, path, ConfigNode::from_number(value));
     }

@@ -54,13 +54,33 @@ TEST_F(OutputError, RenderReportPartAndNewNameTheFile) {
   expect_one_line(glint_in(folder_, {"render", "study.toml", "--out", "study.toml/x"}),
                   3,
                   "study\\.toml/x: the folder cannot be made: .*");
-  expect_one_line(glint_in(folder_, {"part", "part.stl", "--out", "nowhere/part.ply"}),
+  expect_one_line(glint_in(folder_, {"part", "part.stl", "--out", "study.toml/part.ply"}),
                   3,
-                  "nowhere/part\\.ply: cannot be written: No such file or directory");
-  expect_one_line(glint_in(folder_, {"new", "part.stl", "--out", "nowhere/new.toml"}),
+                  "study\\.toml: the folder cannot be made: .*");
+  expect_one_line(glint_in(folder_, {"new", "part.stl", "--out", "part.stl/new.toml"}),
                   3,
-                  "nowhere/new\\.toml: cannot be written: No such file or directory");
+                  "part\\.stl: the folder cannot be made: .*");
   EXPECT_EQ(folder_.count(), 2);
+}
+
+TEST_F(OutputError, FoldersOfFilesAreMade) {
+  write_file(folder_ / "part.stl", rectangle_stl(40, 12));
+  const std::vector<Arguments> verbs = {
+      {"new", "part.stl", "--working_distance_mm", "300", "--out", "a/b/new.toml"},
+      {"part", "part.stl", "--out", "c/d/part.ply"},
+      {"run", "study.toml", "--quiet", "--out", "run"},
+      {"report", "run", "--out", "e/page.html"},
+      {"report", "run", "--optuna", "f/journal.log"}};
+  for (const Arguments& verb : verbs) {
+    const ProgramResult result = glint_in(folder_, verb);
+    EXPECT_EQ(result.code, 0) << verb.front() << ": " << result.err;
+  }
+  EXPECT_TRUE(fs::exists(folder_ / "a/b/new.toml"));
+  EXPECT_TRUE(fs::exists(folder_ / "c/d/part.ply"));
+  EXPECT_TRUE(fs::exists(folder_ / "e/page.html"));
+  EXPECT_TRUE(fs::exists(folder_ / "f/journal.log"));
+  const ProgramResult check = glint_in(folder_, {"check", "a/b/new.toml"});
+  EXPECT_EQ(check.code, 0) << check.err;
 }
 
 TEST_F(OutputError, FullStandardOutput) {

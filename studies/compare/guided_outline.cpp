@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/median.h"
 #include "metrics/overlap/boundary_distance.h"
 #include "metrics/overlap/edge_location.h"
 #include "metrics/overlap/outline.h"
@@ -22,8 +23,9 @@ constexpr double kScalePx = 0.5;  ///< what the motion as a whole leaves, about
 constexpr int kShifts = 3;        ///< rounds of a shift alone
 constexpr int kMotions = 6;       ///< of the whole motion
 constexpr int kLocations = 2;
-constexpr double kAlikePx = 1.5;  ///< from the motion as a whole
-constexpr double kFarPx = 3.0;    ///< a shift as a whole that a search along normals may miss
+constexpr double kAlikePx = 1.5;        ///< from the motion as a whole
+constexpr double kAlikeContrast = 3.0;  ///< of the median ratio of contrasts, at most
+constexpr double kFarPx = 3.0;          ///< a shift as a whole that a search along normals may miss
 constexpr std::size_t kLeastEdges = 40;
 constexpr double kLeastShare = 0.3;
 
@@ -89,12 +91,37 @@ std::vector<EdgeOffset> offsets_between(std::span<const LocatedEdge> own,
   return offsets;
 }
 
-/// Offsets that are about those of the motion as a whole.
-std::size_t count_alike(std::span<const EdgeOffset> offsets, const OutlineMotion& motion) {
-  return static_cast<std::size_t>(std::ranges::count_if(offsets, [&](const EdgeOffset& edge) {
+/// Real contrast over simulated contrast of each edge, in units of their median: exposures differ.
+std::vector<double> contrast_ratios(std::span<const LocatedEdge> own,
+                                    std::span<const LocatedEdge> real) {
+  std::vector<double> ratios;
+  for (const LocatedEdge& edge : real) {
+    const LocatedEdge& before = *std::ranges::lower_bound(own, key_of(edge), {}, key_of);
+    ratios.push_back(edge.contrast / before.contrast);
+  }
+  const double middle = ratios.empty() ? 1.0 : median(ratios);
+  for (double& ratio : ratios) {
+    ratio /= middle;
+  }
+  return ratios;
+}
+
+/// Edges whose offsets are about those of the motion as a whole and whose contrasts are about as in
+/// the simulated picture: else the rim of a bright face could pass for that of the dark face beside
+/// it, and the whole outline be squeezed onto it.
+std::size_t count_alike(std::span<const EdgeOffset> offsets,
+                        std::span<const double> contrasts,
+                        const OutlineMotion& motion) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    const EdgeOffset& edge = offsets[i];
     const double moved = edge.normal.dot(motion.moved(edge.at_px) - edge.at_px);
-    return std::abs(edge.offset_px - moved) < kAlikePx;
-  }));
+    const bool is_near = std::abs(edge.offset_px - moved) < kAlikePx;
+    if (is_near && contrasts[i] < kAlikeContrast && contrasts[i] > 1.0 / kAlikeContrast) {
+      ++count;
+    }
+  }
+  return count;
 }
 
 /// Where a search along an outline ends.
@@ -118,7 +145,7 @@ Located located_along(std::vector<Boundary> start,
     found.edges = edges_alike(locate_edges(real, found.rough, {.reach_px = kReachPx}), own);
     const std::vector<EdgeOffset> offsets = offsets_between(own, found.edges);
     found.motion = fit_outline_motion(offsets, kScalePx);
-    found.alike = count_alike(offsets, found.motion);
+    found.alike = count_alike(offsets, contrast_ratios(own, found.edges), found.motion);
     if (round == kLocations) {
       return found;
     }

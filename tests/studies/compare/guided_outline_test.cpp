@@ -18,6 +18,8 @@ struct PlateDrawing {
   double shift_y_px = 0.0;
   double lit_to_px = 25.0;  ///< from the plate's middle
   double dark = 0.05;
+  double side_from_px = 100.0;  ///< across the plate; the face that is seen beyond it has one grey
+  double side = 0.05;
   double noise = 0.003;
   std::uint64_t index = 0;
 };
@@ -34,7 +36,10 @@ ImageF drawn_plate(const PlateDrawing& drawing) {
     const double v = y - 80.0 - drawing.shift_y_px;
     const double share = 0.5 * std::erfc(beyond_plate(u, v) / (std::sqrt(2.0) * 0.6));
     const double lit = 0.5 * std::erfc((u - drawing.lit_to_px) / (std::sqrt(2.0) * 2.0));
-    return 0.005 + (drawing.dark + 0.5 * lit) * share;
+    const double across = std::cos(0.2) * v - std::sin(0.2) * u;
+    const double side = 0.5 * std::erfc((drawing.side_from_px - across) / (std::sqrt(2.0) * 0.6));
+    const double face = drawing.dark + 0.5 * lit;
+    return 0.005 + (face + side * (drawing.side - face)) * share;
   });
   add_normal_noise(picture, drawing.noise, drawing.index);
   return picture;
@@ -92,6 +97,20 @@ TEST_F(GuidedOutlineTest, FollowsThePartThatIsMoved) {
   // On the dark half an edge of 0.05 under noise of 0.003 is known to some 0.1 px.
   EXPECT_LT(apart[apart.size() / 2], 0.25);
   EXPECT_LT(apart[apart.size() * 7 / 10], 0.6);
+}
+
+// A dark face is seen below the bright one, and half of its lower edge is lost in noise. The whole
+// outline squeezed until that edge lies on the rim of the bright face would fit more edges.
+TEST_F(GuidedOutlineTest, IsNotSqueezedOntoTheRimOfABrightFace) {
+  const PlateDrawing simulated = {.lit_to_px = 100.0, .side_from_px = 23.0};
+  PlateDrawing real = simulated;
+  real.side = 0.025;
+  real.noise = 0.008;
+  for (real.index = 1; real.index <= 4; ++real.index) {
+    const ComparedPair pair = compare(simulated, real, true);
+    ASSERT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kGuided);
+    EXPECT_LT(pair.geometry.distance.mean_px, 0.3);
+  }
 }
 
 // Both sides are found alike: equal pictures do not differ by the last bit.

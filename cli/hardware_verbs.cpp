@@ -188,6 +188,7 @@ void add_cell_calibration(CLI::App& calibrate, CellCalibrationArguments& argumen
       ->type_name("FILE")
       ->check(not_empty());
   add_driving_options(calibrate, arguments.acquire, "with --cell: ");
+  add_mounted_option(calibrate, arguments.acquire, "with --part: ");
   calibrate
       .add_option("--target_px",
                   arguments.target_px,
@@ -212,8 +213,7 @@ void add_cell_calibration(CLI::App& calibrate, CellCalibrationArguments& argumen
   calibrate
       .add_option("--placed",
                   arguments.placed,
-                  "with --part: you have put it down for the Nth time; otherwise asked for at the "
-                  "terminal")
+                  "with --part: you have put it down for the Nth time; else you are asked")
       ->type_name("N")
       ->check(between(1, 100));
 }

@@ -52,11 +52,6 @@ std::string dry_run_text(const Json& result) {
   return text;
 }
 
-std::string waiting_text(const Json& next, const std::string& again) {
-  return fmt::format(
-      "waiting: {}; then {} with {}\n", next["text"].get<std::string>(), again, mounted_text(next));
-}
-
 std::string result_text(const Json& result) {
   const Json& counts = result["counts"];
   const Json& end = result["end"];
@@ -90,6 +85,11 @@ int exit_code_of(const Json& result) {
 }
 
 }  // namespace
+
+std::string waiting_text(const Json& next, const std::string& again) {
+  return fmt::format(
+      "waiting: {}; then {} with {}\n", next["text"].get<std::string>(), again, mounted_text(next));
+}
 
 AcquireAnswer acquire_answer(const Json& result, const std::string& again) {
   if (result["status"] == "waiting") {

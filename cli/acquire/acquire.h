@@ -34,6 +34,9 @@ struct AcquireAnswer {
 AcquireAnswer acquire_answer(const nlohmann::ordered_json& result,
                              const std::string& again = "the same command");
 
+/// What a person has to do before `again` goes on with --mounted. @param next  acquire_pictures()'s
+std::string waiting_text(const nlohmann::ordered_json& next, const std::string& again);
+
 /// @param is_silent  no progress bar
 /// @throws ConfigError without --move, before any file is read and any address is looked up
 AcquireAnswer run_acquire(const AcquireArguments& arguments, bool is_silent);

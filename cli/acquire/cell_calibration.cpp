@@ -47,6 +47,14 @@ std::string placed_text(const Json& result) {
          fmt::format("part for scenes: {}\n", result["placement"].get<std::string>());
 }
 
+/// What a person has to do: put the part down, or mount a prototype.
+std::string next_text(const Json& next) {
+  return next.contains("design") ? waiting_text(next, "the same command")
+                                 : fmt::format("{}; then the same command with --placed {}\n",
+                                               next["text"].get<std::string>(),
+                                               next["placement"].get<int>());
+}
+
 std::string part_text(const Json& result) {
   std::string text;
   for (const Json& placement : result["placements"]) {
@@ -62,9 +70,7 @@ std::string part_text(const Json& result) {
     return text + placed_text(result);
   }
   if (status == "waiting") {
-    return text + fmt::format("{}; then the same command with --placed {}\n",
-                              result["next"]["text"].get<std::string>(),
-                              result["next"]["placement"].get<int>());
+    return text + next_text(result["next"]);
   }
   return text + (status == "stopped" ? end_text(result["end"])
                                      : "the part is seen in fewer than two pictures\n");
@@ -116,6 +122,9 @@ void check(const CellCalibrationArguments& arguments) {
   const bool has_part = !arguments.part.empty();
   if (!has_part && (arguments.placements != 1 || arguments.placed != 0)) {
     throw ConfigError("--placements, --placed: are of --part, the scene of the part to be placed");
+  }
+  if (!has_part && !arguments.acquire.mounted.empty()) {
+    throw ConfigError("--mounted: is of --part, whose scene is a design of a run");
   }
   if (has_part && arguments.board.empty() == arguments.camera.empty()) {
     throw ConfigError(

@@ -119,7 +119,7 @@ AcquireAnswer planned_end(const Study& study,
                           const std::filesystem::path& cell,
                           int threads) {
   const std::filesystem::path out = std::filesystem::absolute(run).parent_path() / "plan";
-  const Json plan = plan_study(study, {.cell = cell, .out = out, .threads = threads});
+  const Json plan = plan_study(study, {.cell = cell, .out = out, .run = run, .threads = threads});
   AcquireAnswer answer = told_steps(validation_steps(study, run, cell));
   answer.json["plan"] = plan;
   answer.text = plan_sentence(plan) + "\n" + answer.text;

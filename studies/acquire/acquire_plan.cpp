@@ -5,14 +5,13 @@
 #include <numeric>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
-#include "core/text.h"
 #include "core/units.h"
 #include "hardware/robot/path_check.h"
 #include "studies/acquire/acquired.h"
 #include "studies/acquire/expected_parts.h"
-#include "studies/acquire/mounted_prototypes.h"
+#include "studies/acquire/plan_digest.h"
+#include "studies/acquire/source_files.h"
 #include "studies/cell/pose_numbers.h"
 #include "studies/cell_camera/cell_camera.h"
 #include "studies/definition/study.h"
@@ -23,7 +22,6 @@
 namespace glint {
 namespace {
 
-using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr double kJoinedRad = 1e-6;
@@ -194,22 +192,6 @@ void check_names(const std::vector<ViewTask>& tasks) {
   }
 }
 
-std::string digest_of(const AcquireWork& work, const AcquireSource& source, const Cell& cell) {
-  Json json = {{"positions", work.num_positions}, {"step_mm", work.step_mm}};
-  for (const TourPoint& point : work.plan.tour) {
-    json["tour"].push_back({point.name, joints_deg(point.joints_rad)});
-  }
-  for (const ViewTask& task : work.plan.tasks) {
-    json["tasks"].push_back({task.name, task.point, task.lights, task.exposure_us});
-  }
-  const CellCamera& camera = camera_of(cell);
-  json["camera"] = {static_cast<int>(camera.pixel_format), camera.gain_db, camera.region_px};
-  if (source.scene) {
-    json["built_lights"] = built_lights(*source.scene);
-  }
-  return sha256_hex(json.dump());
-}
-
 ViewPlan views_of(const AcquireSource& source, const Cell& cell, double speed_share) {
   if (source.plan) {
     return *source.plan;
@@ -253,18 +235,13 @@ ViewPlan plan_of_cell_views(const Cell& cell, double speed_share) {
 }
 
 AcquireSource read_source(const fs::path& path) {
+  const SourceFiles files = files_of(path);
   AcquireSource source;
-  if (path.empty()) {
-    return source;
+  if (!files.plan.empty()) {
+    source.plan = read_plan(files.plan).plan;
   }
-  const fs::path folder = fs::is_directory(path) ? path : path.parent_path();
-  const bool is_plan = path.extension() == ".json" || fs::exists(path / "plan.json");
-  if (is_plan) {
-    source.plan = read_plan(path).plan;
-  }
-  const fs::path scene = is_plan || fs::is_directory(path) ? folder / "scene.toml" : path;
-  if (!is_plan || fs::exists(scene)) {
-    source.scene = load_study(scene, {}).scene;
+  if (!files.scene.empty()) {
+    source.scene = load_study(files.scene, {}).scene;
   }
   return source;
 }
@@ -290,7 +267,7 @@ AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_
   work.plan.tasks = tasks_of(work.views, work.plan.tour, source, cell, work.num_positions);
   check_names(work.plan.tasks);
   work.plan.camera = camera_configuration_of(camera_of(cell));
-  work.digest = digest_of(work, source, cell);
+  work.digest = plan_digest(work, source, cell);
   return work;
 }
 

@@ -37,7 +37,7 @@ struct AcquireWork {
   AcquisitionPlan plan;
   int num_positions = 1;  ///< of each view
   double step_mm = 0.0;   ///< of the scene's scan; 0 without
-  std::string digest;     ///< of all of it, and of how the scene's lights are built
+  std::string digest;     ///< plan_digest()
 };
 
 /// @throws ConfigError when paths do not join, a leg leaves the box, or the cell lacks a light or a

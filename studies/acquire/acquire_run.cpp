@@ -15,6 +15,7 @@
 #include "studies/acquire/acquire_files.h"
 #include "studies/acquire/acquired.h"
 #include "studies/acquire/cell_devices.h"
+#include "studies/acquire/plan_digest.h"
 #include "studies/cell/cell_copy.h"
 #include "studies/cell/twin_process.h"
 #include "studies/output/output_folder.h"
@@ -43,6 +44,7 @@ struct Prepared {
   AcquireSource source;
   AcquireWork work;
   fs::path folder;
+  std::string digest;  ///< digest_in() the folder
 };
 
 Prepared prepare(const AcquireOptions& options) {
@@ -61,6 +63,7 @@ Prepared prepare(const AcquireOptions& options) {
                      ? default_result_folder(parent.filename().string(), ResultKind::kAcquire)
                      : options.out;
   check_result_folder(ready.folder, ResultKind::kAcquire, kNames);
+  ready.digest = digest_in(ready.folder, ready.work, ready.source, ready.cell);
   return ready;
 }
 
@@ -103,7 +106,7 @@ void write_inputs(const Prepared& ready, Json& head) {
 
 /// Every picture that is wanted is there, as it was taken.
 bool is_whole(const Prepared& ready) {
-  const std::vector<AcquiredPicture> there = whole_pictures(ready.folder, ready.work.digest);
+  const std::vector<AcquiredPicture> there = whole_pictures(ready.folder, ready.digest);
   const auto is_there = [&there](const ViewTask& task, int position) {
     return std::ranges::any_of(there, [&](const AcquiredPicture& picture) {
       return picture.is_accepted && picture.view == task.name && picture.position == position;
@@ -148,9 +151,13 @@ Json waiting(const Prepared& ready, const Json& next) {
           {"end", nullptr}};
 }
 
+MountedPrototypes prototypes_of(const AcquireOptions& options) {
+  return MountedPrototypes::beside(options.source, options.mounted, options.made_from);
+}
+
 /// What a person would be asked for first; null: nothing.
 Json described_step(const Prepared& ready, const AcquireOptions& options) {
-  const auto prototypes = MountedPrototypes::beside(options.source, options.mounted);
+  const MountedPrototypes prototypes = prototypes_of(options);
   const std::string design = prototypes.design_in(options.source);
   const bool is_taken = is_whole(ready);
   const auto wish = prototypes.wish(design);
@@ -175,7 +182,7 @@ class Session {
       : ready_(ready),
         options_(options),
         devices_(devices),
-        journal_(ready.folder, ready.work.digest),
+        journal_(ready.folder, ready.digest),
         files_(ready.folder, journal_, ready.work, ready.cell) {
     head_ = {{"schema", 1}, {"kind", "acquired"}, {"status", "partial"}};
     write_inputs(ready, head_);
@@ -265,7 +272,7 @@ Json describe_acquisition(const AcquireOptions& options) {
 }
 
 Json acquire_pictures(const AcquireOptions& options, const MotionPermit& permit) {
-  MountedPrototypes prototypes = MountedPrototypes::beside(options.source, options.mounted);
+  MountedPrototypes prototypes = prototypes_of(options);
   return acquire_pictures(options, prototypes, permit);
 }
 

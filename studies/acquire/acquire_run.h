@@ -21,6 +21,7 @@ namespace glint {
 
 struct AcquireOptions {
   std::filesystem::path source;  ///< scene, plan.json or their folder; empty: the cell's views
+  std::filesystem::path made_from = {};  ///< source that this one was copied from; empty: none
   std::filesystem::path cell;
   std::vector<CellPosition> views = {};  ///< in the place of the cell's own; empty: those
   std::filesystem::path out;             ///< empty: out/<name>/acquire

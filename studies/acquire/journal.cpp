@@ -95,12 +95,25 @@ bool has_digest(const fs::path& path, const std::string& sha256) {
 void check_plan(const fs::path& folder, const std::string& known, const std::string& digest) {
   if (!known.empty() && known != digest) {
     throw ConfigError(fmt::format(
-        "{}: holds pictures of another plan, cell, scene or prototype; name another folder",
+        "{}: holds pictures of another plan, cell, scene or prototype, or of lights at another "
+        "power; name another folder",
         folder.string()));
   }
 }
 
 }  // namespace
+
+std::string recorded_digest(const fs::path& folder) {
+  if (!fs::exists(folder / "journal.sqlite")) {
+    return "";
+  }
+  try {
+    return Database(folder / "journal.sqlite", Database::Access::kReadOnly)
+        .text("SELECT digest FROM run");
+  } catch (const IoError&) {
+    return "";  // what is wrong with it is told when it is opened to be written
+  }
+}
 
 std::vector<AcquiredPicture> whole_pictures(const fs::path& folder, const std::string& digest) {
   std::vector<AcquiredPicture> whole;

@@ -26,6 +26,9 @@ namespace glint {
 std::vector<AcquiredPicture> whole_pictures(const std::filesystem::path& folder,
                                             const std::string& plan_digest);
 
+/// The digest that a folder's pictures were taken under; empty: it has none, or cannot be read.
+std::string recorded_digest(const std::filesystem::path& folder);
+
 class AcquireJournal {
  public:
   /// Opens or makes DIR/journal.sqlite, begins a session and repairs what the last one left.

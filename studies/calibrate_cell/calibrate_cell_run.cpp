@@ -106,7 +106,8 @@ class CellCalibration {
     acquire.source.clear();
     acquire.views = views;
     acquire.out = folder_ / fmt::format("round_{}", round);
-    return calibrate_cell_detail::acquire_round(acquire, permit_);
+    MountedPrototypes none({}, {});  // the board is seen by the cell's own lights
+    return calibrate_cell_detail::acquire_round(acquire, none, permit_);
   }
 
   /// Pictures of a round beside those of the others, and their poses.

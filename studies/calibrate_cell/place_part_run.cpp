@@ -63,6 +63,8 @@ class PartPlacing {
   Json run() {
     make_folder(folder_);
     write_file(folder_ / "scene.toml", scene_text_);
+    prototypes_ =
+        MountedPrototypes::beside(folder_ / "scene.toml", options_.acquire.mounted, options_.scene);
     for (int number = 1; number <= options_.placements; ++number) {
       check_order(number);
       if (!is_put_down(number)) {
@@ -72,6 +74,10 @@ class PartPlacing {
       if (taken["status"] == "stopped") {
         end_ = taken["end"];
         return result("stopped");
+      }
+      if (taken["status"] == "waiting") {
+        next_ = taken["next"];
+        return result("waiting");
       }
       if (!is_known(number) && !find_edges(number)) {
         return result("too_few_pictures");
@@ -128,12 +134,12 @@ class PartPlacing {
     return true;
   }
 
-  Json photograph(int number) const {
+  Json photograph(int number) {
     AcquireOptions acquire = options_.acquire;
     acquire.source = folder_ / "scene.toml";
     acquire.views.clear();
     acquire.out = numbered("placement", number);
-    return calibrate_cell_detail::acquire_round(acquire, permit_);
+    return calibrate_cell_detail::acquire_round(acquire, prototypes_, permit_);
   }
 
   /// Whether an earlier call has found this placement in the same scene: its files are there.
@@ -275,6 +281,7 @@ class PartPlacing {
   std::string scene_text_;  ///< as it is written; what is kept of another one does not count
   fs::path folder_;
   Isometry3d place_;  ///< where the part is known to lie so far
+  MountedPrototypes prototypes_ = MountedPrototypes({}, {});  ///< of the scene's run
   Json placements_ = Json::array();
   Json next_;  ///< what a person has to do before it can go on
   Json end_;   ///< of an acquisition that was stopped

@@ -29,7 +29,9 @@ struct PlacePartOptions {
 };
 
 /// Each placement is one that a person confirms, by `placed` or `acquire.confirm`; none is assumed.
-/// What is there is not taken again.
+/// Nor is it that the scene's lights are mounted where it belongs to a run whose designs have
+/// others (MountedPrototypes): `acquire.mounted` or `acquire.confirm` says so. What is there is not
+/// taken again.
 /// @return {"status": "placed" | "waiting" | "stopped" | "too_few_pictures", "ok", "folder",
 ///         "placements": [...], "next", "end", "base_from_part", "spread", "placement"}
 /// @throws ConfigError, IoError; what has been taken stays, and the same call goes on with it

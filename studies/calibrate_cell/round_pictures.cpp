@@ -22,9 +22,11 @@ std::optional<Json> ended_round(const std::filesystem::path& folder) {
   return has_ended ? std::optional(std::move(ended)) : std::nullopt;
 }
 
-Json acquire_round(const AcquireOptions& options, const MotionPermit& permit) {
+Json acquire_round(const AcquireOptions& options,
+                   MountedPrototypes& prototypes,
+                   const MotionPermit& permit) {
   std::optional<Json> ended = ended_round(options.out);
-  return ended ? std::move(*ended) : acquire_pictures(options, permit);
+  return ended ? std::move(*ended) : acquire_pictures(options, prototypes, permit);
 }
 
 std::string pose_convention_toml() {

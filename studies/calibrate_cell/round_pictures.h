@@ -21,7 +21,9 @@ std::optional<nlohmann::ordered_json> ended_round(const std::filesystem::path& f
 /// acquire_pictures(), but for a round that an earlier call has ended: it is not driven again, as
 /// the arm may stand on the tour of a later one.
 /// @return what acquired.json holds
-nlohmann::ordered_json acquire_round(const AcquireOptions& options, const MotionPermit& permit);
+nlohmann::ordered_json acquire_round(const AcquireOptions& options,
+                                     MountedPrototypes& prototypes,
+                                     const MotionPermit& permit);
 
 /// How the numbers of pose_toml() are meant.
 std::string pose_convention_toml();

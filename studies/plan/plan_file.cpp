@@ -21,6 +21,11 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kSchema = 1;
 
+/// Null for none.
+Json path_json(const std::filesystem::path& path) {
+  return path.empty() ? Json(nullptr) : Json(path.string());
+}
+
 Json view_json(const PlannedView& view) {
   const bool is_planned = view.outcome == ViewOutcome::kPlanned;
   Json json = {{"name", view.name},
@@ -40,7 +45,7 @@ Json view_json(const PlannedView& view) {
   return json;
 }
 
-Json path_json(const PlannedPath& path) {
+Json way_json(const PlannedPath& path) {
   Json joints = Json::array();
   for (const JointVector& joints_rad : path.joints_rad) {
     joints.push_back(joints_deg(joints_rad));
@@ -80,6 +85,12 @@ class Fields {
       fail(key, "must be a text");
     }
     return value.get<std::string>();
+  }
+
+  /// Null, or not there: empty.
+  std::string text_if_any(const std::string& key) const {
+    const auto found = object_.find(key);
+    return found == object_.end() || found->is_null() ? std::string() : text(key);
   }
 
   double number(const std::string& key) const {
@@ -183,12 +194,15 @@ std::string csv_pose(const Eigen::Isometry3d& pose) {
 
 }  // namespace
 
-Json plan_json(const ViewPlan& plan, const std::string& scene, const std::string& cell) {
+Json plan_json(const PlanFile& file) {
+  const ViewPlan& plan = file.plan;
   Json json = {{"schema", kSchema},
                {"kind", "plan"},
                {"status", "done"},
-               {"scene", scene},
-               {"cell", cell},
+               {"scene", file.scene.filename().string()},
+               {"cell", file.cell.filename().string()},
+               {"planned_from", path_json(file.origin.scene)},
+               {"run", path_json(file.origin.run)},
                {"reach", {{"share", plan.reach_share}, {"margin_mm", plan.reach_margin_mm}}},
                {"views", Json::array()},
                {"paths", Json::array()}};
@@ -197,7 +211,7 @@ Json plan_json(const ViewPlan& plan, const std::string& scene, const std::string
     json["views"].push_back(view_json(view));
   }
   for (const PlannedPath& path : plan.paths) {
-    json["paths"].push_back(path_json(path));
+    json["paths"].push_back(way_json(path));
     duration_s += path.duration_s;
   }
   json["duration_s"] = duration_s;
@@ -205,10 +219,7 @@ Json plan_json(const ViewPlan& plan, const std::string& scene, const std::string
 }
 
 void write_plan(const PlanFile& file, const std::filesystem::path& path) {
-  write_file(
-      path,
-      plan_json(file.plan, file.scene.filename().string(), file.cell.filename().string()).dump(2) +
-          "\n");
+  write_file(path, plan_json(file).dump(2) + "\n");
 }
 
 PlanFile read_plan(const std::filesystem::path& path) {
@@ -222,8 +233,10 @@ PlanFile read_plan(const std::filesystem::path& path) {
   if (fields.text("kind") != "plan" || fields.number("schema") != kSchema) {
     fields.fail("kind", fmt::format("is no plan of schema {}", kSchema));
   }
-  PlanFile read = {.scene = file.parent_path() / fields.text("scene"),
-                   .cell = file.parent_path() / fields.text("cell")};
+  PlanFile read = {
+      .scene = file.parent_path() / fields.text("scene"),
+      .cell = file.parent_path() / fields.text("cell"),
+      .origin = {.scene = fields.text_if_any("planned_from"), .run = fields.text_if_any("run")}};
   const Json& views = list_of(fields, "views");
   for (std::size_t i = 0; i < views.size(); ++i) {
     read.plan.views.push_back(read_view(views[i], file.string(), i));

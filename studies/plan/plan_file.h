@@ -13,23 +13,29 @@
 
 namespace glint {
 
+/// Whose views were planned, with full paths.
+struct PlanOrigin {
+  std::filesystem::path scene;  ///< the file that was given; empty: not told
+  std::filesystem::path run;    ///< folder of the run whose designs it is one of; empty: none
+};
+
 /// A plan and what it was made for.
 struct PlanFile {
   ViewPlan plan;
   std::filesystem::path scene;  ///< beside plan.json
   std::filesystem::path cell;
+  PlanOrigin origin = {};
 };
 
-/// The object of plan.json. @param scene, cell  names of the files beside it
-nlohmann::ordered_json plan_json(const ViewPlan& plan,
-                                 const std::string& scene,
-                                 const std::string& cell);
+/// The object of plan.json. Of scene and cell the names are written.
+nlohmann::ordered_json plan_json(const PlanFile& file);
 
 /// Writes plan.json: the file appears whole or not at all. @throws IoError
 void write_plan(const PlanFile& file, const std::filesystem::path& path);
 
 /// @param path  plan.json, or the folder that holds it
-/// @return the same plan; its files' paths with the folder's before them
+/// @return the same plan; its files' paths with the folder's before them. Plans of earlier programs
+///         do not tell their origin
 /// @throws ConfigError naming what is missing or no plan, IoError
 PlanFile read_plan(const std::filesystem::path& path);
 

@@ -16,6 +16,7 @@
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
 #include "studies/output/result_writer.h"
+#include "studies/output/run_folder.h"
 #include "studies/plan/plan_file.h"
 #include "studies/plan/plan_page.h"
 #include "studies/plan/plan_pictures.h"
@@ -49,9 +50,11 @@ class PlanRun {
     inputs.push_back(options_.cell);
     check_inputs_kept(inputs, options_.out, kFiles);
     made_ = plan();
-    Json result = plan_json(made_.plan, "scene.toml", "cell.toml");
+    const PlanFile file = {
+        .plan = made_.plan, .scene = "scene.toml", .cell = "cell.toml", .origin = origin()};
+    Json result = plan_json(file);
     ResultWriter writer(options_.out, ResultKind::kViewPlan);
-    write(writer.path(), result);
+    write(writer.path(), file, result);
     std::error_code ignored;
     fs::remove_all(options_.out / "pictures", ignored);  // of an earlier plan with other views
     writer.finish(
@@ -83,9 +86,14 @@ class PlanRun {
     return picture_sheet(pictures, kColumns);
   }
 
-  void write(const fs::path& stage, const Json& result) {
-    write_plan({.plan = made_.plan, .scene = "scene.toml", .cell = "cell.toml"},
-               stage / "plan.json");
+  PlanOrigin origin() const {
+    const fs::path given = study_.root.place.file;
+    const fs::path scene = given.empty() ? given : fs::absolute(given).lexically_normal();
+    return {.scene = scene, .run = run_above(options_.run.empty() ? scene : options_.run)};
+  }
+
+  void write(const fs::path& stage, const PlanFile& file, const Json& result) {
+    write_plan(file, stage / "plan.json");
     write_file(stage / "plan.csv", plan_csv(made_.plan));
     write_file(stage / "scene.toml", resolved_text(study_));
     write_file(stage / "cell.toml", cell_copy(options_.cell));

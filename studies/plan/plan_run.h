@@ -21,6 +21,7 @@ namespace glint {
 struct PlanRunOptions {
   std::filesystem::path cell;
   std::filesystem::path out;
+  std::filesystem::path run;  ///< whose designs the scene is one of; empty: the one it lies in
   int threads = 1;
 };
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <regex>
 #include <string>
 #include <thread>
 
@@ -102,9 +103,10 @@ void write_calibration(const fs::path& folder) {
 }
 
 /// The gallery's cell with a part that is put down 0.2 mm and 0.2 degrees elsewhere each time.
-class PlacedPart : public testing::Test {
+/// Nobody serves it.
+class PartOfACell : public testing::Test {
  protected:
-  PlacedPart() {
+  PartOfACell() {
     const std::string truth = edited(read_file(kPlacedCell / "truth.toml"),
                                      {{"width_px = 408", "width_px = 306"},
                                       {"height_px = 342", "height_px = 256"},
@@ -122,6 +124,15 @@ class PlacedPart : public testing::Test {
     write_file(folder_ / "cell.toml",
                edited(read_file(kPlacedCell / "cell.toml"),
                       {{"truth = \"truth.toml\"", "truth = \"truth.toml\"\nmotion_speedup = 20"}}));
+  }
+
+  TemporaryFolder folder_;
+};
+
+/// The same with twins that serve it.
+class PlacedPart : public PartOfACell {
+ protected:
+  PlacedPart() {
     json_of(folder_,
             {"cell", "twin", "both", "cell.toml", "--port", "0", "--detach", "--ready_file", "t"});
   }
@@ -176,8 +187,6 @@ class PlacedPart : public testing::Test {
   RigidTransform truth_of(int placement) const {
     return read_truth(folder_ / "truth.toml").carrier_from_scene(placement);
   }
-
-  TemporaryFolder folder_;
 };
 
 RigidTransform pose_of_json(const json& pose) {
@@ -240,6 +249,45 @@ TEST_F(PlacedPart, IsFoundEachTimeAndNothingIsAssumed) {
   EXPECT_THAT(placement, HasSubstr("base_from_part"));
   const json again = place(0, {});
   EXPECT_EQ(again["base_from_part"], all["base_from_part"]);
+}
+
+// The part is seen by a design's ring, and another design of the run has another one.
+TEST_F(PartOfACell, WaitsForThePrototypeOfItsDesign) {
+  const std::string scene = read_file(folder_ / "part.toml");
+  fs::create_directories(folder_ / "run/wide");
+  fs::create_directories(folder_ / "run/narrow");
+  write_file(folder_ / "run/study.resolved.toml", scene);
+  write_file(folder_ / "run/narrow/scene.toml", scene);
+  write_file(
+      folder_ / "run/wide/scene.toml",
+      std::regex_replace(scene, std::regex("outer_radius_mm = [0-9.]+"), "outer_radius_mm = 77"));
+  Arguments call = {"calibrate", "--cell", "cell.toml", "--camera", "camera", "--out", "out"};
+  call.insert(call.end(), {"--json", "--move", "--part", "run/narrow/scene.toml", "--placed", "1"});
+  const ProgramResult result = glint_in(folder_, call);
+  EXPECT_EQ(result.code, 1) << result.err;
+  const json told = json::parse(result.out);
+  EXPECT_EQ(told["status"], "waiting");
+  EXPECT_EQ(told["part"]["next"]["design"], "narrow");
+  EXPECT_THAT(told["part"]["next"]["text"].get<std::string>(),
+              HasSubstr("mount the prototype of narrow (ring)"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/part/placement_1")) << "nothing has been driven";
+  call.insert(call.end(), {"--mounted", "wide"});
+  EXPECT_EQ(glint_in(folder_, call).code, 1);
+  call.back() = "narrow";
+  EXPECT_EQ(glint_in(folder_, call).code, 3) << "nobody listens, nobody is asked";
+  call.back() = "wider";
+  EXPECT_THAT(glint_in(folder_, call).err, HasSubstr("there are narrow, wide"));
+  EXPECT_THAT(glint_in(folder_,
+                       {"calibrate",
+                        "--cell",
+                        "cell.toml",
+                        "--board",
+                        "board.toml",
+                        "--mounted",
+                        "wide",
+                        "--move"})
+                  .err,
+              HasSubstr("--mounted: is of --part"));
 }
 
 TEST_F(PlacedPart, IsRefusedWhereItsPlaceCannotBeTold) {

@@ -6,14 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
-#include "studies/acquire/acquire_plan.h"
 #include "studies/acquire/acquire_run.h"
-#include "studies/acquire/journal.h"
 #include "studies/cell/typed_permit.h"
 #include "studies/definition/study.h"
-#include "studies/output/result_folder.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/studies/acquire/run_of_prototypes.h"
 
 namespace glint {
 namespace {
@@ -23,59 +19,6 @@ using testing::_;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Pair;
-
-/// A plate under a ring of this outer radius and a bar, each as bright as told.
-std::string scene_text(double radius_mm, double ring = 4, double bar = 8) {
-  return fmt::format(R"(schema = 1
-[part]
-shape = "plate"
-length_mm = 40
-width_mm = 40
-thickness_mm = 5
-[material]
-type = "diffuse"
-[lighting.ring]
-mount = "camera"
-inner_radius_mm = 30
-outer_radius_mm = {}
-height_mm = 80
-radiance = [{}]
-[lighting.bar]
-mount = "camera"
-position_mm = [0, -100, 80]
-direction = [0, 1, 1]
-length_mm = 120
-width_mm = 25
-radiance = [{}]
-)",
-                     radius_mm,
-                     ring,
-                     bar);
-}
-
-/// A run with designs narrow and wide, whose rings differ, and dark, whose ring is off.
-class PrototypesOfARun : public testing::Test {
- protected:
-  PrototypesOfARun() {
-    make_folder(folder_ / "run");
-    write_file(folder_ / "run/study.resolved.toml", "schema = 1\n");
-    write_file(scene("narrow"), scene_text(50));
-    write_file(scene("wide"), scene_text(60));
-    write_file(scene("dark"), scene_text(70, 0));
-  }
-
-  std::filesystem::path scene(const std::string& design) const {
-    const std::filesystem::path folder = folder_ / "run" / design;
-    make_folder(folder);
-    return folder / "scene.toml";
-  }
-
-  MountedPrototypes prototypes(const std::vector<std::string>& mounted = {}) const {
-    return MountedPrototypes::beside(scene("wide"), mounted);
-  }
-
-  TemporaryFolder folder_;
-};
 
 TEST_F(PrototypesOfARun, AreThoseOfAllLightsWhateverTheirPower) {
   write_file(scene("bright"), scene_text(50, 9, 3));
@@ -128,13 +71,46 @@ TEST_F(PrototypesOfARun, AreTakenDownForDesignsThatHaveNone) {
 }
 
 TEST_F(PrototypesOfARun, AreExchangedOnceForDesignsThatAreBuiltAlike) {
-  write_file(scene("bright"), scene_text(50, 9));
+  write_file(scene("unlit"), scene_text(50, 4, 0));
   MountedPrototypes all = prototypes();
-  std::vector<std::filesystem::path> left = {scene("narrow"), scene("wide"), scene("bright")};
+  std::vector<std::filesystem::path> left = {scene("narrow"), scene("wide"), scene("unlit")};
   EXPECT_EQ(all.next_of(left), 0U);
   all.mount("narrow");
   left.erase(left.begin());
-  EXPECT_EQ(all.next_of(left), 1U) << "bright needs nobody";
+  EXPECT_EQ(all.next_of(left), 1U) << "an output switches the bar off, unlit needs nobody";
+}
+
+TEST_F(PrototypesOfARun, AreSetByHandWhereTheyShineAtAnotherPower) {
+  write_file(scene("bright"), scene_text(50, 9));
+  MountedPrototypes all = prototypes();
+  EXPECT_THAT(all.wish("bright").value_or(""),
+              HasSubstr("mount the prototype of bright (ring), a"));
+  all.mount("narrow");
+  EXPECT_EQ(all.wish("bright").value_or(""),
+            "set the power of ring as bright has it, and leave the arm's reach");
+  all.mount("bright");
+  EXPECT_FALSE(all.wish("bright").has_value());
+  EXPECT_TRUE(all.wish("narrow").has_value());
+  all.mount("dark");
+  EXPECT_THAT(all.wish("bright").value_or(""), HasSubstr("prototype of bright (ring)"))
+      << "another ring hung there in between";
+  EXPECT_FALSE(prototypes({"bright"}).wish("bright").has_value());
+  EXPECT_THAT(([&] {
+                prototypes({"bright", "narrow"});
+              }),
+              testing::ThrowsMessage<ConfigError>(HasSubstr("[lighting.ring] at another power")));
+}
+
+TEST_F(PrototypesOfARun, AreSetByHandAfterADesignThatHasThemOff) {
+  write_file(scene("bright"), scene_text(50, 9));
+  write_file(scene("off"), scene_text(50, 0));
+  MountedPrototypes all = prototypes({"off"});
+  EXPECT_FALSE(all.wish("off").has_value());
+  EXPECT_THAT(all.wish("bright").value_or(""), HasSubstr("set the power of ring"))
+      << "the right ring hangs there, at a power that nobody has told";
+  all.mount("bright");
+  all.mount("off");
+  EXPECT_FALSE(all.wish("bright").has_value()) << "an output does not change the power";
 }
 
 TEST_F(PrototypesOfARun, AreThoseOfItsFrontToo) {
@@ -187,33 +163,6 @@ TEST_F(PrototypesOfARun, AreOfNoSceneOutsideARun) {
   EXPECT_THROW(MountedPrototypes::beside({}, {"wide"}), ConfigError);
 }
 
-/// Nobody listens at its robot: whoever does not wait fails to connect.
-constexpr const char* kLonelyCell = R"([camera]
-address = "127.0.0.1"
-[robot]
-model = "ur3"
-host = "127.0.0.1"
-rtde_port = 1
-flange_from_tcp = [0, 0, 80, 0, 0, 0]
-tool_radius_mm = 35
-payload_kg = 0.6
-[limits]
-tool_speed_mm_s = 250
-tool_acceleration_mm_s2 = 500
-joint_speed_deg_s = 60
-joint_acceleration_deg_s2 = 120
-box_min_mm = [-600, -600, 20]
-box_max_mm = [600, 600, 900]
-[lights.ring]
-output = 0
-[lights.bar]
-output = 1
-[[safe_position]]
-joints_deg = [0, -100, 100, -90, -90, 0]
-[[view]]
-joints_deg = [10, -95, 95, -85, -90, 0]
-)";
-
 TEST_F(PrototypesOfARun, AreWaitedForBeforeAnythingIsConnected) {
   write_file(folder_ / "cell.toml", kLonelyCell);
 
@@ -243,38 +192,6 @@ TEST_F(PrototypesOfARun, AreWaitedForBeforeAnythingIsConnected) {
   EXPECT_TRUE(describe_acquisition(options)["next"].is_null());
   options.mounted = {"wider"};
   EXPECT_THROW(describe_acquisition(options), ConfigError);
-}
-
-/// A folder as a whole acquisition of the lonely cell's only view leaves it.
-void write_pictures(const AcquireOptions& options) {
-  const Cell cell = read_cell(options.cell);
-  const AcquireWork work = work_of(read_source(options.source), cell, options.speed_share);
-  make_folder(options.out);
-  AcquireJournal journal(options.out, work.digest);
-  journal.keep({.view = work.plan.tasks.front().name, .file = "views/view_1/frame_000.png"},
-               "bytes of a picture");
-  write_file(options.out / "acquired.json",
-             R"({"kind": "acquired", "status": "complete", "pictures": []})");
-  mark_result_folder(options.out, ResultKind::kAcquire);
-}
-
-TEST_F(PrototypesOfARun, AreNotAskedForWhenAllPicturesAreThere) {
-  write_file(folder_ / "cell.toml", kLonelyCell);
-  AcquireOptions options = {.source = scene("wide"), .cell = folder_ / "cell.toml"};
-  options.out = folder_ / "out";
-  write_pictures(options);
-  const MotionPermit permit = typed_permit(true, "acquire");
-  EXPECT_THROW(acquire_pictures(options, permit), IoError) << "nobody listens, nobody is asked";
-  EXPECT_TRUE(describe_acquisition(options)["next"].is_null());
-  write_file(scene("wide"), scene_text(65));
-  EXPECT_THAT([&] { acquire_pictures(options, permit); },
-              testing::ThrowsMessage<ConfigError>(HasSubstr("another plan, cell, scene or")))
-      << "pictures of another prototype";
-  write_file(scene("wide"), scene_text(60));
-  write_file(options.out / "views/view_1/frame_000.png", "other bytes");
-  EXPECT_EQ(acquire_pictures(options, permit)["status"], "waiting");
-  std::filesystem::remove(options.out / "views/view_1/frame_000.png");
-  EXPECT_EQ(acquire_pictures(options, permit)["status"], "waiting");
 }
 
 }  // namespace

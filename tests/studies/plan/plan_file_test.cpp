@@ -37,10 +37,16 @@ ViewPlan small_plan() {
 TEST(PlanFile, IsReadAsItWasWritten) {
   const TemporaryFolder folder;
   const ViewPlan plan = small_plan();
-  write_plan({.plan = plan, .scene = "scene.toml", .cell = "cell.toml"}, folder / "plan.json");
+  write_plan({.plan = plan,
+              .scene = "scene.toml",
+              .cell = "cell.toml",
+              .origin = {.scene = "/out/run/wide/scene.toml", .run = "/out/run"}},
+             folder / "plan.json");
   const PlanFile read = read_plan(folder / "");
   EXPECT_EQ(read.scene, folder / "scene.toml");
   EXPECT_EQ(read.cell.filename(), "cell.toml");
+  EXPECT_EQ(read.origin.scene, "/out/run/wide/scene.toml");
+  EXPECT_EQ(read.origin.run, "/out/run");
   ASSERT_EQ(read.plan.views.size(), 2U);
   ASSERT_EQ(read.plan.paths.size(), 1U);
   const PlannedView& view = read.plan.views[0];
@@ -76,6 +82,7 @@ TEST(PlanFile, NamesWhatIsWrongInOne) {
               HasSubstr("views[0].outcome: \"perhaps\" is no outcome"));
   EXPECT_THAT(problem("\"reason\"", "\"raisin\""), HasSubstr("views[0].reason: is missing"));
   EXPECT_THAT(problem("7.25", "\"wide\""), HasSubstr("views[0].margin_mm: must be a number"));
+  EXPECT_THAT(problem("\"run\": null", "\"run\": 1"), HasSubstr("run: must be a text"));
   EXPECT_THAT(problem("\"duration_s\": 3.25", "\"duration_s\": null"),
               HasSubstr("paths[0].duration_s: must be a number"));
   write_file(folder / "bad.json", "{");

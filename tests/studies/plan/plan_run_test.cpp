@@ -121,6 +121,15 @@ TEST_F(PlanStudyTest, WritesAWholeFolderThatIsReadAgain) {
   EXPECT_EQ(again["paths"], result["paths"]);
 }
 
+TEST_F(PlanStudyTest, TellsWhatItWasPlannedFrom) {
+  EXPECT_EQ(plan(kScene + kCalibration, kCell)["run"], nullptr);
+  write_file(folder_ / "study.resolved.toml", "schema = 1\n");
+  plan(kScene + kCalibration, kCell);
+  const PlanFile file = read_plan(folder_ / "out");
+  EXPECT_EQ(file.origin.scene, folder_ / "scene.toml");
+  EXPECT_EQ(file.origin.run, folder_.path());
+}
+
 TEST_F(PlanStudyTest, LeavesNoPictureOfAnEarlierPlan) {
   plan(kScene + kCalibration, kCell);
   ASSERT_TRUE(std::filesystem::exists(folder_ / "out/pictures/view_02.png"));

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+
+namespace glint {
+
+/// The file of a run's folder by which the folder is known: the study that it ran.
+inline constexpr const char* kRunStudy = "study.resolved.toml";
+
+/// The folder of the run that a file or a folder lies in: the nearest one that holds the run's
+/// study, the path itself or any folder above it. Empty: it lies in none.
+/// @param path  need not exist; relative to the working directory
+std::filesystem::path run_above(const std::filesystem::path& path);
+
+}  // namespace glint

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/acquire/plan_digest.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "studies/acquire/acquire_run.h"
+#include "studies/acquire/journal.h"
+#include "studies/cell/pose_numbers.h"
+#include "studies/cell/typed_permit.h"
+#include "studies/cell_camera/cell_camera.h"
+#include "studies/output/result_folder.h"
+#include "tests/studies/acquire/run_of_prototypes.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using testing::HasSubstr;
+
+/// A folder as a whole acquisition of the lonely cell's only view leaves it.
+/// @param digest  of an earlier program; empty: this one's
+void write_pictures(const AcquireOptions& options, const std::string& digest = "") {
+  const Cell cell = read_cell(options.cell);
+  const AcquireWork work = work_of(read_source(options.source), cell, options.speed_share);
+  make_folder(options.out);
+  AcquireJournal journal(options.out, digest.empty() ? work.digest : digest);
+  journal.keep({.view = work.plan.tasks.front().name, .file = "views/view_1/frame_000.png"},
+               "bytes of a picture");
+  write_file(options.out / "acquired.json",
+             R"({"kind": "acquired", "status": "complete", "pictures": []})");
+  mark_result_folder(options.out, ResultKind::kAcquire);
+}
+
+TEST_F(PrototypesOfARun, AreNotAskedForWhenAllPicturesAreThere) {
+  write_file(folder_ / "cell.toml", kLonelyCell);
+  AcquireOptions options = {.source = scene("wide"), .cell = folder_ / "cell.toml"};
+  options.out = folder_ / "out";
+  write_pictures(options);
+  const MotionPermit permit = typed_permit(true, "acquire");
+  EXPECT_THROW(acquire_pictures(options, permit), IoError) << "nobody listens, nobody is asked";
+  EXPECT_TRUE(describe_acquisition(options)["next"].is_null());
+  write_file(scene("wide"), scene_text(65));
+  EXPECT_THAT([&] { acquire_pictures(options, permit); },
+              testing::ThrowsMessage<ConfigError>(HasSubstr("another plan, cell, scene or")))
+      << "pictures of another prototype";
+  write_file(scene("wide"), scene_text(60));
+  write_file(options.out / "views/view_1/frame_000.png", "other bytes");
+  EXPECT_EQ(acquire_pictures(options, permit)["status"], "waiting");
+  std::filesystem::remove(options.out / "views/view_1/frame_000.png");
+  EXPECT_EQ(acquire_pictures(options, permit)["status"], "waiting");
+}
+
+// Its camera would see other grey values: they are no pictures of this design.
+TEST_F(PrototypesOfARun, HaveNoPicturesOfAnotherPower) {
+  write_file(folder_ / "cell.toml", kLonelyCell);
+  AcquireOptions options = {.source = scene("wide"), .cell = folder_ / "cell.toml"};
+  options.out = folder_ / "out";
+  write_pictures(options);
+  const MotionPermit permit = typed_permit(true, "acquire");
+  write_file(scene("wide"), scene_text(60, 8));
+  EXPECT_THAT([&] { acquire_pictures(options, permit); },
+              testing::ThrowsMessage<ConfigError>(HasSubstr("of lights at another power")));
+  write_file(scene("dark"), scene_text(70, 0));
+  options.source = scene("dark");
+  options.out = folder_ / "dark";
+  write_pictures(options);
+  const std::string off = scene_text(70, 0);
+  write_file(scene("dark"), off.substr(0, off.rfind("radiance = [8]")) + "power_w = [3]\n");
+  EXPECT_THROW(describe_acquisition(options), ConfigError) << "power of the bar";
+}
+
+/// As programs before powers counted made it.
+std::string former_digest(const AcquireOptions& options) {
+  const Cell cell = read_cell(options.cell);
+  const AcquireSource source = read_source(options.source);
+  const AcquireWork work = work_of(source, cell, options.speed_share);
+  Json json = {{"positions", work.num_positions}, {"step_mm", work.step_mm}};
+  for (const TourPoint& point : work.plan.tour) {
+    json["tour"].push_back({point.name, joints_deg(point.joints_rad)});
+  }
+  for (const ViewTask& task : work.plan.tasks) {
+    json["tasks"].push_back({task.name, task.point, task.lights, task.exposure_us});
+  }
+  const CellCamera& camera = camera_of(cell);
+  json["camera"] = {static_cast<int>(camera.pixel_format), camera.gain_db, camera.region_px};
+  json["built_lights"] = built_lights(*source.scene);
+  return sha256_hex(json.dump());
+}
+
+TEST_F(PrototypesOfARun, FindTheirPicturesOfEarlierPrograms) {
+  write_file(folder_ / "cell.toml", kLonelyCell);
+  AcquireOptions options = {.source = scene("wide"), .cell = folder_ / "cell.toml"};
+  options.out = folder_ / "out";
+  write_pictures(options, former_digest(options));
+  write_file(options.out / "scene.toml", scene_text(60));
+  EXPECT_TRUE(describe_acquisition(options)["next"].is_null()) << "every picture is there";
+  EXPECT_THROW(acquire_pictures(options, typed_permit(true, "acquire")), IoError)
+      << "nobody listens, nobody is asked";
+  write_file(options.out / "scene.toml", scene_text(60, 8));
+  EXPECT_THROW(describe_acquisition(options), ConfigError)
+      << "the scene that it keeps was brighter";
+  std::filesystem::remove(options.out / "scene.toml");
+  EXPECT_THROW(describe_acquisition(options), ConfigError) << "nobody knows how bright they are";
+}
+
+}  // namespace
+}  // namespace glint

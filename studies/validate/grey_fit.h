@@ -55,6 +55,7 @@ struct GreyFit {
   double before = 0.0;            ///< rms of even differences, share of the mean grey
   double exposed = 0.0;           ///< after an exposure of its own alone
   double after = 0.0;             ///< after all
+  double rounding = 0.0;          ///< share of its exposure that is no more than rounding
   int renders = 0;                ///< of all designs
 };
 

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "core/image/image_io.h"
+#include "simulator/sensor/rounding.h"
 #include "simulator/sensor/sensor.h"
 #include "studies/compare/camera/reduced_scene.h"
 #include "studies/imaging/path_picture.h"
@@ -23,6 +24,12 @@ constexpr float kBright = 0.98F;  ///< at least: clipped
 constexpr int kLeastSamples = 48;
 constexpr int kFiner = 6;  ///< times the samples of fine pictures
 constexpr std::size_t kMostKept = 8;
+constexpr int kPlainBits = 8;
+/// Of independent noise: means of 3 x 3 overlap, 2 (19 / 9)^2, and the noise is estimated, about 4.
+constexpr double kScatter = 13.0;
+constexpr double kNoiseSigmas = 2.0;
+constexpr double kRounded =
+    100.0;  ///< times what rounding may do: a design that is darker counts less
 constexpr double kSamePosePx = 0.15;  ///< of these pictures: less is not seen
 
 /// Squares of means over 3 x 3 pixels, and of differences of neighbours.
@@ -59,17 +66,28 @@ struct EvenSums {
   }
 
   /// Noise of a pixel has half the variance of a wide step; neighbours whose noise is correlated by
-  /// r differ less, and leave more of it in a mean of nine: (1 + 24 r / 9 + 16 r^2 / 9) / 9.
-  double rms() const {
+  /// r differ less, and leave more of it in a mean of nine: (1 + 24 r / 9 + 16 r^2 / 9) / 9. What
+  /// that noise leaves of squares of n means is known to sqrt(kScatter / n) of it.
+  /// @param sigmas  so many of these standard errors are no difference
+  double rms(double sigmas) const {
     if (count <= 0.0 || wide_steps <= 0.0) {
       return 0.0;
     }
     const double alike = std::clamp(1.0 - steps / wide_steps, 0.0, 0.5);
     const double noise =
         wide_steps / 18.0 * (1.0 + 24.0 / 9.0 * alike + 16.0 / 9.0 * alike * alike);
-    return std::sqrt(std::max(0.0, squares - noise) / count);
+    const double unsure = sigmas * noise * std::sqrt(kScatter / count);
+    return std::sqrt(std::max(0.0, squares - noise - unsure) / count);
   }
 };
+
+/// A black picture does not show its step: the scene's sensor tells it.
+double recorded_step_of(const GreyView& view) {
+  const bool is_black =
+      std::ranges::all_of(view.real.values(), [](float grey) { return grey <= 0.0F; });
+  const int bits = view.scene.sensor.bits > 0 ? view.scene.sensor.bits : kPlainBits;
+  return is_black ? 1.0 / (std::exp2(bits) - 1.0) : recorded_step(view.real);
+}
 
 }  // namespace
 
@@ -88,7 +106,9 @@ void GreyModel::add_views(std::size_t design, const GreyDesign& views) {
     SmallView small = {
         .design = design,
         .scene = reduced_scene(with_separate_segments(view.scene), factor, kLeastSamples),
-        .real = reduce(view.real, factor)};
+        .real = reduce(view.real, factor),
+        .sensor = view.scene.sensor,
+        .step = recorded_step_of(view)};
     take_shared_pose(small);
     for (const LitLight& light : lights_with_bodies(small.scene)) {
       if (std::ranges::find(lights_, light.name, &LitLight::name) == lights_.end()) {
@@ -138,15 +158,28 @@ void GreyModel::choose_pixels() {
   real_ = Eigen::Map<const Eigen::VectorXd>(real.data(), static_cast<Eigen::Index>(real.size()));
 }
 
-/// Bright and dark designs count alike.
+/// By which rounding may change grey values of that size.
+double GreyModel::largest_rounding(std::size_t design, double grey) const {
+  double largest = 0.0;
+  for (const SmallView& view : views_) {
+    if (view.design == design) {
+      largest = std::max(largest, largest_rounding_bias(grey_noise(view.sensor, grey), view.step));
+    }
+  }
+  return largest;
+}
+
+/// Bright and dark designs count alike, as far as rounding leaves their grey values.
 void GreyModel::use_shares() {
   Eigen::Index first = 0;
-  for (GreyRows& rows : rows_) {
+  for (std::size_t d = 0; d < rows_.size(); ++d) {
+    GreyRows& rows = rows_[d];
     rows.first = first;
     first += rows.count;
     auto values = real_.segment(rows.first, rows.count);
     means_.push_back(rows.count > 0 ? std::max(values.mean(), 1e-6) : 1.0);
-    values /= means_.back();
+    units_.push_back(std::max(means_.back(), kRounded * largest_rounding(d, means_.back())));
+    values /= units_.back();
   }
 }
 
@@ -207,7 +240,7 @@ void GreyModel::put_columns(const SmallView& view,
                             const std::vector<ImageF>& pictures,
                             Eigen::Index first,
                             GreyColumns& columns) const {
-  const double mean = means_[view.design];
+  const double unit = units_[view.design];
   Eigen::Index row = first;
   for (std::size_t i = 0; i < view.used.size(); ++i) {
     if (view.used.values()[i] == 0) {
@@ -215,9 +248,9 @@ void GreyModel::put_columns(const SmallView& view,
     }
     for (std::size_t g = 0; g + 1 < pictures.size(); ++g) {
       columns.segments(row, static_cast<Eigen::Index>(g)) =
-          static_cast<double>(pictures[g].values()[i]) / mean;
+          static_cast<double>(pictures[g].values()[i]) / unit;
     }
-    columns.sum[row] = static_cast<double>(pictures.back().values()[i]) / mean;
+    columns.sum[row] = static_cast<double>(pictures.back().values()[i]) / unit;
     ++row;
   }
 }
@@ -268,21 +301,51 @@ const Halves<GreyColumns>& GreyModel::columns(const std::vector<Eigen::Vector3d>
 }
 
 double GreyModel::even_rms(const Eigen::VectorXd& difference, std::size_t design) const {
+  const double unit = units_[design];
   EvenSums sums;
+  EvenSums rounding;
   Eigen::Index row = rows_[design].first;
   for (const SmallView& view : views_) {
     if (view.design != design) {
       continue;
     }
     ImageF values(view.used.width(), view.used.height());
+    ImageF biases(view.used.width(), view.used.height());
     for (std::size_t i = 0; i < view.used.size(); ++i) {
       if (view.used.values()[i] != 0) {
+        const double grey = unit * (real_[row] - difference[row]);
+        const double bias = rounding_bias(grey, grey_noise(view.sensor, grey), view.step);
         values.values()[i] = static_cast<float>(difference[row++]);
+        biases.values()[i] = static_cast<float>(bias / unit);
       }
     }
     sums.add(values, view.used);
+    rounding.add(biases, view.used);
   }
-  return sums.rms();
+  const double even = sums.rms(kNoiseSigmas);
+  const double rounded = rounding.rms(0.0);
+  return unit / means_[design] * std::sqrt(std::max(0.0, even * even - rounded * rounded));
+}
+
+double GreyModel::rounding_share(const Eigen::VectorXd& difference, std::size_t design) const {
+  double biases = 0.0;
+  double squares = 0.0;
+  Eigen::Index row = rows_[design].first;
+  for (const SmallView& view : views_) {
+    if (view.design != design) {
+      continue;
+    }
+    const auto count =
+        std::ranges::count_if(view.used.values(), [](auto used) { return used != 0; });
+    for (const Eigen::Index end = row + count; row < end; ++row) {
+      const double grey = std::max(0.0, units_[design] * (real_[row] - difference[row]));
+      const double noise = grey_noise(view.sensor, grey);
+      biases += grey * std::max(std::abs(rounding_bias(grey, noise, view.step)),
+                                largest_rounding_bias(noise, view.step));
+      squares += grey * grey;
+    }
+  }
+  return squares > 0.0 ? biases / squares : 0.0;
 }
 
 }  // namespace glint::validate_detail

@@ -30,7 +30,8 @@ Values mean_of(const Halves<Values>& halves) {
 }
 
 /// Pixels of all views that take part, one after the other, in shares of the mean real grey of
-/// their design.
+/// their design, or of a hundred times what rounding may do to it, whichever is more: designs that
+/// are dark count less where their pictures tell less.
 struct GreyColumns {
   Eigen::VectorXd sum;       ///< grey of all lights together
   Eigen::MatrixXd segments;  ///< grey of each segment of each light that has several
@@ -70,8 +71,13 @@ class GreyModel {
                                      bool is_fine = false);
 
   /// Root mean square of the even part of a design's difference: of means over 3 x 3 of these
-  /// pixels, less what noise that differs from pixel to pixel makes of it.
+  /// pixels, less what noise that differs from pixel to pixel makes of it and two standard errors
+  /// of that. Also less what rounding to the steps of the recorded pictures makes of the grey
+  /// values that the real ones are compared with: real() - difference.
   double even_rms(const Eigen::VectorXd& difference, std::size_t design) const;
+
+  /// The largest share by which that rounding may have changed a design's exposure.
+  double rounding_share(const Eigen::VectorXd& difference, std::size_t design) const;
 
   int renders() const { return renders_; }
 
@@ -82,6 +88,8 @@ class GreyModel {
     ImageF real;
     Mask used = {};
     std::vector<std::string> groups = {};  ///< of lights, as they are rendered
+    SensorSettings sensor = {};            ///< of a whole picture
+    double step = 0.0;                     ///< of its grey values
   };
 
   using KeptColumns = std::pair<std::string, Halves<GreyColumns>>;
@@ -90,6 +98,7 @@ class GreyModel {
   void take_shared_pose(SmallView& view) const;
   void choose_pixels();
   void use_shares();
+  double largest_rounding(std::size_t design, double grey) const;
   Halves<GreyColumns> render(const SceneChange& change, bool is_fine);
   void put_columns(const SmallView& view,
                    const std::vector<ImageF>& pictures,
@@ -106,6 +115,7 @@ class GreyModel {
   std::vector<SmallView> views_;  ///< design by design
   std::vector<GreyRows> rows_;    ///< of each design
   std::vector<double> means_;     ///< real grey of each design
+  std::vector<double> units_;     ///< of each design's rows; its mean, more where it is rounded
   std::vector<LitLight> lights_;
   Eigen::VectorXd real_;
   std::list<KeptColumns> kept_;  ///< the last ones that were asked for, the latest first

@@ -110,6 +110,7 @@ Json grey_json(const ValidationFindings& findings) {
     row["exposed_share"] = grey.fit.is_known ? Json(grey.fit.exposed) : Json(nullptr);
     row["after_share"] = grey.fit.is_known ? Json(grey.fit.after) : Json(nullptr);
     row["limit_share"] = findings.limits.grey_share;
+    row["rounding_share"] = grey.fit.is_known ? Json(grey.fit.rounding) : Json(nullptr);
     row["values"] = Json::array();
     for (const GreyValue& value : grey.fit.values) {
       Json number = {{"name", name_of(value.fault)}};
@@ -188,13 +189,15 @@ SceneChange common_change(const ValidationFindings& findings) {
     if (!grey.fit.is_known) {
       continue;
     }
-    exposures.push_back(grey.fit.change.exposure);
     roughness.push_back(grey.fit.change.roughness);
     for (const LightChange& light : grey.fit.change.lights) {
       if (std::ranges::find(change.lights, light.name, &LightChange::name) == change.lights.end()) {
         change.lights.push_back(light);
       }
     }
+  }
+  for (const GreyFit* fit : fits_by_exposure(findings.grey)) {
+    exposures.push_back(fit->change.exposure);
   }
   if (!exposures.empty()) {
     change.exposure = median(exposures);

@@ -129,17 +129,15 @@ class Judge {
 
   /// Of each design what its pictures ask for.
   void judge_grey() {
-    std::vector<double> exposures;
     for (const DesignGrey& grey : f_.grey) {
       if (grey.fit.is_known) {
-        judge_design(grey, exposures);
+        judge_design(grey);
       }
     }
-    judge_exposure(std::move(exposures));
+    judge_exposure();
   }
 
-  void judge_design(const DesignGrey& grey, std::vector<double>& exposures) {
-    exposures.push_back(grey.fit.change.exposure);
+  void judge_design(const DesignGrey& grey) {
     if (grey.fit.exposed <= f_.limits.grey_share) {
       return;
     }
@@ -219,21 +217,26 @@ class Judge {
   }
 
   /// What all designs share is the exposure; a design that has another gain has another power.
-  void judge_exposure(std::vector<double> exposures) {
+  void judge_exposure() {
+    const std::vector<const GreyFit*> exposures = fits_by_exposure(f_.grey);
     if (exposures.empty()) {
       return;
     }
-    std::ranges::sort(exposures);
-    const double common = exposures[exposures.size() / 2];
-    if (std::abs(common - 1.0) > kLeastExposure) {
+    const GreyFit& middle = *exposures[exposures.size() / 2];
+    const double common = middle.change.exposure;
+    if (std::abs(common - 1.0) > kLeastExposure + middle.rounding) {
       add({.name = "exposure",
            .of = "",
            .values = {{.name = "factor", .value = common}},
            .is_within = std::abs(common - 1.0) <= f_.limits.exposure_share});
     }
+    const bool is_compared = std::ranges::count_if(f_.grey, [](const DesignGrey& grey) {
+                               return grey.fit.is_known;
+                             }) > 2;
     for (const DesignGrey& grey : f_.grey) {
       const double ratio = grey.fit.change.exposure / common;
-      if (grey.fit.is_known && exposures.size() > 2 && std::abs(ratio - 1.0) > kLeastPower) {
+      if (grey.fit.is_known && is_compared &&
+          std::abs(ratio - 1.0) > kLeastPower + grey.fit.rounding) {
         add({.name = "light_power",
              .of = grey.design,
              .values = {{.name = "factor", .value = ratio}},
@@ -383,6 +386,21 @@ std::string name_of(SidesAgreement agreement) {
       break;
   }
   return "does_not_agree";
+}
+
+std::vector<const GreyFit*> fits_by_exposure(std::span<const DesignGrey> designs) {
+  std::vector<const GreyFit*> fits;
+  for (const DesignGrey& grey : designs) {
+    if (grey.fit.is_known) {
+      fits.push_back(&grey.fit);
+    }
+  }
+  const auto is_rounded = [](const GreyFit* fit) { return fit->rounding > kLeastExposure; };
+  if (!std::ranges::all_of(fits, is_rounded)) {
+    std::erase_if(fits, is_rounded);
+  }
+  std::ranges::sort(fits, {}, [](const GreyFit* fit) { return fit->change.exposure; });
+  return fits;
 }
 
 ValidateVerdict judge(const ValidationFindings& findings) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,10 @@ struct ValidateVerdict {
   std::vector<std::string> advice;  ///< what to recalibrate
   double edge_limit_px = 0.0;       ///< up to which edges agree
 };
+
+/// The fits that are known, by rising exposures. Where rounding leaves the exposure of some to 1 %,
+/// those alone: the dark ones tell less.
+std::vector<const GreyFit*> fits_by_exposure(std::span<const DesignGrey> designs);
 
 ValidateVerdict judge(const ValidationFindings& findings);
 

@@ -9,43 +9,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "simulator/render/scan/clipped_mean.h"
 #include "simulator/render/scan/closed_scan.h"
+#include "simulator/sensor/rounding.h"
 
 namespace glint {
 namespace {
 
 /// Radiance is read off a sensor that does not clip below this.
 constexpr double kMaxRadiance = 4.0;
-
-/// Of a normal number that is cut to [0, 1] and rounded to multiples of a step that is not small
-/// against its deviation.
-GreyResponse rounded_normal(double mean, double deviation, double step) {
-  constexpr double kReach = 6.0;  // deviations; nothing beyond
-  const double last = std::round(1.0 / step);
-  const auto level_of = [&](double value) {
-    return std::clamp(std::round(value / step), 0.0, last);
-  };
-  const auto share_below = [&](double value) {
-    return 0.5 * std::erfc((mean - value) / (deviation * std::numbers::sqrt2));
-  };
-  const double first = level_of(mean - kReach * deviation);
-  const double end = level_of(mean + kReach * deviation);
-  GreyResponse sum;
-  double below = 0.0;
-  for (double level = first; level <= end; level += 1.0) {
-    const double to = level == end ? 1.0 : share_below((level + 0.5) * step);
-    const double offset = (level - first) * step;
-    sum.mean += (to - below) * offset;
-    sum.variance += (to - below) * offset * offset;
-    below = to;
-  }
-  return {.mean = first * step + sum.mean,
-          .variance = std::max(0.0, sum.variance - sum.mean * sum.mean)};
-}
 
 /// grey_response() with rounding.
 GreyResponse rounded_response(const SensorSettings& settings, double radiance) {
@@ -62,7 +36,8 @@ GreyResponse rounded_response(const SensorSettings& settings, double radiance) {
   if (deviation <= 0.0) {
     grey.mean = std::round(grey.mean / step) * step;
   } else if (deviation < kCoarse * step) {
-    grey = rounded_normal(per_electron * electrons, deviation, step);
+    const RoundedGrey rounded = rounded_normal(per_electron * electrons, deviation, step);
+    grey = {.mean = rounded.mean, .variance = rounded.variance};
   } else if (per_electron * electrons - 6.0 * deviation < 1.0) {
     grey.variance += step * step / 12.0;
   }

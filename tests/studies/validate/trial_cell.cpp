@@ -109,9 +109,10 @@ void take_pictures(const SceneSettings& scene,
 void make_trial(const fs::path& folder,
                 const TrialTruth& truth,
                 const std::vector<std::string>& designs,
-                std::size_t views) {
+                std::size_t views,
+                const std::string& study_tables) {
   make_folder(folder / "run");
-  write_file(folder / "run" / "study.resolved.toml", std::string(kTrialScene) + kTrialStudy);
+  write_file(folder / "run" / "study.resolved.toml", std::string(kTrialScene) + study_tables);
   const Study study = load_study(folder / "run" / "study.resolved.toml", {});
   for (const Prototype& prototype : study.prototypes) {
     const SceneSettings scene = scene_with(study, prototype.overrides);

@@ -40,6 +40,38 @@ TEST(Verdict, AgreesAfterARefitOfTheExposure) {
   EXPECT_TRUE(verdict.faults[0].is_within);
 }
 
+/// Ring, dome and one that is dark, as bright as told against the others.
+ValidationFindings with_a_dark_one(double exposure, double rounding) {
+  ValidationFindings findings = alike();
+  findings.grey.push_back(findings.grey[0]);
+  findings.grey.push_back(findings.grey[0]);
+  findings.grey[1].design = "dome";
+  findings.grey[2].design = "dark";
+  findings.grey[2].fit.change.exposure = exposure;
+  findings.grey[2].fit.rounding = rounding;
+  return findings;
+}
+
+TEST(Verdict, AllowsADarkDesignWhatRoundingMakesOfIt) {
+  EXPECT_EQ(judge(with_a_dark_one(1.3, 0.35)).agreement, SidesAgreement::kAgrees);
+  EXPECT_EQ(judge(with_a_dark_one(2.0, 0.35)).agreement, SidesAgreement::kDisagrees);
+  const ValidateVerdict verdict = judge(with_a_dark_one(1.3, 0.0));
+  ASSERT_EQ(verdict.faults.size(), 1U);
+  EXPECT_EQ(verdict.faults[0].name, "light_power");
+  EXPECT_EQ(verdict.faults[0].of, "dark");
+}
+
+TEST(Verdict, TakesTheExposureFromDesignsThatAreHardlyRounded) {
+  ValidationFindings findings = with_a_dark_one(1.3, 0.35);
+  findings.grey.erase(findings.grey.begin());
+  EXPECT_EQ(judge(findings).agreement, SidesAgreement::kAgrees);
+  EXPECT_EQ(fits_by_exposure(findings.grey).size(), 1U);
+  findings.grey.erase(findings.grey.begin());
+  EXPECT_EQ(judge(findings).agreement, SidesAgreement::kAgrees) << "only the dark one is left";
+  findings.grey[0].fit.rounding = 0.1;
+  EXPECT_EQ(judge(findings).agreement, SidesAgreement::kDisagrees);
+}
+
 TEST(Verdict, NamesALightThatStandsTooFarOff) {
   ValidationFindings findings = alike();
   GreyFit& fit = findings.grey[0].fit;

@@ -10,8 +10,8 @@
 #include "studies/cell/typed_permit.h"
 #include "studies/plan/plan_page.h"
 #include "studies/plan/plan_run.h"
-#include "studies/validate/validation_steps.h"
 #include "studies/validate_cell/validate_cell_run.h"
+#include "studies/validate_cell/validation_steps.h"
 
 namespace glint {
 namespace {

@@ -122,7 +122,8 @@ class Fitter {
   /// Covariance of all numbers with some faults freed.
   MatrixXd prior(unsigned faults) const {
     MatrixXd covariance = MatrixXd::Zero(columns_.cols(), columns_.cols());
-    covariance.topLeftCorner<15, 15>() = budget_.camera;
+    covariance.topLeftCorner<15, 15>() =
+        budget_.camera + budget_.unseen * budget_.unseen.transpose();
     covariance.diagonal().segment<6>(kPartAt) = budget_.part_sigma.cwiseAbs2();
     for (std::size_t v = 0; v < views_.size(); ++v) {
       const Index at = kRobotAt + 6 * static_cast<Index>(v);
@@ -256,6 +257,24 @@ class Fitter {
     }
   }
 
+  /// How GeometryFit::covariance's numbers follow from all: where the part moves, the camera moves
+  /// the other way against it.
+  MatrixXd seen_motions() const {
+    const auto count = static_cast<Index>(views_.size());
+    MatrixXd by = MatrixXd::Zero(9 + 6 * count, columns_.cols());
+    by.topLeftCorner<9, 9>().setIdentity();
+    for (Index v = 0; v < count; ++v) {
+      const Index row = 9 + 6 * v;
+      by.block<6, 6>(row, kHandEyeAt).setIdentity();
+      by.block<6, 6>(row, kRobotAt + 6 * v).setIdentity();
+      const RigidTransform& pose = views_[static_cast<std::size_t>(v)].camera_from_scene;
+      by.block<3, 3>(row, kPartAt) = -pose.rotation;
+      by.block<3, 3>(row + 3, kPartAt) = -cross_of(pose * budget_.middle_mm) * pose.rotation;
+      by.block<3, 3>(row + 3, kPartAt + 3) = -pose.rotation;
+    }
+    return by;
+  }
+
   double rms(const VectorXd& values) const {
     return std::sqrt(values.squaredNorm() / static_cast<double>(std::max<Index>(1, values.size())));
   }
@@ -283,7 +302,10 @@ class Fitter {
     fit.lens_px = rms(lens);
     fit.pose_px = rms(pose);
     fit.noise_px = noise_px_;
-    const MatrixXd budget = prior(0);
+    const MatrixXd motions = seen_motions();
+    fit.covariance = motions * solution_.covariance * motions.transpose();
+    MatrixXd budget = prior(0);
+    budget.topLeftCorner<15, 15>() -= budget_.unseen * budget_.unseen.transpose();
     fit.lens_budget_px = spread_px(columns_.leftCols<9>(), budget.topLeftCorner<9, 9>());
     fit.pose_budget_px =
         spread_px(columns_.rightCols(others), budget.bottomRightCorner(others, others));

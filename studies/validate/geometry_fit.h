@@ -32,6 +32,10 @@ struct GeometryBudget {
   /// Of fx fy cx cy k1 k2 k3 p1 p2, then a small motion of the camera in its own frame, rotation
   /// [rad] before position [mm].
   Eigen::Matrix<double, 15, 15> camera = Eigen::Matrix<double, 15, 15>::Zero();
+  /// Of the same numbers what p1 and p2 may be that the calibration left at zero, with the turn and
+  /// the centre by which it has seen them instead (docs/validate.md); one standard deviation a
+  /// column. The edges cannot tell them, and no limit grows by them.
+  Eigen::Matrix<double, 15, 2> unseen = Eigen::Matrix<double, 15, 2>::Zero();
   /// Of a small motion of the part in the scene's frame about `middle_mm`, rotation before
   /// position, per axis.
   Eigen::Matrix<double, 6, 1> part_sigma = Eigen::Matrix<double, 6, 1>::Zero();
@@ -55,6 +59,9 @@ struct GeometryFit {
   Eigen::Matrix<double, 6, 1> part = Eigen::Matrix<double, 6, 1>::Zero();
   Eigen::Matrix<double, 21, 1> sigma = Eigen::Matrix<double, 21, 1>::Zero();  ///< of all of them
   std::vector<Eigen::Matrix<double, 6, 1>> robot;  ///< of each view: motion of the camera
+  /// Of the lens's nine numbers, then of each view's motion of the camera against the part, all
+  /// that may have moved it together: in the camera's frame, rotation [rad] before position [mm].
+  Eigen::MatrixXd covariance;
 
   // Root mean squares along the edges' normals, px.
   double before_px = 0.0;  ///< of all offsets

@@ -13,6 +13,7 @@
 
 #include <Eigen/Core>
 
+#include "studies/validate/camera_errors.h"
 #include "studies/validate/grey_terms.h"
 
 namespace glint {
@@ -20,6 +21,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
+using validate_detail::add_camera_errors;
 using validate_detail::GreyHalves;
 using validate_detail::GreyModel;
 using validate_detail::GreyNumber;
@@ -72,7 +74,8 @@ class GreyFitter {
       most = std::max(most, fits[d].exposed);
     }
     const bool is_searching = most > options.agree_share;
-    const Fitted best = is_searching ? polished(searched(options.good_share)) : exposed;
+    const Fitted best =
+        is_searching ? polished(searched(options.good_share), options.camera_covariance) : exposed;
     for (std::size_t d = 0; d < fits.size(); ++d) {
       tell(best, d, fits[d]);
       if (!is_searching) {
@@ -162,9 +165,11 @@ class GreyFitter {
 
   /// One more step from fine pictures. Only these count for how exact it is: the noise of slopes is
   /// multiplied by what is left, that of the picture is what is left.
-  Fitted polished(Fitted fit) {
+  Fitted polished(Fitted fit, const Eigen::MatrixXd& covariance) {
     if (needs_rendering(fit.terms)) {
-      const VectorXd step = step_of(fit.system, left_at(fit.state, true), &fit.sigma);
+      const GreyHalves left = left_at(fit.state, true);
+      const VectorXd step = step_of(fit.system, left, &fit.sigma);
+      add_camera_errors(problem_, fit.state, fit.system, left, covariance, fit.sigma);
       GreyState state = fit.state;
       if (problem_.take(fit.system, step, state) <= kLongestPolishMm) {
         fit.state = state;

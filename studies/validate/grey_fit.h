@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "core/image/image.h"
 #include "studies/definition/scene.h"
 #include "studies/imaging/scene_store.h"
@@ -19,7 +21,8 @@ namespace glint {
 /// A real picture and the scene that shows it, of equal size, one viewpoint.
 struct GreyView {
   SceneSettings scene;
-  ImageF real;  ///< linear, full scale 1
+  ImageF real;    ///< linear, full scale 1
+  int pose = -1;  ///< index of its view in GreyOptions::camera_covariance; -1: the pose is exact
 };
 
 /// The views of a design.
@@ -65,6 +68,9 @@ struct GreyOptions {
   double agree_share = 0.0;
   double good_share = 0.015;  ///< no further cause is looked for when all are below that
   std::size_t max_views = 3;  ///< of a design that take part, spread over all
+  /// GeometryFit::covariance, which the sigmas of places and roughness then hold; empty: lens and
+  /// poses are exact.
+  Eigen::MatrixXd camera_covariance = {};
 };
 
 /// Fits all views of all designs together in pictures reduced to some 96 pixels of width: one

@@ -8,11 +8,15 @@
 #include <Eigen/Geometry>
 
 #include "core/image/image_io.h"
+#include "hardware/calibration/lens_vector.h"
 #include "simulator/sensor/rounding.h"
 #include "simulator/sensor/sensor.h"
 #include "studies/compare/camera/reduced_scene.h"
+#include "studies/compare/camera/scene_camera.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/run/render_files.h"
+#include "studies/validate/even_sums.h"
+#include "studies/validate/geometry_fit.h"
 #include "studies/validate/validated_scene.h"
 
 namespace glint::validate_detail {
@@ -25,61 +29,10 @@ constexpr int kLeastSamples = 48;
 constexpr int kFiner = 6;  ///< times the samples of fine pictures
 constexpr std::size_t kMostKept = 8;
 constexpr int kPlainBits = 8;
-/// Of independent noise: means of 3 x 3 overlap, 2 (19 / 9)^2, and the noise is estimated, about 4.
-constexpr double kScatter = 13.0;
 constexpr double kNoiseSigmas = 2.0;
 constexpr double kRounded =
     100.0;  ///< times what rounding may do: a design that is darker counts less
 constexpr double kSamePosePx = 0.15;  ///< of these pictures: less is not seen
-
-/// Squares of means over 3 x 3 pixels, and of differences of neighbours.
-struct EvenSums {
-  double squares = 0.0;
-  double count = 0.0;
-  double steps = 0.0;       ///< to the next pixel
-  double wide_steps = 0.0;  ///< to the next but one
-
-  void add(const ImageF& values, const Mask& used) {
-    for (int y = 1; y + 1 < values.height(); ++y) {
-      for (int x = 1; x + 1 < values.width(); ++x) {
-        add_pixel(values, used, x, y);
-      }
-    }
-  }
-
-  void add_pixel(const ImageF& values, const Mask& used, int x, int y) {
-    double sum = 0.0;
-    int pixels = 0;
-    for (int k = 0; k < 9; ++k) {
-      pixels += used(x + k % 3 - 1, y + k / 3 - 1);
-      sum += static_cast<double>(values(x + k % 3 - 1, y + k / 3 - 1));
-    }
-    if (pixels != 9) {
-      return;
-    }
-    const double step = static_cast<double>(values(x, y) - values(x + 1, y));
-    const double wide = static_cast<double>(values(x - 1, y) - values(x + 1, y));
-    squares += sum * sum / 81.0;
-    steps += step * step;
-    wide_steps += wide * wide;
-    count += 1.0;
-  }
-
-  /// Noise of a pixel has half the variance of a wide step; neighbours whose noise is correlated by
-  /// r differ less, and leave more of it in a mean of nine: (1 + 24 r / 9 + 16 r^2 / 9) / 9. What
-  /// that noise leaves of squares of n means is known to sqrt(kScatter / n) of it.
-  /// @param sigmas  so many of these standard errors are no difference
-  double rms(double sigmas) const {
-    if (count <= 0.0 || wide_steps <= 0.0) {
-      return 0.0;
-    }
-    const double alike = std::clamp(1.0 - steps / wide_steps, 0.0, 0.5);
-    const double noise =
-        wide_steps / 18.0 * (1.0 + 24.0 / 9.0 * alike + 16.0 / 9.0 * alike * alike);
-    const double unsure = sigmas * noise * std::sqrt(kScatter / count);
-    return std::sqrt(std::max(0.0, squares - noise - unsure) / count);
-  }
-};
 
 /// A black picture does not show its step: the scene's sensor tells it.
 double recorded_step_of(const GreyView& view) {
@@ -87,6 +40,19 @@ double recorded_step_of(const GreyView& view) {
       std::ranges::all_of(view.real.values(), [](float grey) { return grey <= 0.0F; });
   const int bits = view.scene.sensor.bits > 0 ? view.scene.sensor.bits : kPlainBits;
   return is_black ? 1.0 / (std::exp2(bits) - 1.0) : recorded_step(view.real);
+}
+
+void change_camera(SceneSettings& scene, const CameraChange& change, int factor) {
+  if (!change.motion.isZero()) {
+    const RigidTransform pose = camera_from_world(scene.viewpoint());
+    scene.viewpoints = {viewpoint_of_pose(inverse(moved_by(change.motion)) * pose)};
+  }
+  if (!change.lens.isZero()) {
+    const PinholeIntrinsics in = intrinsics_of(scene);
+    LensVector lens = lens_vector(in) + change.lens;
+    lens.head<4>() -= (1.0 - 1.0 / factor) * change.lens.head<4>();
+    put_intrinsics(intrinsics_from(lens, in.width_px, in.height_px), scene);
+  }
 }
 
 }  // namespace
@@ -108,7 +74,9 @@ void GreyModel::add_views(std::size_t design, const GreyDesign& views) {
         .scene = reduced_scene(with_separate_segments(view.scene), factor, kLeastSamples),
         .real = reduce(view.real, factor),
         .sensor = view.scene.sensor,
-        .step = recorded_step_of(view)};
+        .step = recorded_step_of(view),
+        .factor = factor,
+        .pose = view.pose};
     take_shared_pose(small);
     for (const LitLight& light : lights_with_bodies(small.scene)) {
       if (std::ranges::find(lights_, light.name, &LitLight::name) == lights_.end()) {
@@ -255,7 +223,9 @@ void GreyModel::put_columns(const SmallView& view,
   }
 }
 
-Halves<GreyColumns> GreyModel::render(const SceneChange& change, bool is_fine) {
+Halves<GreyColumns> GreyModel::render(const SceneChange& change,
+                                      bool is_fine,
+                                      const CameraChange& camera) {
   const std::vector<std::string> names = column_names();
   Halves<GreyColumns> columns;
   for (GreyColumns& half : columns) {
@@ -265,6 +235,7 @@ Halves<GreyColumns> GreyModel::render(const SceneChange& change, bool is_fine) {
   Eigen::Index row = 0;
   for (const SmallView& view : views_) {
     SceneSettings scene = changed_scene(view.scene, change);
+    change_camera(scene, camera, view.factor);
     if (is_fine) {
       scene.paths.samples *= kFiner;
       ++scene.paths.seed;
@@ -278,14 +249,39 @@ Halves<GreyColumns> GreyModel::render(const SceneChange& change, bool is_fine) {
   return columns;
 }
 
+SceneChange GreyModel::change_of(const std::vector<Eigen::Vector3d>& places_mm,
+                                 double roughness) const {
+  SceneChange change = {.roughness = roughness};
+  for (std::size_t i = 0; i < lights_.size(); ++i) {
+    change.lights.push_back({.name = lights_[i].name, .moved_mm = places_mm[i]});
+  }
+  return change;
+}
+
+Halves<GreyColumns> GreyModel::columns_by(const CameraChange& camera,
+                                          const std::vector<Eigen::Vector3d>& places_mm,
+                                          double roughness) {
+  return render(change_of(places_mm, roughness), false, camera);
+}
+
+std::vector<ViewRows> GreyModel::view_rows() const {
+  std::vector<ViewRows> all;
+  Eigen::Index first = 0;
+  for (const SmallView& view : views_) {
+    const Eigen::Index count =
+        std::ranges::count_if(view.used.values(), [](unsigned char used) { return used != 0; });
+    all.push_back({.rows = {.first = first, .count = count}, .pose = view.pose});
+    first += count;
+  }
+  return all;
+}
+
 const Halves<GreyColumns>& GreyModel::columns(const std::vector<Eigen::Vector3d>& places_mm,
                                               double roughness,
                                               bool is_fine) {
-  SceneChange change = {.roughness = roughness};
+  const SceneChange change = change_of(places_mm, roughness);
   std::string key = fmt::format("{:.6f}{}", roughness, is_fine ? " fine" : "");
-  for (std::size_t i = 0; i < lights_.size(); ++i) {
-    const Eigen::Vector3d& place = places_mm[i];
-    change.lights.push_back({.name = lights_[i].name, .moved_mm = place});
+  for (const Eigen::Vector3d& place : places_mm) {
     key += fmt::format(" {:.4f} {:.4f} {:.4f}", place.x(), place.y(), place.z());
   }
   const auto found = std::ranges::find(kept_, key, &KeptColumns::first);

@@ -43,6 +43,19 @@ struct GreyRows {
   Eigen::Index count = 0;
 };
 
+/// Rows of one view, and which one it is: GreyView::pose.
+struct ViewRows {
+  GreyRows rows;
+  int pose = -1;
+};
+
+/// A small change of the camera: of fx fy cx cy k1 k2 k3 p1 p2 in whole pictures, and a motion in
+/// its own frame, rotation [rad] before position [mm].
+struct CameraChange {
+  Eigen::Matrix<double, 9, 1> lens = Eigen::Matrix<double, 9, 1>::Zero();
+  Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Zero();
+};
+
 class GreyModel {
  public:
   GreyModel(SceneStore& store, std::span<const GreyDesign> designs);
@@ -70,6 +83,14 @@ class GreyModel {
                                      double roughness,
                                      bool is_fine = false);
 
+  /// The same with the cameras of all views changed; lights that are fixed to them go along. Pixels
+  /// stay those of the unchanged pictures.
+  Halves<GreyColumns> columns_by(const CameraChange& camera,
+                                 const std::vector<Eigen::Vector3d>& places_mm,
+                                 double roughness);
+
+  std::vector<ViewRows> view_rows() const;
+
   /// Root mean square of the even part of a design's difference: of means over 3 x 3 of these
   /// pixels, less what noise that differs from pixel to pixel makes of it and two standard errors
   /// of that. Also less what rounding to the steps of the recorded pictures makes of the grey
@@ -90,6 +111,8 @@ class GreyModel {
     std::vector<std::string> groups = {};  ///< of lights, as they are rendered
     SensorSettings sensor = {};            ///< of a whole picture
     double step = 0.0;                     ///< of its grey values
+    int factor = 1;                        ///< of whole pixels to these
+    int pose = -1;
   };
 
   using KeptColumns = std::pair<std::string, Halves<GreyColumns>>;
@@ -99,7 +122,10 @@ class GreyModel {
   void choose_pixels();
   void use_shares();
   double largest_rounding(std::size_t design, double grey) const;
-  Halves<GreyColumns> render(const SceneChange& change, bool is_fine);
+  SceneChange change_of(const std::vector<Eigen::Vector3d>& places_mm, double roughness) const;
+  Halves<GreyColumns> render(const SceneChange& change,
+                             bool is_fine,
+                             const CameraChange& camera = {});
   void put_columns(const SmallView& view,
                    const std::vector<ImageF>& pictures,
                    Eigen::Index first,

@@ -110,11 +110,11 @@ void GreySystem::change(GreyHalves& values, double sign, const VectorXd& step) c
 /// Along the axes in which the products of noisy slopes are 1, those between the halves are the
 /// share of them that is no noise. A step is at most ten times that of plain least squares; where
 /// it would be longer it is too short, and sigma says that the number is hardly known.
-VectorXd step_of(const GreySystem& system, const GreyHalves& left, VectorXd* sigma) {
+StepSolver::StepSolver(const GreySystem& system, const GreyHalves& left) : system_(system) {
   const VectorXd mean = mean_of(left);
-  const double noise = std::max(median_size(mean), kFloor);
-  const VectorXd weight = weights_of(mean, noise);
-  const auto weights = weight.asDiagonal();
+  noise_ = std::max(median_size(mean), kFloor);
+  weights_ = weights_of(mean, noise_);
+  const auto weights = weights_.asDiagonal();
   const auto& [first, second] = system.columns;
   const MatrixXd slopes = mean_of(system.columns);
   MatrixXd noisy = slopes.transpose() * (weights * slopes);
@@ -122,22 +122,40 @@ VectorXd step_of(const GreySystem& system, const GreyHalves& left, VectorXd* sig
   MatrixXd normal = 0.5 * (product + product.transpose());
   add_wish(system, noisy);
   add_wish(system, normal);
-  if (noisy.isZero(0.0)) {  // black pictures
-    if (sigma != nullptr) {
-      *sigma = VectorXd::Constant(noisy.rows(), std::numeric_limits<double>::infinity());
-    }
-    return VectorXd::Zero(noisy.rows());
+  if (noisy.isZero(0.0)) {
+    return;
   }
-  const VectorXd wanted =
-      0.5 * (first.transpose() * (weights * left[1]) + second.transpose() * (weights * left[0]));
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> axes(normal, noisy);
-  const VectorXd shares = axes.eigenvalues().cwiseMax(kLeastShare).cwiseInverse();
-  const MatrixXd& vectors = axes.eigenvectors();
-  if (sigma != nullptr) {
-    const VectorXd unknown = axes.eigenvalues().cwiseMax(kUnknownShare).cwiseInverse();
-    *sigma = noise * std::sqrt(kPixelsAlike) * (vectors * unknown.asDiagonal()).rowwise().norm();
+  shares_ = axes.eigenvalues();
+  vectors_ = axes.eigenvectors();
+}
+
+VectorXd StepSolver::step(const GreyHalves& values) const {
+  const auto& [first, second] = system_.columns;
+  if (vectors_.size() == 0) {
+    return VectorXd::Zero(first.cols());
   }
-  return vectors * shares.cwiseProduct(vectors.transpose() * wanted);
+  const auto weights = weights_.asDiagonal();
+  const VectorXd wanted = 0.5 * (first.transpose() * (weights * values[1]) +
+                                 second.transpose() * (weights * values[0]));
+  const VectorXd by = shares_.cwiseMax(kLeastShare).cwiseInverse();
+  return vectors_ * by.cwiseProduct(vectors_.transpose() * wanted);
+}
+
+VectorXd StepSolver::sigma() const {
+  if (vectors_.size() == 0) {
+    return VectorXd::Constant(system_.columns[0].cols(), std::numeric_limits<double>::infinity());
+  }
+  const VectorXd unknown = shares_.cwiseMax(kUnknownShare).cwiseInverse();
+  return noise_ * std::sqrt(kPixelsAlike) * (vectors_ * unknown.asDiagonal()).rowwise().norm();
+}
+
+VectorXd step_of(const GreySystem& system, const GreyHalves& left, VectorXd* sigma) {
+  const StepSolver solver(system, left);
+  if (sigma != nullptr) {
+    *sigma = solver.sigma();
+  }
+  return solver.step(left);
 }
 
 double score_of(const GreyHalves& left, std::size_t numbers) {
@@ -170,9 +188,9 @@ const Halves<GreyColumns>& GreyProblem::columns_of(const GreyState& state, bool 
   return model_.columns(state.places, std::exp(state.roughness), is_fine);
 }
 
-GreyHalves GreyProblem::unexposed(const GreyState& state, bool is_fine) {
+GreyHalves GreyProblem::grey_of(const Halves<GreyColumns>& all, const GreyState& state) {
   GreyHalves grey;
-  std::ranges::transform(columns_of(state, is_fine), grey.begin(), [&](const GreyColumns& columns) {
+  std::ranges::transform(all, grey.begin(), [&](const GreyColumns& columns) {
     VectorXd sum = columns.sum;
     if (state.segments.size() > 0) {
       sum += columns.segments * state.segments;
@@ -180,6 +198,22 @@ GreyHalves GreyProblem::unexposed(const GreyState& state, bool is_fine) {
     return sum;
   });
   return grey;
+}
+
+GreyHalves GreyProblem::unexposed(const GreyState& state, bool is_fine) {
+  return grey_of(columns_of(state, is_fine), state);
+}
+
+GreyHalves GreyProblem::camera_slope(const GreyState& state,
+                                     const CameraChange& change,
+                                     double step) {
+  GreyHalves slopes =
+      grey_of(model_.columns_by(change, state.places, std::exp(state.roughness)), state);
+  const GreyHalves here = unexposed(state);
+  for (std::size_t half = 0; half < 2; ++half) {
+    slopes[half] = (slopes[half] - here[half]) / step;
+  }
+  return times(slopes, exposure_of_rows(state));
 }
 
 VectorXd GreyProblem::exposure_of_rows(const GreyState& state) const {

@@ -54,6 +54,25 @@ struct GreySystem {
   void change(GreyHalves& values, double sign, const Eigen::VectorXd& step) const;
 };
 
+/// Robust least squares of steps along slopes, with the weights that what is left asks for.
+class StepSolver {
+ public:
+  StepSolver(const GreySystem& system, const GreyHalves& left);
+
+  /// The step to where nothing of these grey values is left.
+  Eigen::VectorXd step(const GreyHalves& values) const;
+
+  /// Of each number, by the noise of pixels.
+  Eigen::VectorXd sigma() const;
+
+ private:
+  const GreySystem& system_;
+  double noise_ = 0.0;
+  Eigen::VectorXd weights_;
+  Eigen::VectorXd shares_;   ///< of slopes' products that are no noise, along the axes
+  Eigen::MatrixXd vectors_;  ///< the axes; empty: black pictures
+};
+
 /// Robust least squares of a step to where nothing is left, without what the noise of slopes does
 /// to plain ones. @param sigma  of each number, if wanted
 Eigen::VectorXd step_of(const GreySystem& system,
@@ -91,6 +110,10 @@ class GreyProblem {
   /// looked at for the price of one rendering a number.
   GreySystem rough_system(const GreyState& state, const GreyTerm& term);
 
+  /// Slopes of all grey values by a change of the camera. Costs a rendering.
+  /// @param step  that the change is
+  GreyHalves camera_slope(const GreyState& state, const CameraChange& change, double step);
+
   /// A number of the state; changes from 0, exposure from 1.
   double& number(GreyState& state, const GreyNumber& number) const;
 
@@ -103,6 +126,7 @@ class GreyProblem {
  private:
   const Halves<GreyColumns>& columns_of(const GreyState& state, bool is_fine = false);
   GreyHalves unexposed(const GreyState& state, bool is_fine = false);
+  static GreyHalves grey_of(const Halves<GreyColumns>& columns, const GreyState& state);
   Eigen::VectorXd exposure_of_rows(const GreyState& state) const;
   int size_of(const GreyTerm& term) const;
   void add_term(const GreyState& state, const GreyTerm& term, GreySystem& system);

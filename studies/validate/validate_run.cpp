@@ -252,7 +252,8 @@ class ValidateRun {
   void fit_grey_values() {
     std::vector<GreyDesign> grey(sources_.designs.size());
     for (std::size_t v = 0; v < views_.size(); ++v) {
-      grey[views_[v].design].views.push_back({.scene = fitted_scene(v), .real = views_[v].real});
+      grey[views_[v].design].views.push_back(
+          {.scene = fitted_scene(v), .real = views_[v].real, .pose = static_cast<int>(v)});
     }
     for (std::size_t i = 0; i < grey.size(); ++i) {
       grey[i].name = sources_.designs[i].name;
@@ -263,7 +264,10 @@ class ValidateRun {
       return design.views.empty() || !allows_many_viewpoints(design.views.front().scene);
     });
     const double agree_share = options_.is_refitting ? 0.0 : findings_.limits.grey_share;
-    const std::vector<GreyFit> fits = fit_grey(store_, grey, {.agree_share = agree_share});
+    const std::vector<GreyFit> fits =
+        fit_grey(store_,
+                 grey,
+                 {.agree_share = agree_share, .camera_covariance = findings_.geometry.covariance});
     for (std::size_t i = 0; i < grey.size(); ++i) {
       findings_.grey.push_back({.design = grey[i].name, .fit = fits[i]});
     }

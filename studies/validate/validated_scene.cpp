@@ -2,6 +2,7 @@
 #include "studies/validate/validated_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -26,6 +27,7 @@ constexpr double kUnknownFocal = 5e-4;   ///< share of the focal length
 constexpr double kUnknownCentre = 5e-4;  ///< share of the picture's width
 constexpr double kUnknownRadial = 0.01;  ///< of k1
 constexpr double kUnknownTangential = 1e-4;
+constexpr double kUnseenTangential = 5e-4;  ///< of p1 and p2 that a calibration left at zero
 
 /// The number at the end of a name: "view_03" and "03" give 3.
 std::optional<std::size_t> number_of(const std::string& name) {
@@ -115,6 +117,27 @@ bool take_covariance(const SceneSettings& scene, GeometryBudget& budget) {
   return true;
 }
 
+/// A lens has some p1 and p2. A calibration that leaves them at zero has seen them as a turn of the
+/// camera by 2 p1 about x, -2 p2 about y and a centre off by f (r^2 - 2) (p2, p1), r^2 the mean
+/// square of the distance from the axis: x^2 + y^2 - r^2 times f p is all that they differ by.
+void add_unseen(const PinholeIntrinsics& in, GeometryBudget& budget) {
+  constexpr std::array<Eigen::Index, 2> kNumbers = {7, 8};
+  constexpr std::array<Eigen::Index, 2> kCentres = {3, 2};
+  constexpr std::array<double, 2> kTurns = {-2.0, 2.0};  // about x, about y: back to the truth
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (budget.camera(kNumbers[i], kNumbers[i]) > 0.0 || in.tangential[i] != 0.0) {
+      continue;
+    }
+    const double focal_px = in.focal_px[1 - static_cast<Eigen::Index>(i)];
+    const double square = (std::pow(in.width_px, 2) + std::pow(in.height_px, 2)) /
+                          (12.0 * in.focal_px.x() * in.focal_px.y());
+    const auto column = static_cast<Eigen::Index>(i);
+    budget.unseen(kNumbers[i], column) = kUnseenTangential;
+    budget.unseen(kCentres[i], column) = kUnseenTangential * focal_px * (2.0 - square);
+    budget.unseen(9 + column, column) = kUnseenTangential * kTurns[i];
+  }
+}
+
 }  // namespace
 
 SceneSettings read_design_scene(const fs::path& file) {
@@ -179,6 +202,8 @@ GeometryBudget budget_of(const SceneSettings& scene, std::vector<std::string>& n
     notes.emplace_back(
         "The scene has no [calibration.covariance]: errors of lens and hand-eye are guessed "
         "(0.05 mm, 0.02 degree, focal length to 0.05 %).");
+  } else {
+    add_unseen(intrinsics_of(scene), budget);
   }
   const MeasuredPoseSettings* placement = placement_of(scene);
   budget.part_sigma << Eigen::Vector3d::Constant(kUnknownRotationRad),

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "studies/definition/study.h"
 #include "studies/validate/validated_designs.h"
-#include "studies/validate/validation_steps.h"
+#include "studies/validate_cell/validation_steps.h"
 
 namespace glint {
 namespace {

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/validate/geometry_fit.h"
 
+#include <cmath>
+
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include "core/rng.h"
 #include "hardware/calibration/lens_vector.h"
@@ -34,13 +38,15 @@ GeometryBudget budget() {
 std::vector<ViewEdges> edges_of(const Eigen::Matrix<double, 9, 1>& lens_change,
                                 const Eigen::Matrix<double, 6, 1>& part,
                                 const Eigen::Matrix<double, 6, 1>& hand_eye,
-                                std::uint64_t seed) {
+                                std::uint64_t seed,
+                                const std::vector<Eigen::Matrix<double, 6, 1>>& robot = {}) {
   std::vector<ViewEdges> views;
   const LensVector lens = lens_vector(camera());
   const LensVector true_lens = lens + lens_change;
   GeometryFit truth;
   truth.part = part;
   truth.hand_eye = hand_eye;
+  truth.robot = robot;
   Rng random(seed, Stream::kViewpoints, 0);
   const double tilts[5][2] = {{0, 0}, {0.25, 0}, {-0.25, 0.1}, {0.1, 0.25}, {-0.1, -0.25}};
   for (const auto& tilt : tilts) {
@@ -49,7 +55,7 @@ std::vector<ViewEdges> edges_of(const Eigen::Matrix<double, 9, 1>& lens_change,
     RigidTransform pose = moved_by(motion);
     pose.translation_mm = {0.0, 0.0, 180.0};
     ViewEdges view = {.camera_from_scene = pose, .robot_sigma_mm = 0.02, .robot_sigma_rad = 1e-4};
-    const RigidTransform moved = refitted_view(truth, budget(), pose, 0);
+    const RigidTransform moved = refitted_view(truth, budget(), pose, views.size());
     for (int i = 0; i < 800; ++i) {
       const double along = (i % 200) / 100.0 - 1.0;
       const int side = i / 200;
@@ -128,6 +134,52 @@ TEST(GeometryFit, RefittedViewTakesThePartAlong) {
   fit.hand_eye << 0, 0, 0, 1, 0, 0;
   EXPECT_LT((refitted_view(fit, {}, pose, 0).translation_mm - Eigen::Vector3d(-1, 0, 180)).norm(),
             1e-12);
+}
+
+Vector6 drawn(Rng& random, double turn_rad, double shift_mm) {
+  Vector6 motion;
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    motion[i] = (i < 3 ? turn_rad : shift_mm) * random.normal();
+  }
+  return motion;
+}
+
+// Hand-eye, part and robot are off by what their sigmas say; what the edges leave of it is told.
+TEST(GeometryFit, KnowsHowWellTheCameraIsKnown) {
+  constexpr int kTrials = 60;
+  int within = 0;
+  int all = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    Rng random(static_cast<std::uint64_t>(trial), Stream::kTest, 5);
+    GeometryFit truth;
+    truth.part = drawn(random, 3e-4, 0.03);
+    truth.hand_eye = drawn(random, 2e-4, 0.04);
+    for (int v = 0; v < 5; ++v) {
+      truth.robot.push_back(drawn(random, 1e-4, 0.02));
+    }
+    const auto views = edges_of(Vector9::Zero(),
+                                truth.part,
+                                truth.hand_eye,
+                                static_cast<std::uint64_t>(100 + trial),
+                                truth.robot);
+    const GeometryFit fit = fit_geometry(views, camera(), budget());
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      const RigidTransform& pose = views[v].camera_from_scene;
+      const RigidTransform off =
+          refitted_view(fit, budget(), pose, v) * inverse(refitted_view(truth, budget(), pose, v));
+      const Eigen::AngleAxisd turn(off.rotation);
+      const auto at = static_cast<Eigen::Index>(9 + 6 * v);
+      const Eigen::Vector3d sigma = fit.covariance.diagonal().segment<3>(at).cwiseSqrt();
+      for (Eigen::Index i = 0; i < 3; ++i) {
+        within += std::abs(turn.angle() * turn.axis()[i]) < 1.96 * sigma[i] ? 1 : 0;
+        ++all;
+      }
+    }
+  }
+  const double share = static_cast<double>(within) / all;
+  fmt::print("turns within 95 % intervals: {:.3f} of {}\n", share, all);
+  EXPECT_GT(share, 0.88);
+  EXPECT_LT(share, 0.99);
 }
 
 TEST(GeometryFit, KnowsNothingOfAFewEdges) {

@@ -14,6 +14,7 @@
 #include "core/thread_pool.h"
 #include "studies/definition/study.h"
 #include "studies/imaging/scene_picture.h"
+#include "studies/validate/geometry_fit.h"
 #include "studies/validate/grey_terms.h"
 #include "tests/studies/validate/trial_cell.h"
 #include "tests/support/temporary_folder.h"
@@ -153,6 +154,73 @@ TEST(GreyFit, StepsAreRightOrKnownToBeUnknown) {
     const auto [lost, unsure] = step_with_noise(0.001, 0.014, seed);
     EXPECT_LT(std::abs(lost - 1.0), 4.0 * unsure) << seed;
   }
+}
+
+/// Where the ring is found, and how exactly, when the camera of all views is taken for turned.
+GreyFit ring_seen_turned(double turn_rad, const Eigen::MatrixXd& covariance) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  std::vector<GreyDesign> designs;
+  for (const auto& [name, scene] : trial_designs(3)) {
+    if (name == "ring") {
+      designs.push_back(design_of(store, name, scene, hidden_ring()));
+    }
+  }
+  Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Zero();
+  motion[0] = turn_rad;
+  for (std::size_t v = 0; v < designs[0].views.size(); ++v) {
+    GreyView& view = designs[0].views[v];
+    const RigidTransform pose = camera_from_world(view.scene.viewpoint());
+    view.scene.viewpoints = {viewpoint_of_pose(inverse(moved_by(motion)) * pose)};
+    view.pose = static_cast<int>(v);
+  }
+  return fit_grey(store, designs, {.good_share = 0.006, .camera_covariance = covariance}).at(0);
+}
+
+Vector3d place_sigma(const GreyFit& fit) {
+  Vector3d sigma = Vector3d::Zero();
+  for (const GreyValue& value : fit.values) {
+    if (value.fault == GreyFault::kLightPlace && value.light == "ring") {
+      sigma[value.index] = value.sigma;
+    }
+  }
+  return sigma;
+}
+
+// A turn that both views share, of one standard deviation: places move by what it adds to theirs.
+TEST(GreyFit, KnowsPlacesNoBetterThanTheCameraIsKnown) {
+  constexpr double kTurn = 2.5e-3;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(21, 21);
+  for (const Eigen::Index row : {9, 15}) {
+    for (const Eigen::Index column : {9, 15}) {
+      covariance(row, column) = kTurn * kTurn;
+    }
+  }
+  const GreyFit right = ring_seen_turned(0.0, {});
+  const GreyFit told = ring_seen_turned(0.0, covariance);
+  const GreyFit turned = ring_seen_turned(kTurn, {});
+  EXPECT_EQ(place_of(told, "ring"), place_of(right, "ring"));
+  const Vector3d moved = place_of(turned, "ring") - place_of(right, "ring");
+  const Vector3d noise = place_sigma(right);
+  const Vector3d added = (place_sigma(told).cwiseAbs2() - noise.cwiseAbs2()).cwiseSqrt();
+  fmt::print(
+      "a turn by {:.4f} rad moves the ring by {:.3f} {:.3f} {:.3f} mm, told {:.3f} {:.3f} "
+      "{:.3f}, noise {:.3f} {:.3f} {:.3f}\n",
+      kTurn,
+      moved.x(),
+      moved.y(),
+      moved.z(),
+      added.x(),
+      added.y(),
+      added.z(),
+      noise.x(),
+      noise.y(),
+      noise.z());
+  EXPECT_GT(moved.norm(), 0.1);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    EXPECT_NEAR(added[i], std::abs(moved[i]), 2.5 * noise[i]) << i;
+  }
+  EXPECT_GT(added.y(), noise.y()) << "the axis that a turn about x moves";
 }
 
 // Pictures of the dome alone: the ring is dark, and found by the shadow that it casts.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/validate/validation_steps.h"
+#include "studies/validate_cell/validation_steps.h"
 
 #include <algorithm>
 

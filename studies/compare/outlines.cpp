@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/image/image_io.h"
 #include "metrics/overlap/edge_location.h"
+#include "metrics/overlap/inner_edges.h"
 #include "metrics/overlap/outline.h"
 #include "metrics/overlap/region_overlap.h"
 #include "metrics/shape/silhouette.h"
@@ -23,11 +24,9 @@ namespace {
 
 constexpr int kReducedPx = 600;  ///< pictures are reduced to not less than this
 constexpr int kMaxFactor = 4;
-constexpr double kInnerReachPx = 8.0;   ///< from a simulated edge to the real one
-constexpr double kFillsPicture = 0.98;  ///< share from which a part leaves no background
-constexpr double kLeastAlike = 0.2;     ///< IoU below which two silhouettes are not of one part
-constexpr double kLeastLocated = 0.3;   ///< share of a cut's outline at which there are edges
-constexpr std::size_t kMinInnerPoints = 20;
+constexpr double kFillsPicture = 0.98;    ///< share from which a part leaves no background
+constexpr double kLeastAlike = 0.2;       ///< IoU below which two silhouettes are not of one part
+constexpr double kLeastLocated = 0.3;     ///< share of a cut's outline at which there are edges
 constexpr double kMostApartShare = 0.05;  ///< of the picture's width: farther edges are others
 constexpr double kWellShown = 0.7;        ///< of the simulated edges
 
@@ -230,39 +229,18 @@ std::optional<double> middle_grey(const ImageF& picture) {
   return found.threshold > 0.0 ? std::optional(found.threshold) : std::nullopt;
 }
 
-/// 3 x 3 means: lines of a level through noise would be frayed.
-ImageF smoothed(const ImageF& picture) {
-  ImageF result = picture;
-  for (int y = 1; y + 1 < picture.height(); ++y) {
-    for (int x = 1; x + 1 < picture.width(); ++x) {
-      float sum = 0.0F;
-      for (int j = -1; j <= 1; ++j) {
-        for (int i = -1; i <= 1; ++i) {
-          sum += picture(x + i, y + j);
-        }
-      }
-      result(x, y) = sum / 9.0F;
-    }
-  }
-  return result;
-}
-
-OutlinePair inner_edges(const ComparedPicture& simulated, const ComparedPicture& real) {
+OutlinePair inside_pictures(const ComparedPicture& simulated, const ComparedPicture& real) {
   const std::optional<double> level = middle_grey(simulated.grey);
   OutlinePair pair;
   if (!level) {
     pair.notes.emplace_back("The simulated picture has no edges to look for in the real one.");
     return pair;
   }
-  const std::vector<Boundary> lines =
-      boundaries_at(smoothed(simulated.grey), static_cast<float>(*level), kMinInnerPoints);
-  const std::vector<LocatedEdge> edges = locate_edges(simulated.grey, lines);
-  pair.simulated.rough = lines;
-  pair.simulated.located = joined(edges, lines);
-  pair.real.rough = pair.simulated.located;
-  pair.real.located =
-      joined(locate_edges(real.grey, pair.simulated.located, {.reach_px = kInnerReachPx}),
-             pair.simulated.located);
+  InnerEdges edges = inner_edges(simulated.grey, real.grey, static_cast<float>(*level));
+  pair.simulated.rough = std::move(edges.lines);
+  pair.simulated.located = edges.simulated;
+  pair.real.rough = std::move(edges.simulated);
+  pair.real.located = std::move(edges.real);
   return pair;
 }
 
@@ -354,7 +332,7 @@ OutlinePair find_outlines(const ComparedPicture& simulated,
     }
     found.notes.emplace_back("A cut around where the part should be follows no edge.");
   }
-  OutlinePair inner = inner_edges(simulated, real);
+  OutlinePair inner = inside_pictures(simulated, real);
   inner.notes.insert(inner.notes.begin(), found.notes.begin(), found.notes.end());
   inner.notes.emplace_back("The part has no silhouette in the pictures: edges inside them serve.");
   return inner;

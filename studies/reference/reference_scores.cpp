@@ -3,14 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "core/image/image_io.h"
 #include "metrics/appearance/grey_match.h"
 #include "metrics/appearance/structure_similarity.h"
+#include "metrics/aspect_image/roi.h"
 #include "metrics/overlap/boundary_distance.h"
 #include "metrics/overlap/edge_location.h"
+#include "metrics/overlap/inner_edges.h"
 #include "metrics/overlap/outline.h"
 #include "metrics/overlap/region_overlap.h"
 #include "metrics/shape/silhouette.h"
@@ -26,18 +31,33 @@ struct PicturedPart {
   Mask mask;
 };
 
+/// What a mask's file says of a real picture.
+struct GivenMask {
+  Mask part;
+  Mask ignored;  ///< where grey values are not compared
+};
+
 std::string size_text(int width, int height) {
   return fmt::format("{} x {} pixels", width, height);
 }
 
-/// A picture of the camera's size. @param key  that names its file
-ImageF read_sized(const std::filesystem::path& file,
-                  const std::string& key,
-                  const CameraSettings& camera) {
+/// A picture of read_fitting() in the camera's pixels.
+ImageF as_taken_by(const CameraSettings& camera, ImageF picture) {
+  const int factor = picture.width() / camera.width_px;
+  return factor > 1 ? reduce(picture, factor) : picture;
+}
+
+/// A picture that is, or can be reduced to, one of the camera. @param key  that names its file
+ImageF read_fitting(const std::filesystem::path& file,
+                    const std::string& key,
+                    const CameraSettings& camera) {
   ImageF picture = linear_values(read_picture(file).pixels);
-  if (picture.width() != camera.width_px || picture.height() != camera.height_px) {
+  const int factor = std::max(1, picture.width() / camera.width_px);
+  if (picture.width() != factor * camera.width_px ||
+      picture.height() != factor * camera.height_px) {
     throw ConfigError(key,
-                      fmt::format("{} has {}; must be as large as the camera's pictures, {}",
+                      fmt::format("{} has {}; must be as large as the camera's pictures, {}, or a "
+                                  "whole number of times as large along both sides",
                                   file.string(),
                                   size_text(picture.width(), picture.height()),
                                   size_text(camera.width_px, camera.height_px)));
@@ -94,21 +114,88 @@ Mask either(const Mask& first, const Mask& second) {
   return both;
 }
 
-/// Scores of one pair.
-Scores compare(const PicturedPart& simulated, const PicturedPart& real) {
+Mask without(const Mask& mask, const Mask& left_out) {
+  Mask rest = mask;
+  std::ranges::transform(
+      mask.values(), left_out.values(), rest.values().begin(), [](auto a, auto b) {
+        return static_cast<unsigned char>(a != 0 && b == 0 ? 1 : 0);
+      });
+  return rest;
+}
+
+/// Pixels of which more than the share have values above `low` and at most `high`.
+Mask pixels_between(
+    const ImageF& picture, float low, float high, double share, const CameraSettings& camera) {
+  ImageF counted(picture.width(), picture.height());
+  std::ranges::transform(picture.values(), counted.values().begin(), [&](float value) {
+    return value > low && value <= high ? 1.0F : 0.0F;
+  });
+  counted = as_taken_by(camera, std::move(counted));
+  Mask mask(counted.width(), counted.height());
+  std::ranges::transform(counted.values(), mask.values().begin(), [&](float value) {
+    return static_cast<unsigned char>(static_cast<double>(value) > share ? 1 : 0);
+  });
+  return mask;
+}
+
+/// Pixels in both regions and some pixels within: their outlines are no edges inside the part.
+Mask inside_of(const Mask& first, const Mask& second) {
+  constexpr int kRimPx = 3;
+  Mask both = first;
+  std::ranges::transform(
+      first.values(), second.values(), both.values().begin(), [](auto a, auto b) {
+        return static_cast<unsigned char>(a != 0 && b != 0 ? 1 : 0);
+      });
+  return eroded(both, kRimPx);
+}
+
+/// Grey that best parts dark and bright of a region; none where all of it is alike.
+std::optional<double> middle_grey(const ImageF& picture, const Mask& region) {
+  std::vector<float> values;
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    if (region.values()[i] != 0) {
+      values.push_back(picture.values()[i]);
+    }
+  }
+  if (values.empty()) {
+    return std::nullopt;
+  }
+  ImageF row(static_cast<int>(values.size()), 1);
+  std::ranges::copy(values, row.values().begin());
+  const double threshold = find_silhouette(row, PartPieces::kAll).threshold;
+  return threshold > 0.0 ? std::optional(threshold) : std::nullopt;
+}
+
+/// Mean distance of the edges inside the part; the reach where no edge has a counterpart.
+double inner_distance_px(const PicturedPart& simulated, const PicturedPart& real) {
+  const Mask inside = inside_of(simulated.mask, real.mask);
+  const std::optional<double> level = middle_grey(simulated.grey, inside);
+  if (!level) {
+    return kInnerReachPx;
+  }
+  const InnerEdges edges =
+      inner_edges(simulated.grey, real.grey, static_cast<float>(*level), inside);
+  const BoundaryDistance distance = boundary_distance(edges.simulated, edges.real, kInnerReachPx);
+  return distance.points > 0 ? distance.mean_px : kInnerReachPx;
+}
+
+/// Scores of one pair. @param ignored  where grey values are not compared
+Scores compare(const PicturedPart& simulated, const PicturedPart& real, const Mask& ignored) {
   const std::vector<Boundary> of_simulated = outline_in(simulated);
   const std::vector<Boundary> of_real = outline_in(real);
-  const Mask region = either(simulated.mask, real.mask);
+  const Mask of_part = without(simulated.mask, ignored);
+  const Mask region = either(of_part, real.mask);
   const int width = real.grey.width();
   const int height = real.grey.height();
   return {{"overlap.iou",
            overlap_of(filled(of_simulated, width, height), filled(of_real, width, height)).iou},
           {"overlap.mean_distance_px",
            boundary_distance(of_simulated, of_real, std::hypot(width, height)).mean_px},
+          {"overlap.edge_distance_px", inner_distance_px(simulated, real)},
           {"appearance.ssim", ssim(simulated.grey, real.grey, region)},
           {"appearance.rms", rms_of(simulated.grey, real.grey, region)},
           {"appearance.histogram_distance",
-           histogram_distance(simulated.grey, real.grey, simulated.mask, real.mask)}};
+           histogram_distance(simulated.grey, real.grey, of_part, real.mask)}};
 }
 
 class References {
@@ -143,29 +230,34 @@ class References {
   Scores pair_scores(std::size_t i, const Viewpoint& viewpoint) const {
     const ReferenceSettings& reference = *scene_.reference;
     const std::string key = fmt::format("reference.pictures.{}", i);
-    PicturedPart real = {.grey = read_sized(reference.pictures[i], key, scene_.camera)};
+    PicturedPart real = {
+        .grey =
+            as_taken_by(scene_.camera, read_fitting(reference.pictures[i], key, scene_.camera))};
     PicturedPart simulated = render(viewpoint);
-    if (reference.masks.empty()) {
-      real.mask = segmented(real.grey, key, reference.pictures[i].string());
-      simulated.mask = segmented(simulated.grey, key, "the simulated picture");
-    } else {
-      real.mask = mask_of(i);
+    if (!reference.masks.empty()) {
+      GivenMask given = mask_of(i);
+      real.mask = std::move(given.part);
+      return compare(simulated, real, given.ignored);
     }
-    return compare(simulated, real);
+    real.mask = segmented(real.grey, key, reference.pictures[i].string());
+    simulated.mask = segmented(simulated.grey, key, "the simulated picture");
+    return compare(simulated, real, Mask(real.grey.width(), real.grey.height()));
   }
 
-  Mask mask_of(std::size_t i) const {
+  GivenMask mask_of(std::size_t i) const {
+    constexpr float kGrey = 0.25F;
+    constexpr float kBright = 0.75F;
+    constexpr float kNoLimit = std::numeric_limits<float>::max();
     const std::filesystem::path& file = scene_.reference->masks[i];
     const std::string key = fmt::format("reference.masks.{}", i);
-    const ImageF picture = read_sized(file, key, scene_.camera);
-    Mask mask(picture.width(), picture.height());
-    std::ranges::transform(picture.values(), mask.values().begin(), [](float value) {
-      return static_cast<unsigned char>(value > 0.5F ? 1 : 0);
-    });
-    if (std::ranges::none_of(mask.values(), [](unsigned char value) { return value != 0; })) {
+    const ImageF picture = read_fitting(file, key, scene_.camera);
+    GivenMask given = {.part = pixels_between(picture, kBright, kNoLimit, 0.5, scene_.camera),
+                       .ignored = pixels_between(picture, kGrey, kBright, 0.0, scene_.camera)};
+    given.part = without(given.part, given.ignored);
+    if (std::ranges::none_of(given.part.values(), [](unsigned char value) { return value != 0; })) {
       throw ConfigError(key, file.string() + " is dark everywhere; it must be bright on the part");
     }
-    return mask;
+    return given;
   }
 
   PicturedPart render(const Viewpoint& viewpoint) const {

@@ -13,7 +13,9 @@ namespace glint {
 /// "overlap." and "appearance." of metrics/scores.h: means over the pictures of [reference], of
 /// which the first belongs to the first viewpoint, and so on. The simulated side is the mean of the
 /// frames, after the sensor. The part is where the masks of [reference] and the simulation say;
-/// without masks both sides are segmented alike, by Otsu's threshold.
+/// without masks both sides are segmented alike, by Otsu's threshold. Pictures and masks that are a
+/// whole number of times as large as the camera's are reduced to its size, by means. Where a mask
+/// is grey, a quarter to three quarters of full scale, "appearance." compares nothing.
 /// @throws ConfigError beginning with the key at fault: no pictures, more pictures than viewpoints,
 ///         another size than the camera's, no part in a picture; IoError
 Scores reference_scores(SceneStore& store, const SceneSettings& scene);

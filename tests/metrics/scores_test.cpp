@@ -33,6 +33,7 @@ TEST(Scores, CarryExactlyTheNamesThatAreListed) {
                    {"reach.margin_mm", 0.0},
                    {"overlap.iou", 0.0},
                    {"overlap.mean_distance_px", 0.0},
+                   {"overlap.edge_distance_px", 0.0},
                    {"appearance.ssim", 0.0},
                    {"appearance.rms", 0.0},
                    {"appearance.histogram_distance", 0.0}};

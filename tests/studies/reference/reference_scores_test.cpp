@@ -136,6 +136,92 @@ TEST_F(ReferenceScores, TakeTheMaskThatIsGiven) {
                   AllOf(HasSubstr("reference.masks.0"), HasSubstr("dark everywhere"))));
 }
 
+/// A dark square of 20 x 20 px in the middle of a picture of the plate.
+ImageF printed_square() {
+  ImageF ink(240, 160, 1.0F);
+  for (int y = 40; y < 120; ++y) {
+    for (int x = 80; x < 160; ++x) {
+      ink(x, y) = 0.1F;
+    }
+  }
+  return ink;
+}
+
+// The plate lies where it lay, the print on it is 0.3 mm = 1.5 px off: outlines agree, and of the
+// square's four sides two are 1.5 px away, two run along.
+TEST_F(ReferenceScores, TellHowFarAPrintHasMoved) {
+  write_exr(folder_ / "ink.exr", printed_square());
+  const Study printed = study(
+      "[material.texture]\ncolour_file = \"ink.exr\"\nencoding = \"linear\"\nsize_mm = [12, 8]\n");
+  photograph(printed.scene);
+  EXPECT_LT(scores_of(printed.scene).at("overlap.edge_distance_px"), 0.01);
+  SceneSettings scene = printed.scene;
+  scene.material.texture.center_mm = {0.3, 0.0, 0.0};
+  const Scores scores = scores_of(scene);
+  EXPECT_NEAR(scores.at("overlap.edge_distance_px"), 0.75, 0.1);
+  EXPECT_NEAR(scores.at("overlap.mean_distance_px"), 0.0, 0.02);
+}
+
+TEST_F(ReferenceScores, SayTheReachWhereNoEdgeHasACounterpart) {
+  write_exr(folder_ / "ink.exr", printed_square());
+  const Study plain = study();
+  photograph(plain.scene);
+  EXPECT_EQ(scores_of(plain.scene).at("overlap.edge_distance_px"), 8.0);
+  SceneSettings printed = plain.scene;
+  printed.material.texture.colour_file = folder_ / "ink.exr";
+  printed.material.texture.encoding = TextureEncoding::kLinear;
+  printed.material.texture.size_mm = {12.0, 8.0};
+  EXPECT_EQ(scores_of(printed).at("overlap.edge_distance_px"), 8.0);
+}
+
+// Something that is not in the scene covers a corner of the plate: 10 x 10 of 60 x 40 pixels, a
+// difference of 0.5 there is one of 0.5 sqrt(100 / 2400) in all.
+TEST_F(ReferenceScores, CompareNothingWhereAMaskIsGrey) {
+  const Study masked = study("masks = [\"mask.png\"]\n");
+  photograph(masked.scene);
+  ImageF real = linear_values(read_picture(folder_ / "real.exr").pixels);
+  ImageF mask(96, 64);
+  for (int y = 12; y < 52; ++y) {
+    for (int x = 18; x < 78; ++x) {
+      const bool is_covered = x < 28 && y < 22;
+      mask(x, y) = is_covered ? 0.5F : 1.0F;
+      real(x, y) += is_covered ? 0.5F : 0.0F;
+    }
+  }
+  write_exr(folder_ / "real.exr", real);
+  write_png(folder_ / "mask.png", mask, PixelDepth::k8Bit);
+  EXPECT_NEAR(scores_of(masked.scene).at("appearance.rms"), 0.0, 1e-6);
+  EXPECT_NEAR(scores_of(masked.scene).at("appearance.histogram_distance"), 0.0, 1e-3);
+  write_mask_png(folder_ / "mask.png", Mask(96, 64, 1));
+  const double whole = std::sqrt(100.0 / (96.0 * 64.0));
+  EXPECT_NEAR(scores_of(masked.scene).at("appearance.rms"), 0.5 * whole, 1e-3);
+}
+
+// The same plate by a camera of twice the pixels along both sides: its picture, reduced, is that of
+// the scene's camera up to the noise of 16 samples a pixel.
+TEST_F(ReferenceScores, ReduceAPhotographOfMorePixels) {
+  const Study small = study("masks = [\"mask.png\"]\n");
+  SceneSettings large = small.scene;
+  large.camera.width_px = 192;
+  large.camera.height_px = 128;
+  large.camera.object_pixel_mm = 0.1;
+  large.sensor.blur_px = 1.6;
+  photograph(large);
+  Mask plate(192, 128);
+  for (int y = 24; y < 104; ++y) {
+    for (int x = 36; x < 156; ++x) {
+      plate(x, y) = 1;
+    }
+  }
+  write_mask_png(folder_ / "mask.png", plate);
+  const Scores scores = scores_of(small.scene);
+  EXPECT_LT(scores.at("appearance.rms"), 0.01);
+  EXPECT_LT(scores.at("overlap.mean_distance_px"), 0.05);
+  write_exr(folder_ / "real.exr", ImageF(192, 64, 0.5F));
+  EXPECT_THAT([&] { scores_of(small.scene); },
+              ThrowsMessage<ConfigError>(AllOf(HasSubstr("192 x 64"), HasSubstr("whole number"))));
+}
+
 TEST_F(ReferenceScores, AreScoresOfAStudy) {
   const Study fitted = study(
       "[variables]\n\"sensor.exposure\" = { min = 0.5, max = 2 }\n"

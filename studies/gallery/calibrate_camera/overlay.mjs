@@ -13,6 +13,8 @@ import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 
+import { inverse, multiply, poseOf, poseToml, readPoses } from "./poses.mjs";
+
 const here = dirname(fileURLToPath(import.meta.url));
 const root = resolve(here, "../../..");
 const glint = resolve(process.argv[2] ?? join(root, "build/release/glint"));
@@ -24,41 +26,6 @@ const tilePx = 280;
 
 const run = (program, args) =>
   execFileSync(program, args, { encoding: "utf8", maxBuffer: 1 << 28, stdio: ["ignore", "pipe", "inherit"] });
-
-// Poses: { r: rows of a rotation, t }.
-const multiply = (a, b) => ({
-  r: a.r.map((row) => [0, 1, 2].map((k) => row.reduce((sum, x, j) => sum + x * b.r[j][k], 0))),
-  t: a.t.map((x, i) => x + a.r[i].reduce((sum, y, j) => sum + y * b.t[j], 0)),
-});
-const inverse = ({ r, t }) => {
-  const back = [0, 1, 2].map((i) => [0, 1, 2].map((k) => r[k][i]));
-  return { r: back, t: back.map((row) => -row.reduce((sum, x, j) => sum + x * t[j], 0)) };
-};
-const poseFromVector = ([x, y, z], t) => {
-  const angle = Math.hypot(x, y, z);
-  const [a, b, c] = angle > 0 ? [x / angle, y / angle, z / angle] : [0, 0, 1];
-  const [s, q] = [Math.sin(angle), 1 - Math.cos(angle)];
-  const r = [
-    [1 - q * (b * b + c * c), q * a * b - s * c, q * a * c + s * b],
-    [q * a * b + s * c, 1 - q * (a * a + c * c), q * b * c - s * a],
-    [q * a * c - s * b, q * b * c + s * a, 1 - q * (a * a + b * b)],
-  ];
-  return { r, t };
-};
-const vectorDeg = ({ r }) => {
-  // By the quaternion, which is well determined for every angle.
-  const w = Math.sqrt(Math.max(0, 1 + r[0][0] + r[1][1] + r[2][2])) / 2;
-  const part = (i, j, k) =>
-    Math.sqrt(Math.max(0, 1 + r[i][i] - r[j][j] - r[k][k])) / 2 * Math.sign(r[k][j] - r[j][k] || 1);
-  const axis = [part(0, 1, 2), part(1, 2, 0), part(2, 0, 1)];
-  const length = Math.hypot(...axis);
-  const angle = (2 * Math.atan2(length, w) * 180) / Math.PI;
-  return axis.map((x) => (length > 0 ? (x / length) * angle : 0));
-};
-const poseToml = (table, pose) =>
-  `[${table}]\ntranslation_mm = [${pose.t.join(", ")}]\n` +
-  `rotation_vector_deg = [${vectorDeg(pose).join(", ")}]\n`;
-const poseOf = (json) => poseFromVector(json.rotation_vector_rad, json.translation_mm);
 
 const work = mkdtempSync(join(tmpdir(), "glint_overlay_"));
 const pictures = readdirSync(data)
@@ -86,16 +53,7 @@ const partFromBoard = () => {
   return { r: [[1, 0, 0], [0, -1, 0], [0, 0, -1]], t: at };
 };
 
-const poses = new Map(
-  readFileSync(join(data, "poses.csv"), "utf8")
-    .trim()
-    .split("\n")
-    .map((line) => line.split(","))
-    .map(([name, ...n]) => {
-      const m = n.map(Number);
-      return [name, { r: [m.slice(0, 3), m.slice(4, 7), m.slice(8, 11)], t: [m[3], m[7], m[11]] }];
-    }),
-);
+const poses = readPoses(join(data, "poses.csv"));
 
 /// Renders the board at the shown pictures' poses; the board is on the flange, the camera beside.
 const render = (name, calibration, fromBoard) => {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
@@ -121,6 +122,22 @@ inline std::vector<Printed> printed_numbers(const std::string& study) {
     }
   }
   return numbers;
+}
+
+/// What the README's tables print is what expected.json has, to the last digit.
+/// @param at_least  so many numbers
+inline void expect_printed_numbers(const std::string& study, std::size_t at_least) {
+  const ExpectedScores expected = read_expected(study);
+  const std::vector<Printed> numbers = printed_numbers(study);
+  EXPECT_GE(numbers.size(), at_least);
+  for (const Printed& number : numbers) {
+    const auto row = expected.find(number.name);
+    if (row == expected.end()) {
+      ADD_FAILURE() << number.name << " = " << number.text << " is not in expected.json";
+      continue;
+    }
+    EXPECT_NEAR(number.value, row->second.value, number.half_step * (1.0 + 1e-6)) << number.name;
+  }
 }
 
 }  // namespace glint::gallery

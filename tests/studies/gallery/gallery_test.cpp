@@ -17,6 +17,7 @@
 namespace glint {
 namespace {
 
+using gallery::expect_printed_numbers;
 using gallery::ExpectedScores;
 using gallery::mesh_variant;
 using gallery::Variant;
@@ -78,20 +79,6 @@ void expect_promised_scores(const std::string& name, const std::vector<Variant>&
     compared += compare(expected, variant.design, scores_of(store, name, variant));
   }
   EXPECT_EQ(compared, count_but_searches(expected)) << "expected.json names an unknown design";
-}
-
-void expect_printed_numbers(const std::string& name, std::size_t at_least) {
-  const ExpectedScores expected = gallery::read_expected(name);
-  const std::vector<gallery::Printed> numbers = gallery::printed_numbers(name);
-  EXPECT_GE(numbers.size(), at_least);
-  for (const gallery::Printed& number : numbers) {
-    const auto row = expected.find(number.name);
-    if (row == expected.end()) {
-      ADD_FAILURE() << number.name << " = " << number.text << " is not in expected.json";
-      continue;
-    }
-    EXPECT_NEAR(number.value, row->second.value, number.half_step * (1.0 + 1e-6)) << number.name;
-  }
 }
 
 Scores scores_of(const std::string& study, const std::string& prototype) {

@@ -99,7 +99,7 @@ int write_starter(const NewArguments& arguments, const CommonArguments& common) 
         starter.text);
     return kExitDone;
   }
-  make_folder_of(arguments.out);
+  const FolderOf folder(arguments.out);
   write_file(arguments.out, starter.text);
   load_study(arguments.out, {});
   std::string text = fmt::format("written: {}\n", arguments.out.string());

@@ -116,7 +116,7 @@ int tell_part(const PartArguments& arguments, const CommonArguments& common) {
   Json json = report_json(mesh_report, settings);
   std::string text = report_text(mesh_report);
   if (!arguments.out.empty()) {
-    make_folder_of(arguments.out);
+    const FolderOf folder(arguments.out);
     write_mesh(arguments.out, part.mesh);
     json["file"] = arguments.out.string();
     text += "written: " + arguments.out.string() + "\n";

@@ -31,7 +31,7 @@ int optuna_command(const ReportArguments& arguments, const CommonArguments& comm
   if (arguments.runs.size() != 1) {
     throw ConfigError("--optuna: exports one run, give one directory");
   }
-  make_folder_of(arguments.optuna);
+  const FolderOf folder(arguments.optuna);
   const OptunaExport counts = export_to_optuna(arguments.runs.front(), arguments.optuna);
   print_result(common,
                {{"schema", 1},
@@ -122,7 +122,7 @@ int analyse_command(const ReportArguments& arguments, const CommonArguments& com
   const nlohmann::ordered_json analysis = analyse_run(run);
   nlohmann::ordered_json data = report_data({run});
   data["analysis"] = analysis;
-  make_folder_of(out);
+  const FolderOf folder(out);
   write_file(out, render_report(data));
   nlohmann::ordered_json result = {{"schema", 1}, {"status", "done"}, {"report", out.string()}};
   add_analysis(analysis, result);
@@ -146,7 +146,7 @@ int report_command(const ReportArguments& arguments, const CommonArguments& comm
   }
   check_page(out);
   const bool is_trial = arguments.runs.size() == 1 && is_calibration_trial(arguments.runs.front());
-  make_folder_of(out);
+  const FolderOf folder(out);
   write_file(
       out,
       is_trial ? calibration_trial_report(arguments.runs.front()) : report_html(arguments.runs));

@@ -1,13 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/shell/output_file.h"
 
+#include <system_error>
+
 #include "core/file.h"
 
 namespace glint {
+namespace fs = std::filesystem;
 
-void make_folder_of(const std::filesystem::path& file) {
-  if (file.has_parent_path()) {
-    make_folder(file.parent_path());
+FolderOf::FolderOf(const fs::path& file) {
+  const fs::path folder = file.parent_path();
+  std::error_code ignored;
+  for (fs::path each = folder; !each.empty() && !fs::exists(each, ignored);
+       each = each.parent_path()) {
+    made_.push_back(each);
+  }
+  if (!folder.empty()) {
+    make_folder(folder);
+  }
+}
+
+FolderOf::~FolderOf() {
+  std::error_code ignored;
+  for (const fs::path& folder : made_) {
+    fs::remove(folder, ignored);  // only while it is empty
   }
 }
 

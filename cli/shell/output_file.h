@@ -4,11 +4,22 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 namespace glint {
 
-/// Makes the folder that a file will lie in, where it is not there: "out" of "out/gear.toml".
-/// @throws IoError when it cannot be made
-void make_folder_of(const std::filesystem::path& file);
+/// The folder that a file will lie in, "out" of "out/gear.toml", made where it is not there. What was
+/// made and stays empty, as the file could not be written, goes with this object.
+class FolderOf {
+ public:
+  /// @throws IoError when it cannot be made
+  explicit FolderOf(const std::filesystem::path& file);
+  ~FolderOf();
+  FolderOf(const FolderOf&) = delete;
+  FolderOf& operator=(const FolderOf&) = delete;
+
+ private:
+  std::vector<std::filesystem::path> made_;  ///< the innermost first
+};
 
 }  // namespace glint

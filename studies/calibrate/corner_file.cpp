@@ -141,7 +141,11 @@ void add_row(const CornerTable& table, std::size_t row, FoundCorners& found) {
   BoardView& view = found.views.back();
   view.outcome = BoardOutcome::kAccepted;
   view.why.clear();
-  view.is_orientation_known = is_orientation_known(table, row);
+  const bool is_known = is_orientation_known(table, row);
+  if (!view.picture_px.empty() && is_known != view.is_orientation_known) {
+    table.fail(row, "orientation", "must be the same in all rows of a picture");
+  }
+  view.is_orientation_known = is_known;
   view.board_mm.emplace_back(table.number(row, "board_x_mm"), table.number(row, "board_y_mm"), 0.0);
   view.picture_px.emplace_back(table.number(row, "x_px"), table.number(row, "y_px"));
 }

@@ -292,9 +292,7 @@ double predicted_pod_s(const Study& study, SceneStore& store) {
   const PodSettings& settings = *study.pod;
   const SimulatedLine line(store, study.scene);
   const double threshold = study.scene.inspection.threshold_grey;
-  // Parts of all sizes: those whose defects are found take longer.
-  constexpr int kSizes = 8;
-  const int stride = std::max(1, num_parts(settings) / kSizes);
+  const std::int64_t stride = spread_stride(num_parts(settings));
   const PopulationPace pace = measure_pace(line, store.pool(), [&](std::int64_t number) {
     inspect_sized_part(line, settings, threshold, number * stride % num_parts(settings));
   });

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -150,6 +152,15 @@ Json false_alarms_json(std::int64_t blobs, std::int64_t scans, double confidence
 std::int64_t num_threshold_scans(const InspectionSettings& settings) {
   using Threshold = InspectionSettings::Threshold;
   return settings.threshold == Threshold::kFalseAlarms ? settings.trials.flawless : 0;
+}
+
+std::int64_t spread_stride(std::int64_t count) {
+  constexpr double kGoldenShare = 0.6180339887498949;
+  auto stride = std::max<std::int64_t>(1, std::llround(kGoldenShare * static_cast<double>(count)));
+  while (std::gcd(stride, count) != 1) {
+    ++stride;
+  }
+  return stride;
 }
 
 PopulationPace measure_pace(const SimulatedLine& line,

@@ -115,6 +115,11 @@ struct PopulationPace {
   double flawless_s = 0.0;
 };
 
+/// The first multiples of it, modulo count, are spread over 0 to count - 1 and are all different: parts
+/// of all sizes, as those whose defects are found take longer.
+/// @param count  >= 1
+std::int64_t spread_stride(std::int64_t count);
+
 /// @param inspect  one part of that number
 PopulationPace measure_pace(const SimulatedLine& line,
                             ThreadPool& pool,

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <filesystem>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -16,6 +15,7 @@
 #include "studies/output/scratch_folder.h"
 #include "studies/report/report.h"
 #include "studies/run/repeated_scores.h"
+#include "studies/run/search_clock.h"
 #include "studies/run/study_search.h"
 
 namespace glint {
@@ -26,40 +26,7 @@ namespace {
 /// Beyond this, work that takes as long once more is estimated instead of done.
 constexpr double kLong_s = 5.0;
 
-/// The first designs of a search are evaluated for so long. CPU seconds: on a busy machine as many
-/// designs as on an idle one, since a search's first ones alone are no sample of the rest.
-constexpr double kSampled_s = 15.0;
-
 constexpr int kPage_px = 650;  ///< width of a frame on the report's page, about
-
-/// CPU seconds of a search while it goes on.
-class SearchClock {
- public:
-  void note(int evaluations) {
-    spent_s_.resize(static_cast<std::size_t>(evaluations), process_cpu_s() - start_);
-  }
-
-  bool is_long() const { return spent_s_.size() > 1 && spent_s_.back() > kSampled_s; }
-
-  /// The mean over so many evaluations, of which the last ones are taken to cost what those of the
-  /// later half so far do: the first pay for cold caches and are spread over all of the space.
-  /// @param evaluations  >= 1
-  double mean_s(int evaluations) const {
-    if (spent_s_.empty()) {
-      return 0.0;
-    }
-    const std::size_t count = spent_s_.size();
-    const std::size_t half = count / 2;
-    const double first_s = half > 0 ? spent_s_[half - 1] : 0.0;
-    const double each_s = (spent_s_.back() - first_s) / static_cast<double>(count - half);
-    const double further = std::max(0.0, evaluations - static_cast<double>(count));
-    return (spent_s_.back() + each_s * further) / (static_cast<double>(count) + further);
-  }
-
- private:
-  double start_ = process_cpu_s();
-  std::vector<double> spent_s_;  ///< after each evaluation
-};
 
 }  // namespace
 
@@ -73,11 +40,12 @@ SearchSample sample_search(const Study& study,
   SearchTask task = search_task(study, jobs);
   const int planned = study.budget.evaluations > 0 ? study.budget.evaluations : kSampledDesigns;
   task.budget = {.evaluations = std::min(planned, kSampledDesigns)};
-  SearchClock clock;
+  SearchClock clock(std::min(jobs, study.search.batch));
+  const double start = process_cpu_s();
   std::atomic<int> enough = 0;
   const auto look = [&](const SearchProgress& progress) {
     step();
-    clock.note(progress.evaluations);
+    clock.note(progress.evaluations, process_cpu_s() - start);
     enough = clock.is_long() ? 1 : 0;
   };
   const auto evaluate_point = [&](const Point& point, int /*trial*/) {

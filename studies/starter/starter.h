@@ -18,7 +18,7 @@ struct StarterRequest {
   PartSettings part;
   std::string part_file;  ///< as the study is to name it
   std::string unit = "mm";
-  std::string study_file;   ///< where the study is to lie; camera_keys are read as of its folder
+  std::string study_file;   ///< where the study is to lie; its folder need not be there
   std::string camera_keys;  ///< TOML lines of a data sheet; empty: one that shows the whole part
   double working_distance_mm = 600.0;
   StarterLight light = StarterLight::kTunnel;

@@ -63,6 +63,20 @@ TEST_F(OutputError, RenderReportPartAndNewNameTheFile) {
   EXPECT_EQ(folder_.count(), 2);
 }
 
+TEST_F(OutputError, NoFolderIsMadeForAFileThatIsNotWritten) {
+  write_file(folder_ / "part.stl", rectangle_stl(40, 12));
+  const std::vector<Arguments> verbs = {
+      {"report", "typo"},
+      {"report", "typo", "--out", "a/b/page.html"},
+      {"report", "typo", "--optuna", "a/b/journal"},
+      {"part", "part.stl", "--out", "a/b/part.xyz"},
+      {"new", "part.stl", "--unit", "ell", "--out", "a/b/n.toml"}};
+  for (const Arguments& verb : verbs) {
+    EXPECT_NE(glint_in(folder_, verb).code, 0) << verb.front();
+    EXPECT_EQ(folder_.count(), 2) << verb.front() << " " << verb.back();
+  }
+}
+
 TEST_F(OutputError, FoldersOfFilesAreMade) {
   write_file(folder_ / "part.stl", rectangle_stl(40, 12));
   const std::vector<Arguments> verbs = {

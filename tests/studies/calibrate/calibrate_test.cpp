@@ -181,14 +181,20 @@ TEST_F(CalibrateVerb, AMarkThatIsNotThereIsTold) {
   EXPECT_THAT(same["notes"].dump(), HasSubstr("pictures show the mark"));
 }
 
-TEST_F(CalibrateVerb, CornersWhoseOrientationIsNoWordAreRefused) {
+TEST_F(CalibrateVerb, CornersWhoseOrientationIsNoWordOrTwoAreRefused) {
   write_file(folder_ / "board.toml", "[board]\ncols = 9\nrows = 7\nsquare_mm = 10\n");
-  write_file(folder_ / "corners.csv",
-             "picture,width_px,height_px,board_x_mm,board_y_mm,x_px,y_px,orientation\n"
-             "a.png,640,480,0,0,100,100,upright\n");
-  const ProgramResult result = calibrate({}, {"--from", "corners.csv", "--board", "board.toml"});
-  EXPECT_EQ(result.code, 2);
-  EXPECT_THAT(result.err, HasSubstr("corners.csv:2:27: orientation: is \"upright\""));
+  const auto error_of = [&](const std::string& rows) {
+    write_file(folder_ / "corners.csv",
+               "picture,width_px,height_px,board_x_mm,board_y_mm,x_px,y_px,orientation\n" + rows);
+    const ProgramResult result = calibrate({}, {"--from", "corners.csv", "--board", "board.toml"});
+    EXPECT_EQ(result.code, 2);
+    return result.err;
+  };
+  EXPECT_THAT(error_of("a.png,640,480,0,0,100,100,upright\n"),
+              HasSubstr("corners.csv:2:27: orientation: is \"upright\""));
+  EXPECT_THAT(
+      error_of("a.png,640,480,0,0,100,100,known\na.png,640,480,10,0,120,100,unknown\n"),
+      HasSubstr("corners.csv:3:28: orientation: must be the same in all rows of a picture"));
 }
 
 // The robot holds the board before the camera: a scene with a plate where the board is, seen at a

@@ -45,7 +45,8 @@ function render(views, name, sets) {
 function tiles({ name, views, view, window }, found) {
   const photo = [join(data, `${name}.png`), "--ch", "0", "--resize:filter=box", sceneSize];
   const pictures = [{}, found].map((sets, i) => join(render(views, i === 0 ? "start" : "found", sets), `view_0${view}`));
-  const mask = [join(here, `mask_${name.slice(3)}.png`), "--ch", "0"];
+  // Grey in a mask is not compared.
+  const mask = [join(here, `mask_${name.slice(3)}.png`), "--ch", "0", "--subc", "0.75", "--mulc", "100", "--clamp:min=0:max=1"];
   const files = [];
   const write = (args) => {
     files.push(join(work, `${name}_${files.length}.png`));

@@ -335,7 +335,7 @@ class GreyFitter {
     fit.change.exposure =
         best.state.exposure * common * (1.0 + best.state.powers[static_cast<Index>(design)]);
     fit.after = even_share(best.state, design);
-    fit.rounding = model().rounding_share(mean_of(left_at(best.state)), design);
+    fit.rounding = model().rounding_share(design);
     fit.renders = model().renders();
   }
 

@@ -18,10 +18,14 @@
 
 namespace glint {
 
+/// A design whose exposure rounding may change by a larger share cannot be judged.
+inline constexpr double kMostRounding = 0.5;
+
 /// A real picture and the scene that shows it, of equal size, one viewpoint.
 struct GreyView {
   SceneSettings scene;
-  ImageF real;    ///< linear, full scale 1
+  ImageF real;        ///< linear, full scale 1
+  double step = 0.0;  ///< of the camera's grey values, full scale 1; 0: read off `real`
   int pose = -1;  ///< index of its view in GreyOptions::camera_covariance; -1: the pose is exact
 };
 
@@ -58,7 +62,8 @@ struct GreyFit {
   double before = 0.0;            ///< rms of even differences, share of the mean grey
   double exposed = 0.0;           ///< after an exposure of its own alone
   double after = 0.0;             ///< after all
-  double rounding = 0.0;          ///< share of its exposure that is no more than rounding
+  double rounding = 0.0;          ///< largest share by which rounding may change its exposure when
+                                  ///< it is as bright as designed; infinite: it is black
   int renders = 0;                ///< of all designs
 };
 

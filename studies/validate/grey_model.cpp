@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -17,6 +18,7 @@
 #include "studies/run/render_files.h"
 #include "studies/validate/even_sums.h"
 #include "studies/validate/geometry_fit.h"
+#include "studies/validate/real_pictures.h"
 #include "studies/validate/validated_scene.h"
 
 namespace glint::validate_detail {
@@ -28,19 +30,10 @@ constexpr float kBright = 0.98F;  ///< at least: clipped
 constexpr int kLeastSamples = 48;
 constexpr int kFiner = 6;  ///< times the samples of fine pictures
 constexpr std::size_t kMostKept = 8;
-constexpr int kPlainBits = 8;
 constexpr double kNoiseSigmas = 2.0;
 constexpr double kRounded =
     100.0;  ///< times what rounding may do: a design that is darker counts less
 constexpr double kSamePosePx = 0.15;  ///< of these pictures: less is not seen
-
-/// A black picture does not show its step: the scene's sensor tells it.
-double recorded_step_of(const GreyView& view) {
-  const bool is_black =
-      std::ranges::all_of(view.real.values(), [](float grey) { return grey <= 0.0F; });
-  const int bits = view.scene.sensor.bits > 0 ? view.scene.sensor.bits : kPlainBits;
-  return is_black ? 1.0 / (std::exp2(bits) - 1.0) : recorded_step(view.real);
-}
 
 void change_camera(SceneSettings& scene, const CameraChange& change, int factor) {
   if (!change.motion.isZero()) {
@@ -64,6 +57,7 @@ GreyModel::GreyModel(SceneStore& store, std::span<const GreyDesign> designs) : s
   }
   choose_pixels();
   use_shares();
+  keep_rounding();
 }
 
 void GreyModel::add_views(std::size_t design, const GreyDesign& views) {
@@ -74,7 +68,7 @@ void GreyModel::add_views(std::size_t design, const GreyDesign& views) {
         .scene = reduced_scene(with_separate_segments(view.scene), factor, kLeastSamples),
         .real = reduce(view.real, factor),
         .sensor = view.scene.sensor,
-        .step = recorded_step_of(view),
+        .step = view.step > 0.0 ? view.step : camera_step(view.real, view.scene.sensor.bits),
         .factor = factor,
         .pose = view.pose};
     take_shared_pose(small);
@@ -296,6 +290,15 @@ const Halves<GreyColumns>& GreyModel::columns(const std::vector<Eigen::Vector3d>
   return kept_.front().second;
 }
 
+/// Half a step in units of a design, where rounding may hide as much of it; else 0.
+double GreyModel::hidden_share(std::size_t design) const {
+  double step = 0.0;
+  for (const SmallView& view : views_) {
+    step = std::max(step, view.design == design ? view.step : 0.0);
+  }
+  return rounding_[design] > kMostRounding ? 0.5 * step / units_[design] : 0.0;
+}
+
 double GreyModel::even_rms(const Eigen::VectorXd& difference, std::size_t design) const {
   const double unit = units_[design];
   EvenSums sums;
@@ -319,11 +322,26 @@ double GreyModel::even_rms(const Eigen::VectorXd& difference, std::size_t design
     rounding.add(biases, view.used);
   }
   const double even = sums.rms(kNoiseSigmas);
-  const double rounded = rounding.rms(0.0);
+  const double rounded = std::max(rounding.rms(0.0), hidden_share(design));
   return unit / means_[design] * std::sqrt(std::max(0.0, even * even - rounded * rounded));
 }
 
-double GreyModel::rounding_share(const Eigen::VectorXd& difference, std::size_t design) const {
+/// Costs the first rendering of columns(), which is kept.
+void GreyModel::keep_rounding() {
+  rounding_.assign(designs_.size(), std::numeric_limits<double>::infinity());
+  if (lights_.empty() || real_.size() == 0) {
+    return;
+  }
+  const std::vector<Eigen::Vector3d> unmoved(lights_.size(), Eigen::Vector3d::Zero());
+  const auto& [first, second] = columns(unmoved, 1.0);
+  const Eigen::VectorXd expected = 0.5 * (first.sum + second.sum);
+  for (std::size_t d = 0; d < designs_.size(); ++d) {
+    rounding_[d] = rounding_of(d, expected);
+  }
+}
+
+/// @param expected  grey values as designed, in the units of columns()
+double GreyModel::rounding_of(std::size_t design, const Eigen::VectorXd& expected) const {
   double biases = 0.0;
   double squares = 0.0;
   Eigen::Index row = rows_[design].first;
@@ -334,14 +352,14 @@ double GreyModel::rounding_share(const Eigen::VectorXd& difference, std::size_t 
     const auto count =
         std::ranges::count_if(view.used.values(), [](auto used) { return used != 0; });
     for (const Eigen::Index end = row + count; row < end; ++row) {
-      const double grey = std::max(0.0, units_[design] * (real_[row] - difference[row]));
+      const double grey = std::max(0.0, units_[design] * expected[row]);
       const double noise = grey_noise(view.sensor, grey);
       biases += grey * std::max(std::abs(rounding_bias(grey, noise, view.step)),
                                 largest_rounding_bias(noise, view.step));
       squares += grey * grey;
     }
   }
-  return squares > 0.0 ? biases / squares : 0.0;
+  return squares > 0.0 ? biases / squares : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace glint::validate_detail

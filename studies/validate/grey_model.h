@@ -94,11 +94,14 @@ class GreyModel {
   /// Root mean square of the even part of a design's difference: of means over 3 x 3 of these
   /// pixels, less what noise that differs from pixel to pixel makes of it and two standard errors
   /// of that. Also less what rounding to the steps of the recorded pictures makes of the grey
-  /// values that the real ones are compared with: real() - difference.
+  /// values that the real ones are compared with: real() - difference. Where that may be more than
+  /// half of what a design shines, less half a step.
   double even_rms(const Eigen::VectorXd& difference, std::size_t design) const;
 
-  /// The largest share by which that rounding may have changed a design's exposure.
-  double rounding_share(const Eigen::VectorXd& difference, std::size_t design) const;
+  /// The largest share by which that rounding may change the exposure of a design that is as bright
+  /// as designed: what is found in its pictures has no part in it, or a dead light would be allowed
+  /// whatever it lacks. Infinite for a design that is black.
+  double rounding_share(std::size_t design) const { return rounding_[design]; }
 
   int renders() const { return renders_; }
 
@@ -122,6 +125,9 @@ class GreyModel {
   void choose_pixels();
   void use_shares();
   double largest_rounding(std::size_t design, double grey) const;
+  void keep_rounding();
+  double hidden_share(std::size_t design) const;
+  double rounding_of(std::size_t design, const Eigen::VectorXd& expected) const;
   SceneChange change_of(const std::vector<Eigen::Vector3d>& places_mm, double roughness) const;
   Halves<GreyColumns> render(const SceneChange& change,
                              bool is_fine,
@@ -142,6 +148,7 @@ class GreyModel {
   std::vector<GreyRows> rows_;    ///< of each design
   std::vector<double> means_;     ///< real grey of each design
   std::vector<double> units_;     ///< of each design's rows; its mean, more where it is rounded
+  std::vector<double> rounding_;  ///< rounding_share() of each design
   std::vector<LitLight> lights_;
   Eigen::VectorXd real_;
   std::list<KeptColumns> kept_;  ///< the last ones that were asked for, the latest first

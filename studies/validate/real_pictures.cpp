@@ -2,10 +2,13 @@
 #include "studies/validate/real_pictures.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/image/image_io.h"
+#include "simulator/sensor/rounding.h"
 #include "studies/acquire/acquired.h"
 #include "studies/compare/compare_sources.h"
 
@@ -13,6 +16,8 @@ namespace glint {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr int kPlainBits = 8;
 
 bool is_there(const fs::path& path) {
   std::error_code ignored;
@@ -23,7 +28,8 @@ bool is_there(const fs::path& path) {
 RealView real_view(const Acquired& acquired, const std::string& view) {
   const AcquiredPicture first = acquired.of_view(view).front();
   const fs::path mean = acquired.aspect_of(view);
-  const fs::path picture = is_there(mean) ? mean : acquired.folder / first.file;
+  const fs::path frame = acquired.folder / first.file;
+  const fs::path picture = is_there(mean) ? mean : frame;
   if (!is_there(picture)) {
     throw IoError(fmt::format("{}: there is no such file, {} names it",
                               picture.string(),
@@ -32,6 +38,7 @@ RealView real_view(const Acquired& acquired, const std::string& view) {
   return {
       .name = view,
       .picture = picture,
+      .frame = picture == mean && is_there(frame) ? frame : fs::path(),
       .base_from_flange = RigidTransform{.rotation = first.base_from_flange.linear(),
                                          .translation_mm = first.base_from_flange.translation()},
       .position_sigma_mm = first.position_sigma_mm,
@@ -63,6 +70,16 @@ RealDesign read_acquired_design(const std::string& name, const fs::path& folder)
 }
 
 }  // namespace
+
+double camera_step(const ImageF& recorded, int bits) {
+  const bool is_black =
+      std::ranges::all_of(recorded.values(), [](float grey) { return grey <= 0.0F; });
+  return is_black ? 1.0 / (std::exp2(bits > 0 ? bits : kPlainBits) - 1.0) : recorded_step(recorded);
+}
+
+double camera_step(const RealView& view, const ImageF& real, int bits) {
+  return view.frame.empty() ? camera_step(real, bits) : camera_step(read_image(view.frame), bits);
+}
 
 RealDesign read_real_design(const std::string& name, const fs::path& folder) {
   if (is_there(folder / "acquired.json")) {

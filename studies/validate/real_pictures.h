@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/image/image.h"
 #include "core/pose.h"
 
 namespace glint {
@@ -17,6 +18,8 @@ namespace glint {
 struct RealView {
   std::string name;  ///< of the view: "view_03"
   std::filesystem::path picture;
+  std::filesystem::path frame = {};  ///< as the camera recorded it, where the picture is the mean
+                                     ///< of several; empty: the picture itself
   std::optional<RigidTransform> base_from_flange = {};  ///< as the robot told it
   double position_sigma_mm = 0.0;                       ///< of that; 0: not told
   double rotation_sigma_rad = 0.0;
@@ -31,6 +34,14 @@ struct RealDesign {
   std::vector<RealView> views;     ///< at least one
   std::vector<std::string> notes;  ///< what was left out
 };
+
+/// The step of a camera's grey values, full scale 1: that of the recorded picture; a black one does
+/// not show it, and the sensor tells it. @param bits  of the scene's sensor; 0: 8 are taken
+double camera_step(const ImageF& recorded, int bits);
+
+/// camera_step() of a view: off its first frame, as a mean of several is rounded to finer steps
+/// than each of them was. @param real  its picture @throws IoError where the frame cannot be read
+double camera_step(const RealView& view, const ImageF& real, int bits);
 
 /// Reads a folder of pictures: what `glint acquire` has written (acquired.json), or pictures and
 /// rendered views that carry the names of the design's views.

@@ -10,6 +10,7 @@
 #include "core/median.h"
 #include "core/units.h"
 #include "hardware/calibration/lens_vector.h"
+#include "studies/validate/common_exposure.h"
 
 namespace glint {
 namespace {
@@ -110,7 +111,8 @@ Json grey_json(const ValidationFindings& findings) {
     row["exposed_share"] = grey.fit.is_known ? Json(grey.fit.exposed) : Json(nullptr);
     row["after_share"] = grey.fit.is_known ? Json(grey.fit.after) : Json(nullptr);
     row["limit_share"] = findings.limits.grey_share;
-    row["rounding_share"] = grey.fit.is_known ? Json(grey.fit.rounding) : Json(nullptr);
+    const bool is_bounded = grey.fit.is_known && std::isfinite(grey.fit.rounding);
+    row["rounding_share"] = is_bounded ? Json(grey.fit.rounding) : Json(nullptr);
     row["values"] = Json::array();
     for (const GreyValue& value : grey.fit.values) {
       Json number = {{"name", name_of(value.fault)}};
@@ -183,7 +185,6 @@ Json both_scores_json(const std::vector<BothScores>& views) {
 
 SceneChange common_change(const ValidationFindings& findings) {
   SceneChange change = {.blur_px2 = findings.blur_px2.value_or(0.0)};
-  std::vector<double> exposures;
   std::vector<double> roughness;
   for (const DesignGrey& grey : findings.grey) {
     if (!grey.fit.is_known) {
@@ -196,11 +197,8 @@ SceneChange common_change(const ValidationFindings& findings) {
       }
     }
   }
-  for (const GreyFit* fit : fits_by_exposure(findings.grey)) {
-    exposures.push_back(fit->change.exposure);
-  }
-  if (!exposures.empty()) {
-    change.exposure = median(exposures);
+  if (const GreyFit* cell = validate_detail::common_fit(findings.grey)) {
+    change.exposure = cell->change.exposure;
     change.roughness = median(roughness);
   }
   return change;

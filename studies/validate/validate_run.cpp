@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -69,6 +70,7 @@ class ValidateRun {
     compare_all(stage.path());
     fit_all();
     const ValidateVerdict verdict = judge(findings_);
+    sources_.notes.insert(sources_.notes.end(), verdict.notes.begin(), verdict.notes.end());
     Json result = result_json(verdict);
     result["refit"] = options_.is_refitting ? refit(stage.path()) : Json(nullptr);
     result["pairs"] = pairs_;
@@ -89,6 +91,7 @@ class ValidateRun {
     std::size_t design = 0;
     std::string name;
     ImageF real;
+    double step = 0.0;
     Viewpoint viewpoint;
   };
 
@@ -184,9 +187,11 @@ class ValidateRun {
       edges.edges = space_edges(pair, scene);
     }
     edges_.push_back(std::move(edges));
+    const double step = camera_step(view, pair.real.grey, design.scene.sensor.bits);
     views_.push_back({.design = index,
                       .name = view.name,
                       .real = std::move(pair.real.grey),
+                      .step = step,
                       .viewpoint = design.views[i]});
   }
 
@@ -213,11 +218,8 @@ class ValidateRun {
     findings_.texture = if_any(textures_);
     findings_.blur_px2 = if_any(blurs_);
     if (!distances_.empty()) {
-      double sum = 0.0;
-      for (const double distance : distances_) {
-        sum += distance;
-      }
-      findings_.distance_px = sum / static_cast<double>(distances_.size());
+      findings_.distance_px = std::accumulate(distances_.begin(), distances_.end(), 0.0) /
+                              static_cast<double>(distances_.size());
     }
     for (const SeenContrasts& seen : seen_) {
       findings_.contrasts += seen.seen;
@@ -252,8 +254,10 @@ class ValidateRun {
   void fit_grey_values() {
     std::vector<GreyDesign> grey(sources_.designs.size());
     for (std::size_t v = 0; v < views_.size(); ++v) {
-      grey[views_[v].design].views.push_back(
-          {.scene = fitted_scene(v), .real = views_[v].real, .pose = static_cast<int>(v)});
+      grey[views_[v].design].views.push_back({.scene = fitted_scene(v),
+                                              .real = views_[v].real,
+                                              .step = views_[v].step,
+                                              .pose = static_cast<int>(v)});
     }
     for (std::size_t i = 0; i < grey.size(); ++i) {
       grey[i].name = sources_.designs[i].name;

@@ -11,16 +11,17 @@
 
 #include "core/text.h"
 #include "core/units.h"
+#include "studies/validate/common_exposure.h"
 
 namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using validate_detail::kLeastExposure;
+using validate_detail::kLeastPower;
 
-constexpr double kSigmas = 4.0;          ///< below that a change of grey values is noise
-constexpr double kBudgetSigmas = 3.0;    ///< of what calibration and placement predict
-constexpr double kLeastExposure = 0.01;  ///< smaller changes are nobody's concern
-constexpr double kLeastPower = 0.03;
+constexpr double kSigmas = 4.0;        ///< below that a change of grey values is noise
+constexpr double kBudgetSigmas = 3.0;  ///< of what calibration and placement predict
 constexpr double kLeastLightMm = 0.5;
 constexpr double kLeastRoughness = 0.03;
 constexpr double kLeastBlurPx = 0.3;
@@ -41,6 +42,7 @@ class Judge {
     judge_edges();
     judge_grey();
     judge_blur();
+    note_rounded();
     std::ranges::stable_sort(verdict_.faults, {}, &ToldFault::is_within);
     decide();
     advise();
@@ -218,29 +220,38 @@ class Judge {
 
   /// What all designs share is the exposure; a design that has another gain has another power.
   void judge_exposure() {
-    const std::vector<const GreyFit*> exposures = fits_by_exposure(f_.grey);
-    if (exposures.empty()) {
+    const GreyFit* cell = validate_detail::common_fit(f_.grey);
+    if (cell == nullptr) {
       return;
     }
-    const GreyFit& middle = *exposures[exposures.size() / 2];
-    const double common = middle.change.exposure;
-    if (std::abs(common - 1.0) > kLeastExposure + middle.rounding) {
+    const double common = cell->change.exposure;
+    if (std::abs(common - 1.0) > kLeastExposure + cell->rounding) {
       add({.name = "exposure",
            .of = "",
            .values = {{.name = "factor", .value = common}},
            .is_within = std::abs(common - 1.0) <= f_.limits.exposure_share});
     }
-    const bool is_compared = std::ranges::count_if(f_.grey, [](const DesignGrey& grey) {
-                               return grey.fit.is_known;
-                             }) > 2;
     for (const DesignGrey& grey : f_.grey) {
-      const double ratio = grey.fit.change.exposure / common;
-      if (grey.fit.is_known && is_compared &&
-          std::abs(ratio - 1.0) > kLeastPower + grey.fit.rounding) {
+      if (grey.fit.is_known && validate_detail::has_other_power(grey.fit, *cell)) {
+        const double ratio = grey.fit.change.exposure / common;
         add({.name = "light_power",
              .of = grey.design,
              .values = {{.name = "factor", .value = ratio}},
              .is_within = std::abs(ratio - 1.0) <= f_.limits.exposure_share});
+      }
+    }
+  }
+
+  void note_rounded() {
+    for (const DesignGrey& grey : f_.grey) {
+      if (validate_detail::is_rounded_away(grey.fit)) {
+        rounded_.push_back(grey.design);
+        verdict_.notes.push_back(fmt::format(
+            "{}: its grey values cannot be judged: as designed it is so dark that rounding to the "
+            "camera's steps may change its exposure by more than {:.0f} %; whether its lights have "
+            "the right power is not known",
+            grey.design,
+            100.0 * kMostRounding));
       }
     }
   }
@@ -351,12 +362,16 @@ class Judge {
         text += f_.distance_px ? fmt::format(": edges lie {:.2f} px apart.", *f_.distance_px) : ".";
         break;
       case SidesAgreement::kAfterRefit:
-        text = "Simulation and reality agree after a refit of " + faults_text(true) + ".";
+        text = "Simulation and reality agree after a refit";
+        text += faults_text(true).empty() ? "." : " of " + faults_text(true) + ".";
         break;
       case SidesAgreement::kDisagrees:
         text = "Simulation and reality do not agree";
         text += faults_text(false).empty() ? "." : ": " + faults_text(false) + ".";
         break;
+    }
+    if (!rounded_.empty()) {
+      text += fmt::format(" Grey values of {} are too dark to be judged.", join(rounded_, ", "));
     }
     text += ranking_text();
     if (verdict_.agreement == SidesAgreement::kDisagrees && f_.ranking && f_.ranking->agrees) {
@@ -372,6 +387,7 @@ class Judge {
 
   const ValidationFindings& f_;
   ValidateVerdict verdict_;
+  std::vector<std::string> rounded_;  ///< designs whose grey values cannot be judged
 };
 
 }  // namespace
@@ -386,21 +402,6 @@ std::string name_of(SidesAgreement agreement) {
       break;
   }
   return "does_not_agree";
-}
-
-std::vector<const GreyFit*> fits_by_exposure(std::span<const DesignGrey> designs) {
-  std::vector<const GreyFit*> fits;
-  for (const DesignGrey& grey : designs) {
-    if (grey.fit.is_known) {
-      fits.push_back(&grey.fit);
-    }
-  }
-  const auto is_rounded = [](const GreyFit* fit) { return fit->rounding > kLeastExposure; };
-  if (!std::ranges::all_of(fits, is_rounded)) {
-    std::erase_if(fits, is_rounded);
-  }
-  std::ranges::sort(fits, {}, [](const GreyFit* fit) { return fit->change.exposure; });
-  return fits;
 }
 
 ValidateVerdict judge(const ValidationFindings& findings) {

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -64,12 +63,9 @@ struct ValidateVerdict {
   std::string sentence;
   std::vector<ToldFault> faults;    ///< those that no refit sets right first
   std::vector<std::string> advice;  ///< what to recalibrate
+  std::vector<std::string> notes;   ///< designs that cannot be judged, and why
   double edge_limit_px = 0.0;       ///< up to which edges agree
 };
-
-/// The fits that are known, by rising exposures. Where rounding leaves the exposure of some to 1 %,
-/// those alone: the dark ones tell less.
-std::vector<const GreyFit*> fits_by_exposure(std::span<const DesignGrey> designs);
 
 ValidateVerdict judge(const ValidationFindings& findings);
 

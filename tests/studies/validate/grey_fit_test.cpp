@@ -257,5 +257,45 @@ TEST(GreyFit, TellsTheirPowerFromTheExposure) {
   EXPECT_TRUE(place_of(fits[0], "ring").isZero());
 }
 
+/// The dome as designed, times `designed`, and pictures of that with lights of another power,
+/// without noise, rounded to 255 steps.
+GreyFit rounded_dome(double designed, double power) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  SceneSettings scene = trial_designs(3).back().second;
+  scene.sensor.full_well_e = 0.0;
+  scene.sensor.read_noise_e = 0.0;
+  scene.sensor.exposure *= designed;
+  GreyDesign design = design_of(store, "dome", scene, {}, 1);
+  GreyView& view = design.views[0];
+  view.step = 1.0 / 255.0;
+  SceneSettings exact = view.scene;
+  exact.sensor.bits = 0;
+  view.real = picture_in(store, exact);
+  for (float& grey : view.real.values()) {
+    grey = std::round(static_cast<float>(power) * 255.0F * grey) / 255.0F;
+  }
+  return fit_grey(store, std::vector{design}, {.agree_share = 0.03}).at(0);
+}
+
+// A third of a step is recorded as black, whether the light is dead or not: nothing is told. One
+// that is far too bright is, and a bright design's dead light is none of rounding's doing.
+TEST(GreyFit, AllowsRoundingAtTheDesignedGreyValues) {
+  for (const double power : {0.0, 1.0}) {
+    const GreyFit dark = rounded_dome(0.004, power);
+    ASSERT_TRUE(dark.is_known);
+    EXPECT_GT(dark.rounding, 1.0) << power;
+    EXPECT_LT(dark.before, 0.03) << power;
+    EXPECT_LT(dark.after, 0.03) << power;
+  }
+  EXPECT_GT(rounded_dome(0.004, 200.0).before, 0.5) << "as bright as the others";
+  for (const double power : {0.0, 0.02}) {
+    const GreyFit dead = rounded_dome(1.0, power);
+    EXPECT_LT(dead.rounding, 0.02) << power;
+    EXPECT_LT(dead.change.exposure, 0.2) << power;
+  }
+  EXPECT_TRUE(std::isinf(rounded_dome(0.0, 1.0).rounding)) << "black as designed";
+}
+
 }  // namespace
 }  // namespace glint

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/image/image_io.h"
 #include "studies/acquire/acquired.h"
 #include "tests/support/temporary_folder.h"
 
@@ -63,6 +64,22 @@ TEST(RealPictures, TakesTheMeanOfAScan) {
   write_file(folder.path() / "acquired.json", acquired_json());
   EXPECT_EQ(read_real_design("ring", folder.path()).views[0].picture,
             folder.path() / "views/a_b/aspect.png");
+}
+
+TEST(RealPictures, ReadsTheStepOfTheCameraOffTheFirstFrame) {
+  const TemporaryFolder folder;
+  make_folder(folder.path() / "views/a_b");
+  ImageF grey(4, 4);
+  grey.values()[0] = 3.0F / 255.0F;
+  write_png(folder.path() / "views/a_b/one.png", grey, PixelDepth::k8Bit);
+  grey.values()[0] = 1.3F / 255.0F;
+  write_png(folder.path() / "views/a_b/aspect.png", grey, PixelDepth::k16Bit);
+  write_file(folder.path() / "acquired.json", acquired_json());
+  const RealView view = read_real_design("ring", folder.path()).views[0];
+  EXPECT_DOUBLE_EQ(camera_step(view, read_image(view.picture), 12), 1.0 / 255.0);
+  EXPECT_LT(camera_step(read_image(view.picture), 12), 0.3 / 255.0) << "of the mean itself";
+  EXPECT_DOUBLE_EQ(camera_step(ImageF(4, 4), 12), 1.0 / 4095.0) << "black";
+  EXPECT_DOUBLE_EQ(camera_step(ImageF(4, 4), 0), 1.0 / 255.0) << "of an unknown sensor";
 }
 
 TEST(RealPictures, RefusesWhatIsNoListOfPictures) {

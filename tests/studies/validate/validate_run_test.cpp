@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/validate/validate_run.h"
 
+#include <algorithm>
+#include <string>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/image/image_io.h"
 #include "tests/studies/validate/trial_cell.h"
 #include "tests/support/temporary_folder.h"
 
@@ -58,6 +62,62 @@ TEST(Validate, ADesignAsDarkAsOneStepAgrees) {
   EXPECT_EQ(wrong["agreement"], "does_not_agree") << wrong["verdict"];
   EXPECT_TRUE(has_cause(wrong, "exposure")) << wrong["causes"];
   EXPECT_LT(wrong["grey"][0]["rounding_share"].get<double>(), 0.001) << wrong["grey"];
+}
+
+// Rounding is allowed for at the grey values of the design: what a light lacks is none.
+TEST(Validate, ADarkDesignOfAnotherPowerDoesNotAgree) {
+  for (const double power : {1e-3, 0.1, 3.0}) {
+    const Json wrong = validated_dome("0.011", power);
+    EXPECT_EQ(wrong["agreement"], "does_not_agree") << power << wrong["verdict"] << wrong["grey"];
+    EXPECT_TRUE(has_cause(wrong, "exposure")) << power << wrong["causes"];
+  }
+}
+
+/// The cause of that name and light.
+bool has_cause_of(const Json& result, const std::string& name, const std::string& of) {
+  return std::ranges::any_of(result["causes"], [&](const Json& cause) {
+    return cause["name"] == name && cause["of"] == of && !cause["within_tolerance"].get<bool>();
+  });
+}
+
+TEST(Validate, ADeadLightAmongThreeDesignsDoesNotAgree) {
+  const TemporaryFolder folder;
+  const std::string study =
+      "[prototypes.both]\n\"lighting.dome.radiance\" = [0.4]\n" + std::string(kTrialStudy);
+  make_trial(folder.path(), {.seed = 5}, {"ring", "both"}, 1, study);
+  const auto dead = [](SceneSettings& scene) { scene.sensor.exposure *= 1e-3; };
+  make_trial(folder.path(), {.change = dead, .seed = 6}, {"dome"}, 1, study);
+  const Json result = validate_trial(folder.path());
+  EXPECT_EQ(result["agreement"], "does_not_agree") << result["verdict"] << result["grey"];
+  EXPECT_TRUE(has_cause_of(result, "light_power", "dome")) << result["causes"];
+}
+
+// A tenth of a step: what is recorded are peaks of noise.
+TEST(Validate, ADesignOfATenthOfAStepCannotBeJudged) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(), {.seed = 5}, {"dome"}, 1, dome_study("0.001"));
+  const Json result = validate_trial(folder.path());
+  EXPECT_EQ(result["causes"], Json::array()) << result["grey"];
+  EXPECT_GT(result["grey"][0]["rounding_share"].get<double>(), 0.5) << result["grey"];
+  EXPECT_THAT(result["verdict"].get<std::string>(), HasSubstr("dome are too dark to be judged"));
+  EXPECT_THAT(result["notes"].dump(), HasSubstr("dome: its grey values cannot be judged"));
+  EXPECT_THAT(read_file(folder.path() / "out/report.html"), HasSubstr("cannot be judged"));
+}
+
+// A scan's mean has finer steps than the frames that it is the mean of.
+TEST(Validate, AMeanOfFramesIsRoundedAsTheyAre) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(), {.seed = 5}, {"dome"}, 1, dome_study("0.006"));
+  const fs::path view = folder.path() / "pictures/dome/views/view_01";
+  const ImageF frame = read_image(view / "sequence/frame_000.png");
+  ImageF mean = frame;
+  for (std::size_t i = 1; i < mean.size(); ++i) {
+    mean.values()[i] = 2.0F / 3.0F * frame.values()[i] + frame.values()[i - 1] / 3.0F;
+  }
+  write_png(view / "aspect.png", mean, PixelDepth::k16Bit);
+  const Json result = validate_trial(folder.path());
+  EXPECT_EQ(result["agreement"], "agrees") << result["verdict"] << result["grey"];
+  EXPECT_GT(result["grey"][0]["rounding_share"].get<double>(), 0.03) << result["grey"];
 }
 
 TEST(Validate, APartTurnedByThreeDegreesIsTheCause) {

@@ -5,7 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "core/error.h"
 #include "core/file.h"
+#include "studies/acquire/acquire_plan.h"
+#include "studies/acquire/light_difference.h"
 #include "studies/cell/pose_numbers.h"
 
 namespace glint::calibrate_cell_detail {
@@ -22,11 +25,35 @@ std::optional<Json> ended_round(const std::filesystem::path& folder) {
   return has_ended ? std::optional(std::move(ended)) : std::nullopt;
 }
 
+namespace {
+
+/// Pictures of an ended round that another prototype or power was seen by are none of this scene.
+void check_lights(const AcquireOptions& options) {
+  const AcquireSource source = read_source(options.source);
+  if (!source.scene) {
+    return;
+  }
+  const std::string difference = light_difference(options.out, *source.scene);
+  if (!difference.empty()) {
+    throw ConfigError(
+        fmt::format("{}: holds pictures of another prototype, or of lights at another power: {} "
+                    "in its scene.toml than in the scene; name another folder",
+                    options.out.string(),
+                    difference));
+  }
+}
+
+}  // namespace
+
 Json acquire_round(const AcquireOptions& options,
                    MountedPrototypes& prototypes,
                    const MotionPermit& permit) {
   std::optional<Json> ended = ended_round(options.out);
-  return ended ? std::move(*ended) : acquire_pictures(options, prototypes, permit);
+  if (!ended) {
+    return acquire_pictures(options, prototypes, permit);
+  }
+  check_lights(options);
+  return std::move(*ended);
 }
 
 std::string pose_convention_toml() {

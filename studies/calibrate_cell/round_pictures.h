@@ -21,6 +21,7 @@ std::optional<nlohmann::ordered_json> ended_round(const std::filesystem::path& f
 /// acquire_pictures(), but for a round that an earlier call has ended: it is not driven again, as
 /// the arm may stand on the tour of a later one.
 /// @return what acquired.json holds
+/// @throws ConfigError also where the ended round was seen by other lights than the source has
 nlohmann::ordered_json acquire_round(const AcquireOptions& options,
                                      MountedPrototypes& prototypes,
                                      const MotionPermit& permit);

@@ -251,19 +251,42 @@ TEST_F(PlacedPart, IsFoundEachTimeAndNothingIsAssumed) {
   EXPECT_EQ(again["base_from_part"], all["base_from_part"]);
 }
 
-// The part is seen by a design's ring, and another design of the run has another one.
-TEST_F(PartOfACell, WaitsForThePrototypeOfItsDesign) {
-  const std::string scene = read_file(folder_ / "part.toml");
-  fs::create_directories(folder_ / "run/wide");
-  fs::create_directories(folder_ / "run/narrow");
-  write_file(folder_ / "run/study.resolved.toml", scene);
-  write_file(folder_ / "run/narrow/scene.toml", scene);
-  write_file(
-      folder_ / "run/wide/scene.toml",
-      std::regex_replace(scene, std::regex("outer_radius_mm = [0-9.]+"), "outer_radius_mm = 77"));
-  Arguments call = {"calibrate", "--cell", "cell.toml", "--camera", "camera", "--out", "out"};
-  call.insert(call.end(), {"--json", "--move", "--part", "run/narrow/scene.toml", "--placed", "1"});
-  const ProgramResult result = glint_in(folder_, call);
+/// The same in a run: the part is seen by a design's ring, and another design has another one.
+class PartOfADesign : public PartOfACell {
+ protected:
+  PartOfADesign() {
+    const std::string scene = read_file(folder_ / "part.toml");
+    for (const char* design : {"narrow", "wide"}) {
+      fs::create_directories(folder_ / "run" / design);
+      write_file(folder_ / "run" / design / "scene.toml", scene);
+    }
+    write_file(folder_ / "run/study.resolved.toml", scene);
+    write_file(
+        folder_ / "run/wide/scene.toml",
+        std::regex_replace(scene, std::regex("outer_radius_mm = [0-9.]+"), "outer_radius_mm = 77"));
+  }
+
+  ProgramResult place(const Arguments& more) const {
+    Arguments call = {"calibrate", "--cell", "cell.toml", "--camera", "camera", "--out", "out"};
+    call.insert(call.end(), {"--json", "--move", "--part", "run/narrow/scene.toml"});
+    call.insert(call.end(), more.begin(), more.end());
+    return glint_in(folder_, call);
+  }
+
+  /// Its first placement as an acquisition that has ended leaves it, seen by lights of a scene.
+  void end_placement(const std::string& scene) const {
+    const fs::path folder = folder_ / "out/part/placement_1";
+    fs::create_directories(folder);
+    write_file(folder_ / "out/part/placed.json", R"({"placed": 1})");
+    write_file(folder / "acquired.json",
+               R"({"schema": 1, "kind": "acquired", "status": "complete", "twin": false,
+                   "scene": "scene.toml", "calibration": null, "pictures": []})");
+    write_file(folder / "scene.toml", scene);
+  }
+};
+
+TEST_F(PartOfADesign, WaitsForItsPrototype) {
+  const ProgramResult result = place({"--placed", "1"});
   EXPECT_EQ(result.code, 1) << result.err;
   const json told = json::parse(result.out);
   EXPECT_EQ(told["status"], "waiting");
@@ -271,12 +294,14 @@ TEST_F(PartOfACell, WaitsForThePrototypeOfItsDesign) {
   EXPECT_THAT(told["part"]["next"]["text"].get<std::string>(),
               HasSubstr("mount the prototype of narrow (ring)"));
   EXPECT_FALSE(fs::exists(folder_ / "out/part/placement_1")) << "nothing has been driven";
-  call.insert(call.end(), {"--mounted", "wide"});
-  EXPECT_EQ(glint_in(folder_, call).code, 1);
-  call.back() = "narrow";
-  EXPECT_EQ(glint_in(folder_, call).code, 3) << "nobody listens, nobody is asked";
-  call.back() = "wider";
-  EXPECT_THAT(glint_in(folder_, call).err, HasSubstr("there are narrow, wide"));
+  const ProgramResult other = place({"--mounted", "wide"});
+  EXPECT_EQ(other.code, 1) << other.err;
+  const json next = json::parse(other.out)["part"];
+  EXPECT_EQ(next["status"], "waiting");
+  EXPECT_EQ(next["next"]["design"], "narrow");
+  EXPECT_EQ(next["next"]["in_place_of"], json({"wide"}));
+  EXPECT_EQ(place({"--mounted", "narrow"}).code, 3) << "nobody listens, nobody is asked";
+  EXPECT_THAT(place({"--mounted", "wider"}).err, HasSubstr("there are narrow, wide"));
   EXPECT_THAT(glint_in(folder_,
                        {"calibrate",
                         "--cell",
@@ -288,6 +313,19 @@ TEST_F(PartOfACell, WaitsForThePrototypeOfItsDesign) {
                         "--move"})
                   .err,
               HasSubstr("--mounted: is of --part"));
+}
+
+TEST_F(PartOfADesign, IsNotFoundInPicturesOfAnotherPrototype) {
+  end_placement(read_file(folder_ / "run/wide/scene.toml"));
+  const ProgramResult other = place({});
+  EXPECT_EQ(other.code, 2) << other.out;
+  EXPECT_THAT(other.err, HasSubstr("placement_1: holds pictures of another prototype"));
+  EXPECT_THAT(other.err, HasSubstr("[lighting.ring] is built differently"));
+  const std::string own = read_file(folder_ / "run/narrow/scene.toml");
+  end_placement(edited(own, {{"radiance = [2]", "radiance = [3]"}}));
+  EXPECT_THAT(place({}).err, HasSubstr("[lighting.ring] shines at another power"));
+  end_placement(own);
+  EXPECT_THAT(place({}).err, HasSubstr("simulated_1")) << "it is looked for in no picture at all";
 }
 
 TEST_F(PlacedPart, IsRefusedWhereItsPlaceCannotBeTold) {

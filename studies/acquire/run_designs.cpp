@@ -90,7 +90,7 @@ Design design_of(const fs::path& held,
   const fs::path file = held.empty() ? held : fs::absolute(held).lexically_normal();
   const auto home = std::ranges::find(designs, around, &Design::name);
   const bool is_of_design = home != designs.end() && origin.scene.filename() == kScene;
-  if (is_of_design && file == origin.scene) {
+  if (is_of_design && (file == origin.scene || without_links(file) == origin.scene)) {
     return *home;
   }
   const Design own =

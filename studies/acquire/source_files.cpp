@@ -21,6 +21,22 @@ PlanOrigin told_by(const fs::path& plan) {
   }
 }
 
+/// Of a scene or plan as it is named here.
+/// @param whole  its full path
+/// @param plan   of a planned scene; empty: one that lies beside it
+PlanOrigin origin_at(const fs::path& whole, const fs::path& plan) {
+  const bool is_copy = whole.filename() == kScene || !plan.empty();
+  PlanOrigin origin =
+      is_copy ? told_by(plan.empty() ? whole.parent_path() / kPlan : plan) : PlanOrigin{};
+  if (origin.scene.empty()) {
+    origin.scene = whole;
+  }
+  if (origin.run.empty()) {
+    origin.run = run_above(whole);
+  }
+  return origin;
+}
+
 }  // namespace
 
 SourceFiles files_of(const fs::path& source) {
@@ -44,16 +60,10 @@ PlanOrigin origin_of(const fs::path& source) {
   if (file.empty()) {
     return {};
   }
-  const fs::path whole = fs::absolute(file).lexically_normal();
-  const bool is_copy = whole.filename() == kScene || !files.plan.empty();
-  PlanOrigin origin = is_copy
-                          ? told_by(files.plan.empty() ? whole.parent_path() / kPlan : files.plan)
-                          : PlanOrigin{};
-  if (origin.scene.empty()) {
-    origin.scene = whole;
-  }
+  PlanOrigin origin = origin_at(fs::absolute(file).lexically_normal(), files.plan);
   if (origin.run.empty()) {
-    origin.run = run_above(whole);
+    const PlanOrigin led_to = origin_at(without_links(file), without_links(files.plan));
+    origin = led_to.run.empty() ? origin : led_to;
   }
   return origin;
 }

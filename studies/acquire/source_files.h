@@ -19,8 +19,8 @@ struct SourceFiles {
 SourceFiles files_of(const std::filesystem::path& source);
 
 /// The scene that a source was made from, and the run whose designs it is one of: of a planned
-/// scene what the plan beside it tells, else the scene itself and the run that it lies in. All with
-/// full paths; empty: not known, none.
+/// scene what the plan beside it tells, else the scene itself and the run that it lies in, or that
+/// it lies in where links lead. All with full paths; empty: not known, none.
 PlanOrigin origin_of(const std::filesystem::path& source);
 
 }  // namespace glint

@@ -3,23 +3,45 @@
 
 #include <system_error>
 
+#include "studies/output/result_folder.h"
+
 namespace glint {
 namespace fs = std::filesystem;
+
+namespace {
+
+/// What `glint render` and `glint cover` write holds the study, too, and may lie in a design of a
+/// run.
+bool is_run(const fs::path& folder) {
+  std::error_code none;
+  if (!fs::exists(folder / kRunStudy, none)) {
+    return false;
+  }
+  const auto kind = result_kind_of(folder);
+  return kind != ResultKind::kRender && kind != ResultKind::kCover;
+}
+
+}  // namespace
 
 fs::path run_above(const fs::path& path) {
   if (path.empty()) {
     return {};
   }
-  std::error_code none;
   fs::path folder = (fs::absolute(path) / ".").lexically_normal().parent_path();
   for (;; folder = folder.parent_path()) {
-    if (fs::exists(folder / kRunStudy, none)) {
+    if (is_run(folder)) {
       return folder;
     }
     if (folder == folder.parent_path()) {
       return {};
     }
   }
+}
+
+fs::path without_links(const fs::path& path) {
+  std::error_code error;
+  fs::path led_to = path.empty() ? path : fs::weakly_canonical(fs::absolute(path), error);
+  return error ? fs::absolute(path).lexically_normal() : led_to;
 }
 
 }  // namespace glint

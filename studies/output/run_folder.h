@@ -9,8 +9,12 @@ namespace glint {
 inline constexpr const char* kRunStudy = "study.resolved.toml";
 
 /// The folder of the run that a file or a folder lies in: the nearest one that holds the run's
-/// study, the path itself or any folder above it. Empty: it lies in none.
+/// study, the path itself or any folder above it. Folders of `glint render` and `glint cover` hold
+/// a study and are no run. Links are not followed. Empty: it lies in none.
 /// @param path  need not exist; relative to the working directory
 std::filesystem::path run_above(const std::filesystem::path& path);
+
+/// The full path that links lead to, as far as it exists; empty: of an empty one.
+std::filesystem::path without_links(const std::filesystem::path& path);
 
 }  // namespace glint

@@ -89,7 +89,12 @@ class PlanRun {
   PlanOrigin origin() const {
     const fs::path given = study_.root.place.file;
     const fs::path scene = given.empty() ? given : fs::absolute(given).lexically_normal();
-    return {.scene = scene, .run = run_above(options_.run.empty() ? scene : options_.run)};
+    const fs::path run = run_above(options_.run.empty() ? scene : options_.run);
+    const fs::path led_to = without_links(scene);
+    if (const fs::path other = run_above(led_to); run.empty() && !other.empty()) {
+      return {.scene = led_to, .run = other};
+    }
+    return {.scene = scene, .run = run};
   }
 
   void write(const fs::path& stage, const PlanFile& file, const Json& result) {

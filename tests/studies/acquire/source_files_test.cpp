@@ -3,6 +3,8 @@
 // Scenes that are no design's own scene.toml: planned ones, copies, others in a design's folder.
 #include "studies/acquire/source_files.h"
 
+#include <utility>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -11,6 +13,7 @@
 #include "studies/acquire/acquire_plan.h"
 #include "studies/acquire/acquire_run.h"
 #include "studies/cell/typed_permit.h"
+#include "studies/output/result_folder.h"
 #include "studies/output/run_folder.h"
 #include "tests/studies/acquire/run_of_prototypes.h"
 
@@ -132,6 +135,47 @@ TEST_F(ScenesOfARun, AreOfTheRunThatACopyWasMadeFrom) {
   EXPECT_EQ(wish_of(copy), "");
   EXPECT_THAT(wish_of(copy, {}, scene("wide")), HasSubstr("prototype of wide (ring)"));
   EXPECT_EQ(wish_of(copy, {"wide"}, scene("wide")), "");
+}
+
+TEST_F(ScenesOfARun, AreOfTheRunThatLinksLeadTo) {
+  fs::create_directory_symlink(folder_ / "run/wide", folder_ / "current");
+  fs::create_symlink(folder_ / "run/wide/scene.toml", folder_ / "my.toml");
+  fs::rename(plan_of(in_run("wide"), scene_text(60)), folder_ / "made");
+  fs::create_symlink(folder_ / "made/scene.toml", folder_ / "planned.toml");
+  for (const char* link :
+       {"current", "current/", "current/scene.toml", "my.toml", "planned.toml"}) {
+    const fs::path source = folder_ / link;
+    EXPECT_THAT(wish_of(source), HasSubstr("prototype of wide (ring)")) << source;
+    EXPECT_EQ(wish_of(source, {"wide"}), "") << source;
+    EXPECT_NE(wish_of(source, {"narrow"}), "") << source;
+  }
+  fs::create_directory_symlink(folder_ / "run", folder_ / "latest");
+  EXPECT_EQ(origin_of(folder_ / "latest/wide").run, folder_ / "latest") << "as it is named";
+  write_file(folder_ / "alone.toml", scene_text(60));
+  fs::create_symlink(folder_ / "alone.toml", folder_ / "link.toml");
+  EXPECT_EQ(wish_of(folder_ / "link.toml"), "") << "its file lies in no run either";
+}
+
+// `glint render` and `glint cover` write the study, too.
+TEST_F(ScenesOfARun, AreOfTheRunAroundOtherResults) {
+  for (const auto& [name, kind] :
+       {std::pair("views", ResultKind::kRender), std::pair("cover", ResultKind::kCover)}) {
+    const fs::path inside = folder_ / "run/wide" / name;
+    make_folder(inside);
+    write_file(inside / "study.resolved.toml", scene_text(60));
+    write_file(inside / "other.toml", scene_text(60));
+    mark_result_folder(inside, kind);
+    EXPECT_EQ(run_above(inside), folder_ / "run");
+    EXPECT_THAT(wish_of(inside / "other.toml"), HasSubstr("prototype of wide (ring)")) << name;
+    EXPECT_NE(wish_of(inside / "other.toml", {"narrow"}), "") << name;
+  }
+  mark_result_folder(folder_ / "run", ResultKind::kRun);
+  EXPECT_EQ(run_above(scene("wide")), folder_ / "run");
+  const fs::path nested = folder_ / "run/wide/again";
+  make_folder(nested);
+  write_file(nested / "study.resolved.toml", "schema = 1\n");
+  mark_result_folder(nested, ResultKind::kRun);
+  EXPECT_EQ(run_above(nested / "winner"), nested) << "a run in a run";
 }
 
 TEST(RunAbove, IsTheNearestFolderWithAStudy) {

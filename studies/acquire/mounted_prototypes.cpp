@@ -110,8 +110,11 @@ MountedPrototypes MountedPrototypes::beside(const fs::path& source,
   const fs::path folder = acquire_detail::design_folder(origin.scene).parent_path();
   std::vector<Design> designs = acquire_detail::designs_in(origin.run, folder);
   const Design own = acquire_detail::design_of(files_of(source).scene, origin, designs);
-  if (std::ranges::find(designs, own.name, &Design::name) == designs.end()) {
+  const auto same = std::ranges::find(designs, own.name, &Design::name);
+  if (same == designs.end()) {
     designs.push_back(own);
+  } else {
+    *same = own;  // as this source has it: it may not be read where the design can
   }
   MountedPrototypes prototypes(std::move(designs), mounted);
   prototypes.run_ = origin.run;
@@ -194,8 +197,7 @@ bool MountedPrototypes::is_set_by_hand(const std::string& light) const {
   });
 }
 
-/// LightTables of a design that have to be mounted or set, and those that have to be taken down for
-/// it.
+/// Lights of a design that have to be mounted or set, and those that have to be taken down for it.
 MountedPrototypes::Exchange MountedPrototypes::exchange_for(const Design& design) const {
   Exchange exchange;
   for (const auto& [light, table] : wanted(design)) {
@@ -220,7 +222,7 @@ std::optional<std::string> MountedPrototypes::wish(const std::string& design) co
   }
   std::vector<std::string> steps;
   if (!wished->is_read || !up.empty() || set.empty()) {
-    const std::string what = wished->is_read ? join(up, ", ") : "its scene cannot be read";
+    const std::string what = wished->is_read ? join(up, ", ") : wished->unread;
     steps.push_back(
         fmt::format("mount the prototype of {}{}", design, what.empty() ? "" : " (" + what + ")"));
   }

@@ -29,9 +29,10 @@ class MountedPrototypes {
  public:
   struct Design {
     std::string name;
-    std::map<std::string, std::string> lights;    ///< built_lights()
-    std::map<std::string, std::string> set = {};  ///< set_lights()
-    bool is_read = true;                          ///< else its lights are not known, may be any
+    std::map<std::string, std::string> lights;        ///< built_lights()
+    std::map<std::string, std::string> set = {};      ///< set_lights()
+    bool is_read = true;                              ///< else its lights are not known, may be any
+    std::string unread = "its scene cannot be read";  ///< why they are not
   };
 
   /// Nothing is known of what is mounted but what a person says.

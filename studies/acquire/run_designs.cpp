@@ -85,7 +85,8 @@ Design design_of(const fs::path& held,
                  const std::vector<Design>& designs) {
   const std::string around = name_in(origin.run, design_folder(origin.scene));
   if (!fs::exists(origin.run / kRunStudy)) {
-    return {.name = around, .lights = {}, .is_read = false};
+    return {
+        .name = around, .lights = {}, .is_read = false, .unread = "its run is not there any more"};
   }
   const fs::path file = held.empty() ? held : fs::absolute(held).lexically_normal();
   const auto home = std::ranges::find(designs, around, &Design::name);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/acquire/source_files.h"
 
+#include <fmt/format.h>
+
 #include "core/error.h"
 #include "studies/output/run_folder.h"
 
@@ -64,6 +66,13 @@ PlanOrigin origin_of(const fs::path& source) {
   if (origin.run.empty()) {
     const PlanOrigin led_to = origin_at(without_links(file), without_links(files.plan));
     origin = led_to.run.empty() ? origin : led_to;
+  }
+  if (origin.run.empty() && !origin.is_told) {
+    throw ConfigError(
+        fmt::format("{}: planned_from: is missing: this plan of an earlier program does not tell "
+                    "of which design it is, and so not which prototype it needs; plan it again, "
+                    "or write null where its scene is of no run",
+                    (files.plan.empty() ? file.parent_path() / kPlan : files.plan).string()));
   }
   return origin;
 }

@@ -21,6 +21,8 @@ SourceFiles files_of(const std::filesystem::path& source);
 /// The scene that a source was made from, and the run whose designs it is one of: of a planned
 /// scene what the plan beside it tells, else the scene itself and the run that it lies in, or that
 /// it lies in where links lead. All with full paths; empty: not known, none.
+/// @throws ConfigError for a plan of an earlier program, which does not tell, where it lies in no
+/// run
 PlanOrigin origin_of(const std::filesystem::path& source);
 
 }  // namespace glint

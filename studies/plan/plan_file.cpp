@@ -233,10 +233,11 @@ PlanFile read_plan(const std::filesystem::path& path) {
   if (fields.text("kind") != "plan" || fields.number("schema") != kSchema) {
     fields.fail("kind", fmt::format("is no plan of schema {}", kSchema));
   }
-  PlanFile read = {
-      .scene = file.parent_path() / fields.text("scene"),
-      .cell = file.parent_path() / fields.text("cell"),
-      .origin = {.scene = fields.text_if_any("planned_from"), .run = fields.text_if_any("run")}};
+  PlanFile read = {.scene = file.parent_path() / fields.text("scene"),
+                   .cell = file.parent_path() / fields.text("cell"),
+                   .origin = {.scene = fields.text_if_any("planned_from"),
+                              .run = fields.text_if_any("run"),
+                              .is_told = json.contains("planned_from")}};
   const Json& views = list_of(fields, "views");
   for (std::size_t i = 0; i < views.size(); ++i) {
     read.plan.views.push_back(read_view(views[i], file.string(), i));

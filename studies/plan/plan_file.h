@@ -17,6 +17,7 @@ namespace glint {
 struct PlanOrigin {
   std::filesystem::path scene;  ///< the file that was given; empty: not told
   std::filesystem::path run;    ///< folder of the run whose designs it is one of; empty: none
+  bool is_told = true;          ///< false: by a plan of an earlier program, which tells neither
 };
 
 /// A plan and what it was made for.

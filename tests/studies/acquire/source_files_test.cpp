@@ -86,13 +86,30 @@ TEST_F(ScenesOfARun, CountByWhatThePlanHoldsWhereItsDesignHasChangedSince) {
 TEST_F(ScenesOfARun, AreAskedForInAnyCaseWhereTheRunIsNotThereAnyMore) {
   const fs::path plan = plan_of(in_run("wide"), scene_text(60));
   fs::rename(folder_ / "run", folder_ / "moved");
-  EXPECT_THAT(wish_of(plan), HasSubstr("prototype of wide (its scene cannot be read)"));
+  EXPECT_THAT(wish_of(plan), HasSubstr("prototype of wide (its run is not there any more)"));
+  EXPECT_EQ(wish_of(plan, {"wide"}), "");
+  fs::rename(folder_ / "moved", folder_ / "run");
+  fs::remove(folder_ / "run/study.resolved.toml");  // its designs are
+  EXPECT_THAT(wish_of(plan), HasSubstr("prototype of wide (its run is not there any more)"));
+  fs::remove_all(folder_ / "run/narrow");
+  fs::remove_all(folder_ / "run/dark");
+  EXPECT_NE(wish_of(plan), "") << "the only one that is left";
   EXPECT_EQ(wish_of(plan, {"wide"}), "");
 }
 
 TEST_F(ScenesOfARun, AreAskedForByPlansOfEarlierProgramsThatLieInTheRun) {
   const fs::path plan = plan_of({}, scene_text(60));
-  EXPECT_EQ(wish_of(plan), "") << "in no run";
+  EXPECT_EQ(wish_of(plan), "") << "told to be of no run";
+  Json json = Json::parse(read_file(plan / "plan.json"));
+  json.erase("planned_from");
+  json.erase("run");
+  write_file(plan / "plan.json", json.dump());
+  for (const fs::path& source : {plan, plan / "plan.json", plan / "scene.toml"}) {
+    EXPECT_THAT(
+        [&] { wish_of(source); },
+        testing::ThrowsMessage<ConfigError>(HasSubstr("plan.json: planned_from: is missing")))
+        << source;
+  }
   fs::rename(plan, folder_ / "run/wide/plan");
   EXPECT_THAT(wish_of(folder_ / "run/wide/plan"), HasSubstr("prototype of wide (ring)"));
 }

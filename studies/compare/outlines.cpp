@@ -237,9 +237,16 @@ OutlinePair inside_pictures(const ComparedPicture& simulated, const ComparedPict
     return pair;
   }
   InnerEdges edges = inner_edges(simulated.grey, real.grey, static_cast<float>(*level));
-  pair.simulated.rough = std::move(edges.lines);
-  pair.simulated.located = edges.simulated;
-  pair.real.rough = std::move(edges.simulated);
+  if (edges.share() < kWellShown) {
+    pair.notes.push_back(
+        fmt::format("The real picture has {:.0f} % of the edges that the simulated one has, within "
+                    "{:.0f} px.",
+                    100.0 * edges.share(),
+                    kInnerReachPx));
+  }
+  pair.simulated.rough = edges.lines;
+  pair.simulated.located = std::move(edges.simulated);
+  pair.real.rough = std::move(edges.lines);
   pair.real.located = std::move(edges.real);
   return pair;
 }

@@ -166,17 +166,14 @@ std::optional<double> middle_grey(const ImageF& picture, const Mask& region) {
   return threshold > 0.0 ? std::optional(threshold) : std::nullopt;
 }
 
-/// Mean distance of the edges inside the part; the reach where no edge has a counterpart.
+/// Mean distance of the edges inside the part, the reach where an edge has no counterpart.
 double inner_distance_px(const PicturedPart& simulated, const PicturedPart& real) {
   const Mask inside = inside_of(simulated.mask, real.mask);
   const std::optional<double> level = middle_grey(simulated.grey, inside);
   if (!level) {
     return kInnerReachPx;
   }
-  const InnerEdges edges =
-      inner_edges(simulated.grey, real.grey, static_cast<float>(*level), inside);
-  const BoundaryDistance distance = boundary_distance(edges.simulated, edges.real, kInnerReachPx);
-  return distance.points > 0 ? distance.mean_px : kInnerReachPx;
+  return inner_edges(simulated.grey, real.grey, static_cast<float>(*level), inside).distance_px();
 }
 
 /// Scores of one pair. @param ignored  where grey values are not compared

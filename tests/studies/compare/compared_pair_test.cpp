@@ -2,7 +2,9 @@
 #include "studies/compare/compared_pair.h"
 
 #include <cmath>
+#include <numbers>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "studies/compare/causes.h"
@@ -147,6 +149,19 @@ TEST_F(ComparePairTest, UsesInnerEdgesWhereThereIsNoSilhouette) {
   EXPECT_FALSE(pair.geometry.iou.has_value());
   EXPECT_GT(pair.geometry.distance.points, 500U);
   EXPECT_NEAR(pair.geometry.distance.mean_px, 0.25, 0.08);  // half of the edges are upright
+}
+
+// By one square every edge lies on one of the other sign: none is the same.
+TEST_F(ComparePairTest, TakesNoInnerEdgesOfTheOtherSign) {
+  const auto squares = [](double shift_px) {
+    return drawn(160, 120, [=](double x, double y) {
+      return std::sin(0.16 * (x - shift_px)) * std::sin(0.16 * y) > 0.0 ? 0.8 : 0.2;
+    });
+  };
+  const ComparedPair pair =
+      compare(squares(0.0), squares(std::numbers::pi / 0.16), {.outline = OutlineChoice::kInner});
+  EXPECT_EQ(pair.geometry.distance.points, 0U);
+  EXPECT_THAT(pair.geometry.outlines.notes, ::testing::Contains(::testing::HasSubstr(" 0 %")));
 }
 
 TEST(GrabCut, HasNoAnswerWithoutABackground) {

@@ -186,7 +186,10 @@ void visit_keys(KeyVisitor& keys, CellSettings& s) {
 
 void visit_keys(KeyVisitor& keys, ReferenceSettings& s) {
   keys.files("pictures", s.pictures, "real pictures of the part, one a viewpoint");
-  keys.files("masks", s.masks, "where the part is in them, one a picture; [] = not known");
+  keys.files("masks",
+             s.masks,
+             "one a picture: the part is where they are brighter than three quarters of full "
+             "scale, nothing is compared between a quarter and that; [] = not known");
   keys.file("calibration",
             s.calibration,
             "calibration.toml of the camera that took them; \"\" = the scene's own camera");

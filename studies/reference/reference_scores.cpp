@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/image/image_io.h"
+#include "core/image/spans.h"
 #include "metrics/appearance/grey_match.h"
 #include "metrics/appearance/structure_similarity.h"
 #include "metrics/aspect_image/roi.h"
@@ -34,7 +36,7 @@ struct PicturedPart {
 /// What a mask's file says of a real picture.
 struct GivenMask {
   Mask part;
-  Mask ignored;  ///< where grey values are not compared
+  Mask ignored;  ///< where nothing is compared
 };
 
 std::string size_text(int width, int height) {
@@ -105,22 +107,23 @@ double rms_of(const ImageF& first, const ImageF& second, const Mask& region) {
   return std::sqrt(sum / std::max(1.0, count));
 }
 
-Mask either(const Mask& first, const Mask& second) {
-  Mask both = first;
+/// @param is_kept  of two pixels' values, whether they are set
+template <class IsKept>
+Mask combined(const Mask& first, const Mask& second, const IsKept& is_kept) {
+  Mask mask = first;
   std::ranges::transform(
-      first.values(), second.values(), both.values().begin(), [](auto a, auto b) {
-        return static_cast<unsigned char>(a != 0 || b != 0 ? 1 : 0);
+      first.values(), second.values(), mask.values().begin(), [&](auto a, auto b) {
+        return static_cast<unsigned char>(is_kept(a != 0, b != 0) ? 1 : 0);
       });
-  return both;
+  return mask;
+}
+
+Mask either(const Mask& first, const Mask& second) {
+  return combined(first, second, std::logical_or<>());
 }
 
 Mask without(const Mask& mask, const Mask& left_out) {
-  Mask rest = mask;
-  std::ranges::transform(
-      mask.values(), left_out.values(), rest.values().begin(), [](auto a, auto b) {
-        return static_cast<unsigned char>(a != 0 && b == 0 ? 1 : 0);
-      });
-  return rest;
+  return combined(mask, left_out, [](bool a, bool b) { return a && !b; });
 }
 
 /// Pixels of which more than the share have values above `low` and at most `high`.
@@ -141,12 +144,7 @@ Mask pixels_between(
 /// Pixels in both regions and some pixels within: their outlines are no edges inside the part.
 Mask inside_of(const Mask& first, const Mask& second) {
   constexpr int kRimPx = 3;
-  Mask both = first;
-  std::ranges::transform(
-      first.values(), second.values(), both.values().begin(), [](auto a, auto b) {
-        return static_cast<unsigned char>(a != 0 && b != 0 ? 1 : 0);
-      });
-  return eroded(both, kRimPx);
+  return eroded(combined(first, second, std::logical_and<>()), kRimPx);
 }
 
 /// Grey that best parts dark and bright of a region; none where all of it is alike.
@@ -176,23 +174,71 @@ double inner_distance_px(const PicturedPart& simulated, const PicturedPart& real
   return inner_edges(simulated.grey, real.grey, static_cast<float>(*level), inside).distance_px();
 }
 
-/// Scores of one pair. @param ignored  where grey values are not compared
+/// How far what is ignored reaches: half of SSIM's window, and edges are located within 4 px.
+constexpr int kIgnoredReachPx = 5;
+
+/// Lines without their points in a mask, broken there.
+std::vector<Boundary> outside_of(const Mask& mask, const std::vector<Boundary>& lines) {
+  std::vector<Boundary> rest;
+  for (const Boundary& line : lines) {
+    const std::size_t first = rest.size();
+    bool follows = false;
+    for (const BoundaryPoint& point : line.points) {
+      const int x = std::clamp(static_cast<int>(point.at_px.x()), 0, mask.width() - 1);
+      const int y = std::clamp(static_cast<int>(point.at_px.y()), 0, mask.height() - 1);
+      if (mask(x, y) == 0) {
+        if (!follows) {
+          rest.emplace_back();
+        }
+        rest.back().points.push_back(point);
+      }
+      follows = mask(x, y) == 0;
+    }
+    if (rest.size() == first + 1 && rest.back().points.size() == line.points.size()) {
+      rest.back().is_closed = line.is_closed;
+    }
+  }
+  return rest;
+}
+
+/// Shares of pixels within outlines; none in a mask.
+ImageF filled_outside(const Mask& mask, const std::vector<Boundary>& outlines) {
+  ImageF shares = filled(outlines, mask.width(), mask.height());
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    if (mask.values()[i] != 0) {
+      shares.values()[i] = 0.0F;
+    }
+  }
+  return shares;
+}
+
+/// The picture's diagonal where nothing is left to compare.
+double outline_distance_px(const std::vector<Boundary>& first,
+                           const std::vector<Boundary>& second,
+                           const Mask& ignored) {
+  const double diagonal_px = std::hypot(ignored.width(), ignored.height());
+  const BoundaryDistance distance =
+      boundary_distance(outside_of(ignored, first), outside_of(ignored, second), diagonal_px);
+  return distance.points > 0 ? distance.mean_px : diagonal_px;
+}
+
+/// Scores of one pair. @param ignored  where nothing is compared
 Scores compare(const PicturedPart& simulated, const PicturedPart& real, const Mask& ignored) {
   const std::vector<Boundary> of_simulated = outline_in(simulated);
   const std::vector<Boundary> of_real = outline_in(real);
   const Mask of_part = without(simulated.mask, ignored);
   const Mask region = either(of_part, real.mask);
-  const int width = real.grey.width();
-  const int height = real.grey.height();
-  return {{"overlap.iou",
-           overlap_of(filled(of_simulated, width, height), filled(of_real, width, height)).iou},
-          {"overlap.mean_distance_px",
-           boundary_distance(of_simulated, of_real, std::hypot(width, height)).mean_px},
-          {"overlap.edge_distance_px", inner_distance_px(simulated, real)},
-          {"appearance.ssim", ssim(simulated.grey, real.grey, region)},
-          {"appearance.rms", rms_of(simulated.grey, real.grey, region)},
-          {"appearance.histogram_distance",
-           histogram_distance(simulated.grey, real.grey, of_part, real.mask)}};
+  const Mask near_ignored = dilated(ignored, kIgnoredReachPx);
+  return {
+      {"overlap.iou",
+       overlap_of(filled_outside(near_ignored, of_simulated), filled_outside(near_ignored, of_real))
+           .iou},
+      {"overlap.mean_distance_px", outline_distance_px(of_simulated, of_real, near_ignored)},
+      {"overlap.edge_distance_px", inner_distance_px(simulated, real)},
+      {"appearance.ssim", ssim(simulated.grey, real.grey, without(region, near_ignored))},
+      {"appearance.rms", rms_of(simulated.grey, real.grey, region)},
+      {"appearance.histogram_distance",
+       histogram_distance(simulated.grey, real.grey, of_part, real.mask)}};
 }
 
 class References {
@@ -252,7 +298,10 @@ class References {
                        .ignored = pixels_between(picture, kGrey, kBright, 0.0, scene_.camera)};
     given.part = without(given.part, given.ignored);
     if (std::ranges::none_of(given.part.values(), [](unsigned char value) { return value != 0; })) {
-      throw ConfigError(key, file.string() + " is dark everywhere; it must be bright on the part");
+      throw ConfigError(key,
+                        file.string() +
+                            " is nowhere brighter than three quarters of full scale, which it must "
+                            "be on the part; what is brighter than a quarter is ignored");
     }
     return given;
   }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/reference/reference_scores.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -130,10 +132,13 @@ TEST_F(ReferenceScores, TakeTheMaskThatIsGiven) {
   }
   write_mask_png(folder_ / "mask.png", left);
   EXPECT_NEAR(scores_of(masked.scene).at("overlap.iou"), 0.5, 0.05);
-  write_mask_png(folder_ / "mask.png", Mask(96, 64));
+  ImageF half(96, 64);
+  std::ranges::transform(
+      left.values(), half.values().begin(), [](auto a) { return 128.0F / 255.0F * a; });
+  write_png(folder_ / "mask.png", half, PixelDepth::k8Bit);
   EXPECT_THAT([&] { scores_of(masked.scene); },
-              ThrowsMessage<ConfigError>(
-                  AllOf(HasSubstr("reference.masks.0"), HasSubstr("dark everywhere"))));
+              ThrowsMessage<ConfigError>(AllOf(HasSubstr("reference.masks.0"),
+                                               HasSubstr("nowhere brighter than three quarters"))));
 }
 
 /// A dark square of 20 x 20 px in the middle of a picture of the plate.
@@ -195,6 +200,37 @@ TEST_F(ReferenceScores, CompareNothingWhereAMaskIsGrey) {
   write_mask_png(folder_ / "mask.png", Mask(96, 64, 1));
   const double whole = std::sqrt(100.0 / (96.0 * 64.0));
   EXPECT_NEAR(scores_of(masked.scene).at("appearance.rms"), 0.5 * whole, 1e-3);
+}
+
+// The plate where it is, a bright gripper over 20 x 20 of its 60 x 40 pixels, at its rim: what is
+// covered is taken off both sides, outlines and the surroundings that SSIM sees, too.
+TEST_F(ReferenceScores, CompareNoOutlinesWhereAMaskIsGrey) {
+  const Study masked = study("masks = [\"mask.png\"]\n");
+  photograph(masked.scene);
+  ImageF real = linear_values(read_picture(folder_ / "real.exr").pixels);
+  ImageF mask(96, 64);
+  for (int y = 12; y < 52; ++y) {
+    for (int x = 18; x < 78; ++x) {
+      const bool is_covered = x < 38 && y < 32;
+      mask(x, y) = is_covered ? 0.5F : 1.0F;
+      real(x, y) = is_covered ? 1.0F : real(x, y);
+    }
+  }
+  write_exr(folder_ / "real.exr", real);
+  write_png(folder_ / "mask.png", mask, PixelDepth::k8Bit);
+  const Scores scores = scores_of(masked.scene);
+  std::printf("iou %.5f, distance %.5f px, ssim %.6f\n",
+              scores.at("overlap.iou"),
+              scores.at("overlap.mean_distance_px"),
+              scores.at("appearance.ssim"));
+  EXPECT_GT(scores.at("overlap.iou"), 0.999);
+  EXPECT_LT(scores.at("overlap.mean_distance_px"), 0.01);
+  EXPECT_NEAR(scores.at("appearance.ssim"), 1.0, 1e-5);
+  SceneSettings moved = masked.scene;
+  moved.part.position_mm = {0.3, 0.0, 0.0};
+  EXPECT_GT(scores_of(moved).at("overlap.mean_distance_px"), 0.3);
+  write_png(folder_ / "mask.png", ImageF(96, 64, 0.5F), PixelDepth::k8Bit);
+  EXPECT_THROW(scores_of(masked.scene), ConfigError);
 }
 
 // The same plate by a camera of twice the pixels along both sides: its picture, reduced, is that of

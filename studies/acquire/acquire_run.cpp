@@ -182,7 +182,7 @@ class Session {
       : ready_(ready),
         options_(options),
         devices_(devices),
-        journal_(ready.folder, ready.digest),
+        journal_(ready.folder, ready.work.digest, ready.digest),
         files_(ready.folder, journal_, ready.work, ready.cell) {
     head_ = {{"schema", 1}, {"kind", "acquired"}, {"status", "partial"}};
     write_inputs(ready, head_);

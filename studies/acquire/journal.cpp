@@ -115,6 +115,18 @@ std::string recorded_digest(const fs::path& folder) {
   }
 }
 
+int recorded_sessions(const fs::path& folder) {
+  if (!fs::exists(folder / "journal.sqlite")) {
+    return 0;
+  }
+  try {
+    return static_cast<int>(Database(folder / "journal.sqlite", Database::Access::kReadOnly)
+                                .integer("SELECT count(*) FROM session"));
+  } catch (const IoError&) {
+    return 0;  // what is wrong with it is told when it is opened to be written
+  }
+}
+
 std::vector<AcquiredPicture> whole_pictures(const fs::path& folder, const std::string& digest) {
   std::vector<AcquiredPicture> whole;
   if (!fs::exists(folder / "journal.sqlite")) {
@@ -160,11 +172,17 @@ struct AcquireJournal::Rows {
   std::int64_t session = 1;
 };
 
-AcquireJournal::AcquireJournal(fs::path folder, const std::string& plan_digest)
+AcquireJournal::AcquireJournal(fs::path folder,
+                               const std::string& plan_digest,
+                               const std::string& former_digest)
     : folder_(std::move(folder)), rows_(std::make_unique<Rows>(folder_)) {
   Database& database = rows_->database;
   const std::string known = database.text("SELECT digest FROM run");
-  check_plan(folder_, known, plan_digest);
+  if (!known.empty() && known == former_digest) {
+    Statement(database, "UPDATE run SET digest = ?").bind(plan_digest).run();
+  } else {
+    check_plan(folder_, known, plan_digest);
+  }
   if (known.empty()) {
     Statement(database, "INSERT INTO run VALUES (1, 1, ?)").bind(plan_digest).run();
   }

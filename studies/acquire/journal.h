@@ -29,12 +29,19 @@ std::vector<AcquiredPicture> whole_pictures(const std::filesystem::path& folder,
 /// The digest that a folder's pictures were taken under; empty: it has none, or cannot be read.
 std::string recorded_digest(const std::filesystem::path& folder);
 
+/// How many sessions a folder has seen, with pictures or without; 0: none, or it cannot be read.
+int recorded_sessions(const std::filesystem::path& folder);
+
 class AcquireJournal {
  public:
   /// Opens or makes DIR/journal.sqlite, begins a session and repairs what the last one left.
-  /// @param plan_digest  of everything that decides what is taken from where
+  /// @param plan_digest    of everything that decides what is taken from where
+  /// @param former_digest  under which pictures in the folder count as those of this plan, too:
+  ///                       from now on they are recorded under plan_digest; empty: none
   /// @throws ConfigError when the folder holds pictures of another plan, IoError
-  AcquireJournal(std::filesystem::path folder, const std::string& plan_digest);
+  AcquireJournal(std::filesystem::path folder,
+                 const std::string& plan_digest,
+                 const std::string& former_digest = "");
   ~AcquireJournal();
   AcquireJournal(const AcquireJournal&) = delete;
   AcquireJournal& operator=(const AcquireJournal&) = delete;

@@ -62,7 +62,10 @@ std::string digest_in(const fs::path& folder,
     return now;
   }
   const std::string former = sha256_hex(work_json(work, source, cell).dump());
-  return known == former && has_powers_of(folder / "scene.toml", *source.scene) ? former : now;
+  // Each later session of that program wrote its scene over that of the pictures.
+  const bool is_same = known == former && recorded_sessions(folder) == 1 &&
+                       has_powers_of(folder / "scene.toml", *source.scene);
+  return is_same ? former : now;
 }
 
 }  // namespace glint

@@ -16,7 +16,8 @@ std::string plan_digest(const AcquireWork& work, const AcquireSource& source, co
 
 /// Under which digest pictures in a folder count as those of this work. It is plan_digest(), but
 /// for a folder that an earlier program began, whose digest knew no powers: that one's, where the
-/// scene that lies in the folder has its lights at the same powers.
+/// scene that lies in the folder has its lights at the same powers and the folder has seen one
+/// session: a later one wrote its own scene there, whether or not it took a picture.
 std::string digest_in(const std::filesystem::path& folder,
                       const AcquireWork& work,
                       const AcquireSource& source,

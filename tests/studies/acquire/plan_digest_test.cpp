@@ -103,8 +103,32 @@ TEST_F(PrototypesOfARun, FindTheirPicturesOfEarlierPrograms) {
   write_file(options.out / "scene.toml", scene_text(60, 8));
   EXPECT_THROW(describe_acquisition(options), ConfigError)
       << "the scene that it keeps was brighter";
-  std::filesystem::remove(options.out / "scene.toml");
+  write_file(options.out / "scene.toml", scene_text(60));
+  EXPECT_NO_THROW(describe_acquisition(options));
+  AcquireJournal(options.out, former_digest(options)).end_session();
+  EXPECT_THROW(describe_acquisition(options), ConfigError)
+      << "the scene is that of a session that took nothing: the pictures may be others";
+}
+
+// Sessions of this program keep what they have found to be theirs.
+TEST_F(PrototypesOfARun, FindTheirPicturesOfEarlierProgramsAgain) {
+  write_file(folder_ / "cell.toml", kLonelyCell);
+  AcquireOptions options = {.source = scene("wide"), .cell = folder_ / "cell.toml"};
+  options.out = folder_ / "out";
+  write_pictures(options, former_digest(options));
   EXPECT_THROW(describe_acquisition(options), ConfigError) << "nobody knows how bright they are";
+  write_file(options.out / "scene.toml", scene_text(60));
+  const Cell cell = read_cell(options.cell);
+  const AcquireWork work = work_of(read_source(options.source), cell, options.speed_share);
+  for (int session = 0; session < 2; ++session) {
+    EXPECT_TRUE(describe_acquisition(options)["next"].is_null()) << session;
+    AcquireJournal journal(
+        options.out, work.digest, session == 0 ? former_digest(options) : work.digest);
+    EXPECT_EQ(journal.pictures().size(), 1U);
+    EXPECT_EQ(recorded_digest(options.out), work.digest);
+  }
+  EXPECT_TRUE(describe_acquisition(options)["next"].is_null());
+  EXPECT_THROW(AcquireJournal(options.out, "another", former_digest(options)), ConfigError);
 }
 
 }  // namespace

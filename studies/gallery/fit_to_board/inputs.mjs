@@ -2,19 +2,20 @@
 //
 // usage: node studies/gallery/fit_to_board/inputs.mjs [GLINT] [DATA]
 //
-// Writes what the studies beside include: calibration.toml (of all photographs, by glint calibrate),
-// inputs.toml (that camera with pixels four times as large, the sheet, and where the calibration saw it in
-// the robot's hand), views_fitted.toml and views_held_out.toml (the robot's poses), ink.png (the
+// Writes what the studies beside include: calibration.toml (of all photographs, by glint calibrate;
+// with pixels four times as large), inputs.toml (the sheet, and where the calibration saw it in the robot's
+// hand), views_fitted.toml and views_held_out.toml (the robot's poses), ink.png (the
 // print) and a mask for each photograph used.
 // GLINT is build/release/glint unless told, DATA the folder with img*.png, poses.csv and board.json
 // (../shared/data/calibration/board_on_robot). Needs oiiotool; takes about a minute.
 import { execFileSync } from "node:child_process";
-import { copyFileSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 
 import { inverse, multiply, poseOf, poseToml, readPoses } from "../calibrate_camera/poses.mjs";
+import { reducedCalibration } from "./reduced_calibration.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const root = resolve(here, "../../..");
@@ -30,7 +31,6 @@ const inkShare = 0.05; // of the paper's reflectance
 const texelsPerMm = 10;
 const thicknessMm = 1;
 const reduction = 4; // pixels of a photograph to one of the scene
-const photoPx = [1920, 1200];
 
 const run = (program, args) =>
   execFileSync(program, args, { encoding: "utf8", maxBuffer: 1 << 28, stdio: ["ignore", "pipe", "inherit"] });
@@ -76,20 +76,6 @@ function writeInk(squareMm) {
   return [width / texelsPerMm, height / texelsPerMm];
 }
 
-/// The camera with larger pixels. Distances from the corner of the picture shrink with them.
-function cameraToml({ focal_px: focal, center_px: center }) {
-  const [width, height] = photoPx.map((n) => n / reduction);
-  const keys = Object.entries({
-    width_px: width,
-    height_px: height,
-    focal_x_px: focal[0] / reduction,
-    focal_y_px: focal[1] / reduction,
-    center_x_px: center[0] / reduction,
-    center_y_px: center[1] / reduction,
-  });
-  return `[camera]\n${keys.map(([key, value]) => `${key} = ${value}\n`).join("")}\n`;
-}
-
 /// The sheet on the flange. Its frame has its origin in its middle, +y up the page and +z out of it.
 function writeInputs(calibration, sizeMm) {
   const square = calibration.board.square_mm;
@@ -100,9 +86,7 @@ function writeInputs(calibration, sizeMm) {
   const place = multiply(poseOf(calibration.board.pose), inverse(partFromBoard));
   writeFileSync(
     join(here, "inputs.toml"),
-    `# By inputs.mjs: the camera of calibration.toml with pixels ${reduction} times as large, the sheet, and where\n` +
-      "# the calibration saw it in the robot's hand.\n" +
-      cameraToml(calibration.intrinsics) +
+    "# By inputs.mjs: the sheet, and where the calibration saw it in the robot's hand.\n" +
       `[part]\nshape = "plate"\nlength_mm = ${sizeMm[0]}\nwidth_mm = ${sizeMm[1]}\nthickness_mm = ${thicknessMm}\n\n` +
       `[material.texture]\ncolour_file = "ink.png"\nencoding = "linear"\nsize_mm = [${sizeMm.join(", ")}]\n\n` +
       poseToml("cell.flange_from_part", place),
@@ -143,7 +127,8 @@ function writeMasks(squareMm) {
 
 try {
   const calibration = calibrate();
-  copyFileSync(join(work, "calibration/calibration.toml"), join(here, "calibration.toml"));
+  const found = readFileSync(join(work, "calibration/calibration.toml"), "utf8");
+  writeFileSync(join(here, "calibration.toml"), reducedCalibration(found, reduction));
   writeInputs(calibration, writeInk(calibration.board.square_mm));
   writeViews();
   writeMasks(calibration.board.square_mm);

@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/file.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/run/run.h"
 #include "tests/studies/gallery/gallery_support.h"
@@ -63,6 +64,16 @@ TEST(GalleryFitToBoard, SaysWhichPhotographIsMissing) {
 
 TEST(GalleryFitToBoard, SceneNeedsNoPhotographs) {
   EXPECT_FALSE(read("scene.toml").scene.reference.has_value());
+}
+
+// 1920 pixels found the focal length to be 2747.5 with a variance of 14.683: a quarter and a 16th.
+TEST(GalleryFitToBoard, CalibrationIsThatOfTheLargerPixels) {
+  const std::string text = read_file(gallery::folder_of(kGallery) / "calibration.toml");
+  EXPECT_THAT(text, HasSubstr("width_px = 480\n"));
+  EXPECT_THAT(text, HasSubstr("focal_x_px = 686.878"));
+  EXPECT_THAT(text, HasSubstr("\nintrinsics = [0.917695"));
+  EXPECT_THAT(text, HasSubstr("1.079594219500692e-7]\nhand_eye"));
+  EXPECT_EQ(read("scene.toml").scene.camera.width_px, 480);
 }
 
 TEST(GalleryFitToBoard, ReadmePrintsTheExpectedNumbers) {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -49,8 +50,13 @@ void add_picture(PhotographedBoard& photographs, const Pixels& pixels) {
                          : BoardCorners{});
 }
 
+/// The first square of a board is dark: seen that way this one has its long side along y. The other
+/// way all squares would be rendered in the wrong colour.
 PhotographedBoard read_photographs() {
   PhotographedBoard result = {.board = read_board(kBoardFolder / "board.json")};
+  if (result.board.cols > result.board.rows) {
+    std::swap(result.board.cols, result.board.rows);
+  }
   for (int i = 0; i < 20; ++i) {
     const fs::path file = kBoardFolder / fmt::format("img{:02d}.png", i);
     if (fs::exists(file)) {

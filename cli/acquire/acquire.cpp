@@ -7,6 +7,7 @@
 
 #include "cli/acquire/driven_session.h"
 #include "cli/shell/exit_codes.h"
+#include "core/shell_word.h"
 #include "studies/acquire/acquire_run.h"
 #include "studies/cell/typed_permit.h"
 
@@ -18,7 +19,7 @@ using Json = nlohmann::ordered_json;
 /// "--mounted wide", and that another name which was typed has to go.
 std::string mounted_text(const Json& next) {
   return fmt::format("--mounted {}{}",
-                     next["design"].get<std::string>(),
+                     shell_word(next["design"].get<std::string>()),
                      next["in_place_of"].empty() ? "" : " in the place of the other");
 }
 

@@ -4,9 +4,11 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <utility>
 
 #include "core/error.h"
 #include "core/text.h"
+#include "studies/acquire/light_difference.h"
 #include "studies/definition/scene_viewpoints.h"
 #include "studies/output/staged_folder.h"
 #include "studies/validate/validated_scene.h"
@@ -126,9 +128,11 @@ class Finder {
       sources_.notes.push_back(fmt::format("{} has no pictures and is left out", name));
       return;
     }
-    ValidatedDesign design = {.name = name,
-                              .nominal = read_design_scene(run_ / name / "scene.toml"),
-                              .real = read_real_design(name, folder)};
+    check_lights(name);
+    // One after the other: GCC 12 frees a member twice when the next one's function throws.
+    auto nominal = read_design_scene(run_ / name / "scene.toml");
+    auto real = read_real_design(name, folder);
+    ValidatedDesign design = {.name = name, .nominal = std::move(nominal), .real = std::move(real)};
     sources_.notes.insert(sources_.notes.end(), design.real.notes.begin(), design.real.notes.end());
     design.scene = design.nominal;
     const fs::path calibration = calibration_.empty() ? design.real.calibration : calibration_;
@@ -141,6 +145,25 @@ class Finder {
     design.nominal_views = viewpoints_of_pictures(design.real, design.nominal, listed);
     design.views = viewpoints_of_pictures(design.real, design.scene, listed);
     sources_.designs.push_back(std::move(design));
+  }
+
+  /// Pictures that another prototype or power was seen by, as of an earlier winner, are none of
+  /// this design. Of pictures without their scene nothing is known: they are taken as they are.
+  void check_lights(const std::string& name) const {
+    const fs::path folder = pictures_ / name;
+    if (!is_there(folder / "acquired.json") || !is_there(folder / "scene.toml")) {
+      return;
+    }
+    const fs::path design = run_ / name / "scene.toml";
+    const std::string difference = light_difference(folder, load_study(design, {}).scene);
+    if (!difference.empty()) {
+      throw ConfigError(
+          fmt::format("{}: holds pictures of another prototype, or of lights at another power: {} "
+                      "in its scene.toml than in {}; take them again into another folder",
+                      folder.string(),
+                      difference,
+                      design.string()));
+    }
   }
 
   fs::path run_;

@@ -129,7 +129,8 @@ class Finder {
       return;
     }
     check_lights(name);
-    // One after the other: GCC 12 frees a member twice when the next one's function throws.
+    // One after the other: GCC 12 destroys `nominal` twice where `.real` throws after a member that
+    // was left out between them.
     auto nominal = read_design_scene(run_ / name / "scene.toml");
     auto real = read_real_design(name, folder);
     ValidatedDesign design = {.name = name, .nominal = std::move(nominal), .real = std::move(real)};

@@ -8,8 +8,8 @@
 
 namespace glint {
 
-/// The folder that a file will lie in, "out" of "out/gear.toml", made where it is not there. What was
-/// made and stays empty, as the file could not be written, goes with this object.
+/// The folder that a file will lie in, "out" of "out/gear.toml", made where it is not there. What
+/// was made and stays empty, as the file could not be written, goes with this object.
 class FolderOf {
  public:
   /// @throws IoError when it cannot be made

@@ -155,8 +155,8 @@ constexpr std::array kDocs = {
         "mean distance of the part's outlines in the simulated and the real picture; 0 is best"},
     ScoreDoc{"overlap.edge_distance_px",
              "mean distance of the edges inside the part, between bright and dark places, in the "
-             "simulated and the real picture, looked for up to 8 px apart; 0 is best, 8 where no "
-             "edge has a counterpart"},
+             "simulated and the real picture, looked for up to 8 px apart; 0 is best, an edge "
+             "without a counterpart counts 8 px"},
     ScoreDoc{"appearance.ssim",
              "structural similarity of the simulated and the real picture over the part in either; "
              "1 is equal"},

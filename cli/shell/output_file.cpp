@@ -15,12 +15,21 @@ FolderOf::FolderOf(const fs::path& file) {
        each = each.parent_path()) {
     made_.push_back(each);
   }
-  if (!folder.empty()) {
-    make_folder(folder);
+  try {
+    if (!folder.empty()) {
+      make_folder(folder);
+    }
+  } catch (...) {
+    remove_empty();
+    throw;
   }
 }
 
 FolderOf::~FolderOf() {
+  remove_empty();
+}
+
+void FolderOf::remove_empty() const {
   std::error_code ignored;
   for (const fs::path& folder : made_) {
     fs::remove(folder, ignored);  // only while it is empty

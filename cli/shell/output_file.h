@@ -19,6 +19,8 @@ class FolderOf {
   FolderOf& operator=(const FolderOf&) = delete;
 
  private:
+  void remove_empty() const;
+
   std::vector<std::filesystem::path> made_;  ///< the innermost first
 };
 

@@ -70,6 +70,7 @@ TEST_F(OutputError, NoFolderIsMadeForAFileThatIsNotWritten) {
       {"report", "typo", "--out", "a/b/page.html"},
       {"report", "typo", "--optuna", "a/b/journal"},
       {"part", "part.stl", "--out", "a/b/part.xyz"},
+      {"part", "part.stl", "--out", "a/b/" + std::string(300, 'x') + "/part.ply"},
       {"new", "part.stl", "--unit", "ell", "--out", "a/b/n.toml"}};
   for (const Arguments& verb : verbs) {
     EXPECT_NE(glint_in(folder_, verb).code, 0) << verb.front();

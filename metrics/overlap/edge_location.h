@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/image/image.h"
@@ -28,6 +29,9 @@ struct LocatedEdge {
   double contrast = 0.0;   ///< grey behind minus grey ahead of the edge along the normal
   double sigma_px = 0.0;   ///< of moved_px, by the scatter between neighbouring lines
   double spread_px = 0.0;  ///< standard deviation of the blur of the edge
+
+  /// Where the search began: orders edges, and pairs those of two pictures along one outline.
+  std::pair<std::size_t, std::size_t> start() const { return {boundary, point}; }
 };
 
 /// Locates the edge near each boundary point by a least-squares fit of a blurred step (an error

@@ -50,15 +50,11 @@ std::vector<LocatedEdge> falling_edges(const ImageF& picture,
   return edges;
 }
 
-std::pair<std::size_t, std::size_t> key_of(const LocatedEdge& edge) {
-  return {edge.boundary, edge.point};
-}
-
 /// Those that were found from a point from which another one was found in the other picture.
 std::vector<LocatedEdge> edges_of_both(std::vector<LocatedEdge> edges,
                                        const std::vector<LocatedEdge>& other) {
   std::erase_if(edges, [&](const LocatedEdge& edge) {
-    return !std::ranges::binary_search(other, key_of(edge), {}, key_of);
+    return !std::ranges::binary_search(other, edge.start(), {}, &LocatedEdge::start);
   });
   return edges;
 }

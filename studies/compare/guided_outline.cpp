@@ -38,10 +38,6 @@ std::vector<EdgeOffset> offsets_of(const std::vector<BoundaryGap>& gaps) {
   return offsets;
 }
 
-std::pair<std::size_t, std::size_t> key_of(const LocatedEdge& edge) {
-  return {edge.boundary, edge.point};
-}
-
 /// Edges of the simulated picture on the renderer's outline.
 std::vector<LocatedEdge> own_edges(const ImageF& picture, std::span<const Boundary> outline) {
   std::vector<LocatedEdge> edges = locate_edges(picture, outline, {.reach_px = kReachPx});
@@ -71,8 +67,8 @@ std::vector<Boundary> moved_onto(std::vector<Boundary> outline,
 std::vector<LocatedEdge> edges_alike(std::vector<LocatedEdge> edges,
                                      std::span<const LocatedEdge> other) {
   std::erase_if(edges, [&](const LocatedEdge& edge) {
-    const auto same = std::ranges::lower_bound(other, key_of(edge), {}, key_of);
-    return same == other.end() || key_of(*same) != key_of(edge) ||
+    const auto same = std::ranges::lower_bound(other, edge.start(), {}, &LocatedEdge::start);
+    return same == other.end() || same->start() != edge.start() ||
            same->contrast * edge.contrast <= 0.0;
   });
   return edges;
@@ -83,7 +79,8 @@ std::vector<EdgeOffset> offsets_between(std::span<const LocatedEdge> own,
                                         std::span<const LocatedEdge> real) {
   std::vector<EdgeOffset> offsets;
   for (const LocatedEdge& edge : real) {
-    const LocatedEdge& before = *std::ranges::lower_bound(own, key_of(edge), {}, key_of);
+    const LocatedEdge& before =
+        *std::ranges::lower_bound(own, edge.start(), {}, &LocatedEdge::start);
     offsets.push_back({.at_px = before.edge.at_px,
                        .normal = edge.edge.normal,
                        .offset_px = edge.edge.normal.dot(edge.edge.at_px - before.edge.at_px)});
@@ -96,7 +93,8 @@ std::vector<double> contrast_ratios(std::span<const LocatedEdge> own,
                                     std::span<const LocatedEdge> real) {
   std::vector<double> ratios;
   for (const LocatedEdge& edge : real) {
-    const LocatedEdge& before = *std::ranges::lower_bound(own, key_of(edge), {}, key_of);
+    const LocatedEdge& before =
+        *std::ranges::lower_bound(own, edge.start(), {}, &LocatedEdge::start);
     ratios.push_back(edge.contrast / before.contrast);
   }
   const double middle = ratios.empty() ? 1.0 : median(ratios);
@@ -229,7 +227,8 @@ std::vector<PairedEdge> edges_along(const ImageF& simulated,
   std::vector<PairedEdge> paired;
   for (const LocatedEdge& edge :
        edges_alike(locate_edges(real, moved, {.reach_px = kReachPx}), own)) {
-    const LocatedEdge& before = *std::ranges::lower_bound(own, key_of(edge), {}, key_of);
+    const LocatedEdge& before =
+        *std::ranges::lower_bound(own, edge.start(), {}, &LocatedEdge::start);
     paired.push_back({.line = edge.boundary,
                       .point = edge.point,
                       .own = before.edge,
